@@ -151,13 +151,17 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
             }
         }
         // Independent samples: variance s/N of a mean, 2 s/N of a harmonic, over all cycles.
-        if let Some(factor) = observed.sample_noise.clone().cholesky() {
+        let noise = &observed.sample_noise;
+        // Channels without noise, and those that are not measured, have no factor.
+        let noisy: Vec<usize> = (0..layout.channels).filter(|c| noise[(*c, *c)] > 0.0).collect();
+        if let Some(factor) = noise.select_rows(&noisy).select_columns(&noisy).cholesky() {
             let samples = observed.samples_per_cycle * count;
             for part in 0..layout.width() {
                 let variance = Layout::share(part).recip() / samples;
                 for column in factor.l().column_iter() {
                     let mut unit = vec![0.0; layout.len()];
-                    (0..layout.channels).for_each(|c| unit[layout.at(c, part)] = column[c] * variance.sqrt());
+                    let of = noisy.iter().zip(column.iter());
+                    of.for_each(|(c, x)| unit[layout.at(*c, part)] = x * variance.sqrt());
                     let g = j.transpose() * problem.whiten(*run, &unit);
                     white += &g * g.transpose();
                 }

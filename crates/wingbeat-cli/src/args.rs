@@ -533,7 +533,7 @@ pub struct RigProcess {
 /// report.txt, summary.json and manifest.json; it appears when the recording is whole. A recording that was killed
 /// or ran out of disk goes on when the same command is given again. Exit code 3: the box was silent at the end, or
 /// the records, those booked as missing included, are not as many as the box's rate makes in the time by the clock
-/// (half a second of them and 1 % may differ, and the rate itself by 10 %).
+/// (those of a twentieth of the time, of 0.1 to 0.5 s, and 1 % may differ, and the rate itself by 10 %).
 #[derive(Debug, Args)]
 pub struct RigRecord {
     /// Address of the box

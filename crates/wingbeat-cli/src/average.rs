@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::judge::data::{self, Channel, Finding, Line, Purpose, Series, examined, find_frequency};
 use wingbeat::judge::limits::data::LINE;
-use wingbeat::judge::{Judge, Limits, Verdict, Warning};
+use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
 use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_figures::DEVIATION;
@@ -287,6 +287,19 @@ fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> 
             arguments.file.display()
         );
         judge.warn(Warning::new("data.noise", text).size(*over_noise));
+        let lines = "lines stand above the noise, but no channel repeats at one frequency: too short a file, a frequency that \
+                     changes, or a jump of phase";
+        if *over_noise >= limits.of(&LINE).0 {
+            judge.find(Status::NotFound, lines);
+        }
+    }
+    if let Some(own) = plain.other_rate {
+        let text = format!(
+            "--rate {} was followed; by its own times {} has {own:.6} Hz",
+            plain.rate,
+            arguments.file.display()
+        );
+        judge.warn(Warning::new("data.rate", text).size(own).key("--rate"));
     }
     let (broken, all): (Vec<&Column>, Vec<&Column>) =
         plain.channels.iter().partition(|column| not_finite(arguments, plain, column).is_some());

@@ -7,6 +7,7 @@ use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::Coordinate;
 use wingbeat_judge::Limits;
 use wingbeat_judge::data::{Channel, Finding, Purpose, Series, estimate, examined};
+use wingbeat_judge::limits::data::LEFT;
 use wingbeat_math::CubicSpline;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -20,6 +21,9 @@ const MOST_FITTED: usize = 10_000_000;
 /// Cycles, and the share of the power that harmonics explain, from which a table repeats. *Choice.*
 const CYCLES: f64 = 3.0;
 const REPEATS: f64 = 0.95;
+
+/// Part of its mean by which a coordinate that is held may move. *Choice*: 0.2 deg at 20 deg.
+const HELD: f64 = 0.01;
 
 /// Columns of a CSV file: `t` (s) or `phase` (cycles), and one with the coordinate.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -177,16 +181,17 @@ impl TableSpec {
         let pace = self.pace(frequency_hz);
         let t: Vec<f64> = column(&record, self.by.column(), "file")?.iter().map(|t| t * pace).collect();
         let y: Vec<f64> = column(&record, &self.column, "column")?.iter().map(|y| y * self.scale).collect();
-        let found = self.found((frequency_hz, limits), &t, &y);
+        let mut found = self.found((frequency_hz, limits), &t, &y);
         if let Some(count) = self.harmonics {
             if t.len().saturating_mul(count) > MOST_FITTED {
                 let allowed = format!("at most {MOST_FITTED} over the {} samples of the table", t.len());
                 return Err(Error::invalid("harmonics", count, allowed).against(["file"]));
             }
-            let (coordinate, left) = smoothed(frequency_hz, &t, &y, count).ok_or_else(|| {
+            let (coordinate, left, share) = smoothed(frequency_hz, &t, &y, count).ok_or_else(|| {
                 let allowed = format!("fewer: the {} samples of the table do not determine so many", t.len());
                 Error::invalid("harmonics", count, allowed).against(["file"])
             })?;
+            found.extend(self.left(&left, share).filter(|finding| finding.breaks(limits)));
             return Ok(Built { coordinate, smoothed: Some(left), found });
         }
         let spline = match self.repeats() {
@@ -197,6 +202,17 @@ impl TableSpec {
         let other = other.map_or(String::new(), |words| format!("; {words}"));
         let refused = |error: Error| Error::invalid("file", path.display(), format!("{error}{other}"));
         Ok(Built { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
+    }
+
+    /// That harmonics leave `share` of the motion.
+    fn left(&self, left: &Smoothed, share: f64) -> Option<Finding> {
+        let Smoothed { harmonics, residual_rms, residual_largest, .. } = left;
+        let text = format!(
+            "{harmonics} harmonics leave {residual_rms:.4} rms of it, {share:.2} of the motion that they are, and {residual_largest:.4} \
+             at most: spikes, a part at rest, or no cycle; mend the file, or take more harmonics"
+        );
+        let about = format!("{} of {}", self.column, self.file.display());
+        share.is_finite().then(|| Finding::new("data.left", &LEFT, about, share, text))
     }
 
     /// What is wrong with a table, at times `t` (s) of the case. Harmonics take away noise, and ask for no order. Of one that need
@@ -213,10 +229,11 @@ impl TableSpec {
         };
         let mended = |id: &str| match id {
             "data.frequency" => Some("table.frequency_hz".to_owned()),
-            "data.rough" => Some("table.harmonics".to_owned()),
+            "data.rough" | "data.ends" => Some("table.harmonics".to_owned()),
             _ => None,
         };
-        let smoothed = |id: &str| self.harmonics.is_some() && ["data.rough", "data.time"].contains(&id);
+        let smoothed =
+            |id: &str| self.harmonics.is_some() && ["data.rough", "data.time", "data.ends"].contains(&id);
         let counts = |finding: &Finding| match self.repeats() {
             true => !smoothed(finding.id),
             false => finding.id == "data.frequency" && does_repeat(&phase, y),
@@ -253,11 +270,22 @@ fn closed(t: &[f64], y: &[f64], period: f64) -> Result<CubicSpline, Error> {
     }
 }
 
-fn smoothed(frequency_hz: f64, t: &[f64], y: &[f64], harmonics: usize) -> Option<(Coordinate, Smoothed)> {
+/// The fit, what it leaves, and how much that is in parts of the motion about its mean; not a number of a coordinate that is held
+/// to its last digits or to noise.
+fn smoothed(
+    frequency_hz: f64,
+    t: &[f64],
+    y: &[f64],
+    harmonics: usize,
+) -> Option<(Coordinate, Smoothed, f64)> {
     let fit = Coordinate::fitted(frequency_hz, t, y, harmonics)?;
     let left = t.iter().zip(y).map(|(t, y)| y - fit.at(*t).x);
     let (square, residual_largest) =
         left.fold((0.0, 0.0_f64), |(square, most), left| (square + left * left, most.max(left.abs())));
     let (samples, residual_rms) = (t.len(), (square / t.len() as f64).sqrt());
-    Some((fit, Smoothed { key: String::new(), harmonics, samples, residual_rms, residual_largest }))
+    let mean = y.iter().sum::<f64>() / t.len() as f64;
+    let moves = (t.iter().map(|t| (fit.at(*t).x - mean).powi(2)).sum::<f64>() / t.len() as f64).sqrt();
+    let held = residual_rms < HELD * mean.abs() && moves < HELD * mean.abs();
+    let share = if held { f64::NAN } else { residual_rms / moves };
+    Some((fit, Smoothed { key: String::new(), harmonics, samples, residual_rms, residual_largest }, share))
 }

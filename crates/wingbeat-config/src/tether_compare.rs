@@ -153,7 +153,12 @@ impl TetherCase {
         })?;
         if let Some(row) = (1..when.len()).find(|row| when[*row] <= when[row - 1]) {
             let key = format!("row {} of the data, column {name}", row + 1);
-            return Err(Error::invalid(key, when[row], format!("more than {} before it", when[row - 1])));
+            let grows = match spec.by {
+                TableBy::Phase => "; a phase grows on from cycle to cycle",
+                TableBy::Time => "",
+            };
+            let allowed = format!("more than {} before it{grows}", when[row - 1]);
+            return Err(Error::invalid(key, when[row], allowed));
         }
         let pace = match spec.by {
             TableBy::Phase => 1.0,
@@ -251,9 +256,8 @@ impl TetherCase {
                 pairs.push(Pair { name: theirs, unit: unit(ours), measured, computed });
             }
             let beside = compared(MEASURED, &pairs, &self.limits).into_iter();
-            found.extend(
-                beside.map(|f| if matches!(f.id, "data.shift" | "data.scaled") { f.noted() } else { f }),
-            );
+            // The gain is only a warning by its own limit; another unit is no gain.
+            found.extend(beside.map(|f| if f.id == "data.shift" { f.noted() } else { f }));
         }
         found.into_iter().map(mended_in_compare).collect()
     }

@@ -98,6 +98,37 @@ fn a_given_frequency_is_held_against_the_data_and_noise_has_none() {
 }
 
 #[test]
+fn a_file_without_one_frequency_is_not_found_and_numbers_of_samples_are_no_channels() {
+    let folder = scratch("average_beyond");
+    let load = |k: u32, cycles: f64| {
+        2.0 * (TAU * cycles).cos() + 0.7 * (TAU * 2.0 * cycles + 0.3).sin() + f64::from(k % 2) * 1e-3
+    };
+    let file = |cycles: &dyn Fn(f64) -> f64, seconds: f64| -> String {
+        let row = |k: u32| {
+            format!("{:.3},{},{:.5}\n", f64::from(k) * 1e-3, 100 + k, load(k, cycles(f64::from(k) * 1e-3)))
+        };
+        "t,sequence,Fz_N\n".to_owned() + &(0..(1000.0 * seconds) as u32).map(row).collect::<String>()
+    };
+    // From 5.2 to 6 Hz; and steady.
+    fs::write(folder.join("sweep.csv"), file(&|t| 5.2 * t + 0.04 * t * t, 10.0)).unwrap();
+    fs::write(folder.join("steady.csv"), file(&|t| 5.2 * t, 10.0)).unwrap();
+    let run = |arguments: &[&str]| {
+        let answer = wingbeat(&folder, &[&["average", "--quiet"], arguments].concat());
+        (answer.status.code(), String::from_utf8(answer.stderr).unwrap())
+    };
+    let (code, said) = run(&["sweep.csv", "--out", "sweep"]);
+    assert!(code == Some(3) && said.contains("not_found: lines stand above the noise"), "{code:?}: {said}");
+    assert_eq!(run(&["steady.csv", "--out", "steady"]), (Some(0), String::new()));
+    let summary = json(&fs::read(folder.join("steady/summary.json")).unwrap());
+    assert_eq!(summary["channels"].as_array().unwrap().len(), 1, "{summary}");
+    // By the rate it is another file.
+    let (code, said) = run(&["steady.csv", "--rate", "500", "--out", "rate"]);
+    assert_eq!(code, Some(0), "{said}");
+    let warnings = json(&fs::read(folder.join("rate/summary.json")).unwrap())["warnings"].to_string();
+    assert!(warnings.contains("data.rate") && warnings.contains("1000.0"), "{warnings}");
+}
+
+#[test]
 fn a_column_of_time_stands_for_the_rate_and_bad_files_are_refused_by_line_and_column() {
     let folder = scratch("average_time");
     let rows = |text: String| -> String {

@@ -114,12 +114,12 @@ fn a_case_is_compared_with_a_measured_file() {
     let case = cases().join("flap_f2.toml");
     let own = tether(&folder, &case, &[&BRIEF[..], &["--out", "own", "--quiet"]].concat());
     assert!(own.status.success(), "{own:?}");
-    // The run's own lift, later by an eighth of the last cycle, in gram-force.
+    // The run's own lift, later by an eighth of the last cycle, with forty times the gain.
     let loads = fs::read_to_string(folder.join("own/loads.csv")).unwrap();
     let mut lines = loads.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let at = lines.next().unwrap().iter().position(|name| *name == "force_wind_lift").unwrap();
     let lift: Vec<f64> = lines.skip(48).map(|row| row[at].parse().unwrap()).collect();
-    let row = |i: usize| format!("{},{}\n", i as f64 / 48.0, 100.0 * lift[(i + 42) % 48] - 3.0);
+    let row = |i: usize| format!("{},{}\n", i as f64 / 48.0, 40.0 * lift[(i + 42) % 48] - 3.0);
     fs::write(folder.join("m.csv"), (0..=48).map(row).fold("phase,Fz\n".to_owned(), |a, b| a + &b)).unwrap();
     let keys = ["--set", "compare.by=phase", "--set", "compare.channels.force_wind_lift=Fz"];
     let with = |file, more: &[&str]| {
@@ -130,9 +130,18 @@ fn a_case_is_compared_with_a_measured_file() {
     assert!(output.status.success() && text.contains("least-squares fit"), "{text}");
     let found = &summary(&folder.join("a"))["compare"][0];
     let of = |key: &str| found[key].as_f64().unwrap();
-    assert!((of("lag_cycles") - 0.125).abs() < 1e-3 && (of("gain") - 100.0).abs() < 0.5, "{found}");
+    assert!((of("lag_cycles") - 0.125).abs() < 1e-3 && (of("gain") - 40.0).abs() < 0.2, "{found}");
     assert!((of("offset") + 3.0).abs() < 0.05 && of("rms") < 5e-3 * of("range"), "{found}");
     assert_eq!(found["lag_s"], serde_json::Value::Null);
+    // The unit of the case is another one.
+    let milli: String =
+        (0..=48).map(|i| format!("{},{}\n", f64::from(i) / 48.0, 1e3 * lift[i as usize % 48])).collect();
+    fs::write(folder.join("milli.csv"), format!("phase,Fz\n{milli}")).unwrap();
+    let output = with("milli.csv", &["--out", "milli"]);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    assert_eq!(summary(&folder.join("milli"))["status"], "suspect_data");
+    let output = with("milli.csv", &["--out", "scaled", "--set", "compare.scale.force_wind_lift=1e-3"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
     assert!(folder.join("a/compare.csv").is_file() && folder.join("a/figures/compare.png").is_file());
     for (text, part) in [
         ("phase,Fz\n0,1\n0.5,x\n", "m.csv: line 3, column Fz: `x`"),

@@ -5,6 +5,7 @@ use wingbeat::simulate::Column;
 
 use super::Table;
 use super::grid::Grid;
+use super::record::ANOTHER_RATE;
 use super::record::spread;
 use super::resolve::{Known, SEQUENCES, SIX, TIME, base, names};
 use crate::Error;
@@ -12,7 +13,7 @@ use crate::Error;
 /// Most channels: as many as letters name the panels of a figure.
 const MOST_CHANNELS: usize = 24;
 /// Columns beside those of [`SEQUENCES`] and time that are no channels.
-const NO_CHANNELS: [&str; 2] = ["status", "phase"];
+const NO_CHANNELS: [&str; 6] = ["status", "phase", "sequence", "seq", "sample", "sample_number"];
 
 /// What is asked of a file of channels.
 #[derive(Clone, Debug, Default)]
@@ -40,6 +41,8 @@ pub struct Plain {
     pub duplicates: usize,
     /// What of the file was left out, in words.
     pub cautions: Vec<String>,
+    /// The rate by the file's own times, Hz, where another one is given.
+    pub other_rate: Option<f64>,
 }
 
 impl Table {
@@ -55,6 +58,9 @@ impl Table {
         self.check_lengths(chosen.iter().chain(&time).map(|k| &self.columns[*k]), rows)?;
         let units = self.units(asked, &chosen)?;
         let (grid, own) = self.placed(asked, time, rows)?;
+        let own_rate =
+            time.filter(|_| asked.rate.is_some()).and_then(|k| Some(self.by_column(k).ok()?.0.rate));
+        let other_rate = own_rate.filter(|own| (own / grid.rate - 1.0).abs() > ANOTHER_RATE);
         let mut channels: Vec<Column> = Vec::new();
         for (k, unit) in chosen.into_iter().zip(units) {
             let name = short(&self.columns[k].name);
@@ -69,7 +75,8 @@ impl Table {
         let time = own.filter(|_| grid.is_whole(rows)).unwrap_or_else(even);
         let missing = grid.len() - grid.place.len();
         let cautions = self.cautions;
-        Ok(Plain { time, channels, rate: grid.rate, missing, duplicates: grid.duplicates, cautions })
+        let (rate, duplicates) = (grid.rate, grid.duplicates);
+        Ok(Plain { time, channels, rate, missing, duplicates, cautions, other_rate })
     }
 
     /// Names the columns of a file without a header, which must be six.
@@ -162,6 +169,19 @@ impl Table {
         Ok(places.into_iter().map(|place| if place < 3 { force.clone() } else { moment.clone() }).collect())
     }
 
+    /// Where the samples lie by column `k` of times, and its unit in s.
+    fn by_column(&self, k: usize) -> Result<(Grid, f64), Error> {
+        let column = &self.columns[k];
+        let unit = base(&column.name).1.unwrap_or(if column.unit.is_empty() { "s" } else { &column.unit });
+        let factor = Quantity::Time.factor(unit).ok_or_else(|| {
+            let known = Quantity::Time.names().join(", ");
+            self.bad(format!("column {}: `{unit}` is no unit of time; allowed are {known}", column.name))
+        })?;
+        let grid = Grid::timed(&column.values, factor, self.unordered);
+        let grid = grid.map_err(|what| self.bad(format!("{what}; --rate HZ takes samples as even")))?;
+        Ok((grid, factor))
+    }
+
     /// Where the samples lie on even steps, and their own times, s, where the file has them and no rate is given.
     fn placed(
         &self,
@@ -176,15 +196,8 @@ impl Table {
             (Some(rate), Some(column), _) => Ok((Grid::numbered(&column.values, rate).map_err(bad)?, None)),
             (Some(rate), None, _) => Ok((Grid::counted(rows, rate), None)),
             (None, _, Some(k)) => {
-                let column = &self.columns[k];
-                let unit = base(&column.name).1.unwrap_or(if column.unit.is_empty() { "s" } else { &column.unit });
-                let factor = Quantity::Time.factor(unit).ok_or_else(|| {
-                    let known = Quantity::Time.names().join(", ");
-                    self.bad(format!("column {}: `{unit}` is no unit of time; allowed are {known}", column.name))
-                })?;
-                let grid = Grid::timed(&column.values, factor, self.unordered);
-                let grid = grid.map_err(|what| self.bad(format!("{what}; --rate HZ takes samples as even")))?;
-                Ok((grid, Some(column.values.iter().map(|t| factor * t).collect())))
+                let (grid, factor) = self.by_column(k)?;
+                Ok((grid, Some(self.columns[k].values.iter().map(|t| factor * t).collect())))
             }
             (None, _, None) => Err(self.bad(format!(
                 "no column of time; found {}: give the samples per second with --rate HZ, or add a column t (s)",

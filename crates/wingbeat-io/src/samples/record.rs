@@ -190,7 +190,7 @@ impl Table {
 }
 
 /// Share by which two rates differ that are not the same (*choice*: ten times the error of a quartz clock of a PC).
-const ANOTHER_RATE: f64 = 1e-3;
+pub(super) const ANOTHER_RATE: f64 = 1e-3;
 
 fn angle(known: &Known) -> &'static str {
     if known.quantity.is_some() { "rad" } else { "" }

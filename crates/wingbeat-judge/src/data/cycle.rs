@@ -1,10 +1,11 @@
 //! What repeats with the cycle, what is noise, and what is neither.
 
+use super::ends;
 use super::frequency::{self, Frequency};
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, PHASE_GAP, ROUGH, SHARE, SIGNAL};
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL};
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -109,12 +110,13 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     if !lasting.is_empty() {
         return lasting;
     }
+    let mut found: Vec<Finding> = ends::gap(series, cycles).into_iter().collect();
+    found.extend(series.channels.iter().filter_map(|channel| ends::apart(series, channel)));
     if !(cycles >= 0.9) {
-        return Vec::new();
+        return found;
     }
     let apart = |channel| Apart::of(series, channel, cycles);
     let all: Vec<Apart> = series.channels.iter().filter_map(apart).collect();
-    let mut found = Vec::new();
     // All channels of a file have one frequency: where one repeats at that which is given, what others leave is no other frequency.
     let kept = all.iter().any(|one| one.is_telling(&all) && one.repeats());
     for one in all.iter().filter(|one| one.is_telling(&all)) {
@@ -124,34 +126,8 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     }
     if series.purpose == Purpose::Loads {
         found.extend(without_signal(series, &all));
-        found.extend(gap(series, cycles));
     }
     found
-}
-
-/// Places of the cycle in which samples are looked for. *Choice.*
-const PLACES: usize = 60;
-
-/// The longest stretch of the cycle that no sample of whole cycles falls into.
-fn gap(series: &Series, cycles: f64) -> Option<Finding> {
-    let mut seen = [false; PLACES];
-    for phase in series.phase {
-        seen[((phase.rem_euclid(1.0) * PLACES as f64) as usize).min(PLACES - 1)] = true;
-    }
-    let first = seen.iter().position(|seen| *seen)?;
-    // Once round from a place with a sample, and to it again.
-    let (mut run, mut longest) = (0, 0);
-    for k in 1..=PLACES {
-        run = if seen[(first + k) % PLACES] { 0 } else { run + 1 };
-        longest = longest.max(run);
-    }
-    let size = longest as f64 / PLACES as f64;
-    let text = format!(
-        "no cycle has a sample in {:.0} % of the cycle in a row: too few samples in a cycle to tell its loads; sample \
-         faster, or at a rate that is no multiple of the frequency",
-        100.0 * size
-    );
-    (cycles >= 1.0).then(|| Finding::new("data.few_samples", &PHASE_GAP, series.what, size, text))
 }
 
 impl Parts {

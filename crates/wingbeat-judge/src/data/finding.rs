@@ -29,7 +29,7 @@ pub struct Finding {
 
 impl Finding {
     /// A finding of `size` about a channel.
-    pub(super) fn new(
+    pub fn new(
         id: &'static str,
         limit: &'static Limit,
         about: impl Into<String>,
@@ -57,7 +57,7 @@ impl Finding {
     }
 
     /// Whether it lies beyond its limit.
-    pub(super) fn breaks(&self, limits: &Limits) -> bool {
+    pub fn breaks(&self, limits: &Limits) -> bool {
         !self.limit.allows(self.size, limits.of(self.limit).0)
     }
 

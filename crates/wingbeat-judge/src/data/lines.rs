@@ -23,6 +23,8 @@ const OF_MEAN: f64 = 0.287_682_072_451_780_9;
 const LEAKING: usize = 16;
 /// Harmonics among which the strongest line is sought. *Choice*: two strokes and two wings give the second and the fourth.
 const HIGHEST: usize = 6;
+/// Error of the place of a line, in its widths: half a point of the spectrum, and what others pull it by. *Choice.*
+const PLACED: f64 = 0.15;
 /// Largest difference of a channel's frequency from the one found first, in line widths. *Choice.*
 const NEAR: f64 = 1.0;
 
@@ -208,16 +210,19 @@ fn most_over(spectra: &[Spectrum], k: usize, width: f64) -> f64 {
     spectra.iter().map(|spectrum| spectrum.over(k, width)).fold(0.0, f64::max)
 }
 
-/// Which harmonic of the frequency the line at point `k` is.
+/// Which harmonic of the frequency the line at point `k` is: of a half where one line says so, of a smaller part where its own
+/// line does or those of two multiples do. One line alone may lie there by chance, as that of another machine.
 fn harmonic(spectra: &[Spectrum], k: usize, width: f64, over_noise: f64) -> usize {
-    let stands = |at: f64| {
-        let from = (at - width).max(FEWEST * width) as usize;
-        (from..=(at + width) as usize).any(|k| most_over(spectra, k, width) >= over_noise)
+    let stands = |at: f64, within: f64| {
+        let from = (at - within).ceil().max(FEWEST * width) as usize;
+        (from..=(at + within) as usize).any(|k| most_over(spectra, k, width) >= over_noise)
     };
     let is = |part: &usize| {
-        let multiples = (1..2 * part).filter(|m| common(*m, *part) == 1);
         let step = k as f64 / *part as f64;
-        step >= FEWEST * width && multiples.into_iter().any(|m| stands(m as f64 * step))
+        let multiples = (1..2 * part).filter(|m| common(*m, *part) == 1);
+        let at = |m: &usize| stands(*m as f64 * step, PLACED * width * (1.0 + *m as f64 / *part as f64));
+        let there: Vec<usize> = multiples.filter(at).collect();
+        step >= FEWEST * width && (there.len() > 1 || there.contains(&1) || (*part == 2 && !there.is_empty()))
     };
     (2..=HIGHEST).rev().find(is).unwrap_or(1)
 }

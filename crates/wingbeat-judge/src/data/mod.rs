@@ -23,9 +23,11 @@
 //! ```
 
 mod cycle;
+mod ends;
 mod finding;
 mod frequency;
 mod lines;
+mod outliers;
 mod rectified;
 mod reference;
 mod time;
@@ -91,9 +93,12 @@ impl Series<'_> {
 /// What is wrong with the samples, the channels in their order.
 pub fn examined(series: &Series, limits: &Limits) -> Vec<Finding> {
     let mut found = time::findings(series);
-    if found.is_empty() {
+    // A gap that is small leaves the rest to be judged.
+    if !found.iter().any(|finding| finding.breaks(limits)) {
         found.extend(values::findings(series, limits));
+        found.extend(outliers::findings(series, limits));
         found.extend(cycle::findings(series, limits));
+        found.extend(outliers::equals(series));
     }
     found.retain(|finding| finding.breaks(limits));
     alike(series, found)

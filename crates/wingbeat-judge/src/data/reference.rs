@@ -2,7 +2,7 @@
 
 use super::Finding;
 use crate::limits::Limits;
-use crate::limits::data::{DEAD, LARGEST, REVERSED, SHIFT, SWAPPED, UNRELATED};
+use crate::limits::data::{DEAD, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
 /// symmetry is computed as rounding.
@@ -13,6 +13,8 @@ const LARGE: f64 = 0.5;
 const ALIKE: [f64; 2] = [0.97, 0.8];
 /// Correlation above which a channel is another one. *Choice.*
 const ANOTHER: f64 = 0.9;
+/// Share of the largest computed channel of its unit above which one must resemble it where another does. *Choice.*
+const COUNTS: f64 = 0.2;
 
 /// A measured cycle and a computed one, at the same even phases.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +61,7 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
         found.extend(telling.iter().filter_map(|(pair, told)| in_another_unit(about(pair), pair, told)));
         found.extend(shifted(what, &telling));
         found.extend(unrelated(what, &telling));
+        found.extend(unlike(what, &telling));
     }
     found.retain(|finding| finding.breaks(limits));
     found
@@ -176,6 +179,23 @@ fn unrelated(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
          of a multiple of the frequency, or noise"
     );
     (!telling.is_empty()).then(|| Finding::new("data.unrelated", &UNRELATED, what, best, text))
+}
+
+/// Channels that resemble nothing that is computed for them, though another does.
+fn unlike(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+    let best = |told: &Told| told.now.abs().max(told.best);
+    let well = telling.iter().any(|(_, told)| best(told) > ANOTHER);
+    let large = telling.iter().filter(|(_, told)| well && told.share > COUNTS && told.measured > 0.0);
+    large
+        .map(|(pair, told)| {
+            let size = best(told);
+            let text = format!(
+                "resembles what is computed for it by a correlation of {size:.2} at the best phase, though other channels do so well: \
+                 another column, noise, or a load that the model does not have"
+            );
+            Finding::new("data.unlike", &UNLIKE, format!("{} of {what}", pair.name), size, text)
+        })
+        .collect()
 }
 
 /// Channels that hold the very values of another one, though other loads are computed for them; of two the one that fits worse.

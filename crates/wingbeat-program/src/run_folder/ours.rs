@@ -49,6 +49,8 @@ impl Ours {
         let above = |file: &PathBuf| file.ancestors().skip(1).map(Path::to_path_buf).collect::<Vec<_>>();
         let folders: BTreeSet<PathBuf> =
             files.iter().flat_map(above).filter(|path| !path.as_os_str().is_empty()).collect();
+        // A run that failed may have left this one empty.
+        let folders = folders.into_iter().chain([PathBuf::from("figures")]).collect();
         let ours = Self { folder: folder.into(), files, folders };
         ours.check(Path::new(""))?;
         Ok(ours)

@@ -61,6 +61,16 @@ fn only_force_replaces_a_run_and_nothing_replaces_other_files() {
     assert!(refused.to_string().contains("--force"), "{refused}");
     create(&out, true).unwrap().finish(&TWO).unwrap();
     assert!(seed(&out) && entries(&out) == 1 && entries(&parent) == 1);
+    // A run that failed before it drew has an empty folder of figures.
+    let failed = create(&out, true).unwrap();
+    failed.folder("figures").unwrap();
+    failed.finish(&ONE).unwrap();
+    assert!(out.join("figures").is_dir());
+    create(&out, true).unwrap().finish(&TWO).unwrap();
+    assert!(seed(&out) && entries(&out) == 1 && entries(&parent) == 1);
+    fs::create_dir(out.join("mine")).unwrap();
+    assert!(create(&out, true).unwrap_err().to_string().contains("mine"));
+    fs::remove_dir(out.join("mine")).unwrap();
     fs::write(out.join("notes.txt"), "mine").unwrap();
     let refused = create(&out, true).unwrap_err();
     assert!(refused.to_string().contains("notes.txt"), "{refused}");

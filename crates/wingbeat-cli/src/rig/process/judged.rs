@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use wingbeat::judge::Limits;
 use wingbeat::judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
+use wingbeat::judge::limits::data::{COVERED, FREQUENCY};
 use wingbeat::rig::cell::CHANNELS;
-use wingbeat::rig::process::CycleAverage;
+use wingbeat::rig::process::{CycleAverage, PhaseSource};
 use wingbeat::scenario::ProcessedRun;
 use wingbeat_calibrate::{Layout, disagreement, in_cell, project};
 
@@ -38,9 +39,13 @@ fn harmonics(cycles: &[CycleAverage; 6]) -> Option<Vec<f64>> {
 
 /// What is wrong with the samples of a run, by themselves and beside the model on the measured motion. What is told
 /// as a disagreement with the model too is only noted.
-pub fn findings(one: &ProcessedRun, limits: &Limits) -> Vec<Finding> {
+pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &Limits) -> Vec<Finding> {
     let mut found = of_samples(one, limits).unwrap_or_default();
     found.extend(beside_model(one, limits).unwrap_or_default());
+    found.extend(cut(one, window).filter(|finding| finding.breaks(limits)));
+    // Noise has no frequency.
+    let noise = found.iter().any(|finding| finding.id == "data.noise");
+    found.extend(of_frequency(one).filter(|finding| !noise && finding.breaks(limits)));
     found.into_iter().map(keyed).collect()
 }
 
@@ -65,6 +70,35 @@ fn of_samples(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
     Some(examined(&series, limits))
 }
 
+/// The frequency of the strokes that the force tells, against that of the run: a phase by the force follows any.
+fn of_frequency(one: &ProcessedRun) -> Option<Finding> {
+    let trace = &one.averaged()?.trace;
+    let (t, cycle) = (trace.values("t")?, trace.values("cycle")?);
+    let (given, turns) = (one.run.frequency(), cycle.last()? - cycle.first()?);
+    let measured = turns / (t.last()? - t.first()?);
+    let text = format!(
+        "the force repeats at {measured:.4} Hz over {turns:.1} cycles, but {given} Hz is given for the run: give the frequency of the \
+         data, or mend their rate"
+    );
+    // The phase at either end is known to a fiftieth of a cycle (*choice*), which must be less than half of the limit.
+    let told = one.run.spec.process.phase == PhaseSource::Force && turns * FREQUENCY.value > 0.08;
+    let size = (measured / given - 1.0).abs();
+    told.then(|| Finding::new("data.frequency", &FREQUENCY, one.name(), size, text))
+}
+
+/// That the file ends before the `window` (s) of its run does.
+fn cut(one: &ProcessedRun, window: (f64, f64)) -> Option<Finding> {
+    let trace = one.averaged()?.trace.values("t")?;
+    let share = (trace.last()? - trace.first()?) / (window.1 - window.0);
+    let text = format!(
+        "the file covers {:.0} % of the {:.3} s that are averaged: it begins late, or ends before its run does; check \
+         process.input.start_s",
+        100.0 * share,
+        window.1 - window.0
+    );
+    (share.is_finite()).then(|| Finding::new("data.cut", &COVERED, one.name(), share, text))
+}
+
 fn beside_model(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
     let processed = one.averaged()?;
     let model = processed.model.as_ref()?;
@@ -82,6 +116,7 @@ fn beside_model(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
 fn keyed(finding: Finding) -> Finding {
     let key = match finding.id {
         "data.frequency" => Some("frequency_hz"),
+        "data.cut" => Some("process.input.start_s"),
         "data.drift" => Some("process.steps.drift"),
         "data.reversed" | "data.swapped" | "data.dead" => Some("process.input.columns"),
         "data.noise" | "data.not_periodic" => Some("process.window_s"),

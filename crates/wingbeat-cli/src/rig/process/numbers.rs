@@ -80,7 +80,7 @@ impl Summary {
             Evaluated::Averaged(_) => None,
         });
         Self {
-            verdict: verdict(runs),
+            verdict: verdict(runs, files),
             steps: reference.or(runs.first()).map_or(Steps::default(), |one| one.run.spec.process.steps),
             simulated: averaged().filter(|(_, p)| p.is_simulated()).map(|(name, _)| name).collect(),
             simulation: together.filter(|t| t.simulated).map(|t| t.reference.clone()),
@@ -101,10 +101,10 @@ impl Summary {
 }
 
 /// The verdict on the samples of all runs.
-fn verdict(runs: &[ProcessedRun]) -> Verdict {
-    let judged = runs.iter().map(|one| {
+fn verdict(runs: &[ProcessedRun], files: &[Origin]) -> Verdict {
+    let judged = runs.iter().zip(files).map(|(one, file)| {
         let mut judge = Judge::new(&one.run.limits);
-        findings(one, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
+        findings(one, file.window, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
         one.run.of_fit().into_iter().for_each(|warning| judge.warn(warning));
         judge.verdict().of(&one.run.spec.name)
     });

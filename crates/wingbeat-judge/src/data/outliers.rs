@@ -1,0 +1,179 @@
+//! Samples that cannot be loads: codes of faults, spikes, counts that wrap around, channels of a multiplexer mixed up.
+
+use super::values::Extent;
+use super::{Channel, Finding, Purpose, Series};
+use crate::limits::Limits;
+use crate::limits::data::{ALTERNATES, OUTLIERS, SWAPPED, WRAPPED};
+
+/// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
+const SAME: usize = 8;
+const PLACES: usize = 64;
+/// Robust deviations beyond which a sample lies apart: of 1e15 samples with white noise one does. *Choice.*
+const BEYOND: f64 = 8.0;
+/// The deviation of white noise over the median of its magnitudes: 1 / Phi^-1(3 / 4).
+const OF_MEDIAN: f64 = 1.482_602_218_505_602;
+/// Parts of the cycle's range, and of the largest range of its unit, below which no sample lies apart: so much do cycles differ. *Choice.*
+const APART: [f64; 2] = [0.1, 0.05];
+/// Part of its distance that the signal jumps where a run of such samples begins and ends; a load grows by and by. *Choice.*
+const JUMPS: f64 = 0.5;
+/// A step of so much of the range is a leap across it where the usual one is below the second part, which a sine of 45 samples a cycle
+/// has, and hardly any lies between: those of a value that is held do. *Choice.*
+const ACROSS: [f64; 2] = [0.75, 0.05];
+/// Counts that a channel must span for a leap to be one: the last digit of an idle one toggles. *Choice.*
+const COUNTS: f64 = 40.0;
+/// Samples of a cycle from which every second one is told from the others. *Choice.*
+const FOR_SECOND: f64 = 8.0;
+
+/// Of all channels whose samples are finite.
+pub(super) fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
+    let cycles = series.cycles();
+    let known = |channel: &&Channel| channel.samples.iter().all(|x| x.is_finite());
+    let all: Vec<&Channel> = series.channels.iter().filter(known).collect();
+    if series.purpose != Purpose::Loads || !(cycles >= 0.9) || series.phase.len() < 2 * SAME {
+        return Vec::new();
+    }
+    let usual: Vec<Usual> = all.iter().map(|channel| Usual::of(series.phase, channel, cycles)).collect();
+    let mut found = Vec::new();
+    for (channel, own) in all.iter().zip(&usual) {
+        let same = all.iter().zip(&usual).filter(|(other, _)| other.unit == channel.unit);
+        let most = same.map(|(_, usual)| usual.range).fold(0.0, f64::max);
+        // Of one cause one finding.
+        let breaks = |finding: &Finding| finding.breaks(limits);
+        let first = alternating(series, channel, cycles).filter(breaks);
+        let first = first.or_else(|| own.apart(series, channel, most).filter(breaks));
+        found.extend(first.or_else(|| wrapped(series, channel, cycles)));
+    }
+    found
+}
+
+/// What the samples of one phase usually are.
+struct Usual {
+    /// Median and robust deviation at each place of the cycle.
+    places: Vec<[f64; 2]>,
+    /// Range of the medians.
+    range: f64,
+}
+
+impl Usual {
+    fn of(phase: &[f64], channel: &Channel, cycles: f64) -> Self {
+        let count = phase.len();
+        let per_cycle = count as f64 / cycles.max(1.0);
+        let places = PLACES.min(count / SAME).min(per_cycle as usize).max(1);
+        let mut there = vec![Vec::new(); places];
+        for (p, x) in phase.iter().zip(channel.samples) {
+            there[place(*p, places)].push(*x);
+        }
+        let known = |of: &mut Vec<f64>| {
+            let middle = median(of);
+            of.iter_mut().for_each(|x| *x = (*x - middle).abs());
+            [middle, OF_MEDIAN * median(of)]
+        };
+        let mut places: Vec<[f64; 2]> = there.iter_mut().map(known).collect();
+        // Few samples of a place tell little of its noise.
+        let all = median(&mut places.iter().map(|place| place[1]).collect());
+        places.iter_mut().for_each(|place| place[1] = place[1].max(all));
+        let middles = || places.iter().map(|place| place[0]).filter(|x| x.is_finite());
+        let range = middles().fold(f64::MIN, f64::max) - middles().fold(f64::MAX, f64::min);
+        Self { range: range.max(0.0), places }
+    }
+
+    /// The finding that samples lie far from those of their phase, in jumps, and what they add. `most` is the largest range of the
+    /// unit.
+    fn apart(&self, series: &Series, channel: &Channel, most: f64) -> Option<Finding> {
+        let (samples, places) = (channel.samples, self.places.len());
+        let count = Extent::of(samples)?.count;
+        let least = (APART[0] * self.range).max(APART[1] * most);
+        let least = if count.is_finite() { least.max(BEYOND * count) } else { least };
+        let far: Vec<f64> = (series.phase.iter().zip(samples))
+            .map(|(p, x)| {
+                let [middle, noise] = self.places[place(*p, places)];
+                let by = (x - middle).abs();
+                if by > (BEYOND * noise).max(least) { by } else { 0.0 }
+            })
+            .collect();
+        let step = |k: usize| (samples[k] - samples[k - 1]).abs();
+        let (mut sum, mut many, mut begin) = (0.0, 0_usize, 0);
+        for end in 1..=samples.len() {
+            if end < samples.len() && (far[end] > 0.0) == (far[begin] > 0.0) {
+                continue;
+            }
+            let run = &far[begin..end];
+            let jumps = (begin == 0 || step(begin) > JUMPS * run[0])
+                && (end == samples.len() || step(end) > JUMPS * run[run.len() - 1]);
+            if run[0] > 0.0 && jumps {
+                sum += run.iter().sum::<f64>();
+                many += run.len();
+            }
+            begin = end;
+        }
+        let noise = self.places.iter().map(|place| place[1]).fold(0.0, f64::max);
+        let scale = self.range.max(BEYOND * noise).max(least) * samples.len() as f64;
+        let text = format!(
+            "{many} of {} samples lie far from all others of their phase, by {:.3e} {} in the mean, and the signal jumps there: \
+             codes of a fault, spikes or drop-outs; cut them out of the file",
+            samples.len(),
+            sum / many.max(1) as f64,
+            channel.unit
+        );
+        let found =
+            || Finding::new("data.outliers", &OUTLIERS, series.about(channel.name), sum / scale, text);
+        (sum > 0.0).then(|| found().in_channel(channel.name))
+    }
+}
+
+fn place(phase: f64, places: usize) -> usize {
+    ((phase.rem_euclid(1.0) * places as f64) as usize).min(places - 1)
+}
+
+/// The middle one; not a number of none.
+fn median(of: &mut Vec<f64>) -> f64 {
+    let middle = of.len() / 2;
+    if of.is_empty() { f64::NAN } else { *of.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// The finding that a channel leaps across its range, up and down: a phase that begins again leaps one way.
+fn wrapped(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
+    let extent = Extent::of(channel.samples)?;
+    let range = extent.range();
+    let mut steps: Vec<f64> = channel.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let beyond = |share: f64| (steps.iter().filter(|step| step.abs() > share * range)).count();
+    let (leaps, large) = (beyond(ACROSS[0]), beyond(2.0 * ACROSS[1]));
+    let up = steps.iter().filter(|step| **step > ACROSS[0] * range).count();
+    steps.iter_mut().for_each(|step| *step = step.abs());
+    let smooth =
+        range > COUNTS * extent.count && 2 * large < 3 * leaps && median(&mut steps) < ACROSS[1] * range;
+    let leaps = 2 * up.min(leaps - up);
+    let text = format!(
+        "leaps across its range at {leaps} samples and is smooth elsewhere: its counts wrap around at their end; take a wider \
+         range, or unwrap them"
+    );
+    let size = leaps as f64 / cycles;
+    smooth.then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
+}
+
+/// The finding that every second sample is of something else: neighbours differ by more than those two apart do.
+fn alternating(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
+    let squares = |by: usize| {
+        let all = channel.samples.windows(by + 1).map(|of| (of[by] - of[0]).powi(2));
+        all.sum::<f64>() / (channel.samples.len() - by) as f64
+    };
+    let [one, two] = [squares(1), squares(2)];
+    let size = one / two.max(1e-12 * one);
+    let text = "every second sample is of something else: channels of a multiplexer are mixed up, or signs alternate";
+    (one > 0.0 && channel.samples.len() as f64 > FOR_SECOND * cycles)
+        .then(|| Finding::new("data.alternates", &ALTERNATES, series.about(channel.name), size, text))
+}
+
+/// The findings that two channels that move are one.
+pub(super) fn equals(series: &Series) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for (k, channel) in series.channels.iter().enumerate() {
+        let same = |other: &&Channel| channel.samples == other.samples;
+        let moves = Extent::of(channel.samples).is_some_and(|extent| extent.range() > 0.0);
+        let Some(other) = series.channels[..k].iter().find(same).filter(|_| moves) else { continue };
+        let text = format!("holds the very values of {}: one column for two", other.name);
+        let about = series.about(channel.name);
+        found.push(Finding::new("data.equal", &SWAPPED, about, 1.0, text).noted().in_channel(channel.name));
+    }
+    found
+}
