@@ -1,5 +1,6 @@
 //! Elastic wings and the air that moves them.
 
+pub mod beam;
 mod energy;
 mod flutter;
 mod section;
