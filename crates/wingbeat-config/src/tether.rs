@@ -453,6 +453,7 @@ impl TetherSpec {
             wind: self.wind.velocity(),
             side: self.wing.side,
             clock,
+            spar: None,
         };
         let names = [("air", "wind"), ("hinges", "wing.hinges")];
         tether.check().map_err(|e| e.renamed(&names))?;

@@ -273,7 +273,11 @@ fn check(stations: &[Station], lumps: &[Lump], grid: &Grid) -> Result<f64, Error
     let rising = arcs.windows(2).all(|pair| pair[0] <= pair[1]);
     let length = arcs.last().copied().unwrap_or(0.0);
     if arcs.len() < 2 || arcs[0] != 0.0 || !rising || !(length > 0.0 && length.is_finite()) {
-        return Err(Error::invalid("arc_m", format!("{arcs:?}"), "two or more numbers from 0 that do not fall"));
+        return Err(Error::invalid(
+            "arc_m",
+            format!("{arcs:?}"),
+            "two or more numbers from 0 that do not fall",
+        ));
     }
     for (i, station) in stations.iter().enumerate() {
         station.section.check().map_err(|error| error.within(&format!("stations[{i}]")))?;
@@ -285,7 +289,8 @@ fn check(stations: &[Station], lumps: &[Lump], grid: &Grid) -> Result<f64, Error
         let numbers: Vec<f64> = lump.inertia.0.iter().flatten().chain(&lump.centre.0).copied().collect();
         require::finite(&key("inertia"), &numbers)?;
     }
-    for (key, value) in [("elements", grid.elements), ("order", grid.order), ("strains", grid.strains.len())] {
+    for (key, value) in [("elements", grid.elements), ("order", grid.order), ("strains", grid.strains.len())]
+    {
         require::between(key, value, 1, MAX_COORDINATES)?;
     }
     grid.arcs.iter().try_for_each(|arc| require::between("arcs", *arc, 0.0, length))?;

@@ -129,10 +129,7 @@ mod tests {
     #[test]
     fn the_tangent_is_that_of_the_exponential() {
         for size in [1e-4, 0.3, 1.1] {
-            let constant = Pair {
-                turn: Vec3::new(0.6, -0.9, 0.4) * size,
-                push: Vec3::new(0.3, 0.8, -0.5),
-            };
+            let constant = Pair { turn: Vec3::new(0.6, -0.9, 0.4) * size, push: Vec3::new(0.3, 0.8, -0.5) };
             let load = Pair { turn: Vec3::new(0.2, -1.0, 0.7), push: Vec3::new(1.1, 0.4, -0.6) };
             let drawn = drawn_back(&constant, &load);
             for k in 0..6 {

@@ -23,10 +23,7 @@ impl Swung {
     pub fn turning(place: &Place, rate: Vec3, t: f64) -> Self {
         let turn = rate.each(|w| Jet::new(w * t, w, 0.0));
         let turned = Place::constant(&Place::IDENTITY).moved(&Pair { turn, push: Vec3([Jet::ZERO; 3]) });
-        Self {
-            p: turned.r * place.p.each(Jet::constant),
-            r: turned.r * place.r.each(Jet::constant),
-        }
+        Self { p: turned.r * place.p.each(Jet::constant), r: turned.r * place.r.each(Jet::constant) }
     }
 }
 
@@ -159,7 +156,18 @@ impl Beam {
         others: &[Wrench<S>],
         out: &mut [S],
     ) -> Wrench<S> {
-        let places = self.motion(setting, q, v, a);
+        self.balance(setting, &self.motion(setting, q, v, a), [q, v], others, out)
+    }
+
+    /// [`residual`](Self::residual) where the places of the nodes are known, as [`motion`](Self::motion) gives them.
+    pub fn balance<S: Scalar>(
+        &self,
+        setting: &Setting,
+        places: &[Place<Jet<S>>],
+        [q, v]: [&[S]; 2],
+        others: &[Wrench<S>],
+        out: &mut [S],
+    ) -> Wrench<S> {
         let first = if setting.free { ROOT } else { 0 };
         let turn = if setting.free { Vec3([q[3], q[4], q[5]]) } else { Vec3([S::ZERO; 3]) };
         let (q, v) = (&q[first..], &v[first..]);
@@ -187,7 +195,13 @@ impl Beam {
     }
 
     /// Load of the node `k` itself: its inertia less what acts on it.
-    fn borne<S: Scalar>(&self, setting: &Setting, k: usize, at: &Place<Jet<S>>, others: &[Wrench<S>]) -> Pair<S> {
+    fn borne<S: Scalar>(
+        &self,
+        setting: &Setting,
+        k: usize,
+        at: &Place<Jet<S>>,
+        others: &[Wrench<S>],
+    ) -> Pair<S> {
         let mut sum = inertial(&self.nodes[k], at, setting.gravity);
         for load in setting.loads.iter().filter(|load| load.node == k) {
             let r = at.r.each(|j| j.x);
@@ -201,7 +215,14 @@ impl Beam {
     }
 
     /// Adds the work of `carried`, about the node at the end of step `k`, on the coordinates of that step.
-    fn pass_inward<S: Scalar>(&self, k: usize, end: &Place<Jet<S>>, carried: &Pair<S>, q: &[S], out: &mut [S]) {
+    fn pass_inward<S: Scalar>(
+        &self,
+        k: usize,
+        end: &Place<Jet<S>>,
+        carried: &Pair<S>,
+        q: &[S],
+        out: &mut [S],
+    ) {
         let step = &self.steps[k];
         let r = end.r.each(|j| j.x);
         let own = Pair { turn: r.transpose_mul(carried.turn), push: r.transpose_mul(carried.push) };
@@ -235,7 +256,12 @@ impl Beam {
     }
 
     /// Derivatives of the residual by coordinates, their rates and their accelerations, exact.
-    pub fn tangents(&self, setting: &Setting, [q, v, a]: [&[f64]; 3], others: &[Wrench<f64>]) -> [DMatrix<f64>; 3] {
+    pub fn tangents(
+        &self,
+        setting: &Setting,
+        [q, v, a]: [&[f64]; 3],
+        others: &[Wrench<f64>],
+    ) -> [DMatrix<f64>; 3] {
         let n = q.len();
         let mut all = [0; 3].map(|_| DMatrix::zeros(n, n));
         let others: Vec<Wrench<Dual<LANES>>> = others
@@ -314,7 +340,8 @@ mod tests {
         );
         (section.stiffness[0][1], section.stiffness[1][0]) = (0.4, 0.4);
         let stations = [0.0, 1.5].map(|arc_m| Station { arc_m, section });
-        Beam::new(&stations, &[], &Grid { elements: 2, order: 2, strains: Strain::ALL, arcs: vec![] }).unwrap()
+        Beam::new(&stations, &[], &Grid { elements: 2, order: 2, strains: Strain::ALL, arcs: vec![] })
+            .unwrap()
     }
 
     fn setting(free: bool) -> Setting {
@@ -342,7 +369,8 @@ mod tests {
                 [0, 1].map(|k| (0..n).map(|i| at(i)[k]).collect())
             };
             let h = 5e-4;
-            let slope = |f: &dyn Fn(f64) -> f64| (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h);
+            let slope =
+                |f: &dyn Fn(f64) -> f64| (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h);
             let energy = |t: f64| {
                 let [q, v] = moved(t);
                 beam.energy(&setting, &q, &v).total()

@@ -69,10 +69,14 @@ impl Section {
     pub(crate) fn check(&self) -> Result<(), Error> {
         let k = Matrix6::from_fn(|i, j| self.stiffness[i][j]);
         let scale = k.diagonal().map(|x| x.max(0.0).sqrt());
-        let symmetric =
-            (0..36).all(|i| (k[(i / 6, i % 6)] - k[(i % 6, i / 6)]).abs() <= 1e-9 * scale[i / 6] * scale[i % 6]);
+        let symmetric = (0..36)
+            .all(|i| (k[(i / 6, i % 6)] - k[(i % 6, i / 6)]).abs() <= 1e-9 * scale[i / 6] * scale[i % 6]);
         if !k.iter().all(|x| x.is_finite()) || !symmetric || k.cholesky().is_none() {
-            return Err(Error::invalid("stiffness", format!("{:?}", self.stiffness), "a symmetric positive definite matrix"));
+            return Err(Error::invalid(
+                "stiffness",
+                format!("{:?}", self.stiffness),
+                "a symmetric positive definite matrix",
+            ));
         }
         require::not_negative("mass", self.mass)?;
         let ends = [self.centre.norm(), self.inertia.0.iter().flatten().map(|x| x.abs()).sum()];
@@ -106,7 +110,9 @@ impl Section {
         };
         let own = part(&mine, &mine);
         match part(&rest, &rest).cholesky() {
-            Some(factors) if !rest.is_empty() => own - part(&mine, &rest) * factors.solve(&part(&rest, &mine)),
+            Some(factors) if !rest.is_empty() => {
+                own - part(&mine, &rest) * factors.solve(&part(&rest, &mine))
+            }
             _ => own,
         }
     }

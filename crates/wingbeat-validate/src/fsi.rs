@@ -3,6 +3,8 @@
 pub mod beam;
 mod energy;
 mod flutter;
+pub mod goland;
+pub mod pazy;
 mod section;
 mod theodorsen;
 

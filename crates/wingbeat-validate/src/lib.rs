@@ -55,6 +55,8 @@ pub fn cases() -> Vec<&'static Case> {
         body::CASES,
         fsi::CASES,
         fsi::beam::CASES,
+        fsi::goland::CASES,
+        fsi::pazy::CASES,
         orbit::CASES,
         flight::CASES,
         ocp::CASES,

@@ -9,8 +9,8 @@ use apart::Linear;
 use std::f64::consts::PI;
 use wingbeat::math::{Mat3, Vec3};
 use wingbeat::structure::{
-    Beam, Grid, Load, Place, Section, Setting, Station, Status, Strain, Swung, eigenvalues, frequencies, hold,
-    linear,
+    Beam, Grid, Load, Place, Section, Setting, Station, Status, Strain, Swung, eigenvalues, frequencies,
+    hold, linear,
 };
 
 /// The comparisons.
@@ -45,8 +45,8 @@ fn section([bend, twist, mass, inertia]: [f64; 4], offset: f64, wide: f64) -> Se
 }
 
 fn beam(of: &Linear, elements: usize, order: usize) -> Result<Beam, Error> {
-    let stations =
-        [(0.0, of.root), (1.0, of.tip)].map(|(arc_m, n)| Station { arc_m, section: section(n, of.offset, 1e6) });
+    let stations = [(0.0, of.root), (1.0, of.tip)]
+        .map(|(arc_m, n)| Station { arc_m, section: section(n, of.offset, 1e6) });
     let grid = Grid { elements, order, strains: Strain::INEXTENSIBLE, arcs: Vec::new() };
     Ok(Beam::new(&stations, &[], &grid)?)
 }
@@ -57,7 +57,8 @@ fn lowest(beam: &Beam, setting: &Setting, count: usize) -> Vec<f64> {
     frequencies(&linear(beam, setting, &q)).iter().take(count).map(|mode| mode.0).collect()
 }
 
-const UNIFORM: Linear = Linear { root: [1.0, 1e4, 1.0, 1e-2], tip: [1.0, 1e4, 1.0, 1e-2], offset: 0.0, turning: 0.0 };
+const UNIFORM: Linear =
+    Linear { root: [1.0, 1e4, 1.0, 1e-2], tip: [1.0, 1e4, 1.0, 1e-2], offset: 0.0, turning: 0.0 };
 
 fn uniform() -> Result<Vec<Row>, Error> {
     let beam = beam(&UNIFORM, 1, 8)?;
@@ -68,7 +69,14 @@ fn uniform() -> Result<Vec<Row>, Error> {
     let exact_torsion = (0..3).map(|k| (2 * k + 1) as f64 * PI / 2.0 * 10.0);
     let source = "closed form: cos x cosh x = -1; sqrt(GJ/I) (2k - 1) pi/(2 L)";
     let row = |id: &str, what: &str, value| {
-        Row::judged(id, source, &format!("max relative error of 3 frequencies of {what}, 1 element"), value, 1e-4, "")
+        Row::judged(
+            id,
+            source,
+            &format!("max relative error of 3 frequencies of {what}, 1 element"),
+            value,
+            1e-4,
+            "",
+        )
     };
     Ok(vec![
         row("fsi.beam.uniform", "bending", worst(found.into_iter().zip(exact))),
@@ -108,7 +116,8 @@ fn bent(load: Load, steps: usize, elements: usize, order: usize) -> Result<Vec3,
 
 fn elastica() -> Result<Vec<Row>, Error> {
     // Bisshopp & Drucker 1945: P L^2/(E I), deflection and shortening over length, as tabulated to five digits.
-    const PRINTED: [[f64; 3]; 3] = [[1.0, 0.30172, 0.05643], [2.0, 0.49346, 0.16064], [10.0, 0.81061, 0.55500]];
+    const PRINTED: [[f64; 3]; 3] =
+        [[1.0, 0.30172, 0.05643], [2.0, 0.49346, 0.16064], [10.0, 0.81061, 0.55500]];
     let (mut printed, mut exact) = (0.0_f64, 0.0_f64);
     for [load, down, short] in PRINTED {
         let tip = bent(Load::dead(0, Vec3::new(0.0, 0.0, load)), 4, 2, 8)?;
@@ -118,7 +127,14 @@ fn elastica() -> Result<Vec<Row>, Error> {
     }
     let metric = "max error of deflection and shortening over length, P L^2/EI = 1, 2, 10";
     Ok(vec![
-        Row::judged("fsi.beam.elastica", "Bisshopp & Drucker 1945, elliptic integrals", metric, printed, 1e-4, ""),
+        Row::judged(
+            "fsi.beam.elastica",
+            "Bisshopp & Drucker 1945, elliptic integrals",
+            metric,
+            printed,
+            1e-4,
+            "",
+        ),
         Row::judged("fsi.beam.elastica.shooting", "t'' = -a cos t, written apart", metric, exact, 1e-4, ""),
     ])
 }
@@ -187,8 +203,22 @@ fn rotating() -> Result<Vec<Row>, Error> {
     }
     let metric = "max relative error of 3 flapping frequencies, rotation 0, 4, 8 and 12 sqrt(EI/m L^4)";
     Ok(vec![
-        Row::judged("fsi.beam.rotating", "Hodges & Rutkowski 1981, table for no hub", metric, printed, 1e-3, ""),
-        Row::judged("fsi.beam.rotating.shooting", "(EI y'')'' - (T y')' = w^2 m y, written apart", metric, exact, 1e-3, ""),
+        Row::judged(
+            "fsi.beam.rotating",
+            "Hodges & Rutkowski 1981, table for no hub",
+            metric,
+            printed,
+            1e-3,
+            "",
+        ),
+        Row::judged(
+            "fsi.beam.rotating.shooting",
+            "(EI y'')'' - (T y')' = w^2 m y, written apart",
+            metric,
+            exact,
+            1e-3,
+            "",
+        ),
     ])
 }
 

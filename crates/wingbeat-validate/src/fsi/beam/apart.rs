@@ -59,9 +59,11 @@ impl Linear {
 
     /// What the free tip asks, as a determinant: moment, shear and torque vanish.
     fn determinant(&self, omega: f64) -> f64 {
-        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|start| self.shoot(omega, start));
+        let columns =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|start| self.shoot(omega, start));
         let [a, b, c] = columns.map(|y| [y[2], y[3], y[5]]);
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1]) + c[0] * (a[1] * b[2] - a[2] * b[1])
+        a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1])
+            + c[0] * (a[1] * b[2] - a[2] * b[1])
     }
 
     /// The lowest `count` frequencies, rad/s, sought from 0 in steps of `width` rad/s.
@@ -92,7 +94,8 @@ pub fn elastica(load: f64) -> Result<[f64; 2], Error> {
             dy.copy_from_slice(&[y[1], -load * y[0].cos(), y[0].sin(), y[0].cos()]);
             Ok(())
         };
-        RK4.integrate(&mut { slope }, Steps::new(0.0, 1.0 / 4000.0, 4000), &mut y, &mut Workspace::new(4, 4)).map(|_| y)
+        RK4.integrate(&mut { slope }, Steps::new(0.0, 1.0 / 4000.0, 4000), &mut y, &mut Workspace::new(4, 4))
+            .map(|_| y)
     };
     let (mut low, mut high) = (0.0, load);
     while high - low > 1e-14 * high {
@@ -133,7 +136,8 @@ pub fn flapped(amplitude: f64, omega: f64, stiffness: f64, h: f64, steps: usize)
     let tension = pairs(&|a, b| 0.5 * a * b * (1.0 / (a + b - 1.0) - 1.0 / (a + b + 1.0)));
     let drive: [f64; N] = std::array::from_fn(|i| 1.0 / (power(i) + 2.0));
     let slope = |t: f64, y: &[f64], dy: &mut [f64]| -> Result<(), Error> {
-        let (rate, acceleration) = (amplitude * omega * (omega * t).sin(), amplitude * omega * omega * (omega * t).cos());
+        let (rate, acceleration) =
+            (amplitude * omega * (omega * t).sin(), amplitude * omega * omega * (omega * t).cos());
         let load: [f64; N] = std::array::from_fn(|i| {
             let sum: f64 =
                 (0..N).map(|j| (bending[i][j] + rate * rate * (tension[i][j] - mass[i][j])) * y[j]).sum();

@@ -94,7 +94,13 @@ pub fn flapping() -> Result<Vec<Row>, Error> {
     let largest = known.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     Ok(vec![
         Row::judged("fsi.beam.flapping", source, metric, square(&far) / square(&known), 1e-3, ""),
-        Row::shown("fsi.beam.flapping.deflection", source, "largest deflection of the tip over length", largest, ""),
+        Row::shown(
+            "fsi.beam.flapping.deflection",
+            source,
+            "largest deflection of the tip over length",
+            largest,
+            "",
+        ),
     ])
 }
 
@@ -137,7 +143,13 @@ pub fn energy() -> Result<Vec<Row>, Error> {
             1e-8,
             "",
         ),
-        Row::shown("fsi.beam.energy.deflection", source, "largest deflection of the tip in that cycle", farthest, "m"),
+        Row::shown(
+            "fsi.beam.energy.deflection",
+            source,
+            "largest deflection of the tip in that cycle",
+            farthest,
+            "m",
+        ),
     ])
 }
 
@@ -156,10 +168,13 @@ pub fn momentum() -> Result<Vec<Row>, Error> {
     let moving = Moving { beam: &beam, setting: &setting };
     run(&moving, start, 2.5e-4, 1000, |_, at| {
         let [p, l] = momenta(at);
-        worst = [worst[0].max((p - push).norm() / push.norm()), worst[1].max((l - turn).norm() / turn.norm())];
+        worst =
+            [worst[0].max((p - push).norm() / push.norm()), worst[1].max((l - turn).norm() / turn.norm())];
     })?;
     let source = "conservation of momentum";
-    let metric = |what: &str| format!("largest relative change of the {what} of a free bending beam in 0.25 s, 1000 steps");
+    let metric = |what: &str| {
+        format!("largest relative change of the {what} of a free bending beam in 0.25 s, 1000 steps")
+    };
     Ok(vec![
         Row::judged("fsi.beam.momentum", source, &metric("momentum"), worst[0], 1e-10, ""),
         Row::judged("fsi.beam.momentum.angular", source, &metric("angular momentum"), worst[1], 1e-10, ""),
@@ -168,9 +183,16 @@ pub fn momentum() -> Result<Vec<Row>, Error> {
 
 pub fn derivatives() -> Result<Vec<Row>, Error> {
     let beam = limp(3)?;
-    let load = Load { moment: Vec3::new(0.01, 0.02, -0.01), ..Load::following(beam.tip(), Vec3::new(0.1, -0.2, 0.3)) };
-    let setting =
-        Setting { root: flapping_root(0.5, 9.0, 0.13), loads: vec![load], damping_s: 0.01, ..Setting::default() };
+    let load = Load {
+        moment: Vec3::new(0.01, 0.02, -0.01),
+        ..Load::following(beam.tip(), Vec3::new(0.1, -0.2, 0.3))
+    };
+    let setting = Setting {
+        root: flapping_root(0.5, 9.0, 0.13),
+        loads: vec![load],
+        damping_s: 0.01,
+        ..Setting::default()
+    };
     let n = beam.coordinates();
     let mut random = Random::new(11);
     let mut drawn = |size: f64| -> Vec<f64> { (0..n).map(|_| size * random.normal()).collect() };
