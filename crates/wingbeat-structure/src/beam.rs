@@ -199,6 +199,16 @@ impl Beam {
         let distance = |i: &usize| (self.nodes[*i].arc - arc).abs();
         (0..self.nodes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
+    /// Whether every coordinate moves mass, so that the beam can be stepped in time.
+    pub fn moves(&self) -> bool {
+        let zero = vec![0.0; self.coordinates()];
+        let [_, _, mass] = self.tangents(&crate::Setting::default(), [&zero, &zero, &zero], &[]);
+        let scale = mass.diagonal().map(|x| x.max(f64::MIN_POSITIVE).sqrt().recip());
+        let scaled =
+            nalgebra::DMatrix::from_fn(zero.len(), zero.len(), |i, j| scale[i] * mass[(i, j)] * scale[j]);
+        // The least pivot of a mass of unit diagonal.
+        scaled.cholesky().is_some_and(|factors| factors.l_dirty().diagonal().iter().all(|x| *x > 1e-7))
+    }
     /// Mass, kg.
     pub fn mass(&self) -> f64 {
         self.nodes.iter().map(|node| node.mass).sum()

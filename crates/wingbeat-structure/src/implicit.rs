@@ -42,10 +42,10 @@ pub type Factors = Option<(f64, LU<f64, Dyn, Dyn>)>;
 const MOST: usize = 30;
 /// Newton steps beyond which the tangents are taken anew in the next step.
 const SLOW: usize = 6;
-/// Change of the accelerations, over their size, at which they are found.
-const TOLERANCE: f64 = 1e-12;
+/// Change by a Newton step of what the step in time adds to coordinates and states, over their size, at which it is taken.
+const TOLERANCE: f64 = 1e-14;
 /// The same where it does not become less: rounding of a stiff structure, whose accelerations are small differences.
-const ROUNDED: f64 = 1e-6;
+const ROUNDED: f64 = 1e-11;
 
 /// Places and weights of the two stages: c = 1/2 -+ sqrt(3)/6.
 ///
@@ -93,14 +93,16 @@ pub fn step(system: &impl Implicit, t: f64, h: f64, at: &mut Stage, factors: &mu
         if !change.iter().all(|x| x.is_finite()) {
             break;
         }
+        rates.iter_mut().zip(change.iter()).for_each(|(rate, change)| *rate -= change);
+        let largest_of = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let mut largest = 0.0_f64;
-        for (k, change) in change.iter().enumerate() {
-            rates[k] -= change;
-            let own = if k % size < n { 0..n } else { n..size };
-            let scale = own.map(|i| rates[k / size * size + i].abs()).fold(1e-9, f64::max);
-            largest = largest.max(change.abs() / scale);
+        for (rates, change) in rates.chunks_exact(size).zip(change.as_slice().chunks_exact(size)) {
+            let moved = largest_of(&at.q) + h * largest_of(&at.v) + h * h * largest_of(&rates[..n]);
+            let flowed = largest_of(&at.x) + h * largest_of(&rates[n..]);
+            largest = largest.max(h * h * largest_of(&change[..n]) / moved.max(f64::MIN_POSITIVE));
+            largest = largest.max(h * largest_of(&change[n..]) / flowed.max(f64::MIN_POSITIVE));
         }
-        converged = largest < TOLERANCE || (largest < ROUNDED && largest > 0.3 * before);
+        converged = largest < TOLERANCE || (largest < ROUNDED && largest > 0.5 * before);
         before = largest;
     }
     if !converged && !fresh {

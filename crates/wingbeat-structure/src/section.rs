@@ -65,13 +65,18 @@ impl Section {
         Self { mass, centre, inertia, ..self }
     }
 
-    /// Refuses what no section can be.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    /// Whether the stiffness is symmetric and positive definite.
+    pub fn is_stiff(&self) -> bool {
         let k = Matrix6::from_fn(|i, j| self.stiffness[i][j]);
         let scale = k.diagonal().map(|x| x.max(0.0).sqrt());
-        let symmetric = (0..36)
-            .all(|i| (k[(i / 6, i % 6)] - k[(i % 6, i / 6)]).abs() <= 1e-9 * scale[i / 6] * scale[i % 6]);
-        if !k.iter().all(|x| x.is_finite()) || !symmetric || k.cholesky().is_none() {
+        let alike = |(i, j): (usize, usize)| (k[(i, j)] - k[(j, i)]).abs() <= 1e-9 * scale[i] * scale[j];
+        let symmetric = (0..36).all(|at| alike((at / 6, at % 6)));
+        k.iter().all(|x| x.is_finite()) && symmetric && k.cholesky().is_some()
+    }
+
+    /// Refuses what no section can be.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if !self.is_stiff() {
             return Err(Error::invalid(
                 "stiffness",
                 format!("{:?}", self.stiffness),

@@ -12,7 +12,7 @@ use wingbeat_ocp::plant::{Early, Fault};
 use wingbeat_structure::{Beam, Factors, Implicit, Place, Setting, Stage, Swung, frequencies, linear, step};
 
 /// Newton steps in the search of a shape at rest.
-const MOST: usize = 60;
+const MOST: usize = 25;
 /// Change of the strains over their size at which a shape is found.
 const FOUND: f64 = 1e-9;
 /// Shares of the loads under which the shape is sought one after another.
@@ -23,6 +23,8 @@ const SHARES: usize = 4;
 pub struct Spar {
     /// The beam of the left half.
     pub beam: Beam,
+    /// The same with more coordinates, which tells how much the shape at rest depends on them.
+    pub finer: Option<Beam>,
     /// Arc at which it is clamped; the wing is rigid inboard, m.
     pub root_m: f64,
     /// Its reference line ahead of the hinge line, m.
@@ -65,6 +67,9 @@ pub struct Steady {
     pub frequencies_hz: Vec<f64>,
     /// Growth rate (1/s) and frequency (rad/s) of the motion that decays least.
     pub least_damped: [f64; 2],
+    /// How far the tip of a beam with more coordinates is from this one, over its displacement or, where that is larger, a
+    /// hundredth of its length.
+    pub grid_change: Option<f64>,
 }
 
 /// What a spar carries from step to step.
@@ -237,27 +242,41 @@ impl Spar {
         columns
     }
 
+    /// Up and ahead (m) and nose up (rad): then the chord, which points aft along y, falls.
     fn tip(&self, q: &[f64]) -> [f64; 3] {
-        let places = self.beam.places(&Place::IDENTITY, q);
-        let Place { p, r } = places[self.beam.tip()];
-        // Nose up: the chord, which points aft along y, falls.
-        [p[2], -p[1], -r.0[2][1].atan2(r.0[1][1])]
+        self.line(q).last().map_or([0.0; 3], |[_, aft, up, nose_up]| [*up, -aft, *nose_up])
     }
 
-    /// The shape of the reference line, in the axes of the root: outboard, aft and up, m.
-    pub fn line(&self, q: &[f64]) -> Vec<[f64; 3]> {
-        self.beam.places(&Place::IDENTITY, q).iter().map(|place| place.p.0).collect()
+    /// The shape of the reference line, in the axes of the root: outboard, aft and up (m), and twist nose up (rad).
+    pub fn line(&self, q: &[f64]) -> Vec<[f64; 4]> {
+        let along = self.beam.places(&Place::IDENTITY, q);
+        along.iter().map(|Place { p, r }| [p[0], p[1], p[2], -r.0[2][1].atan2(r.0[1][1])]).collect()
     }
 
     /// The shape at rest in the wind with body and hinges held as they are at the time 0.
     pub fn steady(&self, tether: &Tether) -> Steady {
+        let (at, found) = self.shape(tether);
+        let least_damped = if found { self.least_damped(tether, &at) } else { [f64::NAN; 2] };
+        let none = Setting::default();
+        let rest = frequencies(&linear(&self.beam, &none, &vec![0.0; at.q.len()]));
+        let frequencies_hz = rest.iter().map(|mode| mode.0 / std::f64::consts::TAU).collect();
+        let tip = self.tip(&at.q);
+        Steady { found, tip, q: at.q, x: at.x, frequencies_hz, least_damped, grid_change: None }
+    }
+
+    /// The coordinates and the air of that shape, and whether it was found.
+    fn shape(&self, tether: &Tether) -> (Stage, bool) {
         let (n, m) = (self.beam.coordinates(), tether.aero.states());
         let zero = |n| vec![0.0; n];
         let mut at = Stage { q: zero(n), v: zero(n), a: zero(n), x: zero(m), w: zero(m) };
         let mut found = false;
         let mut out = zero(n + m);
-        for k in 1..=SHARES {
+        // All at once, and where that fails one share after another.
+        for k in std::iter::once(SHARES).chain(1..=SHARES) {
             let share = k as f64 / SHARES as f64;
+            if k == 1 {
+                (at.q, at.x) = (zero(n), zero(m));
+            }
             let coupled = Coupled { tether, spar: self, still: Some(0.0), share };
             found = false;
             for _ in 0..MOST {
@@ -281,15 +300,21 @@ impl Spar {
                     break;
                 }
             }
-            if !found {
+            if found == (k == SHARES) {
                 break;
             }
         }
-        let least_damped = if found { self.least_damped(tether, &at) } else { [f64::NAN; 2] };
-        let none = Setting::default();
-        let rest = frequencies(&linear(&self.beam, &none, &zero(n)));
-        let frequencies_hz = rest.iter().map(|mode| mode.0 / std::f64::consts::TAU).collect();
-        Steady { found, tip: self.tip(&at.q), q: at.q, x: at.x, frequencies_hz, least_damped }
+        (at, found)
+    }
+
+    /// How much the tip at rest moves with more coordinates.
+    fn grid_change(&self, tether: &Tether, steady: &Steady) -> Option<f64> {
+        let finer = Self { beam: self.finer.clone()?, finer: None, ..self.clone() };
+        let (shape, found) = finer.shape(tether);
+        let at = found.then(|| finer.tip(&shape.q))?;
+        let own = self.tip(&steady.q);
+        let scale = own[0].hypot(own[1]).max(0.01 * self.beam.length());
+        Some((at[0] - own[0]).hypot(at[1] - own[1]) / scale)
     }
 
     /// Growth rate and frequency of the motion that decays least about a shape at rest.
@@ -305,7 +330,8 @@ impl Spar {
         let mut recorder = Recorder::new(tether);
         let steps = tether.clock.steps();
         let coupled = Coupled { tether, spar: self, still: None, share: 1.0 };
-        let steady = self.steady(tether);
+        let mut steady = self.steady(tether);
+        steady.grid_change = self.grid_change(tether, &steady).filter(|_| steady.found);
         let n = self.beam.coordinates();
         let mut x = vec![0.0; coupled.sizes().states];
         if steady.found {

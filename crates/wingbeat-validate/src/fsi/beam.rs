@@ -2,6 +2,7 @@
 
 mod apart;
 mod moving;
+mod segments;
 
 use crate::fsi::worst;
 use crate::{Case, Error, Row};
@@ -26,6 +27,7 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.beam.energy", quick: true, run: moving::energy },
     Case { id: "fsi.beam.momentum", quick: true, run: moving::momentum },
     Case { id: "fsi.beam.derivatives", quick: true, run: moving::derivatives },
+    Case { id: "fsi.beam.segments", quick: true, run: segments::rows },
     Case { id: "fsi.beam.step_order", quick: true, run: moving::step_order },
 ];
 

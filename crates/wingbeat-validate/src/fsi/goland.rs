@@ -72,7 +72,14 @@ fn wing(speed: f64, aero: Aero, arcs: &[f64]) -> Result<Tether, Error> {
         side: Side::Both,
         reference,
         clock: Clock { frequency_hz: 1.0, cycles: 1, steps_per_cycle: 8 },
-        spar: Some(Spar { beam, root_m: 0.0, ahead_m: 0.0, gravity: Vec3::ZERO, damping_s: 0.0 }),
+        spar: Some(Spar {
+            beam,
+            finer: None,
+            root_m: 0.0,
+            ahead_m: 0.0,
+            gravity: Vec3::ZERO,
+            damping_s: 0.0,
+        }),
         wing: Wing::new(planform, Vec::new())?,
     })
 }
@@ -98,8 +105,25 @@ fn flutter(finite: bool, density: f64) -> Result<[f64; 2], Error> {
         let found = tether.spar.as_ref().map(|spar| spar.steady(&tether).least_damped);
         found.ok_or_else(|| Error::NoAnswer("no spar".into()))
     };
-    let speed = crossing(|speed| least(speed).map(|[growth, _]| growth), 100.0, 220.0)?;
-    Ok([speed, least(speed)?[1]])
+    // The secant, kept between speeds of which one is stable.
+    let (mut low, mut high) = ((120.0_f64, least(120.0)?[0]), (200.0, least(200.0)?[0]));
+    if !(low.1 < 0.0 && high.1 > 0.0) {
+        return Err(Error::NoAnswer(format!("no flutter between {} and {} m/s", low.0, high.0)));
+    }
+    for _ in 0..12 {
+        let speed =
+            (low.0 + 0.02 * (high.0 - low.0)).max(high.0 - high.1 * (high.0 - low.0) / (high.1 - low.1));
+        let growth = least(speed)?[0];
+        if growth < 0.0 {
+            low = (speed, growth)
+        } else {
+            high = (speed, growth)
+        }
+        if growth.abs() < 1e-3 {
+            return Ok([speed, least(speed)?[1]]);
+        }
+    }
+    Err(Error::NoAnswer("the speed of flutter".into()))
 }
 
 fn strip() -> Result<Vec<Row>, Error> {
@@ -277,8 +301,8 @@ fn lattice() -> Result<Vec<Row>, Error> {
     };
     let damping = |reduced: f64| -> Result<f64, Error> {
         let all: Vec<Complex<f64>> = eigenvalues(reduced);
-        // 1/w^2 has a positive imaginary part where the motion decays.
-        Ok(all.iter().map(|x| -x.im / x.re).fold(f64::NEG_INFINITY, f64::max))
+        // The damping that a structure would need to neither grow nor decay, where its stiffness is K (1 + i g).
+        Ok(all.iter().map(|x| x.im / x.re).fold(f64::NEG_INFINITY, f64::max))
     };
     // Speed falls as the reduced frequency grows.
     let reduced = crossing(|minus: f64| damping(1.0 - minus), 1.0 - REDUCED[2], 1.0 - REDUCED[0])

@@ -155,6 +155,7 @@ fn displaced(speed: f64) -> Result<f64, Error> {
         // Upright on the floor of the tunnel: its weight points to the root.
         spar: Some(Spar {
             beam,
+            finer: None,
             root_m: 0.0,
             ahead_m: 0.0,
             gravity: Vec3::new(0.0, -GRAVITY, 0.0),
