@@ -15,10 +15,10 @@ use wingbeat::tether::{Bent, Clock, Motion, Reference, Side, Spar, Tether, Wing}
 use wingbeat_lattice::{Lattice, Layout, Scene, Sections, Settings, Spacing, Surface};
 
 /// The comparisons.
-pub const CASES: &[Case] = &[
-    Case { id: "fsi.goland.strip", quick: false, run: strip },
-    Case { id: "fsi.goland.lattice", quick: false, run: lattice },
-];
+pub const CASES: &[Case] = &[Case { id: "fsi.goland.strip", quick: false, run: strip }];
+
+/// Those that take a minute.
+pub const LONG: &[Case] = &[Case { id: "fsi.goland.lattice", quick: false, run: lattice }];
 
 /// Goland 1945: semi-span and chord, m; elastic axis and centre of mass behind the leading edge, chords.
 const SPAN: f64 = 6.096;

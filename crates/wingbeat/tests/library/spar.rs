@@ -42,8 +42,8 @@ stations = [
 "#,
         edge = 20.0 * bending
     );
-    let document = Document::text("flapper", &text).set("aero.preset=full");
-    TetherCase::new(document, &none).map_err(|error| error.to_string())
+    let document = Document::text("flapper", &text).map_err(|error| error.to_string())?;
+    TetherCase::new(document.set("aero.preset=full"), &none).map_err(|error| error.to_string())
 }
 
 fn run(case: &TetherCase) -> TetherRun {
