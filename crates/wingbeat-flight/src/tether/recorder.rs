@@ -188,7 +188,8 @@ impl Recorder {
 fn efficiency(means: &[CycleMean], wind: f64) -> Option<f64> {
     let mean = |name: &str| means.iter().find(|row| row.name == name).map(|row| row.mean);
     let (thrust, power) = (mean("thrust")?, mean("power")?);
-    (power > 0.0 && wind > 0.0).then(|| thrust * wind / power)
+    // Of a wing at rest rounding alone is left of the power.
+    (power > 1e-9 * (thrust * wind).abs() && wind > 0.0).then(|| thrust * wind / power)
 }
 
 fn push(row: &mut Vec<f64>, w: &Wrench<f64>) {
