@@ -72,9 +72,9 @@ pub fn cases() -> Vec<&'static Case> {
     .collect()
 }
 
-/// The cases that take minutes each and run beside the others: fits, and flutter by the lattice.
+/// The cases that take minutes each and run beside the others: fits.
 pub fn slow_cases() -> Vec<&'static Case> {
-    calibrate::LONG.iter().chain(fsi::goland::LONG).collect()
+    calibrate::LONG.iter().collect()
 }
 
 /// The cases that take minutes each on all cores: Monte Carlo, and the lattice along orbits.
