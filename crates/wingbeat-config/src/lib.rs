@@ -34,6 +34,7 @@ mod search_spec;
 mod shared;
 mod side_by_side;
 mod sound;
+mod spar_spec;
 mod spec;
 mod step_error;
 mod summary;
@@ -83,6 +84,7 @@ pub use schema::DocumentKind;
 pub use search::{Search, SearchFound, SweepFound};
 pub use search_spec::{SearchGoal, SweepSearch};
 pub use shared::what_a_controller_knows;
+pub use spar_spec::{SparMassSpec, SparSpec, SparStationSpec};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
@@ -91,7 +93,7 @@ pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use sweep_verdict::SweepCounts;
-pub use tether::{TetherCase, TetherSummary};
+pub use tether::{SparSummary, TetherCase, TetherSummary};
 pub use tether_compare::{CompareSpec, Compared, Comparison, mended_in_compare};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
 pub use tether_spec::{

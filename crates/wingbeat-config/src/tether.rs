@@ -2,14 +2,14 @@
 
 use super::fit::rejected_fit;
 use super::moved::Moved;
-use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
+use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use wingbeat_aero::{Aero, CD0, Planform, Preset};
 use wingbeat_flight::simulate::Ending;
 use wingbeat_flight::tether::{
-    CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing,
+    CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Steady, Tether, TetherRun, Wing,
     WingNumbers,
 };
 use wingbeat_judge::data::Finding;
@@ -145,6 +145,7 @@ impl TetherCase {
             mean_positive_power_w: whole(run.mean_positive_power()),
             propulsive_efficiency: whole(run.efficiency),
             periodicity: run.periodicity.clone().filter(|_| complete),
+            spar: run.steady.as_ref().map(SparSummary::of),
             smoothed: self.smoothed.clone(),
             cycle: if complete { run.means.clone() } else { Vec::new() },
         }
@@ -171,6 +172,9 @@ impl TetherCase {
                 judge.hold(&tether::STEPS, change);
             }
             Moved::new(&self.tether).hold(&mut judge);
+            if let Some(change) = run.steady.as_ref().and_then(|steady| steady.grid_change) {
+                judge.hold(&tether::SPAR, change);
+            }
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);
@@ -181,6 +185,7 @@ impl TetherCase {
             .chain(self.slow())
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
+            .chain(run.steady.iter().flat_map(|steady| SparSummary::of(steady).warnings(&self.spec.time)))
             .for_each(|warning| judge.warn(warning));
         let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
         found.cloned().for_each(|finding| finding.put(&mut judge));
@@ -259,11 +264,90 @@ pub struct TetherSummary {
     pub propulsive_efficiency: Option<f64>,
     /// How far the last cycle is from the one before; none of a single cycle.
     pub periodicity: Option<Periodicity>,
+    /// Of a wing with spars.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spar: Option<SparSummary>,
     /// What fits of harmonics left of the tables.
     pub smoothed: Vec<Smoothed>,
     /// Means and ranges over the last cycle.
     pub cycle: Vec<CycleMean>,
 }
+
+/// The shape from which a wing with spars begins: at rest in the wind, body and hinges held as they are at the start.
+#[derive(Clone, Debug, Serialize)]
+pub struct SparSummary {
+    /// Whether it was found; else the wing begins unbent.
+    pub found: bool,
+    /// Displacement of the tip up, m, in the axes of the spar's root.
+    pub tip_up_m: f64,
+    /// Displacement of the tip ahead, m.
+    pub tip_ahead_m: f64,
+    /// Twist of the tip, nose up, deg.
+    pub tip_nose_up_deg: f64,
+    /// Lowest frequencies of the unbent beam without air, Hz.
+    pub frequencies_hz: Vec<f64>,
+    /// Growth rate of the small motion about it that decays least, 1/s; above 0 the wing flutters or diverges.
+    pub growth_1_s: Option<f64>,
+    /// Frequency of that motion, Hz; 0 of one that does not oscillate.
+    pub frequency_hz: Option<f64>,
+    /// Move of the tip with one more coefficient of the strains, over its displacement.
+    pub grid_change: Option<f64>,
+}
+
+impl SparSummary {
+    /// Frequencies that are told.
+    const TOLD: usize = 6;
+
+    fn of(steady: &Steady) -> Self {
+        let [up, ahead, nose_up] = steady.tip;
+        let [growth, omega] = steady.least_damped.map(|x| x.is_finite().then_some(x));
+        Self {
+            found: steady.found,
+            tip_up_m: up,
+            tip_ahead_m: ahead,
+            tip_nose_up_deg: nose_up.to_degrees(),
+            frequencies_hz: steady.frequencies_hz.iter().copied().take(Self::TOLD).collect(),
+            growth_1_s: growth,
+            frequency_hz: omega.map(|omega| omega / std::f64::consts::TAU),
+            grid_change: steady.grid_change,
+        }
+    }
+
+    /// Cautions: no shape, disturbances that grow, steps that miss the lowest frequency.
+    fn warnings(&self, clock: &ClockSpec) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        if !self.found {
+            let text = "no shape at rest in the wind was found, so that the wing begins unbent in still air";
+            warnings.push(Warning::new("tether.spar_shape", text).key("wind.speed_m_s"));
+        }
+        if let (Some(growth), Some(frequency)) = (self.growth_1_s, self.frequency_hz)
+            && growth > 0.0
+        {
+            let what = if frequency > 0.0 { "flutters" } else { "diverges" };
+            let text = format!(
+                "small disturbances of the wing at rest in the wind grow by {growth:.3} 1/s at {frequency:.3} Hz: it {what}"
+            );
+            warnings.push(Warning::new("tether.flutter", text).size(growth).key("wind.speed_m_s"));
+        }
+        let rate = clock.frequency_hz * clock.steps_per_cycle as f64;
+        if let Some(lowest) = self.frequencies_hz.first()
+            && rate < STEPS_PER_PERIOD * lowest
+        {
+            let text = format!(
+                "the wing's lowest frequency of {lowest:.2} Hz has {:.1} steps per period; its oscillations need {STEPS_PER_PERIOD}",
+                rate / lowest
+            );
+            warnings.push(
+                Warning::new("tether.spar_steps", text).size(rate / lowest).key("time.steps_per_cycle"),
+            );
+        }
+        warnings
+    }
+}
+
+/// Steps per period of the lowest frequency of a spar below which there is a caution: the implicit steps are stable at any length,
+/// and of fourth order. *Choice.*
+const STEPS_PER_PERIOD: f64 = 12.0;
 
 /// Excess of the coefficients by rounded speeds above which there is a caution. *Choice.*
 const ROUNDED_OFF: f64 = 0.02;
@@ -437,6 +521,8 @@ impl TetherSpec {
             strips: None,
         };
         let aero = self.numbered(self.aero.build(&outline, self.wind.density_kg_m3, &names)?)?;
+        let spar = self.spar.as_ref().map(|spar| spar.build(&aero, planform.half_span())).transpose();
+        let spar = spar.map_err(|e| e.within("spar"))?;
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
         let area = planform.area() * halves;
         let tether = Tether {
@@ -455,6 +541,7 @@ impl TetherSpec {
             wind: self.wind.velocity(),
             side: self.wing.side,
             clock,
+            spar,
         };
         let names = [("air", "wind"), ("hinges", "wing.hinges")];
         tether.check().map_err(|e| e.renamed(&names))?;

@@ -1,6 +1,7 @@
 //! What a case file of a tethered wing says.
 
 use super::motion_table::TableSpec;
+use super::spar_spec::SparSpec;
 use super::verdict_limits::VerdictLimits;
 use super::{AeroSpec, CompareSpec, RunName};
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,9 @@ pub struct TetherSpec {
     pub name: String,
     /// The wing with its hinges.
     pub wing: TetheredWingSpec,
+    /// Beams that carry its halves, so that the air bends them; without, the wing is rigid between its hinges.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spar: Option<SparSpec>,
     /// Motion of the body.
     #[serde(default)]
     pub body: TetheredBodySpec,

@@ -61,7 +61,7 @@ pub use search::convergence_of_search;
 pub use show::Drawing;
 pub use starts::starts;
 pub use states::{states, states_wide};
-pub use tether::{cycle_loads, span_loading};
+pub use tether::{bent_wing, cycle_loads, span_loading};
 pub use wake::{Cut, Sheet as WakeSheet, around, frontal_planes, half_circulations, wake, wake_phases};
 pub use write::{Figure, write, write_for_screen, write_slide};
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use wingbeat::aero::{Circulation, LoadSource};
 use wingbeat::simulate::Record;
+use wingbeat::tether::{Spar, Steady};
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
@@ -131,6 +132,24 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     let width = needed(strips, "width")?;
     panels.push(at_phases("force_z", "upward force per span, body axes [N/m]", &|row| 1.0 / width[row])?);
     Ok(Figure::new("span", stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL)))
+}
+
+/// The reference line of the left half from the root outboard: unbent, and at rest in the wind; and its twist there.
+pub fn bent_wing(spar: &Spar, steady: &Steady) -> Figure {
+    let line = spar.line(&steady.q);
+    let column = |k: usize, scale: f64| line.iter().map(|at| scale * at[k]).collect::<Vec<f64>>();
+    let outboard = column(0, 1.0);
+    let arcs = spar.beam.arcs();
+    let unbent = Curve::new("unbent", &arcs, vec![0.0; arcs.len()], 0);
+    let panels = vec![
+        Panel::new("up [m]", vec![unbent, Curve::new("at rest in the wind", &outboard, column(2, 1.0), 1)]),
+        Panel::new("ahead [m]", vec![Curve::new("at rest in the wind", &outboard, column(1, -1.0), 1)]),
+        Panel::new(
+            "twist, nose up [°]",
+            vec![Curve::new("at rest in the wind", &outboard, column(3, DEGREES), 1)],
+        ),
+    ];
+    Figure::new("spar", stacked(panels, "outboard of the spar's root [m]", style::PANEL))
 }
 
 /// Rows from the last but one start of a cycle to the last one, both included.

@@ -119,8 +119,8 @@ impl Mechanism {
         if let Some(wing) = &spec.wing {
             add_wing(wing, &spec.gait, &mut parts);
         }
-        for (i, link) in spec.links.iter().enumerate() {
-            add_link(link, &mut parts).map_err(|e| e.within(&format!("links[{i}]")))?;
+        for (i, link) in spec.all_links() {
+            add_link(&link, &mut parts).map_err(|e| e.within(&format!("links[{i}]")))?;
         }
         let body = &spec.body;
         let inertia = Mat3::diagonal(Vec3(body.inertia_kg_m2));

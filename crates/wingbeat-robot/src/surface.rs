@@ -73,7 +73,8 @@ impl RobotSpec {
     /// [`Error::Invalid`] with the key of the robot file.
     pub fn outlines(&self) -> Result<Vec<SurfaceOutline>, Error> {
         let wing = self.wing.as_ref().map(|w| ("wing".into(), w.surface()));
-        let others = self.surfaces.iter().enumerate().map(|(i, s)| (format!("surfaces[{i}]"), s.clone()));
+        let others = self.surfaces.iter().enumerate();
+        let others = others.map(|(i, s)| (format!("surfaces[{i}]"), self.over_spars(s.clone())));
         let outline = |(key, surface): (String, SurfaceSpec)| {
             Ok(SurfaceOutline {
                 planform: surface.outline().map_err(|e| e.within(&key))?,
@@ -93,7 +94,8 @@ impl RobotSpec {
 
     /// The surfaces as the file gives them, that of `wing` first.
     pub(super) fn all_surfaces(&self) -> impl Iterator<Item = SurfaceSpec> {
-        self.wing.iter().map(WingSpec::surface).chain(self.surfaces.iter().cloned())
+        let others = self.surfaces.iter().map(|surface| self.over_spars(surface.clone()));
+        self.wing.iter().map(WingSpec::surface).chain(others)
     }
 }
 

@@ -1,7 +1,10 @@
 //! Elastic wings and the air that moves them.
 
+pub mod beam;
 mod energy;
 mod flutter;
+pub mod goland;
+pub mod pazy;
 mod section;
 mod theodorsen;
 

@@ -35,3 +35,4 @@ pub use wingbeat_ocp::plant;
 pub use wingbeat_rig as rig;
 pub use wingbeat_robot as robot;
 pub use wingbeat_robot::body;
+pub use wingbeat_structure as structure;

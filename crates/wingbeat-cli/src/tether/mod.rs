@@ -8,10 +8,12 @@ use std::time::Instant;
 
 use serde::Serialize;
 use wingbeat::judge::Verdict;
-use wingbeat::scenario::{Compared, Comparison, Convergence, Smoothed, TetherCase, TetherSummary};
+use wingbeat::scenario::{
+    Compared, Comparison, Convergence, Smoothed, SparSummary, TetherCase, TetherSummary,
+};
 use wingbeat::simulate::Ending;
 use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
-use wingbeat_figures::{comparison, convergence, cycle_loads, span_loading};
+use wingbeat_figures::{bent_wing, comparison, convergence, cycle_loads, span_loading};
 use wingbeat_io::{shortest, write_csv, write_parquet};
 
 use crate::args::Tether;
@@ -28,7 +30,10 @@ pub use tables::Tables;
 const TICKS: f64 = 1000.0;
 
 /// Columns of the printed table of means, beside those of the hinges.
-const PRINTED: [&str; 13] = [
+const PRINTED: [&str; 16] = [
+    "tip_up",
+    "tip_ahead",
+    "tip_nose_up",
     "force_wind_lift",
     "force_wind_drag",
     "force_wind_side",
@@ -70,7 +75,7 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     };
     folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
     tables.keep(&folder)?;
-    found.write(&folder)?;
+    found.write(&folder, &case.tether)?;
     crate::report::beside(&folder, &case.spec.name, None, !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
@@ -102,7 +107,7 @@ struct Summary<'a> {
 }
 
 impl Found {
-    fn write(&self, folder: &RunFolder) -> Result<(), Error> {
+    fn write(&self, folder: &RunFolder, tether: &wingbeat::tether::Tether) -> Result<(), Error> {
         folder.write("means.csv", &means(&self.summary.cycle))?;
         let compare = self.comparison.as_ref().map(|comparison| comparison.channels.as_slice());
         let summary = Summary { own: &self.summary, converge: self.convergence.as_ref(), compare };
@@ -115,16 +120,19 @@ impl Found {
         if let Some(comparison) = &self.comparison {
             write_csv(&folder.file("compare.csv"), &comparison.cycle)?;
         }
-        self.draw(folder)
+        self.draw(folder, tether)
     }
 
     /// Draws what can be drawn; what cannot is said and left out.
-    fn draw(&self, folder: &RunFolder) -> Result<(), Error> {
+    fn draw(&self, folder: &RunFolder, tether: &wingbeat::tether::Tether) -> Result<(), Error> {
         let figures = folder.folder("figures")?;
         let mut drawn = Vec::new();
         // Of a run that broke down there is no last cycle.
         if self.run.ending == Ending::Complete {
             drawn.extend([cycle_loads(&self.run.loads), span_loading(&self.run.strips)]);
+        }
+        if let (Some(spar), Some(steady)) = (&tether.spar, self.run.steady.as_ref().filter(|s| s.found)) {
+            drawn.push(Ok(bent_wing(spar, steady)));
         }
         drawn.extend(self.convergence.as_ref().map(|table| Ok(convergence(table))));
         drawn.extend(self.comparison.as_ref().map(comparison));
@@ -141,6 +149,22 @@ impl Found {
         text.extend(self.comparison.as_ref().map(compare::text));
         text
     }
+}
+
+/// The shape at rest of a wing with spars.
+fn spar(spar: &SparSummary) -> String {
+    let SparSummary { tip_up_m, tip_ahead_m, tip_nose_up_deg, .. } = spar;
+    let frequencies: Vec<String> = spar.frequencies_hz.iter().map(|hz| format!("{hz:.2}")).collect();
+    let mut text = format!("frequencies of the spar without air: {} Hz\n", frequencies.join(", "));
+    if spar.found {
+        text += &format!(
+            "at rest in the wind: tip {tip_up_m:.5} m up, {tip_ahead_m:.5} m ahead, {tip_nose_up_deg:.3} deg nose up\n"
+        );
+    }
+    if let (Some(growth), Some(frequency)) = (spar.growth_1_s, spar.frequency_hz) {
+        text += &format!("least damped motion about it: growth {growth:.3} 1/s at {frequency:.3} Hz\n");
+    }
+    text
 }
 
 fn simulate(
@@ -196,6 +220,7 @@ fn table(summary: &TetherSummary) -> String {
     if let Some(Periodicity { change, quantity }) = &summary.periodicity {
         text += &format!("last two cycles: {:.2e} % apart ({quantity})\n", 100.0 * change);
     }
+    text.extend(summary.spar.as_ref().map(spar));
     for Smoothed { key, harmonics, samples, residual_rms, residual_largest } in &summary.smoothed {
         text += &format!(
             "{key}: {harmonics} harmonics of {samples} samples leave {residual_rms:.4} rms, {residual_largest:.4} at most\n"

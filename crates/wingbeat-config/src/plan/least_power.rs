@@ -323,6 +323,7 @@ impl Scenario {
                 hinges: HINGES.map(hinge).into(),
                 gaps: Vec::new(),
             },
+            spar: None,
             body: TetheredBodySpec {
                 nose_up_deg: CoordinateSpec::Constant(-flapping.pitch.to_degrees()),
                 ..TetheredBodySpec::default()

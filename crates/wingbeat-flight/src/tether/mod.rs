@@ -9,6 +9,7 @@ mod power;
 mod recorder;
 mod run;
 mod sensitivity;
+mod spar;
 mod wing;
 
 pub use comparison::cycle_of;
@@ -19,4 +20,5 @@ pub use numbers::WingNumbers;
 pub use recorder::TetherRun;
 pub use run::{Clock, Motion, Reference, Tether};
 pub use sensitivity::CycleWrenches;
-pub use wing::{Hinge, HingeKind, Side, TetheredBody, Wing};
+pub use spar::{Bent, Spar, Steady};
+pub use wing::{Frame, Hinge, HingeKind, Side, TetheredBody, Wing};

@@ -1,5 +1,7 @@
 //! What the prescribed motion costs: power by body, hinge and side, and torques of the air about the hinges.
 
+use super::spar::Bent;
+use super::wing::Frame;
 use super::{Motion, Side, Tether};
 use crate::simulate::{Column, StripMotion};
 use wingbeat_aero::{Loads, SectionMotion};
@@ -103,7 +105,9 @@ impl Powers {
     /// strips' motion as it alone turns at 1 rad/s`
     /// Source: virtual work.
     /// Test: `power_is_that_of_body_and_hinges`.
-    pub fn update(&mut self, tether: &Tether, t: f64, loads: &Loads<f64>, weights: &[f64]) {
+    ///
+    /// `bent` is the shape of a wing with spars.
+    pub fn update(&mut self, tether: &Tether, t: f64, seen: (&Loads<f64>, Option<&Bent>), weights: &[f64]) {
         let still = |jet: &Jet<f64>| Jet::from(jet.x);
         let (body, angles) = (tether.motion.body(t), tether.motion.angles(t));
         let (frame, held) = (body.frame(), body.frame().still());
@@ -112,19 +116,34 @@ impl Powers {
         (self.total, self.body) = (0.0, 0.0);
         self.hinges.fill([0.0; 2]);
         self.strips.clear();
-        for (i, &arc) in tether.aero.strip_arcs().iter().enumerate() {
+        let (loads, bent) = seen;
+        let still_shape = bent.map(Bent::still);
+        let arcs = tether.aero.strip_arcs();
+        let all = |frame: &Frame<f64>, angles: &[Jet<f64>], bent: Option<&Bent>| {
+            tether.sections_at(arcs, frame, angles, bent)
+        };
+        let moving = all(&frame, &angles, bent);
+        let with_body = all(&frame, &fixed, still_shape.as_ref());
+        let units: Vec<Vec<SectionMotion<f64>>> = self
+            .halves
+            .iter()
+            .map(|half| {
+                turning[half.hinge].d = 1.0;
+                let unit = all(&held, &turning, still_shape.as_ref());
+                turning[half.hinge].d = 0.0;
+                unit
+            })
+            .collect();
+        for (i, &arc) in arcs.iter().enumerate() {
             let whole = loads.strip[i].total();
             let load = Wrench { force: whole.force * weights[i], moment: whole.moment * weights[i] };
-            let section = tether.wing.section(arc, &frame, &angles);
+            let section = moving[i];
             let moved = StripMotion::of(&section, -Twist::of(&section).power(&whole));
             self.total += moved.power * weights[i];
             self.strips.push(moved);
-            self.body -= Twist::of(&tether.wing.section(arc, &frame, &fixed)).power(&load);
-            for (half, sum) in self.halves.iter().zip(&mut self.hinges) {
-                turning[half.hinge].d = 1.0;
-                let unit = Twist::of(&tether.wing.section(arc, &held, &turning));
-                turning[half.hinge].d = 0.0;
-                let torque = half.share(arc) * unit.power(&load);
+            self.body -= Twist::of(&with_body[i]).power(&load);
+            for ((half, sum), unit) in self.halves.iter().zip(&mut self.hinges).zip(&units) {
+                let torque = half.share(arc) * Twist::of(&unit[i]).power(&load);
                 sum[0] += torque;
                 sum[1] -= torque * angles[half.hinge].d;
             }

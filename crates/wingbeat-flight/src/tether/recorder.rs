@@ -3,6 +3,7 @@
 use super::Tether;
 use super::cycle::{self, CycleMean, Periodicity};
 use super::power::Powers;
+use super::spar::{Bent, Spar, Steady};
 use crate::simulate::{AXES, Column, Ending, Record, StripRecorder};
 use wingbeat_aero::{LoadSource, Loads};
 use wingbeat_math::Error;
@@ -33,6 +34,8 @@ pub struct TetherRun {
     pub separated_fraction: f64,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
     pub suction_lost_fraction: f64,
+    /// The shape from which a wing with spars began.
+    pub steady: Option<Steady>,
 }
 
 impl TetherRun {
@@ -100,7 +103,13 @@ impl Recorder {
     }
 
     /// Appends the loads at `step`, unless one is not finite.
-    pub fn sample(&mut self, tether: &Tether, step: usize, loads: &Loads<f64>) -> Result<(), Fault> {
+    pub fn sample(
+        &mut self,
+        tether: &Tether,
+        step: usize,
+        loads: &Loads<f64>,
+        bent: Option<&Bent>,
+    ) -> Result<(), Fault> {
         let t = step as f64 * tether.clock.step();
         let phase = tether.clock.phase(step);
         let body = tether.motion.body(t);
@@ -120,7 +129,10 @@ impl Recorder {
         parts.iter().for_each(|part| push(&mut row, &in_body(part)));
         row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
-        self.powers.update(tether, t, loads, &self.weights);
+        if let (Some(spar), Some(bent)) = (&tether.spar, bent) {
+            row.extend(spar.seen(tether, t, bent));
+        }
+        self.powers.update(tether, t, (loads, bent), &self.weights);
         row.extend([-force[0], self.powers.total, self.powers.body]);
         row.extend(self.powers.hinges.iter().flatten());
         self.loads.append_finite(&row)?;
@@ -153,6 +165,7 @@ impl Recorder {
         };
         TetherRun {
             ending,
+            steady: None,
             steps_per_cycle: steps,
             periodicity: Periodicity::of(&means),
             efficiency: efficiency(&means, tether.wind.norm()),
@@ -175,7 +188,8 @@ impl Recorder {
 fn efficiency(means: &[CycleMean], wind: f64) -> Option<f64> {
     let mean = |name: &str| means.iter().find(|row| row.name == name).map(|row| row.mean);
     let (thrust, power) = (mean("thrust")?, mean("power")?);
-    (power > 0.0 && wind > 0.0).then(|| thrust * wind / power)
+    // Of a wing at rest rounding alone is left of the power.
+    (power > 1e-9 * (thrust * wind).abs() && wind > 0.0).then(|| thrust * wind / power)
 }
 
 fn push(row: &mut Vec<f64>, w: &Wrench<f64>) {
@@ -207,6 +221,7 @@ fn load_columns(tether: &Tether) -> Vec<Column> {
     }
     columns
         .extend(tether.motion.hinges.iter().map(|(name, _)| Column::new(format!("hinge_{name}"), "rad", "")));
+    columns.extend(tether.spar.iter().flat_map(|_| Spar::columns()));
     columns.push(Column::new("thrust", "N", "wind"));
     columns.extend(Powers::new(tether).columns(&tether.motion));
     columns

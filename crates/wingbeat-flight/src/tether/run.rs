@@ -1,6 +1,8 @@
 //! Time stepping of a tethered wing.
 
 use super::recorder::Recorder;
+use super::spar::{Bent, Spar};
+use super::wing::Frame;
 use super::{Coordinate, Side, TetherRun, TetheredBody, Wing};
 use crate::simulate::{Held, Moment, Observed, Record, Sizes, Stepper, System};
 use std::ops::ControlFlow;
@@ -118,6 +120,8 @@ pub struct Tether {
     pub reference: Reference,
     /// Cycles and steps.
     pub clock: Clock,
+    /// The beam that carries each half, where the wing is not rigid.
+    pub spar: Option<Spar>,
 }
 
 impl Tether {
@@ -132,6 +136,9 @@ impl Tether {
             return Err(Error::invalid("hinges", self.motion.hinges.len(), allowed));
         }
         Recorder::columns(self)?;
+        if let Some(spar) = &self.spar {
+            spar.check(self)?;
+        }
         self.clock.in_range().map_err(|e| e.within("time"))?;
         let positive = [
             ("reference.speed_m_s", self.reference.speed_m_s),
@@ -226,6 +233,20 @@ impl Tether {
         [surge, heave, nose_up, roll].into_iter().chain(hinges).any(Coordinate::repeats)
     }
 
+    /// Sections at the arc coordinates `arcs` for a frame of the body and angles of the hinges, of a wing that its spars bend.
+    pub fn sections_at(
+        &self,
+        arcs: &[f64],
+        body: &Frame<f64>,
+        angles: &[Jet<f64>],
+        bent: Option<&Bent>,
+    ) -> Vec<SectionMotion<f64>> {
+        match (&self.spar, bent) {
+            (Some(spar), Some(bent)) => spar.sections_at(self, arcs, body, angles, bent),
+            _ => arcs.iter().map(|arc| self.wing.section(*arc, body, angles)).collect(),
+        }
+    }
+
     /// State rates and loads in W about W's origin.
     pub fn evaluate(&self, t: f64, x: &[f64], dx: &mut [f64], loads: &mut Loads<f64>) {
         let sections = self.sections(t);
@@ -251,10 +272,13 @@ impl Tether {
     /// # Panics
     /// When [`check`](Self::check) would refuse two hinges of one name.
     pub fn run(&self, mut progress: impl FnMut(f64) -> ControlFlow<()>) -> TetherRun {
+        if let Some(spar) = &self.spar {
+            return spar.run(self, &mut progress);
+        }
         let mut recorder = Recorder::new(self);
         let steps = self.clock.steps();
         let mut watch = Held(|step: usize, at: Moment| {
-            recorder.sample(self, step, &self.observed(at)?)?;
+            recorder.sample(self, step, &self.observed(at)?, None)?;
             let done = step as f64 / steps as f64;
             Ok(if step < steps { progress(done) } else { ControlFlow::Continue(()) })
         });

@@ -30,6 +30,9 @@ impl Tether {
     /// # Errors
     /// An unknown number; a fault of the model.
     pub fn differentiated(&self, keys: &[&str]) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
+        if self.spar.is_some() {
+            return Err(Error::invalid("spar", "given", "none where loads are differentiated by numbers"));
+        }
         let mut all = Vec::with_capacity(keys.len());
         for keys in keys.chunks(TOGETHER) {
             match self.batch(keys)? {

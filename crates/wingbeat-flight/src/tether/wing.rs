@@ -165,6 +165,15 @@ impl Wing {
     /// Source: rigid-body kinematics.
     /// Test: `rates_are_those_of_the_positions`.
     pub fn section<S: Scalar>(&self, arc: f64, body: &Frame<S>, angles: &[Jet<S>]) -> SectionMotion<S> {
+        let (Frame { turn, origin }, twist) = self.link(arc, body, angles);
+        let (_, chord) = turned(turn.column(2), turn.column(0), -twist);
+        let (leading, trailing) = self.planform.edges(arc);
+        let edges = [origin + chord.scaled(leading), origin + chord.scaled(trailing)];
+        motion(turn, edges)
+    }
+
+    /// Frame of the link at `arc` with its origin on the hinge line there, and the twist (rad) of the section in it.
+    pub(super) fn link<S: Scalar>(&self, arc: f64, body: &Frame<S>, angles: &[Jet<S>]) -> (Frame<S>, Jet<S>) {
         let side = if arc == 0.0 { 0.0 } else { arc.signum() };
         let Frame { turn, mut origin } = *body;
         let [mut forward, mut left, mut up] = [turn.column(0), turn.column(1), turn.column(2)];
@@ -190,10 +199,7 @@ impl Wing {
             }
         }
         origin += left.scaled(side * (arc.abs() - reached));
-        let (_, chord) = turned(up, forward, -twist);
-        let (leading, trailing) = self.planform.edges(arc);
-        let edges = [origin + chord.scaled(leading), origin + chord.scaled(trailing)];
-        motion(Mat3::from_columns(forward, left, up), edges)
+        (Frame { turn: Mat3::from_columns(forward, left, up), origin }, twist)
     }
 }
 
@@ -208,7 +214,10 @@ fn turned<S: Scalar>(a: Vec3<Jet<S>>, b: Vec3<Jet<S>>, angle: Jet<S>) -> (Vec3<J
 ///
 /// The axial vectors of R' R^T and of R'' R^T + R' R'^T.
 #[inline]
-fn motion<S: Scalar>(turn: Mat3<Jet<S>>, [leading, trailing]: [Vec3<Jet<S>>; 2]) -> SectionMotion<S> {
+pub(super) fn motion<S: Scalar>(
+    turn: Mat3<Jet<S>>,
+    [leading, trailing]: [Vec3<Jet<S>>; 2],
+) -> SectionMotion<S> {
     let (r, dr, ddr) = (turn.each(|j| j.x), turn.each(|j| j.d), turn.each(|j| j.dd));
     let product = |a: &Mat3<S>, b: &Mat3<S>, i: usize, j: usize| Vec3(a.0[i]).dot(Vec3(b.0[j]));
     let axial =

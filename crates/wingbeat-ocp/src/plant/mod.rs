@@ -130,6 +130,12 @@ pub enum Fault {
         /// Why.
         why: &'static str,
     },
+    /// The equations of an elastic wing were not solved in a step.
+    #[error("at t = {time:.4} s the equations of the bent wing are not solved: take more steps per cycle")]
+    Structure {
+        /// Time, s.
+        time: f64,
+    },
     /// A rate is not finite.
     #[error("state {state} has a rate that is not finite at t = {time:.4} s")]
     NotFinite {

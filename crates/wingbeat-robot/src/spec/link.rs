@@ -1,7 +1,7 @@
 //! Links and their joints.
 
 use super::super::numbers::{DAMPING, STIFFNESS, STOP_STIFFNESS};
-use super::{CapsuleSpec, GaitSpec};
+use super::{CapsuleSpec, GaitSpec, LinkSparSpec};
 use crate::body::{FourierSeries, Harmonic, INERTIA, JointKind, MASS};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
@@ -68,6 +68,9 @@ pub struct LinkSpec {
     /// Free to move: a state without a spring.
     #[serde(default)]
     pub free: bool,
+    /// A beam that it carries along its y axis, on which surfaces ride that name the link.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spar: Option<LinkSparSpec>,
 }
 
 fn body() -> String {
@@ -180,6 +183,7 @@ impl LinkSpec {
         finite("com_m", &self.com_m)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)?;
         self.capsule.iter().try_for_each(CapsuleSpec::check)?;
+        self.spar.iter().try_for_each(|spar| spar.check().map_err(|e| e.within("spar")))?;
         let ways = [self.driven.is_some(), self.elastic.is_some(), self.free];
         if ways.iter().filter(|w| **w).count() > 1 {
             let allowed = "one of `driven`, `elastic` and `free`, or none for a fixed joint";

@@ -85,6 +85,7 @@ impl Flap {
                 chord_m: CHORD,
             },
             clock: Clock { frequency_hz: FREQUENCY, cycles: 3, steps_per_cycle: steps },
+            spar: None,
         })
     }
 }

@@ -42,6 +42,7 @@ fn pitching(
             chord_m: chord,
         },
         clock,
+        spar: None,
         wing: Wing::new(planform, Vec::new())?,
     })
 }

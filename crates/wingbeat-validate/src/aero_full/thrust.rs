@@ -55,6 +55,7 @@ impl Waving {
                 cycles: self.cycles,
                 steps_per_cycle: self.steps_per_cycle,
             },
+            spar: None,
             wing: Wing::new(planform, Vec::new())?,
         })
     }

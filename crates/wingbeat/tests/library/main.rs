@@ -36,6 +36,7 @@ mod robot;
 mod schema;
 mod search;
 mod side_by_side;
+mod spar;
 mod strip_model;
 mod surfaces;
 mod tether;

@@ -1,0 +1,52 @@
+//! Small motions about a shape at rest or in steady rotation.
+
+use crate::beam::Beam;
+use crate::motion::Setting;
+use nalgebra::{Complex, DMatrix};
+
+/// Mass, damping (with gyroscopic terms) and stiffness of small motions, by the coordinates.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// Mass.
+    pub mass: DMatrix<f64>,
+    /// Damping and gyroscopic terms.
+    pub damping: DMatrix<f64>,
+    /// Stiffness, with that of loads and rotation.
+    pub stiffness: DMatrix<f64>,
+}
+
+/// The small motions about the shape `q`, at rest in the axes of the root.
+pub fn linear(beam: &Beam, setting: &Setting, q: &[f64]) -> Linear {
+    let zero = vec![0.0; q.len()];
+    let [stiffness, damping, mass] = beam.tangents(setting, [q, &zero, &zero], &[]);
+    Linear { mass, damping, stiffness }
+}
+
+/// Eigenvalues of M x'' + C x' + K x = 0, rad/s; none where the mass is singular.
+pub fn eigenvalues(linear: &Linear) -> Vec<Complex<f64>> {
+    let n = linear.mass.nrows();
+    let factors = linear.mass.clone().lu();
+    let (Some(k), Some(c)) = (factors.solve(&linear.stiffness), factors.solve(&linear.damping)) else {
+        return Vec::new();
+    };
+    let a = DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, _) => f64::from(u8::from(j == i + n)),
+        (false, true) => -k[(i - n, j)],
+        (false, false) => -c[(i - n, j - n)],
+    });
+    a.complex_eigenvalues().iter().copied().collect()
+}
+
+/// Frequencies of the oscillations, rad/s, ascending, and their shapes by the coordinates, of unit mass, without damping and
+/// gyroscopic terms; none where the mass is not positive.
+pub fn frequencies(linear: &Linear) -> Vec<(f64, Vec<f64>)> {
+    let Some(root) = linear.mass.clone().cholesky() else { return Vec::new() };
+    let Some(inverse) = root.l().try_inverse() else { return Vec::new() };
+    let symmetric = (&linear.stiffness + linear.stiffness.transpose()) * 0.5;
+    let eigen = (&inverse * symmetric * inverse.transpose()).symmetric_eigen();
+    let shapes = inverse.transpose() * &eigen.eigenvectors;
+    let mode = |i: usize| (eigen.eigenvalues[i].max(0.0).sqrt(), shapes.column(i).iter().copied().collect());
+    let mut modes: Vec<(f64, Vec<f64>)> = (0..eigen.eigenvalues.len()).map(mode).collect();
+    modes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    modes
+}

@@ -1,0 +1,172 @@
+//! Wings that the air bends: spars of a case.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use wingbeat::judge::Status;
+use wingbeat::scenario::{Document, TetherCase};
+use wingbeat::simulate::{Ending, Record};
+use wingbeat::tether::TetherRun;
+
+fn none(_: &Path) -> Result<Record, String> {
+    Err("no table".into())
+}
+
+fn pazy(overrides: &[&str]) -> TetherCase {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/pazy.toml");
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+    TetherCase::load(&path, &overrides, &none).unwrap()
+}
+
+/// A light wing that flaps, on spars of the bending stiffness `bending` N m2.
+fn flapper(bending: f64, spar: &str) -> Result<TetherCase, String> {
+    let text = format!(
+        r#"
+name = "flapper"
+wing.planform = [
+  {{ arc_m = 0.0, leading_edge_m = 0.02, trailing_edge_m = -0.06 }},
+  {{ arc_m = 0.2, leading_edge_m = 0.02, trailing_edge_m = -0.06 }},
+]
+wing.hinges = [{{ name = "shoulder", kind = "flap", arc_m = 0.02, angle_deg.fourier = {{ sin = [30.0] }} }}]
+wind = {{ speed_m_s = 3.0, density_kg_m3 = 1.225 }}
+aero = {{ law = "linear", full.strips = 12 }}
+time = {{ frequency_hz = 4.0, cycles = 3, steps_per_cycle = 64 }}
+[spar]
+root_m = 0.02
+order = 2
+damping_s = 1e-3
+stations = [
+  {{ arc_m = 0.02, bending_n_m2 = {bending}, edge_bending_n_m2 = {edge}, torsion_n_m2 = {bending}, mass_kg_m = 0.02, inertia_kg_m = 1e-5 }},
+  {{ arc_m = 0.2, bending_n_m2 = {bending}, edge_bending_n_m2 = {edge}, torsion_n_m2 = {bending}, mass_kg_m = 0.01, inertia_kg_m = 5e-6 }},
+]
+{spar}
+"#,
+        edge = 20.0 * bending
+    );
+    let document = Document::text("flapper", &text).map_err(|error| error.to_string())?;
+    TetherCase::new(document.set("aero.preset=full"), &none).map_err(|error| error.to_string())
+}
+
+fn run(case: &TetherCase) -> TetherRun {
+    let run = case.tether.run(|_| ControlFlow::Continue(()));
+    assert_eq!(run.ending, Ending::Complete, "{:?}", run.steady);
+    run
+}
+
+/// The steps stay in the shape that the search found, and near the one measured, on this coarse grid.
+#[test]
+fn the_pazy_wing_stays_at_rest_in_the_wind() {
+    let case = pazy(&["aero.full.strips=12", "spar.order=1", "time.cycles=1", "time.steps_per_cycle=16"]);
+    let run = run(&case);
+    let steady = run.steady.as_ref().unwrap();
+    assert!(steady.found && steady.least_damped[0] < 0.0, "{steady:?}");
+    assert!((steady.tip[0] / 0.1004 - 1.0).abs() < 0.12, "{steady:?}");
+    let up = run.loads.values("tip_up").unwrap();
+    assert!(up.iter().all(|z| (z - steady.tip[0]).abs() < 1e-7 * steady.tip[0]), "{up:?}");
+    // What holds the root carries the lift of the half, less what the weight along the span takes not.
+    let force = run.mean("spar_force_z").unwrap();
+    let [lift, drag] = ["force_z", "force_x"].map(|name| run.mean(name).unwrap());
+    assert!((force + lift).abs() < 1e-3 * lift.abs() && drag.is_finite(), "{force} {lift}");
+    let summary = case.summary(&run, Some(0.0), None);
+    let spar = summary.spar.unwrap();
+    assert!(spar.grid_change.unwrap() < 0.1 && spar.frequencies_hz[0] > 4.0 && spar.frequencies_hz[0] < 6.0);
+}
+
+/// A soft spar bends as the wing flaps, and repeats.
+#[test]
+fn a_soft_spar_bends() {
+    let soft = run(&flapper(0.02, "").unwrap());
+    let up = soft.last_cycle("tip_up").unwrap();
+    let swing = up.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
+    assert!(swing > 0.01 && swing < 0.1, "{swing}");
+    // Over a cycle the root gives what the air and the dampers take; the wing's energy repeats.
+    assert!(soft.periodicity.as_ref().unwrap().change < 0.05);
+}
+
+#[test]
+fn bad_spars_are_refused_with_their_key() {
+    let refused = |spar: &str| flapper(0.1, spar).map(drop).unwrap_err();
+    let message = refused("masses = [{ arc_m = 0.3, mass_kg = 0.001 }]");
+    assert!(message.contains("spar.masses[0].arc_m = 0.3: allowed is 0.02 to 0.2"), "{message}");
+    let message = flapper(-0.1, "").map(drop).unwrap_err();
+    assert!(message.contains("spar.stations[0].bending_n_m2 = -0.1"), "{message}");
+    let set = |key: &str| {
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/pazy.toml");
+        TetherCase::load(&path, &[key.into()], &none).map(drop).unwrap_err().to_string()
+    };
+    for (key, said) in [
+        ("body.roll_deg.fourier.sin=[3.0]", "body.roll_deg"),
+        ("wind.sideslip_deg=3.0", "wind.sideslip_deg"),
+        ("spar.order=13", "spar.order = 13"),
+        ("spar.elements=60", "coordinates"),
+        ("spar.stations[11].arc_m=0.5", "spar.stations[11].arc_m"),
+        ("spar.stations[0].couplings_n_m2=[900.0,0.0,0.0]", "positive definite"),
+        ("spar.stations[1].mass_kg_m=nan", "spar.stations[1].mass_kg_m"),
+        ("spar.stations=[]", "spar.stations"),
+    ] {
+        let message = set(key);
+        assert!(message.contains(said), "{key}: {message}");
+    }
+}
+
+#[test]
+fn a_coarse_spar_is_not_resolved() {
+    let case = flapper(0.004, "").unwrap();
+    let mut run = run(&flapper(0.02, "").unwrap());
+    if let Some(steady) = &mut run.steady {
+        steady.grid_change = Some(0.3);
+    }
+    assert_eq!(case.summary(&run, Some(0.0), None).verdict.status, Status::NotResolved);
+}
+
+/// A robot's link with a spar: the pieces weigh what the spar weighs, carry the surface, and raise its tip when they bend.
+#[test]
+fn a_spar_is_a_chain_of_links_whose_panels_follow() {
+    let text = r#"
+name = "soft"
+body = { mass_kg = 0.01, inertia_kg_m2 = [1e-5, 3e-5, 3e-5] }
+[[links]]
+name = "arm"
+side = "mirrored"
+origin_m = [0.0, 0.02, 0.0]
+driven = { harmonics = [{ amplitude_rad = 0.5, phase_rad = 0.0 }] }
+spar = { length_m = 0.12, segments = 3, bending_n_m2 = 1e-3, torsion_n_m2 = 2e-3, mass_kg_m = 0.02, ahead_m = 0.01, inertia_kg_m = 1e-6, taper = 0.5, damping_s = 1e-4 }
+[[surfaces]]
+name = "wing"
+planform = [
+  { arc_m = 0.0, leading_edge_m = 0.02, trailing_edge_m = -0.04 },
+  { arc_m = 0.14, leading_edge_m = 0.02, trailing_edge_m = -0.04 },
+]
+panels = [{ link = "body" }, { link = "arm", from_arc_m = 0.02 }]
+[gait.fourier]
+frequency_hz = 5.0
+"#;
+    let spec = Document::text("soft", text).and_then(|d| d.robot()).unwrap();
+    let outlines = spec.outlines().unwrap();
+    let bounds = [0.02, 0.04, 0.08, 0.12];
+    assert!(
+        outlines[0].hinges.iter().zip(bounds).all(|(a, b)| (a - b).abs() < 1e-12),
+        "{:?}",
+        outlines[0].hinges
+    );
+    let models = outlines.iter().map(|outline| {
+        let settings = wingbeat::aero::StripSettings {
+            strips: 14,
+            hinge_arcs_m: outline.hinges.clone(),
+            ..Default::default()
+        };
+        wingbeat::aero::StripModel::new(&outline.planform, settings).map(wingbeat::aero::Aero::Strip).unwrap()
+    });
+    let air = wingbeat::robot::Air { density: 1.2, wind: wingbeat::robot::Wind::steady(Default::default()) };
+    let robot = wingbeat::robot::Robot::new(&spec, models.collect(), air, 0.0).unwrap();
+    // Raising and twisting in three joints of each side.
+    // Coordinates and their rates.
+    assert_eq!(robot.start_coordinates().len(), 24);
+    let numbers = robot.tree();
+    let names: Vec<&str> = (0..numbers.links()).map(|i| numbers.name(i)).collect();
+    assert!(names.contains(&"arm_bend3_left") && names.contains(&"arm_3_right"), "{names:?}");
+    let spar = 2.0 * 0.02 * 0.12 * 0.75;
+    assert!((robot.mass() - 0.01 - spar).abs() < 1e-12, "{}", robot.mass());
+    let mut spec = spec;
+    spec.links[0].spar.as_mut().unwrap().segments = 0;
+    assert!(spec.check().unwrap_err().to_string().starts_with("links[0].spar.segments = 0"));
+}
