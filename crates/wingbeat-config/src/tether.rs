@@ -430,6 +430,7 @@ impl TetherSpec {
             cd0: self.wing.cd0.unwrap_or(if self.aero.law.separates() { CD0.default } else { 0.0 }),
             cd90: self.wing.cd90,
             section: self.wing.section,
+            membrane: self.wing.membrane.clone(),
             preset: None,
             law: None,
             strips: None,

@@ -110,6 +110,7 @@ impl<P: Scalar> StripModel<P> {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
             loads.wash[at] = response.wash[i];
+            loads.camber[at] = response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[i]);
             loads.separated[at] = S::ONE - response.attached[i];
             loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
             loads.circulation[at] = response.circulation[i];
@@ -194,6 +195,11 @@ impl<P: Scalar> StripModel<P> {
         }
         if let Some(edges) = &response.edges {
             self.cap_suction(strips, response, edges, &shares, &mut force);
+            if let Some(camber) = &response.camber {
+                let along = |i: usize| strips.along[i].smooth_abs(self.floor);
+                let held = (edges, attached);
+                self.keep_slopes(along, camber, held, (&wash, &shares), &mut force.chordwise);
+            }
         }
         force
     }
@@ -267,6 +273,9 @@ impl<P: Scalar> StripModel<P> {
             let moment =
                 strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);
             force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
+            if let Some(camber) = &response.camber {
+                force.nose_up += self.camber_moment(i, flow, response.attached[i], camber);
+            }
         }
         force
     }
