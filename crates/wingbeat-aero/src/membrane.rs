@@ -109,3 +109,9 @@ impl<P: Scalar> Parameters<P> for MembraneNumbers<P> {
         }
     }
 }
+
+/// Height of a membrane over the chord at the share `x` of the chord from the leading edge, from [`Loads::camber`](crate::Loads::camber) and
+/// [`Loads::camber_forward`](crate::Loads::camber_forward): sin^2 t (h_1 + h_2 cos t), cos t = 1 - 2 x.
+pub fn membrane_height(camber: f64, forward: f64, x: f64) -> f64 {
+    4.0 * x * (1.0 - x) * (camber + forward * (1.0 - 2.0 * x))
+}

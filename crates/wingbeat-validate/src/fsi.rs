@@ -2,6 +2,7 @@
 
 mod energy;
 mod flutter;
+pub mod membrane;
 mod section;
 mod theodorsen;
 

@@ -54,6 +54,7 @@ pub fn cases() -> Vec<&'static Case> {
         lattice::CASES,
         body::CASES,
         fsi::CASES,
+        fsi::membrane::CASES,
         orbit::CASES,
         flight::CASES,
         ocp::CASES,

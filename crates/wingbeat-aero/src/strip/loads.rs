@@ -110,7 +110,9 @@ impl<P: Scalar> StripModel<P> {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
             loads.wash[at] = response.wash[i];
-            loads.camber[at] = response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[i]);
+            loads.camber[at] = response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[0][i]);
+            loads.camber_forward[at] =
+                response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[1][i]);
             loads.separated[at] = S::ONE - response.attached[i];
             loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
             loads.circulation[at] = response.circulation[i];
@@ -196,9 +198,8 @@ impl<P: Scalar> StripModel<P> {
         if let Some(edges) = &response.edges {
             self.cap_suction(strips, response, edges, &shares, &mut force);
             if let Some(camber) = &response.camber {
-                let along = |i: usize| strips.along[i].smooth_abs(self.floor);
-                let held = (edges, attached);
-                self.keep_slopes(along, camber, held, (&wash, &shares), &mut force.chordwise);
+                let washes = [&response.lift_wash, &wash, &shares];
+                self.keep_slopes(camber, (edges, attached), washes, &mut force.chordwise);
             }
         }
         force

@@ -1,8 +1,9 @@
 //! The membrane of the strips: camber by the pressure difference against a tension that grows with strain.
 //!
-//! Each strip is a parabola z = 4 h (x/c)(1 - x/c) above its chord, the exact shape under an even pressure, and its state the camber
-//! h/c. The membrane's inertia against itself is left out: its frequency, with the air that it carries, has to lie far above that
-//! of the motion, which [`StripModel::membrane_frequency_hz`] tells. What remains is a balance of first order in h.
+//! Above the chord of a strip, x = c (1 - cos t)/2, stands z = sin^2 t (h_1 + h_2 cos t): the parabola, exact under an even
+//! pressure, and the shape that moves the bulge forward. States are both over the chord. The inertia of the membrane against itself
+//! is left out: its frequency, with the air that it carries, has to lie far above that of the motion, which
+//! [`StripModel::membrane_frequency_hz`] tells. What remains is a balance of first order in the heights.
 
 use super::grid::Grid;
 use super::influence::Column;
@@ -14,17 +15,24 @@ use wingbeat_math::{Error, Meets, Over, Scalar};
 
 /// Strain over which the end of the tension is rounded off where the membrane goes slack. *Choice.*
 const STRAIN_WIDTH: f64 = 1e-4;
-/// Slope of the arc's strain (8/3)(h/c)^2 over h/c: the strain is the mean of z'^2 / 2 along the chord.
-const ARC: f64 = 16.0 / 3.0;
-/// Mean square of the parabola along the chord.
-const MEAN_SQUARE: f64 = 8.0 / 15.0;
+/// Stretch over which the size of the tension is rounded off in the membrane's own damping. *Choice.*
+const DAMPED_WIDTH: f64 = 1e-3;
+/// Shapes of a strip.
+const MODES: usize = 2;
+/// Rate of the arc's strain, the mean of z'^2/2 along the chord, by h/c of each shape, over h/c.
+const ARC: [f64; MODES] = [16.0 / 3.0, 16.0 / 5.0];
+/// Mean square of each shape along the chord.
+const MEAN_SQUARE: [f64; MODES] = [8.0 / 15.0, 8.0 / 105.0];
+
+/// A column for each shape.
+pub(super) type Shapes<S, const N: usize> = [Column<S, N>; MODES];
 
 /// Strips between two ribs, or one strip that nothing holds at its sides.
 #[derive(Clone, Debug)]
 struct Bay<P> {
     first: usize,
-    /// Force between neighbours over spanwise tension and step of height: one before each strip and one behind the last, which lead
-    /// to the ribs; none of a strip that nothing holds.
+    /// Chord over the distance between neighbours: one before each strip and one behind the last, which lead to the ribs; none of a
+    /// strip that nothing holds.
     ties: Vec<P>,
     /// One over its area, 1/m2.
     inverse_area: P,
@@ -47,18 +55,19 @@ pub(super) struct Membrane<P> {
 
 /// What the camber does on each strip.
 pub(super) struct Camber<S: Scalar, const N: usize> {
-    /// Camber over chord.
-    pub of_chord: Column<S, N>,
-    /// Rate of the height, m/s.
+    /// Heights over the chord.
+    pub of_chord: Shapes<S, N>,
+    /// Rate of the parabola's height, m/s.
     pub rate: Column<S, N>,
-    /// Lift wash without what the slope of the camber adds: the wash of the flat chord, m/s.
+    /// Lift wash without what the slopes add: the wash of the flat chord, m/s.
     pub flat: Column<S, N>,
+    /// What the slope at the leading edge takes of that wash there, m/s.
+    pub nose: Column<S, N>,
 }
 
 /// Tension over stiffness from the stretch: what it is, never negative, and its size.
 fn tension<S: Scalar>(stretch: S) -> [S; 2] {
-    let size = stretch.smooth_abs(STRAIN_WIDTH);
-    [(stretch + size) * 0.5, size]
+    [stretch.smooth_positive(STRAIN_WIDTH), stretch.smooth_abs(DAMPED_WIDTH)]
 }
 
 impl<P: Scalar> Membrane<P> {
@@ -131,7 +140,7 @@ impl<P: Scalar> Membrane<P> {
             if step.value() < least {
                 step = P::from(least);
             }
-            (chord(k) + chord(k + 1)) * (0.5 * MEAN_SQUARE) / step
+            (chord(k) + chord(k + 1)) * 0.5 / step
         };
         let area = strips.clone().fold(P::ZERO, |sum, i| sum + grid.chord[i] * grid.width[i]);
         let poisson = numbers.poisson_ratio;
@@ -144,79 +153,91 @@ impl<P: Scalar> Membrane<P> {
         });
     }
 
-    /// Rates of the heights, m/s, at the cambers `camber` under the loads `load`, N, which fall by `resistance` N s/m with
-    /// the rate: (tau K + R) h' = Q - N with N_i = (16/3) T_x (h/c) dy + spanwise [T_y (8/15) c dh/dy], T_x = E t/(1 - nu^2)
-    /// (e_x + nu e_y), e_x = e_0 + (8/3)(h/c)^2, e_y = e_0 + mean of (8/15) h_y^2 / 2, T = E t e_x without ribs; no tension is negative.
+    /// Rates of the heights, m/s, at the heights over chord `camber` under the loads `load`, N, which fall by `resistance` N s/m with
+    /// the rate: (tau K + R) h' = Q - N with N = k T_x (h/c) dy - d/dy[s T_y c dh/dy] dy, k = 16/3 and 16/5, s = 8/15 and 8/105;
+    /// T_x = E t/(1 - nu^2) (e_x + nu e_y), e_x = e_0 + (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2, e_y = e_0 + the mean of s h_y^2/2 between the
+    /// ribs, T_y likewise with the mean of e_x; T = E t e_x without ribs; no tension is negative.
     /// K is the tangent of N with the sizes of the tensions, those along the span held.
     ///
     /// Equation: aero.membrane
-    /// `(tau K + R) h' = Q - N, N = (16/3) T (h/c) dy + d/dy[T_y (8/15) c h_y], T = E t/(1 - nu^2)(e_x + nu e_y), e_x = e_0 +
-    /// (8/3)(h/c)^2`
+    /// `(tau K + R) h' = Q - N, N = k T (h/c) dy - d/dy[s T_y c h_y] dy, T = E t/(1 - nu^2)(e_x + nu e_y), e_x = e_0 +
+    /// (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2`
     /// Source: virtual work of a membrane of constant tension along its chord; Nielsen 1963, J. Appl. Mech. 30, without extension.
     /// Test: `an_even_pressure_bends_the_membrane_to_its_parabola`.
     pub fn rates<S: Scalar + Meets<P>, const N: usize>(
         &self,
-        camber: &Column<S, N>,
-        load: &Column<S, N>,
+        camber: &Shapes<S, N>,
+        load: &Shapes<S, N>,
         resistance: &Column<S, N>,
-    ) -> Column<S, N> {
-        let mut rates = [S::ZERO; N];
+    ) -> Shapes<S, N> {
+        let mut rates = *load;
         for bay in &self.bays {
-            self.bay_rates(bay, camber, load, resistance, &mut rates);
+            self.bay_rates(bay, camber, resistance, &mut rates);
         }
         rates
     }
 
+    /// Strain of the strip `i` along its chord.
+    fn stretch<S: Scalar + Meets<P>, const N: usize>(&self, camber: &Shapes<S, N>, i: usize) -> S {
+        let arc = |m: usize| camber[m][i].squared() * (0.5 * ARC[m]);
+        arc(0) + arc(1) + self.prestrain
+    }
+
+    /// Turns the loads of the strips of a bay, which `rates` holds, into the rates.
     fn bay_rates<S: Scalar + Meets<P>, const N: usize>(
         &self,
         bay: &Bay<P>,
-        camber: &Column<S, N>,
-        load: &Column<S, N>,
+        camber: &Shapes<S, N>,
         resistance: &Column<S, N>,
-        rates: &mut Column<S, N>,
+        rates: &mut Shapes<S, N>,
     ) {
         let (first, count) = (bay.first, bay.ties.len() - 1);
-        let height = |k: usize| match k {
+        let height = |m: usize, k: usize| match k {
             k if k == 0 || k > count => S::ZERO,
-            k => camber[first + k - 1] * self.chord[first + k - 1],
+            k => camber[m][first + k - 1] * self.chord[first + k - 1],
         };
-        let stretch = |i: usize| camber[i].squared() * (0.5 * ARC) + self.prestrain;
+        let step = |m: usize, k: usize| height(m, k + 1) - height(m, k);
         let (mut along_span, mut along_chord) = (<S as From<P>>::from(self.prestrain), S::ZERO);
         for (k, tie) in bay.ties.iter().enumerate() {
-            along_span += (height(k + 1) - height(k)).squared() * (*tie * bay.inverse_area * 0.5);
+            let square = step(0, k).squared() * MEAN_SQUARE[0] + step(1, k).squared() * MEAN_SQUARE[1];
+            along_span += square * (*tie * bay.inverse_area * 0.5);
         }
         for i in first..first + count {
-            along_chord += stretch(i) * (self.chord[i] * self.width[i] * bay.inverse_area);
+            let share = self.chord[i] * self.width[i] * bay.inverse_area;
+            along_chord += self.stretch(camber, i) * share;
         }
-        let [pull, span_size] = tension(along_span + along_chord * bay.poisson).map(|t| t * bay.stiffness);
-        // Symmetric tridiagonal system: diagonal and what is left of the load, eliminated on the way.
-        let mut diagonal = [S::ONE; N];
-        let off = |k: usize| -(span_size * (bay.ties[k] * self.damping));
-        for k in 0..count {
-            let i = first + k;
-            let [taut, size] =
-                tension(stretch(i) + along_span * bay.poisson).map(|t| t * bay.stiffness);
-            let slope = self.width[i] / self.chord[i] * ARC;
-            let tangent = (size + camber[i].squared() * (bay.stiffness * ARC)) * slope
-                + span_size * (bay.ties[k] + bay.ties[k + 1]);
-            let (to, from) = (height(k + 2) - height(k + 1), height(k + 1) - height(k));
-            let spanwise = (to * bay.ties[k + 1] - from * bay.ties[k]) * pull;
-            rates[i] = load[i] - taut * camber[i] * (self.width[i] * ARC) + spanwise;
-            diagonal[i] = tangent * self.damping + resistance[i];
-            if k > 0 {
-                let share = off(k) / diagonal[i - 1];
-                diagonal[i] -= share * off(k);
-                let before = rates[i - 1];
-                rates[i] -= share * before;
-            }
+        let [pull, held] = tension(along_span + along_chord * bay.poisson).map(|t| t * bay.stiffness);
+        let mut taut = [[S::ONE; N]; 2];
+        for i in first..first + count {
+            let stretch = self.stretch(camber, i) + along_span * bay.poisson;
+            [taut[0][i], taut[1][i]] = tension(stretch).map(|t| t * bay.stiffness);
         }
-        for k in (0..count).rev() {
-            let i = first + k;
-            if k + 1 < count {
-                let behind = rates[i + 1];
-                rates[i] -= off(k + 1) * behind;
+        for m in 0..MODES {
+            // Symmetric tridiagonal system: diagonal and what is left of the load, eliminated on the way.
+            let tie = |k: usize| bay.ties[k] * MEAN_SQUARE[m];
+            let off = |k: usize| -(held * (tie(k) * self.damping));
+            let (mut diagonal, rates) = ([S::ONE; N], &mut rates[m]);
+            for k in 0..count {
+                let (i, ahead) = (first + k, rates[(first + k).saturating_sub(1)]);
+                let slope = self.width[i] / self.chord[i] * ARC[m];
+                let tangent = (taut[1][i] + camber[m][i].squared() * (bay.stiffness * ARC[m])) * slope
+                    + held * (tie(k) + tie(k + 1));
+                diagonal[i] = tangent * self.damping + resistance[i];
+                rates[i] += (step(m, k + 1) * tie(k + 1) - step(m, k) * tie(k)) * pull
+                    - taut[0][i] * camber[m][i] * (self.width[i] * ARC[m]);
+                if k > 0 {
+                    let share = off(k) / diagonal[i - 1];
+                    diagonal[i] -= share * off(k);
+                    rates[i] -= share * ahead;
+                }
             }
-            rates[i] = rates[i] / diagonal[i];
+            for i in (first..first + count).rev() {
+                if i + 1 < first + count {
+                    let behind = rates[i + 1];
+                    rates[i] -= off(i + 1 - first) * behind;
+                }
+                rates[i] = rates[i] / diagonal[i];
+            }
         }
     }
 
@@ -234,8 +255,8 @@ impl<P: Scalar> Membrane<P> {
         let of = |bay: &Bay<P>| {
             let chord = self.chord[bay.first].value();
             let air = density.value() * PI * chord * chord / 4.0 * (7.0 / 12.0);
-            let mass = self.areal_density.value() * chord * MEAN_SQUARE + air;
-            (ARC * bay.stiffness.value() * stretch / chord / mass).sqrt() / TAU
+            let mass = self.areal_density.value() * chord * MEAN_SQUARE[0] + air;
+            (ARC[0] * bay.stiffness.value() * stretch / chord / mass).sqrt() / TAU
         };
         self.bays.iter().map(of).fold(f64::INFINITY, f64::min)
     }
@@ -252,29 +273,32 @@ impl<P: Scalar> StripModel<P> {
         self.followed_states() + if self.follows() { self.settings.strips } else { 0 }
     }
 
-    /// Cambers over chord from the states.
-    pub(super) fn cambers<S: Scalar, const N: usize>(&self, x: &[S]) -> Column<S, N> {
-        let n = self.settings.strips;
-        let mut column = [S::ZERO; N];
-        column[..n].copy_from_slice(&x[self.camber_states()..][..n]);
-        column
+    /// Heights over the chord from the states.
+    pub(super) fn cambers<S: Scalar, const N: usize>(&self, x: &[S]) -> Shapes<S, N> {
+        let (n, at) = (self.settings.strips, self.camber_states());
+        let mut shapes = [[S::ZERO; N]; MODES];
+        for (m, column) in shapes.iter_mut().enumerate() {
+            column[..n].copy_from_slice(&x[at + m * n..][..n]);
+        }
+        shapes
     }
 
-    /// Adds what the slope of the camber makes of the wash at 3/4 chord, 2 (h/c) V: with z' = 4 (h/c) cos t, x = c (1 - cos t)/2,
-    /// the wash is B0 + B1 cos t + B2 cos 2t, of which B0 - B1/2 lifts; B1 = -4 (h/c) V, from the rate B0 = -h'/2, B2 = h'/2.
+    /// Adds what the slopes make of the wash at 3/4 chord, V (2 h_1 - h_2)/c: the wash is B0 + B1 cos t + B2 cos 2t + ..., of
+    /// which B0 - B1/2 lifts; with z' = [4 h_1 cos t + h_2 (1 + 3 cos 2t)]/c it is B0 = -V h_2/c, B1 = -4 V h_1/c, B2 = -3 V h_2/c,
+    /// from the rate B0 = -h_1'/2, B2 = h_1'/2.
     ///
     /// Equation: aero.camber_wash
-    /// `lifting wash 2 (h/c) V - h'/2 of a parabola, z = h (1 - cos 2t)/2`
+    /// `lifting wash V (2 h_1 - h_2)/c - h_1'/2 of z = sin^2 t (h_1 + h_2 cos t)`
     /// Source: Glauert 1926, ch. 7, with the wash of the rate.
-    /// Test: `a_moving_camber_is_lifted_as_a_vortex_panel_says`.
+    /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
     pub(super) fn wash_of_slope<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
-        camber: &Column<S, N>,
+        camber: &Shapes<S, N>,
         wash: &mut Column<S, N>,
     ) {
         for i in 0..self.settings.strips {
-            wash[i] += camber[i] * (self.wind_along(i, flow) * 2.0);
+            wash[i] += (camber[0][i] * 2.0 - camber[1][i]) * self.wind_along(i, flow);
         }
     }
 
@@ -284,30 +308,32 @@ impl<P: Scalar> StripModel<P> {
         flow.strips.along[i].smooth_abs(self.floor)
     }
 
-    /// Load on the parabola of strip `i`, N, by virtual work of the pressure difference: F/2 of the circulatory force
-    /// rho a0 b dy V (w_l - B1/4), B1 = -b q - 4 (h/c) V, and of the vortex; 2/3 of what presses evenly, the plate's in separated
-    /// flow; and (3/4) P' of the air that the chord carries, -(2/3) m a of the membrane's mass under the chord's acceleration.
+    /// Loads on the shapes of strip `i`, N, by virtual work of the pressure difference; of the circulatory force per wash
+    /// L = rho a0 b dy V a half on the parabola, with w_l - B1/4, and an eighth on the other, with w_l + B1/2 - B2, where
+    /// B1 = -b q - 4 V h_1/c and B2 = -3 V h_2/c; the vortex like the lift; on the parabola 2/3 of what presses evenly, the plate's
+    /// force in separated flow, (3/4) P' of the air that the chord carries and -(2/3) m a of the membrane's mass.
     ///
     /// Equation: aero.camber_load
-    /// `Q = rho pi b dy V (w_l + b q/4 + (h/c) V) + F_vortex/2 + 2/3 F_plate + 3/4 P' - 2/3 m a`
+    /// `Q_1 = L (w_l + b q/4 + V h_1/c)/2 + F_vortex/2 + 2/3 F_plate + 3/4 P' - 2/3 m a, Q_2 = L (w_l - b q/2 - V (2 h_1 - 3 h_2)/c)/8 +
+    /// F_vortex/8`
     /// Source: pressure of thin-aerofoil theory, 2 rho V [(w_l + B1/2) cot(t/2) - B1 sin t - B2 sin 2t] + 2 rho dphi/dt (Theodorsen
-    /// 1935; Glauert 1926), against sin^2 t; evenness of the plate's pressure a choice.
-    /// Test: `a_moving_camber_is_lifted_as_a_vortex_panel_says`.
+    /// 1935; Glauert 1926), against the shapes; evenness of the plate's pressure a choice; the rate of B1 on h_2 left out.
+    /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
     fn camber_load<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         i: usize,
         (flow, membrane): (&Flow<G, N>, &Membrane<P>),
-        (camber, lift_wash, attached): (S, S, S),
-        vortex: S,
-    ) -> S {
-        let (strips, along) = (&flow.strips, self.wind_along(i, flow));
-        let own = camber * along + S::from(strips.pitch[i] * (self.tables.chord[i] * 0.125));
-        let circulatory = (lift_wash + own) * attached * (along * self.tables.lift_scale[i]);
+        [first, second]: [S; MODES],
+        (lift_wash, attached, vortex): (S, S, S),
+    ) -> [S; MODES] {
+        let (strips, wind) = (&flow.strips, self.wind_along(i, flow));
+        let turn = strips.pitch[i] * (self.tables.chord[i] * 0.125);
+        let per_wash = attached * (wind * self.tables.lift_scale[i]);
+        let vortex = vortex * attached * self.tables.drag_scale[i];
         let drag = self.numbers.drag().of_plate();
         let (along, wash) = (strips.along[i], strips.wash_half[i]);
-        let delta2 = self.floor * self.floor;
         let plate = match self.settings.section.law.separates() {
-            true => drag.section(&self.polar, along, wash, attached, delta2).normal,
+            true => drag.section(&self.polar, along, wash, attached, self.floor * self.floor).normal,
             false => S::ZERO,
         };
         let normal_rate = strips.normal_rate.get(i);
@@ -316,55 +342,62 @@ impl<P: Scalar> StripModel<P> {
         let acceleration = turning - strips.wash_half_rate[i];
         let mass = membrane.areal_density * self.tables.chord[i] * membrane.width[i] * self.tables.covered[i];
         let inertia = flow.impulse_rate[i] * 0.75 - acceleration * (mass * (2.0 / 3.0));
-        (circulatory + vortex * attached * self.tables.drag_scale[i]) * 0.5
-            + plate * (self.tables.drag_scale[i] * (2.0 / 3.0))
-            + inertia
+        let even = plate * (self.tables.drag_scale[i] * (2.0 / 3.0)) + inertia;
+        let fore = lift_wash - (first * 2.0 - second * 3.0) * wind - turn * 2.0;
+        [
+            ((lift_wash + first * wind + turn) * per_wash + vortex) * 0.5 + even,
+            (fore * per_wash + vortex) * 0.125,
+        ]
     }
 
-    /// Rates of the cambers, and what they make of washes and lags: the rate h' lowers the wash by h'/2, and with it at once the
-    /// load, so that the air damps the camber.
+    /// Rates of the cambers, and what they make of washes and lags: the rate h_1' lowers the wash by h_1'/2, and with it at once the
+    /// load, so that the air damps the camber; that damping is taken for both shapes, whose second has no other effect of its rate.
     pub(super) fn advance_camber<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         (flow, membrane): (&Flow<G, N>, &Membrane<P>),
-        (of_chord, attached): (Column<S, N>, &Column<S, N>),
+        (of_chord, attached): (Shapes<S, N>, &Column<S, N>),
         (wash, lift_wash): (&mut Column<S, N>, &mut Column<S, N>),
         x: &[S],
         dx: &mut [S],
     ) -> Camber<S, N> {
-        let (n, tables) = (self.settings.strips, &self.tables);
+        let (n, tables, at) = (self.settings.strips, &self.tables, self.camber_states());
         let vortex = match self.settings.section.law.about().edge_vortex {
             true => self.law_column(x, 0),
             false => [S::ZERO; N],
         };
-        let (mut load, mut resistance) = ([S::ZERO; N], [S::ZERO; N]);
+        let (mut load, mut resistance) = ([[S::ZERO; N]; MODES], [S::ZERO; N]);
         for i in 0..n {
-            let section = (of_chord[i], lift_wash[i], attached[i]);
-            load[i] = self.camber_load(i, (flow, membrane), section, vortex[i]);
+            let section = (lift_wash[i], attached[i], vortex[i]);
+            let shapes = [of_chord[0][i], of_chord[1][i]];
+            [load[0][i], load[1][i]] = self.camber_load(i, (flow, membrane), shapes, section);
             let scale = tables.lift_scale[i] * tables.at_once * 0.25;
             resistance[i] = attached[i] * (self.wind_along(i, flow) * scale);
         }
-        let rate = membrane.rates(&of_chord, &load, &resistance);
-        let mut flat = *lift_wash;
+        let rates = membrane.rates(&of_chord, &load, &resistance);
+        let (mut flat, mut nose) = (*lift_wash, [S::ZERO; N]);
         for i in 0..n {
-            let fallen = rate[i] * -0.5;
+            let (fallen, wind) = (rates[0][i] * -0.5, self.wind_along(i, flow));
             wash[i] += fallen;
             lift_wash[i] += fallen * tables.at_once;
-            flat[i] = lift_wash[i] - of_chord[i] * (self.wind_along(i, flow) * 2.0);
+            nose[i] = of_chord[1][i] * wind;
+            flat[i] = lift_wash[i] - of_chord[0][i] * (wind * 2.0) + nose[i];
             for (k, lag) in self.numbers.lags.iter().enumerate() {
                 dx[k * n + i] += fallen * (flow.strips.speed[i] * (lag.rate * tables.turnover[i]));
             }
-            dx[self.camber_states() + i] = rate[i] * tables.chord[i].recip();
+            for (m, rate) in rates.iter().enumerate() {
+                dx[at + m * n + i] = rate[i] * tables.chord[i].recip();
+            }
         }
-        Camber { of_chord, rate, flat }
+        Camber { of_chord, rate: rates[0], flat, nose }
     }
 
     /// Nose-up couple of the camber of strip `i` about its quarter chord, N m:
-    /// -rho pi b^2 dy V [2 (h/c) V + (b/c) h'], from (pi/2) rho V b^2 (B1 - B2) + (pi/8) rho b^3 B1'.
+    /// -rho pi b^2 dy V [V (2 h_1 - 3/2 h_2)/c + h_1'/2], from (pi/2) rho V b^2 (B1 - B2) + (pi/8) rho b^3 B1'.
     ///
     /// Equation: aero.camber_moment
-    /// `-rho pi b^2 dy V [2 (h/c) V + h'/2]; steady c_m = -pi h/c`
+    /// `-rho pi b^2 dy V [V (2 h_1 - 3/2 h_2)/c + h_1'/2]; steady c_m = -pi (h_1 - 3/4 h_2)/c`
     /// Source: Glauert 1926, ch. 7; rate by thin-aerofoil theory, own derivation.
-    /// Test: `a_moving_camber_is_lifted_as_a_vortex_panel_says`.
+    /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
     pub(super) fn camber_moment<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         i: usize,
@@ -372,24 +405,26 @@ impl<P: Scalar> StripModel<P> {
         attached: S,
         camber: &Camber<S, N>,
     ) -> S {
-        let along = self.wind_along(i, flow);
-        let turning = camber.of_chord[i] * (along * 2.0) + camber.rate[i] * 0.5;
-        -(turning * attached * (along * (self.tables.lift_scale[i] * self.tables.chord[i] * 0.25)))
+        let (wind, [first, second]) = (self.wind_along(i, flow), &camber.of_chord);
+        let turning = (first[i] * 2.0 - second[i] * 1.5) * wind + camber.rate[i] * 0.5;
+        -(turning * attached * (wind * (self.tables.lift_scale[i] * self.tables.chord[i] * 0.25)))
     }
 
-    /// Forward force of the pressure on the camber's slopes, which is no suction of the leading edge and so is not lost with it:
-    /// adds what [`cap_suction`](Self::cap_suction) took of it.
-    pub(super) fn keep_slopes<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    /// Forward force of the pressure on the slopes, which is no suction of the leading edge and so is not lost with it:
+    /// adds what [`cap_suction`](Self::cap_suction) took of it. Of the chord force w_l W that of the edge is (w - n)(W - n), w the
+    /// wash of the flat chord, W as it turns the force, and n what the slope at the edge takes.
+    pub(super) fn keep_slopes<S: Scalar + Meets<P>, const N: usize>(
         &self,
-        flow_along: impl Fn(usize) -> G,
         camber: &Camber<S, N>,
         (edges, attached): (&LeadingEdges<S, N>, &Column<S, N>),
-        (wash, shares): (&Column<S, N>, &Column<S, N>),
+        [lift_wash, wash, shares]: [&Column<S, N>; 3],
         chordwise: &mut Column<S, N>,
     ) {
         for i in 0..self.settings.strips {
-            let slopes = camber.of_chord[i] * attached[i] * (flow_along(i) * (self.tables.lift_scale[i] * 2.0));
-            chordwise[i] -= slopes * wash[i] * shares[i] * (S::ONE - edges.held[i]);
+            let nose = camber.nose[i];
+            let edge = (camber.flat[i] - nose) * (wash[i] - nose);
+            let slopes = (lift_wash[i] * wash[i] - edge) * attached[i] * self.tables.lift_scale[i];
+            chordwise[i] -= slopes * shares[i] * (S::ONE - edges.held[i]);
         }
     }
 }

@@ -140,10 +140,11 @@ impl<P: Scalar> StripModel<P> {
         self.settings.strips
     }
     /// Number of states: for each wash lag, then for each wake lag, for each state of the
-    /// law, for the impulse where it is followed and for the camber of a membrane a block of one value per strip, left tip to
+    /// law, for the impulse where it is followed and for the camber of a membrane blocks of one value per strip, left tip to
     /// right tip.
     pub fn states(&self) -> usize {
-        let blocks = usize::from(self.follows()) + usize::from(self.membrane.is_some());
+        let shapes = if self.membrane.is_some() { 2 } else { 0 };
+        let blocks = usize::from(self.follows()) + shapes;
         self.followed_states() + blocks * self.settings.strips
     }
     /// Whether the impulse of the carried air is followed by states.
@@ -169,7 +170,7 @@ impl<P: Scalar> StripModel<P> {
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
         let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
-        let camber = self.membrane.as_ref().map(|_| ("camber".to_owned(), ""));
+        let camber = self.membrane.iter().flat_map(|_| ["camber", "camber_forward"].map(|of| (of.to_owned(), "")));
         wash.chain(wake)
             .chain(law)
             .chain(followed)

@@ -320,7 +320,17 @@ impl<P: Scalar> StripModel<P> {
             self.advance_separation(&flow.strips, flat, (state, chords), x, dx);
         }
         let edges =
-            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [flat, &turning_wash], x, dx));
+            law.edge_vortex.then(|| {
+                let Some(Camber { nose, .. }) = &camber else {
+                    return self.advance_edges(&flow.strips, [flat, &turning_wash], x, dx);
+                };
+                let (mut edge, mut turning) = (*flat, turning_wash);
+                for i in 0..N {
+                    edge[i] -= nose[i];
+                    turning[i] -= nose[i];
+                }
+                self.advance_edges(&flow.strips, [&edge, &turning], x, dx)
+            });
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
