@@ -189,6 +189,13 @@ impl<P: Scalar> Aero<P> {
             Self::Strip(_) => Preset::Full,
         }
     }
+    /// The strip model with a membrane, where that is what it is.
+    pub fn membrane(&self) -> Option<&StripModel<P>> {
+        match self {
+            Self::Strip(model) if model.membrane_frequency_hz().is_some() => Some(model),
+            _ => None,
+        }
+    }
     /// The lift law.
     pub fn law(&self) -> LiftLaw {
         match self {

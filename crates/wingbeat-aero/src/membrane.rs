@@ -16,9 +16,12 @@ pub struct MembraneSpec {
     pub modulus_pa: f64,
     /// Density, kg/m3; the links' masses have to hold the membrane's too.
     pub density_kg_m3: f64,
-    /// Strain of the flat membrane at rest; negative is slack, by which it is longer than the chord.
+    /// Strain of the flat membrane at rest along the chord; negative is slack, by which it is longer than the chord.
     #[serde(default)]
     pub prestrain: f64,
+    /// Strain of the flat membrane along the span where ribs hold it; `prestrain` where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prestrain_span: Option<f64>,
     /// Poisson's ratio; acts between ribs.
     #[serde(default = "poisson_ratio")]
     pub poisson_ratio: f64,
@@ -49,6 +52,7 @@ ranges!(MembraneSpec {
     modulus_pa: Range::over(0.0, 1e12),
     density_kg_m3: Range::between(0.0, 1e5),
     prestrain: PRESTRAIN_RANGE,
+    prestrain_span: PRESTRAIN_RANGE,
     poisson_ratio: Range::between(0.0, 0.5),
     damping_s: DAMPING_RANGE,
     ribs_m: Range::NOT_NEGATIVE,
@@ -69,6 +73,7 @@ impl MembraneSpec {
             stiffness: self.modulus_pa * self.thickness_m,
             areal_density: self.density_kg_m3 * self.thickness_m,
             prestrain: self.prestrain,
+            prestrain_span: self.prestrain_span.unwrap_or(self.prestrain),
             poisson_ratio: self.poisson_ratio,
             damping: self.damping_s,
         }
@@ -82,8 +87,10 @@ pub struct MembraneNumbers<P: Scalar = f64> {
     pub stiffness: P,
     /// Mass over area, kg/m2.
     pub areal_density: P,
-    /// Strain of the flat membrane.
+    /// Strain of the flat membrane along the chord.
     pub prestrain: P,
+    /// And along the span.
+    pub prestrain_span: P,
     /// Poisson's ratio.
     pub poisson_ratio: P,
     /// Time of the membrane's own damping, s.
@@ -104,6 +111,7 @@ impl<P: Scalar> Parameters<P> for MembraneNumbers<P> {
             stiffness: at.number("stiffness_n_m", &STIFFNESS, self.stiffness),
             areal_density: at.number("areal_density_kg_m2", &AREAL_DENSITY, self.areal_density),
             prestrain: at.number("prestrain", &PRESTRAIN, self.prestrain),
+            prestrain_span: at.number("prestrain_span", &PRESTRAIN, self.prestrain_span),
             poisson_ratio: at.number("poisson_ratio", &POISSON_RATIO, self.poisson_ratio),
             damping: at.number("damping_s", &DAMPING, self.damping),
         }

@@ -31,6 +31,7 @@ mod search;
 mod search_spec;
 mod shared;
 mod side_by_side;
+mod skin;
 mod sound;
 mod spec;
 mod step_error;

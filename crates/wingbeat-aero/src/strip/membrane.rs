@@ -46,6 +46,7 @@ struct Bay<P> {
 #[derive(Clone, Debug)]
 pub(super) struct Membrane<P> {
     prestrain: P,
+    prestrain_span: P,
     damping: P,
     areal_density: P,
     chord: Vec<P>,
@@ -94,6 +95,7 @@ impl<P: Scalar> Membrane<P> {
         ribs.dedup_by(|a, b| (*a - *b).value().abs() < 1e-9);
         let mut laid = Self {
             prestrain: numbers.prestrain,
+            prestrain_span: numbers.prestrain_span,
             damping: numbers.damping,
             areal_density: numbers.areal_density,
             chord: grid.chord.clone(),
@@ -155,7 +157,7 @@ impl<P: Scalar> Membrane<P> {
 
     /// Rates of the heights, m/s, at the heights over chord `camber` under the loads `load`, N, which fall by `resistance` N s/m with
     /// the rate: (tau K + R) h' = Q - N with N = k T_x (h/c) dy - d/dy[s T_y c dh/dy] dy, k = 16/3 and 16/5, s = 8/15 and 8/105;
-    /// T_x = E t/(1 - nu^2) (e_x + nu e_y), e_x = e_0 + (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2, e_y = e_0 + the mean of s h_y^2/2 between the
+    /// T_x = E t/(1 - nu^2) (e_x + nu e_y), e_x = e_0 + (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2, e_y the prestrain along the span + the mean of s h_y^2/2 between the
     /// ribs, T_y likewise with the mean of e_x; T = E t e_x without ribs; no tension is negative.
     /// K is the tangent of N with the sizes of the tensions, those along the span held.
     ///
@@ -197,7 +199,7 @@ impl<P: Scalar> Membrane<P> {
             k => camber[m][first + k - 1] * self.chord[first + k - 1],
         };
         let step = |m: usize, k: usize| height(m, k + 1) - height(m, k);
-        let (mut along_span, mut along_chord) = (<S as From<P>>::from(self.prestrain), S::ZERO);
+        let (mut along_span, mut along_chord) = (<S as From<P>>::from(self.prestrain_span), S::ZERO);
         for (k, tie) in bay.ties.iter().enumerate() {
             let square = step(0, k).squared() * MEAN_SQUARE[0] + step(1, k).squared() * MEAN_SQUARE[1];
             along_span += square * (*tie * bay.inverse_area * 0.5);
@@ -243,7 +245,7 @@ impl<P: Scalar> Membrane<P> {
 
     /// Least frequency of a strip with the air of the density `density` that it carries, Hz, its sides let go: the modal mass is
     /// (8/15) m c + (7/12) pi rho c^2/4 for each span, the stiffness (16/3) T/c with T the tension of the flat membrane, or
-    /// twice what a slack one lacks of it.
+    /// twice what a slack one lacks of it, at least what a rise of 5 % of the chord makes of it.
     ///
     /// Equation: aero.membrane.frequency
     /// `omega^2 = (16/3) T/c / [(8/15) m c + (7/12) pi rho c^2/4]`
@@ -252,6 +254,8 @@ impl<P: Scalar> Membrane<P> {
     pub fn frequency_hz(&self, density: P) -> f64 {
         let stretch = self.prestrain.value();
         let stretch = if stretch < 0.0 { -2.0 * stretch } else { stretch };
+        // Without prestrain it is what the strain of a rise of 5 % makes of it.
+        let stretch = stretch.max(ARC[0] * 0.05 * 0.05);
         let of = |bay: &Bay<P>| {
             let chord = self.chord[bay.first].value();
             let air = density.value() * PI * chord * chord / 4.0 * (7.0 / 12.0);
@@ -266,6 +270,12 @@ impl<P: Scalar> StripModel<P> {
     /// Least frequency of the membrane, Hz, of those of its strips; none without one.
     pub fn membrane_frequency_hz(&self) -> Option<f64> {
         self.membrane.as_ref().map(|membrane| membrane.frequency_hz(self.numbers.density))
+    }
+
+    /// Strain along the chord at those heights over the chord, what the span adds left out; below zero the membrane is slack.
+    pub fn membrane_stretch(&self, camber: f64, forward: f64) -> Option<f64> {
+        let membrane = self.membrane.as_ref()?;
+        Some(membrane.prestrain.value() + 0.5 * (ARC[0] * camber * camber + ARC[1] * forward * forward))
     }
 
     /// Where the cambers begin among the states.

@@ -316,21 +316,19 @@ impl<P: Scalar> StripModel<P> {
         let flat = camber.as_ref().map_or(&lift_wash, |camber| &camber.flat);
         let turning_wash = self.turning_wash(flow, foreign, &sums, flat);
         let law = self.settings.section.law.about();
+        // The leading edge meets the flat chord's wash less what its own slope takes.
+        let edge_washes = camber.as_ref().map(|Camber { flat, nose, .. }| {
+            let less = |of: &Column<S, N>| std::array::from_fn(|i| of[i] - nose[i]);
+            [less(flat), less(&turning_wash)]
+        });
+        let [edge_wash, edge_turning] =
+            edge_washes.as_ref().map_or([&lift_wash, &turning_wash], |[wash, turning]| [wash, turning]);
         if let Attachment::Lagging { state, chords } = law.attachment {
-            self.advance_separation(&flow.strips, flat, (state, chords), x, dx);
+            self.advance_separation(&flow.strips, edge_wash, (state, chords), x, dx);
         }
-        let edges =
-            law.edge_vortex.then(|| {
-                let Some(Camber { nose, .. }) = &camber else {
-                    return self.advance_edges(&flow.strips, [flat, &turning_wash], x, dx);
-                };
-                let (mut edge, mut turning) = (*flat, turning_wash);
-                for i in 0..N {
-                    edge[i] -= nose[i];
-                    turning[i] -= nose[i];
-                }
-                self.advance_edges(&flow.strips, [&edge, &turning], x, dx)
-            });
+        let edges = law
+            .edge_vortex
+            .then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);

@@ -185,6 +185,8 @@ pub const COLUMNS: &[Described] = &[
     column("surface", &[STRIPS], ONE, "", "Number of the surface, in the robot's order."),
     column("separated", &[STRIPS], ONE, "", "Share of the strip's flow that is separated; 0 under law `linear`."),
     column("suction_lost", &[STRIPS], ONE, "", "Share of the linear leading-edge suction that the edge does not hold, under law `lev`."),
+    column("camber", &[STRIPS], ONE, "", "Height of a membrane above mid chord over the chord; where a surface has one."),
+    column("camber_forward", &[STRIPS], ONE, "", "Height over the chord h of the shape h sin^2 t cos t, x = c (1 - cos t)/2, that moves the bulge of a membrane forward."),
     column("arc", &[STRIPS], M, "", "Arc of the control section from the middle, left positive."),
     column("width", &[STRIPS], M, "", "Width of the strip along the arc."),
     column("circulation", &[STRIPS], &["m2/s"], "", "Bound circulation; positive lifts."),

@@ -120,7 +120,7 @@ fn pressure() -> Result<Vec<Row>, Error> {
     }
     let row = |id: &str, what: &str, value: f64| {
         let metric = format!("{what}, five membranes taut to slack, rise of 2 to 7 % of the chord");
-        Row::judged(&format!("fsi.membrane.{id}"), source, &metric, value, 0.02, "")
+        Row::judged(&format!("fsi.membrane.pressure.{id}"), source, &metric, value, 0.02, "")
     };
     Ok(vec![
         row("camber", "max relative error of the rise", worst[0]),
@@ -152,11 +152,11 @@ fn sails() -> Result<Vec<Row>, Error> {
     }
     let found = sail::divergence(12);
     let two = sail::divergence(2);
-    let id = |name: &str| format!("fsi.membrane.{name}");
+    let id = |name: &str| format!("fsi.membrane.sail.{name}");
     let tensions = "T/(q c) 2.5 to 30";
     Ok(vec![
         Row::judged(
-            &id("sail_divergence"),
+            &id("divergence"),
             "Nielsen 1963: T/(q c) = 1.727",
             "relative error of the tension at which a sail bulges by itself, twelve shapes",
             (found / 1.727 - 1.0).abs(),
@@ -164,14 +164,14 @@ fn sails() -> Result<Vec<Row>, Error> {
             "",
         ),
         Row::shown(
-            &id("sail_divergence.two_shapes"),
+            &id("divergence_two_shapes"),
             source,
             "the same of the two shapes of a strip",
             (two / found - 1.0).abs(),
             "",
         ),
         Row::judged(
-            &id("sail_panels"),
+            &id("panels"),
             source,
             &format!("max relative error of the lift slope of 160 vortices on a stretched string, {tensions}"),
             panels,
@@ -179,7 +179,7 @@ fn sails() -> Result<Vec<Row>, Error> {
             "",
         ),
         Row::judged(
-            &id("sail_slope"),
+            &id("slope"),
             source,
             &format!("max relative error of the lift slope, preset full, {tensions}"),
             lift,
@@ -187,14 +187,14 @@ fn sails() -> Result<Vec<Row>, Error> {
             "",
         ),
         Row::shown(
-            &id("sail_rise"),
+            &id("rise"),
             source,
             &format!("max relative error of the rise at mid chord, preset full, {tensions}"),
             mean_camber,
             "",
         ),
         Row::shown(
-            &id("sail_one_shape"),
+            &id("one_shape"),
             source,
             &format!("max relative error of the lift slope with the parabola alone, {tensions}"),
             TENSIONS.iter().map(|&r| (sail::solve(r, 1).slope / sail::solve(r, 12).slope - 1.0).abs()).fold(0.0, f64::max),
