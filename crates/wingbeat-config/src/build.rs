@@ -365,8 +365,13 @@ impl AeroSpec {
         strips.check().map_err(full)?;
         let preset = outline.preset.unwrap_or(self.preset);
         if outline.membrane.is_some() && preset != Preset::Full {
-            let key = outline.preset.map_or("aero.preset".into(), |_| format!("robot.{}.preset", outline.key));
-            return Err(Error::invalid(key, format!("\"{}\"", preset.name()), "\"full\" where a surface is a membrane"));
+            let key =
+                outline.preset.map_or("aero.preset".into(), |_| format!("robot.{}.preset", outline.key));
+            return Err(Error::invalid(
+                key,
+                format!("\"{}\"", preset.name()),
+                "\"full\" where a surface is a membrane",
+            ));
         }
         match preset {
             Preset::AsPrinted => {

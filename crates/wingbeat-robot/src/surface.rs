@@ -8,8 +8,8 @@ use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
 use wingbeat_aero::{
-    Aero, CD90, Coupling, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, MembraneSpec, Planform, Preset, ProfileDrag,
-    SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
+    Aero, CD90, Coupling, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, MembraneSpec, Planform, Preset,
+    ProfileDrag, SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
 };
 use wingbeat_math::Error;
 use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3};

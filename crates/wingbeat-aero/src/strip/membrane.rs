@@ -86,7 +86,8 @@ impl<P: Scalar> Membrane<P> {
         for (k, &arc) in ribs_m.iter().enumerate() {
             let at = planform.coordinates(P::from(arc));
             if at.iter().any(|s| s.abs().value() > planform.half_span().value() * (1.0 + 1e-9)) {
-                let allowed = format!("0 to the tip, {}", planform.station_arcs().last().map_or(0.0, |s| s.value()));
+                let allowed =
+                    format!("0 to the tip, {}", planform.station_arcs().last().map_or(0.0, |s| s.value()));
                 return Err(Error::invalid(format!("membrane.ribs_m[{k}]"), arc, allowed));
             }
             ribs.extend(at);
@@ -129,7 +130,13 @@ impl<P: Scalar> Membrane<P> {
     }
 
     /// The strips between two ribs.
-    fn bay(&mut self, strips: std::ops::Range<usize>, ribs: &[P], grid: &Grid<P>, numbers: &MembraneNumbers<P>) {
+    fn bay(
+        &mut self,
+        strips: std::ops::Range<usize>,
+        ribs: &[P],
+        grid: &Grid<P>,
+        numbers: &MembraneNumbers<P>,
+    ) {
         let arc = |k: usize| match k {
             0 => ribs[0],
             k if k > strips.len() => ribs[1],

@@ -29,8 +29,8 @@ use crate::section::ZeroLift;
 use crate::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, SurfaceNumbers, Wrench};
 use cores::Cores;
 use grid::Grid;
-use membrane::Membrane;
 use influence::{Column, Matrix, Targets, Wash, invert, multiply};
+use membrane::Membrane;
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
 use wingbeat_math::Error;
@@ -170,7 +170,8 @@ impl<P: Scalar> StripModel<P> {
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
         let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
-        let camber = self.membrane.iter().flat_map(|_| ["camber", "camber_forward"].map(|of| (of.to_owned(), "")));
+        let camber =
+            self.membrane.iter().flat_map(|_| ["camber", "camber_forward"].map(|of| (of.to_owned(), "")));
         wash.chain(wake)
             .chain(law)
             .chain(followed)

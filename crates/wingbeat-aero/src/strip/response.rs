@@ -267,7 +267,10 @@ impl<P: Scalar> StripModel<P> {
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&self.lagged(x), &attached);
         let impulse = self.impulse(flow, &self.held_left(flow, &sums));
-        x[self.followed_states()..][..self.settings.strips].iter_mut().zip(impulse).for_each(|(x, impulse)| *x = impulse);
+        x[self.followed_states()..][..self.settings.strips]
+            .iter_mut()
+            .zip(impulse)
+            .for_each(|(x, impulse)| *x = impulse);
     }
 
     /// Washes, state rates and impulses.
@@ -326,9 +329,8 @@ impl<P: Scalar> StripModel<P> {
         if let Attachment::Lagging { state, chords } = law.attachment {
             self.advance_separation(&flow.strips, edge_wash, (state, chords), x, dx);
         }
-        let edges = law
-            .edge_vortex
-            .then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
+        let edges =
+            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);

@@ -141,6 +141,7 @@ pub fn derivative_rows() -> Result<Vec<Row>, Error> {
     for law in [LiftLaw::Linear, LiftLaw::Stall, LiftLaw::Lev3d] {
         worst = worst.max(derivative_error(law)?);
     }
-    let metric = "max error of the rates by each state, wings of membrane, three laws, over the largest of the rate";
+    let metric =
+        "max error of the rates by each state, wings of membrane, three laws, over the largest of the rate";
     Ok(vec![Row::judged("fsi.membrane.derivatives", "central differences", metric, worst, 1e-6, "")])
 }

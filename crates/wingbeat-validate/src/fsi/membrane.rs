@@ -76,6 +76,7 @@ fn membrane(stiffness: f64, prestrain: f64, damping_s: f64) -> MembraneSpec {
         modulus_pa: 1e3 * stiffness,
         density_kg_m3: 0.0,
         prestrain,
+        prestrain_span: None,
         poisson_ratio: 0.4,
         damping_s,
         ribs_m: Vec::new(),
@@ -173,7 +174,9 @@ fn sails() -> Result<Vec<Row>, Error> {
         Row::judged(
             &id("panels"),
             source,
-            &format!("max relative error of the lift slope of 160 vortices on a stretched string, {tensions}"),
+            &format!(
+                "max relative error of the lift slope of 160 vortices on a stretched string, {tensions}"
+            ),
             panels,
             0.02,
             "",
@@ -197,7 +200,10 @@ fn sails() -> Result<Vec<Row>, Error> {
             &id("one_shape"),
             source,
             &format!("max relative error of the lift slope with the parabola alone, {tensions}"),
-            TENSIONS.iter().map(|&r| (sail::solve(r, 1).slope / sail::solve(r, 12).slope - 1.0).abs()).fold(0.0, f64::max),
+            TENSIONS
+                .iter()
+                .map(|&r| (sail::solve(r, 1).slope / sail::solve(r, 12).slope - 1.0).abs())
+                .fold(0.0, f64::max),
             "",
         ),
     ])

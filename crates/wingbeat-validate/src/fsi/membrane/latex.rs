@@ -75,7 +75,9 @@ fn wing(speed: f64, alpha_deg: f64, prestrain: [f64; 2], strips: usize) -> Resul
             *shape = [shape[0] + loads.camber[i] / count, shape[1] + loads.camber_forward[i] / count];
         }
     }
-    let along = |shape: &[f64; 2]| (0..=40).map(|k| membrane_height(shape[0], shape[1], k as f64 / 40.0)).fold(0.0, f64::max);
+    let along = |shape: &[f64; 2]| {
+        (0..=40).map(|k| membrane_height(shape[0], shape[1], k as f64 / 40.0)).fold(0.0, f64::max)
+    };
     mean.height = shapes.iter().map(along).fold(0.0, f64::max);
     Ok(mean)
 }
@@ -83,15 +85,21 @@ fn wing(speed: f64, alpha_deg: f64, prestrain: [f64; 2], strips: usize) -> Resul
 /// Root of the mean square of the error over that of what was measured: normal force, displacement.
 fn errors(speed: f64, prestrain: [f64; 2], counts: impl Fn(f64) -> bool) -> Result<[f64; 2], Error> {
     let table = reference_table!("membrane/latex_ar2.csv")?;
-    let (alpha, column) = (table.column("alpha_deg")?, |name: &str| table.column(&format!("{name}_{speed}_m_s")));
+    let (alpha, column) =
+        (table.column("alpha_deg")?, |name: &str| table.column(&format!("{name}_{speed}_m_s")));
     let (force, height) = (column("cn")?, column("z")?);
     let mut sums = [[0.0; 2]; 2];
     for i in (0..alpha.len()).filter(|&i| counts(alpha[i])) {
         let state = wing(speed, alpha[i], prestrain, 16)?;
         if std::env::var_os("WINGBEAT_LATEX").is_some() {
-            eprintln!("{speed} {} cn {:.3} {:.3} z {:.4} {:.4}", alpha[i], state.force, force[i], state.height, height[i]);
+            eprintln!(
+                "{speed} {} cn {:.3} {:.3} z {:.4} {:.4}",
+                alpha[i], state.force, force[i], state.height, height[i]
+            );
         }
-        for (k, (value, measured)) in [(state.force, force[i]), (state.height, height[i])].into_iter().enumerate() {
+        for (k, (value, measured)) in
+            [(state.force, force[i]), (state.height, height[i])].into_iter().enumerate()
+        {
             sums[k][0] += (value - measured).powi(2);
             sums[k][1] += measured.powi(2);
         }
@@ -106,7 +114,11 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         for e in scan.to_string_lossy().split(',') {
             let e: Vec<f64> = e.split(':').filter_map(|e| e.parse::<f64>().ok()).collect();
             let e = [e[0], e[1]];
-            eprintln!("prestrain {e:?}: 5 m/s {:.3?} 10 m/s {:.3?}", errors(5.0, e, judged)?, errors(10.0, e, judged)?);
+            eprintln!(
+                "prestrain {e:?}: 5 m/s {:.3?} 10 m/s {:.3?}",
+                errors(5.0, e, judged)?,
+                errors(10.0, e, judged)?
+            );
         }
     }
     let id = |name: &str| format!("fsi.membrane.latex.{name}");
@@ -118,13 +130,31 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let fine = wing(10.0, 10.0, PRESTRAIN, 32)?;
     let row = |name: &str, metric: String, value: f64| Row::shown(&id(name), SOURCE, &metric, value, "");
     Ok(vec![
-        Row::judged(&id("force"), SOURCE, &format!("normal force at 10 m/s, 4 to 16 deg: {what}"), force, 0.15, ""),
-        Row::judged(&id("height"), SOURCE, &format!("largest displacement at 10 m/s, 4 to 16 deg: {what}"), height, 0.15, ""),
+        Row::judged(
+            &id("force"),
+            SOURCE,
+            &format!("normal force at 10 m/s, 4 to 16 deg: {what}"),
+            force,
+            0.15,
+            "",
+        ),
+        Row::judged(
+            &id("height"),
+            SOURCE,
+            &format!("largest displacement at 10 m/s, 4 to 16 deg: {what}"),
+            height,
+            0.15,
+            "",
+        ),
         row("force.fit", "normal force at 5 m/s, where the prestrain is fitted".into(), fit_force),
         row("height.fit", "largest displacement at 5 m/s, where the prestrain is fitted".into(), fit_height),
         row("force.stalled", "normal force at 10 m/s beyond 16 deg".into(), late_force),
         row("height.stalled", "largest displacement at 10 m/s beyond 16 deg".into(), late_height),
-        row("force.strips", "change of the normal force from 16 to 32 strips at 10 deg, over it".into(), (fine.force / base.force - 1.0).abs()),
+        row(
+            "force.strips",
+            "change of the normal force from 16 to 32 strips at 10 deg, over it".into(),
+            (fine.force / base.force - 1.0).abs(),
+        ),
         row("height.strips", "the same of the displacement".into(), (fine.height / base.height - 1.0).abs()),
     ])
 }

@@ -100,8 +100,7 @@ fn vortices(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
         };
         for m in 0..2 {
             let stiffness = STIFFNESS[m] * tension;
-            right[n + m] =
-                stiffness * (damping / dx - 0.5) * heights[m] + 0.5 * (loads[m] + old_load(m));
+            right[n + m] = stiffness * (damping / dx - 0.5) * heights[m] + 0.5 * (loads[m] + old_load(m));
         }
         let known = [old_load(0), old_load(1)];
         let found = system.solve(&right).ok_or_else(|| Error::NoAnswer("a singular sail".into()))?;
@@ -148,7 +147,10 @@ pub fn at_rest(ratio: f64, pieces: usize) -> Result<f64, Error> {
             system[(i, j)] = wash(control, (j as f64 + 0.25) * dx);
         }
         // The slope at three quarters of a piece lies between that of it and of the next: linear between the middles of the pieces.
-        for (piece, weight) in [(i, if i + 1 < n { 0.75 } else { 1.25 }), (if i + 1 < n { i + 1 } else { i - 1 }, if i + 1 < n { 0.25 } else { -0.25 })] {
+        for (piece, weight) in [
+            (i, if i + 1 < n { 0.75 } else { 1.25 }),
+            (if i + 1 < n { i + 1 } else { i - 1 }, if i + 1 < n { 0.25 } else { -0.25 }),
+        ] {
             if piece > 0 {
                 system[(i, n + piece - 1)] += weight / dx;
             }
@@ -192,7 +194,8 @@ fn strips(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
         Sheet { membrane: skin, law: LiftLaw::Linear, motion: Motion { heave, ..Motion::at_rest() }, clock };
     let mut answer = Answer { lift: C::new(0.0, 0.0), camber: C::new(0.0, 0.0) };
     for (k, loads) in sheet.loads()?.iter().enumerate() {
-        let turn = C::from_polar(2.0 / steps_per_cycle as f64 / AMPLITUDE, -TAU * k as f64 / steps_per_cycle as f64);
+        let turn =
+            C::from_polar(2.0 / steps_per_cycle as f64 / AMPLITUDE, -TAU * k as f64 / steps_per_cycle as f64);
         answer.lift += turn * (2.0 * loads.wrench.force[2] / super::ASPECT);
         answer.camber += turn * loads.camber[0];
     }
@@ -219,7 +222,14 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let what = "of amplitude and phase over the amplitude, heave at k = 0.1, 0.25, 0.5, T/(q c) 3 and 6";
     Ok(vec![
         Row::judged("fsi.membrane.moving.lift", source, &format!("max error of lift {what}"), lift, 0.1, ""),
-        Row::judged("fsi.membrane.moving.camber", source, &format!("max error of camber {what}"), camber, 0.1, ""),
+        Row::judged(
+            "fsi.membrane.moving.camber",
+            source,
+            &format!("max error of camber {what}"),
+            camber,
+            0.1,
+            "",
+        ),
         Row::shown("fsi.membrane.moving.rigid", source, "the same of lift of a rigid chord", rigid, ""),
     ])
 }
