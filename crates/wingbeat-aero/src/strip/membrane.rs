@@ -24,6 +24,12 @@ const ARC: [f64; MODES] = [16.0 / 3.0, 16.0 / 5.0];
 /// Mean square of each shape along the chord.
 const MEAN_SQUARE: [f64; MODES] = [8.0 / 15.0, 8.0 / 105.0];
 
+/// What each strip carries for it: the heights over the chord, and the momentum that the parabola feels, as followed.
+pub(super) const STATES: [(&str, &str); BLOCKS] =
+    [("camber", ""), ("camber_forward", ""), ("camber_momentum", "N s")];
+/// Number of its states per strip.
+pub(super) const BLOCKS: usize = MODES + 1;
+
 /// A column for each shape.
 pub(super) type Shapes<S, const N: usize> = [Column<S, N>; MODES];
 
@@ -285,6 +291,12 @@ impl<P: Scalar> StripModel<P> {
         Some(membrane.prestrain.value() + 0.5 * (ARC[0] * camber * camber + ARC[1] * forward * forward))
     }
 
+    /// Heights above mid chord over the chord of the strips in the state `x`; nothing without a membrane.
+    pub fn camber_of<'a>(&self, x: &'a [f64]) -> &'a [f64] {
+        let strips = if self.membrane.is_some() { self.settings.strips } else { 0 };
+        x.get(self.camber_states()..).and_then(|x| x.get(..strips)).unwrap_or_default()
+    }
+
     /// Where the cambers begin among the states.
     fn camber_states(&self) -> usize {
         self.followed_states() + if self.follows() { self.settings.strips } else { 0 }
@@ -325,10 +337,26 @@ impl<P: Scalar> StripModel<P> {
         flow.strips.along[i].smooth_abs(self.floor)
     }
 
+    /// Momentum (3/4) P + (2/3) m w of strip `i` that its parabola feels, N s, and the part (2/3) m a of the rate of the second term that
+    /// is the turn of the normal in the air, N: m is the mass of the membrane, w the wash at mid chord.
+    fn camber_momentum<G: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        flow: &Flow<G, N>,
+        membrane: &Membrane<P>,
+    ) -> [G; 2] {
+        let (strips, covered) = (&flow.strips, self.tables.covered[i]);
+        let mass = membrane.areal_density * self.tables.chord[i] * membrane.width[i] * covered * (2.0 / 3.0);
+        let normal_rate = strips.normal_rate.get(i);
+        let turning = strips.along[i] * normal_rate.dot(strips.chordwise.get(i))
+            - strips.drift[i] * normal_rate.dot(strips.across.get(i));
+        [flow.impulse[i] * 0.75 + strips.wash_half[i] * mass, turning * mass]
+    }
+
     /// Loads on the shapes of strip `i`, N, by virtual work of the pressure difference; of the circulatory force per wash
     /// L = rho a0 b dy V a half on the parabola, with w_l - B1/4, and an eighth on the other, with w_l + B1/2 - B2, where
     /// B1 = -b q - 4 V h_1/c and B2 = -3 V h_2/c; the vortex like the lift; on the parabola 2/3 of what presses evenly, the plate's
-    /// force in separated flow, (3/4) P' of the air that the chord carries and -(2/3) m a of the membrane's mass.
+    /// force in separated flow, and `inertia`: (3/4) P' of the air that the chord carries less (2/3) m a of the membrane's mass.
     ///
     /// Equation: aero.camber_load
     /// `Q_1 = L (w_l + b q/4 + V h_1/c)/2 + F_vortex/2 + 2/3 F_plate + 3/4 P' - 2/3 m a, Q_2 = L (w_l - b q/2 - V (2 h_1 - 3 h_2)/c)/8 +
@@ -339,9 +367,9 @@ impl<P: Scalar> StripModel<P> {
     fn camber_load<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         i: usize,
-        (flow, membrane): (&Flow<G, N>, &Membrane<P>),
+        flow: &Flow<G, N>,
         [first, second]: [S; MODES],
-        (lift_wash, attached, vortex): (S, S, S),
+        (lift_wash, attached, vortex, inertia): (S, S, S, S),
     ) -> [S; MODES] {
         let (strips, wind) = (&flow.strips, self.wind_along(i, flow));
         let turn = strips.pitch[i] * (self.tables.chord[i] * 0.125);
@@ -353,12 +381,6 @@ impl<P: Scalar> StripModel<P> {
             true => drag.section(&self.polar, along, wash, attached, self.floor * self.floor).normal,
             false => S::ZERO,
         };
-        let normal_rate = strips.normal_rate.get(i);
-        let turning = along * normal_rate.dot(strips.chordwise.get(i))
-            - strips.drift[i] * normal_rate.dot(strips.across.get(i));
-        let acceleration = turning - strips.wash_half_rate[i];
-        let mass = membrane.areal_density * self.tables.chord[i] * membrane.width[i] * self.tables.covered[i];
-        let inertia = flow.impulse_rate[i] * 0.75 - acceleration * (mass * (2.0 / 3.0));
         let even = plate * (self.tables.drag_scale[i] * (2.0 / 3.0)) + inertia;
         let fore = lift_wash - (first * 2.0 - second * 3.0) * wind - turn * 2.0;
         [
@@ -367,6 +389,14 @@ impl<P: Scalar> StripModel<P> {
         ]
     }
 
+    /// J^' = (J - J^)/tau: the momentum that the parabola feels is followed by a state within the membrane's own damping time, and
+    /// its rate is the load of inertia.
+    ///
+    /// Equation: aero.camber_inertia
+    /// `J^' = (J - J^)/tau, J = 3/4 P + 2/3 m w; load J^' - 2/3 m (turn of the normal in the air)`
+    /// Source: rate of momentum by a first-order filter, tau a choice.
+    /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
+    ///
     /// Rates of the cambers, and what they make of washes and lags: the rate h_1' lowers the wash by h_1'/2, and with it at once the
     /// load, so that the air damps the camber; that damping is taken for both shapes, whose second has no other effect of its rate.
     pub(super) fn advance_camber<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
@@ -383,10 +413,14 @@ impl<P: Scalar> StripModel<P> {
             false => [S::ZERO; N],
         };
         let (mut load, mut resistance) = ([[S::ZERO; N]; MODES], [S::ZERO; N]);
+        let felt = at + MODES * n;
         for i in 0..n {
-            let section = (lift_wash[i], attached[i], vortex[i]);
+            // The rate of the momentum as a state follows it: accelerations are not yet known here.
+            let [momentum, turning] = self.camber_momentum(i, flow, membrane);
+            dx[felt + i] = (x[felt + i] - momentum) * -membrane.damping.recip();
+            let section = (lift_wash[i], attached[i], vortex[i], dx[felt + i] - turning);
             let shapes = [of_chord[0][i], of_chord[1][i]];
-            [load[0][i], load[1][i]] = self.camber_load(i, (flow, membrane), shapes, section);
+            [load[0][i], load[1][i]] = self.camber_load(i, flow, shapes, section);
             let scale = tables.lift_scale[i] * tables.at_once * 0.25;
             resistance[i] = attached[i] * (self.wind_along(i, flow) * scale);
         }
@@ -443,5 +477,150 @@ impl<P: Scalar> StripModel<P> {
             let slopes = (lift_wash[i] * wash[i] - edge) * attached[i] * self.tables.lift_scale[i];
             chordwise[i] -= slopes * shares[i] * (S::ONE - edges.held[i]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Loads, MembraneSpec, PlanformStation, SectionMotion, SectionSettings, StripModel, StripSettings,
+    };
+    use wingbeat_math::{Dual, Vec3};
+
+    /// A skin of one chord of 0.2 m and width 0.1 m between each pair of five strips, held at both ends of the five.
+    fn held(prestrain: f64, ribs: bool, damping: f64) -> Membrane<f64> {
+        let numbers = MembraneNumbers {
+            stiffness: 100.0,
+            areal_density: 0.02,
+            prestrain,
+            prestrain_span: 0.5 * prestrain,
+            poisson_ratio: 0.3,
+            damping,
+        };
+        let arc = |k: usize| 0.2 - 0.1 * k as f64;
+        let grid = Grid {
+            arcs: (0..6).map(|k| arc(k) + 0.05).collect(),
+            control_arcs: (0..5).map(arc).collect(),
+            fraction: vec![0.5; 5],
+            covered: vec![true; 5],
+            outline: vec![(0.1, -0.1); 6],
+            chord: vec![0.2; 5],
+            width: vec![0.1; 5],
+            cos_half: vec![1.0; 5],
+            cos_three_quarter: vec![1.0; 5],
+            mean_chord: 0.2,
+            aspect: 2.5,
+        };
+        let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.1, trailing_edge_m: -0.1 };
+        let planform = Planform::new(&[station(0.0), station(0.25)]).unwrap();
+        let ribs: &[f64] = if ribs { &[0.25] } else { &[] };
+        Membrane::new(&numbers, ribs, &planform, &grid).unwrap()
+    }
+
+    #[test]
+    fn an_even_pressure_bends_the_membrane_to_its_parabola() {
+        for (prestrain, pressure) in [(0.05, 10.0), (0.0, 20.0), (-0.01, 20.0)] {
+            let skin = held(prestrain, false, 1e-3);
+            let load = [[pressure * 0.02 * 2.0 / 3.0; 5], [0.0; 5]];
+            let mut camber = [[0.03; 5], [0.0; 5]];
+            for _ in 0..20_000 {
+                let rates = skin.rates(&camber, &load, &[1e-3; 5]);
+                (0..5).for_each(|i| camber[0][i] += 1e-4 * rates[0][i] / 0.2);
+            }
+            // h = p c^2 / (8 T), T = E t (e_0 + (8/3)(h/c)^2).
+            let tension = 100.0 * (prestrain + 8.0 / 3.0 * camber[0][2] * camber[0][2]);
+            let exact = pressure * 0.2 / (8.0 * tension);
+            assert!((camber[0][2] / exact - 1.0).abs() < 2e-3, "{prestrain}: {} {exact}", camber[0][2]);
+        }
+    }
+
+    /// Without own damping and under a unit resistance the rates are minus the forces, whose slopes are symmetric: they have a
+    /// potential, so that a cycle of heights costs nothing.
+    #[test]
+    fn the_forces_of_a_membrane_have_a_potential() {
+        type D = Dual<10>;
+        let skin = held(-0.004, true, 0.0);
+        let value = |k: usize| 0.02 + 0.013 * (k as f64 * 1.7).sin();
+        let camber: Shapes<D, 5> =
+            std::array::from_fn(|m| std::array::from_fn(|i| D::variable(value(5 * m + i), 5 * m + i)));
+        let zero = [[D::constant(0.0); 5]; MODES];
+        let rates = skin.rates(&camber, &zero, &[D::constant(1.0); 5]);
+        let slope = |a: usize, b: usize| rates[a / 5][a % 5].eps[b];
+        for (a, b) in (0..10).flat_map(|a| (0..a).map(move |b| (a, b))) {
+            let size = slope(a, a).abs().max(slope(b, b).abs());
+            assert!((slope(a, b) - slope(b, a)).abs() < 1e-10 * size, "{a} {b}");
+        }
+    }
+
+    /// Of a string pi sqrt(T/m)/c; the parabola is stiffer by sqrt(10)/pi.
+    #[test]
+    fn the_frequency_of_a_membrane_is_that_of_its_string() {
+        let string = 0.5 * (100.0_f64 * 0.05 / 0.02).sqrt() / 0.2;
+        let found = held(0.05, false, 1e-3).frequency_hz(0.0);
+        assert!((found / string - 10_f64.sqrt() / PI).abs() < 1e-9, "{found} {string}");
+        assert!(held(0.05, false, 1e-3).frequency_hz(1.2) < found);
+    }
+
+    /// In plane flow: k T h/c and the loads of both shapes are two linear equations, lift 2 pi (a + 2 h_1 - h_2), moment about 1/4 chord
+    /// -pi (h_1 - 3/4 h_2), and no drag.
+    #[test]
+    fn a_sail_bulges_and_lifts_as_its_two_shapes_say() {
+        let (alpha, tension, span) = (1e-3_f64, 1.5, 10.0);
+        let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.5, trailing_edge_m: -0.5 };
+        let settings = StripSettings {
+            strips: 4,
+            wake_wash: false,
+            doublet_wash: false,
+            regularisation_m_s: 1e-4,
+            section: SectionSettings {
+                drag: crate::ProfileDrag { cd0: 0.0, cd90: 0.0 },
+                density_kg_m3: 1.0,
+                ..Default::default()
+            },
+            membrane: Some(MembraneSpec {
+                thickness_m: 1e-3,
+                modulus_pa: 1e5,
+                density_kg_m3: 10.0,
+                prestrain: tension / 100.0,
+                prestrain_span: None,
+                poisson_ratio: 0.3,
+                damping_s: 0.05,
+                ribs_m: Vec::new(),
+            }),
+            ..Default::default()
+        };
+        let planform = Planform::new(&[station(0.0), station(0.5 * span)]).unwrap();
+        let model = StripModel::new(&planform, settings).unwrap();
+        let (s, c) = alpha.sin_cos();
+        let section = |y: &f64| SectionMotion {
+            le: Vec3([0.5 * c, *y, 0.5 * s]),
+            te: Vec3([-0.5 * c, *y, -0.5 * s]),
+            span: Vec3([0.0, -1.0, 0.0]),
+            ..Default::default()
+        };
+        let sections: Vec<_> = model.arcs().iter().map(section).collect();
+        let (mut x, mut dx) = (vec![0.0; model.states()], vec![0.0; model.states()]);
+        let (mut loads, wind) = (Loads::default(), Vec3([-1.0, 0.0, 0.0]));
+        for _ in 0..6000 {
+            model.evaluate(&sections, wind, &x, &mut dx, &mut loads);
+            x.iter_mut().zip(&dx).for_each(|(x, dx)| *x += 0.02 * dx);
+        }
+        let second = PI / 8.0 * alpha / (3.2 * tension - PI / 4.0);
+        let first = PI / 2.0 * (alpha - second) / (16.0 / 3.0 * tension - 1.5 * PI);
+        let near = |value: f64, exact: f64, what: &str| {
+            assert!((value / exact - 1.0).abs() < 1e-3, "{what}: {value} {exact}")
+        };
+        near(loads.camber[1], first, "first shape");
+        near(loads.camber_forward[1], second, "second shape");
+        let (lift, area) = (2.0 * PI * (alpha + 2.0 * first - second), model.widths().iter().sum::<f64>());
+        near(loads.wrench.force[2], 0.5 * lift * area, "lift");
+        let about_quarter = -loads.wrench.moment[1] - 0.25 * loads.wrench.force[2];
+        near(about_quarter, -0.5 * PI * (first - 0.75 * second) * area, "moment");
+        assert!(
+            loads.wrench.force[0].abs() < 2e-3 * alpha * loads.wrench.force[2],
+            "{:?}",
+            loads.wrench.force
+        );
     }
 }

@@ -143,7 +143,7 @@ impl<P: Scalar> StripModel<P> {
     /// law, for the impulse where it is followed and for the camber of a membrane blocks of one value per strip, left tip to
     /// right tip.
     pub fn states(&self) -> usize {
-        let shapes = if self.membrane.is_some() { 2 } else { 0 };
+        let shapes = if self.membrane.is_some() { membrane::BLOCKS } else { 0 };
         let blocks = usize::from(self.follows()) + shapes;
         self.followed_states() + blocks * self.settings.strips
     }
@@ -171,7 +171,7 @@ impl<P: Scalar> StripModel<P> {
         let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
         let camber =
-            self.membrane.iter().flat_map(|_| ["camber", "camber_forward"].map(|of| (of.to_owned(), "")));
+            self.membrane.iter().flat_map(|_| membrane::STATES.map(|(of, unit)| (of.to_owned(), unit)));
         wash.chain(wake)
             .chain(law)
             .chain(followed)

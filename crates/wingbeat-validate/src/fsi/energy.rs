@@ -73,7 +73,7 @@ fn imbalance(preset: Preset, skin: bool) -> Result<f64, Error> {
     };
     let mut work = Workspace::new(n + 1, RK4.b.len());
     let start = robot.observe(0.0, &x[..n], &[])?.energy;
-    let step = if skin { 0.125 * STEP } else { STEP };
+    let step = if skin { 0.25 * STEP } else { STEP };
     let (steps, mut largest) = ((DURATION / step).round() as usize, 0.0_f64);
     for i in 0..steps {
         RK4.step(rates, i as f64 * step, step, &mut x, &mut work)?;

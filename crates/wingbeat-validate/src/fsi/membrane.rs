@@ -37,8 +37,8 @@ struct Sheet {
 const ASPECT: f64 = 1e5;
 
 impl Sheet {
-    /// Its loads over the last cycle.
-    fn loads(self) -> Result<Vec<Loads<f64>>, Error> {
+    /// Its loads over the last cycle, and the area of its strips, which end a little short of the tips.
+    fn loads(self) -> Result<(Vec<Loads<f64>>, f64), Error> {
         let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.5, trailing_edge_m: -0.5 };
         let planform = Planform::new(&[station(0.0), station(0.5 * ASPECT)])?;
         let cd90 = if self.law == LiftLaw::Linear { 0.0 } else { 2.0 };
@@ -65,7 +65,8 @@ impl Sheet {
             clock: self.clock,
             wing: Wing::new(planform, Vec::new())?,
         };
-        last_cycle(&tether)
+        let area = tether.aero.widths().iter().sum();
+        Ok((last_cycle(&tether)?, area))
     }
 }
 
@@ -84,11 +85,11 @@ fn membrane(stiffness: f64, prestrain: f64, damping_s: f64) -> MembraneSpec {
 }
 
 /// At rest at an incidence (rad) long enough for the lags to have died.
-fn at_rest(membrane: MembraneSpec, law: LiftLaw, alpha: f64) -> Result<Loads<f64>, Error> {
+fn at_rest(membrane: MembraneSpec, law: LiftLaw, alpha: f64) -> Result<(Loads<f64>, f64), Error> {
     let motion = Motion { nose_up: Coordinate::Constant(alpha), ..Motion::at_rest() };
     let clock = Clock { frequency_hz: 1.0 / 300.0, cycles: 1, steps_per_cycle: 3000 };
-    let last = Sheet { membrane, law, motion, clock }.loads()?.pop();
-    last.ok_or_else(|| Error::NoAnswer("a run without steps".into()))
+    let (mut cycle, area) = Sheet { membrane, law, motion, clock }.loads()?;
+    cycle.pop().map(|last| (last, area)).ok_or_else(|| Error::NoAnswer("a run without steps".into()))
 }
 
 /// Rise over chord and tension over chord and pressure of a membrane under an even pressure p: a circular arc of radius R, T = p R =
@@ -109,9 +110,9 @@ fn pressure() -> Result<Vec<Row>, Error> {
     let source = "circular arc of an elastic membrane under even pressure, by hand";
     let mut worst = [0.0_f64; 2];
     for (stiffness, prestrain) in [(20.0, 0.1), (60.0, 0.0), (100.0, 0.02), (100.0, -0.005), (200.0, -0.01)] {
-        let loads = at_rest(membrane(stiffness, prestrain, 0.3), LiftLaw::Stall, 0.5 * PI)?;
+        let (loads, area) = at_rest(membrane(stiffness, prestrain, 0.3), LiftLaw::Stall, 0.5 * PI)?;
         // The chord points up, so that the plate is pressed aft.
-        let pressure = -loads.wrench.force[0] / ASPECT;
+        let pressure = -loads.wrench.force[0] / area;
         let exact = arc(stiffness / pressure, prestrain);
         let camber = loads.camber[0];
         let tension = stiffness * (prestrain + 8.0 / 3.0 * camber * camber) / pressure;
@@ -143,9 +144,9 @@ fn sails() -> Result<Vec<Row>, Error> {
         // T = C_T q c with q = 1/2; 1 m/s, 1 kg/m3, 1 m.
         let stiffness = 50.0;
         let skin = membrane(stiffness, 0.5 * ratio / stiffness, 0.1);
-        let loads = at_rest(skin, LiftLaw::Linear, SAIL_INCIDENCE)?;
+        let (loads, area) = at_rest(skin, LiftLaw::Linear, SAIL_INCIDENCE)?;
         let force = loads.wrench.force;
-        let slope = force[2] / (0.5 * ASPECT * SAIL_INCIDENCE);
+        let slope = force[2] / (0.5 * area * SAIL_INCIDENCE);
         lift = lift.max((slope / exact.slope - 1.0).abs());
         let rise = loads.camber[0] / SAIL_INCIDENCE;
         mean_camber = mean_camber.max((rise / exact.middle - 1.0).abs());
