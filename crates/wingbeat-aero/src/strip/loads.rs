@@ -198,8 +198,9 @@ impl<P: Scalar> StripModel<P> {
         if let Some(edges) = &response.edges {
             self.cap_suction(strips, response, edges, &shares, &mut force);
             if let Some(camber) = &response.camber {
-                let washes = [&response.lift_wash, &wash, &shares];
-                self.keep_slopes(camber, (edges, attached), washes, &mut force.chordwise);
+                let edge: [&[S]; 4] = [&camber.flat, &camber.nose, &edges.held, attached];
+                let washes: [&[S]; 3] = [&response.lift_wash, &wash, &shares];
+                self.keep_slopes(edge, washes, &mut force.chordwise);
             }
         }
         force

@@ -7,11 +7,10 @@
 
 use super::grid::Grid;
 use super::influence::Column;
-use super::response::LeadingEdges;
 use super::{Flow, StripModel};
-use crate::{MembraneNumbers, Planform};
+use crate::{MAX_STRIPS, MembraneNumbers, Planform};
 use std::f64::consts::{PI, TAU};
-use wingbeat_math::{Error, Meets, Over, Scalar};
+use wingbeat_math::{Error, Meets, Over, Scalar, Vec3};
 
 /// Strain over which the end of the tension is rounded off where the membrane goes slack. *Choice.*
 const STRAIN_WIDTH: f64 = 1e-4;
@@ -30,8 +29,8 @@ pub(super) const STATES: [(&str, &str); BLOCKS] =
 /// Number of its states per strip.
 pub(super) const BLOCKS: usize = MODES + 1;
 
-/// A column for each shape.
-pub(super) type Shapes<S, const N: usize> = [Column<S, N>; MODES];
+/// Something for each shape.
+pub(super) type Shapes<T> = [T; MODES];
 
 /// Strips between two ribs, or one strip that nothing holds at its sides.
 #[derive(Clone, Debug)]
@@ -63,13 +62,50 @@ pub(super) struct Membrane<P> {
 /// What the camber does on each strip.
 pub(super) struct Camber<S: Scalar, const N: usize> {
     /// Heights over the chord.
-    pub of_chord: Shapes<S, N>,
+    pub of_chord: Shapes<Column<S, N>>,
     /// Rate of the parabola's height, m/s.
     pub rate: Column<S, N>,
     /// Lift wash without what the slopes add: the wash of the flat chord, m/s.
     pub flat: Column<S, N>,
     /// What the slope at the leading edge takes of that wash there, m/s.
     pub nose: Column<S, N>,
+}
+
+/// What a strip's membrane meets: as [`Strips`](super::motion::Strips), with the impulse of the air by the motion.
+#[derive(Clone, Copy)]
+pub(super) struct SectionAir<G: Scalar> {
+    along: G,
+    wash_half: G,
+    speed: G,
+    pitch: G,
+    drift: G,
+    impulse: G,
+    normal_rate: Vec3<G>,
+    chordwise: Vec3<G>,
+    across: Vec3<G>,
+}
+
+impl<G: Scalar> SectionAir<G> {
+    fn of<const N: usize>(flow: &Flow<G, N>, i: usize) -> Self {
+        let strips = &flow.strips;
+        Self {
+            along: strips.along[i],
+            wash_half: strips.wash_half[i],
+            speed: strips.speed[i],
+            pitch: strips.pitch[i],
+            drift: strips.drift[i],
+            impulse: flow.impulse[i],
+            normal_rate: strips.normal_rate.get(i),
+            chordwise: strips.chordwise.get(i),
+            across: strips.across.get(i),
+        }
+    }
+}
+
+/// A membrane whose rates are not yet known.
+pub(super) struct Bulging<G: Scalar, S: Scalar, const N: usize> {
+    airs: [SectionAir<G>; N],
+    of_chord: Shapes<Column<S, N>>,
 }
 
 /// Tension over stiffness from the stretch: what it is, never negative, and its size.
@@ -168,8 +204,8 @@ impl<P: Scalar> Membrane<P> {
         });
     }
 
-    /// Rates of the heights, m/s, at the heights over chord `camber` under the loads `load`, N, which fall by `resistance` N s/m with
-    /// the rate: (tau K + R) h' = Q - N with N = k T_x (h/c) dy - d/dy[s T_y c dh/dy] dy, k = 16/3 and 16/5, s = 8/15 and 8/105;
+    /// Turns the loads in `rates`, N, into the rates of the heights, m/s, at the heights over chord `camber`; the loads fall by
+    /// `resistance` N s/m with the rate: (tau K + R) h' = Q - N with N = k T_x (h/c) dy - d/dy[s T_y c dh/dy] dy, k = 16/3 and 16/5, s = 8/15 and 8/105;
     /// T_x = E t/(1 - nu^2) (e_x + nu e_y), e_x = e_0 + (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2, e_y the prestrain along the span + the mean of s h_y^2/2 between the
     /// ribs, T_y likewise with the mean of e_x; T = E t e_x without ribs; no tension is negative.
     /// K is the tangent of N with the sizes of the tensions, those along the span held.
@@ -179,32 +215,32 @@ impl<P: Scalar> Membrane<P> {
     /// (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2`
     /// Source: virtual work of a membrane of constant tension along its chord; Nielsen 1963, J. Appl. Mech. 30, without extension.
     /// Test: `an_even_pressure_bends_the_membrane_to_its_parabola`.
-    pub fn rates<S: Scalar + Meets<P>, const N: usize>(
+    #[inline(never)]
+    pub fn rates<S: Scalar + Meets<P>>(
         &self,
-        camber: &Shapes<S, N>,
-        load: &Shapes<S, N>,
-        resistance: &Column<S, N>,
-    ) -> Shapes<S, N> {
-        let mut rates = *load;
+        camber: Shapes<&[S]>,
+        resistance: &[S],
+        rates: Shapes<&mut [S]>,
+    ) {
+        let mut rates = rates;
         for bay in &self.bays {
             self.bay_rates(bay, camber, resistance, &mut rates);
         }
-        rates
     }
 
     /// Strain of the strip `i` along its chord.
-    fn stretch<S: Scalar + Meets<P>, const N: usize>(&self, camber: &Shapes<S, N>, i: usize) -> S {
+    fn stretch<S: Scalar + Meets<P>>(&self, camber: Shapes<&[S]>, i: usize) -> S {
         let arc = |m: usize| camber[m][i].squared() * (0.5 * ARC[m]);
         arc(0) + arc(1) + self.prestrain
     }
 
     /// Turns the loads of the strips of a bay, which `rates` holds, into the rates.
-    fn bay_rates<S: Scalar + Meets<P>, const N: usize>(
+    fn bay_rates<S: Scalar + Meets<P>>(
         &self,
         bay: &Bay<P>,
-        camber: &Shapes<S, N>,
-        resistance: &Column<S, N>,
-        rates: &mut Shapes<S, N>,
+        camber: Shapes<&[S]>,
+        resistance: &[S],
+        rates: &mut Shapes<&mut [S]>,
     ) {
         let (first, count) = (bay.first, bay.ties.len() - 1);
         let height = |m: usize, k: usize| match k {
@@ -222,7 +258,7 @@ impl<P: Scalar> Membrane<P> {
             along_chord += self.stretch(camber, i) * share;
         }
         let [pull, held] = tension(along_span + along_chord * bay.poisson).map(|t| t * bay.stiffness);
-        let mut taut = [[S::ONE; N]; 2];
+        let mut taut = [[S::ONE; MAX_STRIPS]; 2];
         for i in first..first + count {
             let stretch = self.stretch(camber, i) + along_span * bay.poisson;
             [taut[0][i], taut[1][i]] = tension(stretch).map(|t| t * bay.stiffness);
@@ -231,7 +267,7 @@ impl<P: Scalar> Membrane<P> {
             // Symmetric tridiagonal system: diagonal and what is left of the load, eliminated on the way.
             let tie = |k: usize| bay.ties[k] * MEAN_SQUARE[m];
             let off = |k: usize| -(held * (tie(k) * self.damping));
-            let (mut diagonal, rates) = ([S::ONE; N], &mut rates[m]);
+            let (mut diagonal, rates) = ([S::ONE; MAX_STRIPS], &mut *rates[m]);
             for k in 0..count {
                 let (i, ahead) = (first + k, rates[(first + k).saturating_sub(1)]);
                 let slope = self.width[i] / self.chord[i] * ARC[m];
@@ -303,7 +339,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Heights over the chord from the states.
-    pub(super) fn cambers<S: Scalar, const N: usize>(&self, x: &[S]) -> Shapes<S, N> {
+    pub(super) fn cambers<S: Scalar, const N: usize>(&self, x: &[S]) -> Shapes<Column<S, N>> {
         let (n, at) = (self.settings.strips, self.camber_states());
         let mut shapes = [[S::ZERO; N]; MODES];
         for (m, column) in shapes.iter_mut().enumerate() {
@@ -320,37 +356,31 @@ impl<P: Scalar> StripModel<P> {
     /// `lifting wash V (2 h_1 - h_2)/c - h_1'/2 of z = sin^2 t (h_1 + h_2 cos t)`
     /// Source: Glauert 1926, ch. 7, with the wash of the rate.
     /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
-    pub(super) fn wash_of_slope<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    #[inline(never)]
+    fn wash_of_slope<G: Scalar, S: Over<G>>(
         &self,
-        flow: &Flow<G, N>,
-        camber: &Shapes<S, N>,
-        wash: &mut Column<S, N>,
+        airs: &[SectionAir<G>],
+        [first, second]: Shapes<&[S]>,
+        wash: &mut [S],
     ) {
-        for i in 0..self.settings.strips {
-            wash[i] += (camber[0][i] * 2.0 - camber[1][i]) * self.wind_along(i, flow);
+        for (i, air) in airs.iter().enumerate() {
+            wash[i] += (first[i] * 2.0 - second[i]) * air.along.smooth_abs(self.floor);
         }
-    }
-
-    /// Size of the wind along the chord, m/s.
-    #[inline]
-    pub(super) fn wind_along<G: Scalar, const N: usize>(&self, i: usize, flow: &Flow<G, N>) -> G {
-        flow.strips.along[i].smooth_abs(self.floor)
     }
 
     /// Momentum (3/4) P + (2/3) m w of strip `i` that its parabola feels, N s, and the part (2/3) m a of the rate of the second term that
     /// is the turn of the normal in the air, N: m is the mass of the membrane, w the wash at mid chord.
-    fn camber_momentum<G: Scalar + Meets<P>, const N: usize>(
+    fn camber_momentum<G: Scalar + Meets<P>>(
         &self,
         i: usize,
-        flow: &Flow<G, N>,
+        air: &SectionAir<G>,
         membrane: &Membrane<P>,
     ) -> [G; 2] {
-        let (strips, covered) = (&flow.strips, self.tables.covered[i]);
+        let covered = self.tables.covered[i];
         let mass = membrane.areal_density * self.tables.chord[i] * membrane.width[i] * covered * (2.0 / 3.0);
-        let normal_rate = strips.normal_rate.get(i);
-        let turning = strips.along[i] * normal_rate.dot(strips.chordwise.get(i))
-            - strips.drift[i] * normal_rate.dot(strips.across.get(i));
-        [flow.impulse[i] * 0.75 + strips.wash_half[i] * mass, turning * mass]
+        let turning =
+            air.along * air.normal_rate.dot(air.chordwise) - air.drift * air.normal_rate.dot(air.across);
+        [air.impulse * 0.75 + air.wash_half * mass, turning * mass]
     }
 
     /// Loads on the shapes of strip `i`, N, by virtual work of the pressure difference; of the circulatory force per wash
@@ -364,21 +394,21 @@ impl<P: Scalar> StripModel<P> {
     /// Source: pressure of thin-aerofoil theory, 2 rho V [(w_l + B1/2) cot(t/2) - B1 sin t - B2 sin 2t] + 2 rho dphi/dt (Theodorsen
     /// 1935; Glauert 1926), against the shapes; evenness of the plate's pressure a choice; the rate of B1 on h_2 left out.
     /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
-    fn camber_load<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn camber_load<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
-        flow: &Flow<G, N>,
-        [first, second]: [S; MODES],
+        air: &SectionAir<G>,
+        [first, second]: Shapes<S>,
         (lift_wash, attached, vortex, inertia): (S, S, S, S),
-    ) -> [S; MODES] {
-        let (strips, wind) = (&flow.strips, self.wind_along(i, flow));
-        let turn = strips.pitch[i] * (self.tables.chord[i] * 0.125);
+    ) -> Shapes<S> {
+        let wind = air.along.smooth_abs(self.floor);
+        let turn = air.pitch * (self.tables.chord[i] * 0.125);
         let per_wash = attached * (wind * self.tables.lift_scale[i]);
         let vortex = vortex * attached * self.tables.drag_scale[i];
         let drag = self.numbers.drag().of_plate();
-        let (along, wash) = (strips.along[i], strips.wash_half[i]);
+        let delta2 = self.floor * self.floor;
         let plate = match self.settings.section.law.separates() {
-            true => drag.section(&self.polar, along, wash, attached, self.floor * self.floor).normal,
+            true => drag.section(&self.polar, air.along, air.wash_half, attached, delta2).normal,
             false => S::ZERO,
         };
         let even = plate * (self.tables.drag_scale[i] * (2.0 / 3.0)) + inertia;
@@ -399,47 +429,78 @@ impl<P: Scalar> StripModel<P> {
     ///
     /// Rates of the cambers, and what they make of washes and lags: the rate h_1' lowers the wash by h_1'/2, and with it at once the
     /// load, so that the air damps the camber; that damping is taken for both shapes, whose second has no other effect of its rate.
-    pub(super) fn advance_camber<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    #[inline(never)]
+    fn bulge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        (flow, membrane): (&Flow<G, N>, &Membrane<P>),
-        (of_chord, attached): (Shapes<S, N>, &Column<S, N>),
-        (wash, lift_wash): (&mut Column<S, N>, &mut Column<S, N>),
+        (airs, membrane): (&[SectionAir<G>], &Membrane<P>),
+        (of_chord, attached): (Shapes<&[S]>, &[S]),
+        [wash, lift_wash, flat, nose, first_rate]: [&mut [S]; 5],
         x: &[S],
         dx: &mut [S],
-    ) -> Camber<S, N> {
+    ) {
         let (n, tables, at) = (self.settings.strips, &self.tables, self.camber_states());
-        let vortex = match self.settings.section.law.about().edge_vortex {
-            true => self.law_column(x, 0),
-            false => [S::ZERO; N],
-        };
-        let (mut load, mut resistance) = ([[S::ZERO; N]; MODES], [S::ZERO; N]);
+        let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
+        let (mut load, mut resistance) = ([[S::ZERO; MAX_STRIPS]; MODES], [S::ZERO; MAX_STRIPS]);
         let felt = at + MODES * n;
-        for i in 0..n {
+        for (i, air) in airs.iter().enumerate() {
             // The rate of the momentum as a state follows it: accelerations are not yet known here.
-            let [momentum, turning] = self.camber_momentum(i, flow, membrane);
+            let [momentum, turning] = self.camber_momentum(i, air, membrane);
             dx[felt + i] = (x[felt + i] - momentum) * -membrane.damping.recip();
-            let section = (lift_wash[i], attached[i], vortex[i], dx[felt + i] - turning);
+            let vortex = vortices.map_or(S::ZERO, |vortices| vortices[i]);
+            let section = (lift_wash[i], attached[i], vortex, dx[felt + i] - turning);
             let shapes = [of_chord[0][i], of_chord[1][i]];
-            [load[0][i], load[1][i]] = self.camber_load(i, flow, shapes, section);
+            [load[0][i], load[1][i]] = self.camber_load(i, air, shapes, section);
             let scale = tables.lift_scale[i] * tables.at_once * 0.25;
-            resistance[i] = attached[i] * (self.wind_along(i, flow) * scale);
+            resistance[i] = attached[i] * (air.along.smooth_abs(self.floor) * scale);
         }
-        let rates = membrane.rates(&of_chord, &load, &resistance);
-        let (mut flat, mut nose) = (*lift_wash, [S::ZERO; N]);
-        for i in 0..n {
-            let (fallen, wind) = (rates[0][i] * -0.5, self.wind_along(i, flow));
+        let [first, second] = &mut load;
+        membrane.rates(of_chord, &resistance, [first, second]);
+        for (i, air) in airs.iter().enumerate() {
+            let (fallen, wind) = (load[0][i] * -0.5, air.along.smooth_abs(self.floor));
             wash[i] += fallen;
             lift_wash[i] += fallen * tables.at_once;
             nose[i] = of_chord[1][i] * wind;
             flat[i] = lift_wash[i] - of_chord[0][i] * (wind * 2.0) + nose[i];
+            first_rate[i] = load[0][i];
             for (k, lag) in self.numbers.lags.iter().enumerate() {
-                dx[k * n + i] += fallen * (flow.strips.speed[i] * (lag.rate * tables.turnover[i]));
+                dx[k * n + i] += fallen * (air.speed * (lag.rate * tables.turnover[i]));
             }
-            for (m, rate) in rates.iter().enumerate() {
+            for (m, rate) in load.iter().enumerate() {
                 dx[at + m * n + i] = rate[i] * tables.chord[i].recip();
             }
         }
-        Camber { of_chord, rate: rates[0], flat, nose }
+    }
+
+    /// What the membrane, if there is one, makes of the wash: see [`wash_of_slope`](Self::wash_of_slope).
+    pub(super) fn slopes<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        x: &[S],
+        wash: &mut Column<S, N>,
+    ) -> Option<Bulging<G, S, N>> {
+        self.membrane.as_ref()?;
+        let airs = std::array::from_fn(|i| SectionAir::of(flow, i));
+        let of_chord = self.cambers::<S, N>(x);
+        self.wash_of_slope(&airs[..self.settings.strips], [&of_chord[0], &of_chord[1]], wash);
+        Some(Bulging { airs, of_chord })
+    }
+
+    /// See [`bulge`](Self::bulge).
+    pub(super) fn advance_camber<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        Bulging { airs, of_chord }: Bulging<G, S, N>,
+        attached: &Column<S, N>,
+        (wash, lift_wash): (&mut Column<S, N>, &mut Column<S, N>),
+        x: &[S],
+        dx: &mut [S],
+    ) -> Option<Camber<S, N>> {
+        let zero = [S::ZERO; N];
+        let mut camber = Camber { of_chord, rate: zero, flat: *lift_wash, nose: zero };
+        let air = (&airs[..self.settings.strips], self.membrane.as_ref()?);
+        let held: (Shapes<&[S]>, &[S]) = ([&of_chord[0], &of_chord[1]], attached);
+        let columns: [&mut [S]; 5] = [wash, lift_wash, &mut camber.flat, &mut camber.nose, &mut camber.rate];
+        self.bulge(air, held, columns, x, dx);
+        Some(camber)
     }
 
     /// Nose-up couple of the camber of strip `i` about its quarter chord, N m:
@@ -456,7 +517,7 @@ impl<P: Scalar> StripModel<P> {
         attached: S,
         camber: &Camber<S, N>,
     ) -> S {
-        let (wind, [first, second]) = (self.wind_along(i, flow), &camber.of_chord);
+        let (wind, [first, second]) = (flow.strips.along[i].smooth_abs(self.floor), &camber.of_chord);
         let turning = (first[i] * 2.0 - second[i] * 1.5) * wind + camber.rate[i] * 0.5;
         -(turning * attached * (wind * (self.tables.lift_scale[i] * self.tables.chord[i] * 0.25)))
     }
@@ -464,18 +525,17 @@ impl<P: Scalar> StripModel<P> {
     /// Forward force of the pressure on the slopes, which is no suction of the leading edge and so is not lost with it:
     /// adds what [`cap_suction`](Self::cap_suction) took of it. Of the chord force w_l W that of the edge is (w - n)(W - n), w the
     /// wash of the flat chord, W as it turns the force, and n what the slope at the edge takes.
-    pub(super) fn keep_slopes<S: Scalar + Meets<P>, const N: usize>(
+    #[inline(never)]
+    pub(super) fn keep_slopes<S: Scalar + Meets<P>>(
         &self,
-        camber: &Camber<S, N>,
-        (edges, attached): (&LeadingEdges<S, N>, &Column<S, N>),
-        [lift_wash, wash, shares]: [&Column<S, N>; 3],
-        chordwise: &mut Column<S, N>,
+        [flat, nose, held, attached]: [&[S]; 4],
+        [lift_wash, wash, shares]: [&[S]; 3],
+        chordwise: &mut [S],
     ) {
         for i in 0..self.settings.strips {
-            let nose = camber.nose[i];
-            let edge = (camber.flat[i] - nose) * (wash[i] - nose);
+            let edge = (flat[i] - nose[i]) * (wash[i] - nose[i]);
             let slopes = (lift_wash[i] * wash[i] - edge) * attached[i] * self.tables.lift_scale[i];
-            chordwise[i] -= slopes * shares[i] * (S::ONE - edges.held[i]);
+            chordwise[i] -= slopes * shares[i] * (S::ONE - held[i]);
         }
     }
 }
@@ -522,11 +582,11 @@ mod tests {
     fn an_even_pressure_bends_the_membrane_to_its_parabola() {
         for (prestrain, pressure) in [(0.05, 10.0), (0.0, 20.0), (-0.01, 20.0)] {
             let skin = held(prestrain, false, 1e-3);
-            let load = [[pressure * 0.02 * 2.0 / 3.0; 5], [0.0; 5]];
             let mut camber = [[0.03; 5], [0.0; 5]];
             for _ in 0..20_000 {
-                let rates = skin.rates(&camber, &load, &[1e-3; 5]);
-                (0..5).for_each(|i| camber[0][i] += 1e-4 * rates[0][i] / 0.2);
+                let [mut first, mut second] = [[pressure * 0.02 * 2.0 / 3.0; 5], [0.0; 5]];
+                skin.rates([&camber[0], &camber[1]], &[1e-3; 5], [&mut first, &mut second]);
+                (0..5).for_each(|i| camber[0][i] += 1e-4 * first[i] / 0.2);
             }
             // h = p c^2 / (8 T), T = E t (e_0 + (8/3)(h/c)^2).
             let tension = 100.0 * (prestrain + 8.0 / 3.0 * camber[0][2] * camber[0][2]);
@@ -542,10 +602,11 @@ mod tests {
         type D = Dual<10>;
         let skin = held(-0.004, true, 0.0);
         let value = |k: usize| 0.02 + 0.013 * (k as f64 * 1.7).sin();
-        let camber: Shapes<D, 5> =
+        let camber: Shapes<[D; 5]> =
             std::array::from_fn(|m| std::array::from_fn(|i| D::variable(value(5 * m + i), 5 * m + i)));
-        let zero = [[D::constant(0.0); 5]; MODES];
-        let rates = skin.rates(&camber, &zero, &[D::constant(1.0); 5]);
+        let mut rates = [[D::constant(0.0); 5]; MODES];
+        let [first, second] = &mut rates;
+        skin.rates([&camber[0], &camber[1]], &[D::constant(1.0); 5], [first, second]);
         let slope = |a: usize, b: usize| rates[a / 5][a % 5].eps[b];
         for (a, b) in (0..10).flat_map(|a| (0..a).map(move |b| (a, b))) {
             let size = slope(a, a).abs().max(slope(b, b).abs());

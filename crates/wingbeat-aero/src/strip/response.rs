@@ -306,14 +306,10 @@ impl<P: Scalar> StripModel<P> {
                 wash[i] += left[i];
             }
         }
-        let membrane = self.membrane.as_ref().map(|membrane| (membrane, self.cambers(x)));
-        if let Some((_, camber)) = &membrane {
-            self.wash_of_slope(flow, camber, &mut wash);
-        }
+        let membrane = self.slopes(flow, x, &mut wash);
         let mut lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
-        let camber = membrane.map(|(membrane, camber)| {
-            let washes = (&mut wash, &mut lift_wash);
-            self.advance_camber((flow, membrane), (camber, &attached), washes, x, dx)
+        let camber = membrane.and_then(|membrane| {
+            self.advance_camber(membrane, &attached, (&mut wash, &mut lift_wash), x, dx)
         });
         // What the slope of a camber adds is borne by it, not by the leading edge.
         let flat = camber.as_ref().map_or(&lift_wash, |camber| &camber.flat);

