@@ -1,6 +1,6 @@
 //! From an observed robot to the columns of a record.
 
-use super::skin::Skin;
+use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
 use wingbeat_aero::{Aero, LiftLaw, LoadSource, StripState};
 use wingbeat_flight::guide::Manoeuvre;
@@ -51,7 +51,7 @@ pub struct Means {
     /// Share of the samples beyond the velocities of `robot.residual`; none without one.
     pub beyond_residual_fraction: Option<f64>,
     /// Membranes, where there are any.
-    pub membrane: Option<Skin>,
+    pub membrane: Option<MembraneSummary>,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -197,16 +197,16 @@ impl<'a> Recorder<'a> {
 }
 
 /// The membranes of `robot`, from the columns that `record` has of them.
-fn skins(robot: &Robot, record: &Record) -> Option<Skin> {
+fn skins(robot: &Robot, record: &Record) -> Option<MembraneSummary> {
     let of = |(k, (name, aero)): (usize, (&str, &Aero))| {
         let prefix = if k == 0 { String::new() } else { format!("{name}_") };
         let columns = (0..aero.strips()).filter_map(|i| {
             let column = |of: &str| record.values(&format!("{prefix}{of}_{i}"));
             Some(column("camber")?.iter().zip(column("camber_forward")?).map(|(a, b)| [*a, *b]))
         });
-        Skin::of(aero, columns.flatten(), robot.frequency_hz())
+        MembraneSummary::of(aero, columns.flatten(), robot.frequency_hz())
     };
-    robot.surfaces().enumerate().filter_map(of).reduce(Skin::worse)
+    robot.surfaces().enumerate().filter_map(of).reduce(MembraneSummary::worse)
 }
 
 /// Means of the states that the laws of the surfaces of `robot` declare, in the order of the surfaces.

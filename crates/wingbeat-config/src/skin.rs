@@ -5,7 +5,7 @@ use wingbeat_aero::{Aero, membrane_height};
 
 /// Membranes of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Skin {
+pub struct MembraneSummary {
     /// Largest rise over the chord.
     pub camber_max: f64,
     /// Share of strips and instants in which the membrane is slack along the chord.
@@ -14,7 +14,7 @@ pub struct Skin {
     pub frequency_fraction: f64,
 }
 
-impl Skin {
+impl MembraneSummary {
     /// Of the surface `aero` from the heights over the chord of its strips at all instants; none without a membrane.
     pub fn of(aero: &Aero, heights: impl Iterator<Item = [f64; 2]>, frequency_hz: f64) -> Option<Self> {
         let membrane = aero.membrane()?;

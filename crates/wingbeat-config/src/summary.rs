@@ -7,7 +7,7 @@ use super::followed::PathSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
 use super::recorder::Means;
-use super::skin::Skin;
+use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
 use serde::Serialize;
@@ -114,7 +114,7 @@ pub struct Summary {
     pub suction_lost_fraction: Option<f64>,
     /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub membrane: Option<Skin>,
+    pub membrane: Option<MembraneSummary>,
     /// Means of the states that the flown laws declare; not part of the file.
     #[serde(skip)]
     pub law_states: Vec<LawState>,

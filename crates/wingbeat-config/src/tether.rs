@@ -1,7 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::fit::rejected_fit;
-use super::skin::Skin;
+use super::skin::MembraneSummary;
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
@@ -209,12 +209,12 @@ impl TetherCase {
     }
 
     /// The membrane over the last cycle; none of a wing without one, or of a run that broke down.
-    fn skin(&self, run: &TetherRun) -> Option<Skin> {
+    fn skin(&self, run: &TetherRun) -> Option<MembraneSummary> {
         let (clock, strips) = (self.tether.clock, self.tether.aero.strips());
         let (camber, forward) = (run.strips.values("camber")?, run.strips.values("camber_forward")?);
         let heights = camber.iter().zip(forward).map(|(a, b)| [*a, *b]);
         let first = heights.len().saturating_sub(clock.steps_per_cycle * strips);
-        let skin = Skin::of(&self.tether.aero, heights.skip(first), clock.frequency_hz);
+        let skin = MembraneSummary::of(&self.tether.aero, heights.skip(first), clock.frequency_hz);
         skin.filter(|_| run.ending == Ending::Complete)
     }
 
@@ -261,7 +261,7 @@ pub struct TetherSummary {
     pub suction_lost_fraction: Option<f64>,
     /// Membrane: largest rise over the chord, slack share, frequency of the motion over its own.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub membrane: Option<Skin>,
+    pub membrane: Option<MembraneSummary>,
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,

@@ -2,7 +2,7 @@
 
 use super::search::SearchSummary;
 use crate::CostSummary;
-use crate::skin::Skin;
+use crate::skin::MembraneSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -96,7 +96,7 @@ pub struct TrimSummary {
     pub suction_lost_fraction: Option<f64>,
     /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub membrane: Option<Skin>,
+    pub membrane: Option<MembraneSummary>,
     /// Least of all clearances over the cycle, m.
     pub least_clearance_m: Option<f64>,
     /// Mean roll, deg; positive is right wing down.
@@ -159,9 +159,9 @@ impl TrimSummary {
             let own = first..first + aero.strips();
             first = own.end;
             let heights = measures.heights.iter().flat_map(|strips| strips[own.clone()].iter().copied());
-            Skin::of(aero, heights, 1.0 / orbit.end.duration)
+            MembraneSummary::of(aero, heights, 1.0 / orbit.end.duration)
         };
-        self.membrane = cycle.robot().surfaces().filter_map(skin).reduce(Skin::worse);
+        self.membrane = cycle.robot().surfaces().filter_map(skin).reduce(MembraneSummary::worse);
         self.least_clearance_m = measures.least_clearance;
         [self.roll_mean_deg, self.pitch_mean_deg] = measures.mean_angles.map(|a| Some(a.to_degrees()));
         let [low, high] = measures.pitch;
