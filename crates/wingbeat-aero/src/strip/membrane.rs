@@ -207,7 +207,7 @@ impl<P: Scalar> Membrane<P> {
     /// Turns the loads in `rates`, N, into the rates of the heights, m/s, at the heights over chord `camber`; the loads fall by
     /// `resistance` N s/m with the rate: (tau K + R) h' = Q - N with N = k T_x (h/c) dy - d/dy[s T_y c dh/dy] dy, k = 16/3 and 16/5, s = 8/15 and 8/105;
     /// T_x = E t/(1 - nu^2) (e_x + nu e_y), e_x = e_0 + (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2, e_y the prestrain along the span + the mean of s h_y^2/2 between the
-    /// ribs, T_y likewise with the mean of e_x; T = E t e_x without ribs; no tension is negative.
+    /// ribs, T_y = E t e_y + nu times the mean of T_x; T = E t e_x without ribs; no tension is negative.
     /// K is the tangent of N with the sizes of the tensions, those along the span held.
     ///
     /// Equation: aero.membrane
@@ -255,9 +255,12 @@ impl<P: Scalar> Membrane<P> {
         }
         for i in first..first + count {
             let share = self.chord[i] * self.width[i] * bay.inverse_area;
-            along_chord += self.stretch(camber, i) * share;
+            let [taut, _] = tension(self.stretch(camber, i) + along_span * bay.poisson);
+            along_chord += taut * share;
         }
-        let [pull, held] = tension(along_span + along_chord * bay.poisson).map(|t| t * bay.stiffness);
+        // A slack strip wrinkles: across it the membrane narrows as it likes.
+        let across = along_span * (P::ONE - bay.poisson * bay.poisson) + along_chord * bay.poisson;
+        let [pull, held] = tension(across).map(|t| t * bay.stiffness);
         let mut taut = [[S::ONE; MAX_STRIPS]; 2];
         for i in first..first + count {
             let stretch = self.stretch(camber, i) + along_span * bay.poisson;
@@ -554,7 +557,7 @@ mod tests {
             stiffness: 100.0,
             areal_density: 0.02,
             prestrain,
-            prestrain_span: 0.5 * prestrain,
+            prestrain_span: 0.01,
             poisson_ratio: 0.3,
             damping,
         };
@@ -610,7 +613,9 @@ mod tests {
         let slope = |a: usize, b: usize| rates[a / 5][a % 5].eps[b];
         for (a, b) in (0..10).flat_map(|a| (0..a).map(move |b| (a, b))) {
             let size = slope(a, a).abs().max(slope(b, b).abs());
-            assert!((slope(a, b) - slope(b, a)).abs() < 1e-10 * size, "{a} {b}");
+            // The rounded corner of the spanwise tension, of strain e, lacks (1e-4/2 e)^2 of symmetry.
+            let lacking = (slope(a, b) - slope(b, a)).abs() / size;
+            assert!(lacking < 1e-4, "{a} {b}: {lacking}");
         }
     }
 
