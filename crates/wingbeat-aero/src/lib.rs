@@ -6,6 +6,7 @@ mod compiled;
 mod law;
 mod lifting_line;
 mod loads;
+mod membrane;
 mod numbers;
 mod planform;
 mod section;
@@ -22,6 +23,7 @@ pub use law::{
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LagSpeed, LiftTilt, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;
 pub use loads::{Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, StripLoads};
+pub use membrane::{MembraneNumbers, MembraneSpec, membrane_height};
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
@@ -185,6 +187,13 @@ impl<P: Scalar> Aero<P> {
             Self::LiftingLine(line) if line.settings().as_printed => Preset::AsPrinted,
             Self::LiftingLine(_) => Preset::Paper,
             Self::Strip(_) => Preset::Full,
+        }
+    }
+    /// The strip model with a membrane, where that is what it is.
+    pub fn membrane(&self) -> Option<&StripModel<P>> {
+        match self {
+            Self::Strip(model) if model.membrane_frequency_hz().is_some() => Some(model),
+            _ => None,
         }
     }
     /// The lift law.

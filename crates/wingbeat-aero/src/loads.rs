@@ -201,6 +201,10 @@ pub struct Loads<S: Scalar> {
     pub incidence: [S; MAX_STRIPS],
     /// Wash along the normal that each strip meets at 3/4 chord, m/s.
     pub wash: [S; MAX_STRIPS],
+    /// Height of a membrane above mid chord over the chord, of each strip.
+    pub camber: [S; MAX_STRIPS],
+    /// Height over the chord of the shape that moves the bulge forward: see [`membrane_height`](crate::membrane_height).
+    pub camber_forward: [S; MAX_STRIPS],
     /// Wash along the normal by other surfaces at 3/4 chord of each strip, m/s; part of `wash`.
     pub wash_of_others: [S; MAX_STRIPS],
     /// Circulation of each strip, m2/s; what it is worth says [`Circulation`].
@@ -225,6 +229,8 @@ impl<S: Scalar> Default for Loads<S> {
             strip: [StripLoads::default(); MAX_STRIPS],
             incidence: [S::ZERO; MAX_STRIPS],
             wash: [S::ZERO; MAX_STRIPS],
+            camber: [S::ZERO; MAX_STRIPS],
+            camber_forward: [S::ZERO; MAX_STRIPS],
             wash_of_others: [S::ZERO; MAX_STRIPS],
             circulation: [S::ZERO; MAX_STRIPS],
             separated: [S::ZERO; MAX_STRIPS],

@@ -66,6 +66,7 @@ impl SectionSettings {
             critical_suction: self.critical_suction,
             added_mass_scale: 1.0,
             lags,
+            membrane: None,
             outline: None,
             hinges: Vec::new(),
         }

@@ -117,6 +117,7 @@ fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
         name: "wing".into(),
         ribs: (0..=2 * RIBS).map(|k| section(arc(k))).collect(),
         covered: (0..2 * RIBS).map(|k| there(0.5 * (arc(k) + arc(k + 1)))).collect(),
+        raised: Vec::new(),
     };
     let mut drawing = Drawing::new();
     drawing.outline(&outline, &Pose::IDENTITY);

@@ -363,7 +363,17 @@ impl AeroSpec {
         // The preset that is not used has to have a meaning too.
         line.check().map_err(paper)?;
         strips.check().map_err(full)?;
-        match outline.preset.unwrap_or(self.preset) {
+        let preset = outline.preset.unwrap_or(self.preset);
+        if outline.membrane.is_some() && preset != Preset::Full {
+            let key =
+                outline.preset.map_or("aero.preset".into(), |_| format!("robot.{}.preset", outline.key));
+            return Err(Error::invalid(
+                key,
+                format!("\"{}\"", preset.name()),
+                "\"full\" where a surface is a membrane",
+            ));
+        }
+        match preset {
             Preset::AsPrinted => {
                 self.printed_law(outline)?;
                 let mut printed = line.printed();
@@ -437,6 +447,7 @@ impl AeroSpec {
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
             section: self.section(outline, density_kg_m3),
+            membrane: outline.membrane.clone(),
         }
     }
 }

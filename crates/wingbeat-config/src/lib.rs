@@ -33,6 +33,7 @@ mod search;
 mod search_spec;
 mod shared;
 mod side_by_side;
+mod skin;
 mod sound;
 mod spar_spec;
 mod spec;

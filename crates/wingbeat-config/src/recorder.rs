@@ -1,7 +1,8 @@
 //! From an observed robot to the columns of a record.
 
+use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
-use wingbeat_aero::{LiftLaw, LoadSource, StripState};
+use wingbeat_aero::{Aero, LiftLaw, LoadSource, StripState};
 use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{AXES, Column, Controller, Cost, Record, Sample, StripRecorder};
 use wingbeat_math::Error;
@@ -49,6 +50,8 @@ pub struct Means {
     pub law_states: Vec<LawState>,
     /// Share of the samples beyond the velocities of `robot.residual`; none without one.
     pub beyond_residual_fraction: Option<f64>,
+    /// Membranes, where there are any.
+    pub membrane: Option<MembraneSummary>,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -184,12 +187,26 @@ impl<'a> Recorder<'a> {
             suction_lost_fraction,
             law_states: law_states(self.robot, &self.record),
             beyond_residual_fraction: (self.beyond[1] > 0.0).then(|| self.beyond[0] / self.beyond[1]),
+            membrane: skins(self.robot, &self.record),
             stall_fraction,
             stalled,
         };
         let strips = self.strips.map(|strips| strips.recorder.finish());
         Recorded { record: self.record, strips, means: Some(means) }
     }
+}
+
+/// The membranes of `robot`, from the columns that `record` has of them.
+fn skins(robot: &Robot, record: &Record) -> Option<MembraneSummary> {
+    let of = |(k, (name, aero)): (usize, (&str, &Aero))| {
+        let prefix = if k == 0 { String::new() } else { format!("{name}_") };
+        let columns = (0..aero.strips()).filter_map(|i| {
+            let column = |of: &str| record.values(&format!("{prefix}{of}_{i}"));
+            Some(column("camber")?.iter().zip(column("camber_forward")?).map(|(a, b)| [*a, *b]))
+        });
+        MembraneSummary::of(aero, columns.flatten(), robot.frequency_hz())
+    };
+    robot.surfaces().enumerate().filter_map(of).reduce(MembraneSummary::worse)
 }
 
 /// Means of the states that the laws of the surfaces of `robot` declare, in the order of the surfaces.

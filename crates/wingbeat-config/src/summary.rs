@@ -7,6 +7,7 @@ use super::followed::PathSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
 use super::recorder::Means;
+use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
 use serde::Serialize;
@@ -112,6 +113,9 @@ pub struct Summary {
     pub separated_fraction: Option<f64>,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
     pub suction_lost_fraction: Option<f64>,
+    /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSummary>,
     /// Means of the states that the flown laws declare; not part of the file.
     #[serde(skip)]
     pub law_states: Vec<LawState>,
@@ -362,6 +366,7 @@ impl Summary {
             stall_fraction: means.map(|means| means.stall_fraction),
             separated_fraction: means.map(|means| means.separated_fraction),
             suction_lost_fraction: means.map(|means| means.suction_lost_fraction),
+            membrane: means.and_then(|means| means.membrane),
             law_states: means.map_or(Vec::new(), |means| means.law_states.clone()),
             beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),

@@ -2,6 +2,7 @@
 
 use super::fit::rejected_fit;
 use super::moved::Moved;
+use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
@@ -139,6 +140,7 @@ impl TetherCase {
             step_change,
             separated_fraction: whole(Some(run.separated_fraction)),
             suction_lost_fraction: whole(Some(run.suction_lost_fraction)),
+            membrane: self.skin(run),
             mean_lift_n: whole(run.mean("force_wind_lift")),
             mean_thrust_n: whole(run.mean("thrust")),
             mean_power_w: whole(run.mean("power")),
@@ -180,6 +182,11 @@ impl TetherCase {
                 judge.hold_about(&tether::CYCLES, *change, &mend);
             }
         }
+        if let Some(membrane) = self.skin(run) {
+            judge.hold(&tether::MEMBRANE_CAMBER, membrane.camber_max);
+            judge.hold(&tether::MEMBRANE_SLACK, membrane.slack_fraction);
+            judge.hold(&tether::MEMBRANE_FREQUENCY, membrane.frequency_fraction);
+        }
         self.stalled(run)
             .into_iter()
             .chain(self.slow())
@@ -206,6 +213,16 @@ impl TetherCase {
             );
             Warning::new("tether.slow", text).size(excess).key(&key)
         })
+    }
+
+    /// The membrane over the last cycle; none of a wing without one, or of a run that broke down.
+    fn skin(&self, run: &TetherRun) -> Option<MembraneSummary> {
+        let (clock, strips) = (self.tether.clock, self.tether.aero.strips());
+        let (camber, forward) = (run.strips.values("camber")?, run.strips.values("camber_forward")?);
+        let heights = camber.iter().zip(forward).map(|(a, b)| [*a, *b]);
+        let first = heights.len().saturating_sub(clock.steps_per_cycle * strips);
+        let skin = MembraneSummary::of(&self.tether.aero, heights.skip(first), clock.frequency_hz);
+        skin.filter(|_| run.ending == Ending::Complete)
     }
 
     /// The caution that the law does not hold for all of the motion.
@@ -249,6 +266,9 @@ pub struct TetherSummary {
     pub separated_fraction: Option<f64>,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
     pub suction_lost_fraction: Option<f64>,
+    /// Membrane: largest rise over the chord, slack share, frequency of the motion over its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSummary>,
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,
@@ -516,6 +536,7 @@ impl TetherSpec {
             cd0: self.wing.cd0.unwrap_or(if self.aero.law.separates() { CD0.default } else { 0.0 }),
             cd90: self.wing.cd90,
             section: self.wing.section,
+            membrane: self.wing.membrane.clone(),
             preset: None,
             law: None,
             strips: None,

@@ -6,7 +6,7 @@ use super::verdict_limits::VerdictLimits;
 use super::{AeroSpec, CompareSpec, RunName};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use wingbeat_aero::{CD0, CD90, Gap, PlanformStation, SectionSpec};
+use wingbeat_aero::{CD0, CD90, Gap, MembraneSpec, PlanformStation, SectionSpec};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{Clock, HingeKind, Side};
 use wingbeat_math::Error;
@@ -74,6 +74,9 @@ pub struct TetheredWingSpec {
     /// What laws `stall` and `lev` need of its section, where it differs from the scenario's.
     #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
     pub section: SectionSpec,
+    /// Membrane between its leading and trailing edge; rigid where not given. Preset `full` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSpec>,
     /// Hinges from body to tip; each turns what lies outboard of it.
     #[serde(default)]
     pub hinges: Vec<HingeSpec>,
@@ -227,6 +230,7 @@ impl TetherSpec {
         self.wing.in_range().map_err(|e| e.within("wing"))?;
         self.time.clock().in_range().map_err(|e| e.within("time"))?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
+        self.wing.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("wing.membrane")))?;
         self.compare.check().map_err(|e| e.within("compare"))?;
         for (i, hinge) in self.wing.hinges.iter().enumerate() {
             if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {

@@ -74,8 +74,12 @@ pub struct Flapping {
     pub density_kg_m3: f64,
 }
 
-/// Refuses sections that lift at no incidence.
+/// Refuses sections that lift at no incidence, and membranes.
 pub(crate) fn require_flat(aero: &Aero) -> Result<(), Error> {
+    if let Some(skin) = aero.numbers().membrane {
+        let allowed = "no membrane here: the panels are flat".into();
+        return Err(Error::Setting { key: "membrane.stiffness_n_m", value: skin.stiffness, allowed });
+    }
     let zero_lift = match aero {
         Aero::LiftingLine(line) => line.settings().section.zero_lift_angle_rad,
         Aero::Strip(model) => model.settings().section.zero_lift_angle_rad,

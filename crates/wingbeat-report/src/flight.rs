@@ -92,6 +92,7 @@ pub fn add_skeleton(motion: &mut Motion, seen: &Skeleton) {
                 ribs: vec![Default::default(); outline.ribs.len()],
                 covered: outline.covered.clone(),
                 side: sides(&outline.ribs),
+                raised: vec![Default::default(); outline.raised.len()],
                 strips: Vec::new(),
             })
             .collect();
@@ -100,6 +101,7 @@ pub fn add_skeleton(motion: &mut Motion, seen: &Skeleton) {
         for (rib, edges) in surface.ribs.iter_mut().zip(&outline.ribs) {
             rib.iter_mut().zip(edges).for_each(|(track, edge)| push(track, *edge));
         }
+        surface.raised.iter_mut().zip(&outline.raised).for_each(|(track, point)| push(track, *point));
     }
 }
 

@@ -30,6 +30,8 @@ pub struct Surface {
     pub covered: Vec<bool>,
     /// Of each panel 0 on the left, 1 on the right, 2 on neither.
     pub side: Vec<usize>,
+    /// Point of a membrane above the middle of each rib; none of a rigid surface.
+    pub raised: Vec<Track>,
     /// Its strips, from left to right.
     pub strips: Vec<Strip>,
 }

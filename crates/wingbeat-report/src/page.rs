@@ -264,7 +264,12 @@ fn of_surface(surface: &Surface, reach: f64, without: Without, pack: &mut Pack) 
         json!({ "rib": strip.rib, "force": force, "circulation": circulation })
     };
     let strips: Vec<Value> = surface.strips.iter().map(strip).collect();
-    json!({ "name": surface.name, "covered": surface.covered, "side": surface.side, "ribs": ribs, "strips": strips })
+    let mut value = json!({ "name": surface.name, "covered": surface.covered, "side": surface.side, "ribs": ribs, "strips": strips });
+    if !surface.raised.is_empty() {
+        let raised: Vec<_> = surface.raised.iter().map(|point| track(point, RIB * reach, pack)).collect();
+        value["raised"] = json!(raised);
+    }
+    value
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@ use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
 use wingbeat_aero::{
-    Aero, CD90, Coupling, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, Preset, ProfileDrag,
-    SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
+    Aero, CD90, Coupling, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, MembraneSpec, Planform, Preset,
+    ProfileDrag, SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
 };
 use wingbeat_math::Error;
 use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3};
@@ -32,6 +32,8 @@ pub struct SurfaceOutline {
     pub cd90: Option<f64>,
     /// What it says of its section.
     pub section: SectionSpec,
+    /// Its membrane.
+    pub membrane: Option<MembraneSpec>,
     /// Aerodynamic model asked for.
     pub preset: Option<Preset>,
     /// Lift law asked for.
@@ -82,6 +84,7 @@ impl RobotSpec {
                 cd0: surface.cd0,
                 cd90: surface.cd90,
                 section: surface.section,
+                membrane: surface.membrane,
                 preset: surface.preset,
                 law: surface.law,
                 strips: surface.strips,
@@ -116,6 +119,7 @@ impl WingSpec {
             cd0: self.cd0,
             cd90: Some(self.cd90),
             section: self.section,
+            membrane: self.membrane.clone(),
             preset: None,
             law: None,
             strips: None,

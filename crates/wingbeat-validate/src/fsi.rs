@@ -4,6 +4,7 @@ pub mod beam;
 mod energy;
 mod flutter;
 pub mod goland;
+pub mod membrane;
 pub mod pazy;
 mod section;
 mod theodorsen;

@@ -58,6 +58,7 @@ pub fn cases() -> Vec<&'static Case> {
         fsi::beam::CASES,
         fsi::goland::CASES,
         fsi::pazy::CASES,
+        fsi::membrane::CASES,
         orbit::CASES,
         flight::CASES,
         ocp::CASES,

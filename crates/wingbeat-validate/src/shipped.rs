@@ -23,6 +23,7 @@ macro_rules! files {
 /// The shipped scenarios and robots.
 const FILES: &[(&str, &str)] = files![
     "scenarios/aerobat_elastic"
+    "scenarios/aerobat_membrane"
     "scenarios/as_printed_fourier"
     "scenarios/as_printed_fourier_converged"
     "scenarios/as_printed_linkage"
@@ -81,8 +82,10 @@ const FILES: &[(&str, &str)] = files![
     "scenarios/predictive_20g"
     "scenarios/predictive_figure8"
     "scenarios/roll_in"
+    "scenarios/sail_glide"
     "robots/aerobat_beta"
     "robots/aerobat_elastic"
+    "robots/aerobat_membrane"
     "robots/aerobat_paper"
     "robots/aerobat_printed"
     "robots/cruise_20g"
@@ -104,6 +107,7 @@ const FILES: &[(&str, &str)] = files![
     "robots/passive_20g"
     "robots/passive_20g_margin"
     "robots/passive_linkage"
+    "robots/sail_glider"
 ];
 
 /// A file of those that are compiled in.

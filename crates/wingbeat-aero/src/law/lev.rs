@@ -96,6 +96,7 @@ mod tests {
             critical_suction: 0.2,
             added_mass_scale: 1.0,
             lags: arrayvec::ArrayVec::new(),
+            membrane: None,
             outline: None,
             hinges: Vec::new(),
         };

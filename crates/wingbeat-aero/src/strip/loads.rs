@@ -110,6 +110,9 @@ impl<P: Scalar> StripModel<P> {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
             loads.wash[at] = response.wash[i];
+            loads.camber[at] = response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[0][i]);
+            loads.camber_forward[at] =
+                response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[1][i]);
             loads.separated[at] = S::ONE - response.attached[i];
             loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
             loads.circulation[at] = response.circulation[i];
@@ -194,6 +197,11 @@ impl<P: Scalar> StripModel<P> {
         }
         if let Some(edges) = &response.edges {
             self.cap_suction(strips, response, edges, &shares, &mut force);
+            if let Some(camber) = &response.camber {
+                let edge: [&[S]; 4] = [&camber.flat, &camber.nose, &edges.held, attached];
+                let washes: [&[S]; 3] = [&response.lift_wash, &wash, &shares];
+                self.keep_slopes(edge, washes, &mut force.chordwise);
+            }
         }
         force
     }
@@ -267,6 +275,9 @@ impl<P: Scalar> StripModel<P> {
             let moment =
                 strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);
             force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
+            if let Some(camber) = &response.camber {
+                force.nose_up += self.camber_moment(i, flow, response.attached[i], camber);
+            }
         }
         force
     }

@@ -12,6 +12,7 @@ mod cores;
 mod grid;
 mod influence;
 mod loads;
+mod membrane;
 mod motion;
 mod mutual;
 mod response;
@@ -29,6 +30,7 @@ use crate::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Surf
 use cores::Cores;
 use grid::Grid;
 use influence::{Column, Matrix, Targets, Wash, invert, multiply};
+use membrane::Membrane;
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
 use wingbeat_math::Error;
@@ -48,6 +50,7 @@ pub struct StripModel<P: Scalar = f64> {
     floor: f64,
     tables: Tables<P>,
     cores: Cores<P>,
+    membrane: Option<Membrane<P>>,
 }
 
 /// What the strips know of the air at one instant, whatever the lags hold.
@@ -99,7 +102,11 @@ impl<P: Scalar> StripModel<P> {
         };
         let grid = Grid::new(planform, settings.strips, &numbers.hinges)?;
         let lags = settings.lags.lags();
+        let ribs = settings.membrane.iter().flat_map(|membrane| &membrane.ribs_m);
+        let ribs: Vec<f64> = ribs.copied().collect();
+        let skin = |numbers| Membrane::new(numbers, &ribs, planform, &grid);
         Ok(Self {
+            membrane: numbers.membrane.as_ref().map(skin).transpose()?,
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
@@ -133,9 +140,12 @@ impl<P: Scalar> StripModel<P> {
         self.settings.strips
     }
     /// Number of states: for each wash lag, then for each wake lag, for each state of the
-    /// law and for the impulse where it is followed a block of one value per strip, left tip to right tip.
+    /// law, for the impulse where it is followed and for the camber of a membrane blocks of one value per strip, left tip to
+    /// right tip.
     pub fn states(&self) -> usize {
-        self.followed_states() + if self.follows() { self.settings.strips } else { 0 }
+        let shapes = if self.membrane.is_some() { membrane::BLOCKS } else { 0 };
+        let blocks = usize::from(self.follows()) + shapes;
+        self.followed_states() + blocks * self.settings.strips
     }
     /// Whether the impulse of the carried air is followed by states.
     pub(super) fn follows(&self) -> bool {
@@ -160,9 +170,12 @@ impl<P: Scalar> StripModel<P> {
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
         let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
+        let camber =
+            self.membrane.iter().flat_map(|_| membrane::STATES.map(|(of, unit)| (of.to_owned(), unit)));
         wash.chain(wake)
             .chain(law)
             .chain(followed)
+            .chain(camber)
             .flat_map(|(name, unit)| {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })

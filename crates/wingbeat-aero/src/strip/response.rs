@@ -2,6 +2,7 @@
 
 use super::constants::FOLLOWING_TIME;
 use super::influence::{Column, multiply};
+use super::membrane::Camber;
 use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
@@ -45,6 +46,8 @@ pub(super) struct Response<S: Scalar, const N: usize> {
     pub turning_wash: Column<S, N>,
     /// What law `lev` says of the leading edges.
     pub edges: Option<LeadingEdges<S, N>>,
+    /// What a membrane does.
+    pub camber: Option<Camber<S, N>>,
     /// Normal impulse of the air on each strip, N s, and its rate, N.
     pub impulse: Column<S, N>,
     pub impulse_rate: Column<S, N>,
@@ -165,7 +168,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// State `k` of the law on each strip, of `x` or its rates; zero beyond the last strip.
-    fn law_column<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
+    pub(super) fn law_column<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
         let n = self.settings.strips;
         let mut column = [S::ZERO; N];
         column[..n].copy_from_slice(&x[self.law_states() + k * n..][..n]);
@@ -247,9 +250,9 @@ impl<P: Scalar> StripModel<P> {
         impulse: &mut Column<S, N>,
         force: &mut Column<S, N>,
     ) {
-        let at = self.followed_states();
+        let (at, n) = (self.followed_states(), self.settings.strips);
         let (followed, rates) = (&x[at..], &mut dx[at..]);
-        for i in 0..followed.len().min(N) {
+        for i in 0..n.min(N) {
             rates[i] = force[i] + (impulse[i] - followed[i]) * (1.0 / FOLLOWING_TIME);
             (impulse[i], force[i]) = (followed[i], rates[i]);
         }
@@ -264,7 +267,10 @@ impl<P: Scalar> StripModel<P> {
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&self.lagged(x), &attached);
         let impulse = self.impulse(flow, &self.held_left(flow, &sums));
-        x[self.followed_states()..].iter_mut().zip(impulse).for_each(|(x, impulse)| *x = impulse);
+        x[self.followed_states()..][..self.settings.strips]
+            .iter_mut()
+            .zip(impulse)
+            .for_each(|(x, impulse)| *x = impulse);
     }
 
     /// Washes, state rates and impulses.
@@ -300,14 +306,27 @@ impl<P: Scalar> StripModel<P> {
                 wash[i] += left[i];
             }
         }
-        let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
-        let turning_wash = self.turning_wash(flow, foreign, &sums, &lift_wash);
+        let membrane = self.slopes(flow, x, &mut wash);
+        let mut lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
+        let camber = membrane.and_then(|membrane| {
+            self.advance_camber(membrane, &attached, (&mut wash, &mut lift_wash), x, dx)
+        });
+        // What the slope of a camber adds is borne by it, not by the leading edge.
+        let flat = camber.as_ref().map_or(&lift_wash, |camber| &camber.flat);
+        let turning_wash = self.turning_wash(flow, foreign, &sums, flat);
         let law = self.settings.section.law.about();
+        // The leading edge meets the flat chord's wash less what its own slope takes.
+        let edge_washes = camber.as_ref().map(|Camber { flat, nose, .. }| {
+            let less = |of: &Column<S, N>| std::array::from_fn(|i| of[i] - nose[i]);
+            [less(flat), less(&turning_wash)]
+        });
+        let [edge_wash, edge_turning] =
+            edge_washes.as_ref().map_or([&lift_wash, &turning_wash], |[wash, turning]| [wash, turning]);
         if let Attachment::Lagging { state, chords } = law.attachment {
-            self.advance_separation(&flow.strips, &lift_wash, (state, chords), x, dx);
+            self.advance_separation(&flow.strips, edge_wash, (state, chords), x, dx);
         }
         let edges =
-            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
+            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
@@ -323,6 +342,7 @@ impl<P: Scalar> StripModel<P> {
         Response {
             turning_wash,
             edges,
+            camber,
             circulation: sums.circulation,
             attached,
             wash,

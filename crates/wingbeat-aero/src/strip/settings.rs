@@ -2,7 +2,7 @@
 //! its effect can be shown.
 
 use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
-use crate::{MAX_STRIPS, SectionSettings, SurfaceNumbers};
+use crate::{MAX_STRIPS, MembraneSpec, SectionSettings, SurfaceNumbers};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -56,6 +56,9 @@ pub struct StripSettings {
     pub force_tilt: bool,
     /// Section and air.
     pub section: SectionSettings,
+    /// The membrane that the strips are made of; none is rigid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSpec>,
 }
 
 impl Default for StripSettings {
@@ -71,6 +74,7 @@ impl Default for StripSettings {
             vortex_core: 0.3,
             force_tilt: true,
             section: SectionSettings::default(),
+            membrane: None,
         }
     }
 }
@@ -84,7 +88,8 @@ ranges!(StripSettings {
 impl StripSettings {
     /// The numbers that may carry derivatives, as set.
     pub fn numbers(&self) -> SurfaceNumbers {
-        self.section.numbers(self.lags.lags().numbers())
+        let membrane = self.membrane.as_ref().map(MembraneSpec::numbers);
+        SurfaceNumbers { membrane, ..self.section.numbers(self.lags.lags().numbers()) }
     }
 
     /// Refuses values without physical meaning.
@@ -93,6 +98,9 @@ impl StripSettings {
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
         self.in_range()?;
+        if let Some(membrane) = &self.membrane {
+            membrane.check().map_err(|e| e.within("membrane"))?;
+        }
         self.section.check()
     }
 }

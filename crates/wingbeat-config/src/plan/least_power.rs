@@ -320,6 +320,7 @@ impl Scenario {
                 cd0: Some(wing.cd0),
                 cd90: Some(wing.cd90),
                 section: wing.section,
+                membrane: wing.membrane.clone(),
                 hinges: HINGES.map(hinge).into(),
                 gaps: Vec::new(),
             },

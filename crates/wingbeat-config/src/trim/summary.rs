@@ -2,9 +2,11 @@
 
 use super::search::SearchSummary;
 use crate::CostSummary;
+use crate::skin::MembraneSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use wingbeat_aero::Aero;
 use wingbeat_flight::orbit::{Cycle, Found, Measures, Mode, Modes};
 use wingbeat_judge::{Judged, Status, Warning};
 use wingbeat_math::GRAVITY;
@@ -92,6 +94,9 @@ pub struct TrimSummary {
     pub separated_fraction: Option<f64>,
     /// Mean share of the leading edge's suction that law `lev` takes away, weighted alike.
     pub suction_lost_fraction: Option<f64>,
+    /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSummary>,
     /// Least of all clearances over the cycle, m.
     pub least_clearance_m: Option<f64>,
     /// Mean roll, deg; positive is right wing down.
@@ -149,6 +154,14 @@ impl TrimSummary {
         [self.stall_fraction_12, self.stall_fraction_20] = measures.stalled.map(Some);
         self.stalled_strips = Some(measures.stalled_strips);
         [self.separated_fraction, self.suction_lost_fraction] = measures.separated.map(Some);
+        let mut first = 0;
+        let skin = |(_, aero): (&str, &Aero)| {
+            let own = first..first + aero.strips();
+            first = own.end;
+            let heights = measures.heights.iter().flat_map(|strips| strips[own.clone()].iter().copied());
+            MembraneSummary::of(aero, heights, 1.0 / orbit.end.duration)
+        };
+        self.membrane = cycle.robot().surfaces().filter_map(skin).reduce(MembraneSummary::worse);
         self.least_clearance_m = measures.least_clearance;
         [self.roll_mean_deg, self.pitch_mean_deg] = measures.mean_angles.map(|a| Some(a.to_degrees()));
         let [low, high] = measures.pitch;

@@ -42,6 +42,8 @@ pub struct Measures {
     pub stalled_strips: [f64; 2],
     /// Mean shares of separated flow and of lost suction, weighted alike.
     pub separated: [f64; 2],
+    /// Heights of a membrane over the chord, `camber` and `camber_forward` of [`Loads`](wingbeat_aero::Loads), of all strips at every step.
+    pub heights: Vec<Vec<[f64; 2]>>,
     /// Least of all clearances, m.
     pub least_clearance: Option<f64>,
     /// The least of all in each of equal parts of the cycle, m; of a robot without clearances infinite.
@@ -109,6 +111,10 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
         let [low, high] = swing(&|k| seen[k].outlines[0][0][0][2]);
         measures.strouhal = (high - low) / (duration * orbit.course.speed);
     }
+    let heights = |o: &Observation| {
+        (0..o.strips.strips).map(|i| [o.strips.camber[i], o.strips.camber_forward[i]]).collect()
+    };
+    measures.heights = seen.iter().map(heights).collect();
     measures.least_clearance = seen.iter().flat_map(|o| o.clearances.iter().copied()).reduce(f64::min);
     measures.clearances = [f64::INFINITY; PARTS];
     for (k, o) in seen.iter().enumerate() {

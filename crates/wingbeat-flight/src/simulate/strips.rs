@@ -20,12 +20,15 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// | `quarter_chord_*` | m | point at 1/4 chord of the control section, from the origin of B, in B |
 /// | `surface` | - | number of the surface, in the robot's order |
 /// | `separated`, `suction_lost` | - | shares of flow and of linear leading-edge suction that the law takes away |
+/// | `camber`, `camber_forward` | - | heights of a membrane over the chord, where a surface has one |
 /// | `chord`, `velocity_*`, `power` | m, m/s, W | of a recorder of [`moving`](Self::moving) strips: see [`StripMotion`] |
 #[derive(Clone, Debug)]
 pub struct StripRecorder {
     record: Record,
     /// Surface, number on it, arc and width (m) of each strip.
     strips: Vec<[f64; 4]>,
+    /// Whether a surface has a membrane.
+    membrane: bool,
     row: Vec<f64>,
 }
 
@@ -60,12 +63,17 @@ impl StripRecorder {
         let strips: Vec<[f64; 4]> = surfaces.iter().enumerate().flat_map(of).collect();
         // A sum of lags is no bound circulation beside one that is.
         let of_lags = surfaces.iter().find(|aero| aero.circulation() == Circulation::LagSum);
-        let columns = columns(of_lags.map_or(Circulation::Bound, |aero| aero.circulation()), phase_unit);
-        Self::with(columns, strips, instants)
+        let mut columns = columns(of_lags.map_or(Circulation::Bound, |aero| aero.circulation()), phase_unit);
+        let membrane = surfaces.iter().any(|aero| aero.membrane().is_some());
+        if membrane {
+            columns.extend(["camber", "camber_forward"].map(|name| Column::new(name, "", "")));
+        }
+        Self::with(columns, (strips, membrane), instants)
     }
 
-    fn with(columns: Vec<Column>, strips: Vec<[f64; 4]>, instants: usize) -> Self {
+    fn with(columns: Vec<Column>, (strips, membrane): (Vec<[f64; 4]>, bool), instants: usize) -> Self {
         Self {
+            membrane,
             row: Vec::with_capacity(columns.len()),
             // Refused are only two columns of one name.
             record: Record::new(columns, instants * strips.len()).unwrap_or_default(),
@@ -80,7 +88,7 @@ impl StripRecorder {
         columns.push(Column::new("chord", "m", ""));
         columns.extend(AXES.map(|a| Column::new(format!("velocity_{a}"), "m/s", "B")));
         columns.push(Column::new("power", "W", ""));
-        Self::with(columns, self.strips, instants)
+        Self::with(columns, (self.strips, self.membrane), instants)
     }
 
     /// Appends the strips of all surfaces at an instant: `loads` are in a frame in which
@@ -105,6 +113,9 @@ impl StripRecorder {
             row.push(width);
             row.extend((to_body * (loads.quarter_chord[i] - origin)).0);
             row.extend([surface, loads.separated[i], loads.suction_lost[i]]);
+            if self.membrane {
+                row.extend([loads.camber[i], loads.camber_forward[i]]);
+            }
             if let Some(StripMotion { chord, velocity, power }) = motion.get(i) {
                 row.push(*chord);
                 row.extend((to_body * *velocity).0);

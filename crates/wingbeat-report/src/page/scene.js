@@ -147,7 +147,10 @@ function addRobot(scene, m, look, scale, floor, detailed) {
     for (let k = 0; k + 1 < ribs.length; k++) {
       if (!surface.covered[k]) continue;
       const [[a, b], [c, d]] = [ribs[k], ribs[k + 1]], paint = look.sides[surface.side[k]];
-      scene.quad(a, c, d, b, paint);
+      if (surface.raised) {
+        const [e, f] = [k, k + 1].map(n => m.world(m.at(surface.raised[n]), scale));
+        scene.quad(a, c, f, e, paint); scene.quad(e, f, d, b, paint);
+      } else scene.quad(a, c, d, b, paint);
       const dark = [paint[0] * 0.45, paint[1] * 0.45, paint[2] * 0.45, 1];
       scene.line(a, c, 2, dark); scene.line(b, d, 1, dark);
       if (detailed) scene.line(a, b, 0.8, faded(dark, 0.6));

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use wingbeat_aero::{
-    CD0, CD90, Gap, LiftLaw, MAX_STRIPS, Planform, PlanformStation, Preset, SectionSpec, Span,
+    CD0, CD90, Gap, LiftLaw, MAX_STRIPS, MembraneSpec, Planform, PlanformStation, Preset, SectionSpec, Span,
 };
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -29,6 +29,9 @@ pub struct SurfaceSpec {
     /// What its section asks of its law ([sections.md](sections.md)), where it differs from the scenario's.
     #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
     pub section: SectionSpec,
+    /// Membrane between its leading and trailing edge; rigid where not given. Preset `full` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSpec>,
     /// Aerodynamic model; that of the scenario where not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preset: Option<Preset>,
@@ -85,6 +88,7 @@ impl SurfaceSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
+        self.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("membrane")))?;
         finite("planform_shift_m", &[self.planform_shift_m])?;
         if self.panels.is_empty() {
             return Err(Error::invalid("panels", "[]", "at least one panel"));

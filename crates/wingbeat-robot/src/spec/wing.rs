@@ -3,7 +3,7 @@
 use super::CapsuleSpec;
 use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
-use wingbeat_aero::{CD0, CD90, Gap, Planform, PlanformStation, SectionSpec};
+use wingbeat_aero::{CD0, CD90, Gap, MembraneSpec, Planform, PlanformStation, SectionSpec};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require::{finite, positive, principal_inertias};
@@ -22,6 +22,9 @@ pub struct WingSpec {
     /// What laws `stall` and `lev` need of its section, where it differs from the scenario's.
     #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
     pub section: SectionSpec,
+    /// Membrane between its leading and trailing edge; rigid where not given. Preset `full` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSpec>,
     /// Shift of the planform along x against the hinge line, m.
     #[serde(default)]
     pub planform_shift_m: f64,
@@ -69,6 +72,7 @@ impl WingSpec {
         finite("planform_shift_m", &[self.planform_shift_m])?;
         self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
+        self.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("membrane")))?;
         self.proximal.check().map_err(|e| e.within("proximal"))?;
         self.distal.check().map_err(|e| e.within("distal"))?;
         let span = self.shoulder_m[1] + self.proximal.length_m + self.distal.length_m;

@@ -13,6 +13,7 @@ const SHOWN: [&str; 4] = ["robot.", "air.", "aero.", "start."];
 
 /// Scenarios whose middle of the wing is a gap, or where no strip lies on it.
 const OPEN: &[&str] = &[
+    "aerobat_membrane",
     "aerobat_elastic",
     "bank15_20g",
     "bank15_20g_lev",
@@ -31,6 +32,7 @@ const OPEN: &[&str] = &[
 ];
 /// Scenarios whose first station beyond the middle only ends a gap.
 const ENDED: &[&str] = &[
+    "aerobat_membrane",
     "bank15_20g",
     "bank15_20g_lev",
     "bank15_beta",
@@ -49,6 +51,7 @@ const ENDED: &[&str] = &[
 const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"];
 /// Scenarios whose law asks for no suction.
 const WITHOUT_LEV: &[&str] = &[
+    "aerobat_membrane",
     "aerobat_elastic",
     "as_printed_fourier",
     "as_printed_linkage",
@@ -71,6 +74,7 @@ const WITHOUT_LEV: &[&str] = &[
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
+    "sail_glide",
 ];
 /// Scenarios whose law is linear.
 const LINEAR: &[&str] = &[
@@ -82,6 +86,7 @@ const LINEAR: &[&str] = &[
     "paper_turn",
     "paper_turn_clear",
     "paper_turn_one_speed",
+    "sail_glide",
 ];
 /// Scenarios with a linkage within the limits of its regulators.
 const LINKED: &[&str] = &["as_printed_linkage", "banking_turn_beta", "cruise_linkage", "passive_bank15"];
@@ -94,7 +99,7 @@ const WITHOUT_CARRIED: &[&str] =
 /// Numbers that cannot act in a document, by parts that their keys and their document have, with the reason.
 const STILL_KEYS: &[(&str, &[&str], &str)] = &[
     (".axis[1]", &[], "a direction has no length"),
-    (".direction[", &["glider"], "a direction has no length"),
+    (".direction[", &["glider", "sail_glide"], "a direction has no length"),
     (".planform[0].", OPEN, "no strip lies there"),
     (".planform[1].arc_m", ENDED, "the edges run straight on where the gap ends"),
     (".cd0", PRINTED, "no profile drag"),
@@ -113,6 +118,7 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
             "banking_turn_beta",
             "glider",
             "motor_flapper",
+            "sail_glide",
         ],
         "no strip rides on the panel, or a direction has no length",
     ),
@@ -123,7 +129,7 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
     (".stall_angle_rad", LINEAR, "the law does not ask for it"),
     (".added_mass_scale", WITHOUT_CARRIED, "no such term"),
     ("_range[", LINKED, "the regulators keep the lengths within the limits that the file gives them"),
-    (".elevator.driven.lag_rad", &["glider"], "a series without harmonics has no phase"),
+    (".elevator.driven.lag_rad", &["glider", "sail_glide"], "a series without harmonics has no phase"),
 ];
 
 /// Factors and shifts that cannot act on a robot, with the reason.
@@ -131,7 +137,7 @@ const STILL_FACTORS: &[(&str, &[&str], &str)] = &[
     ("profile_drag", PRINTED, "no profile drag"),
     ("broadside_drag", PRINTED, "no profile drag"),
     ("regulator_bandwidth", &["four_wings", "hover_guarded"], "no elements but thrusters, or none"),
-    ("gait_amplitude", &["glider"], "nothing flaps"),
+    ("gait_amplitude", &["glider", "sail_glide"], "nothing flaps"),
 ];
 
 fn folder() -> PathBuf {
