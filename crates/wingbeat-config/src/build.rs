@@ -182,8 +182,13 @@ impl ScenarioSpec {
             duration: gust.duration_s,
             velocity: Vec3(gust.velocity_m_s),
         };
-        let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed)
+        let mut wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed)
             .with(self.air.gusts.iter().map(pulse));
+        if let Some(spec) = &self.air.dryden {
+            let duration = self.flight.duration_s;
+            let of = spec.turbulence(duration).map_err(|e| e.within("air.dryden"))?;
+            wind = wind.turbulent(&of, self.start.yaw_deg.to_radians(), duration, self.seed);
+        }
         let mut real = mismatch.apply(&self.robot);
         if self.lattice.is_some() {
             real.residual = None;

@@ -6,6 +6,7 @@ mod chosen;
 mod cost;
 mod document;
 mod doors;
+mod dryden;
 mod estimate;
 mod fit;
 mod flight_verdict;
@@ -58,6 +59,7 @@ pub use document::{
     nearest_names, text_of, unit,
 };
 pub use doors::Doors;
+pub use dryden::DrydenSpec;
 pub use estimate::EstimateSummary;
 pub use followed::PathSummary;
 pub use hovered::HoverSummary;
