@@ -85,8 +85,8 @@ impl Tangent {
         let change = |(to, from): (&f64, &f64)| (to - from) / faster;
         let steps = other.steps.iter().zip(&reference.steps);
         let mut commands: Vec<f64> = other.commands.iter().zip(&reference.commands).map(change).collect();
-        if let Some((input, _)) = cycle.pacing(1.0) {
-            commands[input] = 0.0;
+        if let Some(pacer) = cycle.robot().pacer() {
+            commands[pacer.input] = 1.0 / pacer.gain;
         }
         Ok(Self {
             steps: steps.map(|(to, from)| to.iter().zip(from).map(change).collect()).collect(),
@@ -210,20 +210,18 @@ impl<'a> Adaptation<'a> {
     ///
     /// Moves the rate of the crank down the gradient of the cost of the commands `held` beyond those `asked`, each measured by
     /// its limit, along the orbits of one course, on which the air carries the robot alike.
-    pub fn pace(&mut self, tangent: &Tangent, inputs: &[Channel], asked: &[f64], held: &mut [f64]) {
+    pub fn pace(&mut self, tangent: &Tangent, inputs: &[Channel], asked: &[f64], held: &[f64]) {
         let (Some(crank), Some(time)) = (&mut self.crank, self.spec.crank_s) else { return };
+        let own = crank.pacer.input;
         let (mut along, mut size) = (0.0, 0.0);
-        for (i, channel) in inputs.iter().enumerate() {
+        for (i, channel) in inputs.iter().enumerate().filter(|(i, _)| *i != own) {
             let gain = tangent.commands[i] / (channel.high * channel.high);
             along += gain * (held[i] - asked[i]);
             size += gain * tangent.commands[i];
         }
-        let input = crank.pacer.input;
-        let of_reference = asked[input];
         let wanted = crank.added - self.period / time * along / size;
-        let told = crank.channel.clamp(of_reference + wanted / crank.pacer.gain);
-        crank.added = (told - of_reference) * crank.pacer.gain;
-        held[input] = told;
+        let told = crank.channel.clamp(asked[own] + wanted / crank.pacer.gain);
+        crank.added = (told - asked[own]) * crank.pacer.gain;
     }
 }
 

@@ -155,6 +155,8 @@ impl AboutOrbitSpec {
     /// Numbers of the inputs that are fed back.
     fn inputs(&self, robot: &Robot) -> Result<Vec<usize>, Error> {
         let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
+        let crank = robot.pacer().map(|pacer| pacer.input);
+        inputs.extend(crank.filter(|_| self.crank_feedback));
         inputs.sort_unstable();
         inputs.dedup();
         Ok(inputs)
@@ -195,7 +197,7 @@ impl AboutOrbit<'_> {
             *command = channel.clamp(*command);
         }
         if let (Some(adaptation), Some(tangent)) = (&mut self.adaptation, self.family.tangent()) {
-            adaptation.pace(tangent, self.robot.inputs(), &asked.commands, &mut commands);
+            adaptation.pace(tangent, self.robot.inputs(), &asked.commands, &commands);
         }
         self.held = commands;
     }
