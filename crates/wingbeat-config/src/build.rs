@@ -16,7 +16,7 @@ use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
 use wingbeat_math::require;
 use wingbeat_ocp::plant::Plant;
-use wingbeat_robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
+use wingbeat_robot::{Air, Dryden, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
@@ -195,6 +195,11 @@ impl ScenarioSpec {
         }
         let air = Air { density: self.air.density_kg_m3, wind };
         self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))
+    }
+
+    /// The turbulence of its air.
+    pub(super) fn turbulence(&self) -> Option<Dryden> {
+        self.air.dryden.as_ref()?.turbulence(self.flight.duration_s).ok()
     }
 
     /// The robot as its controller knows it.

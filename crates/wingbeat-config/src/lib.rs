@@ -460,6 +460,7 @@ impl Scenario {
             means: recorded.means.as_ref(),
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
+            turbulence: self.spec.turbulence(),
         };
         Summary::new(&recorded.record, flight, &context)
     }

@@ -119,8 +119,7 @@ const fn behind_height(places: Range<usize>) -> Range<usize> {
 }
 
 /// The deviations over each of `count` equal intervals of a cycle of the orbit at `point`; `inputs` are moved, the others
-/// held. A cycle must have a multiple of `count` steps. A command to the rate of the crank acts at once: phases come earlier, and the
-/// intervals between them are shorter.
+/// held. A cycle must have a multiple of `count` steps.
 ///
 /// Equation: orbit.intervals
 /// `s_k+1 = A_k s_k + B_k u, derivatives of the flow between phases`
@@ -143,7 +142,6 @@ pub fn intervals(
     let steps = cycle.steps() / count;
     let mut nominal = vec![0.0; n];
     deviations.of(&cycle.start(point), &mut nominal);
-    let crank = cycle.robot().pacer().map(|pacer| (pacer.input, pacer.gain / cycle.rate(1.0)));
     let mut all = Vec::with_capacity(count);
     for k in 0..count {
         let (mut a, mut b) = (DMatrix::zeros(n + GROUND, n), DMatrix::zeros(n + GROUND, m));
@@ -151,24 +149,22 @@ pub fn intervals(
         let mut next = nominal.clone();
         for first in (0..n + m).step_by(Early::LANES) {
             let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
-            let (mut pace, mut duration) = (Early::constant(point.pace), Early::constant(length));
             let mut u: Vec<Early> = point.inputs.iter().map(|v| Early::constant(*v)).collect();
             let last = (n + m).min(first + Early::LANES);
             for column in first..last {
                 match column.checked_sub(n) {
                     None => s[column].eps[column - first] = 1.0,
-                    Some(i) => match crank.filter(|(input, _)| *input == inputs[i]) {
-                        Some((_, per_command)) => {
-                            pace.eps[column - first] = per_command;
-                            duration.eps[column - first] = -length / point.pace * per_command;
-                        }
-                        None => u[inputs[i]].eps[column - first] = 1.0,
-                    },
+                    Some(i) => u[inputs[i]].eps[column - first] = 1.0,
                 }
             }
             let mut x = deviations.state(&s);
-            let clock =
-                Steps { start: Early::constant(0.0), length: duration, first: k * steps, count: steps };
+            let clock = Steps {
+                start: Early::constant(0.0),
+                length: Early::constant(length),
+                first: k * steps,
+                count: steps,
+            };
+            let pace = Early::constant(point.pace);
             let mut flow = Flow { robot: cycle.robot(), pace, u: &u, each: |_, _, _: &[Early]| Ok(()) };
             let mut work = Workspace::new(x.len(), RK4.b.len());
             RK4.integrate(&mut flow, clock, &mut x, &mut work)?;

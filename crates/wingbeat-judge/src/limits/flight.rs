@@ -44,8 +44,15 @@ pub const STEP_ERROR: Limit = Limit::warn_above("flight.step_error_m", 0.01, "m"
 pub const STEPS_LOST: Limit = Limit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");
 
+/// Deviation of the turbulence over its airspeed. Taylor 1938: a frozen field needs it small; 0.3 is a choice.
+pub const TURBULENCE: Limit = Limit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
+    .on("turbulence that flies past frozen is small beside the airspeed: largest deviation over air.dryden.airspeed_m_s");
+/// Mean speed of the flight over the airspeed at which its turbulence passes, less one.
+pub const TURBULENCE_SPEED: Limit = Limit::warn_above("flight.turbulence_speed", 0.3, "")
+    .on("the turbulence passes at another speed than the robot flies: share by which its mean speed differs from air.dryden.airspeed_m_s");
+
 /// All of them.
-pub const ALL: [Limit; 13] = [
+pub const ALL: [Limit; 15] = [
     ALTITUDE,
     ATTITUDE,
     PATH,
@@ -59,4 +66,6 @@ pub const ALL: [Limit; 13] = [
     FAILURES,
     STEP_ERROR,
     STEPS_LOST,
+    TURBULENCE,
+    TURBULENCE_SPEED,
 ];

@@ -382,4 +382,60 @@ mod tests {
         let root = root(p.clone()).unwrap();
         assert!((&root * root.transpose() - p).amax() < 1e-8);
     }
+
+    /// A commanded body that a push of every phase of the cycle meets: whatever else is added to what is fed forward costs more.
+    #[test]
+    fn what_the_model_misses_is_fed_forward_at_least_cost() {
+        let (parts, n, m, interval) = (4, DEVIATIONS + Deviations::BODY, 3, 0.1);
+        let mut random = wingbeat_math::Random::new(2);
+        let mut draw =
+            |rows, columns, size: f64| DMatrix::from_fn(rows, columns, |_, _| size * random.normal());
+        let augmented: Vec<_> =
+            (0..parts).map(|_| (DMatrix::identity(n, n) * 0.7 + draw(n, n, 0.05), draw(n, m, 0.3))).collect();
+        let (q, r) = (DMatrix::<f64>::identity(n, n), DMatrix::<f64>::identity(m, m) * 2.0);
+        let (mut p, mut gains) = (q.clone(), vec![DMatrix::zeros(m, n); parts]);
+        let mut costs = gains.clone();
+        for _ in 0..200 {
+            for (k, (a, b)) in augmented.iter().enumerate().rev() {
+                let gain = (&r + b.transpose() * &p * b).cholesky().unwrap().solve(&(b.transpose() * &p * a));
+                p = &q + a.transpose() * &p * (a - b * &gain);
+                (gains[k], costs[k]) = (gain, p.clone());
+            }
+        }
+        let fed = ahead(&augmented, &gains, &costs, &r, interval, 1).unwrap();
+        // A push of each axis by its mean and first harmonic, as coefficients.
+        let waves_of = draw(MISSED * 3, 1, 1.0);
+        let cost = |added: &[DMatrix<f64>]| {
+            let (mut s, mut sum) = (DMatrix::zeros(n, 1), 0.0);
+            for cycle in 0..60 {
+                for k in 0..parts {
+                    let (a, b) = &augmented[k];
+                    let u = &fed[k] * &waves_of + &added[k] - &gains[k] * &s;
+                    if cycle == 59 {
+                        sum += (s.transpose() * &q * &s + u.transpose() * &r * &u)[(0, 0)];
+                    }
+                    s = a * s + b * u;
+                    let basis = waves(1, (k as f64 + 0.5) / parts as f64);
+                    for axis in 0..MISSED {
+                        let push: f64 = (0..3).map(|j| basis[j] * waves_of[(axis * 3 + j, 0)]).sum();
+                        s[(DEVIATIONS + missed_place(axis), 0)] += push * interval;
+                        if axis == 2 {
+                            s[(DEVIATIONS + Deviations::HEIGHT, 0)] += 0.5 * push * interval * interval;
+                        }
+                    }
+                }
+            }
+            sum
+        };
+        let nothing = vec![DMatrix::zeros(m, 1); parts];
+        let least = cost(&nothing);
+        assert!(least > 1e-3);
+        for _ in 0..5 {
+            let beside: Vec<_> = (0..parts).map(|_| draw(m, 1, 1e-3)).collect();
+            let other: Vec<_> = beside.iter().map(|b| -b).collect();
+            let (one, two) = (cost(&beside) - least, cost(&other) - least);
+            // Stationary: the change is quadratic, the same on both sides.
+            assert!(one > 0.0 && two > 0.0 && (one - two).abs() < 0.02 * (one + two), "{one} {two}");
+        }
+    }
 }

@@ -155,8 +155,6 @@ impl AboutOrbitSpec {
     /// Numbers of the inputs that are fed back.
     fn inputs(&self, robot: &Robot) -> Result<Vec<usize>, Error> {
         let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
-        let crank = robot.pacer().map(|pacer| pacer.input);
-        inputs.extend(crank.filter(|_| self.crank_feedback));
         inputs.sort_unstable();
         inputs.dedup();
         Ok(inputs)

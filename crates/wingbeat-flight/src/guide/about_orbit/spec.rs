@@ -33,10 +33,6 @@ pub struct AboutOrbitSpec {
     /// What may be chosen: actuators, by name or by that of a pair, and `frequency`, for which an actuator paces the
     /// crank. The first two hold straight flight, all together turns. All but the frequency are fed back.
     pub free: Vec<String>,
-    /// Whether the rate of the crank is fed back as well, as a command like the others; else it only follows the orbits. The robot
-    /// needs an actuator that moves its crank.
-    #[serde(default, skip_serializing_if = "is_false")]
-    pub crank_feedback: bool,
     /// Deviations that cost as much as a full command.
     #[serde(default)]
     pub weights: OrbitWeights,
@@ -52,10 +48,6 @@ pub struct AboutOrbitSpec {
     /// Commands by a plan over the coming intervals that keeps within their limits, in place of the controller's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictive: Option<PredictiveSpec>,
-}
-
-fn is_false(truth: &bool) -> bool {
-    !truth
 }
 
 /// A smooth way from one steady flight to another; what is not given stays.
@@ -144,10 +136,6 @@ impl AboutOrbitSpec {
         }
         if let Some(predictive) = &self.predictive {
             predictive.check(robot, self.tracking.is_some()).map_err(|e| e.within("predictive"))?;
-        }
-        if self.crank_feedback && robot.pacer().is_none() {
-            let allowed = "false: the robot has no actuator that moves its crank";
-            return Err(Error::invalid("crank_feedback", true, allowed));
         }
         if let Some(adapt) = &self.adapt {
             adapt.check(robot).map_err(|e| e.within("adapt"))?;
