@@ -25,6 +25,7 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.bank15_20g_lev", quick: false, run: || flown("bank15_20g_lev", 5e-3, 15.0) },
     Case { id: "flight.bank30_20g_lev", quick: false, run: || flown("bank30_20g_lev", 10e-3, 30.0) },
     Case { id: "flight.bank45_20g_lev", quick: false, run: || flown("bank45_20g_lev", 30e-3, 45.0) },
+    Case { id: "flight.any_air_bank15_beta", quick: false, run: || flown("any_air_bank15_beta", 5e-3, 15.0) },
     Case { id: "flight.any_air_bank30_20g", quick: false, run: || flown("any_air_bank30_20g", 10e-3, 30.0) },
     Case { id: "flight.bank15_beta", quick: false, run: || flown("bank15_beta", 5e-3, 15.0) },
     Case { id: "flight.bank30_beta", quick: false, run: || flown("bank30_beta", 10e-3, 30.0) },
@@ -65,6 +66,11 @@ pub const LONG: &[LongCase] = &[
         id: "flight.draws.any_air_bank30_20g",
         core_minutes: 6.0,
         run: |watch| draws::rows(&draws::ANY_AIR_BANK30, watch),
+    },
+    LongCase {
+        id: "flight.draws.any_air_bank15_beta",
+        core_minutes: 6.0,
+        run: |watch| draws::rows(&draws::ANY_AIR_BETA, watch),
     },
     LongCase {
         id: "flight.draws.any_air_level_20g",

@@ -23,6 +23,7 @@ macro_rules! files {
 /// The shipped scenarios and robots.
 const FILES: &[(&str, &str)] = files![
     "scenarios/aerobat_elastic"
+    "scenarios/any_air_bank15_beta"
     "scenarios/any_air_bank30_20g"
     "scenarios/as_printed_fourier"
     "scenarios/as_printed_fourier_converged"
@@ -87,6 +88,7 @@ const FILES: &[(&str, &str)] = files![
     "robots/aerobat_paper"
     "robots/aerobat_printed"
     "robots/any_air_20g"
+    "robots/any_air_beta"
     "robots/cruise_20g"
     "robots/cruise_20g_lev"
     "robots/cruise_20g_margin"
