@@ -34,10 +34,29 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
         let id = |end: &str| format!("flight.adaptation.{name}.{end}");
         let source = "what is asked of the flight";
         let metric = format!("largest error of the height of {of}, {what}");
-        rows.push(Row::judged(&id("height"), source, &format!("{metric}, with adaptation"), height(&with), HELD, "m"));
-        rows.push(Row::shown(&id("height_without"), source, &format!("{metric}, without"), height(&without), "m"));
+        rows.push(Row::judged(
+            &id("height"),
+            source,
+            &format!("{metric}, with adaptation"),
+            height(&with),
+            HELD,
+            "m",
+        ));
+        rows.push(Row::shown(
+            &id("height_without"),
+            source,
+            &format!("{metric}, without"),
+            height(&without),
+            "m",
+        ));
         let least = with.least_clearance_m.unwrap_or(f64::NAN);
-        rows.push(Row::shown(&id("clearance"), source, &format!("least clearance of {of}, {what}"), least, "m"));
+        rows.push(Row::shown(
+            &id("clearance"),
+            source,
+            &format!("least clearance of {of}, {what}"),
+            least,
+            "m",
+        ));
     }
     Ok(rows)
 }

@@ -27,9 +27,8 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (axis, name) in ["along", "left", "up"].into_iter().enumerate() {
         // Half way between nodes as often as at them: the course is linear there.
-        let samples: Vec<f64> = (0..2 * PART * PARTS)
-            .map(|k| wind.at(0.5 * k as f64 * of.step()).0[axis])
-            .collect();
+        let samples: Vec<f64> =
+            (0..2 * PART * PARTS).map(|k| wind.at(0.5 * k as f64 * of.step()).0[axis]).collect();
         let variance = samples.iter().map(|v| v * v).sum::<f64>() / samples.len() as f64;
         let expected = of.deviation[axis].powi(2);
         let nodes: Vec<f64> = samples.into_iter().step_by(2).collect();
@@ -42,7 +41,14 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
         let source = "Dryden's spectra, MIL-F-8785C";
         let of = |what: &str| format!("{what} of the component {name}, relative to the closed form");
         let mut judged = |end: &str, what: &str, value: f64| {
-            rows.push(Row::judged(&format!("flight.dryden.{end}.{name}"), source, &of(what), value, WITHIN, ""));
+            rows.push(Row::judged(
+                &format!("flight.dryden.{end}.{name}"),
+                source,
+                &of(what),
+                value,
+                WITHIN,
+                "",
+            ));
         };
         judged("variance", "error of the variance", (variance / expected - 1.0).abs());
         judged("spectrum", "largest error of the spectral density at five frequencies", worst);

@@ -28,35 +28,45 @@ fn mean(run: &Run, name: &str, since: f64) -> f64 {
     kept.iter().sum::<f64>() / kept.len() as f64
 }
 
-/// A robot 5 % heavier than its model is held by 5 % more force than that expects, which would throw it up by g/20.
+/// A robot 5 % heavier than its model is held by 5 % more force than that expects, which would throw it up by g/20; without added mass,
+/// whose force would follow that acceleration.
 #[test]
 fn what_the_model_misses_is_found_by_phase() {
-    let adapt = "controller.orbit.adapt={missed_s=0.2}";
-    let heavy = flown("level_20g", &["flight.duration_s=2.4", adapt, "mismatch.mass=1.05"]);
-    let missed = mean(&heavy, "orbit_missed_acceleration_z", 1.6);
-    assert!((missed + 0.05 * GRAVITY).abs() < 0.01 * GRAVITY, "{missed}");
+    let heavy = ["flight.duration_s=2.4", "mismatch.mass=1.05", "aero.added_mass=false"];
+    let adapted = flown("level_20g", &[&heavy[..], &["controller.orbit.adapt={missed_s=0.2}"]].concat());
+    let missed = mean(&adapted, "orbit_missed_acceleration_z", 1.6);
+    let expected = -0.05 * GRAVITY;
+    // The series has two harmonics: what it leaves out scatters by a tenth.
+    assert!((missed - expected).abs() < 0.15 * expected.abs(), "{missed} for {expected}");
     for aside in ["acceleration_y", "turning_x", "turning_z"] {
-        let value = mean(&heavy, &format!("orbit_missed_{aside}"), 1.6);
-        assert!(value.abs() < 0.05, "{aside} {value}");
+        let value = mean(&adapted, &format!("orbit_missed_{aside}"), 1.6);
+        assert!(value.abs() < 1e-3, "{aside} {value}");
     }
     // Without adaptation the integral of the height has not done its work yet.
-    let plain = flown("level_20g", &["flight.duration_s=2.4", "mismatch.mass=1.05"]);
-    let [off, without] = [&heavy, &plain].map(|run| run.summary.height_max_error_m.unwrap());
-    assert!(off < 0.3 * without, "{off} {without}");
+    let plain = flown("level_20g", &heavy);
+    let [off, without] = [&adapted, &plain].map(|run| run.summary.height_max_error_m.unwrap());
+    assert!(off < 0.5 * without, "{off} {without}");
     assert!(plain.record.values("orbit_missed_turning_x").is_none());
 }
 
+/// In thin air the crank turns faster, and the other commands cost less for it.
 #[test]
 fn the_crank_takes_over_what_other_commands_hold() {
     let thin = ["flight.duration_s=2.4", "mismatch.density=0.9"];
     let adapted = flown("level_20g", &[&thin[..], &["controller.orbit.adapt={crank_s=0.2}"]].concat());
     let plain = flown("level_20g", &thin);
-    let stroke = |run: &Run| mean(run, "command_stroke_left", 1.8);
-    // Force goes as density times the square of the frequency: 1/sqrt(.9) asks for 5.4 % of 2 pi 8 Hz, 2.7 rad/s.
-    let added = mean(&adapted, "orbit_crank_added", 1.8);
-    assert!(added > 1.5 && added < 4.0, "{added}");
-    assert!(stroke(&plain) > 0.01 && stroke(&adapted).abs() < 0.3 * stroke(&plain), "{}", stroke(&adapted));
-    assert!((mean(&adapted, "command_crank", 1.8) - added).abs() < 0.3);
+    let cost = |run: &Run| -> f64 {
+        let limits = [("stroke", 0.4), ("twist", 0.15), ("swing", 0.4)];
+        limits
+            .iter()
+            .map(|(name, limit)| (mean(run, &format!("command_{name}_left"), 1.6) / limit).powi(2))
+            .sum()
+    };
+    let added = mean(&adapted, "orbit_crank_added", 1.6);
+    assert!(added > 0.4 && added < 1.5, "{added}");
+    assert!(cost(&adapted) < 0.75 * cost(&plain), "{} {}", cost(&adapted), cost(&plain));
+    assert!((mean(&adapted, "command_crank", 1.6) - added).abs() < 0.1);
+    assert!(adapted.summary.height_max_error_m.unwrap() < 0.01);
 }
 
 #[test]
