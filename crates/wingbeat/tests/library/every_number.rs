@@ -14,6 +14,8 @@ const SHOWN: [&str; 4] = ["robot.", "air.", "aero.", "start."];
 /// Scenarios whose middle of the wing is a gap, or where no strip lies on it.
 const OPEN: &[&str] = &[
     "aerobat_elastic",
+    "any_air_bank15_beta",
+    "any_air_bank30_20g",
     "bank15_20g",
     "bank15_20g_lev",
     "bank15_beta",
@@ -31,6 +33,8 @@ const OPEN: &[&str] = &[
 ];
 /// Scenarios whose first station beyond the middle only ends a gap.
 const ENDED: &[&str] = &[
+    "any_air_bank15_beta",
+    "any_air_bank30_20g",
     "bank15_20g",
     "bank15_20g_lev",
     "bank15_beta",
@@ -50,6 +54,8 @@ const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"]
 /// Scenarios whose law asks for no suction.
 const WITHOUT_LEV: &[&str] = &[
     "aerobat_elastic",
+    "any_air_bank15_beta",
+    "any_air_bank30_20g",
     "as_printed_fourier",
     "as_printed_linkage",
     "bank15_20g",
