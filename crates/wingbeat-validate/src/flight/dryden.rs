@@ -7,21 +7,19 @@ use wingbeat::robot::{Dryden, Wind};
 
 use crate::{Error, Row};
 
-/// What is sampled: scales of an altitude of 10 m, MIL-F-8785C.
-const ALTITUDE: f64 = 10.0;
-const WIND: f64 = 5.0;
-const AIRSPEED: f64 = 4.0;
+/// What is sampled: of one scale, so that the parts resolve the corner of each spectrum.
+const SAMPLED: Dryden = Dryden { deviation: [0.5, 0.4, 0.3], length: [2.0; 3], airspeed: 4.0 };
 /// Nodes of a part whose spectrum is taken, and parts.
 const PART: usize = 2048;
-const PARTS: usize = 1000;
-/// Frequencies, in multiples of that of a part; each stands for itself and its two neighbours.
+const PARTS: usize = 2000;
+/// Frequencies, in multiples of that of a part; each stands for itself and its four neighbours.
 const PLACES: [usize; 5] = [3, 6, 12, 24, 48];
 /// What is asked, of variance and spectra alike.
 const WITHIN: f64 = 0.05;
 
 /// The comparisons.
 pub(super) fn rows() -> Result<Vec<Row>, Error> {
-    let of = Dryden::low(ALTITUDE, WIND, AIRSPEED);
+    let of = SAMPLED;
     let duration = (PART * PARTS) as f64 * of.step();
     let wind = Wind::steady(Vec3::ZERO).turbulent(&of, 0.0, duration, 1);
     let mut rows = Vec::new();
@@ -88,7 +86,7 @@ fn spectrum(nodes: &[f64], step: f64) -> Vec<(Vec<f64>, f64)> {
         each.sum::<f64>() / PARTS as f64 * step / (TAU * power)
     };
     let about = |place: &usize| {
-        let places = [place - 1, *place, place + 1];
+        let places = [place - 2, place - 1, *place, place + 1, place + 2];
         let omegas = places.map(|place| TAU * place as f64 / (PART as f64 * step));
         (omegas.to_vec(), places.into_iter().map(density).sum::<f64>() / places.len() as f64)
     };
