@@ -119,6 +119,9 @@ impl AirSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         require::finite("wind_m_s", &self.wind_m_s)?;
+        if let Some(dryden) = &self.dryden {
+            dryden.turbulence(0.0).map_err(|e| e.within("dryden"))?;
+        }
         let mut gusts = self.gusts.iter().enumerate();
         let one = |gust: &GustSpec| {
             gust.in_range().and_then(|()| require::finite("velocity_m_s", &gust.velocity_m_s))

@@ -49,7 +49,7 @@ impl AdaptSpec {
     pub fn check(&self, robot: &Robot) -> Result<(), Error> {
         self.in_range()?;
         if self.crank_s.is_none() && self.missed_s.is_none() {
-            return Err(Error::invalid("", "an empty table", "crank_s, missed_s, or both"));
+            return Err(Error::invalid("", "neither", "crank_s, missed_s, or both"));
         }
         if let Some(time) = self.crank_s.filter(|_| robot.pacer().is_none()) {
             let allowed = "none: the robot has no actuator that moves its crank";
