@@ -16,7 +16,7 @@ use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
 use wingbeat_math::require;
 use wingbeat_ocp::plant::Plant;
-use wingbeat_robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
+use wingbeat_robot::{Air, Dryden, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
@@ -182,14 +182,24 @@ impl ScenarioSpec {
             duration: gust.duration_s,
             velocity: Vec3(gust.velocity_m_s),
         };
-        let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed)
+        let mut wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed)
             .with(self.air.gusts.iter().map(pulse));
+        if let Some(spec) = &self.air.dryden {
+            let duration = self.flight.duration_s;
+            let of = spec.turbulence(duration).map_err(|e| e.within("air.dryden"))?;
+            wind = wind.turbulent(&of, self.start.yaw_deg.to_radians(), duration, self.seed);
+        }
         let mut real = mismatch.apply(&self.robot);
         if self.lattice.is_some() {
             real.residual = None;
         }
         let air = Air { density: self.air.density_kg_m3, wind };
         self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))
+    }
+
+    /// The turbulence of its air.
+    pub(super) fn turbulence(&self) -> Option<Dryden> {
+        self.air.dryden.as_ref()?.turbulence(self.flight.duration_s).ok()
     }
 
     /// The robot as its controller knows it.

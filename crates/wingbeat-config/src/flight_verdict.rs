@@ -193,6 +193,12 @@ impl Flown<'_> {
                 judge.hold_if(limit, self.summary.cost.positive_power_w_kg);
             }
         }
+        if let Some(turbulence) = &self.context.turbulence {
+            let most = turbulence.deviation.into_iter().fold(0.0, f64::max);
+            judge.hold(&flight::TURBULENCE, most / turbulence.airspeed);
+            let apart = |speed: f64| (speed / turbulence.airspeed - 1.0).abs();
+            judge.hold_if(&flight::TURBULENCE_SPEED, self.summary.mean_speed_m_s.map(apart));
+        }
         for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
             if let Some(what) = law.about().beyond_stall {
                 let text = format!(

@@ -6,6 +6,7 @@ mod chosen;
 mod cost;
 mod document;
 mod doors;
+mod dryden;
 mod estimate;
 mod fit;
 mod flight_verdict;
@@ -62,6 +63,7 @@ pub use document::{
     nearest_names, text_of, unit,
 };
 pub use doors::Doors;
+pub use dryden::DrydenSpec;
 pub use estimate::EstimateSummary;
 pub use followed::PathSummary;
 pub use hovered::HoverSummary;
@@ -465,6 +467,7 @@ impl Scenario {
             means: recorded.means.as_ref(),
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
+            turbulence: self.spec.turbulence(),
         };
         Summary::new(&recorded.record, flight, &context)
     }

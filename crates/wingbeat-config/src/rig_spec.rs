@@ -257,6 +257,9 @@ impl RigSpec {
         self.envelope.check().map_err(|e| e.within("envelope"))?;
         self.air.check().map_err(|e| e.within("air"))?;
         self.truth.as_ref().map_or(Ok(()), |truth| truth.in_range()).map_err(|e| e.within("truth"))?;
+        if self.air.dryden.is_some() {
+            return Err(Error::invalid("air.dryden", "given", "none: a run on the rig has steady wind"));
+        }
         if self.air.gust_m_s != 0.0 || !self.air.gusts.is_empty() {
             let several = format!("{} of them", self.air.gusts.len());
             let (key, given) = match self.air.gust_m_s {

@@ -1,6 +1,7 @@
 //! What a scenario file says, before it is checked and built.
 
 use super::chosen::{Chosen, Named};
+use super::dryden::DrydenSpec;
 use super::lattice::LatticeSpec;
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
@@ -95,6 +96,9 @@ pub struct AirSpec {
     /// Gusts at stated times, of which the controller does not know either.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gusts: Vec<GustSpec>,
+    /// Continuous turbulence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dryden: Option<DrydenSpec>,
 }
 
 /// A gust at a stated time: a velocity that swells and goes, (1 - cos) / 2 of its largest, the same everywhere.
@@ -115,6 +119,9 @@ impl AirSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         require::finite("wind_m_s", &self.wind_m_s)?;
+        if let Some(dryden) = &self.dryden {
+            dryden.turbulence(0.0).map_err(|e| e.within("dryden"))?;
+        }
         let mut gusts = self.gusts.iter().enumerate();
         let one = |gust: &GustSpec| {
             gust.in_range().and_then(|()| require::finite("velocity_m_s", &gust.velocity_m_s))

@@ -15,7 +15,7 @@ use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
 use wingbeat_judge::{Judged, Limits, Status, Warning};
 use wingbeat_ocp::plant::Channel;
-use wingbeat_robot::Robot;
+use wingbeat_robot::{Dryden, Robot};
 
 /// `summary.json` of a flight. What is optional is taken from the goal's settling
 /// time (2 s without a goal) on, and missing when the flight ended before.
@@ -294,6 +294,8 @@ pub(super) struct Context<'a> {
     pub period_s: Option<f64>,
     /// Estimate of the error of the steps, m.
     pub step_error_m: Option<f64>,
+    /// Turbulence of the air.
+    pub turbulence: Option<Dryden>,
 }
 
 impl Context<'_> {

@@ -8,7 +8,7 @@ use wingbeat_flight::tether::TetherRun;
 use wingbeat_judge::Status;
 
 /// Columns of a flight beside its number and its draws, with their units.
-const FLIGHT: [(&str, &str); 15] = [
+const FLIGHT: [(&str, &str); 16] = [
     ("held", ""),
     ("completed", ""),
     ("status", ""),
@@ -23,6 +23,7 @@ const FLIGHT: [(&str, &str); 15] = [
     ("height_max_error", "m"),
     ("cross_rms", "m"),
     ("least_clearance", "m"),
+    ("positive_power", "W/kg"),
     ("controller_failures", ""),
 ];
 
@@ -182,6 +183,7 @@ fn flight(summary: &Summary, hold: Hold) -> [f64; FLIGHT.len()] {
         of(summary.height_max_error_m),
         of(summary.path.as_ref().map(|path| path.cross_rms_m)),
         of(summary.least_clearance_m),
+        of(summary.cost.positive_power_w_kg),
         whole(summary.controller.failures as f64),
     ]
 }

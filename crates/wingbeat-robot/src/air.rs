@@ -1,7 +1,8 @@
 //! The air the robot flies in: density, mean wind and gusts.
 
+use super::dryden::Dryden;
 use std::f64::consts::TAU;
-use wingbeat_math::{Lanes, Meets, Random, Scalar, Vec3};
+use wingbeat_math::{Lanes, Mat3, Meets, Random, Scalar, Vec3};
 
 /// The air.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,33 @@ pub struct Wind<P: Scalar = f64> {
     mean: Vec3<P>,
     waves: Vec<Wave<P>>,
     pulses: Vec<Pulse<P>>,
+    course: Course<P>,
+}
+
+/// Velocities at equal times, linear between them; before the first and after the last that one.
+#[derive(Clone, Debug, PartialEq)]
+struct Course<P: Scalar> {
+    /// Time between nodes, s.
+    step: f64,
+    nodes: Vec<Vec3<P>>,
+}
+
+impl<P: Scalar> Course<P> {
+    const NONE: Self = Self { step: 1.0, nodes: Vec::new() };
+
+    /// Velocity and its rate at the time `t`; none without nodes.
+    fn at<S: Scalar + Meets<P>>(&self, t: S) -> Option<(Vec3<S>, Vec3<S>)> {
+        let last = self.nodes.len().checked_sub(1)?;
+        let place = t.value() / self.step;
+        if !(place >= 0.0 && place < last as f64) {
+            let end = if place < 0.0 { 0 } else { last };
+            return Some((self.nodes[end].met(), Vec3::ZERO));
+        }
+        let (i, per_time) = (place as usize, 1.0 / self.step);
+        let (from, to): (Vec3<S>, Vec3<S>) = (self.nodes[i].met(), self.nodes[i + 1].met());
+        let rate = (to - from) * S::from(per_time);
+        Some((from + rate * (t - i as f64 * self.step), rate))
+    }
 }
 
 /// One gust at a stated time.
@@ -65,7 +93,7 @@ const GUST_FREQUENCIES: [f64; 6] = [0.2, 0.33, 0.54, 0.87, 1.4, 2.3];
 impl Wind {
     /// Wind that does not change, m/s in W.
     pub fn steady(mean: Vec3) -> Self {
-        Self { mean, waves: Vec::new(), pulses: Vec::new() }
+        Self { mean, waves: Vec::new(), pulses: Vec::new(), course: Course::NONE }
     }
 
     /// Mean wind with a gust: along each axis a sum of sinusoids with random
@@ -86,7 +114,7 @@ impl Wind {
                 phase: std::array::from_fn(|_| random.between(0.0, TAU)),
             })
             .collect();
-        Self { mean, waves, pulses: Vec::new() }
+        Self { waves, ..Self::steady(mean) }
     }
 
     /// This wind with gusts at stated times.
@@ -96,9 +124,22 @@ impl Wind {
         self
     }
 
+    /// This wind with the turbulence `of` for `duration` s, its first axis `heading` rad from x to the left.
+    #[must_use]
+    pub fn turbulent(mut self, of: &Dryden, heading: f64, duration: f64, seed: u64) -> Self {
+        let count = (duration / of.step()).ceil() as usize + 2;
+        let turn = Mat3::rotation_z(heading);
+        let nodes = of.nodes(count, seed).into_iter().map(|velocity| turn * velocity).collect();
+        self.course = Course { step: of.step(), nodes };
+        self
+    }
+
     /// Whether both are made of as many waves and gusts, so that they can blow in lanes side by side.
     pub(super) fn fits_beside(&self, other: &Self) -> bool {
-        self.waves.len() == other.waves.len() && self.pulses.len() == other.pulses.len()
+        let course = (self.course.step, self.course.nodes.len());
+        self.waves.len() == other.waves.len()
+            && self.pulses.len() == other.pulses.len()
+            && course == (other.course.step, other.course.nodes.len())
     }
 
     /// Winds that fit side by side, each in a lane; the lanes that are left over repeat the last.
@@ -123,6 +164,12 @@ impl Wind {
             mean: vector(&|wind| wind.mean),
             waves: (0..winds[0].waves.len()).map(wave).collect(),
             pulses: (0..winds[0].pulses.len()).map(pulse).collect(),
+            course: Course {
+                step: winds[0].course.step,
+                nodes: (0..winds[0].course.nodes.len())
+                    .map(|k| vector(&|wind| wind.course.nodes[k]))
+                    .collect(),
+            },
         }
     }
 }
@@ -147,6 +194,10 @@ impl<P: Scalar> Wind<P> {
             mean: vector(self.mean),
             waves: self.waves.iter().map(wave).collect(),
             pulses: self.pulses.iter().map(pulse).collect(),
+            course: Course {
+                step: self.course.step,
+                nodes: self.course.nodes.iter().map(|node| vector(*node)).collect(),
+            },
         }
     }
 
@@ -167,6 +218,10 @@ impl<P: Scalar> Wind<P> {
                 velocity[i] += share * pulse.velocity[i];
                 acceleration[i] += rate * pulse.velocity[i];
             }
+        }
+        if let Some((of_course, rate)) = self.course.at(t) {
+            velocity += of_course;
+            acceleration += rate;
         }
         (velocity, acceleration)
     }
@@ -192,7 +247,9 @@ mod tests {
 
     #[test]
     fn the_acceleration_is_the_derivative() {
-        for wind in [Wind::gusty(Vec3::ZERO, 0.2, 1), Wind::steady(Vec3::ZERO).with([PULSE])] {
+        let of = Dryden { deviation: [0.3; 3], length: [2.0; 3], airspeed: 4.0 };
+        let turbulent = Wind::steady(Vec3::ZERO).turbulent(&of, 0.4, 2.0, 5);
+        for wind in [Wind::gusty(Vec3::ZERO, 0.2, 1), Wind::steady(Vec3::ZERO).with([PULSE]), turbulent] {
             let (v, _) = wind.at(Dual::<1>::variable(0.62, 0));
             let (_, a) = wind.at(0.62);
             for i in 0..3 {

@@ -1,7 +1,9 @@
 //! Flight under control about orbits: the shipped scenarios keep their height, hold their bank, and no wing passes
 //! through another.
 
+mod adaptation;
 mod draws;
+mod dryden;
 mod estimator;
 mod hover;
 mod path;
@@ -23,6 +25,8 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.bank15_20g_lev", quick: false, run: || flown("bank15_20g_lev", 5e-3, 15.0) },
     Case { id: "flight.bank30_20g_lev", quick: false, run: || flown("bank30_20g_lev", 10e-3, 30.0) },
     Case { id: "flight.bank45_20g_lev", quick: false, run: || flown("bank45_20g_lev", 30e-3, 45.0) },
+    Case { id: "flight.any_air_bank15_beta", quick: false, run: || flown("any_air_bank15_beta", 5e-3, 15.0) },
+    Case { id: "flight.any_air_bank30_20g", quick: false, run: || flown("any_air_bank30_20g", 10e-3, 30.0) },
     Case { id: "flight.bank15_beta", quick: false, run: || flown("bank15_beta", 5e-3, 15.0) },
     Case { id: "flight.bank30_beta", quick: false, run: || flown("bank30_beta", 10e-3, 30.0) },
     Case { id: "flight.bank45_beta", quick: false, run: || flown("bank45_beta", 30e-3, 45.0) },
@@ -41,6 +45,8 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.path_figure8", quick: false, run: || path::rows(path::EIGHT) },
     Case { id: "flight.predictive_figure8", quick: false, run: || path::rows(path::PLANNED) },
     Case { id: "flight.hover_guarded", quick: false, run: hover::rows },
+    Case { id: "flight.dryden", quick: true, run: dryden::rows },
+    Case { id: "flight.adaptation", quick: false, run: adaptation::rows },
     Case { id: "flight.estimator", quick: true, run: estimator::rows },
 ];
 
@@ -55,6 +61,21 @@ pub const LONG: &[LongCase] = &[
         id: "flight.draws.bank15_20g",
         core_minutes: 1.9,
         run: |watch| draws::rows(&draws::BANK15, watch),
+    },
+    LongCase {
+        id: "flight.draws.any_air_bank30_20g",
+        core_minutes: 6.0,
+        run: |watch| draws::rows(&draws::ANY_AIR_BANK30, watch),
+    },
+    LongCase {
+        id: "flight.draws.any_air_bank15_beta",
+        core_minutes: 6.0,
+        run: |watch| draws::rows(&draws::ANY_AIR_BETA, watch),
+    },
+    LongCase {
+        id: "flight.draws.any_air_level_20g",
+        core_minutes: 6.0,
+        run: |watch| draws::rows(&draws::ANY_AIR_LEVEL, watch),
     },
     LongCase {
         id: "flight.draws.passive_level_20g",

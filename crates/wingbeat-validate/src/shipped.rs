@@ -24,6 +24,8 @@ macro_rules! files {
 const FILES: &[(&str, &str)] = files![
     "scenarios/aerobat_elastic"
     "scenarios/aerobat_membrane"
+    "scenarios/any_air_bank15_beta"
+    "scenarios/any_air_bank30_20g"
     "scenarios/as_printed_fourier"
     "scenarios/as_printed_fourier_converged"
     "scenarios/as_printed_linkage"
@@ -88,6 +90,8 @@ const FILES: &[(&str, &str)] = files![
     "robots/aerobat_membrane"
     "robots/aerobat_paper"
     "robots/aerobat_printed"
+    "robots/any_air_20g"
+    "robots/any_air_beta"
     "robots/cruise_20g"
     "robots/cruise_20g_lev"
     "robots/cruise_20g_margin"

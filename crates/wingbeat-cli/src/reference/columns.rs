@@ -214,6 +214,9 @@ pub const COLUMNS: &[Described] = &[
     column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s", "1/s", "N/s"], "", "Its rate."),
     column("orbit_legs", &[FLIGHT], ONE, "", "Legs begun before and the share of the present one that is done, under `[controller.orbit]`: 1.25 is a quarter of the second."),
     column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, as measured, under `[controller.orbit]`."),
+    column("orbit_crank_added", &[FLIGHT], &["rad/s"], "", "Rate of the crank that `controller.orbit.adapt` adds to that of the reference."),
+    column("orbit_missed_acceleration_<axis>", &[FLIGHT], &["m/s2"], "H", "Mean over a cycle of the acceleration along heading axes that `controller.orbit.adapt` has learned the model to miss."),
+    column("orbit_missed_turning_<axis>", &[FLIGHT], &["rad/s2"], "B", "The same of the angular acceleration, in body axes."),
     column("orbit_roll_error", &[FLIGHT], RAD, "WB", "Roll less that of the reference at the same phase, at the last update, as measured, under `[controller.orbit]`."),
     column("orbit_pitch_error", &[FLIGHT], RAD, "WB", "Pitch, likewise."),
     column("thrust_moment_<axis>", &[FLIGHT], NM, "B", "Moment of the thrusters about the body's origin."),
@@ -342,6 +345,7 @@ pub const COLUMNS: &[Described] = &[
     column("height_max_error", &[SWEEP], M, "", "Largest |height - reference| from the settling time on, under `[controller.orbit]`."),
     column("cross_rms", &[SWEEP], M, "", "Root mean square of the distance across the path from the settling time on."),
     column("least_clearance", &[SWEEP], M, "", "Least of all clearances over the flight."),
+    column("positive_power", &[SWEEP], &["W/kg"], "", "Mean of the positive part of the total power of the driven joints over the mass."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
     column("<key>", &[SWEEP, RUNS, STARTS, CANDIDATES], ONE, "", "What was drawn, or found by a search, for a key of the scenario or case, in the unit that ends the key."),
 ];

@@ -34,6 +34,10 @@ pub struct Outcome {
     clearance_m: f64,
     /// Median, 10th percentile and least of the least clearances, m.
     least_clearance_m: Quantiles,
+    /// Positive power of all joints on one drive, over the mass, W/kg.
+    positive_power_w_kg: Quantiles,
+    /// Its mean over the completed flights, W/kg.
+    positive_power_mean_w_kg: Option<f64>,
     /// Under `[controller.orbit]`.
     height_max_error_m: Quantiles,
     height_within_m: Option<f64>,
@@ -64,6 +68,7 @@ impl Outcome {
         };
         let (roll, pitch) = (quantiles("roll_max_error"), quantiles("pitch_max_error"));
         let (height, cross) = (quantiles("height_max_error"), quantiles("cross_rms"));
+        let power = quantiles("positive_power");
         let clearances: Vec<f64> = of("least_clearance");
         counted.insert("least_clearance", clearances.len());
         Self {
@@ -80,6 +85,8 @@ impl Outcome {
             clearance_m: hold.clearance_m,
             least_clearance_m: self::quantiles(clearances.iter().map(|c| -c).collect())
                 .map(|c| c.map(|c| -c)),
+            positive_power_w_kg: power,
+            positive_power_mean_w_kg: mean(&of("positive_power")),
             height_max_error_m: height,
             height_within_m: hold.height_within_m,
             cross_rms_m: cross,
@@ -131,6 +138,13 @@ impl Outcome {
             row("least clearance", "least_clearance", self.least_clearance_m, self.clearance_m, "m", 4);
             text += &format!("clear {} of the {clearances} flights completed\n", self.clear);
         }
+        if let ([Some(median), Some(most), Some(worst)], Some(mean)) =
+            (self.positive_power_w_kg, self.positive_power_mean_w_kg)
+        {
+            text += &format!(
+                "positive power {mean:.1} W/kg in the mean, median {median:.1}, 90 % {most:.1}, most {worst:.1}\n"
+            );
+        }
         text + "\n" + &end_points::text(&self.end_points)
     }
 }
@@ -143,6 +157,11 @@ fn quantiles(mut sorted: Vec<f64>) -> Quantiles {
     sorted.sort_by(f64::total_cmp);
     let at = |share: f64| sorted.get(((sorted.len() as f64 * share).ceil() as usize).max(1) - 1);
     [0.5, 0.9, 1.0].map(|share| at(share).copied())
+}
+
+/// The mean; none of no values.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// Interval of a share with 95 % confidence.

@@ -63,7 +63,8 @@ fn judge_slow(judge: &mut Judge, speed: f64, wash: Option<f64>) {
 /// Gusts of the scenario, which no periodic flight can have.
 pub(super) fn ignored_gusts(air: &AirSpec) -> Option<Warning> {
     let stated = (!air.gusts.is_empty()).then_some("air.gusts");
-    let key = if air.gust_m_s > 0.0 { Some("air.gust_m_s") } else { stated }?;
+    let turbulent = air.dryden.as_ref().map(|_| "air.dryden");
+    let key = if air.gust_m_s > 0.0 { Some("air.gust_m_s") } else { stated.or(turbulent) }?;
     let text = format!("{key} is left out: a periodic flight is that in still air");
     Some(Warning::new("trim.gusts_ignored", text).size(air.gust_m_s).key(key))
 }

@@ -6,7 +6,7 @@ use wingbeat_ocp::plant::Fault;
 use wingbeat_robot::Robot;
 
 /// Integration step of a model between two measurements, s.
-const STEP: f64 = 5e-4;
+pub(super) const STEP: f64 = 5e-4;
 
 /// Commands in force, each with the time from which on, s, the oldest first.
 #[derive(Debug, Default)]

@@ -39,7 +39,9 @@ fn processor_time(limit_s: Option<f64>) -> std::time::Duration {
 }
 
 pub use about_orbit::gains_of;
-pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal, TrackingSpec};
+pub use about_orbit::{
+    AboutOrbitSpec, AdaptSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal, TrackingSpec,
+};
 pub use attitude_tracking::AttitudeTracking;
 pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
 pub use free_end::FreeEnd;

@@ -53,8 +53,15 @@ pub const MEMBRANE_SLACK: Limit = Limit::warn_above("flight.membrane_slack_fract
 pub const MEMBRANE_FREQUENCY: Limit = Limit::warn_above("flight.membrane_frequency_fraction", 0.25, "")
     .on("frequency of the motion over that of the membrane, whose inertia is left out");
 
+/// Deviation of the turbulence over its airspeed. Taylor 1938: a frozen field needs it small; 0.3 is a choice.
+pub const TURBULENCE: Limit = Limit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
+    .on("turbulence that flies past frozen is small beside the airspeed: largest deviation over air.dryden.airspeed_m_s");
+/// Mean speed of the flight over the airspeed at which its turbulence passes, less one.
+pub const TURBULENCE_SPEED: Limit = Limit::warn_above("flight.turbulence_speed", 0.3, "")
+    .on("the turbulence passes at another speed than the robot flies: share by which its mean speed differs from air.dryden.airspeed_m_s");
+
 /// All of them.
-pub const ALL: [Limit; 16] = [
+pub const ALL: [Limit; 18] = [
     ALTITUDE,
     ATTITUDE,
     PATH,
@@ -71,4 +78,6 @@ pub const ALL: [Limit; 16] = [
     MEMBRANE_CAMBER,
     MEMBRANE_SLACK,
     MEMBRANE_FREQUENCY,
+    TURBULENCE,
+    TURBULENCE_SPEED,
 ];

@@ -23,6 +23,13 @@ pub(super) const PASSIVE_LEVEL: Asked = held("passive_level_20g", PASSIVE);
 pub(super) const PASSIVE_BANK15: Asked = held("passive_bank15_20g", PASSIVE);
 pub(super) const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: None };
 
+/// In air that the controller is not told: 190 of 200 in the turn, 195 level, 180 of Beta.
+pub(super) const ANY_AIR_BANK30: Asked =
+    Asked { sweep: "any_air_bank30_20g", lost: 0.05, crossing: Some(0.05) };
+pub(super) const ANY_AIR_BETA: Asked = Asked { sweep: "any_air_bank15_beta", lost: 0.1, crossing: Some(0.1) };
+pub(super) const ANY_AIR_LEVEL: Asked =
+    Asked { sweep: "any_air_level_20g", lost: 0.025, crossing: Some(0.025) };
+
 /// Largest shares of flights in which the wings come closer than the sweep allows: of a driven twist, and of one that the air moves.
 const DRIVEN: f64 = 0.05;
 const PASSIVE: f64 = 0.1;
@@ -85,6 +92,9 @@ pub(super) fn rows(asked: &Asked, watch: &mut Watch<'_>) -> Result<Vec<Row>, Err
     let least = -most(&column("least_clearance")?.iter().map(|c| -c).collect::<Vec<_>>());
     let metric = format!("least clearance of {flights} flights");
     rows.push(Row::shown(&id("least_clearance"), source, &metric, least, "m"));
+    let power = column("positive_power")?;
+    let metric = format!("mean positive power of {flights} flights");
+    rows.push(Row::shown(&id("power"), source, &metric, power.iter().sum::<f64>() / flights as f64, "W/kg"));
     Ok(rows)
 }
 

@@ -15,6 +15,8 @@ const SHOWN: [&str; 4] = ["robot.", "air.", "aero.", "start."];
 const OPEN: &[&str] = &[
     "aerobat_membrane",
     "aerobat_elastic",
+    "any_air_bank15_beta",
+    "any_air_bank30_20g",
     "bank15_20g",
     "bank15_20g_lev",
     "bank15_beta",
@@ -33,6 +35,8 @@ const OPEN: &[&str] = &[
 /// Scenarios whose first station beyond the middle only ends a gap.
 const ENDED: &[&str] = &[
     "aerobat_membrane",
+    "any_air_bank15_beta",
+    "any_air_bank30_20g",
     "bank15_20g",
     "bank15_20g_lev",
     "bank15_beta",
@@ -53,6 +57,8 @@ const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"]
 const WITHOUT_LEV: &[&str] = &[
     "aerobat_membrane",
     "aerobat_elastic",
+    "any_air_bank15_beta",
+    "any_air_bank30_20g",
     "as_printed_fourier",
     "as_printed_linkage",
     "bank15_20g",

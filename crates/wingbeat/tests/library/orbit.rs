@@ -264,8 +264,11 @@ fn an_orbit_is_judged() {
     let held = trim(&["limits.trim.multiplier=0.5"]);
     assert!(held.status == Status::OffTarget && held.judged.iter().any(|judged| judged.overridden));
 
-    for gust in ["air.gust_m_s=3", "air.gusts=[{start_s=1.0, duration_s=0.5, velocity_m_s=[0.0, 0.0, 1.0]}]"]
-    {
+    for gust in [
+        "air.gust_m_s=3",
+        "air.gusts=[{start_s=1.0, duration_s=0.5, velocity_m_s=[0.0, 0.0, 1.0]}]",
+        "air.dryden={airspeed_m_s=4.0, altitude_m=10.0, wind_6m_m_s=5.0}",
+    ] {
         let gusty = trim(&[gust]);
         assert!(gusty.status == Status::Ok && gusty.power_w_kg == well.power_w_kg);
         assert_eq!(gusty.warnings[0].id, "trim.gusts_ignored");

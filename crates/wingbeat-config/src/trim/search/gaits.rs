@@ -2,6 +2,7 @@
 
 use super::descent::{Landscape, Seen, Slopes};
 use super::spec::{Goal, SearchSpec};
+use crate::sweep::with_all;
 use crate::{Document, Scenario};
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{
@@ -24,6 +25,7 @@ const PARTS: usize = 16;
 pub(super) struct Facts {
     pub frequency: f64,
     pub speed: f64,
+    /// Mean of the scenario's own air and the others.
     pub power_per_mass: f64,
     pub stalled: [f64; 2],
     /// Of all numbers of strips.
@@ -55,17 +57,20 @@ pub(super) struct Gait {
 /// All gaits of a search.
 pub(super) struct Gaits<'a> {
     spec: &'a SearchSpec,
-    /// The scenario without its search, by number of strips, its own first.
+    /// The scenario without its search: its own, those of the other airs, those of the other numbers of strips.
     documents: Vec<Document>,
+    /// How many of the first of them the power is the mean of.
+    averaged: usize,
     /// Objective of the own gait.
     scale: f64,
 }
 
 impl<'a> Gaits<'a> {
     pub fn new(spec: &'a SearchSpec, own: Document) -> Self {
-        let others = spec.strips.iter().map(|strips| own.clone().set(format!("aero.full.strips={strips}")));
-        let documents = std::iter::once(own.clone()).chain(others).collect();
-        Self { spec, documents, scale: 1.0 }
+        let airs = spec.airs.iter().map(|air| with_all(own.clone(), air));
+        let strips = spec.strips.iter().map(|strips| own.clone().set(format!("aero.full.strips={strips}")));
+        let documents = std::iter::once(own.clone()).chain(airs).chain(strips).collect();
+        Self { spec, documents, averaged: 1 + spec.airs.len(), scale: 1.0 }
     }
 
     /// The scenario at `x` with the model of number `model`.
@@ -150,6 +155,7 @@ impl<'a> Gaits<'a> {
     fn seen(&self, flown: &[Flown]) -> Seen<Gait> {
         let own = &flown[0];
         let least = |flown: &Flown| flown.measures.least_clearance.unwrap_or(f64::INFINITY);
+        let power = |flown: &Flown| flown.measures.cost.positive_power / flown.mass;
         let asked = &self.spec.limits;
         let shares = [asked.stall_fraction_12, asked.stall_fraction_20];
         let beyond = |flown: &Flown| {
@@ -159,7 +165,7 @@ impl<'a> Gaits<'a> {
         let facts = Facts {
             frequency: 1.0 / own.found.orbit.end.duration,
             speed: own.speed,
-            power_per_mass: own.measures.cost.positive_power / own.mass,
+            power_per_mass: flown[..self.averaged].iter().map(power).sum::<f64>() / self.averaged as f64,
             stalled: own.measures.stalled,
             clearance: flown.iter().map(least).fold(f64::INFINITY, f64::min),
             multiplier: flown.iter().map(|f| f.multiplier).fold(f64::NAN, f64::max),

@@ -9,6 +9,7 @@ mod spec;
 pub use descent::Ended;
 pub use spec::{Goal, LimitsSpec, SearchSpec, VarySpec};
 
+use super::super::sweep::with_all;
 use super::super::{ConfigError, Document, Scenario};
 use super::{TrimProgress, Trimmed};
 use descent::{Descent, KEPT, Seen, descend};
@@ -148,6 +149,12 @@ impl Scenario {
         let mut own = Vec::with_capacity(spec.vary.len());
         for (i, vary) in spec.vary.iter().enumerate() {
             own.push(self.own_share(&document, i, vary)?);
+        }
+        for (i, air) in spec.airs.iter().enumerate() {
+            Self::new(with_all(document.clone(), air)).map_err(|error| {
+                let allowed = format!("keys and values of the scenario ({error})");
+                self.explain(&Error::invalid(format!("trim.search.airs[{i}]"), air.join(", "), allowed))
+            })?;
         }
         let mut gaits = Gaits::new(spec, document);
         match gaits.first(&own) {

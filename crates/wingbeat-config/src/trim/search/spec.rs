@@ -8,6 +8,8 @@ use wingbeat_math::require;
 /// Most starts of a search, and most numbers that it varies.
 const MAX_STARTS: usize = 10_000;
 const MAX_VARIED: usize = 200;
+/// Most airs beside the scenario's own.
+const MAX_AIRS: usize = 100;
 
 /// The gait that does something best, among those that fly the orbit which `[trim]` asks for.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -21,6 +23,11 @@ pub struct SearchSpec {
     /// Numbers of strips at which the limits have to hold as well, beside the scenario's own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub strips: Vec<usize>,
+    /// Other airs, or other flights, of the same gait: each a list of settings as `--set` takes them, such as
+    /// `["aero.law=lev", "trim.bank_deg=30"]`. In each the gait has an orbit of its own, for which the frequency or commands are
+    /// chosen anew. The limits have to hold in all of them, and the power is the mean of all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub airs: Vec<Vec<String>>,
     /// What a gait has to keep to.
     pub limits: LimitsSpec,
     /// Number of starts: the first from the scenario's own gait, the others from beside it.
@@ -51,7 +58,7 @@ fn sixty() -> usize {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
-    /// The least mean of the positive part of the total power of the driven joints, over the mass.
+    /// The least mean of the positive part of the total power of the driven joints, over the mass; the mean of all `airs`.
     Power,
     /// The lowest frequency of the gait.
     Frequency,
@@ -115,6 +122,7 @@ impl SearchSpec {
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         self.limits.in_range().map_err(|e| e.within("limits"))?;
+        require::between("airs", self.airs.len(), 0, MAX_AIRS)?;
         require::between("vary", self.vary.len(), 1, MAX_VARIED)?;
         for (i, vary) in self.vary.iter().enumerate() {
             vary.check().map_err(|e| e.within(&format!("vary[{i}]")))?;

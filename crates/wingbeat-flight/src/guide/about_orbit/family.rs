@@ -1,5 +1,6 @@
 //! Orbits along the legs of a flight, as references, and the feedback about them.
 
+use super::adapt::Tangent;
 use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
 use super::predictive::PredictiveSpec;
 use super::schedule::{Place, Schedule, Stretch};
@@ -26,11 +27,11 @@ const PITCH: f64 = -0.2;
 
 /// An orbit as a reference: what may deviate, at every step of a cycle, and the commands held. Heights are those above
 /// the mean path.
-struct Reference {
-    steps: Vec<Vec<f64>>,
+pub(super) struct Reference {
+    pub steps: Vec<Vec<f64>>,
     /// How far it is off its mean path over the ground at every step.
     off_path: Vec<[f64; OFF_PATH]>,
-    commands: Vec<f64>,
+    pub commands: Vec<f64>,
 }
 
 /// What is asked at a phase.
@@ -54,6 +55,8 @@ pub(super) struct Family {
     references: Vec<Reference>,
     feedback: Vec<Feedback>,
     ways: Vec<Way>,
+    /// How the first orbit changes with the rate of the crank, where the controller adapts it.
+    tangent: Option<Tangent>,
     /// State at phase 0 of the first orbit.
     start: Vec<f64>,
 }
@@ -166,17 +169,32 @@ impl Family {
         let deviations = Deviations::new(cycle);
         let references = found.iter().map(|found| Reference::new(cycle, &deviations, found));
         let references = references.collect::<Result<Vec<_>, _>>().map_err(broken)?;
+        let adapted = spec.adapt.filter(|adapt| adapt.crank_s.is_some());
+        let tangent = adapted.map(|_| {
+            let straight = spec.free(robot, false)?;
+            Tangent::new(cycle, &straight, &found[0], &references[0]).map_err(none("adapt.crank_s"))
+        });
+        let tangent = tangent.transpose()?;
         let mut about: Vec<usize> = ways.iter().flat_map(|way| sparse(way).map(|(_, orbit)| orbit)).collect();
         about.push(0);
         about.sort_unstable();
         about.dedup();
+        let learned = spec.adapt.and_then(|adapt| adapt.learned());
         let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
         let made = parallel::map(&about, |_, &orbit| {
             let orbit = &found[orbit].orbit;
             let intervals = intervals(cycle, &orbit.point, PHASES, inputs)?;
             let coordinates = cycle.section().len();
             let path = spec.predictive.as_ref().and_then(PredictiveSpec::path);
-            Ok(Feedback::new(&spec.weights, path, &intervals, coordinates, &limits, orbit.end.duration))
+            Ok(Feedback::new(
+                &spec.weights,
+                path,
+                &intervals,
+                coordinates,
+                &limits,
+                orbit.end.duration,
+                learned,
+            ))
         });
         let missing = || Error::invalid("weights", "given", "weights with which the feedback settles");
         let feedback = made
@@ -189,7 +207,7 @@ impl Family {
             feedback: sparse(way).map(|(share, orbit)| (share, place(orbit))).collect(),
         });
         let start = cycle.start(&found[0].orbit.point);
-        Ok(Self { references, feedback, ways: ways.collect(), start })
+        Ok(Self { references, feedback, ways: ways.collect(), tangent, start })
     }
 
     /// The state at phase 0 of the orbit of the begin.
@@ -212,6 +230,38 @@ impl Family {
             numbers,
             commands,
             off_path: std::array::from_fn(|j| lerp(off(one, j), off(other, j), between)),
+        }
+    }
+
+    /// How the first orbit changes with the rate of the crank.
+    pub fn tangent(&self) -> Option<&Tangent> {
+        self.tangent.as_ref()
+    }
+
+    /// Changes `commands` to those of an orbit whose crank turns by `added` rad/s faster.
+    pub fn beside(&self, added: f64, commands: &mut [f64]) {
+        let change = self.tangent.iter().flat_map(|tangent| &tangent.commands);
+        commands.iter_mut().zip(change).for_each(|(command, change)| *command += added * change);
+    }
+
+    /// Changes what is asked of the `numbers` that deviate likewise.
+    pub fn deviate(&self, added: f64, cycles: f64, numbers: &mut [f64]) {
+        let Some(tangent) = &self.tangent else { return };
+        let step = cycles.rem_euclid(1.0) * (tangent.steps.len() - 1) as f64;
+        let i = (step as usize).min(tangent.steps.len() - 2);
+        let (one, other) = (&tangent.steps[i], &tangent.steps[i + 1]);
+        for (j, number) in numbers.iter_mut().enumerate() {
+            *number += added * lerp(one[j], other[j], step - i as f64);
+        }
+    }
+
+    /// Commands for what the model is learned to miss, by its waves.
+    pub fn ahead(&self, place: Option<Place>, cycles: f64) -> Option<DMatrix<f64>> {
+        match self.made(place) {
+            (one, None) => one.ahead(cycles),
+            (one, Some((other, share))) => {
+                Some(one.ahead(cycles)? * (1.0 - share) + other.ahead(cycles)? * share)
+            }
         }
     }
 
@@ -261,7 +311,7 @@ fn sparse(way: &[usize]) -> impl Iterator<Item = (f64, usize)> {
 }
 
 impl Reference {
-    fn new(cycle: &Cycle, deviations: &Deviations, found: &Found) -> Result<Self, Fault> {
+    pub fn new(cycle: &Cycle, deviations: &Deviations, found: &Found) -> Result<Self, Fault> {
         let (point, climb) = (&found.orbit.point, found.orbit.course.climb);
         let (mut steps, mut ground) = (Vec::with_capacity(cycle.steps() + 1), Vec::new());
         let mut add = |t: f64, x: &[f64]| {

@@ -1,14 +1,18 @@
 //! Periodic feedback about an orbit.
 
+use super::adapt::missed_place;
 use super::spec::OrbitWeights;
 use crate::orbit::{Deviations, Interval};
 use nalgebra::{DMatrix, Matrix3, Vector3};
+use std::f64::consts::TAU;
 use wingbeat_math::interpolation::lerp;
 
 /// Cycles after which the feedback of an orbit must have settled.
 const CYCLES: usize = 80;
 /// Change of the feedback over a cycle at which it has, relative.
 const SETTLED: f64 = 1e-5;
+/// Cycles after which what is fed forward must have settled: the slowest deviation, the integral of the height, decays by it.
+const CYCLES_AHEAD: usize = 400;
 /// Place of the integral of the height in the state of the controller, and from which on the deviations are.
 pub const INTEGRAL: usize = 0;
 pub const DEVIATIONS: usize = 1;
@@ -28,6 +32,8 @@ struct Periodic(Vec<DMatrix<f64>>);
 pub(super) struct Feedback {
     gains: Periodic,
     roots: Periodic,
+    /// Commands by the waves of the acceleration that the model misses, where it is learned.
+    ahead: Option<Periodic>,
     interval: f64,
 }
 
@@ -58,6 +64,7 @@ impl Feedback {
         coordinates: usize,
         limits: &[f64],
         duration: f64,
+        learned: Option<usize>,
     ) -> Option<Self> {
         let (deviating, m) = (all[0].a.nrows(), limits.len());
         let beside = DEVIATIONS + deviating;
@@ -104,12 +111,19 @@ impl Feedback {
                 costs[k].clone_from(&p);
             }
             if change < SETTLED {
+                let ahead = learned.map(|harmonics| {
+                    ahead(&augmented, &gains, &costs, &r, interval, harmonics).map(Periodic)
+                });
                 let body = DEVIATIONS + Deviations::BODY;
                 for gain in &mut gains {
                     (body..DEVIATIONS + 1 + coordinates).for_each(|column| gain.column_mut(column).fill(0.0));
                 }
                 let roots = costs.into_iter().map(root).collect::<Option<_>>()?;
-                return Some(Self { gains: Periodic(gains), roots: Periodic(roots), interval });
+                let ahead = match ahead {
+                    Some(made) => Some(made?),
+                    None => None,
+                };
+                return Some(Self { gains: Periodic(gains), roots: Periodic(roots), ahead, interval });
             }
         }
         None
@@ -118,6 +132,11 @@ impl Feedback {
     /// Commands by deviations at `cycles` of the gait's phase.
     pub fn at(&self, cycles: f64) -> DMatrix<f64> {
         self.gains.at(cycles)
+    }
+
+    /// Commands by the waves of what the model misses.
+    pub fn ahead(&self, cycles: f64) -> Option<DMatrix<f64>> {
+        self.ahead.as_ref().map(|ahead| ahead.at(cycles))
     }
 
     /// The cost of deviations there.
@@ -144,6 +163,73 @@ impl Periodic {
         let share = phase - k as f64;
         &self.0[k] * (1.0 - share) + &self.0[(k + 1) % self.0.len()] * share
     }
+}
+
+/// Axes of an acceleration that the model misses: along heading axes, then about those of B.
+pub const MISSED: usize = 6;
+
+/// 1, then cosine and sine of each of `harmonics` of the phase.
+pub fn waves(harmonics: usize, cycles: f64) -> Vec<f64> {
+    let wave = |n: usize| {
+        let (sin, cos) = (TAU * n as f64 * cycles).sin_cos();
+        [cos, sin]
+    };
+    std::iter::once(1.0).chain((1..=harmonics).flat_map(wave)).collect()
+}
+
+/// Equation: guide.disturbance_feedforward
+/// `u = -(R + B'PB)^-1 B'(P d + q), q <- (A - B K)'(P d + q) backwards over the cycle until it repeats`
+/// Source: Anderson & Moore 1990, Optimal Control, ch. 4: linear term of the cost to go.
+/// Test: `what_the_model_misses_is_fed_forward_at_least_cost`.
+///
+/// Commands at each phase by the waves of an acceleration d that repeats with the cycle: those that minimise the cost of the
+/// regulator in the long run, beside its feedback. `costs` are those at the begin of each interval.
+fn ahead(
+    augmented: &[(DMatrix<f64>, DMatrix<f64>)],
+    gains: &[DMatrix<f64>],
+    costs: &[DMatrix<f64>],
+    r: &DMatrix<f64>,
+    interval: f64,
+    harmonics: usize,
+) -> Option<Vec<DMatrix<f64>>> {
+    let (parts, n) = (augmented.len(), costs[0].nrows());
+    let each = waves(harmonics, 0.0).len();
+    let pushed = |k: usize| {
+        let basis = waves(harmonics, (k as f64 + 0.5) / parts as f64);
+        let mut d = DMatrix::zeros(n, MISSED * each);
+        for axis in 0..MISSED {
+            for (j, b) in basis.iter().enumerate() {
+                d[(DEVIATIONS + missed_place(axis), axis * each + j)] = b * interval;
+                if axis == 2 {
+                    d[(DEVIATIONS + Deviations::HEIGHT, axis * each + j)] = 0.5 * b * interval * interval;
+                }
+            }
+        }
+        d
+    };
+    let pushed: Vec<_> = (0..parts).map(pushed).collect();
+    let factors = augmented.iter().enumerate().map(|(k, (_, b))| {
+        let p = &costs[(k + 1) % parts];
+        (r + b.transpose() * p * b).cholesky()
+    });
+    let factors: Vec<_> = factors.collect::<Option<_>>()?;
+    let mut q: DMatrix<f64> = DMatrix::zeros(n, MISSED * each);
+    let mut commands = vec![DMatrix::zeros(r.nrows(), MISSED * each); parts];
+    for _ in 0..CYCLES_AHEAD {
+        let mut change: f64 = 0.0;
+        for k in (0..parts).rev() {
+            let (a, b) = &augmented[k];
+            let w = &costs[(k + 1) % parts] * &pushed[k] + &q;
+            let next = -factors[k].solve(&(b.transpose() * &w));
+            change = change.max((&next - &commands[k]).amax() / next.amax());
+            commands[k] = next;
+            q = (a - b * &gains[k]).transpose() * w;
+        }
+        if change < SETTLED {
+            return Some(commands);
+        }
+    }
+    None
 }
 
 /// L of P = L L' for a P without negative eigenvalues.
@@ -295,5 +381,61 @@ mod tests {
         let p = DMatrix::from_row_slice(3, 3, &[4.0, 2.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
         let root = root(p.clone()).unwrap();
         assert!((&root * root.transpose() - p).amax() < 1e-8);
+    }
+
+    /// A commanded body that a push of every phase of the cycle meets: whatever else is added to what is fed forward costs more.
+    #[test]
+    fn what_the_model_misses_is_fed_forward_at_least_cost() {
+        let (parts, n, m, interval) = (4, DEVIATIONS + Deviations::BODY, 3, 0.1);
+        let mut random = wingbeat_math::Random::new(2);
+        let mut draw =
+            |rows, columns, size: f64| DMatrix::from_fn(rows, columns, |_, _| size * random.normal());
+        let augmented: Vec<_> =
+            (0..parts).map(|_| (DMatrix::identity(n, n) * 0.7 + draw(n, n, 0.05), draw(n, m, 0.3))).collect();
+        let (q, r) = (DMatrix::<f64>::identity(n, n), DMatrix::<f64>::identity(m, m) * 2.0);
+        let (mut p, mut gains) = (q.clone(), vec![DMatrix::zeros(m, n); parts]);
+        let mut costs = gains.clone();
+        for _ in 0..200 {
+            for (k, (a, b)) in augmented.iter().enumerate().rev() {
+                let gain = (&r + b.transpose() * &p * b).cholesky().unwrap().solve(&(b.transpose() * &p * a));
+                p = &q + a.transpose() * &p * (a - b * &gain);
+                (gains[k], costs[k]) = (gain, p.clone());
+            }
+        }
+        let fed = ahead(&augmented, &gains, &costs, &r, interval, 1).unwrap();
+        // A push of each axis by its mean and first harmonic, as coefficients.
+        let waves_of = draw(MISSED * 3, 1, 1.0);
+        let cost = |added: &[DMatrix<f64>]| {
+            let (mut s, mut sum) = (DMatrix::zeros(n, 1), 0.0);
+            for cycle in 0..60 {
+                for k in 0..parts {
+                    let (a, b) = &augmented[k];
+                    let u = &fed[k] * &waves_of + &added[k] - &gains[k] * &s;
+                    if cycle == 59 {
+                        sum += (s.transpose() * &q * &s + u.transpose() * &r * &u)[(0, 0)];
+                    }
+                    s = a * s + b * u;
+                    let basis = waves(1, (k as f64 + 0.5) / parts as f64);
+                    for axis in 0..MISSED {
+                        let push: f64 = (0..3).map(|j| basis[j] * waves_of[(axis * 3 + j, 0)]).sum();
+                        s[(DEVIATIONS + missed_place(axis), 0)] += push * interval;
+                        if axis == 2 {
+                            s[(DEVIATIONS + Deviations::HEIGHT, 0)] += 0.5 * push * interval * interval;
+                        }
+                    }
+                }
+            }
+            sum
+        };
+        let nothing = vec![DMatrix::zeros(m, 1); parts];
+        let least = cost(&nothing);
+        assert!(least > 1e-3);
+        for _ in 0..5 {
+            let beside: Vec<_> = (0..parts).map(|_| draw(m, 1, 1e-3)).collect();
+            let other: Vec<_> = beside.iter().map(|b| -b).collect();
+            let (one, two) = (cost(&beside) - least, cost(&other) - least);
+            // Stationary: the change is quadratic, the same on both sides.
+            assert!(one > 0.0 && two > 0.0 && (one - two).abs() < 0.02 * (one + two), "{one} {two}");
+        }
     }
 }

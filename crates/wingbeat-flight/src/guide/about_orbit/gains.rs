@@ -30,7 +30,8 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
     let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
     let coordinates = cycle.section().len();
     let all = intervals(cycle, &orbit.point, PHASES, &inputs)?;
-    let Some(feedback) = Feedback::new(weights, None, &all, coordinates, &limits, orbit.end.duration) else {
+    let Some(feedback) = Feedback::new(weights, None, &all, coordinates, &limits, orbit.end.duration, None)
+    else {
         return Ok(None);
     };
     let mut told: Vec<(usize, String)> = Vec::new();

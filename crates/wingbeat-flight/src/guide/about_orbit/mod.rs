@@ -1,5 +1,6 @@
 //! Flight about orbits: references by the phase of the gait, and periodic feedback.
 
+mod adapt;
 mod ahead;
 mod family;
 mod feedback;
@@ -9,6 +10,7 @@ mod schedule;
 mod spec;
 mod tracking;
 
+pub use adapt::AdaptSpec;
 pub use gains::gains_of;
 pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
@@ -19,9 +21,11 @@ use super::inertial;
 use super::receding;
 use crate::orbit::{Deviations, Free};
 use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
+use adapt::Adaptation;
 use ahead::Ahead;
 use family::{Asked, Family};
 use feedback::{DEVIATIONS, INTEGRAL};
+use nalgebra::DVector;
 use predictive::{Height, Predictive};
 use schedule::{Place, Schedule};
 use std::f64::consts::TAU;
@@ -49,6 +53,8 @@ struct AboutOrbit<'a> {
     inputs: Vec<usize>,
     /// The plan, where commands are planned.
     predictive: Option<Predictive<'a>>,
+    /// What is learned in flight, where the controller adapts.
+    adaptation: Option<Adaptation<'a>>,
     estimator: Box<dyn Estimator + 'a>,
     /// The state as it is known.
     x: Vec<f64>,
@@ -105,6 +111,7 @@ impl ControllerSpec for AboutOrbitSpec {
             let made = Predictive::new(robot, &deviations, &inputs, spec, &self.weights, &family);
             made.map_err(|e| e.within("predictive"))
         });
+        let adaptation = self.adapt.map(|spec| Adaptation::new(spec, robot, self.period_s, &deviations));
         let Asked { commands: held, .. } = family.asked(None, 0.0);
         let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
             None => Box::new(Ahead::new(robot)),
@@ -125,6 +132,7 @@ impl ControllerSpec for AboutOrbitSpec {
             tracking,
             inputs,
             predictive: predictive.transpose()?,
+            adaptation,
             estimator,
             x: vec![0.0; robot.states().len()],
             integral: 0.0,
@@ -171,13 +179,23 @@ impl AboutOrbit<'_> {
     /// The controller's commands for deviations `error` from what is asked.
     fn regulate(&mut self, place: Option<Place>, cycles: f64, asked: Asked, error: &[f64]) {
         let gain = self.family.gain(place, cycles);
-        let mut commands = asked.commands;
+        let mut commands = asked.commands.clone();
+        if let Some(adaptation) = &self.adaptation {
+            self.family.beside(adaptation.added(), &mut commands);
+            if let Some((ahead, waves)) = self.family.ahead(place, cycles).zip(adaptation.waves()) {
+                let ahead = ahead * DVector::from_column_slice(waves);
+                self.inputs.iter().zip(ahead.iter()).for_each(|(input, ahead)| commands[*input] += ahead);
+            }
+        }
         for (row, &input) in self.inputs.iter().enumerate() {
             let fed: f64 = error.iter().enumerate().map(|(j, e)| gain[(row, DEVIATIONS + j)] * e).sum();
             commands[input] -= gain[(row, INTEGRAL)] * self.integral + fed;
         }
         for (command, channel) in commands.iter_mut().zip(self.robot.inputs()) {
             *command = channel.clamp(*command);
+        }
+        if let (Some(adaptation), Some(tangent)) = (&mut self.adaptation, self.family.tangent()) {
+            adaptation.pace(tangent, self.robot.inputs(), &asked.commands, &commands);
         }
         self.held = commands;
     }
@@ -197,7 +215,13 @@ impl Controller for AboutOrbit<'_> {
             None => self.schedule.demand(t),
             Some(tracking) => tracking.demand(t, position, velocity),
         };
-        let asked = self.family.asked(place, cycles);
+        let mut asked = self.family.asked(place, cycles);
+        if let Some(adaptation) = &mut self.adaptation {
+            if adaptation.learn(t, cycles, x, &self.held).is_err() {
+                return Update::Kept;
+            }
+            self.family.deviate(adaptation.added(), cycles, &mut asked.numbers);
+        }
         let mut s = vec![0.0; self.deviations.len()];
         self.deviations.of(x, &mut s);
         let mut error: Vec<f64> = s.iter().zip(&asked.numbers).map(|(s, asked)| s - asked).collect();
@@ -236,13 +260,15 @@ impl Controller for AboutOrbit<'_> {
             Column::new("orbit_pitch_error", "rad", "WB"),
         ];
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
+        let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
-        own.into_iter().chain(path).chain(self.estimator.columns()).chain(solver).collect()
+        own.into_iter().chain(path).chain(adapted).chain(self.estimator.columns()).chain(solver).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(self.seen);
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
+        row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
         self.estimator.diagnostics(row);
         row.extend(self.predictive.iter().flat_map(|p| receding::measures(&p.statistics())));
     }

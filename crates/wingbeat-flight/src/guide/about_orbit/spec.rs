@@ -1,5 +1,6 @@
 //! What `[controller.orbit]` says.
 
+use super::adapt::AdaptSpec;
 use super::predictive::PredictiveSpec;
 use super::schedule::{Schedule, Stretch};
 use super::tracking::TrackingSpec;
@@ -38,6 +39,9 @@ pub struct AboutOrbitSpec {
     /// How the state is estimated from the readings of instruments; without it the controller receives the true state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSpec>,
+    /// How the controller adapts in flight to an air that it is not told; without it, it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adapt: Option<AdaptSpec>,
     /// How `[path]` is followed, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingSpec>,
@@ -132,6 +136,18 @@ impl AboutOrbitSpec {
         }
         if let Some(predictive) = &self.predictive {
             predictive.check(robot, self.tracking.is_some()).map_err(|e| e.within("predictive"))?;
+        }
+        if let Some(adapt) = &self.adapt {
+            adapt.check(robot).map_err(|e| e.within("adapt"))?;
+            if self.predictive.is_some() {
+                let allowed = "none beside predictive, whose plan adapts to nothing";
+                return Err(Error::invalid("adapt", "given", allowed).against(["predictive"]));
+            }
+            if adapt.missed_s.is_some() && self.estimator.is_some() {
+                let allowed =
+                    "none beside estimator, which has an acceleration of its own that the model misses";
+                return Err(Error::invalid("adapt.missed_s", "given", allowed).against(["estimator"]));
+            }
         }
         self.free(robot, true)?;
         if self.tracking.is_some() {

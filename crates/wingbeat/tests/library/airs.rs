@@ -1,0 +1,146 @@
+//! Flight in an air that the controller is not told: what it learns, what that gains, and gaits found for several airs.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use wingbeat::judge::Status;
+use wingbeat::math::GRAVITY;
+use wingbeat::scenario::{Run, Scenario};
+
+fn loaded(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenarios/{name}.toml"));
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    Scenario::load(&path, &overrides).map_err(|error| error.to_string())
+}
+
+fn scenario(name: &str, overrides: &[&str]) -> Scenario {
+    loaded(name, overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn flown(name: &str, overrides: &[&str]) -> Run {
+    scenario(name, overrides).fly(|_| ControlFlow::Continue(())).unwrap()
+}
+
+/// Mean of a column from `since` s on.
+fn mean(run: &Run, name: &str, since: f64) -> f64 {
+    let (t, values) = (run.record.values("t").unwrap(), run.record.values(name).unwrap());
+    let kept: Vec<f64> = t.iter().zip(values).filter(|(t, _)| **t >= since).map(|(_, v)| *v).collect();
+    kept.iter().sum::<f64>() / kept.len() as f64
+}
+
+/// A robot 5 % heavier than its model is held by 5 % more force than that expects, which would throw it up by g/20; without added mass,
+/// whose force would follow that acceleration.
+#[test]
+fn what_the_model_misses_is_found_by_phase() {
+    let heavy = ["flight.duration_s=2.4", "mismatch.mass=1.05", "aero.added_mass=false"];
+    let adapted = flown("level_20g", &[&heavy[..], &["controller.orbit.adapt={missed_s=0.2}"]].concat());
+    let missed = mean(&adapted, "orbit_missed_acceleration_z", 1.6);
+    let expected = -0.05 * GRAVITY;
+    // The series has two harmonics: what it leaves out scatters by a tenth.
+    assert!((missed - expected).abs() < 0.15 * expected.abs(), "{missed} for {expected}");
+    for aside in ["acceleration_y", "turning_x", "turning_z"] {
+        let value = mean(&adapted, &format!("orbit_missed_{aside}"), 1.6);
+        assert!(value.abs() < 1e-3, "{aside} {value}");
+    }
+    // Without adaptation the integral of the height has not done its work yet.
+    let plain = flown("level_20g", &heavy);
+    let [off, without] = [&adapted, &plain].map(|run| run.summary.height_max_error_m.unwrap());
+    assert!(off < 0.5 * without, "{off} {without}");
+    assert!(plain.record.values("orbit_missed_turning_x").is_none());
+}
+
+/// In thin air the crank turns faster, and the other commands cost less for it.
+#[test]
+fn the_crank_takes_over_what_other_commands_hold() {
+    let thin = ["flight.duration_s=2.4", "mismatch.density=0.9"];
+    let adapted = flown("level_20g", &[&thin[..], &["controller.orbit.adapt={crank_s=0.2}"]].concat());
+    let plain = flown("level_20g", &thin);
+    let cost = |run: &Run| -> f64 {
+        let limits = [("stroke", 0.4), ("twist", 0.15), ("swing", 0.4)];
+        limits
+            .iter()
+            .map(|(name, limit)| (mean(run, &format!("command_{name}_left"), 1.6) / limit).powi(2))
+            .sum()
+    };
+    let added = mean(&adapted, "orbit_crank_added", 1.6);
+    assert!(added > 0.4 && added < 1.5, "{added}");
+    assert!(cost(&adapted) < 0.75 * cost(&plain), "{} {}", cost(&adapted), cost(&plain));
+    assert!((mean(&adapted, "command_crank", 1.6) - added).abs() < 0.1);
+    assert!(adapted.summary.height_max_error_m.unwrap() < 0.01);
+}
+
+#[test]
+fn adaptation_that_cannot_be_is_refused() {
+    let refused = |name: &str, adapt: &str| {
+        let given = format!("controller.orbit.adapt={adapt}");
+        loaded(name, &[&given]).err().unwrap_or_default()
+    };
+    assert!(
+        refused("level_20g", "{}").contains("crank_s, missed_s, or both"),
+        "{}",
+        refused("level_20g", "{}")
+    );
+    assert!(refused("level_20g", "{crank_s=nan}").contains("crank_s"));
+    assert!(refused("level_20g", "{missed_s=0.0}").contains("missed_s"));
+    assert!(refused("level_20g", "{missed_s=0.2, harmonics=10}").contains("harmonics"));
+    assert!(refused("bank15_beta_lev", "{crank_s=0.2}").is_empty());
+    let beside = "{missed_s=0.2}";
+    assert!(refused("predictive_20g", beside).contains("predictive"));
+    assert!(refused("estimator_20g", beside).contains("estimator"));
+}
+
+/// The power of a search over airs is the mean of their orbits, each found by itself.
+#[test]
+fn a_gait_is_searched_in_several_airs() {
+    let other = ["aero.law=lev", "trim.speed_m_s=4.0"];
+    let search = "trim.search={goal='power', limits={}, iterations=1, airs=[['aero.law=lev', 'trim.speed_m_s=4.0']], \
+                  vary=[{key='robot.body.com_m[0]', low=-0.002, high=0.002}]}";
+    let found = scenario("cruise_20g", &["trim.step_s=1e-3", search]);
+    let search = found.gait_search().unwrap().unwrap();
+    let row = search.row(0, &mut |_| ControlFlow::Continue(())).unwrap();
+    let column = |name: &str| row[search.columns().iter().position(|c| c.name == name).unwrap()];
+    let com = format!("robot.body.com_m[0]={:?}", column("robot.body.com_m[0]"));
+    let power = |overrides: &[&str]| {
+        let all = [&["trim.step_s=1e-3", &com], overrides].concat();
+        let trimmed = scenario("cruise_20g", &all).trim(&mut |_| ControlFlow::Continue(())).unwrap();
+        trimmed.summary.power_w_kg.unwrap()
+    };
+    let expected = 0.5 * (power(&[]) + power(&other));
+    assert!((column("power_w_kg") - expected).abs() < 1e-3 * expected, "{} {expected}", column("power_w_kg"));
+    let wrong = "trim.search={goal='power', limits={}, airs=[['aero.law=lift']], \
+                 vary=[{key='robot.body.com_m[0]', low=-0.002, high=0.002}]}";
+    let scenario = scenario("cruise_20g", &[wrong]);
+    let told = scenario.gait_search().err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(told.contains("trim.search.airs[0]") && told.contains("aero.law=lift"), "{told}");
+}
+
+/// Turbulence moves the flight, follows its seed, and says where it is not what it stands for.
+#[test]
+fn turbulence_blows_as_its_seed_says() {
+    let given = "air.dryden={airspeed_m_s=4.05, deviation_m_s=[0.2, 0.2, 0.1], length_m=[2.0, 2.0, 1.0]}";
+    let short = ["flight.duration_s=1.0", given];
+    let [one, again, other] =
+        ["seed=3", "seed=3", "seed=4"].map(|seed| flown("level_20g", &[short[0], short[1], seed]));
+    let height = |run: &Run| run.record.values("p_WB_z").unwrap().to_vec();
+    assert_eq!(height(&one), height(&again));
+    assert!(height(&one) != height(&other) && one.summary.status == Status::Ok, "{:?}", one.summary.reason);
+    assert!(one.summary.warnings.iter().all(|w| !w.id.contains("turbulence")), "{:?}", one.summary.warnings);
+    let slow = "air.dryden={airspeed_m_s=1.0, deviation_m_s=[0.4, 0.2, 0.1], length_m=[2.0, 2.0, 1.0]}";
+    let told = flown("level_20g", &["flight.duration_s=1.0", slow]).summary.warnings;
+    for id in ["flight.turbulence_over_airspeed", "flight.turbulence_speed"] {
+        assert!(told.iter().any(|warning| warning.id == id), "{id}: {told:?}");
+    }
+    let refused =
+        |dryden: &str| loaded("level_20g", &[&format!("air.dryden={dryden}")]).err().unwrap_or_default();
+    for (dryden, key) in [
+        ("{airspeed_m_s=4.0}", "altitude_m and wind_6m_m_s"),
+        ("{airspeed_m_s=0.0, altitude_m=10.0, wind_6m_m_s=1.0}", "airspeed_m_s"),
+        ("{airspeed_m_s=4.0, altitude_m=1.0, wind_6m_m_s=1.0}", "altitude_m"),
+        ("{airspeed_m_s=4.0, deviation_m_s=[nan, 0.1, 0.1], length_m=[1.0, 1.0, 1.0]}", "deviation_m_s[0]"),
+        ("{airspeed_m_s=4.0, deviation_m_s=[0.1, 0.1, 0.1], length_m=[1.0, 0.0, 1.0]}", "length_m[1]"),
+        ("{airspeed_m_s=100.0, deviation_m_s=[0.1, 0.1, 0.1], length_m=[1.0, 0.001, 1.0]}", "nodes"),
+    ] {
+        let told = refused(dryden);
+        assert!(told.contains("air.dryden") && told.contains(key), "{dryden}: {told}");
+    }
+}
