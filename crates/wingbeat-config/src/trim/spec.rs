@@ -63,6 +63,11 @@ ranges!(TrimSpec {
 ranges!(FamilySpec { to: Range::between(-1e9, 1e9), steps: Range::between(1.0, 1000.0) });
 
 impl TrimSpec {
+    /// Level flight at `speed`, of which nothing is free yet.
+    pub(super) fn level(speed_m_s: f64) -> Self {
+        Self { speed_m_s, climb_m_s: 0.0, bank_deg: 0.0, free: Vec::new(), step_s: step(), family: None, search: None }
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         if let Some(family) = &self.family {
