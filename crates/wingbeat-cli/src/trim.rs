@@ -69,12 +69,7 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
 }
 
 /// Trims a robot from its file alone and writes its run folder.
-fn alone(
-    arguments: &Trim,
-    document: Document,
-    interrupt: &Interrupt,
-    start: Instant,
-) -> Result<(), Error> {
+fn alone(arguments: &Trim, document: Document, interrupt: &Interrupt, start: Instant) -> Result<(), Error> {
     let options = &arguments.run;
     let asked = RobotTrim::new(document, &options.all_overrides(), arguments.bank.unwrap_or(0.0))?;
     let scenario = &asked.scenario;
@@ -90,7 +85,10 @@ fn alone(
                 format!("orbit {}, iteration {iteration}: residual {residual:.1e}", orbits + 1)
             }
             TrimProgress::Search(at) => {
-                format!("search, iteration {}: {:.1} W/kg, {:.2} Hz", at.iteration, at.power_w_kg, at.frequency_hz)
+                format!(
+                    "search, iteration {}: {:.1} W/kg, {:.2} Hz",
+                    at.iteration, at.power_w_kg, at.frequency_hz
+                )
             }
             TrimProgress::Turn { flight } => format!("turn, flight {flight}"),
         });

@@ -16,6 +16,8 @@ pub(super) struct Size {
     pub area: f64,
     /// kg/m3.
     pub density: f64,
+    /// Clearance that the wings are to keep, m.
+    pub room: f64,
 }
 
 impl Size {
@@ -51,7 +53,7 @@ mod tests {
     #[test]
     fn a_guess_follows_the_scaling_laws() {
         // A pigeon: .333 kg, .67 m, .063 m2 (Pennycuick 1996, table 1 gives 5.6 to 6 Hz observed).
-        let pigeon = Size { mass: 0.333, span: 0.67, area: 0.063, density: 1.225 };
+        let pigeon = Size { mass: 0.333, span: 0.67, area: 0.063, density: 1.225, room: 0.02 };
         assert!((4.5..7.5).contains(&pigeon.frequency()), "{}", pigeon.frequency());
         let twice = Size { mass: 0.666, ..pigeon };
         assert!((twice.frequency() / pigeon.frequency() - 2f64.powf(0.375)).abs() < 1e-12);

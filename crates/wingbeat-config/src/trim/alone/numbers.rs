@@ -1,16 +1,18 @@
 //! Numbers of a robot that a trim may choose, and actuators where the robot has none.
 
 use super::super::search::VarySpec;
-use crate::Scenario;
+use crate::{Scenario, ScenarioSpec};
 use std::collections::BTreeSet;
 use wingbeat_flight::orbit::Free;
 use wingbeat_ocp::plant::Plant;
-use wingbeat_robot::{DrivenSpec, ElementSpec, GaitSpec, LinkSide, LinkSpec, Robot, RobotSpec, StructureSpec};
+use wingbeat_robot::{
+    DrivenSpec, ElementSpec, GaitSpec, LinkSide, LinkSpec, Robot, RobotSpec, StructureSpec,
+};
 
-/// How far means of joints, phases and tails may be moved, rad and deg. *Choices.*
+/// How far means of joints, phases and settings may be moved, rad and deg. *Choices.*
 const MEAN: f64 = 0.5;
 const PHASE: f64 = 1.0;
-const TAIL_DEG: f64 = 15.0;
+const SET_DEG: f64 = 15.0;
 /// Smallest and largest stroke of a joint that flaps, and largest of one that twists, rad. *Choices.*
 const STROKE: [f64; 2] = [0.25, 1.15];
 const TWIST: f64 = 0.785;
@@ -88,9 +90,12 @@ pub(super) fn numbers(robot: &RobotSpec, chord: f64) -> Vec<VarySpec> {
             let (rest, spring) = (elastic.rest, elastic.stiffness);
             all.push(about(format!("{key}.elastic.rest"), rest, rest - MEAN, rest + MEAN));
             all.push(about(format!("{key}.elastic.stiffness"), spring, spring / SPRING, spring * SPRING));
-        } else if link.side == LinkSide::Single && !link.free && carries(robot, link) {
+        }
+        // The angle at which a tail, or a wing whose joint does not twist, is set.
+        let set = link.elastic.is_none() && !link.free && !twists(link);
+        if set && link.parent == "body" && carries(robot, link) {
             let own = link.orientation_deg[1];
-            all.push(about(format!("{key}.orientation_deg[1]"), own, own - TAIL_DEG, own + TAIL_DEG));
+            all.push(about(format!("{key}.orientation_deg[1]"), own, own - SET_DEG, own + SET_DEG));
         }
     }
     let own = robot.body.com_m[0];
@@ -160,6 +165,54 @@ pub(super) fn actuated(robot: &mut RobotSpec, frequency: f64) -> Vec<String> {
         ..StructureSpec::default()
     };
     names
+}
+
+/// Takes the held commands of `spec` over into the numbers of the joints that their elements displace, where each has a link of its
+/// own: means, amplitudes, rests of springs. What is held on either side of a mirrored link is its mean; the rest stays a command.
+pub(super) fn fold(spec: &mut ScenarioSpec) {
+    let structure = spec.robot.structure.clone();
+    if !structure.regulators.is_empty() {
+        return;
+    }
+    let commands = spec.start.commands.clone();
+    let held = |name: &str| commands.get(&format!("command_{name}")).copied();
+    for element in &structure.elements {
+        let (joint, scales) = match (&element.moves[..], &element.scales[..]) {
+            ([joint], []) => (joint, false),
+            ([], [joint]) => (joint, true),
+            _ => continue,
+        };
+        // Of a pair the left one stands for both.
+        let (link, value) = match (joint.strip_suffix("_left"), element.name.strip_suffix("_left")) {
+            (Some(link), Some(name)) => {
+                let sides =
+                    [held(&element.name), held(&format!("{name}_right"))].map(|side| side.unwrap_or(0.0));
+                (link, 0.5 * (sides[0] + sides[1]))
+            }
+            (None, _) if !joint.ends_with("_right") => (joint.as_str(), held(&element.name).unwrap_or(0.0)),
+            _ => continue,
+        };
+        let Some(link) = spec.robot.links.iter_mut().find(|other| other.name == link) else { continue };
+        match (&mut link.driven, &mut link.elastic) {
+            (Some(driven), _) if driven.linkage.is_none() => match scales {
+                true => driven.harmonics.iter_mut().for_each(|h| h.amplitude_rad *= 1.0 + value),
+                false => driven.mean_rad += value,
+            },
+            (_, Some(elastic)) if !scales => elastic.rest += value,
+            _ => continue,
+        }
+        let left = element.name.strip_suffix("_left");
+        let names = left.map_or(vec![element.name.clone()], |name| {
+            ["left", "right"].map(|s| format!("{name}_{s}")).to_vec()
+        });
+        for name in names {
+            let held = spec.start.commands.entry(format!("command_{name}")).or_insert(0.0);
+            *held -= value;
+            if held.abs() < 1e-12 {
+                spec.start.commands.remove(&format!("command_{name}"));
+            }
+        }
+    }
 }
 
 /// Why the actuators of a scenario's robot do not do for a turn; none where they do.

@@ -1,7 +1,7 @@
 //! A turn about the orbits of a gait that was found.
 
-use super::super::summary::TrimSummary;
 use super::super::TrimProgress;
+use super::super::summary::TrimSummary;
 use super::numbers;
 use crate::{ConfigError, Document, Scenario, ScenarioSpec};
 use serde::Serialize;
@@ -17,7 +17,7 @@ const INTO_S: f64 = 2.5;
 const TURN_S: f64 = 2.5;
 /// Speed in the turn over that of level flight, and the deviation of angles that costs a full command, deg: tried one after another
 /// until a turn holds. *Choices*: 1 / sqrt(cos 30 deg) is 1.075.
-const TRIES: [(f64, f64); 4] = [(1.075, 6.0), (1.0, 6.0), (1.15, 6.0), (1.075, 3.0)];
+const TRIES: [(f64, f64); 3] = [(1.075, 6.0), (1.0, 6.0), (1.15, 6.0)];
 /// Largest error of the height of a turn that holds, m. *Choice.*
 const HELD: f64 = 0.02;
 
@@ -88,7 +88,12 @@ impl TrimSummary {
 }
 
 /// The scenario of the turn.
-fn scenario(spec: &ScenarioSpec, level: &TrimSummary, bank_deg: f64, try_: (f64, f64)) -> Result<Document, ConfigError> {
+fn scenario(
+    spec: &ScenarioSpec,
+    level: &TrimSummary,
+    bank_deg: f64,
+    try_: (f64, f64),
+) -> Result<Document, ConfigError> {
     let mut spec = ScenarioSpec { trim: None, ..spec.clone() };
     spec.name = format!("{}-turn", spec.name);
     let cycle = 1.0 / level.frequency_hz.unwrap_or(1.0);
@@ -134,7 +139,9 @@ pub(super) fn flown(
         let one = match scenario(spec, level, bank_deg, try_).and_then(Scenario::new) {
             Ok(scenario) => match scenario.fly(|_| tell()) {
                 Ok(run) => (turned(&run.summary, bank_deg, speed), Some(scenario.resolved.clone())),
-                Err(error) => (TurnSummary::none(bank_deg, speed, scenario.explain(&error).to_string()), None),
+                Err(error) => {
+                    (TurnSummary::none(bank_deg, speed, scenario.explain(&error).to_string()), None)
+                }
             },
             Err(error) => (TurnSummary::none(bank_deg, speed, error.to_string()), None),
         };
