@@ -48,8 +48,8 @@ const STALLED: f64 = 0.3;
 const SEARCHES: usize = 2;
 /// Iterations of the search of gaits. *Choice.*
 const ITERATIONS: usize = 20;
-/// Step of integration of scan and search, s; what is found is found again in the step of a trim. *Choice.*
-const COARSE_S: f64 = 1e-3;
+/// Steps of integration of scan and search, s: the second where what the first finds is no orbit in the step of a trim. *Choices.*
+const STEPS_S: [f64; 2] = [1e-3, 5e-4];
 /// Mean pitches, rad, and paces to begin from at each speed, one after another until there is an orbit. *Choices.*
 const STARTS: [(f64, f64); 4] = [(-0.15, 1.0), (-0.4, 1.0), (-0.15, 1.7), (-0.3, 2.5)];
 
@@ -129,6 +129,7 @@ impl RobotTrim {
         let around = around.put("robot", robot)?.set(format!("aero.full.strips={strips}"));
         let given = Scenario::new(around.overridden(overrides))?;
         let refused = |error: Error| given.explain(&error);
+        given.in_still_air().map_err(refused)?;
         let size = given.size().map_err(refused)?;
         let mut spec = ScenarioSpec { name: given.spec.robot.name.clone(), ..given.spec.clone() };
         let mut warnings = Vec::new();
@@ -142,7 +143,8 @@ impl RobotTrim {
         if !(frequency > 0.3 * guess && frequency < FASTEST * guess) {
             spec.robot.gait.set_frequency_hz(guess);
         }
-        let assumed = match numbers::short_of(&given) {
+        let needed = if bank_deg == 0.0 { 1 } else { 4 };
+        let assumed = match numbers::short_of(&given, needed) {
             None => Vec::new(),
             Some(why) => {
                 let frequency = spec.robot.gait.frequency_hz();
@@ -226,23 +228,19 @@ impl RobotTrim {
             assumed_actuators: self.assumed.clone(),
             ..AloneSummary::default()
         };
-        let mut candidates = self.scan(&mut alone.tried, observe);
-        candidates.sort_by(|a, b| a.order.0.total_cmp(&b.order.0).then(a.order.1.total_cmp(&b.order.1)));
-        let mut best: Option<(f64, ScenarioSpec)> = None;
-        for candidate in candidates.into_iter().take(SEARCHES) {
-            let (violation, spec) = self.searched(candidate, observe)?;
-            if best.as_ref().is_none_or(|(least, _)| violation < *least) {
-                best = Some((violation, spec));
-            }
-            if violation <= 0.0 {
+        let mut found = None;
+        for step in STEPS_S {
+            let Some(mut spec) = self.best(step, &mut alone.tried, observe)? else { continue };
+            spec.trim.iter_mut().for_each(|trim| trim.step_s = TrimSpec::level(1.0).step_s);
+            let scenario = Scenario::new(Document::value("trim", &spec)?)?;
+            let trimmed = scenario.trim(observe)?;
+            let done = trimmed.summary.frequency_hz.is_some();
+            found = Some((spec, scenario, trimmed));
+            if done {
                 break;
             }
         }
-        let Some((_, mut spec)) = best else { return Ok(self.nothing(alone)) };
-        let step = TrimSpec::level(1.0).step_s;
-        spec.trim.iter_mut().for_each(|trim| trim.step_s = step);
-        let scenario = Scenario::new(Document::value("trim", &spec)?)?;
-        let mut trimmed = scenario.trim(observe)?;
+        let Some((spec, scenario, mut trimmed)) = found else { return Ok(self.nothing(alone)) };
         for vary in &self.vary {
             let now = Document::value("trim", &spec)?;
             if let (Ok(from), Ok(to)) = (self.document.number(&vary.key), now.number(&vary.key))
@@ -263,6 +261,28 @@ impl RobotTrim {
         trimmed.summary.warnings.extend(self.warnings.iter().cloned());
         trimmed.summary.alone = Some(alone);
         Ok(trimmed)
+    }
+
+    /// The best gait that scan and search find in steps of `step` s, on its orbit.
+    fn best(
+        &self,
+        step: f64,
+        tried: &mut Vec<Tried>,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<Option<ScenarioSpec>, ConfigError> {
+        let mut candidates = self.scan(step, tried, observe);
+        candidates.sort_by(|a, b| a.order.0.total_cmp(&b.order.0).then(a.order.1.total_cmp(&b.order.1)));
+        let mut best: Option<(f64, ScenarioSpec)> = None;
+        for candidate in candidates.into_iter().take(SEARCHES) {
+            let (violation, spec) = self.searched(candidate, observe)?;
+            if best.as_ref().is_none_or(|(least, _)| violation < *least) {
+                best = Some((violation, spec));
+            }
+            if violation <= 0.0 {
+                break;
+            }
+        }
+        Ok(best.map(|(_, spec)| spec))
     }
 
     /// That no orbit was found, and why.
@@ -288,6 +308,7 @@ impl RobotTrim {
     /// Orbits at the speeds of the scan.
     fn scan(
         &self,
+        step: f64,
         tried: &mut Vec<Tried>,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Vec<Candidate> {
@@ -301,7 +322,7 @@ impl RobotTrim {
                     stopped |= flow.is_break();
                     flow
                 };
-                match self.at(speed, start, &mut tell) {
+                match self.at((speed, step), start, &mut tell) {
                     Ok(candidate) => {
                         reason.clear();
                         tried.push(candidate.tried.clone());
@@ -325,10 +346,10 @@ impl RobotTrim {
         found
     }
 
-    /// The orbit at `speed` of the gait nearest to the file's that is in balance.
+    /// The orbit at `speed`, in steps of `step` s, of the gait nearest to the file's that is in balance.
     fn at(
         &self,
-        speed: f64,
+        (speed, step): (f64, f64),
         (pitch, pace): (f64, f64),
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
     ) -> Result<Candidate, String> {
@@ -336,7 +357,7 @@ impl RobotTrim {
             .document
             .clone()
             .set(format!("trim.speed_m_s={speed:?}"))
-            .set(format!("trim.step_s={COARSE_S:?}"));
+            .set(format!("trim.step_s={step:?}"));
         let balance = Balance { document: &document, vary: &self.vary, length: 0.1 * self.size.span };
         let own = |vary: &VarySpec| document.number(&vary.key).map_or(0.5, |value| vary.share(value));
         let x: Vec<f64> = self.vary.iter().map(own).collect();

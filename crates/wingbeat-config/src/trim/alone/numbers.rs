@@ -215,14 +215,14 @@ pub(super) fn fold(spec: &mut ScenarioSpec) {
     }
 }
 
-/// Why the actuators of a scenario's robot do not do for a turn; none where they do.
-pub(super) fn short_of(scenario: &Scenario) -> Option<String> {
+/// Why the actuators of a scenario's robot are not the `needed` ones; none where they are.
+pub(super) fn short_of(scenario: &Scenario, needed: usize) -> Option<String> {
     let model = scenario.model();
     if let Err(error) = model.mirror() {
         return (!scenario.spec.robot.structure.elements.is_empty()).then(|| error.to_string());
     }
     let sides = model.inputs().iter().filter(|input| !input.name.ends_with("_crank")).count();
-    (sides < 4).then(|| format!("a turn takes four actuators and the robot has {sides}"))
+    (sides < needed).then(|| format!("{needed} actuators are needed and the robot has {sides}"))
 }
 
 /// What an orbit may choose of `robot`: the frequency first, then pairs of actuators, or all.
