@@ -20,11 +20,13 @@ const TURN_S: f64 = 2.5;
 const TRIES: [(f64, f64); 3] = [(1.075, 6.0), (1.0, 6.0), (1.15, 6.0)];
 /// Largest error of the height of a turn that holds, m. *Choice.*
 const HELD: f64 = 0.02;
+/// Largest difference of the mean roll from the bank, deg. *Choice.*
+const ROLLED_DEG: f64 = 3.0;
 
 /// A turn that was flown.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurnSummary {
-    /// Its verdict, that of a flight; `off_target` where the height is lost by more than 20 mm.
+    /// Its verdict, that of a flight; `off_target` where the height is off by more than 20 mm or the mean roll by more than 3 deg.
     pub status: Status,
     /// Why it is not `ok`.
     pub reason: Option<String>,
@@ -166,6 +168,13 @@ fn turned(run: &crate::Summary, bank_deg: f64, speed: f64) -> TurnSummary {
     if let Some(lost) = lost {
         status = status.max(Status::OffTarget);
         let text = format!("the height is off by {:.0} mm, allowed is {:.0} mm", 1e3 * lost, 1e3 * HELD);
+        reason = Some(reason.map_or(text.clone(), |reason| format!("{reason}; {text}")));
+    }
+    if let Some(roll) = run.turn_roll_mean_deg.filter(|roll| !((roll - bank_deg).abs() <= ROLLED_DEG)) {
+        status = status.max(Status::OffTarget);
+        let text = format!(
+            "the mean roll in the turn is {roll:.1} deg, allowed is {bank_deg:.0} +- {ROLLED_DEG:.0} deg"
+        );
         reason = Some(reason.map_or(text.clone(), |reason| format!("{reason}; {text}")));
     }
     TurnSummary {
