@@ -17,7 +17,7 @@ const INTO_S: f64 = 2.5;
 const TURN_S: f64 = 2.5;
 /// Speed in the turn over that of level flight, and the deviation of angles that costs a full command, deg: tried one after another
 /// until a turn holds. *Choices*: 1 / sqrt(cos 30 deg) is 1.075.
-const TRIES: [(f64, f64); 3] = [(1.075, 6.0), (1.0, 6.0), (1.15, 6.0)];
+const TRIES: [(f64, f64); 3] = [(1.075, 3.0), (1.0, 3.0), (1.15, 6.0)];
 /// Largest error of the height of a turn that holds, m. *Choice.*
 const HELD: f64 = 0.02;
 /// Largest difference of the mean roll from the bank, deg. *Choice.*
