@@ -20,7 +20,7 @@ fn trimmed(name: &str, iterations: Option<usize>, bank_deg: f64, overrides: &[&s
 
 #[test]
 fn a_robot_alone_is_trimmed() {
-    let trimmed = trimmed("elastic_16g", Some(0), 0.0, &["aero.full.strips=4"]);
+    let trimmed = trimmed("elastic_16g", Some(0), 0.0, &[]);
     let summary = &trimmed.summary;
     assert_eq!(summary.status, Status::Ok, "{:?}", summary.reason);
     assert!((summary.lift_over_weight.unwrap() - 1.0).abs() < 1e-9 && summary.residual.unwrap() < 1e-10);

@@ -206,8 +206,8 @@ fn a_robot_whose_sides_differ_flies_straight() {
     let trimmed = scenario("cruise_20g", &beside).trim(&mut |_| ControlFlow::Continue(())).unwrap();
     let summary = trimmed.summary;
     assert!(summary.residual.unwrap() < 1e-10 && summary.roll_mean_deg.unwrap().abs() < 1e-8, "{summary:?}");
-    let command = |side: &str| summary.commands[&format!("command_stroke_{side}")];
-    // The heavier left side takes the wider stroke.
+    let command = |side: &str| summary.commands[&format!("command_twist_{side}")];
+    // The heavier left side is carried by more incidence.
     assert!(command("left") > command("right") + 1e-3, "{:?}", summary.commands);
     assert!(summary.multipliers.iter().any(|mode| mode.sector == "coupled"));
 }
