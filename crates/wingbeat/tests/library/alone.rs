@@ -23,7 +23,9 @@ fn a_robot_alone_is_trimmed() {
     let trimmed = trimmed("elastic_16g", Some(0), 0.0, &[]);
     let summary = &trimmed.summary;
     assert_eq!(summary.status, Status::Ok, "{:?}", summary.reason);
-    assert!((summary.lift_over_weight.unwrap() - 1.0).abs() < 1e-9 && summary.residual.unwrap() < 1e-10);
+    // The mean of samples at the steps of the cycle.
+    assert!((summary.lift_over_weight.unwrap() - 1.0).abs() < 1e-6, "{:?}", summary.lift_over_weight);
+    assert!(summary.residual.unwrap() < 1e-10);
     let alone = summary.alone.as_ref().unwrap();
     assert_eq!(alone.assumed_actuators, ["arm_stroke", "arm", "feather"]);
     assert!(alone.guessed_speed_m_s > 2.0 && !alone.changed.is_empty() && !alone.tried.is_empty());
