@@ -205,9 +205,12 @@ pub struct Calibrate {
 /// goes on when the same command is given again. What the numbers mean: docs/trim.md.
 #[derive(Debug, Args)]
 pub struct Trim {
-    /// The scenario
-    #[arg(value_name = "SCENARIO.toml")]
-    pub scenario: PathBuf,
+    /// The scenario; or a robot, which is trimmed from its file alone
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Of a robot: also fly a turn of this bank about the gait that is found; positive is right wing down
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    pub bank: Option<f64>,
     #[command(flatten)]
     pub run: Run,
     #[command(flatten)]

@@ -5,7 +5,7 @@ mod search;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
-use wingbeat::scenario::{Scenario, TrimProgress, TrimSummary};
+use wingbeat::scenario::{AloneSummary, Document, RobotTrim, Scenario, TrimProgress, TrimSummary, Trimmed};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Draw, family, multipliers, orbit};
 use wingbeat_io::write_parquet;
@@ -24,7 +24,15 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
+    let document = Document::file(&arguments.file)?;
+    if document.written("robot").is_none() && document.written("body").is_some() {
+        return alone(arguments, document, &interrupt, start);
+    }
+    if arguments.bank.is_some() {
+        let text = "--bank: allowed with a robot's file; a scenario has trim.bank_deg";
+        return Err(Error::Input(text.into()));
+    }
+    let scenario = Scenario::new(document.overridden(&options.all_overrides()))?;
     let (out, name) = (options.out.as_deref(), &scenario.spec.run_name()?);
     let search = scenario.gait_search()?;
     let folder = match &search {
@@ -56,6 +64,54 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     if search.is_none() {
         folder.write("scenario.toml", &scenario.resolved)?;
     }
+    let (name, seed) = (&scenario.spec.name, scenario.spec.seed);
+    written(arguments, folder, &trimmed, (name, seed), &interrupt, start)
+}
+
+/// Trims a robot from its file alone and writes its run folder.
+fn alone(arguments: &Trim, document: Document, interrupt: &Interrupt, start: Instant) -> Result<(), Error> {
+    let options = &arguments.run;
+    let asked = RobotTrim::new(document, &options.all_overrides(), arguments.bank.unwrap_or(0.0))?;
+    let scenario = &asked.scenario;
+    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
+    let watch =
+        Convergence::begin(&arguments.live, &scenario.spec.name, "trim under way", &scenario.resolved)?;
+    let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(None, target);
+    let trimmed = asked.trim(&mut |at| {
+        bar.set_message(match at {
+            TrimProgress::Orbit { orbits, iteration, residual } => {
+                watch.see(|| orbit_point(orbits, residual));
+                format!("orbit {}, iteration {iteration}: residual {residual:.1e}", orbits + 1)
+            }
+            TrimProgress::Search(at) => {
+                format!(
+                    "search, iteration {}: {:.1} W/kg, {:.2} Hz",
+                    at.iteration, at.power_w_kg, at.frequency_hz
+                )
+            }
+            TrimProgress::Turn { flight } => format!("turn, flight {flight}"),
+        });
+        interrupt.flow()
+    })?;
+    bar.finish_and_clear();
+    watch.end();
+    interrupt.check()?;
+    folder.write("scenario.toml", &scenario.resolved)?;
+    let (name, seed) = (&scenario.spec.name, scenario.spec.seed);
+    written(arguments, folder, &trimmed, (name, seed), interrupt, start)
+}
+
+/// Writes what was found into the folder, and prints it.
+fn written(
+    arguments: &Trim,
+    folder: RunFolder,
+    trimmed: &Trimmed,
+    (name, seed): (&str, u64),
+    interrupt: &Interrupt,
+    start: Instant,
+) -> Result<(), Error> {
+    let options = &arguments.run;
     folder.write_json("summary.json", &trimmed.summary)?;
     let tables = [
         ("record.parquet", &trimmed.record),
@@ -74,15 +130,15 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     ];
     for (record, figure) in &draws {
         if let Some(record) = record {
-            draw(&folder, record, wingbeat_figures::Asked::default(), &[*figure], &interrupt)?;
+            draw(&folder, record, wingbeat_figures::Asked::default(), &[*figure], interrupt)?;
         }
     }
     for (name, text) in &trimmed.files {
         folder.write(name, text)?;
     }
-    crate::report::beside(&folder, &scenario.spec.name, None, !arguments.page.no_report)?;
+    crate::report::beside(&folder, name, None, !arguments.page.no_report)?;
     interrupt.check()?;
-    let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
+    let path = folder.finish(&Manifest::new(seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let printed = say::unless(options.quiet, || {
         format!("{}\nrun folder: {}\n", table(&trimmed.summary), shown.display())
@@ -165,8 +221,45 @@ fn table(summary: &TrimSummary) -> String {
         let ended = summary.family_ended.as_deref().unwrap_or("to its end");
         text += &format!("{:<28}{orbits} orbits: {ended}\n", "family");
     }
+    if let Some(alone) = &summary.alone {
+        text += &of_alone(alone);
+    }
     for warning in &summary.warnings {
         text += &format!("\n{warning}\n");
     }
+    text
+}
+
+/// What a trim from a robot's file chose, in words.
+fn of_alone(alone: &AloneSummary) -> String {
+    let mut text = format!(
+        "{:<28}{:.2} m/s, {:.2} Hz\n",
+        "guess of scaling laws", alone.guessed_speed_m_s, alone.guessed_frequency_hz
+    );
+    for tried in &alone.tried {
+        let what = match (tried.power_w_kg, tried.frequency_hz) {
+            (Some(power), Some(frequency)) => format!("{power:.0} W/kg at {frequency:.2} Hz"),
+            _ => "no orbit".into(),
+        };
+        let reason = tried.reason.as_deref().map_or(String::new(), |reason| format!("; {reason}"));
+        text += &format!("{:<28}{:.2} m/s: {what}{reason}\n", "tried", tried.speed_m_s);
+    }
+    for (key, [from, to]) in &alone.changed {
+        text += &format!("{:<28}{key} = {to:.5}, was {from:.5}\n", "chosen");
+    }
+    let Some(turn) = &alone.turn else { return text };
+    let number = |value: Option<f64>, scale: f64| value.map_or("-".into(), |v| format!("{:.1}", scale * v));
+    text += &format!(
+        "{:<28}{}: {:.0} deg at {:.2} m/s, roll {} deg, height off by {} mm, clear by {} mm, {} W/kg; flight {}\n",
+        "turn",
+        turn.status,
+        turn.bank_deg,
+        turn.speed_m_s,
+        number(turn.roll_mean_deg, 1.0),
+        number(turn.height_max_error_m, 1e3),
+        number(turn.least_clearance_m, 1e3),
+        number(turn.power_w_kg, 1.0),
+        turn.flights
+    );
     text
 }

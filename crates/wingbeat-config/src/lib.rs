@@ -104,8 +104,9 @@ pub use tether_spec::{
     TetheredBodySpec, TetheredWingSpec, WindSpec,
 };
 pub use trim::{
-    Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, SearchProgress, SearchSpec, SearchSummary,
-    Searched, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
+    AloneSummary, Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, RobotTrim, SearchProgress,
+    SearchSpec, SearchSummary, Searched, Tried, TrimProgress, TrimSpec, TrimSummary, Trimmed, TurnSummary,
+    VarySpec,
 };
 pub use verdict_limits::VerdictLimits;
 pub use watched::{Seen, Watched};

@@ -52,6 +52,9 @@ fn numbers(at: TrimProgress) -> Vec<(&'static str, f64)> {
                 ("violation", violation),
             ]
         }
+        TrimProgress::Turn { flight } => {
+            vec![("flight", flight as f64)]
+        }
         TrimProgress::Orbit { orbits, iteration, residual } => {
             vec![("orbits", orbits as f64), ("iteration", iteration as f64), ("residual", residual)]
         }

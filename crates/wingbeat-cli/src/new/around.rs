@@ -3,9 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use wingbeat::orbit::Free;
-use wingbeat::robot::Outline;
-use wingbeat::scenario::{Document, DocumentKind, Scenario, TetherCase};
+use wingbeat::scenario::{Document, DocumentKind, RobotTrim, Scenario, TetherCase};
 
 use super::{head, is_taken, name_of, put};
 use crate::args::New;
@@ -13,11 +11,6 @@ use crate::error::Error;
 use crate::say;
 use crate::show::AROUND;
 use crate::tether::Tables;
-
-/// Standard gravity, m/s2.
-const GRAVITY: f64 = 9.806_65;
-/// Lift coefficient of the speed to begin from. *Choice*: well below stall.
-const LIFT: f64 = 0.6;
 
 /// Writes what `text` makes of the document's name and folder, and what to do next.
 pub fn write(
@@ -59,45 +52,43 @@ fn seen(file: &Path, folder: &Path) -> Result<String, Error> {
     Ok(toml::Value::from(text.replace('\\', "/")).to_string())
 }
 
-/// Area of an outline between its ribs, m2: half of the cross product of the diagonals of each quadrilateral.
-fn area(outline: &Outline) -> f64 {
-    let covered = outline.ribs.windows(2).zip(&outline.covered).filter(|(_, covered)| **covered);
-    covered.map(|(ribs, _)| 0.5 * (ribs[1][1] - ribs[0][0]).cross(ribs[1][0] - ribs[0][1]).norm()).sum()
-}
-
 /// A flight of the robot in a file without controller, or the search of its periodic flight.
 pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<String, Error> {
-    let document = Document::text("new", AROUND)?.put("robot", Document::file(robot)?)?;
-    let scenario = Scenario::new(document)?;
-    let model = scenario.robot();
-    let still = model.at_rest(0.0).map_err(|fault| Error::Input(format!("{}: {fault}", robot.display())))?;
-    let lifting: f64 = still.outlines.iter().map(area).sum();
-    // Level flight of the largest part of the weight that the wings carry: m g = rho V^2 S CL / 2.
-    let speed = (2.0 * model.mass() * GRAVITY / (1.225 * lifting * LIFT)).sqrt();
-    let speed = if speed.is_finite() { (10.0 * speed).round().max(1.0) / 10.0 } else { 5.0 };
+    let document = Document::file(robot)?;
+    let scenario = Scenario::new(Document::text("new", AROUND)?.put("robot", document.clone())?)?;
+    // A robot without surfaces flies too.
+    let speed = scenario.guessed_speed().map_or(5.0, |speed| (10.0 * speed).round().max(1.0) / 10.0);
+    let trim = match trim {
+        true => Some(RobotTrim::new(document, &[], 0.0)?),
+        false => None,
+    };
+    let beyond = trim.as_ref().map(RobotTrim::beyond_file).transpose()?.flatten();
+    let file = seen(robot, folder)?;
+    let named = match beyond {
+        None => format!("robot = {file}\n"),
+        Some(_) => "# Actuators are assumed: below, in [robot].\n".into(),
+    };
     let mut text = head(DocumentKind::Scenario);
     text += &format!(
-        "name = \"{name}\"\nrobot = {robot}\n\n[air]\ndensity_kg_m3 = 1.225        # ISA, sea level\n\n\
+        "name = \"{name}\"\n{named}\n[air]\ndensity_kg_m3 = 1.225        # ISA, sea level\n\n\
          [aero]\npreset = \"full\"              # strips with unsteady loads and wash; or \"paper\", a lifting line\n\
-         law = \"stall\"                # or \"linear\", \"lev\"\n\n[aero.full]\nstrips = 9                   # along the span\n\n\
-         [start]\nvelocity_m_s = [{speed:.1}, 0.0, 0.0]   # about where the area of all surfaces carries the weight at CL {LIFT}\n\
+         law = \"stall\"                # or \"linear\", \"lev\"\n\n[aero.full]\nstrips = {strips}                   # along the span\n\n\
+         [start]\nvelocity_m_s = [{speed:.1}, 0.0, 0.0]   # about where the area of all surfaces carries the weight at CL .6\n\
          nose_up_deg = 3.0\n\n",
-        robot = seen(robot, folder)?,
+        strips = trim.as_ref().map_or(9, |trim| trim.scenario.spec.aero.full.strips),
     );
-    if trim {
-        let names = Free::names(model);
-        let Some(chosen) = names.get(1) else {
-            let what = "its frequency alone can be chosen, allowed is a robot with a command too: structure.elements, or a \
-                        motor (docs/robots.md)";
-            return Err(Error::Input(format!("{}: {what}", robot.display())));
-        };
-        let others = names[1..].join(", ");
+    if let Some(trim) = &trim {
         text += &format!(
             "# The periodic flight at this speed: `frequency` and a command are chosen so that lift, thrust and moment balance.\n\
-             [trim]\nspeed_m_s = {speed:.1}\nfree = [\"frequency\", \"{chosen}\"]   # commands of this robot: {others}\n\n",
+             # From the robot's file alone, with speed and gait searched: wingbeat trim {file}\n\
+             [trim]\nspeed_m_s = {speed:.1}\nfree = {:?}   # straight flight takes the first two\n\n",
+            trim.free(),
         );
     }
     text += "[flight]\nduration_s = 2.0\nstep_s = 5e-4\nrecord_every_s = 2e-3\n";
+    if let Some(beyond) = beyond {
+        text += &format!("\n[robot]\nbase = {file}\n\n{beyond}");
+    }
     Ok(text)
 }
 

@@ -125,7 +125,6 @@ fn options_of_new_that_do_not_fit_are_refused() {
         (&["sweep", "--robot", "still.toml"], "--robot: allowed with"),
         (&["scenario", "--case", "still.toml"], "--case: allowed with `new calibration`"),
         (&["scenario", "--robot", "none.toml"], "none.toml"),
-        (&["trim", "--robot", "still.toml"], "its frequency alone can be chosen"),
         (&["calibration", "--case", "still.toml"], "still.toml"),
     ] {
         let output = wingbeat(&folder, &[&["new"], arguments].concat());
@@ -134,6 +133,15 @@ fn options_of_new_that_do_not_fit_are_refused() {
         assert!(message.contains(said), "{message}");
     }
     assert_eq!(entries(&folder), ["still.toml"]);
+    // A robot without actuators gets them in the document.
+    written(&folder, &["trim", "level.toml", "--robot", "still.toml"]);
+    let text = fs::read_to_string(folder.join("level.toml")).unwrap();
+    assert!(
+        text.contains("base = \"still.toml\"") && text.contains("[[robot.structure.elements]]"),
+        "{text}"
+    );
+    let flown = ["fly", "level.toml", "--quiet", "--set", "flight.duration_s=0.01", "--out", "a"];
+    assert!(wingbeat(&folder, &flown).status.success());
 }
 
 #[test]

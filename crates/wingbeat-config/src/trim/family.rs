@@ -79,8 +79,8 @@ impl Walk<'_> {
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
     ) -> Result<(Scenario, Found), Ended> {
         let scenario = self.family.scenario(value)?;
-        let (course, free) = scenario.asked_of_orbit()?;
         let cycle = scenario.cycle()?;
+        let (course, free) = scenario.asked_of_orbit(&cycle)?;
         let secant = self.before.as_ref().map(|(at, point)| {
             let ahead = (value - self.at) / (self.at - at);
             self.point.beyond(point, ahead)
@@ -88,7 +88,7 @@ impl Walk<'_> {
         let guesses = secant.into_iter().chain([self.point.clone()]);
         let mut found = Err(Failure::Stopped);
         for guess in guesses {
-            let guess = if course.turns() { guess } else { guess.alike(&cycle) };
+            let guess = if cycle.coupled(&course) { guess } else { guess.alike(&cycle) };
             found = search_from(&cycle, &course, &free, guess, tell);
             if matches!(found, Ok(_) | Err(Failure::Stopped)) {
                 break;

@@ -1,11 +1,13 @@
 //! Periodic flights: an orbit of the scenario's robot, how it holds, and a scenario that flies it.
 
+mod alone;
 mod family;
 mod search;
 mod spec;
 mod summary;
 mod verdict;
 
+pub use alone::{AloneSummary, RobotTrim, Tried, TurnSummary};
 pub use search::{
     Ended, GaitSearch, Goal, LimitsSpec, SearchProgress, SearchSpec, SearchSummary, Searched, VarySpec,
 };
@@ -63,6 +65,11 @@ pub enum TrimProgress {
         iteration: usize,
         /// Largest condition missed.
         residual: f64,
+    },
+    /// Of a turn that is flown.
+    Turn {
+        /// Number of the flight, from 1.
+        flight: usize,
     },
 }
 
@@ -208,14 +215,16 @@ impl Scenario {
         let guess = self.guess(cycle);
         let course = spec.course();
         if !course.turns() {
-            let free = spec.free(&self.model, false)?;
+            let free = spec.free(&self.model, cycle.coupled(&course))?;
             return Ok(search(cycle, &course, &free, guess, tell));
         }
-        let (level, free) = (spec.free(&self.model, false)?, spec.free(&self.model, true)?);
+        let straight = Course { bank: 0.0, ..course };
+        let level = spec.free(&self.model, cycle.coupled(&straight))?;
+        let free = spec.free(&self.model, true)?;
         if let Ok(found) = search_from(cycle, &course, &free, guess.clone(), tell) {
             return Ok(Ok(found));
         }
-        let found = search(cycle, &Course { bank: 0.0, ..course }, &level, guess, tell);
+        let found = search(cycle, &straight, &level, guess, tell);
         let steps = (spec.bank_deg.abs() / BANK_STEP_DEG).ceil().max(1.0) as usize;
         Ok(found.and_then(|mut found| {
             for k in 1..=steps {
@@ -277,9 +286,9 @@ impl Scenario {
     }
 
     /// What `[trim]` asks of straight flight: its course, and what is free.
-    fn asked_of_orbit(&self) -> Result<(Course, Vec<Free>), Error> {
-        let spec = self.trim_spec()?;
-        Ok((spec.course(), spec.free(&self.model, spec.course().turns())?))
+    fn asked_of_orbit(&self, cycle: &Cycle) -> Result<(Course, Vec<Free>), Error> {
+        let (spec, course) = (self.trim_spec()?, self.trim_spec()?.course());
+        Ok((course, spec.free(&self.model, cycle.coupled(&course))?))
     }
 
     /// This scenario on the orbit through `point`, whose cycle takes `duration` s.

@@ -63,6 +63,19 @@ ranges!(TrimSpec {
 ranges!(FamilySpec { to: Range::between(-1e9, 1e9), steps: Range::between(1.0, 1000.0) });
 
 impl TrimSpec {
+    /// Level flight at `speed`, of which nothing is free yet.
+    pub(super) fn level(speed_m_s: f64) -> Self {
+        Self {
+            speed_m_s,
+            climb_m_s: 0.0,
+            bank_deg: 0.0,
+            free: Vec::new(),
+            step_s: step(),
+            family: None,
+            search: None,
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         if let Some(family) = &self.family {
@@ -98,7 +111,11 @@ impl TrimSpec {
         }
         let needed = if turning { 4 } else { 2 };
         if all.len() < needed || (!turning && all.len() != needed) {
-            let allowed = if turning { "four numbers or more for a turn" } else { "two for straight flight" };
+            let allowed = if turning {
+                "four numbers or more for a turn, or for a robot whose left and right differ"
+            } else {
+                "two for straight flight"
+            };
             return Err(Error::invalid("trim.free", format!("{:?}", self.free), allowed));
         }
         Ok(all)

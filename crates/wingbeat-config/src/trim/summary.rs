@@ -1,5 +1,6 @@
 //! `summary.json` of a trimmed flight.
 
+use super::alone::AloneSummary;
 use super::search::SearchSummary;
 use crate::CostSummary;
 use crate::skin::MembraneSummary;
@@ -135,6 +136,9 @@ pub struct TrimSummary {
     pub family_ended: Option<String>,
     /// What the search of its gait came to.
     pub search: Option<SearchSummary>,
+    /// What a trim from a robot's file alone chose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alone: Option<AloneSummary>,
 }
 
 impl TrimSummary {
@@ -171,7 +175,7 @@ impl TrimSummary {
         self.commands = inputs.map(|(channel, value)| (channel.name.clone(), *value)).collect();
         self.multipliers = modes.modes.iter().map(Multiplier::from).collect();
         self.largest_multiplier = Some(modes.largest());
-        self.sector_coupling = (!orbit.course.turns()).then_some(modes.coupling);
+        self.sector_coupling = (!cycle.coupled(&orbit.course)).then_some(modes.coupling);
         self.stable = Some(modes.stable());
         self.residual = Some(found.residual);
         self.iterations = Some(found.iterations);

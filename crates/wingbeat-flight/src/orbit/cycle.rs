@@ -1,5 +1,6 @@
 //! The flow over a cycle, with exact derivatives.
 
+use super::course::Course;
 use super::section::{Direction, Section};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -141,6 +142,10 @@ impl<'a> Cycle<'a> {
     /// Its coordinates.
     pub fn section(&self) -> &Section {
         &self.section
+    }
+    /// Whether left and right take part alone in a flight along `course`: a turn, or any flight of a robot whose sides differ.
+    pub fn coupled(&self, course: &Course) -> bool {
+        course.turns() || !self.section.alike()
     }
     /// Steps of a cycle.
     pub fn steps(&self) -> usize {

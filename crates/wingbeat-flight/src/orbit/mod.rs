@@ -25,4 +25,5 @@ pub use measure::{Measures, SKIN, StripAreas, measure};
 pub use modes::{Mode, Modes, Sector, floquet};
 pub use newton::{Found, Orbit, search};
 pub use newton::{Tangent, search_from, search_near};
+pub use recoil::{drift, settle};
 pub use section::{Direction, Section};

@@ -99,7 +99,7 @@ fn monodromy(
     Ok((own, coupling))
 }
 
-/// Multipliers and modes of `orbit`, of a straight one split into what keeps left and right alike and what does not.
+/// Multipliers and modes of `orbit`, of a straight one of a robot whose sides are alike split into what keeps left and right alike and what does not.
 ///
 /// Equation: orbit.floquet
 /// `eigenvalues of d z(T) / d z(0)`
@@ -113,7 +113,7 @@ fn monodromy(
 pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
     let section = cycle.section();
     let (symmetric, antisymmetric) = (section.symmetric(), section.antisymmetric());
-    let sectors: Vec<(Sector, Vec<Direction>, Vec<Direction>)> = if orbit.course.turns() {
+    let sectors: Vec<(Sector, Vec<Direction>, Vec<Direction>)> = if cycle.coupled(&orbit.course) {
         vec![(Sector::Coupled, [symmetric, antisymmetric].concat(), Vec::new())]
     } else {
         vec![

@@ -51,21 +51,30 @@ const BEYOND: [&str; 4] = ["mean speed", "mean climb", "growth of the heading", 
 struct Conditions<'a> {
     course: &'a Course,
     directions: Vec<Direction>,
+    /// Whether left and right differ.
+    coupled: bool,
 }
 
 impl<'a> Conditions<'a> {
     fn new(cycle: &Cycle, course: &'a Course) -> Self {
-        let section = cycle.section();
-        let mut directions = section.symmetric().to_vec();
-        if course.turns() {
-            directions.extend_from_slice(section.antisymmetric());
-        }
-        Self { course, directions }
+        let coupled = cycle.coupled(course);
+        let others = if coupled { cycle.section().antisymmetric() } else { &[] };
+        Self { coupled, ..Self::alike(cycle, course) }.with(others)
+    }
+
+    /// Those of a flight that keeps left and right alike, whatever the robot.
+    fn alike(cycle: &Cycle, course: &'a Course) -> Self {
+        Self { course, directions: cycle.section().symmetric().to_vec(), coupled: false }
+    }
+
+    fn with(mut self, others: &[Direction]) -> Self {
+        self.directions.extend_from_slice(others);
+        self
     }
 
     /// Number of conditions beyond those on the state.
     fn beyond(&self) -> usize {
-        if self.course.turns() { 4 } else { 2 }
+        if self.coupled { 4 } else { 2 }
     }
 
     /// Equation: orbit.conditions
@@ -82,7 +91,7 @@ impl<'a> Conditions<'a> {
         let duration = end.duration;
         let per_time = duration.recip();
         let climb = up * per_time - self.course.climb;
-        if !self.course.turns() {
+        if !self.coupled {
             return returns.chain([x * per_time - self.course.speed, climb]).collect();
         }
         let speed = (x * x + y * y).sqrt() * per_time - self.course.chord_speed(duration);
@@ -153,7 +162,13 @@ fn started(
         Err(_) => {}
     }
     let started = recoil(cycle, course, free, guess)?;
-    newton(cycle, course, free, started, tolerance, observe)
+    match cycle.coupled(course) {
+        false => newton(cycle, course, free, started, tolerance, observe),
+        true => {
+            let near = alike(cycle, course, free, started, observe)?;
+            newton(cycle, course, free, near, tolerance, observe)
+        }
+    }
 }
 
 /// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
@@ -171,16 +186,42 @@ pub fn search_from(
     newton(cycle, course, free, point, TOLERANCE, observe).map(|(found, _)| found)
 }
 
+/// The point that would be on an orbit if the robot's sides were alike, for a start where they are not.
+fn alike(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    point: Point,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<Point, Failure> {
+    let conditions = Conditions::alike(cycle, course);
+    Ok(iterated(cycle, &conditions, free, point, COARSE, observe)?.0)
+}
+
 /// [`search_from`] to a largest condition missed of `tolerance`; with the derivatives that led there.
 fn newton(
     cycle: &Cycle,
     course: &Course,
     free: &[Free],
-    mut point: Point,
+    point: Point,
     tolerance: f64,
     observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<(Found, Tangent), Failure> {
     let conditions = Conditions::new(cycle, course);
+    let (point, residual, iteration, tangent) =
+        iterated(cycle, &conditions, free, point, tolerance, observe)?;
+    Ok((finished(cycle, course, free, point, residual, iteration)?, tangent))
+}
+
+/// Newton's method on `conditions`: where it ends, what is missed there, its iterations and last derivatives.
+fn iterated(
+    cycle: &Cycle,
+    conditions: &Conditions,
+    free: &[Free],
+    mut point: Point,
+    tolerance: f64,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<(Point, f64, usize, Tangent), Failure> {
     let (states, rows) = (conditions.directions.len(), conditions.directions.len() + conditions.beyond());
     let columns = states + free.len();
     if columns < rows {
@@ -197,18 +238,18 @@ fn newton(
         }
         let tangent = Tangent::new(cycle, states, free, &jacobian);
         if residual <= tolerance {
-            return Ok((finished(cycle, course, free, point, residual, iteration)?, tangent));
+            return Ok((point, residual, iteration, tangent));
         }
         let singular = Failure::Singular { iteration, residual };
         let step = tangent.step(&missed).ok_or(singular.clone())?;
-        let Some((next, left)) = shortened(cycle, &conditions, free, &point, &step, residual) else {
+        let Some((next, left)) = shortened(cycle, conditions, free, &point, &step, residual) else {
             let condition = conditions.name(cycle, worst);
             return Err(Failure::NotConverged { iterations: iteration, residual, condition });
         };
-        let (next, left) = followed(cycle, &conditions, free, &tangent, (next, left), tolerance, &singular)?;
+        let (next, left) = followed(cycle, conditions, free, &tangent, (next, left), tolerance, &singular)?;
         point = next;
         if left <= tolerance {
-            return Ok((finished(cycle, course, free, point, left, iteration)?, tangent));
+            return Ok((point, left, iteration, tangent));
         }
     }
     Err(Failure::NotConverged { iterations: ITERATIONS, residual, condition: conditions.name(cycle, worst) })
@@ -350,7 +391,7 @@ const SIDEWISE: f64 = 1e-8;
 
 /// That a cycle straight ahead, found in the directions in which left and right do the same, returns in the others too.
 fn returns_sidewise(cycle: &Cycle, course: &Course, point: &Point, end: &End<f64>) -> Result<(), Failure> {
-    if course.turns() {
+    if cycle.coupled(course) {
         return Ok(());
     }
     let directions = cycle.section().antisymmetric();

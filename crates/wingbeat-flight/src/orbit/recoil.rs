@@ -65,7 +65,10 @@ pub(super) fn recoil(
 }
 
 /// Growth of forward and upward velocity and of the pitch rate over a cycle.
-fn drift(cycle: &Cycle, point: &Point) -> Result<[f64; 3], Failure> {
+///
+/// # Errors
+/// The [`Failure`] of a model that cannot be evaluated.
+pub fn drift(cycle: &Cycle, point: &Point) -> Result<[f64; 3], Failure> {
     let end = cycle.end(point)?;
     Ok(ACCELERATED.map(|i| end.z[i] - point.z[i]))
 }
@@ -88,7 +91,10 @@ fn slopes(cycle: &Cycle, free: &[Free], point: &Point, here: [f64; 3]) -> Result
 }
 
 /// One cycle: the state at phase 0 gets the swing about the motion asked, and the states of air and joints at its end.
-fn settle(cycle: &Cycle, course: &Course, pitch: f64, point: &mut Point) -> Result<(), Failure> {
+///
+/// # Errors
+/// The [`Failure`] of a model that cannot be evaluated.
+pub fn settle(cycle: &Cycle, course: &Course, pitch: f64, point: &mut Point) -> Result<(), Failure> {
     let (section, steps) = (cycle.section(), cycle.steps() as f64);
     let mut z = point.z.clone();
     let mut means = [0.0; 4];

@@ -26,6 +26,27 @@ pub struct Section {
     names: Vec<String>,
     symmetric: Vec<Direction>,
     antisymmetric: Vec<Direction>,
+    alike: bool,
+}
+
+/// Accelerations across the plane of symmetry, m/s2 and rad/s2, up to which left and right count as alike: far above rounding, far
+/// below that of a centre of mass .01 mm beside the plane.
+const ACROSS: f64 = 1e-6;
+
+/// Whether a robot that flies ahead with both sides moving alike is accelerated in its plane of symmetry alone, at four phases.
+fn moves_alike(robot: &Robot) -> bool {
+    let layout = robot.layout();
+    let mut x = vec![0.0; layout.len];
+    Quat::from_roll_pitch_yaw(0.0, -0.1, 0.0).store_wxyz(&mut x[layout.attitude..]);
+    Vec3::new(3.0, 0.0, -0.3).store(&mut x[layout.velocity..]);
+    let joints = robot.start_coordinates();
+    x[layout.joints..][..joints.len()].copy_from_slice(&joints);
+    let (mut slope, held) = (vec![0.0; layout.len], vec![0.0; robot.inputs().len()]);
+    (0..4).all(|quarter| {
+        let t = f64::from(quarter) / (4.0 * robot.frequency_hz().max(1e-3));
+        robot.rates(t, &x, &held, &mut slope).is_err()
+            || [layout.velocity + 1, layout.rate, layout.rate + 2].iter().all(|&i| slope[i].abs() <= ACROSS)
+    })
 }
 
 impl Section {
@@ -74,6 +95,7 @@ impl Section {
             names: BODY_NAMES.iter().map(|name| (*name).to_string()).chain(of_rest).collect(),
             symmetric: body(LONGITUDINAL).into_iter().chain(side(1.0)).collect(),
             antisymmetric: body(LATERAL).into_iter().chain(side(-1.0)).collect(),
+            alike: moves_alike(robot),
         })
     }
 
@@ -101,6 +123,10 @@ impl Section {
     /// Directions in which left and right differ.
     pub fn antisymmetric(&self) -> &[Direction] {
         &self.antisymmetric
+    }
+    /// Whether straight flight keeps left and right alike: not where a mass or a gait lies beside the plane of symmetry.
+    pub fn alike(&self) -> bool {
+        self.alike
     }
     /// Coordinate of the kind of the coordinate `i`: of the body, of an elastic joint, of the air.
     pub fn kind(&self, i: usize) -> &'static str {

@@ -63,7 +63,7 @@ pub struct RegulatorSpec {
 }
 
 /// One structure element: what it displaces and how far.
-#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct ElementSpec {

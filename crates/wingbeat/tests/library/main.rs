@@ -1,6 +1,7 @@
 //! What the library promises, module by module: one program, so that the generic code of the models is built once for all.
 
 mod airs;
+mod alone;
 mod chord_lines;
 mod clearance;
 mod cost;

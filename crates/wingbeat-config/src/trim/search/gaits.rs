@@ -114,7 +114,7 @@ impl<'a> Gaits<'a> {
     /// The gait at `x` from one close by.
     fn near(&self, x: &[f64], close: &Seen<Gait>, tangents: &[Tangent]) -> Result<Seen<Gait>, String> {
         self.gait(x, |model, scenario, cycle| {
-            let (course, free) = scenario.asked_of_orbit().map_err(|error| error.to_string())?;
+            let (course, free) = scenario.asked_of_orbit(cycle).map_err(|error| error.to_string())?;
             let point = close.more.points[model].clone();
             search_near(cycle, &course, &free, point, &tangents[model]).map_err(|failure| failure.to_string())
         })
@@ -124,7 +124,7 @@ impl<'a> Gaits<'a> {
         let of = |(model, point): (usize, &Point)| {
             let scenario = self.scenario(model, x)?;
             let cycle = scenario.cycle().map_err(|error| error.to_string())?;
-            let (course, free) = scenario.asked_of_orbit().map_err(|error| error.to_string())?;
+            let (course, free) = scenario.asked_of_orbit(&cycle).map_err(|error| error.to_string())?;
             Tangent::at(&cycle, &course, &free, point).map_err(|failure: Failure| failure.to_string())
         };
         seen.more.points.iter().enumerate().map(of).collect()

@@ -118,6 +118,12 @@ ranges!(LimitsSpec {
 });
 
 impl SearchSpec {
+    /// One start, everything else as where it is not given.
+    pub(crate) fn new(goal: Goal, vary: Vec<VarySpec>, limits: LimitsSpec) -> Self {
+        let (strips, seed) = (Vec::new(), 0);
+        Self { goal, vary, strips, limits, starts: one(), spread: tenth(), seed, iterations: sixty() }
+    }
+
     /// Checks ranges; the keys are tried as the search begins.
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
@@ -146,12 +152,12 @@ impl VarySpec {
     }
 
     /// The value at a share of the range.
-    pub(super) fn at(&self, share: f64) -> f64 {
+    pub(crate) fn at(&self, share: f64) -> f64 {
         self.low + (self.high - self.low) * share
     }
 
     /// The share of the range at which a value lies.
-    pub(super) fn share(&self, value: f64) -> f64 {
+    pub(crate) fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 }

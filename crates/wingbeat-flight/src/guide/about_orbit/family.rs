@@ -22,8 +22,8 @@ const BANK_STEP: f64 = 0.05;
 const SPEED_STEP: f64 = 0.1;
 /// Orbits from one whose feedback is made to the next.
 const SPARSE: usize = 6;
-/// Guess of the mean pitch, rad.
-const PITCH: f64 = -0.2;
+/// Guesses of the mean pitch, rad, one after another until there is an orbit.
+const PITCHES: [f64; 4] = [-0.2, 0.0, -0.4, -0.1];
 
 /// An orbit as a reference: what may deviate, at every step of a cycle, and the commands held. Heights are those above
 /// the mean path.
@@ -77,14 +77,27 @@ impl Search<'_> {
     /// The first orbit, in straight flight.
     fn first(&mut self, course: &Course) -> Result<(), Failure> {
         let robot = self.cycle.robot();
-        let mut z = vec![0.0; self.cycle.section().len()];
-        (z[Section::VELOCITY.start], z[Section::PITCH]) = (course.speed, PITCH);
         let joints = robot.start_coordinates();
-        z[Section::BODY..][..joints.len()].copy_from_slice(&joints);
-        let guess = Point { z, pace: 1.0, inputs: vec![0.0; robot.inputs().len()] };
-        let found = search(self.cycle, course, &self.straight, guess, &mut go_on)?;
-        self.take(found)?;
+        let mut found = Err(Failure::Stopped);
+        for pitch in PITCHES {
+            let mut z = vec![0.0; self.cycle.section().len()];
+            (z[Section::VELOCITY.start], z[Section::PITCH]) = (course.speed, pitch);
+            z[Section::BODY..][..joints.len()].copy_from_slice(&joints);
+            let guess = Point { z, pace: 1.0, inputs: vec![0.0; robot.inputs().len()] };
+            let next = search(self.cycle, course, self.free(course), guess, &mut go_on);
+            let done = next.is_ok();
+            found = if done || pitch == PITCHES[0] { next } else { found };
+            if done {
+                break;
+            }
+        }
+        self.take(found?)?;
         Ok(())
+    }
+
+    /// What is free along `course`.
+    fn free(&self, course: &Course) -> &[Free] {
+        if self.cycle.coupled(course) { &self.turning } else { &self.straight }
     }
 
     /// The orbits along `stretch`, from the last that was found.
@@ -111,7 +124,7 @@ impl Search<'_> {
                 climb: lerp(from.climb, to.climb, share),
                 bank: lerp(from.bank, to.bank, share),
             };
-            let free = if course.turns() { &self.turning } else { &self.straight };
+            let free = self.free(&course);
             let last = &self.found[way[k - 1]].orbit.point;
             // The secant of the last two orbits predicts the next; the first step out of straight flight has none.
             let before = (k > 1).then(|| &self.found[way[k - 2]].orbit.point);

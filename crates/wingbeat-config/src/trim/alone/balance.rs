@@ -1,0 +1,230 @@
+//! Balance in the mean: a gait whose lift, thrust and pitching moment, averaged over a cycle of the free body, vanish against the weight.
+
+use super::super::search::VarySpec;
+use crate::{Document, Scenario};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use std::ops::ControlFlow;
+use wingbeat_flight::orbit::{Course, Cycle, Point, Section, drift, settle};
+use wingbeat_math::{GRAVITY, parallel};
+
+/// Most steps, and steps that may fail one after another.
+const STEPS: usize = 30;
+const FAILURES: usize = 6;
+/// Cycles that settle swing and lags at the start and after each step.
+const SETTLING: usize = 12;
+const AFTER_STEP: usize = 4;
+/// What counts as one of the pitch, rad, of the logarithm of the pace, and of a number as a share of its range: steps of least norm
+/// weigh them so, and none goes further in one step. *Choices.*
+const PITCH: f64 = 0.15;
+const PACE: f64 = 0.2;
+const SHARE: f64 = 0.2;
+/// Steepest mean nose up and down, rad. *Choice*: beyond it the flight is a hover.
+const PITCHES: [f64; 2] = [-1.0, 0.4];
+/// Largest and smallest pace. *Choice.*
+const PACES: f64 = 3.0;
+/// Step of the differences, in the sizes above.
+const DIFFERENCE: f64 = 1e-4;
+/// Mean accelerations that count as balanced, over gravity, and those from which Newton's method may still find the orbit where no step
+/// lessens them. *Choices.*
+const BALANCED: f64 = 0.01;
+const NEARLY: f64 = 0.15;
+
+/// A gait on its way to balance.
+#[derive(Clone, Debug)]
+pub(super) struct Gait {
+    /// Shares of the ranges.
+    pub x: Vec<f64>,
+    pub point: Point,
+    pub pitch: f64,
+}
+
+/// What is balanced: a scenario and the ranges of its numbers.
+pub(super) struct Balance<'a> {
+    pub document: &'a Document,
+    pub vary: &'a [VarySpec],
+    /// Length by which angular accelerations count, m.
+    pub length: f64,
+}
+
+/// A gait and its mean accelerations over gravity.
+type Weighed = (Gait, Vector3<f64>);
+
+impl Balance<'_> {
+    /// The scenario with numbers at the shares `x` of their ranges.
+    pub fn scenario(&self, x: &[f64]) -> Result<Scenario, String> {
+        let varied = self.vary.iter().zip(x);
+        let document = varied.fold(self.document.clone(), |document, (vary, x)| {
+            document.set(format!("{}={:?}", vary.key, vary.at(*x)))
+        });
+        Scenario::new(document).map_err(|error| error.to_string())
+    }
+
+    /// `of` a cycle of the gait with numbers `x`.
+    fn with<T>(&self, x: &[f64], of: impl FnOnce(&Cycle, &Course) -> Result<T, String>) -> Result<T, String> {
+        let scenario = self.scenario(x)?;
+        let cycle = scenario.cycle().map_err(|error| error.to_string())?;
+        let course = scenario.trim_spec().map_err(|error| error.to_string())?.course();
+        of(&cycle, &course)
+    }
+
+    /// The gait after `cycles` of settling, and what is off balance then.
+    fn settled(&self, mut gait: Gait, cycles: usize) -> Result<Weighed, String> {
+        let x = gait.x.clone();
+        self.with(&x, |cycle, course| {
+            for _ in 0..cycles {
+                settle(cycle, course, gait.pitch, &mut gait.point).map_err(|failure| failure.to_string())?;
+            }
+            let off = self.off(cycle, &gait.point)?;
+            Ok((gait, off))
+        })
+    }
+
+    /// Mean accelerations over gravity.
+    ///
+    /// Equation: trim.mean_balance
+    /// `(dvx, dvz, l dq) / (g T)`
+    /// Source: momentum over a cycle.
+    /// Test: `a_robot_alone_is_trimmed`.
+    fn off(&self, cycle: &Cycle, point: &Point) -> Result<Vector3<f64>, String> {
+        let [ahead, up, turning] = drift(cycle, point).map_err(|failure| failure.to_string())?;
+        let off = Vector3::new(ahead, up, turning * self.length);
+        let off = off / (GRAVITY * cycle.duration(point.pace));
+        if off.iter().all(|o| o.is_finite()) { Ok(off) } else { Err("the gait grows without bound".into()) }
+    }
+
+    /// `gait` moved by `step`, in the sizes of the unknowns.
+    fn moved(&self, gait: &Gait, step: &[f64]) -> Gait {
+        let mut next = gait.clone();
+        let pitch = (gait.pitch + PITCH * step[0]).clamp(PITCHES[0], PITCHES[1]);
+        next.point.z[Section::PITCH] += pitch - gait.pitch;
+        next.pitch = pitch;
+        next.point.pace = (gait.point.pace * (PACE * step[1]).exp()).clamp(1.0 / PACES, PACES);
+        for (x, step) in next.x.iter_mut().zip(&step[2..]) {
+            *x = (*x + SHARE * step).clamp(0.0, 1.0);
+        }
+        next
+    }
+
+    /// Differences of what is off balance by each unknown, forward or where its range ends backward.
+    fn slopes(&self, gait: &Gait, off: &Vector3<f64>) -> Result<DMatrix<f64>, String> {
+        let count = 2 + gait.x.len();
+        let columns: Vec<usize> = (0..count).collect();
+        let column = |_: usize, &i: &usize| -> Result<Vector3<f64>, String> {
+            let sign = if i >= 2 && gait.x[i - 2] > 0.5 { -1.0 } else { 1.0 };
+            let mut step = vec![0.0; count];
+            step[i] = sign * DIFFERENCE;
+            let beside = self.moved(gait, &step);
+            let there = self.with(&beside.x, |cycle, _| self.off(cycle, &beside.point))?;
+            Ok((there - off) / (sign * DIFFERENCE))
+        };
+        let columns: Vec<Vector3<f64>> =
+            parallel::map(&columns, column).into_iter().collect::<Result<_, _>>()?;
+        Ok(DMatrix::from_fn(3, count, |i, j| columns[j][i]))
+    }
+
+    /// How far each unknown may go on, down and up, in its size.
+    fn room(&self, gait: &Gait) -> Vec<[f64; 2]> {
+        let pitch = PITCHES.map(|end| (end - gait.pitch) / PITCH);
+        let pace = [-PACES.ln(), PACES.ln()].map(|end| (end - gait.point.pace.ln()) / PACE);
+        let shares = gait.x.iter().map(|x| [-x / SHARE, (1.0 - x) / SHARE]);
+        let ends = [pitch, pace].into_iter().chain(shares);
+        ends.map(|[low, high]| [low.max(-1.0), high.min(1.0)]).collect()
+    }
+
+    /// A gait near `start` that is balanced.
+    ///
+    /// # Errors
+    /// What stays off balance, or why the model cannot be evaluated.
+    pub fn near(
+        &self,
+        start: Gait,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<Gait, String> {
+        let (mut gait, mut off) = self.settled(start, SETTLING)?;
+        let (mut damping, mut failures) = (1e-3, 0);
+        for iteration in 1..=STEPS {
+            if tell(iteration, off.amax()).is_break() {
+                return Err("stopped".into());
+            }
+            if off.amax() < BALANCED {
+                return Ok(gait);
+            }
+            let slopes = self.slopes(&gait, &off)?;
+            let room = self.room(&gait);
+            while failures < FAILURES {
+                let step = least(&slopes, &off, damping, &room);
+                match self.settled(self.moved(&gait, &step), AFTER_STEP) {
+                    Ok((next, left)) if left.norm() < 0.99 * off.norm() => {
+                        (gait, off, failures) = (next, left, 0);
+                        damping = (0.2 * damping).max(1e-6);
+                        break;
+                    }
+                    _ => (failures, damping) = (failures + 1, 10.0 * damping.max(1e-3)),
+                }
+            }
+            if failures == FAILURES {
+                break;
+            }
+        }
+        if off.amax() < NEARLY {
+            return Ok(gait);
+        }
+        let [ahead, up, turning] = [off[0], off[1], off[2]];
+        Err(format!(
+            "no balance in the mean: {ahead:+.2} g ahead, {up:+.2} g up, {turning:+.2} g of pitching are left at {:.2} Hz and {:.0} deg \
+             nose up",
+            self.frequency(&gait).unwrap_or(f64::NAN),
+            -gait.pitch.to_degrees()
+        ))
+    }
+
+    /// Frequency of a gait, Hz.
+    fn frequency(&self, gait: &Gait) -> Result<f64, String> {
+        self.with(&gait.x, |cycle, _| Ok(1.0 / cycle.duration(gait.point.pace)))
+    }
+}
+
+/// The damped step of least norm that takes off `off`, within `room`: unknowns that would leave it stop at its end and the others
+/// take over.
+fn least(slopes: &DMatrix<f64>, off: &Vector3<f64>, damping: f64, room: &[[f64; 2]]) -> Vec<f64> {
+    let count = room.len();
+    let mut step = vec![0.0; count];
+    let mut fixed = vec![false; count];
+    for _ in 0..count {
+        let mut left = -off;
+        let mut gram = Matrix3::identity() * damping;
+        for j in 0..count {
+            let column = Vector3::from_column_slice(slopes.column(j).as_slice());
+            if fixed[j] { left -= column * step[j] } else { gram += column * column.transpose() }
+        }
+        let Some(force) = gram.lu().solve(&left) else { break };
+        let mut clean = true;
+        for j in (0..count).filter(|j| !fixed[*j]).collect::<Vec<_>>() {
+            let wanted = Vector3::from_column_slice(slopes.column(j).as_slice()).dot(&force);
+            step[j] = wanted.clamp(room[j][0], room[j][1]);
+            if step[j] != wanted {
+                (fixed[j], clean) = (true, false);
+            }
+        }
+        if clean {
+            break;
+        }
+    }
+    step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_takes_the_error_off_within_its_room() {
+        let slopes =
+            DMatrix::from_row_slice(3, 4, &[1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        let off = Vector3::new(-1.5, 0.2, 0.0);
+        let room = vec![[-1.0, 0.5], [-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0]];
+        let step = least(&slopes, &off, 0.0, &room);
+        assert!((step[0] - 0.5).abs() < 1e-12 && (step[3] - 1.0).abs() < 1e-12, "{step:?}");
+        assert!((step[1] + 0.2).abs() < 1e-12, "{step:?}");
+    }
+}

@@ -1,0 +1,63 @@
+//! Where the search for a robot's flight begins: scaling laws.
+
+use wingbeat_math::GRAVITY;
+
+/// Lift coefficient of the speed to begin from. *Choice*: well below stall.
+const LIFT: f64 = 0.6;
+
+/// What the laws take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// kg.
+    pub mass: f64,
+    /// Full span of the widest surface, m.
+    pub span: f64,
+    /// Area of all surfaces that carry, m2.
+    pub area: f64,
+    /// kg/m3.
+    pub density: f64,
+    /// Clearance that the wings are to keep, m.
+    pub room: f64,
+}
+
+impl Size {
+    /// Speed at which the area carries the weight, m/s.
+    ///
+    /// Equation: trim.guess_speed
+    /// `sqrt(2 m g / (rho S C_L)), C_L = .6`
+    /// Source: definition of the lift coefficient; the coefficient is a choice.
+    /// Test: `a_guess_follows_the_scaling_laws`.
+    pub fn speed(&self) -> f64 {
+        (2.0 * self.mass * GRAVITY / (self.density * self.area * LIFT)).sqrt()
+    }
+
+    /// Frequency at which birds of this size cruise, Hz.
+    ///
+    /// Equation: trim.guess_frequency
+    /// `m^(3/8) g^(1/2) b^(-23/24) S^(-1/3) rho^(-3/8)`
+    /// Source: Pennycuick 1996, J. Exp. Biol. 199, 1613.
+    /// Test: `a_guess_follows_the_scaling_laws`.
+    pub fn frequency(&self) -> f64 {
+        self.mass.powf(0.375)
+            * GRAVITY.sqrt()
+            * self.span.powf(-23.0 / 24.0)
+            * self.area.powf(-1.0 / 3.0)
+            * self.density.powf(-0.375)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_guess_follows_the_scaling_laws() {
+        // A pigeon: .333 kg, .67 m, .063 m2 (Pennycuick 1996, table 1 gives 5.6 to 6 Hz observed).
+        let pigeon = Size { mass: 0.333, span: 0.67, area: 0.063, density: 1.225, room: 0.02 };
+        assert!((4.5..7.5).contains(&pigeon.frequency()), "{}", pigeon.frequency());
+        let twice = Size { mass: 0.666, ..pigeon };
+        assert!((twice.frequency() / pigeon.frequency() - 2f64.powf(0.375)).abs() < 1e-12);
+        let lift = 0.5 * 1.225 * pigeon.speed().powi(2) * 0.063 * 0.6;
+        assert!((lift - 0.333 * GRAVITY).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,509 @@
+//! Trim of a robot from its file alone: what is free is chosen, the speed scanned, the gait searched within the limits of the verdict.
+//!
+//! 1. Scaling laws give speed and frequency ([`guess`]); joints without actuators get them ([`numbers`]).
+//! 2. At each speed of a scan the gait is brought into balance in the mean ([`balance`]), and Newton's method finds its orbit.
+//! 3. From the best of them, the search of gaits takes the power down and keeps to the limits.
+//! 4. A turn is flown about the orbits of what was found ([`turn`]).
+
+mod balance;
+mod guess;
+mod numbers;
+mod turn;
+
+pub use turn::TurnSummary;
+
+use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec};
+use super::summary::TrimSummary;
+use super::{TrimProgress, TrimSpec, Trimmed};
+use crate::{ConfigError, Document, Scenario, ScenarioSpec};
+use balance::{Balance, Gait};
+use guess::Size;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use wingbeat_flight::orbit::{Found, Measures, Point, Section, measure, search, search_from};
+use wingbeat_judge::Warning;
+use wingbeat_judge::limits::trim;
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_robot::{DriveSpec, LinkSide, Outline, RobotSpec};
+
+/// What stands around a robot: still air at sea level, strips under law `stall`.
+const AROUND: &str = "[air]\ndensity_kg_m3 = 1.225\n[aero]\npreset = \"full\"\nlaw = \"stall\"\n[flight]\nduration_s = 2.0\nstep_s = \
+                      5e-4\nrecord_every_s = 2e-3\n";
+/// Strips of a surface, and of all together at most. *Choice*: a turn takes half the time of one with 9; and what a robot may have.
+const STRIPS: [usize; 2] = [7, 32];
+/// Shares of the guessed speed that are scanned, in this order. *Choice.*
+const SPEEDS: [f64; 6] = [1.0, 0.8, 1.25, 1.55, 0.65, 1.9];
+/// Orbits after which the scan ends. *Choice.*
+const ENOUGH: usize = 2;
+/// Most times the frequency of birds of this size that is searched. *Choice.*
+const FASTEST: f64 = 3.0;
+/// Room that the wings are to keep, as a share of the span, and of what they have as the gait starts. *Choices*: a bank takes about
+/// 20 mm of a span of .4 m.
+const ROOM: [f64; 2] = [0.05, 0.7];
+/// Largest share beyond 20 deg in a search. *Choice*, well within the limit of the verdict.
+const STALLED: f64 = 0.3;
+/// Orbits of the scan from which gaits are searched, until one keeps to the limits. *Choice.*
+const SEARCHES: usize = 2;
+/// Iterations of the search of gaits. *Choice.*
+const ITERATIONS: usize = 20;
+/// Steps of integration of scan and search, s: the second where what the first finds is no orbit in the step of a trim. *Choices.*
+const STEPS_S: [f64; 2] = [1e-3, 5e-4];
+/// Mean pitches, rad, and paces to begin from at each speed, one after another until there is an orbit. *Choices.*
+const STARTS: [(f64, f64); 4] = [(-0.15, 1.0), (-0.4, 1.0), (-0.15, 1.7), (-0.3, 2.5)];
+
+/// A trim of a robot from its file.
+#[derive(Debug)]
+pub struct RobotTrim {
+    /// The scenario around the robot, with its actuators.
+    pub scenario: Scenario,
+    document: Document,
+    vary: Vec<VarySpec>,
+    size: Size,
+    ask: Ask,
+    assumed: Vec<String>,
+    warnings: Vec<Warning>,
+    /// Most iterations of the search of gaits; 0 keeps the gait of the scan.
+    pub iterations: usize,
+}
+
+/// What is asked beside level flight.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ask {
+    bank_deg: f64,
+}
+
+ranges!(Ask { bank_deg: Range::inside(-80.0, 80.0) });
+
+/// What a trim from a robot's file did, in `summary.json`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct AloneSummary {
+    /// Speed of the scaling laws, m/s.
+    pub guessed_speed_m_s: f64,
+    /// Frequency of the scaling laws, Hz.
+    pub guessed_frequency_hz: f64,
+    /// Names of the actuators that were assumed.
+    pub assumed_actuators: Vec<String>,
+    /// What was tried at each speed, and what became of it.
+    pub tried: Vec<Tried>,
+    /// Numbers that were changed: key, value of the file and value found.
+    pub changed: BTreeMap<String, [f64; 2]>,
+    /// The turn that was flown.
+    pub turn: Option<TurnSummary>,
+}
+
+/// A try of the scan.
+#[derive(Clone, Debug, Serialize)]
+pub struct Tried {
+    /// m/s.
+    pub speed_m_s: f64,
+    /// Power over the mass of the orbit, W/kg.
+    pub power_w_kg: Option<f64>,
+    /// Its frequency, Hz.
+    pub frequency_hz: Option<f64>,
+    /// Why there is none, or which limit it misses.
+    pub reason: Option<String>,
+}
+
+/// An orbit of the scan.
+struct Candidate {
+    spec: ScenarioSpec,
+    /// How far beyond the limits of the verdict, then the power.
+    order: (f64, f64),
+    tried: Tried,
+}
+
+impl RobotTrim {
+    /// A trim of `robot`; `overrides` are of the scenario around it (`robot.body.mass_kg=.02`, `aero.law=lev`).
+    ///
+    /// # Errors
+    /// What the robot's file or an override says wrongly.
+    pub fn new(robot: Document, overrides: &[String], bank_deg: f64) -> Result<Self, ConfigError> {
+        let ask = Ask { bank_deg };
+        ask.in_range().map_err(|error| robot.explain(&error))?;
+        let around = Document::text("trim", &format!("name = \"trim\"\n{AROUND}"))?;
+        let own: RobotSpec = robot.parse()?;
+        let surfaces = own.surfaces.len() + usize::from(own.wing.is_some());
+        let strips = STRIPS[0].min(STRIPS[1] / surfaces.max(1));
+        let around = around.put("robot", robot)?.set(format!("aero.full.strips={strips}"));
+        let given = Scenario::new(around.overridden(overrides))?;
+        let refused = |error: Error| given.explain(&error);
+        given.in_still_air().map_err(refused)?;
+        let size = given.size().map_err(refused)?;
+        let mut spec = ScenarioSpec { name: given.spec.robot.name.clone(), ..given.spec.clone() };
+        let mut warnings = Vec::new();
+        if !spec.robot.drive.is_constant() {
+            spec.robot.drive = DriveSpec::default();
+            let text = "the motor is left out: the crank turns at a constant rate, as a governed motor would turn it";
+            warnings.push(Warning::new("trim.motor_left_out", text).key("robot.drive.motor"));
+        }
+        let frequency = spec.robot.gait.frequency_hz();
+        let guess = size.frequency();
+        if !(frequency > 0.3 * guess && frequency < FASTEST * guess) {
+            spec.robot.gait.set_frequency_hz(guess);
+        }
+        let needed = if bank_deg == 0.0 { 1 } else { 4 };
+        let assumed = match numbers::short_of(&given, needed) {
+            None => Vec::new(),
+            Some(why) => {
+                let frequency = spec.robot.gait.frequency_hz();
+                let names = numbers::actuated(&mut spec.robot, frequency);
+                let text = format!("{why}: actuators are assumed on {}", names.join(", "));
+                warnings.push(Warning::new("trim.assumed_actuators", text).key("robot.structure"));
+                names
+            }
+        };
+        let chord = given.spec.robot.outlines().unwrap_or_default().iter().fold(0.0, |most: f64, outline| {
+            outline
+                .planform
+                .station_arcs()
+                .iter()
+                .map(|arc| outline.planform.chord(*arc))
+                .fold(most, f64::max)
+        });
+        let vary = numbers::numbers(&spec.robot, chord);
+        let free = vec!["frequency".to_string()];
+        let asked = |free| TrimSpec { free, ..TrimSpec::level(size.speed().clamp(0.5, 50.0)) };
+        spec.trim = Some(asked(free));
+        let named = Scenario::new(Document::value("trim", &spec)?)?;
+        let free = numbers::free(named.model());
+        spec.trim = Some(asked(free));
+        let document = Document::value("trim", &spec)?;
+        let scenario = Scenario::new(document.clone())?;
+        scenario.cycle().map_err(|error| given.explain(&error))?;
+        Ok(Self { scenario, document, vary, size, ask, assumed, warnings, iterations: ITERATIONS })
+    }
+
+    /// What the free numbers of its orbits are called, the frequency first.
+    pub fn free(&self) -> &[String] {
+        self.scenario.spec.trim.as_ref().map_or(&[], |trim| &trim.free)
+    }
+
+    /// What the robot of the trim has beyond its file, as the tables of a document whose robot is based on the file; none where that is
+    /// nothing.
+    ///
+    /// # Errors
+    /// A robot that TOML cannot hold.
+    pub fn beyond_file(&self) -> Result<Option<String>, ConfigError> {
+        if self.assumed.is_empty() {
+            return Ok(None);
+        }
+        let robot = &self.scenario.spec.robot;
+        let mut own = toml::Table::new();
+        let put = |own: &mut toml::Table, key: &str, value: Result<toml::Value, toml::ser::Error>| {
+            let value = value.map_err(|e| Error::invalid(key, e, "what TOML can hold"));
+            value.map(|value| own.insert(key.into(), value)).map_err(|e| self.scenario.explain(&e))
+        };
+        let tails: Vec<_> = robot.links.iter().filter(|link| self.assumed.contains(&link.name)).collect();
+        let tails = tails.into_iter().filter(|link| link.side == LinkSide::Single);
+        let mut links = Vec::new();
+        for link in tails {
+            let mut table = toml::Table::new();
+            table.insert("name".into(), link.name.clone().into());
+            put(&mut table, "axis", toml::Value::try_from(link.axis))?;
+            put(&mut table, "driven", toml::Value::try_from(&link.driven))?;
+            links.push(toml::Value::Table(table));
+        }
+        if !links.is_empty() {
+            own.insert("links".into(), toml::Value::Array(links));
+        }
+        put(&mut own, "structure", toml::Value::try_from(&robot.structure))?;
+        let mut whole = toml::Table::new();
+        whole.insert("robot".into(), toml::Value::Table(own));
+        Ok(Some(whole.to_string()))
+    }
+
+    /// Trims the robot.
+    ///
+    /// # Errors
+    /// A scenario that cannot be written.
+    pub fn trim(
+        &self,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<Trimmed, ConfigError> {
+        let mut alone = AloneSummary {
+            guessed_speed_m_s: self.size.speed(),
+            guessed_frequency_hz: self.size.frequency(),
+            assumed_actuators: self.assumed.clone(),
+            ..AloneSummary::default()
+        };
+        let mut found = None;
+        for step in STEPS_S {
+            let Some(mut spec) = self.best(step, &mut alone.tried, observe)? else { continue };
+            spec.trim.iter_mut().for_each(|trim| trim.step_s = TrimSpec::level(1.0).step_s);
+            let scenario = Scenario::new(Document::value("trim", &spec)?)?;
+            let trimmed = scenario.trim(observe)?;
+            let done = trimmed.summary.frequency_hz.is_some();
+            found = Some((spec, scenario, trimmed));
+            if done {
+                break;
+            }
+        }
+        let Some((spec, scenario, mut trimmed)) = found else { return Ok(self.nothing(alone)) };
+        for vary in &self.vary {
+            let now = Document::value("trim", &spec)?;
+            if let (Ok(from), Ok(to)) = (self.document.number(&vary.key), now.number(&vary.key))
+                && from != to
+            {
+                alone.changed.insert(vary.key.clone(), [from, to]);
+            }
+        }
+        let text = |what: &dyn erased::Text| what.toml().map_err(|e| scenario.explain(&e));
+        trimmed.files.push(("trim.toml", text(&spec)?));
+        trimmed.files.push(("robot.toml", text(&spec.robot)?));
+        if self.ask.bank_deg != 0.0 && trimmed.summary.frequency_hz.is_some() {
+            let (summary, file) = turn::flown(&spec, &trimmed.summary, self.ask.bank_deg, observe)?;
+            trimmed.files.extend(file.map(|text| ("turn.toml", text)));
+            trimmed.summary.with_turn(&summary);
+            alone.turn = Some(summary);
+        }
+        trimmed.summary.warnings.extend(self.warnings.iter().cloned());
+        trimmed.summary.alone = Some(alone);
+        Ok(trimmed)
+    }
+
+    /// The best gait that scan and search find in steps of `step` s, on its orbit.
+    fn best(
+        &self,
+        step: f64,
+        tried: &mut Vec<Tried>,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<Option<ScenarioSpec>, ConfigError> {
+        let mut candidates = self.scan(step, tried, observe);
+        candidates.sort_by(|a, b| a.order.0.total_cmp(&b.order.0).then(a.order.1.total_cmp(&b.order.1)));
+        let mut best: Option<(f64, ScenarioSpec)> = None;
+        for candidate in candidates.into_iter().take(SEARCHES) {
+            let (violation, spec) = self.searched(candidate, observe)?;
+            if best.as_ref().is_none_or(|(least, _)| violation < *least) {
+                best = Some((violation, spec));
+            }
+            if violation <= 0.0 {
+                break;
+            }
+        }
+        Ok(best.map(|(_, spec)| spec))
+    }
+
+    /// That no orbit was found, and why.
+    fn nothing(&self, alone: AloneSummary) -> Trimmed {
+        let spec = &self.scenario.spec;
+        let why: Vec<String> = (alone.tried.iter())
+            .map(|tried| {
+                format!("at {:.2} m/s {}", tried.speed_m_s, tried.reason.as_deref().unwrap_or("none"))
+            })
+            .collect();
+        let mut summary = TrimSummary {
+            speed_m_s: self.size.speed(),
+            aero_preset: spec.aero.preset.name().into(),
+            lift_law: spec.aero.law.name().into(),
+            warnings: self.warnings.clone(),
+            ..TrimSummary::default()
+        };
+        summary.reason = Some(format!("no level flight: {}", why.join("; ")));
+        summary.alone = Some(alone);
+        Trimmed::nothing(summary)
+    }
+
+    /// Orbits at the speeds of the scan.
+    fn scan(
+        &self,
+        step: f64,
+        tried: &mut Vec<Tried>,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Vec<Candidate> {
+        let mut found: Vec<Candidate> = Vec::new();
+        let mut stopped = false;
+        for speed in SPEEDS.map(|share| share * self.size.speed()) {
+            let mut reason = String::new();
+            for start in STARTS {
+                let mut tell = |iteration, residual| {
+                    let flow = observe(TrimProgress::Orbit { orbits: found.len(), iteration, residual });
+                    stopped |= flow.is_break();
+                    flow
+                };
+                match self.at((speed, step), start, &mut tell) {
+                    Ok(candidate) => {
+                        reason.clear();
+                        tried.push(candidate.tried.clone());
+                        found.push(candidate);
+                        break;
+                    }
+                    Err(why) if reason.is_empty() => reason = why,
+                    Err(_) => {}
+                }
+            }
+            if !reason.is_empty() {
+                let none =
+                    Tried { speed_m_s: speed, power_w_kg: None, frequency_hz: None, reason: Some(reason) };
+                tried.push(none);
+            }
+            let good = found.iter().filter(|candidate| candidate.order.0 <= 0.0).count();
+            if stopped || good >= ENOUGH {
+                break;
+            }
+        }
+        found
+    }
+
+    /// The orbit at `speed`, in steps of `step` s, of the gait nearest to the file's that is in balance.
+    fn at(
+        &self,
+        (speed, step): (f64, f64),
+        (pitch, pace): (f64, f64),
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<Candidate, String> {
+        let document = self
+            .document
+            .clone()
+            .set(format!("trim.speed_m_s={speed:?}"))
+            .set(format!("trim.step_s={step:?}"));
+        let balance = Balance { document: &document, vary: &self.vary, length: 0.1 * self.size.span };
+        let own = |vary: &VarySpec| document.number(&vary.key).map_or(0.5, |value| vary.share(value));
+        let x: Vec<f64> = self.vary.iter().map(own).collect();
+        let first = balance.scenario(&x)?;
+        let cycle = first.cycle().map_err(|error| error.to_string())?;
+        let mut z = vec![0.0; cycle.section().len()];
+        (z[Section::VELOCITY.start], z[Section::PITCH]) = (speed, pitch);
+        let joints = first.model().start_coordinates();
+        z[Section::BODY..][..joints.len()].copy_from_slice(&joints);
+        let inputs = first.held_commands();
+        let gait = Gait { x, point: Point { z, pace, inputs }, pitch };
+        let gait = balance.near(gait, tell)?;
+        let scenario = balance.scenario(&gait.x)?;
+        let cycle = scenario.cycle().map_err(|error| error.to_string())?;
+        let (course, _) = scenario.asked_of_orbit(&cycle).map_err(|error| error.to_string())?;
+        let free = numbers::all_free(scenario.model(), cycle.coupled(&course));
+        let found = search_from(&cycle, &course, &free, gait.point.clone(), tell)
+            .or_else(|_| search(&cycle, &course, &free, gait.point, tell))
+            .map_err(|failure| format!("balanced in the mean, but {failure}"))?;
+        let measures =
+            measure(&cycle, &found.orbit, &scenario.strip_areas()).map_err(|fault| fault.to_string())?;
+        let mut spec = scenario.on_orbit(&cycle, &found.orbit.point, found.orbit.end.duration);
+        numbers::fold(&mut spec);
+        let mass = scenario.model().mass();
+        Ok(self.candidate(spec, &found, &measures, mass))
+    }
+
+    /// An orbit beside the limits of the verdict.
+    fn candidate(&self, spec: ScenarioSpec, found: &Found, measures: &Measures, mass: f64) -> Candidate {
+        let power = measures.cost.positive_power / mass;
+        let frequency = 1.0 / found.orbit.end.duration;
+        let least = measures.least_clearance.unwrap_or(f64::INFINITY);
+        let misses = [
+            (power / trim::HIGH_POWER.value - 1.0, "the power"),
+            (measures.stalled[1] / STALLED - 1.0, "the share beyond 20 deg"),
+            (1.0 - least / self.size.room, "the clearance"),
+            (frequency / (FASTEST * self.size.frequency()) - 1.0, "the frequency"),
+        ];
+        let missed: Vec<&str> = misses.iter().filter(|(by, _)| *by > 0.0).map(|(_, name)| *name).collect();
+        let sum: f64 = misses.iter().map(|(by, _)| by.max(0.0)).sum();
+        let reason = (!missed.is_empty()).then(|| format!("beyond what is searched: {}", missed.join(", ")));
+        let tried = Tried {
+            speed_m_s: found.orbit.course.speed,
+            power_w_kg: Some(power),
+            frequency_hz: Some(frequency),
+            reason,
+        };
+        Candidate { spec, order: (sum, power), tried }
+    }
+
+    /// The best gait near that of a candidate, on its orbit, and by how much it misses a limit; the candidate's where the search cannot
+    /// begin.
+    fn searched(
+        &self,
+        candidate: Candidate,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<(f64, ScenarioSpec), ConfigError> {
+        let Candidate { mut spec, order: (mut violation, _), .. } = candidate;
+        if self.iterations == 0 {
+            return Ok((violation, spec));
+        }
+        let speed = spec.trim.as_ref().map_or(1.0, |trim| trim.speed_m_s);
+        let own = Document::value("trim", &spec)?;
+        let mut vary = self.vary.clone();
+        vary.push(VarySpec { key: "trim.speed_m_s".into(), low: 0.6 * speed, high: 1.5 * speed });
+        // What was folded in may lie beyond a range.
+        vary.retain_mut(|vary| {
+            let value = own.number(&vary.key);
+            value.is_ok_and(|value| {
+                (vary.low, vary.high) = (vary.low.min(value), vary.high.max(value));
+                true
+            })
+        });
+        let limits = LimitsSpec {
+            clearance_m: Some(self.size.room),
+            frequency_hz: Some(FASTEST * self.size.frequency()),
+            power_w_kg: Some(trim::HIGH_POWER.value),
+            stall_fraction_20: Some(STALLED),
+            ..LimitsSpec::default()
+        };
+        let search = SearchSpec { iterations: self.iterations, ..SearchSpec::new(Goal::Power, vary, limits) };
+        let mut asked = spec.clone();
+        asked.trim.iter_mut().for_each(|trim| trim.search = Some(search.clone()));
+        let scenario = Scenario::new(Document::value("trim", &asked)?)?;
+        let Ok(Some(search)) = scenario.gait_search() else { return Ok((violation, spec)) };
+        let tell = &mut |at| observe(TrimProgress::Search(at));
+        let searched = search.all::<ConfigError>(Vec::new(), &mut |_| Ok(()), tell);
+        if let Ok(Some(searched)) = searched {
+            spec = searched.best.spec.clone();
+            numbers::fold(&mut spec);
+            violation = if searched.summary.kept > 0 { 0.0 } else { searched.summary.violation };
+        }
+        Ok((violation, spec))
+    }
+}
+
+/// Texts of what is written.
+mod erased {
+    use serde::Serialize;
+    use wingbeat_math::Error;
+
+    /// What TOML can hold.
+    pub trait Text {
+        /// As TOML.
+        fn toml(&self) -> Result<String, Error>;
+    }
+
+    impl<T: Serialize> Text for T {
+        fn toml(&self) -> Result<String, Error> {
+            toml::to_string(self).map_err(|e| Error::invalid("trim", e, "what TOML can hold"))
+        }
+    }
+}
+
+/// Area of an outline between its ribs, m2: half of the cross product of the diagonals of each quadrilateral.
+fn area(outline: &Outline) -> f64 {
+    let covered = outline.ribs.windows(2).zip(&outline.covered).filter(|(_, covered)| **covered);
+    covered.map(|(ribs, _)| 0.5 * (ribs[1][1] - ribs[0][0]).cross(ribs[1][0] - ribs[0][1]).norm()).sum()
+}
+
+impl Scenario {
+    /// What scaling laws take of the robot, its wings as its gait starts.
+    fn size(&self) -> Result<Size, Error> {
+        let still = self.model.at_rest(0.0);
+        let still = still.map_err(|fault| Error::invalid("robot", fault, "a robot that can be evaluated"))?;
+        let area: f64 = still.outlines.iter().map(area).sum();
+        let widest = still.outlines.iter().map(|outline| {
+            let tips = outline.ribs.iter().map(|rib| rib[0][1]);
+            tips.clone().fold(0.0, f64::max) - tips.fold(0.0, f64::min)
+        });
+        let span = widest.fold(0.0, f64::max);
+        if !(area > 0.0 && span > 0.0) {
+            return Err(Error::invalid("robot.surfaces", "no area", "a surface that carries"));
+        }
+        let seen = self.model.observe(0.0, &self.start_of(&self.model), &self.held_commands());
+        let least =
+            seen.map_or(f64::INFINITY, |seen| seen.clearances.iter().copied().fold(f64::INFINITY, f64::min));
+        let room = (ROOM[0] * span).min(ROOM[1] * least).max(trim::SKIN.value);
+        Ok(Size { mass: self.model.mass(), span, area, density: self.spec.air.density_kg_m3, room })
+    }
+
+    /// Speed at which all surfaces of the robot carry its weight at a lift coefficient of .6, m/s.
+    ///
+    /// # Errors
+    /// A robot without surfaces.
+    pub fn guessed_speed(&self) -> Result<f64, ConfigError> {
+        Ok(self.size().map_err(|error| self.explain(&error))?.speed())
+    }
+}

@@ -1,0 +1,67 @@
+//! Robots trimmed from their files alone.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use wingbeat::judge::Status;
+use wingbeat::scenario::{Document, RobotTrim, Trimmed};
+
+fn robot(name: &str) -> Document {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../robots/any/{name}.toml"));
+    Document::file(&path).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn trimmed(name: &str, iterations: Option<usize>, bank_deg: f64, overrides: &[&str]) -> Trimmed {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    let mut trim = RobotTrim::new(robot(name), &overrides, bank_deg).unwrap_or_else(|e| panic!("{e}"));
+    trim.iterations = iterations.unwrap_or(trim.iterations);
+    trim.trim(&mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_robot_alone_is_trimmed() {
+    let trimmed = trimmed("elastic_16g", Some(0), 0.0, &[]);
+    let summary = &trimmed.summary;
+    assert_eq!(summary.status, Status::Ok, "{:?}", summary.reason);
+    // The mean of samples at the steps of the cycle.
+    assert!((summary.lift_over_weight.unwrap() - 1.0).abs() < 1e-6, "{:?}", summary.lift_over_weight);
+    assert!(summary.residual.unwrap() < 1e-10);
+    let alone = summary.alone.as_ref().unwrap();
+    assert_eq!(alone.assumed_actuators, ["arm_stroke", "arm", "feather"]);
+    assert!(alone.guessed_speed_m_s > 2.0 && !alone.changed.is_empty() && !alone.tried.is_empty());
+    let files: Vec<&str> = trimmed.files.iter().map(|(name, _)| *name).collect();
+    assert_eq!(files, ["orbit.toml", "gains.csv", "trim.toml", "robot.toml"]);
+    // What is written is the scenario of this very orbit.
+    let text = &trimmed.files.iter().find(|(name, _)| *name == "trim.toml").unwrap().1;
+    let again = wingbeat::scenario::Scenario::new(Document::text("again", text).unwrap()).unwrap();
+    let again = again.trim(&mut |_| ControlFlow::Continue(())).unwrap().summary;
+    assert!((again.power_w_kg.unwrap() / summary.power_w_kg.unwrap() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_cannot_be_trimmed_says_why() {
+    let refused = |bank_deg: f64, set: &str| {
+        let error = RobotTrim::new(robot("single_12g"), &[set.into()], bank_deg).err().unwrap();
+        error.to_string()
+    };
+    assert!(refused(90.0, "air.density_kg_m3=1.2").contains("bank_deg"));
+    assert!(refused(f64::NAN, "air.density_kg_m3=1.2").contains("bank_deg"));
+    assert!(refused(0.0, "robot.body.mass_kg=-1.0").contains("robot.body.mass_kg"));
+    assert!(refused(0.0, "robot.bodies=1").contains("unknown key"));
+    assert!(refused(0.0, "air.wind_m_s=[1.0, 0.0, 0.0]").contains("still air"));
+    let stopped = RobotTrim::new(robot("single_12g"), &[], 0.0).unwrap();
+    let stopped = stopped.trim(&mut |_| ControlFlow::Break(())).unwrap().summary;
+    assert!(stopped.status == Status::NotFound && stopped.reason.unwrap().contains("stopped"));
+}
+
+/// Every robot of `robots/any`, from its file alone; which of them fly level and turn at 30 deg is what docs/trim.md tells.
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn robots_fly_level_and_turn_from_their_files() {
+    for (name, turns) in [("elastic_16g", true)] {
+        let summary = trimmed(name, None, 30.0, &[]).summary;
+        let turn = summary.alone.unwrap().turn.unwrap();
+        assert!(summary.lift_over_weight.is_some(), "{name}: {:?}", summary.reason);
+        assert_eq!(turn.status == Status::Ok, turns, "{name}: {turn:?}");
+    }
+}
