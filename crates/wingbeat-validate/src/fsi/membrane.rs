@@ -57,6 +57,7 @@ impl Sheet {
             ..Default::default()
         };
         let tether = Tether {
+            spar: None,
             aero: Aero::Strip(StripModel::new(&planform, settings)?),
             motion: self.motion,
             wind: Vec3::new(-1.0, 0.0, 0.0),

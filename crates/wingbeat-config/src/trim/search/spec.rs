@@ -120,8 +120,8 @@ ranges!(LimitsSpec {
 impl SearchSpec {
     /// One start, everything else as where it is not given.
     pub(crate) fn new(goal: Goal, vary: Vec<VarySpec>, limits: LimitsSpec) -> Self {
-        let (strips, seed) = (Vec::new(), 0);
-        Self { goal, vary, strips, limits, starts: one(), spread: tenth(), seed, iterations: sixty() }
+        let (strips, airs, seed) = (Vec::new(), Vec::new(), 0);
+        Self { goal, vary, strips, airs, limits, starts: one(), spread: tenth(), seed, iterations: sixty() }
     }
 
     /// Checks ranges; the keys are tried as the search begins.
