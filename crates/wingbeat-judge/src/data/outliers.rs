@@ -86,9 +86,14 @@ impl Usual {
         let least = if count.is_finite() { least.max(BEYOND * count) } else { least };
         let far: Vec<f64> = (series.phase.iter().zip(samples))
             .map(|(p, x)| {
-                let [middle, noise] = self.places[place(*p, places)];
-                let by = (x - middle).abs();
-                if by > (BEYOND * noise).max(least) { by } else { 0.0 }
+                let here = place(*p, places);
+                let [middle, noise] = self.places[here];
+                // A sample at the edge of a place may be of the next one.
+                let beside = [1, places - 1].map(|by| self.places[(here + by) % places][0]);
+                let low = middle.min(beside[0]).min(beside[1]);
+                let high = middle.max(beside[0]).max(beside[1]);
+                let far = (low - x).max(x - high) > (BEYOND * noise).max(least);
+                if far { (x - middle).abs() } else { 0.0 }
             })
             .collect();
         let step = |k: usize| (samples[k] - samples[k - 1]).abs();
