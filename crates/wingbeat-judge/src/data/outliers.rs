@@ -70,7 +70,7 @@ impl Usual {
         };
         let mut places: Vec<[f64; 2]> = there.iter_mut().map(known).collect();
         // Few samples of a place tell little of its noise.
-        let all = median(&mut places.iter().map(|place| place[1]).collect());
+        let all = median(&mut places.iter().map(|place| place[1]).collect::<Vec<f64>>());
         places.iter_mut().for_each(|place| place[1] = place[1].max(all));
         let middles = || places.iter().map(|place| place[0]).filter(|x| x.is_finite());
         let range = middles().fold(f64::MIN, f64::max) - middles().fold(f64::MAX, f64::min);
@@ -86,9 +86,14 @@ impl Usual {
         let least = if count.is_finite() { least.max(BEYOND * count) } else { least };
         let far: Vec<f64> = (series.phase.iter().zip(samples))
             .map(|(p, x)| {
-                let [middle, noise] = self.places[place(*p, places)];
-                let by = (x - middle).abs();
-                if by > (BEYOND * noise).max(least) { by } else { 0.0 }
+                let here = place(*p, places);
+                let [middle, noise] = self.places[here];
+                // A sample at the edge of a place may be of the next one.
+                let beside = [1, places - 1].map(|by| self.places[(here + by) % places][0]);
+                let low = middle.min(beside[0]).min(beside[1]);
+                let high = middle.max(beside[0]).max(beside[1]);
+                let far = (low - x).max(x - high) > (BEYOND * noise).max(least);
+                if far { (x - middle).abs() } else { 0.0 }
             })
             .collect();
         let step = |k: usize| (samples[k] - samples[k - 1]).abs();
@@ -126,7 +131,7 @@ fn place(phase: f64, places: usize) -> usize {
 }
 
 /// The middle one; not a number of none.
-fn median(of: &mut Vec<f64>) -> f64 {
+fn median(of: &mut [f64]) -> f64 {
     let middle = of.len() / 2;
     if of.is_empty() { f64::NAN } else { *of.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }

@@ -123,6 +123,10 @@ fn right() -> Vec<(&'static str, Data)> {
         ("many_cycles", loads(&Load { cycles: 400.0, rate: 50, ..usual() })),
         ("seven_khz", loads(&Load { cycles: 35.0, rate: 2000, ..usual() })),
         ("few_samples", loads(&Load { rate: 24, cycles: 20.0, ..usual() })),
+        (
+            "few_samples_of_many_cycles",
+            loads(&Load { rate: 24, cycles: 200.0, more: [0.8, 0.6], noise: 0.002, ..usual() }),
+        ),
         ("exact", loads(&exact(usual()))),
         ("exact_and_alike", loads(&exact(Load { rate: 40, more: [0.0, 0.0], ..usual() }))),
         ("strong_harmonics", loads(&Load { more: [2.0, 1.5], ..usual() })),
