@@ -1,4 +1,4 @@
-//! Flight in an air that the controller is not told: what it learns, what that gains, and gaits found for several airs.
+//! Flight in unknown air: what it learns, what that gains, and gaits found for several airs.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -33,7 +33,7 @@ fn mean(run: &Run, name: &str, since: f64) -> f64 {
 #[test]
 fn what_the_model_misses_is_found_by_phase() {
     let heavy = ["flight.duration_s=2.4", "mismatch.mass=1.05", "aero.added_mass=false"];
-    let adapted = flown("level_20g", &[&heavy[..], &["controller.orbit.adapt={missed_s=0.2}"]].concat());
+    let adapted = flown("level_20g", &[&heavy[..], &["controller.orbit.adapt={missed_s=0.12}"]].concat());
     let missed = mean(&adapted, "orbit_missed_acceleration_z", 1.6);
     let expected = -0.05 * GRAVITY;
     // The series has two harmonics: what it leaves out scatters by a tenth.
@@ -109,6 +109,10 @@ fn a_gait_is_searched_in_several_airs() {
     assert!((column("power_w_kg") - expected).abs() < 1e-3 * expected, "{} {expected}", column("power_w_kg"));
     let wrong = "trim.search={goal='power', limits={}, airs=[['aero.law=lift']], \
                  vary=[{key='robot.body.com_m[0]', low=-0.002, high=0.002}]}";
+    let both = "trim.search={goal='power', limits={}, airs=[['aero.law=lev'], ['robot.body.com_m=[0.0, 0.0, 0.0]']], \
+                vary=[{key='robot.body.com_m[0]', low=-0.002, high=0.002}]}";
+    let told = loaded("cruise_20g", &[both]).err().unwrap_or_default();
+    assert!(told.contains("trim.search.airs[1]") && told.contains("vary[0]"), "{told}");
     let scenario = scenario("cruise_20g", &[wrong]);
     let told = scenario.gait_search().err().map(|e| e.to_string()).unwrap_or_default();
     assert!(told.contains("trim.search.airs[0]") && told.contains("aero.law=lift"), "{told}");
@@ -129,6 +133,23 @@ fn turbulence_blows_as_its_seed_says() {
     let told = flown("level_20g", &["flight.duration_s=1.0", slow]).summary.warnings;
     for id in ["flight.turbulence_over_airspeed", "flight.turbulence_speed"] {
         assert!(told.iter().any(|warning| warning.id == id), "{id}: {told:?}");
+    }
+    // At 4 m/s against a wind of 0.5 m/s air passes by at 4.5 m/s.
+    let apart = |limits: &[&str]| {
+        let run = flown("level_20g", &[&["flight.duration_s=0.4"], limits].concat());
+        let judged = run.summary.judged.iter().find(|judged| judged.id == "flight.turbulence_speed").unwrap();
+        (run.summary.status, judged.value)
+    };
+    let calm = "air.dryden={airspeed_m_s=4.5, deviation_m_s=[0.0, 0.0, 0.0], length_m=[2.0, 2.0, 1.0]}";
+    let (_, against) = apart(&[calm, "air.wind_m_s=[-0.5, 0.0, 0.0]"]);
+    let (_, still) = apart(&[calm]);
+    let off = |value: Option<f64>, from: f64| value.is_none_or(|value| (value - from).abs() > 0.04);
+    assert!(!off(against, 0.0) && off(still, 0.0), "{against:?} {still:?}");
+    for wrong in [
+        "air.dryden={airspeed_m_s=0.2, deviation_m_s=[0.3, 0.2, 0.1], length_m=[2.0, 2.0, 1.0]}",
+        "air.dryden={airspeed_m_s=9.0, deviation_m_s=[0.1, 0.1, 0.1], length_m=[2.0, 2.0, 1.0]}",
+    ] {
+        assert_eq!(apart(&[wrong]).0, Status::Outside, "{wrong}");
     }
     let refused =
         |dryden: &str| loaded("level_20g", &[&format!("air.dryden={dryden}")]).err().unwrap_or_default();
