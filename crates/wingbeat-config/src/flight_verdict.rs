@@ -195,9 +195,15 @@ impl Flown<'_> {
         }
         if let Some(turbulence) = &self.context.turbulence {
             let most = turbulence.deviation.into_iter().fold(0.0, f64::max);
-            judge.hold(&flight::TURBULENCE, most / turbulence.airspeed);
-            let apart = |speed: f64| (speed / turbulence.airspeed - 1.0).abs();
-            judge.hold_if(&flight::TURBULENCE_SPEED, self.summary.mean_speed_m_s.map(apart));
+            for limit in [&flight::TURBULENCE, &flight::TURBULENCE_STRONG] {
+                judge.hold(limit, most / turbulence.airspeed);
+            }
+            let of = turbulence.airspeed;
+            let airspeed = mean_velocity(self.record, 0, self.context.wind);
+            let apart = airspeed.map(|(speed, _)| (speed / of).max(of / speed) - 1.0);
+            for limit in [&flight::TURBULENCE_SPEED, &flight::TURBULENCE_ELSEWHERE] {
+                judge.hold_if(limit, apart);
+            }
         }
         for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
             if let Some(what) = law.about().beyond_stall {
@@ -243,11 +249,12 @@ pub(super) fn velocity_at(record: &Record, row: usize) -> Option<Vec3> {
     Some(Vec3::new(along("x")?, along("y")?, along("z")?))
 }
 
-/// Mean magnitude and upward component of the velocity from the row `first` on, m/s.
-pub(super) fn mean_velocity(record: &Record, first: usize) -> Option<(f64, f64)> {
+/// Mean magnitude of the velocity against the steady `wind`, and mean of the upward component of the velocity, from the row `first`
+/// on, m/s.
+pub(super) fn mean_velocity(record: &Record, first: usize, wind: Vec3) -> Option<(f64, f64)> {
     let axes = ["x", "y", "z"].map(|axis| record.values(&format!("v_WB_W_{axis}")));
     let [Some(x), Some(y), Some(z)] = axes else { return None };
     let rows = x.len().checked_sub(first).filter(|rows| *rows > 0)? as f64;
-    let speed: f64 = (first..x.len()).map(|row| Vec3::new(x[row], y[row], z[row]).norm()).sum();
+    let speed: f64 = (first..x.len()).map(|row| (Vec3::new(x[row], y[row], z[row]) - wind).norm()).sum();
     Some((speed / rows, z[first..].iter().sum::<f64>() / rows))
 }

@@ -469,6 +469,7 @@ impl Scenario {
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
             turbulence: self.spec.turbulence(),
+            wind: Vec3(self.spec.air.wind_m_s),
         };
         Summary::new(&recorded.record, flight, &context)
     }

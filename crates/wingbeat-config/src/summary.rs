@@ -14,6 +14,7 @@ use serde::Serialize;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
 use wingbeat_judge::{Judged, Limits, Status, Warning};
+use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Channel;
 use wingbeat_robot::{Dryden, Robot};
 
@@ -294,8 +295,9 @@ pub(super) struct Context<'a> {
     pub period_s: Option<f64>,
     /// Estimate of the error of the steps, m.
     pub step_error_m: Option<f64>,
-    /// Turbulence of the air.
+    /// Turbulence of the air, and its steady wind, m/s.
     pub turbulence: Option<Dryden>,
+    pub wind: Vec3,
 }
 
 impl Context<'_> {
@@ -323,7 +325,7 @@ impl Summary {
         let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
         let crossing = Crossing::new(record, context.clearances);
         let estimated = Estimated::new(record, settled.first);
-        let velocity = mean_velocity(record, settled.first);
+        let velocity = mean_velocity(record, settled.first, Vec3::ZERO);
         let mut summary = Self {
             status: Status::Ok,
             reason: None,

@@ -5,6 +5,7 @@ use crate::spec::{AirSpec, ScenarioSpec};
 use crate::{fit, plausible};
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Judge, Limit, Limits, Verdict, Warning};
+use wingbeat_math::Vec3;
 use wingbeat_robot::Robot;
 
 impl TrimSummary {
@@ -60,11 +61,14 @@ fn judge_slow(judge: &mut Judge, speed: f64, wash: Option<f64>) {
     judge.warn(Warning::new("trim.slower_than_wash", text).size(speed / wash).key("trim.speed_m_s"));
 }
 
-/// Gusts of the scenario, which no periodic flight can have.
+/// Gusts of the scenario, which no periodic flight can have; their size is the largest of what is left out, m/s.
 pub(super) fn ignored_gusts(air: &AirSpec) -> Option<Warning> {
     let stated = (!air.gusts.is_empty()).then_some("air.gusts");
     let turbulent = air.dryden.as_ref().map(|_| "air.dryden");
     let key = if air.gust_m_s > 0.0 { Some("air.gust_m_s") } else { stated.or(turbulent) }?;
     let text = format!("{key} is left out: a periodic flight is that in still air");
-    Some(Warning::new("trim.gusts_ignored", text).size(air.gust_m_s).key(key))
+    let pulses = air.gusts.iter().map(|gust| Vec3(gust.velocity_m_s).norm());
+    let turbulence = air.dryden.iter().filter_map(|dryden| dryden.turbulence(0.0).ok());
+    let size = pulses.chain(turbulence.flat_map(|of| of.deviation)).fold(air.gust_m_s, f64::max);
+    Some(Warning::new("trim.gusts_ignored", text).size(size).key(key))
 }

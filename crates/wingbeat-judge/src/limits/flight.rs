@@ -56,12 +56,18 @@ pub const MEMBRANE_FREQUENCY: Limit = Limit::warn_above("flight.membrane_frequen
 /// Deviation of the turbulence over its airspeed. Taylor 1938: a frozen field needs it small; 0.3 is a choice.
 pub const TURBULENCE: Limit = Limit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
     .on("turbulence that flies past frozen is small beside the airspeed: largest deviation over air.dryden.airspeed_m_s");
-/// Mean speed of the flight over the airspeed at which its turbulence passes, less one.
+/// Turbulence as strong as the stream that carries it past, which no frozen field is.
+pub const TURBULENCE_STRONG: Limit = Limit::at_most("flight.turbulence_beyond_airspeed", 1.0, "", Outside)
+    .on("turbulence that flies past frozen is weaker than the airspeed: largest deviation over air.dryden.airspeed_m_s");
+/// Mean airspeed of the flight against that at which its turbulence passes: the larger over the smaller, less one.
 pub const TURBULENCE_SPEED: Limit = Limit::warn_above("flight.turbulence_speed", 0.3, "")
-    .on("the turbulence passes at another speed than the robot flies: share by which its mean speed differs from air.dryden.airspeed_m_s");
+    .on("the turbulence passes at another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
+/// The same where the spectra by time are those of another turbulence.
+pub const TURBULENCE_ELSEWHERE: Limit = Limit::at_most("flight.turbulence_other_speed", 1.0, "", Outside)
+    .on("the turbulence passes at quite another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
 
 /// All of them.
-pub const ALL: [Limit; 18] = [
+pub const ALL: [Limit; 20] = [
     ALTITUDE,
     ATTITUDE,
     PATH,
@@ -79,5 +85,7 @@ pub const ALL: [Limit; 18] = [
     MEMBRANE_SLACK,
     MEMBRANE_FREQUENCY,
     TURBULENCE,
+    TURBULENCE_STRONG,
     TURBULENCE_SPEED,
+    TURBULENCE_ELSEWHERE,
 ];

@@ -15,20 +15,23 @@ pub(super) struct Asked {
     lost: f64,
     /// Largest share of flights that are not clear, where it is asked.
     crossing: Option<f64>,
+    /// Largest mean of the positive power, W/kg, where it is asked.
+    power: Option<f64>,
 }
 
 pub(super) const LEVEL: Asked = held("level_20g", DRIVEN);
 pub(super) const BANK15: Asked = held("bank15_20g", DRIVEN);
 pub(super) const PASSIVE_LEVEL: Asked = held("passive_level_20g", PASSIVE);
 pub(super) const PASSIVE_BANK15: Asked = held("passive_bank15_20g", PASSIVE);
-pub(super) const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: None };
+pub(super) const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: None, power: None };
 
-/// In air that the controller is not told: 190 of 200 in the turn, 195 level, 180 of Beta.
+/// In unknown air: 190 of 200 in the turn, 195 level, 180 of Beta.
 pub(super) const ANY_AIR_BANK30: Asked =
-    Asked { sweep: "any_air_bank30_20g", lost: 0.05, crossing: Some(0.05) };
-pub(super) const ANY_AIR_BETA: Asked = Asked { sweep: "any_air_bank15_beta", lost: 0.1, crossing: Some(0.1) };
+    Asked { sweep: "any_air_bank30_20g", lost: 0.05, crossing: Some(0.05), power: Some(90.0) };
+pub(super) const ANY_AIR_BETA: Asked =
+    Asked { sweep: "any_air_bank15_beta", lost: 0.1, crossing: Some(0.1), power: Some(120.0) };
 pub(super) const ANY_AIR_LEVEL: Asked =
-    Asked { sweep: "any_air_level_20g", lost: 0.025, crossing: Some(0.025) };
+    Asked { sweep: "any_air_level_20g", lost: 0.025, crossing: Some(0.025), power: Some(90.0) };
 
 /// Largest shares of flights in which the wings come closer than the sweep allows: of a driven twist, and of one that the air moves.
 const DRIVEN: f64 = 0.05;
@@ -36,7 +39,7 @@ const PASSIVE: f64 = 0.1;
 
 /// A sweep of which every flight is asked to be held.
 const fn held(sweep: &'static str, crossing: f64) -> Asked {
-    Asked { sweep, lost: 0.0, crossing: Some(crossing) }
+    Asked { sweep, lost: 0.0, crossing: Some(crossing), power: None }
 }
 
 const NO_TABLES: ReadTable = &|_: &Path| Err("flights read no tables".into());
@@ -93,7 +96,8 @@ pub(super) fn rows(asked: &Asked, watch: &mut Watch<'_>) -> Result<Vec<Row>, Err
     let metric = format!("least clearance of {flights} flights");
     rows.push(Row::shown(&id("least_clearance"), source, &metric, least, "m"));
     let power = column("positive_power")?;
-    let metric = format!("mean positive power of {flights} flights");
+    let most = asked.power.map_or(String::new(), |most| format!(" (at most {most} asked)"));
+    let metric = format!("mean positive power of {flights} flights{most}");
     rows.push(Row::shown(&id("power"), source, &metric, power.iter().sum::<f64>() / flights as f64, "W/kg"));
     Ok(rows)
 }

@@ -29,8 +29,9 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
             (0..2 * PART * PARTS).map(|k| wind.at(0.5 * k as f64 * of.step()).0[axis]).collect();
         let variance = samples.iter().map(|v| v * v).sum::<f64>() / samples.len() as f64;
         let expected = of.deviation[axis].powi(2);
-        let nodes: Vec<f64> = samples.into_iter().step_by(2).collect();
-        let worst = (spectrum(&nodes, of.step()).into_iter())
+        // Half way between nodes, where the straight course has least variance.
+        let between: Vec<f64> = samples.into_iter().skip(1).step_by(2).collect();
+        let worst = (spectrum(&between, of.step()).into_iter())
             .map(|(places, density)| {
                 let closed: f64 = places.iter().map(|omega| of_axis(&of, axis, *omega)).sum();
                 (density * places.len() as f64 / closed - 1.0).abs()
@@ -64,8 +65,8 @@ fn of_axis(of: &Dryden, axis: usize, omega: f64) -> f64 {
     }
 }
 
-/// Mean density of the parts of `nodes` under Hann's window about each place, with its frequencies, rad/s.
-fn spectrum(nodes: &[f64], step: f64) -> Vec<(Vec<f64>, f64)> {
+/// Mean density of the parts of `samples` under Hann's window about each place, with its frequencies, rad/s.
+fn spectrum(samples: &[f64], step: f64) -> Vec<(Vec<f64>, f64)> {
     let window: Vec<f64> = (0..PART).map(|k| 0.5 - 0.5 * (TAU * k as f64 / PART as f64).cos()).collect();
     let power: f64 = window.iter().map(|w| w * w).sum();
     let density = |place: usize| {
@@ -75,7 +76,7 @@ fn spectrum(nodes: &[f64], step: f64) -> Vec<(Vec<f64>, f64)> {
                 (window[k] * cos, window[k] * sin)
             })
             .collect();
-        let each = nodes.chunks_exact(PART).map(|part| {
+        let each = samples.chunks_exact(PART).map(|part| {
             let (mut re, mut im) = (0.0, 0.0);
             for (v, (cos, sin)) in part.iter().zip(&wave) {
                 re += v * cos;

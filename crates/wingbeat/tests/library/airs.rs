@@ -1,11 +1,11 @@
-//! Flight in an air that the controller is not told: what it learns, what that gains, and gaits found for several airs.
+//! Flight in unknown air: what it learns, what that gains, and gaits found for several airs.
 
 use std::ops::ControlFlow;
 use std::path::Path;
 
 use wingbeat::judge::Status;
 use wingbeat::math::GRAVITY;
-use wingbeat::scenario::{Run, Scenario};
+use wingbeat::scenario::{Run, Scenario, Summary};
 
 fn loaded(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenarios/{name}.toml"));
@@ -33,7 +33,7 @@ fn mean(run: &Run, name: &str, since: f64) -> f64 {
 #[test]
 fn what_the_model_misses_is_found_by_phase() {
     let heavy = ["flight.duration_s=2.4", "mismatch.mass=1.05", "aero.added_mass=false"];
-    let adapted = flown("level_20g", &[&heavy[..], &["controller.orbit.adapt={missed_s=0.2}"]].concat());
+    let adapted = flown("level_20g", &[&heavy[..], &["controller.orbit.adapt={missed_s=0.12}"]].concat());
     let missed = mean(&adapted, "orbit_missed_acceleration_z", 1.6);
     let expected = -0.05 * GRAVITY;
     // The series has two harmonics: what it leaves out scatters by a tenth.
@@ -109,6 +109,10 @@ fn a_gait_is_searched_in_several_airs() {
     assert!((column("power_w_kg") - expected).abs() < 1e-3 * expected, "{} {expected}", column("power_w_kg"));
     let wrong = "trim.search={goal='power', limits={}, airs=[['aero.law=lift']], \
                  vary=[{key='robot.body.com_m[0]', low=-0.002, high=0.002}]}";
+    let both = "trim.search={goal='power', limits={}, airs=[['aero.law=lev'], ['robot.body.com_m=[0.0, 0.0, 0.0]']], \
+                vary=[{key='robot.body.com_m[0]', low=-0.002, high=0.002}]}";
+    let told = loaded("cruise_20g", &[both]).err().unwrap_or_default();
+    assert!(told.contains("trim.search.airs[1]") && told.contains("vary[0]"), "{told}");
     let scenario = scenario("cruise_20g", &[wrong]);
     let told = scenario.gait_search().err().map(|e| e.to_string()).unwrap_or_default();
     assert!(told.contains("trim.search.airs[0]") && told.contains("aero.law=lift"), "{told}");
@@ -118,18 +122,31 @@ fn a_gait_is_searched_in_several_airs() {
 #[test]
 fn turbulence_blows_as_its_seed_says() {
     let given = "air.dryden={airspeed_m_s=4.05, deviation_m_s=[0.2, 0.2, 0.1], length_m=[2.0, 2.0, 1.0]}";
-    let short = ["flight.duration_s=1.0", given];
+    let short = ["flight.duration_s=0.5", given];
     let [one, again, other] =
         ["seed=3", "seed=3", "seed=4"].map(|seed| flown("level_20g", &[short[0], short[1], seed]));
     let height = |run: &Run| run.record.values("p_WB_z").unwrap().to_vec();
     assert_eq!(height(&one), height(&again));
     assert!(height(&one) != height(&other) && one.summary.status == Status::Ok, "{:?}", one.summary.reason);
     assert!(one.summary.warnings.iter().all(|w| !w.id.contains("turbulence")), "{:?}", one.summary.warnings);
-    let slow = "air.dryden={airspeed_m_s=1.0, deviation_m_s=[0.4, 0.2, 0.1], length_m=[2.0, 2.0, 1.0]}";
-    let told = flown("level_20g", &["flight.duration_s=1.0", slow]).summary.warnings;
+    let wild = "air.dryden={airspeed_m_s=1.0, deviation_m_s=[1.2, 0.2, 0.1], length_m=[2.0, 2.0, 1.0]}";
+    let wild = flown("level_20g", &["flight.duration_s=0.3", wild]).summary;
     for id in ["flight.turbulence_over_airspeed", "flight.turbulence_speed"] {
-        assert!(told.iter().any(|warning| warning.id == id), "{id}: {told:?}");
+        assert!(wild.warnings.iter().any(|warning| warning.id == id), "{id}: {:?}", wild.warnings);
     }
+    let value = |summary: &Summary, id: &str| {
+        summary.judged.iter().find(|judged| judged.id == id).and_then(|judged| judged.value).unwrap()
+    };
+    assert_eq!(wild.status, Status::Outside);
+    assert!((value(&wild, "flight.turbulence_beyond_airspeed") - 1.2).abs() < 1e-12);
+    assert!(value(&wild, "flight.turbulence_other_speed") > 2.0);
+    // At 4.27 m/s against a wind of 0.5 m/s the air passes by at 4.77 m/s.
+    let calm = "air.dryden={airspeed_m_s=4.77, deviation_m_s=[0.0, 0.0, 0.0], length_m=[2.0, 2.0, 1.0]}";
+    let [against, still] = ["air.wind_m_s=[-0.5, 0.0, 0.0]", "air.wind_m_s=[0.0, 0.0, 0.0]"].map(|wind| {
+        let run = flown("level_20g", &["flight.duration_s=0.4", calm, wind]);
+        value(&run.summary, "flight.turbulence_speed")
+    });
+    assert!(against < 0.02 && still > 0.1, "{against} {still}");
     let refused =
         |dryden: &str| loaded("level_20g", &[&format!("air.dryden={dryden}")]).err().unwrap_or_default();
     for (dryden, key) in [

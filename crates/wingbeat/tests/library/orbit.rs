@@ -285,6 +285,7 @@ fn an_orbit_is_judged() {
         let gusty = trim(&[gust]);
         assert!(gusty.status == Status::Ok && gusty.power_w_kg == well.power_w_kg);
         assert_eq!(gusty.warnings[0].id, "trim.gusts_ignored");
+        assert!(gusty.warnings[0].size.is_some_and(|size| size > 0.4), "{:?}", gusty.warnings[0]);
         assert!(gust.starts_with(gusty.warnings[0].key.as_deref().unwrap()));
     }
 }

@@ -25,7 +25,7 @@ pub struct SearchSpec {
     pub strips: Vec<usize>,
     /// Other airs, or other flights, of the same gait: each a list of settings as `--set` takes them, such as
     /// `["aero.law=lev", "trim.bank_deg=30"]`. In each the gait has an orbit of its own, for which the frequency or commands are
-    /// chosen anew. The limits have to hold in all of them, and the power is the mean of all.
+    /// chosen anew. The limits have to hold in all of them, and the power is the mean of all. None sets a key that `vary` varies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub airs: Vec<Vec<String>>,
     /// What a gait has to keep to.
@@ -135,6 +135,11 @@ impl SearchSpec {
             if self.vary[..i].iter().any(|other| other.key == vary.key) {
                 return Err(Error::invalid(format!("vary[{i}].key"), &vary.key, "each key once"));
             }
+            let mut airs = self.airs.iter().enumerate();
+            if let Some((air, _)) = airs.find(|(_, air)| air.iter().any(|setting| sets(setting, &vary.key))) {
+                let allowed = format!("settings that leave {} to vary[{i}]", vary.key);
+                return Err(Error::invalid(format!("airs[{air}]"), self.airs[air].join(", "), allowed));
+            }
         }
         Ok(())
     }
@@ -160,4 +165,10 @@ impl VarySpec {
     pub(crate) fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
+}
+
+/// Whether the setting `key=value` sets `key`, or a table or list that holds it.
+fn sets(setting: &str, key: &str) -> bool {
+    let set = setting.split('=').next().unwrap_or_default().trim();
+    key.strip_prefix(set).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }

@@ -1,5 +1,4 @@
-//! Adaptation in flight to an air that the controller is not told: the acceleration that its model misses, by the phase of the
-//! gait, and the rate of the crank that takes over what the other commands hold for long.
+//! Adaptation in flight to an unknown air: the acceleration that the controller's model misses, by the phase of the gait, and the rate of the crank that takes over what the other commands hold for long.
 
 use super::family::Reference;
 use super::feedback::{MISSED, waves};
@@ -16,7 +15,7 @@ use wingbeat_robot::{Pacer, Robot};
 /// Share by which the pace of the orbit beside the first is higher.
 const FASTER: f64 = 0.02;
 
-/// How the controller adapts to an air that it is not told.
+/// How the controller adapts to an unknown air.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -25,8 +24,8 @@ pub struct AdaptSpec {
     /// that moves its crank. Without it the crank keeps to the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crank_s: Option<f64>,
-    /// Time in which the acceleration that the model misses is learned, s: a few cycles. The least-norm commands for it are fed
-    /// forward. Without it nothing is learned.
+    /// Time constant with which the mean of the acceleration that the model misses is learned, s; its harmonics take twice as long.
+    /// The commands that meet it at least cost are fed forward. It takes the true state. Without it nothing is learned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missed_s: Option<f64>,
     /// Harmonics of the cycle by which it is learned, beside its mean.
@@ -167,15 +166,17 @@ impl<'a> Adaptation<'a> {
     }
 
     /// Equation: guide.missed_acceleration
-    /// `c <- c + m (a - c b) b / (b b), a = (s - model(s before, u))/T, b = (1, cos n phase, sin n phase)`
-    /// Source: De Luca & Mattone 2003, residual of the momentum; Widrow & Hoff 1960, least mean squares.
+    /// `c <- c + m (a - c b) b / (b b), a = (s - model(s before, u))/T, b = (1, cos n phase, sin n phase), m = 1 - exp(-T (1 + N)/tau)`
+    /// Source: De Luca & Mattone 2003, residual of the momentum; Widrow & Hoff 1960, least mean squares; m by the mean over a cycle.
     /// Test: `what_the_model_misses_is_found_by_phase`.
     ///
     /// Learns from the state `x` at the time `t` and the phase `cycles`: the velocity and the angular rate that the model
-    /// does not account for since the last update, over the time between, by the phase half way.
+    /// does not account for since the last update, over the time between, by the phase half way. Over a cycle b b = 1 + N and the
+    /// mean of b b' is 1 for the mean and 1/2 for each wave of the N harmonics, so that the mean has the time constant tau and the
+    /// waves have 2 tau. After a fault of the model nothing is learned until the update after the next.
     pub fn learn(&mut self, t: f64, cycles: f64, x: &[f64], held: &[f64]) -> Result<(), Fault> {
         let (Some(missed), Some(time)) = (&mut self.missed, self.spec.missed_s) else { return Ok(()) };
-        if let Some((since, before)) = missed.last.filter(|(since, _)| t > *since) {
+        if let Some((since, before)) = missed.last.take().filter(|(since, _)| t > *since) {
             missed.model.set_inputs(held);
             let steps = ((t - since) / STEP).ceil();
             for _ in 0..steps as usize {
@@ -188,14 +189,11 @@ impl<'a> Adaptation<'a> {
             };
             let (now, expected) = (numbers(x), numbers(missed.model.state()));
             let basis = waves(missed.harmonics, 0.5 * (before + cycles));
-            let size: f64 = basis.iter().map(|b| b * b).sum();
-            let share = 1.0 - (-(t - since) * basis.len() as f64 / time).exp();
+            let share = share(t - since, missed.harmonics, time);
             for (axis, own) in missed.waves.chunks_exact_mut(basis.len()).enumerate() {
                 let place = missed_place(axis);
                 let acceleration = (now[place] - expected[place]) / (t - since);
-                let known: f64 = own.iter().zip(&basis).map(|(c, b)| c * b).sum();
-                let by = share * (acceleration - known) / size;
-                own.iter_mut().zip(&basis).for_each(|(c, b)| *c += by * b);
+                towards(own, &basis, acceleration, share);
             }
         }
         missed.model.reset(t, x);
@@ -225,10 +223,59 @@ impl<'a> Adaptation<'a> {
     }
 }
 
+/// Share of an error that an update after `interval` s takes away, so that the mean over a cycle has the time constant `time` s.
+fn share(interval: f64, harmonics: usize, time: f64) -> f64 {
+    1.0 - (-interval * (1 + harmonics) as f64 / time).exp()
+}
+
+/// Moves the coefficients `own` of `basis` by the share `share` of the way towards a series that is `seen` here.
+fn towards(own: &mut [f64], basis: &[f64], seen: f64, share: f64) {
+    let known: f64 = own.iter().zip(basis).map(|(c, b)| c * b).sum();
+    let size: f64 = basis.iter().map(|b| b * b).sum();
+    let by = share * (seen - known) / size;
+    own.iter_mut().zip(basis).for_each(|(c, b)| *c += by * b);
+}
+
 /// Place among what deviates of the axis `axis` of what is missed.
 pub(super) fn missed_place(axis: usize) -> usize {
     match axis {
         0..3 => Deviations::VELOCITY.start + axis,
         _ => Deviations::RATE.start + axis - 3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Time in which the coefficient `place` of a series that is 1 there comes to 1 - 1/e, s.
+    fn time_constant(place: usize, harmonics: usize, time: f64) -> f64 {
+        let (parts, cycle) = (20, 0.12);
+        let interval = cycle / f64::from(parts);
+        let mut own = vec![0.0; waves(harmonics, 0.0).len()];
+        let found = (1..100_000).find(|k| {
+            let basis = waves(harmonics, (f64::from(*k) - 0.5) / f64::from(parts));
+            towards(&mut own, &basis, basis[place], share(interval, harmonics, time));
+            own[place] >= 1.0 - (-1.0f64).exp()
+        });
+        f64::from(found.unwrap()) * interval
+    }
+
+    #[test]
+    fn the_mean_is_learned_in_its_time_and_harmonics_in_twice_that() {
+        for time in [0.09, 0.2, 1.0] {
+            for harmonics in 0..4 {
+                // An update ends up to one part, 6 ms, after the time, and beats with the waves.
+                let mean = time_constant(0, harmonics, time);
+                assert!((mean - time).abs() < 0.01, "{mean} for {time} with {harmonics}");
+                for place in 1..=2 * harmonics {
+                    let wave = time_constant(place, harmonics, time);
+                    assert!(
+                        (wave - 2.0 * time).abs() < 0.03,
+                        "{wave} for 2 x {time} with {place} of {harmonics}"
+                    );
+                }
+            }
+        }
     }
 }

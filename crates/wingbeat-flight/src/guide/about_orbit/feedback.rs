@@ -183,7 +183,7 @@ pub fn waves(harmonics: usize, cycles: f64) -> Vec<f64> {
 /// Test: `what_the_model_misses_is_fed_forward_at_least_cost`.
 ///
 /// Commands at each phase by the waves of an acceleration d that repeats with the cycle: those that minimise the cost of the
-/// regulator in the long run, beside its feedback. `costs` are those at the begin of each interval.
+/// regulator in the long run, beside its feedback. `costs` are those at the start of each interval.
 fn ahead(
     augmented: &[(DMatrix<f64>, DMatrix<f64>)],
     gains: &[DMatrix<f64>],

@@ -39,7 +39,7 @@ pub struct AboutOrbitSpec {
     /// How the state is estimated from the readings of instruments; without it the controller receives the true state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSpec>,
-    /// How the controller adapts in flight to an air that it is not told; without it, it does not.
+    /// How the controller adapts in flight to an unknown air; without it, it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adapt: Option<AdaptSpec>,
     /// How `[path]` is followed, in place of legs.
@@ -144,8 +144,7 @@ impl AboutOrbitSpec {
                 return Err(Error::invalid("adapt", "given", allowed).against(["predictive"]));
             }
             if adapt.missed_s.is_some() && self.estimator.is_some() {
-                let allowed =
-                    "none beside estimator, which has an acceleration of its own that the model misses";
+                let allowed = "none beside estimator: it is learned of the true state, and the estimator has one of its own";
                 return Err(Error::invalid("adapt.missed_s", "given", allowed).against(["estimator"]));
             }
         }
