@@ -41,6 +41,7 @@ const BLOCKS: [(&str, &[&str]); 5] = [
         &[
             "statuses",
             "limits of flight",
+            "limits of membrane",
             "limits of trim",
             "limits of plan",
             "limits of sweep",

@@ -3,19 +3,21 @@
 //! Above the chord of a strip, x = c (1 - cos t)/2, stands z = sin^2 t (h_1 + h_2 cos t): the parabola, exact under an even
 //! pressure, and the shape that moves the bulge forward. States are both over the chord. The inertia of the membrane against itself
 //! is left out: its frequency, with the air that it carries, has to lie far above that of the motion, which
-//! [`StripModel::membrane_frequency_hz`] tells. What remains is a balance of first order in the heights.
+//! [`StripModel::membrane_scales`] tells. What remains is a balance of first order in the heights.
 
 use super::grid::Grid;
 use super::influence::Column;
 use super::{Flow, StripModel};
 use crate::{MAX_STRIPS, MembraneNumbers, Planform};
 use std::f64::consts::{PI, TAU};
-use wingbeat_math::{Error, Meets, Over, Scalar, Vec3};
+use wingbeat_math::{Error, GRAVITY, Meets, Over, Scalar, Vec3};
 
 /// Strain over which the end of the tension is rounded off where the membrane goes slack. *Choice.*
 const STRAIN_WIDTH: f64 = 1e-4;
 /// Stretch over which the size of the tension is rounded off in the membrane's own damping. *Choice.*
 const DAMPED_WIDTH: f64 = 1e-3;
+/// Least distance of a strip's middle from a rib, over the width of the bay's first strip. *Choice.*
+const LEAST_TIE: f64 = 0.1;
 /// Shapes of a strip.
 const MODES: usize = 2;
 /// Rate of the arc's strain, the mean of z'^2/2 along the chord, by h/c of each shape, over h/c.
@@ -186,7 +188,7 @@ impl<P: Scalar> Membrane<P> {
         };
         let chord = |k: usize| grid.chord[(strips.start + k.max(1) - 1).min(strips.end - 1)];
         let tie = |k: usize| {
-            let least = (grid.width[strips.start] * 0.1).value();
+            let least = (grid.width[strips.start] * LEAST_TIE).value();
             let mut step = arc(k) - arc(k + 1);
             if step.value() < least {
                 step = P::from(least);
@@ -295,33 +297,55 @@ impl<P: Scalar> Membrane<P> {
         }
     }
 
-    /// Least frequency of a strip with the air of the density `density` that it carries, Hz, its sides let go: the modal mass is
-    /// (8/15) m c + (7/12) pi rho c^2/4 for each span, the stiffness (16/3) T/c with T the tension of the flat membrane, or
-    /// twice what a slack one lacks of it, at least what a rise of 5 % of the chord makes of it.
+    /// What its motion is held against at the strain `stretch` along the chord, in air of the density `density`, sides let go.
+    ///
+    /// Least frequency of a bay: the modal mass is (8/15) m c + (7/12) pi rho c^2/4 for each span, the stiffness (16/3) T/c, both with
+    /// the largest chord, and T = K e the tension. What the strain of a vibration adds to the stiffness is left out, so that it
+    /// is rather low.
     ///
     /// Equation: aero.membrane.frequency
     /// `omega^2 = (16/3) T/c / [(8/15) m c + (7/12) pi rho c^2/4]`
     /// Source: Rayleigh's quotient with the parabola; the air's part by thin-aerofoil theory, own derivation.
     /// Test: `the_frequency_of_a_membrane_is_that_of_its_string`.
-    pub fn frequency_hz(&self, density: P) -> f64 {
-        let stretch = self.prestrain.value();
-        let stretch = if stretch < 0.0 { -2.0 * stretch } else { stretch };
-        // Without prestrain it is what the strain of a rise of 5 % makes of it.
-        let stretch = stretch.max(ARC[0] * 0.05 * 0.05);
-        let of = |bay: &Bay<P>| {
-            let chord = self.chord[bay.first].value();
-            let air = density.value() * PI * chord * chord / 4.0 * (7.0 / 12.0);
-            let mass = self.areal_density.value() * chord * MEAN_SQUARE[0] + air;
-            (ARC[0] * bay.stiffness.value() * stretch / chord / mass).sqrt() / TAU
-        };
-        self.bays.iter().map(of).fold(f64::INFINITY, f64::min)
+    pub fn scales(&self, density: f64, stretch: f64) -> MembraneScales {
+        let mass = self.areal_density.value();
+        let mut scales =
+            MembraneScales { frequency_hz: f64::INFINITY, damping_s: self.damping.value(), weight_rise: 0.0 };
+        for bay in &self.bays {
+            let strips = bay.first..bay.first + bay.ties.len() - 1;
+            let chord = strips.map(|i| self.chord[i].value()).fold(0.0, f64::max);
+            let tension = bay.stiffness.value() * stretch;
+            let carried = mass * chord * MEAN_SQUARE[0] + density * PI * chord * chord / 4.0 * (7.0 / 12.0);
+            let frequency = (ARC[0] * tension / chord / carried).sqrt() / TAU;
+            scales.frequency_hz = scales.frequency_hz.min(frequency);
+            if mass > 0.0 {
+                scales.weight_rise = scales.weight_rise.max(mass * GRAVITY * chord / (8.0 * tension));
+            }
+        }
+        scales
     }
 }
 
+/// What the motion of a membrane is held against.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MembraneScales {
+    /// Least frequency, Hz.
+    pub frequency_hz: f64,
+    /// Time of its own damping, within which it follows its inertia too, s.
+    pub damping_s: f64,
+    /// Rise over the chord that its weight would make of it, m g c/(8 T).
+    pub weight_rise: f64,
+}
+
 impl<P: Scalar> StripModel<P> {
-    /// Least frequency of the membrane, Hz, of those of its strips; none without one.
-    pub fn membrane_frequency_hz(&self) -> Option<f64> {
-        self.membrane.as_ref().map(|membrane| membrane.frequency_hz(self.numbers.density))
+    /// Whether the surface is a membrane.
+    pub fn is_membrane(&self) -> bool {
+        self.membrane.is_some()
+    }
+
+    /// What the motion of the membrane is held against at the strain `stretch` along its chord; none without one.
+    pub fn membrane_scales(&self, stretch: f64) -> Option<MembraneScales> {
+        self.membrane.as_ref().map(|membrane| membrane.scales(self.numbers.density.value(), stretch))
     }
 
     /// Strain along the chord at those heights over the chord, what the span adds left out; below zero the membrane is slack.
@@ -619,13 +643,50 @@ mod tests {
         }
     }
 
+    /// Of strips that nothing holds: stored is E t e^2/2 over the area, lost (R + tau K) h'^2 with K the second derivative of what is
+    /// stored by each height.
+    #[test]
+    fn work_on_a_membrane_is_what_it_stores_and_loses() {
+        let (tau, resistance, step) = (2e-3, 0.03, 2e-6);
+        let skin = held(0.05, false, tau);
+        let (c, dy, stiffness) = (0.2, 0.1, 100.0);
+        let stretch = |h: [f64; 2]| 0.05 + 0.5 * (ARC[0] * h[0] * h[0] + ARC[1] * h[1] * h[1]);
+        let stored = |h: [f64; 2]| 0.5 * stiffness * stretch(h).powi(2) * c * dy;
+        let (mut h, mut balance, mut worked) = ([0.03, -0.01], [0.0; 2], 0.0);
+        let start = stored(h);
+        for k in 0..50_000 {
+            let t = (k as f64 + 0.5) * step;
+            let load = [0.02 + 0.05 * (40.0 * t).sin(), 0.02 * (70.0 * t).cos()];
+            let rates = |h: [f64; 2]| {
+                let [mut first, mut second] = load.map(|load| [load; 5]);
+                skin.rates([&[h[0]; 5], &[h[1]; 5]], &[resistance; 5], [&mut first, &mut second]);
+                [first[2], second[2]]
+            };
+            // By the rule of the middle.
+            let half = rates(h);
+            let middle = [0, 1].map(|m| h[m] + 0.5 * step * half[m] / c);
+            let rate = rates(middle);
+            for m in 0..2 {
+                let tangent =
+                    ARC[m] * dy / c * stiffness * (stretch(middle) + ARC[m] * middle[m] * middle[m]);
+                balance[0] += load[m] * rate[m] * step;
+                balance[1] += (resistance + tau * tangent) * rate[m] * rate[m] * step;
+                worked += (load[m] * rate[m] * step).abs();
+                h[m] += step * rate[m] / c;
+            }
+        }
+        let lacking = (balance[0] - balance[1] - (stored(h) - start)).abs() / worked;
+        assert!(balance[1] > 0.05 * worked && lacking < 1e-5, "{balance:?} {lacking}");
+    }
+
     /// Of a string pi sqrt(T/m)/c; the parabola is stiffer by sqrt(10)/pi.
     #[test]
     fn the_frequency_of_a_membrane_is_that_of_its_string() {
         let string = 0.5 * (100.0_f64 * 0.05 / 0.02).sqrt() / 0.2;
-        let found = held(0.05, false, 1e-3).frequency_hz(0.0);
+        let frequency = |density| held(0.05, false, 1e-3).scales(density, 0.05).frequency_hz;
+        let found = frequency(0.0);
         assert!((found / string - 10_f64.sqrt() / PI).abs() < 1e-9, "{found} {string}");
-        assert!(held(0.05, false, 1e-3).frequency_hz(1.2) < found);
+        assert!(frequency(1.2) < found);
     }
 
     /// In plane flow: k T h/c and the loads of both shapes are two linear equations, lift 2 pi (a + 2 h_1 - h_2), moment about 1/4 chord

@@ -43,18 +43,9 @@ pub const STEP_ERROR: Limit = Limit::warn_above("flight.step_error_m", 0.01, "m"
 /// Error of the integration's steps that leaves nothing of the flight.
 pub const STEPS_LOST: Limit = Limit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");
-/// Camber beyond which thin-aerofoil theory is poor. *Choice.*
-pub const MEMBRANE_CAMBER: Limit = Limit::warn_above("flight.membrane_camber_fraction", 0.15, "")
-    .on("largest rise of a membrane over its chord, beyond which thin-aerofoil theory does not hold");
-/// Membranes that are slack for long. *Choice.*
-pub const MEMBRANE_SLACK: Limit = Limit::warn_above("flight.membrane_slack_fraction", 0.05, "")
-    .on("share of the strips on which a membrane is slack along the chord and wrinkles, which the model does not know");
-/// Frequency of the motion that lets a membrane follow without inertia, which is of the order of the square. *Choice.*
-pub const MEMBRANE_FREQUENCY: Limit = Limit::warn_above("flight.membrane_frequency_fraction", 0.25, "")
-    .on("frequency of the motion over that of the membrane, whose inertia is left out");
 
 /// All of them.
-pub const ALL: [Limit; 16] = [
+pub const ALL: [Limit; 13] = [
     ALTITUDE,
     ATTITUDE,
     PATH,
@@ -68,7 +59,4 @@ pub const ALL: [Limit; 16] = [
     FAILURES,
     STEP_ERROR,
     STEPS_LOST,
-    MEMBRANE_CAMBER,
-    MEMBRANE_SLACK,
-    MEMBRANE_FREQUENCY,
 ];

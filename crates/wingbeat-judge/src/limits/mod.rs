@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod data;
 pub mod flight;
+pub mod membrane;
 pub mod paper;
 pub mod plan;
 pub mod recording;
@@ -78,8 +79,9 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 11] = [
+    let kinds: [&'static [Limit]; 12] = [
         &flight::ALL,
+        &membrane::ALL,
         &trim::ALL,
         &plan::ALL,
         &sweep::ALL,
