@@ -147,6 +147,9 @@ impl<P: Scalar> StripModel<P> {
     /// L = rho a0 b dy V a half on the parabola, with w_l - B1/4, and an eighth on the other, with w_l + B1/2 - B2, where
     /// B1 = -b q - 4 V h_1/c and B2 = -3 V h_2/c; the vortex like the lift; on the parabola 2/3 of what presses evenly, the plate's
     /// force in separated flow, and `inertia`: (3/4) P' of the air that the chord carries less (2/3) m a of the membrane's mass.
+    /// Left out, and named in docs/sections.md: the force -3/4 m h_1'' of the air that an accelerating camber carries, the lift
+    /// pi rho b^2 V h_2'/(2 c) of the air's momentum by the second shape, and the weight; w holds the wind, so that a gust moves the
+    /// membrane's mass too.
     ///
     /// Equation: aero.camber_load
     /// `Q_1 = L (w_l + b q/4 + V h_1/c)/2 + F_vortex/2 + 2/3 F_plate + 3/4 P' - 2/3 m a, Q_2 = L (w_l - b q/2 - V (2 h_1 - 3 h_2)/c)/8 +
@@ -180,7 +183,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// J^' = (J - J^)/tau: the momentum that the parabola feels is followed by a state within the membrane's own damping time, and
-    /// its rate is the load of inertia.
+    /// its rate is the load of inertia. At the angular frequency w it lags by about w tau, which the verdict holds against a limit.
     ///
     /// Equation: aero.camber_inertia
     /// `J^' = (J - J^)/tau, J = 3/4 P + 2/3 m w; load J^' - 2/3 m (turn of the normal in the air)`
