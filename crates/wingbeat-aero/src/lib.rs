@@ -28,7 +28,7 @@ pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumber
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
 pub use station::{SectionField, SectionMotion, Sections};
-pub use strip::{LagSet, Lags, StripModel, StripSettings, spacing as lan_spacing};
+pub use strip::{LagSet, Lags, MembraneScales, StripModel, StripSettings, spacing as lan_spacing};
 pub use surfaces::{Surface, Surfaces};
 pub use wingbeat_math::Wrench;
 
@@ -192,7 +192,7 @@ impl<P: Scalar> Aero<P> {
     /// The strip model with a membrane, where that is what it is.
     pub fn membrane(&self) -> Option<&StripModel<P>> {
         match self {
-            Self::Strip(model) if model.membrane_frequency_hz().is_some() => Some(model),
+            Self::Strip(model) if model.is_membrane() => Some(model),
             _ => None,
         }
     }

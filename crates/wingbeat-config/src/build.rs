@@ -320,6 +320,7 @@ pub(super) fn robot(
             ("hinge_arcs_m[0]", format!("{key}.shoulder_m[1]")),
             ("hinge_arcs_m[1]", format!("{key}.proximal.length_m")),
             ("gaps", format!("{key}.gaps")),
+            ("membrane", format!("{key}.membrane")),
             ("density_kg_m3", "air.density_kg_m3".into()),
         ];
         if outline.strips.is_some() {

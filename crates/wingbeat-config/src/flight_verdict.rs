@@ -184,9 +184,7 @@ impl Flown<'_> {
             judge.hold(&flight::STEPS_LOST, error);
         }
         if let Some(membrane) = self.summary.membrane {
-            judge.hold(&flight::MEMBRANE_CAMBER, membrane.camber_max);
-            judge.hold(&flight::MEMBRANE_SLACK, membrane.slack_fraction);
-            judge.hold(&flight::MEMBRANE_FREQUENCY, membrane.frequency_fraction);
+            membrane.judge(judge);
         }
         if self.flight.duration >= WHOLE_CYCLES {
             for limit in [&trim::POWER, &trim::HIGH_POWER] {

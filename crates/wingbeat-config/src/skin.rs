@@ -1,7 +1,12 @@
 //! What a run says of its membranes.
 
 use serde::Serialize;
+use std::f64::consts::TAU;
 use wingbeat_aero::{Aero, membrane_height};
+use wingbeat_judge::Judge;
+use wingbeat_judge::limits::membrane::{
+    BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, CAMBER, FREQUENCY, LAG, SLACK, WEIGHT,
+};
 
 /// Membranes of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -10,25 +15,40 @@ pub struct MembraneSummary {
     pub camber_max: f64,
     /// Share of strips and instants in which the membrane is slack along the chord.
     pub slack_fraction: f64,
-    /// Frequency of the motion over the least one of the membranes.
+    /// Frequency of the motion over the least one of the membranes with the mean tension along the chord.
     pub frequency_fraction: f64,
+    /// Angular frequency of the motion times `damping_s`, rad.
+    pub lag_rad: f64,
+    /// Rise by the weight of the membrane, which is left out, over the largest rise.
+    pub weight_fraction: f64,
 }
 
 impl MembraneSummary {
-    /// Of the surface `aero` from the heights over the chord of its strips at all instants; none without a membrane.
+    /// Of the surface `aero` from the heights over the chord of its strips at all instants; none without a membrane or an instant.
     pub fn of(aero: &Aero, heights: impl Iterator<Item = [f64; 2]>, frequency_hz: f64) -> Option<Self> {
-        let membrane = aero.membrane()?;
-        let (mut camber_max, mut slack, mut count) = (0.0_f64, 0.0, 0.0);
+        let model = aero.membrane()?;
+        let (mut camber_max, mut slack, mut taut, mut count) = (0.0_f64, 0.0, 0.0, 0.0);
         for [camber, forward] in heights {
             for x in [0.3, 0.4, 0.5, 0.6, 0.7] {
                 camber_max = camber_max.max(membrane_height(camber, forward, x).abs());
             }
-            let stretch = membrane.membrane_stretch(camber, forward).unwrap_or_default();
+            let stretch = model.membrane_stretch(camber, forward).unwrap_or_default();
             slack += if stretch < 0.0 { 1.0 } else { 0.0 };
+            taut += stretch.max(0.0);
             count += 1.0;
         }
-        let frequency_fraction = frequency_hz / membrane.membrane_frequency_hz()?;
-        Some(Self { camber_max, slack_fraction: slack / f64::max(count, 1.0), frequency_fraction })
+        if count == 0.0 {
+            return None;
+        }
+        let scales = model.membrane_scales(taut / count)?;
+        let over = |part: f64, whole: f64| if part == 0.0 { 0.0 } else { part / whole };
+        Some(Self {
+            camber_max,
+            slack_fraction: slack / count,
+            frequency_fraction: over(frequency_hz, scales.frequency_hz),
+            lag_rad: TAU * frequency_hz * scales.damping_s,
+            weight_fraction: over(scales.weight_rise, camber_max),
+        })
     }
 
     /// The worse of two.
@@ -37,6 +57,20 @@ impl MembraneSummary {
             camber_max: self.camber_max.max(other.camber_max),
             slack_fraction: self.slack_fraction.max(other.slack_fraction),
             frequency_fraction: self.frequency_fraction.max(other.frequency_fraction),
+            lag_rad: self.lag_rad.max(other.lag_rad),
+            weight_fraction: self.weight_fraction.max(other.weight_fraction),
         }
+    }
+
+    /// Holds them against their limits.
+    pub fn judge(&self, judge: &mut Judge) {
+        judge.hold(&CAMBER, self.camber_max);
+        judge.hold(&BEYOND_CAMBER, self.camber_max);
+        judge.hold(&SLACK, self.slack_fraction);
+        judge.hold(&FREQUENCY, self.frequency_fraction);
+        judge.hold(&BEYOND_FREQUENCY, self.frequency_fraction);
+        judge.hold(&LAG, self.lag_rad);
+        judge.hold(&BEYOND_LAG, self.lag_rad);
+        judge.hold(&WEIGHT, self.weight_fraction);
     }
 }

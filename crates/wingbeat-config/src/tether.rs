@@ -183,9 +183,7 @@ impl TetherCase {
             }
         }
         if let Some(membrane) = self.skin(run) {
-            judge.hold(&tether::MEMBRANE_CAMBER, membrane.camber_max);
-            judge.hold(&tether::MEMBRANE_SLACK, membrane.slack_fraction);
-            judge.hold(&tether::MEMBRANE_FREQUENCY, membrane.frequency_fraction);
+            membrane.judge(&mut judge);
         }
         self.stalled(run)
             .into_iter()
@@ -524,6 +522,7 @@ impl TetherSpec {
         let mut names = vec![
             ("half_span".to_owned(), format!("wing.{}", self.wing.tip_key())),
             ("gaps".into(), "wing.gaps".into()),
+            ("membrane".into(), "wing.membrane".into()),
             ("drag".into(), "wing".into()),
             ("density_kg_m3".into(), "wind.density_kg_m3".into()),
         ];

@@ -42,6 +42,7 @@ const BLOCKS: [(&str, &[&str]); 5] = [
             "statuses",
             "limits of flight",
             "limits of range",
+            "limits of membrane",
             "limits of trim",
             "limits of plan",
             "limits of sweep",

@@ -21,6 +21,7 @@ mod tables;
 
 pub use constants::Lags;
 pub use grid::spacing;
+pub use membrane::MembraneScales;
 pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
 pub use settings::{LagSet, StripSettings};
 

@@ -32,9 +32,7 @@ impl TrimSummary {
         }
         plausible::hold(&mut judge, robot);
         if let Some(membrane) = self.membrane {
-            judge.hold(&trim::MEMBRANE_CAMBER, membrane.camber_max);
-            judge.hold(&trim::MEMBRANE_SLACK, membrane.slack_fraction);
-            judge.hold(&trim::MEMBRANE_FREQUENCY, membrane.frequency_fraction);
+            membrane.judge(&mut judge);
         }
         let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
         judge_slow(&mut judge, self.speed_m_s, slow);

@@ -43,15 +43,6 @@ pub const STEP_ERROR: Limit = Limit::warn_above("flight.step_error_m", 0.01, "m"
 /// Error of the integration's steps that leaves nothing of the flight.
 pub const STEPS_LOST: Limit = Limit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");
-/// Camber beyond which thin-aerofoil theory is poor. *Choice.*
-pub const MEMBRANE_CAMBER: Limit = Limit::warn_above("flight.membrane_camber_fraction", 0.15, "")
-    .on("largest rise of a membrane over its chord, beyond which thin-aerofoil theory does not hold");
-/// Membranes that are slack for long. *Choice.*
-pub const MEMBRANE_SLACK: Limit = Limit::warn_above("flight.membrane_slack_fraction", 0.05, "")
-    .on("share of the strips on which a membrane is slack along the chord and wrinkles, which the model does not know");
-/// Frequency of the motion that lets a membrane follow without inertia, which is of the order of the square. *Choice.*
-pub const MEMBRANE_FREQUENCY: Limit = Limit::warn_above("flight.membrane_frequency_fraction", 0.25, "")
-    .on("frequency of the motion over that of the membrane, whose inertia is left out");
 
 /// Deviation of the turbulence over its airspeed. Taylor 1938: a frozen field needs it small; 0.3 is a choice.
 pub const TURBULENCE: Limit = Limit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
@@ -67,7 +58,7 @@ pub const TURBULENCE_ELSEWHERE: Limit = Limit::at_most("flight.turbulence_other_
     .on("the turbulence passes at quite another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
 
 /// All of them.
-pub const ALL: [Limit; 20] = [
+pub const ALL: [Limit; 17] = [
     ALTITUDE,
     ATTITUDE,
     PATH,
@@ -81,9 +72,6 @@ pub const ALL: [Limit; 20] = [
     FAILURES,
     STEP_ERROR,
     STEPS_LOST,
-    MEMBRANE_CAMBER,
-    MEMBRANE_SLACK,
-    MEMBRANE_FREQUENCY,
     TURBULENCE,
     TURBULENCE_STRONG,
     TURBULENCE_SPEED,

@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod data;
 pub mod flight;
+pub mod membrane;
 pub mod paper;
 pub mod plan;
 pub mod range;
@@ -79,9 +80,10 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 12] = [
+    let kinds: [&'static [Limit]; 13] = [
         &flight::ALL,
         &range::ALL,
+        &membrane::ALL,
         &trim::ALL,
         &plan::ALL,
         &sweep::ALL,

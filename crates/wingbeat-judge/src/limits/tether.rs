@@ -9,15 +9,6 @@ pub const STEPS: Limit = Limit::at_most("tether.step_change_fraction", 0.5, "", 
 /// Ten times what the shipped cases reach. *Choice.*
 pub const CYCLES: Limit = Limit::at_most("tether.cycle_change_fraction", 0.01, "", NotPeriodic)
     .on("largest change of a load from the last cycle but one, over the largest of its kind,");
-/// Camber beyond which thin-aerofoil theory is poor. *Choice.*
-pub const MEMBRANE_CAMBER: Limit = Limit::warn_above("tether.membrane_camber_fraction", 0.15, "")
-    .on("largest rise of a membrane over its chord, beyond which thin-aerofoil theory does not hold");
-/// Membranes that are slack for long. *Choice.*
-pub const MEMBRANE_SLACK: Limit = Limit::warn_above("tether.membrane_slack_fraction", 0.05, "")
-    .on("share of the strips on which a membrane is slack along the chord and wrinkles, which the model does not know");
-/// Frequency of the motion that lets a membrane follow without inertia, which is of the order of the square. *Choice.*
-pub const MEMBRANE_FREQUENCY: Limit = Limit::warn_above("tether.membrane_frequency_fraction", 0.25, "")
-    .on("frequency of the motion over that of the membrane, whose inertia is left out");
 
 /// Halves of the wing that pass through the middle plane more than a chord from the root.
 pub const CROSSING: Limit = Limit::warn_above("tether.crossing_fraction", 0.0, "").on(
@@ -35,5 +26,4 @@ pub const SPAR: Limit = Limit::at_most("tether.spar_grid_fraction", 0.02, "", No
     .on("move of the tip at rest with one more coefficient of the spar's strains, over its displacement,");
 
 /// All of them.
-pub const ALL: [Limit; 9] =
-    [STEPS, CYCLES, CROSSING, CROSSED, FIRST, SPAR, MEMBRANE_CAMBER, MEMBRANE_SLACK, MEMBRANE_FREQUENCY];
+pub const ALL: [Limit; 6] = [STEPS, CYCLES, CROSSING, CROSSED, FIRST, SPAR];

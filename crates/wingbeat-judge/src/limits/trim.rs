@@ -29,32 +29,11 @@ pub const MULTIPLIER: Limit = Limit::at_most("trim.multiplier", 100.0, "", OffTa
 /// Conditions of the orbit, which Newton's method meets to 1e-11.
 pub const RESIDUAL: Limit = Limit::at_most("trim.residual", 1e-8, "", NotFound)
     .on("largest error of a condition of the orbit, in SI units");
-/// Camber beyond which thin-aerofoil theory is poor. *Choice.*
-pub const MEMBRANE_CAMBER: Limit = Limit::warn_above("trim.membrane_camber_fraction", 0.15, "")
-    .on("largest rise of a membrane over its chord, beyond which thin-aerofoil theory does not hold");
-/// Membranes that are slack for long. *Choice.*
-pub const MEMBRANE_SLACK: Limit = Limit::warn_above("trim.membrane_slack_fraction", 0.05, "")
-    .on("share of the strips on which a membrane is slack along the chord and wrinkles, which the model does not know");
-/// Frequency of the motion that lets a membrane follow without inertia, which is of the order of the square. *Choice.*
-pub const MEMBRANE_FREQUENCY: Limit = Limit::warn_above("trim.membrane_frequency_fraction", 0.25, "")
-    .on("frequency of the motion over that of the membrane, whose inertia is left out");
 
 /// Steps of the orbit's cycle. With 17 the power of `cruise_20g` is 1.2 % above that of 170.
 pub const STEPS: Limit = Limit::warn_below("trim.steps_per_cycle", 40.0, "")
     .on("the steps of the integration are long (shorten trim.step_s): number of steps of a cycle");
 
 /// All of them.
-pub const ALL: [Limit; 12] = [
-    HIGH_POWER,
-    POWER,
-    BEYOND_12,
-    BEYOND_20,
-    CLEARANCE,
-    SKIN,
-    MULTIPLIER,
-    RESIDUAL,
-    STEPS,
-    MEMBRANE_CAMBER,
-    MEMBRANE_SLACK,
-    MEMBRANE_FREQUENCY,
-];
+pub const ALL: [Limit; 9] =
+    [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, RESIDUAL, STEPS];

@@ -100,9 +100,10 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     [Preset::Paper, Preset::Full].into_iter().map(row).collect()
 }
 
-/// Energy with a membrane for a wing: what it stores and loses is the air's work on it, of which the links know nothing.
+/// Energy of the links with a membrane for a wing. What the membrane stores and loses is the air's work on it, of which the links know
+/// nothing; `work_on_a_membrane_is_what_it_stores_and_loses` balances that.
 pub fn membrane_rows() -> Result<Vec<Row>, Error> {
-    let metric = "work of drives, dampers and air on the links - change of energy, over the peak work, one cycle, wings of membrane";
+    let metric = "work of drives, dampers and air on the links - change of their energy (the membrane's own is not in it), over the peak work, one cycle, wings of membrane";
     let value = imbalance(Preset::Full, true)?;
     Ok(vec![Row::judged("fsi.membrane.energy", "conservation of energy", metric, value, 1e-8, "")])
 }

@@ -373,6 +373,10 @@ fn bad_cases_are_refused_with_their_place() {
         ("wing.hinges[1].arc_m=0.5", "arc_m"),
         ("wing.hinges[1].name=\"shoulder\"", "wing.hinges[1].name = \"shoulder\": allowed is a name"),
         ("time.frequency_hz=0", "above 0"),
+        (
+            "wing.membrane={thickness_m=1e-4, modulus_pa=1e6, density_kg_m3=1e3, ribs_m=[0.0, 5.0]}",
+            "wing.membrane.ribs_m[1] = 5.0: allowed is 0 to the tip",
+        ),
         ("time.cycles=100000000000", "at most 500000 steps"),
         ("time.steps_per_cycle=2", "8 or more"),
         ("wind.speed_m_s=0", "wind.speed_m_s = 0"),

@@ -1,0 +1,34 @@
+//! Limits of a membrane, of all that flies or is held with one. All values are choices.
+
+use super::Limit;
+use crate::status::Status::Outside;
+
+/// Camber beyond which thin-aerofoil theory is poor.
+pub const CAMBER: Limit = Limit::warn_above("membrane.camber_fraction", 0.15, "")
+    .on("thin-aerofoil theory becomes poor: largest rise of a membrane over its chord");
+/// Camber at which slopes are no longer small: an arc of 0.3 leaves its ends at 62 degrees.
+pub const BEYOND_CAMBER: Limit = Limit::at_most("membrane.camber_outside_fraction", 0.3, "", Outside)
+    .on("largest rise of a membrane over its chord");
+/// Membranes that are slack for long.
+pub const SLACK: Limit = Limit::warn_above("membrane.slack_fraction", 0.05, "")
+    .on("a slack membrane wrinkles, which the model does not know: share of the strips and of the time in which it is slack along the chord");
+/// Frequency of the motion that lets a membrane follow without inertia; what is lost is of the order of the square.
+pub const FREQUENCY: Limit = Limit::warn_above("membrane.frequency_fraction", 0.25, "").on(
+    "the inertia of a membrane against itself is left out: frequency of the motion over that of the membrane",
+);
+/// A motion above the membrane's own frequency, which would move against it.
+pub const BEYOND_FREQUENCY: Limit = Limit::at_most("membrane.frequency_outside_fraction", 1.0, "", Outside)
+    .on("frequency of the motion over that of the membrane");
+/// Lag of 9 degrees; the load of inertia falls by 1 - 1/sqrt(1 + 0.15^2), 1 %.
+pub const LAG: Limit = Limit::warn_above("membrane.lag_rad", 0.15, "rad")
+    .on("damping_s lets a membrane and the load of its inertia lag: angular frequency of the motion times damping_s");
+/// Lag of 45 degrees.
+pub const BEYOND_LAG: Limit = Limit::at_most("membrane.lag_outside_rad", 1.0, "rad", Outside)
+    .on("angular frequency of the motion times damping_s of a membrane");
+/// Weight of a membrane, which bends no membrane here.
+pub const WEIGHT: Limit = Limit::warn_above("membrane.weight_fraction", 0.1, "")
+    .on("gravity does not bend a membrane here: rise by its weight over its largest rise");
+
+/// All of them.
+pub const ALL: [Limit; 8] =
+    [CAMBER, BEYOND_CAMBER, SLACK, FREQUENCY, BEYOND_FREQUENCY, LAG, BEYOND_LAG, WEIGHT];
