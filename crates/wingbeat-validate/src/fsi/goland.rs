@@ -50,7 +50,7 @@ fn beam(arcs: Vec<f64>) -> Result<Beam, Error> {
 /// The wing in a wind of `speed` m/s with the model `aero`.
 fn wing(speed: f64, aero: Aero) -> Result<Tether, Error> {
     let planform = planform()?;
-    let beam = beam(Spar::arcs(aero.arcs(), 0.0))?;
+    let beam = beam(Spar::arcs(&aero, 0.0))?;
     let reference =
         Reference { density_kg_m3: DENSITY, speed_m_s: speed, area_m2: planform.area(), chord_m: CHORD };
     Ok(Tether {

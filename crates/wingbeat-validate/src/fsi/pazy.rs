@@ -139,7 +139,7 @@ fn displaced(speed: f64) -> Result<f64, Error> {
         ..Default::default()
     };
     let aero = Aero::Strip(StripModel::new(&planform, settings)?);
-    let beam = beam(Spar::arcs(aero.arcs(), 0.0))?;
+    let beam = beam(Spar::arcs(&aero, 0.0))?;
     let tether = Tether {
         aero,
         motion: Motion { nose_up: Coordinate::Constant(5.0_f64.to_radians()), ..Motion::at_rest() },
