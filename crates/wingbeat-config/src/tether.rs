@@ -170,9 +170,10 @@ impl TetherCase {
             if let Some(change) = step_change {
                 judge.hold(&tether::STEPS, change);
             }
-            if let Some(change) = run.steady.as_ref().and_then(|steady| steady.grid_change) {
-                judge.hold(&tether::SPAR, change);
+            if run.steady.as_ref().is_some_and(|steady| !steady.found) {
+                judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
             }
+            judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);
@@ -344,7 +345,7 @@ impl SparSummary {
 }
 
 /// Steps per period of the lowest frequency of a spar below which there is a caution: the implicit steps are stable at any length,
-/// and of fourth order. *Choice.*
+/// and of third order. *Choice.*
 const STEPS_PER_PERIOD: f64 = 12.0;
 
 /// Excess of the coefficients by rounded speeds above which there is a caution. *Choice.*

@@ -139,6 +139,10 @@ fn a_coarse_spar_is_not_resolved() {
         steady.grid_change = Some(0.3);
     }
     assert_eq!(case.summary(&run, Some(0.0), None).verdict.status, Status::NotResolved);
+    if let Some(steady) = &mut run.steady {
+        (steady.found, steady.grid_change) = (false, None);
+    }
+    assert_eq!(case.summary(&run, Some(0.0), None).verdict.status, Status::NotResolved);
 }
 
 /// A robot's link with a spar: the pieces weigh what the spar weighs, carry the surface, and raise its tip when they bend.
