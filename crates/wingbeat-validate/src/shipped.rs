@@ -81,6 +81,7 @@ const FILES: &[(&str, &str)] = files![
     "scenarios/predictive_20g"
     "scenarios/predictive_figure8"
     "scenarios/roll_in"
+    "scenarios/soft_20g"
     "robots/aerobat_beta"
     "robots/aerobat_elastic"
     "robots/aerobat_paper"
@@ -104,6 +105,7 @@ const FILES: &[(&str, &str)] = files![
     "robots/passive_20g"
     "robots/passive_20g_margin"
     "robots/passive_linkage"
+    "robots/soft_20g"
 ];
 
 /// A file of those that are compiled in.

@@ -28,6 +28,7 @@ const OPEN: &[&str] = &[
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
+    "soft_20g",
 ];
 /// Scenarios whose first station beyond the middle only ends a gap.
 const ENDED: &[&str] = &[
@@ -44,6 +45,7 @@ const ENDED: &[&str] = &[
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
+    "soft_20g",
 ];
 /// Scenarios whose strips do not ride on the panel of the body.
 const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"];
@@ -71,6 +73,7 @@ const WITHOUT_LEV: &[&str] = &[
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
+    "soft_20g",
 ];
 /// Scenarios whose law is linear.
 const LINEAR: &[&str] = &[
