@@ -139,7 +139,7 @@ impl SparSpec {
             .map(|(i, mass)| mass.lump(self.root_m, tip).map_err(|e| e.within(&format!("masses[{i}]"))))
             .collect::<Result<_, _>>()?;
         let beam = |order: usize| {
-            let arcs = Spar::arcs(aero.arcs(), self.root_m);
+            let arcs = Spar::arcs(aero, self.root_m);
             let arcs = arcs.into_iter().filter(|arc| *arc <= tip - self.root_m).collect();
             Beam::new(
                 &stations,

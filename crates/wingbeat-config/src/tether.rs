@@ -174,9 +174,10 @@ impl TetherCase {
                 judge.hold(&tether::STEPS, change);
             }
             Moved::new(&self.tether).hold(&mut judge);
-            if let Some(change) = run.steady.as_ref().and_then(|steady| steady.grid_change) {
-                judge.hold(&tether::SPAR, change);
+            if run.steady.as_ref().is_some_and(|steady| !steady.found) {
+                judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
             }
+            judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);
@@ -364,7 +365,7 @@ impl SparSummary {
 }
 
 /// Steps per period of the lowest frequency of a spar below which there is a caution: the implicit steps are stable at any length,
-/// and of fourth order. *Choice.*
+/// and of third order. *Choice.*
 const STEPS_PER_PERIOD: f64 = 12.0;
 
 /// Excess of the coefficients by rounded speeds above which there is a caution. *Choice.*

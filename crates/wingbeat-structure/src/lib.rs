@@ -36,8 +36,8 @@ mod statics;
 
 pub use beam::{Beam, Grid, Lump, MAX_COORDINATES};
 pub use group::Place;
-pub use implicit::{Factors, Implicit, Stage, Stepped, step};
-pub use modes::{Linear, eigenvalues, frequencies, linear};
-pub use motion::{Energy, Load, Setting, Swung};
+pub use implicit::{Factors, Implicit, Rule, Stage, Stepped, step};
+pub use modes::{Linear, eigenvalues, frequencies, linear, of_first_order};
+pub use motion::{Energy, Load, Setting, Swung, turning};
 pub use section::{Section, Station, Strain};
 pub use statics::{Held, Status, hold};

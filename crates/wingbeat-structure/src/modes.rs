@@ -29,12 +29,22 @@ pub fn eigenvalues(linear: &Linear) -> Vec<Complex<f64>> {
     let (Some(k), Some(c)) = (factors.solve(&linear.stiffness), factors.solve(&linear.damping)) else {
         return Vec::new();
     };
-    let a = DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
-        (true, _) => f64::from(u8::from(j == i + n)),
-        (false, true) => -k[(i - n, j)],
-        (false, false) => -c[(i - n, j - n)],
+    let rates = DMatrix::from_fn(n, 2 * n, |i, j| if j < n { k[(i, j)] } else { c[(i, j - n)] });
+    of_first_order(&rates, n)
+}
+
+/// Eigenvalues of the states q (`n` of them), v and x where q' = v and (v', x')' = -`rates` (q, v, x)', rad/s; none where one is not
+/// finite.
+pub fn of_first_order(rates: &DMatrix<f64>, n: usize) -> Vec<Complex<f64>> {
+    let size = rates.ncols();
+    let matrix = DMatrix::from_fn(size, size, |i, j| match i.checked_sub(n) {
+        None => f64::from(u8::from(j == i + n)),
+        Some(i) => -rates[(i, j)],
     });
-    a.complex_eigenvalues().iter().copied().collect()
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return Vec::new();
+    }
+    matrix.complex_eigenvalues().iter().copied().collect()
 }
 
 /// Frequencies of the oscillations, rad/s, ascending, and their shapes by the coordinates, of unit mass, without damping and

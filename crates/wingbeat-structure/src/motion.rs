@@ -92,12 +92,14 @@ impl Energy {
 }
 
 /// Axial vector of a b'.
+#[inline]
 fn axial<S: Scalar>(a: &Mat3<S>, b: &Mat3<S>) -> Vec3<S> {
     let product = |i: usize, j: usize| Vec3(a.0[i]).dot(Vec3(b.0[j]));
     Vec3([product(2, 1), product(0, 2), product(1, 0)])
 }
 
-/// Angular rate and acceleration in W.
+/// Angular rate and acceleration in W: the axial vectors of R' R^T and of R'' R^T + R' R'^T.
+#[inline]
 pub fn turning<S: Scalar>(r: &Mat3<Jet<S>>) -> [Vec3<S>; 2] {
     let [x, d, dd] = [r.each(|j| j.x), r.each(|j| j.d), r.each(|j| j.dd)];
     [axial(&d, &x), axial(&dd, &x) + axial(&d, &d)]

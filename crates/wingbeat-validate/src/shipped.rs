@@ -85,6 +85,7 @@ const FILES: &[(&str, &str)] = files![
     "scenarios/predictive_figure8"
     "scenarios/roll_in"
     "scenarios/sail_glide"
+    "scenarios/soft_20g"
     "robots/aerobat_beta"
     "robots/aerobat_elastic"
     "robots/aerobat_membrane"
@@ -112,6 +113,7 @@ const FILES: &[(&str, &str)] = files![
     "robots/passive_20g_margin"
     "robots/passive_linkage"
     "robots/sail_glider"
+    "robots/soft_20g"
 ];
 
 /// A file of those that are compiled in.

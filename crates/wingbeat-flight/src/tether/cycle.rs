@@ -67,17 +67,23 @@ pub struct Periodicity {
     pub quantity: String,
 }
 
+/// Power over that of the forces at the speed of the wind below which it is none.
+pub(super) const ROUNDING: f64 = 1e-9;
+
 /// Units of what must repeat for a run to be periodic.
 const LOADS: [&str; 3] = ["N", "N m", "W"];
 
 impl Periodicity {
-    /// Of the rows of the last cycle; none where there is no cycle before or no load at all.
-    pub(super) fn of(rows: &[CycleMean]) -> Option<Self> {
+    /// Of the rows of the last cycle in a wind of `speed` m/s; none where there is no cycle before or no load at all.
+    pub(super) fn of(rows: &[CycleMean], speed: f64) -> Option<Self> {
         let of_unit = |unit: &'static str| rows.iter().filter(move |row| row.unit == unit);
+        let largest = |unit| of_unit(unit).map(CycleMean::largest).fold(0.0, f64::max);
         let mut worst: Option<Self> = None;
         for unit in LOADS {
-            let scale = of_unit(unit).map(CycleMean::largest).fold(0.0, f64::max);
-            for row in of_unit(unit).filter(|_| scale > 0.0) {
+            let scale = largest(unit);
+            // Of a wing at rest the power is what rounding leaves.
+            let least = if unit == "W" { ROUNDING * largest("N") * speed } else { 0.0 };
+            for row in of_unit(unit).filter(|_| scale > least) {
                 let change = row.mean_change?.abs().max(row.amplitude_change?.abs()) / scale;
                 if worst.as_ref().is_none_or(|worst| !(change <= worst.change)) {
                     worst = Some(Self { change, quantity: row.name.clone() });
@@ -125,9 +131,23 @@ mod tests {
         }
         let rows = means(&record, 4);
         assert_eq!((rows[0].low, rows[0].high, rows[1].mean_change), (-1.9, 2.1, Some(0.0)));
-        let found = Periodicity::of(&rows).unwrap();
+        let found = Periodicity::of(&rows, 0.0).unwrap();
         assert!((rows[0].mean - 0.0875).abs() < 1e-15, "{}", rows[0].mean);
         assert!((found.change - 0.0875 / 2.1).abs() < 1e-15 && found.quantity == "lift", "{found:?}");
-        assert_eq!(Periodicity::of(&means(&record, 12)), None);
+        assert_eq!(Periodicity::of(&means(&record, 12), 0.0), None);
+    }
+
+    /// A power of 1e-12 W of a wing that bears 2 N at 3 m/s is that of rounding; without wind it counts.
+    #[test]
+    fn a_power_of_rounding_does_not_change() {
+        let columns = [("t", "s"), ("phase", "cycles"), ("lift", "N"), ("power", "W")];
+        let mut record =
+            Record::new(columns.map(|(name, unit)| Column::new(name, unit, "")).to_vec(), 9).unwrap();
+        for i in 0..9 {
+            record.append(&[f64::from(i), 0.0, 2.0, if i < 5 { 1e-12 } else { -3e-12 }]);
+        }
+        let change = |speed: f64| Periodicity::of(&means(&record, 4), speed).unwrap().change;
+        assert_eq!(change(3.0), 0.0);
+        assert!(change(0.0) > 0.5);
     }
 }

@@ -167,7 +167,7 @@ impl Recorder {
             ending,
             steady: None,
             steps_per_cycle: steps,
-            periodicity: Periodicity::of(&means),
+            periodicity: Periodicity::of(&means, tether.wind.norm()),
             efficiency: efficiency(&means, tether.wind.norm()),
             stall_fraction: mean_of("incidence", |a, limit| if a.abs() > limit { 1.0 } else { 0.0 }),
             separated_fraction: mean_of("separated", |share, _| share),
@@ -189,7 +189,7 @@ fn efficiency(means: &[CycleMean], wind: f64) -> Option<f64> {
     let mean = |name: &str| means.iter().find(|row| row.name == name).map(|row| row.mean);
     let (thrust, power) = (mean("thrust")?, mean("power")?);
     // Of a wing at rest rounding alone is left of the power.
-    (power > 1e-9 * (thrust * wind).abs() && wind > 0.0).then(|| thrust * wind / power)
+    (power > cycle::ROUNDING * (thrust * wind).abs() && wind > 0.0).then(|| thrust * wind / power)
 }
 
 fn push(row: &mut Vec<f64>, w: &Wrench<f64>) {

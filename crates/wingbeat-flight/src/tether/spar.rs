@@ -6,10 +6,12 @@ use super::{Coordinate, Side, Tether, TetherRun};
 use crate::simulate::{Column, Held, Moment, Observed, Sizes, Stepper, System};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
-use wingbeat_aero::{Loads, SectionMotion};
+use wingbeat_aero::{Aero, Loads, SectionMotion};
 use wingbeat_math::{Error, Jet, Mat3, Scalar, Vec3, Wrench, require};
 use wingbeat_ocp::plant::{Early, Fault};
-use wingbeat_structure::{Beam, Factors, Implicit, Place, Setting, Stage, Swung, frequencies, linear, step};
+use wingbeat_structure::{
+    Beam, Factors, Implicit, Place, Rule, Setting, Stage, Swung, frequencies, linear, of_first_order, step,
+};
 
 /// Newton steps in the search of a shape at rest.
 const MOST: usize = 25;
@@ -127,8 +129,10 @@ fn mirrored<S: Scalar>(m: SectionMotion<S>) -> SectionMotion<S> {
 
 impl Spar {
     /// Arc coordinates outboard of the root at which the beam needs nodes for the sections of a model, m from the root.
-    pub fn arcs(arcs: &[f64], root_m: f64) -> Vec<f64> {
-        arcs.iter().map(|arc| arc - root_m).filter(|arc| *arc > 0.0).collect()
+    pub fn arcs(aero: &Aero, root_m: f64) -> Vec<f64> {
+        // Those of the edges, and those of the strips, whose motion gives their power.
+        let all = aero.arcs().iter().chain(aero.strip_arcs());
+        all.map(|arc| arc - root_m).filter(|arc| *arc > 0.0).collect()
     }
 
     /// Refuses motions that do not bend both halves alike, and hinges that the beam carries.
@@ -211,11 +215,10 @@ impl Spar {
         body: &Frame<f64>,
         angles: &[Jet<f64>],
     ) -> SectionMotion<S> {
-        let out = arc.abs() - self.root_m;
-        if out <= 0.0 {
+        if !tether.wing.planform().beyond(arc.abs(), self.root_m) {
             return lifted(&tether.wing.section(arc, body, angles));
         }
-        let left = self.section(tether, arc.abs(), &places[self.beam.nearest(out)]);
+        let left = self.section(tether, arc.abs(), &places[self.beam.nearest(arc.abs() - self.root_m)]);
         if arc < 0.0 { mirrored(left) } else { left }
     }
 
@@ -337,6 +340,11 @@ impl Spar {
         if steady.found {
             x[..n].copy_from_slice(&steady.q);
             x[2 * n..].copy_from_slice(&steady.x);
+            // As of a rigid wing: the air has no jump of impulse where the motion begins.
+            let bent = Bent { q: [steady.q.clone(), vec![0.0; n], vec![0.0; n]], root: Wrench::ZERO };
+            let (body, angles) = (tether.motion.body(0.0).frame(), tether.motion.angles(0.0));
+            let sections = self.sections_at(tether, tether.aero.arcs(), &body, &angles, &bent);
+            tether.aero.settle(&&sections[..], tether.wind, &mut x[2 * n..]);
         } else {
             x[2 * n..].copy_from_slice(&tether.start());
         }
@@ -376,13 +384,17 @@ impl Coupled<'_> {
         let sections: Vec<SectionMotion<S>> = arcs.iter().map(of).collect();
         air(&sections, tether.wind.each(S::from), x, dx, loads);
         let mut borne = vec![Wrench::ZERO; places.len()];
+        let planform = tether.wing.planform();
         for i in 0..loads.strips {
             let (edges, share) = tether.aero.strip_sections(i);
             let whole = loads.strip[i].total();
             for (edge, share) in edges.into_iter().zip([1.0 - share, share]) {
-                let out = arcs[edge] - spar.root_m;
-                if out > 0.0 {
-                    let node = spar.beam.nearest(out);
+                // The root bears what lies on an edge there of a strip outboard; a strip across it leaves its inner share to the
+                // rigid part.
+                let at_root = !planform.beyond(spar.root_m, arcs[edge])
+                    && planform.beyond(tether.aero.strip_arcs()[i], spar.root_m);
+                if at_root || planform.beyond(arcs[edge], spar.root_m) {
+                    let node = spar.beam.nearest(arcs[edge] - spar.root_m);
                     let (force, moment) = (whole.force * S::from(share), whole.moment * S::from(share));
                     let moment = moment - places[node].p.each(|j: Jet<S>| j.x).cross(force);
                     let scale = S::from(self.share);
@@ -444,7 +456,7 @@ impl Coupled<'_> {
 
     /// Growth rates and frequencies of small motions about a stage at rest.
     fn eigenvalues(&self, at: &Stage) -> Vec<(f64, f64)> {
-        let (n, m) = (at.q.len(), at.x.len());
+        let n = at.q.len();
         let [by_q, by_v, by_a, by_x, by_w] = self.tangents(0.0, at);
         let join = |parts: &[&DMatrix<f64>]| {
             let columns: Vec<_> = parts.iter().flat_map(|part| part.column_iter()).collect();
@@ -453,19 +465,15 @@ impl Coupled<'_> {
         let Some(rates) = join(&[&by_a, &by_w]).lu().solve(&join(&[&by_q, &by_v, &by_x])) else {
             return Vec::new();
         };
-        // States q, v, x.
-        let matrix = DMatrix::from_fn(2 * n + m, 2 * n + m, |i, j| match i {
-            i if i < n => f64::from(u8::from(j == i + n)),
-            i => -rates[(i - n, j)],
-        });
-        if !matrix.iter().all(|x| x.is_finite()) {
-            return Vec::new();
-        }
-        matrix.complex_eigenvalues().iter().map(|s| (s.re, s.im)).collect()
+        of_first_order(&rates, n).iter().map(|s| (s.re, s.im)).collect()
     }
 }
 
 impl Implicit for Coupled<'_> {
+    /// The ringing of a stiff spar, which no step resolves, dies away.
+    fn rule(&self) -> Rule {
+        Rule::Radau
+    }
     fn residual(&self, t: f64, at: &Stage, out: &mut [f64]) {
         let (own, air) = out.split_at_mut(at.q.len());
         self.in_numbers(t, at, own, air);

@@ -3,6 +3,7 @@
 use wingbeat_aero::{Planform, SectionMotion};
 use wingbeat_math::Error;
 use wingbeat_math::{Jet, Mat3, Scalar, Vec3};
+use wingbeat_structure::turning;
 
 /// What a hinge turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -211,17 +212,12 @@ fn turned<S: Scalar>(a: Vec3<Jet<S>>, b: Vec3<Jet<S>>, angle: Jet<S>) -> (Vec3<J
 }
 
 /// A section from its link's rotation and its edges.
-///
-/// The axial vectors of R' R^T and of R'' R^T + R' R'^T.
 #[inline]
 pub(super) fn motion<S: Scalar>(
     turn: Mat3<Jet<S>>,
     [leading, trailing]: [Vec3<Jet<S>>; 2],
 ) -> SectionMotion<S> {
-    let (r, dr, ddr) = (turn.each(|j| j.x), turn.each(|j| j.d), turn.each(|j| j.dd));
-    let product = |a: &Mat3<S>, b: &Mat3<S>, i: usize, j: usize| Vec3(a.0[i]).dot(Vec3(b.0[j]));
-    let axial =
-        |a: &Mat3<S>, b: &Mat3<S>| Vec3([product(a, b, 2, 1), product(a, b, 0, 2), product(a, b, 1, 0)]);
+    let [w, alpha] = turning(&turn);
     SectionMotion {
         le: leading.each(|j| j.x),
         te: trailing.each(|j| j.x),
@@ -229,9 +225,9 @@ pub(super) fn motion<S: Scalar>(
         v_te: trailing.each(|j| j.d),
         a_le: leading.each(|j| j.dd),
         a_te: trailing.each(|j| j.dd),
-        span: -r.column(1),
-        w: axial(&dr, &r),
-        alpha: axial(&ddr, &r) + axial(&dr, &dr),
+        span: -turn.column(1).each(|j| j.x),
+        w,
+        alpha,
     }
 }
 

@@ -88,13 +88,12 @@ fn refine(section: &TypicalSection, stable: (f64, C), mut unstable: f64) -> Flut
     Flutter { speed: frequency / k, frequency }
 }
 
-/// Both X = (omega_a / omega)2 (1 + i g) at which the section oscillates harmonically at the reduced
-/// frequency `k`. With h positive down in semi-chords, lift and nose-up moment over pi rho b3 omega2 and pi rho b4 omega2 are
+/// Lift and nose-up moment about the axis `a` semi-chords aft of mid chord, by h and alpha, at the reduced frequency `k`. With h
+/// positive down in semi-chords, over pi rho b3 omega2 and pi rho b4 omega2 they are
 /// l = -h + a alpha + i alpha / k + (2 C / k) w, m = -a h + (1/8 + a2) alpha - (1/2 - a) i alpha / k
 /// + (2 C / k) (1/2 + a) w, with w = i h + alpha / k + (1/2 - a) i alpha the wash at 3/4 chord.
-fn characteristic(section: &TypicalSection, k: f64) -> [C; 2] {
-    let TypicalSection { mass_ratio: mu, unbalance: x, frequency_ratio, .. } = *section;
-    let (a, i) = (section.a(), C::i());
+pub fn loads(a: f64, k: f64) -> [[C; 2]; 2] {
+    let i = C::i();
     let circulatory = deficiency(k) * (2.0 / k);
     let wash = [i, C::from(1.0 / k) + i * (0.5 - a)];
     let lift = [circulatory * wash[0] - 1.0, circulatory * wash[1] + a + i / k];
@@ -102,6 +101,13 @@ fn characteristic(section: &TypicalSection, k: f64) -> [C; 2] {
         circulatory * wash[0] * (0.5 + a) - a,
         circulatory * wash[1] * (0.5 + a) + (0.125 + a * a) - i * ((0.5 - a) / k),
     ];
+    [lift, moment]
+}
+
+/// Both X = (omega_a / omega)2 (1 + i g) at which the section oscillates harmonically at the reduced frequency `k`.
+fn characteristic(section: &TypicalSection, k: f64) -> [C; 2] {
+    let TypicalSection { mass_ratio: mu, unbalance: x, frequency_ratio, .. } = *section;
+    let [lift, moment] = loads(section.a(), k);
     let inertia = [[lift[0] - mu, lift[1] - mu * x], [-moment[0] - mu * x, -moment[1] - mu * GYRATION2]];
     let (plunge, pitch) = (mu * frequency_ratio * frequency_ratio, mu * GYRATION2);
     let lead = C::from(plunge * pitch);

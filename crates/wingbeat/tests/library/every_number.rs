@@ -31,6 +31,7 @@ const OPEN: &[&str] = &[
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
+    "soft_20g",
 ];
 /// Scenarios whose first station beyond the middle only ends a gap.
 const ENDED: &[&str] = &[
@@ -50,6 +51,7 @@ const ENDED: &[&str] = &[
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
+    "soft_20g",
 ];
 /// Scenarios whose strips do not ride on the panel of the body.
 const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"];
@@ -81,6 +83,7 @@ const WITHOUT_LEV: &[&str] = &[
     "passive_20g_margin",
     "passive_bank15",
     "sail_glide",
+    "soft_20g",
 ];
 /// Scenarios whose law is linear.
 const LINEAR: &[&str] = &[

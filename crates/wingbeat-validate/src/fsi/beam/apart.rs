@@ -121,10 +121,24 @@ pub fn followed(load: f64) -> Result<[f64; 2], Error> {
     Ok([y[2] * cos + y[3] * sin, (y[2] * sin - y[3] * cos).abs()])
 }
 
+/// How the root of a beam swings, by A (1 - cos(w t)), and the beam's bending stiffness.
+#[derive(Clone, Copy, Debug)]
+pub struct Swing {
+    /// A, rad.
+    pub amplitude: f64,
+    /// w, rad/s.
+    pub omega: f64,
+    /// E I, N m2.
+    pub stiffness: f64,
+}
+
 /// Deflections of the tip of a beam of length, mass per length and bending stiffness 1 in the axes of its root, which turns by
 /// A (1 - cos(w t)) about an axis across it, at the ends of `steps` steps of `h`: small deflection y by six polynomials,
 /// m (y.. + T.. x - T.^2 y) + y'''' - (T y')' = 0 with the tension m T.^2 (1 - x^2)/2.
-pub fn flapped(amplitude: f64, omega: f64, stiffness: f64, h: f64, steps: usize) -> Result<Vec<f64>, Error> {
+/// Without `turning` the terms of T.^2 are left out.
+pub fn flapped(swing: &Swing, turning: bool, h: f64, steps: usize) -> Result<Vec<f64>, Error> {
+    let Swing { amplitude, omega, stiffness } = *swing;
+    let share = if turning { 1.0 } else { 0.0 };
     const N: usize = 6;
     // y = sum c_k x^(k + 2); integrals of powers over the span are exact.
     let power = |k: usize| (k + 2) as f64;
@@ -139,8 +153,9 @@ pub fn flapped(amplitude: f64, omega: f64, stiffness: f64, h: f64, steps: usize)
         let (rate, acceleration) =
             (amplitude * omega * (omega * t).sin(), amplitude * omega * omega * (omega * t).cos());
         let load: [f64; N] = std::array::from_fn(|i| {
-            let sum: f64 =
-                (0..N).map(|j| (bending[i][j] + rate * rate * (tension[i][j] - mass[i][j])) * y[j]).sum();
+            let sum: f64 = (0..N)
+                .map(|j| (bending[i][j] + share * rate * rate * (tension[i][j] - mass[i][j])) * y[j])
+                .sum();
             -sum - acceleration * drive[i]
         });
         let solved = wingbeat::math::linear::solve_symmetric(mass, load);
