@@ -157,7 +157,10 @@ pub(super) fn actuated(robot: &mut RobotSpec, frequency: f64) -> Vec<String> {
     }
     elements.truncate(MOST);
     let crank = CRANK * std::f64::consts::TAU * frequency;
-    elements.push(element("crank".into(), &["crank".into()], &[], crank));
+    // Without a driven joint there is no crank.
+    if robot.wing.is_some() || robot.links.iter().any(|link| link.driven.is_some()) {
+        elements.push(element("crank".into(), &["crank".into()], &[], crank));
+    }
     robot.structure = StructureSpec {
         frequency_hz: Some(FREQUENCY_HZ),
         damping: Some(DAMPING),
