@@ -93,7 +93,7 @@ fn a_fin_is_no_asymmetry_and_springs_that_differ_are_one() {
     // Two flaps about axes along the span, which a displacement of both turns alike, at rest in the wind.
     let flap = |side: &str, y: f64, stiffness: f64| {
         format!(
-            "[[links]]\nname = \"{side}\"\norigin_m = [-0.05, {y:?}, 0.0]\naxis = [0.0, 1.0, 0.0]\nmass_kg = 1e-3\ncom_m = [0.0, 0.0, \
+            "[[links]]\nname = \"{side}\"\norigin_m = [-0.05, {y:?}, 0.0]\naxis = [0.0, 1.0, 0.0]\nmass_kg = 1e-3\ncom_m = [-0.02, 0.0, \
              0.0]\ninertia_kg_m2 = [1e-6, 1e-6, 1e-6]\nelastic = {{ stiffness = {stiffness:?}, damping = 1e-5 }}\n"
         )
     };
@@ -108,20 +108,10 @@ fn a_fin_is_no_asymmetry_and_springs_that_differ_are_one() {
     assert!(alike(flaps(0.02), &[]) && !alike(flaps(0.03), &[]));
 }
 
-/// Every robot of `robots/any`, from its file alone: status of its level flight and of its turn, as docs/trim.md has them. Robots of which
+/// Robots of `robots/any` from their files alone: status of level flight and of the turn, as docs/trim.md has them. Robots of which
 /// the table has no turn are trimmed level alone.
-const TABLE: [(&str, Status, Option<Status>); 10] = [
-    ("single_12g", Status::Ok, None),
-    ("hand_30g", Status::Ok, None),
-    ("elastic_16g", Status::Ok, None),
-    ("tandem_28g", Status::Ok, None),
-    ("x_wing_22g", Status::Ok, None),
-    ("three_links_60g", Status::OffTarget, None),
-    ("gull_180g", Status::Ok, None),
-    ("beside_35g", Status::Ok, None),
-    ("moth_10g", Status::NotFound, None),
-    ("motor_19g", Status::Ok, None),
-];
+const TABLE: [(&str, Status, Option<Status>); 2] =
+    [("elastic_16g", Status::Ok, Some(Status::Ok)), ("three_links_60g", Status::OffTarget, Some(Status::Ok))];
 
 #[test]
 #[ignore = "long: cargo xtask long tests"]
