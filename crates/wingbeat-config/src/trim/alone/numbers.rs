@@ -151,7 +151,7 @@ pub(super) fn actuated(robot: &mut RobotSpec, frequency: f64) -> Vec<String> {
             link.driven = Some(DrivenSpec::default());
         }
         if link.driven.as_ref().is_some_and(|driven| driven.harmonics.is_empty()) {
-            elements.push(element(link.name.clone(), &[link.name.clone()], &[], MOVE));
+            elements.push(element(link.name.clone(), std::slice::from_ref(&link.name), &[], MOVE));
             names.push(link.name.clone());
         }
     }
