@@ -110,8 +110,12 @@ fn a_fin_is_no_asymmetry_and_springs_that_differ_are_one() {
 
 /// Robots of `robots/any` from their files alone: status of level flight and of the turn, as docs/trim.md has them. Robots of which
 /// the table has no turn are trimmed level alone.
-const TABLE: [(&str, Status, Option<Status>); 2] =
-    [("elastic_16g", Status::Ok, Some(Status::Ok)), ("three_links_60g", Status::OffTarget, Some(Status::Ok))];
+const TABLE: [(&str, Status, Option<Status>); 4] = [
+    ("single_12g", Status::Ok, Some(Status::OffTarget)),
+    ("elastic_16g", Status::Ok, Some(Status::Ok)),
+    ("three_links_60g", Status::OffTarget, Some(Status::Ok)),
+    ("moth_10g", Status::OffTarget, None),
+];
 
 #[test]
 #[ignore = "long: cargo xtask long tests"]
