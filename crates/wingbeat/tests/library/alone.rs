@@ -114,7 +114,7 @@ const TABLE: [(&str, Status, Option<Status>); 4] = [
     ("single_12g", Status::Ok, Some(Status::OffTarget)),
     ("elastic_16g", Status::Ok, Some(Status::Ok)),
     ("three_links_60g", Status::OffTarget, Some(Status::Ok)),
-    ("moth_10g", Status::OffTarget, None),
+    ("moth_10g", Status::Outside, None),
 ];
 
 #[test]
