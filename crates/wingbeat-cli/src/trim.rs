@@ -245,7 +245,8 @@ fn of_alone(alone: &AloneSummary) -> String {
         text += &format!("{:<28}{:.2} m/s: {what}{reason}\n", "tried", tried.speed_m_s);
     }
     for (key, [from, to]) in &alone.changed {
-        text += &format!("{:<28}{key} = {to:.5}, was {from:.5}\n", "chosen");
+        let number = |value: &Option<f64>| value.map_or("left out".into(), |value| format!("{value:.5}"));
+        text += &format!("{:<28}{key} = {}, was {}\n", "chosen", number(to), number(from));
     }
     let Some(turn) = &alone.turn else { return text };
     let number = |value: Option<f64>, scale: f64| value.map_or("-".into(), |v| format!("{:.1}", scale * v));

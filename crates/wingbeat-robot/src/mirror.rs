@@ -39,8 +39,20 @@ impl Robot {
     /// Which states and inputs of the carried robot are one another's mirror images.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when an element of one wing has none on the other.
+    /// [`Error::Invalid`] when an element of one wing has none on the other, or a surface is one-sided.
     pub fn mirror(&self) -> Result<Mirror, Error> {
+        if let Some(surface) = self.covering.laid.iter().find(|surface| !surface.symmetric) {
+            let allowed = "symmetric surfaces alone, where both wings move alike";
+            return Err(Error::invalid("surfaces.span", &surface.name, allowed));
+        }
+        self.pairs()
+    }
+
+    /// The same of a robot that may have one-sided surfaces, such as a fin: these stand for themselves.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when an element of one wing has none on the other, or there are thrusters.
+    pub fn pairs(&self) -> Result<Mirror, Error> {
         if !self.thrusters.is_empty() {
             let allowed = "no thrusters where left and right have to move alike";
             return Err(Error::invalid("thrusters", "given", allowed));
@@ -62,15 +74,19 @@ impl Robot {
         states.extend(twin.iter().map(|i| elements + i));
         states.extend(joints.iter().map(|i| first + i));
         states.extend(joints.iter().map(|i| first + count + i));
-        if let Some(surface) = self.covering.laid.iter().find(|surface| !surface.symmetric) {
-            let allowed = "symmetric surfaces alone, where both wings move alike";
-            return Err(Error::invalid("surfaces.span", &surface.name, allowed));
-        }
         let (air, first) = (&self.covering.aero, first + 2 * count);
-        states.extend((0..air.states()).map(|i| first + air.mirrored(i)));
+        let image = |i: usize| if self.is_of_one_side(i) { i } else { air.mirrored(i) };
+        states.extend((0..air.states()).map(|i| first + image(i)));
         let (states, state_of) = halves(&states);
         let (inputs, input_of) = halves(&self.regulator_twins(&twin)?);
         Ok(Mirror { states, inputs, state_of, input_of })
+    }
+
+    /// Whether state `i` of the air belongs to a one-sided surface.
+    pub fn is_of_one_side(&self, i: usize) -> bool {
+        let one_sided =
+            |name: &str| self.covering.laid.iter().any(|laid| !laid.symmetric && laid.name == name);
+        self.covering.aero.image(i).is_some_and(|(name, _)| one_sided(name))
     }
 
     /// The regulator that does on the other wing what each does; `twin` are the elements' images.

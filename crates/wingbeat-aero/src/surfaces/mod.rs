@@ -218,19 +218,28 @@ impl<P: Scalar> Surfaces<P> {
     }
     /// The state that stands for state `i` in the mirror image, each surface being its own image.
     pub fn mirrored(&self, i: usize) -> usize {
+        self.image(i).map_or(i, |(_, image)| image)
+    }
+    /// Name of the surface to whose air state `i` belongs, its own or that which has arrived elsewhere, and the state that stands for
+    /// it in the mirror image of that surface.
+    pub fn image(&self, i: usize) -> Option<(&str, usize)> {
         for surface in &self.surfaces {
             if surface.states.contains(&i) {
-                return surface.states.start + surface.aero.mirrored(i - surface.states.start);
+                let image = surface.states.start + surface.aero.mirrored(i - surface.states.start);
+                return Some((&surface.name, image));
             }
             let mut first = surface.arrivals.start;
             for source in &surface.sources {
                 if (first..first + source.arrivals()).contains(&i) {
-                    return first + source.mirrored(i - first);
+                    return Some((
+                        &self.of_strip(source.first_strip).name,
+                        first + source.mirrored(i - first),
+                    ));
                 }
                 first += source.arrivals();
             }
         }
-        i
+        None
     }
 
     /// Whether states of a surface follow the impulse of its air.

@@ -99,6 +99,16 @@ fn the_minimal_robot_flies_and_documents_stand_around_it() {
 }
 
 #[test]
+fn a_trim_of_a_robot_with_a_fin_is_written() {
+    let folder = scratch("new-fin");
+    let glider = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/glider.toml");
+    let told = written(&folder, &["trim", "glide.toml", "--robot", glider.to_str().unwrap()]);
+    assert!(told.contains("next: wingbeat trim glide.toml"), "{told}");
+    let text = fs::read_to_string(folder.join("glide.toml")).unwrap();
+    assert!(text.contains("free = [\"frequency\", \"elevator\"]") && !text.contains("assumed"), "{text}");
+}
+
+#[test]
 fn a_calibration_of_a_case_names_it() {
     let folder = scratch("new-of-case");
     written(&folder, &["case", "wing.toml"]);

@@ -73,7 +73,7 @@ pub struct End<S: Scalar = f64> {
     pub z: Vec<S>,
     /// Growth of the heading, rad.
     pub heading: S,
-    /// Displacement in W, the heading at the begin being zero, m.
+    /// Displacement in W, the heading at the start being zero, m.
     pub displacement: Vec3<S>,
     /// Duration of the cycle, s.
     pub duration: S,

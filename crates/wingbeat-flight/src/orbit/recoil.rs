@@ -129,7 +129,7 @@ impl Point {
     /// The point with left and right alike, and the commands of one side for both.
     pub fn alike(mut self, cycle: &Cycle) -> Self {
         symmetrise(cycle.section().symmetric(), &mut self.z);
-        if let Ok(mirror) = cycle.robot().mirror() {
+        if let Ok(mirror) = cycle.robot().pairs() {
             let kept: Vec<f64> = mirror.inputs.iter().map(|&i| self.inputs[i]).collect();
             mirror.expand_inputs(&kept, &mut self.inputs);
         }

@@ -1,4 +1,4 @@
-//! The state of a robot at the begin of a cycle, without place and heading.
+//! The state of a robot at the start of a cycle, without place and heading.
 
 use std::ops::Range;
 use wingbeat_math::Error;
@@ -17,7 +17,7 @@ const BODY_NAMES: [&str; BODY] =
 const LONGITUDINAL: [usize; 4] = [0, 2, 4, 6];
 const LATERAL: [usize; 4] = [1, 3, 5, 7];
 
-/// Coordinates of a robot at the begin of a cycle: velocity in heading axes (W turned by the heading), roll, pitch,
+/// Coordinates of a robot at the start of a cycle: velocity in heading axes (W turned by the heading), roll, pitch,
 /// angular rate, elastic joints with their rates, states of the air. Place, heading and the structure, which rests at
 /// its held commands, are no coordinates.
 #[derive(Clone, Debug)]
@@ -29,23 +29,35 @@ pub struct Section {
     alike: bool,
 }
 
-/// Accelerations across the plane of symmetry, m/s2 and rad/s2, up to which left and right count as alike: far above rounding, far
-/// below that of a centre of mass .01 mm beside the plane.
+/// Accelerations across the plane of symmetry, m/s2 and rad/s2, up to which left and right count as alike, and differences of what left
+/// and right do, over what they do: far above rounding, far below those of a centre of mass .01 mm beside the plane.
 const ACROSS: f64 = 1e-6;
+/// Displacement, rad, and rate, rad/s, of elastic joints where that is looked at, so that springs and dampers act.
+const DISPLACED: [f64; 2] = [0.05, 1.0];
 
-/// Whether a robot that flies ahead with both sides moving alike is accelerated in its plane of symmetry alone, at four phases.
-fn moves_alike(robot: &Robot) -> bool {
+/// Whether a robot that flies ahead with both sides moving alike stays so, at four phases: no acceleration out of its plane of symmetry, the
+/// same on both sides of each pair of states (`stands`, from the structure on), and no air of `odd` states, which act across the plane.
+fn moves_alike(robot: &Robot, stands: &[usize], odd: &[usize]) -> bool {
     let layout = robot.layout();
     let mut x = vec![0.0; layout.len];
     Quat::from_roll_pitch_yaw(0.0, -0.1, 0.0).store_wxyz(&mut x[layout.attitude..]);
     Vec3::new(3.0, 0.0, -0.3).store(&mut x[layout.velocity..]);
     let joints = robot.start_coordinates();
     x[layout.joints..][..joints.len()].copy_from_slice(&joints);
+    let (angles, rates) = x[layout.joints..layout.aero].split_at_mut((layout.aero - layout.joints) / 2);
+    angles.iter_mut().for_each(|angle| *angle += DISPLACED[0]);
+    rates.iter_mut().for_each(|rate| *rate += DISPLACED[1]);
     let (mut slope, held) = (vec![0.0; layout.len], vec![0.0; robot.inputs().len()]);
     (0..4).all(|quarter| {
         let t = f64::from(quarter) / (4.0 * robot.frequency_hz().max(1e-3));
-        robot.rates(t, &x, &held, &mut slope).is_err()
-            || [layout.velocity + 1, layout.rate, layout.rate + 2].iter().all(|&i| slope[i].abs() <= ACROSS)
+        if robot.rates(t, &x, &held, &mut slope).is_err() {
+            return true;
+        }
+        let across = [layout.velocity + 1, layout.rate, layout.rate + 2].map(|i| slope[i]);
+        let rest = &slope[layout.structure..];
+        let differs = |(i, &twin): (usize, &usize)| (rest[i] - rest[twin]).abs() / (1.0 + rest[i].abs());
+        let pairs = stands.iter().enumerate().map(differs);
+        across.into_iter().chain(odd.iter().map(|&i| rest[i])).chain(pairs).all(|by| by.abs() <= ACROSS)
     })
 }
 
@@ -70,11 +82,14 @@ impl Section {
         if layout.crank.is_some() {
             return Err(Error::invalid("drive.motor", "given", "a crank that turns at the gait's rate"));
         }
-        let mirror = robot.mirror()?;
+        let mirror = robot.pairs()?;
         // Numbers of the states from the structure on, each with that of the one that stands for it.
         let mut stands = vec![0; layout.len - layout.structure];
         mirror.expand_states(&mirror.states, &mut stands);
         let first = layout.joints - layout.structure;
+        // The air of a fin acts across the plane of symmetry.
+        let air = layout.aero - layout.structure;
+        let odd: Vec<usize> = (air..stands.len()).filter(|i| robot.is_of_one_side(i - air)).collect();
         let side = |both: f64| {
             let pairs = (first..stands.len()).filter(|&i| stands[i] == i);
             pairs
@@ -83,7 +98,7 @@ impl Section {
                     let own = BODY + i - first;
                     match twin {
                         Some(twin) => Some(vec![(own, 1.0), (BODY + twin - first, both)]),
-                        None => (both > 0.0).then(|| vec![(own, 1.0)]),
+                        None => ((both > 0.0) != odd.contains(&i)).then(|| vec![(own, 1.0)]),
                     }
                 })
                 .collect::<Vec<_>>()
@@ -95,7 +110,7 @@ impl Section {
             names: BODY_NAMES.iter().map(|name| (*name).to_string()).chain(of_rest).collect(),
             symmetric: body(LONGITUDINAL).into_iter().chain(side(1.0)).collect(),
             antisymmetric: body(LATERAL).into_iter().chain(side(-1.0)).collect(),
-            alike: moves_alike(robot),
+            alike: moves_alike(robot, &stands, &odd),
         })
     }
 

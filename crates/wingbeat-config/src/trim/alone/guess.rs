@@ -12,8 +12,10 @@ pub(super) struct Size {
     pub mass: f64,
     /// Full span of the widest surface, m.
     pub span: f64,
-    /// Area of all surfaces that carry, m2.
+    /// Area of all surfaces as seen from above, m2.
     pub area: f64,
+    /// That of the largest surface, m2.
+    pub wing: f64,
     /// kg/m3.
     pub density: f64,
     /// Clearance that the wings are to keep, m.
@@ -31,7 +33,7 @@ impl Size {
         (2.0 * self.mass * GRAVITY / (self.density * self.area * LIFT)).sqrt()
     }
 
-    /// Frequency at which birds of this size cruise, Hz.
+    /// Frequency at which birds of this size cruise, Hz; S is the area of the largest surface.
     ///
     /// Equation: trim.guess_frequency
     /// `m^(3/8) g^(1/2) b^(-23/24) S^(-1/3) rho^(-3/8)`
@@ -41,7 +43,7 @@ impl Size {
         self.mass.powf(0.375)
             * GRAVITY.sqrt()
             * self.span.powf(-23.0 / 24.0)
-            * self.area.powf(-1.0 / 3.0)
+            * self.wing.powf(-1.0 / 3.0)
             * self.density.powf(-0.375)
     }
 }
@@ -53,7 +55,7 @@ mod tests {
     #[test]
     fn a_guess_follows_the_scaling_laws() {
         // A pigeon: .333 kg, .67 m, .063 m2 (Pennycuick 1996, table 1 gives 5.6 to 6 Hz observed).
-        let pigeon = Size { mass: 0.333, span: 0.67, area: 0.063, density: 1.225, room: 0.02 };
+        let pigeon = Size { mass: 0.333, span: 0.67, area: 0.063, wing: 0.063, density: 1.225, room: 0.02 };
         assert!((4.5..7.5).contains(&pigeon.frequency()), "{}", pigeon.frequency());
         let twice = Size { mass: 0.666, ..pigeon };
         assert!((twice.frequency() / pigeon.frequency() - 2f64.powf(0.375)).abs() < 1e-12);

@@ -6,6 +6,7 @@
 //! 4. A turn is flown about the orbits of what was found ([`turn`]).
 
 mod balance;
+mod begin;
 mod guess;
 mod numbers;
 mod turn;
@@ -17,16 +18,17 @@ use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
 use crate::{ConfigError, Document, Scenario, ScenarioSpec};
 use balance::{Balance, Gait};
+use begin::{FASTEST, frequency_key, let_flap, longest_chord, with_actuators, without_motor};
 use guess::Size;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{Found, Measures, Point, Section, measure, search, search_from};
-use wingbeat_judge::Warning;
 use wingbeat_judge::limits::trim;
+use wingbeat_judge::{Status, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_robot::{DriveSpec, LinkSide, Outline, RobotSpec};
+use wingbeat_robot::{LinkSide, Outline, RobotSpec};
 
 /// What stands around a robot: still air at sea level, strips under law `stall`.
 const AROUND: &str = "[air]\ndensity_kg_m3 = 1.225\n[aero]\npreset = \"full\"\nlaw = \"stall\"\n[flight]\nduration_s = 2.0\nstep_s = \
@@ -37,13 +39,13 @@ const STRIPS: [usize; 2] = [7, 32];
 const SPEEDS: [f64; 6] = [1.0, 0.8, 1.25, 1.55, 0.65, 1.9];
 /// Orbits after which the scan ends. *Choice.*
 const ENOUGH: usize = 2;
-/// Most times the frequency of birds of this size that is searched. *Choice.*
-const FASTEST: f64 = 3.0;
 /// Room that the wings are to keep, as a share of the span, and of what they have as the gait starts. *Choices*: a bank takes about
 /// 20 mm of a span of .4 m.
 const ROOM: [f64; 2] = [0.05, 0.7];
 /// Largest share beyond 20 deg in a search. *Choice*, well within the limit of the verdict.
 const STALLED: f64 = 0.3;
+/// Share of a limit of the search by which the orbit found may miss it: its steps are shorter than those of the search. *Choice.*
+const MISSED: f64 = 0.01;
 /// Orbits of the scan from which gaits are searched, until one keeps to the limits. *Choice.*
 const SEARCHES: usize = 2;
 /// Iterations of the search of gaits. *Choice.*
@@ -63,6 +65,10 @@ pub struct RobotTrim {
     size: Size,
     ask: Ask,
     assumed: Vec<String>,
+    /// Frequency of the file, Hz.
+    given_hz: f64,
+    /// Numbers of the file that are left out, and what they are there.
+    left_out: Vec<(String, f64)>,
     warnings: Vec<Warning>,
     /// Most iterations of the search of gaits; 0 keeps the gait of the scan.
     pub iterations: usize,
@@ -87,8 +93,8 @@ pub struct AloneSummary {
     pub assumed_actuators: Vec<String>,
     /// What was tried at each speed, and what became of it.
     pub tried: Vec<Tried>,
-    /// Numbers that were changed: key, value of the file and value found.
-    pub changed: BTreeMap<String, [f64; 2]>,
+    /// Numbers that were changed: key, value of the file and value found, none where it was left out, as those of a motor.
+    pub changed: BTreeMap<String, [Option<f64>; 2]>,
     /// The turn that was flown.
     pub turn: Option<TurnSummary>,
 }
@@ -132,47 +138,27 @@ impl RobotTrim {
         given.in_still_air().map_err(refused)?;
         let size = given.size().map_err(refused)?;
         let mut spec = ScenarioSpec { name: given.spec.robot.name.clone(), ..given.spec.clone() };
+        let given_hz = spec.robot.gait.frequency_hz();
         let mut warnings = Vec::new();
-        if !spec.robot.drive.is_constant() {
-            spec.robot.drive = DriveSpec::default();
-            let text = "the motor is left out: the crank turns at a constant rate, as a governed motor would turn it";
-            warnings.push(Warning::new("trim.motor_left_out", text).key("robot.drive.motor"));
-        }
-        let frequency = spec.robot.gait.frequency_hz();
-        let guess = size.frequency();
-        if !(frequency > 0.3 * guess && frequency < FASTEST * guess) {
-            spec.robot.gait.set_frequency_hz(guess);
-        }
+        let left_out = without_motor(&mut spec, &mut warnings);
+        let_flap(&mut spec, &size, &mut warnings);
         let needed = if bank_deg == 0.0 { 1 } else { 4 };
-        let assumed = match numbers::short_of(&given, needed) {
-            None => Vec::new(),
-            Some(why) => {
-                let frequency = spec.robot.gait.frequency_hz();
-                let names = numbers::actuated(&mut spec.robot, frequency);
-                let text = format!("{why}: actuators are assumed on {}", names.join(", "));
-                warnings.push(Warning::new("trim.assumed_actuators", text).key("robot.structure"));
-                names
-            }
-        };
-        let chord = given.spec.robot.outlines().unwrap_or_default().iter().fold(0.0, |most: f64, outline| {
-            outline
-                .planform
-                .station_arcs()
-                .iter()
-                .map(|arc| outline.planform.chord(*arc))
-                .fold(most, f64::max)
-        });
+        let assumed = with_actuators(&mut spec, &given, needed, &mut warnings);
+        let chord = longest_chord(&given.spec.robot);
         let vary = numbers::numbers(&spec.robot, chord);
         let free = vec!["frequency".to_string()];
         let asked = |free| TrimSpec { free, ..TrimSpec::level(size.speed().clamp(0.5, 50.0)) };
         spec.trim = Some(asked(free));
         let named = Scenario::new(Document::value("trim", &spec)?)?;
-        let free = numbers::free(named.model());
+        let mut free = numbers::free(named.model());
+        // A rudder has no effect on level flight: what level flight takes comes first.
+        free.sort_by_key(|name| numbers::acts_across(&spec.robot, name));
         spec.trim = Some(asked(free));
         let document = Document::value("trim", &spec)?;
         let scenario = Scenario::new(document.clone())?;
         scenario.cycle().map_err(|error| given.explain(&error))?;
-        Ok(Self { scenario, document, vary, size, ask, assumed, warnings, iterations: ITERATIONS })
+        let iterations = ITERATIONS;
+        Ok(Self { scenario, document, vary, size, ask, assumed, given_hz, left_out, warnings, iterations })
     }
 
     /// What the free numbers of its orbits are called, the frequency first.
@@ -226,6 +212,7 @@ impl RobotTrim {
             guessed_speed_m_s: self.size.speed(),
             guessed_frequency_hz: self.size.frequency(),
             assumed_actuators: self.assumed.clone(),
+            changed: self.left_out.iter().map(|(key, value)| (key.clone(), [Some(*value), None])).collect(),
             ..AloneSummary::default()
         };
         let mut found = None;
@@ -246,9 +233,12 @@ impl RobotTrim {
             if let (Ok(from), Ok(to)) = (self.document.number(&vary.key), now.number(&vary.key))
                 && from != to
             {
-                alone.changed.insert(vary.key.clone(), [from, to]);
+                alone.changed.insert(vary.key.clone(), [Some(from), Some(to)]);
             }
         }
+        let found = spec.robot.gait.frequency_hz();
+        alone.changed.insert(frequency_key(&spec), [Some(self.given_hz), Some(found)]);
+        self.keeps_its_limits(&mut trimmed.summary);
         let text = |what: &dyn erased::Text| what.toml().map_err(|e| scenario.explain(&e));
         trimmed.files.push(("trim.toml", text(&spec)?));
         trimmed.files.push(("robot.toml", text(&spec.robot)?));
@@ -385,17 +375,49 @@ impl RobotTrim {
         Ok(self.candidate(spec, &found, &measures, mass))
     }
 
+    /// By how much the limits of the search are missed, as shares of them.
+    fn misses(&self, power: f64, stalled: f64, clearance: f64, frequency: f64) -> [(f64, &'static str); 4] {
+        [
+            (power / trim::HIGH_POWER.value - 1.0, "the power"),
+            (stalled / STALLED - 1.0, "the share beyond 20 deg"),
+            (1.0 - clearance / self.size.room, "the clearance"),
+            (frequency / (FASTEST * self.size.frequency()) - 1.0, "the frequency"),
+        ]
+    }
+
+    /// Says in the verdict which limits of the search the orbit misses.
+    fn keeps_its_limits(&self, summary: &mut TrimSummary) {
+        let (Some(power), Some(stalled), Some(frequency)) =
+            (summary.power_w_kg, summary.stall_fraction_20, summary.frequency_hz)
+        else {
+            return;
+        };
+        let clearance = summary.least_clearance_m.unwrap_or(f64::INFINITY);
+        let most = [
+            format!("{power:.0} W/kg, allowed is {:.0}", trim::HIGH_POWER.value),
+            format!("{stalled:.2}, allowed is {STALLED}"),
+            format!("{:.1} mm, needed are {:.1}", 1e3 * clearance, 1e3 * self.size.room),
+            format!("{frequency:.1} Hz, allowed is {:.1}", FASTEST * self.size.frequency()),
+        ];
+        let misses = self.misses(power, stalled, clearance, frequency).into_iter().zip(most);
+        let missed: Vec<String> = misses
+            .filter(|((by, _), _)| *by > MISSED)
+            .map(|((_, name), numbers)| format!("{name} is {numbers}"))
+            .collect();
+        if missed.is_empty() || summary.status >= Status::NotFound {
+            return;
+        }
+        let missed = format!("no gait within the limits of the search was found: {}", missed.join(", "));
+        summary.status = summary.status.max(Status::OffTarget);
+        summary.reason = Some(summary.reason.iter().cloned().chain([missed]).collect::<Vec<_>>().join("; "));
+    }
+
     /// An orbit beside the limits of the verdict.
     fn candidate(&self, spec: ScenarioSpec, found: &Found, measures: &Measures, mass: f64) -> Candidate {
         let power = measures.cost.positive_power / mass;
         let frequency = 1.0 / found.orbit.end.duration;
         let least = measures.least_clearance.unwrap_or(f64::INFINITY);
-        let misses = [
-            (power / trim::HIGH_POWER.value - 1.0, "the power"),
-            (measures.stalled[1] / STALLED - 1.0, "the share beyond 20 deg"),
-            (1.0 - least / self.size.room, "the clearance"),
-            (frequency / (FASTEST * self.size.frequency()) - 1.0, "the frequency"),
-        ];
+        let misses = self.misses(power, measures.stalled[1], least, frequency);
         let missed: Vec<&str> = misses.iter().filter(|(by, _)| *by > 0.0).map(|(_, name)| *name).collect();
         let sum: f64 = misses.iter().map(|(by, _)| by.max(0.0)).sum();
         let reason = (!missed.is_empty()).then(|| format!("beyond what is searched: {}", missed.join(", ")));
@@ -472,10 +494,11 @@ mod erased {
     }
 }
 
-/// Area of an outline between its ribs, m2: half of the cross product of the diagonals of each quadrilateral.
+/// Area of an outline between its ribs as seen from above, m2: half of the cross product of the diagonals of each quadrilateral, of which
+/// a fin has none.
 fn area(outline: &Outline) -> f64 {
     let covered = outline.ribs.windows(2).zip(&outline.covered).filter(|(_, covered)| **covered);
-    covered.map(|(ribs, _)| 0.5 * (ribs[1][1] - ribs[0][0]).cross(ribs[1][0] - ribs[0][1]).norm()).sum()
+    covered.map(|(ribs, _)| 0.5 * (ribs[1][1] - ribs[0][0]).cross(ribs[1][0] - ribs[0][1])[2].abs()).sum()
 }
 
 impl Scenario {
@@ -483,7 +506,8 @@ impl Scenario {
     fn size(&self) -> Result<Size, Error> {
         let still = self.model.at_rest(0.0);
         let still = still.map_err(|fault| Error::invalid("robot", fault, "a robot that can be evaluated"))?;
-        let area: f64 = still.outlines.iter().map(area).sum();
+        let areas: Vec<f64> = still.outlines.iter().map(area).collect();
+        let (area, wing) = (areas.iter().sum::<f64>(), areas.iter().copied().fold(0.0, f64::max));
         let widest = still.outlines.iter().map(|outline| {
             let tips = outline.ribs.iter().map(|rib| rib[0][1]);
             tips.clone().fold(0.0, f64::max) - tips.fold(0.0, f64::min)
@@ -496,7 +520,7 @@ impl Scenario {
         let least =
             seen.map_or(f64::INFINITY, |seen| seen.clearances.iter().copied().fold(f64::INFINITY, f64::min));
         let room = (ROOM[0] * span).min(ROOM[1] * least).max(trim::SKIN.value);
-        Ok(Size { mass: self.model.mass(), span, area, density: self.spec.air.density_kg_m3, room })
+        Ok(Size { mass: self.model.mass(), span, area, wing, density: self.spec.air.density_kg_m3, room })
     }
 
     /// Speed at which all surfaces of the robot carry its weight at a lift coefficient of .6, m/s.
@@ -505,5 +529,32 @@ impl Scenario {
     /// A robot without surfaces.
     pub fn guessed_speed(&self) -> Result<f64, ConfigError> {
         Ok(self.size().map_err(|error| self.explain(&error))?.speed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_orbit_beyond_the_limits_of_the_search_is_off_target() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/any/single_12g.toml");
+        let trim = RobotTrim::new(Document::file(file.as_ref()).unwrap(), &[], 0.0).unwrap();
+        let judged = |power: f64, stalled: f64| {
+            let mut summary = TrimSummary {
+                status: Status::Ok,
+                power_w_kg: Some(power),
+                stall_fraction_20: Some(stalled),
+                frequency_hz: Some(5.0),
+                ..TrimSummary::default()
+            };
+            trim.keeps_its_limits(&mut summary);
+            (summary.status, summary.reason.unwrap_or_default())
+        };
+        assert_eq!(judged(200.0, STALLED), (Status::Ok, String::new()));
+        let (status, reason) = judged(288.0, 0.355);
+        assert_eq!(status, Status::OffTarget);
+        assert!(reason.contains("the power is 288 W/kg, allowed is 200"), "{reason}");
+        assert!(reason.contains("0.35") && !reason.contains("frequency"), "{reason}");
     }
 }

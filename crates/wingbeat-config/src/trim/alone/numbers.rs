@@ -151,13 +151,16 @@ pub(super) fn actuated(robot: &mut RobotSpec, frequency: f64) -> Vec<String> {
             link.driven = Some(DrivenSpec::default());
         }
         if link.driven.as_ref().is_some_and(|driven| driven.harmonics.is_empty()) {
-            elements.push(element(link.name.clone(), &[link.name.clone()], &[], MOVE));
+            elements.push(element(link.name.clone(), std::slice::from_ref(&link.name), &[], MOVE));
             names.push(link.name.clone());
         }
     }
     elements.truncate(MOST);
     let crank = CRANK * std::f64::consts::TAU * frequency;
-    elements.push(element("crank".into(), &["crank".into()], &[], crank));
+    // Without a driven joint there is no crank.
+    if robot.wing.is_some() || robot.links.iter().any(|link| link.driven.is_some()) {
+        elements.push(element("crank".into(), &["crank".into()], &[], crank));
+    }
     robot.structure = StructureSpec {
         frequency_hz: Some(FREQUENCY_HZ),
         damping: Some(DAMPING),
@@ -218,7 +221,7 @@ pub(super) fn fold(spec: &mut ScenarioSpec) {
 /// Why the actuators of a scenario's robot are not the `needed` ones; none where they are.
 pub(super) fn short_of(scenario: &Scenario, needed: usize) -> Option<String> {
     let model = scenario.model();
-    if let Err(error) = model.mirror() {
+    if let Err(error) = model.pairs() {
         return (!scenario.spec.robot.structure.elements.is_empty()).then(|| error.to_string());
     }
     let sides = model.inputs().iter().filter(|input| !input.name.ends_with("_crank")).count();
@@ -235,6 +238,14 @@ pub(super) fn free(robot: &Robot) -> Vec<String> {
         }
     }
     names
+}
+
+/// Whether the element `name` of `robot` turns a single link about an axis in the plane of symmetry, as a rudder.
+pub(super) fn acts_across(robot: &RobotSpec, name: &str) -> bool {
+    let element = robot.structure.elements.iter().find(|element| element.name == name);
+    let moved = element.map_or(&[][..], |element| &element.moves[..]);
+    let single = |link: &&LinkSpec| link.side == LinkSide::Single && moved.contains(&link.name);
+    robot.links.iter().find(single).is_some_and(|link| !twists(link))
 }
 
 /// The same as numbers of inputs.

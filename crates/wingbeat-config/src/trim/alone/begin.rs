@@ -1,0 +1,66 @@
+//! What a robot of a file is made into before its flight is searched, and what is said of that.
+
+use super::guess::Size;
+use super::numbers;
+use crate::{Scenario, ScenarioSpec};
+use wingbeat_judge::Warning;
+use wingbeat_robot::RobotSpec;
+
+/// Least times the frequency of birds of this size at which a search begins, and most that is searched. *Choices.*
+const SLOWEST: f64 = 0.3;
+pub(super) const FASTEST: f64 = 3.0;
+
+/// Key of the frequency of the gait.
+pub(super) fn frequency_key(spec: &ScenarioSpec) -> String {
+    format!("robot.gait.{}.frequency_hz", spec.robot.gait.kind())
+}
+
+/// Leaves the motor of `spec` out; the numbers it had.
+pub(super) fn without_motor(spec: &mut ScenarioSpec, warnings: &mut Vec<Warning>) -> Vec<(String, f64)> {
+    let Some(motor) = std::mem::take(&mut spec.robot.drive).motor else { return Vec::new() };
+    let text = "the motor is left out: the crank turns at a constant rate, as a governed motor would turn it; power is that of the crank";
+    warnings.push(Warning::new("trim.motor_left_out", text).key("robot.drive.motor"));
+    let numbers = toml::Table::try_from(motor).unwrap_or_default();
+    let numbers = numbers.iter().filter_map(|(key, value)| Some((key, value.as_float()?)));
+    numbers.map(|(key, value)| (format!("robot.drive.motor.{key}"), value)).collect()
+}
+
+/// Begins at the frequency of scaling laws where that of the file is far from it.
+pub(super) fn let_flap(spec: &mut ScenarioSpec, size: &Size, warnings: &mut Vec<Warning>) {
+    let (own, guess) = (spec.robot.gait.frequency_hz(), size.frequency());
+    if own > SLOWEST * guess && own < FASTEST * guess {
+        return;
+    }
+    spec.robot.gait.set_frequency_hz(guess);
+    let text = format!(
+        "the search begins at {guess:.2} Hz in place of the file's {own:.2} Hz, which is not within {SLOWEST} to {FASTEST} times that of birds \
+         of this size"
+    );
+    let key = frequency_key(spec);
+    warnings.push(Warning::new("trim.frequency_replaced", text).size(own / guess).key(key.as_str()));
+}
+
+/// Gives the robot of `spec` actuators where those of the `given` one are not the `needed`; their names.
+pub(super) fn with_actuators(
+    spec: &mut ScenarioSpec,
+    given: &Scenario,
+    needed: usize,
+    warnings: &mut Vec<Warning>,
+) -> Vec<String> {
+    let Some(why) = numbers::short_of(given, needed) else { return Vec::new() };
+    let frequency = spec.robot.gait.frequency_hz();
+    let names = numbers::actuated(&mut spec.robot, frequency);
+    let text = format!("{why}: actuators are assumed on {}", names.join(", "));
+    warnings.push(Warning::new("trim.assumed_actuators", text).key("robot.structure"));
+    names
+}
+
+/// Longest chord of `robot`, m.
+pub(super) fn longest_chord(robot: &RobotSpec) -> f64 {
+    let outlines = robot.outlines().unwrap_or_default();
+    let chords = outlines.iter().flat_map(|outline| {
+        let planform = &outline.planform;
+        planform.station_arcs().iter().map(|arc| planform.chord(*arc)).collect::<Vec<_>>()
+    });
+    chords.fold(0.0, f64::max)
+}
