@@ -79,7 +79,7 @@ impl TetherCase {
     /// spec.wing.cd0 = Some(-1.0);
     /// let refused = TetherCase::new(Document::value("spec", &spec)?, no_tables).map(drop);
     /// let message = refused.map_err(|error| error.to_string());
-    /// assert_eq!(message, Err("spec: wing.cd0 = -1.0: allowed is a finite number, 0 or more".into()));
+    /// assert_eq!(message, Err("spec: wing.cd0 = -1.0: allowed is 0 to 2".into()));
     /// # Ok::<(), wingbeat_config::ConfigError>(())
     /// ```
     ///

@@ -137,19 +137,18 @@ impl Settings {
             ("core.viscosity_m2_s", self.core.viscosity_m2_s),
             ("core.squire", self.core.squire),
             ("crossing", self.crossing),
+            ("critical_suction", self.critical_suction.unwrap_or(0.0)),
         ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Error::Setting { key, value, allowed: "0 or more".into() });
             }
         }
-        let Some(value) = self.critical_suction else { return Ok(()) };
-        let refused =
-            |allowed: &str| Err(Error::Setting { key: "critical_suction", value, allowed: allowed.into() });
-        match self.emulates() {
-            true => refused("none with PteraSoftware's conventions"),
-            // A0 of a flat plate is the sine of its incidence.
-            false if !(0.0..=1.0).contains(&value) => refused("0 to 1"),
-            false => Ok(()),
+        match self.critical_suction.filter(|_| self.emulates()) {
+            Some(value) => {
+                let allowed = "none with PteraSoftware's conventions".into();
+                Err(Error::Setting { key: "critical_suction", value, allowed })
+            }
+            None => Ok(()),
         }
     }
 }

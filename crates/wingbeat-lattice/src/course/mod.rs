@@ -83,12 +83,16 @@ impl Asked {
         let given = [("steps", self.steps), ("cycles", self.cycles)];
         match given.into_iter().find(|(_, count)| *count == Some(0)) {
             Some((key, _)) => Err(Error::Setting { key, value: 0.0, allowed: "1 or more".into() }),
-            None => match self.critical_suction.filter(|_| self.model) {
-                Some(value) => {
+            None => match self.critical_suction {
+                // A0 of a flat plate is the sine of its incidence.
+                Some(value) if !(0.0..=1.0).contains(&value) => {
+                    Err(Error::Setting { key: "critical_suction", value, allowed: "0 to 1".into() })
+                }
+                Some(value) if self.model => {
                     let allowed = "none where the circulations are a model's".into();
                     Err(Error::Setting { key: "critical_suction", value, allowed })
                 }
-                None => Ok(self),
+                _ => Ok(self),
             },
         }
     }

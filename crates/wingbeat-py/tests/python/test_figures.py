@@ -55,7 +55,7 @@ def documents(folder):
 
 
 # Scenarios that a search or a plan of `wingbeat trim` or `wingbeat plan` makes, which no flight of their own shows.
-NOT_FLOWN = ("gait_search_beta", "least_power_gait", "paper_plan", "roll_in")
+NOT_FLOWN = ("gait_search_airs", "gait_search_beta", "least_power_gait", "paper_plan", "roll_in")
 
 
 def of_sweep(path):
@@ -89,7 +89,7 @@ def calls():
         if re.search(r"^\[?turn\b|^base", path.read_text(), re.M):
             yield ["rig", "plan", path]
         yield ["rig", "simulate", path]
-    for path in [*documents("robots"), ROOT / "rigs/aerobat_on_gen3.toml"]:
+    for path in [*documents("robots"), *documents("robots/any"), ROOT / "rigs/aerobat_on_gen3.toml"]:
         yield ["show", path]
     for path in documents("sweeps"):
         yield of_sweep(path)

@@ -85,7 +85,7 @@ const QUARTER: f64 = 0.25;
 const TRAVEL: f64 = 3.0;
 const STEPS: usize = 200;
 
-/// The plate pitched by [`eldredge`]'s ramp, its corner `start` chords of travel after the beginning.
+/// The plate pitched by Eldredge's ramp, its corner `start` chords of travel after the beginning.
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
