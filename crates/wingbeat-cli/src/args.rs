@@ -6,7 +6,6 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use wingbeat::scenario::DocumentKind;
 use wingbeat_lattice::course::Asked;
-use wingbeat_program::comparisons::Comparisons;
 
 use crate::watch::Live;
 
@@ -15,36 +14,13 @@ use crate::watch::Live;
 #[command(name = "wingbeat", version, about, max_term_width = 100, after_help = EXIT_CODES)]
 pub struct Arguments {
     #[command(subcommand)]
-    pub command: Command,
+    pub command: crate::Command,
 }
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 a comparison failed; 2 bad input; 3 a run that did not do what its scenario asks, \
 its folder is kept and its summary.json says why; 130 interrupted, nothing is kept but what the same command goes on \
 from. Where runs lie and what is replaced: docs/runs.md.";
-
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    Fly(Fly),
-    Sweep(Sweep),
-    Tether(Tether),
-    Wake(Wake),
-    Plan(Plan),
-    Calibrate(Calibrate),
-    Trim(Trim),
-    #[command(subcommand)]
-    Rig(Rig),
-    Average(Average),
-    Paper(Paper),
-    Show(Show),
-    Report(Report),
-    Animate(Animate),
-    Export(Export),
-    Validate(Comparisons),
-    New(New),
-    Migrate(Migrate),
-    Schema(Schema),
-}
 
 /// Fly a scenario and write its run folder
 ///

@@ -31,32 +31,60 @@ use clap::Parser;
 use wingbeat::scenario::DocumentKind;
 use wingbeat_program::{error, interrupt, manifest, progress, run_folder, say};
 
-use args::{Arguments, Command};
+use args::Arguments;
+
+/// The schema of a kind of document, which `schema` prints.
+fn schema(of: &args::Schema) -> Result<(), error::Error> {
+    say::say(&schema_text(of.kind))
+}
 
 /// The JSON Schema of a kind of document as a file has it.
 fn schema_text(kind: DocumentKind) -> String {
     format!("{:#}\n", kind.schema_of_files())
 }
 
+/// Declares the verbs: the words after each are its arguments and what it does with them.
+macro_rules! verbs {
+    ($($(#[$said:meta])* $verb:ident($arguments:path) => $does:path,)+) => {
+        #[derive(Debug, clap::Subcommand)]
+        pub(crate) enum Command {
+            $($(#[$said])* $verb($arguments),)+
+        }
+
+        impl Command {
+            /// Does what was asked.
+            fn run(&self) -> Result<(), error::Error> {
+                match self {
+                    $(Self::$verb(arguments) => $does(arguments),)+
+                }
+            }
+        }
+    };
+}
+
+// A verb is a file of its own, its name among the modules above, and its line here.
+verbs! {
+    Fly(args::Fly) => fly::fly,
+    Sweep(args::Sweep) => sweep::sweep,
+    Tether(args::Tether) => tether::tether,
+    Wake(args::Wake) => wake::wake,
+    Plan(args::Plan) => plan::plan,
+    Calibrate(args::Calibrate) => calibrate::calibrate,
+    Trim(args::Trim) => trim::trim,
+    #[command(subcommand)]
+    Rig(args::Rig) => rig::rig,
+    Average(args::Average) => average::average,
+    Paper(args::Paper) => paper::paper,
+    Show(args::Show) => show::show,
+    Report(args::Report) => report::report,
+    Animate(args::Animate) => animate::animate,
+    Export(args::Export) => export::export,
+    Validate(wingbeat_program::comparisons::Comparisons) => validate::validate,
+    New(args::New) => new::new,
+    Migrate(args::Migrate) => migrate::migrate,
+    Schema(args::Schema) => schema,
+}
+
 fn main() -> ExitCode {
-    wingbeat_program::run(|| match Arguments::parse().command {
-        Command::Fly(arguments) => fly::fly(&arguments),
-        Command::Sweep(arguments) => sweep::sweep(&arguments),
-        Command::Tether(arguments) => tether::tether(&arguments),
-        Command::Wake(arguments) => wake::wake(&arguments),
-        Command::Plan(arguments) => plan::plan(&arguments),
-        Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
-        Command::Trim(arguments) => trim::trim(&arguments),
-        Command::Rig(command) => rig::rig(&command),
-        Command::Average(arguments) => average::average(&arguments),
-        Command::Paper(arguments) => paper::paper(&arguments),
-        Command::Show(arguments) => show::show(&arguments),
-        Command::Report(arguments) => report::report(&arguments),
-        Command::Animate(arguments) => animate::animate(&arguments),
-        Command::Export(arguments) => export::export(&arguments),
-        Command::Validate(_) => validate::validate(),
-        Command::New(arguments) => new::new(&arguments),
-        Command::Migrate(arguments) => migrate::migrate(&arguments),
-        Command::Schema(arguments) => say::say(&schema_text(arguments.kind)),
-    })
+    wingbeat_program::run(|| Arguments::parse().command.run())
 }

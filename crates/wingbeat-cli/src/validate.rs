@@ -3,13 +3,15 @@
 use std::path::Path;
 use std::process::Command;
 
+use wingbeat_program::comparisons::Comparisons;
+
 use crate::error::Error;
 
 /// The program that compares; it stands beside this one.
 const PROGRAM: &str = "wingbeat-validate";
 
 /// Hands over to the program of the comparisons with the arguments behind the verb.
-pub fn validate() -> Result<(), Error> {
+pub fn validate(_: &Comparisons) -> Result<(), Error> {
     let own = std::env::current_exe().map_err(|source| Error::file(Path::new("wingbeat"), source))?;
     let program = own.with_file_name(PROGRAM).with_extension(std::env::consts::EXE_EXTENSION);
     if !program.is_file() {

@@ -20,6 +20,7 @@ use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::{Declared, Named, Parameters, Vec3};
 use wingbeat_ocp::plant::Fault;
+use wingbeat_robot::DriveSpec;
 use wingbeat_robot::{SurfaceOutline, check_given, former};
 
 /// The folder from which the path at a key is seen.
@@ -435,12 +436,12 @@ fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
 }
 
 /// What the names of numbers begin with that a wing alone has not.
-const ELSEWHERE: [&str; 8] =
-    ["body.", "links.", "linkage.", "structure.", "gait.", "motor.", "mount.", "crank."];
+const ELSEWHERE: [&str; 7] = ["body", "links", "linkage", "structure", "gait", "mount", "crank"];
 
 /// Whether the number called `name` is none of those that a wing alone has not.
 fn is_own(name: &str) -> bool {
-    !ELSEWHERE.iter().any(|of| name.starts_with(of))
+    let of = name.split_once('.').map_or("", |(of, _)| of);
+    !ELSEWHERE.contains(&of) && !DriveSpec::NAMES.contains(&of)
 }
 
 /// A model with those of the numbers `to` that are its own.

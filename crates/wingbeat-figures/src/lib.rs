@@ -88,17 +88,24 @@ pub const FLIGHT: [Draw; 4] = [
     |record, _| forces(record),
 ];
 
-/// The figures of the flight that `record` is of: [`FLIGHT`], without commands where there is nothing to command, with an estimator
+// A figure of a flight is a file of its own, its name among the modules above, and its line here.
+/// Figures of flights in their order, each with what the name of a column begins with that a record must have for it.
+const OF_FLIGHTS: &[(&str, Draw)] = &[
+    ("", FLIGHT[0]),
+    ("", FLIGHT[1]),
+    ("command_", FLIGHT[2]),
+    ("", FLIGHT[3]),
+    ("estimate_t", |record, _| estimate(record)),
+    ("path_arc", |record, _| ground(record)),
+    ("path_arc", |record, _| tracking(record)),
+    ("hover_error_x", |record, _| hover(record)),
+];
+
+/// The figures of the flight that `record` is of: without commands where there is nothing to command, with an estimator
 /// what it knew, along a path how it was followed, in a hover how still it was.
 pub fn of_flight(record: &Record) -> Vec<Draw> {
-    let estimated = record.values("estimate_t").map(|_| -> Draw { |record, _| estimate(record) });
-    let followed: [Draw; 2] = [|record, _| ground(record), |record, _| tracking(record)];
-    let followed = record.values("path_arc").map(|_| followed).into_iter().flatten();
-    let hovered = record.values("hover_error_x").map(|_| -> Draw { |record, _| hover(record) });
-    let commanded = record.columns().iter().any(|column| column.name.starts_with("command_"));
-    let [states, path, commands, forces] = FLIGHT;
-    let always = [states, path].into_iter().chain(commanded.then_some(commands)).chain([forces]);
-    always.chain(estimated).chain(followed).chain(hovered).collect()
+    let has = |begin: &str| record.columns().iter().any(|column| column.name.starts_with(begin));
+    OF_FLIGHTS.iter().filter(|(begin, _)| has(begin)).map(|(_, draw)| *draw).collect()
 }
 
 /// The figures of a planned gait.

@@ -12,7 +12,7 @@ use wingbeat_flight::simulate::{
 use wingbeat_math::Error;
 use wingbeat_math::{Jet, Mat3, Quat, Random, Scalar, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
-use wingbeat_robot::body::MotorWork;
+use wingbeat_robot::MotorWork;
 use wingbeat_robot::{BodyMotion, CarriedLoads, Compiled, Robot, Stance};
 
 /// A run ready to be simulated.

@@ -3,7 +3,8 @@
 use super::joints::Displaced;
 use super::mechanism::{Drive, Spring};
 use super::{Joints, MAX_ELEMENTS, Robot};
-use crate::body::{Coordinates, LinkMotion, MAX_LINKS, Motor, MotorWork};
+use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
+use crate::{CrankMotor, MotorWork};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Jet, Meets, Scalar};
 use wingbeat_ocp::plant::Fault;
@@ -19,7 +20,7 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// The motor that turns the crank, if the crank does not turn at a constant rate.
-    pub fn motor(&self) -> Option<&Motor<P>> {
+    pub fn motor(&self) -> Option<&CrankMotor<P>> {
         self.motor.as_ref()
     }
 

@@ -327,7 +327,7 @@ impl<P: Scalar> Robot<P> {
         }
         if let Some(motor) = &self.motor {
             system.forces[count - 1] += motor.crank_torque(states[2 * count - 1], supply);
-            system.mass[5 + count][5 + count] += G::from(motor.inertia);
+            system.mass[5 + count][5 + count] += G::from(motor.inertia());
         }
     }
 

@@ -8,6 +8,7 @@ mod carried;
 mod chord_lines;
 mod clearance;
 mod compiled;
+mod crank;
 mod drive;
 mod dryden;
 mod dynamics;
@@ -32,6 +33,7 @@ mod weight;
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use compiled::{Compiled, CycleScalar};
+pub use crank::*;
 pub use dryden::Dryden;
 pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying};
@@ -41,10 +43,9 @@ pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::{
-    BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
-    GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec,
-    RegulatorSpec, ResidualSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec,
-    WingSpec,
+    BodySpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict, GaitSpec,
+    GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, PanelSpec, RegulatorSpec, ResidualSpec,
+    RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub use spec::{file_or, file_or_numbers, is_of_rig, numbers_table};
 pub use stance::Stance;
@@ -52,7 +53,7 @@ pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
 pub use weight::{WeightPart, WeightShares};
 
-use crate::body::{LinkMotion, MAX_LINKS, Motor, Response, Tree};
+use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use arrayvec::ArrayVec;
 use clearance::Clearances;
 use joints::{CRANK, Displaced, Placed};
@@ -104,7 +105,7 @@ pub struct Robot<P: Scalar = f64> {
     mechanism: Mechanism<P>,
     phase_rate: P,
     phase_start: P,
-    motor: Option<Motor<P>>,
+    motor: Option<CrankMotor<P>>,
     response: Response<P>,
     /// How far each element is displaced at rest.
     strokes: Vec<[f64; 2]>,
@@ -290,14 +291,15 @@ impl<P: Scalar> Robot<P> {
 }
 
 /// The motor, if there is one, of a gait that moves something.
-fn motor(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Option<Motor>, Error> {
+fn motor(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Option<CrankMotor>, Error> {
     let motor = spec.drive.build().map_err(|e| e.within("drive"))?;
+    let key = || format!("drive.{}", spec.drive.given().join(", "));
     if motor.is_some() && !mechanism.drives.iter().any(mechanism::Drive::cranked) {
-        return Err(Error::invalid("drive.motor", "given", "a motor only where a gait drives joints"));
+        return Err(Error::invalid(key(), "given", "a motor only where a gait drives joints"));
     }
     if motor.is_some() && mechanism.coordinates.len() == MAX_COORDINATES {
         let allowed = format!("at most {} elastic or free joints beside a motor", MAX_COORDINATES - 1);
-        return Err(Error::invalid("drive.motor", "given", allowed));
+        return Err(Error::invalid(key(), "given", allowed));
     }
     Ok(motor)
 }

@@ -2,7 +2,8 @@
 
 use super::mechanism::SIDES;
 use super::{PlacementNumbers, Robot};
-use crate::body::{BodyNumbers, FourierSeries, JointNumbers, Linkage, LinkageDimensions, Motor, Response};
+use crate::CrankMotor;
+use crate::body::{BodyNumbers, FourierSeries, JointNumbers, Linkage, LinkageDimensions, Response};
 use wingbeat_aero::{AIR_DENSITY, DENSITY, SurfaceNumbers};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
@@ -118,7 +119,7 @@ pub struct Numbers<P: Scalar = f64> {
     /// Phase of the gait at t = 0, rad.
     pub phase_start: P,
     /// The motor, where one turns the crank.
-    pub motor: Option<Motor<P>>,
+    pub motor: Option<CrankMotor<P>>,
 }
 
 impl<P: Scalar> Parameters<P> for Numbers<P> {
@@ -148,7 +149,7 @@ impl<P: Scalar> Parameters<P> for Numbers<P> {
             density: at.apart(AIR_DENSITY, &DENSITY, self.density),
             phase_rate: at.number("gait.phase_rate_rad_s", &PHASE_RATE, self.phase_rate),
             phase_start: at.number("gait.phase_rad", &PHASE, self.phase_start),
-            motor: self.motor.as_ref().map(|motor| at.within("motor", |at| motor.walk(at))),
+            motor: self.motor.as_ref().map(|motor| motor.walk(at)),
         }
     }
 }

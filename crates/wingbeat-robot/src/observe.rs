@@ -4,9 +4,8 @@ use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
 use super::{MAX_ELEMENTS, Robot};
-use crate::body::{
-    BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, drive_power, joint_power,
-};
+use crate::MotorWork;
+use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, drive_power, joint_power};
 use arrayvec::ArrayVec;
 use wingbeat_aero::{ForceDetail, LoadSource, Loads, StripLoads};
 use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};

@@ -1,6 +1,9 @@
 //! The account of checks that passed and failed.
 
+use std::collections::VecDeque;
+use std::ops::AddAssign;
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::tools;
@@ -12,10 +15,18 @@ pub struct Account {
 }
 
 struct Step {
-    name: &'static str,
+    name: String,
     passed: usize,
     failed: usize,
     took: Duration,
+}
+
+/// Commands that are run one after another, while other jobs are.
+pub struct Job {
+    /// What the account calls them.
+    pub name: String,
+    /// Each is run whether or not those before it have succeeded.
+    pub commands: Vec<Command>,
 }
 
 /// Checks of one step.
@@ -43,6 +54,17 @@ impl Tally {
         tally
     }
 
+    /// The checks that the output of a command counts, or the command itself where it counts none; a failure that is not counted is one.
+    fn counted(text: &str, success: bool) -> Self {
+        let mut tally = Self::default();
+        text.lines().for_each(|line| tally.add(line));
+        match (success, tally) {
+            (true, Self { passed: 0, failed: 0 }) => Self::one(true),
+            (false, Self { failed: 0, .. }) => Self { failed: 1, ..tally },
+            _ => tally,
+        }
+    }
+
     /// Adds what a line like `test result: ok. 3 passed; 0 failed; ...` or `3 passed, 0 failed` says.
     pub fn add(&mut self, line: &str) {
         let words: Vec<&str> = line.split([' ', ',', ';']).filter(|word| !word.is_empty()).collect();
@@ -57,50 +79,86 @@ impl Tally {
     }
 }
 
+impl Job {
+    /// Runs the commands and shows what they said.
+    fn run(self) -> Step {
+        let start = Instant::now();
+        let mut tally = Tally::default();
+        let mut said = String::new();
+        for mut command in self.commands {
+            match command.stdin(Stdio::null()).output() {
+                Ok(output) => {
+                    let text = [output.stdout, output.stderr]
+                        .map(|text| String::from_utf8_lossy(&text).into_owned());
+                    let text = text.concat();
+                    tally += Tally::counted(&text, output.status.success());
+                    said += &text;
+                }
+                Err(error) => {
+                    tally += Tally::one(false);
+                    said += &format!("error: {command:?}: {error}\n");
+                }
+            }
+        }
+        println!("\n== {}\n{said}", self.name);
+        Step { name: self.name, passed: tally.passed, failed: tally.failed, took: start.elapsed() }
+    }
+}
+
+/// The job that has waited longest.
+fn next(waiting: &Mutex<VecDeque<Job>>) -> Option<Job> {
+    lock(waiting).pop_front()
+}
+
+/// What stands behind a lock, also where a thread that held it has panicked.
+fn lock<T>(behind: &Mutex<T>) -> MutexGuard<'_, T> {
+    behind.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+    }
+}
+
 impl Account {
     /// Does a step and keeps account of it.
     pub fn step(&mut self, name: &'static str, run: impl FnOnce() -> Tally) {
         println!("\n== {name}");
         let start = Instant::now();
         let Tally { passed, failed } = run();
-        self.steps.push(Step { name, passed, failed, took: start.elapsed() });
+        self.steps.push(Step { name: name.into(), passed, failed, took: start.elapsed() });
     }
 
-    /// Does a step by a command of its own, whose output comes when it has ended, while `others` are done.
-    pub fn beside(&mut self, name: &'static str, mut command: Command, others: impl FnOnce(&mut Self)) {
-        println!("\n== {name} (told at its end)");
-        let start = Instant::now();
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let told = std::thread::scope(|scope| {
-            let run = scope.spawn(move || (command.output(), start.elapsed()));
-            others(self);
-            run.join().ok()
-        });
-        println!("\n== {name}");
-        let mut tally = Tally::default();
-        let Some((Ok(output), took)) = told else {
-            println!("it could not be run");
-            self.steps.push(Step { name, passed: 0, failed: 1, took: start.elapsed() });
-            return;
-        };
-        for line in [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text)) {
-            for line in line.lines() {
-                println!("{line}");
-                tally.add(line);
+    /// Does jobs side by side, as many at once as there are cores, with the steps of `others` in the place of one of them. What a job
+    /// says is shown when it has ended.
+    pub fn together(&mut self, jobs: Vec<Job>, others: impl FnOnce(&mut Self)) {
+        let waiting = Mutex::new(VecDeque::from(jobs));
+        let done = Mutex::new(Vec::new());
+        let work = || {
+            while let Some(job) = next(&waiting) {
+                let step = job.run();
+                lock(&done).push(step);
             }
-        }
-        if !output.status.success() && tally.failed == 0 {
-            tally.failed = 1;
-        }
-        self.steps.push(Step { name, passed: tally.passed, failed: tally.failed, took });
+        };
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        std::thread::scope(|scope| {
+            for _ in 1..cores {
+                scope.spawn(work);
+            }
+            others(self);
+            work();
+        });
+        self.steps.append(&mut lock(&done));
     }
 
     /// Prints the account; true when nothing failed.
     pub fn close(&self) -> bool {
-        println!("\n{:<12} {:>7} {:>7} {:>9}", "step", "passed", "failed", "time");
+        println!("\n{:<28} {:>7} {:>7} {:>9}", "step", "passed", "failed", "time");
         for step in &self.steps {
             let seconds = step.took.as_secs_f64();
-            println!("{:<12} {:>7} {:>7} {:>7.1} s", step.name, step.passed, step.failed, seconds);
+            println!("{:<28} {:>7} {:>7} {:>7.1} s", step.name, step.passed, step.failed, seconds);
         }
         let total = |of: fn(&Step) -> usize| self.steps.iter().map(of).sum::<usize>();
         let (passed, failed) = (total(|step| step.passed), total(|step| step.failed));

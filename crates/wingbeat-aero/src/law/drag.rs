@@ -1,6 +1,6 @@
 //! Profile drag: skin friction, and the plate in separated flow.
 
-use super::{LiftLaw, Polar, lev3d};
+use super::Polar;
 use wingbeat_math::Error;
 use wingbeat_math::require;
 use wingbeat_math::{Meets, Over, Scalar};
@@ -76,8 +76,8 @@ impl<P: Scalar> ProfileDrag<P> {
             true => {
                 let absolute = sine.smooth_abs(SINE_WIDTH);
                 let mut broadside = G::from(self.cd90);
-                if polar.law == LiftLaw::Lev3d {
-                    broadside *= lev3d::plate_force(absolute, polar.end_relief);
+                if let Some(share) = polar.law.broadside(absolute, polar.end_relief) {
+                    broadside *= share;
                 }
                 let plate = (S::ONE - attached) * broadside + self.cd0;
                 let centre = G::from(0.5) - uc * inverse * 0.75 / (absolute * std::f64::consts::PI + 4.0);

@@ -8,19 +8,24 @@
 //! vortex acts at 1/4 chord and sheds no circulation of its own into the wake: both a choice.
 
 use super::{
-    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Polar, STALL_ANGLE, StripState, ZERO_LIFT_ANGLE,
+    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Polar, STALL_ANGLE, Section, StripState,
+    ZERO_LIFT_ANGLE,
 };
 use wingbeat_math::{Meets, Over, Scalar};
 
-pub(super) const LAW: Law = Law {
-    name: "lev",
-    meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
-    parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
-    states: STATES,
-    attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
-    edge_vortex: true,
-    beyond_stall: None,
-};
+pub(super) struct Lev;
+
+impl Section for Lev {
+    const LAW: Law = Law {
+        name: "lev",
+        meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
+        parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
+        states: STATES,
+        attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
+        edge_vortex: true,
+        beyond_stall: None,
+    };
+}
 
 /// What a strip carries.
 pub(super) const STATES: &[StripState] = &[

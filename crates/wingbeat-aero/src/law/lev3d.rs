@@ -4,18 +4,32 @@
 //! Valid where the plate's formula is, at aspect ratios of 1 and more. Measured against: plates of AR 2 (steady) and 4 (pitched).
 
 use super::lev::{SEPARATION_CHORDS, STATES};
-use super::{Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, ZERO_LIFT_ANGLE};
-use wingbeat_math::Scalar;
+use super::{Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Section, ZERO_LIFT_ANGLE};
+use crate::SurfaceNumbers;
+use wingbeat_math::{Meets, Scalar};
 
-pub(super) const LAW: Law = Law {
-    name: "lev3d",
-    meaning: "as `lev`, but separated flow knows the aspect ratio, and its static stall follows from the critical suction",
-    parameters: &[CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
-    states: STATES,
-    attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
-    edge_vortex: true,
-    beyond_stall: None,
-};
+pub(super) struct Lev3d;
+
+impl Section for Lev3d {
+    const LAW: Law = Law {
+        name: "lev3d",
+        meaning: "as `lev`, but separated flow knows the aspect ratio, and its static stall follows from the critical suction",
+        parameters: &[CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
+        states: STATES,
+        attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
+        edge_vortex: true,
+        beyond_stall: None,
+    };
+
+    fn separation<P: Scalar>(numbers: &SurfaceNumbers<P>) -> P {
+        scale(numbers.critical_suction)
+    }
+
+    #[inline]
+    fn broadside<P, G: Scalar + Meets<P>>(absolute_sine: G, relief: P) -> Option<G> {
+        Some(plate_force(absolute_sine, relief))
+    }
+}
 
 /// Scale of [`attached_share`](super::stall::attached_share) for which nine tenths of the lift are attached where the edge
 /// lets go in static, plane flow, sin a = A0c (the reading of a static stall that the pages have): 1/(9 A0c^4).
@@ -38,7 +52,7 @@ pub(super) fn end_relief<P: Scalar>(aspect: P) -> P {
 /// Source: Lindenburg 2001, ECN-RX--01-004; Hoerner 1965 ch. 3.
 /// Test: `plates_have_hoerners_drag_broadside_on`.
 #[inline]
-pub(super) fn plate_force<P, G: Scalar + wingbeat_math::Meets<P>>(absolute_sine: G, end_relief: P) -> G {
+pub(super) fn plate_force<P, G: Scalar + Meets<P>>(absolute_sine: G, end_relief: P) -> G {
     (absolute_sine * 0.44 + 0.56).recip() - G::from(end_relief)
 }
 

@@ -1,13 +1,17 @@
 //! Lift proportional to the wash at any incidence.
 
-use super::{Attachment, CD0, CD90, LIFT_SLOPE, Law, ZERO_LIFT_ANGLE};
+use super::{Attachment, CD0, CD90, LIFT_SLOPE, Law, Section, ZERO_LIFT_ANGLE};
 
-pub(super) const LAW: Law = Law {
-    name: "linear",
-    meaning: "lift proportional to the wash at any incidence; knows no stall",
-    parameters: &[ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
-    states: &[],
-    attachment: Attachment::Whole,
-    edge_vortex: false,
-    beyond_stall: Some("ignores stall, so its forces are not reliable there"),
-};
+pub(super) struct Linear;
+
+impl Section for Linear {
+    const LAW: Law = Law {
+        name: "linear",
+        meaning: "lift proportional to the wash at any incidence; knows no stall",
+        parameters: &[ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
+        states: &[],
+        attachment: Attachment::Whole,
+        edge_vortex: false,
+        beyond_stall: Some("ignores stall, so its forces are not reliable there"),
+    };
+}

@@ -5,6 +5,7 @@
 //! and pages read it there.
 
 mod drag;
+mod kinds;
 pub(super) mod lev;
 mod lev3d;
 mod linear;
@@ -18,28 +19,44 @@ use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Meets, Over, Scalar};
 
-/// What becomes of the attached lift as the incidence grows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum LiftLaw {
+// A law is a file of its own, its name among those above, and its arm here.
+kinds::laws! {
     /// Lift proportional to the wash at any incidence: the paper's law, which
     /// knows no stall. Valid below the stall angle.
-    Linear,
+    Linear: linear,
     /// Flat, thin wing at low Reynolds number (1e3 to 1e5): the attached lift
     /// fades with the flow's separation and the normal force of a plate in
     /// separated flow takes its place (Hoerner 1965, ch. 3; Dickinson, Lehmann
     /// & Sane 1999). Quasi-steady: no dynamic-stall vortex is shed, so it errs
     /// where the incidence crosses the stall angle faster than about a chord
     /// of travel, and at thick or strongly cambered sections.
-    Stall,
+    Stall: stall,
     /// The leading edge holds suction up to its critical parameter; what it loses
     /// becomes the normal force of a leading-edge vortex, and separation lags behind
     /// the effective incidence (Polhamus 1966; Goman & Khrabrov 1994; Ramesh et al.
     /// 2014). Two states per strip.
-    Lev,
+    Lev: lev,
     /// As `lev`, for wings of finite aspect ratio: the separated flow bears the normal force of a plate of that aspect
     /// ratio (Lindenburg 2001), and the static stall follows from the critical suction.
-    Lev3d,
+    Lev3d: lev3d,
+}
+
+/// What a law is and does to a section, beside what all do.
+pub(super) trait Section {
+    /// What it is, as data.
+    const LAW: Law;
+
+    /// Scale of [`stall::attached_share`] for the static share of the attached lift.
+    fn separation<P: Scalar>(numbers: &SurfaceNumbers<P>) -> P {
+        stall::scale(numbers.stall_angle)
+    }
+
+    /// Normal force of the separated flow over cd90 and the sine of the incidence, where it is not 1; `relief` is what the ends of a
+    /// plate of the surface's aspect ratio take.
+    #[inline]
+    fn broadside<P, G: Scalar + Meets<P>>(_absolute_sine: G, _relief: P) -> Option<G> {
+        None
+    }
 }
 
 /// What a law is, as data.
@@ -179,20 +196,6 @@ impl Parameter {
 }
 
 impl LiftLaw {
-    /// All laws.
-    pub const ALL: [Self; 4] = [Self::Linear, Self::Stall, Self::Lev, Self::Lev3d];
-
-    /// What the law is, as data.
-    #[inline]
-    pub const fn about(self) -> &'static Law {
-        match self {
-            Self::Linear => &linear::LAW,
-            Self::Stall => &stall::LAW,
-            Self::Lev => &lev::LAW,
-            Self::Lev3d => &lev3d::LAW,
-        }
-    }
-
     /// Name as written in configurations and results.
     pub fn name(self) -> &'static str {
         self.about().name
@@ -270,10 +273,7 @@ impl<P: Scalar> Polar<P> {
     /// The law of a surface of the aspect ratio `aspect`.
     pub fn new(law: LiftLaw, numbers: &SurfaceNumbers<P>, aspect: P) -> Self {
         let limit = numbers.section_slope * numbers.critical_suction * numbers.critical_suction;
-        let separation = match law {
-            LiftLaw::Lev3d => lev3d::scale(numbers.critical_suction),
-            _ => stall::scale(numbers.stall_angle),
-        };
+        let separation = law.separation(numbers);
         Self { law, separation, inverse_limit: limit.recip(), end_relief: lev3d::end_relief(aspect) }
     }
 

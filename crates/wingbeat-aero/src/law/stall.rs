@@ -1,17 +1,21 @@
 //! Quasi-steady stall of a thin, flat wing.
 
-use super::{Attachment, CD0, CD90, LIFT_SLOPE, Law, STALL_ANGLE, ZERO_LIFT_ANGLE};
+use super::{Attachment, CD0, CD90, LIFT_SLOPE, Law, STALL_ANGLE, Section, ZERO_LIFT_ANGLE};
 use wingbeat_math::{Meets, Scalar};
 
-pub(super) const LAW: Law = Law {
-    name: "stall",
-    meaning: "attached lift fades at once with the incidence, the normal force of a plate takes its place",
-    parameters: &[STALL_ANGLE, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
-    states: &[],
-    attachment: Attachment::AtOnce,
-    edge_vortex: false,
-    beyond_stall: Some("is quasi-steady, so its forces are only within +-50 % there"),
-};
+pub(super) struct Stall;
+
+impl Section for Stall {
+    const LAW: Law = Law {
+        name: "stall",
+        meaning: "attached lift fades at once with the incidence, the normal force of a plate takes its place",
+        parameters: &[STALL_ANGLE, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
+        states: &[],
+        attachment: Attachment::AtOnce,
+        edge_vortex: false,
+        beyond_stall: Some("is quasi-steady, so its forces are only within +-50 % there"),
+    };
+}
 
 /// Share of the lift that stays attached, from the squared sine of the effective incidence; `scale` is the
 /// fourth power of 1/sine at which half is left.

@@ -2,7 +2,7 @@
 
 use super::fly::{Controller, Flight, Observer, Pilot, Sample, Schedule};
 use super::secant::Secant;
-use super::sensors::Sensors;
+use super::sensor::Sensors;
 use super::stepper::Stepper;
 use super::system::{Driver, Ending, Moment, Sizes, System, upright};
 use arrayvec::ArrayVec;

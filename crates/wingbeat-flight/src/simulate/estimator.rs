@@ -1,7 +1,7 @@
 //! From measurements to the state that a model-based controller starts from.
 
 use super::record::Column;
-use super::sensors::Measurement;
+use super::sensor::Measurement;
 use wingbeat_ocp::plant::Fault;
 
 /// Why there is no estimate.

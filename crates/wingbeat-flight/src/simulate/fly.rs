@@ -2,7 +2,7 @@
 
 use super::coupled::Steers;
 use super::record::Column;
-use super::sensors::{Measurement, Sensors};
+use super::sensor::{Measurement, Sensors};
 use super::stepper::Stepper;
 use super::system::{Driver, Ending, Moment};
 use std::ops::ControlFlow;

@@ -5,11 +5,10 @@ mod cost;
 mod coupled;
 mod estimator;
 mod fly;
-mod instruments;
 mod record;
 mod secant;
 mod sensitive;
-mod sensors;
+mod sensor;
 mod side_by_side;
 mod stepper;
 mod strips;
@@ -21,12 +20,9 @@ pub use coupled::{Bears, Beyond, Steers, step_in};
 pub use coupled::{Coupling, Fineness, Flow, fly_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
-pub use instruments::{
-    AirspeedSpec, HeightSpec, InertialSpec, Instrument, Motion, Places, Quantity, Reading,
-};
 pub use record::{Column, Record};
 pub use sensitive::{Sensitive, Varied, packed};
-pub use sensors::{Measurement, SensorSpec, Sensors};
+pub use sensor::*;
 pub use side_by_side::{Seat, fly_side_by_side};
 pub use stepper::{Saved, Stepper};
 pub use strips::AXES;

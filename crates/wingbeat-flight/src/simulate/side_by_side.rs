@@ -1,7 +1,7 @@
 //! Flights of several plants at once, in the lanes of a scalar.
 
 use super::fly::{Controller, Flight, Pilot, Sample, Schedule};
-use super::sensors::Sensors;
+use super::sensor::Sensors;
 use super::stepper::finite;
 use super::system::{Driver, Ending, Moment, System, upright};
 use std::ops::ControlFlow;

@@ -1,7 +1,6 @@
 //! What a robot file says, before it is checked and built.
 
 mod clearance;
-mod drive;
 mod gait;
 mod given;
 mod link;
@@ -13,7 +12,6 @@ mod thruster;
 mod wing;
 
 pub use clearance::{CapsuleSpec, ClearanceSpec};
-pub use drive::{DriveSpec, MotorSpec};
 pub use gait::GaitSpec;
 pub use given::{FitVerdict, GivenNumbers};
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
@@ -24,6 +22,7 @@ pub use surface::{PanelSpec, SurfaceSpec};
 pub use thruster::ThrusterSpec;
 pub use wing::{WingLinkSpec, WingSpec};
 
+use super::DriveSpec;
 use super::numbers::DRAG_AREA;
 use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
@@ -207,6 +206,8 @@ impl RobotSpec {
     pub fn hold_still(&mut self) {
         self.gait.set_frequency_hz(0.0);
         self.drive = DriveSpec::default();
-        self.numbers.retain(|name, _| !name.starts_with("motor."));
+        let of_motor =
+            |name: &str| name.split_once('.').is_some_and(|(of, _)| DriveSpec::NAMES.contains(&of));
+        self.numbers.retain(|name, _| !of_motor(name));
     }
 }

@@ -229,7 +229,7 @@ fn the_crank_bears_its_joints() {
         let (dx, seen) = (rates(&robot, &x, &u), robot.observe(0.02, &x, &u).unwrap());
         let motor = seen.motor.unwrap();
         assert_eq!((dx[angle], motor.crank_rate, seen.phase), (x[rate], x[rate], x[angle]));
-        let needed = motor.crank_torque - robot.motor().unwrap().inertia * dx[rate];
+        let needed = motor.crank_torque - robot.motor().unwrap().inertia() * dx[rate];
         let found = seen.drive_power / x[rate];
         assert!((found - needed).abs() < 1e-10 * needed.abs().max(motor.crank_torque), "{found} {needed}");
     }

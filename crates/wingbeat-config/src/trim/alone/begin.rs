@@ -17,12 +17,15 @@ pub(super) fn frequency_key(spec: &ScenarioSpec) -> String {
 
 /// Leaves the motor of `spec` out; the numbers it had.
 pub(super) fn without_motor(spec: &mut ScenarioSpec, warnings: &mut Vec<Warning>) -> Vec<(String, f64)> {
-    let Some(motor) = std::mem::take(&mut spec.robot.drive).motor else { return Vec::new() };
+    let drive = std::mem::take(&mut spec.robot.drive);
+    let Some(name) = drive.given().first().copied() else { return Vec::new() };
     let text = "the motor is left out: the crank turns at a constant rate, as a governed motor would turn it; power is that of the crank";
-    warnings.push(Warning::new("trim.motor_left_out", text).key("robot.drive.motor"));
-    let numbers = toml::Table::try_from(motor).unwrap_or_default();
-    let numbers = numbers.iter().filter_map(|(key, value)| Some((key, value.as_float()?)));
-    numbers.map(|(key, value)| (format!("robot.drive.motor.{key}"), value)).collect()
+    let table = format!("robot.drive.{name}");
+    warnings.push(Warning::new("trim.motor_left_out", text).key(&table));
+    let tables = toml::Table::try_from(drive).unwrap_or_default();
+    let numbers = tables.get(name).and_then(toml::Value::as_table).into_iter().flatten();
+    let numbers = numbers.filter_map(|(key, value)| Some((key, value.as_float()?)));
+    numbers.map(|(key, value)| (format!("{table}.{key}"), value)).collect()
 }
 
 /// Begins at the frequency of scaling laws where that of the file is far from it.

@@ -1,7 +1,7 @@
 //! Small errors of a believed flight: how they grow and what instruments see of them.
 
 use super::{BIAS, BODY, MISSED, State};
-use crate::simulate::{Instrument, Motion, Places};
+use crate::simulate::{Erring, Instrument, Motion, Places};
 use nalgebra::{SMatrix, SVector};
 use wingbeat_math::{Dual, Quat, Scalar, Vec3};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
@@ -14,7 +14,8 @@ pub(super) type Square<const N: usize> = SMatrix<f64, N, N>;
 pub(super) type Row<const N: usize> = SVector<f64, N>;
 
 /// Directions of the body's own errors, then of what is missed.
-type Wide = Dual<{ BODY + MISSED }>;
+type Wide = Erring;
+const _: () = assert!(Wide::LANES == BODY + MISSED);
 
 /// What is felt at a state, with derivatives by the errors of body and what is missed.
 pub(super) struct Linear {
@@ -103,7 +104,7 @@ impl Linear {
 
     /// The same of an instrument without a bias.
     pub fn felt<const N: usize>(&self, instrument: &Instrument) -> (f64, Row<N>) {
-        let read = instrument.reads(&self.motion);
+        let read = instrument.reads_erring(&self.motion);
         (read.value(), row(&read))
     }
 }

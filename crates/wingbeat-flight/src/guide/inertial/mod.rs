@@ -52,8 +52,6 @@ const NAMES: [(&str, &str, &str); SEEN] = [
     ("w_WB_B_y", "rad/s", "B"),
     ("w_WB_B_z", "rad/s", "B"),
 ];
-/// Kinds of readings.
-const KINDS: [&str; 4] = ["rate", "force", "height", "airspeed"];
 
 /// What is believed at one time.
 #[derive(Clone)]
@@ -66,6 +64,43 @@ struct State<const N: usize> {
     missed: [f64; MISSED],
     /// Covariance of the errors.
     p: Square<N>,
+}
+
+/// Instruments that tell together.
+struct Kind {
+    name: &'static str,
+    /// Squares of the newest innovations over their variances, mean over the axes.
+    surprise: f64,
+    /// Their sum and number while readings of one instant are taken in.
+    sum: f64,
+    count: f64,
+}
+
+impl Kind {
+    /// The kinds of `instruments`, as they come.
+    fn all(instruments: &[Instrument]) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for name in instruments.iter().map(|instrument| instrument.quantity.kind) {
+            if all.iter().all(|kind| kind.name != name) {
+                all.push(Self { name, surprise: 1.0, sum: 0.0, count: 0.0 });
+            }
+        }
+        all
+    }
+
+    /// Takes in the square of an innovation over its variance.
+    fn add(&mut self, square: f64) {
+        self.sum += square;
+        self.count += 1.0;
+    }
+
+    /// Ends an instant.
+    fn close(&mut self) {
+        if self.count > 0.0 {
+            self.surprise = self.sum / self.count;
+        }
+        (self.sum, self.count) = (0.0, 0.0);
+    }
 }
 
 /// The filter. Readings are taken in when all that were read before have arrived: what is believed for good lags by the
@@ -86,8 +121,8 @@ struct Inertial<'a, const N: usize> {
     readings: Vec<Reading>,
     /// What is believed now.
     now: State<N>,
-    /// Squares of the newest innovations over their variances, means over the axes.
-    surprise: [f64; KINDS.len()],
+    /// What is told together: the kinds of the instruments.
+    kinds: Vec<Kind>,
 }
 
 /// A filter of the readings of `sensors` that believes the flight to begin in the state `x` under the inputs `u`.
@@ -143,6 +178,7 @@ impl<'a, const N: usize> Inertial<'a, N> {
             section,
             places,
             delay: instruments.iter().map(|i| i.delay).fold(0.0, f64::max),
+            kinds: Kind::all(&instruments),
             instruments,
             spec,
             history: History::default(),
@@ -150,7 +186,6 @@ impl<'a, const N: usize> Inertial<'a, N> {
             now: behind.clone(),
             behind,
             readings: Vec::new(),
-            surprise: [1.0; KINDS.len()],
             robot,
         }
     }
@@ -217,7 +252,6 @@ impl<'a, const N: usize> Inertial<'a, N> {
         let Some((commands, _)) = self.history.at(state.t + ROUNDING) else { return Ok(()) };
         let linear = Linear::new(self.robot, &self.places, state.t, &state.x, commands, &state.missed)?;
         let mut errors = Row::<N>::zeros();
-        let (mut squares, mut counts) = ([0.0; KINDS.len()], [0.0; KINDS.len()]);
         for reading in readings {
             let (i, instrument) = (reading.instrument, &self.instruments[reading.instrument]);
             let (expected, by_errors): (f64, Row<N>) = linear.reading(i, instrument, state.biases[i]);
@@ -227,18 +261,13 @@ impl<'a, const N: usize> Inertial<'a, N> {
             if variance > 0.0 {
                 errors += spread * (innovation / variance);
                 state.p -= spread * spread.transpose() / variance;
-                let kind = kind(instrument.quantity);
-                squares[kind] += innovation * innovation / variance;
-                counts[kind] += 1.0;
+                let kind = self.kinds.iter_mut().find(|kind| kind.name == instrument.quantity.kind);
+                kind.into_iter().for_each(|kind| kind.add(innovation * innovation / variance));
             }
         }
         state.p = (state.p + state.p.transpose()) * 0.5;
         state.correct(&self.places, &errors);
-        for (surprise, (square, count)) in self.surprise.iter_mut().zip(squares.iter().zip(counts)) {
-            if count > 0.0 {
-                *surprise = square / count;
-            }
-        }
+        self.kinds.iter_mut().for_each(Kind::close);
         Ok(())
     }
 
@@ -268,11 +297,6 @@ impl<'a, const N: usize> Inertial<'a, N> {
         Ok(now)
     }
 
-    /// The kinds of readings that there are.
-    fn kinds(&self) -> impl Iterator<Item = usize> {
-        (0..KINDS.len()).filter(|k| self.instruments.iter().any(|i| kind(i.quantity) == *k))
-    }
-
     /// The numbers of the state that are fed back, and their standard deviations.
     fn seen(&self) -> ([f64; SEEN], [f64; SEEN]) {
         let x = erring::<BODY>(&self.places, &self.now.x);
@@ -286,16 +310,6 @@ impl<'a, const N: usize> Inertial<'a, N> {
             row.dot(&(of_body * row)).max(0.0).sqrt()
         });
         (all.map(|number| number.re), deviation)
-    }
-}
-
-/// Place of a quantity among [`KINDS`].
-fn kind(quantity: Quantity) -> usize {
-    match quantity {
-        Quantity::Rate(_) => 0,
-        Quantity::Force(_) => 1,
-        Quantity::Height => 2,
-        Quantity::Airspeed => 3,
     }
 }
 
@@ -317,23 +331,20 @@ impl<const N: usize> Estimator for Inertial<'_, N> {
         let seen = NAMES.map(|(name, unit, frame)| Column::new(format!("estimate_{name}"), unit, frame));
         let deviations =
             NAMES.map(|(name, unit, frame)| Column::new(format!("estimate_deviation_{name}"), unit, frame));
-        let bias = |instrument: &Instrument| match instrument.quantity {
-            Quantity::Rate(axis) => Column::new(format!("estimate_bias_rate_{}", AXES[axis]), "rad/s", "B"),
-            Quantity::Force(axis) => Column::new(format!("estimate_bias_force_{}", AXES[axis]), "m/s2", "B"),
-            Quantity::Height => Column::new("estimate_bias_height", "m", "W"),
-            Quantity::Airspeed => Column::new("estimate_bias_airspeed", "m/s", "B"),
+        let bias = |instrument: &Instrument| {
+            let Quantity { name, unit, frame, .. } = instrument.quantity;
+            Column::new(format!("estimate_bias_{name}"), unit, frame)
         };
         let missed = AXES.map(|axis| Column::new(format!("estimate_missed_{axis}"), "m/s2", "B"));
         let turning = AXES.map(|axis| Column::new(format!("estimate_missed_turning_{axis}"), "rad/s2", "B"));
-        let surprise =
-            self.kinds().map(|kind| Column::new(format!("estimate_innovation_{}", KINDS[kind]), "", ""));
+        let innovation = |kind: &Kind| Column::new(format!("estimate_innovation_{}", kind.name), "", "");
         std::iter::once(Column::new("estimate_t", "s", ""))
             .chain(seen)
             .chain(deviations)
             .chain(self.instruments.iter().map(bias))
             .chain(missed)
             .chain(turning)
-            .chain(surprise)
+            .chain(self.kinds.iter().map(innovation))
             .collect()
     }
 
@@ -344,6 +355,6 @@ impl<const N: usize> Estimator for Inertial<'_, N> {
         row.extend(deviations);
         row.extend(&self.now.biases);
         row.extend(self.now.missed);
-        row.extend(self.kinds().map(|kind| self.surprise[kind]));
+        row.extend(self.kinds.iter().map(|kind| kind.surprise));
     }
 }

@@ -69,11 +69,11 @@ impl EstimatorSpec {
         self.in_range()?;
         match sensors.filter(|sensors| sensors.reads()) {
             Some(_) => Ok(()),
-            None => Err(Error::invalid(
-                "",
-                "given",
-                "an estimator beside instruments: [sensors.imu], [sensors.height], [sensors.airspeed]",
-            )),
+            None => {
+                let tables = SensorSpec::INSTRUMENTS.iter().map(|name| format!("[sensors.{name}]"));
+                let tables = tables.collect::<Vec<_>>().join(", ");
+                Err(Error::invalid("", "given", format!("an estimator beside instruments: {tables}")))
+            }
         }
     }
 }

@@ -1,98 +1,11 @@
 //! What the controller is told of the state: which channels, how noisy, how late.
 
-use super::instruments::{AirspeedSpec, Fitted, HeightSpec, InertialSpec, Reading};
-use serde::{Deserialize, Serialize};
+use super::fitted::Fitted;
+use super::{Reading, SensorSpec};
 use std::collections::VecDeque;
-use wingbeat_math::Error;
-use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Quat, Random, Vec3};
 use wingbeat_ocp::plant::{Channel, Fault, Plant, Role};
 use wingbeat_robot::Robot;
-
-/// Oldest measurement, in updates: all up to it are kept.
-const MAX_DELAY: usize = 1000;
-
-/// Standard deviations of white noise per measurement, and the delay of the
-/// measurement chain. States not named here are known exactly. Where there are instruments, they alone are told.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
-#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
-#[serde(deny_unknown_fields, default)]
-pub struct SensorSpec {
-    /// Position, m.
-    pub position_m: f64,
-    /// Attitude, deg about each body axis.
-    pub attitude_deg: f64,
-    /// Velocity, m/s.
-    pub velocity_m_s: f64,
-    /// Angular rate, rad/s.
-    pub rate_rad_s: f64,
-    /// Displacements of the structure, in their own unit.
-    pub displacement: f64,
-    /// Age of the newest measurement in whole controller updates.
-    pub delay_updates: usize,
-    /// Gyroscope and accelerometer.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub imu: Option<InertialSpec>,
-    /// Height.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub height: Option<HeightSpec>,
-    /// Airspeed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub airspeed: Option<AirspeedSpec>,
-}
-
-ranges!(SensorSpec {
-    position_m: Range::NOT_NEGATIVE,
-    attitude_deg: Range::NOT_NEGATIVE,
-    velocity_m_s: Range::NOT_NEGATIVE,
-    rate_rad_s: Range::NOT_NEGATIVE,
-    displacement: Range::NOT_NEGATIVE,
-    delay_updates: Range::between(0.0, MAX_DELAY as f64),
-});
-
-impl SensorSpec {
-    /// Checks ranges.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] with the key.
-    pub fn check(&self) -> Result<(), Error> {
-        self.in_range()?;
-        self.check_instruments()?;
-        if !self.reads() {
-            return Ok(());
-        }
-        let of_states = [
-            ("position_m", self.position_m),
-            ("attitude_deg", self.attitude_deg),
-            ("velocity_m_s", self.velocity_m_s),
-            ("rate_rad_s", self.rate_rad_s),
-            ("displacement", self.displacement),
-            ("delay_updates", self.delay_updates as f64),
-        ];
-        match of_states.into_iter().find(|(_, value)| *value != 0.0) {
-            Some((key, value)) => {
-                Err(Error::invalid(key, value, "0 beside instruments, which alone are told"))
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Whether there are instruments, so that no state is told.
-    pub fn reads(&self) -> bool {
-        self.imu.is_some() || self.height.is_some() || self.airspeed.is_some()
-    }
-
-    /// Standard deviation of a channel; the attitude turns as a whole.
-    fn deviation(&self, channel: &Channel) -> f64 {
-        match channel.role {
-            Role::Position(_) => self.position_m,
-            Role::Velocity(_) => self.velocity_m_s,
-            Role::AngularRate(_) => self.rate_rad_s,
-            Role::Displacement(_) => self.displacement,
-            _ => 0.0,
-        }
-    }
-}
 
 /// What a controller is told: channels of the plant's state as measured.
 #[derive(Clone, Copy, Debug)]
@@ -210,7 +123,7 @@ impl Sensors {
     }
 
     /// Lets instruments read that are due at step `k`: `plant` in the state `x` under the inputs `u` now in force.
-    pub(super) fn watch<P: Plant>(
+    pub(in crate::simulate) fn watch<P: Plant>(
         &mut self,
         k: usize,
         plant: &P,
