@@ -38,7 +38,25 @@ class Task:
 
 
 class BankingTurn(Task):
-    """A level second, then a turn at constant bank: roll, pitch and angular rate are rewarded."""
+    """A level second, then a turn at constant bank: roll, pitch and angular rate are rewarded.
+
+    An observation has 39 numbers for Aerobat with its 8 elements, clipped to their limits:
+
+    - 0, 1: `roll`, `pitch`, rad, to pi and pi/2.
+    - 2 to 7: `w_WB_B_x` ... angular rate to 60 rad/s, `v_WB_B_x` ... velocity in body axes to 30 m/s.
+    - 8 to 12: `roll_reference`, `pitch_reference`, `w_reference_x` ..., with the same limits.
+    - 13, 14: `sin_phase`, `cos_phase` of the gait.
+    - 15 to 30: `displacement_*` of the structure to 4 times the range, then `rate_*` to 400 ranges per s.
+    - 31 to 38: `action_*`, the last action.
+
+    The reward is `flown`, 1 for each step (chosen), and the cost of the scenario's predictive controller without `input_change` and
+    `clearance` (chosen): `roll`, `pitch`, `rate` and `input` are minus the squares of weight times error, and of weight times input
+    over half of its range.
+
+    An episode terminates when roll or pitch is 60 deg off the setpoint, the angular rate exceeds 60 rad/s or the speed 30 m/s (chosen),
+    and with reward 0 when the model cannot be evaluated. Each draws 5 deg in roll, pitch and yaw, 0.1 m/s and 0.5 rad/s to both sides
+    (chosen, times `spread`) and any phase of the gait, from the seed.
+    """
 
     id = "wingbeat/BankingTurn-v0"
     name = "banking_turn"
