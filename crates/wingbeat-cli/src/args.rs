@@ -111,6 +111,15 @@ pub struct Tether {
 /// manifest.json, a VTK file of wing and wake at the start and in the middle of down- and upstroke of the last cycle, and figures: the wake,
 /// and the vorticity in a frontal plane at these phases. Of a flight with a turn there are two stretches, the last cycles before
 /// the turn and the last of the flight. Attached flow is assumed without `--critical-suction`. More in docs/wake.md.
+///
+/// In summary.json, `circulation_error` is the largest circulation around a strip and its wake over that of the largest ring, zero
+/// by Kelvin's theorem; `symmetry_error` is the largest difference between a ring and its mirror image over the largest ring, null
+/// where the motion is not symmetric. `down_over_up` is the mean bound circulation by width in the downstroke over that in the
+/// upstroke, of each half of the first surface, and `left_over_right` that of left and right. `wake_drag_n` is the drag by the wake
+/// far behind (Trefftz plane) and `span_efficiency` that of the mean lift by it; both are null in unsteady flow, where the mean
+/// bound circulation of a half changes by more than 0.02 of it within the last cycle (`unsteadiness`). `past_stall` is the share of
+/// strips and time steps that the strip model has past its stall angle, and `strongest` the strongest ring at each phase drawn, and
+/// when it was shed.
 #[derive(Debug, Args)]
 pub struct Wake {
     /// The case, as `tether` takes it, or the run folder of `fly`
@@ -224,6 +233,12 @@ pub struct Trim {
 /// The folder holds cycles.csv (phase, and for each channel its mean and standard deviation over the cycles), summary.json,
 /// manifest.json and a figure with every channel. The frequency comes from the data. No robot, rig or arm is needed;
 /// `rig process` also takes weight and inertia away. More in docs/average.md.
+///
+/// A line of a channel's spectrum (Hann's window, without the straight trend) must have 60 times the power of the noise beside it
+/// (`data.line_over_noise`) and stand above what larger lines leak there. The strongest, `strongest_line_hz`, has the largest share
+/// of the power of all channels. It is taken as the harmonic k of the frequency, at most the sixth, if other lines lie at multiples
+/// of its k-th part that are coprime to k: the first, or two of them. Least squares of four harmonics give the frequency of each
+/// channel; the result is their weighted mean.
 #[derive(Debug, Args)]
 pub struct Average {
     /// The samples: text with columns and a header, or six columns without one, or any file that `rig process` reads
