@@ -212,6 +212,15 @@ pub struct Calibrate {
 /// for `fly`. Where `[trim.search]` asks for the gait that does something
 /// best, starts.csv and starts.parquet have what each start came to, robot.toml is the best robot, and an interrupted search
 /// goes on when the same command is given again. What the numbers mean: docs/trim.md.
+///
+/// Of a robot, scaling laws give the first speed (lift coefficient 0.6 of all surfaces as seen from above) and a frequency
+/// (Pennycuick 1996, J. Exp. Biol. 199, 1613; area of the largest surface), which replaces the file's where that is not within 0.3
+/// to 3 times it. At each of up to six speeds, steps of least norm bring the mean accelerations of the free body to zero, and
+/// Newton's method finds the orbit. They change pitch, frequency and numbers of the file: means, amplitudes and phases of joints,
+/// springs, settings of surfaces, and the centre of mass along the body. A gait search then takes the power down, within 200 W/kg,
+/// three times the frequency of birds of that size, 45 deg of driven twist, 30 % of U^2 c dy beyond 20 deg, and a clearance of 5 %
+/// of the span or 70 % of that at the start. `--bank` flies level, into the turn and in it, with up to three speeds and weights,
+/// for 20 mm of height and 3 deg of mean roll.
 #[derive(Debug, Args)]
 pub struct Trim {
     /// The scenario; or a robot, which is trimmed from its file alone
@@ -520,6 +529,11 @@ pub struct RigRuns {
 /// and 7.3, NumPy npz and npy, HDF5, MCAP of ROS 2, text with columns, text of ATI's demo application; what they do
 /// not say is set: `--set process.input.rate_hz=7000`, `--set process.input.columns.Fz=NAME`, `--set
 /// process.input.units.force=N`, `--set process.input.start_s=4`, `--set process.phase=force`.
+///
+/// At most 4096 columns with together 2^26 numbers are read, and the last line of a text ends with a line break. Where several
+/// columns could be a channel, `process.input.columns` must name one; a unit by key that contradicts the file is refused. Of ATI's
+/// application whole numbers are counts and numbers with a point units; samples are placed by the RDT sequence and sample rate,
+/// because the time in the file is the host's, to a second.
 #[derive(Debug, Args)]
 pub struct RigProcess {
     /// A folder of `rig simulate` or `rig record`, a folder of such folders, or a file of samples
