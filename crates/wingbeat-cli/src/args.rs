@@ -71,6 +71,12 @@ pub struct Fly {
 /// The folder holds sweep.toml (as resolved), flights.csv (of a case runs.csv) and record.parquet (one row per run),
 /// summary.json, manifest.json and a figure; of a case also its tables. An interrupted sweep goes on when the same
 /// command is given again.
+///
+/// With `[search]` each candidate gives the keys of `draws` a value and is flown once for each of `flights`. Its cost is the sum of
+/// (miss / `per`)^2 over all goals and flights; a flight that breaks down costs 1e6 or more. The search is separable CMA-ES, a
+/// local evolution strategy (Ros & Hansen 2008); the same seed gives the same candidates. candidates.csv holds values, goals and
+/// cost of every candidate, best.toml the scenario of the best, for `fly`. It ends `ok` where one candidate meets all goals, else
+/// `not_found` with a warning `search.missed` for each goal missed.
 #[derive(Debug, Args)]
 pub struct Sweep {
     /// The sweep: scenario and what counts as held, or case; draws
