@@ -47,6 +47,12 @@ pub struct Fly {
 /// The folder holds sweep.toml (as resolved), flights.csv (of a case runs.csv) and record.parquet (one row per run),
 /// summary.json, manifest.json and a figure; of a case also its tables. An interrupted sweep goes on when the same
 /// command is given again.
+///
+/// With `[search]` each candidate gives the keys of `draws` a value and is flown once for each of `flights`. Its cost is the sum of
+/// (miss / `per`)^2 over all goals and flights; a flight that breaks down costs 1e6 or more. The search is separable CMA-ES, a
+/// local evolution strategy (Ros & Hansen 2008); the same seed gives the same candidates. candidates.csv holds values, goals and
+/// cost of every candidate, best.toml the scenario of the best, for `fly`. It ends `ok` where one candidate meets all goals, else
+/// `not_found` with a warning `search.missed` for each goal missed.
 #[derive(Debug, Args)]
 pub struct Sweep {
     /// The sweep: scenario and what counts as held, or case; draws
@@ -87,6 +93,15 @@ pub struct Tether {
 /// manifest.json, a VTK file of wing and wake at the start and in the middle of down- and upstroke of the last cycle, and figures: the wake,
 /// and the vorticity in a frontal plane at these phases. Of a flight with a turn there are two stretches, the last cycles before
 /// the turn and the last of the flight. Attached flow is assumed without `--critical-suction`. More in docs/wake.md.
+///
+/// In summary.json, `circulation_error` is the largest circulation around a strip and its wake over that of the largest ring, zero
+/// by Kelvin's theorem; `symmetry_error` is the largest difference between a ring and its mirror image over the largest ring, null
+/// where the motion is not symmetric. `down_over_up` is the mean bound circulation by width in the downstroke over that in the
+/// upstroke, of each half of the first surface, and `left_over_right` that of left and right. `wake_drag_n` is the drag by the wake
+/// far behind (Trefftz plane) and `span_efficiency` that of the mean lift by it; both are null in unsteady flow, where the mean
+/// bound circulation of a half changes by more than 0.02 of it within the last cycle (`unsteadiness`). `past_stall` is the share of
+/// strips and time steps that the strip model has past its stall angle, and `strongest` the strongest ring at each phase drawn, and
+/// when it was shed.
 #[derive(Debug, Args)]
 pub struct Wake {
     /// The case, as `tether` takes it, or the run folder of `fly`
@@ -179,6 +194,15 @@ pub struct Calibrate {
 /// for `fly`. Where `[trim.search]` asks for the gait that does something
 /// best, starts.csv and starts.parquet have what each start came to, robot.toml is the best robot, and an interrupted search
 /// goes on when the same command is given again. What the numbers mean: docs/trim.md.
+///
+/// Of a robot, scaling laws give the first speed (lift coefficient 0.6 of all surfaces as seen from above) and a frequency
+/// (Pennycuick 1996, J. Exp. Biol. 199, 1613; area of the largest surface), which replaces the file's where that is not within 0.3
+/// to 3 times it. At each of up to six speeds, steps of least norm bring the mean accelerations of the free body to zero, and
+/// Newton's method finds the orbit. They change pitch, frequency and numbers of the file: means, amplitudes and phases of joints,
+/// springs, settings of surfaces, and the centre of mass along the body. A gait search then takes the power down, within 200 W/kg,
+/// three times the frequency of birds of that size, 45 deg of driven twist, 30 % of U^2 c dy beyond 20 deg, and a clearance of 5 %
+/// of the span or 70 % of that at the start. `--bank` flies level, into the turn and in it, with up to three speeds and weights,
+/// for 20 mm of height and 3 deg of mean roll.
 #[derive(Debug, Args)]
 pub struct Trim {
     /// The scenario; or a robot, which is trimmed from its file alone
@@ -200,6 +224,12 @@ pub struct Trim {
 /// The folder holds cycles.csv (phase, and for each channel its mean and standard deviation over the cycles), summary.json,
 /// manifest.json and a figure with every channel. The frequency comes from the data. No robot, rig or arm is needed;
 /// `rig process` also takes weight and inertia away. More in docs/average.md.
+///
+/// A line of a channel's spectrum (Hann's window, without the straight trend) must have 60 times the power of the noise beside it
+/// (`data.line_over_noise`) and stand above what larger lines leak there. The strongest, `strongest_line_hz`, has the largest share
+/// of the power of all channels. It is taken as the harmonic k of the frequency, at most the sixth, if other lines lie at multiples
+/// of its k-th part that are coprime to k: the first, or two of them. Least squares of four harmonics give the frequency of each
+/// channel; the result is their weighted mean.
 #[derive(Debug, Args)]
 pub struct Average {
     /// The samples: text with columns and a header, or six columns without one, or any file that `rig process` reads
@@ -481,6 +511,11 @@ pub struct RigRuns {
 /// and 7.3, NumPy npz and npy, HDF5, MCAP of ROS 2, text with columns, text of ATI's demo application; what they do
 /// not say is set: `--set process.input.rate_hz=7000`, `--set process.input.columns.Fz=NAME`, `--set
 /// process.input.units.force=N`, `--set process.input.start_s=4`, `--set process.phase=force`.
+///
+/// At most 4096 columns with together 2^26 numbers are read, and the last line of a text ends with a line break. Where several
+/// columns could be a channel, `process.input.columns` must name one; a unit by key that contradicts the file is refused. Of ATI's
+/// application whole numbers are counts and numbers with a point units; samples are placed by the RDT sequence and sample rate,
+/// because the time in the file is the host's, to a second.
 #[derive(Debug, Args)]
 pub struct RigProcess {
     /// A folder of `rig simulate` or `rig record`, a folder of such folders, or a file of samples
