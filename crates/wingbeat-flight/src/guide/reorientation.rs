@@ -181,7 +181,7 @@ impl Turning {
 /// Equation: guide.reorientation
 /// `min t_f + int e sum (u_i/limit_i)^2 dt, |log(R_0' R_f) - d|_i <= within, elements at rest again, strokes and clearances
 /// kept`
-/// Source: choice; turning without momentum, Kane & Scher 1969; bats, Bergou et al. 2015.
+/// Source: choice; turning without momentum, Kane & Scher 1969; bats, Bergou et al. 2015, PLoS Biology 13.
 /// Test: `a_free_body_turns_beyond_a_quarter_in_the_time_of_full_torque`.
 impl<'a, P: Plant> RollIn<'a, P> {
     /// The reorientation of `plant`, whose structure elements have `strokes`, from its state `x` at the time 0.
