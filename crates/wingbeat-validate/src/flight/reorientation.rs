@@ -84,7 +84,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let of = scenario("reorientation", &[])?;
     let planned = of.plan(&mut |_| ControlFlow::Continue(()))?;
     let (PlanSummary::RollIn(summary), Some(record)) = (&planned.summary, &planned.record) else {
-        return Err(Error::reference("reorientation", "no plan was flown".into()));
+        return Err(Error::reference("reorientation", "no plan was flown"));
     };
     let met = f64::from(u8::from(summary.solver.verdict.status != Status::Ok));
     let turned = pitched(record)?;
