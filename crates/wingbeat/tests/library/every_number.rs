@@ -112,6 +112,7 @@ const WITHOUT_CARRIED: &[&str] =
 /// Numbers that cannot act in a document, by parts that their keys and their document have, with the reason.
 const STILL_KEYS: &[(&str, &[&str], &str)] = &[
     (".axis[1]", &[], "a direction has no length"),
+    (".axis[2]", &["reorientation"], "a direction has no length"),
     (".direction[", &["glider", "sail_glide"], "a direction has no length"),
     (".planform[0].", OPEN, "no strip lies there"),
     (".planform[1].arc_m", ENDED, "the edges run straight on where the gap ends"),
