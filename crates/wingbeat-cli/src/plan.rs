@@ -140,6 +140,7 @@ fn roll_in(summary: &RollInSummary) -> Lines {
         a.map_or("-".into(), |a| format!("{:.2} / {:.2} / {:.2} deg", a[0], a[1], a[2]))
     };
     let duration = summary.duration_s.map_or("-".into(), |duration| format!("{duration:.4} s"));
+    let momentum = summary.angular_momentum_change_kg_m2_s;
     let mut lines = vec![
         ("duration", format!("{duration} from {:.3} s on", summary.start_s)),
         ("roll / pitch / yaw, plan", angles(summary.final_angles_deg)),
@@ -149,6 +150,10 @@ fn roll_in(summary: &RollInSummary) -> Lines {
         ("strips past stall, flown", summary.stall_fraction.map_or("-".into(), percent)),
         ("error re-simulated", worst(&summary.resimulation_error)),
     ];
+    lines.extend(summary.turned_deg.map(|turned| ("turned", format!("{turned:.2} deg"))));
+    lines.extend(
+        momentum.map(|change| ("change of angular momentum", format!("{change:.1e} kg m2/s, flown"))),
+    );
     lines.extend(summary.starts.iter().map(|words| ("starts", words.clone())));
     lines
 }

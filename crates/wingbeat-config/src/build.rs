@@ -312,6 +312,9 @@ pub(super) fn robot(
     mismatch: Option<&Mismatch>,
 ) -> Result<Robot, Error> {
     spec.check().map_err(|e| e.within("robot"))?;
+    let vacuum = air.density == 0.0;
+    // The models of the surfaces are checked in any air, and then taken away.
+    let air = Air { density: if vacuum { 1.0 } else { air.density }, ..air };
     let outlines = spec.outlines().map_err(|e| e.within("robot"))?;
     let model = |outline: &SurfaceOutline| {
         let key = format!("robot.{}", outline.key);
@@ -337,7 +340,8 @@ pub(super) fn robot(
     if let Some(mismatch) = mismatch {
         mismatch.deviate(&mut numbers, spec.structure.elements.len());
     }
-    robot.renumbered(&numbers).map_err(|e| of_numbers(e, spec).within("robot"))
+    let robot = robot.renumbered(&numbers).map_err(|e| of_numbers(e, spec).within("robot"))?;
+    Ok(if vacuum { robot.in_vacuum() } else { robot })
 }
 
 /// An error of a number, at the place where `numbers` gives it if they do.

@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use wingbeat_flight::guide::{
-    AboutOrbitSpec, ControllerSpec, HoverSpec, Manoeuvre, MpcSpec, SolverSpec, Turn,
+    AboutOrbitSpec, CommandsSpec, ControllerSpec, HoverSpec, Manoeuvre, MpcSpec, SolverSpec, Turn,
 };
 use wingbeat_math::Error;
 
@@ -67,11 +67,14 @@ pub(super) struct Choice {
 }
 
 impl Doors {
-    /// The kinds that ship under a name of their own: the controllers `[controller.orbit]`, [`AboutOrbitSpec`], and
-    /// `[controller.hover]`, [`HoverSpec`]. One line
-    /// here makes a kind part of the program.
+    /// The kinds that ship under a name of their own: the controllers `[controller.orbit]`, [`AboutOrbitSpec`],
+    /// `[controller.hover]`, [`HoverSpec`], and `[controller.commands]`, [`CommandsSpec`]. One line here makes a kind part of
+    /// the program.
     pub fn shipped() -> Self {
-        Self::default().controller::<AboutOrbitSpec>("orbit").controller::<HoverSpec>("hover")
+        Self::default()
+            .controller::<AboutOrbitSpec>("orbit")
+            .controller::<HoverSpec>("hover")
+            .controller::<CommandsSpec>("commands")
     }
 
     /// These doors and the manoeuvre `[manoeuvre.NAME]`.

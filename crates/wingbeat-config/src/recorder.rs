@@ -12,6 +12,17 @@ use wingbeat_robot::Robot;
 
 /// Lines of a surface recorded at each end of its panels.
 const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
+/// Column of the angular momentum about the centre of mass, in a vacuum.
+const MOMENTUM: &str = "angular_momentum";
+
+/// Largest change of the angular momentum over a record, kg m2/s; none where there is air.
+pub(super) fn momentum_change(record: &Record) -> Option<f64> {
+    let axes = AXES.map(|axis| record.values(&format!("{MOMENTUM}_{axis}")));
+    let [Some(x), Some(y), Some(z)] = axes else { return None };
+    let at = |row: usize| Vec3::new(x[row], y[row], z[row]);
+    (0..x.len()).map(|row| (at(row) - at(0)).norm()).reduce(|a, b| if a > b || a.is_nan() { a } else { b })
+}
+
 /// Columns of force and moment by source.
 pub(super) fn source_columns() -> impl Iterator<Item = Column> {
     let axes = |kind: &'static str, source: &'static str, unit: &'static str| {
@@ -131,6 +142,9 @@ impl<'a> Recorder<'a> {
         }
         row.extend(o.weight_shares(self.mass));
         row.extend((position + o.attitude * o.center_of_mass).0);
+        if self.robot.is_in_vacuum() {
+            row.extend(o.angular_momentum.0);
+        }
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(o.incidence());
         row.extend(&o.clearances);
@@ -262,6 +276,9 @@ fn columns(robot: &Robot) -> Vec<Column> {
     }
     columns.extend(Cost::columns());
     columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
+    if robot.is_in_vacuum() {
+        columns.extend(AXES.map(|a| column(format!("{MOMENTUM}_{a}"), "kg m2/s", "W")));
+    }
     for point in robot.outline_names() {
         for line in LINES {
             columns.extend(AXES.map(|a| column(format!("{line}_{point}_{a}"), "m", "W")));

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::chosen::{Chosen, Named};
 use super::rig_spec::RunList;
 use super::{CalibrationSpec, RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
-use wingbeat_flight::guide::{AboutOrbitSpec, HoverSpec, MpcSpec, Turn};
+use wingbeat_flight::guide::{AboutOrbitSpec, CommandsSpec, HoverSpec, MpcSpec, Turn};
 use wingbeat_rig::arm::ArmConfig;
 use wingbeat_robot::RobotSpec;
 
@@ -127,6 +127,7 @@ impl Beside for MpcSpec {
         vec![
             ("orbit", generator.subschema_for::<AboutOrbitSpec>()),
             ("hover", generator.subschema_for::<HoverSpec>()),
+            ("commands", generator.subschema_for::<CommandsSpec>()),
         ]
     }
 }

@@ -10,8 +10,8 @@ use super::verdict_limits::VerdictLimits;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wingbeat_aero::{
-    CRITICAL_SUCTION, DENSITY, LIFT_SLOPE, LagSet, LagSpeed, LiftLaw, LiftTilt, Preset, STALL_ANGLE,
-    StripSettings, ZERO_LIFT_ANGLE,
+    CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LagSpeed, LiftLaw, LiftTilt, Preset, STALL_ANGLE, StripSettings,
+    ZERO_LIFT_ANGLE,
 };
 use wingbeat_flight::guide::{MpcSpec, PathSpec, Turn};
 use wingbeat_flight::simulate::SensorSpec;
@@ -85,7 +85,7 @@ pub struct ScenarioSpec {
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct AirSpec {
-    /// Density, kg/m3.
+    /// Density, kg/m3; 0 is a vacuum, in which surfaces bear no load and have no states.
     pub density_kg_m3: f64,
     /// Wind velocity in W, m/s.
     #[serde(default)]
@@ -347,7 +347,7 @@ ranges!(AeroSpec {
     zero_lift_angle_deg: ZERO_LIFT_ANGLE.range,
     lift_slope_per_rad: LIFT_SLOPE.range,
 });
-ranges!(AirSpec { density_kg_m3: DENSITY.range, gust_m_s: Range::NOT_NEGATIVE });
+ranges!(AirSpec { density_kg_m3: Range::NOT_NEGATIVE, gust_m_s: Range::NOT_NEGATIVE });
 ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
 ranges!(FlightSpec {
     duration_s: Range::POSITIVE,

@@ -6,7 +6,7 @@ use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
-use super::recorder::Means;
+use super::recorder::{Means, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
@@ -131,6 +131,9 @@ pub struct Summary {
     pub least_clearance_m: Option<f64>,
     /// Share of the records in which a clearance is below zero.
     pub crossing_fraction: Option<f64>,
+    /// Largest change of the angular momentum about the centre of mass, kg m2/s, in a vacuum, where nothing can change it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_momentum_change_kg_m2_s: Option<f64>,
     /// Estimate of the error of the integration in the last position, m: what two steps differ from one of twice
     /// the length, over 15, at instants of the flight, summed up to its end. Feedback and growth are not in it.
     pub step_error_m: Option<f64>,
@@ -376,6 +379,7 @@ impl Summary {
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
+            angular_momentum_change_kg_m2_s: momentum_change(record),
             step_error_m: context.step_error_m,
             warnings: Vec::new(),
             controller: ControllerSummary::new(flight, context.period_s),

@@ -230,6 +230,20 @@ impl Robot {
     pub fn wind_over_time(&self) -> &Wind {
         &self.wind
     }
+    /// The same robot where there is no air: its surfaces keep their places, bear nothing and have no states.
+    #[must_use]
+    pub fn in_vacuum(mut self) -> Self {
+        self.covering.strip();
+        (self.density, self.residual) = (0.0, None);
+        let (elements, coordinates) = (self.elements.len(), self.mechanism.coordinates.len());
+        self.layout = Layout::new(elements, coordinates, self.motor.is_some(), 0);
+        self.states.truncate(self.layout.len);
+        self
+    }
+    /// Whether there is no air.
+    pub fn is_in_vacuum(&self) -> bool {
+        self.density == 0.0
+    }
     /// The same robot, its gait's frequency times `pace`.
     #[must_use]
     pub fn paced(&self, pace: f64) -> Self {

@@ -60,6 +60,8 @@ pub struct Observation {
     pub strips: Box<Loads<f64>>,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3,
+    /// Angular momentum of body and links about the centre of mass, in W, kg m2/s.
+    pub angular_momentum: Vec3,
     /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
     /// edge, from the body origin, in B, m.
     pub outlines: Vec<Vec<[Vec3; 3]>>,
@@ -142,6 +144,8 @@ impl Robot {
         let phase = self.phase_of(&Jet::new(t, 1.0, 0.0), structure, &displacements);
         let [drive_power, regulator_power] = self.power_split(phase, structure, &displacements, &torques)?;
         let rest_power = self.rest_power(structure, &displacements);
+        let center_of_mass = tree.center_of_mass(links);
+        let momentum = tree.momentum(e.base.velocity, e.base.rate, links, center_of_mass);
         let datum = -e.attitude.transpose_mul(Vec3::from_slice(&x[self.layout.position..]));
         Ok(Observation {
             attitude: e.attitude,
@@ -170,7 +174,8 @@ impl Robot {
             thrust: self.thrust(structure),
             gravity: tree.gravity(g, links),
             strips,
-            center_of_mass: tree.center_of_mass(links),
+            center_of_mass,
+            angular_momentum: e.attitude * momentum.angular,
             outlines: self.outlines(&e.base, links),
             clearances: self.clearances.least(links).collect(),
         })

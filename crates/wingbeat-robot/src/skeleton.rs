@@ -80,17 +80,20 @@ impl Robot {
             }
         };
         let edges = |s: &Section| s.edges(s.link.map_or(&e.base, |i: usize| &links[i] as &LinkMotion));
-        let outline = |(laid, surface): (&super::surface::Laid, &Surface)| {
+        let outline = |(k, laid): (usize, &super::surface::Laid)| {
             let ribs: Vec<[Vec3; 2]> = laid.ribs.iter().map(edges).collect();
-            let states = &x[self.layout.aero..][surface.states()];
-            let raised = raised(&ribs, &laid.placement.stations(), surface.aero(), states);
+            // In a vacuum there is none.
+            let raised = self.covering.aero.surfaces().get(k).map_or_else(Vec::new, |surface: &Surface| {
+                let states = &x[self.layout.aero..][surface.states()];
+                raised(&ribs, &laid.placement.stations(), surface.aero(), states)
+            });
             Outline { name: laid.name.clone(), ribs, covered: laid.covered.clone(), raised }
         };
         Ok(Skeleton {
             links: (0..tree.links()).map(place).collect(),
             body: (numbers[0].mass, numbers[0].com),
             center_of_mass: tree.center_of_mass(links),
-            outlines: self.covering.laid.iter().zip(self.covering.aero.surfaces()).map(outline).collect(),
+            outlines: self.covering.laid.iter().enumerate().map(outline).collect(),
         })
     }
 

@@ -291,6 +291,13 @@ impl<P: Scalar> Covering<P> {
         Ok(Covering { aero, laid: self.laid.clone(), sections, mounts, placements: placements.to_vec() })
     }
 
+    /// Takes the air from the surfaces; what is drawn of them stays.
+    pub fn strip(&mut self) {
+        self.aero = Surfaces::none();
+        self.sections.clear();
+        self.mounts.clear();
+    }
+
     /// The sections of all surfaces riding on `carriers`.
     pub fn riding<'a, S: Scalar + Meets<P>>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, P, S> {
         Riding { sections: &self.sections, carriers }

@@ -7,6 +7,7 @@ mod dryden;
 mod estimator;
 mod hover;
 mod path;
+mod reorientation;
 
 use std::ops::ControlFlow;
 
@@ -48,6 +49,7 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.dryden", quick: true, run: dryden::rows },
     Case { id: "flight.adaptation", quick: false, run: adaptation::rows },
     Case { id: "flight.estimator", quick: true, run: estimator::rows },
+    Case { id: "flight.reorientation", quick: false, run: reorientation::rows },
 ];
 
 /// Those that fly a shipped sweep whole.

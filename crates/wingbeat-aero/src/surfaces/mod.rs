@@ -70,7 +70,7 @@ pub struct Surfaces<P: Scalar = f64> {
 impl From<Aero> for Surfaces {
     /// The one surface `wing`.
     fn from(aero: Aero) -> Self {
-        let mut surfaces = Self { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() };
+        let mut surfaces = Self::none();
         surfaces.add("wing".into(), aero);
         surfaces
     }
@@ -82,7 +82,7 @@ impl Surfaces {
     /// # Errors
     /// [`Error::Invalid`] when there are too many, too many strips, or two of one name.
     pub fn new(surfaces: impl IntoIterator<Item = (String, Aero)>) -> Result<Self, Error> {
-        let mut all = Self { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() };
+        let mut all = Self::none();
         for (name, aero) in surfaces {
             if name.is_empty() || all.surfaces.iter().any(|other| other.name == name) {
                 let key = format!("surfaces[{}].name", all.surfaces.len());
@@ -104,6 +104,11 @@ impl Surfaces {
 }
 
 impl<P: Scalar> Surfaces<P> {
+    /// No surface.
+    pub fn none() -> Self {
+        Self { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() }
+    }
+
     /// Lets every surface that can see the others.
     fn pair(&mut self) {
         let shedding = |(k, surface): (usize, &Surface<P>)| {
@@ -150,7 +155,7 @@ impl<P: Scalar> Surfaces<P> {
     /// When there are not as many.
     pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Result<Surfaces<Q>, Error> {
         assert_eq!(numbers.len(), self.surfaces.len(), "numbers of every surface");
-        let mut all = Surfaces { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() };
+        let mut all = Surfaces::none();
         for (surface, numbers) in self.surfaces.iter().zip(numbers) {
             all.add(surface.name.clone(), surface.aero.with(numbers)?);
         }

@@ -206,6 +206,7 @@ pub const COLUMNS: &[Described] = &[
     column("force_<axis>", &[STRIPS], N, "B", "Force on the strip, sum over the sources."),
     column("weight_<part>", &[FLIGHT], ONE, "W", "Upward force over the weight by part: attached (normal force of the attached flow), suction and vortex of the leading edge, separated (what `cd90` gives), friction (`cd0`), wash (turn of the lift by the downwash), added_mass, body_drag, residual (`robot.residual`), thrust. Their sum is the upward force of air and thrusters."),
     column("com_<axis>", &[FLIGHT], M, "W", "Centre of mass of the whole robot."),
+    column("angular_momentum_<axis>", &[FLIGHT], &["kg m2/s"], "W", "In a vacuum: angular momentum of body and links about the centre of mass."),
     column("hinge_<end>_<axis>", &[FLIGHT], M, "W", "Point of the hinge line at the end of a panel."),
     column("leading_<end>_<axis>", &[FLIGHT], M, "W", "Point of the leading edge there."),
     column("trailing_<end>_<axis>", &[FLIGHT], M, "W", "Point of the trailing edge there."),

@@ -1,8 +1,9 @@
-//! Offline planning: the quickest roll-in, the gait of least power.
+//! Offline planning: the quickest roll-in, the gait of least power, the quickest reorientation.
 
 mod gait_record;
 mod least_power;
 mod nodes;
+mod reorientation;
 mod roll_in;
 mod verdict;
 
@@ -15,7 +16,7 @@ use super::fit;
 use super::summary::saturation;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-use wingbeat_flight::guide::{LeastPowerSpec, RollInSpec};
+use wingbeat_flight::guide::{LeastPowerSpec, ReorientationSpec, RollInSpec};
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::{Judge, Verdict};
 use wingbeat_math::Error;
@@ -33,6 +34,8 @@ pub enum PlanSpec {
     RollIn(RollInSpec),
     /// The periodic gait that needs the least power for a mean force.
     LeastPower(LeastPowerSpec),
+    /// The quickest way to another attitude.
+    Reorientation(ReorientationSpec),
 }
 
 impl PlanSpec {
@@ -44,9 +47,13 @@ impl PlanSpec {
         match self {
             Self::RollIn(spec) => spec.check().map_err(|e| e.within("roll_in")),
             Self::LeastPower(spec) => spec.check().map_err(|e| e.within("least_power")),
+            Self::Reorientation(spec) => spec.check().map_err(|e| e.within("reorientation")),
         }
     }
 }
+
+/// The plans there are.
+const KINDS: &str = "a [plan.roll_in], a [plan.least_power] or a [plan.reorientation]";
 
 /// `summary.json` of a plan.
 #[derive(Clone, Debug, Serialize)]
@@ -145,7 +152,8 @@ impl Scenario {
         match &self.spec.plan {
             Some(PlanSpec::RollIn(spec)) => self.plan_roll_in(spec, observe),
             Some(PlanSpec::LeastPower(spec)) => self.plan_least_power(spec, observe),
-            None => Err(Error::invalid("plan", "none", "a [plan.roll_in] or a [plan.least_power]")),
+            Some(PlanSpec::Reorientation(spec)) => self.plan_reorientation(spec, observe),
+            None => Err(Error::invalid("plan", "none", KINDS)),
         }
     }
 
@@ -159,7 +167,8 @@ impl Scenario {
         match &self.spec.plan {
             Some(PlanSpec::RollIn(spec)) => self.roll_in_defects(spec, points, parameters),
             Some(PlanSpec::LeastPower(spec)) => self.least_power_defects(spec, points, parameters),
-            None => Err(Error::invalid("plan", "none", "a [plan.roll_in] or a [plan.least_power]")),
+            Some(PlanSpec::Reorientation(spec)) => self.reorientation_defects(spec, points, parameters),
+            None => Err(Error::invalid("plan", "none", KINDS)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The quickest roll-in, planned and flown open loop.
 
 use super::{CHECK_STEPS, PlanNodes, PlanSpec, PlanSummary, Planned, SolverNumbers, nodes, verdict};
-use crate::recorder::{Recorded, Recorder};
+use crate::recorder::{Recorded, Recorder, momentum_change};
 use crate::summary::{Crossing, given, mean};
 use crate::{Chosen, Scenario, ScenarioSpec};
 use serde::Serialize;
@@ -39,6 +39,12 @@ pub struct RollInSummary {
     pub final_angles_deg: Option<[f64; 3]>,
     /// The same as the robot flew it under the planned inputs, deg.
     pub flown_angles_deg: Option<[f64; 3]>,
+    /// Length of the rotation vector from the start to the planned end, deg, of a reorientation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turned_deg: Option<f64>,
+    /// Largest change of the angular momentum about the centre of mass as the robot flew it, kg m2/s, in a vacuum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_momentum_change_kg_m2_s: Option<f64>,
     /// Least of all clearances from `start_s` on as the robot flew it, m.
     pub least_clearance_m: Option<f64>,
     /// Mean power of the drive on the joints from `start_s` on as the robot flew it, W.
@@ -51,17 +57,31 @@ pub struct RollInSummary {
     pub stall_fraction: Option<f64>,
 }
 
+/// Key of the plan.
+const KEY: &str = "plan.roll_in";
+
 /// A plan that meets its constraints.
-struct Found<'a> {
+pub(super) struct Found<'a> {
     problem: &'a RollIn<'a, wingbeat_robot::Robot>,
     spec: &'a RollInSpec,
-    solution: &'a Interpolant,
+    pub solution: &'a Interpolant,
     nodes: &'a PlanNodes,
 }
 
-/// A flight that ends before the roll-in.
+impl Found<'_> {
+    /// Whether it turns to another attitude, from which nothing need fly on.
+    fn turns(&self) -> bool {
+        self.problem.is_reorientation()
+    }
+}
+
+/// A flight that ends before the plan at `key` begins.
+pub(super) fn broken_at(key: &str, fault: Fault) -> Error {
+    Error::invalid(key, fault, "a scenario that flies up to the start of its plan")
+}
+
 fn broken(fault: Fault) -> Error {
-    Error::invalid("plan.roll_in", fault, "a scenario that flies up to start_s")
+    broken_at(KEY, fault)
 }
 
 impl Scenario {
@@ -72,19 +92,33 @@ impl Scenario {
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Planned, Error> {
         let (problem, spec) = self.approached(spec)?;
-        let starts = problem.planned(observe).map_err(broken)?;
+        self.plan_and_fly(&problem, &spec, KEY, observe)
+    }
+
+    /// Solves the `problem` at `key`, flies what meets its constraints, and judges it.
+    pub(super) fn plan_and_fly(
+        &self,
+        problem: &RollIn<'_, wingbeat_robot::Robot>,
+        spec: &RollInSpec,
+        key: &str,
+        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Planned, Error> {
+        let starts = problem.planned(observe).map_err(|fault| broken_at(key, fault))?;
         let several = (spec.starts > 1).then(|| starts.words());
         let optimum = starts.best;
-        let nodes = nodes::nodes(&problem, &optimum, "s")?;
-        let mut summary = self.roll_in_summary(&spec, &optimum, nodes.as_ref());
+        let nodes = nodes::nodes(problem, &optimum, "s")?;
+        let mut summary = self.roll_in_summary(spec, &optimum, nodes.as_ref());
         summary.starts = several;
         let mut judge = self.judge_of_plan();
         let met = verdict::judge_solver(&mut judge, &optimum, spec.tolerance);
         let (mut record, mut files) = (None, Vec::new());
         if let (true, Some(solution), Some(nodes)) = (met, &optimum.solution, &nodes) {
-            let plan = Found { problem: &problem, spec: &spec, solution, nodes };
+            let plan = Found { problem, spec, solution, nodes };
             record = Some(self.flown_roll_in(&plan, &mut summary, &mut judge)?);
-            files = vec![("track.toml", self.tracking(&problem, &spec, solution)?)];
+            files = vec![match plan.turns() {
+                true => ("flight.toml", self.played(&plan)?),
+                false => ("track.toml", self.tracking(problem, spec, solution)?),
+            }];
         }
         summary.solver.verdict = judge.verdict();
         Ok(Planned { record, nodes, summary: PlanSummary::RollIn(Box::new(summary)), files })
@@ -126,7 +160,13 @@ impl Scenario {
         summary.drive_power_w = mean(power("drive_power"));
         summary.regulator_power_w = mean(power("regulator_power"));
         summary.regulator_power_given_w = given(power("regulator_power"));
-        summary.judge_flown(judge, &record, first, crossing.as_ref());
+        summary.angular_momentum_change_kg_m2_s = momentum_change(&record);
+        if plan.turns() {
+            summary.turned_deg = problem.turned(solution).map(f64::to_degrees);
+            summary.judge_turned(judge, crossing.as_ref());
+        } else {
+            summary.judge_flown(judge, &record, first, crossing.as_ref());
+        }
         Ok(record)
     }
 
@@ -149,7 +189,7 @@ impl Scenario {
     /// A scenario without such a plan, or that does not fly up to its start.
     pub fn roll_in_program(&self, see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(), Error> {
         let Some(PlanSpec::RollIn(spec)) = &self.spec.plan else {
-            return Err(Error::invalid("plan.roll_in", "absent", "a [plan.roll_in]"));
+            return Err(Error::invalid(KEY, "absent", "a [plan.roll_in]"));
         };
         self.approached(spec)?.0.see_program(see).map_err(broken)
     }
@@ -167,8 +207,7 @@ impl Scenario {
         let flight = fly(model, &mut sensors, &mut *self.pilot()?, &schedule, &mut x, go_on);
         flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
-        let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec)
-            .map_err(|e| e.within("plan.roll_in"))?;
+        let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec).map_err(|e| e.within(KEY))?;
         Ok((problem, spec))
     }
 
@@ -236,6 +275,8 @@ impl Scenario {
             resimulation_error: BTreeMap::new(),
             final_angles_deg: None,
             flown_angles_deg: None,
+            turned_deg: None,
+            angular_momentum_change_kg_m2_s: None,
             least_clearance_m: None,
             drive_power_w: None,
             regulator_power_w: None,

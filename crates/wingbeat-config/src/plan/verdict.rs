@@ -83,6 +83,24 @@ pub(super) fn judge_plan(
 const LEAST_SPEED: f64 = 0.1;
 
 impl RollInSummary {
+    /// Largest difference of an angle between the planned and the flown end, deg.
+    fn off(&self) -> Option<f64> {
+        self.final_angles_deg.zip(self.flown_angles_deg).map(|(plan, flown)| {
+            let apart = plan.iter().zip(flown).map(|(plan, flown)| angle_between(*plan, flown));
+            // A number that is none stays one.
+            apart.fold(0.0, |most: f64, off| if off > most || off.is_nan() { off } else { most })
+        })
+    }
+
+    /// Holds the reorientation, as it was flown, against the limits.
+    pub(super) fn judge_turned(&self, judge: &mut Judge, crossing: Option<&Crossing>) {
+        judge.hold_if(&plan::FLOWN, self.off());
+        judge.hold_if(&flight::MOMENTUM, self.angular_momentum_change_kg_m2_s);
+        if let Some(crossing) = crossing {
+            judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
+        }
+    }
+
     /// Holds the roll-in, as it was flown from `record`'s row `first` on, against the limits.
     pub(super) fn judge_flown(
         &self,
@@ -91,12 +109,7 @@ impl RollInSummary {
         first: usize,
         crossing: Option<&Crossing>,
     ) {
-        let off = self.final_angles_deg.zip(self.flown_angles_deg).map(|(plan, flown)| {
-            let apart = plan.iter().zip(flown).map(|(plan, flown)| angle_between(*plan, flown));
-            // A number that is none stays one.
-            apart.fold(0.0, |most: f64, off| if off > most || off.is_nan() { off } else { most })
-        });
-        judge.hold_if(&plan::FLOWN, off);
+        judge.hold_if(&plan::FLOWN, self.off());
         let z = record.values("p_WB_z").and_then(|z| z.get(first..)).unwrap_or_default();
         let height = z.iter().map(|height| (height - z[0]).abs()).reduce(f64::max);
         judge.hold_if(&flight::ALTITUDE, height);

@@ -14,6 +14,7 @@ mod mpc;
 pub mod path;
 mod playback;
 mod receding;
+mod reorientation;
 mod roll_in;
 mod soft_clearance;
 mod stand;
@@ -56,7 +57,8 @@ pub use path::{
     Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec,
     Station,
 };
-pub use playback::{HeldCommands, Playback};
+pub use playback::{CommandsSpec, HeldCommands, Playback};
+pub use reorientation::{GuessSpec, ReorientationSpec, WaveSpec};
 pub use roll_in::{RollIn, RollInSpec, TrackingCost};
 pub use stand::{Flapping, Stand};
 pub use told::Told;

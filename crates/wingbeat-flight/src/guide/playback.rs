@@ -1,7 +1,61 @@
 //! A controller, then a planned input, then rest.
 
-use crate::simulate::{Column, Controller, Measurement, Update};
+use super::controllers::{ControllerSpec, Task};
+use super::turn::ascending;
+use crate::simulate::{AtRest, Column, Controller, Measurement, Update};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use wingbeat_math::interpolation::lerp;
+use wingbeat_math::names::one_of;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::{Error, require};
+use wingbeat_ocp::plant::Plant;
+
+/// Commands over time, whatever the robot does: linear between the times, at rest before the first and held after the last.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct CommandsSpec {
+    /// Time between updates, s, at which nothing is decided.
+    pub period_s: f64,
+    /// Times, s, ascending: two or more.
+    pub time_s: Vec<f64>,
+    /// Commands by the names of their inputs, one for each time; those of the other inputs are 0.
+    pub commands: BTreeMap<String, Vec<f64>>,
+}
+
+ranges!(CommandsSpec { period_s: Range::POSITIVE });
+
+impl ControllerSpec for CommandsSpec {
+    fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+        self.in_range()?;
+        require::finite("time_s", &self.time_s)?;
+        ascending(&self.time_s)?;
+        let (count, channels) = (self.time_s.len(), task.model.inputs());
+        let mut inputs = vec![vec![0.0; channels.len()]; count];
+        for (name, values) in &self.commands {
+            let key = format!("commands.{name}");
+            let Some(input) = channels.iter().position(|channel| channel.name == *name) else {
+                let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
+                return Err(Error::invalid(key, "given", one_of(name, &names)));
+            };
+            if values.len() != count {
+                return Err(Error::invalid(
+                    key,
+                    format!("{} values", values.len()),
+                    format!("{count}, one per time"),
+                ));
+            }
+            require::finite(&key, values)?;
+            inputs.iter_mut().zip(values).for_each(|(u, value)| u[input] = *value);
+        }
+        Ok(Box::new(Playback::new(AtRest, self.time_s.clone(), inputs)))
+    }
+}
 
 /// The controller that holds its commands.
 #[derive(Clone, Debug)]

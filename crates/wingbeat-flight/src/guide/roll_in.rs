@@ -1,15 +1,16 @@
 //! The quickest way from level flight into a banked turn, planned offline.
 
 use super::manoeuvre::angle_error;
+use super::reorientation::Turning;
 use super::turn::Track;
 use super::{MAX_INTERVALS, MAX_ITERATIONS, MAX_MESHES, processor_time};
-use crate::simulate::{Held, Moment, Stepper};
+use crate::simulate::{Driver, Moment, Stepper};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
-use wingbeat_math::{Scalar, pitch_of_nose_up};
+use wingbeat_math::{Scalar, Vec3, pitch_of_nose_up};
 use wingbeat_ocp::interior_point::Options;
 use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Channel, Fault, LocalChart, Plant, Role};
@@ -144,6 +145,35 @@ pub struct RollIn<'a, P: Plant> {
     strokes: Vec<[f64; 2]>,
     /// Structure elements at rest at the end: state and its size then.
     settled: Vec<(usize, f64)>,
+    /// The attitude at the end where it is given as a rotation from the start; a bank is asked without it.
+    pub(super) turn: Option<Turning>,
+}
+
+/// The flight that is the guess, as far as it is one.
+struct Guess<'a> {
+    turn: Option<&'a Turning>,
+    /// Where the rotation vector lies in the state.
+    rotation: usize,
+    every: usize,
+    steps: usize,
+    kept: Trajectory,
+}
+
+impl Driver<()> for Guess<'_> {
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        if let Some(turn) = self.turn {
+            turn.command(t, u);
+        }
+    }
+    fn observe(&mut self, i: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
+        let turned = self.turn.is_some_and(|turn| turn.is_reached(&at.x[self.rotation..]));
+        if i.is_multiple_of(self.every) || i == self.steps || turned {
+            self.kept.t.push(at.t);
+            self.kept.x.push(at.x.to_vec());
+            self.kept.u.push(at.u.to_vec());
+        }
+        Ok(if turned { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
 }
 
 impl<'a, P: Plant> RollIn<'a, P> {
@@ -170,6 +200,7 @@ impl<'a, P: Plant> RollIn<'a, P> {
         let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         Ok(Self {
             settled: settled(chart.states(), strokes, spec),
+            turn: None,
             strokes: strokes.to_vec(),
             rate: rate.ok_or_else(|| missing("no angular rate"))?,
             half_ranges,
@@ -207,30 +238,24 @@ impl<'a, P: Plant> RollIn<'a, P> {
         Ok(optimise_from(self, &guesses?, &refinement, observer))
     }
 
-    /// Flight with resting regulators over a third of the longest duration.
+    /// Flight with resting regulators over a third of the longest duration; of a reorientation under the waves of its guess.
     ///
     /// # Errors
     /// The [`Fault`] of that flight.
     pub fn first_guess(&self) -> Result<Trajectory, Fault> {
-        self.guess(self.spec.longest_s / 3.0)
+        self.guess(if self.turn.is_some() { self.spec.longest_s } else { self.spec.longest_s / 3.0 })
     }
 
-    /// Flight with resting regulators.
+    /// Flight with resting regulators, or under the waves of the guess until it has turned.
     fn guess(&self, duration: f64) -> Result<Trajectory, Fault> {
         let steps = ((duration * GUESS_RATE).ceil() as usize).max(1);
         let every = (steps / GUESS_SAMPLES).max(1);
-        let mut out = Trajectory::default();
-        let mut keep = Held(|i: usize, at: Moment| {
-            if i.is_multiple_of(every) || i == steps {
-                out.t.push(at.t);
-                out.x.push(at.x.to_vec());
-                out.u.push(at.u.to_vec());
-            }
-            Ok(ControlFlow::Continue(()))
-        });
+        let rotation = self.chart.rotation().unwrap_or(0);
+        let mut guess =
+            Guess { turn: self.turn.as_ref(), rotation, every, steps, kept: Trajectory::default() };
         let mut stepper = Stepper::new(&self.chart, self.spec.start_s, &self.start);
-        stepper.run(duration / steps as f64, steps, &mut keep).check()?;
-        Ok(out)
+        stepper.run(duration / steps as f64, steps, &mut guess).check()?;
+        Ok(guess.kept)
     }
 
     /// The attitude and rates of a planned trajectory, for a controller to follow.
@@ -243,6 +268,17 @@ impl<'a, P: Plant> RollIn<'a, P> {
             track.rate_rad_s.push([x[self.rate], x[self.rate + 1], x[self.rate + 2]]);
         }
         track
+    }
+
+    /// Whether it asks for a rotation from the start rather than for a bank.
+    pub fn is_reorientation(&self) -> bool {
+        self.turn.is_some()
+    }
+
+    /// Length of the rotation vector from the start to the end of a plan, rad.
+    pub fn turned(&self, plan: &Interpolant) -> Option<f64> {
+        let end = plan.points.x.last()?;
+        Some(Vec3::from_slice(end.get(self.chart.rotation()?..)?).norm())
     }
 
     /// Roll, pitch and yaw of a local state, rad.
@@ -310,11 +346,18 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
         let end = |name: &str, unit, frame, size: f64| {
             Channel::limited(format!("final {name}"), unit, frame, -size, size)
         };
-        setup.ends = vec![end("roll error", "rad", "WB", 0.0)];
-        setup.ends.push(end("pitch error", "rad", "WB", spec.pitch_within_deg.to_radians()));
-        let rates =
-            ["x", "y", "z"].map(|axis| end(&format!("w_WB_B_{axis}"), "rad/s", "B", spec.rate_within_rad_s));
-        setup.ends.extend(rates);
+        setup.ends = match &self.turn {
+            Some(turn) => ["x", "y", "z"]
+                .map(|axis| end(&format!("rotation error {axis}"), "rad", "B", turn.within))
+                .into(),
+            None => vec![
+                end("roll error", "rad", "WB", 0.0),
+                end("pitch error", "rad", "WB", spec.pitch_within_deg.to_radians()),
+                end("w_WB_B_x", "rad/s", "B", spec.rate_within_rad_s),
+                end("w_WB_B_y", "rad/s", "B", spec.rate_within_rad_s),
+                end("w_WB_B_z", "rad/s", "B", spec.rate_within_rad_s),
+            ],
+        };
         setup.path = clearance_path(self.chart.clearances(), spec.clearance_m);
         let states = self.chart.states();
         setup
@@ -352,11 +395,23 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
 
     fn constrain_ends<S: Scalar>(&self, ends: Ends<S>, values: &mut [S]) {
         let x = ends.x[1];
-        let angles = self.chart.rotation_matrix(x).roll_pitch_yaw();
-        values[0] = angle_error(angles[0], self.spec.roll_deg.to_radians());
-        values[1] = angle_error(angles[1], pitch_of_nose_up(self.spec.nose_up_deg));
-        values[2..5].copy_from_slice(&x[self.rate..self.rate + 3]);
-        for (value, &(i, _)) in values[5..].iter_mut().zip(&self.settled) {
+        let count = values.len() - self.settled.len();
+        let (attitude, settled) = values.split_at_mut(count);
+        match &self.turn {
+            Some(turn) => {
+                let rotation = &x[self.chart.rotation().unwrap_or(0)..];
+                for (i, value) in attitude.iter_mut().enumerate() {
+                    *value = rotation[i] - turn.rotation[i];
+                }
+            }
+            None => {
+                let angles = self.chart.rotation_matrix(x).roll_pitch_yaw();
+                attitude[0] = angle_error(angles[0], self.spec.roll_deg.to_radians());
+                attitude[1] = angle_error(angles[1], pitch_of_nose_up(self.spec.nose_up_deg));
+                attitude[2..].copy_from_slice(&x[self.rate..self.rate + 3]);
+            }
+        }
+        for (value, &(i, _)) in settled.iter_mut().zip(&self.settled) {
             *value = x[i];
         }
     }
@@ -395,7 +450,8 @@ fn settled(states: &[Channel], strokes: &[[f64; 2]], spec: &RollInSpec) -> Vec<(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wingbeat_math::{Quat, Vec3};
+    use crate::guide::{GuessSpec, ReorientationSpec, WaveSpec};
+    use wingbeat_math::Quat;
 
     /// A body of unit inertia turned by three torques.
     struct Top {
@@ -460,6 +516,45 @@ mod tests {
             iterations: 1000,
             time_limit_s: Some(20.0),
         }
+    }
+
+    #[test]
+    fn a_free_body_turns_beyond_a_quarter_in_the_time_of_full_torque() {
+        let (top, x) = (top(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let wave = |amplitude: f64, frequency_hz: f64| GuessSpec {
+            frequency_hz,
+            commands: [("y".into(), WaveSpec { amplitude, phase_rad: 0.0 })].into(),
+        };
+        let mut spec = ReorientationSpec {
+            rotation_deg: [0.0, 170.0, 0.0],
+            within_deg: 0.01,
+            rate_within_rad_s: 1.0,
+            displacement_within: 1.0,
+            clearance_m: None,
+            longest_s: 4.0,
+            effort: 1e-4,
+            guess: wave(1.0, 0.1),
+            intervals: 10,
+            meshes: 1,
+            tolerance: 1e-3,
+            iterations: 200,
+            time_limit_s: None,
+        };
+        let problem = RollIn::reorientation(&top, &x, &[], &spec).unwrap();
+        let guess = problem.first_guess().unwrap();
+        let end = guess.x[guess.x.len() - 1][1];
+        assert!((end - 170_f64.to_radians()).abs() < 1e-2, "the guess ends as it has turned: {end}");
+        let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap().best;
+        assert!(optimum.status.is_success(), "{}", optimum.status);
+        let points = optimum.solution.unwrap().points;
+        // Nothing stops the body at the end: full torque all the way, theta = t^2/2.
+        let duration = points.t[points.t.len() - 1];
+        assert!((duration - (2.0 * 170_f64.to_radians()).sqrt()).abs() < 2e-3, "{duration}");
+        spec.guess.commands.insert("u".into(), WaveSpec { amplitude: 1.0, phase_rad: 0.0 });
+        let error = RollIn::reorientation(&top, &x, &[], &spec).err().map(|e| e.to_string());
+        assert!(error.unwrap_or_default().starts_with("guess.commands.u"), "no such input");
+        let none = ReorientationSpec { rotation_deg: [0.0; 3], guess: wave(1.0, 1.0), ..spec };
+        assert!(none.check().is_err(), "no rotation");
     }
 
     #[test]

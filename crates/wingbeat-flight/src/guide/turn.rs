@@ -49,20 +49,25 @@ pub struct Track {
     pub rate_rad_s: Vec<[f64; 3]>,
 }
 
+/// Refuses times `time_s` that do not ascend, and less than two.
+pub(super) fn ascending(times: &[f64]) -> Result<(), Error> {
+    let count = times.len();
+    if count < 2 {
+        return Err(Error::invalid("time_s", format!("{count} times"), "two or more"));
+    }
+    let Some(i) = (1..count).find(|&i| !(times[i - 1] < times[i])) else { return Ok(()) };
+    let [before, this] = [i - 1, i].map(|i| format!("time_s[{i}]"));
+    Err(Error::invalid(this, times[i], "more than the one before").against([before]))
+}
+
 impl Track {
     /// Checks that the times ascend and that every series has as many values.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
+        ascending(&self.time_s)?;
         let count = self.time_s.len();
-        if count < 2 {
-            return Err(Error::invalid("time_s", format!("{count} times"), "two or more"));
-        }
-        if let Some(i) = (1..count).find(|&i| !(self.time_s[i - 1] < self.time_s[i])) {
-            let [before, this] = [i - 1, i].map(|i| format!("time_s[{i}]"));
-            return Err(Error::invalid(this, self.time_s[i], "more than the one before").against([before]));
-        }
         let series = [
             ("roll_rad", self.roll_rad.len()),
             ("pitch_rad", self.pitch_rad.len()),

@@ -44,6 +44,10 @@ pub const STEP_ERROR: Limit = Limit::warn_above("flight.step_error_m", 0.01, "m"
 pub const STEPS_LOST: Limit = Limit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");
 
+/// Angular momentum in a vacuum, which nothing can change but the error of the steps. The shipped turn of a 20 g robot leaves 2e-12.
+pub const MOMENTUM: Limit = Limit::at_most("flight.angular_momentum_kg_m2_s", 1e-9, "kg m2/s", NotResolved)
+    .on("the steps of the integration are too long (shorten flight.step_s): largest change of the angular momentum in a vacuum");
+
 /// Deviation of the turbulence over its airspeed. Taylor 1938: a frozen field needs it small; 0.3 is a choice.
 pub const TURBULENCE: Limit = Limit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
     .on("turbulence that flies past frozen is small beside the airspeed: largest deviation over air.dryden.airspeed_m_s");
@@ -58,7 +62,7 @@ pub const TURBULENCE_ELSEWHERE: Limit = Limit::at_most("flight.turbulence_other_
     .on("the turbulence passes at quite another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
 
 /// All of them.
-pub const ALL: [Limit; 17] = [
+pub const ALL: [Limit; 18] = [
     ALTITUDE,
     ATTITUDE,
     PATH,
@@ -72,6 +76,7 @@ pub const ALL: [Limit; 17] = [
     FAILURES,
     STEP_ERROR,
     STEPS_LOST,
+    MOMENTUM,
     TURBULENCE,
     TURBULENCE_STRONG,
     TURBULENCE_SPEED,

@@ -55,7 +55,7 @@ def documents(folder):
 
 
 # Scenarios that a search or a plan of `wingbeat trim` or `wingbeat plan` makes, which no flight of their own shows.
-NOT_FLOWN = ("gait_search_airs", "gait_search_beta", "least_power_gait", "paper_plan", "roll_in")
+NOT_FLOWN = ("gait_search_airs", "gait_search_beta", "least_power_gait", "paper_plan", "reorientation", "roll_in")
 
 
 def of_sweep(path):

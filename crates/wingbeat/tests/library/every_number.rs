@@ -11,6 +11,9 @@ use wingbeat::scenario::{Document, Scenario};
 /// Tables whose numbers the built robot and its start show; those of the others only flights, plans and orbits show.
 const SHOWN: [&str; 4] = ["robot.", "air.", "aero.", "start."];
 
+/// In a vacuum no number of the wings acts: it is looked at in air.
+const VACUUM: &str = "reorientation.toml";
+
 /// Scenarios whose middle of the wing is a gap, or where no strip lies on it.
 const OPEN: &[&str] = &[
     "aerobat_membrane",
@@ -82,6 +85,7 @@ const WITHOUT_LEV: &[&str] = &[
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
+    "reorientation",
     "sail_glide",
     "soft_20g",
 ];
@@ -108,6 +112,7 @@ const WITHOUT_CARRIED: &[&str] =
 /// Numbers that cannot act in a document, by parts that their keys and their document have, with the reason.
 const STILL_KEYS: &[(&str, &[&str], &str)] = &[
     (".axis[1]", &[], "a direction has no length"),
+    (".axis[2]", &["reorientation"], "a direction has no length"),
     (".direction[", &["glider", "sail_glide"], "a direction has no length"),
     (".planform[0].", OPEN, "no strip lies there"),
     (".planform[1].arc_m", ENDED, "the edges run straight on where the gap ends"),
@@ -138,7 +143,11 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
     (".stall_angle_rad", LINEAR, "the law does not ask for it"),
     (".added_mass_scale", WITHOUT_CARRIED, "no such term"),
     ("_range[", LINKED, "the regulators keep the lengths within the limits that the file gives them"),
-    (".elevator.driven.lag_rad", &["glider", "sail_glide"], "a series without harmonics has no phase"),
+    (
+        ".driven.lag_rad",
+        &["glider", "reorientation", "sail_glide"],
+        "a series without harmonics has no phase",
+    ),
 ];
 
 /// Factors and shifts that cannot act on a robot, with the reason.
@@ -146,7 +155,7 @@ const STILL_FACTORS: &[(&str, &[&str], &str)] = &[
     ("profile_drag", PRINTED, "no profile drag"),
     ("broadside_drag", PRINTED, "no profile drag"),
     ("regulator_bandwidth", &["four_wings", "hover_guarded"], "no elements but thrusters, or none"),
-    ("gait_amplitude", &["glider", "sail_glide"], "nothing flaps"),
+    ("gait_amplitude", &["glider", "reorientation", "sail_glide"], "nothing flaps"),
 ];
 
 fn folder() -> PathBuf {
@@ -161,7 +170,10 @@ fn scenarios(whole: bool) -> Vec<(String, Document)> {
     let mut seen = BTreeSet::new();
     let mut all = Vec::new();
     for file in files {
-        let document = Document::file(&file).unwrap();
+        let mut document = Document::file(&file).unwrap();
+        if file.ends_with(VACUUM) {
+            document = document.set("air.density_kg_m3=1.225");
+        }
         let scenario = Scenario::new(document.clone()).unwrap();
         let spec = &scenario.spec;
         let make = format!("{} {:?} {:?}", spec.robot.name, spec.aero.preset, spec.aero.law);
