@@ -1,5 +1,6 @@
 //! What a robot file says, before it is checked and built.
 
+mod bound;
 mod clearance;
 mod drive;
 mod gait;
@@ -12,6 +13,7 @@ mod surface;
 mod thruster;
 mod wing;
 
+pub use bound::BoundSpec;
 pub use clearance::{CapsuleSpec, ClearanceSpec};
 pub use drive::{DriveSpec, MotorSpec};
 pub use gait::GaitSpec;

@@ -1,7 +1,7 @@
 //! A dive: from a level orbit the nose goes down and the robot pulls out to the same orbit below, by commands that are planned on the
 //! whole model before the flight, and feedback about the plan.
 
-use super::family::{Asked, PHASES};
+use super::family::Asked;
 use super::feedback::{DEVIATIONS, Feedback, INTEGRAL, back, costs_of, effort, measured, with_integral};
 use super::spec::OrbitWeights;
 use crate::orbit::{Cycle, Deviations, Direction, Interval, Point, Section, alone, fly_part, interval};
@@ -203,7 +203,7 @@ impl<'a> Problem<'a> {
             level,
             channels,
             directions,
-            parts: spec.cycles * PHASES,
+            parts: spec.cycles * level.cycle.parts(),
             nose: spec.nose_down_deg.to_radians(),
             effort: DMatrix::from_diagonal(&DVector::from_iterator(m, level.pairs.iter().map(cost_of))),
             end: DMatrix::zeros(0, 0),
@@ -236,6 +236,12 @@ impl<'a> Problem<'a> {
         DVector::from_iterator(self.directions.len(), self.directions.iter().map(along))
     }
 
+    /// Which part of the cycle part `k` of the dive is, and of how many.
+    fn part(&self, k: usize) -> [usize; 2] {
+        let parts = self.level.cycle.parts();
+        [k % parts, parts]
+    }
+
     /// All commands for those `beside` the orbit's.
     fn held(&self, beside: &DVector<f64>) -> Vec<f64> {
         let mut held = self.level.point.inputs.clone();
@@ -259,7 +265,7 @@ impl<'a> Problem<'a> {
             deviations.of(x, &mut s);
             each(s);
         };
-        Ok(fly_part(cycle, deviations, s, point.pace, held, [k % PHASES, PHASES], &mut of)?.0)
+        Ok(fly_part(cycle, deviations, s, point.pace, held, self.part(k), &mut of)?.0)
     }
 
     /// The flight by `command` of part and what deviates at its begin; none where the model breaks down.
@@ -329,7 +335,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Vec<Interval>, Fault> {
         let Level { cycle, deviations, point, .. } = self.level;
         let of = |k: usize, s: &Vec<f64>| {
-            let part = [k % PHASES, PHASES];
+            let part = self.part(k);
             Ok(interval(cycle, deviations, s, (point.pace, &held(k)), part, [directions, inputs])?.1)
         };
         parallel::map(&nodes[..self.parts], of).into_iter().collect()
@@ -395,7 +401,7 @@ impl<'a> Problem<'a> {
         let (each, inputs) = (alone(0..level.deviations.len()), alone(level.inputs.iter().copied()));
         let all = self.linear(nodes, |k| commands[k].clone(), &each, &inputs)?;
         let limits: Vec<f64> = level.inputs.iter().map(|i| self.channels[*i].high).collect();
-        let (n, length) = (cost.nrows(), level.cycle.duration(level.point.pace) / PHASES as f64);
+        let (n, length) = (cost.nrows(), level.cycle.duration(level.point.pace) / level.cycle.parts() as f64);
         let (q, r) = (costs_of(level.weights, n), effort(&limits));
         let (mut p, mut gains) = (cost, vec![level.feedback.at(0.0)]);
         debug_assert_eq!(INTEGRAL + 1, DEVIATIONS);

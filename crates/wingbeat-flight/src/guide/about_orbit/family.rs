@@ -7,7 +7,7 @@ use super::predictive::PredictiveSpec;
 use super::schedule::{Place, Schedule, Stretch};
 use super::spec::AboutOrbitSpec;
 use crate::orbit::{
-    Course, Cycle, Deviations, Direction, Failure, Found, Free, PARTS, Point, Section, intervals, search,
+    Course, Cycle, Deviations, Direction, Failure, Found, Free, Point, Section, intervals, search,
     search_from,
 };
 use nalgebra::DMatrix;
@@ -17,8 +17,6 @@ use wingbeat_math::interpolation::lerp;
 use wingbeat_math::parallel;
 use wingbeat_ocp::plant::{Fault, Plant};
 
-/// Phases of a cycle at which the feedback is made.
-pub const PHASES: usize = PARTS;
 /// Largest steps from orbit to orbit: of the bank, rad, of speed and climb, m/s.
 const BANK_STEP: f64 = 0.05;
 const SPEED_STEP: f64 = 0.1;
@@ -200,7 +198,7 @@ impl Family {
         let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
         let made = parallel::map(&about, |_, &orbit| {
             let orbit = &found[orbit].orbit;
-            let intervals = intervals(cycle, &orbit.point, PHASES, inputs)?;
+            let intervals = intervals(cycle, &orbit.point, cycle.parts(), inputs)?;
             let coordinates = cycle.section().len();
             let path = spec.predictive.as_ref().and_then(PredictiveSpec::path);
             Ok(Feedback::new(

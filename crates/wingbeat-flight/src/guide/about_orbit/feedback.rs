@@ -115,6 +115,21 @@ impl Feedback {
         None
     }
 
+    /// Equation: guide.held_multiplier
+    /// `max |eigenvalue of prod_k (A_k - B_k K_k)|`
+    /// Source: Floquet 1883, of the closed loop.
+    /// Test: `a_bound_is_periodic_and_held`.
+    ///
+    /// By how much the slowest deviation decays over a cycle under the feedback, the integral of the height among them.
+    pub fn multiplier(&self, all: &[Interval]) -> f64 {
+        let n = self.gains.0[0].ncols();
+        let over = all.iter().zip(&self.gains.0).fold(DMatrix::identity(n, n), |product, (of, gain)| {
+            let (a, b) = with_integral(of, self.interval, n);
+            (a - b * gain) * product
+        });
+        over.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+    }
+
     /// Commands by deviations at `cycles` of the gait's phase.
     pub fn at(&self, cycles: f64) -> DMatrix<f64> {
         self.gains.at(cycles)

@@ -13,7 +13,7 @@ mod tracking;
 
 pub use adapt::AdaptSpec;
 pub use dive::DiveSpec;
-pub use gains::gains_of;
+pub use gains::{Held, gains_of};
 pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
