@@ -91,6 +91,15 @@ fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         own("altitude change", number(summary.altitude_change_m), "m"),
     ];
     rows.extend(height);
+    if let Some(dive) = &summary.dive {
+        let level = dive.level_after_s.map_or("-".into(), number);
+        rows.extend([
+            own("dive, height lost", number(dive.height_lost_m), "m"),
+            own("nose down, largest", number(dive.nose_down_deg), "deg"),
+            own("nose down, over a cycle", number(dive.nose_down_cycle_deg), "deg"),
+            own("level again after", level, "s"),
+        ]);
+    }
     rows.push(own("yaw change", number(summary.yaw_change_deg), "deg"));
     rows
 }

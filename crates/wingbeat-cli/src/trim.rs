@@ -198,6 +198,7 @@ fn table(summary: &TrimSummary) -> String {
         ("heave", format!("{} mm", number(summary.heave_m.map(|h| 1e3 * h), 1))),
         ("commands", if commands.is_empty() { "at rest".into() } else { commands.join(", ") }),
         ("largest multiplier", number(summary.largest_multiplier, 5)),
+        ("held by gains.csv", number(summary.held_multiplier, 5)),
         (
             "residual",
             summary.residual.map_or("-".into(), |r| {

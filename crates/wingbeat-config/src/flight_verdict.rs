@@ -133,6 +133,9 @@ impl Flown<'_> {
             judge.hold_if(&flight::ATTITUDE, summary.roll_rms_error_deg);
             judge.hold_if(&flight::ATTITUDE, summary.pitch_rms_error_deg);
         }
+        if let Some(dive) = &summary.dive {
+            dive.judge(judge);
+        }
         judge.hold_if(&flight::PATH, summary.path.as_ref().map(|path| path.cross_max_m));
         judge.hold_if(&flight::PLACE, summary.hover.as_ref().map(|hover| hover.place_rms_m));
         let has_height = height.is_some() || summary.path.is_some() || summary.hover.is_some();

@@ -4,6 +4,7 @@ mod build;
 mod calibration;
 mod chosen;
 mod cost;
+mod dived;
 mod document;
 mod doors;
 mod dryden;

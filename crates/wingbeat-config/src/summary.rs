@@ -1,6 +1,7 @@
 //! The numbers of a flight that are compared.
 
 use super::cost::CostSummary;
+use super::dived::DiveSummary;
 use super::estimate::{EstimateSummary, Estimated};
 use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
@@ -58,6 +59,9 @@ pub struct Summary {
     /// How well the path was followed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathSummary>,
+    /// What a dive took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dive: Option<DiveSummary>,
     /// How still the robot hovered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hover: Option<HoverSummary>,
@@ -348,6 +352,7 @@ impl Summary {
                 None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
             },
             path: PathSummary::new(record, settled.first),
+            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz()).filter(|_| !grew),
             hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),

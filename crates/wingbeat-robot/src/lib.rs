@@ -43,7 +43,7 @@ pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::{
-    BodySpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict, GaitSpec,
+    BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict, GaitSpec,
     GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, PanelSpec, RegulatorSpec, ResidualSpec,
     RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
@@ -105,6 +105,8 @@ pub struct Robot<P: Scalar = f64> {
     mechanism: Mechanism<P>,
     phase_rate: P,
     phase_start: P,
+    /// Strokes of the wings that a cycle of the gait would have without a glide.
+    strokes_per_cycle: usize,
     motor: Option<CrankMotor<P>>,
     response: Response<P>,
     /// How far each element is displaced at rest.
@@ -168,6 +170,7 @@ impl Robot {
         let robot = Self {
             phase_rate: joints::phase_rate(&spec.gait),
             phase_start,
+            strokes_per_cycle: spec.gait.bound().map_or(1, BoundSpec::strokes_per_cycle),
             motor,
             response,
             strokes: regulators::strokes(&spec.structure, &elements, &inputs),
@@ -271,7 +274,11 @@ impl Robot {
         let damping = -self.response.state_gain(element, self.elements.len() + element);
         (damping > 0.0).then(|| Pacer { element, input, gain: gain(&input) / damping })
     }
-    /// Flapping frequency of the gait, Hz; a motor starts with it.
+    /// Strokes of the wings in a cycle of the gait, those left out in a glide too.
+    pub fn strokes_per_cycle(&self) -> usize {
+        self.strokes_per_cycle
+    }
+    /// Flapping frequency of the gait, Hz; a motor starts with it. Of a bound that of strokes and glide together.
     pub fn frequency_hz(&self) -> f64 {
         self.phase_rate / std::f64::consts::TAU
     }

@@ -117,10 +117,10 @@ impl Mechanism {
         };
         let mut parts = Vec::new();
         if let Some(wing) = &spec.wing {
-            add_wing(wing, &spec.gait, &mut parts);
+            add_wing(wing, &spec.gait, &mut parts)?;
         }
         for (i, link) in spec.all_links() {
-            add_link(&link, &mut parts).map_err(|e| e.within(&format!("links[{i}]")))?;
+            add_link(&link, &spec.gait, &mut parts).map_err(|e| e.within(&format!("links[{i}]")))?;
         }
         let body = &spec.body;
         let inertia = Mat3::diagonal(Vec3(body.inertia_kg_m2));
@@ -225,12 +225,12 @@ pub(super) fn mirrored(v: [f64; 3], mirror: f64) -> Vec3 {
 }
 
 /// Four joints and two massive links per wing; the right wing mirrors the left.
-fn add_wing(wing: &WingSpec, gait: &GaitSpec, parts: &mut Vec<Part>) {
+fn add_wing(wing: &WingSpec, gait: &GaitSpec, parts: &mut Vec<Part>) -> Result<(), Error> {
     let driven = |side: usize, output: LinkageOutput| match gait {
-        GaitSpec::Linkage { .. } => Drive::Linkage(side, output),
+        GaitSpec::Linkage { .. } => Ok(Drive::Linkage(side, output)),
         GaitSpec::Fourier { shoulder, elbow, .. } => {
             let series = if output == LinkageOutput::Shoulder { shoulder } else { elbow };
-            series.clone().map_or(Drive::Held, |s| Drive::Series(s, 0.0))
+            series.as_ref().map_or(Ok(Drive::Held), |series| series_of(gait, series, 0.0, None))
         }
     };
     for (side, mirror) in [(0, 1.0), (1, -1.0)] {
@@ -239,8 +239,8 @@ fn add_wing(wing: &WingSpec, gait: &GaitSpec, parts: &mut Vec<Part>) {
         let elbow = Vec3::new(0.0, mirror * wing.proximal.length_m, 0.0);
         let joints = [
             ("sweep", sweep, None, Drive::Held),
-            ("shoulder", (up, Vec3::ZERO), Some(&wing.proximal), driven(side, LinkageOutput::Shoulder)),
-            ("elbow", (up, elbow), None, driven(side, LinkageOutput::Elbow)),
+            ("shoulder", (up, Vec3::ZERO), Some(&wing.proximal), driven(side, LinkageOutput::Shoulder)?),
+            ("elbow", (up, elbow), None, driven(side, LinkageOutput::Elbow)?),
             ("twist", (Vec3::new(0.0, -1.0, 0.0), Vec3::ZERO), Some(&wing.distal), Drive::Held),
         ];
         for (i, (name, (axis, origin), carried, drive)) in joints.into_iter().enumerate() {
@@ -258,21 +258,28 @@ fn add_wing(wing: &WingSpec, gait: &GaitSpec, parts: &mut Vec<Part>) {
             parts.push(Part { link, drive, twin: 4 * (1 - side) + i });
         }
     }
+    Ok(())
+}
+
+/// The series of a joint over a cycle of the gait: that of its stroke, or of strokes and glide.
+fn series_of(gait: &GaitSpec, stroke: &FourierSeries, lag: f64, folded: Option<f64>) -> Result<Drive, Error> {
+    let Some(bound) = gait.bound() else { return Ok(Drive::Series(stroke.clone(), lag)) };
+    Ok(Drive::Series(bound.series(stroke, lag, folded)?, 0.0))
 }
 
 /// A link, or a pair of which the right one mirrors the left.
-fn add_link(spec: &LinkSpec, parts: &mut Vec<Part>) -> Result<(), Error> {
+fn add_link(spec: &LinkSpec, gait: &GaitSpec, parts: &mut Vec<Part>) -> Result<(), Error> {
     let first = parts.len();
     match spec.side {
         LinkSide::Single => {
             let parent = parent_of(spec, parts, None)?;
-            parts.push(part(spec, spec.name.clone(), parent, 1.0, first));
+            parts.push(part(spec, gait, spec.name.clone(), parent, 1.0, first)?);
         }
         LinkSide::Mirrored => {
             for (side, mirror) in [(0, 1.0), (1, -1.0)] {
                 let parent = parent_of(spec, &parts[..first], Some(side))?;
                 let name = format!("{}{}", spec.name, SIDES[side]);
-                parts.push(part(spec, name, parent, mirror, first + 1 - side));
+                parts.push(part(spec, gait, name, parent, mirror, first + 1 - side)?);
             }
         }
     }
@@ -300,7 +307,14 @@ fn parent_of(spec: &LinkSpec, parts: &[Part], side: Option<usize>) -> Result<Opt
 
 /// A link of the left side, or its image at `mirror` -1: of an axis about which it turns the parts in the plane
 /// change sign, of a direction along which it slides the one across it.
-fn part(spec: &LinkSpec, name: String, parent: Option<usize>, mirror: f64, twin: usize) -> Part {
+fn part(
+    spec: &LinkSpec,
+    gait: &GaitSpec,
+    name: String,
+    parent: Option<usize>,
+    mirror: f64,
+    twin: usize,
+) -> Result<Part, Error> {
     let axis = Vec3(spec.axis);
     let axis = axis * axis.norm().recip();
     let axis = match spec.joint {
@@ -317,7 +331,8 @@ fn part(spec: &LinkSpec, name: String, parent: Option<usize>, mirror: f64, twin:
         JointSpec::Elastic(elastic) => Drive::Elastic(Spring::new(elastic)),
         JointSpec::Driven(driven) => match driven.linkage {
             Some(output) => Drive::Linkage(side, output),
-            None => Drive::Series(driven.series(), driven.lag_rad),
+            None => series_of(gait, &driven.series(), driven.lag_rad, driven.folded_rad)
+                .map_err(|e| e.within("driven"))?,
         },
     };
     let link = Link {
@@ -331,5 +346,5 @@ fn part(spec: &LinkSpec, name: String, parent: Option<usize>, mirror: f64, twin:
         com: mirrored(spec.com_m, mirror),
         inertia: Mat3::diagonal(Vec3(spec.inertia_kg_m2)),
     };
-    Part { link, drive, twin }
+    Ok(Part { link, drive, twin })
 }

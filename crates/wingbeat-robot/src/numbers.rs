@@ -259,6 +259,7 @@ impl Robot {
             mechanism: self.mechanism.with(numbers),
             phase_rate: numbers.phase_rate,
             phase_start: numbers.phase_start,
+            strokes_per_cycle: self.strokes_per_cycle,
             motor: numbers.motor,
             response: numbers.response.clone(),
             strokes: self.strokes.clone(),

@@ -219,6 +219,7 @@ pub const COLUMNS: &[Described] = &[
     column("displacement_<element>", &[FLIGHT, GAIT], &["rad", "m", "", "N"], "", "Displacement of a structure element about the gait, a share where it scales a series; the thrust of a thruster."),
     column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s", "1/s", "N/s"], "", "Its rate."),
     column("orbit_legs", &[FLIGHT], ONE, "", "Legs begun before and the share of the present one that is done, under `[controller.orbit]`: 1.25 is a quarter of the second."),
+    column("orbit_dive", &[FLIGHT], ONE, "", "Share of the dive of `controller.orbit.dive` that is done."),
     column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, as measured, under `[controller.orbit]`."),
     column("orbit_crank_added", &[FLIGHT], &["rad/s"], "", "Rate of the crank that `controller.orbit.adapt` adds to that of the reference."),
     column("orbit_missed_acceleration_<axis>", &[FLIGHT], &["m/s2"], "H", "Mean over a cycle of the acceleration along heading axes that `controller.orbit.adapt` has learned the model to miss."),

@@ -146,7 +146,8 @@ impl Scenario {
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
         let gains = gains_of(&cycle, &found.orbit, &OrbitWeights::default()).map_err(broken)?;
-        let gains = gains.map(|table| ("gains.csv", table));
+        summary.held_multiplier = gains.as_ref().map(|held| held.multiplier);
+        let gains = gains.map(|held| ("gains.csv", held.table));
         Ok(Trimmed {
             record: Some(self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?),
             multipliers: Some(multipliers(&modes, cycle.section().names())?),

@@ -60,6 +60,9 @@ pub struct TrimSummary {
     pub warnings: Vec<Warning>,
     /// Frequency of the gait, Hz.
     pub frequency_hz: Option<f64>,
+    /// Frequency of the strokes of a gait with a glide, Hz: that of the cycle times `strokes + glide`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stroke_frequency_hz: Option<f64>,
     /// Mean speed, m/s.
     pub speed_m_s: f64,
     /// Mean climb, m/s.
@@ -116,6 +119,9 @@ pub struct TrimSummary {
     pub largest_multiplier: Option<f64>,
     /// Largest derivative that leads from flight in the plane of symmetry out of it, or back; straight flight only.
     pub sector_coupling: Option<f64>,
+    /// Largest multiplier of a deviation, the integral of the height among them, under the feedback of `gains.csv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub held_multiplier: Option<f64>,
     /// Whether no multiplier but the heading's exceeds 1.
     pub stable: Option<bool>,
     /// Largest condition missed, in SI units.
@@ -148,6 +154,8 @@ impl TrimSummary {
         let orbit = &found.orbit;
         self.status = Status::Ok;
         self.frequency_hz = Some(1.0 / orbit.end.duration);
+        let strokes = cycle.robot().strokes_per_cycle();
+        self.stroke_frequency_hz = (strokes > 1).then(|| strokes as f64 / orbit.end.duration);
         self.lift_over_weight = Some(measures.lift_over_weight);
         self.side_force_over_weight = Some(measures.side_force_over_weight);
         self.cost = CostSummary::new(Some(measures.cost), mass);

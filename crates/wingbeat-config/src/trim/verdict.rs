@@ -12,8 +12,11 @@ impl TrimSummary {
     /// Judges the orbit that was found.
     pub(super) fn judge(&mut self, robot: &Robot, spec: &ScenarioSpec, limits: &Limits) {
         let mut judge = Judge::new(limits);
-        let steps =
-            spec.trim.as_ref().zip(self.frequency_hz).map(|(trim, f)| (1.0 / (f * trim.step_s)).round());
+        let steps = spec
+            .trim
+            .as_ref()
+            .zip(self.stroke_frequency_hz.or(self.frequency_hz))
+            .map(|(trim, f)| (1.0 / (f * trim.step_s)).round());
         let held: [(&'static Limit, Option<f64>); 9] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),

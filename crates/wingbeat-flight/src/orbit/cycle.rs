@@ -8,7 +8,7 @@ use wingbeat_math::{Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
 use wingbeat_robot::{CycleScalar, Robot};
 
-/// Steps of a cycle are a multiple of this number, so that it has as many equal parts.
+/// Steps of a stroke are a multiple of this number, so that it has as many equal parts.
 pub const PARTS: usize = 20;
 
 /// Fewest steps of a cycle in which an orbit is looked for on the way to one in more.
@@ -124,7 +124,8 @@ impl<'a> Cycle<'a> {
         if !(frequency > 0.0) {
             return Err(wingbeat_math::Error::invalid("gait.frequency_hz", frequency, "a frequency above 0"));
         }
-        let steps = (1.0 / (frequency * step * PARTS as f64)).ceil() as usize * PARTS;
+        let parts = PARTS * robot.strokes_per_cycle();
+        let steps = (1.0 / (frequency * step * parts as f64)).ceil() as usize * parts;
         Ok(Self { robot, section, steps, rest: robot.rest_gains() })
     }
 
@@ -146,6 +147,10 @@ impl<'a> Cycle<'a> {
     /// Whether left and right take part alone in a flight along `course`: a turn, or any flight of a robot whose sides differ.
     pub fn coupled(&self, course: &Course) -> bool {
         course.turns() || !self.section.alike()
+    }
+    /// Equal parts of a cycle at which feedback is made.
+    pub fn parts(&self) -> usize {
+        PARTS * self.robot.strokes_per_cycle()
     }
     /// Steps of a cycle.
     pub fn steps(&self) -> usize {

@@ -1,11 +1,12 @@
 //! Small deviations from an orbit between phases of its cycle.
 
 use super::cycle::{Cycle, Flow, Point};
-use super::section::Section;
+use super::section::{Direction, Section};
 use nalgebra::DMatrix;
 use std::ops::Range;
-use wingbeat_math::{RK4, Scalar, Steps, Workspace};
+use wingbeat_math::{Error, RK4, Scalar, Steps, Workspace};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
+use wingbeat_robot::CycleScalar;
 
 /// Numbers of place and heading over the ground.
 const GROUND: usize = 3;
@@ -84,6 +85,30 @@ impl Deviations {
         self.section.layout().position
     }
 
+    /// Directions in which left and right stay alike.
+    ///
+    /// # Errors
+    /// Those of [`Robot::pairs`](wingbeat_robot::Robot::pairs).
+    pub fn symmetric(&self, cycle: &Cycle) -> Result<Vec<Direction>, Error> {
+        let mirror = cycle.robot().pairs()?;
+        let l = self.section.layout();
+        let mut stands = vec![0; l.len - l.structure];
+        mirror.expand_states(&mirror.states, &mut stands);
+        let shifted = |direction: &Direction| direction.iter().map(|(i, share)| (i + 1, *share)).collect();
+        let body = self.section.symmetric().iter().map(shifted);
+        let (first, count) = (self.elements_from(), self.elements.len());
+        let pairs = self
+            .elements
+            .iter()
+            .filter(|&&i| stands[i] == i)
+            .map(|&i| (0..count).filter(|&k| stands[self.elements[k]] == i).collect::<Vec<_>>());
+        let pairs: Vec<Vec<usize>> = pairs.collect();
+        let of = |offset: usize| {
+            pairs.iter().map(move |pair| pair.iter().map(|k| (first + offset + k, 1.0)).collect())
+        };
+        Ok(std::iter::once(vec![(Self::HEIGHT, 1.0)]).chain(body).chain(of(0)).chain(of(count)).collect())
+    }
+
     /// The numbers of the state `x` that deviate; returns its heading, rad.
     pub fn of<S: Scalar>(&self, x: &[S], s: &mut [S]) -> S {
         let l = self.section.layout();
@@ -118,6 +143,88 @@ const fn behind_height(places: Range<usize>) -> Range<usize> {
     1 + places.start..1 + places.end
 }
 
+/// Flies part `part` of a cycle in equal parts, as many as are given second, from the numbers `s` that deviate at its begin with the
+/// commands `u` held; `each` sees every step. The numbers at its end, and place and heading over the ground there.
+pub(crate) fn fly_part<S: CycleScalar>(
+    cycle: &Cycle,
+    deviations: &Deviations,
+    s: &[S],
+    pace: f64,
+    u: &[S],
+    [part, parts]: [usize; 2],
+    each: &mut dyn FnMut(&[S]),
+) -> Result<(Vec<S>, [S; GROUND]), Fault> {
+    let length = cycle.duration(pace) / cycle.steps() as f64;
+    let steps = cycle.steps() / parts;
+    let mut x = deviations.state(s);
+    let clock = Steps { start: S::ZERO, length: S::from(length), first: part * steps, count: steps };
+    let each = |_, _, x: &[S]| {
+        each(x);
+        Ok(())
+    };
+    let mut flow = Flow { robot: cycle.robot(), pace: S::from(pace), u, each };
+    let mut work = Workspace::new(x.len(), RK4.b.len());
+    RK4.integrate(&mut flow, clock, &mut x, &mut work)?;
+    let mut end = vec![S::ZERO; deviations.len()];
+    let heading = deviations.of(&x, &mut end);
+    let place = deviations.position();
+    Ok((end, [x[place], x[place + 1], heading]))
+}
+
+/// The numbers after part `part` of a cycle from the `nominal` ones under held commands, as [`fly_part`], and how deviations along
+/// `directions` and commands along `inputs` grow over it, as deviations along `directions`.
+///
+/// # Errors
+/// The [`Fault`] that makes the model unusable on the way.
+pub fn interval(
+    cycle: &Cycle,
+    deviations: &Deviations,
+    nominal: &[f64],
+    point: (f64, &[f64]),
+    part: [usize; 2],
+    [directions, inputs]: [&[Direction]; 2],
+) -> Result<(Vec<f64>, Interval), Fault> {
+    let (n, m) = (directions.len(), inputs.len());
+    let (mut a, mut b) = (DMatrix::zeros(n + GROUND, n), DMatrix::zeros(n + GROUND, m));
+    let (mut next, mut ground) = (Vec::new(), [0.0; GROUND]);
+    for first in (0..n + m).step_by(Early::LANES) {
+        let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
+        let mut u: Vec<Early> = point.1.iter().map(|v| Early::constant(*v)).collect();
+        let last = (n + m).min(first + Early::LANES);
+        for column in first..last {
+            let (to, direction) = match column.checked_sub(n) {
+                None => (&mut s, &directions[column]),
+                Some(i) => (&mut u, &inputs[i]),
+            };
+            direction.iter().for_each(|(i, share)| to[*i].eps[column - first] = *share);
+        }
+        let (end, over) = fly_part(cycle, deviations, &s, point.0, &u, part, &mut |_| ())?;
+        let along = directions.iter().map(|direction| Section::along(direction, &end));
+        for (i, end) in along.chain(over).enumerate() {
+            for column in first..last {
+                match column.checked_sub(n) {
+                    None => a[(i, column)] = end.eps[column - first],
+                    Some(input) => b[(i, input)] = end.eps[column - first],
+                }
+            }
+        }
+        (next, ground) = (end.iter().map(|end| end.re).collect(), over.map(|over| over.re));
+    }
+    let interval = Interval {
+        ground_a: a.rows(n, GROUND).into(),
+        ground_b: b.rows(n, GROUND).into(),
+        a: a.resize_vertically(n, 0.0),
+        b: b.resize_vertically(n, 0.0),
+        ground,
+    };
+    Ok((next, interval))
+}
+
+/// Each of these numbers by itself.
+pub fn alone(numbers: impl IntoIterator<Item = usize>) -> Vec<Direction> {
+    numbers.into_iter().map(|i| vec![(i, 1.0)]).collect()
+}
+
 /// The deviations over each of `count` equal intervals of a cycle of the orbit at `point`; `inputs` are moved, the others
 /// held. A cycle must have a multiple of `count` steps.
 ///
@@ -137,57 +244,15 @@ pub fn intervals(
     inputs: &[usize],
 ) -> Result<Vec<Interval>, Fault> {
     let deviations = Deviations::new(cycle);
-    let (n, m) = (deviations.len(), inputs.len());
-    let length = cycle.duration(point.pace) / cycle.steps() as f64;
-    let steps = cycle.steps() / count;
-    let mut nominal = vec![0.0; n];
+    let (directions, inputs) = (alone(0..deviations.len()), alone(inputs.iter().copied()));
+    let mut nominal = vec![0.0; deviations.len()];
     deviations.of(&cycle.start(point), &mut nominal);
     let mut all = Vec::with_capacity(count);
     for k in 0..count {
-        let (mut a, mut b) = (DMatrix::zeros(n + GROUND, n), DMatrix::zeros(n + GROUND, m));
-        let (place, mut ground) = (deviations.section.layout().position, [0.0; GROUND]);
-        let mut next = nominal.clone();
-        for first in (0..n + m).step_by(Early::LANES) {
-            let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
-            let mut u: Vec<Early> = point.inputs.iter().map(|v| Early::constant(*v)).collect();
-            let last = (n + m).min(first + Early::LANES);
-            for column in first..last {
-                match column.checked_sub(n) {
-                    None => s[column].eps[column - first] = 1.0,
-                    Some(i) => u[inputs[i]].eps[column - first] = 1.0,
-                }
-            }
-            let mut x = deviations.state(&s);
-            let clock = Steps {
-                start: Early::constant(0.0),
-                length: Early::constant(length),
-                first: k * steps,
-                count: steps,
-            };
-            let pace = Early::constant(point.pace);
-            let mut flow = Flow { robot: cycle.robot(), pace, u: &u, each: |_, _, _: &[Early]| Ok(()) };
-            let mut work = Workspace::new(x.len(), RK4.b.len());
-            RK4.integrate(&mut flow, clock, &mut x, &mut work)?;
-            let heading = deviations.of(&x, &mut s);
-            s.extend([x[place], x[place + 1], heading]);
-            for (i, end) in s.iter().enumerate() {
-                *next.get_mut(i).unwrap_or_else(|| &mut ground[i - n]) = end.re;
-                for column in first..last {
-                    match column.checked_sub(n) {
-                        None => a[(i, column)] = end.eps[column - first],
-                        Some(input) => b[(i, input)] = end.eps[column - first],
-                    }
-                }
-            }
-        }
+        let held = (point.pace, &point.inputs[..]);
+        let (next, over) = interval(cycle, &deviations, &nominal, held, [k, count], [&directions, &inputs])?;
         nominal = next;
-        all.push(Interval {
-            ground_a: a.rows(n, GROUND).into(),
-            ground_b: b.rows(n, GROUND).into(),
-            a: a.resize_vertically(n, 0.0),
-            b: b.resize_vertically(n, 0.0),
-            ground,
-        });
+        all.push(over);
     }
     Ok(all)
 }

@@ -109,7 +109,8 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
     measures.heave = high - low;
     if seen[0].outlines.first().is_some_and(|points| !points.is_empty()) {
         let [low, high] = swing(&|k| seen[k].outlines[0][0][0][2]);
-        measures.strouhal = (high - low) / (duration * orbit.course.speed);
+        let frequency = robot.strokes_per_cycle() as f64 / duration;
+        measures.strouhal = frequency * (high - low) / orbit.course.speed;
     }
     let heights = |o: &Observation| {
         (0..o.strips.strips).map(|i| [o.strips.camber[i], o.strips.camber_forward[i]]).collect()

@@ -61,8 +61,17 @@ pub const TURBULENCE_SPEED: Limit = Limit::warn_above("flight.turbulence_speed",
 pub const TURBULENCE_ELSEWHERE: Limit = Limit::at_most("flight.turbulence_other_speed", 1.0, "", Outside)
     .on("the turbulence passes at quite another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
 
+/// Height that a dive takes from level flight to level flight. The shipped dive, with the nose down by 60 deg, takes 1.4 m.
+pub const DIVE_HEIGHT: Limit =
+    Limit::at_most("flight.dive_height_m", 1.5, "m", OffTarget).on("height lost in a dive and its pull-out");
+/// Pitch against the plan of a dive. The shipped one stays within 2 deg in still air.
+pub const DIVE_PITCH: Limit = Limit::at_most("flight.dive_pitch_deg", 10.0, "deg", OffTarget)
+    .on("largest error of the pitch in a dive");
+
 /// All of them.
-pub const ALL: [Limit; 18] = [
+pub const ALL: [Limit; 20] = [
+    DIVE_HEIGHT,
+    DIVE_PITCH,
     ALTITUDE,
     ATTITUDE,
     PATH,

@@ -17,7 +17,7 @@ mod tree;
 pub use coordinates::Coordinates;
 pub use dynamics::{BaseAcceleration, drive_power, joint_power};
 pub use forward::FreeAcceleration;
-pub use gait::{FourierSeries, Harmonic};
+pub use gait::{FourierSeries, Harmonic, MAX_HARMONICS};
 pub use inertia::{BodyNumbers, INERTIA, MASS, PLACE};
 pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePose, MARGIN_LIMIT, REGULATED};
 pub use momentum::Momentum;

@@ -1,5 +1,6 @@
 //! How the joints are driven over the flapping cycle.
 
+use super::bound::BoundSpec;
 use crate::body::{FourierSeries, LinkageDimensions};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
@@ -13,6 +14,9 @@ pub enum GaitSpec {
     Fourier {
         /// Flapping frequency, Hz; 0 holds the wings still.
         frequency_hz: f64,
+        /// Strokes and a glide on folded wings in turn; `frequency_hz` is then that of both together.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        bound: Option<BoundSpec>,
         /// Shoulder of `wing`, positive raises it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         shoulder: Option<FourierSeries>,
@@ -33,7 +37,7 @@ pub enum GaitSpec {
 impl Default for GaitSpec {
     /// Nothing flaps.
     fn default() -> Self {
-        Self::Fourier { frequency_hz: 0.0, shoulder: None, elbow: None }
+        Self::Fourier { frequency_hz: 0.0, bound: None, shoulder: None, elbow: None }
     }
 }
 
@@ -42,6 +46,14 @@ impl GaitSpec {
     pub fn frequency_hz(&self) -> f64 {
         match self {
             Self::Fourier { frequency_hz, .. } | Self::Linkage { frequency_hz, .. } => *frequency_hz,
+        }
+    }
+
+    /// Strokes and a glide in turn, where they are.
+    pub fn bound(&self) -> Option<&BoundSpec> {
+        match self {
+            Self::Fourier { bound, .. } => bound.as_ref(),
+            Self::Linkage { .. } => None,
         }
     }
 
@@ -63,6 +75,7 @@ impl GaitSpec {
     /// `winged`: whether there is a `wing` whose shoulder and elbow it drives.
     pub(super) fn check(&self, winged: bool) -> Result<(), Error> {
         not_negative(&format!("{}.frequency_hz", self.kind()), self.frequency_hz())?;
+        self.bound().map_or(Ok(()), |bound| bound.check().map_err(|e| e.within("fourier.bound")))?;
         let Self::Fourier { shoulder, elbow, .. } = self else { return Ok(()) };
         for (key, series) in [("fourier.shoulder", shoulder), ("fourier.elbow", elbow)] {
             match (winged, series) {

@@ -92,6 +92,9 @@ pub struct DrivenSpec {
     pub harmonics: Vec<Harmonic>,
     /// Lag behind the phase of the gait, rad.
     pub lag_rad: f64,
+    /// Angle in the glide of a gait with `bound`, rad (m); the mean where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folded_rad: Option<f64>,
     /// Output of the linkage, in place of a series.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linkage: Option<LinkageOutput>,
@@ -206,6 +209,16 @@ impl DrivenSpec {
     fn check(&self, gait: &GaitSpec, joint: JointKind) -> Result<(), Error> {
         finite("lag_rad", &[self.lag_rad])?;
         self.series().check()?;
+        if let Some(folded) = self.folded_rad {
+            finite("folded_rad", &[folded])?;
+            if gait.bound().is_none() {
+                return Err(Error::invalid(
+                    "folded_rad",
+                    folded,
+                    "nothing without gait.fourier.bound, whose glide folds the wings",
+                ));
+            }
+        }
         let Some(output) = self.linkage else { return Ok(()) };
         if !matches!(gait, GaitSpec::Linkage { .. }) || joint != JointKind::Revolute {
             let allowed = "an output only of a [gait.linkage], on a joint that turns";

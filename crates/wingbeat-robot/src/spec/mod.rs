@@ -1,5 +1,6 @@
 //! What a robot file says, before it is checked and built.
 
+mod bound;
 mod clearance;
 mod gait;
 mod given;
@@ -11,6 +12,7 @@ mod surface;
 mod thruster;
 mod wing;
 
+pub use bound::BoundSpec;
 pub use clearance::{CapsuleSpec, ClearanceSpec};
 pub use gait::GaitSpec;
 pub use given::{FitVerdict, GivenNumbers};

@@ -22,6 +22,7 @@ mod hover;
 mod inherit;
 mod lanes;
 mod linkage;
+mod manoeuvre;
 mod mechanism;
 mod multibody;
 mod numbers;

@@ -1,12 +1,14 @@
 //! Orbits along the legs of a flight, as references, and the feedback about them.
 
 use super::adapt::Tangent;
+use super::dive::{Dive, Level};
 use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
 use super::predictive::PredictiveSpec;
 use super::schedule::{Place, Schedule, Stretch};
 use super::spec::AboutOrbitSpec;
 use crate::orbit::{
-    Course, Cycle, Deviations, Failure, Found, Free, PARTS, Point, Section, intervals, search, search_from,
+    Course, Cycle, Deviations, Direction, Failure, Found, Free, Point, Section, intervals, search,
+    search_from,
 };
 use nalgebra::DMatrix;
 use std::ops::ControlFlow;
@@ -15,8 +17,6 @@ use wingbeat_math::interpolation::lerp;
 use wingbeat_math::parallel;
 use wingbeat_ocp::plant::{Fault, Plant};
 
-/// Phases of a cycle at which the feedback is made.
-pub const PHASES: usize = PARTS;
 /// Largest steps from orbit to orbit: of the bank, rad, of speed and climb, m/s.
 const BANK_STEP: f64 = 0.05;
 const SPEED_STEP: f64 = 0.1;
@@ -59,6 +59,8 @@ pub(super) struct Family {
     tangent: Option<Tangent>,
     /// State at phase 0 of the first orbit.
     start: Vec<f64>,
+    /// The dive out of it.
+    dive: Option<Dive>,
 }
 
 /// Two of a list and how far from the one to the other.
@@ -196,7 +198,7 @@ impl Family {
         let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
         let made = parallel::map(&about, |_, &orbit| {
             let orbit = &found[orbit].orbit;
-            let intervals = intervals(cycle, &orbit.point, PHASES, inputs)?;
+            let intervals = intervals(cycle, &orbit.point, cycle.parts(), inputs)?;
             let coordinates = cycle.section().len();
             let path = spec.predictive.as_ref().and_then(PredictiveSpec::path);
             Ok(Feedback::new(
@@ -219,8 +221,37 @@ impl Family {
             references: way.clone(),
             feedback: sparse(way).map(|(share, orbit)| (share, place(orbit))).collect(),
         });
-        let start = cycle.start(&found[0].orbit.point);
-        Ok(Self { references, feedback, ways: ways.collect(), tangent, start })
+        let point = &found[0].orbit.point;
+        let dive = spec.dive.as_ref().map(|dive| {
+            if !cycle.section().alike() {
+                return Err(Error::invalid("", "given", "none: left and right of the robot differ"));
+            }
+            let pairs = spec.free.iter().filter_map(|name| Free::named(robot, name, false)).flatten();
+            let pairs = pairs.filter_map(|free| match free {
+                Free::Inputs(direction) => Some(direction),
+                Free::Frequency => None,
+            });
+            let pairs: Vec<Direction> = pairs.collect();
+            let level = Level {
+                cycle,
+                deviations: &deviations,
+                point,
+                begin: &references[0].steps[0],
+                feedback: &feedback[place(0)],
+                weights: &spec.weights,
+                pairs: &pairs,
+                inputs,
+            };
+            Dive::plan(dive, &level, robot.inputs())
+        });
+        let dive = dive.transpose().map_err(|e| e.within("dive"))?;
+        let (start, ways) = (cycle.start(point), ways.collect());
+        Ok(Self { references, feedback, ways, tangent, start, dive })
+    }
+
+    /// The dive out of the first orbit.
+    pub fn dive(&self) -> Option<&Dive> {
+        self.dive.as_ref()
     }
 
     /// The state at phase 0 of the orbit of the begin.

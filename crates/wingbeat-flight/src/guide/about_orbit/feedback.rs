@@ -69,24 +69,16 @@ impl Feedback {
         let (deviating, m) = (all[0].a.nrows(), limits.len());
         let beside = DEVIATIONS + deviating;
         let n = beside + path.map_or(0, |_| OFF_PATH);
-        let mut cost = vec![0.0; n];
-        cost[INTEGRAL] = w.height_integral_m_s.powi(-2);
-        for (cost, size) in cost[DEVIATIONS..].iter_mut().zip(w.sizes()) {
-            *cost = size.powi(-2);
+        let mut q = costs_of(w, n);
+        for (i, size) in (beside..n).zip(path.unwrap_or_default()) {
+            q[(i, i)] = size.powi(-2);
         }
-        for (cost, size) in cost[beside..].iter_mut().zip(path.unwrap_or_default()) {
-            *cost = size.powi(-2);
-        }
-        let q = DMatrix::from_diagonal(&cost.into());
-        let r = DMatrix::from_diagonal(&limits.iter().map(|l| l.powi(-2)).collect::<Vec<_>>().into());
+        let r = effort(limits);
         let interval = duration / all.len() as f64;
         let mean = MeanPath::of(all);
         let augmented = all.iter().enumerate().map(|(k, i)| {
-            let (mut a, mut b) = (DMatrix::zeros(n, n), DMatrix::zeros(n, m));
+            let (mut a, mut b) = with_integral(i, interval, n);
             let at = DEVIATIONS;
-            (a[(INTEGRAL, INTEGRAL)], a[(INTEGRAL, at + Deviations::HEIGHT)]) = (1.0, interval);
-            a.view_mut((at, at), (deviating, deviating)).copy_from(&i.a);
-            b.view_mut((at, 0), (deviating, m)).copy_from(&i.b);
             if path.is_some() {
                 let (own, by_rest) = mean.beside(i, k);
                 a.view_mut((beside, beside), (OFF_PATH, OFF_PATH)).copy_from(&own);
@@ -102,22 +94,16 @@ impl Feedback {
         for _ in 0..CYCLES {
             let mut change: f64 = 0.0;
             for (k, (a, b)) in augmented.iter().enumerate().rev() {
-                let pb = &p * b;
-                let gain = (&r + b.transpose() * &pb).cholesky()?.solve(&(pb.transpose() * a));
+                let (gain, before) = back(a, b, &q, &r, &p)?;
                 change = change.max((&gain - &gains[k]).amax() / gain.amax());
-                p = &q + a.transpose() * &p * (a - b * &gain);
-                p = (&p + p.transpose()) * 0.5;
-                gains[k] = gain;
+                (p, gains[k]) = (before, gain);
                 costs[k].clone_from(&p);
             }
             if change < SETTLED {
                 let ahead = learned.map(|harmonics| {
                     ahead(&augmented, &gains, &costs, &r, interval, harmonics).map(Periodic)
                 });
-                let body = DEVIATIONS + Deviations::BODY;
-                for gain in &mut gains {
-                    (body..DEVIATIONS + 1 + coordinates).for_each(|column| gain.column_mut(column).fill(0.0));
-                }
+                gains.iter_mut().for_each(|gain| measured(gain, coordinates));
                 let roots = costs.into_iter().map(root).collect::<Option<_>>()?;
                 let ahead = match ahead {
                     Some(made) => Some(made?),
@@ -127,6 +113,21 @@ impl Feedback {
             }
         }
         None
+    }
+
+    /// Equation: guide.held_multiplier
+    /// `max |eigenvalue of prod_k (A_k - B_k K_k)|`
+    /// Source: Floquet 1883, of the closed loop.
+    /// Test: `a_bound_is_periodic_and_held`.
+    ///
+    /// By how much the slowest deviation decays over a cycle under the feedback, the integral of the height among them.
+    pub fn multiplier(&self, all: &[Interval]) -> f64 {
+        let n = self.gains.0[0].ncols();
+        let over = all.iter().zip(&self.gains.0).fold(DMatrix::identity(n, n), |product, (of, gain)| {
+            let (a, b) = with_integral(of, self.interval, n);
+            (a - b * gain) * product
+        });
+        over.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
     }
 
     /// Commands by deviations at `cycles` of the gait's phase.
@@ -143,6 +144,54 @@ impl Feedback {
     pub fn cost(&self, cycles: f64) -> CostToGo {
         CostToGo { root: self.roots.at(cycles), interval: self.interval }
     }
+}
+
+/// Costs of the deviations of the body, the integral of the height first, among `n` numbers.
+pub(super) fn costs_of(w: &OrbitWeights, n: usize) -> DMatrix<f64> {
+    let mut q = DMatrix::zeros(n, n);
+    q[(INTEGRAL, INTEGRAL)] = w.height_integral_m_s.powi(-2);
+    for (i, size) in (DEVIATIONS..n).zip(w.sizes()) {
+        q[(i, i)] = size.powi(-2);
+    }
+    q
+}
+
+/// Costs of commands with these limits.
+pub(super) fn effort(limits: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_diagonal(&limits.iter().map(|l| l.powi(-2)).collect::<Vec<_>>().into())
+}
+
+/// A and B of an interval of `length` s with the integral of the height before the deviations, among `n` numbers.
+pub(super) fn with_integral(of: &Interval, length: f64, n: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (deviating, m) = of.b.shape();
+    let (mut a, mut b) = (DMatrix::zeros(n, n), DMatrix::zeros(n, m));
+    let at = DEVIATIONS;
+    (a[(INTEGRAL, INTEGRAL)], a[(INTEGRAL, at + Deviations::HEIGHT)]) = (1.0, length);
+    a.view_mut((at, at), (deviating, deviating)).copy_from(&of.a);
+    b.view_mut((at, 0), (deviating, m)).copy_from(&of.b);
+    (a, b)
+}
+
+/// Gain over an interval and the least cost from its begin on, by that from its end on; `None` where it has no sense.
+pub(super) fn back(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    q: &DMatrix<f64>,
+    r: &DMatrix<f64>,
+    p: &DMatrix<f64>,
+) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let pb = p * b;
+    let gain = (r + b.transpose() * &pb).cholesky()?.solve(&(pb.transpose() * a));
+    let before = q + a.transpose() * p * (a - b * &gain);
+    let before = (&before + before.transpose()) * 0.5;
+    Some((gain, before))
+}
+
+/// Leaves out of `gain` the states of air and elastic joints, of which an orbit has `coordinates` with those of the body: they are not
+/// measured.
+pub(super) fn measured(gain: &mut DMatrix<f64>, coordinates: usize) {
+    let body = DEVIATIONS + Deviations::BODY;
+    (body..DEVIATIONS + 1 + coordinates).for_each(|column| gain.column_mut(column).fill(0.0));
 }
 
 impl CostToGo {

@@ -1,6 +1,5 @@
 //! The feedback that holds an orbit, as a table.
 
-use super::family::PHASES;
 use super::feedback::{DEVIATIONS, Feedback};
 use super::spec::OrbitWeights;
 use crate::orbit::{Cycle, Deviations, Orbit, Section, intervals};
@@ -11,13 +10,22 @@ use wingbeat_ocp::plant::{Fault, Plant};
 const UNITS: [&str; DEVIATIONS + Deviations::BODY] =
     ["m s", "m", "m/s", "m/s", "m/s", "rad", "rad", "rad/s", "rad/s", "rad/s"];
 
+/// The feedback that holds an orbit.
+#[derive(Clone, Debug)]
+pub struct Held {
+    /// Gains.
+    pub table: String,
+    /// Largest multiplier of a deviation over a cycle under this feedback.
+    pub multiplier: f64,
+}
+
 /// The periodic controller about `orbit` by all inputs but that of the crank, as comma-separated values: of every phase (share of the cycle) a row for each
 /// input, of every deviation that is fed back a column with its unit. The command is that of the orbit less the sum of gains times
 /// deviations. None where nothing is fed back or the controller does not settle.
 ///
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.
-pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<Option<String>, Fault> {
+pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<Option<Held>, Fault> {
     let robot = cycle.robot();
     let deviations = Deviations::new(cycle);
     let (elements, from) = (deviations.moved(), DEVIATIONS + deviations.elements_from());
@@ -29,7 +37,8 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
     }
     let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
     let coordinates = cycle.section().len();
-    let all = intervals(cycle, &orbit.point, PHASES, &inputs)?;
+    let parts = cycle.parts();
+    let all = intervals(cycle, &orbit.point, parts, &inputs)?;
     let Some(feedback) = Feedback::new(weights, None, &all, coordinates, &limits, orbit.end.duration, None)
     else {
         return Ok(None);
@@ -50,15 +59,15 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
     let mut table = String::from("phase,input");
     told.iter().for_each(|(_, name)| table += &format!(",{name}"));
     table += "\n";
-    for phase in 0..PHASES {
-        let gain = feedback.at(phase as f64 / PHASES as f64);
+    for phase in 0..parts {
+        let gain = feedback.at(phase as f64 / parts as f64);
         for (row, &input) in inputs.iter().enumerate() {
-            let _ = write!(table, "{},{}", phase as f64 / PHASES as f64, robot.inputs()[input].name);
+            let _ = write!(table, "{},{}", phase as f64 / parts as f64, robot.inputs()[input].name);
             for (column, _) in &told {
                 let _ = write!(table, ",{:e}", gain[(row, *column)]);
             }
             table += "\n";
         }
     }
-    Ok(Some(table))
+    Ok(Some(Held { table, multiplier: feedback.multiplier(&all) }))
 }

@@ -2,6 +2,7 @@
 
 mod adapt;
 mod ahead;
+mod dive;
 mod family;
 mod feedback;
 mod gains;
@@ -11,7 +12,8 @@ mod spec;
 mod tracking;
 
 pub use adapt::AdaptSpec;
-pub use gains::gains_of;
+pub use dive::DiveSpec;
+pub use gains::{Held, gains_of};
 pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
@@ -61,8 +63,10 @@ struct AboutOrbit<'a> {
     /// Integral of the height's deviation, m s.
     integral: f64,
     held: Vec<f64>,
-    /// What the last update found: legs done, deviations of height, roll and pitch.
-    seen: [f64; 4],
+    /// Cycles at which the dive begins, once it is commanded.
+    dives: Option<f64>,
+    /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive.
+    seen: [f64; 5],
 }
 
 impl ControllerSpec for AboutOrbitSpec {
@@ -137,7 +141,8 @@ impl ControllerSpec for AboutOrbitSpec {
             x: vec![0.0; robot.states().len()],
             integral: 0.0,
             held,
-            seen: [0.0; 4],
+            dives: None,
+            seen: [0.0; 5],
         }))
     }
 }
@@ -176,9 +181,12 @@ fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
 }
 
 impl AboutOrbit<'_> {
-    /// The controller's commands for deviations `error` from what is asked.
-    fn regulate(&mut self, place: Option<Place>, cycles: f64, asked: Asked, error: &[f64]) {
-        let gain = self.family.gain(place, cycles);
+    /// The controller's commands for deviations `error` from what is asked, `since` cycles after the begin of a dive.
+    fn regulate(&mut self, place: Option<Place>, cycles: f64, since: f64, asked: Asked, error: &[f64]) {
+        let gain = match self.family.dive() {
+            Some(dive) if since > 0.0 && since < dive.cycles => dive.gain(since),
+            _ => self.family.gain(place, cycles),
+        };
         let mut commands = asked.commands.clone();
         if let Some(adaptation) = &self.adaptation {
             self.family.beside(adaptation.added(), &mut commands);
@@ -216,6 +224,18 @@ impl Controller for AboutOrbit<'_> {
             Some(tracking) => tracking.demand(t, position, velocity),
         };
         let mut asked = self.family.asked(place, cycles);
+        let since = match self.family.dive() {
+            None => 0.0,
+            Some(dive) => {
+                if t >= dive.start_s {
+                    self.dives.get_or_insert(cycles.ceil());
+                }
+                let since = self.dives.map_or(0.0, |begin| (cycles - begin).clamp(0.0, dive.cycles));
+                let paced = self.robot.pacer().map_or(0.0, |pacer| pacer.gain * self.held[pacer.input]);
+                dive.ask(since, self.period * (self.robot.frequency_hz() + paced / TAU), &mut asked);
+                since
+            }
+        };
         if let Some(adaptation) = &mut self.adaptation {
             if adaptation.learn(t, cycles, x, &self.held).is_err() {
                 return Update::Kept;
@@ -232,9 +252,10 @@ impl Controller for AboutOrbit<'_> {
             self.integral += off * self.period;
         }
         let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
-        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH]];
+        let dived = self.family.dive().map_or(0.0, |dive| since / dive.cycles);
+        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived];
         let Some(predictive) = &mut self.predictive else {
-            self.regulate(place, cycles, asked, &error);
+            self.regulate(place, cycles, since, asked, &error);
             return Update::Fresh;
         };
         let (schedule, tracking) = (&self.schedule, self.tracking.as_ref());
@@ -259,14 +280,21 @@ impl Controller for AboutOrbit<'_> {
             Column::new("orbit_roll_error", "rad", "WB"),
             Column::new("orbit_pitch_error", "rad", "WB"),
         ];
+        let dive = self.family.dive().map(|_| Column::new("orbit_dive", "", ""));
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
         let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
-        own.into_iter().chain(path).chain(adapted).chain(self.estimator.columns()).chain(solver).collect()
+        own.into_iter()
+            .chain(dive)
+            .chain(path)
+            .chain(adapted)
+            .chain(self.estimator.columns())
+            .chain(solver)
+            .collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
-        row.extend(self.seen);
+        row.extend(&self.seen[..4 + usize::from(self.family.dive().is_some())]);
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
         self.estimator.diagnostics(row);

@@ -1,6 +1,7 @@
 //! What `[controller.orbit]` says.
 
 use super::adapt::AdaptSpec;
+use super::dive::DiveSpec;
 use super::predictive::PredictiveSpec;
 use super::schedule::{Schedule, Stretch};
 use super::tracking::TrackingSpec;
@@ -42,6 +43,9 @@ pub struct AboutOrbitSpec {
     /// How the controller adapts in flight to an unknown air; without it, it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adapt: Option<AdaptSpec>,
+    /// A dive out of the orbit of the start and back to it below, in place of legs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dive: Option<DiveSpec>,
     /// How `[path]` is followed, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingSpec>,
@@ -146,6 +150,21 @@ impl AboutOrbitSpec {
             if adapt.missed_s.is_some() && self.estimator.is_some() {
                 let allowed = "none beside estimator: it is learned of the true state, and the estimator has one of its own";
                 return Err(Error::invalid("adapt.missed_s", "given", allowed).against(["estimator"]));
+            }
+        }
+        if let Some(dive) = &self.dive {
+            dive.in_range().map_err(|e| e.within("dive"))?;
+            let beside = [
+                ("legs", !self.legs.is_empty()),
+                ("climb_m_s", self.climb_m_s != 0.0),
+                ("tracking", self.tracking.is_some()),
+                ("predictive", self.predictive.is_some()),
+                ("adapt", self.adapt.is_some()),
+            ];
+            if let Some((key, _)) = beside.into_iter().find(|(_, given)| *given) {
+                let allowed =
+                    "none beside dive, which begins and ends in level flight by commands of its own";
+                return Err(Error::invalid(key, "given", allowed).against(["dive"]));
             }
         }
         self.free(robot, true)?;
