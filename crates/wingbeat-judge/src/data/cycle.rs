@@ -19,6 +19,8 @@ const POINTS: usize = 2048;
 const POINTS_PER_CYCLE: usize = 32;
 /// Deviation of a channel in parts of the largest of its unit below which it is not judged. *Choice.*
 const TELLING: f64 = 0.05;
+/// Deviation of a motion, in parts of its mean, below which it stands still. *Choice.*
+const STILL: f64 = 1e-4;
 /// Share of what does not repeat above which the frequency is sought. *Choice.*
 const SEEKS: f64 = 0.02;
 /// Share of the power that another frequency must explain for it to be believed. *Choice.*
@@ -68,7 +70,8 @@ impl<'a> Apart<'a> {
         }
         let at = Condensed::of(series.phase, channel.samples, cycles);
         let (part, left) = Parts::of(&at, cycles)?;
-        (part.total > 0.0).then_some(Self { channel, at, part, left })
+        let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
+        (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
     }
 
     /// Whether it repeats at the frequency that is given for it.

@@ -11,7 +11,7 @@ const PLACES: usize = 64;
 /// Robust deviations beyond which a sample lies apart: of 1e15 samples with white noise one does. *Choice.*
 const BEYOND: f64 = 8.0;
 /// The deviation of white noise over the median of its magnitudes: 1 / Phi^-1(3 / 4).
-const OF_MEDIAN: f64 = 1.482_602_218_505_602;
+pub(super) const OF_MEDIAN: f64 = 1.482_602_218_505_602;
 /// Parts of the cycle's range, and of the largest range of its unit, below which no sample lies apart: so much do cycles differ. *Choice.*
 const APART: [f64; 2] = [0.1, 0.05];
 /// Part of its distance that the signal jumps where a run of such samples begins and ends; a load grows by and by. *Choice.*
@@ -19,6 +19,9 @@ const JUMPS: f64 = 0.5;
 /// A step of so much of the range is a leap across it where the usual one is below the second part, which a sine of 45 samples a cycle
 /// has, and hardly any lies between: those of a value that is held do. *Choice.*
 const ACROSS: [f64; 2] = [0.75, 0.05];
+/// A step of so much of the range is a jump where those about it are below the second part of it, in a cycle of so many samples: a load
+/// without harmonics beyond the eighth has none. *Choice.*
+const JUMP: [f64; 3] = [0.12, 0.2, 60.0];
 /// Counts that a channel must span for a leap to be one: the last digit of an idle one toggles. *Choice.*
 const COUNTS: f64 = 40.0;
 /// Samples of a cycle from which every second one is told from the others. *Choice.*
@@ -41,7 +44,8 @@ pub(super) fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
         let breaks = |finding: &Finding| finding.breaks(limits);
         let first = alternating(series, channel, cycles).filter(breaks);
         let first = first.or_else(|| own.apart(series, channel, most).filter(breaks));
-        found.extend(first.or_else(|| wrapped(series, channel, cycles)));
+        let first = first.or_else(|| wrapped(series, channel, cycles).filter(breaks));
+        found.extend(first.or_else(|| jumping(series, channel, cycles)));
     }
     found
 }
@@ -126,12 +130,12 @@ impl Usual {
     }
 }
 
-fn place(phase: f64, places: usize) -> usize {
+pub(super) fn place(phase: f64, places: usize) -> usize {
     ((phase.rem_euclid(1.0) * places as f64) as usize).min(places - 1)
 }
 
 /// The middle one; not a number of none.
-fn median(of: &mut [f64]) -> f64 {
+pub(super) fn median(of: &mut [f64]) -> f64 {
     let middle = of.len() / 2;
     if of.is_empty() { f64::NAN } else { *of.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
@@ -154,6 +158,23 @@ fn wrapped(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
     );
     let size = leaps as f64 / cycles;
     smooth.then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
+}
+
+/// The finding (a warning) that a load jumps in every cycle.
+fn jumping(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
+    let extent = Extent::of(channel.samples)?;
+    if channel.samples.len() as f64 <= JUMP[2] * cycles || extent.range() <= COUNTS * extent.count {
+        return None;
+    }
+    let steps: Vec<f64> = channel.samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let jumps = |at: &[f64]| {
+        let about = at[0].max(at[1]).max(at[3]).max(at[4]);
+        at[2] > JUMP[0] * extent.range() && about < JUMP[1] * at[2]
+    };
+    let size = steps.windows(5).filter(|at| jumps(at)).count() as f64 / cycles;
+    let text = "jumps in every cycle, which no load of a wing does: its sign was put back by the phase, it was held, or it is switched";
+    let found = Finding::new("data.jumps", &WRAPPED, series.about(channel.name), size, text).noted();
+    Some(found.in_channel(channel.name))
 }
 
 /// The finding that every second sample is of something else: neighbours differ by more than those two apart do.

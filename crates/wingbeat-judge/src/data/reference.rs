@@ -2,7 +2,7 @@
 
 use super::Finding;
 use crate::limits::Limits;
-use crate::limits::data::{DEAD, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
+use crate::limits::data::{DEAD, GAIN, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
 /// symmetry is computed as rounding.
@@ -15,6 +15,10 @@ const ALIKE: [f64; 2] = [0.97, 0.8];
 const ANOTHER: f64 = 0.9;
 /// Share of the largest computed channel of its unit above which one must resemble it where another does. *Choice.*
 const COUNTS: f64 = 0.2;
+
+/// Share of the largest range of its unit that another channel must put into one for that to be told, and what the fit of both leaves of
+/// its power. *Choice.*
+const TALKS: [f64; 2] = [0.1, 0.04];
 
 /// A measured cycle and a computed one, at the same even phases.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +66,7 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
         found.extend(shifted(what, &telling));
         found.extend(unrelated(what, &telling));
         found.extend(unlike(what, &telling));
+        found.extend(mixed(what, &telling));
     }
     found.retain(|finding| finding.breaks(limits));
     found
@@ -196,6 +201,44 @@ fn unlike(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
             Finding::new("data.unlike", &UNLIKE, format!("{} of {what}", pair.name), size, text)
         })
         .collect()
+}
+
+/// Channels that are their own load and a part of another channel, where another one is as computed: cross talk, or axes that are turned.
+/// With own load c and other channel m, both about their means, x = a c + b m by least squares.
+fn mixed(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for (i, (pair, told)) in telling.iter().enumerate() {
+        if told.now > ALIKE[0] || !(told.share > COUNTS) || told.measured == 0.0 {
+            continue;
+        }
+        let (x, own) = (apart(pair.measured), apart(pair.computed));
+        let power = product(&x, &x, 0);
+        for (other, its) in telling.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, of)| of) {
+            if other.unit != pair.unit || its.now < ALIKE[0] {
+                continue;
+            }
+            let talks = apart(other.measured);
+            let [cc, mm, cm] = [product(&own, &own, 0), product(&talks, &talks, 0), product(&own, &talks, 0)];
+            let [xc, xm] = [product(&x, &own, 0), product(&x, &talks, 0)];
+            let spread = cc * mm - cm * cm;
+            // Of two of one shape neither is told from the other.
+            if !(spread > 0.05 * cc * mm) {
+                continue;
+            }
+            let [a, b] = [(xc * mm - xm * cm) / spread, (xm * cc - xc * cm) / spread];
+            let left = 1.0 - (a * xc + b * xm) / power;
+            if !(left < TALKS[1] && a > 0.5 && b.abs() * its.measured > TALKS[0] * told.computed) {
+                continue;
+            }
+            let text = format!(
+                "is {a:.2} times what is computed for it and {b:.2} times {}: cross talk, or axes that are turned",
+                other.name
+            );
+            let about = format!("{} of {what}", pair.name);
+            found.push(Finding::new("data.mixed", &GAIN, about, b.abs(), text).noted().in_channel(pair.name));
+        }
+    }
+    found
 }
 
 /// Channels that hold the very values of another one, though other loads are computed for them; of two the one that fits worse.

@@ -1,6 +1,6 @@
 //! What the values of a channel say by themselves: not finite, tiny, huge, constant, stuck, clipped.
 
-use super::{Channel, Finding, Purpose, Series};
+use super::{Channel, Finding, Purpose, Series, plateau};
 use crate::limits::Limits;
 use crate::limits::data::{CLIPPED, HUGE, NOT_FINITE, STUCK, TINY};
 
@@ -84,7 +84,8 @@ fn of_channel(series: &Series, channel: &Channel, extent: Extent, limits: &Limit
     let mut found = vec![huge];
     if series.purpose == Purpose::Loads && extent.range() > 0.0 {
         found.extend(stuck(series, channel, extent));
-        found.extend(clipped(series, channel, extent, limits));
+        let clipped = clipped(series, channel, extent, limits).filter(|finding| finding.breaks(limits));
+        found.extend(clipped.or_else(|| plateau::cut_off(series, channel, extent.count)));
     }
     found
 }

@@ -121,6 +121,19 @@ struct Candidate {
 }
 
 impl RobotTrim {
+    /// Whether a document is a robot, and not a scenario that holds one.
+    pub fn takes(document: &Document) -> bool {
+        document.written("robot").is_none() && document.written("body").is_some()
+    }
+
+    /// Refuses a bank that no turn is flown with, as `bank_deg`.
+    ///
+    /// # Errors
+    /// One out of range.
+    pub fn check_bank(bank_deg: f64) -> Result<(), Error> {
+        Ask { bank_deg }.in_range()
+    }
+
     /// A trim of `robot`; `overrides` are of the scenario around it (`robot.body.mass_kg=.02`, `aero.law=lev`).
     ///
     /// # Errors
