@@ -301,6 +301,9 @@ impl Summary {
     }
 }
 
+/// Samples of a cycle below which its frequency may be another one. *Choice.*
+const FEWEST: f64 = 4.0;
+
 /// What the samples say of themselves. Those that are missing are gaps.
 fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> Verdict {
     let mut judge = Judge::new(limits);
@@ -319,6 +322,17 @@ fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> 
         if *over_noise >= limits.of(&LINE).0 {
             judge.find(Status::NotFound, lines);
         }
+    }
+    if let Told::Found(Line { frequency: Some(frequency), .. }) = told
+        && plain.rate < FEWEST * frequency
+    {
+        let text = format!(
+            "{:.2} samples a cycle: at {:.6} Hz a frequency of {:.6} Hz looks the same; sample faster, or give --frequency HZ",
+            plain.rate / frequency,
+            plain.rate,
+            plain.rate - frequency
+        );
+        judge.warn(Warning::new("data.aliased", text).size(plain.rate / frequency).key("--frequency"));
     }
     if let Some(own) = plain.other_rate {
         let text = format!(

@@ -183,6 +183,8 @@ impl TetherCase {
                 judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
             }
             judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
+            let growth = run.steady.as_ref().map(|steady| steady.least_damped[0]);
+            judge.hold_if(&tether::GROWTH, growth.filter(|growth| growth.is_finite()));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);

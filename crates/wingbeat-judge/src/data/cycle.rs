@@ -5,7 +5,7 @@ use super::frequency::{self, Frequency};
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL};
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL, SWINGS};
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -218,7 +218,8 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
              file holds more than the steady part; cut it to that",
             100.0 * share
         );
-        found.push(Finding::new("data.not_periodic", &APERIODIC, about(), share, text));
+        let limit = if share > limits.of(&APERIODIC).0 { &APERIODIC } else { &SWINGS };
+        found.push(Finding::new("data.not_periodic", limit, about(), share, text));
     }
     let scale = part.range.max(part.mean.abs());
     let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;

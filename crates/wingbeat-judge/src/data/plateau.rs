@@ -10,6 +10,8 @@ const SAME: usize = 12;
 /// Part of the range within which the end is flat, and the places on it, in parts of a cycle. A slack line is flat for longer. *Choices.*
 const FLAT: f64 = 0.01;
 const SHARE: std::ops::Range<f64> = 0.05..0.36;
+/// Part of the range within which an end is near zero. *Choice.*
+const SLACK: f64 = 0.15;
 /// Noise at the end over that elsewhere: what is cut off has that of the converter alone. Right loads went down to 0.54 in the
 /// worst of 2000 files (measured). *Choice.*
 const QUIET: f64 = 0.5;
@@ -26,8 +28,8 @@ struct Place {
 /// The finding that an end is cut off under noise; `count` is that of the converter.
 ///
 /// What goes beyond the range of an amplifier is lost with the noise that it has until there, so that the samples of one phase
-/// scatter less at the end than elsewhere. A line that goes slack is flat and may be quiet as well, but at the end nearer to zero:
-/// looked at is the end of the larger magnitude, or both where both are flat and quiet.
+/// scatter less at the end than elsewhere. A line that goes slack is flat and may be quiet as well, but near zero, and for longer:
+/// an end near zero counts only where the other one is flat and quiet too.
 pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<Finding> {
     let places = places(series, channel.samples)?;
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
@@ -43,11 +45,12 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
         let seen = usual > (NOISE[0] * range).max(NOISE[1] * count);
         (seen && SHARE.contains(&share) && noise(on) < QUIET * usual).then_some(share)
     };
+    let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
     let (share, end) = match (top, bottom) {
         (Some(top), Some(bottom)) => (top + bottom, if top > bottom { high } else { low }),
-        (Some(top), None) if high.abs() >= low.abs() => (top, high),
-        (None, Some(bottom)) if low.abs() >= high.abs() => (bottom, low),
+        (Some(top), None) if far(high) => (top, high),
+        (None, Some(bottom)) if far(low) => (bottom, low),
         _ => return None,
     };
     let text = format!(

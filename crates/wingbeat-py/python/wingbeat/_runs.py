@@ -389,6 +389,7 @@ def trim(
     else:
         if bank_deg is not None:
             raise ValueError("bank_deg: allowed with a robot; a scenario has trim.bank_deg")
+        assert not isinstance(scenario, Robot)
         native = scenario_of(scenario, overrides)._native
         resolved, found = native.resolved, _wingbeat.trim(native, progress)
     record, multipliers, family, starts, summary, files = found

@@ -12,7 +12,7 @@ __version__: str
 _Array: TypeAlias = NDArray[float64]
 _Column: TypeAlias = tuple[str, str, str, float, float, _Array]
 _Asked: TypeAlias = tuple[
-    Sequence[float], int | None, bool, int | None, int | None, int | None, bool, float | None
+    Sequence[float], int | None, bool, int | None, int | None, int | None, bool, float | None, float | None
 ]
 _Stepped: TypeAlias = list[tuple[str, list[_Column], list[tuple[str, str]]]]
 _Held: TypeAlias = tuple[str, Sequence[tuple[str, str]], Sequence[tuple[str, Sequence[_Column]]]]
