@@ -1,7 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::fit::rejected_fit;
-use super::moved::Moved;
+use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
@@ -42,9 +42,6 @@ pub struct TetherCase {
     pub limits: Limits,
     pub(super) document: Document,
 }
-
-/// Part of its range within which a load is the same half a cycle later. *Choice.*
-const WITHIN: f64 = 2e-3;
 
 impl TetherCase {
     /// Reads, merges and checks a case file; `overrides` are `key=value`, `read`
@@ -196,7 +193,7 @@ impl TetherCase {
         self.stalled(run)
             .into_iter()
             .chain(self.slow())
-            .chain(self.repeating(run))
+            .chain(repeating(run, self.tether.clock.frequency_hz))
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .chain(run.steady.iter().flat_map(|steady| SparSummary::of(steady).warnings(&self.spec.time)))
@@ -204,42 +201,6 @@ impl TetherCase {
         let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
         found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
-    }
-
-    /// The caution that all loads repeat twice or three times in what is called a cycle: a table of another frequency is read so.
-    fn repeating(&self, run: &TetherRun) -> Option<Warning> {
-        let change = run.periodicity.as_ref()?.change;
-        let within = WITHIN.max(2.0 * change);
-        let names = run.loads.columns().iter().map(|column| column.name.as_str());
-        let cycles: Vec<&[f64]> = names
-            .filter(|name| !["t", "phase"].contains(name))
-            .filter_map(|name| run.last_cycle(name))
-            .collect();
-        let range = |of: &[f64]| {
-            let (low, high) = of.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
-            (high - low, low.abs().max(high.abs()))
-        };
-        let moving: Vec<(&[f64], f64)> = cycles
-            .iter()
-            .map(|cycle| (*cycle, range(cycle)))
-            .filter(|(_, (range, size))| *range > 1e-6 * size)
-            .map(|(cycle, (range, _))| (cycle, range))
-            .collect();
-        let repeats = |times: usize| {
-            let steps = run.steps_per_cycle;
-            let same = |(cycle, range): &(&[f64], f64)| {
-                let by = steps / times;
-                (0..steps).all(|k| (cycle[(k + by) % steps] - cycle[k]).abs() <= within * range)
-            };
-            steps.is_multiple_of(times) && !moving.is_empty() && moving.iter().all(same)
-        };
-        let times = [2, 3].into_iter().find(|times| repeats(*times))?;
-        let (key, hz) = ("time.frequency_hz", self.tether.clock.frequency_hz);
-        let text = format!(
-            "all loads repeat {times} times in a cycle of {hz} Hz: is the frequency that of the motion? A table with `harmonics` \
-             at {times} times the frequency given is read so"
-        );
-        Some(Warning::new("tether.repeats", text).size(times as f64).key(key))
     }
 
     /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a

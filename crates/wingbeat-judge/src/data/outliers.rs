@@ -19,9 +19,6 @@ const JUMPS: f64 = 0.5;
 /// A step of so much of the range is a leap across it where the usual one is below the second part, which a sine of 45 samples a cycle
 /// has, and hardly any lies between: those of a value that is held do. *Choice.*
 const ACROSS: [f64; 2] = [0.75, 0.05];
-/// A step of so much of the range is a jump where those about it are below the second part of it, in a cycle of so many samples: a load
-/// without harmonics beyond the eighth has none. *Choice.*
-const JUMP: [f64; 3] = [0.12, 0.2, 60.0];
 /// Counts that a channel must span for a leap to be one: the last digit of an idle one toggles. *Choice.*
 const COUNTS: f64 = 40.0;
 /// Samples of a cycle from which every second one is told from the others. *Choice.*
@@ -44,8 +41,7 @@ pub(super) fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
         let breaks = |finding: &Finding| finding.breaks(limits);
         let first = alternating(series, channel, cycles).filter(breaks);
         let first = first.or_else(|| own.apart(series, channel, most).filter(breaks));
-        let first = first.or_else(|| wrapped(series, channel, cycles).filter(breaks));
-        found.extend(first.or_else(|| jumping(series, channel, cycles)));
+        found.extend(first.or_else(|| wrapped(series, channel, cycles)));
     }
     found
 }
@@ -158,23 +154,6 @@ fn wrapped(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
     );
     let size = leaps as f64 / cycles;
     smooth.then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
-}
-
-/// The finding (a warning) that a load jumps in every cycle.
-fn jumping(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
-    let extent = Extent::of(channel.samples)?;
-    if channel.samples.len() as f64 <= JUMP[2] * cycles || extent.range() <= COUNTS * extent.count {
-        return None;
-    }
-    let steps: Vec<f64> = channel.samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let jumps = |at: &[f64]| {
-        let about = at[0].max(at[1]).max(at[3]).max(at[4]);
-        at[2] > JUMP[0] * extent.range() && about < JUMP[1] * at[2]
-    };
-    let size = steps.windows(5).filter(|at| jumps(at)).count() as f64 / cycles;
-    let text = "jumps in every cycle, which no load of a wing does: its sign was put back by the phase, it was held, or it is switched";
-    let found = Finding::new("data.jumps", &WRAPPED, series.about(channel.name), size, text).noted();
-    Some(found.in_channel(channel.name))
 }
 
 /// The finding that every second sample is of something else: neighbours differ by more than those two apart do.

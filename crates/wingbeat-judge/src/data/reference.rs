@@ -11,6 +11,8 @@ const TELLING: f64 = 0.05;
 const LARGE: f64 = 0.5;
 /// Correlation above which a gain means something, and one above which a lag does. *Choice.*
 const ALIKE: [f64; 2] = [0.97, 0.8];
+/// Difference of the gain from 1 beyond which the model, not the clock, makes a shift. *Choice.*
+const SLOPE: f64 = 0.4;
 /// Ranges over one another beyond which a load is told though its shape is another one. *Choice.*
 const FAR: f64 = 3.0;
 /// Correlation above which a channel is another one. *Choice.*
@@ -192,7 +194,10 @@ fn shifted(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
         lag.abs(),
         if lag > 0.0 { "behind" } else { "ahead of" }
     );
-    Some(Finding::new("data.shift", &SHIFT, what, lag.abs(), text))
+    let gain = alike.iter().map(|told| told.share.powi(2) * told.gain).sum::<f64>() / weight;
+    let found = Finding::new("data.shift", &SHIFT, what, lag.abs(), text);
+    // A slope that far off turns lift against inertia, and so the phase.
+    Some(if (gain - 1.0).abs() > SLOPE { found.noted() } else { found })
 }
 
 /// Channels of one file of which each is like its load, but at other times.

@@ -94,8 +94,8 @@ struct Change {
     /// It also has this part of the column `of`, in its own unit.
     part: f64,
     of: Option<String>,
-    /// It has the sign of the sine of its phase.
-    signed: bool,
+    /// Its values grow by this part where they are as large as the range.
+    bend: f64,
     /// From this place on it is zero.
     ends: Option<f64>,
     /// Rows within these places are missing.
@@ -214,10 +214,6 @@ impl Series {
                 for (x, other) in values.iter_mut().zip(other.map(|(_, other)| other).into_iter().flatten()) {
                     *x += change.part * other;
                 }
-                if change.signed {
-                    let sign = |k: usize| (TAU * (k as f64 + 0.5) / self.rate as f64).sin().signum();
-                    values.iter_mut().enumerate().for_each(|(k, x)| *x = x.abs() * sign(k));
-                }
                 let size = cycles.iter().find(|(own, _)| own == name).map_or(1.0, |(_, cycle)| range(cycle));
                 change.apply(values, size, &mut noise);
             }
@@ -256,6 +252,7 @@ impl Change {
             if self.spikes.is_some_and(|every| k % every == every / 2) {
                 *x += 2.0 * size;
             }
+            *x *= 1.0 + self.bend * x.abs() / size;
             *x = if self.magnitude { x.abs() } else { *x };
             *x = ceiling.map_or(*x, |ceiling| x.min(ceiling));
             if self.ends.is_some_and(|from| place >= from) {
