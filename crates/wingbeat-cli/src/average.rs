@@ -28,7 +28,10 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     let start = Instant::now();
     let interrupt = Interrupt::listen()?;
     let asked = asked(arguments)?;
-    let plain = read_channels(&arguments.file)?.plain(&asked)?;
+    let mut plain = read_channels(&arguments.file)?.plain(&asked)?;
+    if arguments.columns.is_empty() {
+        leave_out_counters(&mut plain);
+    }
     plain.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
     let name = named_after(&arguments.file, arguments.out.as_deref())?;
     let folder = RunFolder::create(arguments.out.as_deref(), &name, arguments.force)?;
@@ -79,6 +82,30 @@ fn asked(arguments: &Average) -> Result<Asked, Error> {
     }
     let (columns, units) = (arguments.columns.clone(), arguments.units.clone());
     Ok(Asked { rate: arguments.rate, columns, units })
+}
+
+/// Units of what an encoder counts.
+const COUNTED: [&str; 9] = ["", "deg", "rad", "rev", "turn", "turns", "count", "counts", "ticks"];
+
+/// Leaves out channels that only grow or only fall in the unit of an angle or a count, as an encoder or a counter does: no load.
+fn leave_out_counters(plain: &mut Plain) {
+    let counts = |column: &Column| {
+        let values = || column.values.iter().filter(|x| x.is_finite());
+        let whole = || values().all(|x| x.fract() == 0.0);
+        let steps = || values().zip(values().skip(1)).map(|(a, b)| b - a);
+        let moves = steps().any(|step| step != 0.0);
+        let one_way = steps().all(|step| step >= 0.0) || steps().all(|step| step <= 0.0);
+        COUNTED.contains(&column.unit.as_str()) && (!column.unit.is_empty() || whole()) && moves && one_way
+    };
+    let counters: Vec<String> =
+        plain.channels.iter().filter(|column| counts(column)).map(|column| column.name.clone()).collect();
+    if !counters.is_empty() && counters.len() < plain.channels.len() {
+        plain.channels.retain(|column| !counters.contains(&column.name));
+        let names = counters.join(", ");
+        plain.cautions.push(format!(
+            "{names}: grows from begin to end as an encoder or a counter does, and is left out"
+        ));
+    }
 }
 
 fn channels(plain: &Plain) -> Vec<Channel<'_>> {
@@ -274,6 +301,9 @@ impl Summary {
     }
 }
 
+/// Samples of a cycle below which its frequency may be another one. *Choice.*
+const FEWEST: f64 = 4.0;
+
 /// What the samples say of themselves. Those that are missing are gaps.
 fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> Verdict {
     let mut judge = Judge::new(limits);
@@ -292,6 +322,17 @@ fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> 
         if *over_noise >= limits.of(&LINE).0 {
             judge.find(Status::NotFound, lines);
         }
+    }
+    if let Told::Found(Line { frequency: Some(frequency), .. }) = told
+        && plain.rate < FEWEST * frequency
+    {
+        let text = format!(
+            "{:.2} samples a cycle: at {:.6} Hz a frequency of {:.6} Hz looks the same; sample faster, or give --frequency HZ",
+            plain.rate / frequency,
+            plain.rate,
+            plain.rate - frequency
+        );
+        judge.warn(Warning::new("data.aliased", text).size(plain.rate / frequency).key("--frequency"));
     }
     if let Some(own) = plain.other_rate {
         let text = format!(

@@ -66,6 +66,7 @@ pub fn figure(arguments: &Show) -> Result<Figure, Error> {
         true => document,
         false => Document::text("show", AROUND)?.put("robot", document)?,
     };
+    finite_phase(arguments.phase.unwrap_or(0.0))?;
     let scenario = match arguments.phase {
         Some(phase) => scenario.set(format!("start.phase_rad={phase:?}")),
         None => scenario,
@@ -95,15 +96,21 @@ fn robot(scenario: &Scenario, path: &Path) -> Result<Figure, Error> {
     Ok(drawing.views("show", &format!("robot {}", scenario.spec.robot.name)))
 }
 
+/// Refuses a phase that is no number, by its option.
+fn finite_phase(phase: f64) -> Result<(), Error> {
+    match phase.is_finite() {
+        true => Ok(()),
+        false => Err(Error::Input(format!("--phase {phase}: allowed is a finite number, rad"))),
+    }
+}
+
 /// The wing of a case at the phase asked for, in W.
 fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
     let tables = Tables::default();
     let case = TetherCase::new(document, &|path| tables.read(path))?;
     let (tether, frequency) = (&case.tether, case.spec.time.frequency_hz);
     let phase = arguments.phase.unwrap_or(0.0);
-    if !phase.is_finite() {
-        return Err(Error::Input(format!("--phase {phase}: allowed is a finite number, rad")));
-    }
+    finite_phase(phase)?;
     let t = phase / (TAU * frequency);
     let (body, angles) = (tether.motion.body(t).frame(), tether.motion.angles(t));
     let section = |arc: f64| {

@@ -25,7 +25,7 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
     let document = Document::file(&arguments.file)?;
-    if document.written("robot").is_none() && document.written("body").is_some() {
+    if RobotTrim::takes(&document) {
         return alone(arguments, document, &interrupt, start);
     }
     if arguments.bank.is_some() {
@@ -71,6 +71,8 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
 /// Trims a robot from its file alone and writes its run folder.
 fn alone(arguments: &Trim, document: Document, interrupt: &Interrupt, start: Instant) -> Result<(), Error> {
     let options = &arguments.run;
+    let checked = RobotTrim::check_bank(arguments.bank.unwrap_or(0.0));
+    checked.map_err(|error| error.renamed(&[("bank_deg", "--bank")]))?;
     let asked = RobotTrim::new(document, &options.all_overrides(), arguments.bank.unwrap_or(0.0))?;
     let scenario = &asked.scenario;
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;

@@ -424,7 +424,7 @@ impl Scenario {
             Some(flow) => {
                 let flow = flow.as_mut();
                 let (flight, coupling) = fly_in(robot, flow, sensors, controller, schedule, &mut x, see);
-                (flight, Some(LatticeSummary::new(coupling)))
+                (flight, Some(LatticeSummary::new(coupling, self.spec.lattice.as_ref())))
             }
         };
         let error = error.and_then(|error| error.at_end(flight.duration));

@@ -1,5 +1,6 @@
 //! Runs on the test rig, checked and built.
 
+use super::rig_simulated::LOOKS;
 use super::rig_spec::{HoldSpec, RigRunSpec, RunList};
 use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate, fit};
 use std::path::Path;
@@ -38,6 +39,9 @@ pub struct RigRun {
     /// What makes the air of a lattice.
     lattice: Option<MakeLattice>,
 }
+
+/// Part of the reach of a robot by which it may leave its envelope. *Choice*: the outline of the shipped one is 0.11 off.
+const BEYOND: f64 = 0.15;
 
 impl RigRun {
     /// Keys of a run that name a file to be put in their place, outer ones first.
@@ -195,6 +199,7 @@ impl RigRun {
             return Err(Error::invalid("turn", "absent", "a [turn] to plan"));
         };
         let (payload, envelope) = (self.payload(), self.envelope());
+        self.check_reach(&envelope)?;
         self.workspace(&payload, &envelope).plan(turn)
     }
 
@@ -213,6 +218,42 @@ impl RigRun {
     fn envelope(&self) -> Envelope {
         let e = self.spec.rig.envelope;
         Envelope::fan(e.half_span_m, e.low_rad, e.high_rad, e.front_m, e.back_m)
+    }
+
+    /// Refuses an envelope beyond which the robot reaches by more than the clearance that is asked, or a part of its reach, along the
+    /// directions of a cube's corners, edges and faces: the arm would be planned through its wings.
+    fn check_reach(&self, envelope: &Envelope) -> Result<(), Error> {
+        let frequency = self.frequency();
+        let looks = if frequency > 0.0 { LOOKS } else { 1 };
+        let mut points = Vec::new();
+        for k in 0..looks {
+            let t = k as f64 / (looks as f64 * frequency.max(f64::MIN_POSITIVE));
+            // A gait that cannot be posed is refused where it is flapped.
+            let Ok(robot) = self.robot.at_rest(t) else { return Ok(()) };
+            points.extend(robot.outlines.iter().flat_map(|outline| outline.ribs.iter().flatten().copied()));
+        }
+        let most = |of: &[Vec3], along: Vec3| of.iter().map(|p| p.dot(along)).fold(f64::MIN, f64::max);
+        let (mut beyond, mut where_) = (0.0, Vec3::ZERO);
+        for k in (0..27).filter(|k| *k != 13) {
+            let of = |by: i32| f64::from(k / by % 3 - 1);
+            let along = Vec3([of(1), of(3), of(9)]).unit();
+            let over = most(&points, along) - most(&envelope.points, along);
+            if over > beyond {
+                (beyond, where_) = (over, along);
+            }
+        }
+        let reach = points.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let clearance = self.spec.rig.clearance_m.max(BEYOND * reach);
+        if points.is_empty() || beyond <= clearance {
+            return Ok(());
+        }
+        let [x, y, z] = where_.0;
+        let allowed = format!(
+            "an envelope that holds the surfaces of the robot over a cycle but for {clearance:.3} m: they reach {beyond:.3} m beyond it \
+             along ({x:.1}, {y:.1}, {z:.1}) of the body"
+        );
+        let half_span = self.spec.rig.envelope.half_span_m;
+        Err(Error::invalid("rig.envelope.half_span_m", half_span, allowed).against(["rig.clearance_m"]))
     }
 
     fn workspace<'a>(&'a self, payload: &'a Payload, envelope: &'a Envelope) -> Workspace<'a> {

@@ -295,6 +295,10 @@ impl RigRun {
         window: (f64, f64),
     ) -> Result<[CycleAverage; 6], Error> {
         let rows = rows(&corrected.time, window);
+        if rows.is_empty() {
+            let allowed = "a window with samples: of a hold hold.each_s above rig.spin_up_s";
+            return Err(Error::invalid("window", format!("{:.4} to {:.4} s", window.0, window.1), allowed));
+        }
         let mut averages: [CycleAverage; 6] = Default::default();
         for (average, channel) in averages.iter_mut().zip(&corrected.channels) {
             *average = phase_average(&phase[rows.clone()], &channel[rows.clone()], self.spec.process.bins)?;
@@ -343,7 +347,8 @@ struct Outside {
 
 /// Rows of a window of time.
 pub(super) fn rows(time: &[f64], (begin, end): (f64, f64)) -> std::ops::Range<usize> {
-    time.partition_point(|t| *t < begin - 1e-9)..time.partition_point(|t| *t <= end + 1e-9)
+    let first = time.partition_point(|t| *t < begin - 1e-9);
+    first..time.partition_point(|t| *t <= end + 1e-9).max(first)
 }
 
 /// True when the record itself says how the tool moved.

@@ -71,7 +71,7 @@ impl SimulatedRun {
 }
 
 /// Instants of a cycle at which clearances are looked at.
-const LOOKS: usize = 64;
+pub(super) const LOOKS: usize = 64;
 
 impl RigRun {
     /// Plans the turn, where there is one, and simulates the run on the bench that `rig.truth` says is the true one; `progress` is told the share that is done.
@@ -101,7 +101,7 @@ impl RigRun {
                 return Ok(SimulatedRun::without_samples("fault", judge.verdict(), window_s));
             }
         };
-        let lattice = outcome.coupling.map(LatticeSummary::new);
+        let lattice = outcome.coupling.map(|of| LatticeSummary::new(of, self.spec.lattice.as_ref()));
         judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
         judge.hold(&rig::STALLED, outcome.stall_fraction);
         let crossing = self.crossing_fraction();

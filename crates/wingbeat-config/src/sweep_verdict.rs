@@ -80,6 +80,7 @@ impl Sweep {
             }
             SweepOf::Cases if counts.completed > 0 => {
                 judge.hold(&sweep::USABLE, share(counts.usable, counts.completed));
+                judge.hold(&sweep::SOME, counts.usable as f64);
             }
             SweepOf::Cases => {}
         }

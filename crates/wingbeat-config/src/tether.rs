@@ -1,7 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::fit::rejected_fit;
-use super::moved::Moved;
+use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
@@ -166,7 +166,9 @@ impl TetherCase {
             Ending::Complete => {}
             Ending::Stopped => judge.find(Status::Interrupted, "stopped"),
             Ending::Fault(fault) if fault.is_not_finite() => {
-                judge.find(Status::Failed, format!("not finite: {fault}"))
+                let mend =
+                    "loads grew without bound; take more time.steps_per_cycle, or less motion and speed";
+                judge.find(Status::Failed, format!("not finite: {fault}: {mend}"));
             }
             Ending::Fault(fault) => judge.find(Status::Failed, fault.to_string()),
         }
@@ -179,6 +181,8 @@ impl TetherCase {
                 judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
             }
             judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
+            let growth = run.steady.as_ref().map(|steady| steady.least_damped[0]);
+            judge.hold_if(&tether::GROWTH, growth.filter(|growth| growth.is_finite()));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);
@@ -190,6 +194,7 @@ impl TetherCase {
         self.stalled(run)
             .into_iter()
             .chain(self.slow())
+            .chain(repeating(run, self.tether.clock.frequency_hz))
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .chain(run.steady.iter().flat_map(|steady| SparSummary::of(steady).warnings(&self.spec.time)))

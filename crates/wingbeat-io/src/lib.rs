@@ -1,6 +1,7 @@
 //! Records, arms and joint trajectories to and from files.
 
 mod arrow_schema;
+mod checksums;
 mod parquet;
 pub mod samples;
 mod table;
@@ -14,6 +15,7 @@ mod urdf;
 #[cfg(feature = "urdf")]
 mod xml_depth;
 
+pub use checksums::{checksum, unchanged};
 pub use parquet::{ParquetWriter, read_parquet, read_parquet_columns, write_parquet};
 pub use table::{csv_bytes, read_csv, shortest, write_csv};
 pub use urdf::{parse_urdf, read_urdf, urdf_as_toml};
@@ -58,12 +60,13 @@ const MOST_NUMBERS: usize = 1 << 26;
 /// Most columns of a file.
 const MOST_COLUMNS: usize = 4096;
 
-/// A file opened to be read, if it is a regular one: what is not may have no end, or never begin.
+/// A file opened to be read, if it is a regular one, and as its run wrote it: what is not regular may have no end, or never begin.
 fn regular(path: &Path) -> Result<File, Error> {
     let failed = |source| Error::file(path, source);
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(Error::format(path, "not a regular file"));
     }
+    unchanged(path)?;
     File::open(path).map_err(failed)
 }
 

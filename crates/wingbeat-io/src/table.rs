@@ -72,13 +72,16 @@ impl Cells {
     }
 }
 
-/// Reads a record from `path`: a header of names, then rows of numbers; `#` starts a comment line. Columns in which no cell is a
+/// Reads a record from `path`: a header of names, then rows of numbers, with commas, semicolons or tabs between them; `#` starts a comment line. Columns in which no cell is a
 /// number are left out, as long as one is left. The last line ends with a line break: without it, its last number may be cut.
 pub fn read_csv(path: &Path) -> Result<Record, Error> {
     let format = |error: csv::Error| Error::format(path, error);
     let bytes = bytes(path)?;
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes.as_slice());
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .delimiter(delimiter(&bytes))
+        .from_reader(bytes.as_slice());
     let header = reader.headers().map_err(format)?;
     if header.len() > MOST_COLUMNS {
         let count = header.len();
@@ -107,6 +110,13 @@ pub fn read_csv(path: &Path) -> Result<Record, Error> {
 fn first_word(columns: &[Cells]) -> Option<(u64, &str, &str)> {
     let words = columns.iter().filter_map(|c| Some((&c.column.name, c.word.as_ref()?)));
     words.map(|(name, (line, cell))| (*line, name.as_str(), cell.as_str())).min_by_key(|(line, ..)| *line)
+}
+
+/// What stands between the names of the header: commas, or where it has none semicolons or tabs.
+fn delimiter(bytes: &[u8]) -> u8 {
+    let mut lines = bytes.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#"));
+    let header = lines.next().unwrap_or_default();
+    [b',', b';', b'\t'].into_iter().find(|mark| header.contains(mark)).unwrap_or(b',')
 }
 
 /// The bytes of a file of bounded size that ends with a line break.

@@ -97,6 +97,11 @@ impl Document {
         self.0.resolved().map_err(refused)
     }
 
+    /// Whether it is of a robot by itself.
+    fn is_of_robot(&self) -> bool {
+        wingbeat::scenario::RobotTrim::takes(&self.0)
+    }
+
     /// Checks that the document is a robot; its name.
     fn robot(&self) -> PyResult<String> {
         let spec = self.0.robot().map_err(refused)?;

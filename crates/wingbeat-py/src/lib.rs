@@ -73,7 +73,7 @@ mod module {
     #[pymodule_export]
     use super::tether::tether;
     #[pymodule_export]
-    use super::trim::trim;
+    use super::trim::{trim, trim_robot};
     #[pymodule_export]
     use super::views::{animation_of, export_of, page_of, picture_of};
     #[pymodule_export]

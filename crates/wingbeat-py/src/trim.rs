@@ -1,11 +1,13 @@
 //! Periodic flight.
 
 use crate::controller::{Raised, Told};
+use crate::document::Document;
 use crate::flight::Scenario;
 use crate::table::{Named, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
-use wingbeat::scenario::{SearchProgress, TrimProgress};
+use std::ops::ControlFlow;
+use wingbeat::scenario::{ConfigError, RobotTrim, SearchProgress, TrimProgress};
 
 /// A table that there may be.
 type Table<'py> = Option<Vec<Named<'py>>>;
@@ -22,10 +24,38 @@ pub fn trim<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Trimmed<'py>> {
     let scenario = scenario.0.clone();
+    found(py, progress, move |see| scenario.trim(see))
+}
+
+/// The same of a robot from its document alone; `overrides` are of the scenario around it. Also that scenario.
+#[pyfunction]
+#[pyo3(signature = (robot, overrides, bank_deg, progress=None))]
+pub fn trim_robot<'py>(
+    py: Python<'py>,
+    robot: &Document,
+    overrides: Vec<String>,
+    bank_deg: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, Trimmed<'py>)> {
+    RobotTrim::check_bank(bank_deg).map_err(refused)?;
+    let asked = RobotTrim::new(robot.0.clone(), &overrides, bank_deg).map_err(refused)?;
+    let around = asked.scenario.resolved.clone();
+    Ok((around, found(py, progress, move |see| asked.trim(see))?))
+}
+
+/// What is told on the way may end it.
+type See<'a> = &'a mut dyn FnMut(TrimProgress) -> ControlFlow<()>;
+
+/// What `work` finds, in Python's types.
+fn found<'py>(
+    py: Python<'py>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(See) -> Result<wingbeat::scenario::Trimmed, ConfigError> + Send + 'static,
+) -> PyResult<Trimmed<'py>> {
     let raised = Raised::new(wait::Stop::default());
     let told = Told::new(progress, raised.clone());
     let trimmed = wait::work(py, move |stop| {
-        scenario.trim(&mut |at| {
+        work(&mut |at| {
             stop.flow()?;
             told.of(&numbers(at))
         })

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use wingbeat::scenario::{ConfigError, Document};
 use wingbeat::simulate::Record;
-use wingbeat_io::{read_csv, read_parquet};
+use wingbeat_io::{read_csv, read_parquet, unchanged};
 
 use crate::Error;
 use crate::wake::{self, Shot};
@@ -66,6 +66,7 @@ impl<'a> Files<'a> {
                 if size > LARGEST {
                     return Err(Error::run(&path, format!("{size} bytes; read are at most {LARGEST}")));
                 }
+                unchanged(&path)?;
                 fs::read_to_string(&path).map_err(|source| Error::file(&path, source))
             }
         }

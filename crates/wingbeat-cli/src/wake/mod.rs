@@ -140,9 +140,11 @@ impl Source {
 /// What the lattice refuses; of what the command line asked, by its option.
 pub fn refused(error: wingbeat_lattice::Error) -> Error {
     match error {
-        wingbeat_lattice::Error::Setting { key: key @ ("steps" | "cycles"), value, allowed } => {
-            Error::Input(format!("--{key} {value}: allowed is {allowed}"))
-        }
+        wingbeat_lattice::Error::Setting {
+            key: key @ ("steps" | "cycles" | "chordwise" | "spanwise"),
+            value,
+            allowed,
+        } => Error::Input(format!("--{key} {value}: allowed is {allowed}")),
         wingbeat_lattice::Error::Setting { key: key @ "core.radius_m", value, allowed } => {
             Error::Input(format!("--core: {key} = {}: allowed is {allowed}", shortest(value)))
         }
@@ -176,6 +178,7 @@ fn asked(arguments: &Wake) -> Asked {
 
 /// Scenario and record of the run folder `folder`.
 pub fn recorded(folder: &Path) -> Result<Recorded, Error> {
+    wingbeat_io::unchanged(&folder.join("scenario.toml"))?;
     let scenario = Scenario::load(&folder.join("scenario.toml"), &[])?;
     let record = read_parquet_columns(&folder.join("record.parquet"), &Recorded::columns(&scenario))?;
     Recorded::new(scenario, record).map_err(refused)

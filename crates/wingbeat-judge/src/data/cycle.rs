@@ -5,7 +5,7 @@ use super::frequency::{self, Frequency};
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL};
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL, SWINGS};
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -19,6 +19,8 @@ const POINTS: usize = 2048;
 const POINTS_PER_CYCLE: usize = 32;
 /// Deviation of a channel in parts of the largest of its unit below which it is not judged. *Choice.*
 const TELLING: f64 = 0.05;
+/// Deviation of a motion, in parts of its mean, below which it stands still. *Choice.*
+const STILL: f64 = 1e-4;
 /// Share of what does not repeat above which the frequency is sought. *Choice.*
 const SEEKS: f64 = 0.02;
 /// Share of the power that another frequency must explain for it to be believed. *Choice.*
@@ -68,7 +70,8 @@ impl<'a> Apart<'a> {
         }
         let at = Condensed::of(series.phase, channel.samples, cycles);
         let (part, left) = Parts::of(&at, cycles)?;
-        (part.total > 0.0).then_some(Self { channel, at, part, left })
+        let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
+        (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
     }
 
     /// Whether it repeats at the frequency that is given for it.
@@ -215,7 +218,8 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
              file holds more than the steady part; cut it to that",
             100.0 * share
         );
-        found.push(Finding::new("data.not_periodic", &APERIODIC, about(), share, text));
+        let limit = if share > limits.of(&APERIODIC).0 { &APERIODIC } else { &SWINGS };
+        found.push(Finding::new("data.not_periodic", limit, about(), share, text));
     }
     let scale = part.range.max(part.mean.abs());
     let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;

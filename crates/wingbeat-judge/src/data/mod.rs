@@ -28,6 +28,7 @@ mod finding;
 mod frequency;
 mod lines;
 mod outliers;
+mod plateau;
 mod rectified;
 mod reference;
 mod time;

@@ -11,7 +11,7 @@ const PLACES: usize = 64;
 /// Robust deviations beyond which a sample lies apart: of 1e15 samples with white noise one does. *Choice.*
 const BEYOND: f64 = 8.0;
 /// The deviation of white noise over the median of its magnitudes: 1 / Phi^-1(3 / 4).
-const OF_MEDIAN: f64 = 1.482_602_218_505_602;
+pub(super) const OF_MEDIAN: f64 = 1.482_602_218_505_602;
 /// Parts of the cycle's range, and of the largest range of its unit, below which no sample lies apart: so much do cycles differ. *Choice.*
 const APART: [f64; 2] = [0.1, 0.05];
 /// Part of its distance that the signal jumps where a run of such samples begins and ends; a load grows by and by. *Choice.*
@@ -126,12 +126,12 @@ impl Usual {
     }
 }
 
-fn place(phase: f64, places: usize) -> usize {
+pub(super) fn place(phase: f64, places: usize) -> usize {
     ((phase.rem_euclid(1.0) * places as f64) as usize).min(places - 1)
 }
 
 /// The middle one; not a number of none.
-fn median(of: &mut [f64]) -> f64 {
+pub(super) fn median(of: &mut [f64]) -> f64 {
     let middle = of.len() / 2;
     if of.is_empty() { f64::NAN } else { *of.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }

@@ -2,7 +2,7 @@
 
 use super::Finding;
 use crate::limits::Limits;
-use crate::limits::data::{DEAD, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
+use crate::limits::data::{DEAD, GAIN, LAGS, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
 /// symmetry is computed as rounding.
@@ -11,10 +11,22 @@ const TELLING: f64 = 0.05;
 const LARGE: f64 = 0.5;
 /// Correlation above which a gain means something, and one above which a lag does. *Choice.*
 const ALIKE: [f64; 2] = [0.97, 0.8];
+/// Difference of the gain from 1 beyond which the model, not the clock, makes a shift. *Choice.*
+const SLOPE: f64 = 0.4;
+/// Ranges over one another beyond which a load is told though its shape is another one. *Choice.*
+const FAR: f64 = 3.0;
 /// Correlation above which a channel is another one. *Choice.*
 const ANOTHER: f64 = 0.9;
 /// Share of the largest computed channel of its unit above which one must resemble it where another does. *Choice.*
 const COUNTS: f64 = 0.2;
+
+/// Share of the largest range of its unit that another channel must put into one for that to be told, and what the fit of both leaves of
+/// its power. *Choice.*
+const TALKS: [f64; 2] = [0.1, 0.04];
+
+/// Share of the power of a channel that its own load leaves for it to be called bent, and the part of it that a bend leaves at most.
+/// *Choice.*
+const BENT: [f64; 2] = [0.01, 0.15];
 
 /// A measured cycle and a computed one, at the same even phases.
 #[derive(Clone, Copy, Debug)]
@@ -60,8 +72,10 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
         found.extend(telling.iter().filter_map(|(pair, told)| scaled(about(pair), told)));
         found.extend(telling.iter().filter_map(|(pair, told)| in_another_unit(about(pair), pair, told)));
         found.extend(shifted(what, &telling));
+        found.extend(apart_in_time(what, &telling));
         found.extend(unrelated(what, &telling));
         found.extend(unlike(what, &telling));
+        found.extend(mixed(what, &telling));
     }
     found.retain(|finding| finding.breaks(limits));
     found
@@ -140,17 +154,29 @@ fn scaled(about: String, told: &Told) -> Option<Finding> {
          slope or density; weigh a known mass on the cell to tell them apart",
         told.gain
     );
-    (told.best > ALIKE[0] && told.measured > DEAD.value * told.computed)
-        .then(|| Finding::scaled(about, (told.gain - 1.0).abs(), text))
+    let alike = told.best > ALIKE[0] && told.measured > DEAD.value * told.computed;
+    let ratio = told.measured / told.computed;
+    // Of another shape as well, where a large load is several times too large or too small.
+    let other = told.share > LARGE && !(1.0 / FAR..=FAR).contains(&ratio) && ratio > DEAD.value;
+    match (alike, other) {
+        (true, _) => Some(Finding::scaled(about, (told.gain - 1.0).abs(), text)),
+        (false, true) => {
+            let text = format!(
+                "moves by {ratio:.3} times what is computed, in another shape: another unit or column"
+            );
+            Some(Finding::scaled(about, (ratio - 1.0).abs(), text))
+        }
+        (false, false) => None,
+    }
 }
 
 fn in_another_unit(about: String, pair: &Pair, told: &Told) -> Option<Finding> {
     let size = told.measured / told.computed;
     let text = format!(
-        "moves by {:.3e} {} where {:.3e} are computed, in the same shape: its unit is another one",
+        "moves by {:.3e} {} where {:.3e} are computed: its unit is another one, or its column",
         told.measured, pair.unit, told.computed
     );
-    (told.best > ALIKE[0]).then(|| Finding::new("data.scaled", &LARGEST, about, size, text))
+    Some(Finding::new("data.scaled", &LARGEST, about, size, text))
 }
 
 /// The lag on which the channels agree, by the power that they lend it.
@@ -168,7 +194,30 @@ fn shifted(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
         lag.abs(),
         if lag > 0.0 { "behind" } else { "ahead of" }
     );
-    Some(Finding::new("data.shift", &SHIFT, what, lag.abs(), text))
+    let gain = alike.iter().map(|told| told.share.powi(2) * told.gain).sum::<f64>() / weight;
+    let found = Finding::new("data.shift", &SHIFT, what, lag.abs(), text);
+    // A slope that far off turns lift against inertia, and so the phase.
+    Some(if (gain - 1.0).abs() > SLOPE { found.noted() } else { found })
+}
+
+/// Channels of one file of which each is like its load, but at other times.
+fn apart_in_time(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+    let alike = || telling.iter().filter(|(_, told)| told.best > ALIKE[1] && told.share > COUNTS);
+    let mut worst: Option<(f64, &str, &str)> = None;
+    for (a, one) in alike() {
+        for (b, other) in alike() {
+            let lag = (one.lag_deg - other.lag_deg).rem_euclid(360.0);
+            let lag = lag.min(360.0 - lag);
+            if worst.is_none_or(|(most, ..)| lag > most) {
+                worst = Some((lag, a.name, b.name));
+            }
+        }
+    }
+    let (lag, a, b) = worst?;
+    let text = format!(
+        "{a} and {b} are each like what is computed, but {lag:.0} deg apart in phase: they were not sampled together, or one is reversed"
+    );
+    Some(Finding::new("data.lags", &LAGS, what, lag, text))
 }
 
 fn unrelated(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
@@ -196,6 +245,74 @@ fn unlike(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
             Finding::new("data.unlike", &UNLIKE, format!("{} of {what}", pair.name), size, text)
         })
         .collect()
+}
+
+/// Channels that are their own load and a part of another channel, where that one is as computed (cross talk, turned axes), or that are a
+/// bent function of their own load (a poor amplifier).
+fn mixed(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for (i, (pair, told)) in telling.iter().enumerate() {
+        if !(told.share > COUNTS) || told.measured == 0.0 {
+            continue;
+        }
+        let (x, own) = (apart(pair.measured), apart(pair.computed));
+        let by = |second: &[f64]| Fit::of(&x, &own, second);
+        let mut put = |id, size: f64, text| {
+            let finding = Finding::new(id, &GAIN, format!("{} of {what}", pair.name), size, text);
+            found.push(finding.noted().in_channel(pair.name));
+        };
+        let others = telling.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, of)| of);
+        let others = others.filter(|(other, its)| other.unit == pair.unit && its.now > ALIKE[0]);
+        let talks = others.filter_map(|(other, its)| {
+            let fit = by(&apart(other.measured))?;
+            let large = fit.second.abs() * its.measured > TALKS[0] * told.computed;
+            (told.now < ALIKE[0] && fit.left < TALKS[1] && fit.own > 0.5 && large)
+                .then_some((other.name, fit))
+        });
+        if let Some((name, Fit { own, second, .. })) = talks.min_by(|a, b| a.1.left.total_cmp(&b.1.left)) {
+            let text = format!(
+                "is {own:.2} times what is computed for it and {second:.2} times {name}: cross talk, or axes that are turned"
+            );
+            put("data.mixed", second.abs(), text);
+            continue;
+        }
+        let largest = pair.computed.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+        let bent = [1_i32, 2].map(|power| {
+            let of = |c: &f64| c * (c.abs() / largest).powi(power);
+            apart(&pair.computed.iter().map(of).collect::<Vec<_>>())
+        });
+        let halves = apart(&pair.computed.iter().map(|c| c.abs()).collect::<Vec<_>>());
+        let best = bent.iter().chain([&halves]).filter_map(|second| by(second));
+        if let Some(fit) = best.min_by(|a, b| a.left.total_cmp(&b.left))
+            && 1.0 - told.now.powi(2) > BENT[0]
+            && fit.left < BENT[1] * (1.0 - told.now.powi(2))
+        {
+            let text = "is a bent function of what is computed for it: an amplifier that saturates or has two gains, or a poor calibration";
+            put("data.bent", 1.0 - told.now, text.into());
+        }
+    }
+    found
+}
+
+/// x = own c + second m by least squares, all about their means, and the share of the power of x that is left.
+struct Fit {
+    own: f64,
+    second: f64,
+    left: f64,
+}
+
+impl Fit {
+    /// None of two of one shape, of which neither is told from the other.
+    fn of(x: &[f64], own: &[f64], second: &[f64]) -> Option<Self> {
+        let [cc, mm, cm] = [product(own, own, 0), product(second, second, 0), product(own, second, 0)];
+        let [xc, xm, power] = [product(x, own, 0), product(x, second, 0), product(x, x, 0)];
+        let spread = cc * mm - cm * cm;
+        if !(spread > 0.01 * cc * mm) {
+            return None;
+        }
+        let (own, second) = ((xc * mm - xm * cm) / spread, (xm * cc - xc * cm) / spread);
+        Some(Self { own, second, left: 1.0 - (own * xc + second * xm) / power })
+    }
 }
 
 /// Channels that hold the very values of another one, though other loads are computed for them; of two the one that fits worse.

@@ -1,8 +1,8 @@
 //! What the values of a channel say by themselves: not finite, tiny, huge, constant, stuck, clipped.
 
-use super::{Channel, Finding, Purpose, Series};
+use super::{Channel, Finding, Purpose, Series, plateau};
 use crate::limits::Limits;
-use crate::limits::data::{CLIPPED, HUGE, NOT_FINITE, STUCK, TINY};
+use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STUCK, TINY};
 
 /// Counts that a channel must span elsewhere for a stay within one of them to be odd. *Choice.*
 const SPAN: f64 = 8.0;
@@ -65,7 +65,81 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
         }
     }
     found.extend(nothing(series, &extents));
+    if series.purpose == Purpose::Loads {
+        found.extend(coarse(series, &extents));
+        found.extend(standing(series, &extents));
+    }
     found
+}
+
+/// Part of the largest range of its unit that a channel has for its counts to be judged. *Choice.*
+const TELLING: f64 = 0.05;
+
+/// Channels of few counts, but for what is only on or off.
+fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
+    let all = || series.channels.iter().zip(extents);
+    let most = |unit: &str| {
+        let same = all().filter(|(other, _)| other.unit == unit);
+        same.filter_map(|(_, extent)| Some((*extent)?.range())).fold(0.0, f64::max)
+    };
+    let told = |(channel, extent): (&Channel, &Option<Extent>)| {
+        let extent = (*extent)?;
+        let switch = channel.samples.iter().all(|x| *x == 0.0 || *x == 1.0);
+        let judged = extent.range() > TELLING * most(channel.unit) && extent.count.is_finite() && !switch;
+        let counts = extent.range() / extent.count;
+        let text = format!(
+            "spans {counts:.0} steps of {:.3e} {}: the range of the converter is far too wide",
+            extent.count, channel.unit
+        );
+        let limit = if counts < COUNTS.value { &COUNTS } else { &FEW_COUNTS };
+        let found = || Finding::new("data.coarse", limit, series.about(channel.name), counts, text);
+        judged.then(|| found().in_channel(channel.name))
+    };
+    all().filter_map(told).collect()
+}
+
+/// Samples in a row in which all channels stand still for it to be odd, and the part of a channel's range by which one of them leaps to
+/// where they stand. *Choices.*
+const TOGETHER: usize = 8;
+const LEAPS: f64 = 0.2;
+
+/// The finding that all channels stand still together, leaping there: a plug that is loose, a logger that waits.
+fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
+    let moving: Vec<(&Channel, Extent)> = series
+        .channels
+        .iter()
+        .zip(extents)
+        .filter_map(|(channel, extent)| Some((channel, (*extent)?)))
+        .filter(|(_, extent)| extent.range() > COUNTS.value * extent.count)
+        .collect();
+    if moving.is_empty() {
+        return None;
+    }
+    let still = |k: usize| moving.iter().all(|(channel, _)| channel.samples[k] == channel.samples[k - 1]);
+    let leaps = |k: usize| {
+        let leap = |(channel, extent): &(&Channel, Extent)| {
+            (channel.samples[k] - channel.samples[k - 1]).abs() > LEAPS * extent.range()
+        };
+        k > 0 && moving.iter().any(leap)
+    };
+    let count = series.phase.len();
+    let (mut lost, mut times, mut begin) = (0, 0, 0);
+    for k in 1..=count {
+        if k < count && still(k) {
+            continue;
+        }
+        let odd = k - begin >= TOGETHER && (leaps(begin) || (k < count && leaps(k)));
+        lost += if odd { k - begin } else { 0 };
+        times += usize::from(odd);
+        begin = k;
+    }
+    let share = lost as f64 / count.max(1) as f64;
+    let text = format!(
+        "all channels leap and stand still together {times} times, for {:.1} % of the samples: a loose plug, or records that were \
+         filled in; cut them out",
+        100.0 * share
+    );
+    (times > 0).then(|| Finding::new("data.lost", &LOST, series.what, share, text))
 }
 
 /// So many values of a channel that are no numbers.
@@ -84,7 +158,8 @@ fn of_channel(series: &Series, channel: &Channel, extent: Extent, limits: &Limit
     let mut found = vec![huge];
     if series.purpose == Purpose::Loads && extent.range() > 0.0 {
         found.extend(stuck(series, channel, extent));
-        found.extend(clipped(series, channel, extent, limits));
+        let clipped = clipped(series, channel, extent, limits).filter(|finding| finding.breaks(limits));
+        found.extend(clipped.or_else(|| plateau::cut_off(series, channel, extent.count)));
     }
     found
 }

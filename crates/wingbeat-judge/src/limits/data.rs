@@ -103,9 +103,22 @@ pub const UNLIKE: Limit = Limit::warn_below("data.channel_correlation", 0.4, "")
 pub const COVERED: Limit = Limit::warn_below("data.covered_fraction", 0.9, "")
     .on("share of the time that is averaged that the file covers");
 
+/// A load that two values stand for has no shape; noise that toggles many brings it back, and of six the mean is right to some per cent.
+pub const COUNTS: Limit =
+    Limit::at_least("data.counts", 2.0, "", SuspectData).on("range of a channel in steps of its converter");
+/// The same as a warning.
+pub const FEW_COUNTS: Limit =
+    Limit::warn_below("data.few_counts", 6.0, "").on("range of a channel in steps of its converter");
+/// Loads that swing by 45 % of their size have this share beside the cycle; a mount that swings by a quarter of it 0.06.
+pub const SWINGS: Limit = Limit::warn_above("data.swinging_fraction", 0.1, "")
+    .on("share of the power that is neither periodic nor noise");
+/// Models miss the phase of a load by tens of degrees at most; beyond it one channel has another clock.
+pub const LAGS: Limit = Limit::at_most("data.lag_spread_deg", 60.0, "deg", SuspectData)
+    .on("difference of the phase between two channels of a file, each beside what is computed");
+
 /// All of them.
-pub const ALL: [Limit; 30] = [
-    NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
-    ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED,
-    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED,
+pub const ALL: [Limit; 34] = [
+    COUNTS, FEW_COUNTS, SWINGS, LAGS, NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL,
+    LINE, SHARE, APERIODIC, FREQUENCY, ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST,
+    PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED, ALTERNATES, ENDS, LEFT, UNLIKE, COVERED,
 ];

@@ -12,6 +12,9 @@ pub const FAILED: Limit = Limit::warn_above("sweep.failed_fraction", 0.0, "")
 /// Runs that ended, and whose own verdict says that they cannot be used.
 pub const USABLE: Limit = Limit::warn_below("sweep.usable_fraction", 1.0, "")
     .on("share of the completed runs that their own verdict lets be used");
+/// Where none can be used, tables and figures are of what their own verdicts refuse.
+pub const SOME: Limit = Limit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
+    .on("number of the completed runs that their own verdict lets be used");
 /// How many flights hold is what a sweep is there to find, so the limit is one that only a document raises.
 pub const HELD: Limit =
     Limit::at_least("sweep.held_fraction", 0.0, "", OffTarget).on("share of the flights that are held");
@@ -21,4 +24,4 @@ pub const MISSED: Limit = Limit::at_most("sweep.search_missed_goals", 0.0, "", N
     .on("goals of a search that its best candidate misses, over all its flights");
 
 /// All of them.
-pub const ALL: [Limit; 5] = [COMPLETED, FAILED, USABLE, HELD, MISSED];
+pub const ALL: [Limit; 6] = [COMPLETED, FAILED, USABLE, SOME, HELD, MISSED];

@@ -25,5 +25,9 @@ pub const FIRST: Limit = Limit::warn_below("tether.cycles", 2.0, "")
 pub const SPAR: Limit = Limit::at_most("tether.spar_grid_fraction", 0.02, "", NotResolved)
     .on("move of the tip at rest with one more coefficient of the spar's strains, over its displacement,");
 
+/// A wing that flutters or diverges leaves the shape whose loads are told. Rounding makes 1e-9.
+pub const GROWTH: Limit = Limit::at_most("tether.growth_1_s", 0.01, "1/s", Outside)
+    .on("the wing flutters or diverges: growth rate of small disturbances of its shape at rest in the wind");
+
 /// All of them.
-pub const ALL: [Limit; 6] = [STEPS, CYCLES, CROSSING, CROSSED, FIRST, SPAR];
+pub const ALL: [Limit; 7] = [STEPS, CYCLES, CROSSING, CROSSED, FIRST, SPAR, GROWTH];

@@ -206,6 +206,21 @@ fn right() -> Vec<(&'static str, Data)> {
             )
         }),
         ("half_a_cycle", loads(&Load { cycles: 0.5, ..usual() })),
+        // Flat ends that are no ends of a range: a slack line, which is quiet as well, and a stroke of constant speed.
+        ("slack_and_quiet", {
+            changed(&exact(Load { cycles: 20.0, ..usual() }), |k, _| {
+                let pull = (TAU * k as f64 / 200.0).sin().max(0.0);
+                pull * (1.0 + 0.05 * Noise(k as u64 * 31).next()) + 0.003 * Noise(k as u64 * 57).next()
+            })
+        }),
+        (
+            "flat_top",
+            changed(&Load { cycles: 20.0, ..usual() }, |k, _| {
+                3.0 + (5.0 * (TAU * k as f64 / 200.0).sin()).tanh() + 0.02 * Noise(k as u64 * 31).next()
+            }),
+        ),
+        ("on_and_off", changed(&usual(), |k, _| f64::from(u8::from(k % 200 < 60)))),
+        ("eight_counts", changed(&exact(usual()), |_, x| (x / 0.3).round() * 0.3)),
     ]
 }
 
@@ -357,6 +372,32 @@ fn wrong() -> Vec<(&'static str, &'static str, Data)> {
             "data.few_samples",
             motion(&Load { size: 30.0, noise: 0.0, cycles: 1.0, rate: 3, ..usual() }),
         ),
+        ("cut_off_before_noise", "data.clipped", {
+            let load = Load { cycles: 20.0, noise: 0.03, ..usual() };
+            changed(&load, |k, x| x.min(0.8) + 0.006 * Noise(k as u64 * 31).next())
+        }),
+        ("both_ends_cut_off", "data.clipped", {
+            let load = Load { cycles: 40.0, rate: 60, noise: 0.03, ..usual() };
+            changed(&load, |k, x| x.clamp(-0.6, 0.7) + 0.006 * Noise(k as u64 * 31).next())
+        }),
+        ("two_values", "data.coarse", changed(&usual(), |_, x| x.signum())),
+        (
+            "four_values",
+            "data.coarse",
+            changed(&Load { noise: 0.0, ..usual() }, |_, x| (x / 0.7).round() * 0.7),
+        ),
+        ("a_loose_plug", "data.lost", {
+            let (phase, channels, purpose) = loads(&Load { mean: 0.5, ..usual() });
+            let still = |of: &Vec<f64>| -> Vec<f64> {
+                of.iter().enumerate().map(|(k, x)| if k % 170 < 30 { 0.0 } else { *x }).collect()
+            };
+            (phase, channels.iter().map(still).collect(), purpose)
+        }),
+        (
+            "swings",
+            "data.not_periodic",
+            changed(&Load { cycles: 40.0, ..usual() }, |k, x| x * (1.0 + 0.6 * (k as f64 / 400.0).sin())),
+        ),
         (
             "motion_of_another_frequency",
             "data.frequency",
@@ -500,6 +541,33 @@ fn what_is_computed_judges_sign_order_gain_and_phase() {
         ("data.swapped", [fz, fx.clone(), ty.clone()]),
     ] {
         assert!(ids(&beside(&measured)).contains(&id), "{id}: {:?}", beside(&measured));
+    }
+    let mix = |i: usize, j: usize, part: f64| {
+        let mut all = at(0);
+        let other = all[j].clone();
+        all[i].iter_mut().zip(other).for_each(|(x, y)| *x += part * y);
+        all
+    };
+    let bent = |by: f64| {
+        let mut all = at(0);
+        all[0].iter_mut().for_each(|x| *x = if *x < 0.0 { by * *x } else { *x });
+        all
+    };
+    let mut late = at(0);
+    late[0] = cycle(&own[0], 90);
+    for (id, right, wrong) in [
+        ("data.mixed", mix(1, 0, 0.03), mix(1, 0, 0.5)),
+        ("data.mixed", mix(0, 1, 0.03), mix(0, 1, -0.6)),
+        ("data.bent", bent(0.95), bent(0.4)),
+        ("data.lags", at(9), late),
+        (
+            "data.scaled",
+            times(1, 1.05),
+            [fx.clone(), fx.iter().map(|x| 100.0 * x * x * x).collect(), ty.clone()],
+        ),
+    ] {
+        assert!(!ids(&beside(&right)).contains(&id), "{id}: {:?}", beside(&right));
+        assert!(ids(&beside(&wrong)).contains(&id), "{id}: {:?}", beside(&wrong));
     }
     // The largest but one of its unit is noise, or a harmonic that is not computed, where the others fit.
     let mut noise = Noise(8);

@@ -3,12 +3,14 @@
 mod ours;
 mod place;
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use wingbeat::scenario::RunName;
+use wingbeat_io::checksum;
 
 use crate::error::Error;
 use crate::interrupt::Unfinished;
@@ -55,6 +57,8 @@ struct Listed<'a, M> {
     #[serde(flatten)]
     manifest: &'a M,
     files: Vec<PathBuf>,
+    /// What [`checksum`] says of each.
+    checksums: BTreeMap<String, String>,
 }
 
 /// Whether a folder is begun anew, or goes on from what an interrupted command left.
@@ -254,7 +258,12 @@ impl RunFolder {
         // A manifest lies there where the move failed and the same command went on. The mark goes last: at each instant the folder says
         // what it is.
         files.retain(|file| file != Path::new(MANIFEST) && file != Path::new(MARK));
-        self.write_json(MANIFEST, &Listed { program: PROGRAM, manifest, files })?;
+        let mut checksums = BTreeMap::new();
+        for file in &files {
+            let (path, name) = (self.partial.join(file), file.to_string_lossy().replace('\\', "/"));
+            checksums.insert(name, checksum(&path).map_err(failed(&path))?);
+        }
+        self.write_json(MANIFEST, &Listed { program: PROGRAM, manifest, files, checksums })?;
         fs::remove_file(self.file(MARK)).map_err(failed(&self.partial))?;
         let _whole = self.unfinished.settle();
         let moved = self.moved()?;
@@ -349,6 +358,10 @@ pub fn add_file(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Error> {
     // Listed first: a file that is not there is no harm, one that is not listed is.
     if !known {
         files.push(name.into());
+    }
+    // The next reader takes it as it is.
+    let forgotten = listed["checksums"].as_object_mut().and_then(|checksums| checksums.remove(name));
+    if !known || forgotten.is_some() {
         let text = serde_json::to_string_pretty(&listed).map_err(io::Error::from);
         replace(&manifest, (text.map_err(|source| Error::file(&manifest, source))? + "\n").as_bytes())?;
     }

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 from numpy.typing import ArrayLike
 
 from wingbeat import _wingbeat
-from wingbeat._documents import Overrides, Scenario, Source, document
+from wingbeat._documents import Overrides, Robot, Scenario, Source, document
 from wingbeat._html import picture, table, text
 from wingbeat._record import Array, Record, Strips
 from wingbeat._verdicts import judged
@@ -342,20 +342,36 @@ def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Pla
     return made
 
 
+def _robot_of(source: Scenario | Robot | Source) -> _wingbeat.Document | None:
+    """The document of a robot by itself, if it is one."""
+    if isinstance(source, Robot):
+        return source._document
+    if isinstance(source, Scenario):
+        return None
+    made = document(source, None, "scenario")
+    return made if made.is_of_robot() else None
+
+
 def trim(
-    scenario: Scenario | Source,
+    scenario: Scenario | Robot | Source,
     overrides: Overrides | None = None,
     *,
+    bank_deg: float | None = None,
     progress: Callable[[dict[str, float]], object] | None = None,
 ) -> Trimmed:
     """Finds the periodic flight that the scenario's ``[trim]`` asks for; with ``[trim.search]`` that of the best gait.
 
+    A robot is trimmed from its file alone: guess, search, orbit and verdict.
+
     Parameters
     ----------
     scenario
-        A `Scenario`, a TOML file, or a dictionary of the same keys.
+        A `Scenario` or a `Robot`, a TOML file of either, or a dictionary of the same keys.
     overrides
-        Keys of a file or a dictionary that are set otherwise, ``{"trim.speed_m_s": 4.2}``.
+        Keys of a file or a dictionary that are set otherwise, ``{"trim.speed_m_s": 4.2}``; of a robot those of the scenario around
+        it, ``{"robot.body.mass_kg": 0.02}``.
+    bank_deg
+        Of a robot: also fly a turn of this bank about the gait that is found; positive is right wing down.
     progress
         Receives every iteration as a dictionary; a true answer ends the search. Of a gait it holds ``start``, ``iteration``,
         ``power_w_kg`` (W/kg), ``frequency_hz`` (Hz) and ``violation`` (the worst limit missed, in its scale), of an orbit
@@ -366,15 +382,24 @@ def trim(
     Trimmed
         ``record`` (one cycle), ``multipliers``, ``family``, ``starts``, ``files``, ``summary``.
     """
-    native = scenario_of(scenario, overrides)._native
-    record, multipliers, family, starts, summary, files = _wingbeat.trim(native, progress)
+    alone = _robot_of(scenario)
+    if alone is not None:
+        around = _wingbeat.overrides(dict(overrides or {}))
+        resolved, found = _wingbeat.trim_robot(alone, around, bank_deg or 0.0, progress)
+    else:
+        if bank_deg is not None:
+            raise ValueError("bank_deg: allowed with a robot; a scenario has trim.bank_deg")
+        assert not isinstance(scenario, Robot)
+        native = scenario_of(scenario, overrides)._native
+        resolved, found = native.resolved, _wingbeat.trim(native, progress)
+    record, multipliers, family, starts, summary, files = found
     return Trimmed(
         record=_given(record),
         multipliers=_given(multipliers),
         family=_given(family),
         starts=_given(starts),
         summary=judged(summary),
-        document=native.resolved,
+        document=resolved,
         files=dict(files),
     )
 

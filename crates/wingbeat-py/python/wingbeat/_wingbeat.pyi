@@ -12,7 +12,7 @@ __version__: str
 _Array: TypeAlias = NDArray[float64]
 _Column: TypeAlias = tuple[str, str, str, float, float, _Array]
 _Asked: TypeAlias = tuple[
-    Sequence[float], int | None, bool, int | None, int | None, int | None, bool, float | None
+    Sequence[float], int | None, bool, int | None, int | None, int | None, bool, float | None, float | None
 ]
 _Stepped: TypeAlias = list[tuple[str, list[_Column], list[tuple[str, str]]]]
 _Held: TypeAlias = tuple[str, Sequence[tuple[str, str]], Sequence[tuple[str, Sequence[_Column]]]]
@@ -56,6 +56,7 @@ class Document:
     def put(self, key: str, other: Document) -> Document: ...
     def overridden(self, overrides: dict[str, Any]) -> Document: ...
     def resolved(self) -> str: ...
+    def is_of_robot(self) -> bool: ...
     def robot(self) -> str: ...
 
 @final
@@ -211,17 +212,22 @@ def rig_process(
 def rig_simulate(
     path: str | PathLike[str], overrides: Sequence[str]
 ) -> list[tuple[str, list[_Column] | None, str, str]]: ...
-def trim(
-    scenario: Scenario,
-    progress: Callable[[dict[str, float]], object] | None = None,
-) -> tuple[
+_Trimmed: TypeAlias = tuple[
     list[_Column] | None,
     list[_Column] | None,
     list[_Column] | None,
     list[_Column] | None,
     str,
     list[tuple[str, str]],
-]: ...
+]
+
+def trim(scenario: Scenario, progress: Callable[[dict[str, float]], object] | None = None) -> _Trimmed: ...
+def trim_robot(
+    robot: Document,
+    overrides: Sequence[str],
+    bank_deg: float,
+    progress: Callable[[dict[str, float]], object] | None = None,
+) -> tuple[str, _Trimmed]: ...
 def wake_case(document: Document, settings: _Asked) -> tuple[_Stepped, str]: ...
 def wake_flight(
     scenario: Scenario, flown: Sequence[_Column], settings: _Asked

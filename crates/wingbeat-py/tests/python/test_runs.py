@@ -1,6 +1,7 @@
 """The package runs what the program runs, to the byte."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -116,6 +117,68 @@ def test_a_search_of_gaits_is_the_programs_and_tells_how_far_it_is(program, tmp_
 
     with pytest.raises(KeyError, match="mine"):
         wingbeat.trim(scenario, keys, progress=fails)
+
+
+def warned(make):
+    """What a call warns of, by id, and its result."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        result = make()
+    return [each.message.id for each in told if isinstance(each.message, wingbeat.ResultWarning)], result
+
+
+def test_a_robot_by_itself_is_trimmed_until_it_is_told_to_end():
+    hand, seen = ROOT / "robots/any/hand_30g.toml", []
+    for robot in (hand, wingbeat.Robot(hand)):
+        ids, trimmed = warned(lambda robot=robot: wingbeat.trim(robot, progress=lambda at: seen.append(at) or True))
+        assert trimmed.status == "interrupted", trimmed.summary
+        assert "status.interrupted" in ids
+        assert 'name = "hand_30g"' in trimmed.document
+    assert "orbits" in seen[0]
+    with pytest.raises(ValueError, match="bank_deg = NaN"):
+        wingbeat.trim(hand, bank_deg=float("nan"))
+    with pytest.raises(ValueError, match=r"bank_deg: allowed with a robot"):
+        wingbeat.trim(ROOT / "scenarios/cruise_20g.toml", bank_deg=10.0)
+    with pytest.raises(ValueError, match=r"robot.body.mass_kg = -1"):
+        wingbeat.trim(hand, {"robot.body.mass_kg": -1.0})
+
+
+@pytest.mark.long
+def test_a_trim_of_a_robot_by_itself_is_the_programs(program, tmp_path):
+    hand = ROOT / "robots/any/hand_30g.toml"
+    program("trim", hand, "--quiet", "--out", tmp_path / "run")
+    _, trimmed = warned(lambda: wingbeat.trim(hand))
+    trimmed.record.write(tmp_path / "record.parquet")
+    assert (tmp_path / "record.parquet").read_bytes() == (tmp_path / "run/record.parquet").read_bytes()
+    assert trimmed.summary["power_w_kg"] == json.loads((tmp_path / "run/summary.json").read_text())["power_w_kg"]
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: wingbeat.tether(ROOT / "cases/pazy.toml", {"wind.speed_m_s": 90.0, "time.steps_per_cycle": 48}), "tether.flutter"),
+        (lambda: wingbeat.tether(ROOT / "cases/pitch.toml", {"wind.speed_m_s": 120.0, "time.frequency_hz": 19.1}), "range.mach"),
+        (lambda: wingbeat.tether(ROOT / "cases/flap_f1.toml", {"wing.hinges[0].angle_deg": {"fourier": {"sin": [100.0]}}}), "tether.crossing_fraction"),
+        (lambda: wingbeat.fly(ROOT / "scenarios/sail_glide.toml", {"flight.duration_s": 0.1, "robot.surfaces[0].membrane.damping_s": 0.2}), "membrane"),
+    ],
+    ids=["spar", "mach", "crossing", "membrane"],
+)
+def test_new_models_warn_of_their_range(make, said):
+    ids, result = warned(make)
+    assert any(each.startswith(said) for each in [*ids, *(judged["id"] for judged in result.summary["judged"] if not judged["met"])]), ids
+    assert ids or result.status == "ok"
+
+
+def test_a_changed_file_of_a_run_is_refused(program, tmp_path):
+    out = tmp_path / "run"
+    assert program("fly", ROOT / "scenarios/glide.toml", "--quiet", "--set", "flight.duration_s=0.02", "--out", out).returncode == 0
+    record = out / "record.parquet"
+    wingbeat.Record.read(record)
+    data = bytearray(record.read_bytes())
+    data[100] ^= 1
+    record.write_bytes(data)
+    with pytest.raises(ValueError, match=r"record.parquet: changed after its run was written"):
+        wingbeat.Record.read(record)
 
 
 def test_numbers_of_numpy_are_taken(turn):

@@ -27,7 +27,7 @@ const ROW: u64 = 52;
 /// Kills over all verbs.
 const KILLS: usize = 500;
 /// What a manifest says of a run that another run does not.
-const OF_THE_RUN: [&str; 2] = ["started_unix_s", "wall_time_s"];
+const OF_THE_RUN: [&str; 3] = ["started_unix_s", "wall_time_s", "checksums"];
 
 /// A call of a verb that writes the folder or the file `a`, and what must have run before it.
 struct Verb {

@@ -58,6 +58,8 @@ enum Source {
     Loads,
     /// A stroke of 35 deg with a second harmonic: column `a`.
     Stroke,
+    /// The pull of a line that is slack for half of the cycle, and the angle of a crank: columns `pull_N` and `crank_deg`.
+    Slack,
 }
 
 /// What is done to one column, or to all. Sizes are in parts of its range, places in parts of the file.
@@ -89,6 +91,11 @@ struct Change {
     count: Option<f64>,
     /// It has the values of this column.
     is: Option<String>,
+    /// It also has this part of the column `of`, in its own unit.
+    part: f64,
+    of: Option<String>,
+    /// Its values grow by this part where they are as large as the range.
+    bend: f64,
     /// From this place on it is zero.
     ends: Option<f64>,
     /// Rows within these places are missing.
@@ -147,6 +154,15 @@ fn stroke() -> Vec<Cycle> {
     vec![("a", (0..STEPS).map(at).collect())]
 }
 
+/// A cycle that is zero for its second half, and the turn within one.
+fn slack() -> Vec<Cycle> {
+    let pull = |k: usize| 5.0 * (TAU * k as f64 / STEPS as f64).sin().max(0.0);
+    vec![("pull_N", (0..STEPS).map(pull).collect()), (CRANK, vec![0.0; STEPS])]
+}
+
+/// The column that grows by a turn a cycle.
+const CRANK: &str = "crank_deg";
+
 /// A cycle at any phase, by straight lines.
 fn at(cycle: &[f64], phase: f64) -> f64 {
     let place = phase.rem_euclid(1.0) * cycle.len() as f64;
@@ -164,6 +180,7 @@ impl Series {
         let cycles = match self.series {
             Source::Loads => loads()?.to_vec(),
             Source::Stroke => stroke(),
+            Source::Slack => slack(),
         };
         let rows = (self.cycles * self.rate as f64) as usize + 1;
         let place = |k: usize| k as f64 / (rows - 1).max(1) as f64;
@@ -174,8 +191,10 @@ impl Series {
             let ratio = own.clone().filter_map(|change| change.ratio).product::<f64>();
             let late: f64 = own.map(|change| change.late_deg / 360.0).sum();
             let size = range(cycle);
+            let turned = if *name == CRANK { 360.0 / self.rate as f64 } else { 0.0 };
             let one = |k: usize| {
-                at(cycle, ratio * k as f64 / self.rate as f64 - late) + self.noise * size * noise.next()
+                let here = at(cycle, ratio * k as f64 / self.rate as f64 - late);
+                here + turned * k as f64 + self.noise * size * noise.next()
             };
             columns.push((name, (0..rows).map(one).collect()));
         }
@@ -190,6 +209,10 @@ impl Series {
                 if let Some((_, other)) = before.iter().find(|(other, _)| change.is.as_deref() == Some(other))
                 {
                     values.clone_from(other);
+                }
+                let other = before.iter().find(|(other, _)| change.of.as_deref() == Some(other));
+                for (x, other) in values.iter_mut().zip(other.map(|(_, other)| other).into_iter().flatten()) {
+                    *x += change.part * other;
                 }
                 let size = cycles.iter().find(|(own, _)| own == name).map_or(1.0, |(_, cycle)| range(cycle));
                 change.apply(values, size, &mut noise);
@@ -229,6 +252,7 @@ impl Change {
             if self.spikes.is_some_and(|every| k % every == every / 2) {
                 *x += 2.0 * size;
             }
+            *x *= 1.0 + self.bend * x.abs() / size;
             *x = if self.magnitude { x.abs() } else { *x };
             *x = ceiling.map_or(*x, |ceiling| x.min(ceiling));
             if self.ends.is_some_and(|from| place >= from) {

@@ -82,6 +82,25 @@ struct Ask {
 
 ranges!(Ask { bank_deg: Range::inside(-80.0, 80.0) });
 
+/// Instants of a cycle at which it is looked whether a surface moves, and the way that is one, m.
+const LOOKS: usize = 7;
+const MOVES_M: f64 = 1e-6;
+
+/// Whether the gait moves a surface; one that cannot be posed is refused elsewhere.
+fn flaps(scenario: &Scenario) -> bool {
+    let period = 1.0 / scenario.spec.robot.gait.frequency_hz().max(f64::MIN_POSITIVE);
+    let points = |k: usize| {
+        let robot = scenario.robot().at_rest(period * k as f64 / LOOKS as f64).ok()?;
+        Some(robot.outlines.iter().flat_map(|of| of.ribs.iter().flatten().copied()).collect::<Vec<_>>())
+    };
+    let Some(first) = points(0) else { return true };
+    let moved = |k: usize| {
+        let there = points(k)?;
+        Some(first.iter().zip(&there).any(|(a, b)| (*a - *b).norm() > MOVES_M))
+    };
+    (1..LOOKS).any(|k| moved(k).unwrap_or(true))
+}
+
 /// What a trim from a robot's file did, in `summary.json`.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct AloneSummary {
@@ -121,6 +140,19 @@ struct Candidate {
 }
 
 impl RobotTrim {
+    /// Whether a document is a robot, and not a scenario that holds one.
+    pub fn takes(document: &Document) -> bool {
+        document.written("robot").is_none() && document.written("body").is_some()
+    }
+
+    /// Refuses a bank that no turn is flown with, as `bank_deg`.
+    ///
+    /// # Errors
+    /// One out of range.
+    pub fn check_bank(bank_deg: f64) -> Result<(), Error> {
+        Ask { bank_deg }.in_range()
+    }
+
     /// A trim of `robot`; `overrides` are of the scenario around it (`robot.body.mass_kg=.02`, `aero.law=lev`).
     ///
     /// # Errors
@@ -150,6 +182,10 @@ impl RobotTrim {
         let asked = |free| TrimSpec { free, ..TrimSpec::level(size.speed().clamp(0.5, 50.0)) };
         spec.trim = Some(asked(free));
         let named = Scenario::new(Document::value("trim", &spec)?)?;
+        if !flaps(&named) {
+            let allowed = "links that the gait drives: without flapping there is no cycle to trim";
+            return Err(given.explain(&Error::invalid("robot.links", "none moves a surface", allowed)));
+        }
         let mut free = numbers::free(named.model());
         // A rudder has no effect on level flight: what level flight takes comes first.
         free.sort_by_key(|name| numbers::acts_across(&spec.robot, name));
