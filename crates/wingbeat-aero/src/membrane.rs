@@ -1,8 +1,9 @@
 //! A skin that gives way: what a surface says of it, and its numbers.
 
 use serde::{Deserialize, Serialize};
+use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::{Error, Parameters, Quantity, Scalar, Walk};
+use wingbeat_math::{Error, Parameters, Quantity, Scalar, Vec3, Walk};
 
 /// A membrane between leading and trailing edge of a surface: every strip is cambered by the pressure difference as far as the
 /// tension lets it. Preset `full` only.
@@ -122,4 +123,30 @@ impl<P: Scalar> Parameters<P> for MembraneNumbers<P> {
 /// [`Loads::camber_forward`](crate::Loads::camber_forward): sin^2 t (h_1 + h_2 cos t), cos t = 1 - 2 x.
 pub fn membrane_height(camber: f64, forward: f64, x: f64) -> f64 {
     4.0 * x * (1.0 - x) * (camber + forward * (1.0 - 2.0 * x))
+}
+
+/// Places over the chord, from the leading edge, of the points of a membrane that are drawn.
+pub const MEMBRANE_DRAWN: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// Points of a membrane above its ribs, leading and trailing edge from the left tip to the right at the arcs `arcs`, at the places
+/// [`MEMBRANE_DRAWN`]; `heights` are [`Loads::camber`](crate::Loads::camber) and
+/// [`Loads::camber_forward`](crate::Loads::camber_forward) of the strips in the middle of `strip_arcs`, in the same order.
+pub fn membrane_points(
+    ribs: &[[Vec3; 2]],
+    arcs: &[f64],
+    strip_arcs: &[f64],
+    heights: [&[f64]; 2],
+) -> Vec<[Vec3; 3]> {
+    // From the right tip on, as the interpolation asks.
+    let back = |values: &[f64]| values.iter().rev().copied().collect::<Vec<f64>>();
+    let (along, heights) = (back(strip_arcs), heights.map(back));
+    let points = |(k, [le, te]): (usize, &[Vec3; 2])| {
+        let beside = [ribs[k.saturating_sub(1)], ribs[(k + 1).min(ribs.len() - 1)]];
+        let across = beside[1][0] + beside[1][1] - beside[0][0] - beside[0][1];
+        let chord = *te - *le;
+        let up = chord.cross(across).unit() * chord.norm();
+        let [camber, forward] = heights.each_ref().map(|of| piecewise_linear(&along, of, arcs[k]));
+        MEMBRANE_DRAWN.map(|x| *le + chord * x + up * membrane_height(camber, forward, x))
+    };
+    ribs.iter().enumerate().map(points).collect()
 }

@@ -51,6 +51,22 @@ impl SurfaceOutline {
 }
 
 impl Robot {
+    /// Largest mass of the membrane on a link over the mass of that link, which has to hold it; none without a membrane.
+    pub fn membrane_over_link(&self) -> Option<f64> {
+        let bodies = self.numbers().bodies;
+        let models = self.surfaces().map(|(_, aero)| aero);
+        let masses = models.flat_map(|aero| match aero.membrane() {
+            Some(model) => model.membrane_masses(),
+            None => vec![0.0; aero.strips()],
+        });
+        let mut borne = vec![0.0; bodies.len()];
+        for (mount, mass) in self.covering.mounts.iter().zip(masses) {
+            borne[mount.link.map_or(0, |link| link + 1)] += mass;
+        }
+        let shares = borne.iter().zip(&bodies).filter(|(mass, _)| **mass > 0.0);
+        shares.map(|(mass, body)| mass / body.mass).reduce(f64::max)
+    }
+
     /// The surfaces of `spec`, of which the robot was built, with the outlines that the robot's numbers say.
     ///
     /// # Errors
