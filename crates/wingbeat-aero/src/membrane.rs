@@ -1,5 +1,6 @@
 //! A skin that gives way: what a surface says of it, and its numbers.
 
+use crate::Aero;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
@@ -128,25 +129,29 @@ pub fn membrane_height(camber: f64, forward: f64, x: f64) -> f64 {
 /// Places over the chord, from the leading edge, of the points of a membrane that are drawn.
 pub const MEMBRANE_DRAWN: [f64; 3] = [0.25, 0.5, 0.75];
 
-/// Points of a membrane above its ribs, leading and trailing edge from the left tip to the right at the arcs `arcs`, at the places
-/// [`MEMBRANE_DRAWN`]; `heights` are [`Loads::camber`](crate::Loads::camber) and
-/// [`Loads::camber_forward`](crate::Loads::camber_forward) of the strips in the middle of `strip_arcs`, in the same order.
+/// Points above the sections `sections` at the arcs `arcs`, leading and trailing edge from the left tip to the right, of the membrane of
+/// `aero` at the places [`MEMBRANE_DRAWN`]; `heights` are [`Loads::camber`](crate::Loads::camber) and
+/// [`Loads::camber_forward`](crate::Loads::camber_forward) of its strips. Between strips and ribs, which hold it, heights go linearly.
 pub fn membrane_points(
-    ribs: &[[Vec3; 2]],
+    sections: &[[Vec3; 2]],
     arcs: &[f64],
-    strip_arcs: &[f64],
+    aero: &Aero,
     heights: [&[f64]; 2],
 ) -> Vec<[Vec3; 3]> {
+    let strips = aero.strip_arcs().iter().enumerate().map(|(i, arc)| (*arc, heights.map(|of| of[i])));
+    let ribs = aero.membrane().map_or(&[][..], |model| model.membrane_ribs());
+    let mut knots: Vec<(f64, [f64; 2])> = strips.chain(ribs.iter().map(|arc| (*arc, [0.0; 2]))).collect();
     // From the right tip on, as the interpolation asks.
-    let back = |values: &[f64]| values.iter().rev().copied().collect::<Vec<f64>>();
-    let (along, heights) = (back(strip_arcs), heights.map(back));
+    knots.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let along: Vec<f64> = knots.iter().map(|knot| knot.0).collect();
+    let heights = [0, 1].map(|m| knots.iter().map(|knot| knot.1[m]).collect::<Vec<f64>>());
     let points = |(k, [le, te]): (usize, &[Vec3; 2])| {
-        let beside = [ribs[k.saturating_sub(1)], ribs[(k + 1).min(ribs.len() - 1)]];
+        let beside = [sections[k.saturating_sub(1)], sections[(k + 1).min(sections.len() - 1)]];
         let across = beside[1][0] + beside[1][1] - beside[0][0] - beside[0][1];
         let chord = *te - *le;
         let up = chord.cross(across).unit() * chord.norm();
         let [camber, forward] = heights.each_ref().map(|of| piecewise_linear(&along, of, arcs[k]));
         MEMBRANE_DRAWN.map(|x| *le + chord * x + up * membrane_height(camber, forward, x))
     };
-    ribs.iter().enumerate().map(points).collect()
+    sections.iter().enumerate().map(points).collect()
 }

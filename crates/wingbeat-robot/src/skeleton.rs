@@ -84,9 +84,8 @@ impl Robot {
             let states = &x[self.layout.aero..][surface.states()];
             let aero = surface.aero();
             let heights = aero.membrane().map(|membrane| membrane.camber_of(states));
-            let raised = heights.map_or_else(Vec::new, |heights| {
-                membrane_points(&ribs, &laid.placement.stations(), aero.strip_arcs(), heights)
-            });
+            let raised = heights
+                .map_or_else(Vec::new, |heights| membrane_points(&ribs, &laid.stations, aero, heights));
             Outline { name: laid.name.clone(), ribs, covered: laid.covered.clone(), raised }
         };
         Ok(Skeleton {

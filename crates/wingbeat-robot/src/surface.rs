@@ -171,7 +171,9 @@ pub(super) struct Laid {
     pub outline: Vec<(String, Section)>,
     /// Its geometry.
     pub placement: Placement,
-    /// Sections at the stations of the outline, from left to right.
+    /// Arcs at which it is drawn, from left to right, m: stations of the outline, and of a membrane strips and ribs besides.
+    pub stations: Vec<f64>,
+    /// Sections there.
     pub ribs: Vec<Section>,
     /// Whether there is surface between one of them and the next.
     pub covered: Vec<bool>,
@@ -259,7 +261,12 @@ impl Covering {
             let placement = Placement::new(&surface, mechanism).map_err(|e| e.within(&outline.key))?;
             let at = |s: &f64| placement.section(*s, carriers);
             ride(&placement, aero, carriers, &mut sections, &mut mounts);
-            let stations = placement.stations();
+            let mut stations = placement.stations();
+            if let Some(model) = aero.membrane() {
+                stations.extend(aero.strip_arcs().iter().chain(model.membrane_ribs()));
+                stations.sort_by(|a, b| b.total_cmp(a));
+                stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+            }
             let placed = Laid {
                 name: surface.name.clone(),
                 symmetric: surface.span == Span::Symmetric,
@@ -271,6 +278,7 @@ impl Covering {
                     .collect(),
                 ribs: stations.iter().map(at).collect(),
                 covered: stations.windows(2).map(|s| outline.planform.covers(0.5 * (s[0] + s[1]))).collect(),
+                stations,
                 placement,
             };
             placed.check_names(&laid).map_err(|e| e.within(&outline.key))?;

@@ -106,6 +106,11 @@ impl<P: Scalar> StripModel<P> {
         Some(membrane.prestrain.value() + 0.5 * (ARC[0] * camber * camber + ARC[1] * forward * forward))
     }
 
+    /// Arcs of the ribs that hold the membrane to the chord, from the left tip to the right, m; nothing without one.
+    pub fn membrane_ribs(&self) -> &[f64] {
+        self.membrane.as_ref().map_or(&[], |membrane| &membrane.ribs)
+    }
+
     /// Both heights over the chord of the strips in the state `x`; nothing without a membrane.
     pub fn camber_of<'a>(&self, x: &'a [f64]) -> [&'a [f64]; MODES] {
         let strips = if self.membrane.is_some() { self.settings.strips } else { 0 };

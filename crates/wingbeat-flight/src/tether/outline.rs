@@ -15,7 +15,8 @@ pub struct Shape<'a> {
 }
 
 impl Tether {
-    /// Arcs from the left tip to the right at which the wing is drawn, m: `ribs` equal steps a half, or where a spar tells its place.
+    /// Arcs from the left tip to the right at which the wing is drawn, m: `ribs` equal steps a half, or the edges of the strips of a wing
+    /// with a spar, which tells its place there.
     pub fn drawn_arcs(&self, ribs: usize) -> Vec<f64> {
         let span = self.wing.planform().half_span();
         let Some(spar) = &self.spar else {
@@ -42,7 +43,7 @@ impl Tether {
         let covered = arcs.windows(2).map(|pair| there(0.5 * (pair[0] + pair[1]))).collect();
         let raised = match shape.heights[0] {
             [] => Vec::new(),
-            _ => membrane_points(&ribs, arcs, self.aero.strip_arcs(), shape.heights),
+            _ => membrane_points(&ribs, arcs, &self.aero, shape.heights),
         };
         Outline { name: "wing".into(), ribs, covered, raised }
     }

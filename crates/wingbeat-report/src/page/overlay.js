@@ -32,7 +32,8 @@ class Overlay {
       if (!motions.some(m => m.surfaces.some(s => s.side.some((of, k) => of === side && s.covered[k])))) return;
       this.write(name, w - 88, y0); this.patch(['#0072b2', '#d55e00'][side], w - 104, y0 - 9, 11, 10); y0 += 16;
     });
-    if (camber > 0) this.write(`camber up to ${digits(+(100 * camber).toPrecision(2))} % of the chord${shown.camber > 1 ? `, drawn × ${shown.camber}` : ''}`, w - 12, y0 + 4, 'right');
+    const size = shown.camber > 1 ? ', drawn × ' + shown.camber : '';
+    if (camber > 0) this.write('camber up to ' + digits(+(100 * camber).toPrecision(2)) + ' % of the chord' + size, w - 12, y0 + 4, 'right');
     if (!(shown.wake && m.circulation)) return;
     const x = w - 226, y = h - 18, most = 0.7 * m.mostCirculation;
     for (let i = 0; i < 160; i += 4) { const c = circulationColour((i - 78) / 60); this.patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }

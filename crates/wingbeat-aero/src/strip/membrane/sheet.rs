@@ -52,6 +52,8 @@ pub(in super::super) struct Membrane<P> {
     chord: Vec<P>,
     pub(super) width: Vec<P>,
     bays: Vec<Bay<P>>,
+    /// Arcs of the ribs from the left tip to the right, m.
+    pub(super) ribs: Vec<f64>,
 }
 
 /// Tension over stiffness from the stretch: what it is, never negative, and its size.
@@ -90,6 +92,7 @@ impl<P: Scalar> Membrane<P> {
             chord: grid.chord.clone(),
             width: grid.width.clone(),
             bays: Vec::new(),
+            ribs: ribs.iter().map(|rib| rib.value()).collect(),
         };
         let strips = grid.chord.len();
         let before = |rib: &P| grid.control_arcs.iter().filter(|s| s.value() > rib.value()).count();
