@@ -23,7 +23,7 @@ pub use law::{
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LagSpeed, LiftTilt, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;
 pub use loads::{Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, StripLoads};
-pub use membrane::{MembraneNumbers, MembraneSpec, membrane_height};
+pub use membrane::{MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_height, membrane_points};
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;

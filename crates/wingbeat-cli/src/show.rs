@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use wingbeat::rig::Pose;
 use wingbeat::rig::arm::MAX_JOINTS;
-use wingbeat::robot::{Outline, Skeleton};
+use wingbeat::robot::Skeleton;
 use wingbeat::scenario::{Document, RigRun, Scenario, TetherCase};
+use wingbeat::tether::Shape;
 use wingbeat_figures::{Drawing, Figure};
 use wingbeat_io::urdf_as_toml;
 
@@ -118,14 +119,10 @@ fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
         [section.le, section.te]
     };
     let planform = tether.wing.planform();
-    let there = |arc: f64| planform.covers(arc) && (arc == 0.0 || tether.side.holds(arc.signum()));
-    let arc = |k: usize| planform.half_span() * (1.0 - k as f64 / RIBS as f64);
-    let outline = Outline {
-        name: "wing".into(),
-        ribs: (0..=2 * RIBS).map(|k| section(arc(k))).collect(),
-        covered: (0..2 * RIBS).map(|k| there(0.5 * (arc(k) + arc(k + 1)))).collect(),
-        raised: Vec::new(),
-    };
+    let steady = tether.spar.as_ref().map(|spar| spar.steady(tether));
+    let bent = steady.as_ref().filter(|steady| steady.found).map_or(&[][..], |steady| &steady.q);
+    let shape = Shape { spar: bent, ..Shape::default() };
+    let outline = tether.outline(t, &tether.drawn_arcs(RIBS), shape);
     let mut drawing = Drawing::new();
     drawing.outline(&outline, &Pose::IDENTITY);
     for (hinge, spec) in tether.wing.hinges().iter().zip(&case.spec.wing.hinges) {
@@ -139,11 +136,16 @@ fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
     drawing.frame("W: x forward, y left, z up", &Pose::IDENTITY);
     drawing.note(&format!(
         "{}: wind {} m/s, {frequency:.4} Hz, phase {phase:.3} rad, area {:.5} m2, half span {:.4} m. Left wing blue, right \
-         wing orange; a line across the wing at each hinge.",
+         wing orange; a line across the wing at each hinge.{}",
         arguments.file.file_name().unwrap_or_default().to_string_lossy(),
         case.spec.wind.speed_m_s,
         planform.area(),
         planform.half_span(),
+        match &steady {
+            Some(steady) if steady.found => " The spar is bent as at rest in the wind at phase 0.",
+            Some(_) => " No shape of the spar at rest in the wind was found: it is drawn unbent.",
+            None => "",
+        },
     ));
     Ok(drawing.views("show", &format!("case {}", case.spec.name)))
 }

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use wingbeat_aero::{Aero, membrane_height};
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::membrane::{
-    BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, CAMBER, FREQUENCY, LAG, SLACK, WEIGHT,
+    BENDING, BEYOND_BENDING, BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, CAMBER, FREQUENCY, LAG, SLACK,
+    WEIGHT,
 };
 
 /// Membranes of a run.
@@ -21,6 +22,8 @@ pub struct MembraneSummary {
     pub lag_rad: f64,
     /// Rise by the weight of the membrane, which is left out, over the largest rise.
     pub weight_fraction: f64,
+    /// Load that its bending stiffness, which is left out, would bear over what the mean tension bears.
+    pub bending_fraction: f64,
 }
 
 impl MembraneSummary {
@@ -48,6 +51,7 @@ impl MembraneSummary {
             frequency_fraction: over(frequency_hz, scales.frequency_hz),
             lag_rad: TAU * frequency_hz * scales.damping_s,
             weight_fraction: over(scales.weight_rise, camber_max),
+            bending_fraction: model.membrane_bending(taut / count)?,
         })
     }
 
@@ -59,6 +63,7 @@ impl MembraneSummary {
             frequency_fraction: self.frequency_fraction.max(other.frequency_fraction),
             lag_rad: self.lag_rad.max(other.lag_rad),
             weight_fraction: self.weight_fraction.max(other.weight_fraction),
+            bending_fraction: self.bending_fraction.max(other.bending_fraction),
         }
     }
 
@@ -72,5 +77,7 @@ impl MembraneSummary {
         judge.hold(&LAG, self.lag_rad);
         judge.hold(&BEYOND_LAG, self.lag_rad);
         judge.hold(&WEIGHT, self.weight_fraction);
+        judge.hold(&BENDING, self.bending_fraction);
+        judge.hold(&BEYOND_BENDING, self.bending_fraction);
     }
 }

@@ -1,7 +1,7 @@
 //! What a case says of the beams that carry the halves of its wing.
 
 use serde::{Deserialize, Serialize};
-use wingbeat_aero::Aero;
+use wingbeat_aero::{Aero, Planform};
 use wingbeat_flight::tether::Spar;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, GRAVITY, Mat3, Vec3, require};
@@ -169,6 +169,29 @@ impl SparSpec {
             gravity: Vec3(self.gravity_m_s2),
             damping_s: self.damping_s,
         })
+    }
+
+    /// Least mass or inertia per length at a station over the most of any, beside the second or the fourth power of the chords' ratio: those of
+    /// wings whose sections are alike.
+    pub(super) fn least_mass(&self, planform: &Planform) -> f64 {
+        let chord = |arc: f64| {
+            let (leading, trailing) = planform.edges(arc);
+            leading - trailing
+        };
+        let widest = self.stations.iter().map(|station| chord(station.arc_m)).fold(0.0, f64::max);
+        let mut least = f64::INFINITY;
+        let quantities: [(fn(&SparStationSpec) -> f64, i32); 2] =
+            [(|station| station.mass_kg_m, 2), (|station| station.inertia_kg_m, 4)];
+        for (of, power) in quantities {
+            let most = self.stations.iter().map(of).fold(0.0, f64::max);
+            for station in self.stations.iter().filter(|_| most > 0.0) {
+                let expected = most * (chord(station.arc_m) / widest).powi(power);
+                if expected > 0.0 {
+                    least = least.min(of(station) / expected);
+                }
+            }
+        }
+        if least.is_finite() { least } else { 0.0 }
     }
 
     fn stations(&self, tip: f64) -> Result<Vec<Station>, Error> {

@@ -181,8 +181,9 @@ impl TetherCase {
                 judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
             }
             judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
-            let growth = run.steady.as_ref().map(|steady| steady.least_damped[0]);
-            judge.hold_if(&tether::GROWTH, growth.filter(|growth| growth.is_finite()));
+            judge.hold_if(&tether::FLUTTER, run.steady.as_ref().and_then(|steady| self.growth(steady)));
+            let spar = self.spec.spar.as_ref();
+            judge.hold_if(&tether::MASSLESS, spar.map(|spar| spar.least_mass(self.tether.wing.planform())));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);
@@ -197,11 +198,21 @@ impl TetherCase {
             .chain(repeating(run, self.tether.clock.frequency_hz))
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
-            .chain(run.steady.iter().flat_map(|steady| SparSummary::of(steady).warnings(&self.spec.time)))
+            .chain(run.steady.iter().flat_map(|steady| {
+                let still = self.tether.motion.is_still();
+                SparSummary::of(steady).warnings(&self.spec.time, still)
+            }))
             .for_each(|warning| judge.warn(warning));
         let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
         found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
+    }
+
+    /// Growth rate of small disturbances of a wing that is held still over the lowest angular frequency of its spar.
+    fn growth(&self, steady: &Steady) -> Option<f64> {
+        let [growth, _] = steady.least_damped;
+        let lowest = std::f64::consts::TAU * steady.frequencies_hz.first()?;
+        (steady.found && growth.is_finite() && self.tether.motion.is_still()).then(|| growth / lowest)
     }
 
     /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a
@@ -338,8 +349,8 @@ impl SparSummary {
         }
     }
 
-    /// Cautions: no shape, disturbances that grow, steps that miss the lowest frequency.
-    fn warnings(&self, clock: &ClockSpec) -> Vec<Warning> {
+    /// Cautions: no shape, disturbances that grow about the start of a motion, steps that miss the lowest frequency.
+    fn warnings(&self, clock: &ClockSpec, still: bool) -> Vec<Warning> {
         let mut warnings = Vec::new();
         if !self.found {
             let text = "no shape at rest in the wind was found, so that the wing begins unbent in still air";
@@ -347,6 +358,7 @@ impl SparSummary {
         }
         if let (Some(growth), Some(frequency)) = (self.growth_1_s, self.frequency_hz)
             && growth > 0.0
+            && !still
         {
             let what = if frequency > 0.0 { "flutters" } else { "diverges" };
             let text = format!(

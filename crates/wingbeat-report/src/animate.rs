@@ -338,9 +338,11 @@ fn robot(motion: &Motion, view: &mut View, i: usize, enlarged: f64) {
     let place = |p: Vec3| motion.in_world(i, p * enlarged);
     for surface in &motion.surfaces {
         for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
-            let [a, b] = surface.ribs[k].each_ref().map(|edge| place(at(edge, i)));
-            let [d, c] = surface.ribs[k + 1].each_ref().map(|edge| place(at(edge, i)));
-            view.areas.push(shaded(&[a, b, c, d], SIDES[*side], Some("#333333")));
+            let [one, next] = [k, k + 1].map(|k| surface.along(k, i));
+            for (a, d) in one.windows(2).zip(next.windows(2)) {
+                let corners = [a[0], a[1], d[1], d[0]].map(place);
+                view.areas.push(shaded(&corners, SIDES[*side], Some("#333333")));
+            }
         }
     }
     let rings = spindle(at(&motion.com, i), motion.reach(), 6);

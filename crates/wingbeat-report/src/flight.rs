@@ -3,7 +3,7 @@
 use wingbeat::aero::Circulation;
 use wingbeat::math::Vec3;
 use wingbeat::plant::{Channel, Plant};
-use wingbeat::robot::{Robot, Skeleton};
+use wingbeat::robot::{Outline, Robot, Skeleton};
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Record;
 
@@ -83,30 +83,29 @@ fn told(robot: &Robot) -> &'static str {
 /// Adds the robot as it is drawn in one frame.
 pub fn add_skeleton(motion: &mut Motion, seen: &Skeleton) {
     push(&mut motion.com, seen.center_of_mass);
-    if motion.surfaces.is_empty() {
-        motion.surfaces = seen
-            .outlines
-            .iter()
-            .map(|outline| Surface {
-                name: outline.name.clone(),
-                ribs: vec![Default::default(); outline.ribs.len()],
-                covered: outline.covered.clone(),
-                side: sides(&outline.ribs),
-                raised: vec![Default::default(); outline.raised.len()],
-                strips: Vec::new(),
-            })
-            .collect();
-    }
+    motion.surfaces.resize_with(seen.outlines.len(), Surface::default);
     for (surface, outline) in motion.surfaces.iter_mut().zip(&seen.outlines) {
-        for (rib, edges) in surface.ribs.iter_mut().zip(&outline.ribs) {
-            rib.iter_mut().zip(edges).for_each(|(track, edge)| push(track, *edge));
-        }
-        surface.raised.iter_mut().zip(&outline.raised).for_each(|(track, point)| push(track, *point));
+        add_outline(surface, outline);
     }
 }
 
+/// Adds a surface as it is drawn in one frame.
+pub fn add_outline(surface: &mut Surface, outline: &Outline) {
+    if surface.ribs.is_empty() {
+        surface.name.clone_from(&outline.name);
+        surface.ribs.resize_with(outline.ribs.len(), Default::default);
+        surface.covered.clone_from(&outline.covered);
+        surface.side = sides(&outline.ribs);
+        surface.raised.resize_with(outline.raised.len(), Default::default);
+    }
+    let raised = outline.raised.as_flattened().iter();
+    let points = outline.ribs.as_flattened().iter().chain(raised);
+    let tracks = surface.ribs.as_flattened_mut().iter_mut().chain(surface.raised.as_flattened_mut());
+    tracks.zip(points).for_each(|(track, point)| push(track, *point));
+}
+
 /// Of the panels between `ribs` 0 left, 1 right, 2 neither.
-pub fn sides(ribs: &[[Vec3; 2]]) -> Vec<usize> {
+fn sides(ribs: &[[Vec3; 2]]) -> Vec<usize> {
     let y = |rib: &[Vec3; 2]| 0.5 * (rib[0].0[1] + rib[1].0[1]);
     let side = |pair: &[[Vec3; 2]]| match y(&pair[0]) + y(&pair[1]) {
         sum if sum > MIDDLE => 0,

@@ -7,8 +7,9 @@ use wingbeat::math::{Quat, Vec3};
 use wingbeat::rig::{Pose, rotation_vector};
 use wingbeat::scenario::{RigRun, TetherCase};
 use wingbeat::simulate::Record;
+use wingbeat::tether::{STRAIN, Shape};
 
-use crate::flight::{Silent, add_skeleton, named, sides, taken};
+use crate::flight::{Silent, add_outline, add_skeleton, named, taken};
 use crate::motion::{Line, Motion, Strip, Surface, Track, push};
 
 /// Ribs of each half of a case's wing.
@@ -27,37 +28,27 @@ pub fn wing(
     shown: &[usize],
 ) -> Result<Motion, Silent> {
     let tether = &case.tether;
-    let planform = tether.wing.planform();
-    let there = |arc: f64| planform.covers(arc) && (arc == 0.0 || tether.side.holds(arc.signum()));
-    let arc = |k: usize| planform.half_span() * (1.0 - k as f64 / RIBS as f64);
-    let mut surface = Surface {
-        name: "wing".into(),
-        ribs: vec![Default::default(); 2 * RIBS + 1],
-        covered: (0..2 * RIBS).map(|k| there(0.5 * (arc(k) + arc(k + 1)))).collect(),
-        ..Surface::default()
-    };
+    let arcs = tether.drawn_arcs(RIBS);
     let t = taken(loads, shown, "t")?;
     let mut motion = Motion { sources: named(loads, shown), wind: tether.wind.0, ..Motion::default() };
-    let mut first = Vec::new();
-    for &t in &t {
+    let strains = strains(loads);
+    let heights = strips.and_then(|strips| heights(strips, loads.rows(), tether.aero.strips()));
+    let mut surface = Surface::default();
+    for (&t, &row) in t.iter().zip(shown) {
         let frame = tether.motion.body(t).frame();
         let (origin, rotation) = (frame.origin.each(|j| j.x), frame.turn.each(|j| j.x));
         add_pose(&mut motion, &Pose { rotation, origin });
         push(&mut motion.com, Vec3::ZERO);
-        let angles = tether.motion.angles(t);
-        let section = |k: usize| {
-            let section = tether.wing.section(arc(k), &frame, &angles);
-            [section.le, section.te].map(|edge| rotation.transpose_mul(edge - origin))
-        };
-        let ribs: Vec<[Vec3; 2]> = (0..=2 * RIBS).map(section).collect();
-        for (rib, edges) in surface.ribs.iter_mut().zip(&ribs) {
-            rib.iter_mut().zip(edges).for_each(|(track, edge)| push(track, *edge));
-        }
-        if first.is_empty() {
-            first = ribs;
-        }
+        let spar: Vec<f64> = strains.iter().map(|strain| strain[row]).collect();
+        let count = tether.aero.strips();
+        let heights = heights.map(|heights| heights.map(|of| &of[row * count..(row + 1) * count]));
+        let shape = Shape { spar: &spar, heights: heights.unwrap_or_default() };
+        let mut seen = tether.outline(t, &arcs, shape);
+        let inside = |point: &mut Vec3| *point = rotation.transpose_mul(*point - origin);
+        seen.ribs.as_flattened_mut().iter_mut().for_each(inside);
+        seen.raised.as_flattened_mut().iter_mut().for_each(inside);
+        add_outline(&mut surface, &seen);
     }
-    surface.side = sides(&first);
     if let Some(strips) = strips {
         surface.strips = strips_of(strips, loads, shown).unwrap_or_default();
         surface.place_strips();
@@ -69,6 +60,17 @@ pub fn wing(
     motion.t = t;
     motion.surfaces = vec![surface];
     Ok(motion)
+}
+
+/// The coordinates of the spar that has bent a wing with those `loads`; nothing of a rigid one.
+fn strains(loads: &Record) -> Vec<&[f64]> {
+    (0..).map_while(|i| loads.values(&format!("{STRAIN}{i}"))).collect()
+}
+
+/// Both heights of the membrane of all `count` strips at `rows` instants.
+fn heights(strips: &Record, rows: usize, count: usize) -> Option<[&[f64]; 2]> {
+    let [camber, forward] = ["camber", "camber_forward"].map(|name| strips.values(name));
+    Some([camber?, forward?]).filter(|[camber, _]| camber.len() == count * rows)
 }
 
 /// The strips of a record that has as many rows an instant as strips, of the instants of the `shown` rows of `loads`.

@@ -30,8 +30,8 @@ pub struct Surface {
     pub covered: Vec<bool>,
     /// Of each panel 0 on the left, 1 on the right, 2 on neither.
     pub side: Vec<usize>,
-    /// Point of a membrane above the middle of each rib; none of a rigid surface.
-    pub raised: Vec<Track>,
+    /// Points of a membrane above each rib at [`MEMBRANE_DRAWN`](wingbeat::aero::MEMBRANE_DRAWN); none of a rigid surface.
+    pub raised: Vec<[Track; 3]>,
     /// Its strips, from left to right.
     pub strips: Vec<Strip>,
 }
@@ -180,6 +180,13 @@ impl Motion {
 }
 
 impl Surface {
+    /// Points along rib `k` from the leading to the trailing edge in frame `i`, in B: its edges, and of a membrane what lies between.
+    pub fn along(&self, k: usize, i: usize) -> Vec<Vec3> {
+        let [leading, trailing] = &self.ribs[k];
+        let between = self.raised.get(k).map_or(&[][..], |points| points);
+        std::iter::once(leading).chain(between).chain([trailing]).map(|track| at(track, i)).collect()
+    }
+
     /// Says of each strip where it lies between the ribs as they are in the first frame: nearest to its point at 1/4 chord.
     pub fn place_strips(&mut self) {
         let quarter = |rib: &[Track; 2]| at(&rib[0], 0) * 0.75 + at(&rib[1], 0) * 0.25;

@@ -25,6 +25,8 @@ const PROGRAM: [&str; 9] = [
 const PLACE: f64 = 1e-4;
 /// The same of a rib, as a share of the robot's reach.
 const RIB: f64 = 2.5e-4;
+/// The same of a membrane, which may be drawn with its camber enlarged.
+const CAMBER: f64 = 5e-5;
 /// The same of a part of the quaternion.
 const TURN: f64 = 1e-4;
 /// Parts into which the range of a plotted column is cut, and that of an arrow.
@@ -266,7 +268,10 @@ fn of_surface(surface: &Surface, reach: f64, without: Without, pack: &mut Pack) 
     let strips: Vec<Value> = surface.strips.iter().map(strip).collect();
     let mut value = json!({ "name": surface.name, "covered": surface.covered, "side": surface.side, "ribs": ribs, "strips": strips });
     if !surface.raised.is_empty() {
-        let raised: Vec<_> = surface.raised.iter().map(|point| track(point, RIB * reach, pack)).collect();
+        let mut raised = Vec::new();
+        for points in &surface.raised {
+            raised.push(points.each_ref().map(|point| track(point, CAMBER * reach, pack)));
+        }
         value["raised"] = json!(raised);
     }
     value

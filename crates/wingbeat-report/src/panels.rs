@@ -293,6 +293,13 @@ pub fn loads(record: &Record, rows: &[usize]) -> Vec<Panel> {
     panels.extend(of.panel(("moment about the body's axes", "N m"), 1.0, &moments));
     panels.extend(forces(&of));
     panels.extend(of.panel(("power given to the air", "W"), 1.0, &[("power", "power", Own(0))]));
+    let tip = [("tip_up", "up", Own(0)), ("tip_ahead", "ahead", Own(1))];
+    panels.extend(of.panel(("tip of the spar, displacement", "mm"), MILLIMETRES, &tip));
+    panels.extend(of.panel(
+        ("tip of the spar, nose up", "deg"),
+        DEGREES,
+        &[("tip_nose_up", "nose up", Own(0))],
+    ));
     for column in record.columns() {
         for (prefix, what, unit, factor) in
             [("hinge_", ", angle", "deg", DEGREES), ("torque_", ", torque", "N m", 1.0)]

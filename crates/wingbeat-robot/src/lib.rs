@@ -43,9 +43,9 @@ pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::{
-    BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict, GaitSpec,
-    GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, PanelSpec, RegulatorSpec, ResidualSpec,
-    RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
+    BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
+    GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, PanelSpec, RegulatorSpec,
+    ResidualSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub use spec::{file_or, file_or_numbers, is_of_rig, numbers_table};
 pub use stance::Stance;

@@ -4,8 +4,7 @@ use super::Robot;
 use super::dynamics::Evaluation;
 use super::sections::Section;
 use crate::body::{JointKind, LinkMotion};
-use wingbeat_aero::{Aero, Surface};
-use wingbeat_math::interpolation::piecewise_linear;
+use wingbeat_aero::{Surface, membrane_points};
 use wingbeat_math::{Mat3, Vec3};
 use wingbeat_ocp::plant::Fault;
 
@@ -39,8 +38,8 @@ pub struct Outline {
     pub ribs: Vec<[Vec3; 2]>,
     /// Whether there is surface between one rib and the next.
     pub covered: Vec<bool>,
-    /// Of a membrane the point above the middle of each rib, likewise; none of a rigid surface.
-    pub raised: Vec<Vec3>,
+    /// Of a membrane its points above each rib at [`MEMBRANE_DRAWN`](wingbeat_aero::MEMBRANE_DRAWN), likewise; none of a rigid surface.
+    pub raised: Vec<[Vec3; 3]>,
 }
 
 /// The robot at one instant, in B.
@@ -85,7 +84,9 @@ impl Robot {
             // In a vacuum there is none.
             let raised = self.covering.aero.surfaces().get(k).map_or_else(Vec::new, |surface: &Surface| {
                 let states = &x[self.layout.aero..][surface.states()];
-                raised(&ribs, &laid.placement.stations(), surface.aero(), states)
+                let aero = surface.aero();
+                let heights = aero.membrane().map(|membrane| membrane.camber_of(states));
+                heights.map_or_else(Vec::new, |heights| membrane_points(&ribs, &laid.stations, aero, heights))
             });
             Outline { name: laid.name.clone(), ribs, covered: laid.covered.clone(), raised }
         };
@@ -108,20 +109,4 @@ impl Robot {
         x[self.layout.joints..][..coordinates.len()].copy_from_slice(&coordinates);
         self.skeleton(t, &x, &vec![0.0; self.inputs.len()])
     }
-}
-
-/// Where the membrane of `aero`, in the state `x`, lies above the middle of each rib at the arcs `stations`.
-fn raised(ribs: &[[Vec3; 2]], stations: &[f64], aero: &Aero, x: &[f64]) -> Vec<Vec3> {
-    let Some(camber) = aero.membrane().map(|membrane| membrane.camber_of(x)) else { return Vec::new() };
-    // From the right tip on, as the interpolation asks.
-    let arcs: Vec<f64> = aero.strip_arcs().iter().rev().copied().collect();
-    let camber: Vec<f64> = camber.iter().rev().copied().collect();
-    let point = |(k, [le, te]): (usize, &[Vec3; 2])| {
-        let beside = [ribs[k.saturating_sub(1)], ribs[(k + 1).min(ribs.len() - 1)]];
-        let across = beside[1][0] + beside[1][1] - beside[0][0] - beside[0][1];
-        let chord = *te - *le;
-        let height = piecewise_linear(&arcs, &camber, stations[k].clamp(arcs[0], arcs[arcs.len() - 1]));
-        (*le + *te) * 0.5 + chord.cross(across).unit() * (height * chord.norm())
-    };
-    ribs.iter().enumerate().map(point).collect()
 }

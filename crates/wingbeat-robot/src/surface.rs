@@ -51,6 +51,22 @@ impl SurfaceOutline {
 }
 
 impl Robot {
+    /// Largest mass of the membrane on a link over the mass of that link, which has to hold it; none without a membrane.
+    pub fn membrane_over_link(&self) -> Option<f64> {
+        let bodies = self.numbers().bodies;
+        let models = self.surfaces().map(|(_, aero)| aero);
+        let masses = models.flat_map(|aero| match aero.membrane() {
+            Some(model) => model.membrane_masses(),
+            None => vec![0.0; aero.strips()],
+        });
+        let mut borne = vec![0.0; bodies.len()];
+        for (mount, mass) in self.covering.mounts.iter().zip(masses) {
+            borne[mount.link.map_or(0, |link| link + 1)] += mass;
+        }
+        let shares = borne.iter().zip(&bodies).filter(|(mass, _)| **mass > 0.0);
+        shares.map(|(mass, body)| mass / body.mass).reduce(f64::max)
+    }
+
     /// The surfaces of `spec`, of which the robot was built, with the outlines that the robot's numbers say.
     ///
     /// # Errors
@@ -155,7 +171,9 @@ pub(super) struct Laid {
     pub outline: Vec<(String, Section)>,
     /// Its geometry.
     pub placement: Placement,
-    /// Sections at the stations of the outline, from left to right.
+    /// Arcs at which it is drawn, from left to right, m: stations of the outline, and of a membrane strips and ribs besides.
+    pub stations: Vec<f64>,
+    /// Sections there.
     pub ribs: Vec<Section>,
     /// Whether there is surface between one of them and the next.
     pub covered: Vec<bool>,
@@ -243,7 +261,12 @@ impl Covering {
             let placement = Placement::new(&surface, mechanism).map_err(|e| e.within(&outline.key))?;
             let at = |s: &f64| placement.section(*s, carriers);
             ride(&placement, aero, carriers, &mut sections, &mut mounts);
-            let stations = placement.stations();
+            let mut stations = placement.stations();
+            if let Some(model) = aero.membrane() {
+                stations.extend(aero.strip_arcs().iter().chain(model.membrane_ribs()));
+                stations.sort_by(|a, b| b.total_cmp(a));
+                stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+            }
             let placed = Laid {
                 name: surface.name.clone(),
                 symmetric: surface.span == Span::Symmetric,
@@ -255,6 +278,7 @@ impl Covering {
                     .collect(),
                 ribs: stations.iter().map(at).collect(),
                 covered: stations.windows(2).map(|s| outline.planform.covers(0.5 * (s[0] + s[1]))).collect(),
+                stations,
                 placement,
             };
             placed.check_names(&laid).map_err(|e| e.within(&outline.key))?;

@@ -2,6 +2,7 @@
 
 pub mod beam;
 mod energy;
+pub mod flight;
 mod flutter;
 pub mod goland;
 pub mod membrane;

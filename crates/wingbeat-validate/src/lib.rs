@@ -59,6 +59,7 @@ pub fn cases() -> Vec<&'static Case> {
         fsi::goland::CASES,
         fsi::pazy::CASES,
         fsi::membrane::CASES,
+        fsi::flight::CASES,
         orbit::CASES,
         flight::CASES,
         ocp::CASES,

@@ -69,6 +69,7 @@ const FILES: &[(&str, &str)] = files![
     "scenarios/level_20g"
     "scenarios/linkage_bank15"
     "scenarios/linkage_bank30"
+    "scenarios/membrane_bank15"
     "scenarios/motor_flapper"
     "scenarios/paper_plan"
     "scenarios/paper_turn"
@@ -88,6 +89,7 @@ const FILES: &[(&str, &str)] = files![
     "scenarios/roll_in"
     "scenarios/sail_glide"
     "scenarios/soft_20g"
+    "scenarios/soft_bank15"
     "robots/aerobat_beta"
     "robots/aerobat_elastic"
     "robots/aerobat_membrane"
@@ -117,6 +119,7 @@ const FILES: &[(&str, &str)] = files![
     "robots/passive_linkage"
     "robots/sail_glider"
     "robots/soft_20g"
+    "robots/soft_20g_margin"
 ];
 
 /// A file of those that are compiled in.

@@ -81,16 +81,41 @@ impl<P: Scalar> StripModel<P> {
         self.membrane.as_ref().map(|membrane| membrane.scales(self.numbers.density.value(), stretch))
     }
 
+    /// Load that the bending stiffness of the membrane would bear in the shape of half a sine over that which the strain `stretch` bears:
+    /// pi^2 D/(c^2 T), D = E t^3/[12 (1 - nu^2)] and T = E t e/(1 - nu^2), c the mean chord; none without one.
+    ///
+    /// Equation: aero.membrane.bending
+    /// `pi^2 t^2/(12 c^2 e)`
+    /// Source: Timoshenko & Woinowsky-Krieger 1959, Theory of Plates and Shells, section 2 (long plates with tension).
+    /// Test: `a_thick_membrane_bears_by_bending`.
+    pub fn membrane_bending(&self, stretch: f64) -> Option<f64> {
+        let thickness = self.settings.membrane.as_ref()?.thickness_m;
+        let over = std::f64::consts::PI * thickness / self.membrane_scales(stretch)?.mean_chord;
+        Some(over * over / 12.0 / stretch)
+    }
+
+    /// Mass of the membrane of each strip, kg; nothing without one.
+    pub fn membrane_masses(&self) -> Vec<f64> {
+        let masses = self.membrane.iter().flat_map(Membrane::masses);
+        masses.zip(&self.tables.covered).map(|(mass, covered)| mass * covered.value()).collect()
+    }
+
     /// Strain along the chord at those heights over the chord, what the span adds left out; below zero the membrane is slack.
     pub fn membrane_stretch(&self, camber: f64, forward: f64) -> Option<f64> {
         let membrane = self.membrane.as_ref()?;
         Some(membrane.prestrain.value() + 0.5 * (ARC[0] * camber * camber + ARC[1] * forward * forward))
     }
 
-    /// Heights above mid chord over the chord of the strips in the state `x`; nothing without a membrane.
-    pub fn camber_of<'a>(&self, x: &'a [f64]) -> &'a [f64] {
+    /// Arcs of the ribs that hold the membrane to the chord, from the left tip to the right, m; nothing without one.
+    pub fn membrane_ribs(&self) -> &[f64] {
+        self.membrane.as_ref().map_or(&[], |membrane| &membrane.ribs)
+    }
+
+    /// Both heights over the chord of the strips in the state `x`; nothing without a membrane.
+    pub fn camber_of<'a>(&self, x: &'a [f64]) -> [&'a [f64]; MODES] {
         let strips = if self.membrane.is_some() { self.settings.strips } else { 0 };
-        x.get(self.camber_states()..).and_then(|x| x.get(..strips)).unwrap_or_default()
+        let from = |mode: usize| self.camber_states() + mode * strips;
+        std::array::from_fn(|mode| x.get(from(mode)..from(mode) + strips).unwrap_or_default())
     }
 
     /// Where the cambers begin among the states.
@@ -312,11 +337,8 @@ mod tests {
     };
     use std::f64::consts::PI;
 
-    /// In plane flow: k T h/c and the loads of both shapes are two linear equations, lift 2 pi (a + 2 h_1 - h_2), moment about 1/4 chord
-    /// -pi (h_1 - 3/4 h_2), and no drag.
-    #[test]
-    fn a_sail_bulges_and_lifts_as_its_two_shapes_say() {
-        let (alpha, tension, span) = (1e-3_f64, 1.5, 10.0);
+    /// A sail of 1 m chord and 10 m span, E t = 100 N/m, 0.01 kg/m2.
+    fn sail(thickness: f64, prestrain: f64) -> StripModel {
         let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.5, trailing_edge_m: -0.5 };
         let settings = StripSettings {
             strips: 4,
@@ -329,10 +351,10 @@ mod tests {
                 ..Default::default()
             },
             membrane: Some(MembraneSpec {
-                thickness_m: 1e-3,
-                modulus_pa: 1e5,
-                density_kg_m3: 10.0,
-                prestrain: tension / 100.0,
+                thickness_m: thickness,
+                modulus_pa: 100.0 / thickness,
+                density_kg_m3: 0.01 / thickness,
+                prestrain,
                 prestrain_span: None,
                 poisson_ratio: 0.3,
                 damping_s: 0.05,
@@ -340,8 +362,33 @@ mod tests {
             }),
             ..Default::default()
         };
-        let planform = Planform::new(&[station(0.0), station(0.5 * span)]).unwrap();
-        let model = StripModel::new(&planform, settings).unwrap();
+        let planform = Planform::new(&[station(0.0), station(5.0)]).unwrap();
+        StripModel::new(&planform, settings).unwrap()
+    }
+
+    /// pi^2 D/(c^2 T) by its parts, as the square of the thickness at one E t; the strips weigh what the sail weighs.
+    #[test]
+    fn a_thick_membrane_bears_by_bending() {
+        let (thickness, strain) = (0.2, 0.015);
+        let modulus = 100.0 / thickness;
+        let plate = 1.0 - 0.3 * 0.3;
+        let bending = modulus * thickness * thickness * thickness / (12.0 * plate);
+        let exact = PI * PI * bending / (modulus * thickness * strain / plate);
+        let found = sail(thickness, 0.01).membrane_bending(strain).unwrap();
+        assert!((found / exact - 1.0).abs() < 1e-3 && found > 2.0, "{found} {exact}");
+        let thin = sail(0.001, 0.01).membrane_bending(strain).unwrap();
+        assert!((thin * 40_000.0 / found - 1.0).abs() < 1e-12, "{thin}");
+        let model = sail(0.001, 0.01);
+        let (mass, area): (f64, f64) = (model.membrane_masses().iter().sum(), model.widths().iter().sum());
+        assert!((mass / (0.01 * area) - 1.0).abs() < 1e-9, "{mass} {area}");
+    }
+
+    /// In plane flow: k T h/c and the loads of both shapes are two linear equations, lift 2 pi (a + 2 h_1 - h_2), moment about 1/4 chord
+    /// -pi (h_1 - 3/4 h_2), and no drag.
+    #[test]
+    fn a_sail_bulges_and_lifts_as_its_two_shapes_say() {
+        let (alpha, tension) = (1e-3_f64, 1.5);
+        let model = sail(1e-3, tension / 100.0);
         let (s, c) = alpha.sin_cos();
         let section = |y: &f64| SectionMotion {
             le: Vec3([0.5 * c, *y, 0.5 * s]),

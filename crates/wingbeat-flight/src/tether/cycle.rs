@@ -1,5 +1,6 @@
 //! Means over the last cycle, and whether it repeats the one before.
 
+use super::spar::STRAIN;
 use crate::simulate::{Column, Record};
 use std::ops::Range;
 
@@ -100,7 +101,7 @@ pub(super) fn rows_of_cycle(rows: usize, steps: usize, back: usize) -> Option<Ra
     (end >= steps).then(|| end - steps..end)
 }
 
-/// Means of the columns over the last cycle, or over the rows there are, with their change from the one before.
+/// Means of the columns but those of a spar's coordinates over the last cycle, or over the rows there are, with their change from the one before.
 pub(super) fn means(record: &Record, steps: usize) -> Vec<CycleMean> {
     let rows = record.rows();
     let closed = |cycle: Range<usize>| cycle.start..cycle.end + 1;
@@ -113,7 +114,7 @@ pub(super) fn means(record: &Record, steps: usize) -> Vec<CycleMean> {
             None => mean,
         }
     };
-    record.columns()[2..].iter().map(of).collect()
+    record.columns()[2..].iter().filter(|column| !column.name.starts_with(STRAIN)).map(of).collect()
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub struct TetherRun {
     pub loads: Record,
     /// Strips by time, one row per strip and instant.
     pub strips: Record,
-    /// Means over the last cycle of every column of `loads` but time and phase.
+    /// Means over the last cycle of every column of `loads` but time, phase and the coordinates of a spar.
     pub means: Vec<CycleMean>,
     /// Propulsive efficiency: mean thrust times wind speed over mean power, both of the last cycle; negative where
     /// the wing drags. None without wind, and where the motion takes no power.
@@ -131,6 +131,7 @@ impl Recorder {
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
         if let (Some(spar), Some(bent)) = (&tether.spar, bent) {
             row.extend(spar.seen(tether, t, bent));
+            row.extend(&bent.q[0]);
         }
         self.powers.update(tether, t, (loads, bent), &self.weights);
         row.extend([-force[0], self.powers.total, self.powers.body]);
@@ -221,7 +222,7 @@ fn load_columns(tether: &Tether) -> Vec<Column> {
     }
     columns
         .extend(tether.motion.hinges.iter().map(|(name, _)| Column::new(format!("hinge_{name}"), "rad", "")));
-    columns.extend(tether.spar.iter().flat_map(|_| Spar::columns()));
+    columns.extend(tether.spar.iter().flat_map(Spar::columns));
     columns.push(Column::new("thrust", "N", "wind"));
     columns.extend(Powers::new(tether).columns(&tether.motion));
     columns

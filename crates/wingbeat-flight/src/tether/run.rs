@@ -73,6 +73,13 @@ impl Motion {
         Self { surge: still(), heave: still(), nose_up: still(), roll: still(), axis_ahead_m: 0.0, hinges }
     }
 
+    /// Whether nothing moves.
+    pub fn is_still(&self) -> bool {
+        let body = [&self.surge, &self.heave, &self.nose_up, &self.roll];
+        let all = body.into_iter().chain(self.hinges.iter().map(|(_, angle)| angle));
+        all.fold(true, |still, coordinate| still && matches!(coordinate, Coordinate::Constant(_)))
+    }
+
     /// The body at time `t`.
     pub fn body(&self, t: f64) -> TetheredBody<f64> {
         TetheredBody {

@@ -20,6 +20,9 @@ const FOUND: f64 = 1e-9;
 /// Shares of the loads under which the shape is sought one after another.
 const SHARES: usize = 4;
 
+/// What the columns of its coordinates begin with.
+pub const STRAIN: &str = "spar_strain_";
+
 /// The beam of each half, mirror images of each other: x outboard, y aft, z up.
 #[derive(Clone, Debug)]
 pub struct Spar {
@@ -237,11 +240,13 @@ impl Spar {
     }
 
     /// Columns of [`seen`](Self::seen).
-    pub(super) fn columns() -> Vec<Column> {
+    pub(super) fn columns(&self) -> Vec<Column> {
         let tip = [("tip_up", "m"), ("tip_ahead", "m"), ("tip_nose_up", "rad")];
         let mut columns: Vec<Column> = tip.map(|(name, unit)| Column::new(name, unit, "root")).into();
         columns.extend(["x", "y", "z"].map(|a| Column::new(format!("spar_force_{a}"), "N", "root")));
         columns.extend(["x", "y", "z"].map(|a| Column::new(format!("spar_moment_{a}"), "N m", "root")));
+        let strains = 0..self.beam.coordinates();
+        columns.extend(strains.map(|i| Column::new(format!("{STRAIN}{i}"), "1/m", "")));
         columns
     }
 

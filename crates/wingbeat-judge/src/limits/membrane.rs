@@ -28,7 +28,28 @@ pub const BEYOND_LAG: Limit = Limit::at_most("membrane.lag_outside_rad", 1.0, "r
 /// Weight of a membrane, which bends no membrane here.
 pub const WEIGHT: Limit = Limit::warn_above("membrane.weight_fraction", 0.1, "")
     .on("gravity does not bend a membrane here: rise by its weight over its largest rise");
+/// Bending stiffness, which is left out: the tension at which a strip would buckle over its mean one.
+pub const BENDING: Limit = Limit::warn_above("membrane.bending_fraction", 0.1, "")
+    .on("the bending stiffness of a membrane is left out: what it would bear of the load, over what its tension bears,");
+/// A sheet so thick that it bears more by bending than by tension.
+pub const BEYOND_BENDING: Limit = Limit::at_most("membrane.bending_outside_fraction", 1.0, "", Outside)
+    .on("load that the bending stiffness of a membrane would bear, over what its tension bears,");
+/// A membrane cannot be heavier than the link whose mass holds its own.
+pub const MASS: Limit = Limit::at_most("membrane.mass_fraction", 1.0, "", Outside).on(
+    "the masses of links hold those of membranes: largest mass of a membrane on a link over that of the link",
+);
 
 /// All of them.
-pub const ALL: [Limit; 8] =
-    [CAMBER, BEYOND_CAMBER, SLACK, FREQUENCY, BEYOND_FREQUENCY, LAG, BEYOND_LAG, WEIGHT];
+pub const ALL: [Limit; 11] = [
+    CAMBER,
+    BEYOND_CAMBER,
+    SLACK,
+    FREQUENCY,
+    BEYOND_FREQUENCY,
+    LAG,
+    BEYOND_LAG,
+    WEIGHT,
+    BENDING,
+    BEYOND_BENDING,
+    MASS,
+];

@@ -24,10 +24,15 @@ pub const FIRST: Limit = Limit::warn_below("tether.cycles", 2.0, "")
 /// Ten times what the shipped case reaches with its coefficients. *Choice.*
 pub const SPAR: Limit = Limit::at_most("tether.spar_grid_fraction", 0.02, "", NotResolved)
     .on("move of the tip at rest with one more coefficient of the spar's strains, over its displacement,");
-
-/// A wing that flutters or diverges leaves the shape whose loads are told. Rounding makes 1e-9.
-pub const GROWTH: Limit = Limit::at_most("tether.growth_1_s", 0.01, "1/s", Outside)
-    .on("the wing flutters or diverges: growth rate of small disturbances of its shape at rest in the wind");
+/// Disturbances of a wing that is held at rest: beyond the speed of flutter or divergence it would leave the shape whose loads are
+/// told. Rounding alone grows by 1e-9. *Choice.*
+pub const FLUTTER: Limit = Limit::at_most("tether.growth_fraction", 1e-3, "", Outside).on(
+    "small disturbances of a wing held at rest in the wind flutter or diverge: their growth rate over the lowest angular frequency of the spar",
+);
+/// Stations of a spar without mass, or without inertia about the span, where the wing has a chord. *Choice.*
+pub const MASSLESS: Limit = Limit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
+    "a wing has mass and inertia all along: least of either per length at a station of the spar, over the most of any and the square or the fourth power of the chords' ratio,",
+);
 
 /// All of them.
-pub const ALL: [Limit; 7] = [STEPS, CYCLES, CROSSING, CROSSED, FIRST, SPAR, GROWTH];
+pub const ALL: [Limit; 8] = [STEPS, CYCLES, CROSSING, CROSSED, FIRST, SPAR, FLUTTER, MASSLESS];

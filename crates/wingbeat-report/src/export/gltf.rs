@@ -26,7 +26,9 @@ const SCALAR: Kind = ("SCALAR", 1);
 const VEC3: Kind = ("VEC3", 3);
 const VEC4: Kind = ("VEC4", 4);
 const MAT4: Kind = ("MAT4", 16);
-/// Shortest chord of a rib, m: a joint must not have the scale zero.
+/// Most ribs: 16 bits number their points, 5 a rib of a membrane.
+const MOST_RIBS: usize = 13_000;
+/// Shortest chord of a rib, and least rise of a membrane, m: a joint must not have the scale zero.
 const SHORTEST: f64 = 1e-6;
 
 /// Bytes, and views into them and accessors as JSON: written as text, which is less code than values.
@@ -84,12 +86,17 @@ impl Buffer {
     }
 }
 
-/// A joint in one frame: x from the trailing to the leading edge, scaled by the chord.
+/// A joint in one frame: x from the trailing to the leading edge, scaled by the chord, and z above it, scaled by the rise of a membrane
+/// in the middle.
 struct Joint {
     origin: Vec3,
     rotation: Mat3,
-    chord: f64,
+    scale: [f64; 3],
 }
+
+/// Points of a rib between which it is straight, over chord and rise: of a membrane the parabola with its rise in the middle.
+const FLAT: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 0.0]];
+const BULGED: [[f64; 2]; 5] = [[1.0, 0.0], [0.75, 0.75], [0.5, 1.0], [0.25, 0.75], [0.0, 0.0]];
 
 /// A run of `motion` as the bytes of a `.glb` file.
 ///
@@ -97,14 +104,16 @@ struct Joint {
 /// More ribs than a file of glTF numbers here, a motion without any or without a surface between them, more than 2 GiB.
 pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
     let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
-    if ribs == 0 || ribs > 30_000 || motion.frames() == 0 {
-        return Err(format!("{ribs} ribs in {} frames: allowed are 1 to 30000 ribs", motion.frames()));
+    if ribs == 0 || ribs > MOST_RIBS || motion.frames() == 0 {
+        return Err(format!("{ribs} ribs in {} frames: allowed are 1 to {MOST_RIBS} ribs", motion.frames()));
     }
     if !motion.surfaces.iter().any(|surface| surface.covered.contains(&true)) {
         return Err("no surface lies between the ribs: there is nothing to draw".into());
     }
     // Of every frame place and turn of each joint, of which the file holds a copy while it is made.
-    super::fits("the .glb file", motion.frames() as f64 * (ribs as f64 + 2.0) * 28.0)?;
+    let raised: usize = motion.surfaces.iter().map(|surface| surface.raised.len()).sum();
+    let numbers = 28.0 * (ribs as f64 + 2.0) + 12.0 * raised as f64;
+    super::fits("the .glb file", motion.frames() as f64 * numbers)?;
     let mut buffer = Buffer::default();
     let start = motion.t[0];
     let t: Vec<f64> = motion.t.iter().map(|t| t - start).collect();
@@ -179,14 +188,22 @@ struct Animated {
 impl Animated {
     /// The places and turns of a node.
     fn add(&mut self, buffer: &mut Buffer, times: usize, node: usize, place: &[[f64; 3]], turn: &[[f64; 4]]) {
-        let rows = [("translation", place.as_flattened(), VEC3), ("rotation", turn.as_flattened(), VEC4)];
-        for (path, numbers, kind) in rows {
-            let output = buffer.floats(numbers, kind, None, false);
-            let sampler = self.samplers.len();
-            self.channels
-                .push(format!(r#"{{"sampler":{sampler},"target":{{"node":{node},"path":"{path}"}}}}"#));
-            self.samplers.push(format!(r#"{{"input":{times},"output":{output},"interpolation":"LINEAR"}}"#));
-        }
+        self.part(buffer, times, node, ("translation", place.as_flattened(), VEC3));
+        self.part(buffer, times, node, ("rotation", turn.as_flattened(), VEC4));
+    }
+
+    /// What of a node is told by the numbers.
+    fn part(
+        &mut self,
+        buffer: &mut Buffer,
+        times: usize,
+        node: usize,
+        (path, numbers, kind): (&str, &[f64], Kind),
+    ) {
+        let output = buffer.floats(numbers, kind, None, false);
+        let sampler = self.samplers.len();
+        self.channels.push(format!(r#"{{"sampler":{sampler},"target":{{"node":{node},"path":"{path}"}}}}"#));
+        self.samplers.push(format!(r#"{{"input":{times},"output":{output},"interpolation":"LINEAR"}}"#));
     }
 }
 
@@ -207,36 +224,46 @@ fn wings(
     let mut indices: [Vec<u16>; 3] = Default::default();
     for surface in &motion.surfaces {
         let first = points.len() as u16;
+        let profile = if surface.raised.is_empty() { &FLAT[..] } else { &BULGED };
+        let each = profile.len() as u16;
         for k in 0..surface.ribs.len() {
-            let bind = joint(motion, surface, k, 0);
-            let number = (points.len() / 2) as u16;
-            for edge in [0, 1] {
-                points.push(motion.in_world(0, at(&surface.ribs[k][edge], 0)).0);
+            let (bind, number) = (joint(motion, surface, k, 0), (inverse.len() / 16) as u16);
+            for [x, z] in profile {
+                let inside = Vec3([bind.scale[0] * x, 0.0, bind.scale[2] * z]);
+                points.push((bind.origin + bind.rotation * inside).0);
                 joints.extend([number, 0, 0, 0]);
                 weights.extend([1.0, 0.0, 0.0, 0.0]);
             }
             inverse.extend(inverted(&bind));
             nodes.push(format!(
-                r#"{{"name":{},"translation":{:?},"rotation":{:?},"scale":[{},1,1]}}"#,
+                r#"{{"name":{},"translation":{:?},"rotation":{:?},"scale":{:?}}}"#,
                 Value::from(format!("{} rib {k}", surface.name)),
                 bind.origin.0,
                 quaternion(&bind.rotation),
-                bind.chord
+                bind.scale
             ));
             let (mut place, mut turn): (Vec<[f64; 3]>, Vec<[f64; 4]>) = (Vec::new(), Vec::new());
+            let mut scale: Vec<[f64; 3]> = Vec::new();
             for i in 0..motion.frames() {
                 let now = joint(motion, surface, k, i);
                 let next = quaternion(&now.rotation);
                 let along = turn.last().map_or(1.0, |last| last.iter().zip(next).map(|(a, b)| a * b).sum());
                 place.push(now.origin.0);
+                scale.push(now.scale);
                 turn.push(if along < 0.0 { next.map(|part| -part) } else { next });
             }
             let node = nodes.len() - 1;
             animated.add(buffer, times, node, &place, &turn);
+            if !surface.raised.is_empty() {
+                animated.part(buffer, times, node, ("scale", scale.as_flattened(), VEC3));
+            }
         }
         for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
-            let [a, b, c, d] = [0, 1, 3, 2].map(|n| first + 2 * k as u16 + n);
-            indices[*side].extend([a, b, c, a, c, d]);
+            let at = first + each * k as u16;
+            for a in at..at + each - 1 {
+                let [b, c, d] = [a + 1, a + each + 1, a + each];
+                indices[*side].extend([a, b, c, a, c, d]);
+            }
         }
     }
     let position = buffer.floats(points.as_flattened(), VEC3, Some(VERTICES), true);
@@ -262,12 +289,20 @@ fn joint(motion: &Motion, surface: &Surface, k: usize, i: usize) -> Joint {
     let across = |v: [f64; 3]| x.cross(motion.turned(i, Vec3(v)));
     let [left, top] = [across([0.0, 1.0, 0.0]), across([0.0, 0.0, 1.0])];
     let z = if left.norm() > 0.1 { direction(left) } else { direction(top) };
-    Joint { origin: trailing, rotation: Mat3::from_columns(x, z.cross(x), z), chord }
+    let rotation = Mat3::from_columns(x, z.cross(x), z);
+    let Some(raised) = surface.raised.get(k) else {
+        return Joint { origin: trailing, rotation, scale: [chord, 1.0, 1.0] };
+    };
+    let rise = motion.in_world(i, at(&raised[1], i)) - (leading + trailing) * 0.5;
+    let height = rise.dot(z);
+    // No scale may be zero.
+    let height = if height.abs() < SHORTEST { SHORTEST } else { height };
+    Joint { origin: trailing, rotation, scale: [chord, 1.0, height] }
 }
 
 /// The inverse of a joint's matrix, S^-1 R^T (p - o), by columns.
 fn inverted(joint: &Joint) -> [f64; 16] {
-    let scale = [1.0 / joint.chord, 1.0, 1.0];
+    let scale = joint.scale.map(|scale| 1.0 / scale);
     let back = joint.rotation.transpose_mul(-joint.origin);
     std::array::from_fn(|at| match (at / 4, at % 4) {
         (3, 3) => 1.0,

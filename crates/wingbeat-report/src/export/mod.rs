@@ -98,7 +98,7 @@ pub const SERIES: &str = "frames.vtk.series";
 /// # Errors
 /// That.
 pub fn vtk_fits(motion: &Motion) -> Result<(), String> {
-    let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
+    let ribs: usize = motion.surfaces.iter().map(|s| s.ribs.len() + 3 * s.raised.len()).sum();
     fits("the frames", motion.frames() as f64 * ribs as f64 * 400.0)
 }
 

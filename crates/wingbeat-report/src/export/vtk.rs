@@ -4,15 +4,18 @@ use std::fmt::Write;
 
 use crate::motion::{Motion, at};
 
-/// Frame `i` as legacy VTK: wings as quadrilaterals with their side, strips as points with force (N, in W) and circulation (m2/s).
+/// Frame `i` as legacy VTK: wings as quadrilaterals with their side, bent and cambered as they are, strips as points with force (N, in W) and circulation (m2/s).
 pub fn vtk(motion: &Motion, i: usize) -> String {
     let (mut points, mut quads, mut forces) = (Vec::new(), Vec::new(), Vec::new());
     for surface in &motion.surfaces {
         let first = points.len();
-        points.extend(surface.ribs.iter().flatten().map(|edge| motion.in_world(i, at(edge, i))));
+        let along = (0..surface.ribs.len()).flat_map(|k| surface.along(k, i));
+        points.extend(along.map(|point| motion.in_world(i, point)));
+        let each = if surface.raised.is_empty() { 2 } else { 5 };
         for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
-            let at = first + 2 * k;
-            quads.push(([at, at + 1, at + 3, at + 2], *side));
+            let at = first + each * k;
+            let strip = at..at + each - 1;
+            quads.extend(strip.map(|at| ([at, at + 1, at + each + 1, at + each], *side)));
         }
     }
     let ribs = points.len();

@@ -15,7 +15,7 @@ class Controls {
   // What these runs have to show; what was chosen before stays chosen.
   offer(motions, shots) {
     const strips = motions.some(m => m.surfaces.some(s => s.strips.some(p => p.force))), circulation = motions.some(m => m.circulation), { named, free } = this.stage;
-    const key = JSON.stringify([circulation, shots.length > 0, free, strips, named]);
+    const camber = motions.some(m => m.camber > 0), key = JSON.stringify([circulation, shots.length > 0, free, strips, camber, named]);
     if (key === this.offered) return;
     this.offered = key;
     const rows = [];
@@ -23,6 +23,7 @@ class Controls {
     if (circulation) rows.push(this.lengths());
     if (free) rows.push(this.toggle('level', 'level line', shown.level, on => shown.level = on));
     if (strips) rows.push(this.toggle('strips', 'force of each strip, all sources', shown.strips, on => shown.strips = on));
+    if (camber) rows.push(this.toggle('camber', 'camber × 5', shown.camber > 1, on => shown.camber = on ? 5 : 1));
     rows.push(this.toggle('loop', 'repeat', shown.loop, on => shown.loop = on));
     $('shows').replaceChildren(...rows);
     $('sources').replaceChildren(...named.map((source, n) => this.source(source, n)));
@@ -70,7 +71,7 @@ class Controls {
     else if (key === '+' || key === '-') { const s = $('speed'); s.selectedIndex = limited(s.selectedIndex + (key === '+' ? 1 : -1), 0, s.options.length - 1); state.speed = +s.value; }
     else if (key >= '1' && key <= '5') stage.choose(CAMERAS[+key - 1]);
     else if (letter === 'f') stage.choose(stage.view.mode);
-    else if ('wls'.includes(letter)) { const input = document.querySelector(`[data-name="${{ w: 'wake', l: 'level', s: 'strips' }[letter]}"] input`); if (input) input.click(); }
+    else if ('wlsc'.includes(letter)) { const input = document.querySelector(`[data-name="${{ w: 'wake', l: 'level', s: 'strips', c: 'camber' }[letter]}"] input`); if (input) input.click(); }
     else return false;
     return true;
   }

@@ -26,9 +26,14 @@ class Overlay {
     c.strokeText(text, x, y); c.fillStyle = this.colours.ink; c.fillText(text, x, y);
   }
   legend(w, h, motions) {
-    const m = motions[0];
-    this.write('left wing', w - 88, 18); this.write('right wing', w - 88, 34);
-    this.patch('#0072b2', w - 104, 9, 11, 10); this.patch('#d55e00', w - 104, 25, 11, 10);
+    const m = motions[0], camber = Math.max(...motions.map(m => m.camber));
+    let y0 = 18;
+    ['left wing', 'right wing'].forEach((name, side) => {
+      if (!motions.some(m => m.surfaces.some(s => s.side.some((of, k) => of === side && s.covered[k])))) return;
+      this.write(name, w - 88, y0); this.patch(['#0072b2', '#d55e00'][side], w - 104, y0 - 9, 11, 10); y0 += 16;
+    });
+    const size = shown.camber > 1 ? ', drawn × ' + shown.camber : '';
+    if (camber > 0) this.write('camber up to ' + digits(+(100 * camber).toPrecision(2)) + ' % of the chord' + size, w - 12, y0 + 4, 'right');
     if (!(shown.wake && m.circulation)) return;
     const x = w - 226, y = h - 18, most = 0.7 * m.mostCirculation;
     for (let i = 0; i < 160; i += 4) { const c = circulationColour((i - 78) / 60); this.patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }

@@ -64,6 +64,7 @@ class Motion {
     for (const track of tracks) for (let k = 0; k < 3; k++) for (const v of track[k]) if (v === v) { this.low[k] = Math.min(this.low[k], v); this.high[k] = Math.max(this.high[k], v); }
     this.most = Math.max(1e-9, ...this.sources.map(source => { let m = 0; for (let i = 0; i < this.n; i++) m = Math.max(m, Math.hypot(...source.force.map(c => c[i]))); return m; }));
     if (this.circulation) this.shed();
+    this.camber = this.camberMost();
     this.mostStrip = 1e-9;
     for (const s of this.surfaces) for (const strip of s.strips) if (strip.force) for (let i = 0; i < this.n; i++) this.mostStrip = Math.max(this.mostStrip, Math.hypot(...strip.force.map(c => c[i])));
   }
@@ -91,6 +92,21 @@ class Motion {
     this.p = this.at(this.position);
   }
   at(track) { const { i, j, s } = this; return [0, 1, 2].map(k => track[k][i] + s * (track[k][j] - track[k][i])); }
+  // Points along a rib from the leading to the trailing edge, those of a membrane `size` times as high above its chord as they are.
+  along(surface, k, size) {
+    const [a, b] = surface.ribs[k].map(edge => this.at(edge)), points = surface.raised ? surface.raised[k] : [];
+    return [a, ...points.map((p, n) => { const flat = mixed(a, b, (n + 1) / (points.length + 1)); return mixed(flat, this.at(p), size); }), b];
+  }
+  // Largest height of a membrane over the chord, of a rib in the middle and of any frame.
+  camberMost() {
+    let most = 0;
+    for (const s of this.surfaces) for (let k = 0; s.raised && k < s.ribs.length; k++) for (this.i = 0; this.i < this.n; this.i++) {
+      this.j = this.i; this.s = 0;
+      const [a, b] = s.ribs[k].map(edge => this.at(edge)), chord = norm(sub(b, a));
+      if (chord > 1e-3 * this.reach) most = Math.max(most, norm(sub(this.at(s.raised[k][1]), mixed(a, b, 0.5))) / chord);
+    }
+    return most;
+  }
   turned(v) { return this.R.map(row => dot(row, v)); }
   world(v, scale = 1) { return add(this.p, this.turned(v), scale); }
   shed() {
@@ -115,7 +131,7 @@ class Motion {
     this.mostCirculation = Math.max(1e-9, ...this.rows.map(r => r.most));
   }
 }
-const shown = { wake: true, level: true, strips: false, loop: true, sources: {}, wakeTime: 0.3 };
+const shown = { wake: true, level: true, strips: false, loop: true, sources: {}, wakeTime: 0.3, camber: 1 };
 function addWake(scene, m, coarse) {
   const window = shown.wakeTime, now = m.t[m.i] + m.s * (m.t[m.j] - m.t[m.i]);
   const first = place(m.t, now - window)[0], step = Math.max(1, Math.round((m.i - first) / (coarse ? 16 : 100)));
@@ -147,10 +163,11 @@ function addRobot(scene, m, look, scale, floor, detailed) {
     for (let k = 0; k + 1 < ribs.length; k++) {
       if (!surface.covered[k]) continue;
       const [[a, b], [c, d]] = [ribs[k], ribs[k + 1]], paint = look.sides[surface.side[k]];
-      if (surface.raised) {
-        const [e, f] = [k, k + 1].map(n => m.world(m.at(surface.raised[n]), scale));
-        scene.quad(a, c, f, e, paint); scene.quad(e, f, d, b, paint);
-      } else scene.quad(a, c, d, b, paint);
+      const [one, next] = [k, k + 1].map(n => m.along(surface, n, shown.camber).map(p => m.world(p, scale)));
+      for (let n = 0; n + 1 < one.length; n++) {
+        scene.quad(one[n], next[n], next[n + 1], one[n + 1], paint);
+        if (one.length > 2 && detailed) scene.line(one[n], one[n + 1], 0.8, [paint[0] * 0.45, paint[1] * 0.45, paint[2] * 0.45, 0.6]);
+      }
       const dark = [paint[0] * 0.45, paint[1] * 0.45, paint[2] * 0.45, 1];
       scene.line(a, c, 2, dark); scene.line(b, d, 1, dark);
       if (detailed) scene.line(a, b, 0.8, faded(dark, 0.6));

@@ -1,5 +1,7 @@
 //! Goland's wing: a uniform cantilever whose bending and torsion flutter.
 
+mod lattice;
+
 use super::theodorsen::loads;
 use crate::{Case, Error, Row};
 use nalgebra::{Complex, DMatrix};
@@ -8,7 +10,10 @@ use wingbeat::math::{Mat3, Vec3};
 use wingbeat::structure::{Beam, Grid, Section, Setting, Station, Strain, frequencies, linear, turning};
 
 /// The comparisons.
-pub const CASES: &[Case] = &[Case { id: "fsi.goland.strip", quick: true, run: strip }];
+pub const CASES: &[Case] = &[
+    Case { id: "fsi.goland.strip", quick: true, run: strip },
+    Case { id: "fsi.goland.lattice", quick: false, run: lattice::rows },
+];
 
 /// Goland 1945: semi-span and semi-chord, m; elastic axis and centre of mass behind the leading edge, chords.
 const SPAN: f64 = 6.096;
@@ -32,8 +37,8 @@ const SEARCHED: (f64, f64, f64) = (1.5, 0.2, 0.99);
 
 type C = Complex<f64>;
 
-/// The beam, with nodes in the middles of the strips; y points aft.
-fn beam() -> Result<Beam, Error> {
+/// The beam, with nodes at `arcs`; y points aft.
+fn beam(arcs: Vec<f64>) -> Result<Beam, Error> {
     let offset = (CENTRE - AXIS) * 2.0 * SEMI_CHORD;
     let own = INERTIA - MASS * offset * offset;
     // In its plane it is taken a hundred times stiffer.
@@ -43,7 +48,6 @@ fn beam() -> Result<Beam, Error> {
         Mat3::diagonal(Vec3::new(own, 1e-6 * own, own)),
     );
     let stations = [0.0, SPAN].map(|arc_m| Station { arc_m, section });
-    let arcs = (0..STRIPS).map(middle).collect();
     Ok(Beam::new(&stations, &[], &Grid { elements: 1, order: 6, strains: Strain::INEXTENSIBLE, arcs })?)
 }
 
@@ -59,7 +63,7 @@ struct Mode {
 
 /// The lowest modes of the library's beam without air.
 fn modes() -> Result<Vec<Mode>, Error> {
-    let (beam, setting) = (beam()?, Setting::default());
+    let (beam, setting) = (beam((0..STRIPS).map(middle).collect())?, Setting::default());
     let zero = vec![0.0; beam.coordinates()];
     let found = frequencies(&linear(&beam, &setting, &zero));
     let mode = |(omega, shape): &(f64, Vec<f64>)| {
@@ -75,28 +79,33 @@ fn modes() -> Result<Vec<Mode>, Error> {
     Ok(found.iter().take(MODES).map(mode).collect())
 }
 
-/// All X = (1 + i g)/omega2 at which the wing oscillates harmonically at the reduced frequency `k` in air of `density`:
-/// X omega_i2 q_i = q_i + sum_j G_ij q_j, omega2 G the work of the loads of mode j on mode i, by strips.
-fn characteristic(modes: &[Mode], density: f64, k: f64) -> Result<Vec<C>, Error> {
+/// Work of the loads of mode j on mode i over omega2 at the reduced frequency `k` in air of `density`, by strips.
+fn by_strips(modes: &[Mode], density: f64, k: f64) -> DMatrix<C> {
     let [lift, moment] = loads(2.0 * AXIS - 1.0, k);
     let scale = PI * density * SEMI_CHORD.powi(4) * SPAN / STRIPS as f64;
-    let matrix = DMatrix::from_fn(modes.len(), modes.len(), |i, j| {
+    DMatrix::from_fn(modes.len(), modes.len(), |i, j| {
         let work = modes[i].moves.iter().zip(&modes[j].moves).map(|([h, alpha], [by_h, by_alpha])| {
             // Lift points up, h down.
             (moment[0] * *by_h + moment[1] * *by_alpha) * *alpha
                 - (lift[0] * *by_h + lift[1] * *by_alpha) * *h
         });
-        let own = C::from(if i == j { 1.0 } else { 0.0 });
-        (own + work.sum::<C>() * scale) / modes[i].square
-    });
+        work.sum::<C>() * scale
+    })
+}
+
+/// All X = (1 + i g)/omega2 at which a wing of the modal frequencies squared `squares` oscillates harmonically:
+/// X omega_i2 q_i = q_i + sum_j G_ij q_j, omega2 G the work of the loads of mode j on mode i.
+fn characteristic(squares: &[f64], work: &DMatrix<C>) -> Result<Vec<C>, Error> {
+    let own = |i: usize, j: usize| C::from(if i == j { 1.0 } else { 0.0 });
+    let matrix =
+        DMatrix::from_fn(squares.len(), squares.len(), |i, j| (own(i, j) + work[(i, j)]) / squares[i]);
     let found = matrix.eigenvalues().ok_or_else(|| Error::NoAnswer("eigenvalues of Goland's wing".into()))?;
     Ok(found.iter().copied().collect())
 }
 
 /// Speed (m/s) and frequency (rad/s) of flutter: the lowest speed at which the damping that a harmonic motion needs turns positive.
-fn flutter(density: f64) -> Result<[f64; 2], Error> {
-    let modes = modes()?;
-    let at = |k: f64| characteristic(&modes, density, k);
+fn flutter(squares: &[f64], work: impl Fn(f64) -> DMatrix<C>) -> Result<[f64; 2], Error> {
+    let at = |k: f64| characteristic(squares, &work(k));
     let (first, last, factor) = SEARCHED;
     let (mut k, mut roots, mut found) = (first, at(first)?, Vec::new());
     while k > last {
@@ -118,8 +127,10 @@ fn flutter(density: f64) -> Result<[f64; 2], Error> {
 }
 
 fn strip() -> Result<Vec<Row>, Error> {
-    let [speed, frequency] = flutter(SEA_LEVEL)?;
-    let aloft = flutter(ALOFT)?;
+    let modes = modes()?;
+    let squares: Vec<f64> = modes.iter().map(|mode| mode.square).collect();
+    let [speed, frequency] = flutter(&squares, |k| by_strips(&modes, SEA_LEVEL, k))?;
+    let aloft = flutter(&squares, |k| by_strips(&modes, ALOFT, k))?;
     let source = "Goland 1945, Goland & Luke 1948: exact strip theory at sea level, 137.2 m/s, 70.7 rad/s";
     let judged = |id: &str, what: &str, value: f64| Row::judged(id, source, what, value, 0.03, "");
     Ok(vec![

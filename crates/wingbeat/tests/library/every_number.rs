@@ -35,6 +35,7 @@ const OPEN: &[&str] = &[
     "passive_20g_margin",
     "passive_bank15",
     "soft_20g",
+    "soft_bank15",
 ];
 /// Scenarios whose first station beyond the middle only ends a gap.
 const ENDED: &[&str] = &[
@@ -55,6 +56,7 @@ const ENDED: &[&str] = &[
     "passive_20g_margin",
     "passive_bank15",
     "soft_20g",
+    "soft_bank15",
 ];
 /// Scenarios whose strips do not ride on the panel of the body.
 const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"];
@@ -88,6 +90,7 @@ const WITHOUT_LEV: &[&str] = &[
     "reorientation",
     "sail_glide",
     "soft_20g",
+    "soft_bank15",
 ];
 /// Scenarios whose law is linear.
 const LINEAR: &[&str] = &[

@@ -29,6 +29,48 @@ fn two_pairs_of_wings_in_antiphase_nod_more_and_heave_less() {
     assert!(pitch.iter().all(|p| p.abs() < 0.6), "the tail holds the attitude");
 }
 
+/// A film as thick as a hand bends as a plate and outweighs the link whose mass holds its own; wings of film fly as shipped, and turn.
+#[test]
+fn a_membrane_is_as_thin_and_light_as_one() {
+    let thick = ["robot.surfaces[0].membrane.thickness_m=0.1".into(), "flight.duration_s=0.1".into()];
+    let run = shipped("sail_glide", &thick).fly(|_| std::ops::ControlFlow::Continue(())).unwrap();
+    let told = run.summary.reason.clone().unwrap_or_default();
+    for limit in ["membrane.mass_fraction", "membrane.bending_outside_fraction"] {
+        assert!(told.contains(limit), "{limit}: {told}");
+    }
+    assert_eq!(run.summary.status, wingbeat::judge::Status::Outside);
+    let turn = "controller.orbit.legs=[{ start_s = 0.1, duration_s = 0.2, bank_deg = 15.0 }]";
+    let flown = fly(shipped("membrane_bank15", &[turn.into(), "flight.duration_s=0.4".into()]));
+    let skin = flown.run.summary.membrane.unwrap();
+    assert!(
+        skin.camber_max > 0.005 && skin.bending_fraction < 1e-4 && skin.slack_fraction == 0.0,
+        "{skin:?}"
+    );
+    let seen = flown.scenario.robot().membrane_over_link().unwrap();
+    assert!(seen > 0.01 && seen < 0.5, "{seen}");
+}
+
+/// A turn on wings that bend and twist, about its orbits and by a plan whose intervals resolve the bending.
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn wings_that_bend_turn() {
+    let plan = [
+        "flight.duration_s=4.0",
+        "controller.orbit.predictive.intervals=5",
+        "controller.orbit.predictive.interval_s=0.004",
+        "controller.orbit.predictive.terminal=\"regulator\"",
+    ];
+    for set in [&plan[..1], &plan[..]] {
+        let set: Vec<String> = set.iter().map(|text| (*text).into()).collect();
+        let flown = fly(shipped("soft_bank15", &set));
+        let summary = &flown.run.summary;
+        assert!(summary.height_max_error_m.unwrap() < 0.005 && summary.roll_rms_error_deg.unwrap() < 1.0);
+        assert!(summary.least_clearance_m.unwrap() > 0.01);
+        let bend = Flown::range(flown.column("coordinate_twist_bend1_left"));
+        assert!(bend > 0.02, "the wings bend by {bend} rad");
+    }
+}
+
 /// Wings of arm, hand and feathered tip, and a tail.
 fn three_links(feather_phase: f64) -> String {
     format!(

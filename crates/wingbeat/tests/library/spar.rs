@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use wingbeat::judge::Status;
 use wingbeat::scenario::{Document, TetherCase};
 use wingbeat::simulate::{Ending, Record};
-use wingbeat::tether::TetherRun;
+use wingbeat::tether::{STRAIN, Shape, TetherRun};
 
 fn none(_: &Path) -> Result<Record, String> {
     Err("no table".into())
@@ -128,6 +128,71 @@ fn bad_spars_are_refused_with_their_key() {
     ] {
         let message = set(key);
         assert!(message.contains(said), "{key}: {message}");
+    }
+}
+
+/// The drawing is made from the coordinates that the run records: its tip lies where the run says, its chords stay as long.
+#[test]
+fn a_bent_wing_is_drawn_as_it_bends() {
+    let case = flapper(0.02, "").unwrap();
+    let (tether, run) = (&case.tether, run(&case));
+    let strains: Vec<&[f64]> = (0..).map_while(|i| run.loads.values(&format!("{STRAIN}{i}"))).collect();
+    assert_eq!(strains.len(), tether.spar.as_ref().unwrap().beam.coordinates());
+    assert!(run.means.iter().all(|mean| !mean.name.starts_with(STRAIN)));
+    let row = run.loads.rows() - 20;
+    let q: Vec<f64> = strains.iter().map(|strain| strain[row]).collect();
+    let [t, up, ahead] = ["t", "tip_up", "tip_ahead"].map(|name| run.loads.values(name).unwrap()[row]);
+    let arcs = tether.drawn_arcs(12);
+    assert!(arcs.windows(2).all(|pair| pair[0] > pair[1]) && arcs[0] == 0.2 && *arcs.last().unwrap() == -0.2);
+    let bent = tether.outline(t, &arcs, Shape { spar: &q, ..Shape::default() });
+    let flat = tether.outline(t, &arcs, Shape::default());
+    let line = |rib: &[wingbeat::math::Vec3; 2]| rib[0] * 0.75 + rib[1] * 0.25;
+    let off = (line(&bent.ribs[0]) - line(&flat.ribs[0])).norm();
+    // The line at the hinge, 1/4 chord here, is the reference line; its shortening along the span is of second order.
+    assert!(up.abs() > 2e-3 && (off / up.hypot(ahead) - 1.0).abs() < 0.1, "{off} {up} {ahead}");
+    assert!(bent.ribs.iter().all(|[le, te]| ((*le - *te).norm() - 0.08).abs() < 1e-12));
+    let mirrored = (bent.ribs[0][0][1] + bent.ribs.last().unwrap()[0][1]).abs();
+    assert!(mirrored < 1e-12 && bent.covered.iter().all(|covered| *covered), "{mirrored}");
+}
+
+/// Beyond 80 m/s the wing leaves the shape whose loads are told; a wing that flaps through such a wind is only warned of.
+#[test]
+fn a_wing_beyond_its_speed_of_flutter_is_outside() {
+    let coarse = ["aero.full.strips=12", "spar.order=1", "time.cycles=2", "time.steps_per_cycle=16"];
+    let verdict = |more: &[&str]| {
+        let case = pazy(&[&coarse, more].concat());
+        let steady = case.tether.spar.as_ref().unwrap().steady(&case.tether);
+        let run = TetherRun { steady: Some(steady), ..run(&pazy(&coarse)) };
+        case.summary(&run, Some(0.0), None).verdict
+    };
+    let still = verdict(&["wind.speed_m_s=100.0"]);
+    assert_eq!(still.status, Status::Outside, "{still:?}");
+    assert!(still.reason.as_ref().unwrap().contains("limits.tether.growth_fraction"), "{still:?}");
+    assert_eq!(verdict(&[]).status, Status::Ok);
+    let moved = verdict(&["wind.speed_m_s=100.0", "body.heave_m={fourier={sin=[0.001]}}"]);
+    assert!(moved.warnings.iter().any(|warning| warning.id == "tether.flutter"), "{moved:?}");
+    assert!(moved.judged.iter().all(|judged| judged.id != "tether.growth_fraction"));
+}
+
+#[test]
+fn a_station_without_mass_is_outside() {
+    for (key, outside) in
+        [("spar.stations[4].mass_kg_m", true), ("spar.stations[5].inertia_kg_m", true), ("wing.cd0", false)]
+    {
+        let set = format!("{key}=0");
+        // The grid is coarse, and not what is asked here.
+        let case = pazy(&[
+            "aero.full.strips=12",
+            "spar.order=1",
+            "time.cycles=2",
+            "time.steps_per_cycle=16",
+            "limits.tether.spar_grid_fraction=1",
+            &set,
+        ]);
+        let verdict = case.summary(&run(&case), Some(0.0), None).verdict;
+        assert_eq!(verdict.status, if outside { Status::Outside } else { Status::Ok }, "{key}: {verdict:?}");
+        let told = verdict.reason.is_some_and(|reason| reason.contains("limits.tether.spar_mass_fraction"));
+        assert_eq!(told, outside, "{key}");
     }
 }
 

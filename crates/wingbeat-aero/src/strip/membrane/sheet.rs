@@ -52,6 +52,8 @@ pub(in super::super) struct Membrane<P> {
     chord: Vec<P>,
     pub(super) width: Vec<P>,
     bays: Vec<Bay<P>>,
+    /// Arcs of the ribs from the left tip to the right, m.
+    pub(super) ribs: Vec<f64>,
 }
 
 /// Tension over stiffness from the stretch: what it is, never negative, and its size.
@@ -90,6 +92,7 @@ impl<P: Scalar> Membrane<P> {
             chord: grid.chord.clone(),
             width: grid.width.clone(),
             bays: Vec::new(),
+            ribs: ribs.iter().map(|rib| rib.value()).collect(),
         };
         let strips = grid.chord.len();
         let before = |rib: &P| grid.control_arcs.iter().filter(|s| s.value() > rib.value()).count();
@@ -175,6 +178,12 @@ impl<P: Scalar> Membrane<P> {
                 self.shape_rates((bay, m), (&along, across), (camber[m], resistance), rates[m]);
             }
         }
+    }
+
+    /// Mass of each strip, kg.
+    pub(super) fn masses(&self) -> impl Iterator<Item = f64> {
+        let area = self.chord.iter().zip(&self.width).map(|(c, w)| (*c * *w).value());
+        area.map(|area| area * self.areal_density.value())
     }
 
     /// Strain of the strip `i` along its chord.
@@ -269,8 +278,12 @@ impl<P: Scalar> Membrane<P> {
     /// Test: `the_frequency_of_a_membrane_is_that_of_its_string`.
     pub fn scales(&self, density: f64, stretch: f64) -> MembraneScales {
         let mass = self.areal_density.value();
-        let mut scales =
-            MembraneScales { frequency_hz: f64::INFINITY, damping_s: self.damping.value(), weight_rise: 0.0 };
+        let mut scales = MembraneScales {
+            frequency_hz: f64::INFINITY,
+            damping_s: self.damping.value(),
+            weight_rise: 0.0,
+            mean_chord: self.chord.iter().map(|c| c.value()).sum::<f64>() / self.chord.len() as f64,
+        };
         for bay in &self.bays {
             let chord = bay.strips().map(|i| self.chord[i].value()).fold(0.0, f64::max);
             let tension = bay.stiffness.value() * stretch;
@@ -294,6 +307,8 @@ pub struct MembraneScales {
     pub damping_s: f64,
     /// Rise over the chord that its weight would make of it, m g c/(8 T).
     pub weight_rise: f64,
+    /// Mean chord of the strips, m.
+    pub mean_chord: f64,
 }
 
 #[cfg(test)]

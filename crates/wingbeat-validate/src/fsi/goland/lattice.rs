@@ -1,0 +1,208 @@
+//! Goland's wing in the air of the library's lattice, which knows the finite wing and its wake.
+
+use super::{ALOFT, AXIS, C, MODES, SEMI_CHORD, SPAN, beam, flutter};
+use crate::{Error, Row};
+use nalgebra::DMatrix;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
+use wingbeat::math::{Jet, Mat3, Scalar, Vec3};
+use wingbeat::structure::{Beam, Place, Setting, Swung, frequencies, linear, turning};
+use wingbeat_lattice::{Lattice, Layout, Scene, Sections, Settings, Spacing, Surface};
+
+/// Largest strain coordinate of a pulse, 1/m: loads are linear to its square.
+const SMALL: f64 = 1e-5;
+/// Width of a pulse exp(-(t - t0)^2/width^2), chords of travel: its spectrum holds the reduced frequencies to 1.
+const WIDTH: f64 = 1.0;
+/// Chords of travel before the middle of a pulse, and behind it.
+const BEFORE: f64 = 3.5;
+const BEHIND: f64 = 16.0;
+
+/// A lattice over the half wing.
+#[derive(Clone, Copy)]
+struct Panels {
+    chordwise: usize,
+    half: usize,
+}
+
+/// A wing that moves in the shape `shape` by a pulse, in a wind of 1 m/s.
+struct Pulsed {
+    beam: Arc<Beam>,
+    shape: Vec<f64>,
+}
+
+impl Pulsed {
+    /// The pulse at the time `t` with its rates.
+    fn at(t: f64) -> [f64; 3] {
+        let width = WIDTH * 2.0 * SEMI_CHORD;
+        let s = (t - BEFORE * 2.0 * SEMI_CHORD) / width;
+        let f = (-s * s).exp();
+        [f, -2.0 * s * f / width, (4.0 * s * s - 2.0) * f / (width * width)]
+    }
+}
+
+/// Axes of the beam in W: its x to the left, y aft, z up.
+fn root() -> Swung {
+    let axes =
+        Mat3::from_columns(Vec3::new(0.0, 1.0, 0.0), Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0));
+    Place { p: Vec3([Jet::ZERO; 3]), r: axes.each(Jet::constant) }
+}
+
+fn setting() -> Setting {
+    Setting { root: root(), ..Setting::default() }
+}
+
+impl Sections for Pulsed {
+    fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
+        let [q, v, a] = Self::at(t).map(|f| self.shape.iter().map(|x| SMALL * f * x).collect::<Vec<f64>>());
+        let places = self.beam.motion(&setting(), &q, &v, &a);
+        out.clear();
+        out.extend(arcs.iter().map(|arc| {
+            let place = &places[self.beam.nearest(*arc)];
+            let aft = place.r.column(1);
+            let edge = |chords: f64| place.p + aft.scaled(2.0 * SEMI_CHORD * chords);
+            let (le, te) = (edge(-AXIS), edge(1.0 - AXIS));
+            let part = |v: Vec3<Jet<f64>>| [v.each(|j| j.x), v.each(|j| j.d), v.each(|j| j.dd)];
+            let ([le, v_le, a_le], [te, v_te, a_te]) = (part(le), part(te));
+            SectionMotion { le, te, v_le, v_te, a_le, a_te, ..SectionMotion::default() }
+        }));
+    }
+}
+
+/// How each node moves per unit rate of a mode: velocity of the point at W's origin, and turn.
+fn fields(beam: &Beam, shape: &[f64]) -> Vec<[Vec3; 2]> {
+    let zero = vec![0.0; shape.len()];
+    let field = |place: &Place<Jet<f64>>| {
+        let turn = turning(&place.r)[0];
+        let (p, v) = (place.p.each(|j| j.x), place.p.each(|j| j.d));
+        [v - turn.cross(p), turn]
+    };
+    beam.motion(&setting(), &zero, shape, &zero).iter().map(field).collect()
+}
+
+/// Generalised forces over time of all modes under a pulse of one of them, over its size, in air of 1 kg/m3 at 1 m/s.
+struct Answer {
+    step: f64,
+    forces: Vec<Vec<f64>>,
+}
+
+fn answer(panels: Panels, which: usize) -> Result<(Vec<f64>, Answer), Error> {
+    let station = |arc_m| PlanformStation {
+        arc_m,
+        leading_edge_m: AXIS * 2.0 * SEMI_CHORD,
+        trailing_edge_m: (AXIS - 1.0) * 2.0 * SEMI_CHORD,
+    };
+    let planform = Planform::new(&[station(0.0), station(SPAN)])?;
+    let failed = |error: wingbeat_lattice::Error| Error::NoAnswer(error.to_string());
+    let layout = Layout::of(&planform, &[0.0], panels.chordwise, 2 * panels.half, Spacing::Uniform);
+    let layout = layout.map_err(failed)?.first().and_then(Layout::left_half);
+    let layout = layout.ok_or_else(|| Error::NoAnswer("half a lattice".into()))?;
+    let middles: Vec<f64> = layout.arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let inner = layout.arcs.iter().chain(&middles).copied().filter(|arc| *arc > 0.0 && *arc < SPAN);
+    let beam = Arc::new(beam(inner.collect())?);
+    let modes = frequencies(&linear(&beam, &Setting::default(), &vec![0.0; beam.coordinates()]));
+    let squares = modes.iter().take(MODES).map(|mode| mode.0 * mode.0).collect();
+    let moved = Pulsed { beam: beam.clone(), shape: modes[which].1.clone() };
+    let surface = Surface { layout, sections: Arc::new(moved) };
+    let wind = Vec3::new(-1.0, 0.0, 0.0);
+    let scene = Scene { surfaces: vec![surface], wind, density_kg_m3: 1.0, symmetric: true };
+    // A panel a step.
+    let step = 2.0 * SEMI_CHORD / panels.chordwise as f64;
+    let mut lattice = Lattice::new(scene, Settings::new(step, 0.02 * 2.0 * SEMI_CHORD)).map_err(failed)?;
+    let own: Vec<Vec<[Vec3; 2]>> = modes.iter().take(MODES).map(|mode| fields(&beam, &mode.1)).collect();
+    let at: Vec<usize> = middles.iter().map(|arc| beam.nearest(*arc)).collect();
+    let steps = ((BEFORE + BEHIND) * panels.chordwise as f64).round() as usize;
+    let mut forces = vec![Vec::new(); own.len()];
+    for _ in 0..steps {
+        let loads = lattice.step().map_err(failed)?;
+        for (forces, field) in forces.iter_mut().zip(&own) {
+            let strips = loads.panels[0].strips.iter().zip(&at);
+            let work =
+                strips.map(|(load, node)| load.force.dot(field[*node][0]) + load.moment.dot(field[*node][1]));
+            forces.push(work.sum::<f64>() / SMALL);
+        }
+    }
+    Ok((squares, Answer { step, forces }))
+}
+
+impl Answer {
+    /// Generalised forces per unit of a harmonic motion of the reduced frequency `k`: the transforms' quotient.
+    fn at(&self, k: f64) -> Vec<C> {
+        let omega = k / SEMI_CHORD;
+        let wave = |n: usize| C::from_polar(1.0, -omega * n as f64 * self.step);
+        let count = self.forces[0].len();
+        let pulse: C = (0..count).map(|n| wave(n) * Pulsed::at(n as f64 * self.step)[0]).sum();
+        let of = |forces: &Vec<f64>| forces.iter().enumerate().map(|(n, f)| wave(n) * *f).sum::<C>() / pulse;
+        self.forces.iter().map(of).collect()
+    }
+}
+
+/// Speed and frequency of flutter in the air of a lattice of those panels.
+fn of(panels: Panels) -> Result<[f64; 2], Error> {
+    let all: Vec<usize> = (0..MODES).collect();
+    let mut found: Vec<Option<Answer>> = all.iter().map(|_| None).collect();
+    let (mut squares, mut failed) = (Vec::new(), None);
+    wingbeat::parallel::each(
+        &all,
+        |_, mode| answer(panels, *mode),
+        |i, result| {
+            match result {
+                Ok((own, answer)) => (squares, found[i]) = (own, Some(answer)),
+                Err(error) => failed = Some(error),
+            }
+            ControlFlow::Continue(())
+        },
+    );
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    let answers: Vec<Answer> = found.into_iter().flatten().collect();
+    flutter(&squares, |k| {
+        let columns: Vec<Vec<C>> = answers.iter().map(|answer| answer.at(k)).collect();
+        // Forces grow with U^2 = (omega b/k)^2, so that omega falls out.
+        let scale = ALOFT * (SEMI_CHORD / k).powi(2);
+        DMatrix::from_fn(squares.len(), columns.len(), |i, j| columns[j][i] * scale)
+    })
+}
+
+pub fn rows() -> Result<Vec<Row>, Error> {
+    let fine = Panels { chordwise: 14, half: 16 };
+    let [speed, frequency] = of(fine)?;
+    let coarse = of(Panels { chordwise: 7, half: 8 })?;
+    // The error falls as the chord of a panel.
+    let endless = 2.0 * speed - coarse[0];
+    let source = "Murua, Palacios & Graham 2012, a vortex lattice on a beam: 165 m/s, 69 rad/s (from memory; SHARPy's tests: 166 and 169 m/s)";
+    let Panels { chordwise, half } = fine;
+    Ok(vec![
+        Row::judged(
+            "fsi.goland.lattice",
+            source,
+            &format!("relative error of the speed of flutter, {chordwise} x {half} panels ({speed:.1} m/s)"),
+            (speed / 165.0 - 1.0).abs(),
+            0.03,
+            "",
+        ),
+        Row::judged(
+            "fsi.goland.lattice.frequency",
+            source,
+            &format!("relative error of its frequency ({frequency:.1} rad/s)"),
+            (frequency / 69.0 - 1.0).abs(),
+            0.03,
+            "",
+        ),
+        Row::shown(
+            "fsi.goland.lattice.coarse",
+            source,
+            "change of the speed from 7 x 8 panels, over it",
+            (coarse[0] / speed - 1.0).abs(),
+            "",
+        ),
+        Row::shown(
+            "fsi.goland.lattice.endless",
+            source,
+            &format!("relative error of the speed extrapolated to endless panels ({endless:.1} m/s)"),
+            (endless / 165.0 - 1.0).abs(),
+            "",
+        ),
+    ])
+}
