@@ -22,6 +22,8 @@ const ROWS: [[(&str, &str); 2]; 3] = [
 
 /// Red of the measured band.
 const BAND: &str = "#d62728";
+/// Weight of its edges.
+const EDGE: f64 = 0.6;
 /// Width of the measured curve of one run, over that of the simulation: it is seen under it. *Choice.*
 const UNDER: f64 = 2.5;
 /// Room for the line that explains the colours, px.
@@ -88,7 +90,8 @@ fn drawn(
     };
     let mut plots: Vec<Plot> = match low == high {
         true => vec![curve(low, BAND, UNDER * style::CURVE)],
-        false => vec![band.into()],
+        // Its edges too, as a band may be narrower than a stroke.
+        false => vec![band.into(), curve(low, BAND, EDGE), curve(high, BAND, EDGE)],
     };
     plots.extend(line.map(|line| curve(line, "#000000", style::CURVE)));
     let values = || low.iter().chain(high).chain(line.unwrap_or(&[])).copied();
