@@ -263,12 +263,8 @@ fn a_reorientation_is_planned_and_its_commands_are_flown_again() {
         ("plan.reorientation.rotation_deg=[0.0, 0.0, 0.0]", "plan.reorientation.rotation_deg"),
         ("plan.reorientation.rotation_deg=[300.0, 300.0, 0.0]", "plan.reorientation.rotation_deg"),
         (
-            "plan.reorientation.guess.commands.command_stroke.amplitude=nan",
-            "plan.reorientation.guess.commands.command_stroke.amplitude",
-        ),
-        (
-            "plan.reorientation.guess.commands.fold={ amplitude = 1.0, phase_rad = 0.0 }",
-            "plan.reorientation.guess.commands.fold",
+            "plan.reorientation.guess.waves=[{ input = \"stroke\", amplitude = 1.0, phase_rad = 0.0 }]",
+            "plan.reorientation.guess.waves[0].input",
         ),
         ("plan.reorientation.guess.frequency_hz=0.0", "plan.reorientation.guess.frequency_hz"),
         ("air.density_kg_m3=-1.0", "air.density_kg_m3"),
