@@ -177,16 +177,15 @@ impl Turning {
     }
 }
 
-/// The least time to another attitude by the robot's own inertia and, where there is air, the air's: min t_f + integral of
-/// effort |u|^2 with the rotation vector d from the start at its end.
-///
-/// Equation: guide.reorientation
-/// `min t_f + int e sum (u_i/limit_i)^2 dt, |log(R_0' R_f) - d|_i <= within, elements at rest again, strokes and clearances
-/// kept`
-/// Source: choice; turning without momentum, Kane & Scher 1969; bats, Bergou et al. 2015, PLoS Biology 13.
-/// Test: `a_free_body_turns_beyond_a_quarter_in_the_time_of_full_torque`.
 impl<'a, P: Plant> RollIn<'a, P> {
-    /// The reorientation of `plant`, whose structure elements have `strokes`, from its state `x` at the time 0.
+    /// The reorientation of `plant`, whose structure elements have `strokes`, from its state `x` at the time 0: the least time to
+    /// another attitude by its own inertia and, where there is air, the air's.
+    ///
+    /// Equation: guide.reorientation
+    /// `min t_f + int e sum (u_i/limit_i)^2 dt, log(R_0' R_f) = d within what is allowed, elements at rest again, strokes
+    /// and clearances kept`
+    /// Source: choice; turning without momentum, Kane & Scher 1969; bats, Bergou et al. 2015, PLoS Biology 13.
+    /// Test: `a_free_body_turns_beyond_a_quarter_in_the_time_of_full_torque`.
     ///
     /// # Errors
     /// As [`RollIn::new`]; a guess that commands what is not there.
