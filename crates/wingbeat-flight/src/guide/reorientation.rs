@@ -3,7 +3,6 @@
 use super::roll_in::{RollIn, RollInSpec};
 use super::{MAX_INTERVALS, MAX_ITERATIONS, MAX_MESHES};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use wingbeat_math::names::one_of;
 use wingbeat_math::range::{Range, ranges};
@@ -57,14 +56,16 @@ pub struct ReorientationSpec {
 pub struct GuessSpec {
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Inputs by name: amplitude cos(2 pi f t - phase).
-    pub commands: BTreeMap<String, WaveSpec>,
+    /// Commands over time; the other inputs rest.
+    pub waves: Vec<WaveSpec>,
 }
 
-/// A wave of commands.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+/// A wave of commands, amplitude cos(2 pi f t - phase).
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WaveSpec {
+    /// Input, by the name of its column.
+    pub input: String,
     /// Amplitude, in the unit of the input.
     pub amplitude: f64,
     /// Phase, rad.
@@ -100,8 +101,8 @@ impl ReorientationSpec {
             let allowed = format!("a rotation of more than 0 and at most {MOST} deg");
             return Err(Error::invalid("rotation_deg", format!("{:?}", self.rotation_deg), allowed));
         }
-        for (name, wave) in &self.guess.commands {
-            let key = format!("guess.commands.{name}");
+        for (i, wave) in self.guess.waves.iter().enumerate() {
+            let key = format!("guess.waves[{i}]");
             require::finite("amplitude", &[wave.amplitude]).map_err(|e| e.within(&key))?;
             require::finite("phase_rad", &[wave.phase_rad]).map_err(|e| e.within(&key))?;
         }
@@ -147,17 +148,18 @@ pub(super) struct Turning {
 
 impl Turning {
     fn new(spec: &ReorientationSpec, inputs: &[Channel]) -> Result<Self, Error> {
-        let wave = |(name, wave): (&String, &WaveSpec)| {
-            let input = inputs.iter().position(|input| input.name == *name).ok_or_else(|| {
+        let wave = |(i, wave): (usize, &WaveSpec)| {
+            let input = inputs.iter().position(|input| input.name == wave.input).ok_or_else(|| {
                 let names: Vec<&str> = inputs.iter().map(|input| input.name.as_str()).collect();
-                Error::invalid(format!("guess.commands.{name}"), "given", one_of(name, &names))
+                let given = format!("\"{}\"", wave.input);
+                Error::invalid(format!("guess.waves[{i}].input"), given, one_of(&wave.input, &names))
             })?;
             Ok((input, [wave.amplitude, wave.phase_rad]))
         };
         Ok(Self {
             rotation: Vec3(spec.rotation_deg.map(f64::to_radians)),
             within: spec.within_deg.to_radians(),
-            waves: spec.guess.commands.iter().map(wave).collect::<Result<_, _>>()?,
+            waves: spec.guess.waves.iter().enumerate().map(wave).collect::<Result<_, _>>()?,
             rate: TAU * spec.guess.frequency_hz,
         })
     }
@@ -175,16 +177,15 @@ impl Turning {
     }
 }
 
-/// The least time to another attitude by the robot's own inertia and, where there is air, the air's: min t_f + integral of
-/// effort |u|^2 with the rotation vector d from the start at its end.
-///
-/// Equation: guide.reorientation
-/// `min t_f + int e sum (u_i/limit_i)^2 dt, |log(R_0' R_f) - d|_i <= within, elements at rest again, strokes and clearances
-/// kept`
-/// Source: choice; turning without momentum, Kane & Scher 1969; bats, Bergou et al. 2015, PLoS Biology 13.
-/// Test: `a_free_body_turns_beyond_a_quarter_in_the_time_of_full_torque`.
 impl<'a, P: Plant> RollIn<'a, P> {
-    /// The reorientation of `plant`, whose structure elements have `strokes`, from its state `x` at the time 0.
+    /// The reorientation of `plant`, whose structure elements have `strokes`, from its state `x` at the time 0: the least time to
+    /// another attitude by its own inertia and, where there is air, the air's.
+    ///
+    /// Equation: guide.reorientation
+    /// `min t_f + int e sum (u_i/limit_i)^2 dt, log(R_0' R_f) = d within what is allowed, elements at rest again, strokes
+    /// and clearances kept`
+    /// Source: choice; turning without momentum, Kane & Scher 1969; bats, Bergou et al. 2015, PLoS Biology 13.
+    /// Test: `a_free_body_turns_beyond_a_quarter_in_the_time_of_full_torque`.
     ///
     /// # Errors
     /// As [`RollIn::new`]; a guess that commands what is not there.

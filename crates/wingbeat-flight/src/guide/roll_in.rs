@@ -523,7 +523,7 @@ mod tests {
         let (top, x) = (top(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let wave = |amplitude: f64, frequency_hz: f64| GuessSpec {
             frequency_hz,
-            commands: [("y".into(), WaveSpec { amplitude, phase_rad: 0.0 })].into(),
+            waves: vec![WaveSpec { input: "y".into(), amplitude, phase_rad: 0.0 }],
         };
         let mut spec = ReorientationSpec {
             rotation_deg: [0.0, 170.0, 0.0],
@@ -550,9 +550,9 @@ mod tests {
         // Nothing stops the body at the end: full torque all the way, theta = t^2/2.
         let duration = points.t[points.t.len() - 1];
         assert!((duration - (2.0 * 170_f64.to_radians()).sqrt()).abs() < 2e-3, "{duration}");
-        spec.guess.commands.insert("u".into(), WaveSpec { amplitude: 1.0, phase_rad: 0.0 });
+        spec.guess.waves.push(WaveSpec { input: "u".into(), amplitude: 1.0, phase_rad: 0.0 });
         let error = RollIn::reorientation(&top, &x, &[], &spec).err().map(|e| e.to_string());
-        assert!(error.unwrap_or_default().starts_with("guess.commands.u"), "no such input");
+        assert!(error.unwrap_or_default().starts_with("guess.waves[1].input"), "no such input");
         let none = ReorientationSpec { rotation_deg: [0.0; 3], guess: wave(1.0, 1.0), ..spec };
         assert!(none.check().is_err(), "no rotation");
     }
