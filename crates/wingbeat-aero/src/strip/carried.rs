@@ -1,6 +1,6 @@
 //! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
 
-use super::influence::{Column, dot, multiply, multiply_transposed};
+use super::influence::{Column, dot, lanes, multiply, multiply_transposed};
 use super::{Flow, StripModel};
 use crate::{ImpulseRates, ImpulseRow, Sections};
 use arrayvec::ArrayVec;
@@ -16,7 +16,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn carry_air<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
         let drives = self.drives(flow);
         let mut rate_left = [S::ZERO; N];
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let left = self.left_at(i, flow, &drives);
             (flow.half_left[i], rate_left[i]) = (left[6], left[7]);
             let mass = if self.settings.section.added_mass { self.tables.mass[i] } else { P::ZERO };
@@ -36,7 +36,7 @@ impl<P: Scalar> StripModel<P> {
     fn drives<S: Scalar + Meets<P>, const N: usize>(&self, flow: &Flow<S, N>) -> [Drive<S>; N] {
         let strips = &flow.strips;
         let mut drives = [[S::ZERO; 8]; N];
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let normal = strips.normal.get(i);
             let ([a, b, c], [d, e, f]) = (normal.0, strips.half.get(i).cross(normal).0);
             drives[i] = [a, b, c, d, e, f, strips.wash_half[i], strips.wash_half_rate[i]];
@@ -75,7 +75,7 @@ impl<P: Scalar> StripModel<P> {
     ) {
         let by_half = self.reciprocal(flow, &flow.strips.wash_half);
         let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let mass = self.tables.mass[i];
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
             flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
@@ -96,7 +96,7 @@ impl<P: Scalar> StripModel<P> {
             let (heave, pitch) = self.heave_and_pitch(flow, sections, c);
             let carried = self.symmetric_impulse(flow, &heave);
             let mut turned = pitch;
-            for i in 0..N {
+            for i in 0..lanes::<S, N>(self.settings.strips) {
                 let b = self.tables.chord[i] * 0.5;
                 let mass =
                     if self.settings.section.section_moment { self.section_mass(i, flow) } else { S::ZERO };
@@ -181,7 +181,7 @@ impl<P: Scalar> StripModel<P> {
             return [S::ZERO; N];
         }
         let (left, mut sum) = (multiply(&flow.relief, v, self.settings.strips), self.reciprocal(flow, v));
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             sum[i] = (left[i] * self.tables.mass[i] + sum[i]) * 0.5;
         }
         sum
@@ -194,7 +194,7 @@ impl<P: Scalar> StripModel<P> {
         v: &Column<S, N>,
     ) -> Column<S, N> {
         let mut weighted = *v;
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             weighted[i] *= self.tables.mass[i];
         }
         multiply_transposed(&flow.relief, &weighted, self.settings.strips)
@@ -211,7 +211,7 @@ impl<P: Scalar> StripModel<P> {
         if self.settings.section.section_moment {
             let across = &flow.strips.across.0;
             let mut turned = *across;
-            for i in 0..N {
+            for i in 0..lanes::<S, N>(self.settings.strips) {
                 let b = self.tables.chord[i] * 0.5;
                 let inertia = self.section_mass(i, flow) * (b * b * 0.125);
                 for axis in &mut turned {

@@ -17,10 +17,24 @@ pub(super) const INVERSE_4PI: f64 = 0.25 / PI;
 /// Smallest squared distance to the end of a vortex over its squared core radius.
 pub(super) const NEAREST: f64 = 1e-6;
 
+/// How many of the `N` lanes of a column of so many `strips` are computed. Of plain numbers all, so that loops over them have a fixed
+/// end and vectorise; what is larger, with derivatives or of several robots, is computed for strips alone, and is zero beyond.
+#[inline(always)]
+pub(super) fn lanes<S, const N: usize>(strips: usize) -> usize {
+    if plain::<S>() { N } else { strips.min(N) }
+}
+
+/// Whether numbers fill a register side by side.
+#[inline(always)]
+pub(super) const fn plain<S>() -> bool {
+    size_of::<S>() <= size_of::<f64>()
+}
+
 /// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
 /// chord, so that their high powers stay far from the ends of the numbers.
 pub(super) struct Targets<'a, P: Scalar, S: Scalar, const N: usize> {
     cores: &'a Cores<P>,
+    strips: usize,
     /// 3/4 and 1/4 chord points.
     control: Vectors<S, N>,
     bound: Vectors<S, N>,
@@ -174,10 +188,11 @@ pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
 
 impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
     pub fn new(strips: &Strips<S, N>, cores: &'a Cores<P>) -> Self {
+        let count = cores.strips.len();
         let zero = Vectors::ZERO;
         let (mut control, mut bound, mut normal) = (zero, zero, zero);
         let (mut control_moment, mut bound_moment) = (zero, zero);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(count) {
             let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
             let at = |points: &Vectors<S, N>| points.get(i).scaled(cores.scale);
             let (p, q) = (at(&strips.three_quarter), at(&strips.quarter));
@@ -187,7 +202,7 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
             control_moment.set(i, p.cross(n));
             bound_moment.set(i, q.cross(n));
         }
-        Self { cores, control, bound, normal, control_moment, bound_moment }
+        Self { cores, strips: count, control, bound, normal, control_moment, bound_moment }
     }
 
     /// Edge `j` as seen from here.
@@ -219,7 +234,7 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
         let behind = Line::new(edge.bound, u);
         let (u_trailing, u_bound) = (u.dot(edge.trailing), u.dot(edge.bound));
         let least = S::from(cores.least);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.strips) {
             let (p, n) = (self.control.get(i), self.at_control(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = (fused_square(ra, least).sqrt(), fused_square(rt, least).sqrt());
@@ -304,7 +319,7 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
         let [ahead, behind] = [edges[1].bound - edges[0].bound, edges[0].trailing - edges[1].trailing];
         let lines = [Line::new(edges[0].bound, ahead), Line::new(edges[1].trailing, behind)];
         let lengths = [ahead.norm_squared(), behind.norm_squared()];
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.strips) {
             let n = self.at_control(i);
             let ends = [left.to_bound[i], right.to_bound[i]];
             let front = segment(lines[0].turn(&n), lengths[0], ends, |x, y| faded(x, y, cores.front[i]));
@@ -328,7 +343,7 @@ pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
 ) -> Column<S, N> {
     let mut sum = [S::ZERO; N];
     for j in 0..n {
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(n) {
             sum[i] = v[j].fused(m[j][i], sum[i]);
         }
     }
@@ -386,6 +401,7 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
         m[n][..n].fill(S::ZERO);
         m[n][n] = S::ONE;
     }
+    let lanes = lanes::<S, N>(n.next_multiple_of(2));
     for k in (0..n).step_by(2) {
         let pair = [m[k], m[k + 1]];
         let block = inverse_of_pair([[pair[0][k], pair[1][k]], [pair[0][k + 1], pair[1][k + 1]]]);
@@ -397,14 +413,14 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
             let (a, b) = (other[k], other[k + 1]);
             let f = -block[0][0].mul_add(a, block[0][1] * b);
             let g = -block[1][0].mul_add(a, block[1][1] * b);
-            for i in 0..N {
+            for i in 0..lanes {
                 other[i] = q[i].mul_add(g, p[i].mul_add(f, other[i]));
             }
             // In place of what is eliminated.
             (other[k], other[k + 1]) = (f, g);
         }
         for c in 0..2 {
-            for i in 0..N {
+            for i in 0..lanes {
                 m[k + c][i] = pair[1][i].mul_add(block[1][c], pair[0][i] * block[0][c]);
             }
             (m[k + c][k], m[k + c][k + 1]) = (block[0][c], block[1][c]);

@@ -1,6 +1,6 @@
 //! Forces and moments of the strips from their washes and impulses.
 
-use super::influence::{Column, sum};
+use super::influence::{Column, lanes, sum};
 use super::motion::{Strips, Vectors};
 use super::response::{LeadingEdges, Response};
 use super::{Flow, StripModel};
@@ -64,7 +64,7 @@ impl<P: Scalar> StripModel<P> {
             drag: self.profile_drag(strips, &response.attached, self.numbers.drag()),
         };
         let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let total = forces.lift.at(i) + self.carried_air(i, flow, response) + forces.drag.at(i);
             let wrench = strips.wrench(i, total);
             force.set(i, wrench.force);
@@ -170,7 +170,7 @@ impl<P: Scalar> StripModel<P> {
         let (attached, delta2) = (&response.attached, self.floor * self.floor);
         let (mut lift, mut pitching) = ([S::ZERO; N], [S::ZERO; N]);
         let slope_share = self.tables.slope_share;
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
             lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
             if self.settings.section.pitch_suction {
@@ -181,12 +181,12 @@ impl<P: Scalar> StripModel<P> {
         let turned = directed == Directed::Turned && self.settings.force_tilt;
         let mut wash = response.turning_wash;
         if !turned {
-            for i in 0..N {
+            for i in 0..lanes::<S, N>(self.settings.strips) {
                 wash[i] = S::from(strips.wash[i]);
             }
         }
         let (mut force, mut shares) = (InPlane::ZERO, [S::ZERO; N]);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let along2 = strips.along[i].squared() + delta2;
             let inverse = (wash[i].squared() + along2).sqrt().recip();
             let suction = suction_share(inverse * strips.along[i]);
@@ -216,7 +216,7 @@ impl<P: Scalar> StripModel<P> {
         shares: &Column<S, N>,
         force: &mut InPlane<S, N>,
     ) {
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let (attached, held) = (response.attached[i], edges.held[i]);
             force.chordwise[i] *= held;
             force.normal[i] += self.vortex_force(i, response, edges);
@@ -236,7 +236,7 @@ impl<P: Scalar> StripModel<P> {
     ) -> InPlane<S, N> {
         let delta2 = self.floor * self.floor;
         let mut force = InPlane::ZERO;
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let section =
                 drag.section(&self.polar, strips.along[i], strips.wash_half[i], attached[i], delta2);
             force.chordwise[i] = section.chordwise * self.tables.drag_scale[i];

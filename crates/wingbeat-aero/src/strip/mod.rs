@@ -30,7 +30,7 @@ use crate::section::ZeroLift;
 use crate::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, SurfaceNumbers, Wrench};
 use cores::Cores;
 use grid::Grid;
-use influence::{Column, Matrix, Targets, Wash, invert, multiply};
+use influence::{Column, Matrix, Targets, Wash, invert, lanes, multiply, plain};
 use membrane::Membrane;
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
@@ -247,11 +247,16 @@ impl<P: Scalar> StripModel<P> {
         others: Option<Others<'_, P, G, S>>,
         wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        match self.settings.strips {
-            0..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, others, wanted),
-            13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, others, wanted),
-            _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
+        macro_rules! wide {
+            ($($width:literal),*) => {
+                match self.settings.strips {
+                    $(0..=$width => self.evaluate_in::<G, S, $width>(sections, wind, x, dx, others, wanted),)*
+                    _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
+                }
+            };
         }
+        // Columns of plain numbers are as wide as there are strips, in whole registers; of others only their room is.
+        if const { plain::<S>() } { wide!(8, 12, 16, 20, 24, 28) } else { wide!(16) }
     }
 
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
@@ -336,7 +341,7 @@ impl<P: Scalar> StripModel<P> {
             }
             let (doublet, scale) = (&mut flow.relief[j], tables.doublet[j] * -beta);
             let own = (doublet[j] + tables.own_ring[j]) * scale + 1.0;
-            for i in 0..N {
+            for i in 0..lanes::<S, N>(n) {
                 doublet[i] *= scale;
             }
             doublet[j] = own;

@@ -1,7 +1,7 @@
 //! Points, velocities and directions of edges and strips at one instant.
 
 use super::StripModel;
-use super::influence::Column;
+use super::influence::{Column, lanes};
 use crate::section::ZeroLift;
 use crate::{SectionMotion, Sections};
 use wingbeat_math::{Meets, Scalar, Vec3};
@@ -346,7 +346,7 @@ impl<P: Scalar> StripModel<P> {
         zero_lift: ZeroLift<P>,
         out: &mut Strips<S, N>,
     ) {
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let (a, b) = (edges.left.get(i), edges.right.get(i));
             let fraction = self.tables.fraction[i];
             out.set(i, &Strip::new([&a, &b], fraction, wind, self.floor, zero_lift));
@@ -361,7 +361,7 @@ impl<P: Scalar> StripModel<P> {
         wind: Vec3<S>,
         out: &mut Wakes<S, N>,
     ) {
-        for j in 0..N {
+        for j in 0..lanes::<S, N>(self.settings.strips) {
             let edge = self.vortex_line(&edges.left.get(j), wind);
             out.bound.set(j, edge.bound);
             out.trailing.set(j, edge.trailing);

@@ -1,7 +1,7 @@
 //! From lags and motion to washes, state rates and impulses.
 
 use super::constants::FOLLOWING_TIME;
-use super::influence::{Column, multiply};
+use super::influence::{Column, lanes, multiply};
 use super::membrane::Camber;
 use super::motion::Strips;
 use super::mutual::Foreign;
@@ -99,7 +99,7 @@ impl<P: Scalar> StripModel<P> {
         attached: &Column<S, N>,
     ) -> LagSums<S, N> {
         let mut sums = LagSums { circulation: lagged.wash, jump: lagged.jump, delayed: lagged.delayed };
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             sums.circulation[i] *= attached[i] * self.tables.slope[i];
             sums.jump[i] *= attached[i] * self.tables.jump[i];
             // What is left in a gap's lags has no wing to shed it.
@@ -132,7 +132,7 @@ impl<P: Scalar> StripModel<P> {
             Attachment::Lagging { state, .. } => self.law_column(dx, state).map(|rate| -rate),
         };
         let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             rates.circulation[i] += more.circulation[i];
             rates.jump[i] += more.jump[i];
             rates.delayed[i] += more.delayed[i];
@@ -151,7 +151,7 @@ impl<P: Scalar> StripModel<P> {
             Attachment::Whole => [S::ONE; N],
             Attachment::AtOnce => {
                 let mut shares = [S::ONE; N];
-                for i in 0..N {
+                for i in 0..lanes::<S, N>(self.settings.strips) {
                     let state = |k: usize| x[k * n + i.min(n - 1)];
                     shares[i] = self.attached(&self.polar, strips.along[i], strips.wash[i], state);
                 }
@@ -159,7 +159,7 @@ impl<P: Scalar> StripModel<P> {
             }
             Attachment::Lagging { state, .. } => {
                 let mut shares = self.law_column(x, state);
-                for i in 0..N {
+                for i in 0..lanes::<S, N>(self.settings.strips) {
                     shares[i] = S::ONE - shares[i];
                 }
                 shares
@@ -208,15 +208,15 @@ impl<P: Scalar> StripModel<P> {
     ) -> Column<S, N> {
         let n = self.settings.strips;
         let mut open = [S::ZERO; N];
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             open[i] = (sums.jump[i] - sums.delayed[i]) * self.tables.inverse_doublet[i];
         }
         let mut held = multiply(&flow.remainder, &sums.delayed, n);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             held[i] += open[i];
         }
         let mut left = multiply(&flow.relief, &held, n);
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             left[i] -= open[i];
         }
         left
@@ -229,7 +229,7 @@ impl<P: Scalar> StripModel<P> {
         held_left: &Column<S, N>,
     ) -> Column<S, N> {
         let mut impulse = *held_left;
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             impulse[i] = impulse[i] * self.tables.mass[i] + flow.impulse[i];
         }
         impulse
@@ -295,14 +295,14 @@ impl<P: Scalar> StripModel<P> {
         let sums = self.lag_sums(&lagged, &attached);
         let held_left = self.held_left(flow, &sums);
         let mut wash = [S::ZERO; N];
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
             wash[i] = held_left[i] + of_motion;
         }
         if let Some(foreign) = foreign {
             // K d = 1 - A0 leaves A0^-1 of a wind that is the same along the chord.
             let left = multiply(&flow.relief, &foreign.at_control, self.settings.strips);
-            for i in 0..N {
+            for i in 0..lanes::<S, N>(self.settings.strips) {
                 wash[i] += left[i];
             }
         }
@@ -332,7 +332,7 @@ impl<P: Scalar> StripModel<P> {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
             let held_rate_left = self.held_left(flow, &rates);
             impulse = self.impulse(flow, &held_left);
-            for i in 0..N {
+            for i in 0..lanes::<S, N>(self.settings.strips) {
                 impulse_rate[i] = held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i];
             }
             if self.follows() {
@@ -364,7 +364,7 @@ impl<P: Scalar> StripModel<P> {
         let (n, lags) = (self.settings.strips, self.lags);
         let speed = &flow.strips.speed;
         let mut lift_wash = *wash;
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             lift_wash[i] *= self.tables.at_once;
         }
         for (k, block) in x.chunks_exact(n).enumerate() {
@@ -455,16 +455,16 @@ impl<P: Scalar> StripModel<P> {
     ) -> Column<S, N> {
         let n = self.settings.strips;
         let mut seen = [S::ZERO; N];
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             seen[i] = sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0);
         }
         let (far, near) = (multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n));
         let mut wash = *lift_wash;
-        for i in 0..N {
+        for i in 0..lanes::<S, N>(self.settings.strips) {
             wash[i] += far[i] - near[i];
         }
         if let Some(foreign) = foreign {
-            for i in 0..N {
+            for i in 0..lanes::<S, N>(self.settings.strips) {
                 wash[i] += foreign.at_bound[i] - foreign.at_control[i];
             }
         }

@@ -1,6 +1,7 @@
 //! Running times of what a flight is made of: medians over repeats, and ratios between them.
 //! `cargo xtask bench` runs this.
 
+mod instructions;
 mod mechanics;
 
 use std::fs;
@@ -133,6 +134,11 @@ fn peak_memory() -> Option<f64> {
 }
 
 fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(("count", work)) = arguments.split_first().map(|(first, rest)| (first.as_str(), rest)) {
+        assert!(instructions::count(work).is_some(), "count WORK PRESET STRIPS RUNS");
+        return;
+    }
     mechanics::rows();
     let full: &[&str] = &["aero.preset='full'", "aero.full.strips=16"];
     let cases: [(&str, &str, &[&str]); 5] = [

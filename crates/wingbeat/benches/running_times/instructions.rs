@@ -1,0 +1,32 @@
+//! Work to be counted in instructions, which do not depend on what else the machine does: `running_times count NAME RUNS`
+//! does the work `NAME` so often. `cargo xtask long instructions` takes the difference of two numbers of runs.
+
+use std::hint::black_box;
+
+use wingbeat::plant::{Linearisation, Plant};
+
+use super::scenario;
+
+/// Does what `arguments` name; none where they name nothing.
+pub fn count(arguments: &[String]) -> Option<()> {
+    let [work, preset, strips, runs] = arguments else { return None };
+    let (runs, strips): (usize, usize) = (runs.parse().ok()?, strips.parse().ok()?);
+    let number = if preset == "paper" { "nodes" } else { "strips" };
+    let overrides = [format!("aero.preset='{preset}'"), format!("aero.{preset}.{number}={strips}")];
+    let scenario = scenario("banking_turn.toml", &overrides.each_ref().map(String::as_str));
+    let (robot, x) = (scenario.robot(), scenario.start());
+    let (mut dx, u) = (x.clone(), vec![0.01; robot.inputs().len()]);
+    let mut linearisation = Linearisation::new(x.len(), u.len());
+    for _ in 0..runs {
+        let (t, x, u) = (black_box(0.1), black_box(&x[..]), black_box(&u[..]));
+        match work.as_str() {
+            "evaluation" => robot.rates_in_numbers(t, x, u, &mut dx).ok()?,
+            "jacobian" => linearisation.evaluate(robot, t, x, u).ok()?,
+            "inputs" => linearisation.evaluate_inputs(robot, t, x, u).ok()?,
+            "sample" => drop(black_box(robot.observe(t, x, u).ok()?)),
+            _ => return None,
+        }
+        black_box((&dx, &linearisation));
+    }
+    Some(())
+}
