@@ -180,14 +180,13 @@ impl SparSpec {
         };
         let widest = self.stations.iter().map(|station| chord(station.arc_m)).fold(0.0, f64::max);
         let mut least = f64::INFINITY;
-        let quantities: [(fn(&SparStationSpec) -> f64, i32); 2] =
-            [(|station| station.mass_kg_m, 2), (|station| station.inertia_kg_m, 4)];
-        for (of, power) in quantities {
-            let most = self.stations.iter().map(of).fold(0.0, f64::max);
+        let per_length = |station: &SparStationSpec| [station.mass_kg_m, station.inertia_kg_m];
+        for (k, power) in [(0, 2), (1, 4)] {
+            let most = self.stations.iter().map(|station| per_length(station)[k]).fold(0.0, f64::max);
             for station in self.stations.iter().filter(|_| most > 0.0) {
                 let expected = most * (chord(station.arc_m) / widest).powi(power);
                 if expected > 0.0 {
-                    least = least.min(of(station) / expected);
+                    least = least.min(per_length(station)[k] / expected);
                 }
             }
         }

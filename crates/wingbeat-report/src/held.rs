@@ -31,7 +31,7 @@ pub fn wing(
     let arcs = tether.drawn_arcs(RIBS);
     let t = taken(loads, shown, "t")?;
     let mut motion = Motion { sources: named(loads, shown), wind: tether.wind.0, ..Motion::default() };
-    let strains = strains(loads);
+    let strains = strains(case, loads);
     let heights = strips.and_then(|strips| heights(strips, loads.rows(), tether.aero.strips()));
     let mut surface = Surface::default();
     for (&t, &row) in t.iter().zip(shown) {
@@ -62,9 +62,11 @@ pub fn wing(
     Ok(motion)
 }
 
-/// The coordinates of the spar that has bent a wing with those `loads`; nothing of a rigid one.
-fn strains(loads: &Record) -> Vec<&[f64]> {
-    (0..).map_while(|i| loads.values(&format!("{STRAIN}{i}"))).collect()
+/// The coordinates of the spar that has bent the wing of `case` with those `loads`; nothing of a rigid one, and of loads that lack some.
+pub fn strains<'a>(case: &TetherCase, loads: &'a Record) -> Vec<&'a [f64]> {
+    let count = case.tether.spar.as_ref().map_or(0, |spar| spar.beam.coordinates());
+    let all: Option<Vec<&[f64]>> = (0..count).map(|i| loads.values(&format!("{STRAIN}{i}"))).collect();
+    all.unwrap_or_default()
 }
 
 /// Both heights of the membrane of all `count` strips at `rows` instants.

@@ -298,6 +298,10 @@ fn tether(files: Files, blank: Blank) -> Result<Run, Error> {
                 if strips.is_some() && motion.surfaces.iter().all(|surface| surface.strips.is_empty()) {
                     run.notes.push("strips.parquet does not fit loads.csv: no strips are shown".into());
                 }
+                if case.tether.spar.is_some() && held::strains(&case, &loads).is_empty() {
+                    run.notes
+                        .push("loads.csv lacks coordinates of the spar: the wing is drawn unbent".into());
+                }
                 run.motion = Some(Motion { repeats: true, ..motion });
             }
             Err(why) => run.notes.push(format!("no picture in space: {why}")),

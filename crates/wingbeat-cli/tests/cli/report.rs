@@ -188,17 +188,24 @@ fn wings_are_exported_as_they_bend_and_bulge() {
         assert!(output.status.success(), "{arguments:?}: {output:?}");
     };
     let case = root().join("cases/pazy.toml").display().to_string();
-    let coarse = ["aero.full.strips=12", "spar.order=1", "time.cycles=2", "time.steps_per_cycle=16"];
+    let coarse = [
+        "aero.full.strips=12",
+        "spar.order=1",
+        "time.cycles=2",
+        "time.steps_per_cycle=16",
+        "limits.tether.spar_grid_fraction=1",
+    ];
     let coarse: Vec<&str> = coarse.iter().flat_map(|set| ["--set", set]).collect();
     done(&[&["tether", &case, "--out", "bent", "--quiet"], &coarse[..]].concat());
     done(&["export", "bent", "--vtk", "--quiet"]);
     let frame = |run: &str| fs::read_to_string(folder.join(format!("{run}-vtk/frame_00000.vtk"))).unwrap();
     let points = corners(&frame("bent"));
-    let (tip, root_z) = (points[0], points[points.len() / 2][2]);
+    // Leading edges at the tip and at the root in the middle.
+    let (tip, root_z) = (points[0], points[points.len() / 4 * 2][2]);
     let loads = fs::read_to_string(folder.join("bent/loads.csv")).unwrap();
     let place = loads.lines().next().unwrap().split(',').position(|name| name.starts_with("tip_up")).unwrap();
     let up: f64 = loads.lines().nth(1).unwrap().split(',').nth(place).unwrap().parse().unwrap();
-    assert!(up > 0.08 && (tip[2] - root_z - up).abs() < 0.2 * up, "{tip:?} {root_z} {up}");
+    assert!(up > 0.08 && (tip[2] - root_z - up).abs() < 0.03 * up, "{tip:?} {root_z} {up}");
     let flight = root().join("scenarios/sail_glide.toml").display().to_string();
     done(&["fly", &flight, "--set", "flight.duration_s=0.3", "--out", "sail", "--quiet"]);
     done(&["export", "sail", "--vtk", "--quiet"]);
@@ -206,11 +213,11 @@ fn wings_are_exported_as_they_bend_and_bulge() {
     let last =
         entries(&folder.join("sail-vtk")).into_iter().filter(|name| name.ends_with(".vtk")).max().unwrap();
     let points = corners(&fs::read_to_string(folder.join("sail-vtk").join(last)).unwrap());
-    // Leading edge, three points between, trailing edge: the first rib lies at the tip, the third inside.
-    let rib = &points[10..15];
+    // Leading edge, three points between, trailing edge, from the tip on.
+    let rib = &points[20..25];
     let middle: Vec<f64> = (0..3).map(|k| rib[2][k] - 0.5 * (rib[0][k] + rib[4][k])).collect();
     let chord = (0..3).map(|k| (rib[0][k] - rib[4][k]).powi(2)).sum::<f64>().sqrt();
     let rise = middle.iter().map(|x| x * x).sum::<f64>().sqrt() / chord;
-    assert!(rise > 0.005 && rise < 0.2 && middle[2] > 0.0, "{rise} {middle:?}");
+    assert!(rise > 0.003 && rise < 0.2 && middle[2] > 0.0, "{rise} {middle:?}");
     assert!(fs::read(folder.join("sail.glb")).unwrap().windows(7).any(|word| word == b"\"scale\""));
 }

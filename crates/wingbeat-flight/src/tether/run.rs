@@ -76,8 +76,8 @@ impl Motion {
     /// Whether nothing moves.
     pub fn is_still(&self) -> bool {
         let body = [&self.surge, &self.heave, &self.nose_up, &self.roll];
-        let all = body.into_iter().chain(self.hinges.iter().map(|(_, angle)| angle));
-        all.fold(true, |still, coordinate| still && matches!(coordinate, Coordinate::Constant(_)))
+        let mut all = body.into_iter().chain(self.hinges.iter().map(|(_, angle)| angle));
+        all.all(|coordinate| matches!(coordinate, Coordinate::Constant(_)))
     }
 
     /// The body at time `t`.
