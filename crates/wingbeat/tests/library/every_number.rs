@@ -22,6 +22,7 @@ const OPEN: &[&str] = &[
     "bank15_beta",
     "bank15_beta_lev",
     "banking_turn_beta",
+    "bounding_20g",
     "cruise_20g",
     "cruise_44g",
     "cruise_44g_lev",
@@ -42,6 +43,7 @@ const ENDED: &[&str] = &[
     "bank15_20g_lev",
     "bank15_beta",
     "bank15_beta_lev",
+    "bounding_20g",
     "cruise_20g",
     "cruise_44g",
     "cruise_44g_lev",
@@ -71,6 +73,7 @@ const WITHOUT_LEV: &[&str] = &[
     "paper_turn",
     "paper_turn_clear",
     "paper_turn_one_speed",
+    "bounding_20g",
     "cruise_20g",
     "cruise_44g",
     "cruise_linkage",
@@ -138,6 +141,7 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
     (".stall_angle_rad", LINEAR, "the law does not ask for it"),
     (".added_mass_scale", WITHOUT_CARRIED, "no such term"),
     ("_range[", LINKED, "the regulators keep the lengths within the limits that the file gives them"),
+    (".driven.harmonics[11].phase_rad", &["bounding_20g"], "three strokes of four have no fourth harmonic"),
     (".elevator.driven.lag_rad", &["glider", "sail_glide"], "a series without harmonics has no phase"),
 ];
 
