@@ -49,7 +49,7 @@ fn a_dive_that_cannot_be_is_refused() {
         assert!(told.contains(allowed) && told.contains("dive.nose_down_deg"), "{told}");
     }
     assert!(refused("dive.cycles", "0").contains("2 to 40"));
-    assert!(refused("dive.share", "1e300").contains("0.1 to 1"));
+    assert!(refused("dive.share", "7.0").contains("0.1 to 1"));
     for (key, value) in [
         ("legs", "[{ start_s = 1.0, duration_s = 1.0, climb_m_s = 1.0 }]"),
         ("climb_m_s", "0.5"),
@@ -74,11 +74,12 @@ fn a_bound_is_periodic_and_held() {
 
 #[test]
 fn a_glide_without_a_bound_is_refused() {
-    let refused = |text: &str| loaded("bounding_20g", &[text]).err().unwrap_or_default();
+    let told = |texts: &[&str]| loaded("bounding_20g", texts).err().unwrap_or_default();
+    let refused = |text: &str| told(&[text]);
     assert!(refused("robot.gait.fourier.bound.strokes=0").contains("1 to 20"));
     assert!(refused("robot.gait.fourier.bound.depth=2.0").contains("0 to 1"));
     assert!(refused("robot.gait.fourier.bound.harmonics=41").contains("1 to 40"));
-    let many = refused("robot.gait.fourier.bound.glide=20");
+    let many = told(&["robot.gait.fourier.bound.glide=20", "robot.gait.fourier.bound.strokes=20"]);
     assert!(many.contains("at most 64 harmonics"), "{many}");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/cruise_20g.toml");
     let told = Scenario::load(&path, &["robot.links[0].driven.folded_rad=0.3".into()]).err();
