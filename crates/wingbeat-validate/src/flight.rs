@@ -2,6 +2,7 @@
 //! through another.
 
 mod adaptation;
+mod dive;
 mod draws;
 mod dryden;
 mod estimator;
@@ -41,6 +42,7 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.passive_bank30_20g", quick: false, run: || flown("passive_bank30_20g", 10e-3, 30.0) },
     Case { id: "flight.climb", quick: false, run: || flown("climb", 30e-3, 0.0) },
     Case { id: "flight.dive_pullout", quick: false, run: || flown("dive_pullout", 30e-3, 0.0) },
+    Case { id: "flight.dive_45_20g", quick: false, run: dive::rows },
     Case { id: "flight.decelerate", quick: false, run: || flown("decelerate", 25e-3, 0.0) },
     Case { id: "flight.predictive_20g", quick: true, run: || flown("predictive_20g", 30e-3, 45.0) },
     Case { id: "flight.path_figure8", quick: false, run: || path::rows(path::EIGHT) },
@@ -78,6 +80,11 @@ pub const LONG: &[LongCase] = &[
         id: "flight.draws.any_air_level_20g",
         core_minutes: 6.0,
         run: |watch| draws::rows(&draws::ANY_AIR_LEVEL, watch),
+    },
+    LongCase {
+        id: "flight.draws.launch_20g",
+        core_minutes: 1.5,
+        run: |watch| draws::rows(&draws::LAUNCH, watch),
     },
     LongCase {
         id: "flight.draws.passive_level_20g",

@@ -1,5 +1,6 @@
 //! Periodic flight: the orbits of the shipped scenarios close, hold as their multipliers say, and keep their energy.
 
+mod bounding;
 mod drift;
 mod lattice;
 mod level;
@@ -45,6 +46,7 @@ pub const CASES: &[Case] = &[
         quick: false,
         run: || level::driven("cruise_beta_lev", 100.0, [10.5, 0.15]),
     },
+    Case { id: "trim.bounding_20g", quick: false, run: bounding::rows },
     Case { id: "trim.passive_20g", quick: false, run: || level::passive("passive_20g", 85.0) },
     Case { id: "trim.passive_linkage", quick: false, run: || level::passive("passive_linkage", 140.0) },
 ];

@@ -24,6 +24,9 @@ pub struct BoundSpec {
     pub harmonics: usize,
 }
 
+/// Coefficients up to which are those of rounding, rad.
+const ROUNDING: f64 = 1e-15;
+
 fn wholly() -> f64 {
     1.0
 }
@@ -95,9 +98,12 @@ impl BoundSpec {
             }
             sum
         });
-        let harmonics = product[1..]
-            .iter()
-            .map(|[re, im]| Harmonic { amplitude_rad: 2.0 * re.hypot(*im), phase_rad: -im.atan2(*re) });
+        // What only rounding leaves has no phase.
+        let kept = |x: f64| if x.abs() < ROUNDING { 0.0 } else { x };
+        let harmonics = product[1..].iter().map(|part| {
+            let [re, im] = part.map(kept);
+            Harmonic { amplitude_rad: 2.0 * re.hypot(im), phase_rad: 0.0 - im.atan2(re) }
+        });
         Ok(FourierSeries { mean_rad: product[0][0] + folded, harmonics: harmonics.collect() })
     }
 

@@ -25,6 +25,7 @@ const OPEN: &[&str] = &[
     "bank15_beta",
     "bank15_beta_lev",
     "banking_turn_beta",
+    "bounding_20g",
     "cruise_20g",
     "cruise_44g",
     "cruise_44g_lev",
@@ -46,6 +47,7 @@ const ENDED: &[&str] = &[
     "bank15_20g_lev",
     "bank15_beta",
     "bank15_beta_lev",
+    "bounding_20g",
     "cruise_20g",
     "cruise_44g",
     "cruise_44g_lev",
@@ -76,6 +78,7 @@ const WITHOUT_LEV: &[&str] = &[
     "paper_turn",
     "paper_turn_clear",
     "paper_turn_one_speed",
+    "bounding_20g",
     "cruise_20g",
     "cruise_44g",
     "cruise_linkage",
@@ -151,6 +154,7 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
         &["glider", "reorientation", "sail_glide"],
         "a series without harmonics has no phase",
     ),
+    (".driven.harmonics[11].phase_rad", &["bounding_20g"], "three strokes of four have no fourth harmonic"),
 ];
 
 /// Factors and shifts that cannot act on a robot, with the reason.

@@ -288,7 +288,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Equation: guide.dive_plan
-    /// `min sum u'Ru + ((pitch(half) - asked)/NOSE)^2 + min_h |s(end) - level - h|_P^2, u within its limits`
+    /// `min sum u'Ru + ((pitch(half) - asked)/NOSE)^2 + min_h d'P d, d = s(end) - level - h, u within its limits`
     /// Source: Tassa, Mansard & Todorov 2014, ICRA: differential dynamic programming with limits; steps of Gauss and Newton (Li & Todorov 2004).
     /// Test: `a_dive_pulls_out_within_its_height`.
     ///

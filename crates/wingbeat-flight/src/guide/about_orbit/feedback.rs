@@ -116,7 +116,7 @@ impl Feedback {
     }
 
     /// Equation: guide.held_multiplier
-    /// `max |eigenvalue of prod_k (A_k - B_k K_k)|`
+    /// `largest magnitude of the eigenvalues of prod_k (A_k - B_k K_k)`
     /// Source: Floquet 1883, of the closed loop.
     /// Test: `a_bound_is_periodic_and_held`.
     ///
