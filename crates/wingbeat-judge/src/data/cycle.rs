@@ -2,6 +2,7 @@
 
 use super::ends;
 use super::frequency::{self, Frequency};
+use super::outliers::place;
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
@@ -180,8 +181,8 @@ const PLACES: usize = 64;
 fn repeated(phase: &[f64], left: &[f64]) -> f64 {
     let mut sums = [(0.0, 0.0); PLACES];
     for (p, x) in phase.iter().zip(left) {
-        let place = &mut sums[((p.rem_euclid(1.0) * PLACES as f64) as usize).min(PLACES - 1)];
-        *place = (place.0 + x, place.1 + 1.0);
+        let of = &mut sums[place(*p, PLACES)];
+        *of = (of.0 + x, of.1 + 1.0);
     }
     let there = sums.iter().filter(|(_, count)| *count > 0.0);
     there.map(|(sum, count)| sum * sum / count).sum::<f64>() / left.len().max(1) as f64

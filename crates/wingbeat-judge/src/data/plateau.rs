@@ -97,9 +97,10 @@ fn places(series: &Series, samples: &[f64]) -> Option<Vec<Place>> {
     if count < PLACES[0] {
         return None;
     }
-    let mut there = vec![Vec::new(); count];
+    let mut there: Vec<Vec<(f64, f64)>> =
+        (0..count).map(|_| Vec::with_capacity(samples.len() / count + SAME)).collect();
     for (p, x) in series.phase.iter().zip(samples) {
-        let within = (p.rem_euclid(1.0) * count as f64).fract() - 0.5;
+        let within = ((p - p.floor()) * count as f64).fract() - 0.5;
         there[place(*p, count)].push((within, *x));
     }
     there.iter().map(|of| (of.len() >= SAME).then(|| Place::of(of))).collect()
