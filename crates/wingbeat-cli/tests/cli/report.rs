@@ -151,6 +151,18 @@ fn what_is_no_run_or_a_damaged_one_is_refused_in_one_message() {
     refused(&["report", "a", "--out", "a/report.html"], "is there already");
     fs::create_dir(folder.join("empty")).unwrap();
     refused(&["report", "empty"], "manifest.json");
+    for file in ["summary.json", "record.parquet", "scenario.toml"] {
+        let path = folder.join("a").join(file);
+        let whole = fs::read(&path).unwrap();
+        fs::write(&path, [&whole[..], b" "].concat()).unwrap();
+        refused(&["report", "a"], &format!("a/{file}: changed after its run was written"));
+        fs::write(&path, whole).unwrap();
+    }
+    // A run of an earlier version has no checksums.
+    let manifest = folder.join("a/manifest.json");
+    let mut told: serde_json::Value = serde_json::from_slice(&fs::read(&manifest).unwrap()).unwrap();
+    assert!(told.as_object_mut().unwrap().remove("checksums").is_some());
+    fs::write(&manifest, told.to_string()).unwrap();
     let damaged = [
         ("summary.json", "{", "damaged"),
         ("summary.json", "[]", "damaged"),

@@ -85,7 +85,7 @@ fn a_wing_that_does_not_stroke_is_drawn_at_its_end() {
 fn what_cannot_be_stepped_is_refused() {
     let folder = scratch("wake-refused");
     for (more, says) in [
-        (["--chordwise", "0"], "chordwise = 0: allowed is 1 or more"),
+        (["--chordwise", "0"], "--chordwise 0: allowed is 1 or more"),
         (
             ["--chordwise", "1000000000"],
             "--chordwise times --spanwise: 24000000000 panels: allowed is at most",

@@ -2,6 +2,7 @@
 
 use super::ends;
 use super::frequency::{self, Frequency};
+use super::outliers::place;
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
@@ -173,6 +174,20 @@ impl Parts {
     }
 }
 
+/// Places of a cycle by which it is looked what of a rest repeats beyond the harmonics. *Choice.*
+const PLACES: usize = 64;
+
+/// Variance of what of `left` repeats with the cycle: impacts have more harmonics than are fitted.
+fn repeated(phase: &[f64], left: &[f64]) -> f64 {
+    let mut sums = [(0.0, 0.0); PLACES];
+    for (p, x) in phase.iter().zip(left) {
+        let of = &mut sums[place(*p, PLACES)];
+        *of = (of.0 + x, of.1 + 1.0);
+    }
+    let there = sums.iter().filter(|(_, count)| *count > 0.0);
+    there.map(|(sum, count)| sum * sum / count).sum::<f64>() / left.len().max(1) as f64
+}
+
 /// Mean square about the mean.
 pub(super) fn variance(of: &[f64]) -> f64 {
     let mean = of.iter().sum::<f64>() / of.len() as f64;
@@ -218,7 +233,9 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
              file holds more than the steady part; cut it to that",
             100.0 * share
         );
-        let limit = if share > limits.of(&APERIODIC).0 { &APERIODIC } else { &SWINGS };
+        let swings = share - repeated(&at.phase, &one.left) / part.total;
+        let (limit, share) =
+            if share > limits.of(&APERIODIC).0 { (&APERIODIC, share) } else { (&SWINGS, swings) };
         found.push(Finding::new("data.not_periodic", limit, about(), share, text));
     }
     let scale = part.range.max(part.mean.abs());

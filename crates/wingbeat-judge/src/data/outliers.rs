@@ -59,7 +59,8 @@ impl Usual {
         let count = phase.len();
         let per_cycle = count as f64 / cycles.max(1.0);
         let places = PLACES.min(count / SAME).min(per_cycle as usize).max(1);
-        let mut there = vec![Vec::new(); places];
+        let mut there: Vec<Vec<f64>> =
+            (0..places).map(|_| Vec::with_capacity(count / places + SAME)).collect();
         for (p, x) in phase.iter().zip(channel.samples) {
             there[place(*p, places)].push(*x);
         }
@@ -127,7 +128,8 @@ impl Usual {
 }
 
 pub(super) fn place(phase: f64, places: usize) -> usize {
-    ((phase.rem_euclid(1.0) * places as f64) as usize).min(places - 1)
+    // The remainder of a division takes ten times as long.
+    (((phase - phase.floor()) * places as f64) as usize).min(places - 1)
 }
 
 /// The middle one; not a number of none.

@@ -12,9 +12,14 @@ const FLAT: f64 = 0.01;
 const SHARE: std::ops::Range<f64> = 0.05..0.36;
 /// Part of the range within which an end is near zero. *Choice.*
 const SLACK: f64 = 0.15;
-/// Noise at the end over that elsewhere: what is cut off has that of the converter alone. Right loads went down to 0.54 in the
-/// worst of 2000 files (measured). *Choice.*
-const QUIET: f64 = 0.5;
+/// Variance of the noise at the end over that elsewhere: what is cut off has that of the converter alone. Right loads went down to 0.55 in
+/// the worst of 570 files with noise and with unsteady cranks (measured). *Choice.*
+const QUIET: f64 = 0.4;
+/// Standard errors by which the variance elsewhere may be smaller, and its share that the slope may explain. *Choices.*
+const ERRORS: f64 = 2.0;
+const BY_SLOPE: f64 = 0.5;
+/// Places elsewhere at least. *Choice.*
+const ELSEWHERE: usize = 8;
 /// Noise in parts of the range and in counts of the converter at least, for less of it to be seen. *Choice.*
 const NOISE: [f64; 2] = [0.002, 2.0];
 
@@ -28,7 +33,7 @@ struct Place {
 /// The finding that an end is cut off under noise; `count` is that of the converter.
 ///
 /// What goes beyond the range of an amplifier is lost with the noise that it has until there, so that the samples of one phase
-/// scatter less at the end than elsewhere. A line that goes slack is flat and may be quiet as well, but near zero, and for longer:
+/// scatter less at the end than elsewhere, more than an unsteady crank explains. A line that goes slack is flat and may be quiet as well, but near zero, and for longer:
 /// an end near zero counts only where the other one is flat and quiet too.
 pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<Finding> {
     let places = places(series, channel.samples)?;
@@ -37,13 +42,13 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
     let noise = median(&mut places.iter().map(|of| of.noise).collect::<Vec<_>>());
     let within = (FLAT * range).max(3.0 * noise / (series.phase.len() as f64 / places.len() as f64).sqrt());
     let share = |end: f64| {
-        let (on, off): (Vec<Place>, Vec<Place>) =
-            places.iter().partition(|of| (of.mean - end).abs() <= within);
-        let noise = |of: Vec<Place>| median(&mut of.iter().map(|place| place.noise).collect::<Vec<_>>());
-        let share = on.len() as f64 / places.len() as f64;
-        let usual = noise(off);
-        let seen = usual > (NOISE[0] * range).max(NOISE[1] * count);
-        (seen && SHARE.contains(&share) && noise(on) < QUIET * usual).then_some(share)
+        let on: Vec<bool> = places.iter().map(|of| (of.mean - end).abs() <= within).collect();
+        let share = on.iter().filter(|on| **on).count() as f64 / places.len() as f64;
+        let usual = elsewhere(&places, &on)?;
+        let there = places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of.noise);
+        let noise = median(&mut there.collect::<Vec<_>>());
+        let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
+        (seen && SHARE.contains(&share) && noise * noise < QUIET * usual).then_some(share)
     };
     let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
@@ -54,12 +59,35 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
         _ => return None,
     };
     let text = format!(
-        "is flat at {end:.4} {} for {:.0} % of the cycle, and scatters less than half as much there as elsewhere: cut off before the \
+        "is flat at {end:.4} {} for {:.0} % of the cycle, and scatters far less there than elsewhere: cut off before the \
          noise came to it, so that means and harmonics are too small; take a wider range",
         channel.unit,
         100.0 * share
     );
     Some(Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text))
+}
+
+/// The variance that the noise has where the mean cycle does not change, from the places away from the end, less its error: a crank that is
+/// unsteady adds one that grows with the square of the slope. None where the slope explains it.
+fn elsewhere(places: &[Place], on: &[bool]) -> Option<f64> {
+    let count = places.len();
+    let beside = |k: usize| on[k] || on[(k + 1) % count] || on[(k + count - 1) % count];
+    let slope = |k: usize| places[(k + 1) % count].mean - places[(k + count - 1) % count].mean;
+    let points: Vec<[f64; 2]> = (0..count)
+        .filter(|k| !beside(*k))
+        .map(|k| [0.25 * slope(k).powi(2), places[k].noise.powi(2)])
+        .collect();
+    if points.len() < ELSEWHERE {
+        return None;
+    }
+    let mean = |of: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(&|p| p[0]), mean(&|p| p[1]));
+    let (xx, xy) = (mean(&|p| (p[0] - x).powi(2)), mean(&|p| (p[0] - x) * (p[1] - y)));
+    let rise = if xx > 0.0 { (xy / xx).max(0.0) } else { 0.0 };
+    let left = mean(&|p| (p[1] - y - rise * (p[0] - x)).powi(2));
+    let error = (left * (1.0 + x * x / xx.max(f64::MIN_POSITIVE)) / (points.len() - 2) as f64).sqrt();
+    let least = y - rise * x - ERRORS * error;
+    (rise * x < BY_SLOPE * y && least > 0.0).then_some(least)
 }
 
 /// The places of the cycle; none where the samples of a place are too few.
@@ -69,9 +97,10 @@ fn places(series: &Series, samples: &[f64]) -> Option<Vec<Place>> {
     if count < PLACES[0] {
         return None;
     }
-    let mut there = vec![Vec::new(); count];
+    let mut there: Vec<Vec<(f64, f64)>> =
+        (0..count).map(|_| Vec::with_capacity(samples.len() / count + SAME)).collect();
     for (p, x) in series.phase.iter().zip(samples) {
-        let within = (p.rem_euclid(1.0) * count as f64).fract() - 0.5;
+        let within = ((p - p.floor()) * count as f64).fract() - 0.5;
         there[place(*p, count)].push((within, *x));
     }
     there.iter().map(|of| (of.len() >= SAME).then(|| Place::of(of))).collect()

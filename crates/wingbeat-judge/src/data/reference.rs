@@ -2,7 +2,7 @@
 
 use super::Finding;
 use crate::limits::Limits;
-use crate::limits::data::{DEAD, GAIN, LAGS, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
+use crate::limits::data::{BENT, DEAD, GAIN, LAGS, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
 /// symmetry is computed as rounding.
@@ -24,9 +24,8 @@ const COUNTS: f64 = 0.2;
 /// its power. *Choice.*
 const TALKS: [f64; 2] = [0.1, 0.04];
 
-/// Share of the power of a channel that its own load leaves for it to be called bent, and the part of it that a bend leaves at most.
-/// *Choice.*
-const BENT: [f64; 2] = [0.01, 0.15];
+/// Part of what its own load leaves of the power of a channel that a bend leaves at most. *Choice.*
+const BENDS: f64 = 0.15;
 
 /// A measured cycle and a computed one, at the same even phases.
 #[derive(Clone, Copy, Debug)]
@@ -257,23 +256,25 @@ fn mixed(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
         }
         let (x, own) = (apart(pair.measured), apart(pair.computed));
         let by = |second: &[f64]| Fit::of(&x, &own, second);
-        let mut put = |id, size: f64, text| {
-            let finding = Finding::new(id, &GAIN, format!("{} of {what}", pair.name), size, text);
+        let mut put = |id, limit, size: f64, text| {
+            let finding = Finding::new(id, limit, format!("{} of {what}", pair.name), size, text);
             found.push(finding.noted().in_channel(pair.name));
         };
         let others = telling.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, of)| of);
         let others = others.filter(|(other, its)| other.unit == pair.unit && its.now > ALIKE[0]);
         let talks = others.filter_map(|(other, its)| {
             let fit = by(&apart(other.measured))?;
-            let large = fit.second.abs() * its.measured > TALKS[0] * told.computed;
-            (told.now < ALIKE[0] && fit.left < TALKS[1] && fit.own > 0.5 && large)
-                .then_some((other.name, fit))
+            let size = fit.second.abs() * its.measured / told.computed;
+            let told = told.now < ALIKE[0] && fit.left < TALKS[1] && fit.own > 0.5 && size > TALKS[0];
+            told.then_some((other.name, size, fit))
         });
-        if let Some((name, Fit { own, second, .. })) = talks.min_by(|a, b| a.1.left.total_cmp(&b.1.left)) {
+        if let Some((name, size, Fit { own, second, .. })) =
+            talks.min_by(|a, b| a.2.left.total_cmp(&b.2.left))
+        {
             let text = format!(
                 "is {own:.2} times what is computed for it and {second:.2} times {name}: cross talk, or axes that are turned"
             );
-            put("data.mixed", second.abs(), text);
+            put("data.mixed", &GAIN, size, text);
             continue;
         }
         let largest = pair.computed.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
@@ -284,11 +285,10 @@ fn mixed(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
         let halves = apart(&pair.computed.iter().map(|c| c.abs()).collect::<Vec<_>>());
         let best = bent.iter().chain([&halves]).filter_map(|second| by(second));
         if let Some(fit) = best.min_by(|a, b| a.left.total_cmp(&b.left))
-            && 1.0 - told.now.powi(2) > BENT[0]
-            && fit.left < BENT[1] * (1.0 - told.now.powi(2))
+            && fit.left < BENDS * (1.0 - told.now.powi(2))
         {
             let text = "is a bent function of what is computed for it: an amplifier that saturates or has two gains, or a poor calibration";
-            put("data.bent", 1.0 - told.now, text.into());
+            put("data.bent", &BENT, (1.0 - told.now.powi(2)).sqrt(), text.into());
         }
     }
     found

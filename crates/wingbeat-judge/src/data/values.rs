@@ -85,15 +85,18 @@ fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
     let told = |(channel, extent): (&Channel, &Option<Extent>)| {
         let extent = (*extent)?;
         let switch = channel.samples.iter().all(|x| *x == 0.0 || *x == 1.0);
-        let judged = extent.range() > TELLING * most(channel.unit) && extent.count.is_finite() && !switch;
         let counts = extent.range() / extent.count;
+        // What is held stands at values of any size.
+        let step = |x: &f64| (x - extent.low) / extent.count;
+        let even = || channel.samples.iter().all(|x| (step(x) - step(x).round()).abs() < 0.01);
+        let judged = extent.range() > TELLING * most(channel.unit) && extent.count.is_finite() && !switch;
         let text = format!(
             "spans {counts:.0} steps of {:.3e} {}: the range of the converter is far too wide",
             extent.count, channel.unit
         );
         let limit = if counts < COUNTS.value { &COUNTS } else { &FEW_COUNTS };
         let found = || Finding::new("data.coarse", limit, series.about(channel.name), counts, text);
-        judged.then(|| found().in_channel(channel.name))
+        (judged && counts < FEW_COUNTS.value && even()).then(|| found().in_channel(channel.name))
     };
     all().filter_map(told).collect()
 }

@@ -115,10 +115,13 @@ pub const SWINGS: Limit = Limit::warn_above("data.swinging_fraction", 0.1, "")
 /// Models miss the phase of a load by tens of degrees at most; beyond it one channel has another clock.
 pub const LAGS: Limit = Limit::at_most("data.lag_spread_deg", 60.0, "deg", SuspectData)
     .on("difference of the phase between two channels of a file, each beside what is computed");
+/// A cell is straight to a per cent; a load of another harmonic leaves more, but no bend explains it.
+pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
+    .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 34] = [
-    COUNTS, FEW_COUNTS, SWINGS, LAGS, NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL,
-    LINE, SHARE, APERIODIC, FREQUENCY, ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST,
-    PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED, ALTERNATES, ENDS, LEFT, UNLIKE, COVERED,
+pub const ALL: [Limit; 35] = [
+    NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
+    ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED,
+    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, LAGS, BENT,
 ];

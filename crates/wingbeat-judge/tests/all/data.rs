@@ -219,6 +219,13 @@ fn right() -> Vec<(&'static str, Data)> {
                 3.0 + (5.0 * (TAU * k as f64 / 200.0).sin()).tanh() + 0.02 * Noise(k as u64 * 31).next()
             }),
         ),
+        ("unsteady_crank", {
+            let load = exact(Load { cycles: 20.0, ..usual() });
+            changed(&load.clone(), move |k, _| {
+                let late = 0.01 * Noise(k as u64 * 31).next();
+                load.at(k as f64 / 200.0 + late) + 0.003 * Noise(k as u64 * 57).next()
+            })
+        }),
         ("on_and_off", changed(&usual(), |k, _| f64::from(u8::from(k % 200 < 60)))),
         ("eight_counts", changed(&exact(usual()), |_, x| (x / 0.3).round() * 0.3)),
     ]

@@ -182,10 +182,6 @@ impl RobotTrim {
         let asked = |free| TrimSpec { free, ..TrimSpec::level(size.speed().clamp(0.5, 50.0)) };
         spec.trim = Some(asked(free));
         let named = Scenario::new(Document::value("trim", &spec)?)?;
-        if !flaps(&named) {
-            let allowed = "links that the gait drives: without flapping there is no cycle to trim";
-            return Err(given.explain(&Error::invalid("robot.links", "none moves a surface", allowed)));
-        }
         let mut free = numbers::free(named.model());
         // A rudder has no effect on level flight: what level flight takes comes first.
         free.sort_by_key(|name| numbers::acts_across(&spec.robot, name));
@@ -239,11 +235,16 @@ impl RobotTrim {
     /// Trims the robot.
     ///
     /// # Errors
-    /// A scenario that cannot be written.
+    /// A gait that moves no surface; a scenario that cannot be written.
     pub fn trim(
         &self,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Result<Trimmed, ConfigError> {
+        if !flaps(&self.scenario) {
+            let allowed = "links that the gait drives: without flapping there is no cycle to trim";
+            let error = Error::invalid("robot.links", "none moves a surface", allowed);
+            return Err(self.scenario.explain(&error));
+        }
         let mut alone = AloneSummary {
             guessed_speed_m_s: self.size.speed(),
             guessed_frequency_hz: self.size.frequency(),
