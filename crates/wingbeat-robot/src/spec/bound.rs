@@ -6,15 +6,15 @@ use std::f64::consts::{PI, TAU};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 
-/// Strokes and a glide in turn. A cycle of the gait, whose frequency is `frequency_hz`, is as long as both together; its middle
-/// stroke begins at phase 0.
+/// Flapping and a glide in turn. A cycle of the gait, whose frequency is `frequency_hz`, is as long as both together; its middle
+/// wingbeat begins at phase 0.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct BoundSpec {
-    /// Strokes of the wings in a cycle.
+    /// Wingbeats in a cycle.
     pub strokes: usize,
-    /// Length of the glide, in strokes.
+    /// Length of the glide, in wingbeats.
     pub glide: usize,
     /// Share by which the wings come to rest at the links' `folded_rad` in the glide: 1 wholly, 0 not at all, so that they flap on.
     #[serde(default = "wholly")]

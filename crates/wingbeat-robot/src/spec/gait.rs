@@ -14,7 +14,7 @@ pub enum GaitSpec {
     Fourier {
         /// Flapping frequency, Hz; 0 holds the wings still.
         frequency_hz: f64,
-        /// Strokes and a glide on folded wings in turn; `frequency_hz` is then that of both together.
+        /// Flapping and a glide on folded wings in turn; `frequency_hz` is then that of both together.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         bound: Option<BoundSpec>,
         /// Shoulder of `wing`, positive raises it.
