@@ -153,6 +153,15 @@ impl ScenarioSpec {
         if let Some(plan) = &self.plan {
             plan.check().map_err(|e| e.within("plan"))?;
         }
+        let vacuum = self.air.density_kg_m3 == 0.0;
+        if vacuum && self.lattice.is_some() {
+            let allowed = "none in a vacuum (air.density_kg_m3 = 0)";
+            return Err(Error::invalid("lattice", "given", allowed).against(["air.density_kg_m3"]));
+        }
+        if vacuum && !self.robot.thrusters.is_empty() {
+            let allowed = "none in a vacuum (air.density_kg_m3 = 0), where propellers have nothing to push";
+            return Err(Error::invalid("robot.thrusters", "given", allowed).against(["air.density_kg_m3"]));
+        }
         if let Some(PlanSpec::RollIn(plan)) = &self.plan {
             let checked = require::at_most("plan.roll_in.start_s", plan.start_s, self.flight.duration_s);
             checked.map_err(|e| e.against(["flight.duration_s"]))?;

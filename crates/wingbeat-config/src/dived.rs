@@ -8,6 +8,8 @@ use wingbeat_judge::{Judge, Status};
 
 /// Angle of the path over a cycle at which it counts as level, deg. *Choice*: gusts of 0.3 m/s turn it by as much.
 const LEVEL_DEG: f64 = 4.0;
+/// Cycles for which it must be level at the end of the flight. *Choice.*
+const LEVEL_CYCLES: f64 = 4.0;
 
 /// A dive of `[controller.orbit.dive]` from the first instant of its plan on.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -57,7 +59,7 @@ impl DiveSummary {
             nose_down_deg: largest(&mut pitch[first..].iter().copied()).to_degrees(),
             nose_down_cycle_deg: largest(&mut (first..last).map(over)),
             path_down_deg: largest(&mut paths.iter().copied()),
-            level_after_s: (level < last).then(|| t[level] - begin),
+            level_after_s: (level < at(t[t.len() - 1] - LEVEL_CYCLES * cycle)).then(|| t[level] - begin),
             pitch_error_deg: largest(&mut errors.iter().map(|e| e.abs())).to_degrees(),
         })
     }
@@ -66,7 +68,7 @@ impl DiveSummary {
         judge.hold(&flight::DIVE_HEIGHT, self.height_lost_m);
         judge.hold(&flight::DIVE_PITCH, self.pitch_error_deg);
         if self.level_after_s.is_none() {
-            judge.find(Status::OffTarget, "the path is not level at the end of the flight after the dive");
+            judge.find(Status::OffTarget, "the path is not level over the last four cycles of the flight after the dive");
         }
     }
 }

@@ -133,8 +133,12 @@ impl Flown<'_> {
             judge.hold_if(&flight::ATTITUDE, summary.roll_rms_error_deg);
             judge.hold_if(&flight::ATTITUDE, summary.pitch_rms_error_deg);
         }
-        if let Some(dive) = &summary.dive {
-            dive.judge(judge);
+        match &summary.dive {
+            Some(dive) => dive.judge(judge),
+            None if self.record.values("orbit_dive").is_some() => {
+                judge.find(Status::NotResolved, "the flight ends before its dive has begun and a cycle has passed");
+            }
+            None => {}
         }
         judge.hold_if(&flight::PATH, summary.path.as_ref().map(|path| path.cross_max_m));
         judge.hold_if(&flight::PLACE, summary.hover.as_ref().map(|hover| hover.place_rms_m));

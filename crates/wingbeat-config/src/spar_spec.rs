@@ -171,23 +171,27 @@ impl SparSpec {
         })
     }
 
-    /// Least mass or inertia per length at a station over the most of any, beside the second or the fourth power of the chords' ratio: those of
+    /// Least mass or inertia per length at a station, over the second or the fourth power of its chord, beside the median of all: 1 of
     /// wings whose sections are alike.
     pub(super) fn least_mass(&self, planform: &Planform) -> f64 {
         let chord = |arc: f64| {
             let (leading, trailing) = planform.edges(arc);
             leading - trailing
         };
-        let widest = self.stations.iter().map(|station| chord(station.arc_m)).fold(0.0, f64::max);
         let mut least = f64::INFINITY;
         let per_length = |station: &SparStationSpec| [station.mass_kg_m, station.inertia_kg_m];
         for (k, power) in [(0, 2), (1, 4)] {
-            let most = self.stations.iter().map(|station| per_length(station)[k]).fold(0.0, f64::max);
-            for station in self.stations.iter().filter(|_| most > 0.0) {
-                let expected = most * (chord(station.arc_m) / widest).powi(power);
-                if expected > 0.0 {
-                    least = least.min(per_length(station)[k] / expected);
-                }
+            let of = |station: &SparStationSpec| {
+                let chord = chord(station.arc_m);
+                (chord > 0.0).then(|| per_length(station)[k] / chord.powi(power))
+            };
+            let mut all: Vec<f64> = self.stations.iter().filter_map(of).collect();
+            all.sort_by(f64::total_cmp);
+            // Of an even number the larger of both in the middle.
+            if let (Some(lowest), Some(middle)) = (all.first(), all.get(all.len() / 2))
+                && *middle > 0.0
+            {
+                least = least.min(lowest / middle);
             }
         }
         if least.is_finite() { least } else { 0.0 }

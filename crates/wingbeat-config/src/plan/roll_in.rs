@@ -163,6 +163,9 @@ impl Scenario {
         summary.angular_momentum_change_kg_m2_s = momentum_change(&record);
         if plan.turns() {
             summary.turned_deg = problem.turned(solution).map(f64::to_degrees);
+        }
+        // In a vacuum a robot only falls, and keeps neither height nor speed.
+        if plan.turns() && summary.angular_momentum_change_kg_m2_s.is_some() {
             summary.judge_turned(judge, crossing.as_ref());
         } else {
             summary.judge_flown(judge, &record, first, crossing.as_ref());

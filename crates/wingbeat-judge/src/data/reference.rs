@@ -11,6 +11,10 @@ const TELLING: f64 = 0.05;
 const LARGE: f64 = 0.5;
 /// Correlation above which a gain means something, and one above which a lag does. *Choice.*
 const ALIKE: [f64; 2] = [0.97, 0.8];
+/// Correlation below the highest that another peak may have for its lag to count. *Choice.*
+const ALMOST: f64 = 0.05;
+/// Lag beyond which no slope makes it, deg. *Choice.*
+const CLOCK: f64 = 30.0;
 /// Difference of the gain from 1 beyond which the model, not the clock, makes a shift. *Choice.*
 const SLOPE: f64 = 0.4;
 /// Ranges over one another beyond which a load is told though its shape is another one. *Choice.*
@@ -89,8 +93,8 @@ impl Told {
         let spread = product(&computed, &computed, 0);
         let size = (product(&measured, &measured, 0) * spread).sqrt();
         let at = |lag: usize| if size > 0.0 { product(&measured, &computed, lag) / size } else { 0.0 };
-        let best =
-            (0..count).map(|lag| (lag, at(lag))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+        let all: Vec<f64> = (0..count).map(at).collect();
+        let best = nearest_peak(&all);
         let lag = 360.0 * best.0 as f64 / count.max(1) as f64;
         Self {
             share: range(pair.computed) / most.max(f64::MIN_POSITIVE),
@@ -102,6 +106,19 @@ impl Told {
             gain: product(&measured, &computed, best.0) / spread.max(f64::MIN_POSITIVE),
         }
     }
+}
+
+/// Of the peaks of a correlation by lag that nearly reach the highest, the one nearest to no lag, and its height: a load of the second
+/// harmonic is alike half a cycle later.
+fn nearest_peak(all: &[f64]) -> (usize, f64) {
+    let count = all.len();
+    let highest = all.iter().copied().fold(0.0, f64::max);
+    let peak = |lag: &usize| {
+        let [before, here, after] = [count - 1, 0, 1].map(|step| all[(lag + step) % count]);
+        here > highest - ALMOST && here >= before && here >= after
+    };
+    let lag = (0..count).filter(peak).min_by_key(|lag| *lag.min(&(count - lag)));
+    lag.map_or((0, 0.0), |lag| (lag, all[lag]))
 }
 
 fn range(of: &[f64]) -> f64 {
@@ -196,7 +213,7 @@ fn shifted(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     let gain = alike.iter().map(|told| told.share.powi(2) * told.gain).sum::<f64>() / weight;
     let found = Finding::new("data.shift", &SHIFT, what, lag.abs(), text);
     // A slope that far off turns lift against inertia, and so the phase.
-    Some(if (gain - 1.0).abs() > SLOPE { found.noted() } else { found })
+    Some(if (gain - 1.0).abs() > SLOPE && lag.abs() < CLOCK { found.noted() } else { found })
 }
 
 /// Channels of one file of which each is like its load, but at other times.

@@ -74,6 +74,8 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
 
 /// Part of the largest range of its unit that a channel has for its counts to be judged. *Choice.*
 const TELLING: f64 = 0.05;
+/// Part of it below which a channel of few counts is no reason to refuse the file. *Choice.*
+const HALF: f64 = 0.5;
 
 /// Channels of few counts, but for what is only on or off.
 fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
@@ -94,7 +96,9 @@ fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
             "spans {counts:.0} steps of {:.3e} {}: the range of the converter is far too wide",
             extent.count, channel.unit
         );
-        let limit = if counts < COUNTS.value { &COUNTS } else { &FEW_COUNTS };
+        // One that others of its unit dwarf may flip a bit.
+        let dwarfed = extent.range() < HALF * most(channel.unit);
+        let limit = if counts < COUNTS.value && !dwarfed { &COUNTS } else { &FEW_COUNTS };
         let found = || Finding::new("data.coarse", limit, series.about(channel.name), counts, text);
         (judged && counts < FEW_COUNTS.value && even()).then(|| found().in_channel(channel.name))
     };
@@ -104,6 +108,8 @@ fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
 /// Samples in a row in which all channels stand still for it to be odd, and the part of a channel's range by which one of them leaps to
 /// where they stand. *Choices.*
 const TOGETHER: usize = 8;
+/// Rests of one length above which they are a rate. *Choice.*
+const HELD: usize = 5;
 const LEAPS: f64 = 0.2;
 
 /// The finding that all channels stand still together, leaping there: a plug that is loose, a logger that waits.
@@ -127,6 +133,8 @@ fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
     };
     let count = series.phase.len();
     let (mut lost, mut times, mut begin) = (0, 0, 0);
+    // Shortest and longest of the rests: those of a lower rate that is held are alike.
+    let mut rests = [usize::MAX, 0];
     for k in 1..=count {
         if k < count && still(k) {
             continue;
@@ -134,6 +142,10 @@ fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
         let odd = k - begin >= TOGETHER && (leaps(begin) || (k < count && leaps(k)));
         lost += if odd { k - begin } else { 0 };
         times += usize::from(odd);
+        // The first and the last may be cut off.
+        if odd && begin > 0 && k < count {
+            rests = [rests[0].min(k - begin), rests[1].max(k - begin)];
+        }
         begin = k;
     }
     let share = lost as f64 / count.max(1) as f64;
@@ -142,7 +154,15 @@ fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
          filled in; cut them out",
         100.0 * share
     );
-    (times > 0).then(|| Finding::new("data.lost", &LOST, series.what, share, text))
+    let found = || Finding::new("data.lost", &LOST, series.what, share, text);
+    if times > HELD && rests[1] <= rests[0] + 1 {
+        let text = format!(
+            "all channels stand still for {} samples again and again: values of a lower rate, held in between",
+            rests[0]
+        );
+        return Some(Finding::new("data.lost", &LOST, series.what, share, text).noted());
+    }
+    (times > 0).then(found)
 }
 
 /// So many values of a channel that are no numbers.

@@ -31,7 +31,7 @@ pub const FLUTTER: Limit = Limit::at_most("tether.growth_fraction", 1e-3, "", Ou
 );
 /// Stations of a spar without mass, or without inertia about the span, where the wing has a chord. *Choice.*
 pub const MASSLESS: Limit = Limit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
-    "a wing has mass and inertia all along: least of either per length at a station of the spar, over the most of any and the square or the fourth power of the chords' ratio,",
+    "a wing has mass and inertia all along: least of either per length at a station of the spar, over the square or the fourth power of its chord, beside the median of all,",
 );
 
 /// All of them.

@@ -100,8 +100,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         row(
             "turn",
             asked,
-            "150 deg less the turn as it was flown",
-            TURNED - turned.abs().to_degrees(),
+            "150 deg nose up less the turn as it was flown",
+            TURNED + turned.to_degrees(),
             0.0,
             "deg",
         ),
@@ -109,8 +109,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         row(
             "momentum",
             asked,
-            "largest change of the angular momentum",
-            number(summary.angular_momentum_change_kg_m2_s),
+            "largest angular momentum about the centre of mass",
+            momentum(record)?,
             MOMENTUM,
             "kg m2/s",
         ),
@@ -131,6 +131,13 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             "deg",
         ),
     ])
+}
+
+/// Largest angular momentum about the centre of mass over a record, kg m2/s.
+fn momentum(record: &Record) -> Result<f64, Error> {
+    let [x, y, z] = ["x", "y", "z"].map(|axis| values(record, &format!("angular_momentum_{axis}")));
+    let (x, y, z) = (x?, y?, z?);
+    Ok((0..x.len()).map(|row| Vec3::new(x[row], y[row], z[row]).norm()).fold(0.0, f64::max))
 }
 
 /// The turn about the body's y axis over a record, rad: that of a body that turns about it alone.
