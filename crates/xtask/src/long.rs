@@ -1,14 +1,18 @@
 //! `cargo xtask long`: what takes hours and so does not run before every change.
 
 use crate::report::{Account, Tally};
-use crate::{blocks, book, browser, documents, fuzz, hostile, paper, peers, python, soak, tools, tutorials};
+use crate::{
+    blocks, book, browser, documents, fuzz, hostile, instructions, paper, peers, python, soak, tools,
+    tutorials,
+};
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 14] = [
+const TASKS: [Task; 15] = [
     ("tests", tests),
+    ("instructions", instructions::check),
     ("tutorials", || Tally::one(tutorials::all())),
     ("pages", || Tally::one(blocks::all())),
     ("book", || Tally::one(book::build())),

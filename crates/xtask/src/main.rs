@@ -9,6 +9,7 @@ mod dependencies;
 mod documents;
 mod fuzz;
 mod hostile;
+mod instructions;
 mod long;
 #[cfg(test)]
 mod pages;
