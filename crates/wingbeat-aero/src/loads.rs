@@ -243,9 +243,11 @@ impl<S: Scalar> Default for Loads<S> {
 }
 
 impl<S: Scalar> Loads<S> {
-    /// Empty loads that are to tell the parts of the forces too.
-    pub fn detailed() -> Self {
-        Self { detail: Some([ForceDetail::default(); MAX_STRIPS]), ..Self::default() }
+    /// Empty loads that are to tell the parts of the forces too, where they are large: on the heap.
+    pub fn boxed() -> Box<Self> {
+        let mut loads = Box::<Self>::default();
+        loads.detail = Some([ForceDetail::default(); MAX_STRIPS]);
+        loads
     }
 
     /// Sum of the parts over the strips, each times its weight (1 beyond the end of `weights`); zero where they were not

@@ -75,8 +75,9 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Vec<Wrench<f64>>, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let seen = self.moving((t, x, u), beyond, &mut dx)?;
-        let Moving { base, moving, wind: [wind, wind_dot], .. } = &*seen;
+        let mut seen = Moving::empty();
+        self.moving((t, x, u), beyond, &mut dx, &mut seen)?;
+        let Moving { base, moving, wind: [wind, wind_dot], .. } = &seen;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(base, &self.carriers, moving, *wind_dot);

@@ -3,12 +3,12 @@
 use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
-use super::{MAX_ELEMENTS, Robot};
+use super::{Links, MAX_ELEMENTS, Robot};
 use crate::MotorWork;
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, drive_power, joint_power};
 use arrayvec::ArrayVec;
 use wingbeat_aero::{ForceDetail, LoadSource, Loads, StripLoads};
-use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
+use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench, append_copies};
 use wingbeat_ocp::plant::Fault;
 
 /// One instant of a flight.
@@ -69,7 +69,7 @@ pub struct Observation {
     pub clearances: Vec<f64>,
 }
 
-/// A robot with all its accelerations, on the heap, as it is large.
+/// A robot with all its accelerations, which is large and so filled in place.
 pub(super) struct Moving {
     /// What led to its rates: joint coordinates with their second rates, and links without the body's own acceleration.
     pub e: Evaluation<f64>,
@@ -78,9 +78,23 @@ pub(super) struct Moving {
     /// The body as a link, accelerated.
     pub base: LinkMotion,
     /// The links with the body's acceleration.
-    pub moving: Vec<LinkMotion>,
+    pub moving: Links<f64>,
     /// Velocity of the air and its rate, in B.
     pub wind: [Vec3; 2],
+}
+
+impl Moving {
+    /// Room for it.
+    #[inline(always)]
+    pub fn empty() -> Self {
+        Self {
+            e: Evaluation::empty(),
+            body: BaseAcceleration::from_slice(&[0.0; 6]),
+            base: LinkMotion::REST,
+            moving: Links::new(),
+            wind: [Vec3::ZERO; 2],
+        }
+    }
 }
 
 impl Observation {
@@ -113,14 +127,15 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let seen = self.moving((t, x, u), beyond, &mut dx)?;
-        let Moving { e, body, base, moving, wind: [wind, wind_dot] } = &*seen;
+        let mut seen = Moving::empty();
+        self.moving((t, x, u), beyond, &mut dx, &mut seen)?;
+        let Moving { e, body, base, moving, wind: [wind, wind_dot] } = &seen;
         let (joints, links, body, wind) = (&e.joints, &e.links, *body, *wind);
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(base, &self.carriers, moving, *wind_dot);
         let aero = self.layout.aero;
-        let mut strips = Box::new(Loads::detailed());
+        let mut strips = Loads::boxed();
         let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += *beyond);
         let structure = &x[self.layout.structure..];
@@ -193,23 +208,20 @@ impl Robot {
         (t, x, u): (f64, &[f64], &[f64]),
         beyond: &[Wrench<f64>],
         dx: &mut [f64],
-    ) -> Result<Box<Moving>, Fault> {
-        let mut seen = Box::new(Moving {
-            e: Evaluation::empty(),
-            body: BaseAcceleration::from_slice(&[0.0; 6]),
-            base: LinkMotion::base(Vec3::ZERO, Vec3::ZERO),
-            moving: Vec::new(),
-            wind: [Vec3::ZERO; 2],
-        });
+        seen: &mut Moving,
+    ) -> Result<(), Fault> {
         let e = &mut seen.e;
         self.evaluate(t, x, u, beyond, dx, e)?;
         self.let_go(&mut e.joints, &mut e.links, &e.coordinates, &e.ratios, &e.second_rates);
         seen.body = BaseAcceleration::from_slice(&seen.e.acceleration);
         seen.base = seen.e.base.accelerated(&seen.body);
-        seen.moving = seen.e.links.iter().map(|link| link.accelerated(&seen.body)).collect();
+        append_copies(&mut seen.moving, LinkMotion::REST, seen.e.links.len());
+        for i in 0..seen.e.links.len() {
+            seen.moving[i] = seen.e.links[i].accelerated(&seen.body);
+        }
         let (wind, rate) = self.wind(t, seen.e.attitude);
         seen.wind = [wind, rate];
-        Ok(seen)
+        Ok(())
     }
 
     /// Ends of the panels of every surface.

@@ -2,16 +2,18 @@
 
 use crate::report::{Account, Tally};
 use crate::{
-    blocks, book, browser, documents, doors, fuzz, hostile, paper, peers, python, soak, tools, tutorials,
+    blocks, book, browser, documents, doors, fuzz, hostile, instructions, paper, peers, python, soak, tools,
+    tutorials,
 };
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 15] = [
+const TASKS: [Task; 16] = [
     ("tests", tests),
     ("doors", doors::check),
+    ("instructions", instructions::check),
     ("tutorials", || Tally::one(tutorials::all())),
     ("pages", || Tally::one(blocks::all())),
     ("book", || Tally::one(book::build())),

@@ -10,6 +10,7 @@ mod documents;
 mod doors;
 mod fuzz;
 mod hostile;
+mod instructions;
 mod long;
 #[cfg(test)]
 mod pages;

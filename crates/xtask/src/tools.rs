@@ -34,6 +34,11 @@ pub fn built() -> bool {
     succeeds(cargo(&["build", "--release", "--quiet", "--workspace"]))
 }
 
+/// Whether there is a program `name` that tells its version.
+pub fn here(name: &str) -> bool {
+    Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success())
+}
+
 /// `cargo` with `arguments`, at the root.
 pub fn cargo(arguments: &[&str]) -> Command {
     let program = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());

@@ -1,0 +1,72 @@
+//! `cargo xtask long instructions`: instructions of the work that flights are made of, counted by Valgrind. They do not depend on what
+//! else the machine does.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::report::Tally;
+use crate::tools;
+
+/// Work, preset, its strips, and the most instructions, in thousands: 5 % above those of rustc 1.95.0. A filling of memory counts by the byte where the processor
+/// is asked to fill it at once, so that it weighs more here than in time.
+const LIMITS: [(&str, &str, u32, f64); 11] = [
+    ("evaluation", "paper", 9, 16.4),
+    ("evaluation", "paper", 12, 18.8),
+    ("evaluation", "full", 9, 41.8),
+    ("evaluation", "full", 12, 46.2),
+    ("evaluation", "full", 16, 63.8),
+    ("evaluation", "full", 24, 114.0),
+    ("jacobian", "paper", 12, 745.0),
+    ("jacobian", "full", 9, 2950.0),
+    ("jacobian", "full", 16, 4570.0),
+    ("sample", "paper", 12, 95.0),
+    ("sample", "full", 16, 193.0),
+];
+/// Runs between the two counts.
+const RUNS: u64 = 4;
+
+/// Counts and judges; says so where Valgrind or the processor that the limits are of is not there.
+pub fn check() -> Tally {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !tools::here("valgrind") {
+        println!("left out: it counts by valgrind on Linux on x86-64");
+        return Tally::default();
+    }
+    let Some(program) = program() else { return Tally { failed: 1, ..Tally::default() } };
+    let mut tally = Tally::default();
+    for (work, preset, strips, most) in LIMITS {
+        let count = |runs: u64| counted(&program, &[work, preset, &strips.to_string(), &runs.to_string()]);
+        let thousands = count(2)
+            .zip(count(2 + RUNS))
+            .map(|(few, more)| more.saturating_sub(few) as f64 / (1e3 * RUNS as f64));
+        let passes = thousands.is_some_and(|value| value > 0.0 && value <= most);
+        let told = thousands.map_or("not counted".into(), |value| format!("{value:.1} k instructions"));
+        let failed = if passes { "" } else { "  FAILED" };
+        println!("{work:<11} {preset} {strips:>2}: {told}, at most {most} k{failed}");
+        tally.passed += usize::from(passes);
+        tally.failed += usize::from(!passes);
+    }
+    tally
+}
+
+/// The built bench, by what cargo says of it.
+fn program() -> Option<PathBuf> {
+    let build = ["bench", "--workspace", "--bench", "running_times", "--no-run", "--message-format", "json"];
+    let output = tools::output(tools::cargo(&build))?;
+    let path = |line: &str| {
+        let artifact: serde_json::Value = serde_json::from_str(line).ok()?;
+        let named = artifact["target"]["name"] == "running_times";
+        named.then(|| artifact["executable"].as_str().map(PathBuf::from))?
+    };
+    output.lines().find_map(path)
+}
+
+/// Instructions of the bench with these arguments.
+fn counted(program: &Path, arguments: &[&str]) -> Option<u64> {
+    let mut command = Command::new("valgrind");
+    command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(program).arg("count");
+    let output = command.args(arguments).stdout(Stdio::null()).output().ok()?;
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    output.status.success().then_some(())?;
+    let (_, rest) = told.split_once("Collected : ")?;
+    rest.split_whitespace().next()?.parse().ok()
+}
