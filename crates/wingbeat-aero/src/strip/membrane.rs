@@ -369,15 +369,15 @@ mod tests {
     /// pi^2 D/(c^2 T) by its parts, as the square of the thickness at one E t; the strips weigh what the sail weighs.
     #[test]
     fn a_thick_membrane_bears_by_bending() {
-        let (thickness, strain) = (0.2, 0.015);
+        let (thickness, strain) = (0.1, 0.015);
         let modulus = 100.0 / thickness;
         let plate = 1.0 - 0.3 * 0.3;
         let bending = modulus * thickness * thickness * thickness / (12.0 * plate);
         let exact = PI * PI * bending / (modulus * thickness * strain / plate);
         let found = sail(thickness, 0.01).membrane_bending(strain).unwrap();
-        assert!((found / exact - 1.0).abs() < 1e-3 && found > 2.0, "{found} {exact}");
+        assert!((found / exact - 1.0).abs() < 1e-3 && found > 0.5, "{found} {exact}");
         let thin = sail(0.001, 0.01).membrane_bending(strain).unwrap();
-        assert!((thin * 40_000.0 / found - 1.0).abs() < 1e-12, "{thin}");
+        assert!((thin * 10_000.0 / found - 1.0).abs() < 1e-12, "{thin}");
         let model = sail(0.001, 0.01);
         let (mass, area): (f64, f64) = (model.membrane_masses().iter().sum(), model.widths().iter().sum());
         assert!((mass / (0.01 * area) - 1.0).abs() < 1e-9, "{mass} {area}");
