@@ -39,7 +39,7 @@ impl Moved {
 }
 
 /// Part of its range within which a load is the same half a cycle later. *Choice.*
-const WITHIN: f64 = 2e-3;
+const WITHIN: f64 = 2e-2;
 /// Range of a load over the largest of all below which it is rounding. *Choice.*
 const ROUNDING: f64 = 1e-7;
 

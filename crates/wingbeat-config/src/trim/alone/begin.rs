@@ -67,3 +67,22 @@ pub(super) fn longest_chord(robot: &RobotSpec) -> f64 {
     });
     chords.fold(0.0, f64::max)
 }
+
+/// Instants of a cycle at which it is looked whether a surface moves, and the way that is one, m.
+const LOOKS: usize = 7;
+const MOVES_M: f64 = 1e-6;
+
+/// Whether the gait moves a surface; one that cannot be posed is refused elsewhere.
+pub(super) fn flaps(scenario: &Scenario) -> bool {
+    let period = 1.0 / scenario.spec.robot.gait.frequency_hz().max(f64::MIN_POSITIVE);
+    let points = |k: usize| {
+        let robot = scenario.robot().at_rest(period * k as f64 / LOOKS as f64).ok()?;
+        Some(robot.outlines.iter().flat_map(|of| of.ribs.iter().flatten().copied()).collect::<Vec<_>>())
+    };
+    let Some(first) = points(0) else { return true };
+    let moved = |k: usize| {
+        let there = points(k)?;
+        Some(first.iter().zip(&there).any(|(a, b)| (*a - *b).norm() > MOVES_M))
+    };
+    (1..LOOKS).any(|k| moved(k).unwrap_or(true))
+}

@@ -18,7 +18,7 @@ use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
 use crate::{ConfigError, Document, Scenario, ScenarioSpec};
 use balance::{Balance, Gait};
-use begin::{FASTEST, frequency_key, let_flap, longest_chord, with_actuators, without_motor};
+use begin::{FASTEST, flaps, frequency_key, let_flap, longest_chord, with_actuators, without_motor};
 use guess::Size;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -81,25 +81,6 @@ struct Ask {
 }
 
 ranges!(Ask { bank_deg: Range::inside(-80.0, 80.0) });
-
-/// Instants of a cycle at which it is looked whether a surface moves, and the way that is one, m.
-const LOOKS: usize = 7;
-const MOVES_M: f64 = 1e-6;
-
-/// Whether the gait moves a surface; one that cannot be posed is refused elsewhere.
-fn flaps(scenario: &Scenario) -> bool {
-    let period = 1.0 / scenario.spec.robot.gait.frequency_hz().max(f64::MIN_POSITIVE);
-    let points = |k: usize| {
-        let robot = scenario.robot().at_rest(period * k as f64 / LOOKS as f64).ok()?;
-        Some(robot.outlines.iter().flat_map(|of| of.ribs.iter().flatten().copied()).collect::<Vec<_>>())
-    };
-    let Some(first) = points(0) else { return true };
-    let moved = |k: usize| {
-        let there = points(k)?;
-        Some(first.iter().zip(&there).any(|(a, b)| (*a - *b).norm() > MOVES_M))
-    };
-    (1..LOOKS).any(|k| moved(k).unwrap_or(true))
-}
 
 /// What a trim from a robot's file did, in `summary.json`.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -252,7 +233,12 @@ impl RobotTrim {
             changed: self.left_out.iter().map(|(key, value)| (key.clone(), [Some(*value), None])).collect(),
             ..AloneSummary::default()
         };
-        let mut found = None;
+        let (mut found, mut stopped) = (None, false);
+        let observe = &mut |at| {
+            let flow = observe(at);
+            stopped |= flow.is_break();
+            flow
+        };
         for step in STEPS_S {
             let Some(mut spec) = self.best(step, &mut alone.tried, observe)? else { continue };
             spec.trim.iter_mut().for_each(|trim| trim.step_s = TrimSpec::level(1.0).step_s);
@@ -264,7 +250,9 @@ impl RobotTrim {
                 break;
             }
         }
-        let Some((spec, scenario, mut trimmed)) = found else { return Ok(self.nothing(alone)) };
+        let Some((spec, scenario, mut trimmed)) = found else {
+            return Ok(self.nothing(alone, stopped));
+        };
         for vary in &self.vary {
             let now = Document::value("trim", &spec)?;
             if let (Ok(from), Ok(to)) = (self.document.number(&vary.key), now.number(&vary.key))
@@ -313,7 +301,7 @@ impl RobotTrim {
     }
 
     /// That no orbit was found, and why.
-    fn nothing(&self, alone: AloneSummary) -> Trimmed {
+    fn nothing(&self, alone: AloneSummary, stopped: bool) -> Trimmed {
         let spec = &self.scenario.spec;
         let why: Vec<String> = (alone.tried.iter())
             .map(|tried| {
@@ -328,6 +316,9 @@ impl RobotTrim {
             ..TrimSummary::default()
         };
         summary.reason = Some(format!("no level flight: {}", why.join("; ")));
+        if stopped {
+            summary.status = Status::Interrupted;
+        }
         summary.alone = Some(alone);
         Trimmed::nothing(summary)
     }
