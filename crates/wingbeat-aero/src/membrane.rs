@@ -1,6 +1,6 @@
 //! A skin that gives way: what a surface says of it, and its numbers.
 
-use crate::{Aero, PlanformStation};
+use crate::Aero;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
@@ -60,9 +60,6 @@ ranges!(MembraneSpec {
     ribs_m: Range::NOT_NEGATIVE,
 });
 
-/// Largest thickness over the chord; ten times that of the thickest skin of a bat. *Choice.*
-const THIN: f64 = 0.02;
-
 impl MembraneSpec {
     /// Refuses values without physical meaning.
     ///
@@ -70,21 +67,6 @@ impl MembraneSpec {
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
         self.in_range()
-    }
-
-    /// Refuses a membrane that is thick beside the longest chord of its wing.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] with the key.
-    pub fn check_thin(&self, planform: &[PlanformStation]) -> Result<(), Error> {
-        let chord = planform.iter().map(|at| at.leading_edge_m - at.trailing_edge_m).fold(0.0, f64::max);
-        let most = THIN * chord;
-        if self.thickness_m <= most {
-            return Ok(());
-        }
-        let allowed =
-            format!("at most {most:.3e} m, {THIN} of the longest chord: the model is of a thin membrane");
-        Err(Error::invalid("thickness_m", self.thickness_m, allowed))
     }
 
     /// The numbers that may carry derivatives, as set.

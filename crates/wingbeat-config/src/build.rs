@@ -154,6 +154,12 @@ impl ScenarioSpec {
             plan.check().map_err(|e| e.within("plan"))?;
         }
         let vacuum = self.air.density_kg_m3 == 0.0;
+        let played = matches!(&self.controller, Some(Chosen::Own(named)) if named.name == "commands");
+        let turned = matches!(&self.plan, Some(PlanSpec::Reorientation(_)));
+        if vacuum && !played && !turned {
+            let allowed = "above 0; a vacuum, 0, beside [plan.reorientation] or [controller.commands]";
+            return Err(Error::invalid("air.density_kg_m3", 0.0, allowed));
+        }
         if vacuum && self.lattice.is_some() {
             let allowed = "none in a vacuum (air.density_kg_m3 = 0)";
             return Err(Error::invalid("lattice", "given", allowed).against(["air.density_kg_m3"]));

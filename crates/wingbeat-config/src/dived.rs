@@ -68,7 +68,10 @@ impl DiveSummary {
         judge.hold(&flight::DIVE_HEIGHT, self.height_lost_m);
         judge.hold(&flight::DIVE_PITCH, self.pitch_error_deg);
         if self.level_after_s.is_none() {
-            judge.find(Status::OffTarget, "the path is not level over the last four cycles of the flight after the dive");
+            judge.find(
+                Status::OffTarget,
+                "the path is not level over the last four cycles of the flight after the dive",
+            );
         }
     }
 }

@@ -136,7 +136,10 @@ impl Flown<'_> {
         match &summary.dive {
             Some(dive) => dive.judge(judge),
             None if self.record.values("orbit_dive").is_some() => {
-                judge.find(Status::NotResolved, "the flight ends before its dive has begun and a cycle has passed");
+                judge.find(
+                    Status::NotResolved,
+                    "the flight ends before its dive has begun and a cycle has passed",
+                );
             }
             None => {}
         }

@@ -230,8 +230,7 @@ impl TetherSpec {
         self.wing.in_range().map_err(|e| e.within("wing"))?;
         self.time.clock().in_range().map_err(|e| e.within("time"))?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
-        let membrane = |m: &MembraneSpec| m.check().and_then(|()| m.check_thin(&self.wing.planform));
-        self.wing.membrane.iter().try_for_each(|m| membrane(m).map_err(|e| e.within("wing.membrane")))?;
+        self.wing.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("wing.membrane")))?;
         self.compare.check().map_err(|e| e.within("compare"))?;
         for (i, hinge) in self.wing.hinges.iter().enumerate() {
             if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {

@@ -280,10 +280,10 @@ mod tests {
 
     #[test]
     fn a_flight_is_held_against_the_papers_numbers() {
-        use Outcome::{Missed, NotComparable, NotComputed, Reproduced};
+        use Outcome::{Fitted, Missed, NotComparable, NotComputed};
         let good = serde_json::json!({ "roll_mean_deg": 15.9, "roll_rms_error_deg": 1.9, "pitch_mean_deg": -13.1,
             "pitch_half_amplitude_deg": 7.0, "distance_x_m": 4.1, "distance_y_m": -4.6, "altitude_change_m": -3.0 });
-        assert_eq!(outcomes(good), [Reproduced, Reproduced, Reproduced, Reproduced, NotComparable]);
+        assert_eq!(outcomes(good), [Fitted, Fitted, Fitted, Fitted, NotComparable]);
         let poor = serde_json::json!({ "roll_mean_deg": 15.9, "roll_rms_error_deg": 2.1, "pitch_mean_deg": -12.9,
             "pitch_half_amplitude_deg": 10.1, "distance_x_m": 4.1, "distance_y_m": 4.6 });
         assert_eq!(outcomes(poor), [Missed, Missed, Missed, Missed, NotComparable]);

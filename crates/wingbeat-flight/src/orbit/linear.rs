@@ -171,7 +171,7 @@ pub(crate) fn fly_part<S: CycleScalar>(
     Ok((end, [x[place], x[place + 1], heading]))
 }
 
-/// The numbers after part `part` of a cycle from the `nominal` ones under held commands, as [`fly_part`], and how deviations along
+/// The numbers after part `part` of a cycle from the `nominal` ones under held commands, and how deviations along
 /// `directions` and commands along `inputs` grow over it, as deviations along `directions`.
 ///
 /// # Errors

@@ -88,8 +88,7 @@ impl SurfaceSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
-        let membrane = |m: &MembraneSpec| m.check().and_then(|()| m.check_thin(&self.planform));
-        self.membrane.iter().try_for_each(|m| membrane(m).map_err(|e| e.within("membrane")))?;
+        self.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("membrane")))?;
         finite("planform_shift_m", &[self.planform_shift_m])?;
         if self.panels.is_empty() {
             return Err(Error::invalid("panels", "[]", "at least one panel"));

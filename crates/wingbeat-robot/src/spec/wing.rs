@@ -72,8 +72,7 @@ impl WingSpec {
         finite("planform_shift_m", &[self.planform_shift_m])?;
         self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
-        let membrane = |m: &MembraneSpec| m.check().and_then(|()| m.check_thin(&self.planform));
-        self.membrane.iter().try_for_each(|m| membrane(m).map_err(|e| e.within("membrane")))?;
+        self.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("membrane")))?;
         self.proximal.check().map_err(|e| e.within("proximal"))?;
         self.distal.check().map_err(|e| e.within("distal"))?;
         let span = self.shoulder_m[1] + self.proximal.length_m + self.distal.length_m;

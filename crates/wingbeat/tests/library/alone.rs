@@ -51,7 +51,7 @@ fn what_cannot_be_trimmed_says_why() {
     assert!(refused(0.0, "air.wind_m_s=[1.0, 0.0, 0.0]").contains("still air"));
     let stopped = RobotTrim::new(robot("single_12g"), &[], 0.0).unwrap();
     let stopped = stopped.trim(&mut |_| ControlFlow::Break(())).unwrap().summary;
-    assert!(stopped.status == Status::NotFound && stopped.reason.unwrap().contains("stopped"));
+    assert!(stopped.status == Status::Interrupted && stopped.reason.unwrap().contains("stopped"));
 }
 
 /// What is told of a robot whose trim is stopped at once.
