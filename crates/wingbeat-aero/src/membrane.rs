@@ -149,7 +149,9 @@ pub fn membrane_points(
         let beside = [sections[k.saturating_sub(1)], sections[(k + 1).min(sections.len() - 1)]];
         let across = beside[1][0] + beside[1][1] - beside[0][0] - beside[0][1];
         let chord = *te - *le;
-        let up = chord.cross(across).unit() * chord.norm();
+        // A pointed tip has no chord, and nothing rises over it.
+        let normal = chord.cross(across);
+        let up = if normal.norm() > 0.0 { normal.unit() * chord.norm() } else { Vec3::ZERO };
         let [camber, forward] = heights.each_ref().map(|of| piecewise_linear(&along, of, arcs[k]));
         MEMBRANE_DRAWN.map(|x| *le + chord * x + up * membrane_height(camber, forward, x))
     };

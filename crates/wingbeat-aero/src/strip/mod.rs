@@ -256,7 +256,7 @@ impl<P: Scalar> StripModel<P> {
             };
         }
         // Columns of plain numbers are as wide as there are strips, in whole registers; of others only their room is.
-        if const { plain::<S>() } { wide!(8, 12, 16, 20, 24, 28) } else { wide!(16) }
+        if const { plain::<S>() } { wide!(8, 12, 16, 24) } else { wide!(16) }
     }
 
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
