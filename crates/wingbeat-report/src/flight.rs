@@ -46,8 +46,8 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<M
         free: true,
         ..Motion::default()
     };
-    // Where the lattice gives the attached flow, the model's strips are not those that flew.
-    let strips = scenario.spec.lattice.is_none();
+    // Where the lattice gives the attached flow, the model's strips are not those that flew; a vacuum has none.
+    let strips = scenario.spec.lattice.is_none() && !robot.is_in_vacuum();
     motion.circulation = strips.then(|| told(robot));
     for &row in shown {
         let at = |columns: &[&[f64]]| columns.iter().map(|column| column[row]).collect::<Vec<f64>>();
