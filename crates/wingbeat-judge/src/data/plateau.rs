@@ -30,11 +30,15 @@ struct Place {
     noise: f64,
 }
 
+/// Part of the largest range of its unit below which a channel is dwarfed. *Choice.*
+const DWARFED: f64 = 0.5;
+
 /// The finding that an end is cut off under noise; `count` is that of the converter.
 ///
 /// What goes beyond the range of an amplifier is lost with the noise that it has until there, so that the samples of one phase
 /// scatter less at the end than elsewhere, more than an unsteady crank explains. A line that goes slack is flat and may be quiet as well, but near zero, and for longer:
-/// an end near zero counts only where the other one is flat and quiet too.
+/// an end near zero counts only where the other one is flat and quiet too. Of a channel that others of its unit dwarf it is a warning:
+/// there what moves the mount scatters more than noise does.
 pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<Finding> {
     let places = places(series, channel.samples)?;
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
@@ -64,7 +68,12 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
         channel.unit,
         100.0 * share
     );
-    Some(Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text))
+    let of = |samples: &[f64]| samples.iter().fold([f64::MAX, f64::MIN], |[l, h], x| [l.min(*x), h.max(*x)]);
+    let same = series.channels.iter().filter(|other| other.unit == channel.unit);
+    let most = same.map(|other| of(other.samples)).map(|[low, high]| high - low).fold(0.0, f64::max);
+    let [lowest, highest] = of(channel.samples);
+    let found = Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text);
+    Some(if highest - lowest < DWARFED * most { found.noted() } else { found })
 }
 
 /// The variance that the noise has where the mean cycle does not change, from the places away from the end, less its error: a crank that is
