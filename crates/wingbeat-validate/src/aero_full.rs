@@ -3,13 +3,13 @@
 
 mod flapping;
 mod impulse;
-pub(crate) mod lattice;
-pub(crate) mod linear;
+pub mod lattice;
+pub mod linear;
 mod mean;
 mod plates;
 mod small;
 mod thrust;
-pub(crate) mod wings;
+pub mod wings;
 pub(crate) mod yeo;
 
 pub use flapping::{
@@ -160,12 +160,12 @@ impl Preset {
 
     /// The inviscid model of `wing`, with strip edges at `hinges` (arcs, m), in air of
     /// density `density` kg/m3; speeds below `least` m/s are rounded off.
-    fn model(self, wing: &Planform, hinges: &[f64], density: f64, least: f64) -> Result<Aero, Error> {
+    pub fn model(self, wing: &Planform, hinges: &[f64], density: f64, least: f64) -> Result<Aero, Error> {
         self.model_of(STRIPS, wing, hinges, density, least)
     }
 
     /// The same with another number of strips or nodes.
-    pub(crate) fn model_of(
+    pub fn model_of(
         self,
         strips: usize,
         wing: &Planform,

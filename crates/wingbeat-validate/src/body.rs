@@ -3,7 +3,7 @@
 mod elastic;
 mod free;
 mod numbers;
-mod urdf;
+pub mod urdf;
 mod vacuum;
 
 pub use urdf::reference as reference_tree;

@@ -3,7 +3,7 @@
 
 mod adaptation;
 mod dive;
-mod draws;
+pub mod draws;
 mod dryden;
 mod estimator;
 mod hover;

@@ -7,8 +7,8 @@ mod flutter;
 pub mod goland;
 pub mod membrane;
 pub mod pazy;
-mod section;
-mod theodorsen;
+pub mod section;
+pub mod theodorsen;
 
 use crate::aero_full::Preset;
 use crate::{Case, Error, Row};

@@ -6,10 +6,10 @@
 mod case;
 mod curve;
 mod error;
-mod page;
+pub mod page;
 mod reference;
 mod report;
-mod shipped;
+pub mod shipped;
 
 pub mod aero_full;
 pub mod aero_paper;

@@ -5,7 +5,7 @@ mod drift;
 mod lattice;
 mod level;
 mod random;
-mod replay;
+pub mod replay;
 
 pub(crate) use lattice::cycles as replayed;
 pub(crate) use replay::Instant;

@@ -65,7 +65,7 @@ fn table<'a>(names: impl Iterator<Item = &'a str>, rows: &[Row]) -> Option<Strin
 }
 
 /// Three digits of a number that the model determines, one of what is left by rounding or a solver's tolerance.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     if value == 0.0 || value.abs() >= ROUNDING { significant(value, 3) } else { format!("{value:.0e}") }
 }
 
@@ -73,30 +73,11 @@ fn short(value: f64) -> String {
 const ROUNDING: f64 = 1e-4;
 
 /// `value` with `digits` significant digits and no exponent.
-fn significant(value: f64, digits: i32) -> String {
+pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
     let decimals = (digits - 1 - value.abs().log10().floor() as i32).max(0) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(significant(0.015_23, 3), "0.0152");
-        assert_eq!(significant(15.46, 2), "15");
-        assert_eq!(significant(1.0, 3), "1");
-        assert_eq!(short(5.6e-14), "6e-14");
-        assert_eq!(short(0.02), "0.02");
-    }
-
-    #[test]
-    fn a_missing_row_makes_no_page() {
-        assert!(page(&[]).is_none());
-    }
 }

@@ -127,12 +127,13 @@ const FILES: &[(&str, &str)] = files![
 ];
 
 /// A file of those that are compiled in.
-fn text_of(path: &Path) -> io::Result<String> {
+pub fn text_of(path: &Path) -> io::Result<String> {
     let found = FILES.iter().find(|(name, _)| path.ends_with(name));
     found.map(|(_, text)| (*text).to_owned()).ok_or_else(|| io::ErrorKind::NotFound.into())
 }
 
-fn path_of(file: &str) -> PathBuf {
+/// Where a file of the repository lies.
+pub fn path_of(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file).with_extension("toml")
 }
 
@@ -177,20 +178,4 @@ pub fn based(base: &str, text: &str, overrides: &[&str]) -> Result<Scenario, Err
     let document = Document::among(&path_of("scenarios/based"), &read).map_err(refused)?;
     let document = overrides.iter().fold(document, |document, text| document.set(*text));
     Scenario::new(document).map_err(refused)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_shipped_file_is_compiled_in() {
-        for folder in ["scenarios", "robots"] {
-            for entry in path_of(folder).with_extension("").read_dir().unwrap() {
-                let path = entry.unwrap().path();
-                // Those of robots/any are read from the disk.
-                assert!(path.is_dir() || text_of(&path).is_ok(), "{}", path.display());
-            }
-        }
-    }
 }

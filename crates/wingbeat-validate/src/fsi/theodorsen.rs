@@ -41,7 +41,9 @@ fn bessel(x: f64) -> ([f64; 2], [f64; 2]) {
 /// Speed U / (b omega_a) and frequency omega / omega_a of flutter.
 #[derive(Clone, Copy, Debug)]
 pub struct Flutter {
+    /// U / (b omega_a).
     pub speed: f64,
+    /// omega / omega_a.
     pub frequency: f64,
 }
 
@@ -115,21 +117,4 @@ fn characteristic(section: &TypicalSection, k: f64) -> [C; 2] {
     let last = inertia[0][0] * inertia[1][1] - inertia[0][1] * inertia[1][0];
     let root = (middle * middle - lead * last * 4.0).sqrt();
     [(-middle + root) / (lead * 2.0), (-middle - root) / (lead * 2.0)]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::reference_table;
-
-    #[test]
-    fn the_deficiency_is_that_of_the_table_in_plunge() {
-        let table = reference_table!("analytic/theodorsen_plunge_2d.csv").unwrap();
-        let (re, im) =
-            (table.column("Re_CL_over_alpha_e").unwrap(), table.column("Im_CL_over_alpha_e").unwrap());
-        for (i, k) in table.column("k").unwrap().into_iter().enumerate().filter(|(_, k)| *k <= 4.0) {
-            let lift = deficiency(k) * 2.0 * PI + C::new(0.0, PI * k);
-            assert!((lift - C::new(re[i], im[i])).norm() < 1e-9 * lift.norm(), "k {k}: {lift}");
-        }
-    }
 }

@@ -30,7 +30,7 @@ const JUMP: f64 = 1e-3;
 
 /// How fine a lattice is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fineness {
+pub struct Fineness {
     /// Panels along the chord; the way of the trailing edges in a step, rms, is one of them.
     pub chordwise: usize,
     /// Strips along the whole span.
@@ -43,7 +43,7 @@ pub(super) struct Fineness {
 
 /// How a wing that twists at a hinge goes on there.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Twisted {
+pub enum Twisted {
     /// With a slit: what lies beyond is a wing of its own.
     Slit,
     /// Within this width, m, half on either side: the chord lines go over from one link to the next linearly.
@@ -51,7 +51,7 @@ pub(super) enum Twisted {
 }
 
 /// A cycle of an orbit at even times.
-pub(super) struct Motion {
+pub struct Motion {
     name: &'static str,
     scenario: Scenario,
     robot: Robot,
@@ -78,15 +78,19 @@ pub struct Instant {
 
 /// Means over a cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Means {
+pub struct Means {
+    /// Upward force over the weight.
     pub up: f64,
+    /// Forward force over the weight.
     pub forward: f64,
+    /// Upward force of the body's drag over the weight.
     pub body_up: f64,
     /// Of the positive part of the power.
     pub power: f64,
 }
 
 impl Means {
+    /// Those of a cycle.
     pub fn of(cycle: &[Instant]) -> Self {
         let mean = |of: &dyn Fn(&Instant) -> f64| cycle.iter().map(of).sum::<f64>() / cycle.len() as f64;
         Self {
@@ -402,7 +406,7 @@ impl Motion {
 }
 
 /// Whether the way from `a` to `b` passes through the triangle.
-fn pierces([a, b]: [Vec3; 2], [p, q, r]: [Vec3; 3]) -> bool {
+pub fn pierces([a, b]: [Vec3; 2], [p, q, r]: [Vec3; 3]) -> bool {
     // Signed volumes: both ends on other sides of the plane, the way on one side of all edges.
     let volume = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| (b - a).cross(c - a).dot(d - a);
     let apart = volume(p, q, r, a) * volume(p, q, r, b) < 0.0;
@@ -478,29 +482,5 @@ impl Sections for Joined {
                 ..SectionMotion::default()
             }
         }));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn joints_at_rest_give_nothing_to_the_air() {
-        let motion = Motion::of("cruise_20g").unwrap().gentler(0.0).unwrap();
-        let fineness = Fineness { chordwise: 2, spanwise: 12, core: 0.05, twisted: Twisted::Joined(0.0) };
-        let [_, lattice] = motion.lattice(fineness).unwrap();
-        let strips = motion.strips(&motion.driven(|_| ()).unwrap()).unwrap();
-        let most = |cycle: &[Instant]| cycle.iter().fold(0.0, |most: f64, i| most.max(i.power.abs()));
-        assert!(most(&strips) < 1e-9 && most(&lattice) < 1e-9, "{} {}", most(&strips), most(&lattice));
-    }
-
-    #[test]
-    fn a_way_pierces_the_triangle_that_it_passes_through() {
-        let corner = |x, y| Vec3::new(x, y, 0.0);
-        let triangle = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
-        let way = |x, y, z| [Vec3::new(x, y, -1.0), Vec3::new(x, y, z)];
-        assert!(pierces(way(0.2, 0.3, 1.0), triangle));
-        assert!(!pierces(way(0.2, 0.3, -0.1), triangle) && !pierces(way(0.7, 0.7, 1.0), triangle));
     }
 }

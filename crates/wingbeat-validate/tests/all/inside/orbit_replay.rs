@@ -1,0 +1,21 @@
+use wingbeat::math::Vec3;
+use wingbeat_validate::orbit::replay::*;
+
+#[test]
+fn joints_at_rest_give_nothing_to_the_air() {
+    let motion = Motion::of("cruise_20g").unwrap().gentler(0.0).unwrap();
+    let fineness = Fineness { chordwise: 2, spanwise: 12, core: 0.05, twisted: Twisted::Joined(0.0) };
+    let [_, lattice] = motion.lattice(fineness).unwrap();
+    let strips = motion.strips(&motion.driven(|_| ()).unwrap()).unwrap();
+    let most = |cycle: &[Instant]| cycle.iter().fold(0.0, |most: f64, i| most.max(i.power.abs()));
+    assert!(most(&strips) < 1e-9 && most(&lattice) < 1e-9, "{} {}", most(&strips), most(&lattice));
+}
+
+#[test]
+fn a_way_pierces_the_triangle_that_it_passes_through() {
+    let corner = |x, y| Vec3::new(x, y, 0.0);
+    let triangle = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
+    let way = |x, y, z| [Vec3::new(x, y, -1.0), Vec3::new(x, y, z)];
+    assert!(pierces(way(0.2, 0.3, 1.0), triangle));
+    assert!(!pierces(way(0.2, 0.3, -0.1), triangle) && !pierces(way(0.7, 0.7, 1.0), triangle));
+}
