@@ -13,6 +13,8 @@ mod fit;
 mod flight_verdict;
 mod followed;
 mod hovered;
+#[doc(hidden)]
+pub mod inside;
 mod lattice;
 pub mod learn;
 mod mismatch;

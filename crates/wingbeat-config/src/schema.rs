@@ -204,7 +204,7 @@ fn limit(schema: &mut Value, largest: f64) {
 }
 
 /// The text of a doc comment without its line ends and links.
-fn plain(text: &str) -> String {
+pub fn plain(text: &str) -> String {
     let paragraphs: Vec<String> = text.split("\n\n").map(|paragraph| paragraph.replace('\n', " ")).collect();
     let text = paragraphs.join("\n\n");
     let mut parts = text.split("[`");
@@ -220,17 +220,4 @@ fn plain(text: &str) -> String {
         plain = plain + "`" + name + "`" + rest;
     }
     plain
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn links_of_doc_comments_become_names() {
-        assert_eq!(
-            plain("one of [`Doors`](super::Doors),\nor [`X`]; `a[0]`"),
-            "one of `Doors`, or `X`; `a[0]`"
-        );
-    }
 }

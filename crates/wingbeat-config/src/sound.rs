@@ -35,7 +35,7 @@ impl Recorded {
 }
 
 /// Rows of a record before the first sample that says nothing.
-fn rows(record: &Record) -> usize {
+pub fn rows(record: &Record) -> usize {
     let most = |unit: &str| MOST.iter().find(|(of, _)| *of == unit).map(|(_, most)| *most);
     let bounded = record.columns().iter().filter_map(|column| Some((&column.values, most(&column.unit)?)));
     let first = |(values, most): (&Vec<f64>, f64)| values.iter().position(|value| !(value.abs() <= most));
@@ -53,26 +53,4 @@ pub(super) fn left_out(last: Option<f64>) -> Warning {
     let text = format!("numbers grew without bound: means are left out, and {until}");
     let warning = Warning::new("flight.left_out", text);
     last.map_or(warning.clone(), |last| warning.size(last))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use wingbeat_flight::simulate::Column;
-
-    #[test]
-    fn rows_end_where_a_size_cannot_be() {
-        let column = |name: &str, unit: &str, values: &[f64]| Column {
-            values: values.to_vec(),
-            ..Column::new(name, unit, "")
-        };
-        let of = |speed: [f64; 3], power: [f64; 3]| {
-            let columns =
-                vec![column("phase", "rad", &[1e9; 3]), column("v", "m/s", &speed), column("p", "W", &power)];
-            rows(&Record::new(columns, 3).unwrap())
-        };
-        assert_eq!(of([1.0, 2.0, 3.0], [0.1, -0.2, 0.3]), 3);
-        assert_eq!(of([1.0, 2.0, 400.0], [0.1, -3.9e9, 0.3]), 1);
-        assert_eq!(of([f64::NAN, 2.0, 3.0], [0.1, 0.2, 0.3]), 0);
-    }
 }

@@ -188,7 +188,7 @@ impl TetherCase {
 }
 
 /// Three levels about `own`, the last of them twice it where `doubled`.
-fn ladder(own: usize, doubled: bool, least: usize) -> [usize; LEVELS] {
+pub fn ladder(own: usize, doubled: bool, least: usize) -> [usize; LEVELS] {
     let fine = if doubled { 2 * own } else { own };
     let coarse = (fine / 4).max(least);
     let middle = (fine / 2).max(coarse + 1);
@@ -256,7 +256,7 @@ fn spread(values: [f64; 4], scale: f64) -> f64 {
 /// `(f1 - f2)/(f2 - f3) = (n1^-p - n2^-p)/(n2^-p - n3^-p)`
 /// Source: Roache 1998, Verification and Validation, ch. 5.
 /// Test: `known_orders_are_observed`.
-fn observed_order(counts: [usize; LEVELS], values: [f64; LEVELS], scale: f64) -> Option<f64> {
+pub fn observed_order(counts: [usize; LEVELS], values: [f64; LEVELS], scale: f64) -> Option<f64> {
     const SOUGHT: (f64, f64) = (0.1, 12.0);
     let [first, second] = [values[0] - values[1], values[1] - values[2]];
     let told = second.abs() > ROUNDING * scale && first.is_finite() && second.is_finite();
@@ -272,28 +272,4 @@ fn observed_order(counts: [usize; LEVELS], values: [f64; LEVELS], scale: f64) ->
         if of(middle) < ratio { low = middle } else { high = middle }
     }
     Some(0.5 * (low + high))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn known_orders_are_observed() {
-        for counts in [[8, 16, 32], [6, 12, 24], [3, 5, 9]] {
-            for order in [0.5, 1.0, 2.0, 4.0] {
-                let values = counts.map(|n: usize| 0.7 - 0.3 * (n as f64).powf(-order));
-                assert!((observed_order(counts, values, 1.0).unwrap() - order).abs() < 1e-6);
-            }
-        }
-        assert_eq!(observed_order([8, 16, 32], [1.0, 2.0, 1.5], 1.0), None);
-        assert_eq!(observed_order([8, 16, 32], [1.0; 3], 1.0), None);
-    }
-
-    #[test]
-    fn levels_end_at_what_is_allowed() {
-        assert_eq!(ladder(16, true, 3), [8, 16, 32]);
-        assert_eq!(ladder(24, false, 3), [6, 12, 24]);
-        assert_eq!(ladder(3, true, 3), [3, 4, 6]);
-    }
 }

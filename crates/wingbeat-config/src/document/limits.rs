@@ -14,7 +14,7 @@ pub const DEEPEST: usize = 32;
 /// Most files of which each is based on the next. *Choice*: no shipped document has more than five.
 pub const MOST_BASES: usize = 16;
 /// Largest magnitude of a number whose key names no unit: its powers are finite.
-const LARGEST: f64 = 1e12;
+pub const LARGEST: f64 = 1e12;
 
 /// Units and largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
 /// such that powers and products of several stay finite and no picture or table grows without bound.
@@ -95,32 +95,4 @@ fn bytes_of(path: &Path) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(format!("more than {LARGEST_FILE} bytes, the most that is read")));
     }
     Ok(bytes)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_unit_of_the_innermost_key_counts() {
-        assert_eq!(largest("robot.wing.planform_shift_m"), 1e4);
-        assert_eq!(largest("body.nose_up_deg.fourier.cos[2]"), 3600.0);
-        assert_eq!(largest("start.velocity_m_s[0]"), 1e4);
-        assert_eq!(largest("robot.body.inertia_kg_m2[1]"), 1e6);
-        assert_eq!(largest("robot.numbers.\"body.com_m[0]\""), 1e4);
-        assert_eq!(largest("robot.numbers.\"body.mass_kg\""), 1e5);
-        assert_eq!(largest("draws[0].low"), LARGEST);
-        assert_eq!(largest("controller.weights.roll"), LARGEST);
-        assert_eq!(
-            (unit("wind.speed_m_s"), unit("body.nose_up_deg.constant"), unit("cd0")),
-            ("m/s", "deg", "")
-        );
-    }
-
-    #[test]
-    fn what_may_have_no_end_is_not_read() {
-        let why = |path: &str| text_of(Path::new(path)).unwrap_err().to_string();
-        assert_eq!(why("/dev/zero"), "not a regular file");
-        assert_eq!(why("/"), "not a regular file");
-    }
 }

@@ -5,17 +5,17 @@
 //! kinds, serde's external tagging (`[gait.fourier]`): internal tags, `flatten` and untagged enums hide the types and
 //! with them what is missing.
 
-mod airfoil;
+pub(crate) mod airfoil;
 mod error;
 mod explain;
 mod former;
 mod inherit;
 mod kinds;
-mod limits;
-mod outline;
+pub(crate) mod limits;
+pub(crate) mod outline;
 mod read;
-mod source;
-mod tree;
+pub(crate) mod source;
+pub(crate) mod tree;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -274,7 +274,7 @@ fn of_place(place: Place, what: String) -> ConfigError {
 }
 
 /// `text` on one line of at most 60 letters.
-fn brief(text: &str) -> String {
+pub fn brief(text: &str) -> String {
     let line = text.lines().next().unwrap_or("");
     if line.len() == text.len() && line.chars().count() <= 60 {
         return line.into();
@@ -296,23 +296,4 @@ pub fn joined(folder: &Path, name: &str) -> PathBuf {
         }
     }
     path
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_seen_from_the_file_that_names_them() {
-        assert_eq!(joined(Path::new("scenarios"), "../robots/a.toml"), Path::new("robots/a.toml"));
-        assert_eq!(joined(Path::new(""), "../a.toml"), Path::new("../a.toml"));
-        assert_eq!(joined(Path::new("x"), "/a.toml"), Path::new("/a.toml"));
-    }
-
-    #[test]
-    fn long_values_are_cut() {
-        assert_eq!(brief("1.5"), "1.5");
-        assert_eq!(brief("[1,\n2]"), "[1,...");
-        assert_eq!(brief(&"x".repeat(80)).len(), 60);
-    }
 }

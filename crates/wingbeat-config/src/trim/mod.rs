@@ -1,8 +1,8 @@
 //! Periodic flights: an orbit of the scenario's robot, how it holds, and a scenario that flies it.
 
-mod alone;
+pub(crate) mod alone;
 mod family;
-mod search;
+pub(crate) mod search;
 mod spec;
 mod summary;
 mod verdict;

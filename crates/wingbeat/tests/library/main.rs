@@ -1,6 +1,7 @@
 //! What the library promises, module by module: one program, so that the generic code of the models is built once for all.
 
 mod airs;
+mod allocation;
 mod alone;
 mod chord_lines;
 mod clearance;
@@ -20,6 +21,7 @@ mod gait_search;
 mod horizon;
 mod hover;
 mod inherit;
+mod inside;
 mod lanes;
 mod linkage;
 mod manoeuvre;

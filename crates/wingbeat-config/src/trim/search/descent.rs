@@ -21,9 +21,12 @@ pub(super) const KEPT: f64 = 1e-3;
 
 /// What is seen at a point: objective and limits, all scaled; a limit is kept where its number is at most 0.
 #[derive(Clone, Debug)]
-pub(super) struct Seen<P> {
+pub struct Seen<P> {
+    /// Value of the objective.
     pub objective: f64,
+    /// Values of the limits, kept where at most 0.
     pub limits: Vec<f64>,
+    /// What else is known there.
     pub more: P,
 }
 
@@ -39,13 +42,15 @@ impl<P> Seen<P> {
 
 /// Derivatives of the objective, and of each limit.
 #[derive(Clone, Debug)]
-pub(super) struct Slopes {
+pub struct Slopes {
+    /// Of the objective, by coordinate.
     pub objective: Vec<f64>,
+    /// Of each limit, by coordinate.
     pub limits: Vec<Vec<f64>>,
 }
 
 /// Where a descent goes.
-pub(super) trait Landscape {
+pub trait Landscape {
     /// What belongs to a point beside its numbers.
     type More;
     /// What is at `x`, close to `near`; `None` where there is nothing.
@@ -83,7 +88,7 @@ impl Ended {
 }
 
 /// Where a descent came to.
-pub(super) struct Descent<P> {
+pub struct Descent<P> {
     pub x: Vec<f64>,
     pub seen: Seen<P>,
     pub iterations: usize,
@@ -94,7 +99,7 @@ pub(super) struct Descent<P> {
 pub(super) type Tell<'a, P> = dyn FnMut(usize, &Seen<P>) -> ControlFlow<()> + 'a;
 
 /// Follows the landscape down from `x`; `tell` hears iteration, objective and violation, and may stop it.
-pub(super) fn descend<L: Landscape>(
+pub fn descend<L: Landscape>(
     landscape: &L,
     mut x: Vec<f64>,
     mut seen: Seen<L::More>,
@@ -161,43 +166,4 @@ fn curve(hessian: &mut DMatrix<f64>, d: &[f64], bend: &[f64]) {
     let damping = if sy < 0.2 * sbs { 0.8 * sbs / (sbs - sy) } else { 1.0 };
     let r = y * damping + &bs * (1.0 - damping);
     *hessian += &r * r.transpose() / s.dot(&r) - &bs * bs.transpose() / sbs;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The banana's valley (Rosenbrock 1960) in shares of [-2, 2]^2, above a line that cuts off its lowest point.
-    struct Valley;
-
-    fn place(x: &[f64]) -> [f64; 2] {
-        [4.0 * x[0] - 2.0, 4.0 * x[1] - 2.0]
-    }
-
-    impl Landscape for Valley {
-        type More = ();
-        fn look(&self, x: &[f64], _: &Seen<()>) -> Option<Seen<()>> {
-            let [a, b] = place(x);
-            let objective = (1.0 - a).powi(2) + 10.0 * (b - a * a).powi(2);
-            Some(Seen { objective, limits: vec![a + b - 1.0], more: () })
-        }
-        fn slopes(&self, x: &[f64], _: &mut Seen<()>) -> Option<Slopes> {
-            let [a, b] = place(x);
-            let (by_a, by_b) = (-2.0 * (1.0 - a) - 40.0 * a * (b - a * a), 20.0 * (b - a * a));
-            Some(Slopes { objective: vec![4.0 * by_a, 4.0 * by_b], limits: vec![vec![4.0, 4.0]] })
-        }
-    }
-
-    #[test]
-    fn a_descent_ends_on_the_limit_at_the_lowest_point() {
-        let none = Seen { objective: 0.0, limits: Vec::new(), more: () };
-        let start = vec![0.3, 0.8];
-        let seen = Valley.look(&start, &none).unwrap();
-        let found = descend(&Valley, start, seen, 200, &mut |_, _| ControlFlow::Continue(())).unwrap();
-        assert_eq!(found.ended, Ended::Converged);
-        let [a, b] = place(&found.x);
-        // On a + b = 1: -2 (1 - a) + 20 (1 - a - a^2) (-1 - 2 a) = 0 at a = .61825...
-        let condition = |a: f64| -2.0 * (1.0 - a) - 20.0 * (1.0 - a - a * a) * (1.0 + 2.0 * a);
-        assert!((a + b - 1.0).abs() < 1e-4 && condition(a).abs() < 0.2, "{a} {b} {}", condition(a));
-    }
 }

@@ -1,9 +1,9 @@
 //! Search of gaits: the one that flies the orbit that `[trim]` asks for on the least power, at the lowest frequency or
 //! with the largest payload.
 
-mod descent;
+pub(crate) mod descent;
 mod gaits;
-mod quadratic;
+pub(crate) mod quadratic;
 mod spec;
 
 pub use descent::Ended;

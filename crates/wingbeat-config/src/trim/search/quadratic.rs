@@ -9,8 +9,10 @@ use wingbeat_ocp::nlp::{Derivatives, EvaluationError, Program, Structure};
 use wingbeat_ocp::plant::Channel;
 
 /// A step and the multipliers of the limits.
-pub(super) struct Step {
+pub struct Step {
+    /// Change of each coordinate.
     pub d: Vec<f64>,
+    /// Multiplier of each limit.
     pub multipliers: Vec<f64>,
     /// What the model of objective and limits says the merit falls by.
     pub gain: f64,
@@ -32,7 +34,7 @@ struct Quadratic<'a> {
 }
 
 /// The step from `x` with shares in 0 to 1, no longer than `radius` in any; `None` where the solver finds none.
-pub(super) fn step(
+pub fn step(
     x: &[f64],
     (limits, slopes): (&[f64], &Slopes),
     hessian: &DMatrix<f64>,
@@ -121,30 +123,5 @@ impl Program for Quadratic<'_> {
             *value = if i < n { weight * self.hessian[(i, j)] } else { 0.0 };
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// min -d1 + d1^2 / 2 + 2 d2 with d1 + d2 >= 0.1 from (.5, .5).
-    #[test]
-    fn a_step_is_where_its_conditions_say() {
-        let slopes = Slopes { objective: vec![-1.0, 2.0], limits: vec![vec![-1.0, -1.0]] };
-        let hessian = DMatrix::from_row_slice(2, 2, &[10.0, 0.0, 0.0, 10.0]);
-        // Free of the limit the step is (.1, -.2); on it d = (.1 + m/10, -.2 + m/10) with the multiplier m = 1.
-        let step = step(&[0.5, 0.5], (&[0.1], &slopes), &hessian, 100.0, 0.4).unwrap();
-        assert!((step.d[0] - 0.2).abs() < 1e-6 && (step.d[1] + 0.1).abs() < 1e-6, "{:?}", step.d);
-        assert!((step.multipliers[0] - 1.0).abs() < 1e-5, "{:?}", step.multipliers);
-        // It mends the limit by .1 and costs -.2 - .2 + (.4 + .1) / 2.
-        assert!((step.gain - (10.0 + 0.4 - 0.25)).abs() < 1e-5, "{}", step.gain);
-    }
-
-    #[test]
-    fn limits_beyond_reach_are_met_as_far_as_the_radius_goes() {
-        let slopes = Slopes { objective: vec![0.0], limits: vec![vec![-1.0]] };
-        let step = step(&[0.5], (&[1.0], &slopes), &DMatrix::identity(1, 1), 100.0, 0.1).unwrap();
-        assert!((step.d[0] - 0.1).abs() < 1e-6);
     }
 }

@@ -1,5 +1,5 @@
-use wingbeat_validate::aero_full::{Preset, wings};
 use wingbeat_validate::aero_full::linear::*;
+use wingbeat_validate::aero_full::{Preset, wings};
 
 #[test]
 fn a_step_and_a_slow_motion_settle_on_the_steady_answer() {

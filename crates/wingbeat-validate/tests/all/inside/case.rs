@@ -6,10 +6,7 @@ const GOOD: Case = Case {
     id: "a.good",
     quick: true,
     run: || {
-        Ok(vec![
-            Row::judged("a.good.x", "s", "m", 1.0, 2.0, ""),
-            Row::shown("a.good.y", "s", "m", 9.0, ""),
-        ])
+        Ok(vec![Row::judged("a.good.x", "s", "m", 1.0, 2.0, ""), Row::shown("a.good.y", "s", "m", 9.0, "")])
     },
 };
 const BAD: Case =

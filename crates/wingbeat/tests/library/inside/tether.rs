@@ -1,0 +1,21 @@
+use wingbeat::tether::CycleMean;
+use wingbeat_config::inside::change;
+
+#[test]
+fn a_run_that_grew_without_bound_is_far_from_one_that_did_not() {
+    let row = |name: &str, mean: f64, high: f64| CycleMean {
+        name: name.into(),
+        unit: "N".into(),
+        mean,
+        low: 0.0,
+        high,
+        mean_change: None,
+        amplitude_change: None,
+    };
+    let good = [row("force_wind_lift", 1.0, 2.0), row("moment_y", 0.1, 0.2)];
+    let near = [row("force_wind_lift", 1.01, 2.0), row("moment_y", 0.1, 0.2)];
+    let wild = [row("force_wind_lift", 3e32, 3e33), row("moment_y", 0.1, 0.2)];
+    assert!((change(&good, &near) - 0.005).abs() < 1e-12);
+    assert!(change(&wild, &good) > 1e30 && change(&good, &wild) > 1e30);
+    assert!(change(&good, &[row("force_wind_lift", f64::NAN, 2.0), row("moment_y", 0.1, 0.2)]).is_nan());
+}
