@@ -8,12 +8,10 @@ mod table;
 mod thrift;
 pub mod trajectory;
 #[cfg(feature = "urdf")]
-mod urdf;
+pub mod urdf;
 #[cfg(not(feature = "urdf"))]
 #[path = "without_urdf.rs"]
 mod urdf;
-#[cfg(feature = "urdf")]
-mod xml_depth;
 
 pub use checksums::{checksum, unchanged};
 pub use parquet::{ParquetWriter, read_parquet, read_parquet_columns, write_parquet};

@@ -1,9 +1,9 @@
 //! Reading of a URDF into a floating tree.
 
 use crate::Error;
-use urdf_rs::{Inertial, Joint, JointType, Pose, Robot};
 use wingbeat::body::{Base, JointKind, Link, Tree};
 use wingbeat::math::{Mat3, Vec3};
+use wingbeat_io::urdf::tree::{Joint, JointType, Link as Described, Origin, Robot};
 
 const FILE: &str = "multibody/aerobat10.urdf";
 
@@ -14,11 +14,11 @@ pub fn reference() -> Result<Tree, Error> {
 
 /// A tree with the root link as floating base; every joint must be revolute or continuous.
 fn parse(text: &str) -> Result<Tree, Error> {
-    let robot = urdf_rs::read_from_string(text).map_err(|e| Error::reference(FILE, e.to_string()))?;
-    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
+    let robot = Robot::read(text).map_err(|e| Error::reference(FILE, e))?;
+    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child == name);
     let root = robot.links.iter().find(|link| !is_child(&link.name));
     let root = root.ok_or_else(|| Error::reference(FILE, "no root link"))?;
-    let (mass, com, inertia) = body(&root.inertial);
+    let (mass, com, inertia) = body(root);
     let mut links = Vec::new();
     branch(&robot, &root.name, None, &mut links)?;
     Ok(Tree::new(&Base { mass, com, inertia }, &links)?)
@@ -27,9 +27,9 @@ fn parse(text: &str) -> Result<Tree, Error> {
 /// Appends the links beyond the link `name`, which has the index `parent`, branch by
 /// branch: the order in which Pinocchio numbers the joints of this file.
 fn branch(robot: &Robot, name: &str, parent: Option<usize>, links: &mut Vec<Link>) -> Result<(), Error> {
-    for joint in robot.joints.iter().filter(|joint| joint.parent.link == name) {
+    for joint in robot.joints.iter().filter(|joint| joint.parent == name) {
         links.push(hinged(robot, joint, parent)?);
-        branch(robot, &joint.child.link, Some(links.len() - 1), links)?;
+        branch(robot, &joint.child, Some(links.len() - 1), links)?;
     }
     Ok(())
 }
@@ -39,16 +39,16 @@ fn hinged(robot: &Robot, joint: &Joint, parent: Option<usize>) -> Result<Link, E
     if !matches!(joint.joint_type, JointType::Revolute | JointType::Continuous) {
         return Err(Error::reference(FILE, format!("joint {} is not revolute", joint.name)));
     }
-    let child = robot.links.iter().find(|link| link.name == joint.child.link);
-    let child = child.ok_or_else(|| Error::reference(FILE, format!("no link {}", joint.child.link)))?;
-    let (mass, com, inertia) = body(&child.inertial);
+    let child = robot.links.iter().find(|link| link.name == joint.child);
+    let child = child.ok_or_else(|| Error::reference(FILE, format!("no link {}", joint.child)))?;
+    let (mass, com, inertia) = body(child);
     Ok(Link {
         name: child.name.clone(),
         parent,
-        origin: Vec3(joint.origin.xyz.0),
+        origin: Vec3(joint.origin.xyz),
         orientation: rotation(&joint.origin),
         kind: JointKind::Revolute,
-        axis: Vec3(joint.axis.xyz.0).unit(),
+        axis: Vec3(joint.axis).unit(),
         mass,
         com,
         inertia,
@@ -56,14 +56,14 @@ fn hinged(robot: &Robot, joint: &Joint, parent: Option<usize>) -> Result<Link, E
 }
 
 /// Mass, centre of mass and inertia in link axes.
-fn body(inertial: &Inertial) -> (f64, Vec3, Mat3) {
-    let i = &inertial.inertia;
-    let own = Mat3([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]]);
-    let r = rotation(&inertial.origin);
-    (inertial.mass.value, Vec3(inertial.origin.xyz.0), r * own * r.transpose())
+fn body(link: &Described) -> (f64, Vec3, Mat3) {
+    let [xx, xy, xz, yy, yz, zz] = link.inertia;
+    let own = Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let r = rotation(&link.origin);
+    (link.mass, Vec3(link.origin.xyz), r * own * r.transpose())
 }
 
-fn rotation(pose: &Pose) -> Mat3 {
-    let [roll, pitch, yaw] = pose.rpy.0;
+fn rotation(origin: &Origin) -> Mat3 {
+    let [roll, pitch, yaw] = origin.rpy;
     Mat3::from_roll_pitch_yaw(roll, pitch, yaw)
 }

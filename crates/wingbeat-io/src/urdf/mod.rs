@@ -3,12 +3,15 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use urdf_rs::{Joint, JointType, Link, Robot};
 use wingbeat::rig::arm::{ArmConfig, JointConfig, LinkConfig, ProfileConfig, ToolConfig};
 use wingbeat::rig::{Pose, rotation_vector};
 use wingbeat::scenario::text_of;
 
-use crate::{Error, text, xml_depth};
+use crate::{Error, text};
+
+pub mod tree;
+
+use tree::{Joint, JointType, Link, Robot};
 
 /// Reads the chain of moving joints from the root to `tip` (the only leaf when
 /// absent). Fixed joints are folded into their neighbours; velocity limits
@@ -29,12 +32,7 @@ pub fn parse_urdf(text: &str, tip: Option<&str>) -> Result<ArmConfig, String> {
     if !text.contains("<robot") {
         return Err("no <robot> element: not a URDF file (expand xacro files first)".into());
     }
-    xml_depth::check(text, DEEPEST).map_err(|error| format!("not a URDF file: {error}"))?;
-    let robot = urdf_rs::read_from_string(text).map_err(|error| format!("not a URDF file: {error}"))?;
-    if robot.links.len().max(robot.joints.len()) > MOST_LINKS {
-        let (links, joints) = (robot.links.len(), robot.joints.len());
-        return Err(format!("{links} links and {joints} joints; read are at most {MOST_LINKS} of each"));
-    }
+    let robot = Robot::read(text).map_err(|error| format!("not a URDF file: {error}"))?;
     let tip = tip_of(&robot, tip)?;
     let chain = chain_to(&robot, tip)?;
     assemble(&robot, &chain)
@@ -63,16 +61,11 @@ fn limited(arm: &ArmConfig) -> Result<(), String> {
     }
 }
 
-/// Deepest nesting that is read: the parser's time grows with its square, and a URDF file needs 7.
-const DEEPEST: usize = 256;
-
-/// Most links and joints: a robot of several hundred is a large one.
-const MOST_LINKS: usize = 4096;
 /// Most leaves that a message lists.
 const LISTED: usize = 20;
 
 fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, String> {
-    let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.link.as_str()).collect();
+    let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.as_str()).collect();
     let names = robot.links.iter().map(|link| link.name.as_str());
     let leaves: Vec<&str> = names.filter(|name| !parents.contains(name)).collect();
     let more = if leaves.len() > LISTED { ", ..." } else { "" };
@@ -89,7 +82,7 @@ fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, Stri
 fn chain_to<'a>(robot: &'a Robot, tip: &str) -> Result<Vec<&'a Joint>, String> {
     let mut above: HashMap<&str, &Joint> = HashMap::new();
     for joint in &robot.joints {
-        above.entry(&joint.child.link).or_insert(joint);
+        above.entry(&joint.child).or_insert(joint);
     }
     let mut chain = Vec::new();
     let mut link = tip;
@@ -98,7 +91,7 @@ fn chain_to<'a>(robot: &'a Robot, tip: &str) -> Result<Vec<&'a Joint>, String> {
             return Err(format!("the joints above {tip} form a loop"));
         }
         chain.push(*joint);
-        link = &joint.parent.link;
+        link = &joint.parent;
     }
     chain.reverse();
     Ok(chain)
@@ -111,15 +104,15 @@ fn assemble(robot: &Robot, chain: &[&Joint]) -> Result<ArmConfig, String> {
     let mut at = Pose::IDENTITY;
     for joint in chain {
         let o = &joint.origin;
-        at = at * Pose::from_xyz_rpy(o.xyz.0, o.rpy.0);
+        at = at * Pose::from_xyz_rpy(o.xyz, o.rpy);
         if joint.joint_type == JointType::Fixed {
             continue;
         }
         joints.push(moving(joint, &at, robot)?);
-        velocity.push(if joint.limit.velocity > 0.0 { joint.limit.velocity } else { f64::INFINITY });
+        velocity.push(if joint.velocity > 0.0 { joint.velocity } else { f64::INFINITY });
         at = Pose::IDENTITY;
     }
-    let base = chain.first().and_then(|j| robot.links.iter().find(|l| l.name == j.parent.link));
+    let base = chain.first().and_then(|j| robot.links.iter().find(|l| l.name == j.parent));
     let profile = ProfileConfig {
         name: "urdf".into(),
         source: "velocity limits of the URDF file".into(),
@@ -150,15 +143,15 @@ fn moving(joint: &Joint, at: &Pose, robot: &Robot) -> Result<JointConfig, String
             ));
         }
     };
-    if joint.mimic.is_some() {
+    if joint.mimics {
         return Err(format!("joint {} mimics another; an arm's joints move on their own", joint.name));
     }
-    let a = joint.axis.xyz.0;
+    let a = joint.axis;
     let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
     if !(length > 1e-9 && length.is_finite()) {
         return Err(format!("joint {}: axis {a:?} has no direction", joint.name));
     }
-    let (lower, upper, effort) = (joint.limit.lower, joint.limit.upper, joint.limit.effort);
+    let (lower, upper, effort) = (joint.lower, joint.upper, joint.effort);
     if limited && !(lower < upper && lower.is_finite() && upper.is_finite()) {
         return Err(format!(
             "joint {}: <limit lower=\"{lower}\" upper=\"{upper}\"> leaves it no room; a revolute or prismatic joint \
@@ -175,24 +168,20 @@ fn moving(joint: &Joint, at: &Pose, robot: &Robot) -> Result<JointConfig, String
         low_rad: limited.then_some(lower),
         high_rad: limited.then_some(upper),
         effort_n_m: (effort > 0.0).then_some(effort),
-        link: robot.links.iter().find(|l| l.name == joint.child.link).map_or_else(LinkConfig::default, body),
+        link: robot.links.iter().find(|l| l.name == joint.child).map_or_else(LinkConfig::default, body),
     })
 }
 
 /// Mass properties with the inertia turned into the link's axes.
 fn body(link: &Link) -> LinkConfig {
-    let i = &link.inertial;
-    let r = Pose::from_xyz_rpy([0.0; 3], i.origin.rpy.0).rotation;
-    let given = wingbeat::math::Mat3([
-        [i.inertia.ixx, i.inertia.ixy, i.inertia.ixz],
-        [i.inertia.ixy, i.inertia.iyy, i.inertia.iyz],
-        [i.inertia.ixz, i.inertia.iyz, i.inertia.izz],
-    ]);
+    let r = Pose::from_xyz_rpy([0.0; 3], link.origin.rpy).rotation;
+    let [xx, xy, xz, yy, yz, zz] = link.inertia;
+    let given = wingbeat::math::Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
     let turned = if rotation_vector(&r).norm() > 0.0 { r * given * r.transpose() } else { given };
     let m = turned.0;
     LinkConfig {
-        mass_kg: i.mass.value,
-        com_m: i.origin.xyz.0,
+        mass_kg: link.mass,
+        com_m: link.origin.xyz,
         inertia_kg_m2: [m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]],
         radius_m: 0.04,
     }
@@ -257,6 +246,29 @@ mod tests {
         let disguised =
             format!("<robot name='x'>{}{}</robot>", "<a>/>".repeat(50_000), "</a>".repeat(50_000));
         assert!(parse_urdf(&disguised, None).unwrap_err().contains("nested more than 256 deep"));
+        for (wrong, said) in [
+            ("<!DOCTYPE robot [<!ENTITY a 'b'>]><robot name='&a;'/>", "DOCTYPE"),
+            ("<robot name='x'>\n<link/></robot>", "line 2: <link> without name"),
+            ("<robot><joint name='j' type='ball'/></robot>", "type=\"ball\""),
+            (
+                "<robot><link name='a'/><joint name='j' type='fixed'><parent link='a'/></joint></robot>",
+                "joint j: it needs",
+            ),
+            (
+                "<robot><link name='a'><inertial><mass value='1 kg'/></inertial></link></robot>",
+                "<mass value=\"1 kg\">",
+            ),
+            (
+                "<robot><joint name='j' type='fixed'><origin xyz='0 nan 1'/></joint></robot>",
+                "finite numbers, 3 of them",
+            ),
+        ] {
+            let error = parse_urdf(wrong, None).unwrap_err();
+            assert!(error.contains(said), "{error}");
+        }
+        // Texts, comments and what closes itself are no depth.
+        let shallow = "<robot name='x'><!-- <a><a> --><link name='l'/><b x='/>'/><![CDATA[<d><d>]]></robot>";
+        assert_eq!(tree::Robot::read(shallow).unwrap().links.len(), 1);
         let many = format!("<robot name='x'>{}</robot>", "<link name='a'/>".repeat(5000));
         assert!(parse_urdf(&many, None).unwrap_err().contains("5000 links"));
     }
