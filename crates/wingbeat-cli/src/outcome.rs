@@ -132,15 +132,13 @@ fn air(summary: &Summary) -> Vec<Line> {
 
 /// Power and what carries the weight.
 fn cost(summary: &Summary) -> Vec<Line> {
-    let watts = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
     let of_cost = |(name, value, unit): CostLine| own(name, value, unit);
-    let of_drives = [
-        own("power of the drive", watts(summary.drive_power_w), "W, on the joints"),
-        own("power of the actuators", watts(summary.regulator_power_w), "W, on the joints"),
-        own("drive, without taking back", watts(summary.drive_power_given_w), "W"),
-        own("actuators, likewise", watts(summary.regulator_power_given_w), "W"),
-    ];
-    let powers = summary.cost.power_lines().into_iter().map(of_cost).chain(of_drives);
+    let measured = summary.measured.iter().filter(|(measure, value)| measure.always || value.is_some());
+    let lines = measured.filter_map(|(measure, value)| {
+        let (name, digits, unit) = measure.line?;
+        Some(own(name, value.map_or("-".into(), |value| format!("{value:.digits$}")), unit))
+    });
+    let powers = summary.cost.power_lines().into_iter().map(of_cost).chain(lines);
     powers.chain(summary.cost.weight_lines().into_iter().map(of_cost)).collect()
 }
 

@@ -7,6 +7,7 @@ use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
+use super::measure::Measured;
 use super::recorder::{Means, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
@@ -88,23 +89,9 @@ pub struct Summary {
     /// What the flight cost: power of the joints, and what carried the weight.
     #[serde(flatten)]
     pub cost: CostSummary,
-    /// Mean power of the drive on the joints, W: what turning the crank takes.
-    pub drive_power_w: Option<f64>,
-    /// Mean power of the actuators on the joints, W: what displacing the structure takes.
-    pub regulator_power_w: Option<f64>,
-    /// Mean of what the drive gives alone, W: what comes back from the joints counts as lost.
-    pub drive_power_given_w: Option<f64>,
-    /// Mean of what the actuators give alone, W: what those pay that cannot take back.
-    pub regulator_power_given_w: Option<f64>,
-    /// Mean mechanical power of the motor's shaft, W, where a motor turns the crank.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub motor_power_w: Option<f64>,
-    /// Mean electrical power of the motor, W.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub electrical_power_w: Option<f64>,
-    /// Range of the crank's rate over its mean.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub crank_ripple: Option<f64>,
+    /// What the record tells in [`measures`](super::measures).
+    #[serde(flatten)]
+    pub measured: Measured,
     /// Aerodynamic preset.
     pub aero_preset: String,
     /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
@@ -212,13 +199,14 @@ const TURNING: f64 = 0.9;
 const LEAST_BANK: f64 = 0.05;
 
 /// The part of a flight's record that the summary averages.
-struct Settled<'a> {
+pub(super) struct Settled<'a> {
     record: &'a Record,
     first: usize,
 }
 
 impl Settled<'_> {
-    fn column(&self, name: &str) -> &[f64] {
+    /// The samples of a column that count; none of a column that is not there.
+    pub fn column(&self, name: &str) -> &[f64] {
         self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
     }
     /// The angle `name` minus its reference at every sample, rad: that of the manoeuvre, or of the orbit, or level.
@@ -269,13 +257,6 @@ fn rms_deg(errors: &[f64]) -> Option<f64> {
 
 fn largest_deg(errors: &[f64]) -> Option<f64> {
     errors.iter().map(|e| e.abs()).reduce(f64::max).map(f64::to_degrees)
-}
-
-/// Range over mean.
-fn ripple(rates: &[f64]) -> Option<f64> {
-    let low = rates.iter().copied().reduce(f64::min)?;
-    let high = rates.iter().copied().reduce(f64::max)?;
-    Some((high - low) / mean(rates)?)
 }
 
 fn half_range_deg(angles: &[f64]) -> Option<f64> {
@@ -365,13 +346,7 @@ impl Summary {
             pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
             cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot.mass()),
-            drive_power_w: mean(settled.column("drive_power")),
-            regulator_power_w: mean(settled.column("regulator_power")),
-            drive_power_given_w: given(settled.column("drive_power")),
-            regulator_power_given_w: given(settled.column("regulator_power")),
-            motor_power_w: mean(settled.column("motor_power")),
-            electrical_power_w: mean(settled.column("electrical_power")),
-            crank_ripple: ripple(settled.column("crank_rate")),
+            measured: Measured::new(&settled),
             aero_preset: context.preset.clone(),
             lattice: None,
             lift_law: context.law.clone(),

@@ -1,5 +1,6 @@
 //! What is kept of each run of a sweep.
 
+use super::measure::measures;
 use super::side_by_side::MOST;
 use super::{ConfigError, Hold, ReadTable, Scenario, Summary, Sweep, SweepOf};
 use std::ops::ControlFlow;
@@ -52,10 +53,10 @@ pub struct SweepRows {
 
 impl SweepOf {
     /// Columns beside the number of a run and its draws, with their units.
-    pub fn measures(self) -> &'static [(&'static str, &'static str)] {
+    pub fn measures(self) -> Vec<(&'static str, &'static str)> {
         match self {
-            Self::Flights(_) => &FLIGHT,
-            Self::Cases => &CASE,
+            Self::Flights(_) => FLIGHT.into_iter().chain(measures().filter_map(|m| m.swept)).collect(),
+            Self::Cases => CASE.into(),
         }
     }
 }
@@ -64,7 +65,7 @@ impl Sweep {
     /// The columns of a row, still empty: number of the run, its draws, its measures.
     pub fn columns(&self) -> Vec<Column> {
         let draws = self.spec.draws.iter().map(|draw| Column::new(draw.key.clone(), "", ""));
-        let measures = self.of.measures().iter().map(|(name, unit)| Column::new(*name, *unit, ""));
+        let measures = self.of.measures().into_iter().map(|(name, unit)| Column::new(name, unit, ""));
         std::iter::once(Column::new("run", "", "")).chain(draws).chain(measures).collect()
     }
 
@@ -100,7 +101,7 @@ impl Sweep {
                     batch.iter().map(|run| self.scenario(*run)).collect::<Result<Vec<_>, _>>()?;
                 scenarios.iter_mut().for_each(|scenario| self.shared.give(scenario));
                 let (summaries, groups) = self.flown(&scenarios, &watch)?;
-                let of = |summary: &Summary| Vec::from(flight(summary, hold));
+                let of = |summary: &Summary| flight(summary, hold);
                 (summaries.iter().map(of).collect::<Vec<_>>(), groups)
             }
             SweepOf::Cases => {
@@ -164,11 +165,11 @@ impl Sweep {
 }
 
 /// A row of a flight; of one that was not flown whole nothing but how it ended.
-fn flight(summary: &Summary, hold: Hold) -> [f64; FLIGHT.len()] {
+fn flight(summary: &Summary, hold: Hold) -> Vec<f64> {
     let completed = summary.completed();
     let of = |value: Option<f64>| value.filter(|_| completed).unwrap_or(f64::NAN);
     let whole = |value: f64| of(Some(value));
-    [
+    let fixed: [f64; FLIGHT.len()] = [
         f64::from(u8::from(hold.met(summary))),
         f64::from(u8::from(completed)),
         f64::from(summary.status as u8),
@@ -185,7 +186,9 @@ fn flight(summary: &Summary, hold: Hold) -> [f64; FLIGHT.len()] {
         of(summary.least_clearance_m),
         of(summary.cost.positive_power_w_kg),
         whole(summary.controller.failures as f64),
-    ]
+    ];
+    let measured = summary.measured.iter().filter(|(measure, _)| measure.swept.is_some());
+    fixed.into_iter().chain(measured.map(|(_, value)| of(value))).collect()
 }
 
 fn of_case(run: &TetherRun, status: Status) -> [f64; CASE.len()] {

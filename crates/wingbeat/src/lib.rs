@@ -12,7 +12,7 @@
 //!
 //! let roll = run.record.values("roll").ok_or("no such column")?;
 //! println!("{} rows, last roll {:.3} rad", run.record.rows(), roll[roll.len() - 1]);
-//! println!("{:.3} m down, drive {:?} W", -run.summary.altitude_change_m, run.summary.drive_power_w);
+//! println!("{:.3} m down, drive {:?} W", -run.summary.altitude_change_m, run.summary.measured.get("drive_power_w"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -1,0 +1,50 @@
+//! Means of what drive and actuators give to the joints.
+
+use super::Measure;
+use crate::summary::{Settled, given, mean};
+
+const DRIVE: &str = "drive_power";
+const ACTUATORS: &str = "regulator_power";
+
+fn of(settled: &Settled<'_>, column: &str) -> Option<f64> {
+    mean(settled.column(column))
+}
+
+fn given_of(settled: &Settled<'_>, column: &str) -> Option<f64> {
+    given(settled.column(column))
+}
+
+pub(super) const MEASURES: &[Measure] = &[
+    Measure {
+        key: "drive_power_w",
+        meaning: "Mean power of the drive on the joints, W: what turning the crank takes.",
+        line: Some(("power of the drive", 3, "W, on the joints")),
+        always: true,
+        swept: None,
+        value: |settled| of(settled, DRIVE),
+    },
+    Measure {
+        key: "regulator_power_w",
+        meaning: "Mean power of the actuators on the joints, W: what displacing the structure takes.",
+        line: Some(("power of the actuators", 3, "W, on the joints")),
+        always: true,
+        swept: None,
+        value: |settled| of(settled, ACTUATORS),
+    },
+    Measure {
+        key: "drive_power_given_w",
+        meaning: "Mean of what the drive gives alone, W: what comes back from the joints counts as lost.",
+        line: Some(("drive, without taking back", 3, "W")),
+        always: true,
+        swept: None,
+        value: |settled| given_of(settled, DRIVE),
+    },
+    Measure {
+        key: "regulator_power_given_w",
+        meaning: "Mean of what the actuators give alone, W: what those pay that cannot take back.",
+        line: Some(("actuators, likewise", 3, "W")),
+        always: true,
+        swept: None,
+        value: |settled| given_of(settled, ACTUATORS),
+    },
+];
