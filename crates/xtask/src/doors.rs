@@ -1,4 +1,4 @@
-//! `cargo xtask long doors`: a law, a motor, a sensor, a figure and a verb come in by a new file and a few lines. The patches of
+//! `cargo xtask long doors`: a law, a motor, a sensor, a figure, a verb and a summary quantity come in by a new file and a few lines. The patches of
 //! crates/xtask/doors bring one of each into a copy of this tree, which is built, tested and run.
 
 use std::path::{Path, PathBuf};
@@ -19,17 +19,19 @@ struct Door {
     name: &'static str,
     /// Most lines in files that were there, without comments.
     lines: usize,
-    /// A command that uses it, and what that leaves.
+    /// A command that uses it, what that leaves, and a word that stands in it.
     call: &'static [&'static str],
     leaves: &'static str,
+    says: &'static str,
 }
 
-const DOORS: [Door; 5] = [
+const DOORS: [Door; 6] = [
     Door {
         name: "law",
         lines: 2,
         call: &["fly", "scenarios/glide.toml", "--set", "aero.law=late", "--out", "law"],
         leaves: "law/summary.json",
+        says: "\"lift_law\": \"late\"",
     },
     Door {
         name: "motor",
@@ -45,6 +47,7 @@ const DOORS: [Door; 5] = [
             "motor",
         ],
         leaves: "motor/summary.json",
+        says: "crank_ripple",
     },
     Door {
         name: "sensor",
@@ -60,14 +63,23 @@ const DOORS: [Door; 5] = [
             "sensor",
         ],
         leaves: "sensor/summary.json",
+        says: "estimate",
     },
     Door {
         name: "figure",
         lines: 2,
         call: &["fly", "scenarios/glide.toml", "--set", "flight.duration_s=0.2", "--out", "figure"],
         leaves: "figure/figures/altitude.png",
+        says: "",
     },
-    Door { name: "verb", lines: 2, call: &["rows", "figure"], leaves: "figure/record.parquet" },
+    Door { name: "verb", lines: 2, call: &["rows", "figure"], leaves: "figure/record.parquet", says: "" },
+    Door {
+        name: "quantity",
+        lines: 2,
+        call: &["fly", "scenarios/glide.toml", "--set", "flight.duration_s=0.2", "--out", "quantity"],
+        leaves: "quantity/summary.json",
+        says: "speed_max_m_s",
+    },
 ];
 
 /// Counts the lines of each patch, then builds, tests and runs them all in one copy.
@@ -180,7 +192,10 @@ fn used(door: &Door, copy: &Path, program: &PathBuf) -> bool {
     // A verdict other than ok keeps the run: the part flies as well as the document of another one lets it.
     let summary = fs::read_to_string(copy.join(door.leaves)).unwrap_or_default();
     let flown = !summary.contains("\"status\": \"failed\"");
-    let passed = matches!(code, Some(0 | 3)) && copy.join(door.leaves).is_file() && flown;
+    let passed = matches!(code, Some(0 | 3))
+        && copy.join(door.leaves).is_file()
+        && flown
+        && summary.contains(door.says);
     if !passed {
         eprintln!("{}: {output:?}", door.name);
     }

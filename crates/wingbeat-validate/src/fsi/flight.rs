@@ -109,7 +109,12 @@ fn rows_of(turn: &Turn) -> Result<Vec<Row>, Error> {
     let [half, double] = scaled.map(|set| fly(of, set).map(|(summary, _)| summary.cost.positive_power_w_kg));
     shown("power.half", "the same with half the stiffness", half?, "W/kg");
     shown("power.double", "the same with twice the stiffness", double?, "W/kg");
-    shown("actuators", "mean positive power of the actuators", own.measured.get("regulator_power_given_w"), "W");
+    shown(
+        "actuators",
+        "mean positive power of the actuators",
+        own.measured.get("regulator_power_given_w"),
+        "W",
+    );
     shown("actuators.rigid", "the same on rigid wings", twin.measured.get("regulator_power_given_w"), "W");
     shown("torque", "largest torque at a shoulder", Some(torque), "N m");
     shown("torque.rigid", "the same on rigid wings", Some(twin_torque), "N m");
