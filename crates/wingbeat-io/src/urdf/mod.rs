@@ -260,7 +260,7 @@ mod tests {
             ),
             (
                 "<robot><joint name='j' type='fixed'><origin xyz='0 nan 1'/></joint></robot>",
-                "finite numbers, 3 of them",
+                "allowed is 3 finite numbers",
             ),
         ] {
             let error = parse_urdf(wrong, None).unwrap_err();

@@ -109,9 +109,8 @@ impl Element<'_> {
         let numbers = text.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()));
         let numbers: Option<Vec<f64>> = numbers.collect();
         let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
-        numbers.ok_or_else(|| {
-            format!("<{} {name}=\"{text:.60}\">: allowed is finite numbers, {N} of them", self.name)
-        })
+        let allowed = if N == 1 { "a finite number".into() } else { format!("{N} finite numbers") };
+        numbers.ok_or_else(|| format!("<{} {name}=\"{text:.60}\">: allowed is {allowed}", self.name))
     }
 
     fn number(&self, name: &str) -> Result<f64, String> {
