@@ -8,6 +8,8 @@ use crate::limits::data::{ALTERNATES, OUTLIERS, SWAPPED, WRAPPED};
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
 const SAME: usize = 8;
 const PLACES: usize = 64;
+/// Samples of a place that tell its median. *Choice.*
+const ENOUGH: usize = 64;
 /// Robust deviations beyond which a sample lies apart: of 1e15 samples with white noise one does. *Choice.*
 const BEYOND: f64 = 8.0;
 /// The deviation of white noise over the median of its magnitudes: 1 / Phi^-1(3 / 4).
@@ -59,12 +61,18 @@ impl Usual {
         let count = phase.len();
         let per_cycle = count as f64 / cycles.max(1.0);
         let places = PLACES.min(count / SAME).min(per_cycle as usize).max(1);
-        let mut there: Vec<Vec<f64>> =
-            (0..places).map(|_| Vec::with_capacity(count / places + SAME)).collect();
+        // Of so many samples of a place the median is known well enough; they are taken evenly from the whole file.
+        let every = (count / (places * ENOUGH)).max(1);
+        let mut there: Vec<(usize, Vec<f64>)> =
+            (0..places).map(|_| (0, Vec::with_capacity(count / places / every + SAME))).collect();
         for (p, x) in phase.iter().zip(channel.samples) {
-            there[place(*p, places)].push(*x);
+            let (seen, of) = &mut there[place(*p, places)];
+            if *seen % every == 0 {
+                of.push(*x);
+            }
+            *seen += 1;
         }
-        let known = |of: &mut Vec<f64>| {
+        let known = |(_, of): &mut (usize, Vec<f64>)| {
             let middle = median(of);
             of.iter_mut().for_each(|x| *x = (*x - middle).abs());
             [middle, OF_MEDIAN * median(of)]

@@ -32,13 +32,19 @@ struct Place {
 
 /// Part of the largest range of its unit below which a channel is dwarfed. *Choice.*
 const DWARFED: f64 = 0.5;
+/// Deviations of the noise at the end beyond it, and the share of all samples up to which they lie there: an amplifier lets none. *Choice.*
+const BEYOND: f64 = 5.0;
+const FEW: f64 = 0.003;
+/// Slope at the corner over that two places further on: a sine cut off at 98 % has 0.5, a top that flattens by itself (tanh) 0.3. *Choice.*
+const CORNER: f64 = 0.45;
 
 /// The finding that an end is cut off under noise; `count` is that of the converter.
 ///
 /// What goes beyond the range of an amplifier is lost with the noise that it has until there, so that the samples of one phase
 /// scatter less at the end than elsewhere, more than an unsteady crank explains. A line that goes slack is flat and may be quiet as well, but near zero, and for longer:
-/// an end near zero counts only where the other one is flat and quiet too. Of a channel that others of its unit dwarf it is a warning:
-/// there what moves the mount scatters more than noise does.
+/// an end near zero counts only where the other one is flat and quiet too. It is a warning of a channel that others of its unit dwarf, where
+/// what moves the mount scatters more than noise does, and where samples lie beyond the end or the load comes to it without a corner: a
+/// wing that stalls may have a flat top, and buffet beside it.
 pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<Finding> {
     let places = places(series, channel.samples)?;
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
@@ -52,14 +58,15 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
         let there = places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of.noise);
         let noise = median(&mut there.collect::<Vec<_>>());
         let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
-        (seen && SHARE.contains(&share) && noise * noise < QUIET * usual).then_some(share)
+        let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(&places, &on) > CORNER;
+        (seen && SHARE.contains(&share) && noise * noise < QUIET * usual).then(|| (share, cut()))
     };
     let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
-    let (share, end) = match (top, bottom) {
-        (Some(top), Some(bottom)) => (top + bottom, if top > bottom { high } else { low }),
-        (Some(top), None) if far(high) => (top, high),
-        (None, Some(bottom)) if far(low) => (bottom, low),
+    let (share, end, cut) = match (top, bottom) {
+        (Some((top, a)), Some((bottom, b))) => (top + bottom, if top > bottom { high } else { low }, a || b),
+        (Some((top, cut)), None) if far(high) => (top, high, cut),
+        (None, Some((bottom, cut))) if far(low) => (bottom, low, cut),
         _ => return None,
     };
     let text = format!(
@@ -73,7 +80,33 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
     let most = same.map(|other| of(other.samples)).map(|[low, high]| high - low).fold(0.0, f64::max);
     let [lowest, highest] = of(channel.samples);
     let found = Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text);
-    Some(if highest - lowest < DWARFED * most { found.noted() } else { found })
+    Some(if !cut || highest - lowest < DWARFED * most { found.noted() } else { found })
+}
+
+/// The share of all samples that lie beyond the end by some of its deviations.
+fn beyond(channel: &Channel, [end, noise, middle]: [f64; 3]) -> f64 {
+    let out = (end - middle).signum();
+    let far = channel.samples.iter().filter(|x| out * (*x - end) > BEYOND * noise).count();
+    far as f64 / channel.samples.len() as f64
+}
+
+/// The slopes of the mean cycle beside the end, over those two places further on.
+fn corner(places: &[Place], on: &[bool]) -> f64 {
+    let count = places.len();
+    let step = |k: usize| (places[(k + 1) % count].mean - places[k % count].mean).abs();
+    let (mut near, mut further) = (0.0, 0.0);
+    for k in 0..count {
+        // The place at the corner may lie on both sides of it.
+        if on[k] && !on[(k + 1) % count] {
+            near += step(k + 2);
+            further += step(k + 4);
+        }
+        if !on[k] && on[(k + 1) % count] {
+            near += step(k + count - 2);
+            further += step(k + count - 4);
+        }
+    }
+    near / further.max(f64::MIN_POSITIVE)
 }
 
 /// The variance that the noise has where the mean cycle does not change, from the places away from the end, less its error: a crank that is

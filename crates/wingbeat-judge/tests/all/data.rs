@@ -226,6 +226,17 @@ fn right() -> Vec<(&'static str, Data)> {
                 load.at(k as f64 / 200.0 + late) + 0.003 * Noise(k as u64 * 57).next()
             })
         }),
+        // A wing that stalls: quiet at the top, buffet on the way.
+        (
+            "quiet_top",
+            changed(&Load { cycles: 60.0, ..usual() }, |k, _| {
+                let stroke = (TAU * k as f64 / 200.0).sin();
+                let noise = if stroke.abs() > 0.75 { 0.012 } else { 0.06 };
+                2.0 * (4.0 * stroke).tanh() + 1.73 * noise * Noise(k as u64 * 31).next()
+            }),
+        ),
+        ("swings_a_little", changed(&usual(), |k, x| x * (1.0 + 0.3 * (k as f64 / 200.0).sin()))),
+        ("weak_strokes_between", changed(&usual(), |k, x| if k / 200 % 2 == 0 { x } else { 0.7 * x })),
         ("on_and_off", changed(&usual(), |k, _| f64::from(u8::from(k % 200 < 60)))),
         ("eight_counts", changed(&exact(usual()), |_, x| (x / 0.3).round() * 0.3)),
     ]
@@ -303,6 +314,40 @@ fn wrong() -> Vec<(&'static str, &'static str, Data)> {
             changed(&usual(), |k, x| x * (k as f64 / 90.0 + (k as f64 / 300.0).powi(2)).sin()),
         ),
         ("fades", "data.not_periodic", changed(&usual(), |k, x| x * (-(k as f64) / 120.0).exp())),
+        ("swings", "data.not_periodic", changed(&usual(), |k, x| x * (1.0 + 0.7 * (k as f64 / 300.0).sin()))),
+        ("fails", "data.not_periodic", changed(&usual(), |k, x| x * (1.0 - k as f64 / 2100.0))),
+        ("clipped_at_times", "data.clipped", {
+            changed(&usual(), |k, x| if k / 200 % 3 == 0 { x.min(0.3) } else { x })
+        }),
+        ("three_values", "data.coarse", {
+            let (phase, channels, purpose) = loads(&usual());
+            (phase, channels.iter().map(|x| x.iter().map(|x| x.round()).collect()).collect(), purpose)
+        }),
+        ("zeros_between", "data.outliers", changed(&usual(), |k, x| if k % 23 == 5 { 0.0 } else { x })),
+        (
+            "blanked",
+            "data.stuck",
+            changed(&usual(), |k, x| if (20..60).contains(&(k % 200)) { -2.0 } else { x }),
+        ),
+        ("motion_with_zeros", "data.outliers", {
+            let (phase, mut channels, purpose) =
+                motion(&Load { noise: 0.0, ratio: 1.0001, size: 30.0, ..usual() });
+            channels[0].iter_mut().step_by(23).for_each(|x| *x = 0.0);
+            (phase, channels, purpose)
+        }),
+        ("motion_that_freezes", "data.stuck", {
+            let (phase, mut channels, purpose) = motion(&Load { noise: 0.0, size: 30.0, ..usual() });
+            for begin in [250, 650, 1450] {
+                let held = channels[0][begin];
+                channels[0][begin..begin + 100].fill(held);
+            }
+            (phase, channels, purpose)
+        }),
+        ("less_than_two_samples_in_a_cycle", "data.few_samples", {
+            let (phase, channels, purpose) = motion(&Load { size: 30.0, ..usual() });
+            let kept = |of: &[f64]| of.iter().copied().step_by(107).collect::<Vec<f64>>();
+            (kept(&phase), vec![kept(&channels[0])], purpose)
+        }),
         ("a_quarter_lost", "data.lost", lost(40)),
         ("bursts_lost", "data.lost", lost(400)),
         ("time_back", "data.time", back(loads(&usual()))),
