@@ -287,7 +287,9 @@ const ABOVE_NOISE: f64 = 4.0;
 fn scatter(series: &Series, one: &Apart) -> Option<Finding> {
     let Apart { channel, at, part, left } = one;
     let first = *at.phase.first()?;
-    let mut sums = vec![[0.0; 2]; series.cycles().min(at.phase.len() as f64) as usize];
+    // The last sample of a whole cycle lies a step before its end.
+    let count = at.phase.len() as f64;
+    let mut sums = vec![[0.0; 2]; (series.cycles() * (1.0 + 1.5 / count)).min(count) as usize];
     for ((p, x), left) in at.phase.iter().zip(&at.values).zip(left) {
         let fit = x - left - part.mean;
         if let Some([xf, ff]) = sums.get_mut((p - first) as usize) {

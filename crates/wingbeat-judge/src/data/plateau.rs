@@ -7,6 +7,8 @@ use crate::limits::data::CLIPPED;
 /// Places of the cycle at least and at most, and samples of each at least. *Choice.*
 const PLACES: [usize; 2] = [24, 64];
 const SAME: usize = 12;
+/// Samples of a place that tell its noise. *Choice.*
+const ENOUGH: usize = 96;
 /// Part of the range within which the end is flat, and the places on it, in parts of a cycle. A slack line is flat for longer. *Choices.*
 const FLAT: f64 = 0.01;
 const SHARE: std::ops::Range<f64> = 0.05..0.36;
@@ -139,13 +141,17 @@ fn places(series: &Series, samples: &[f64]) -> Option<Vec<Place>> {
     if count < PLACES[0] {
         return None;
     }
-    let mut there: Vec<Vec<(f64, f64)>> =
-        (0..count).map(|_| Vec::with_capacity(samples.len() / count + SAME)).collect();
+    let every = samples.len().div_ceil(count * ENOUGH);
+    let mut there: Vec<(usize, Vec<(f64, f64)>)> =
+        (0..count).map(|_| (0, Vec::with_capacity(samples.len() / count / every + SAME))).collect();
     for (p, x) in series.phase.iter().zip(samples) {
-        let within = ((p - p.floor()) * count as f64).fract() - 0.5;
-        there[place(*p, count)].push((within, *x));
+        let (seen, of) = &mut there[place(*p, count)];
+        if *seen % every == 0 {
+            of.push((((p - p.floor()) * count as f64).fract() - 0.5, *x));
+        }
+        *seen += 1;
     }
-    there.iter().map(|of| (of.len() >= SAME).then(|| Place::of(of))).collect()
+    there.iter().map(|(_, of)| (of.len() >= SAME).then(|| Place::of(of))).collect()
 }
 
 impl Place {

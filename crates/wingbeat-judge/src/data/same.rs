@@ -51,18 +51,20 @@ fn held(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
     let samples = channel.samples;
     let leap =
         |k: usize| k > 0 && k < samples.len() && (samples[k] - samples[k - 1]).abs() > LEAPS * extent.range();
-    let (mut lost, mut kept, mut begin) = (0, 0, 0);
+    let (mut lost, mut times, mut kept, mut begin) = (0, 0, 0, 0);
     for run in samples.chunk_by(|a, b| a == b) {
         let end = begin + run.len();
         kept += if run.len() >= HELD { run.len() } else { 0 };
-        lost += if run.len() >= HELD && (leap(begin) || leap(end)) { run.len() } else { 0 };
+        if run.len() >= HELD && (leap(begin) || leap(end)) {
+            (lost, times) = (lost + run.len(), times + 1);
+        }
         begin = end;
     }
     let share = |of: usize| of as f64 / samples.len() as f64;
     let text = format!(
-        "leaps and then keeps its value for {:.1} % of the samples: it was held, or blanked; leave those parts out",
+        "leaps and keeps its value {times} times, for {:.1} % of the samples: it was held, or blanked; leave those parts out",
         100.0 * share(lost)
     );
-    (share(kept) < SAMPLED)
+    (share(kept) < SAMPLED && times > 1)
         .then(|| Finding::new("data.stuck", &LOST, series.about(channel.name), share(lost), text))
 }

@@ -226,15 +226,6 @@ fn right() -> Vec<(&'static str, Data)> {
                 load.at(k as f64 / 200.0 + late) + 0.003 * Noise(k as u64 * 57).next()
             })
         }),
-        // A wing that stalls: quiet at the top, buffet on the way.
-        (
-            "quiet_top",
-            changed(&Load { cycles: 60.0, ..usual() }, |k, _| {
-                let stroke = (TAU * k as f64 / 200.0).sin();
-                let noise = if stroke.abs() > 0.75 { 0.012 } else { 0.06 };
-                2.0 * (4.0 * stroke).tanh() + 1.73 * noise * Noise(k as u64 * 31).next()
-            }),
-        ),
         ("swings_a_little", changed(&usual(), |k, x| x * (1.0 + 0.3 * (k as f64 / 200.0).sin()))),
         ("weak_strokes_between", changed(&usual(), |k, x| if k / 200 % 2 == 0 { x } else { 0.7 * x })),
         ("on_and_off", changed(&usual(), |k, _| f64::from(u8::from(k % 200 < 60)))),
@@ -337,7 +328,7 @@ fn wrong() -> Vec<(&'static str, &'static str, Data)> {
         }),
         ("motion_that_freezes", "data.stuck", {
             let (phase, mut channels, purpose) = motion(&Load { noise: 0.0, size: 30.0, ..usual() });
-            for begin in [250, 650, 1450] {
+            for begin in [200, 600, 1400] {
                 let held = channels[0][begin];
                 channels[0][begin..begin + 100].fill(held);
             }
@@ -481,6 +472,26 @@ fn one_finding_names_all_channels_of_another_frequency_and_a_channel_without_num
     let told = not_finite("cell.csv", &channel, 1).unwrap();
     assert!(told.size == 2.0 && told.channel == "Fz" && told.serious, "{told:?}");
     assert_eq!(not_finite("cell.csv", &channel, 3), None);
+}
+
+#[test]
+fn a_quiet_top_of_a_wing_that_stalls_is_noted_and_a_clipped_one_is_serious() {
+    let stroke = |k: usize| (TAU * k as f64 / 200.0).sin();
+    let even = |k: usize| 1.73 * Noise(k as u64 * 31).next();
+    let load = Load { cycles: 60.0, ..Load::default() };
+    let stalls = changed(&load, |k, _| {
+        let noise = if stroke(k).abs() > 0.75 { 0.012 } else { 0.06 };
+        2.0 * (4.0 * stroke(k)).tanh() + noise * even(k)
+    });
+    let clipped = changed(&load, |k, _| {
+        (2.0 * stroke(k) + 0.06 * even(k)).clamp(-1.5, 1.5) + 0.012 * Noise(k as u64 * 57).next()
+    });
+    for (data, serious) in [(stalls, false), (clipped, true)] {
+        let told = found(&data);
+        let flat: Vec<&Finding> = told.iter().filter(|finding| finding.id == "data.clipped").collect();
+        assert!(!flat.is_empty() && flat.iter().all(|finding| finding.serious == serious), "{told:?}");
+        assert!(serious || told.iter().all(|finding| !finding.serious), "{told:?}");
+    }
 }
 
 #[test]
