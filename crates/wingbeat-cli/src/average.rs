@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use wingbeat::judge::data::{self, Channel, Finding, Line, Purpose, Series, examined, find_frequency};
-use wingbeat::judge::limits::data::LINE;
+use wingbeat::judge::limits::data::{LINE, OF_LINE};
 use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
 use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
 use wingbeat::simulate::{Column, Record};
@@ -301,7 +301,7 @@ impl Summary {
     }
 }
 
-/// Samples of a cycle below which its frequency may be another one. *Choice.*
+/// Samples of a period of the strongest line below which its frequency may be another one. *Choice.*
 const FEWEST: f64 = 4.0;
 
 /// What the samples say of themselves. Those that are missing are gaps.
@@ -323,16 +323,18 @@ fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> 
             judge.find(Status::NotFound, lines);
         }
     }
-    if let Told::Found(Line { frequency: Some(frequency), .. }) = told
-        && plain.rate < FEWEST * frequency
+    if let Told::Found(Line { frequency: Some(_), strongest, .. }) = told
+        && plain.rate < FEWEST * strongest
     {
+        let size = plain.rate / strongest;
         let text = format!(
-            "{:.2} samples a cycle: at {:.6} Hz a frequency of {:.6} Hz looks the same; sample faster, or give --frequency HZ",
-            plain.rate / frequency,
+            "{size:.2} samples a period of the strongest line: at {:.6} Hz a frequency of {:.6} Hz looks the same; sample faster, or \
+             give --frequency HZ",
             plain.rate,
-            plain.rate - frequency
+            plain.rate - strongest
         );
-        judge.warn(Warning::new("data.aliased", text).size(plain.rate / frequency).key("--frequency"));
+        judge.warn(Warning::new("data.aliased", text).size(size).key("--frequency"));
+        judge.hold(&OF_LINE, size);
     }
     if let Some(own) = plain.other_rate {
         let text = format!(

@@ -41,6 +41,8 @@ import numpy as np
 import wingbeat
 from wingbeat import learn
 warnings.simplefilter("ignore")
+# What a shell puts into the background ignores Ctrl-C, and so do its children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 f = wingbeat.shipped
 s = lambda name: f(f"scenarios/{name}.toml")
 out = sys.argv[1]

@@ -128,4 +128,35 @@ fn wrong_signs_axes_and_phases_of_a_file_are_told_and_mended_as_proposed() {
         };
         assert!(fz(&mended) < 0.6 * fz(name), "{name}: {} {}", fz(&mended), fz(name));
     }
+    // All six: no model is wrong like that, so the samples are suspect.
+    foreign(&record, &folder.join("over.parquet"), &|v| v[1..7].iter_mut().flatten().for_each(|x| *x = -*x));
+    let output = rig(&folder, &["process", "over.parquet", "--run", &run(), "--out", "over"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(3) && text.contains("suspect_data"), "{text}");
+    assert!(summary(&folder.join("over"))["warnings"].to_string().contains("turned over"));
+}
+
+/// Simulates the seven shipped runs and processes them: each is measured well, whatever is noted of it.
+fn the_seven_runs_are_ok(name: &str, settings: &[&str]) {
+    let folder = scratch(name);
+    let list = root().join("rigs/seven_runs.toml").to_string_lossy().into_owned();
+    let simulate = [&["simulate", &list, "--out", "sim", "--quiet"][..], settings].concat();
+    for arguments in [&simulate[..], &["process", "sim", "--quiet", "--no-report"]] {
+        let output = rig(&folder, arguments);
+        assert!(output.status.success(), "{output:?}");
+    }
+    let own = summary(&folder.join("sim/processed"));
+    assert_eq!(own["status"], "ok", "{}", own["reason"]);
+    assert_eq!(own["runs"].as_object().unwrap().len(), 7);
+}
+
+#[test]
+fn the_seven_runs_of_a_slower_cell_are_ok() {
+    the_seven_runs_are_ok("rig-seven", &["--set", "rig.cell.rate_hz=500", "--set", "rig.cell.filter_hz=200"]);
+}
+
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn the_seven_runs_as_shipped_are_ok() {
+    the_seven_runs_are_ok("rig-seven-shipped", &[]);
 }

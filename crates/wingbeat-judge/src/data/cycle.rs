@@ -6,7 +6,7 @@ use super::outliers::place;
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL, SWINGS};
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS};
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -20,6 +20,8 @@ const POINTS: usize = 2048;
 const POINTS_PER_CYCLE: usize = 32;
 /// Deviation of a channel in parts of the largest of its unit below which it is not judged. *Choice.*
 const TELLING: f64 = 0.05;
+/// The same below which it is small. *Choice.*
+const SMALL: f64 = 0.2;
 /// Deviation of a motion, in parts of its mean, below which it stands still. *Choice.*
 const STILL: f64 = 1e-4;
 /// Share of what does not repeat above which the frequency is sought. *Choice.*
@@ -83,9 +85,18 @@ impl<'a> Apart<'a> {
 
     /// Whether it moves enough beside those of its unit: the noise of a channel without a load may be of any kind.
     fn is_telling(&self, all: &[Self]) -> bool {
+        self.part.total > TELLING * TELLING * self.most(all)
+    }
+
+    /// Whether others of its unit that repeat dwarf it.
+    fn is_small(&self, all: &[Self]) -> bool {
+        self.part.total < SMALL * SMALL * self.most(all) && all.iter().any(Self::repeats)
+    }
+
+    /// The largest variance of a channel of its unit.
+    fn most(&self, all: &[Self]) -> f64 {
         let same = all.iter().filter(|other| other.channel.unit == self.channel.unit);
-        let most = same.map(|other| other.part.total).fold(0.0, f64::max);
-        self.part.total > TELLING * TELLING * most
+        same.map(|other| other.part.total).fold(0.0, f64::max)
     }
 }
 
@@ -115,6 +126,7 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
         return lasting;
     }
     let mut found: Vec<Finding> = ends::gap(series, cycles).into_iter().collect();
+    found.extend(ends::sparse(series, cycles));
     found.extend(series.channels.iter().filter_map(|channel| ends::apart(series, channel)));
     if !(cycles >= 0.9) {
         return found;
@@ -124,7 +136,13 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     // All channels of a file have one frequency: where one repeats at that which is given, what others leave is no other frequency.
     let kept = all.iter().any(|one| one.is_telling(&all) && one.repeats());
     for one in all.iter().filter(|one| one.is_telling(&all)) {
-        found.extend(of_channel(series, one, kept, limits));
+        let own = of_channel(series, one, kept, limits).into_iter();
+        // Beside a large load, a small one may hold what the mount does.
+        let noted = |finding: Finding| match finding.id {
+            "data.not_periodic" if one.is_small(&all) => finding.noted(),
+            _ => finding,
+        };
+        found.extend(own.map(noted));
         found.extend(rough(series, one));
         found.extend(rectified(series, one.channel, &one.at));
     }
@@ -236,7 +254,12 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
         let swings = share - repeated(&at.phase, &one.left) / part.total;
         let (limit, share) =
             if share > limits.of(&APERIODIC).0 { (&APERIODIC, share) } else { (&SWINGS, swings) };
-        found.push(Finding::new("data.not_periodic", limit, about(), share, text));
+        let finding = Finding::new("data.not_periodic", limit, about(), share, text);
+        let scatter = scatter(series, one).filter(|finding| finding.breaks(limits));
+        found.push(match scatter {
+            Some(scatter) if !(finding.serious && finding.breaks(limits)) => scatter,
+            _ => finding,
+        });
     }
     let scale = part.range.max(part.mean.abs());
     let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;
@@ -252,6 +275,41 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
         found.push(Finding::new("data.drift", &DRIFT, about(), size, text));
     }
     found
+}
+
+/// Whole cycles from which their sizes are compared. *Choice.*
+const FOR_SCATTER: usize = 4;
+/// Variance of their sizes over that which noise gives them, above which it is told. *Choice.*
+const ABOVE_NOISE: f64 = 4.0;
+
+/// The finding that the cycles differ in size: of each the part of the mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance
+/// s2 gives that the variance s2 / sum(f f), which is taken away.
+fn scatter(series: &Series, one: &Apart) -> Option<Finding> {
+    let Apart { channel, at, part, left } = one;
+    let first = *at.phase.first()?;
+    // The last sample of a whole cycle lies a step before its end.
+    let count = at.phase.len() as f64;
+    let mut sums = vec![[0.0; 2]; (series.cycles() * (1.0 + 1.5 / count)).min(count) as usize];
+    for ((p, x), left) in at.phase.iter().zip(&at.values).zip(left) {
+        let fit = x - left - part.mean;
+        if let Some([xf, ff]) = sums.get_mut((p - first) as usize) {
+            *xf += (x - part.mean) * fit;
+            *ff += fit * fit;
+        }
+    }
+    sums.retain(|[_, ff]| *ff > 0.0);
+    let (count, all) = (sums.len() as f64, sums.iter().map(|[_, ff]| ff).sum::<f64>());
+    let sizes = || sums.iter().map(|[xf, ff]| xf / ff);
+    let mean = sizes().sum::<f64>() / count;
+    let noise = part.white * count / all;
+    let spread = sizes().map(|size| (size - mean).powi(2)).sum::<f64>() / count;
+    let size = (spread - noise).max(0.0).sqrt() / mean;
+    let text = format!(
+        "the sizes of its cycles differ by {:.0} % (rms): the mean cycle is that of none of them; cut the file to its steady part",
+        100.0 * size
+    );
+    (sums.len() >= FOR_SCATTER && mean > 0.0 && spread > ABOVE_NOISE * noise)
+        .then(|| Finding::new("data.not_periodic", &SCATTER, series.about(channel.name), size, text))
 }
 
 /// The finding that the data repeat at another frequency than the one given.

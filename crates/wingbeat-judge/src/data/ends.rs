@@ -1,7 +1,7 @@
 //! Where a table of one cycle closes.
 
 use super::{Channel, Finding, Purpose, Series};
-use crate::limits::data::{ENDS, PHASE_GAP};
+use crate::limits::data::{ENDS, PHASE_GAP, SAMPLES};
 
 /// Rows from which the inside of a table tells how it moves. *Choice.*
 const FEW: usize = 5;
@@ -44,6 +44,15 @@ pub(super) fn apart(series: &Series, channel: &Channel) -> Option<Finding> {
     told.then(|| {
         Finding::new("data.ends", &ENDS, series.about(channel.name), size, text).in_channel(channel.name)
     })
+}
+
+/// The finding that the samples of a cycle are so few that others would have the same.
+pub(super) fn sparse(series: &Series, cycles: f64) -> Option<Finding> {
+    let size = series.phase.len().saturating_sub(1) as f64 / cycles;
+    let text = format!(
+        "{size:.2} samples a cycle: motions and loads of other frequencies have the same; sample faster"
+    );
+    (cycles > 1.0).then(|| Finding::new("data.few_samples", &SAMPLES, series.what, size, text))
 }
 
 /// Places of the cycle in which samples are looked for. *Choice.*

@@ -31,6 +31,7 @@ mod outliers;
 mod plateau;
 mod rectified;
 mod reference;
+mod same;
 mod time;
 mod values;
 

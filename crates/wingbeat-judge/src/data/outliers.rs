@@ -8,6 +8,8 @@ use crate::limits::data::{ALTERNATES, OUTLIERS, SWAPPED, WRAPPED};
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
 const SAME: usize = 8;
 const PLACES: usize = 64;
+/// Samples of a place that tell its median. *Choice.*
+const ENOUGH: usize = 64;
 /// Robust deviations beyond which a sample lies apart: of 1e15 samples with white noise one does. *Choice.*
 const BEYOND: f64 = 8.0;
 /// The deviation of white noise over the median of its magnitudes: 1 / Phi^-1(3 / 4).
@@ -29,8 +31,11 @@ pub(super) fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     let cycles = series.cycles();
     let known = |channel: &&Channel| channel.samples.iter().all(|x| x.is_finite());
     let all: Vec<&Channel> = series.channels.iter().filter(known).collect();
-    if series.purpose != Purpose::Loads || !(cycles >= 0.9) || series.phase.len() < 2 * SAME {
+    if !(cycles >= 0.9) || series.phase.len() < 2 * SAME {
         return Vec::new();
+    }
+    if series.purpose == Purpose::Motion {
+        return all.into_iter().filter_map(|channel| jagged(series, channel)).collect();
     }
     let usual: Vec<Usual> = all.iter().map(|channel| Usual::of(series.phase, channel, cycles)).collect();
     let mut found = Vec::new();
@@ -41,7 +46,7 @@ pub(super) fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
         let breaks = |finding: &Finding| finding.breaks(limits);
         let first = alternating(series, channel, cycles).filter(breaks);
         let first = first.or_else(|| own.apart(series, channel, most).filter(breaks));
-        found.extend(first.or_else(|| wrapped(series, channel, cycles)));
+        found.extend(first.or_else(|| wrapped(series, channel, own.extent?, cycles)));
     }
     found
 }
@@ -52,6 +57,7 @@ struct Usual {
     places: Vec<[f64; 2]>,
     /// Range of the medians.
     range: f64,
+    extent: Option<Extent>,
 }
 
 impl Usual {
@@ -59,12 +65,18 @@ impl Usual {
         let count = phase.len();
         let per_cycle = count as f64 / cycles.max(1.0);
         let places = PLACES.min(count / SAME).min(per_cycle as usize).max(1);
-        let mut there: Vec<Vec<f64>> =
-            (0..places).map(|_| Vec::with_capacity(count / places + SAME)).collect();
+        // Of so many samples of a place the median is known well enough; they are taken evenly from the whole file.
+        let every = (count / (places * ENOUGH)).max(1);
+        let mut there: Vec<(usize, Vec<f64>)> =
+            (0..places).map(|_| (0, Vec::with_capacity(count / places / every + SAME))).collect();
         for (p, x) in phase.iter().zip(channel.samples) {
-            there[place(*p, places)].push(*x);
+            let (seen, of) = &mut there[place(*p, places)];
+            if *seen % every == 0 {
+                of.push(*x);
+            }
+            *seen += 1;
         }
-        let known = |of: &mut Vec<f64>| {
+        let known = |(_, of): &mut (usize, Vec<f64>)| {
             let middle = median(of);
             of.iter_mut().for_each(|x| *x = (*x - middle).abs());
             [middle, OF_MEDIAN * median(of)]
@@ -75,28 +87,32 @@ impl Usual {
         places.iter_mut().for_each(|place| place[1] = place[1].max(all));
         let middles = || places.iter().map(|place| place[0]).filter(|x| x.is_finite());
         let range = middles().fold(f64::MIN, f64::max) - middles().fold(f64::MAX, f64::min);
-        Self { range: range.max(0.0), places }
+        Self { range: range.max(0.0), places, extent: Extent::of(channel.samples) }
     }
 
     /// The finding that samples lie far from those of their phase, in jumps, and what they add. `most` is the largest range of the
     /// unit.
     fn apart(&self, series: &Series, channel: &Channel, most: f64) -> Option<Finding> {
         let (samples, places) = (channel.samples, self.places.len());
-        let count = Extent::of(samples)?.count;
+        let count = self.extent?.count;
         let least = (APART[0] * self.range).max(APART[1] * most);
         let least = if count.is_finite() { least.max(BEYOND * count) } else { least };
-        let far: Vec<f64> = (series.phase.iter().zip(samples))
-            .map(|(p, x)| {
-                let here = place(*p, places);
-                let [middle, noise] = self.places[here];
-                // A sample at the edge of a place may be of the next one.
-                let beside = [1, places - 1].map(|by| self.places[(here + by) % places][0]);
-                let low = middle.min(beside[0]).min(beside[1]);
-                let high = middle.max(beside[0]).max(beside[1]);
-                let far = (low - x).max(x - high) > (BEYOND * noise).max(least);
-                if far { (x - middle).abs() } else { 0.0 }
-            })
-            .collect();
+        let bounds = |here: usize| {
+            let [middle, noise] = self.places[here];
+            // A sample at the edge of a place may be of the next one.
+            let beside = [1, places - 1].map(|by| self.places[(here + by) % places][0]);
+            let by = (BEYOND * noise).max(least);
+            [middle.min(beside[0]).min(beside[1]) - by, middle.max(beside[0]).max(beside[1]) + by, middle]
+        };
+        let bounds: Vec<[f64; 3]> = (0..places).map(bounds).collect();
+        let of = |p: f64, x: f64| {
+            let [low, high, middle] = bounds[place(p, places)];
+            if x < low || x > high { (x - middle).abs() } else { 0.0 }
+        };
+        let far: Vec<f64> = series.phase.iter().zip(samples).map(|(p, x)| of(*p, *x)).collect();
+        if far.iter().all(|far| *far == 0.0) {
+            return None;
+        }
         let step = |k: usize| (samples[k] - samples[k - 1]).abs();
         let (mut sum, mut many, mut begin) = (0.0, 0_usize, 0);
         for end in 1..=samples.len() {
@@ -139,16 +155,17 @@ pub(super) fn median(of: &mut [f64]) -> f64 {
 }
 
 /// The finding that a channel leaps across its range, up and down: a phase that begins again leaps one way.
-fn wrapped(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
-    let extent = Extent::of(channel.samples)?;
+fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Option<Finding> {
     let range = extent.range();
-    let mut steps: Vec<f64> = channel.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let beyond = |share: f64| (steps.iter().filter(|step| step.abs() > share * range)).count();
-    let (leaps, large) = (beyond(ACROSS[0]), beyond(2.0 * ACROSS[1]));
-    let up = steps.iter().filter(|step| **step > ACROSS[0] * range).count();
-    steps.iter_mut().for_each(|step| *step = step.abs());
-    let smooth =
-        range > COUNTS * extent.count && 2 * large < 3 * leaps && median(&mut steps) < ACROSS[1] * range;
+    let steps = || channel.samples.windows(2).map(|pair| pair[1] - pair[0]);
+    let leaps = steps().filter(|step| step.abs() > ACROSS[0] * range).count();
+    if leaps == 0 {
+        return None;
+    }
+    let large = steps().filter(|step| step.abs() > 2.0 * ACROSS[1] * range).count();
+    let up = steps().filter(|step| *step > ACROSS[0] * range).count();
+    let usual = || median(&mut steps().map(f64::abs).collect::<Vec<f64>>());
+    let smooth = range > COUNTS * extent.count && 2 * large < 3 * leaps && usual() < ACROSS[1] * range;
     let leaps = 2 * up.min(leaps - up);
     let text = format!(
         "leaps across its range at {leaps} samples and is smooth elsewhere: its counts wrap around at their end; take a wider \
@@ -156,6 +173,29 @@ fn wrapped(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
     );
     let size = leaps as f64 / cycles;
     smooth.then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
+}
+
+/// The finding that single rows of a motion lie far from those before and after them, which agree.
+fn jagged(series: &Series, channel: &Channel) -> Option<Finding> {
+    let range = Extent::of(channel.samples)?.range();
+    let off = |of: &[f64]| of[1] - 0.5 * (of[0] + of[2]);
+    let usual = median(&mut channel.samples.windows(3).map(|of| off(of).abs()).collect::<Vec<f64>>());
+    let least = (APART[0] * range).max(BEYOND * OF_MEDIAN * usual);
+    let far = |of: &&[f64]| off(of).abs() > least && (of[2] - of[0]).abs() < JUMPS * off(of).abs();
+    let (mut sum, mut many) = (0.0, 0_usize);
+    for of in channel.samples.windows(3).filter(far) {
+        (sum, many) = (sum + off(of).abs(), many + 1);
+    }
+    let size = sum / (range * channel.samples.len() as f64);
+    let text = format!(
+        "{many} of {} rows lie far from those before and after them: spikes or drop-outs, of which harmonics take a part; cut them out \
+         of the file",
+        channel.samples.len()
+    );
+    (many > 0).then(|| {
+        Finding::new("data.outliers", &OUTLIERS, series.about(channel.name), size, text)
+            .in_channel(channel.name)
+    })
 }
 
 /// The finding that every second sample is of something else: neighbours differ by more than those two apart do.

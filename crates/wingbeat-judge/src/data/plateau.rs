@@ -7,6 +7,8 @@ use crate::limits::data::CLIPPED;
 /// Places of the cycle at least and at most, and samples of each at least. *Choice.*
 const PLACES: [usize; 2] = [24, 64];
 const SAME: usize = 12;
+/// Samples of a place that tell its noise. *Choice.*
+const ENOUGH: usize = 96;
 /// Part of the range within which the end is flat, and the places on it, in parts of a cycle. A slack line is flat for longer. *Choices.*
 const FLAT: f64 = 0.01;
 const SHARE: std::ops::Range<f64> = 0.05..0.36;
@@ -32,13 +34,19 @@ struct Place {
 
 /// Part of the largest range of its unit below which a channel is dwarfed. *Choice.*
 const DWARFED: f64 = 0.5;
+/// Deviations of the noise at the end beyond it, and the share of all samples up to which they lie there: an amplifier lets none. *Choice.*
+const BEYOND: f64 = 5.0;
+const FEW: f64 = 0.003;
+/// Slope at the corner over that two places further on: a sine cut off at 98 % has 0.5, a top that flattens by itself (tanh) 0.3. *Choice.*
+const CORNER: f64 = 0.45;
 
 /// The finding that an end is cut off under noise; `count` is that of the converter.
 ///
 /// What goes beyond the range of an amplifier is lost with the noise that it has until there, so that the samples of one phase
 /// scatter less at the end than elsewhere, more than an unsteady crank explains. A line that goes slack is flat and may be quiet as well, but near zero, and for longer:
-/// an end near zero counts only where the other one is flat and quiet too. Of a channel that others of its unit dwarf it is a warning:
-/// there what moves the mount scatters more than noise does.
+/// an end near zero counts only where the other one is flat and quiet too. It is a warning of a channel that others of its unit dwarf, where
+/// what moves the mount scatters more than noise does, and where samples lie beyond the end or the load comes to it without a corner: a
+/// wing that stalls may have a flat top, and buffet beside it.
 pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<Finding> {
     let places = places(series, channel.samples)?;
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
@@ -52,14 +60,15 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
         let there = places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of.noise);
         let noise = median(&mut there.collect::<Vec<_>>());
         let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
-        (seen && SHARE.contains(&share) && noise * noise < QUIET * usual).then_some(share)
+        let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(&places, &on) > CORNER;
+        (seen && SHARE.contains(&share) && noise * noise < QUIET * usual).then(|| (share, cut()))
     };
     let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
-    let (share, end) = match (top, bottom) {
-        (Some(top), Some(bottom)) => (top + bottom, if top > bottom { high } else { low }),
-        (Some(top), None) if far(high) => (top, high),
-        (None, Some(bottom)) if far(low) => (bottom, low),
+    let (share, end, cut) = match (top, bottom) {
+        (Some((top, a)), Some((bottom, b))) => (top + bottom, if top > bottom { high } else { low }, a || b),
+        (Some((top, cut)), None) if far(high) => (top, high, cut),
+        (None, Some((bottom, cut))) if far(low) => (bottom, low, cut),
         _ => return None,
     };
     let text = format!(
@@ -73,7 +82,33 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
     let most = same.map(|other| of(other.samples)).map(|[low, high]| high - low).fold(0.0, f64::max);
     let [lowest, highest] = of(channel.samples);
     let found = Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text);
-    Some(if highest - lowest < DWARFED * most { found.noted() } else { found })
+    Some(if !cut || highest - lowest < DWARFED * most { found.noted() } else { found })
+}
+
+/// The share of all samples that lie beyond the end by some of its deviations.
+fn beyond(channel: &Channel, [end, noise, middle]: [f64; 3]) -> f64 {
+    let out = (end - middle).signum();
+    let far = channel.samples.iter().filter(|x| out * (*x - end) > BEYOND * noise).count();
+    far as f64 / channel.samples.len() as f64
+}
+
+/// The slopes of the mean cycle beside the end, over those two places further on.
+fn corner(places: &[Place], on: &[bool]) -> f64 {
+    let count = places.len();
+    let step = |k: usize| (places[(k + 1) % count].mean - places[k % count].mean).abs();
+    let (mut near, mut further) = (0.0, 0.0);
+    for k in 0..count {
+        // The place at the corner may lie on both sides of it.
+        if on[k] && !on[(k + 1) % count] {
+            near += step(k + 2);
+            further += step(k + 4);
+        }
+        if !on[k] && on[(k + 1) % count] {
+            near += step(k + count - 2);
+            further += step(k + count - 4);
+        }
+    }
+    near / further.max(f64::MIN_POSITIVE)
 }
 
 /// The variance that the noise has where the mean cycle does not change, from the places away from the end, less its error: a crank that is
@@ -106,13 +141,17 @@ fn places(series: &Series, samples: &[f64]) -> Option<Vec<Place>> {
     if count < PLACES[0] {
         return None;
     }
-    let mut there: Vec<Vec<(f64, f64)>> =
-        (0..count).map(|_| Vec::with_capacity(samples.len() / count + SAME)).collect();
+    let every = samples.len().div_ceil(count * ENOUGH);
+    let mut there: Vec<(usize, Vec<(f64, f64)>)> =
+        (0..count).map(|_| (0, Vec::with_capacity(samples.len() / count / every + SAME))).collect();
     for (p, x) in series.phase.iter().zip(samples) {
-        let within = ((p - p.floor()) * count as f64).fract() - 0.5;
-        there[place(*p, count)].push((within, *x));
+        let (seen, of) = &mut there[place(*p, count)];
+        if *seen % every == 0 {
+            of.push((((p - p.floor()) * count as f64).fract() - 0.5, *x));
+        }
+        *seen += 1;
     }
-    there.iter().map(|of| (of.len() >= SAME).then(|| Place::of(of))).collect()
+    there.iter().map(|(_, of)| (of.len() >= SAME).then(|| Place::of(of))).collect()
 }
 
 impl Place {

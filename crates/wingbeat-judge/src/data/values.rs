@@ -1,6 +1,6 @@
 //! What the values of a channel say by themselves: not finite, tiny, huge, constant, stuck, clipped.
 
-use super::{Channel, Finding, Purpose, Series, plateau};
+use super::{Channel, Finding, Purpose, Series, plateau, same};
 use crate::limits::Limits;
 use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STUCK, TINY};
 
@@ -67,8 +67,8 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     found.extend(nothing(series, &extents));
     if series.purpose == Purpose::Loads {
         found.extend(coarse(series, &extents));
-        found.extend(standing(series, &extents));
     }
+    found.extend(standing(series, &extents));
     found
 }
 
@@ -179,10 +179,13 @@ fn of_channel(series: &Series, channel: &Channel, extent: Extent, limits: &Limit
     let text = format!("the largest value is {largest:.3e} {}: check the unit and the scale", channel.unit);
     let huge = Finding::new("data.huge", &HUGE, about(), largest, text);
     let mut found = vec![huge];
+    found.extend(same::findings(series, channel, extent));
     if series.purpose == Purpose::Loads && extent.range() > 0.0 {
         found.extend(stuck(series, channel, extent));
-        let clipped = clipped(series, channel, extent, limits).filter(|finding| finding.breaks(limits));
-        found.extend(clipped.or_else(|| plateau::cut_off(series, channel, extent.count)));
+        let breaks = |finding: &Finding| finding.breaks(limits);
+        let clipped = clipped(series, channel, extent, &[extent.high, extent.low]).filter(breaks);
+        let within = || clipped_within(series, channel, extent).filter(breaks);
+        found.extend(clipped.or_else(within).or_else(|| plateau::cut_off(series, channel, extent.count)));
     }
     found
 }
@@ -236,11 +239,25 @@ fn longest_stay(samples: &[f64], count: f64) -> (usize, usize) {
     best
 }
 
-/// The share of the samples on a flat end that the values below do not lead to.
-fn clipped(series: &Series, channel: &Channel, extent: Extent, limits: &Limits) -> Option<Finding> {
+/// The same at a level within: what clips at times only. Zero is that of a line that goes slack, and of drop-outs.
+fn clipped_within(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+    let mut levels: Vec<(f64, usize)> = Vec::new();
+    for run in channel.samples.chunk_by(|a, b| a == b) {
+        if run.len() >= ROW && run[0] != 0.0 {
+            levels.push((run[0], run.len()));
+        }
+    }
+    levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let most = levels.chunk_by(|a, b| a.0 == b.0).filter(|level| level.len() > 1);
+    let most = most.max_by_key(|level| level.iter().map(|run| run.1).sum::<usize>())?;
+    clipped(series, channel, extent, &[most[0].0])
+}
+
+/// The share of the samples on flat ends that the values below do not lead to.
+fn clipped(series: &Series, channel: &Channel, extent: Extent, ends: &[f64]) -> Option<Finding> {
     let band = (BAND * extent.range()).max(1.5 * extent.count);
     let mut worst: Option<(f64, f64)> = None;
-    for end in [extent.high, extent.low] {
+    for end in ends.iter().copied() {
         let (mut at, mut near, mut row, mut rows) = (0_usize, 0_usize, 0_usize, 0_usize);
         for x in channel.samples {
             let on = *x == end;
@@ -258,10 +275,9 @@ fn clipped(series: &Series, channel: &Channel, extent: Extent, limits: &Limits) 
     let (share, end) = worst?;
     let text = format!(
         "{:.1} % of the samples stand at {end:.6} {}: clipped, so that means and harmonics are too small; \
-         take a wider range, or leave those cycles out (limit {} %)",
+         take a wider range, or leave those cycles out",
         100.0 * share,
-        channel.unit,
-        100.0 * limits.of(&CLIPPED).0
+        channel.unit
     );
     Some(Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text))
 }

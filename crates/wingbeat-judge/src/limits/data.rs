@@ -36,8 +36,8 @@ pub const SIGNAL: Limit = Limit::at_least("data.signal_over_noise", 4.0, "", Sus
 /// Noise alone reached 28 in the worst of a thousand files of six channels with 4000 samples (measured); a flapping wing has thousands.
 pub const LINE: Limit = Limit::at_least("data.line_over_noise", 60.0, "", SuspectData)
     .on("power of the strongest line of the spectrum over that of the noise beside it");
-/// A cycle seven times below the noise is lost in what the noise does to the tare and the phase.
-pub const SHARE: Limit = Limit::at_least("data.signal_fraction", 0.02, "", SuspectData)
+/// A cycle ten times below the noise is lost in what the noise does to the tare and the phase.
+pub const SHARE: Limit = Limit::at_least("data.signal_fraction", 0.01, "", SuspectData)
     .on("share of the power of the channel that repeats with the cycle");
 /// What neither repeats with the cycle nor is noise: with more, means over cycles say little.
 pub const APERIODIC: Limit = Limit::at_most("data.aperiodic_fraction", 0.3, "", SuspectData)
@@ -103,15 +103,29 @@ pub const UNLIKE: Limit = Limit::warn_below("data.channel_correlation", 0.4, "")
 pub const COVERED: Limit = Limit::warn_below("data.covered_fraction", 0.9, "")
     .on("share of the time that is averaged that the file covers");
 
-/// A load that two values stand for has no shape; noise that toggles many brings it back, and of six the mean is right to some per cent.
+/// A load that two or three values stand for has no shape; noise that toggles many brings it back, and of six the mean is right to some
+/// per cent.
 pub const COUNTS: Limit =
-    Limit::at_least("data.counts", 2.0, "", SuspectData).on("range of a channel in steps of its converter");
+    Limit::at_least("data.counts", 2.5, "", SuspectData).on("range of a channel in steps of its converter");
 /// The same as a warning.
 pub const FEW_COUNTS: Limit =
     Limit::warn_below("data.few_counts", 6.0, "").on("range of a channel in steps of its converter");
 /// Loads that swing by 45 % of their size have this share beside the cycle; a mount that swings by a quarter of it 0.06.
 pub const SWINGS: Limit = Limit::warn_above("data.swinging_fraction", 0.1, "")
     .on("share of the power that is neither periodic nor noise");
+/// A gain that swings by 60 % of itself makes 0.42, one that falls to a quarter 0.35: the mean cycle is that of no stroke.
+pub const SCATTER: Limit = Limit::at_most("data.size_scatter_fraction", 0.3, "", SuspectData)
+    .on("how far the cycles of a channel differ in size, rms over their mean size,");
+/// Less than two samples a cycle do not show that it is one (H. Nyquist, Trans. AIEE 47 (1928) 617-644).
+pub const SAMPLES: Limit =
+    Limit::at_least("data.samples_per_cycle", 2.0, "", SuspectData).on("number of samples of a cycle");
+/// Where the data alone tell the frequency, less than three samples of the strongest line let its second harmonic look like another
+/// line below it.
+pub const OF_LINE: Limit = Limit::at_least("data.samples_of_line", 3.0, "", SuspectData)
+    .on("number of samples in a period of the strongest line");
+/// A measured load of many counts hardly ever has one value twice; a fiftieth of the samples changes a mean as much as a gain does.
+pub const REPEATED: Limit = Limit::at_most("data.repeated_fraction", 0.02, "", SuspectData)
+    .on("share of the samples that have one and the same value, each by itself,");
 /// Models miss the phase of a load by tens of degrees at most; beyond it one channel has another clock.
 pub const LAGS: Limit = Limit::at_most("data.lag_spread_deg", 60.0, "deg", SuspectData)
     .on("difference of the phase between two channels of a file, each beside what is computed");
@@ -120,8 +134,9 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 35] = [
+pub const ALL: [Limit; 39] = [
     NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
     ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED,
-    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, LAGS, BENT,
+    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, SCATTER, REPEATED, SAMPLES, OF_LINE,
+    LAGS, BENT,
 ];

@@ -226,6 +226,8 @@ fn right() -> Vec<(&'static str, Data)> {
                 load.at(k as f64 / 200.0 + late) + 0.003 * Noise(k as u64 * 57).next()
             })
         }),
+        ("swings_a_little", changed(&usual(), |k, x| x * (1.0 + 0.3 * (k as f64 / 200.0).sin()))),
+        ("weak_strokes_between", changed(&usual(), |k, x| if k / 200 % 2 == 0 { x } else { 0.7 * x })),
         ("on_and_off", changed(&usual(), |k, _| f64::from(u8::from(k % 200 < 60)))),
         ("eight_counts", changed(&exact(usual()), |_, x| (x / 0.3).round() * 0.3)),
     ]
@@ -303,6 +305,40 @@ fn wrong() -> Vec<(&'static str, &'static str, Data)> {
             changed(&usual(), |k, x| x * (k as f64 / 90.0 + (k as f64 / 300.0).powi(2)).sin()),
         ),
         ("fades", "data.not_periodic", changed(&usual(), |k, x| x * (-(k as f64) / 120.0).exp())),
+        ("swings", "data.not_periodic", changed(&usual(), |k, x| x * (1.0 + 0.7 * (k as f64 / 300.0).sin()))),
+        ("fails", "data.not_periodic", changed(&usual(), |k, x| x * (1.0 - k as f64 / 2100.0))),
+        ("clipped_at_times", "data.clipped", {
+            changed(&usual(), |k, x| if k / 200 % 3 == 0 { x.min(0.3) } else { x })
+        }),
+        ("three_values", "data.coarse", {
+            let (phase, channels, purpose) = loads(&usual());
+            (phase, channels.iter().map(|x| x.iter().map(|x| x.round()).collect()).collect(), purpose)
+        }),
+        ("zeros_between", "data.outliers", changed(&usual(), |k, x| if k % 23 == 5 { 0.0 } else { x })),
+        (
+            "blanked",
+            "data.stuck",
+            changed(&usual(), |k, x| if (20..60).contains(&(k % 200)) { -2.0 } else { x }),
+        ),
+        ("motion_with_zeros", "data.outliers", {
+            let (phase, mut channels, purpose) =
+                motion(&Load { noise: 0.0, ratio: 1.0001, size: 30.0, ..usual() });
+            channels[0].iter_mut().step_by(23).for_each(|x| *x = 0.0);
+            (phase, channels, purpose)
+        }),
+        ("motion_that_freezes", "data.stuck", {
+            let (phase, mut channels, purpose) = motion(&Load { noise: 0.0, size: 30.0, ..usual() });
+            for begin in [200, 600, 1400] {
+                let held = channels[0][begin];
+                channels[0][begin..begin + 100].fill(held);
+            }
+            (phase, channels, purpose)
+        }),
+        ("less_than_two_samples_in_a_cycle", "data.few_samples", {
+            let (phase, channels, purpose) = motion(&Load { size: 30.0, ..usual() });
+            let kept = |of: &[f64]| of.iter().copied().step_by(107).collect::<Vec<f64>>();
+            (kept(&phase), vec![kept(&channels[0])], purpose)
+        }),
         ("a_quarter_lost", "data.lost", lost(40)),
         ("bursts_lost", "data.lost", lost(400)),
         ("time_back", "data.time", back(loads(&usual()))),
@@ -436,6 +472,26 @@ fn one_finding_names_all_channels_of_another_frequency_and_a_channel_without_num
     let told = not_finite("cell.csv", &channel, 1).unwrap();
     assert!(told.size == 2.0 && told.channel == "Fz" && told.serious, "{told:?}");
     assert_eq!(not_finite("cell.csv", &channel, 3), None);
+}
+
+#[test]
+fn a_quiet_top_of_a_wing_that_stalls_is_noted_and_a_clipped_one_is_serious() {
+    let stroke = |k: usize| (TAU * k as f64 / 200.0).sin();
+    let even = |k: usize| 1.73 * Noise(k as u64 * 31).next();
+    let load = Load { cycles: 60.0, ..Load::default() };
+    let stalls = changed(&load, |k, _| {
+        let noise = if stroke(k).abs() > 0.75 { 0.012 } else { 0.06 };
+        2.0 * (4.0 * stroke(k)).tanh() + noise * even(k)
+    });
+    let clipped = changed(&load, |k, _| {
+        (2.0 * stroke(k) + 0.06 * even(k)).clamp(-1.5, 1.5) + 0.012 * Noise(k as u64 * 57).next()
+    });
+    for (data, serious) in [(stalls, false), (clipped, true)] {
+        let told = found(&data);
+        let flat: Vec<&Finding> = told.iter().filter(|finding| finding.id == "data.clipped").collect();
+        assert!(!flat.is_empty() && flat.iter().all(|finding| finding.serious == serious), "{told:?}");
+        assert!(serious || told.iter().all(|finding| !finding.serious), "{told:?}");
+    }
 }
 
 #[test]

@@ -75,6 +75,12 @@ const GAIT: &str = "{root}/scenarios/least_power_gait.toml";
 const SHORT: &str = "plan.least_power={storage=1.0, up_n=0.08, forward_n=0.0, frequency_hz=[3.5, 3.5], \
                      nose_up_deg=[15.0, 15.0], effort_w=0.3, intervals=4, meshes=1, tolerance=0.1}";
 
+/// A reorientation on a coarse mesh, not found either.
+const CONES: &str = "plan.reorientation={rotation_deg=[0.0, -180.0, 0.0], within_deg=1.0, rate_within_rad_s=2.0, \
+                     displacement_within=0.1, clearance_m=0.003, longest_s=0.5, effort=1.0, intervals=8, meshes=1, tolerance=1e-4, \
+                     iterations=3, guess={frequency_hz=4.5, waves=[{input=\"command_stroke\", amplitude=1.1, phase_rad=-1.5708}, \
+                     {input=\"command_sweep\", amplitude=0.6, phase_rad=0.0}]}}";
+
 /// A document of then: `migrate` rewrites it in its place.
 const THEN: &str = "start.pitch_deg = -3.5\n";
 
@@ -85,7 +91,7 @@ const fn shows(name: &'static str, words: &'static [&'static str]) -> Verb {
 }
 
 /// Every verb that writes, but those of the list `others` below.
-const VERBS: [Verb; 23] = [
+const VERBS: [Verb; 25] = [
     verb("fly", &["fly", "glide.toml"]),
     verb("fly_watch", &["fly", "glide.toml", "--watch"]),
     verb("sweep", &["sweep", "sweep.toml"]),
@@ -113,6 +119,11 @@ const VERBS: [Verb; 23] = [
     verb("new", &["new", "case", "a.toml"]),
     verb("trim", &["trim", "{root}/scenarios/cruise_20g.toml"]),
     verb("plan", &["plan", GAIT, "--set", SHORT, "--set", "plan.least_power.iterations=3"]),
+    verb("plan_reorientation", &["plan", "{root}/scenarios/reorientation.toml", "--set", CONES]),
+    verb(
+        "tether_spar",
+        &["tether", "{root}/cases/pazy.toml", "--set", "time.steps_per_cycle=48", "--set", "time.cycles=1"],
+    ),
     slow("plan_replayed", &["plan", GAIT, "--set", SHORT]),
     slow("calibrate", &["calibrate", "fit.toml"]),
     verb("migrate", &["migrate", "then.toml"]),

@@ -83,6 +83,10 @@ struct Change {
     hum: f64,
     /// Every so many samples one is off by twice the range.
     spikes: Option<usize>,
+    /// Every so many samples one is zero.
+    zeros: Option<usize>,
+    /// It swings by this part, eleven times in three files.
+    swing: f64,
     /// Within these places it stays as it was.
     stuck: Option<[f64; 2]>,
     /// It goes no higher than this part of the range.
@@ -252,7 +256,11 @@ impl Change {
             if self.spikes.is_some_and(|every| k % every == every / 2) {
                 *x += 2.0 * size;
             }
+            if self.zeros.is_some_and(|every| k % every == every / 2) {
+                *x = 0.0;
+            }
             *x *= 1.0 + self.bend * x.abs() / size;
+            *x *= 1.0 + self.swing * (TAU * 3.67 * place).sin();
             *x = if self.magnitude { x.abs() } else { *x };
             *x = ceiling.map_or(*x, |ceiling| x.min(ceiling));
             if self.ends.is_some_and(|from| place >= from) {
