@@ -13,7 +13,10 @@ type Drive<S> = [S; 8];
 
 impl<P: Scalar> StripModel<P> {
     /// What A0^-1 leaves of the motion, the impulse of the carried air and its inertia.
-    pub(super) fn carry_air<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(&self, flow: &mut Flow<K, G, N>) {
+    pub(super) fn carry_air<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut Flow<K, G, N>,
+    ) {
         let drives = self.drives(flow);
         let mut rate_left = [G::ZERO; N];
         for i in 0..lanes::<K, N>(self.settings.strips) {
@@ -37,7 +40,8 @@ impl<P: Scalar> StripModel<P> {
         self.finish_added_mass(flow);
     }
 
-    fn drives<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(&self,
+    fn drives<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
         flow: &Flow<K, G, N>,
     ) -> [Drive<K>; N] {
         let strips = &flow.strips;
@@ -45,8 +49,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..lanes::<K, N>(self.settings.strips) {
             let normal = strips.normal.get(i);
             let ([a, b, c], [d, e, f]) = (normal.0, strips.half.get(i).cross(normal).0);
-            let [wash, rate] = [&strips.wash_half, &strips.wash_half_rate].map(|of| of[i].beneath());
-            drives[i] = [a, b, c, d, e, f, wash, rate];
+            drives[i] = [a, b, c, d, e, f, strips.wash_half[i].beneath(), strips.wash_half_rate[i].beneath()];
         }
         drives
     }
@@ -214,7 +217,10 @@ impl<P: Scalar> StripModel<P> {
     /// `M = J' B J, J = [n; r x n]`
     /// Source: virtual work.
     /// Test: `loads_are_affine_in_the_body_acceleration`.
-    fn finish_added_mass<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(&self, flow: &mut Flow<K, G, N>) {
+    fn finish_added_mass<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut Flow<K, G, N>,
+    ) {
         if self.settings.section.section_moment {
             let across = &flow.strips.across.0;
             let mut turned = *across;

@@ -279,12 +279,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     }
 
     /// Wash of the rings and horseshoes between the edges of the first `n` strips, and far behind.
-    pub fn wash<S: Over<K> + Meets<P>>(
-        &self,
-        wakes: &Wakes<K, S, N>,
-        n: usize,
-        out: &mut Wash<'_, K, S, N>,
-    ) {
+    pub fn wash<S: Over<K> + Meets<P>>(&self, wakes: &Wakes<K, S, N>, n: usize, out: &mut Wash<'_, K, S, N>) {
         let cores = self.cores;
         let mut beside = [Trailing::ZERO; 2];
         let mut edges = [self.edge(wakes, 0); 2];

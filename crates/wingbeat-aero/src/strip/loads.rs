@@ -51,7 +51,12 @@ impl<K: Scalar, G: Over<K>, const N: usize> Strips<K, G, N> {
 
 impl<P: Scalar> StripModel<P> {
     /// Sum of the loads of all strips; `loads` receives them by strip and source, `by_strip` their sums.
-    pub(super) fn load_strips<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    pub(super) fn load_strips<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         response: &Response<S, N>,
@@ -83,7 +88,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Writes the loads by strip and source.
-    fn break_down<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn break_down<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         response: &Response<S, N>,
@@ -121,7 +131,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Writes the parts of the circulatory force `plain` and of the profile drag.
-    fn detail<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn detail<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         strips: &Strips<K, G, N>,
         response: &Response<S, N>,
@@ -161,7 +176,12 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Kutta-Joukowski and leading-edge suction, turned by the wash; s of the attached share and of the
     /// flow's direction a choice.
     /// Test: `sums_agree_and_breakdown_adds_up`.
-    fn circulatory<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn circulatory<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         strips: &Strips<K, G, N>,
         response: &Response<S, N>,
@@ -208,7 +228,12 @@ impl<P: Scalar> StripModel<P> {
 
     /// What law `lev` makes of the linear forces: the held share h of the suction stays, with it that share of the
     /// carried air's own chord force P q, which is part of the suction, and the vortex pushes along the normal.
-    fn cap_suction<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn cap_suction<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         strips: &Strips<K, G, N>,
         response: &Response<S, N>,
@@ -228,7 +253,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Profile drag of the sections in the wind of motion.
-    fn profile_drag<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn profile_drag<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         strips: &Strips<K, G, N>,
         attached: &Column<S, N>,
@@ -255,7 +285,12 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Kirchhoff 1869; Theodorsen 1935, NACA Rep. 496.
     /// Test: `loads_are_affine_in_the_body_acceleration`.
     #[inline(always)]
-    fn carried_air<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn carried_air<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         i: usize,
         flow: &Flow<K, G, N>,

@@ -35,7 +35,7 @@ use membrane::Membrane;
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
 use wingbeat_math::Error;
-use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_math::{Meets, Over, Scalar, Vec3, lift};
 use wingbeat_ocp::plant::Channel;
 
 /// The strip model of a wing. Sections are the edges between strips.
@@ -297,8 +297,12 @@ impl<P: Scalar> StripModel<P> {
             }
             strips
         });
-        let added_mass = flow.added_mass.map(|row| row.map(G::from));
-        (self.load_strips(&flow, &response, loads, strips), added_mass)
+        let wrench = self.load_strips(&flow, &response, loads, strips);
+        let mut added_mass = [[G::ZERO; 6]; 6];
+        for (to, from) in added_mass.iter_mut().zip(&flow.added_mass) {
+            lift(from, to);
+        }
+        (wrench, added_mass)
     }
 
     /// See [`Aero::settle`](crate::Aero::settle).

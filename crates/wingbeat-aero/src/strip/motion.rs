@@ -1,7 +1,7 @@
 //! Points, velocities and directions of edges and strips at one instant.
 
 use super::StripModel;
-use super::influence::{Column, lanes};
+use super::influence::{Column, lanes, plain};
 use crate::section::ZeroLift;
 use crate::{SectionMotion, Sections};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
@@ -42,7 +42,14 @@ pub(super) struct ChordLine<K: Scalar, S: Scalar> {
 impl<K: Scalar, S: Over<K>> From<&SectionMotion<S>> for ChordLine<K, S> {
     #[inline(always)]
     fn from(s: &SectionMotion<S>) -> Self {
-        Self { le: s.le.beneath(), te: s.te.beneath(), v_le: s.v_le, v_te: s.v_te, a_le: s.a_le, a_te: s.a_te }
+        Self {
+            le: s.le.beneath(),
+            te: s.te.beneath(),
+            v_le: s.v_le,
+            v_te: s.v_te,
+            a_le: s.a_le,
+            a_te: s.a_te,
+        }
     }
 }
 
@@ -89,7 +96,8 @@ pub(super) struct Edges<K: Scalar, S: Scalar, const N: usize> {
 impl<K: Scalar, S: Over<K>, const N: usize> Edges<K, S, N> {
     pub const ZERO: Self = {
         let zero = Vec3::ZERO;
-        let last = ChordLine { le: Vec3::ZERO, te: Vec3::ZERO, v_le: zero, v_te: zero, a_le: zero, a_te: zero };
+        let last =
+            ChordLine { le: Vec3::ZERO, te: Vec3::ZERO, v_le: zero, v_te: zero, a_le: zero, a_te: zero };
         Self { left: ChordLines::ZERO, right: ChordLines::ZERO, last }
     };
 
@@ -337,9 +345,9 @@ impl<P: Scalar> StripModel<P> {
         wind: Vec3<S>,
         out: &mut Strips<K, S, N>,
     ) {
-        // Each case a loop of its own, so that both vectorise.
+        // Of plain numbers each case a loop of its own, so that both vectorise.
         match self.zero_lift {
-            ZeroLift::Chord => self.move_each(edges, wind, ZeroLift::Chord, out),
+            ZeroLift::Chord if const { plain::<S>() } => self.move_each(edges, wind, ZeroLift::Chord, out),
             inclined => self.move_each(edges, wind, inclined, out),
         }
     }

@@ -319,7 +319,8 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..N {
             let share = self.tables.share[i];
             centre += strips.three_quarter.get(i).lifted::<G>().scaled(share);
-            let met = strips.chordwise.get(i).times(strips.along[i]) + strips.normal.get(i).times(strips.wash[i])
+            let met = strips.chordwise.get(i).times(strips.along[i])
+                + strips.normal.get(i).times(strips.wash[i])
                 - strips.across.get(i).times(strips.drift[i]);
             air += met.scaled(share);
         }

@@ -110,7 +110,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Rates of the sums, the speeds held.
-    fn lag_sum_rates<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn lag_sum_rates<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         lagged: Lagged<S, N>,
@@ -141,7 +146,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Share of the lift of each strip that stays attached.
-    pub(super) fn attached_shares<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    pub(super) fn attached_shares<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         strips: &Strips<K, G, N>,
         x: &[S],
@@ -201,7 +211,12 @@ impl<P: Scalar> StripModel<P> {
 
     /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
     /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
-    fn held_left<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn held_left<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         sums: &LagSums<S, N>,
@@ -223,7 +238,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// The impulse of the air on each strip, P: see [`carry_air`](Self::carry_air) for the part by the motion.
-    fn impulse<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn impulse<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         held_left: &Column<S, N>,
@@ -283,7 +303,12 @@ impl<P: Scalar> StripModel<P> {
     /// Source: own derivation; steady limit Weissinger 1947.
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     #[inline(always)]
-    pub(super) fn respond<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    pub(super) fn respond<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,
@@ -353,7 +378,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
-    fn advance_lags<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn advance_lags<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         wash: &Column<S, N>,
@@ -390,7 +420,12 @@ impl<P: Scalar> StripModel<P> {
     /// `c_s V^2 = a0 cos L [lw W - b q lw + (b q/2)^2], incidence of s_0 by lw`
     /// Source: Garrick 1936 with the wash that turns the force; own derivation.
     /// Test: `law_lev_turns_the_suction_that_the_edge_cannot_hold_into_normal_force`.
-    fn advance_edges<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn advance_edges<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         strips: &Strips<K, G, N>,
         [lift_wash, turning_wash]: [&Column<S, N>; 2],
@@ -420,7 +455,12 @@ impl<P: Scalar> StripModel<P> {
 
     /// Rates of the separated shares, the `state` of the law that follows in so many `chords` of travel the incidence
     /// of the lift wash.
-    fn advance_separation<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn advance_separation<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         strips: &Strips<K, G, N>,
         lift_wash: &Column<S, N>,
@@ -446,7 +486,12 @@ impl<P: Scalar> StripModel<P> {
     /// `W = lw + (T - R)(2/3 Y + 1/3 Gamma)`
     /// Source: Munk 1921; weights 2/3, 1/3 a choice.
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
-    fn turning_wash<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>, const N: usize>(
+    fn turning_wash<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         flow: &Flow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,

@@ -346,7 +346,14 @@ impl<P: Scalar> Surfaces<P> {
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         if let [only] = &self.surfaces[..] {
             // As one of several, so that there is one copy of the model for either case.
-            return only.aero.sum::<K, G, S>(&Following { all: sections, first: 0 }, wind, x, dx, None, coupling);
+            return only.aero.sum::<K, G, S>(
+                &Following { all: sections, first: 0 },
+                wind,
+                x,
+                dx,
+                None,
+                coupling,
+            );
         }
         let vortices = self.vortices(sections, wind, x);
         let mut sum = Sum::ZERO;

@@ -21,6 +21,7 @@ mod horizon;
 mod hover;
 mod inherit;
 mod lanes;
+mod linearisation;
 mod linkage;
 mod manoeuvre;
 mod mechanism;
