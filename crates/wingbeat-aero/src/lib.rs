@@ -242,7 +242,7 @@ impl<P: Scalar> Aero<P> {
             Self::LiftingLine(line) => line.append(sections, wind, x, dx, loads),
             Self::Strip(model) => {
                 let wanted = Wanted { loads: Some(loads), coupling: None };
-                model.evaluate_among(sections, wind, x, dx, others, wanted)
+                model.evaluate_among::<S, S, S>(sections, wind, x, dx, others, wanted)
             }
         }
     }
@@ -257,10 +257,10 @@ impl<P: Scalar> Aero<P> {
         dx: &mut [S],
         coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        self.sum(sections, wind, x, dx, None, coupling)
+        self.sum::<G, G, S>(sections, wind, x, dx, None, coupling)
     }
-    /// The same among `others`, of which preset `paper` knows nothing.
-    fn sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+    /// The same among `others`, of which preset `paper` knows nothing; the places of the sections carry the derivatives of `K` alone.
+    fn sum<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>>(
         &self,
         sections: &impl Sections<G>,
         wind: Vec3<G>,
@@ -272,7 +272,8 @@ impl<P: Scalar> Aero<P> {
         match self {
             Self::LiftingLine(line) => line.evaluate_sum(sections, wind, x, dx, coupling),
             Self::Strip(model) => {
-                model.evaluate_among(sections, wind, x, dx, others, Wanted { loads: None, coupling })
+                let wanted = Wanted { loads: None, coupling };
+                model.evaluate_among::<K, G, S>(sections, wind, x, dx, others, wanted)
             }
         }
     }

@@ -26,6 +26,10 @@ pub trait Over<G: Scalar>:
 {
     /// self * g + c, rounded once where the processor can.
     fn fused(self, g: G, c: Self) -> Self;
+    /// Square of `g` plus self, rounded once where the processor can.
+    fn plus_square(self, g: G) -> Self;
+    /// The part that `G` holds: without the derivatives that only this type carries.
+    fn beneath(self) -> G;
 }
 
 /// Writes `values` with more derivatives, all zero, into `out`, as far as there is room.
@@ -41,6 +45,14 @@ impl<S: Scalar> Over<S> for S {
     fn fused(self, g: S, c: S) -> S {
         self.mul_add(g, c)
     }
+    #[inline]
+    fn plus_square(self, g: S) -> S {
+        g.squared_add(self)
+    }
+    #[inline]
+    fn beneath(self) -> S {
+        self
+    }
 }
 
 impl<const N: usize> Over<f64> for Dual<N> {
@@ -52,6 +64,14 @@ impl<const N: usize> Over<f64> for Dual<N> {
             sum.eps[i] = self.eps[i].mul_add(g, c.eps[i]);
         }
         sum
+    }
+    #[inline]
+    fn plus_square(self, g: f64) -> Self {
+        Self { re: g.squared_add(self.re), ..self }
+    }
+    #[inline]
+    fn beneath(self) -> f64 {
+        self.re
     }
 }
 
@@ -65,6 +85,23 @@ impl<S: Scalar> Vec3<S> {
     #[inline]
     pub fn lifted<T: Over<S>>(self) -> Vec3<T> {
         self.each(T::from)
+    }
+    /// The part of the vector that `T` holds.
+    #[inline]
+    pub fn beneath<T: Scalar>(self) -> Vec3<T>
+    where
+        S: Over<T>,
+    {
+        self.each(S::beneath)
+    }
+    /// Vector product with a vector that may carry fewer derivatives.
+    #[inline]
+    pub fn cross_under<T: Scalar>(self, o: Vec3<T>) -> Self
+    where
+        S: Over<T>,
+    {
+        let ([a, b, c], [x, y, z]) = (self.0, o.0);
+        Self([b * z - c * y, c * x - a * z, a * y - b * x])
     }
     /// Times a number that may carry more derivatives.
     #[inline]

@@ -239,7 +239,7 @@ impl<P: Scalar> Robot<P> {
         self.add_efforts(&x[..structure], supply, &mut system);
         self.add_beyond(beyond, carriers, &mut system.forces);
         // The rates of the air are those of the loads that follow, with these second rates.
-        system.add_air(self, carriers, (wind, None), &x[structure..], &mut dx[structure..]);
+        system.add_air::<S, P>(self, carriers, (wind, None), &x[structure..], &mut dx[structure..]);
         let degrees = system.solve(None, carriers.coordinates.count())?;
         Some(std::array::from_fn(|c| degrees[6 + c]))
     }

@@ -72,6 +72,10 @@ impl Plant for Robot {
     fn unfelt_states(&self) -> Range<usize> {
         self.layout.position..self.layout.position + 3
     }
+    fn placing_states(&self) -> [Range<usize>; 2] {
+        let (l, elements) = (&self.layout, self.elements.len());
+        [l.structure..l.structure + elements, l.joints..l.joints + self.degrees()]
+    }
     fn late_states(&self) -> usize {
         self.layout.aero
     }
@@ -87,13 +91,18 @@ impl Plant for Robot {
         dx: &mut [S],
     ) -> Result<(), Fault> {
         let clock = Jet::new(t, 1.0, 0.0);
-        self.evaluate_parts(t, &clock, early, late, u, &[], dx, &mut Evaluation::empty())
+        self.evaluate_parts::<f64, _, _>(t, &clock, early, late, u, &[], dx, &mut Evaluation::empty())
     }
     fn rates_in_numbers(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
         self.rates(t, x, u, dx)
     }
     fn rates_in_early(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
         self.rates(Early::from(t), x, u, dx)
+    }
+    fn rates_in_moving(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        let (t, (early, air)) = (Early::from(t), x.split_at(self.layout.aero));
+        let clock = Jet::new(t, Early::ONE, Early::ZERO);
+        self.evaluate_parts::<f64, _, _>(t, &clock, early, air, u, &[], dx, &mut Evaluation::empty())
     }
     fn rates_in_late(
         &self,
@@ -152,7 +161,7 @@ impl<P: Scalar> Robot<P> {
         out: &mut Evaluation<S>,
     ) -> Result<(), Fault> {
         let (early, air) = x.split_at(self.layout.aero);
-        self.evaluate_parts(t, &Jet::new(t, S::ONE, S::ZERO), early, air, u, beyond, dx, out)
+        self.evaluate_parts::<S, _, _>(t, &Jet::new(t, S::ONE, S::ZERO), early, air, u, beyond, dx, out)
     }
 
     /// Rates at the time `t` of a robot whose gait is at the time `clock`: its crank may run faster or slower than
@@ -169,13 +178,14 @@ impl<P: Scalar> Robot<P> {
         dx: &mut [S],
     ) -> Result<(), Fault> {
         let (early, air) = x.split_at(self.layout.aero);
-        self.evaluate_parts(t, clock, early, air, u, &[], dx, &mut Evaluation::empty())
+        self.evaluate_parts::<S, _, _>(t, clock, early, air, u, &[], dx, &mut Evaluation::empty())
     }
 
-    /// The same, given the states of body and structure and those of the air, under the loads `beyond` of links and body.
+    /// The same, given the states of body and structure and those of the air, under the loads `beyond` of links and body; places
+    /// in B carry the derivatives of `K` alone.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "time, state and inputs in their parts")]
-    fn evaluate_parts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+    fn evaluate_parts<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>>(
         &self,
         t: G,
         clock: &Jet<G>,
@@ -216,7 +226,14 @@ impl<P: Scalar> Robot<P> {
         }
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self
-            .acceleration((mass, body, beyond), &carriers, links, (wind, g_b), states, second_rates)
+            .acceleration::<K, _, _>(
+                (mass, body, beyond),
+                &carriers,
+                links,
+                (wind, g_b),
+                states,
+                second_rates,
+            )
             .ok_or(Fault::MassMatrix { time: t.value() })?;
 
         v_w.lifted().store(&mut dx[l.position..]);
@@ -234,7 +251,7 @@ impl<P: Scalar> Robot<P> {
     /// air's; `mass` is that of body and links, `beyond` the part of the wrench that links bear. Fills the rates of the air, the
     /// last of `states`, and the second rates of the coordinates. `None` when the mass matrix is not positive definite.
     #[inline(always)]
-    fn acceleration<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+    fn acceleration<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>>(
         &self,
         (mass, body, beyond): (&mut [[G; 6]; 6], Wrench<G>, &[Wrench<f64>]),
         carriers: &Carriers<G>,
@@ -246,7 +263,7 @@ impl<P: Scalar> Robot<P> {
         let coordinates = carriers.coordinates;
         let follows = self.covering.aero.follow_impulses();
         if coordinates.count() == 0 && !follows {
-            let (load, ref added) = self.covering.sum(carriers, wind, air, air_rates, None);
+            let (load, ref added) = self.covering.sum::<K, _, _>(carriers, wind, air, air_rates, None);
             let net = load + body.lifted();
             add(mass, added);
             let mut rhs = [S::ZERO; 6];
@@ -261,7 +278,7 @@ impl<P: Scalar> Robot<P> {
         self.add_beyond(beyond, carriers, &mut system.forces);
         let mut impulses = ImpulseRates::none();
         let lacking = follows.then_some(&mut impulses);
-        let mut net = system.add_air(self, carriers, (wind, lacking), air, air_rates);
+        let mut net = system.add_air::<K, P>(self, carriers, (wind, lacking), air, air_rates);
         add(&mut system.mass, mass);
         net += body.lifted();
         let degrees = system.solve(Some(net), coordinates.count())?;
@@ -407,7 +424,7 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
 
     /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns
     /// their wrench on the whole. `wind` comes with room for what the rates of followed impulses lack.
-    pub fn add_air<P: Scalar>(
+    pub fn add_air<K: Scalar + Meets<P>, P: Scalar>(
         &mut self,
         robot: &Robot<P>,
         carriers: &Carriers<G>,
@@ -416,14 +433,14 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         dx: &mut [S],
     ) -> Wrench<S>
     where
-        G: Meets<P>,
-        S: Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<K> + Meets<P>,
     {
         let links = robot.mechanism.tree.links();
         let mut external = External::<S>::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
         let coupled = Some(Coupled { mass: &mut self.mass, external: &mut external, impulses });
-        let (net, ref added) = robot.covering.sum(carriers, wind, x, dx, coupled);
+        let (net, ref added) = robot.covering.sum::<K, _, _>(carriers, wind, x, dx, coupled);
         add(&mut self.mass, added);
         for (link, load) in external.iter().enumerate().take(links) {
             carriers.project(link, load, &mut self.of_air);

@@ -328,9 +328,9 @@ impl<P: Scalar> Covering<P> {
     }
 
     /// Sum of the loads and the added mass, with the state rates in `dx`; the coordinates of `carriers`
-    /// take their part in `coupled`.
+    /// take their part in `coupled`. Places carry the derivatives of `K` alone.
     #[inline(always)]
-    pub fn sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+    pub fn sum<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>>(
         &self,
         carriers: &Carriers<G>,
         wind: Vec3<G>,
@@ -340,11 +340,11 @@ impl<P: Scalar> Covering<P> {
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let riding = self.riding(carriers);
         let Some(Coupled { mass, external, impulses }) = coupled else {
-            return self.aero.evaluate_sum(&riding, wind, x, dx, None);
+            return self.aero.sum_over_places::<K, G, S>(&riding, wind, x, dx, None);
         };
         let mut strips = [Wrench::ZERO; MAX_STRIPS];
         let coupling = Coupling { mass, strips: &mut strips, impulses };
-        let sum = self.aero.evaluate_sum(&riding, wind, x, dx, Some(coupling));
+        let sum = self.aero.sum_over_places::<K, G, S>(&riding, wind, x, dx, Some(coupling));
         self.share(&riding, &strips, external);
         sum
     }

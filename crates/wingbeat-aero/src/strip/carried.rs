@@ -4,7 +4,7 @@ use super::influence::{Column, dot, lanes, multiply, multiply_transposed};
 use super::{Flow, StripModel};
 use crate::{ImpulseRates, ImpulseRow, Sections};
 use arrayvec::ArrayVec;
-use wingbeat_math::{Meets, Scalar};
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
 use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
 
 /// What drives the carried air at 1/2 chord of a strip: its normal acceleration per acceleration
@@ -13,12 +13,15 @@ type Drive<S> = [S; 8];
 
 impl<P: Scalar> StripModel<P> {
     /// What A0^-1 leaves of the motion, the impulse of the carried air and its inertia.
-    pub(super) fn carry_air<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
+    pub(super) fn carry_air<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut Flow<K, G, N>,
+    ) {
         let drives = self.drives(flow);
-        let mut rate_left = [S::ZERO; N];
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        let mut rate_left = [G::ZERO; N];
+        for i in 0..lanes::<K, N>(self.settings.strips) {
             let left = self.left_at(i, flow, &drives);
-            (flow.half_left[i], rate_left[i]) = (left[6], left[7]);
+            (flow.half_left[i], rate_left[i]) = (G::from(left[6]), G::from(left[7]));
             let mass = if self.settings.section.added_mass { self.tables.mass[i] } else { P::ZERO };
             for r in 0..6 {
                 let driven = drives[i][r] * mass;
@@ -27,32 +30,39 @@ impl<P: Scalar> StripModel<P> {
                 }
             }
         }
+        if const { size_of::<G>() > size_of::<K>() } {
+            flow.half_left = multiply(&flow.relief, &flow.strips.wash_half, self.settings.strips);
+            rate_left = multiply(&flow.relief, &flow.strips.wash_half_rate, self.settings.strips);
+        }
         if self.settings.section.added_mass {
             self.impulses_of_motion(flow, &rate_left);
         }
         self.finish_added_mass(flow);
     }
 
-    fn drives<S: Scalar + Meets<P>, const N: usize>(&self, flow: &Flow<S, N>) -> [Drive<S>; N] {
+    fn drives<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<K, G, N>,
+    ) -> [Drive<K>; N] {
         let strips = &flow.strips;
-        let mut drives = [[S::ZERO; 8]; N];
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        let mut drives = [[K::ZERO; 8]; N];
+        for i in 0..lanes::<K, N>(self.settings.strips) {
             let normal = strips.normal.get(i);
             let ([a, b, c], [d, e, f]) = (normal.0, strips.half.get(i).cross(normal).0);
-            drives[i] = [a, b, c, d, e, f, strips.wash_half[i], strips.wash_half_rate[i]];
+            drives[i] = [a, b, c, d, e, f, strips.wash_half[i].beneath(), strips.wash_half_rate[i].beneath()];
         }
         drives
     }
 
     /// Row `i` of A0^-1 times the drives.
     #[inline(always)]
-    fn left_at<S: Scalar + Meets<P>, const N: usize>(
+    fn left_at<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<S, N>,
-        drives: &[Drive<S>; N],
-    ) -> Drive<S> {
-        let mut left = [S::ZERO; 8];
+        flow: &Flow<K, G, N>,
+        drives: &[Drive<K>; N],
+    ) -> Drive<K> {
+        let mut left = [K::ZERO; 8];
         for j in 0..self.settings.strips {
             for k in 0..8 {
                 left[k] = drives[j][k].mul_add(flow.relief[j][i], left[k]);
@@ -68,14 +78,14 @@ impl<P: Scalar> StripModel<P> {
     /// `P = sym(rho dy ma A0^-1) w12 + rho dy ma A0^-1 [K (D - Y) + R Y]`
     /// Source: Kirchhoff 1869; reciprocity.
     /// Test: `the_added_mass_is_symmetric_and_positive`.
-    fn impulses_of_motion<S: Scalar + Meets<P>, const N: usize>(
+    fn impulses_of_motion<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &mut Flow<S, N>,
-        rate_left: &Column<S, N>,
+        flow: &mut Flow<K, G, N>,
+        rate_left: &Column<G, N>,
     ) {
         let by_half = self.reciprocal(flow, &flow.strips.wash_half);
         let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        for i in 0..lanes::<G, N>(self.settings.strips) {
             let mass = self.tables.mass[i];
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
             flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
@@ -84,25 +94,25 @@ impl<P: Scalar> StripModel<P> {
 
     /// Adds the rows and columns 6.. of the added-mass matrix, on the second rates of the coordinates
     /// of `sections`: as the body's own, with J the normal velocity at 1/2 chord per unit rate.
-    pub(super) fn couple<S: Scalar + Meets<P>, const N: usize>(
+    pub(super) fn couple<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
-        sections: &dyn Sections<S>,
-        matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
+        flow: &Flow<K, G, N>,
+        sections: &dyn Sections<G>,
+        matrix: &mut [[G; MAX_DEGREES]; MAX_DEGREES],
     ) {
         let (strips, count) = (&flow.strips, sections.coordinates());
-        let mut fields = ArrayVec::<[Column<S, N>; 2], MAX_COORDINATES>::new();
+        let mut fields = ArrayVec::<[Column<G, N>; 2], MAX_COORDINATES>::new();
         for c in 0..count {
             let (heave, pitch) = self.heave_and_pitch(flow, sections, c);
             let carried = self.symmetric_impulse(flow, &heave);
             let mut turned = pitch;
-            for i in 0..lanes::<S, N>(self.settings.strips) {
+            for i in 0..lanes::<G, N>(self.settings.strips) {
                 let b = self.tables.chord[i] * 0.5;
                 let mass =
-                    if self.settings.section.section_moment { self.section_mass(i, flow) } else { S::ZERO };
-                turned[i] *= mass * (b * b * 0.125);
+                    if self.settings.section.section_moment { self.section_mass(i, flow) } else { K::ZERO };
+                turned[i] = turned[i] * (mass * (b * b * 0.125));
             }
-            let mut add = |k: usize, share: S| {
+            let mut add = |k: usize, share: G| {
                 matrix[6 + c][k] += share;
                 if k != 6 + c {
                     matrix[k][6 + c] += share;
@@ -112,8 +122,8 @@ impl<P: Scalar> StripModel<P> {
                 let (normal, across) = (strips.normal.get(i), strips.across.get(i));
                 let moment = strips.half.get(i).cross(normal);
                 for k in 0..3 {
-                    add(k, normal[k] * carried[i]);
-                    add(3 + k, moment[k] * carried[i] + across[k] * turned[i]);
+                    add(k, carried[i] * normal[k]);
+                    add(3 + k, carried[i] * moment[k] + turned[i] * across[k]);
                 }
             }
             fields.push([heave, pitch]);
@@ -125,22 +135,22 @@ impl<P: Scalar> StripModel<P> {
 
     /// Adds B J for the strips whose impulses are followed: how their forces fall with the accelerations of the body and of
     /// the coordinates of `sections`, J as for [`couple`](Self::couple).
-    pub(super) fn follow<S: Scalar + Meets<P>, const N: usize>(
+    pub(super) fn follow<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
-        sections: &dyn Sections<S>,
-        rates: &mut ImpulseRates<S>,
+        flow: &Flow<K, G, N>,
+        sections: &dyn Sections<G>,
+        rates: &mut ImpulseRates<G>,
     ) {
         let (drives, count, n) = (self.drives(flow), sections.coordinates(), self.settings.strips);
         let first = rates.rows.len();
         let rows = (0..n).map(|i| ImpulseRow {
             state: rates.first_state + self.followed_states() + i,
-            by: [S::ZERO; MAX_DEGREES],
+            by: [G::ZERO; MAX_DEGREES],
         });
         rates.rows.extend(rows);
         for c in 0..6 + count {
             let field = match c.checked_sub(6) {
-                None => std::array::from_fn(|i| drives[i][c]),
+                None => std::array::from_fn(|i| G::from(drives[i][c])),
                 Some(coordinate) => self.heave_and_pitch(flow, sections, coordinate).0,
             };
             let carried = self.symmetric_impulse(flow, &field);
@@ -151,50 +161,50 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of a coordinate.
-    fn heave_and_pitch<S: Scalar + Meets<P>, const N: usize>(
+    fn heave_and_pitch<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
-        sections: &dyn Sections<S>,
+        flow: &Flow<K, G, N>,
+        sections: &dyn Sections<G>,
         coordinate: usize,
-    ) -> (Column<S, N>, Column<S, N>) {
-        let (strips, mut heave, mut pitch) = (&flow.strips, [S::ZERO; N], [S::ZERO; N]);
+    ) -> (Column<G, N>, Column<G, N>) {
+        let (strips, mut heave, mut pitch) = (&flow.strips, [G::ZERO; N], [G::ZERO; N]);
         let mut left = sections.field(0, coordinate);
         for i in 0..self.settings.strips {
             let right = sections.field(i + 1, coordinate);
             let inverse_chord = ((strips.half.get(i) - strips.quarter.get(i)).norm() * 4.0).recip();
             let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
-            let normals = [normal, self.zero_lift.upward(chordwise, normal)];
+            let normals = [normal, self.zero_lift.upward(chordwise, normal)].map(Vec3::lifted);
             let field = left.mixed(&right, self.tables.fraction[i]);
-            (heave[i], pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
+            (heave[i], pitch[i]) = field.heave_and_pitch(normals, G::from(inverse_chord));
             left = right;
         }
         (heave, pitch)
     }
 
     /// The symmetric part of rho dy ma A0^-1 times `v`; nothing without added mass.
-    fn symmetric_impulse<S: Scalar + Meets<P>, const N: usize>(
+    fn symmetric_impulse<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
-        v: &Column<S, N>,
-    ) -> Column<S, N> {
+        flow: &Flow<K, G, N>,
+        v: &Column<G, N>,
+    ) -> Column<G, N> {
         if !self.settings.section.added_mass {
-            return [S::ZERO; N];
+            return [G::ZERO; N];
         }
         let (left, mut sum) = (multiply(&flow.relief, v, self.settings.strips), self.reciprocal(flow, v));
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        for i in 0..lanes::<G, N>(self.settings.strips) {
             sum[i] = (left[i] * self.tables.mass[i] + sum[i]) * 0.5;
         }
         sum
     }
 
     /// The transpose of rho dy ma A0^-1 times `v`.
-    fn reciprocal<S: Scalar + Meets<P>, const N: usize>(
+    fn reciprocal<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
-        v: &Column<S, N>,
-    ) -> Column<S, N> {
+        flow: &Flow<K, G, N>,
+        v: &Column<G, N>,
+    ) -> Column<G, N> {
         let mut weighted = *v;
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        for i in 0..lanes::<G, N>(self.settings.strips) {
             weighted[i] *= self.tables.mass[i];
         }
         multiply_transposed(&flow.relief, &weighted, self.settings.strips)
@@ -207,11 +217,14 @@ impl<P: Scalar> StripModel<P> {
     /// `M = J' B J, J = [n; r x n]`
     /// Source: virtual work.
     /// Test: `loads_are_affine_in_the_body_acceleration`.
-    fn finish_added_mass<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
+    fn finish_added_mass<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut Flow<K, G, N>,
+    ) {
         if self.settings.section.section_moment {
             let across = &flow.strips.across.0;
             let mut turned = *across;
-            for i in 0..lanes::<S, N>(self.settings.strips) {
+            for i in 0..lanes::<K, N>(self.settings.strips) {
                 let b = self.tables.chord[i] * 0.5;
                 let inertia = self.section_mass(i, flow) * (b * b * 0.125);
                 for axis in &mut turned {

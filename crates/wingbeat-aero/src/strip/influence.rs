@@ -32,16 +32,16 @@ pub(super) const fn plain<S>() -> bool {
 
 /// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
 /// chord, so that their high powers stay far from the ends of the numbers.
-pub(super) struct Targets<'a, P: Scalar, S: Scalar, const N: usize> {
+pub(super) struct Targets<'a, P: Scalar, K: Scalar, const N: usize> {
     cores: &'a Cores<P>,
     strips: usize,
     /// 3/4 and 1/4 chord points.
-    control: Vectors<S, N>,
-    bound: Vectors<S, N>,
+    control: Vectors<K, N>,
+    bound: Vectors<K, N>,
     /// Normals over 4 pi, with their moments about the origin at both points.
-    normal: Vectors<S, N>,
-    control_moment: Vectors<S, N>,
-    bound_moment: Vectors<S, N>,
+    normal: Vectors<K, N>,
+    control_moment: Vectors<K, N>,
+    bound_moment: Vectors<K, N>,
 }
 
 /// A straight line as direction and moment about the origin (Pluecker coordinates).
@@ -52,29 +52,29 @@ pub(super) struct Line<S: Scalar> {
 }
 
 /// Normal wash of the trailing vortex of one edge, of unit strength, on all strips.
-struct Trailing<S, const N: usize> {
+struct Trailing<K, S, const N: usize> {
     /// Distance of the control points to the edge's bound point and trailing edge.
-    to_bound: Column<S, N>,
-    to_trailing: Column<S, N>,
+    to_bound: Column<K, N>,
+    to_trailing: Column<K, N>,
     /// From the bound point to the trailing edge.
-    leg: Column<S, N>,
+    leg: Column<K, N>,
     /// From the trailing edge to infinity.
     wake: Column<S, N>,
     /// Half the wash far behind, taken at the 1/4 chord points.
     far: Column<S, N>,
 }
 
-impl<S: Scalar, const N: usize> Trailing<S, N> {
+impl<K: Scalar, S: Over<K>, const N: usize> Trailing<K, S, N> {
     const ZERO: Self = {
-        let zero = [S::ZERO; N];
-        Self { to_bound: zero, to_trailing: zero, leg: zero, wake: zero, far: zero }
+        let (still, zero) = ([K::ZERO; N], [S::ZERO; N]);
+        Self { to_bound: still, to_trailing: still, leg: still, wake: zero, far: zero }
     };
 }
 
 /// Normal wash of a strip's vortex of unit strength on all strips.
-pub(super) struct Wash<'a, S, const N: usize> {
+pub(super) struct Wash<'a, K, S, const N: usize> {
     /// Closed ring from the quarter chord to the trailing edge.
-    pub ring: &'a mut Matrix<S, N>,
+    pub ring: &'a mut Matrix<K, N>,
     /// The horseshoe: ring and wake together.
     pub horseshoe: &'a mut Matrix<S, N>,
     /// Half the wash far behind (Munk): the wash that turns the force.
@@ -126,25 +126,31 @@ fn faded_segment<P, S: Scalar + Meets<P>>(turn: S, d2: S, ends: [S; 2], core4: P
 
 /// a . b + c with fused products.
 #[inline(always)]
-fn fused<S: Scalar>(a: Vec3<S>, b: Vec3<S>, c: S) -> S {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul_add(b[2], c)))
+fn fused<K: Scalar, S: Over<K>>(a: Vec3<S>, b: Vec3<K>, c: S) -> S {
+    a[0].fused(b[0], a[1].fused(b[1], a[2].fused(b[2], c)))
 }
 
 /// a . a + c with fused products.
 #[inline(always)]
-fn fused_square<S: Scalar>(a: Vec3<S>, c: S) -> S {
-    a[0].squared_add(a[1].squared_add(a[2].squared_add(c)))
+fn fused_square<K: Scalar, S: Over<K>>(a: Vec3<K>, c: S) -> S {
+    c.plus_square(a[2]).plus_square(a[1]).plus_square(a[0])
 }
 
 impl<S: Scalar> Line<S> {
     /// Along `direction` through `point`.
     #[inline(always)]
-    pub fn new(point: Vec3<S>, direction: Vec3<S>) -> Self {
-        Self { direction, moment: point.cross(direction) }
+    pub fn new<K: Scalar>(point: Vec3<K>, direction: Vec3<S>) -> Self
+    where
+        S: Over<K>,
+    {
+        Self { direction, moment: point.cross_over(direction) }
     }
     /// n . (d x r) for r from this line, of direction d, to a point on the line n.
     #[inline(always)]
-    pub fn turn(&self, n: &Self) -> S {
+    pub fn turn<K: Scalar>(&self, n: &Line<K>) -> S
+    where
+        S: Over<K>,
+    {
         fused(self.direction, n.moment, fused(self.moment, n.direction, S::ZERO))
     }
 }
@@ -186,15 +192,15 @@ pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
     (p.above * q.below * inverse, q.above * p.below * inverse)
 }
 
-impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
-    pub fn new(strips: &Strips<S, N>, cores: &'a Cores<P>) -> Self {
+impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
+    pub fn new<S: Over<K>>(strips: &Strips<K, S, N>, cores: &'a Cores<P>) -> Self {
         let count = cores.strips.len();
         let zero = Vectors::ZERO;
         let (mut control, mut bound, mut normal) = (zero, zero, zero);
         let (mut control_moment, mut bound_moment) = (zero, zero);
-        for i in 0..lanes::<S, N>(count) {
+        for i in 0..lanes::<K, N>(count) {
             let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
-            let at = |points: &Vectors<S, N>| points.get(i).scaled(cores.scale);
+            let at = |points: &Vectors<K, N>| points.get(i).scaled(cores.scale);
             let (p, q) = (at(&strips.three_quarter), at(&strips.quarter));
             normal.set(i, n);
             control.set(i, p);
@@ -207,7 +213,7 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
 
     /// Edge `j` as seen from here.
     #[inline(always)]
-    fn edge(&self, wakes: &Wakes<S, N>, j: usize) -> Edge<S> {
+    fn edge<S: Over<K>>(&self, wakes: &Wakes<K, S, N>, j: usize) -> Edge<K, S> {
         let Edge { bound, trailing, wake } = wakes.edge(j);
         let scale = self.cores.scale;
         Edge { bound: bound.scaled(scale), trailing: trailing.scaled(scale), wake }
@@ -215,7 +221,7 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
 
     /// The normal of strip `i` through its 3/4 chord point, over 4 pi.
     #[inline(always)]
-    fn at_control(&self, i: usize) -> Line<S> {
+    fn at_control(&self, i: usize) -> Line<K> {
         Line { direction: self.normal.get(i), moment: self.control_moment.get(i) }
     }
 
@@ -227,23 +233,28 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
     /// `u x r / (4 pi r (r - u.r)); far behind half of u x r / (2 pi r_perp^2)`
     /// Source: Biot & Savart; Munk 1921, NACA Rep. 121.
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
-    fn trailing(&self, edge: &Edge<S>, cores: &EdgeCores<P>, out: &mut Trailing<S, N>) {
+    fn trailing<S: Over<K> + Meets<P>>(
+        &self,
+        edge: &Edge<K, S>,
+        cores: &EdgeCores<P>,
+        out: &mut Trailing<K, S, N>,
+    ) {
         let (u, chord) = (edge.wake, edge.trailing - edge.bound);
         let chord2 = chord.norm_squared();
         let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
         let behind = Line::new(edge.bound, u);
-        let (u_trailing, u_bound) = (u.dot(edge.trailing), u.dot(edge.bound));
-        let least = S::from(cores.least);
+        let (u_trailing, u_bound) = (edge.trailing.dot_over(u), edge.bound.dot_over(u));
+        let least = K::from(cores.least);
         for i in 0..lanes::<S, N>(self.strips) {
             let (p, n) = (self.control.get(i), self.at_control(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = (fused_square(ra, least).sqrt(), fused_square(rt, least).sqrt());
             let leg = faded_segment(leg.turn(&n), chord2, [a, b], cores.leg[i]);
-            let behind_edge = b * (b + u_trailing - fused(u, p, S::ZERO));
+            let behind_edge = (u_trailing + b - fused(u, p, S::ZERO)) * b;
             let wake_turn = wake.turn(&n);
             let q = self.bound.get(i);
             let r = q - edge.bound;
-            let ahead = fused(q, u, -u_bound);
+            let ahead = fused(u, q, -u_bound);
             let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
             let (far_turn, beside2) = (behind.turn(&n), fused_square(r, -ahead.squared()));
             out.to_bound[i] = a;
@@ -260,15 +271,15 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
                 (out.leg[i], out.wake[i], out.far[i]) = (leg.quotient(), wake.quotient(), far.quotient());
                 continue;
             }
-            let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
-            out.leg[i] = leg.above * wake.below * both;
+            let (both, far) = divide(Ratio { above: S::ONE, below: wake.below * leg.below }, far);
+            out.leg[i] = (wake.below * leg.above * both).beneath();
             out.wake[i] = wake.above * leg.below * both;
             out.far[i] = far;
         }
     }
 
     /// Wash of the rings and horseshoes between the edges of the first `n` strips, and far behind.
-    pub fn wash(&self, wakes: &Wakes<S, N>, n: usize, out: &mut Wash<'_, S, N>) {
+    pub fn wash<S: Over<K> + Meets<P>>(&self, wakes: &Wakes<K, S, N>, n: usize, out: &mut Wash<'_, K, S, N>) {
         let cores = self.cores;
         let mut beside = [Trailing::ZERO; 2];
         let mut edges = [self.edge(wakes, 0); 2];
@@ -290,13 +301,13 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
     /// are they known to lie apart, without which a loop over twelve strips is not vectorised.
     #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
-    fn strip_apart(
+    fn strip_apart<S: Over<K> + Meets<P>>(
         &self,
-        edges: &[Edge<S>; 2],
-        left: &Trailing<S, N>,
-        right: &Trailing<S, N>,
+        edges: &[Edge<K, S>; 2],
+        left: &Trailing<K, S, N>,
+        right: &Trailing<K, S, N>,
         cores: &StripCores<P>,
-        ring: &mut Column<S, N>,
+        ring: &mut Column<K, N>,
         horseshoe: &mut Column<S, N>,
         far: &mut Column<S, N>,
     ) {
@@ -306,13 +317,13 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
     /// Columns of the strip between two edges.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
-    fn strip(
+    fn strip<S: Over<K> + Meets<P>>(
         &self,
-        edges: &[Edge<S>; 2],
-        left: &Trailing<S, N>,
-        right: &Trailing<S, N>,
+        edges: &[Edge<K, S>; 2],
+        left: &Trailing<K, S, N>,
+        right: &Trailing<K, S, N>,
         cores: &StripCores<P>,
-        ring: &mut Column<S, N>,
+        ring: &mut Column<K, N>,
         horseshoe: &mut Column<S, N>,
         far: &mut Column<S, N>,
     ) {
@@ -328,7 +339,7 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
             let (front, rear) = divide(front, rear);
             let open = front + right.leg[i] - left.leg[i];
             ring[i] = open + rear;
-            horseshoe[i] = open + right.wake[i] - left.wake[i];
+            horseshoe[i] = right.wake[i] + open - left.wake[i];
             far[i] = right.far[i] - left.far[i];
         }
     }
@@ -352,8 +363,8 @@ pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
 
 /// v . m[j] for each of the first `n` sources; zero beyond.
 #[inline(always)]
-pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
-    m: &Matrix<S, N>,
+pub(super) fn multiply_transposed<K: Scalar, S: Over<K>, const N: usize>(
+    m: &Matrix<K, N>,
     v: &Column<S, N>,
     n: usize,
 ) -> Column<S, N> {
@@ -366,12 +377,12 @@ pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
 
 /// a . b.
 #[inline(always)]
-pub(super) fn dot<S: Scalar, const N: usize>(a: &Column<S, N>, b: &Column<S, N>) -> S {
+pub(super) fn dot<K: Scalar, S: Over<K>, const N: usize>(a: &Column<K, N>, b: &Column<S, N>) -> S {
     let mut lanes = [S::ZERO; 4];
     let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
     for i in 0..a.len() {
         for k in 0..4 {
-            lanes[k] = a[i][k].mul_add(b[i][k], lanes[k]);
+            lanes[k] = b[i][k].fused(a[i][k], lanes[k]);
         }
     }
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])

@@ -41,19 +41,24 @@ enum Directed {
     Turned,
 }
 
-impl<G: Scalar, const N: usize> Strips<G, N> {
+impl<K: Scalar, G: Over<K>, const N: usize> Strips<K, G, N> {
     /// A force of section `i` as a wrench about the body origin.
     #[inline(always)]
-    fn wrench<S: Over<G>>(&self, i: usize, force: SectionForce<S>) -> Wrench<S> {
+    fn wrench<S: Over<K>>(&self, i: usize, force: SectionForce<S>) -> Wrench<S> {
         force.wrench(self.half.get(i), self.chordwise.get(i), self.normal.get(i), self.across.get(i))
     }
 }
 
 impl<P: Scalar> StripModel<P> {
     /// Sum of the loads of all strips; `loads` receives them by strip and source, `by_strip` their sums.
-    pub(super) fn load_strips<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    pub(super) fn load_strips<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         response: &Response<S, N>,
         loads: Option<&mut Loads<S>>,
         by_strip: Option<&mut [Wrench<S>]>,
@@ -83,9 +88,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Writes the loads by strip and source.
-    fn break_down<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn break_down<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         response: &Response<S, N>,
         forces: &Forces<S, N>,
         loads: &mut Loads<S>,
@@ -121,9 +131,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Writes the parts of the circulatory force `plain` and of the profile drag.
-    fn detail<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn detail<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         response: &Response<S, N>,
         plain: &InPlane<S, N>,
         detail: &mut [ForceDetail<S>],
@@ -161,9 +176,14 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Kutta-Joukowski and leading-edge suction, turned by the wash; s of the attached share and of the
     /// flow's direction a choice.
     /// Test: `sums_agree_and_breakdown_adds_up`.
-    fn circulatory<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn circulatory<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         response: &Response<S, N>,
         directed: Directed,
     ) -> InPlane<S, N> {
@@ -208,9 +228,14 @@ impl<P: Scalar> StripModel<P> {
 
     /// What law `lev` makes of the linear forces: the held share h of the suction stays, with it that share of the
     /// carried air's own chord force P q, which is part of the suction, and the vortex pushes along the normal.
-    fn cap_suction<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn cap_suction<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         response: &Response<S, N>,
         edges: &LeadingEdges<S, N>,
         shares: &Column<S, N>,
@@ -228,9 +253,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Profile drag of the sections in the wind of motion.
-    fn profile_drag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn profile_drag<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         attached: &Column<S, N>,
         drag: ProfileDrag<P>,
     ) -> InPlane<S, N> {
@@ -255,18 +285,23 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Kirchhoff 1869; Theodorsen 1935, NACA Rep. 496.
     /// Test: `loads_are_affine_in_the_body_acceleration`.
     #[inline(always)]
-    fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn carried_air<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         i: usize,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         response: &Response<S, N>,
     ) -> SectionForce<S> {
         let (strips, impulse) = (&flow.strips, response.impulse[i]);
         let normal_rate = strips.normal_rate.get(i);
         let mut force = SectionForce {
-            chordwise: impulse * normal_rate.dot(strips.chordwise.get(i)),
+            chordwise: impulse * strips.chordwise.get(i).dot_over(normal_rate),
             normal: response.impulse_rate[i],
-            across: impulse * normal_rate.dot(strips.across.get(i)),
+            across: impulse * strips.across.get(i).dot_over(normal_rate),
             nose_up: S::ZERO,
             about_chord: impulse * strips.drift[i],
         };
@@ -284,11 +319,11 @@ impl<P: Scalar> StripModel<P> {
 
     /// Added mass that resists pitching of the section, kg.
     #[inline(always)]
-    pub(super) fn section_mass<S: Scalar + Meets<P>, const N: usize>(
+    pub(super) fn section_mass<K: Scalar + Meets<P>, G: Scalar, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<S, N>,
-    ) -> S {
+        flow: &Flow<K, G, N>,
+    ) -> K {
         flow.unit_left[i] * self.tables.mass[i]
     }
 }

@@ -48,7 +48,10 @@ pub(super) struct SectionAir<G: Scalar> {
 }
 
 impl<G: Scalar> SectionAir<G> {
-    fn of<const N: usize>(flow: &Flow<G, N>, i: usize) -> Self {
+    fn of<K: Scalar, const N: usize>(flow: &Flow<K, G, N>, i: usize) -> Self
+    where
+        G: Over<K>,
+    {
         let strips = &flow.strips;
         Self {
             along: strips.along[i],
@@ -58,8 +61,8 @@ impl<G: Scalar> SectionAir<G> {
             drift: strips.drift[i],
             impulse: flow.impulse[i],
             normal_rate: strips.normal_rate.get(i),
-            chordwise: strips.chordwise.get(i),
-            across: strips.across.get(i),
+            chordwise: strips.chordwise.get(i).lifted(),
+            across: strips.across.get(i).lifted(),
         }
     }
 }
@@ -260,9 +263,9 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// What the membrane, if there is one, makes of the wash: see [`wash_of_slope`](Self::wash_of_slope).
-    pub(super) fn slopes<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    pub(super) fn slopes<K: Scalar, G: Over<K> + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         x: &[S],
         wash: &mut Column<S, N>,
     ) -> Option<Bulging<G, S, N>> {
@@ -298,10 +301,10 @@ impl<P: Scalar> StripModel<P> {
     /// `-rho pi b^2 dy V [V (2 h_1 - 3/2 h_2)/c + h_1'/2]; steady c_m = -pi (h_1 - 3/4 h_2)/c`
     /// Source: Glauert 1926, ch. 7; rate by thin-aerofoil theory, own derivation.
     /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
-    pub(super) fn camber_moment<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    pub(super) fn camber_moment<K: Scalar, G: Over<K> + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         attached: S,
         camber: &Camber<S, N>,
     ) -> S {

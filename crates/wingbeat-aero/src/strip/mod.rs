@@ -35,7 +35,7 @@ use membrane::Membrane;
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
 use wingbeat_math::Error;
-use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_math::{Meets, Over, Scalar, Vec3, lift};
 use wingbeat_ocp::plant::Channel;
 
 /// The strip model of a wing. Sections are the edges between strips.
@@ -54,24 +54,24 @@ pub struct StripModel<P: Scalar = f64> {
     membrane: Option<Membrane<P>>,
 }
 
-/// What the strips know of the air at one instant, whatever the lags hold.
-struct Flow<S: Scalar, const N: usize> {
-    strips: Strips<S, N>,
+/// What the strips know of the air at one instant, whatever the lags hold; what places alone decide is in `K`.
+struct Flow<K: Scalar, S: Scalar, const N: usize> {
+    strips: Strips<K, S, N>,
     /// Wash of horseshoes without the own two-dimensional part, 1/m.
     remainder: Matrix<S, N>,
     /// Half the wash far behind, 1/m.
     far: Matrix<S, N>,
     /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
-    relief: Matrix<S, N>,
+    relief: Matrix<K, N>,
     /// What is left of the wash at 1/2 chord, m/s.
     half_left: Column<S, N>,
     /// Normal speed left by a unit normal speed of the whole wing.
-    unit_left: Column<S, N>,
+    unit_left: Column<K, N>,
     /// Normal impulse of the air by the motion alone, N s, and its rate, N.
     impulse: Column<S, N>,
     impulse_rate: Column<S, N>,
     /// Added-mass matrix on [acceleration; angular acceleration] about the body origin.
-    added_mass: [[S; 6]; 6],
+    added_mass: [[K; 6]; 6],
 }
 
 /// What is wanted beside the sum.
@@ -214,7 +214,8 @@ impl<P: Scalar> StripModel<P> {
     ) {
         loads.strips = 0;
         let wanted = Wanted { loads: Some(&mut *loads), coupling: None };
-        (loads.wrench, loads.added_mass) = self.evaluate_among(&sections, wind, x, dx, None, wanted);
+        (loads.wrench, loads.added_mass) =
+            self.evaluate_among::<S, S, S>(&sections, wind, x, dx, None, wanted);
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
@@ -228,7 +229,7 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
         coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        self.evaluate_among(sections, wind, x, dx, None, Wanted { loads: None, coupling })
+        self.evaluate_among::<G, G, S>(sections, wind, x, dx, None, Wanted { loads: None, coupling })
     }
 
     /// Place of the control section of strip `i` between its edges, 0 to 1.
@@ -237,8 +238,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Sum of the loads, and state rates, of the surface among others; writes the loads by strip behind the
-    /// strips that `loads` holds. Chooses the width of the columns.
-    pub(super) fn evaluate_among<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+    /// strips that `loads` holds. The places of the sections carry the derivatives of `K` alone. Chooses the width of the columns.
+    pub(super) fn evaluate_among<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+    >(
         &self,
         sections: &dyn Sections<G>,
         wind: Vec3<G>,
@@ -250,8 +255,8 @@ impl<P: Scalar> StripModel<P> {
         macro_rules! wide {
             ($($width:literal),*) => {
                 match self.settings.strips {
-                    $(0..=$width => self.evaluate_in::<G, S, $width>(sections, wind, x, dx, others, wanted),)*
-                    _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
+                    $(0..=$width => self.evaluate_in::<K, G, S, $width>(sections, wind, x, dx, others, wanted),)*
+                    _ => self.evaluate_in::<K, G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
                 }
             };
         }
@@ -260,7 +265,12 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
-    fn evaluate_in<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn evaluate_in<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
         sections: &dyn Sections<G>,
         wind: Vec3<G>,
@@ -269,9 +279,9 @@ impl<P: Scalar> StripModel<P> {
         others: Option<Others<'_, P, G, S>>,
         wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        let mut edges = Edges::<G, N>::ZERO;
+        let mut edges = Edges::<K, G, N>::ZERO;
         edges.fill(sections, self.settings.strips);
-        let mut flow = Flow::<G, N>::STILL;
+        let mut flow = Flow::<K, G, N>::STILL;
         self.flow(&edges, wind, &mut flow);
         let states = self.states();
         let Wanted { mut loads, coupling } = wanted;
@@ -287,7 +297,12 @@ impl<P: Scalar> StripModel<P> {
             }
             strips
         });
-        (self.load_strips(&flow, &response, loads, strips), flow.added_mass)
+        let wrench = self.load_strips(&flow, &response, loads, strips);
+        let mut added_mass = [[G::ZERO; 6]; 6];
+        for (to, from) in added_mass.iter_mut().zip(&flow.added_mass) {
+            lift(from, to);
+        }
+        (wrench, added_mass)
     }
 
     /// See [`Aero::settle`](crate::Aero::settle).
@@ -301,9 +316,9 @@ impl<P: Scalar> StripModel<P> {
             return;
         }
         let n = self.settings.strips;
-        let mut edges = Edges::<S, MAX_STRIPS>::ZERO;
+        let mut edges = Edges::<S, S, MAX_STRIPS>::ZERO;
         edges.fill(sections, n);
-        let mut flow = Flow::<S, MAX_STRIPS>::STILL;
+        let mut flow = Flow::<S, S, MAX_STRIPS>::STILL;
         self.flow(&edges, wind, &mut flow);
         self.settle_impulse(&flow, x);
     }
@@ -318,11 +333,11 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Weissinger 1947 (steady limit); doublet wash: own derivation, beta fitted to the lifting surface.
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     #[inline(always)]
-    fn flow<S: Scalar + Meets<P>, const N: usize>(
+    fn flow<K: Scalar + Meets<P>, S: Over<K> + Meets<P>, const N: usize>(
         &self,
-        edges: &Edges<S, N>,
+        edges: &Edges<K, S, N>,
         wind: Vec3<S>,
-        flow: &mut Flow<S, N>,
+        flow: &mut Flow<K, S, N>,
     ) {
         let (n, tables) = (self.settings.strips, &self.tables);
         self.move_strips(edges, wind, &mut flow.strips);
@@ -341,18 +356,18 @@ impl<P: Scalar> StripModel<P> {
             }
             let (doublet, scale) = (&mut flow.relief[j], tables.doublet[j] * -beta);
             let own = (doublet[j] + tables.own_ring[j]) * scale + 1.0;
-            for i in 0..lanes::<S, N>(n) {
+            for i in 0..lanes::<K, N>(n) {
                 doublet[i] *= scale;
             }
             doublet[j] = own;
         }
         invert(&mut flow.relief, n);
-        flow.unit_left = multiply(&flow.relief, &[S::ONE; N], n);
+        flow.unit_left = multiply(&flow.relief, &[K::ONE; N], n);
         self.carry_air(flow);
     }
 }
 
-impl<S: Scalar, const N: usize> Flow<S, N> {
+impl<K: Scalar, S: Over<K>, const N: usize> Flow<K, S, N> {
     /// Nothing moves yet.
     const STILL: Self = {
         let (matrix, zero) = ([[S::ZERO; N]; N], [S::ZERO; N]);
@@ -360,12 +375,12 @@ impl<S: Scalar, const N: usize> Flow<S, N> {
             strips: Strips::ZERO,
             remainder: matrix,
             far: matrix,
-            relief: matrix,
+            relief: [[K::ZERO; N]; N],
             half_left: zero,
-            unit_left: zero,
+            unit_left: [K::ZERO; N],
             impulse: zero,
             impulse_rate: zero,
-            added_mass: [[S::ZERO; 6]; 6],
+            added_mass: [[K::ZERO; 6]; 6],
         }
     };
 }

@@ -1,10 +1,10 @@
 //! Points, velocities and directions of edges and strips at one instant.
 
 use super::StripModel;
-use super::influence::{Column, lanes};
+use super::influence::{Column, lanes, plain};
 use crate::section::ZeroLift;
 use crate::{SectionMotion, Sections};
-use wingbeat_math::{Meets, Scalar, Vec3};
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
 /// Speed over the general floor below which the wake has no direction of its own
 /// and leaves along the chord: a wing that reverses in still air turns its wake by and by.
@@ -28,34 +28,44 @@ impl<S: Scalar, const N: usize> Vectors<S, N> {
     }
 }
 
-/// Ends of a chord line with their velocities and accelerations.
+/// Ends of a chord line with their velocities and accelerations. Here and below what places alone decide is in `K`.
 #[derive(Clone, Copy)]
-pub(super) struct ChordLine<S: Scalar> {
-    le: Vec3<S>,
-    te: Vec3<S>,
+pub(super) struct ChordLine<K: Scalar, S: Scalar> {
+    le: Vec3<K>,
+    te: Vec3<K>,
     v_le: Vec3<S>,
     v_te: Vec3<S>,
     a_le: Vec3<S>,
     a_te: Vec3<S>,
 }
 
-impl<S: Scalar> From<&SectionMotion<S>> for ChordLine<S> {
+impl<K: Scalar, S: Over<K>> From<&SectionMotion<S>> for ChordLine<K, S> {
     #[inline(always)]
     fn from(s: &SectionMotion<S>) -> Self {
-        Self { le: s.le, te: s.te, v_le: s.v_le, v_te: s.v_te, a_le: s.a_le, a_te: s.a_te }
+        Self {
+            le: s.le.beneath(),
+            te: s.te.beneath(),
+            v_le: s.v_le,
+            v_te: s.v_te,
+            a_le: s.a_le,
+            a_te: s.a_te,
+        }
     }
 }
 
 /// A chord line per strip: its left or its right edge.
 #[derive(Clone, Copy)]
-struct ChordLines<S: Scalar, const N: usize>([Vectors<S, N>; 6]);
+struct ChordLines<K: Scalar, S: Scalar, const N: usize> {
+    ends: [Vectors<K, N>; 2],
+    moving: [Vectors<S, N>; 4],
+}
 
-impl<S: Scalar, const N: usize> ChordLines<S, N> {
-    const ZERO: Self = Self([Vectors::ZERO; 6]);
+impl<K: Scalar, S: Scalar, const N: usize> ChordLines<K, S, N> {
+    const ZERO: Self = Self { ends: [Vectors::ZERO; 2], moving: [Vectors::ZERO; 4] };
 
     #[inline(always)]
-    fn get(&self, i: usize) -> ChordLine<S> {
-        let [le, te, v_le, v_te, a_le, a_te] = &self.0;
+    fn get(&self, i: usize) -> ChordLine<K, S> {
+        let ([le, te], [v_le, v_te, a_le, a_te]) = (&self.ends, &self.moving);
         ChordLine {
             le: le.get(i),
             te: te.get(i),
@@ -66,25 +76,28 @@ impl<S: Scalar, const N: usize> ChordLines<S, N> {
         }
     }
     #[inline(always)]
-    fn set(&mut self, i: usize, line: &ChordLine<S>) {
-        let parts = [line.le, line.te, line.v_le, line.v_te, line.a_le, line.a_te];
-        for k in 0..parts.len() {
-            self.0[k].set(i, parts[k]);
+    fn set(&mut self, i: usize, line: &ChordLine<K, S>) {
+        self.ends[0].set(i, line.le);
+        self.ends[1].set(i, line.te);
+        let moving = [line.v_le, line.v_te, line.a_le, line.a_te];
+        for k in 0..moving.len() {
+            self.moving[k].set(i, moving[k]);
         }
     }
 }
 
 /// The edges of all strips; lanes beyond the last strip repeat it.
-pub(super) struct Edges<S: Scalar, const N: usize> {
-    left: ChordLines<S, N>,
-    right: ChordLines<S, N>,
-    last: ChordLine<S>,
+pub(super) struct Edges<K: Scalar, S: Scalar, const N: usize> {
+    left: ChordLines<K, S, N>,
+    right: ChordLines<K, S, N>,
+    last: ChordLine<K, S>,
 }
 
-impl<S: Scalar, const N: usize> Edges<S, N> {
+impl<K: Scalar, S: Over<K>, const N: usize> Edges<K, S, N> {
     pub const ZERO: Self = {
         let zero = Vec3::ZERO;
-        let last = ChordLine { le: zero, te: zero, v_le: zero, v_te: zero, a_le: zero, a_te: zero };
+        let last =
+            ChordLine { le: Vec3::ZERO, te: Vec3::ZERO, v_le: zero, v_te: zero, a_le: zero, a_te: zero };
         Self { left: ChordLines::ZERO, right: ChordLines::ZERO, last }
     };
 
@@ -111,16 +124,16 @@ impl<S: Scalar, const N: usize> Edges<S, N> {
 
 /// An edge between strips: the bound vortex bends at `bound`, the wake leaves at `trailing`.
 #[derive(Clone, Copy)]
-pub(super) struct Edge<S: Scalar> {
+pub(super) struct Edge<K: Scalar, S: Scalar> {
     /// Quarter-chord point.
-    pub bound: Vec3<S>,
+    pub bound: Vec3<K>,
     /// Trailing edge.
-    pub trailing: Vec3<S>,
+    pub trailing: Vec3<K>,
     /// Direction in which the wake leaves.
     pub wake: Vec3<S>,
 }
 
-impl<S: Scalar> Edge<S> {
+impl<K: Scalar, S: Over<K>> Edge<K, S> {
     /// The wake leaves with the wind that the trailing edge meets, turned so that
     /// it never runs forward over the wing:
     /// u = unit(v + e_c g), g = smooth max(0, |v|/4 + delta - v.e_c).
@@ -130,36 +143,35 @@ impl<S: Scalar> Edge<S> {
     /// Source: choice: the wake never runs forward over the wing.
     /// Test: `deep_folds_and_any_wind_stay_smooth_in_time`.
     #[inline(always)]
-    fn new(line: &ChordLine<S>, wind: Vec3<S>, floor: f64) -> Self {
+    fn new(line: &ChordLine<K, S>, wind: Vec3<S>, floor: f64) -> Self {
         let air = wind - line.v_te;
         let chord = line.te - line.le;
         let chordwise = chord.unit();
         let least = (air.norm_squared() + floor * floor).sqrt() * 0.25 + floor;
-        let turn = (least - air.dot(chordwise)).smooth_positive(floor);
+        let turn = (least - chordwise.dot_over(air)).smooth_positive(floor);
         let bound = line.le + chord.scaled(0.25);
-        Self { bound, trailing: line.te, wake: (air + chordwise * turn).unit() }
+        Self { bound, trailing: line.te, wake: (air + chordwise.times(turn)).unit() }
     }
 }
 
 /// Vortex lines of all edges: left edge of each strip, and the last edge.
-pub(super) struct Wakes<S: Scalar, const N: usize> {
-    bound: Vectors<S, N>,
-    trailing: Vectors<S, N>,
+pub(super) struct Wakes<K: Scalar, S: Scalar, const N: usize> {
+    bound: Vectors<K, N>,
+    trailing: Vectors<K, N>,
     wake: Vectors<S, N>,
     strips: usize,
-    last: Edge<S>,
+    last: Edge<K, S>,
 }
 
-impl<S: Scalar, const N: usize> Wakes<S, N> {
+impl<K: Scalar, S: Over<K>, const N: usize> Wakes<K, S, N> {
     pub const ZERO: Self = {
-        let (vectors, zero) = (Vectors::ZERO, Vec3::ZERO);
-        let last = Edge { bound: zero, trailing: zero, wake: zero };
-        Self { bound: vectors, trailing: vectors, wake: vectors, strips: 0, last }
+        let last = Edge { bound: Vec3::ZERO, trailing: Vec3::ZERO, wake: Vec3::ZERO };
+        Self { bound: Vectors::ZERO, trailing: Vectors::ZERO, wake: Vectors::ZERO, strips: 0, last }
     };
 
     /// Edge `j`, 0 to the number of strips.
     #[inline(always)]
-    pub fn edge(&self, j: usize) -> Edge<S> {
+    pub fn edge(&self, j: usize) -> Edge<K, S> {
         if j == self.strips {
             return self.last;
         }
@@ -169,14 +181,14 @@ impl<S: Scalar, const N: usize> Wakes<S, N> {
 
 /// The control section of a strip.
 #[derive(Clone, Copy)]
-struct Strip<S: Scalar> {
-    quarter: Vec3<S>,
-    half: Vec3<S>,
-    three_quarter: Vec3<S>,
-    normal: Vec3<S>,
+struct Strip<K: Scalar, S: Scalar> {
+    quarter: Vec3<K>,
+    half: Vec3<K>,
+    three_quarter: Vec3<K>,
+    normal: Vec3<K>,
     normal_rate: Vec3<S>,
-    chordwise: Vec3<S>,
-    across: Vec3<S>,
+    chordwise: Vec3<K>,
+    across: Vec3<K>,
     drift: S,
     wash: S,
     wash_half: S,
@@ -187,7 +199,7 @@ struct Strip<S: Scalar> {
     pitch_rate: S,
 }
 
-impl<S: Scalar> Strip<S> {
+impl<K: Scalar, S: Over<K>> Strip<K, S> {
     /// The strip between two edges, its control section at `fraction`.
     ///
     /// Equation: aero.strip.kinematics
@@ -196,18 +208,20 @@ impl<S: Scalar> Strip<S> {
     /// Test: `the_carried_air_of_strips_gives_no_mean_force`.
     #[inline(always)]
     fn new<P: Scalar>(
-        [a, b]: [&ChordLine<S>; 2],
+        [a, b]: [&ChordLine<K, S>; 2],
         fraction: P,
         wind: Vec3<S>,
         floor: f64,
         zero_lift: ZeroLift<P>,
     ) -> Self
     where
+        K: Meets<P>,
         S: Meets<P>,
     {
         let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
-        let (le, v_le, a_le) = (mix(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
-        let chord = mix(a.te, b.te) - le;
+        let between = |p: Vec3<K>, q: Vec3<K>| p + (q - p).scaled(fraction);
+        let (le, v_le, a_le) = (between(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
+        let chord = between(a.te, b.te) - le;
         let chord_rate = mix(a.v_te, b.v_te) - v_le;
         let chord_change = mix(a.a_te, b.a_te) - a_le;
 
@@ -216,21 +230,21 @@ impl<S: Scalar> Strip<S> {
         let inverse_chord = chord.norm().recip();
         let forward = chord * inverse_chord;
         let area = chord.cross(line);
-        let area_rate = chord_rate.cross(line) + chord.cross(line_rate);
+        let area_rate = chord_rate.cross_under(line) + chord.cross_over(line_rate);
         let inverse_area = area.norm().recip();
         let upward = area * inverse_area;
-        let turning = area_rate * inverse_area;
-        let upward_rate = turning - upward * turning.dot(upward);
+        let turning = area_rate.scaled(inverse_area);
+        let upward_rate = turning - upward.times(upward.dot_over(turning));
         let across = upward.cross(forward);
         let (chordwise, normal) = zero_lift.turned(forward, upward);
         let normal_rate = zero_lift.turned_rate(upward_rate, || {
-            let swinging = chord_rate * inverse_chord;
-            swinging - forward * swinging.dot(forward)
+            let swinging = chord_rate.scaled(inverse_chord);
+            swinging - forward.times(forward.dot_over(swinging))
         });
 
         let air_half = wind - (v_le + chord_rate.scaled(0.5));
         let air = air_half - chord_rate.scaled(0.25);
-        let (wash, along) = (air.dot(normal), air.dot(chordwise));
+        let (wash, along) = (normal.dot_over(air), chordwise.dot_over(air));
         Self {
             quarter: le + chord.scaled(0.25),
             half: le + chord.scaled(0.5),
@@ -239,31 +253,31 @@ impl<S: Scalar> Strip<S> {
             normal_rate,
             chordwise,
             across,
-            drift: -air_half.dot(across),
+            drift: -across.dot_over(air_half),
             wash,
-            wash_half: air_half.dot(normal),
-            wash_half_rate: air_half.dot(normal_rate) - (a_le + chord_change.scaled(0.5)).dot(normal),
+            wash_half: normal.dot_over(air_half),
+            wash_half_rate: air_half.dot(normal_rate) - normal.dot_over(a_le + chord_change.scaled(0.5)),
             along,
             speed: (wash * wash + along * along + floor * floor).sqrt(),
-            pitch: -chord_rate.dot(upward) * inverse_chord,
-            pitch_rate: -(chord_change.dot(upward) + chord_rate.dot(upward_rate)) * inverse_chord,
+            pitch: -upward.dot_over(chord_rate) * inverse_chord,
+            pitch_rate: -(upward.dot_over(chord_change) + chord_rate.dot(upward_rate)) * inverse_chord,
         }
     }
 }
 
 /// The control sections of all strips.
-pub(super) struct Strips<S: Scalar, const N: usize> {
+pub(super) struct Strips<K: Scalar, S: Scalar, const N: usize> {
     /// Points at 1/4, 1/2 and 3/4 chord.
-    pub quarter: Vectors<S, N>,
-    pub half: Vectors<S, N>,
-    pub three_quarter: Vectors<S, N>,
+    pub quarter: Vectors<K, N>,
+    pub half: Vectors<K, N>,
+    pub three_quarter: Vectors<K, N>,
     /// Unit normals towards the upper side, and their rates.
-    pub normal: Vectors<S, N>,
+    pub normal: Vectors<K, N>,
     pub normal_rate: Vectors<S, N>,
     /// Unit vectors along the zero-lift lines towards the trailing edge.
-    pub chordwise: Vectors<S, N>,
+    pub chordwise: Vectors<K, N>,
     /// Unit vectors across the sections: the axes of nose-up pitch.
-    pub across: Vectors<S, N>,
+    pub across: Vectors<K, N>,
     /// Velocity across the section relative to the air at 1/2 chord, m/s.
     pub drift: Column<S, N>,
     /// Normal wash at 3/4 and 1/2 chord by motion and wind, m/s.
@@ -279,7 +293,7 @@ pub(super) struct Strips<S: Scalar, const N: usize> {
     pub pitch_rate: Column<S, N>,
 }
 
-impl<S: Scalar, const N: usize> Strips<S, N> {
+impl<K: Scalar, S: Over<K>, const N: usize> Strips<K, S, N> {
     /// Nothing moves yet.
     pub const ZERO: Self = {
         let (vectors, zero) = (Vectors::ZERO, [S::ZERO; N]);
@@ -288,7 +302,7 @@ impl<S: Scalar, const N: usize> Strips<S, N> {
             half: vectors,
             three_quarter: vectors,
             normal: vectors,
-            normal_rate: vectors,
+            normal_rate: Vectors::ZERO,
             chordwise: vectors,
             across: vectors,
             drift: zero,
@@ -303,7 +317,7 @@ impl<S: Scalar, const N: usize> Strips<S, N> {
     };
 
     #[inline(always)]
-    fn set(&mut self, i: usize, strip: &Strip<S>) {
+    fn set(&mut self, i: usize, strip: &Strip<K, S>) {
         self.quarter.set(i, strip.quarter);
         self.half.set(i, strip.half);
         self.three_quarter.set(i, strip.three_quarter);
@@ -325,26 +339,26 @@ impl<S: Scalar, const N: usize> Strips<S, N> {
 impl<P: Scalar> StripModel<P> {
     /// Motion of all strips.
     #[inline(never)]
-    pub(super) fn move_strips<S: Scalar + Meets<P>, const N: usize>(
+    pub(super) fn move_strips<K: Scalar + Meets<P>, S: Over<K> + Meets<P>, const N: usize>(
         &self,
-        edges: &Edges<S, N>,
+        edges: &Edges<K, S, N>,
         wind: Vec3<S>,
-        out: &mut Strips<S, N>,
+        out: &mut Strips<K, S, N>,
     ) {
-        // Each case a loop of its own, so that both vectorise.
+        // Of plain numbers each case a loop of its own, so that both vectorise.
         match self.zero_lift {
-            ZeroLift::Chord => self.move_each(edges, wind, ZeroLift::Chord, out),
+            ZeroLift::Chord if const { plain::<S>() } => self.move_each(edges, wind, ZeroLift::Chord, out),
             inclined => self.move_each(edges, wind, inclined, out),
         }
     }
 
     #[inline(always)]
-    fn move_each<S: Scalar + Meets<P>, const N: usize>(
+    fn move_each<K: Scalar + Meets<P>, S: Over<K> + Meets<P>, const N: usize>(
         &self,
-        edges: &Edges<S, N>,
+        edges: &Edges<K, S, N>,
         wind: Vec3<S>,
         zero_lift: ZeroLift<P>,
-        out: &mut Strips<S, N>,
+        out: &mut Strips<K, S, N>,
     ) {
         for i in 0..lanes::<S, N>(self.settings.strips) {
             let (a, b) = (edges.left.get(i), edges.right.get(i));
@@ -355,11 +369,11 @@ impl<P: Scalar> StripModel<P> {
 
     /// Vortex lines of all edges.
     #[inline(never)]
-    pub(super) fn shed_wakes<S: Scalar + Meets<P>, const N: usize>(
+    pub(super) fn shed_wakes<K: Scalar + Meets<P>, S: Over<K> + Meets<P>, const N: usize>(
         &self,
-        edges: &Edges<S, N>,
+        edges: &Edges<K, S, N>,
         wind: Vec3<S>,
-        out: &mut Wakes<S, N>,
+        out: &mut Wakes<K, S, N>,
     ) {
         for j in 0..lanes::<S, N>(self.settings.strips) {
             let edge = self.vortex_line(&edges.left.get(j), wind);
@@ -373,7 +387,11 @@ impl<P: Scalar> StripModel<P> {
 
     /// The vortex line of one edge.
     #[inline(always)]
-    pub(super) fn vortex_line<S: Scalar + Meets<P>>(&self, line: &ChordLine<S>, wind: Vec3<S>) -> Edge<S> {
+    pub(super) fn vortex_line<K: Scalar + Meets<P>, S: Over<K> + Meets<P>>(
+        &self,
+        line: &ChordLine<K, S>,
+        wind: Vec3<S>,
+    ) -> Edge<K, S> {
         Edge::new(line, wind, WAKE_FLOOR * self.floor)
     }
 }

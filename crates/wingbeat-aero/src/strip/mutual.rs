@@ -33,7 +33,7 @@ const LEAST_DISTANCE: f64 = 0.5;
 
 /// The vortices of all surfaces at one instant.
 pub(crate) struct Vortices<G: Scalar, S> {
-    edges: [Edge<G>; MAX_SECTIONS],
+    edges: [Edge<G, G>; MAX_SECTIONS],
     circulation: [S; MAX_STRIPS],
 }
 
@@ -88,8 +88,8 @@ pub(super) struct Foreign<S, const N: usize> {
 }
 
 /// Points and the normals through them, over 4 pi, with their moments about the origin.
-struct Points<'a, G: Scalar, const N: usize> {
-    at: &'a Vectors<G, N>,
+struct Points<'a, K: Scalar, G: Scalar, const N: usize> {
+    at: &'a Vectors<K, N>,
     normal: Vectors<G, N>,
     moment: Vectors<G, N>,
 }
@@ -109,13 +109,13 @@ impl<G: Scalar, const N: usize> Beside<G, N> {
     };
 }
 
-impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
-    fn new(at: &'a Vectors<G, N>, normals: &Vectors<G, N>) -> Self {
+impl<'a, K: Scalar, G: Over<K>, const N: usize> Points<'a, K, G, N> {
+    fn new(at: &'a Vectors<K, N>, normals: &Vectors<K, N>) -> Self {
         let (mut normal, mut moment) = (Vectors::ZERO, Vectors::ZERO);
         for i in 0..N {
             let n = normals.get(i).scaled(INVERSE_4PI);
-            normal.set(i, n);
-            moment.set(i, at.get(i).cross(n));
+            normal.set(i, n.lifted());
+            moment.set(i, at.get(i).cross(n).lifted());
         }
         Self { at, normal, moment }
     }
@@ -133,7 +133,7 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
     /// distance run`
     /// Source: Biot & Savart; Squire 1965, Aeronautical Quarterly 16 (growth); h and g a choice.
     /// Test: `a_tail_crosses_the_wake_smoothly`.
-    fn beside<P: Scalar>(&self, edge: &Edge<G>, core: P, growth: P, out: &mut Beside<G, N>)
+    fn beside<P: Scalar>(&self, edge: &Edge<G, G>, core: P, growth: P, out: &mut Beside<G, N>)
     where
         G: Meets<P>,
     {
@@ -142,15 +142,15 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
         let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, edge.wake));
         let least = core2 * NEAREST;
         for i in 0..N {
-            let (p, n) = (self.at.get(i), self.line(i));
+            let (p, n) = (self.at.get(i).lifted::<G>(), self.line(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = ((ra.norm_squared() + least).sqrt(), (rt.norm_squared() + least).sqrt());
             let run = rt.dot(edge.wake);
             let ahead = (run + (run * run + core2).sqrt()) * 0.5;
             let grown2 = ahead * growth + core2;
             let own = G::from(core2 * core2);
-            let leg = segment(leg.turn(&n), chord2, [a, b], |x, y| cored(x, y, own));
-            let wake = cored(wake.turn(&n), b * (b - run), grown2 * grown2);
+            let leg = segment(leg.turn::<G>(&n), chord2, [a, b], |x, y| cored(x, y, own));
+            let wake = cored(wake.turn::<G>(&n), b * (b - run), grown2 * grown2);
             (out.leg[i], out.wake[i]) = divide(leg, wake);
             (out.to_bound[i], out.to_trailing[i]) = (a, b);
         }
@@ -161,7 +161,7 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
     fn add<P: Scalar, S: Over<G>>(
         &self,
         source: &Source<P>,
-        edges: &[Edge<G>],
+        edges: &[Edge<G, G>],
         [bound, shed]: [&[S]; 2],
         sum: &mut Column<S, N>,
     ) where
@@ -182,9 +182,9 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
             for i in 0..N {
                 let n = self.line(i);
                 let ends = [left.to_bound[i], right.to_bound[i]];
-                let front = segment(lines[0].turn(&n), lengths[0], ends, core);
+                let front = segment(lines[0].turn::<G>(&n), lengths[0], ends, core);
                 let sides = [right.to_trailing[i], left.to_trailing[i]];
-                let (front, rear) = divide(front, segment(lines[1].turn(&n), lengths[1], sides, core));
+                let (front, rear) = divide(front, segment(lines[1].turn::<G>(&n), lengths[1], sides, core));
                 let ring = front + rear + (right.leg[i] - left.leg[i]);
                 let wake = right.wake[i] - left.wake[i] - rear;
                 sum[i] = shed[j].fused(wake, bound[j].fused(ring, sum[i]));
@@ -208,7 +208,7 @@ impl<G: Scalar> Whole<G> {
     /// `rate of each of n lags n V/d, d = (r + u.r)/2`
     /// Source: Taylor 1938 (frozen wake); n = 2 and the distance a choice.
     /// Test: `a_change_at_the_wing_reaches_the_tail_distance_over_speed_later`.
-    fn arrival_rate<P: Scalar>(&self, ends: &[Edge<G>], least: P) -> G
+    fn arrival_rate<P: Scalar>(&self, ends: &[Edge<G, G>], least: P) -> G
     where
         G: Meets<P>,
     {
@@ -247,7 +247,7 @@ impl<P: Scalar> StripModel<P> {
         for (j, edge) in vortices.edges[first_edge..].iter_mut().enumerate().take(n + 1) {
             *edge = self.vortex_line(&ChordLine::from(&sections.section(j)), wind);
         }
-        let mut strips = Strips::<G, MAX_STRIPS>::ZERO;
+        let mut strips = Strips::<G, G, MAX_STRIPS>::ZERO;
         if self.settings.section.law.about().attachment == Attachment::AtOnce {
             let mut edges = Edges::ZERO;
             edges.fill(sections, n);
@@ -266,13 +266,13 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Helmholtz; own derivation.
     /// Test: `a_steady_state_does_not_know_the_delay`.
     #[inline(never)]
-    pub(super) fn wash_of_others<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    pub(super) fn wash_of_others<K: Scalar, G: Over<K> + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         others: Others<'_, P, G, S>,
     ) -> Foreign<S, N> {
         let whole = self.whole(strips);
-        let [control, bound] = [
+        let [control, bound]: [Points<'_, K, G, N>; 2] = [
             Points::new(&strips.three_quarter, &strips.normal),
             Points::new(&strips.quarter, &strips.normal),
         ];
@@ -314,13 +314,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Means over the surface's area, at 3/4 chord.
-    fn whole<G: Scalar + Meets<P>, const N: usize>(&self, strips: &Strips<G, N>) -> Whole<G> {
+    fn whole<K: Scalar, G: Over<K> + Meets<P>, const N: usize>(&self, strips: &Strips<K, G, N>) -> Whole<G> {
         let (mut centre, mut air) = (Vec3::ZERO, Vec3::ZERO);
         for i in 0..N {
             let share = self.tables.share[i];
-            centre += strips.three_quarter.get(i).scaled(share);
-            let met = strips.chordwise.get(i) * strips.along[i] + strips.normal.get(i) * strips.wash[i]
-                - strips.across.get(i) * strips.drift[i];
+            centre += strips.three_quarter.get(i).lifted::<G>().scaled(share);
+            let met = strips.chordwise.get(i).times(strips.along[i])
+                + strips.normal.get(i).times(strips.wash[i])
+                - strips.across.get(i).times(strips.drift[i]);
             air += met.scaled(share);
         }
         Whole { centre, speed: (air.norm_squared() + self.floor * self.floor).sqrt() }

@@ -110,9 +110,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Rates of the sums, the speeds held.
-    fn lag_sum_rates<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn lag_sum_rates<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         lagged: Lagged<S, N>,
         attached: &Column<S, N>,
         x: &[S],
@@ -141,9 +146,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Share of the lift of each strip that stays attached.
-    pub(super) fn attached_shares<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    pub(super) fn attached_shares<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         x: &[S],
     ) -> Column<S, N> {
         let n = self.settings.strips;
@@ -201,9 +211,14 @@ impl<P: Scalar> StripModel<P> {
 
     /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
     /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
-    fn held_left<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn held_left<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         sums: &LagSums<S, N>,
     ) -> Column<S, N> {
         let n = self.settings.strips;
@@ -223,9 +238,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// The impulse of the air on each strip, P: see [`carry_air`](Self::carry_air) for the part by the motion.
-    fn impulse<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn impulse<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         held_left: &Column<S, N>,
     ) -> Column<S, N> {
         let mut impulse = *held_left;
@@ -261,7 +281,7 @@ impl<P: Scalar> StripModel<P> {
     /// Sets the followed impulses to those of the air, as if the wing had moved on as it does.
     pub(super) fn settle_impulse<S: Scalar + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        flow: &Flow<S, S, N>,
         x: &mut [S],
     ) {
         let attached = self.attached_shares(&flow.strips, x);
@@ -283,9 +303,14 @@ impl<P: Scalar> StripModel<P> {
     /// Source: own derivation; steady limit Weissinger 1947.
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     #[inline(always)]
-    pub(super) fn respond<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    pub(super) fn respond<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,
         x: &[S],
         dx: &mut [S],
@@ -353,9 +378,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
-    fn advance_lags<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn advance_lags<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         wash: &Column<S, N>,
         circulation: &Column<S, N>,
         x: &[S],
@@ -390,9 +420,14 @@ impl<P: Scalar> StripModel<P> {
     /// `c_s V^2 = a0 cos L [lw W - b q lw + (b q/2)^2], incidence of s_0 by lw`
     /// Source: Garrick 1936 with the wash that turns the force; own derivation.
     /// Test: `law_lev_turns_the_suction_that_the_edge_cannot_hold_into_normal_force`.
-    fn advance_edges<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn advance_edges<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         [lift_wash, turning_wash]: [&Column<S, N>; 2],
         x: &[S],
         dx: &mut [S],
@@ -420,9 +455,14 @@ impl<P: Scalar> StripModel<P> {
 
     /// Rates of the separated shares, the `state` of the law that follows in so many `chords` of travel the incidence
     /// of the lift wash.
-    fn advance_separation<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn advance_separation<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        strips: &Strips<G, N>,
+        strips: &Strips<K, G, N>,
         lift_wash: &Column<S, N>,
         (state, chords): (usize, f64),
         x: &[S],
@@ -446,9 +486,14 @@ impl<P: Scalar> StripModel<P> {
     /// `W = lw + (T - R)(2/3 Y + 1/3 Gamma)`
     /// Source: Munk 1921; weights 2/3, 1/3 a choice.
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
-    fn turning_wash<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    fn turning_wash<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
         &self,
-        flow: &Flow<G, N>,
+        flow: &Flow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,
         sums: &LagSums<S, N>,
         lift_wash: &Column<S, N>,

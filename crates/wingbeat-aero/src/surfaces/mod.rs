@@ -329,11 +329,31 @@ impl<P: Scalar> Surfaces<P> {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
+        coupling: Option<Coupling<'_, G, S>>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        self.sum_over_places::<G, G, S>(sections, wind, x, dx, coupling)
+    }
+
+    /// As [`evaluate_sum`](Self::evaluate_sum) where the places of the sections carry the derivatives of `K` alone, which spares
+    /// those of all that places decide.
+    pub fn sum_over_places<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>>(
+        &self,
+        sections: &impl Sections<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
         mut coupling: Option<Coupling<'_, G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         if let [only] = &self.surfaces[..] {
             // As one of several, so that there is one copy of the model for either case.
-            return only.aero.sum(&Following { all: sections, first: 0 }, wind, x, dx, None, coupling);
+            return only.aero.sum::<K, G, S>(
+                &Following { all: sections, first: 0 },
+                wind,
+                x,
+                dx,
+                None,
+                coupling,
+            );
         }
         let vortices = self.vortices(sections, wind, x);
         let mut sum = Sum::ZERO;
@@ -349,7 +369,8 @@ impl<P: Scalar> Surfaces<P> {
                 }
                 Coupling { mass: &mut *all.mass, strips: &mut all.strips[surface.strips()], impulses }
             });
-            sum.add(surface.aero.sum(&own, wind, &x[states.clone()], &mut dx[states], others, coupling));
+            let (x, dx) = (&x[states.clone()], &mut dx[states]);
+            sum.add(surface.aero.sum::<K, G, S>(&own, wind, x, dx, others, coupling));
         }
         (sum.wrench, sum.added_mass)
     }

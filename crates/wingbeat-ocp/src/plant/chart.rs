@@ -147,6 +147,10 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
     fn unfelt_states(&self) -> Range<usize> {
         self.plant.unfelt_states()
     }
+    fn placing_states(&self) -> [Range<usize>; 2] {
+        let less = usize::from(self.plant.attitude().is_some());
+        self.plant.placing_states().map(|run| run.start.saturating_sub(less)..run.end.saturating_sub(less))
+    }
     fn late_states(&self) -> usize {
         self.plant.late_states() - usize::from(self.plant.attitude().is_some())
     }
@@ -165,6 +169,9 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
     }
     fn rates_in_early(&self, t: f64, local: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
         self.localised(local, 0, dx, |x, dx| self.plant.rates_in_early(t, x, u, dx))
+    }
+    fn rates_in_moving(&self, t: f64, local: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_moving(t, x, u, dx))
     }
     fn rates_in_late(
         &self,

@@ -1,6 +1,7 @@
 //! Exact linearisation of a plant by forward-mode duals.
 
 use super::{Fault, Plant};
+use arrayvec::ArrayVec;
 use std::ops::Range;
 use wingbeat_math::Dual;
 
@@ -26,6 +27,17 @@ pub struct Linearisation {
     late_dx: Vec<Late>,
 }
 
+/// States that follow one another.
+type Runs = ArrayVec<Range<usize>, 8>;
+
+/// The states whose directions the early passes carry; after them come all inputs.
+struct Directions {
+    /// In the order of the directions.
+    runs: Runs,
+    /// How many of them are by states that move places.
+    placing: usize,
+}
+
 impl Linearisation {
     /// Storage for a plant of `states` states and `inputs` inputs.
     pub fn new(states: usize, inputs: usize) -> Self {
@@ -44,13 +56,12 @@ impl Linearisation {
 
     /// Evaluates the plant and its derivatives at (t, x, u).
     pub fn evaluate<P: Plant>(&mut self, plant: &P, t: f64, x: &[f64], u: &[f64]) -> Result<(), Fault> {
-        let late = plant.late_states();
-        let felt = Felt { early: late, unfelt: plant.unfelt_states() };
+        let unfelt = plant.unfelt_states();
         for row in self.a.chunks_exact_mut(x.len()) {
-            row[felt.unfelt.clone()].fill(0.0);
+            row[unfelt.clone()].fill(0.0);
         }
-        self.by_early(plant, t, x, u, &felt)?;
-        self.by_late(plant, t, x.split_at(late), u)
+        self.by_early(plant, t, x, u, &Directions::of(plant))?;
+        self.by_late(plant, t, x.split_at(plant.late_states()), u)
     }
 
     /// As [`evaluate`](Self::evaluate) for f and B alone; A stays as it was.
@@ -61,30 +72,36 @@ impl Linearisation {
         x: &[f64],
         u: &[f64],
     ) -> Result<(), Fault> {
-        self.by_early(plant, t, x, u, &Felt { early: 0, unfelt: 0..0 })
+        self.by_early(plant, t, x, u, &Directions { runs: Runs::new(), placing: 0 })
     }
 
-    /// f and derivatives by the given states and by all inputs.
+    /// f and derivatives by the given states and by all inputs. The first passes take the states that move places, and as many others
+    /// as there is room for.
     fn by_early<P: Plant>(
         &mut self,
         plant: &P,
         t: f64,
         x: &[f64],
         u: &[f64],
-        states: &Felt,
+        of: &Directions,
     ) -> Result<(), Fault> {
-        let (n, m, felt) = (x.len(), u.len(), states.count());
-        let directions = felt + m;
+        let (n, m, states) = (x.len(), u.len(), of.states());
+        let directions = states + m;
         for first in (0..directions.max(1)).step_by(Early::LANES) {
             let count = Early::LANES.min(directions - first);
-            seed(&mut self.x, x, first, |i| states.direction(i));
-            seed(&mut self.u, u, first, |i| Some(felt + i));
-            plant.rates_in_early(t, &self.x, &self.u, &mut self.dx)?;
-            let block = first..first + count;
-            for (run, to) in states.runs() {
-                scatter(&self.dx, &block, run, &mut self.a, n, to);
+            seed(&mut self.x, x, first, |i| of.direction(i));
+            seed(&mut self.u, u, first, |i| Some(states + i));
+            if first < of.placing {
+                plant.rates_in_early(t, &self.x, &self.u, &mut self.dx)?;
+            } else {
+                plant.rates_in_moving(t, &self.x, &self.u, &mut self.dx)?;
             }
-            scatter(&self.dx, &block, felt..directions, &mut self.b, m, 0);
+            let (block, mut before) = (first..first + count, 0);
+            for run in &of.runs {
+                scatter(&self.dx, &block, before..before + run.len(), &mut self.a, n, run.start);
+                before += run.len();
+            }
+            scatter(&self.dx, &block, states..directions, &mut self.b, m, 0);
         }
         for (f, rate) in self.f.iter_mut().zip(&self.dx) {
             *f = rate.re;
@@ -113,31 +130,32 @@ impl Linearisation {
     }
 }
 
-/// The states whose directions the early passes carry.
-struct Felt {
-    /// How many states are early.
-    early: usize,
-    /// Those of them that no rate depends on.
-    unfelt: Range<usize>,
-}
-
-impl Felt {
-    /// Number of directions.
-    fn count(&self) -> usize {
-        self.early - self.unfelt.len()
+impl Directions {
+    /// Those by all early states of `plant` that are felt.
+    fn of<P: Plant>(plant: &P) -> Self {
+        let (late, unfelt, placing) = (plant.late_states(), plant.unfelt_states(), plant.placing_states());
+        let (mut others, mut start) = (Runs::new(), 0);
+        for taken in [unfelt, placing[0].clone(), placing[1].clone(), late..late] {
+            others.push(start..taken.start.max(start));
+            start = start.max(taken.end);
+        }
+        let count = placing.iter().map(Range::len).sum();
+        Self { runs: placing.into_iter().chain(others).collect(), placing: count }
     }
-    /// Directions of states that follow one another, and the first of these states.
-    fn runs(&self) -> [(Range<usize>, usize); 2] {
-        let before = self.unfelt.start.min(self.count());
-        [(0..before, 0), (before..self.count(), self.unfelt.end)]
+    /// Number of states among the directions.
+    fn states(&self) -> usize {
+        self.runs.iter().map(Range::len).sum()
     }
     /// The direction of a state.
     fn direction(&self, state: usize) -> Option<usize> {
-        match state {
-            i if i >= self.early || self.unfelt.contains(&i) => None,
-            i if i < self.unfelt.start => Some(i),
-            i => Some(i - self.unfelt.len()),
+        let mut first = 0;
+        for run in &self.runs {
+            if run.contains(&state) {
+                return Some(first + state - run.start);
+            }
+            first += run.len();
         }
+        None
     }
 }
 

@@ -190,6 +190,13 @@ pub trait Plant: Sync {
         0..0
     }
 
+    /// States between those and the late ones on which places depend, in ascending runs. Inputs and other states leave places
+    /// as they are, so that derivatives by them need not follow what places alone decide: see
+    /// [`rates_in_moving`](Self::rates_in_moving).
+    fn placing_states(&self) -> [Range<usize>; 2] {
+        [0..0, 0..0]
+    }
+
     /// Index of the first late state. Late states enter only the end of an evaluation, so that
     /// derivatives by them need not follow the rest; all of them come after the others.
     fn late_states(&self) -> usize {
@@ -229,6 +236,13 @@ pub trait Plant: Sync {
     /// Those of `rates`.
     fn rates_in_early(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
         self.rates(Early::from(t), x, u, dx)
+    }
+    /// The same with derivatives by inputs and by such early states alone as are not [placing](Self::placing_states).
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_moving(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.rates_in_early(t, x, u, dx)
     }
     /// [`rates_by_late`](Self::rates_by_late) with the derivatives by late states that one pass of a [`Linearisation`] carries.
     ///

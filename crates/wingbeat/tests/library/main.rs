@@ -23,6 +23,7 @@ mod hover;
 mod inherit;
 mod inside;
 mod lanes;
+mod linearisation;
 mod linkage;
 mod manoeuvre;
 mod mechanism;
