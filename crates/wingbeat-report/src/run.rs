@@ -483,7 +483,9 @@ fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> 
     }
     run.panels = match run.kind {
         "calibration" => fits(&record, &all),
-        _ => panels::every(&record, &all, if run.kind == "sweep" { "run" } else { "cycle" }),
+        "sweep" => panels::every(&record, &all, "run"),
+        "record" => panels::every(&record, &all, "t"),
+        _ => panels::every(&record, &all, "cycle"),
     };
     if run.panels.is_empty() {
         run.notes.push("the run holds no table that is drawn here".into());
