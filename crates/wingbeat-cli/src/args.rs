@@ -26,7 +26,7 @@ from. Where runs lie and what is replaced: docs/runs.md.";
 ///
 /// The folder holds scenario.toml (as resolved), record.parquet, summary.json, manifest.json and figures, and
 /// strips.parquet where the key flight.record_strips_every_s (s) asks for it: for every strip and instant its force
-/// by source in body axes, incidence, width, point at 1/4 chord from the body origin, and circulation where the model
+/// by source in body axes, angle of attack, width, point at 1/4 chord from the body origin, and circulation where the model
 /// has one (preset paper, five lags of preset full; three lags give circulation_lag_sum). It appears when the run is
 /// whole.
 #[derive(Debug, Args)]

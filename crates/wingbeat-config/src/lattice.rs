@@ -36,7 +36,7 @@ pub struct LatticeSpec {
     /// Age at which the wake ends, s; without it never.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_age_s: Option<f64>,
-    /// Largest suction parameter of the leading edges (A0 of thin aerofoils, the incidence of a flat plate in steady flow): what is above
+    /// Largest suction parameter of the leading edges (A0 of thin aerofoils, the angle of attack of a flat plate in steady flow): what is above
     /// leaves them in a vortex sheet. Without it the flow stays attached. It belongs to profile and Reynolds number: 0.11 for flat plates,
     /// 0.14 to 0.21 for SD7003 at 1e4 to 3e4 (Ramesh et al. 2014 and their program).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -49,7 +49,7 @@ ranges!(LatticeSpec {
     spanwise: Range::between(1.0, 400.0),
     core_chords: Range::over(0.0, 1.0),
     longest_age_s: Range::POSITIVE,
-    // A0 of a flat plate is the sine of its incidence.
+    // A0 of a flat plate is the sine of its angle of attack.
     critical_suction: Range::between(0.0, 1.0),
 });
 

@@ -140,7 +140,7 @@ pub struct AeroSpec {
     pub preset: Preset,
     /// Lift law.
     pub law: LiftLaw,
-    /// Incidence beyond which a strip counts as stalled, and at which laws `stall` and `lev` have their largest
+    /// Angle of attack beyond which a strip counts as stalled, and at which laws `stall` and `lev` have their largest
     /// attached lift, deg; where a surface says none of its own.
     #[serde(default = "default_stall_angle")]
     pub stall_angle_deg: f64,
@@ -148,7 +148,7 @@ pub struct AeroSpec {
     /// says none of its own.
     #[serde(default = "default_critical_suction")]
     pub critical_suction: f64,
-    /// Incidence of the chord at which the section bears no lift, deg, negative with camber upward; where a surface says
+    /// Angle of attack of the chord at which the section bears no lift, deg, negative with camber upward; where a surface says
     /// none of its own.
     #[serde(default = "default_zero_lift_angle")]
     pub zero_lift_angle_deg: f64,
@@ -189,7 +189,7 @@ pub struct PaperAeroSpec {
     pub lag_speed: LagSpeed,
     /// Under `as_printed`: what turns the lift from the normal to the wind of motion.
     pub lift_tilt: LiftTilt,
-    /// Under `as_printed`: whether the sections have their quasi-steady profile drag, cd0 + cd90 sin^2(incidence), which
+    /// Under `as_printed`: whether the sections have their quasi-steady profile drag, cd0 + cd90 sin^2(angle of attack), which
     /// equations (1) to (4) lack.
     pub printed_drag: bool,
 }

@@ -66,7 +66,7 @@ pub fn overlay(channels: Vec<Overlay>) -> Figure {
             Panel { bands, ..Panel::new(title.trim_end(), curves) }
         })
         .collect();
-    let across = "phase of the stroke [cycles]; shaded: 95 % of measured cycles, as predicted";
+    let across = "phase of the cycle [cycles]; shaded: 95 % of measured cycles, as predicted";
     Figure::new("overlay", stacked(panels, across, HEIGHT))
 }
 
@@ -128,7 +128,7 @@ pub fn residual_spectra(channels: Vec<Spectrum>) -> Figure {
         };
         Chart {
             title: channel.title,
-            x: Axis::new("harmonic of the stroke"),
+            x: Axis::new("harmonic of the cycle"),
             y: Axis::log("amplitude"),
             series: vec![
                 Series::new("before", points(&channel.before), Look::Dashed, 1),

@@ -58,7 +58,7 @@ pub fn force_moment(record: &Record, cell: Cell) -> Result<Figure, Error> {
     scene.height += FOOT;
     let black = if simulated { "; black: the model on the measured motion of one run" } else { "" };
     let runs = if one_run(record) { "one run" } else { "smallest to largest of all runs" };
-    let foot = format!("red: {}, {runs}, stroke after stroke{black}", cell.name());
+    let foot = format!("red: {}, {runs}, cycle after cycle{black}", cell.name());
     let (x, y) = (style::WIDTH / 2.0, scene.height - 10.0);
     scene.elements.push(style::words(x, y, foot, TextAnchor::Middle, false));
     Ok(Figure::new("force_moment", scene))

@@ -41,7 +41,7 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
         panels.push(Panel::new(label, curves));
     }
     let x_label = if whole.is_some() {
-        format!("share of the last whole stroke, from {start:.2} s on and {period:.3} s long")
+        format!("share of the last whole cycle, from {start:.2} s on and {period:.3} s long")
     } else {
         "time [s]".into()
     };

@@ -1,4 +1,4 @@
-//! A periodic flight: wing and incidence over the cycle, multipliers in the unit circle, orbits along a parameter.
+//! A periodic flight: wing and angle of attack over the cycle, multipliers in the unit circle, orbits along a parameter.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use crate::write::Figure;
 use crate::{Error, needed, own_joints, style};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-/// Incidences beyond which stall is counted, deg.
+/// Angles of attack beyond which stall is counted, deg.
 const LEVELS: [f64; 5] = [-20.0, -12.0, 0.0, 12.0, 20.0];
 /// Size of a multiplier from which on its mode is named.
 const NAMED: f64 = 0.5;
@@ -23,7 +23,7 @@ const CIRCLE: usize = 181;
 /// Height of a panel of a family, px.
 const HEIGHT: f64 = 210.0;
 
-/// Joint angles, incidence of the left wing's strips, attitude, power and clearance over the cycle.
+/// Joint angles, angle of attack of the left wing's strips, attitude, power and clearance over the cycle.
 ///
 /// Needs `t`, `pitch`, `joint_power`, `incidence_0`; draws the robot's joints, of pairs the left ones, and clearances where they are there.
 pub fn orbit(record: &Record) -> Result<Figure, Error> {
@@ -59,7 +59,7 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
         Panel::new("joint angles [°], up, forward, nose up", turning),
         Panel {
             levels: LEVELS.to_vec(),
-            ..Panel::new("incidence [°], lines at 0, 12 and 20", incidences.collect())
+            ..Panel::new("angle of attack [°], lines at 0, 12 and 20", incidences.collect())
         },
         Panel::new("pitch [°], nose up", vec![curve("pitch".into(), needed(record, "pitch")?, -DEGREES, 0)]),
         Panel::new(
@@ -171,7 +171,7 @@ pub fn family(record: &Record) -> Result<Figure, Error> {
     };
     let mut charts = vec![one("power_w_kg", "power [W/kg]")?, one("frequency_hz", "frequency [Hz]")?];
     charts.push(chart(
-        "share of U²c beyond an incidence",
+        "share of U²c beyond an angle of attack",
         vec![
             Series::new("beyond 12°", points("stall_fraction_12")?, Look::Line, 0),
             Series::new("beyond 20°", points("stall_fraction_20")?, Look::Dashed, 1),

@@ -99,7 +99,7 @@ pub fn cycles(trace: &Record, average: &Record, cell: Cell) -> Result<Figure, Er
         curves.push(Curve::new("mean", phase, mean, 1).whole());
         panels.push(Panel::new(title(name, unit), curves));
     }
-    let x = format!("phase of the stroke, turns; {}", cell.name());
+    let x = format!("phase of the cycle, turns; {}", cell.name());
     Ok(Figure::new("cycles", stacked(panels, &x, HEIGHT)))
 }
 

@@ -96,7 +96,7 @@ impl<'a> LastCycle<'a> {
     }
 }
 
-/// Circulation, where the model has one, incidence, separation and suction lost, where there are any, and force over the span at four phases of the last cycle.
+/// Circulation, where the model has one, angle of attack, separation and suction lost, where there are any, and force over the span at four phases of the last cycle.
 pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     let (phase, arc) = (needed(strips, "phase")?, needed(strips, "arc")?);
     let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;

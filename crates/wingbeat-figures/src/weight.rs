@@ -36,7 +36,7 @@ pub fn panel(record: &Record) -> Option<Panel> {
         .collect();
     curves.push(Curve::total("sum", &t, total));
     let title =
-        if windows.is_empty() { "share of the weight" } else { "share of the weight, mean over a stroke" };
+        if windows.is_empty() { "share of the weight" } else { "share of the weight, mean over a cycle" };
     Some(Panel { levels: vec![0.0, 1.0], ..Panel::new(title, curves) })
 }
 

@@ -15,12 +15,15 @@ const MIDDLE: f64 = 1e-6;
 /// What is said where nothing can be shown in space.
 pub type Silent = String;
 
-/// The rows that are shown of a flight: none where its columns say no place.
+/// The rows that are shown of a flight.
 pub fn shown(record: &Record) -> Vec<usize> {
+    rows(record.values("t").unwrap_or_default(), drawable(record))
+}
+
+/// How many of the first rows of a flight can be drawn.
+pub fn drawable(record: &Record) -> usize {
     let place = ["x", "y", "z"].map(|axis| record.values(&format!("p_WB_{axis}")).unwrap_or_default());
-    let t = record.values("t").unwrap_or_default();
-    let sound = if place[0].is_empty() { t.len() } else { sound(&place) };
-    rows(t, sound)
+    if place[0].is_empty() { record.rows() } else { sound(&place) }
 }
 
 /// The motion of the flight of `scenario` in the `shown` rows of `record`.

@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use wingbeat::aero::Circulation;
 use wingbeat::math::{Quat, Vec3};
+use wingbeat::plant::{Channel, Plant};
 use wingbeat::rig::{Pose, rotation_vector};
-use wingbeat::scenario::{RigRun, TetherCase};
+use wingbeat::scenario::{RigRun, Scenario, TetherCase};
 use wingbeat::simulate::Record;
 use wingbeat::tether::{STRAIN, Shape};
 
@@ -131,6 +132,47 @@ pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<Motion, 
     }
     motion.lines = vec![arm, sting];
     motion.table = Some([[-TABLE, -TABLE, z], [TABLE, -TABLE, z], [TABLE, TABLE, z], [-TABLE, TABLE, z]]);
+    Ok(motion)
+}
+
+/// The robot held with its nose down by `pitch`, rad, in the `shown` rows of the `record` of a gait that was planned: what of its states
+/// the record lacks is that of the body, at rest.
+///
+/// # Errors
+/// Why the record does not say how it moves.
+pub fn gait(scenario: &Scenario, record: &Record, shown: &[usize], pitch: f64) -> Result<Motion, Silent> {
+    let robot = scenario.robot();
+    let mut rest = vec![0.0; robot.states().len()];
+    rest[robot.attitude().ok_or("the robot has no attitude")?] = 1.0;
+    let of = |channels: &[Channel]| -> Vec<Option<&[f64]>> {
+        channels.iter().map(|channel| record.values(&channel.name)).collect()
+    };
+    let (states, inputs) = (of(robot.states()), of(robot.inputs()));
+    let phase = record.values("phase").ok_or("the record has no column phase")?;
+    let mut motion = Motion {
+        t: taken(record, shown, "t")?,
+        sources: named(record, shown),
+        wind: robot.mean_wind().0,
+        repeats: true,
+        ..Motion::default()
+    };
+    for &row in shown {
+        let at = |columns: &[Option<&[f64]>], rest: &[f64]| -> Vec<f64> {
+            columns
+                .iter()
+                .zip(rest)
+                .map(|(column, rest)| column.map_or(*rest, |column| column[row]))
+                .collect()
+        };
+        let (x, u) = (at(&states, &rest), at(&inputs, &vec![0.0; inputs.len()]));
+        // The time at which the robot's own gait has this phase.
+        let t = (phase[row] - robot.phase(0.0)) / (TAU * robot.frequency_hz());
+        let seen = robot.skeleton(t, &x, &u).map_err(|fault| format!("phase {} rad: {fault}", phase[row]))?;
+        push(&mut motion.position, Vec3::ZERO);
+        let nose = [(0.5 * pitch).cos(), 0.0, (0.5 * pitch).sin(), 0.0];
+        motion.attitude.iter_mut().zip(nose).for_each(|(column, part)| column.push(part));
+        add_skeleton(&mut motion, &seen);
+    }
     Ok(motion)
 }
 

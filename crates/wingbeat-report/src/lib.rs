@@ -9,6 +9,7 @@ mod error;
 pub mod export;
 pub mod files;
 mod flight;
+pub mod growing;
 mod held;
 pub mod motion;
 mod pack;

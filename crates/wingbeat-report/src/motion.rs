@@ -153,6 +153,33 @@ pub fn at(track: &Track, i: usize) -> Vec3 {
 }
 
 impl Motion {
+    /// Every column, in an order that depends on what moves alone.
+    fn columns(&mut self) -> Vec<&mut Vec<f64>> {
+        let mut all: Vec<&mut Vec<f64>> = vec![&mut self.t];
+        let tracks = [&mut self.position, &mut self.com].into_iter().chain(&mut self.path);
+        all.extend(tracks.flatten());
+        all.extend(&mut self.attitude);
+        for surface in &mut self.surfaces {
+            all.extend(surface.ribs.as_flattened_mut().as_flattened_mut());
+            all.extend(surface.raised.as_flattened_mut().as_flattened_mut());
+            for strip in &mut surface.strips {
+                all.extend(strip.quarter_chord.iter_mut().chain(&mut strip.force));
+                all.push(&mut strip.circulation);
+            }
+        }
+        all.extend(self.sources.iter_mut().flat_map(|source| &mut source.force));
+        all.extend(self.lines.iter_mut().flat_map(|line| &mut line.points).flatten());
+        all
+    }
+
+    /// Adds the frames of `more` of the same robot; true where it is that.
+    pub fn extend(&mut self, mut more: Self) -> bool {
+        let (all, new) = (self.columns(), more.columns());
+        let same = all.len() == new.len();
+        all.into_iter().zip(new).for_each(|(column, more)| column.append(more));
+        same
+    }
+
     /// Number of frames.
     pub fn frames(&self) -> usize {
         self.t.len()

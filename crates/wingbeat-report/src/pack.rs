@@ -35,11 +35,18 @@ pub struct Channel {
 #[derive(Debug, Default)]
 pub struct Pack {
     bytes: Vec<u8>,
+    from: usize,
 }
 
 impl Pack {
+    /// From now on only what columns have from this row on is packed.
+    pub fn begin_at(&mut self, row: usize) {
+        self.from = row;
+    }
+
     /// Adds a column, whose numbers may be wrong by half a `step`; by more only where they span more than [`MOST_STEPS`].
     pub fn add(&mut self, values: &[f64], step: f64) -> Channel {
+        let values = &values[self.from.min(values.len())..];
         let (low, high) = range(values);
         // Halves, as the whole of two large numbers may have no number.
         let least = 2.0 * ((0.5 * high - 0.5 * low) / MOST_STEPS);

@@ -46,27 +46,34 @@ pub struct Without {
 
 /// The page that shows `runs`.
 pub fn page(runs: &[Run], without: Without) -> String {
-    Parts::of(runs, without).filled(false)
+    Parts::of(runs, without, None).filled(None)
 }
 
-/// Runs of a computation that goes on, packed once for all who ask.
-pub struct Live(Parts);
+/// Runs of a computation that goes on, in their `version`.
+#[derive(Clone, Copy, Debug)]
+pub struct Live<'a> {
+    /// The runs.
+    pub runs: &'a [Run],
+    /// How often they have changed.
+    pub version: u64,
+    /// Whether nothing more comes.
+    pub ended: bool,
+}
 
-impl Live {
-    /// Packs the `runs` as they are now.
-    pub fn of(runs: &[Run]) -> Self {
-        Self(Parts::of(runs, Without::default()))
-    }
-
+impl Live<'_> {
     /// The page, which asks its server for what has been computed since.
     pub fn page(&self) -> String {
-        self.0.filled(true)
+        Parts::of(self.runs, Without::default(), None).filled(Some(self.version))
     }
 
-    /// What the page is told: its whole data again, their `version`, and whether it is the last.
-    pub fn data(&self, version: u64, ended: bool) -> String {
-        let Parts { data, bytes, .. } = &self.0;
-        json!({ "version": version, "ended": ended, "data": data, "bytes": bytes }).to_string()
+    /// What the page is told: all, or what has come since another version and its numbers of rows.
+    pub fn data(&self, since: Option<(u64, &[usize])>) -> String {
+        let Parts { data, bytes, .. } = Parts::of(self.runs, Without::default(), since.map(|(_, rows)| rows));
+        let mut told = json!({ "version": self.version, "ended": self.ended, "data": data, "bytes": bytes });
+        if let Some((after, _)) = since {
+            told["after"] = json!(after);
+        }
+        told.to_string()
     }
 }
 
@@ -80,11 +87,20 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(runs: &[Run], without: Without) -> Self {
+    /// Of each run all, or what it has from the row on that `rows` gives.
+    fn of(runs: &[Run], without: Without, rows: Option<&[usize]>) -> Self {
         let mut pack = Pack::default();
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         let told: Vec<Value> = runs.iter().map(told).collect();
-        let shown: Vec<Value> = runs.iter().map(|run| of_run(run, without, &mut pack)).collect();
+        let mut shown = Vec::new();
+        for (k, run) in runs.iter().enumerate() {
+            pack.begin_at(rows.and_then(|rows| rows.get(k)).copied().unwrap_or(0));
+            let mut told = of_run(run, without, &mut pack);
+            if rows.is_none() {
+                told["settings"] = settings(run).into();
+            }
+            shown.push(told);
+        }
         Self {
             title: escaped(&names.join(", ")),
             data: json!({ "runs": told }),
@@ -92,7 +108,8 @@ impl Parts {
         }
     }
 
-    fn filled(&self, live: bool) -> String {
+    /// The page; of a computation that goes on in that version.
+    fn filled(&self, live: Option<u64>) -> String {
         // Inside of an element of a script nothing but its end is read as markup.
         let data = self.data.to_string().replace('<', "\\u003c");
         let mut page = String::new();
@@ -103,8 +120,8 @@ impl Parts {
                 "DATA" => page += &data,
                 "BYTES" => page += &self.bytes,
                 "PROGRAM" => PROGRAM.iter().for_each(|part| page += &without_margins(part)),
-                "LIVE" => page += if live { " data-live" } else { "" },
-                "CONNECT" => page += if live { "; connect-src 'self'" } else { "" },
+                "LIVE" => page += &live.map_or(String::new(), |version| format!(" data-live=\"{version}\"")),
+                "CONNECT" => page += if live.is_some() { "; connect-src 'self'" } else { "" },
                 other => page += other,
             }
         }
@@ -180,7 +197,6 @@ fn settings(run: &Run) -> String {
 fn of_run(run: &Run, without: Without, pack: &mut Pack) -> Value {
     let panels: Vec<Value> = run.panels.iter().map(|panel| of_panel(panel, pack)).collect();
     json!({
-        "settings": settings(run),
         "axis": { "label": run.axis.label, "unit": run.axis.unit, "joined": run.axis.joined,
                   "values": axis(&run.axis.values, pack) },
         "motion": run.motion.as_ref().map(|motion| of_motion(motion, without, pack)),

@@ -50,6 +50,28 @@ pub struct Panel {
     pub limits: Option<(f64, f64)>,
 }
 
+/// Whether the plots show what the `earlier` ones do, to the bit, and what comes behind.
+pub fn continue_all(panels: &[Panel], earlier: &[Panel]) -> bool {
+    panels.len() == earlier.len() && panels.iter().zip(earlier).all(|(now, then)| now.continues(then))
+}
+
+impl Panel {
+    fn continues(&self, earlier: &Self) -> bool {
+        let same = |(now, then): (&Curve, &Curve)| {
+            (&now.label, now.role) == (&then.label, then.role) && begins_with(&now.values, &then.values)
+        };
+        (&self.title, self.limits) == (&earlier.title, earlier.limits)
+            && self.curves.len() == earlier.curves.len()
+            && self.curves.iter().zip(&earlier.curves).all(same)
+    }
+}
+
+/// Whether `values` begin with `earlier`, to the bit.
+pub fn begins_with(values: &[f64], earlier: &[f64]) -> bool {
+    let bits = |pair: (&f64, &f64)| pair.0.to_bits() == pair.1.to_bits();
+    values.len() >= earlier.len() && values.iter().zip(earlier).all(bits)
+}
+
 /// What is taken of a record.
 struct Taken<'a> {
     record: &'a Record,

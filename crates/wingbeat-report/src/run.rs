@@ -12,7 +12,7 @@ use wingbeat_io::read_csv;
 
 use crate::files::Files;
 use crate::motion::{Motion, rows};
-use crate::panels::{self, Curve, Panel, Role};
+use crate::panels::{self, Curve, Panel, Role, begins_with};
 use crate::wake::Shot;
 use crate::{Error, flight, held};
 
@@ -80,6 +80,13 @@ impl Run {
             let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
             format!("{}: nothing moves in this {}{notes}", self.name, self.kind)
         })
+    }
+
+    /// Whether it plots what `earlier` plots and what comes behind; what moves is not looked at.
+    pub fn continues(&self, earlier: &Self) -> bool {
+        self.name == earlier.name
+            && begins_with(&self.axis.values, &earlier.axis.values)
+            && panels::continue_all(&self.panels, &earlier.panels)
     }
 
     /// The name in its document, or else that of its folder.
@@ -240,11 +247,10 @@ fn flight_of(files: Files, flown: Option<Flown>, blank: Blank) -> Result<Run, Er
     Ok(run)
 }
 
-/// A flight as far as it is known, without a verdict.
-pub fn of_flight(name: &str, kind: &'static str, flown: Flown) -> Run {
-    let shown = flight::shown(flown.record);
-    let mut run = Run::blank(name, kind, time(flight::taken(flown.record, &shown, "t").unwrap_or_default()));
-    fill(&mut run, flown.record, Some(flown.scenario), &shown);
+/// The rows `shown` of a flight as far as it is known, without a verdict.
+pub fn of_flight(name: &str, kind: &'static str, flown: Flown, shown: &[usize]) -> Run {
+    let mut run = Run::blank(name, kind, time(flight::taken(flown.record, shown, "t").unwrap_or_default()));
+    fill(&mut run, flown.record, Some(flown.scenario), shown);
     run
 }
 
@@ -261,8 +267,17 @@ fn fill(run: &mut Run, record: &Record, scenario: Option<&Scenario>, shown: &[us
         ));
     }
     if let Some(scenario) = scenario.filter(|_| shown.len() > 1) {
-        match flight::motion(scenario, record, shown) {
-            Ok(motion) => run.motion = Some(Motion { repeats: run.kind == "periodic flight", ..motion }),
+        // A gait that was planned on a stand has no place.
+        let stands = record.values("p_WB_x").is_none() && record.values("phase").is_some();
+        let motion = if stands {
+            let pitch = run.summary["plan"]["pitch_deg"].as_f64().unwrap_or(0.0);
+            held::gait(scenario, record, shown, pitch.to_radians())
+        } else {
+            flight::motion(scenario, record, shown)
+                .map(|motion| Motion { repeats: run.kind == "periodic flight", ..motion })
+        };
+        match motion {
+            Ok(motion) => run.motion = Some(motion),
             Err(why) => run.notes.push(format!("no picture in space: {why}")),
         }
         if scenario.spec.lattice.is_some() {
@@ -468,7 +483,9 @@ fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> 
     }
     run.panels = match run.kind {
         "calibration" => fits(&record, &all),
-        _ => panels::every(&record, &all, if run.kind == "sweep" { "run" } else { "cycle" }),
+        "sweep" => panels::every(&record, &all, "run"),
+        "record" => panels::every(&record, &all, "t"),
+        _ => panels::every(&record, &all, "cycle"),
     };
     if run.panels.is_empty() {
         run.notes.push("the run holds no table that is drawn here".into());

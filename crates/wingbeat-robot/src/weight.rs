@@ -14,7 +14,7 @@ pub enum WeightPart {
     Vortex,
     /// What `cd90` gives: the normal force of separated flow, or under law `linear` the drag of the plate.
     Separated,
-    /// What `cd0` gives: skin friction.
+    /// What `cd0` gives: profile drag.
     Friction,
     /// The tilt of the attached lift by the downwash of wake and lags.
     Wash,
@@ -66,7 +66,7 @@ impl WeightPart {
             Self::Suction => "leading-edge suction",
             Self::Vortex => "leading-edge vortex",
             Self::Separated => "separated flow (cd90)",
-            Self::Friction => "skin friction (cd0)",
+            Self::Friction => "profile drag (cd0)",
             Self::Wash => "tilt by the downwash",
             Self::AddedMass => "added mass",
             Self::BodyDrag => "drag of the body",

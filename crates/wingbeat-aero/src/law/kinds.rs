@@ -3,7 +3,7 @@
 /// Declares [`LiftLaw`](super::LiftLaw) with an arm for each law of the list, and what asks the law of an arm.
 macro_rules! laws {
     ($($(#[$doc:meta])* $name:ident: $module:ident,)+) => {
-        /// What becomes of the attached lift as the incidence grows.
+        /// What becomes of the attached lift as the angle of attack grows.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
         #[serde(rename_all = "snake_case")]
         pub enum LiftLaw {

@@ -1,4 +1,4 @@
-//! Lift proportional to the wash at any incidence.
+//! Lift proportional to the wash at any angle of attack.
 
 use super::{Attachment, CD0, CD90, LIFT_SLOPE, Law, Section, ZERO_LIFT_ANGLE};
 
@@ -7,7 +7,7 @@ pub(super) struct Linear;
 impl Section for Linear {
     const LAW: Law = Law {
         name: "linear",
-        meaning: "lift proportional to the wash at any incidence; knows no stall",
+        meaning: "lift proportional to the wash at any angle of attack; knows no stall",
         parameters: &[ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
         states: &[],
         attachment: Attachment::Whole,

@@ -1,4 +1,4 @@
-//! Section laws: what becomes of lift and suction as the incidence grows, and the profile drag.
+//! Section laws: what becomes of lift and suction as the angle of attack grows, and the profile drag.
 //!
 //! A law is one file here and one arm of [`LiftLaw`]. Beside its physics the file declares as data what the law is,
 //! which parameters of the section it asks for and which states each strip carries for it; configurations, records
@@ -21,19 +21,19 @@ use wingbeat_math::{Meets, Over, Scalar};
 
 // A law is a file of its own, its name among those above, and its arm here.
 kinds::laws! {
-    /// Lift proportional to the wash at any incidence: the paper's law, which
+    /// Lift proportional to the wash at any angle of attack: the paper's law, which
     /// knows no stall. Valid below the stall angle.
     Linear: linear,
     /// Flat, thin wing at low Reynolds number (1e3 to 1e5): the attached lift
     /// fades with the flow's separation and the normal force of a plate in
     /// separated flow takes its place (Hoerner 1965, ch. 3; Dickinson, Lehmann
     /// & Sane 1999). Quasi-steady: no dynamic-stall vortex is shed, so it errs
-    /// where the incidence crosses the stall angle faster than about a chord
+    /// where the angle of attack crosses the stall angle faster than about a chord
     /// of travel, and at thick or strongly cambered sections.
     Stall: stall,
     /// The leading edge holds suction up to its critical parameter; what it loses
     /// becomes the normal force of a leading-edge vortex, and separation lags behind
-    /// the effective incidence (Polhamus 1966; Goman & Khrabrov 1994; Ramesh et al.
+    /// the effective angle of attack (Polhamus 1966; Goman & Khrabrov 1994; Ramesh et al.
     /// 2014). Two states per strip.
     Lev: lev,
     /// As `lev`, for wings of finite aspect ratio: the separated flow bears the normal force of a plate of that aspect
@@ -51,7 +51,7 @@ pub(super) trait Section {
         stall::scale(numbers.stall_angle)
     }
 
-    /// Normal force of the separated flow over cd90 and the sine of the incidence, where it is not 1; `relief` is what the ends of a
+    /// Normal force of the separated flow over cd90 and the sine of the angle of attack, where it is not 1; `relief` is what the ends of a
     /// plate of the surface's aspect ratio take.
     #[inline]
     fn broadside<P, G: Scalar + Meets<P>>(_absolute_sine: G, _relief: P) -> Option<G> {
@@ -84,7 +84,7 @@ pub struct Law {
 pub enum Attachment {
     /// All of it.
     Whole,
-    /// By the incidence of the moment.
+    /// By the angle of attack of the moment.
     AtOnce,
     /// One less a state of the strip, the separated share, which follows what [`AtOnce`](Self::AtOnce) would
     /// separate.
@@ -124,13 +124,13 @@ pub struct StripState {
     pub meaning: &'static str,
 }
 
-/// Incidence at which the attached lift is largest.
+/// Angle of attack at which the attached lift is largest.
 pub const STALL_ANGLE: Parameter = Parameter {
     key: "stall_angle_deg",
     unit: "deg",
     range: Range::inside(0.0, 90.0),
     default: 12.0,
-    meaning: "incidence at which the attached lift is largest",
+    meaning: "angle of attack at which the attached lift is largest",
     source: "Mueller 1999, flat plates at 1e4",
 };
 
@@ -144,13 +144,13 @@ pub const CRITICAL_SUCTION: Parameter = Parameter {
     source: "Ramesh et al. 2014, flat plate at 1e3 to 1e4",
 };
 
-/// Incidence at which the section bears no lift.
+/// Angle of attack at which the section bears no lift.
 pub const ZERO_LIFT_ANGLE: Parameter = Parameter {
     key: "zero_lift_angle_deg",
     unit: "deg",
     range: Range::inside(-30.0, 30.0),
     default: 0.0,
-    meaning: "incidence of the chord at which the section bears no lift; negative with camber upward",
+    meaning: "angle of attack of the chord at which the section bears no lift; negative with camber upward",
     source: "a section without camber",
 };
 
@@ -171,7 +171,7 @@ pub const CD0: Parameter = Parameter {
     unit: "",
     range: Range::between(0.0, 2.0),
     default: 0.05,
-    meaning: "drag coefficient along the wind at no incidence",
+    meaning: "drag coefficient along the wind at zero angle of attack",
     source: "laminar plate, both sides, 2.66/sqrt(Re) at 3e3",
 };
 
@@ -228,13 +228,13 @@ ranges!(SectionSpec {
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields, default)]
 pub struct SectionSpec {
-    /// Incidence at which the attached lift is largest, deg.
+    /// Angle of attack at which the attached lift is largest, deg.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stall_angle_deg: Option<f64>,
     /// Leading-edge suction parameter A0 beyond which the edge holds no more suction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_suction: Option<f64>,
-    /// Incidence of the chord at which the section bears no lift, deg; negative with camber upward.
+    /// Angle of attack of the chord at which the section bears no lift, deg; negative with camber upward.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zero_lift_angle_deg: Option<f64>,
     /// Lift slope of the section in plane flow, 1/rad.
@@ -289,7 +289,7 @@ impl<P: Scalar> Polar<P> {
     }
 
     /// Rate of the separated share, s' = V (s_0 - s)/(tau_s c), s_0 the static share at the squared sine of the
-    /// effective incidence and tau_s `chords`.
+    /// effective angle of attack and tau_s `chords`.
     ///
     /// Equation: aero.separation_lag
     /// `s' = V (s_0 - s)/(tau_s c), tau_s = 8 in law lev`
@@ -308,7 +308,7 @@ impl<P: Scalar> Polar<P> {
     }
 
     /// Share of the lift that stays attached, or would if the flow had time, from the squared sine of the
-    /// effective incidence.
+    /// effective angle of attack.
     #[inline]
     pub fn attached_share<S: Scalar + Meets<P>>(&self, sine_squared: S) -> S {
         match self.law.about().attachment {

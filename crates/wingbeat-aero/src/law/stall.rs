@@ -8,7 +8,7 @@ pub(super) struct Stall;
 impl Section for Stall {
     const LAW: Law = Law {
         name: "stall",
-        meaning: "attached lift fades at once with the incidence, the normal force of a plate takes its place",
+        meaning: "attached lift fades at once with the angle of attack, the normal force of a plate takes its place",
         parameters: &[STALL_ANGLE, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
         states: &[],
         attachment: Attachment::AtOnce,
@@ -17,7 +17,7 @@ impl Section for Stall {
     };
 }
 
-/// Share of the lift that stays attached, from the squared sine of the effective incidence; `scale` is the
+/// Share of the lift that stays attached, from the squared sine of the effective angle of attack; `scale` is the
 /// fourth power of 1/sine at which half is left.
 ///
 /// Equation: aero.attached_share

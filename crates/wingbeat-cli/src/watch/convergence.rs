@@ -45,12 +45,16 @@ impl Convergence {
             let take = |starts: &mut Vec<Series>, news: Vec<Point>| {
                 news.into_iter().for_each(|point| add(starts, point));
             };
-            painter.run(Vec::new(), take, |starts| {
-                if starts.is_empty() {
+            painter.run(Vec::new(), take, |starts, runs| {
+                let mut now: Vec<Run> =
+                    starts.iter().map(|series| series.run(&name, kind, &settings)).collect();
+                if now.is_empty() {
                     let axis = Axis { label: "iteration", unit: "", values: Vec::new(), joined: true };
-                    return vec![Run { settings: settings.clone(), ..Run::blank(&name, kind, axis) }];
+                    now.push(Run { settings: settings.clone(), ..Run::blank(&name, kind, axis) });
                 }
-                starts.iter().map(|series| series.run(&name, kind, &settings)).collect()
+                let earlier = std::mem::replace(runs, now);
+                runs.len() == earlier.len()
+                    && runs.iter().zip(&earlier).all(|(now, then)| now.continues(then))
             });
         })?;
         Ok(Self(watch))

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde_json::json;
 use wingbeat::scenario::{Scenario, Seen, Watched};
 use wingbeat::simulate::Sample;
+use wingbeat_report::growing::Growing;
 use wingbeat_report::motion::{MOST, RATE};
 use wingbeat_report::run::{Flown, Run, of_flight};
 
@@ -34,12 +35,13 @@ impl FlightWatch {
             let add = |watched: &mut Watched<'_>, news: Vec<Seen>| {
                 sound = sound && news.iter().all(|seen| watched.add(seen).is_ok());
             };
-            painter.run(watched, add, |watched| vec![run(&scenario, watched)]);
+            let mut growing = Growing::default();
+            painter.run(watched, add, |watched, runs| drawn(&scenario, watched, &mut growing, runs));
         })?;
         Ok(Self { watch, next: 0.0, step: 1.0 / RATE, shown: 0 })
     }
 
-    /// Shows a sample, where one is due: at most so many a second as the page has, half as many after each full page.
+    /// Shows a sample, where one is due: at most so many a second as the page has, half as many once that is full.
     pub fn see(&mut self, sample: &Sample) {
         let Some(watch) = &self.watch else { return };
         if sample.t < self.next {
@@ -47,7 +49,9 @@ impl FlightWatch {
         }
         watch.tell(Seen::of(sample));
         self.shown += 1;
-        if self.shown.is_multiple_of(MOST) {
+        if self.shown == MOST {
+            // The page then shows every second row of these.
+            self.shown = MOST / 2;
             self.step *= 2.0;
         }
         self.next += self.step;
@@ -59,10 +63,15 @@ impl FlightWatch {
     }
 }
 
-fn run(scenario: &Scenario, watched: &Watched<'_>) -> Run {
+/// Takes what was flown into the `runs`; true where these have only grown.
+fn drawn(scenario: &Scenario, watched: &Watched<'_>, growing: &mut Growing, runs: &mut Vec<Run>) -> bool {
     let flown = Flown { scenario, record: watched.record() };
-    let run = of_flight(&scenario.spec.name, "flight under way", flown);
+    if runs.is_empty() {
+        let first = of_flight(&scenario.spec.name, "flight under way", flown, &[]);
+        runs.push(Run { settings: scenario.resolved.clone(), ..first });
+    }
+    let grown = growing.grow(&mut runs[0], flown);
     let now = watched.record().values("t").and_then(|t| t.last()).copied().unwrap_or(0.0);
-    let summary = json!({ "simulated_s": now, "of_s": scenario.spec.flight.duration_s });
-    Run { settings: scenario.resolved.clone(), summary, ..run }
+    runs[0].summary = json!({ "simulated_s": now, "of_s": scenario.spec.flight.duration_s });
+    grown
 }

@@ -7,6 +7,7 @@ mod server;
 pub use convergence::{Convergence, Point};
 pub use flight::FlightWatch;
 
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,7 +15,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use wingbeat_report::page;
+use wingbeat_report::page::Live as LivePage;
 use wingbeat_report::run::Run;
 
 use crate::error::Error;
@@ -25,6 +26,12 @@ use server::{Asked, Server};
 const REST: u32 = 4;
 /// What has come is taken up after this time, whether somebody asks or not. *Choice.*
 const TAKEN_UP: Duration = Duration::from_millis(500);
+
+/// A page that asks again within this time, or within twice the longest that it took so far, is told that the computation has ended before
+/// the program goes; [`LONGEST`] at most. *Choice.*
+const ASKS_AGAIN: Duration = Duration::from_secs(1);
+const LONGEST: Duration = Duration::from_secs(10);
+const LOOK: Duration = Duration::from_millis(20);
 
 /// What commands take that can be watched.
 #[derive(Debug, Default, Args)]
@@ -37,16 +44,48 @@ pub struct Live {
 /// What a computation shows; dropped, it is shown no more.
 pub struct Watch<N> {
     shared: Arc<Shared<N>>,
-    _server: Server,
+    server: Server,
 }
 
 struct Shared<N> {
     /// What has come and was not yet taken up; none once there is nobody to take it.
     news: Mutex<Option<Vec<N>>>,
     ended: AtomicBool,
+    heard: Mutex<Heard>,
+}
+
+/// What browsers have asked and were told.
+#[derive(Clone, Copy, Default)]
+struct Heard {
+    /// When one asked for news last, and the longest time between two such questions.
+    last: Option<Instant>,
+    longest: Duration,
+    /// Whether one was told that nothing more comes.
+    end: bool,
+}
+
+impl Heard {
+    fn asked(&mut self, now: Instant) {
+        let since = self.last.map_or(Duration::ZERO, |last| now.saturating_duration_since(last));
+        (self.last, self.longest) = (Some(now), self.longest.max(since));
+    }
+
+    /// Until when the end waits for a question.
+    fn until(&self) -> Option<Instant> {
+        self.last.filter(|_| !self.end).map(|last| last + (2 * self.longest).clamp(ASKS_AGAIN, LONGEST))
+    }
 }
 
 impl<N> Shared<N> {
+    fn new() -> Self {
+        let (news, heard) = (Mutex::new(Some(Vec::new())), Mutex::default());
+        Self { news, ended: AtomicBool::new(false), heard }
+    }
+
+    fn heard(&self) -> MutexGuard<'_, Heard> {
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn news(&self) -> MutexGuard<'_, Option<Vec<N>>> {
         self.news.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -74,13 +113,13 @@ impl<N: Send + 'static> Watch<N> {
             return Ok(None);
         }
         let refused = |why: std::io::Error| Error::Input(format!("--watch: {why}"));
-        let shared = Arc::new(Shared { news: Mutex::new(Some(Vec::new())), ended: AtomicBool::new(false) });
+        let shared = Arc::new(Shared::new());
         let (sender, questions) = channel();
         let server = Server::begin(sender).map_err(refused)?;
         let painter = Painter { shared: shared.clone(), questions };
         thread::Builder::new().name("watch page".into()).spawn(|| paint(painter)).map_err(refused)?;
         say::note(&format!("watch: {}", server.address()));
-        Ok(Some(Self { shared, _server: server }))
+        Ok(Some(Self { shared, server }))
     }
 
     /// Adds to what is shown.
@@ -96,34 +135,91 @@ impl<N: Send + 'static> Watch<N> {
     }
 }
 
-/// The page as it was drawn last.
-struct Drawn {
-    version: u64,
-    page: Arc<str>,
-    data: Arc<str>,
-    /// Whether it shows the whole computation.
-    last: bool,
-}
-
-impl Drawn {
-    fn of(runs: &[Run], version: u64, last: bool) -> Self {
-        let packed = page::Live::of(runs);
-        Self { version, page: packed.page().into(), data: packed.data(version, last).into(), last }
-    }
-
-    /// What was asked for, where there is any.
-    fn answer(&self, asked: Asked) -> Option<Arc<str>> {
-        match asked {
-            Asked::Page => Some(self.page.clone()),
-            Asked::DataAfter(known) => (known < self.version).then(|| self.data.clone()),
+impl<N> Drop for Watch<N> {
+    /// A page that follows is told the end, and its answer is sent.
+    fn drop(&mut self) {
+        if !self.shared.ended.load(Ordering::Acquire) {
+            return;
+        }
+        let waits = |until: Option<Instant>| until.is_some_and(|until| Instant::now() < until);
+        while waits(self.shared.heard().until()) {
+            thread::sleep(LOOK);
+        }
+        let sent = Instant::now() + ASKS_AGAIN;
+        while self.server.answers() && Instant::now() < sent {
+            thread::sleep(LOOK);
         }
     }
 }
 
+/// Most versions whose rows are kept: who knows an older one gets all. *Choice.*
+const VERSIONS: usize = 64;
+
+/// What was drawn last.
+struct Drawn {
+    runs: Vec<Run>,
+    version: u64,
+    /// Whether it shows the whole computation.
+    last: bool,
+    /// The versions since which the runs have only grown by rows, each with the rows of its runs; the last is this one.
+    since: VecDeque<(u64, Vec<usize>)>,
+    /// What was answered in this version.
+    answers: Vec<(Asked, Arc<str>)>,
+}
+
+impl Drawn {
+    fn new(runs: Vec<Run>) -> Self {
+        let mut drawn = Self { runs, version: 0, last: false, since: VecDeque::new(), answers: Vec::new() };
+        drawn.changed(false);
+        drawn
+    }
+
+    /// Notes that the runs are new ones, or those before with more rows.
+    fn changed(&mut self, grown: bool) {
+        self.version += 1;
+        self.answers.clear();
+        if !grown {
+            self.since.clear();
+        } else if self.since.len() == VERSIONS {
+            self.since.pop_front();
+        }
+        let rows = self.runs.iter().map(|run| run.axis.values.len()).collect();
+        self.since.push_back((self.version, rows));
+    }
+
+    /// What was asked for, where there is any.
+    fn answer(&mut self, asked: Asked) -> Option<Arc<str>> {
+        if let Some((_, answer)) = self.answers.iter().find(|(known, _)| *known == asked) {
+            return Some(answer.clone());
+        }
+        let live = LivePage { runs: &self.runs, version: self.version, ended: self.last };
+        let text = match asked {
+            Asked::Page => live.page(),
+            // Who has all is told only that it was all.
+            Asked::DataAfter(known) if known >= self.version && !self.last => return None,
+            Asked::DataAfter(known) => {
+                let since = self.since.iter().find(|(version, _)| *version == known);
+                live.data(since.map(|(version, rows)| (*version, rows.as_slice())))
+            }
+        };
+        let text: Arc<str> = text.into();
+        self.answers.push((asked, text.clone()));
+        Some(text)
+    }
+}
+
 impl<N> Painter<N> {
-    /// Answers until nobody can ask: `add` takes what has come into the `state`, and `draw` draws it.
-    pub fn run<S>(self, mut state: S, mut add: impl FnMut(&mut S, Vec<N>), draw: impl Fn(&S) -> Vec<Run>) {
-        let mut drawn = Drawn::of(&draw(&state), 1, false);
+    /// Answers until nobody can ask: `add` takes what has come into the `state`, and `draw` draws it over what was drawn before; true
+    /// where its runs have only grown by rows.
+    pub fn run<S>(
+        self,
+        mut state: S,
+        mut add: impl FnMut(&mut S, Vec<N>),
+        mut draw: impl FnMut(&mut S, &mut Vec<Run>) -> bool,
+    ) {
+        let mut first = Vec::new();
+        draw(&mut state, &mut first);
+        let mut drawn = Drawn::new(first);
         let (mut fresh, mut due) = (false, Instant::now());
         loop {
             let question = match self.questions.recv_timeout(TAKEN_UP) {
@@ -140,14 +236,23 @@ impl<N> Painter<N> {
             }
             let Some((asked, answer)) = question else { continue };
             let begun = Instant::now();
-            if (fresh && begun >= due) || (ended && !drawn.last) {
-                drawn = Drawn::of(&draw(&state), drawn.version + 1, ended);
+            if asked != Asked::Page {
+                self.shared.heard().asked(begun);
+            }
+            let draws = (fresh && begun >= due) || (ended && !drawn.last);
+            if draws {
+                let grown = draw(&mut state, &mut drawn.runs);
+                drawn.last = ended;
+                drawn.changed(grown);
                 fresh = false;
-                let now = Instant::now();
-                due = now + (now - begun) * REST;
             }
             // A browser that went away gets none.
             let _ = answer.send(drawn.answer(asked));
+            self.shared.heard().end |= drawn.last && asked != Asked::Page;
+            if draws {
+                let now = Instant::now();
+                due = now + (now - begun) * REST;
+            }
         }
     }
 }
@@ -168,9 +273,10 @@ mod tests {
         let painter = Painter { shared: watch.clone(), questions };
         thread::spawn(move || {
             let add = |values: &mut Vec<f64>, came: Vec<f64>| values.extend(came);
-            painter.run(Vec::new(), add, |values| {
+            painter.run(Vec::new(), add, |values, runs| {
                 let axis = Axis { label: "iteration", unit: "", values: values.clone(), joined: true };
-                vec![Run { summary: values.len().into(), ..Run::blank("a", "fit", axis) }]
+                *runs = vec![Run { summary: values.len().into(), ..Run::blank("a", "fit", axis) }];
+                true
             });
         });
         sender
@@ -178,7 +284,7 @@ mod tests {
 
     #[test]
     fn what_comes_is_taken_up_unasked_packed_once_and_dropped_when_nobody_draws() {
-        let shared = Arc::new(Shared { news: Mutex::new(Some(Vec::new())), ended: AtomicBool::new(false) });
+        let shared = Arc::new(Shared::new());
         let questions = begun(&shared);
         let ask = |asked: Asked| {
             let (sender, receiver) = channel();
@@ -193,6 +299,9 @@ mod tests {
         assert!(shared.news().as_ref().unwrap().is_empty());
         shared.ended.store(true, Ordering::Release);
         let last = ask(Asked::DataAfter(1)).unwrap();
+        // Who has the first version gets the row behind it, who has none gets all, who has all that it was all.
+        assert!(last.contains("\"after\":1") && !ask(Asked::DataAfter(0)).unwrap().contains("\"after\""));
+        assert!(ask(Asked::DataAfter(2)).unwrap().contains("\"after\":2"));
         assert!(last.contains("\"ended\":true") && first.contains("\"ended\":false"), "{last}");
         drop(questions);
         thread::sleep(TAKEN_UP);

@@ -25,7 +25,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub enum Asked {
     /// The page.
     Page,
-    /// All its data, where they are newer than this version.
+    /// What has come since this version.
     DataAfter(u64),
 }
 
@@ -34,6 +34,7 @@ pub struct Server {
     at: SocketAddr,
     token: String,
     ended: Arc<AtomicBool>,
+    guests: Guests,
 }
 
 impl Server {
@@ -43,13 +44,23 @@ impl Server {
     /// No port, or no thread.
     pub fn begin(questions: Sender<Question>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
-        let server = Self { at: listener.local_addr()?, token: token(), ended: Arc::default() };
-        let (token, ended) = (server.token.clone(), server.ended.clone());
+        let server = Self {
+            at: listener.local_addr()?,
+            token: token(),
+            ended: Arc::default(),
+            guests: Guests::default(),
+        };
+        let (token, ended, guests) = (server.token.clone(), server.ended.clone(), server.guests.clone());
         let port = server.at.port();
         thread::Builder::new()
             .name("watch".into())
-            .spawn(move || accept(&listener, port, &token, &ended, &questions))?;
+            .spawn(move || accept(&listener, (port, &token), &ended, &questions, &guests))?;
         Ok(server)
+    }
+
+    /// Whether somebody who has asked is still being answered.
+    pub fn answers(&self) -> bool {
+        self.guests.all().iter().any(|guest| guest.heard)
     }
 
     /// The address of the page.
@@ -110,8 +121,13 @@ impl Guests {
     }
 }
 
-fn accept(listener: &TcpListener, port: u16, token: &str, ended: &AtomicBool, questions: &Sender<Question>) {
-    let guests = Guests::default();
+fn accept(
+    listener: &TcpListener,
+    (port, token): (u16, &str),
+    ended: &AtomicBool,
+    questions: &Sender<Question>,
+    guests: &Guests,
+) {
     for number in 0.. {
         let accepted = listener.accept();
         if ended.load(Ordering::Acquire) {

@@ -48,6 +48,40 @@ fn without_out_runs_count_up_and_an_earlier_run_is_replaced_only_by_force() {
     assert_eq!(entries(&folder.join("runs")), ["glide", "glide-2"]);
 }
 
+/// The example of the page on robots with joints of other names, and a tail that the gait moves.
+fn arm_hand_and_tail() -> String {
+    let page = fs::read_to_string(root().join("docs/robots.md")).unwrap();
+    let block = page.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let own = ["name = \"wing\"\nside", "parent = \"wing\"", "link = \"wing\""];
+    let named =
+        own.iter().fold(block.to_owned(), |text, word| text.replace(word, &word.replace("wing", "arm")));
+    let tail = "[[links]]\nname = \"tail\"\norigin_m = [-0.12, 0.0, 0.0]\naxis = [0.0, -1.0, 0.0]\nmass_kg = 0.001\n\
+                com_m = [-0.02, 0.0, 0.0]\ninertia_kg_m2 = [1e-7, 1e-7, 2e-7]\n\
+                driven = { mean_rad = 0.1, harmonics = [{ amplitude_rad = 0.2, phase_rad = 0.0 }] }\n\n[[surfaces]]";
+    let on_body = "{ link = \"body\", origin_m = [-0.12, 0.0, 0.0] }";
+    assert!(named.contains(on_body));
+    named.replacen("[[surfaces]]", tail, 1).replace(on_body, "{ link = \"tail\" }")
+}
+
+#[test]
+fn figures_show_the_joints_that_a_robot_has_by_their_names() {
+    let folder = scratch("fly-joints");
+    fs::write(folder.join("robot.toml"), arm_hand_and_tail()).unwrap();
+    let scenario = "name = \"own\"\nrobot = \"robot.toml\"\nair.density_kg_m3 = 1.225\naero = { preset = \"full\", law = \"stall\" }\n\
+                    start.velocity_m_s = [6.0, 0.0, 0.0]\nflight = { duration_s = 0.6, step_s = 5e-4, record_every_s = 2e-3 }\n";
+    fs::write(folder.join("own.toml"), scenario).unwrap();
+    let output = wingbeat(&folder, &["fly", "own.toml", "--out", "a", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    let figure = |name: &str| fs::read_to_string(folder.join("a/figures").join(name)).unwrap();
+    for joint in ["arm angle", "hand angle", "tail angle"] {
+        assert!(figure("states.svg").contains(joint), "{joint}");
+    }
+    for name in entries(&folder.join("a/figures")).iter().filter(|name| name.ends_with(".svg")) {
+        let text = figure(name);
+        assert!(!["shoulder", "elbow"].iter().any(|other| text.contains(other)), "{name}");
+    }
+}
+
 /// Each kind of bad input: what is set, and words of the one message.
 const BAD: [(&str, &[&str]); 12] = [
     ("flight.speed=1", &["unknown key flight.speed", "duration_s"]),

@@ -119,6 +119,8 @@ fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
         "tether.toml",
     ];
     assert_eq!(entries(&folder.join("a")), names);
+    let page = fs::read_to_string(folder.join("a/report.html")).unwrap();
+    assert!(!page.contains("no picture in space"), "the gait is drawn");
     let figures = ["commands.png", "commands.svg", "forces.png", "forces.svg", "gait.png", "gait.svg"];
     assert_eq!(entries(&folder.join("a/figures")), figures);
     let planned = summary(&folder.join("a"));

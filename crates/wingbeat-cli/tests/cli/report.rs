@@ -222,6 +222,7 @@ fn wings_are_exported_as_they_bend_and_bulge() {
     done(&["fly", &flight, "--set", "flight.duration_s=0.3", "--out", "sail", "--quiet"]);
     done(&["export", "sail", "--vtk", "--quiet"]);
     done(&["export", "sail", "--gltf", "--quiet"]);
+    done(&["export", "sail", "--mcap", "--quiet"]);
     let last =
         entries(&folder.join("sail-vtk")).into_iter().filter(|name| name.ends_with(".vtk")).max().unwrap();
     let points = corners(&fs::read_to_string(folder.join("sail-vtk").join(last)).unwrap());
@@ -231,5 +232,10 @@ fn wings_are_exported_as_they_bend_and_bulge() {
     let chord = (0..3).map(|k| (rib[0][k] - rib[4][k]).powi(2)).sum::<f64>().sqrt();
     let rise = middle.iter().map(|x| x * x).sum::<f64>().sqrt() / chord;
     assert!(rise > 0.003 && rise < 0.2 && middle[2] > 0.0, "{rise} {middle:?}");
-    assert!(fs::read(folder.join("sail.glb")).unwrap().windows(7).any(|word| word == b"\"scale\""));
+    let holds = |file: &str, word: &[u8]| {
+        fs::read(folder.join(file)).unwrap().windows(word.len()).any(|at| at == word)
+    };
+    assert!(holds("sail.glb", b"\"scale\""));
+    // The four parts of a rib of the sail stand in place of its chord.
+    assert!(holds("sail.mcap", b"_rib_0_part_3\"><visual>") && holds("sail.mcap", b"_rib_0\"/>"));
 }

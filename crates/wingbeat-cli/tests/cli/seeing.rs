@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use wingbeat::rig::process::InputSpec;
 use wingbeat_io::read_parquet;
@@ -45,14 +45,35 @@ fn a_flight_is_watched_by_who_knows_the_word_and_waits_for_nobody() {
     let page = asked(port, &path);
     assert!(began.elapsed().as_secs_f64() < 4.0, "{:?}", began.elapsed());
     assert!(page.starts_with("HTTP/1.1 200 OK\r\n"), "{}", &page[..300.min(page.len())]);
-    assert!(page.contains("<html lang=\"en\" data-live>") && page.contains("connect-src 'self'"));
+    assert!(page.contains("<html lang=\"en\" data-live=\"") && page.contains("connect-src 'self'"));
     let word = path.trim_matches('/');
     assert!(word.len() == 32 && word.bytes().all(|letter| letter.is_ascii_hexdigit()), "{word}");
     for wrong in ["/", "/data?after=0", &format!("/{}/", "0".repeat(32))] {
         assert!(asked(port, wrong).starts_with("HTTP/1.1 404"), "{wrong}");
     }
     let news = asked(port, &format!("{path}data?after=0"));
-    assert!(news.contains("\"ended\":") && news.contains("\"bytes\":\""), "{}", &news[..300.min(news.len())]);
+    let shown = |news: &str| news[news.len().saturating_sub(300)..].to_owned();
+    assert!(news.contains("\"ended\":") && news.contains("\"bytes\":\""), "{}", shown(&news));
+    // Who asks on is told what has come since, and the end before the program goes.
+    let number = |news: &str, key: &str| -> Option<u64> {
+        let (_, rest) = news.split_once(&format!("\"{key}\":"))?;
+        rest.split(|letter: char| !letter.is_ascii_digit()).next()?.parse().ok()
+    };
+    let (mut version, mut grown) = (number(&news, "version").unwrap(), false);
+    assert_eq!(number(&news, "after"), None);
+    loop {
+        let more = asked(port, &format!("{path}data?after={version}"));
+        if more.starts_with("HTTP/1.1 204") {
+            std::thread::sleep(Duration::from_millis(20));
+            continue;
+        }
+        grown |= number(&more, "after") == Some(version);
+        version = number(&more, "version").unwrap_or_else(|| panic!("{}", shown(&more)));
+        if more.contains("\"ended\":true") {
+            break;
+        }
+    }
+    assert!(grown, "rows behind those that were known");
     assert!(child.wait().unwrap().success());
     assert!(TcpStream::connect(("127.0.0.1", port)).is_err(), "it ends with the run");
     assert!(wingbeat(&folder, &[&fly[..], &["b"]].concat()).status.success());

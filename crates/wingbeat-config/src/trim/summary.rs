@@ -88,7 +88,7 @@ pub struct TrimSummary {
     pub regulator_power_w: Option<f64>,
     /// Frequency times the vertical way of the tip against the body over the speed.
     pub strouhal: Option<f64>,
-    /// Share of U^2 c dy dt beyond 12 deg of incidence.
+    /// Share of U^2 c dy dt beyond an angle of attack of 12 deg.
     pub stall_fraction_12: Option<f64>,
     /// The same beyond 20 deg.
     pub stall_fraction_20: Option<f64>,

@@ -13,7 +13,7 @@ use wingbeat_io::samples::MCAP_MAGIC;
 use super::cdr::Message;
 use super::ros;
 use crate::flight::{axes, shown, taken};
-use crate::motion::{Motion, at, direction};
+use crate::motion::{Motion, Surface, at, direction};
 
 /// Bytes after which a chunk is closed.
 const CHUNK: usize = 1 << 20;
@@ -220,7 +220,7 @@ impl File {
 /// # Errors
 /// A record without the columns of a flight.
 pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, String> {
-    let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
+    let ribs: usize = motion.surfaces.iter().map(|s| s.ribs.len() + 4 * s.raised.len()).sum();
     // Of every frame a transform a rib, odometry, and a state or wrench for each joint and source.
     let frame = 160.0 * ribs as f64 / TRANSFORMS as f64 + 1200.0 + 200.0 * motion.sources.len() as f64;
     super::fits("the .mcap file", motion.frames() as f64 * frame)?;
@@ -290,19 +290,18 @@ pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, Stri
     Ok(file.finish())
 }
 
-/// Body in the world and every rib in the body: x along its chord forward, y along the span to the left.
+/// Body in the world and every rib in the body, of a membrane its parts too: x along the chord forward, y along the span to the left.
 fn transform(motion: &Motion, i: usize, time: u64, turn: [f64; 4]) -> Message {
-    let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
+    let of_surface = |surface: &Surface| {
+        (0..surface.ribs.len()).flat_map(|k| ros::pieces(surface, k, i)).collect::<Vec<_>>()
+    };
+    let pieces: Vec<ros::Piece> = motion.surfaces.iter().flat_map(of_surface).collect();
     let mut message = Message::new();
-    message.int(ribs as u32 + 1);
+    message.int(pieces.len() as u32 + 1);
     message.header(time, WORLD).text(BODY).doubles(&at(&motion.position, i).0).doubles(&turn);
-    for surface in &motion.surfaces {
-        for (k, rib) in surface.ribs.iter().enumerate() {
-            let [leading, trailing] = rib.each_ref().map(|edge| at(edge, i));
-            let q = super::gltf::quaternion(&basis(leading - trailing));
-            message.header(time, BODY).text(&ros::rib(&surface.name, k));
-            message.doubles(&((leading + trailing) * 0.5).0).doubles(&q);
-        }
+    for ros::Piece { frame, edges: [front, back], .. } in pieces {
+        let q = super::gltf::quaternion(&basis(front - back));
+        message.header(time, BODY).text(&frame).doubles(&((front + back) * 0.5).0).doubles(&q);
     }
     message
 }

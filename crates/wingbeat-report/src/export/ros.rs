@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::motion::{Motion, at};
+use wingbeat::math::Vec3;
+
+use crate::motion::{Motion, Surface, at};
 use crate::page::escaped;
 
 /// Places in [`TYPES`].
@@ -79,12 +81,29 @@ pub const TYPES: [(&str, &str); 6] = [
 /// The quality of service of a topic whose last message late readers get, as `ros2 bag` writes it.
 pub const LATCHED: &str = "- history: 3\n  depth: 0\n  reliability: 1\n  durability: 1\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false";
 
-/// Name of the frame of a rib.
-pub fn rib(surface: &str, k: usize) -> String {
-    format!("{surface}_rib_{k}")
+/// A flat piece that moves: its frame, its front and its back edge, and whether it is drawn.
+pub struct Piece {
+    pub frame: String,
+    pub edges: [Vec3; 2],
+    pub drawn: bool,
 }
 
-/// The robot as links for its body and every rib, which hang on it by floating joints: their places are in the transforms.
+/// The pieces of rib `k` in frame `i`, in B: its chord, and of a membrane behind it the parts of its bulge, which are drawn in its place.
+pub fn pieces(surface: &Surface, k: usize, i: usize) -> Vec<Piece> {
+    let points = surface.along(k, i);
+    let frame = format!("{}_rib_{k}", surface.name);
+    let part = |(n, edges): (usize, &[Vec3])| Piece {
+        frame: format!("{frame}_part_{n}"),
+        edges: [edges[0], edges[1]],
+        drawn: true,
+    };
+    let flat = points.len() == 2;
+    let parts = points.windows(2).filter(|_| !flat).enumerate().map(part);
+    let chord = Piece { frame: frame.clone(), edges: [points[0], points[points.len() - 1]], drawn: flat };
+    std::iter::once(chord).chain(parts).collect()
+}
+
+/// The robot as links for its body and every piece of its ribs, which hang on it by floating joints: their places are in the transforms.
 pub fn urdf(motion: &Motion, name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     let (reach, com) = (motion.reach(), at(&motion.com, 0).0);
@@ -102,18 +121,23 @@ pub fn urdf(motion: &Motion, name: &str) -> String {
     for surface in &motion.surfaces {
         let middle = |k: usize| (at(&surface.ribs[k][0], 0) + at(&surface.ribs[k][1], 0)) * 0.5;
         for k in 0..surface.ribs.len() {
-            let chord = (at(&surface.ribs[k][0], 0) - at(&surface.ribs[k][1], 0)).norm();
             let near = [k.checked_sub(1), (k + 1 < surface.ribs.len()).then_some(k + 1)];
             let width = near.into_iter().flatten().map(|other| (middle(other) - middle(k)).norm());
             let width = 0.5 * width.fold(0.0, f64::max);
             let side = surface.side.get(k.min(surface.side.len().saturating_sub(1))).copied().unwrap_or(2);
             let colour = ["0 0.45 0.7", "0.84 0.37 0", "0.55 0.57 0.6"][side];
-            let link = escaped(&rib(&surface.name, k));
-            shape(&mut text, &link, [0.0; 3], [chord, width.max(1e-3), 1e-3], colour);
-            let _ = write!(
-                text,
-                "<joint name=\"{link}_joint\" type=\"floating\"><parent link=\"base_link\"/><child link=\"{link}\"/></joint>"
-            );
+            for piece in pieces(surface, k, 0) {
+                let (link, chord) = (escaped(&piece.frame), (piece.edges[0] - piece.edges[1]).norm());
+                if piece.drawn {
+                    shape(&mut text, &link, [0.0; 3], [chord, width.max(1e-3), 1e-3], colour);
+                } else {
+                    let _ = write!(text, "<link name=\"{link}\"/>");
+                }
+                let _ = write!(
+                    text,
+                    "<joint name=\"{link}_joint\" type=\"floating\"><parent link=\"base_link\"/><child link=\"{link}\"/></joint>"
+                );
+            }
         }
     }
     text + "</robot>"

@@ -41,6 +41,14 @@ function read(bytes, data) {
   bytes = bytes.subarray(4 + length);
   return runs.map(({ axis, ...run }, k) => ({ ...data.runs[k], ...decoded(bytes, run), axis: { ...axis, values: column(bytes, axis.values, Float64Array) } }));
 }
+// Columns with those of `more` behind them; all else as it is said last.
+function longer(there, more) {
+  if (more === undefined) return there;
+  if (ArrayBuffer.isView(there)) { const all = new there.constructor(there.length + more.length); all.set(there); all.set(more, there.length); return all; }
+  if (Array.isArray(there)) return there.map((part, k) => longer(part, more[k]));
+  if (there && typeof there === 'object') return Object.fromEntries(Object.keys(there).map(key => [key, longer(there[key], more[key])]));
+  return more;
+}
 // Where `t` lies in the ascending `values`: row and share of the way to the next.
 function place(values, t) {
   const last = values.length - 1;

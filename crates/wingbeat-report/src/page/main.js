@@ -16,8 +16,13 @@ class Page {
     $('told').replaceChildren(...(runs.length > 1 ? [together(runs)] : []), ...runs.map(run => told(run, runs.length > 1)));
     $('told').querySelectorAll('details').forEach((details, k) => details.open = !!open[k]);
   }
-  async show(data, letters) {
-    try { this.runs = read(await inflated(letters), data); this.tell(this.runs); }
+  // Shows runs, or what these have `more` than those that are shown.
+  async show(data, letters, more) {
+    try {
+      const runs = read(await inflated(letters), data);
+      this.runs = more ? runs.map((run, k) => ({ ...longer(this.runs[k], run), ...data.runs[k] })) : runs;
+      this.tell(this.runs);
+    }
     catch (error) { this.tell(data.runs); $('verdicts').append(make('p', { class: 'verdict bad' }, 'Nothing can be drawn: ' + error.message)); return false; }
     const { stage } = this, motions = this.runs.filter(run => run.motion && run.axis.values.length > 1).map(run => Object.assign(new Motion(run), { run }));
     const shots = motions.length ? [] : this.runs.flatMap(run => run.shots.map(shot => ({ ...shot, run })));
@@ -36,7 +41,7 @@ async function follow(page) {
   const line = make('p', { class: 'verdict', role: 'status' }), here = location.pathname.replace(/\/$/, '');
   $('verdicts').before(line);
   const tell = (word, text) => { if (line.dataset.word !== word) { line.dataset.word = word; line.replaceChildren(make('b', { class: 'quiet' }, word), text); } };
-  for (let version = 0, misses = 0, ended = false; !ended;) {
+  for (let version = +document.documentElement.dataset.live, misses = 0, ended = false; !ended;) {
     let news = null;
     try {
       const answer = await fetch(`${here}/data?after=${version}`, { cache: 'no-store' });
@@ -51,7 +56,7 @@ async function follow(page) {
     if (news) {
       ({ version, ended } = news);
       $('verdicts').replaceChildren(...news.data.runs.map(verdict));
-      await page.show(news.data, news.bytes);
+      await page.show(news.data, news.bytes, news.after !== undefined);
     }
     if (ended) tell('ended', 'the computation has ended; the program then writes its run folder'); else tell('live', 'the computation goes on');
     Object.assign(window.wingbeat, { version, ended });

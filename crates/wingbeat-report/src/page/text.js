@@ -17,7 +17,10 @@ function table(head, rows, caption, right) {
 }
 function flat(value, name = '', out = []) {
   if (out.length > 300) return out;
-  if (typeof value === 'number') out.push([name, digits(value)]);
+  const errors = name.endsWith('_error') && value && typeof value === 'object' ? Object.entries(value).filter(([, part]) => typeof part === 'number') : [];
+  // Of one error a state only the largest.
+  if (errors.length > 3) { const [state, most] = errors.reduce((a, b) => Math.abs(b[1]) > Math.abs(a[1]) ? b : a); out.push([`${name}, largest of ${errors.length}`, `${digits(most)} (${state})`]); }
+  else if (typeof value === 'number') out.push([name, digits(value)]);
   else if (typeof value === 'string' || typeof value === 'boolean') out.push([name, String(value)]);
   else if (Array.isArray(value)) { if (!value.length) return out; if (value.length <= 8 && value.every(v => typeof v !== 'object')) out.push([name, value.map(v => typeof v === 'number' ? digits(v) : String(v)).join(', ')]); else value.slice(0, 24).forEach((v, i) => flat(v, `${name}[${i}]`, out)); }
   else if (value) for (const [key, part] of Object.entries(value)) if (name || !['judged', 'warnings', 'reason', 'status'].includes(key)) flat(part, name ? `${name}.${key}` : key, out);

@@ -19,7 +19,7 @@ pub struct SurfaceSpec {
     /// the tip to the left (or upward) and `right`.
     #[serde(default)]
     pub span: Span,
-    /// Profile drag coefficient along the wind at zero incidence.
+    /// Profile drag coefficient along the wind at zero angle of attack.
     #[serde(default)]
     pub cd0: f64,
     /// Additional drag coefficient broadside to the wind; where not given 0 under law `linear`, that of a flat

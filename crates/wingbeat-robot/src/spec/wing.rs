@@ -15,7 +15,7 @@ use wingbeat_math::require::{finite, positive, principal_inertias};
 pub struct WingSpec {
     /// Shoulder hinge from the body origin, m.
     pub shoulder_m: [f64; 3],
-    /// Profile drag coefficient along the wind at zero incidence.
+    /// Profile drag coefficient along the wind at zero angle of attack.
     pub cd0: f64,
     /// Additional drag coefficient broadside to the wind.
     pub cd90: f64,

@@ -92,7 +92,7 @@ pub struct LimitsSpec {
     /// Most power over the mass, W/kg.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub power_w_kg: Option<f64>,
-    /// Largest share of U^2 c dy dt beyond 12 deg of incidence.
+    /// Largest share of U^2 c dy dt beyond an angle of attack of 12 deg.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stall_fraction_12: Option<f64>,
     /// Largest share beyond 20 deg.
