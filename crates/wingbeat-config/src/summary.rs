@@ -5,6 +5,7 @@ use super::dived::DiveSummary;
 use super::estimate::{EstimateSummary, Estimated};
 use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
+use super::grounded::ground_distance;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
 use super::recorder::{Means, momentum_change};
@@ -135,6 +136,9 @@ pub struct Summary {
     pub least_clearance_m: Option<f64>,
     /// Share of the records in which a clearance is below zero.
     pub crossing_fraction: Option<f64>,
+    /// Least distance of the body's origin and of the wings from `air.ground_m`, m; negative where something passes through it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_distance_m: Option<f64>,
     /// Largest change of the angular momentum about the centre of mass, kg m2/s, in a vacuum, where nothing can change it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_momentum_change_kg_m2_s: Option<f64>,
@@ -384,6 +388,7 @@ impl Summary {
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
+            ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),
             step_error_m: context.step_error_m,
             warnings: Vec::new(),

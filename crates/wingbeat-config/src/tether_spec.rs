@@ -170,6 +170,10 @@ pub struct WindSpec {
     pub sideslip_deg: f64,
     /// Density, kg/m3.
     pub density_kg_m3: f64,
+    /// Height of a plane that the air does not cross, m in W, where the body's origin begins at 0: ground below the wing or a ceiling
+    /// above it, by mirror images. Preset `full` and the lattice feel it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_m: Option<f64>,
 }
 
 /// Cycles and steps.

@@ -25,6 +25,9 @@ pub const FREE_PATH_ANGLE: Limit = Limit::warn_above("flight.free_path_angle_deg
 /// Commands at their limits, where the controller has no more to give. Held flights stay within 0.64.
 pub const SATURATION: Limit =
     Limit::at_most("flight.saturation_fraction", 0.7, "", OffTarget).on("share of the commands at a limit");
+/// A robot that passes through the ground or the ceiling, where its mirror image passes through it: impossible, so the limit is zero.
+pub const GROUND: Limit = Limit::at_least("flight.ground_distance_m", 0.0, "m", Outside)
+    .on("least distance of body and wings from air.ground_m on the side of the start");
 /// Wings that pass through each other or through the body: impossible, so the limit is zero.
 pub const CROSSING: Limit = Limit::at_most("flight.crossing_fraction", 0.0, "", Outside)
     .on("share of the time in which parts of the robot pass through each other");
@@ -69,7 +72,7 @@ pub const DIVE_PITCH: Limit = Limit::at_most("flight.dive_pitch_deg", 10.0, "deg
     .on("largest error of the pitch in a dive");
 
 /// All of them.
-pub const ALL: [Limit; 20] = [
+pub const ALL: [Limit; 21] = [
     DIVE_HEIGHT,
     DIVE_PITCH,
     ALTITUDE,
@@ -86,6 +89,7 @@ pub const ALL: [Limit; 20] = [
     STEP_ERROR,
     STEPS_LOST,
     MOMENTUM,
+    GROUND,
     TURBULENCE,
     TURBULENCE_STRONG,
     TURBULENCE_SPEED,

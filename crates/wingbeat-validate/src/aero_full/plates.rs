@@ -43,6 +43,7 @@ fn pitching(
         },
         clock,
         spar: None,
+        ground: None,
         wing: Wing::new(planform, Vec::new())?,
     })
 }
