@@ -356,7 +356,8 @@ impl Summary {
                 None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
             },
             path: PathSummary::new(record, settled.first),
-            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz()).filter(|_| !grew),
+            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz(), context.wind)
+                .filter(|_| !grew),
             hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),

@@ -75,7 +75,7 @@ fn interference(aspect: f64, strips: usize) -> Result<f64, Error> {
 /// The same of elliptic loadings by quadrature in the plane far behind: int G w dy over int G dy,
 /// G = sqrt(1 - y^2), with w the other wake's wash across the gap in units of the wake's own, which is
 /// the same all over the span. With y = cos t both integrals are sums without end terms.
-fn elliptic_interference(gap: f64) -> f64 {
+pub(crate) fn elliptic_interference(gap: f64) -> f64 {
     let n = 400;
     let angle = |i: i32| (f64::from(i) + 0.5) * PI / f64::from(n);
     let wash = |y: f64| -> f64 {
