@@ -11,6 +11,7 @@ use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{Clock, HingeKind, Side};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require;
 use wingbeat_robot::GivenNumbers;
 
 /// A wing in prescribed motion in a wind.
@@ -233,6 +234,7 @@ impl TetherSpec {
         self.run_name()?;
         self.wing.in_range().map_err(|e| e.within("wing"))?;
         self.time.clock().in_range().map_err(|e| e.within("time"))?;
+        require::finite("wind.ground_m", self.wind.ground_m.as_slice())?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
         self.wing.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("wing.membrane")))?;
         self.compare.check().map_err(|e| e.within("compare"))?;
