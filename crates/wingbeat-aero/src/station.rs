@@ -37,9 +37,35 @@ pub trait Sections<S: Scalar> {
     fn coordinates(&self) -> usize {
         0
     }
+    /// The plane that the air does not cross, where there is one.
+    fn ground(&self) -> Option<Ground<S>> {
+        None
+    }
     /// How section `i` moves per unit rate of `coordinate`.
     fn field(&self, _i: usize, _coordinate: usize) -> SectionField<S> {
         SectionField::default()
+    }
+}
+
+/// A plane that the air does not cross, ground or ceiling, in B.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<S: Scalar> {
+    /// Unit normal.
+    pub normal: Vec3<S>,
+    /// Its distance from the body origin along the normal, m.
+    pub offset: S,
+}
+
+impl<S: Scalar> Ground<S> {
+    /// Mirror image of a point.
+    #[inline]
+    pub fn point(&self, p: Vec3<S>) -> Vec3<S> {
+        p - self.normal * ((self.normal.dot(p) - self.offset) * 2.0)
+    }
+    /// Mirror image of a direction.
+    #[inline]
+    pub fn direction(&self, v: Vec3<S>) -> Vec3<S> {
+        v - self.normal * (self.normal.dot(v) * 2.0)
     }
 }
 

@@ -209,7 +209,7 @@ impl ScenarioSpec {
             real.residual = None;
         }
         let air = Air { density: self.air.density_kg_m3, wind };
-        self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))
+        self.over_ground(self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))?)
     }
 
     /// The turbulence of its air.

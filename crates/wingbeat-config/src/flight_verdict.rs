@@ -193,6 +193,7 @@ impl Flown<'_> {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
         }
+        judge.hold_if(&flight::GROUND, self.summary.ground_distance_m);
         judge.hold_if(&flight::MOMENTUM, self.summary.angular_momentum_change_kg_m2_s);
         if let Some(membrane) = self.summary.membrane {
             membrane.judge(judge);

@@ -12,6 +12,7 @@ mod estimate;
 mod fit;
 mod flight_verdict;
 mod followed;
+mod grounded;
 mod hovered;
 #[doc(hidden)]
 pub mod inside;
@@ -439,6 +440,7 @@ impl Scenario {
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
+        summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 

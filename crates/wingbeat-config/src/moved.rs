@@ -11,6 +11,8 @@ pub struct Moved {
     pub crossing: f64,
     /// Largest speed of an edge through the air, m/s.
     pub speed_m_s: f64,
+    /// Least distance from the ground, m, where there is one.
+    pub ground_m: Option<f64>,
     /// Cycles, of a motion that repeats.
     pub cycles: Option<usize>,
 }
@@ -21,6 +23,7 @@ impl Moved {
         Self {
             crossing: tether.crossing_fraction(),
             speed_m_s: tether.largest_speed(),
+            ground_m: tether.ground_distance(),
             cycles: tether.repeats().then_some(tether.clock.cycles),
         }
     }
@@ -29,6 +32,7 @@ impl Moved {
     pub fn hold(&self, judge: &mut Judge) {
         judge.hold(&tether::CROSSING, self.crossing);
         judge.hold(&tether::CROSSED, self.crossing);
+        judge.hold_if(&tether::GROUND, self.ground_m);
         for limit in [&range::COMPRESSED, &range::MACH] {
             judge.hold(limit, self.speed_m_s / range::SOUND_M_S);
         }

@@ -82,7 +82,7 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         limits: _,
         paper: _,
     } = spec;
-    let AirSpec { density_kg_m3, wind_m_s, gust_m_s: _, gusts: _, dryden: _ } = air;
+    let AirSpec { density_kg_m3, wind_m_s, ground_m: _, gust_m_s: _, gusts: _, dryden: _ } = air;
     let StartSpec {
         phase_rad,
         velocity_m_s: _,

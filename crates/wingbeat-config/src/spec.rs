@@ -90,6 +90,10 @@ pub struct AirSpec {
     /// Wind velocity in W, m/s.
     #[serde(default)]
     pub wind_m_s: [f64; 3],
+    /// Height of a plane that the air does not cross, m in W: ground beneath the robot, or a ceiling above it. Surfaces of preset `full`
+    /// and the lattice feel the mirror images of all vortices; controllers do not know of it. Without it there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_m: Option<f64>,
     /// Largest gust along each axis, m/s; the controller does not know of it.
     #[serde(default)]
     pub gust_m_s: f64,
@@ -119,6 +123,7 @@ impl AirSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         require::finite("wind_m_s", &self.wind_m_s)?;
+        require::finite("ground_m", self.ground_m.as_slice())?;
         if let Some(dryden) = &self.dryden {
             dryden.turbulence(0.0).map_err(|e| e.within("dryden"))?;
         }

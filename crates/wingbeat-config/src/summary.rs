@@ -5,6 +5,7 @@ use super::dived::DiveSummary;
 use super::estimate::{EstimateSummary, Estimated};
 use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
+use super::grounded::ground_distance;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
 use super::measure::Measured;
@@ -122,6 +123,9 @@ pub struct Summary {
     pub least_clearance_m: Option<f64>,
     /// Share of the records in which a clearance is below zero.
     pub crossing_fraction: Option<f64>,
+    /// Least distance of the body's origin and of the wings from `air.ground_m`, m; negative where something passes through it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_distance_m: Option<f64>,
     /// Largest change of the angular momentum about the centre of mass, kg m2/s, in a vacuum, where nothing can change it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_momentum_change_kg_m2_s: Option<f64>,
@@ -333,7 +337,8 @@ impl Summary {
                 None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
             },
             path: PathSummary::new(record, settled.first),
-            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz()).filter(|_| !grew),
+            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz(), context.wind)
+                .filter(|_| !grew),
             hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
@@ -359,6 +364,7 @@ impl Summary {
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
+            ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),
             step_error_m: context.step_error_m,
             warnings: Vec::new(),

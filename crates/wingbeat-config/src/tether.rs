@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use wingbeat_aero::{Aero, CD0, Planform, Preset};
 use wingbeat_flight::simulate::Ending;
 use wingbeat_flight::tether::{
-    CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Steady, Tether, TetherRun, Wing,
-    WingNumbers,
+    CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Plane, Reference, Side, Steady, Tether, TetherRun,
+    Wing, WingNumbers,
 };
 use wingbeat_judge::data::Finding;
 use wingbeat_judge::limits::tether;
@@ -505,7 +505,8 @@ impl TetherCase {
     /// A number that the wing has not, or that cannot be.
     pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Tether, Error> {
         let aero = renumbered(&self.tether.aero, to)?;
-        Ok(Tether { aero, ..self.tether.clone() })
+        let ground = self.tether.ground.as_ref().map(|plane| Plane::new(&aero, plane.height_m));
+        Ok(Tether { aero, ground, ..self.tether.clone() })
     }
 
     /// The derivatives of the loads of `tether` over its last cycle by the numbers called `keys`, in their order; no load depends on
@@ -576,6 +577,7 @@ impl TetherSpec {
             },
             wing,
             motion,
+            ground: self.wind.ground_m.map(|height| Plane::new(&aero, height)),
             aero,
             wind: self.wind.velocity(),
             side: self.wing.side,

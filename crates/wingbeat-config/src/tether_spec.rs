@@ -11,6 +11,7 @@ use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{Clock, HingeKind, Side};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require;
 use wingbeat_robot::GivenNumbers;
 
 /// A wing in prescribed motion in a wind.
@@ -170,6 +171,10 @@ pub struct WindSpec {
     pub sideslip_deg: f64,
     /// Density, kg/m3.
     pub density_kg_m3: f64,
+    /// Height of a plane that the air does not cross, m in W, where the body's origin begins at 0: ground below the wing or a ceiling
+    /// above it, by mirror images. Preset `full` and the lattice feel it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_m: Option<f64>,
 }
 
 /// Cycles and steps.
@@ -229,6 +234,7 @@ impl TetherSpec {
         self.run_name()?;
         self.wing.in_range().map_err(|e| e.within("wing"))?;
         self.time.clock().in_range().map_err(|e| e.within("time"))?;
+        require::finite("wind.ground_m", self.wind.ground_m.as_slice())?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
         self.wing.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("wing.membrane")))?;
         self.compare.check().map_err(|e| e.within("compare"))?;

@@ -162,6 +162,7 @@ impl Beside {
             wind: robot.mean_wind(),
             density_kg_m3: *density_kg_m3,
             symmetric: false,
+            ground: robot.ground(),
         };
         let wake = if spec.free_wake { WakeMotion::Free } else { WakeMotion::Prescribed };
         let own = Settings::new(spec.step_s, spec.core_chords * chord);

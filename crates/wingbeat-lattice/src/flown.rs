@@ -188,6 +188,7 @@ impl Scene {
         };
         let surfaces = layouts.iter().map(surface).collect();
         let wind = flight.robot.mean_wind();
-        Ok((Self { surfaces, wind, density_kg_m3, symmetric: false }, layouts))
+        let ground = flight.robot.ground();
+        Ok((Self { surfaces, wind, density_kg_m3, symmetric: false, ground }, layouts))
     }
 }

@@ -5,6 +5,7 @@ use crate::kernel::{
     unit_washes,
 };
 use crate::mesh::{Control, Mesh};
+use crate::motion::Scene;
 use crate::tree::Tree;
 use wide::f64x4;
 use wingbeat::math::Vec3;
@@ -18,10 +19,75 @@ pub struct Sources<'a> {
     pub cored: Vec<&'a Grid>,
 }
 
+/// Planes of symmetry of the flow: y = 0, and a ground or ceiling.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirrors {
+    symmetric: bool,
+    /// Its height, m.
+    ground: Option<f64>,
+}
+
+/// A mirror image: at y = 0, at the ground of this height, or at both.
+#[derive(Clone, Copy, Debug)]
+pub struct Image {
+    aside: bool,
+    ground: Option<f64>,
+}
+
+impl Mirrors {
+    /// Those of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self { symmetric: scene.symmetric, ground: scene.ground }
+    }
+
+    /// The images beside what is there.
+    ///
+    /// Equation: lattice.ground
+    /// `images of all vortices at the plane: v(p) + M v(M p)`
+    /// Source: method of images; Katz & Plotkin 2001, section 12.3.
+    /// Test: `a_lattice_over_a_ground_is_the_upper_one_of_a_mirrored_pair`.
+    pub fn images(self) -> impl Iterator<Item = Image> + Clone {
+        let aside = Image { aside: true, ground: None };
+        let below = |aside| self.ground.map(|height| Image { aside, ground: Some(height) });
+        let symmetric = self.symmetric;
+        symmetric
+            .then_some(aside)
+            .into_iter()
+            .chain(below(false))
+            .chain(below(true).filter(move |_| symmetric))
+    }
+}
+
+impl Image {
+    /// Whether it turns the sense of a circulation: after both mirrors it is as before.
+    pub fn turns(self) -> bool {
+        self.aside != self.ground.is_some()
+    }
+    /// Of a point.
+    pub fn point(self, p: Vec3) -> Vec3 {
+        let Vec3([x, y, z]) = self.direction(p);
+        Vec3([x, y, z + 2.0 * self.ground.unwrap_or(0.0)])
+    }
+    /// Of a direction.
+    pub fn direction(self, v: Vec3) -> Vec3 {
+        let v = if self.aside { mirrored(v) } else { v };
+        let [x, y, z] = v.0;
+        Vec3([x, y, if self.ground.is_some() { -z } else { z }])
+    }
+    /// Of a place: the image at a ground is another wing, with which none crosses.
+    fn place(self, place: Place) -> Place {
+        match place {
+            Place::On(_, arc) if self.ground.is_some() => Place::On(usize::MAX, arc),
+            Place::On(surface, arc) => Place::On(surface, -arc),
+            Place::Wake => Place::Wake,
+        }
+    }
+}
+
 /// How velocities are summed.
 #[derive(Clone, Debug)]
 pub struct Influence {
-    symmetric: bool,
+    mirrors: Mirrors,
     /// Whether bound vortices have cores.
     cored: bool,
     /// How bound vortices are rounded off where parts of a wing cross.
@@ -59,30 +125,26 @@ pub fn mirrored(v: Vec3) -> Vec3 {
 }
 
 impl Influence {
-    /// With the mirror image of all sources where `symmetric`; with cores on bound vortices where `cored`, or where parts of a wing
+    /// With the mirror images of all sources at `mirrors`; with cores on bound vortices where `cored`, or where parts of a wing
     /// cross as `crossing` says; wakes of `fast_from` segments and more by multipoles.
-    pub fn new(symmetric: bool, cored: bool, crossing: Option<Crossing>, fast_from: usize) -> Self {
-        Self { symmetric, cored, crossing, fast_from }
+    pub fn new(mirrors: Mirrors, cored: bool, crossing: Option<Crossing>, fast_from: usize) -> Self {
+        Self { mirrors, cored, crossing, fast_from }
     }
 
     /// Induced velocities at `points`, which lie at `places`, m/s. What the mirror image of the sources induces at p is the mirror
     /// image of what they induce at the mirror image of p.
     pub fn velocities(&self, points: &[Vec3], places: &[Place], sources: &Sources<'_>) -> Vec<Vec3> {
         let count = points.len();
-        let images = if self.symmetric { count } else { 0 };
-        let image = points[..images].iter().map(|p| mirrored(*p));
+        let images = self.mirrors.images();
+        let image = images.clone().flat_map(|image| points.iter().map(move |p| image.point(*p)));
         let all: Vec<Vec3> = points.iter().copied().chain(image).collect();
         let mut lanes = Points::default();
         lanes.set(all.iter().copied());
         let mut velocities = vec![Vec3::ZERO; all.len()];
         match &self.crossing {
             Some(crossing) => {
-                let image = |place: &Place| match *place {
-                    Place::On(surface, arc) => Place::On(surface, -arc),
-                    Place::Wake => Place::Wake,
-                };
-                let places: Vec<Place> =
-                    places.iter().copied().chain(places[..images].iter().map(image)).collect();
+                let image = images.clone().flat_map(|image| places.iter().map(move |p| image.place(*p)));
+                let places: Vec<Place> = places.iter().copied().chain(image).collect();
                 for (surface, grid) in &sources.bound {
                     add_rounded(grid, *surface, crossing, &lanes, &places, &mut velocities);
                 }
@@ -103,8 +165,10 @@ impl Influence {
                 false => add_velocities::<true>(grid, &lanes, &mut velocities),
             }
         }
-        let image = velocities.split_off(count);
-        velocities.iter_mut().zip(image).for_each(|(v, image)| *v += mirrored(image));
+        let seen = velocities.split_off(count);
+        for (image, seen) in images.zip(seen.chunks_exact(count.max(1))) {
+            velocities.iter_mut().zip(seen).for_each(|(v, seen)| *v += image.direction(*seen));
+        }
         velocities
     }
 
@@ -115,9 +179,9 @@ impl Influence {
         Self { crossing: self.crossing.or(Some(wake_only)), ..self.clone() }
     }
 
-    /// Whether the mirror image of all sources is there.
+    /// Whether the mirror image of all sources at y = 0 is there.
     pub fn symmetric(&self) -> bool {
-        self.symmetric
+        self.mirrors.symmetric
     }
 
     /// What rings of unit circulation induce along the normals at the control points, row by row, 1/m.
@@ -148,25 +212,18 @@ impl Influence {
     /// The rows of up to four control points.
     fn block(&self, controls: &[Aimed], rings: &[Rings<'_>]) -> Vec<f64> {
         let last = controls.len() - 1;
-        let lanes = |of: fn(&Aimed) -> Vec3, image: bool| -> [f64x4; 3] {
-            let vectors: [Vec3; LANES] = std::array::from_fn(|lane| {
-                let v = of(&controls[lane.min(last)]);
-                if image { mirrored(v) } else { v }
-            });
+        let lanes = |of: &dyn Fn(&Aimed) -> Vec3| -> [f64x4; 3] {
+            let vectors: [Vec3; LANES] = std::array::from_fn(|lane| of(&controls[lane.min(last)]));
             std::array::from_fn(|k| f64x4::from(vectors.map(|v| v[k])))
         };
-        let images = if self.symmetric { &[false, true][..] } else { &[false] };
-        let seen_from: Vec<SeenFrom> = images
-            .iter()
-            .map(|image| SeenFrom {
-                at: lanes(|c| c.0, *image),
-                normal: lanes(|c| c.1, *image),
-                places: std::array::from_fn(|lane| match controls[lane.min(last)].2 {
-                    Place::On(surface, arc) if *image => Place::On(surface, -arc),
-                    place => place,
-                }),
-            })
-            .collect();
+        let places: [Place; LANES] = std::array::from_fn(|lane| controls[lane.min(last)].2);
+        let own = SeenFrom { at: lanes(&|c| c.0), normal: lanes(&|c| c.1), places };
+        let image = |image: Image| SeenFrom {
+            at: lanes(&|c| image.point(c.0)),
+            normal: lanes(&|c| image.direction(c.1)),
+            places: places.map(|place| image.place(place)),
+        };
+        let seen_from: Vec<SeenFrom> = std::iter::once(own).chain(self.mirrors.images().map(image)).collect();
         let columns: Vec<f64x4> = rings.iter().enumerate().flat_map(|m| self.rings(m, &seen_from)).collect();
         let columns: Vec<[f64; LANES]> = columns.iter().map(|column| column.to_array()).collect();
         (0..controls.len()).flat_map(|lane| columns.iter().map(move |column| column[lane])).collect()

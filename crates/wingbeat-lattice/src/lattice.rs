@@ -1,7 +1,7 @@
 //! The lattice stepped in time.
 
 use crate::Error;
-use crate::influence::{Influence, Sources};
+use crate::influence::{Influence, Mirrors, Sources};
 use crate::kernel::{Crossing, Place};
 use crate::loads::{Air, Loads};
 use crate::mesh::Mesh;
@@ -38,6 +38,14 @@ fn check(scene: &Scene) -> Result<(), Error> {
     let refused = |key, value, allowed: String| Err(Error::Setting { key, value, allowed });
     if let Some(value) = (0..3).map(|axis| scene.wind[axis]).find(|speed| !speed.is_finite()) {
         return refused("wind", value, "finite".into());
+    }
+    if let Some(height) = scene.ground {
+        if !height.is_finite() {
+            return refused("ground", height, "a finite height".into());
+        }
+        if scene.wind[2] != 0.0 {
+            return refused("wind", scene.wind[2], "0 upward, where a ground is not crossed".into());
+        }
     }
     let mut panels: usize = 0;
     for layout in scene.surfaces.iter().map(|surface| &surface.layout) {
@@ -78,7 +86,7 @@ impl Lattice {
         let near = meshes.first().map_or(0.0, Mesh::mean_chord);
         let crossing = Crossing { share: settings.crossing, near, wake: wake_core };
         let (crossing, fast_from) = (crosses.then_some(crossing), settings.fast_from);
-        let influence = Influence::new(scene.symmetric, settings.emulates(), crossing, fast_from);
+        let influence = Influence::new(Mirrors::of(&scene), settings.emulates(), crossing, fast_from);
         let wakes = meshes.iter().map(|_| Wake::default()).collect();
         let rings = std::array::from_fn(|_| vec![0.0; panels]);
         let shedding = settings.critical_suction.map(|critical| Shedding::new(critical, &meshes));

@@ -48,6 +48,8 @@ pub struct Scene {
     pub density_kg_m3: f64,
     /// True when the surfaces are the left half of what the plane y = 0 mirrors.
     pub symmetric: bool,
+    /// Height of a plane that the air does not cross, m in W.
+    pub ground: Option<f64>,
 }
 
 /// How fine panels are.
@@ -72,6 +74,8 @@ pub struct Flapping {
     pub wind: Vec3,
     /// Density of the air, kg/m3.
     pub density_kg_m3: f64,
+    /// Height of a plane that the air does not cross, m in W.
+    pub ground: Option<f64>,
 }
 
 /// Refuses sections that lift at no incidence, and membranes.
@@ -113,6 +117,7 @@ impl TryFrom<&Tether> for Flapping {
             motion: tether.motion.clone(),
             wind: tether.wind,
             density_kg_m3: tether.reference.density_kg_m3,
+            ground: tether.ground.as_ref().map(|plane| plane.height_m),
         })
     }
 }
@@ -140,7 +145,7 @@ impl Scene {
     /// # Errors
     /// Panels that cannot be laid out.
     pub fn new(flapping: &Flapping, panels: Panels, halved: bool) -> Result<Self, Error> {
-        let Flapping { wing, motion, wind, density_kg_m3 } = flapping;
+        let Flapping { wing, motion, wind, density_kg_m3, ground } = flapping;
         let symmetric = halved && panels.spanwise.is_multiple_of(2) && flapping.is_symmetric();
         let hinges = wing.hinges().iter().flat_map(|h| std::iter::once(h.arc_m).chain(h.to_arc_m));
         let inner = |arc: &f64| *arc < wing.planform().half_span();
@@ -156,7 +161,7 @@ impl Scene {
         let surface = |layout| Surface { layout, sections: sections.clone() };
         let layouts = if symmetric { left } else { whole };
         let surfaces = layouts.into_iter().map(surface).collect();
-        Ok(Self { surfaces, wind: *wind, density_kg_m3: *density_kg_m3, symmetric })
+        Ok(Self { surfaces, wind: *wind, density_kg_m3: *density_kg_m3, symmetric, ground: *ground })
     }
 }
 

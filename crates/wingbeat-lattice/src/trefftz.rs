@@ -1,5 +1,6 @@
 //! The drag of a steady wing by the wake far behind it.
 
+use crate::influence::Mirrors;
 use crate::lattice::Lattice;
 use wingbeat::math::Vec3;
 
@@ -43,11 +44,15 @@ impl Lattice {
                 strips.push((left, right, mesh.fractions[j], *ring));
             }
         }
-        if scene.symmetric {
-            let image = strips.clone().into_iter();
-            strips.extend(image.map(|(left, right, f, ring)| {
-                (crate::influence::mirrored(right), crate::influence::mirrored(left), 1.0 - f, ring)
-            }));
+        let own = strips.len();
+        for image in Mirrors::of(scene).images() {
+            for k in 0..own {
+                let (left, right, f, ring) = strips[k];
+                let [left, right] = [image.point(left), image.point(right)];
+                // Mirrored once, a strip runs the other way.
+                let turned = image.turns();
+                strips.push(if turned { (right, left, 1.0 - f, ring) } else { (left, right, f, ring) });
+            }
         }
         // A line along the wind of the circulation G: G (along x r)/(2 pi r^2).
         let line = |p: Vec3, from: Vec3| {
@@ -62,6 +67,8 @@ impl Lattice {
             });
             ring * wash.cross(*right - *left).dot(along)
         });
-        Some(0.5 * scene.density_kg_m3 * drag.sum::<f64>())
+        // Half of what the wings and their images at a ground have together.
+        let share = if scene.ground.is_some() { 0.25 } else { 0.5 };
+        Some(share * scene.density_kg_m3 * drag.sum::<f64>())
     }
 }

@@ -77,14 +77,16 @@ impl Robot {
         let mut dx = vec![0.0; x.len()];
         let mut seen = Moving::empty();
         self.moving((t, x, u), beyond, &mut dx, &mut seen)?;
-        let Moving { base, moving, wind: [wind, wind_dot], .. } = &seen;
+        let Moving { e, base, moving, wind: [wind, wind_dot], .. } = &seen;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(base, &self.carriers, moving, *wind_dot);
+        carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;
         let mut loads = Loads::default();
         let motions = self.covering.motions(&carriers);
-        self.covering.aero.evaluate(&motions, *wind, &x[aero..], &mut dx[aero..], &mut loads);
+        let (x, dx) = (&x[aero..], &mut dx[aero..]);
+        self.covering.aero.evaluate_over(carriers.ground, &motions, *wind, x, dx, &mut loads);
         Ok(self.attached(&carriers, &loads))
     }
 

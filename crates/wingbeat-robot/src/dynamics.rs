@@ -8,7 +8,7 @@ use super::{Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
 use arrayvec::ArrayVec;
 use std::ops::Range;
-use wingbeat_aero::ImpulseRates;
+use wingbeat_aero::{Ground, ImpulseRates};
 use wingbeat_math::linear::solve_symmetric_leading;
 use wingbeat_math::{
     Double4, GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Single8, Vec3, Wrench, append_copies, lift,
@@ -70,7 +70,8 @@ impl Plant for Robot {
         self.smooth_clearances(t, &x[self.layout.structure..], values)
     }
     fn unfelt_states(&self) -> Range<usize> {
-        self.layout.position..self.layout.position + 3
+        // Over a ground the height is felt.
+        self.layout.position..self.layout.position + if self.ground.is_some() { 2 } else { 3 }
     }
     fn placing_states(&self) -> [Range<usize>; 2] {
         let (l, elements) = (&self.layout, self.elements.len());
@@ -213,6 +214,7 @@ impl<P: Scalar> Robot<P> {
         let (wind, wind_dot) = self.wind(t, attitude);
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, wind_dot);
+        carriers.ground = self.ground_below(attitude, x[l.position + 2]);
         let tree = &self.mechanism.tree;
         let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
         let g_b = self.gravity(attitude);
@@ -365,6 +367,13 @@ impl<P: Scalar> Robot<P> {
     pub(super) fn wind<S: Scalar + Meets<P>>(&self, t: S, attitude: Mat3<S>) -> (Vec3<S>, Vec3<S>) {
         let (velocity, acceleration) = self.wind.at(t);
         (attitude.transpose_mul(velocity), attitude.transpose_mul(acceleration))
+    }
+
+    /// The plane that the air does not cross as the body sees it, its origin at the height `z` m in W.
+    #[inline]
+    pub(super) fn ground_below<S: Scalar>(&self, attitude: Mat3<S>, z: S) -> Option<Ground<S>> {
+        let up = || attitude.transpose_mul(Vec3::new(S::ZERO, S::ZERO, S::ONE));
+        self.ground.map(|height| Ground { normal: up(), offset: -z + height })
     }
 
     /// Gravity in B, m/s2.

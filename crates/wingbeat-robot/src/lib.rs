@@ -121,6 +121,8 @@ pub struct Robot<P: Scalar = f64> {
     /// Of the air that the body's drag takes, kg/m3.
     density: P,
     wind: Wind<P>,
+    /// Height of the plane that the air does not cross, m in W.
+    ground: Option<f64>,
     /// What the models of the air leave of measured loads.
     residual: Option<Arc<Residual>>,
     layout: Layout,
@@ -178,6 +180,7 @@ impl Robot {
             drag_area: Vec3(spec.body.drag_area_m2),
             density: air.density,
             wind: air.wind,
+            ground: None,
             residual: residual.map(Arc::new),
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
@@ -238,10 +241,27 @@ impl Robot {
     pub fn in_vacuum(mut self) -> Self {
         self.covering.strip();
         (self.density, self.residual) = (0.0, None);
+        self.lay_states()
+    }
+    /// The same robot over a ground, or under a ceiling, at the height `ground` m in W: its surfaces of preset `full` feel the mirror
+    /// images of all vortices as it flies, for which states follow.
+    #[must_use]
+    pub fn over(mut self, ground: f64) -> Self {
+        self.covering.aero = self.covering.aero.over_ground();
+        self.ground = Some(ground);
+        self.lay_states()
+    }
+    /// The states anew, of which those of the air come last.
+    fn lay_states(mut self) -> Self {
         let (elements, coordinates) = (self.elements.len(), self.mechanism.coordinates.len());
-        self.layout = Layout::new(elements, coordinates, self.motor.is_some(), 0);
-        self.states.truncate(self.layout.len);
+        let air = &self.covering.aero;
+        self.layout = Layout::new(elements, coordinates, self.motor.is_some(), air.states());
+        self.states = self.layout.channels(&self.elements, &self.mechanism, air);
         self
+    }
+    /// Height of the plane that the air does not cross, m in W.
+    pub fn ground(&self) -> Option<f64> {
+        self.ground
     }
     /// Whether there is no air.
     pub fn is_in_vacuum(&self) -> bool {

@@ -271,6 +271,7 @@ impl Robot {
             drag_area: numbers.drag_area,
             density: numbers.density,
             wind: self.wind.map(P::from),
+            ground: self.ground,
             residual: self.residual.clone(),
             layout: self.layout,
             states: self.states.clone(),

@@ -134,6 +134,7 @@ impl Robot {
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(base, &self.carriers, moving, *wind_dot);
+        carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;
         let mut strips = Loads::boxed();
         let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);

@@ -2,7 +2,7 @@
 
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
 use arrayvec::ArrayVec;
-use wingbeat_aero::{SectionField, SectionMotion, Sections};
+use wingbeat_aero::{Ground, SectionField, SectionMotion, Sections};
 use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench, append_copies};
 
 /// One section of a surface fixed to the body or a link.
@@ -128,13 +128,15 @@ pub(super) struct Carriers<'a, S: Scalar> {
     links: ArrayVec<Carrier<S>, MAX_LINKS>,
     /// Coordinates whose second rates the accelerations leave out.
     pub coordinates: &'a Coordinates<S>,
+    /// The plane that the air does not cross.
+    pub ground: Option<Ground<S>>,
 }
 
 impl<'a, S: Scalar> Carriers<'a, S> {
     /// Room for them, which is large and so filled in place.
     #[inline(always)]
     pub fn none(coordinates: &'a Coordinates<S>) -> Self {
-        Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates }
+        Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates, ground: None }
     }
 
     /// Takes the body and the links `carriers`.
@@ -184,6 +186,9 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     #[inline]
     fn coordinates(&self) -> usize {
         self.carriers.coordinates.count()
+    }
+    fn ground(&self) -> Option<Ground<S>> {
+        self.carriers.ground
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
         let field = self.carriers.coordinates.field(coordinate, self.sections[i].link);

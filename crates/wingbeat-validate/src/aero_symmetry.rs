@@ -70,6 +70,7 @@ fn tether(
         reference: Reference { density_kg_m3: 1.225, speed_m_s: SPEED, area_m2: 0.05, chord_m: 0.12 },
         clock: Clock { frequency_hz: FREQUENCY, cycles: 1, steps_per_cycle: 64 },
         spar: None,
+        ground: None,
     })
 }
 

@@ -43,8 +43,19 @@ impl Curve {
     /// Rms difference from `measured` over its rms, at the points of `measured`; both are means over `window` about each of
     /// them, of the part within `ends`.
     pub fn error(&self, measured: &Self, window: f64, ends: [f64; 2]) -> f64 {
+        self.error_where(measured, window, ends, |_| true)
+    }
+
+    /// The same at the points that `counts`.
+    pub fn error_where(
+        &self,
+        measured: &Self,
+        window: f64,
+        ends: [f64; 2],
+        counts: impl Fn(f64) -> bool,
+    ) -> f64 {
         let (mut error, mut scale) = (0.0, 0.0);
-        for at in &measured.at {
+        for at in measured.at.iter().filter(|at| counts(**at)) {
             let (low, high) = ((at - 0.5 * window).max(ends[0]), (at + 0.5 * window).min(ends[1]));
             let truth = measured.mean(low, high);
             error += (self.mean(low, high) - truth).powi(2);

@@ -3,11 +3,14 @@
 mod convergence;
 pub(crate) mod flapping;
 mod flight;
+mod ground;
 mod shedding;
 mod small;
 mod span;
 mod wake;
 mod wings;
+
+pub(crate) use ground::{elliptic_over, rectangle_over, rectangle_pair};
 
 use crate::Case;
 

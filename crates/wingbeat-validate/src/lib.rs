@@ -12,6 +12,7 @@ mod report;
 pub mod shipped;
 
 pub mod aero_full;
+pub mod aero_ground;
 pub mod aero_paper;
 pub mod aero_surfaces;
 pub mod aero_symmetry;
@@ -50,6 +51,7 @@ pub fn cases() -> Vec<&'static Case> {
         paper_nlp::CASES,
         aero_full::CASES,
         aero_surfaces::CASES,
+        aero_ground::CASES,
         aero_symmetry::CASES,
         aero_turn::CASES,
         lattice::CASES,

@@ -7,6 +7,9 @@
 //! delay is that time; a steady state does not depend on it.
 //!
 //! The wash is taken as a wind along the normal, at 3/4 chord and, where it turns the force, at 1/4 chord.
+//! Over a ground every surface sees the mirror images of all surfaces, its own too, as it sees other surfaces: a robot over it is the
+//! upper one of a mirrored pair.
+//!
 //! Neglected are its parts along chord and span (they change the speed that the strip meets by CL c/(4 pi h)
 //! of it at the distance h), its force on the carried air (a gust that travels along the chord has hardly any:
 //! Kuessner's lift starts at zero), the air that one surface carries for the other (their common added mass),
@@ -16,7 +19,7 @@ use super::StripModel;
 use super::influence::{Column, INVERSE_4PI, Line, NEAREST, cored, divide, segment};
 use super::motion::{ChordLine, Edge, Edges, Strips, Vectors};
 use crate::law::Attachment;
-use crate::{Loads, MAX_SECTIONS, MAX_STRIPS, Sections};
+use crate::{Ground, Loads, MAX_SECTIONS, MAX_STRIPS, Sections};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
 /// Lags in the chain by which circulation travels from one surface to another.
@@ -32,6 +35,7 @@ const CORE_GROWTH: f64 = 0.05;
 const LEAST_DISTANCE: f64 = 0.5;
 
 /// The vortices of all surfaces at one instant.
+#[derive(Clone)]
 pub(crate) struct Vortices<G: Scalar, S> {
     edges: [Edge<G, G>; MAX_SECTIONS],
     circulation: [S; MAX_STRIPS],
@@ -44,6 +48,24 @@ impl<G: Scalar, S: Scalar> Vortices<G, S> {
         let edge = Edge { bound: zero, trailing: zero, wake: zero };
         Self { edges: [edge; MAX_SECTIONS], circulation: [S::ZERO; MAX_STRIPS] }
     };
+
+    /// The mirror images of the vortices between the first `edges` edges, `self` its own: a mirror turns the sense of a circulation.
+    ///
+    /// Equation: aero.strip.ground
+    /// `images of all bound and trailing vortices at the plane, of the circulation -Gamma`
+    /// Source: method of images; Katz & Plotkin 2001, section 12.3.
+    /// Test: `a_wing_over_a_ground_is_the_upper_one_of_a_mirrored_pair`.
+    #[inline(never)]
+    pub fn mirror(&mut self, ground: &Ground<G>, edges: usize) {
+        for edge in &mut self.edges[..edges] {
+            edge.bound = ground.point(edge.bound);
+            edge.trailing = ground.point(edge.trailing);
+            edge.wake = ground.direction(edge.wake);
+        }
+        for circulation in &mut self.circulation {
+            *circulation = -*circulation;
+        }
+    }
 }
 
 /// What never changes of a surface that washes over another.
@@ -52,6 +74,8 @@ pub(crate) struct Source<P = f64> {
     /// Its first edge and strip among those of all surfaces.
     pub first_edge: usize,
     pub first_strip: usize,
+    /// Whether it is the mirror image of the surface at the ground.
+    image: bool,
     strips: usize,
     /// Core radii of the vortices that leave its edges, m.
     edge_cores: Vec<P>,
@@ -66,6 +90,17 @@ impl<P> Source<P> {
     pub fn arrivals(&self) -> usize {
         ARRIVAL_LAGS * self.strips
     }
+    /// Whether it is a mirror image.
+    pub fn is_image(&self) -> bool {
+        self.image
+    }
+    /// Its mirror image at a ground.
+    pub fn image(&self) -> Self
+    where
+        P: Clone,
+    {
+        Self { image: true, ..self.clone() }
+    }
     /// The state of the other wing that stands for arrival `i`.
     pub fn mirrored(&self, i: usize) -> usize {
         i - i % self.strips + (self.strips - 1 - i % self.strips)
@@ -76,6 +111,8 @@ impl<P> Source<P> {
 /// a block per lag of one value per strip, m2/s.
 pub(crate) struct Others<'a, P, G: Scalar, S> {
     pub vortices: &'a Vortices<G, S>,
+    /// Their mirror images, where there is a ground.
+    pub images: Option<&'a Vortices<G, S>>,
     pub sources: &'a [Source<P>],
     pub x: &'a [S],
     pub dx: &'a mut [S],
@@ -227,6 +264,7 @@ impl<P: Scalar> StripModel<P> {
         Source {
             first_edge,
             first_strip,
+            image: false,
             strips: self.settings.strips,
             edge_cores: self.grid.half_widths().map(|half| half * CORE).collect(),
             core_growth: self.grid.mean_chord * CORE_GROWTH.powi(2),
@@ -283,8 +321,13 @@ impl<P: Scalar> StripModel<P> {
             let (arrived, x_rest) = x.split_at(source.arrivals());
             let (rates, dx_rest) = std::mem::take(&mut dx).split_at_mut(source.arrivals());
             (x, dx) = (x_rest, dx_rest);
-            let edges = &others.vortices.edges[source.first_edge..][..n + 1];
-            let circulation = &others.vortices.circulation[source.first_strip..][..n];
+            let vortices = if source.image { others.images } else { Some(others.vortices) };
+            let Some(vortices) = vortices else {
+                rates.fill(S::ZERO);
+                continue;
+            };
+            let edges = &vortices.edges[source.first_edge..][..n + 1];
+            let circulation = &vortices.circulation[source.first_strip..][..n];
             for (j, ends) in edges.windows(2).enumerate() {
                 let rate = whole.arrival_rate(ends, source.least);
                 let mut before = circulation[j];

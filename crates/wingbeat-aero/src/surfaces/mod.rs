@@ -15,8 +15,8 @@
 
 use super::strip::{ARRIVAL_LAGS, Others, Source, Vortices};
 use super::{
-    Aero, Coupling, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections, SurfaceNumbers,
-    Wrench,
+    Aero, Coupling, Ground, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections,
+    SurfaceNumbers, Wrench,
 };
 use std::ops::Range;
 use wingbeat_math::Error;
@@ -65,6 +65,8 @@ pub struct Surfaces<P: Scalar = f64> {
     surfaces: Vec<Surface<P>>,
     arcs: Vec<P>,
     strip_arcs: Vec<P>,
+    /// Whether they see their mirror images at a ground.
+    grounded: bool,
 }
 
 impl From<Aero> for Surfaces {
@@ -106,7 +108,16 @@ impl Surfaces {
 impl<P: Scalar> Surfaces<P> {
     /// No surface.
     pub fn none() -> Self {
-        Self { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() }
+        Self { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new(), grounded: false }
+    }
+
+    /// The same over a ground or under a ceiling, of which [`Sections::ground`] tells the place: states follow that carry the
+    /// circulation of every image to each surface of preset `full`.
+    #[must_use]
+    pub fn over_ground(mut self) -> Self {
+        self.grounded = true;
+        self.pair();
+        self
     }
 
     /// Lets every surface that can see the others.
@@ -122,6 +133,8 @@ impl<P: Scalar> Surfaces<P> {
             if sources.iter().any(|(own, _)| *own == k) {
                 let others = sources.iter().filter(|(own, _)| *own != k);
                 surface.sources = others.map(|(_, source)| source.clone()).collect();
+                let images = sources.iter().filter(|_| self.grounded);
+                surface.sources.extend(images.map(|(_, source)| source.image()));
             }
             let count: usize = surface.sources.iter().map(Source::arrivals).sum();
             surface.arrivals = first..first + count;
@@ -159,6 +172,7 @@ impl<P: Scalar> Surfaces<P> {
         for (surface, numbers) in self.surfaces.iter().zip(numbers) {
             all.add(surface.name.clone(), surface.aero.with(numbers)?);
         }
+        all.grounded = self.grounded;
         all.pair();
         Ok(all)
     }
@@ -198,7 +212,7 @@ impl<P: Scalar> Surfaces<P> {
         self.own_states() + self.surfaces.iter().map(|surface| surface.arrivals.len()).sum::<usize>()
     }
     /// Names and units of the states, in order. Names of all surfaces but the first begin with the surface's;
-    /// what travels is called `tail_from_wing_lag1_0`.
+    /// what travels is called `tail_from_wing_lag1_0`, from a mirror image `tail_from_wing_image_lag1_0`.
     pub fn channels(&self) -> Vec<Channel> {
         let prefixed = |(k, surface): (usize, &Surface<P>)| {
             let mut channels = surface.aero.channels();
@@ -213,7 +227,8 @@ impl<P: Scalar> Surfaces<P> {
     /// Names and units of what travels to a surface.
     fn arriving(&self, surface: &Surface<P>) -> Vec<Channel> {
         let from = |source: &Source<P>| {
-            let name = format!("{}_from_{}_lag", surface.name, self.of_strip(source.first_strip).name);
+            let image = if source.is_image() { "_image" } else { "" };
+            let name = format!("{}_from_{}{image}_lag", surface.name, self.of_strip(source.first_strip).name);
             let strips = source.arrivals() / ARRIVAL_LAGS;
             (0..source.arrivals())
                 .map(|i| Channel::free(format!("{name}{}_{}", i / strips + 1, i % strips), "m2/s", ""))
@@ -271,11 +286,24 @@ impl<P: Scalar> Surfaces<P> {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        if let [only] = &self.surfaces[..] {
+        self.evaluate_over(None, sections, wind, x, dx, loads);
+    }
+
+    /// The same over the `ground`, which surfaces that are [over one](Self::over_ground) feel.
+    pub fn evaluate_over<S: Scalar + Meets<P>>(
+        &self,
+        ground: Option<Ground<S>>,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
+        if let ([only], false) = (&self.surfaces[..], self.grounded) {
             return only.aero.evaluate(sections, wind, x, dx, loads);
         }
         loads.strips = 0;
-        let vortices = self.vortices(&sections, wind, x);
+        let vortices = self.vortices(&sections, wind, x, ground);
         let mut sum = Sum::ZERO;
         for surface in &self.surfaces {
             let (own, states) = (&sections[surface.sections()], surface.states());
@@ -286,13 +314,14 @@ impl<P: Scalar> Surfaces<P> {
         (loads.wrench, loads.added_mass) = (sum.wrench, sum.added_mass);
     }
 
-    /// The vortices of the surfaces that others can see.
+    /// The vortices of the surfaces that others can see, and their mirror images at the `ground`.
     fn vortices<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &impl Sections<G>,
         wind: Vec3<G>,
         x: &[S],
-    ) -> Vortices<G, S> {
+        ground: Option<Ground<G>>,
+    ) -> (Vortices<G, S>, Option<Vortices<G, S>>) {
         let mut vortices = Vortices::NONE;
         for surface in &self.surfaces {
             if let (Aero::Strip(model), false) = (&surface.aero, surface.sources.is_empty()) {
@@ -301,14 +330,19 @@ impl<P: Scalar> Surfaces<P> {
                 model.shed(&own, wind, &x[surface.states()], place, &mut vortices);
             }
         }
-        vortices
+        let images = ground.map(|ground| {
+            let mut images = vortices.clone();
+            images.mirror(&ground, self.arcs.len());
+            images
+        });
+        (vortices, images)
     }
 
     /// What `surface` sees; `arriving` are the rates behind those of the surfaces' own states.
     fn others<'a, G: Scalar, S: Scalar>(
         &self,
         surface: &'a Surface<P>,
-        vortices: &'a Vortices<G, S>,
+        (vortices, images): &'a (Vortices<G, S>, Option<Vortices<G, S>>),
         x: &'a [S],
         arriving: &'a mut [S],
     ) -> Option<Others<'a, P, G, S>> {
@@ -317,7 +351,7 @@ impl<P: Scalar> Surfaces<P> {
         }
         let (at, own) = (surface.arrivals.clone(), self.own_states());
         let dx = &mut arriving[at.start - own..at.end - own];
-        Some(Others { vortices, sources: &surface.sources, x: &x[at], dx })
+        Some(Others { vortices, images: images.as_ref(), sources: &surface.sources, x: &x[at], dx })
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
@@ -344,7 +378,7 @@ impl<P: Scalar> Surfaces<P> {
         dx: &mut [S],
         mut coupling: Option<Coupling<'_, G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        if let [only] = &self.surfaces[..] {
+        if let ([only], false) = (&self.surfaces[..], self.grounded) {
             // As one of several, so that there is one copy of the model for either case.
             return only.aero.sum::<K, G, S>(
                 &Following { all: sections, first: 0 },
@@ -355,7 +389,7 @@ impl<P: Scalar> Surfaces<P> {
                 coupling,
             );
         }
-        let vortices = self.vortices(sections, wind, x);
+        let vortices = self.vortices(sections, wind, x, sections.ground());
         let mut sum = Sum::ZERO;
         for surface in &self.surfaces {
             let own = Following { all: sections, first: surface.sections.start };
@@ -389,6 +423,9 @@ impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
     }
     fn coordinates(&self) -> usize {
         self.all.coordinates()
+    }
+    fn ground(&self) -> Option<Ground<S>> {
+        self.all.ground()
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
         self.all.field(self.first + i, coordinate)

@@ -334,6 +334,7 @@ impl Scenario {
                 incidence_deg: (-against[2]).atan2(along).to_degrees(),
                 sideslip_deg: 0.0,
                 density_kg_m3: air.density_kg_m3,
+                ground_m: None,
             },
             aero: self.spec.aero.clone(),
             time: ClockSpec {

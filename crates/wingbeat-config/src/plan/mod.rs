@@ -149,6 +149,7 @@ impl Scenario {
     /// [`Error::Invalid`] when there is no `[plan]` or a setting is out of range.
     pub fn plan(&self, observe: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Planned, Error> {
         self.without_lattice()?;
+        self.spec.without_ground("a plan")?;
         match &self.spec.plan {
             Some(PlanSpec::RollIn(spec)) => self.plan_roll_in(spec, observe),
             Some(PlanSpec::LeastPower(spec)) => self.plan_least_power(spec, observe),

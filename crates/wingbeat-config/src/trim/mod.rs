@@ -162,6 +162,7 @@ impl Scenario {
     }
 
     fn in_still_air(&self) -> Result<(), Error> {
+        self.spec.without_ground("a periodic flight")?;
         if self.model.mean_wind().norm() > 0.0 {
             let allowed = "still air: speeds are those over the ground";
             return Err(Error::invalid("air.wind_m_s", format!("{:?}", self.spec.air.wind_m_s), allowed));

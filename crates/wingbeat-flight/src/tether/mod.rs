@@ -4,6 +4,7 @@
 mod comparison;
 mod coordinate;
 mod cycle;
+mod ground;
 mod numbers;
 mod outline;
 mod power;
@@ -17,6 +18,7 @@ pub use comparison::cycle_of;
 pub use comparison::{CycleFit, PHASES, fit, smooth};
 pub use coordinate::Coordinate;
 pub use cycle::{CycleMean, Periodicity};
+pub use ground::Plane;
 pub use numbers::WingNumbers;
 pub use outline::Shape;
 pub use recorder::TetherRun;

@@ -3,7 +3,7 @@
 use super::recorder::Recorder;
 use super::spar::{Bent, Spar};
 use super::wing::Frame;
-use super::{Coordinate, Side, TetherRun, TetheredBody, Wing};
+use super::{Coordinate, Plane, Side, TetherRun, TetheredBody, Wing};
 use crate::simulate::{Held, Moment, Observed, Record, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 use wingbeat_aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
@@ -129,6 +129,8 @@ pub struct Tether {
     pub clock: Clock,
     /// The beam that carries each half, where the wing is not rigid.
     pub spar: Option<Spar>,
+    /// The plane that the air does not cross, where there is one.
+    pub ground: Option<Plane>,
 }
 
 impl Tether {
@@ -143,6 +145,7 @@ impl Tether {
             return Err(Error::invalid("hinges", self.motion.hinges.len(), allowed));
         }
         Recorder::columns(self)?;
+        self.check_ground()?;
         if let Some(spar) = &self.spar {
             spar.check(self)?;
         }
@@ -204,7 +207,7 @@ impl Tether {
     }
 
     /// Instants of the last cycle at which the motion alone is looked at, s.
-    fn instants(&self) -> impl Iterator<Item = f64> {
+    pub(super) fn instants(&self) -> impl Iterator<Item = f64> {
         let Clock { frequency_hz, cycles, .. } = self.clock;
         (0..LOOKS).map(move |k| (cycles as f64 - 1.0 + k as f64 / LOOKS as f64) / frequency_hz)
     }
@@ -254,23 +257,17 @@ impl Tether {
         }
     }
 
-    /// State rates and loads in W about W's origin.
-    pub fn evaluate(&self, t: f64, x: &[f64], dx: &mut [f64], loads: &mut Loads<f64>) {
-        let sections = self.sections(t);
-        let count = self.aero.arcs().len();
-        self.aero.evaluate_in_numbers(&sections[..count], self.wind, x, dx, loads);
-    }
-
     /// The states of still air in which the wing has always moved as it does at first.
     pub fn start(&self) -> Vec<f64> {
-        let mut x = vec![0.0; self.aero.states()];
+        let mut x = vec![0.0; self.air_states()];
         self.settle(0.0, &mut x);
         x
     }
 
     /// Sets states that follow the impulse of the air to that impulse: see [`Aero::settle`].
     pub fn settle(&self, t: f64, x: &mut [f64]) {
-        self.aero.settle(&&self.sections(t)[..self.aero.arcs().len()], self.wind, x);
+        let own = &mut x[..self.aero.states()];
+        self.aero.settle(&&self.sections(t)[..self.aero.arcs().len()], self.wind, own);
     }
 
     /// Runs all cycles from rest with the fourth-order Runge-Kutta method.
@@ -300,9 +297,13 @@ impl System for Tether {
     type Memory = ();
 
     fn sizes(&self) -> Sizes {
-        Sizes { states: self.aero.states(), inputs: 0 }
+        Sizes { states: self.air_states(), inputs: 0 }
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+        if self.ground.is_some() {
+            self.evaluate(at.t, at.x, dx, &mut Loads::default());
+            return Ok(());
+        }
         let count = self.aero.arcs().len();
         self.aero.rates_in_numbers(&self.sections(at.t)[..count], self.wind, at.x, dx);
         Ok(())

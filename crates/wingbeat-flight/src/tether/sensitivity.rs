@@ -33,6 +33,10 @@ impl Tether {
         if self.spar.is_some() {
             return Err(Error::invalid("spar", "given", "none where loads are differentiated by numbers"));
         }
+        if let Some(plane) = &self.ground {
+            let allowed = "none where loads are differentiated by numbers";
+            return Err(Error::invalid("air.ground_m", plane.height_m, allowed));
+        }
         let mut all = Vec::with_capacity(keys.len());
         for keys in keys.chunks(TOGETHER) {
             match self.batch(keys)? {

@@ -128,8 +128,15 @@ pub struct UnknownLimit {
     pub known: String,
 }
 
+/// Names that limits once had, and what took their place.
+const FORMER: [(&str, &str); 1] =
+    [("flight.dive_height_m", "flight.dive_velocity_heads, which took its place: the height over v^2/(2 g)")];
+
 impl UnknownLimit {
     fn new(id: &str) -> Self {
+        if let Some((_, new)) = FORMER.iter().find(|(old, _)| *old == id) {
+            return Self { id: id.into(), known: (*new).into() };
+        }
         let kind = |of: &str| of.split('.').next().map(str::to_owned);
         let same: Vec<&str> = all().map(|limit| limit.id).filter(|known| kind(known) == kind(id)).collect();
         let known = if same.is_empty() { all().map(|limit| limit.id).collect() } else { same };

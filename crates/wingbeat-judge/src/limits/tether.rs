@@ -17,6 +17,9 @@ pub const CROSSING: Limit = Limit::warn_above("tether.crossing_fraction", 0.0, "
 /// The same for long. *Choice*: the published gait of Aerobat crosses for 0.06 of its cycle.
 pub const CROSSED: Limit = Limit::at_most("tether.crossing_outside_fraction", 0.15, "", Outside)
     .on("share of the last cycle in which a half of the wing lies beyond the middle plane");
+/// A wing that passes through the ground or the ceiling.
+pub const GROUND: Limit = Limit::at_least("tether.ground_distance_m", 0.0, "m", Outside)
+    .on("least distance of the wing from wind.ground_m in the last cycle on the side of the start");
 /// Cycles of a motion that repeats: the first begins at rest and is that of no periodic flow.
 pub const FIRST: Limit = Limit::warn_below("tether.cycles", 2.0, "")
     .on("the motion repeats, but the loads are those of the first cycle from rest: number of cycles");
@@ -35,4 +38,4 @@ pub const MASSLESS: Limit = Limit::at_least("tether.spar_mass_fraction", 0.01, "
 );
 
 /// All of them.
-pub const ALL: [Limit; 8] = [STEPS, CYCLES, CROSSING, CROSSED, FIRST, SPAR, FLUTTER, MASSLESS];
+pub const ALL: [Limit; 9] = [STEPS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS];

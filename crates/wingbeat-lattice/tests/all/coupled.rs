@@ -231,3 +231,15 @@ fn what_a_lattice_cannot_do_is_refused() {
         &["lattice", "no derivatives"],
     );
 }
+
+/// A glider near the ground sinks less in the lattice too.
+#[test]
+fn the_lattice_of_a_flight_feels_the_ground() {
+    let set = ["lattice={ step_s = 0.01, chordwise = 2, spanwise = 8 }", "flight.duration_s=0.2"];
+    let sinks = |keys: &[&str]| {
+        let document = keys.iter().fold(shipped("glider.toml", &set), |document, key| document.set(*key));
+        fly(&open(document)).summary.altitude_change_m
+    };
+    let [free, low, far] = [sinks(&[]), sinks(&["air.ground_m=-0.3"]), sinks(&["air.ground_m=-1e4"])];
+    assert!(low > free + 1e-4 && (far - free).abs() < 1e-8, "{free} {low} {far}");
+}

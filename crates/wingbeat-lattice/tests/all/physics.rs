@@ -24,7 +24,7 @@ pub fn wing(span: f64, flap: f64, fold: f64) -> Flapping {
         ..Motion::at_rest()
     };
     let wind = Vec3::new(-ALPHA.cos(), 0.0, ALPHA.sin());
-    Flapping { wing: Wing::new(planform, hinges).unwrap(), motion, wind, density_kg_m3: 1.0 }
+    Flapping { wing: Wing::new(planform, hinges).unwrap(), motion, wind, density_kg_m3: 1.0, ground: None }
 }
 
 fn run(
@@ -205,7 +205,7 @@ fn plates(plates: [Plate; 2], panels: usize) -> Result<Vec<Loads>, Error> {
     let surface = |plate| Surface { layout: layout.clone(), sections: Arc::new(plate) };
     let wind = Vec3::new(-1.0, 0.0, 0.1);
     let surfaces = plates.map(surface).into();
-    let scene = Scene { surfaces, wind, density_kg_m3: 1.0, symmetric: false };
+    let scene = Scene { surfaces, wind, density_kg_m3: 1.0, symmetric: false, ground: None };
     let settings = Settings { wake: WakeMotion::Free, ..Settings::new(0.2, 0.05) };
     let mut lattice = Lattice::new(scene, settings)?;
     (0..20).map(|_| lattice.step()).collect()
@@ -316,4 +316,68 @@ fn half_wings_and_cambered_ones_are_refused() {
     assert!(taken("wing.side=left").unwrap_err().contains("wing.side = left: allowed is both"));
     let message = taken("wing.section.zero_lift_angle_deg=-3.0").unwrap_err();
     assert!(message.contains("zero_lift_angle_deg = -3"), "{message}");
+}
+
+/// Sections mirrored at the plane z = `height`.
+struct Mirrored {
+    of: Arc<dyn Sections>,
+    height: f64,
+}
+
+impl Sections for Mirrored {
+    fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
+        self.of.sections(t, arcs, out);
+        for s in out {
+            for point in [&mut s.le, &mut s.te] {
+                point[2] = 2.0 * self.height - point[2];
+            }
+            [&mut s.v_le, &mut s.v_te, &mut s.a_le, &mut s.a_te].into_iter().for_each(|v| v[2] = -v[2]);
+        }
+    }
+}
+
+/// A wing that flaps and folds with a free wake over a ground and under a ceiling, whole and as a half, with cores where it crosses and
+/// without: it bears what the one of a mirrored pair bears, and no air crosses the plane.
+#[test]
+fn a_lattice_over_a_ground_is_the_upper_one_of_a_mirrored_pair() {
+    for (height, crossing, halved) in [(-0.6, 0.0, false), (-0.6, 0.1, true), (1.1, 0.0, true)] {
+        let motion = Motion { nose_up: Coordinate::Constant(0.1), ..wing(3.0, 0.3, 0.2).motion };
+        let free = Flapping { motion, wind: Vec3::new(-1.0, 0.0, 0.0), ..wing(3.0, 0.3, 0.2) };
+        let over = Flapping { ground: Some(height), ..free.clone() };
+        let settings =
+            Settings { wake: WakeMotion::Free, crossing, critical_suction: None, ..Settings::new(0.2, 0.05) };
+        let (lattice, loads) = run(&over, panels(2, 8), settings, 15, halved);
+        let mut pair = Scene::new(&free, panels(2, 8), halved).unwrap();
+        let image = |surface: &Surface| Surface {
+            layout: surface.layout.clone(),
+            sections: Arc::new(Mirrored { of: surface.sections.clone(), height }),
+        };
+        let images: Vec<Surface> = pair.surfaces.iter().map(image).collect();
+        pair.surfaces.extend(images);
+        let mut pair = Lattice::new(pair, settings).unwrap();
+        for loads in &loads {
+            let both = pair.step().unwrap();
+            for (own, of_pair) in loads.panels.iter().zip(&both.panels) {
+                for (a, b) in own.joukowski.iter().zip(&of_pair.joukowski) {
+                    assert!((*a - *b).norm() < 1e-10, "{height} {crossing}: {a:?} {b:?}");
+                }
+                for (a, b) in own.bernoulli.iter().zip(&of_pair.bernoulli) {
+                    assert!((*a - *b).norm() < 1e-10, "{height} {crossing}: {a:?} {b:?}");
+                }
+            }
+        }
+        let on: Vec<Vec3> =
+            (0..40).map(|k| Vec3::new(0.5 - 0.1 * f64::from(k), 0.7 * f64::from(k % 5), height)).collect();
+        assert!(lattice.velocities(&on).iter().all(|v| v[2].abs() < 1e-14));
+        assert!((lattice.wake_drag().unwrap() / (0.5 * pair.wake_drag().unwrap()) - 1.0).abs() < 1e-10);
+    }
+    let refused = |wind: Vec3, ground: f64| {
+        let over = Flapping { wind, ground: Some(ground), ..wing(3.0, 0.0, 0.0) };
+        Lattice::new(Scene::new(&over, panels(1, 4), false).unwrap(), Settings::new(0.2, 0.05))
+            .err()
+            .unwrap()
+            .to_string()
+    };
+    assert!(refused(Vec3::new(-1.0, 0.0, 0.1), -1.0).starts_with("wind = 0.1"));
+    assert!(refused(Vec3::new(-1.0, 0.0, 0.0), f64::NAN).starts_with("ground = NaN"));
 }

@@ -86,6 +86,7 @@ impl Flap {
             },
             clock: Clock { frequency_hz: FREQUENCY, cycles: 3, steps_per_cycle: steps },
             spar: None,
+            ground: None,
         })
     }
 }

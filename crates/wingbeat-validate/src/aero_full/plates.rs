@@ -43,6 +43,7 @@ fn pitching(
         },
         clock,
         spar: None,
+        ground: None,
         wing: Wing::new(planform, Vec::new())?,
     })
 }
@@ -79,6 +80,8 @@ pub struct Ramp {
 /// Where the measured lift has the peaks of the acceleration (0.24) and its dip that of the deceleration (1.25).
 const LATER: f64 = 0.24;
 /// Chords of travel over which lift is averaged: a point, and the width of the measured peaks.
+/// Chords of travel in which the plate's acceleration makes lift.
+const PULSES: [[f64; 2]; 2] = [[0.0, 0.36], [1.05, 1.36]];
 const POINT: f64 = 1e-3;
 const QUARTER: f64 = 0.25;
 /// Chords of travel that are computed, and steps in each.
@@ -170,8 +173,19 @@ pub fn mancini() -> Result<Vec<Row>, Error> {
     let plate = Section::PLATE.lev3d();
     let point = "law lev3d, AR 4 pitched to 45 deg in a chord: rms error of lift to t* 2.2 over its rms";
     let mean = "the same of means over a quarter chord of travel";
+    let Ramp { travel, lift, .. } = fast_pitch(plate, START)?;
+    let model = Curve { at: travel, value: lift };
+    let between = |at: f64| PULSES.iter().all(|[from, to]| at < *from || at >= *to);
+    let [from, to] = PULSES[0];
+    let pulse = model.mean(from, to) / measured.mean(from, to) - 1.0;
     let mut rows = vec![
         shown("lift", point, error(plate, START, POINT)?),
+        shown(
+            "lift.between_pulses",
+            "the same without the pulses of the added mass, t* below 0.36 and 1.05 to 1.36",
+            model.error_where(&measured, POINT, ends, between),
+        ),
+        shown("lift.first_pulse", "error of the mean lift over the first pulse", pulse.abs()),
         Row::judged("aero.mancini.mean_lift", RAMP_SOURCE, mean, error(plate, START, QUARTER)?, 0.15, ""),
         shown("mean_lift.later", "the same with the ramp 0.04 chords later", error(plate, LATER, QUARTER)?),
     ];

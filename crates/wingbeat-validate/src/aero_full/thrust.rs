@@ -56,6 +56,7 @@ impl Waving {
                 steps_per_cycle: self.steps_per_cycle,
             },
             spar: None,
+            ground: None,
             wing: Wing::new(planform, Vec::new())?,
         })
     }

@@ -185,6 +185,7 @@ fn strips_of(
         },
         clock: Clock { frequency_hz: FREQUENCY, cycles: 4, steps_per_cycle: STRIDE * INSTANTS },
         spar: None,
+        ground: None,
     };
     let cycle = last_cycle(&tether)?;
     let angle = |k: usize| flap.at((k as f64 / INSTANTS as f64) / FREQUENCY).x;

@@ -64,6 +64,7 @@ impl Sheet {
         };
         Ok(Tether {
             spar: None,
+            ground: None,
             aero: Aero::Strip(StripModel::new(&planform, settings)?),
             motion: self.motion,
             wind: Vec3::new(-1.0, 0.0, 0.0),

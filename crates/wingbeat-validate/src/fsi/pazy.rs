@@ -213,6 +213,7 @@ fn displaced(speed: f64, change: Change) -> Result<f64, Error> {
         },
         clock: Clock { frequency_hz: 1.0, cycles: 1, steps_per_cycle: 8 },
         // Upright on the floor of the tunnel: its weight points to the root.
+        ground: None,
         spar: Some(Spar {
             beam,
             finer: None,

@@ -71,6 +71,7 @@ fn scene<F: Fn(f64) -> (f64, f64) + Send + Sync + 'static>(
         wind: Vec3::new(-carried, 0.0, 0.0),
         density_kg_m3: 1.0,
         symmetric: halved,
+        ground: None,
     })
 }
 

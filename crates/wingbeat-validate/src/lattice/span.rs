@@ -6,20 +6,20 @@ use std::f64::consts::PI;
 use wingbeat::aero::{Planform, PlanformStation};
 use wingbeat::math::Vec3;
 use wingbeat::tether::Wing;
-use wingbeat_lattice::{Lattice, Scene, Settings};
+use wingbeat_lattice::{Flapping, Lattice, Scene, Settings};
 
 /// Span, m; the area is that of the aspect ratio 8.
-const SPAN: f64 = 8.0;
+pub(super) const SPAN: f64 = 8.0;
 /// Incidence, rad.
 const INCIDENCE: f64 = 0.1;
 /// Stations of an outline that is curved.
 const STATIONS: usize = 60;
 
 /// A wing: its leading edge behind that of the root, and its chord, m, at a share of the half span.
-type Outline = fn(f64) -> (f64, f64);
+pub(super) type Outline = fn(f64) -> (f64, f64);
 
 /// Elliptic chords about a straight quarter line.
-fn elliptic(at: f64) -> (f64, f64) {
+pub(super) fn elliptic(at: f64) -> (f64, f64) {
     let (root, chord) = (4.0 / PI, (4.0 / PI) * (1.0 - at * at).max(1e-4).sqrt());
     (0.25 * (root - chord), chord)
 }
@@ -35,8 +35,8 @@ fn swept(at: f64) -> (f64, f64) {
     (at * 0.5 * SPAN * 30_f64.to_radians().tan(), CHORD)
 }
 
-/// Lift, N, and drag, N, by the forces on the vortices and by the wake, on 6 x 24 panels.
-fn forces(outline: Outline) -> Result<[f64; 3], Error> {
+/// The wing of an outline, at rest in a wind of 1 m/s from ahead.
+pub(super) fn laid(outline: Outline) -> Result<Flapping, Error> {
     let station = |k: usize| {
         // Close together at the tip, where a curved outline turns.
         let at = (0.5 * PI * k as f64 / STATIONS as f64).sin();
@@ -46,6 +46,12 @@ fn forces(outline: Outline) -> Result<[f64; 3], Error> {
     let stations: Vec<PlanformStation> = (0..=STATIONS).map(station).collect();
     let mut wing = rectangle(SPAN)?;
     wing.wing = Wing::new(Planform::new(&stations)?, Vec::new())?;
+    Ok(wing)
+}
+
+/// Lift, N, and drag, N, by the forces on the vortices and by the wake, on 6 x 24 panels.
+fn forces(outline: Outline) -> Result<[f64; 3], Error> {
+    let mut wing = laid(outline)?;
     wing.wind = Vec3::new(-INCIDENCE.cos(), 0.0, INCIDENCE.sin());
     // A step so long that the last rings are horseshoes.
     let settings = Settings { longest_distance_m: f64::INFINITY, ..Settings::new(1e4 * CHORD, 1e-3) };

@@ -21,7 +21,13 @@ pub fn rectangle(aspect: f64) -> Result<Flapping, Error> {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -CHORD };
     let planform = Planform::new(&[station(0.0), station(0.5 * aspect * CHORD)])?;
     let wing = Wing::new(planform, Vec::new())?;
-    Ok(Flapping { wing, motion: Motion::at_rest(), wind: Vec3::new(-1.0, 0.0, 0.0), density_kg_m3: 1.0 })
+    Ok(Flapping {
+        wing,
+        motion: Motion::at_rest(),
+        wind: Vec3::new(-1.0, 0.0, 0.0),
+        density_kg_m3: 1.0,
+        ground: None,
+    })
 }
 
 /// A wave of the reduced frequency `k`.
@@ -78,7 +84,7 @@ pub fn flapper(half_span: f64, amplitude_deg: f64, fold: Option<(f64, f64)>) -> 
     }
     let motion = Motion { hinges: angles, ..Motion::at_rest() };
     let wind = Vec3::new(-incidence.cos(), 0.0, incidence.sin()) * speed;
-    Ok(Flapping { wing: Wing::new(planform, hinges)?, motion, wind, density_kg_m3: 1.225 })
+    Ok(Flapping { wing: Wing::new(planform, hinges)?, motion, wind, density_kg_m3: 1.225, ground: None })
 }
 
 /// Lift and drag of a force in a wind at 5 degrees.

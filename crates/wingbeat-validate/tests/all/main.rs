@@ -2,5 +2,6 @@
 
 mod flapbody;
 mod inside;
+mod ground;
 mod page;
 mod program;

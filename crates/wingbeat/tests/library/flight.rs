@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::aero::LoadSource;
 use wingbeat::judge::Status;
+use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::scenario::{Run, Scenario};
 use wingbeat::simulate::Record;
 
@@ -189,4 +190,81 @@ fn rate_limits_that_cannot_be_kept_are_refused() {
     assert!(refusal(&shoulder_rates(0.0)).contains("above 0"), "{}", refusal(&shoulder_rates(0.0)));
     let unknown = refusal(&["controller.input_rate_per_s.shoulder=1.0".into()]);
     assert!(unknown.contains("command_shoulder_left"), "{unknown}");
+}
+
+fn glider(keys: &[&str]) -> Result<Scenario, String> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/glider.toml");
+    let keys: Vec<String> = ["flight.duration_s=0.5"].iter().chain(keys).map(|key| (*key).into()).collect();
+    Scenario::load(&path, &keys).map_err(|error| error.to_string())
+}
+
+/// Rates and observation feel the same ground, and it bears the glider where it flies low; far away there is none.
+#[test]
+fn a_glider_feels_the_ground_in_rates_and_loads() {
+    let fly = |keys: &[&str]| {
+        let run = glider(keys).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
+        let force = |source: &str| *run.record.values(&format!("force_{source}_z")).unwrap().last().unwrap();
+        let sum: f64 = LoadSource::ALL.iter().map(|source| force(source.name())).sum();
+        (run.summary, sum)
+    };
+    let (free, low, far) = (fly(&[]), fly(&["air.ground_m=-0.8"]), fly(&["air.ground_m=-1e4"]));
+    assert!(low.1.abs() < 1e-11, "{}", low.1);
+    let [free_m, low_m, far_m] = [&free, &low, &far].map(|(summary, _)| summary.altitude_change_m);
+    assert!((free_m - far_m).abs() < 1e-8 && low_m > free_m + 1e-3, "{free_m} {far_m} {low_m}");
+    assert_eq!((free.0.ground_distance_m, low.0.status), (None, Status::Ok));
+    for plane in ["air.ground_m=-0.2", "air.ground_m=0.05"] {
+        let through = fly(&[plane]).0;
+        assert!(through.ground_distance_m.unwrap() < 0.0 && through.status == Status::Outside, "{plane}");
+    }
+    let gusty = fly(&["air.ground_m=-0.8", "air.gust_m_s=0.1"]).0.warnings;
+    assert!(gusty.iter().any(|warning| warning.id == "flight.ground_gusts"));
+}
+
+#[test]
+fn a_ground_that_is_not_felt_is_refused() {
+    for key in ["aero.preset=\"paper\"", "air.ground_m=nan", "air.wind_m_s=[1.0, 0.0, 0.1]"] {
+        let error = glider(&["air.ground_m=-0.8", key]).err();
+        assert!(error.as_ref().is_some_and(|error| error.contains("air.ground_m")), "{key}: {error:?}");
+    }
+    let reorientation = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/reorientation.toml");
+    let error = Scenario::load(&reorientation, &["air.ground_m=-0.8".into()]).err().unwrap().to_string();
+    assert!(error.contains("air.ground_m") && error.contains("vacuum"), "{error}");
+    let level = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/level_20g.toml");
+    let level = Scenario::load(&level, &["air.ground_m=-0.8".into()]).unwrap();
+    let error = level.trim(&mut |_| ControlFlow::Continue(())).err().unwrap().to_string();
+    assert!(error.contains("air.ground_m = -0.8"), "{error}");
+}
+
+/// The derivatives of the rates by all states, the height among them, are those of the values.
+#[test]
+fn the_ground_is_in_the_linearisation() {
+    let scenario = glider(&["air.ground_m=-0.6"]).unwrap();
+    let (robot, mut x) = (scenario.robot(), scenario.start());
+    let air = robot.layout().aero;
+    x[air..].iter_mut().enumerate().for_each(|(i, x)| *x = 0.3 * (1.7 * i as f64).sin());
+    let u = vec![0.0; robot.inputs().len()];
+    let n = x.len();
+    let mut slopes = Linearisation::new(n, u.len());
+    slopes.evaluate(robot, 0.0, &x, &u).unwrap();
+    let rates = |k: usize, h: f64| {
+        let (mut x, mut dx) = (x.clone(), vec![0.0; n]);
+        x[k] += h;
+        robot.rates_in_numbers(0.0, &x, &u, &mut dx).unwrap();
+        dx
+    };
+    let height = robot.layout().position + 2;
+    assert_eq!(robot.unfelt_states(), 0..2);
+    for k in [height, robot.layout().attitude, robot.layout().velocity, n - 1] {
+        let (plus, minus) = (rates(k, 1e-5), rates(k, -1e-5));
+        let largest = (0..n).fold(0.0_f64, |most, i| {
+            let difference = (plus[i] - minus[i]) / 2e-5;
+            let exact: f64 = slopes.a[i * n + k];
+            assert!(
+                (exact - difference).abs() < 2e-5 * (1.0 + difference.abs()),
+                "{i} by {k}: {exact} {difference}"
+            );
+            most.max(exact.abs())
+        });
+        assert!(largest > 1e-3, "{k}");
+    }
 }

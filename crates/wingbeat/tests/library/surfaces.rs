@@ -4,7 +4,7 @@ mod craft;
 
 use craft::{Craft, Placed, full, full_with, paper, rectangle};
 use std::f64::consts::PI;
-use wingbeat::aero::{Aero, LagSet, LiftLaw, Loads, MAX_STRIPS, SectionMotion, Surfaces};
+use wingbeat::aero::{Aero, Ground, LagSet, LiftLaw, Loads, MAX_STRIPS, SectionMotion, Sections, Surfaces};
 use wingbeat::math::linear::{lu_factor, lu_solve};
 use wingbeat::math::{Dual, Scalar, Vec3};
 
@@ -196,6 +196,121 @@ fn a_change_at_the_wing_reaches_the_tail_distance_over_speed_later() {
             late / last * speed
         );
     }
+}
+
+/// Sections over a ground.
+struct Over<S: Scalar> {
+    sections: Vec<SectionMotion<S>>,
+    ground: Ground<S>,
+}
+
+impl<S: Scalar> Sections<S> for Over<S> {
+    fn section(&self, i: usize) -> SectionMotion<S> {
+        self.sections[i]
+    }
+    fn ground(&self) -> Option<Ground<S>> {
+        Some(self.ground)
+    }
+}
+
+const TILTED: Ground<f64> = Ground { normal: Vec3([0.0, 0.6, 0.8]), offset: -0.5 };
+
+/// A wing under law `lev` with a tail that stalls, pitching and heaving at `t` s.
+fn pitching_craft(t: f64) -> Craft {
+    let (wing, tail) = (rectangle(4.0, 1.0), rectangle(2.0, 0.6));
+    let (heave, rate) = ((2.0 * t).sin(), 2.0 * (2.0 * t).cos());
+    let moving = |at: Vec3<f64>| Placed {
+        velocity: Vec3::new(0.0, 0.0, 0.1 * rate),
+        acceleration: Vec3::new(0.0, 0.0, -0.4 * heave),
+        ..Placed::at(at + Vec3::new(0.0, 0.0, 0.1 * heave)).pitched(0.25 * heave)
+    };
+    Craft::new(vec![
+        ("wing", full_with(&wing, 8, LiftLaw::Lev, LagSet::Three), wing, moving(Vec3::new(0.0, 0.0, 0.2))),
+        ("tail", full_with(&tail, 5, LiftLaw::Stall, LagSet::Five), tail, moving(Vec3::new(-2.0, 0.1, 0.4))),
+    ])
+}
+
+/// Unsteady and past stall, over a plane that is not level: forces, washes and states are those of the pair.
+#[test]
+fn a_wing_over_a_ground_is_the_upper_one_of_a_mirrored_pair() {
+    let alone = pitching_craft(0.0).surfaces.over_ground();
+    let four = ["wing", "tail", "wing_image", "tail_image"];
+    let models = alone.surfaces().iter().chain(alone.surfaces()).map(|surface| surface.aero().clone());
+    let pair = Surfaces::new(four.map(String::from).into_iter().zip(models)).unwrap();
+    // In the plane.
+    let wind = Vec3::new(-1.0, 0.16, -0.12);
+    let (mut x, mut of_pair) = (vec![0.0; alone.states()], vec![0.0; pair.states()]);
+    let (mut dx, mut d_pair) = (x.clone(), of_pair.clone());
+    let (mut loads, mut both) = (Loads::default(), Loads::default());
+    let own: usize = alone.surfaces().iter().map(|surface| surface.states().len()).sum();
+    let mut largest = 0.0_f64;
+    for step in 0..120 {
+        let sections = pitching_craft(0.05 * f64::from(step)).sections::<f64>();
+        let image = |s: &SectionMotion<f64>| SectionMotion {
+            le: TILTED.point(s.le),
+            te: TILTED.point(s.te),
+            v_le: TILTED.direction(s.v_le),
+            v_te: TILTED.direction(s.v_te),
+            a_le: TILTED.direction(s.a_le),
+            a_te: TILTED.direction(s.a_te),
+            ..*s
+        };
+        let mirrored: Vec<_> = sections.iter().copied().chain(sections.iter().map(image)).collect();
+        alone.evaluate_over(Some(TILTED), &sections, wind, &x, &mut dx, &mut loads);
+        pair.evaluate_in_numbers(&mirrored, wind, &of_pair, &mut d_pair, &mut both);
+        for i in 0..loads.strips {
+            let [a, b] = [&loads, &both].map(|loads| loads.strip[i].total());
+            assert!(
+                (a.force - b.force).norm() + (a.moment - b.moment).norm() < 1e-10,
+                "strip {i}, step {step}"
+            );
+            assert!((loads.wash_of_others[i] - both.wash_of_others[i]).abs() < 1e-10);
+            largest = largest.max(loads.wash_of_others[i].abs());
+        }
+        assert!((0..own).all(|i| (dx[i] - d_pair[i]).abs() < 1e-10), "step {step}");
+        x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.05 * d);
+        of_pair.iter_mut().zip(&d_pair).for_each(|(x, d)| *x += 0.05 * d);
+    }
+    assert!(largest > 0.05, "{largest}");
+}
+
+/// Derivatives pass through the images, in both ways to the loads; far away nothing is left of them.
+#[test]
+fn the_ground_is_felt_by_height() {
+    let craft = pitching_craft(0.3);
+    let grounded = craft.surfaces.clone().over_ground();
+    let x = some_state(grounded.states());
+    let of = |offset: Dual<1>| {
+        let lifted = |v: Vec3<f64>| Vec3(v.0.map(Dual::from));
+        let ground = Ground { normal: lifted(TILTED.normal), offset };
+        let x: Vec<Dual<1>> = x.iter().copied().map(Dual::from).collect();
+        let (mut dx, mut loads, sections) = (x.clone(), Loads::default(), craft.sections());
+        grounded.evaluate_over(Some(ground), &sections, lifted(WIND), &x, &mut dx, &mut loads);
+        let mut summed = x.clone();
+        let over = Over { sections, ground };
+        let (wrench, _) = grounded.evaluate_sum(&over, lifted(WIND), &x, &mut summed, None);
+        assert_eq!((wrench.force, &summed), (loads.wrench.force, &dx));
+        dx.into_iter().chain(wrench.force.0).chain(wrench.moment.0).collect::<Vec<_>>()
+    };
+    let (h, exact) = (1e-5, of(Dual::variable(-0.5, 0)));
+    let [plus, minus] = [h, -h].map(|h| of(Dual::constant(-0.5 + h)));
+    for (i, e) in exact.iter().enumerate() {
+        let difference = (plus[i].re - minus[i].re) / (2.0 * h);
+        assert!((e.eps[0] - difference).abs() < 1e-6 * (1.0 + difference.abs()), "{i}: {e:?} {difference}");
+    }
+    assert!(exact[exact.len() - 4].eps[0].abs() > 1e-3);
+    let far = of(Dual::constant(-1e6));
+    // The same states without those that come from images.
+    let channels = grounded.channels();
+    let same = |name: &str| channels.iter().position(|channel| channel.name == name).unwrap();
+    let of: Vec<usize> = craft.surfaces.channels().iter().map(|channel| same(&channel.name)).collect();
+    let free: Vec<f64> = of.iter().map(|&i| x[i]).collect();
+    let mut dx = free.clone();
+    let (wrench, _) = craft.surfaces.sum_in_numbers(&craft.sections::<f64>(), WIND, &free, &mut dx);
+    for (&i, dx) in of.iter().zip(&dx) {
+        assert!((far[i].re - dx).abs() < 1e-9 * (1.0 + dx.abs()), "{}", channels[i].name);
+    }
+    assert!((0..3).all(|k| (far[far.len() - 6 + k].re - wrench.force[k]).abs() < 1e-9));
 }
 
 fn stalled_craft() -> Craft {

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use wingbeat::judge::Status;
 use wingbeat::scenario::{Convergence, ConvergenceRun, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::TetherRun;
@@ -456,5 +457,39 @@ proptest::proptest! {
         let ((coarse, size), (fine, _)) = (at(800), at(1600));
         proptest::prop_assert!(coarse.is_finite() && size.is_finite());
         proptest::prop_assert!(fine <= 0.75 * coarse + 1e-6 * size + 1e-12, "{coarse} {fine} of {size}");
+    }
+}
+
+/// Over a ground a wing lifts more the nearer it is, and one that dips through it is told; what would not feel it is refused.
+#[test]
+fn a_tethered_wing_feels_the_ground() {
+    let level = "wind.incidence_deg=0.0";
+    let over = |height: &str| {
+        let ground = format!("wind.ground_m={height}");
+        let case = case("flap_f1", &[level, "body.nose_up_deg.constant=5.0", "time.cycles=2", &ground]);
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        (mean(&run, "force_wind_lift"), case.summary(&run, None, None).verdict.status)
+    };
+    let free =
+        mean(&run("flap_f1", &[level, "body.nose_up_deg.constant=5.0", "time.cycles=2"]), "force_wind_lift");
+    let [(near, ok), (higher, _), (far, _), (_, through)] = ["-0.06", "-0.12", "-1e4", "-0.01"].map(over);
+    assert!(near > 1.02 * higher && higher > 1.02 * free, "{near} {higher} {free}");
+    assert!((far / free - 1.0).abs() < 1e-6, "{far} {free}");
+    assert_eq!([ok, through], [Status::Ok, Status::Outside]);
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases");
+    for (file, keys) in [
+        ("flap_f1", ["wind.ground_m=-1.0", "wind.density_kg_m3=1.0"]),
+        ("plunge", ["wind.ground_m=-1.0", "aero.preset=paper"]),
+        ("plunge", ["wind.ground_m=nan", level]),
+        ("pazy", ["wind.ground_m=-1.0", level]),
+    ] {
+        let none = |_: &std::path::Path| Err::<Record, String>("no table".into());
+        let keys = keys.map(String::from);
+        let error = TetherCase::load(&path.join(file).with_extension("toml"), &keys, &none).err();
+        let error = error.map(|error| error.to_string());
+        assert!(
+            error.as_ref().is_some_and(|error| error.contains("wind.ground_m")),
+            "{file} {keys:?}: {error:?}"
+        );
     }
 }

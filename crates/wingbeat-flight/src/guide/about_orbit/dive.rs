@@ -65,6 +65,8 @@ pub(super) struct Dive {
     commands: Vec<Vec<f64>>,
     /// Feedback at the begin of every part, and at the end.
     gains: Vec<DMatrix<f64>>,
+    /// Share of its cost that the last iteration of the plan saved.
+    pub saved: f64,
     /// Height of the level flight after it above that before it, m.
     pub climb: f64,
 }
@@ -116,7 +118,7 @@ impl Dive {
         let cost = &cost * cost.transpose();
         let problem = Problem::new(spec, level, channels, &cost)?;
         let broken = |fault: Fault| Error::invalid("nose_down_deg", fault, "a dive that the model can fly");
-        let flown = problem.solve().map_err(broken)?;
+        let (flown, saved) = problem.solve().map_err(broken)?;
         let reached = flown.nodes[problem.parts / 2][Deviations::PITCH];
         if !((reached - problem.nose).abs() <= SHORT) {
             let allowed = format!(
@@ -139,7 +141,8 @@ impl Dive {
         if let Some((input, value)) = level.cycle.pacing(level.point.pace) {
             commands.iter_mut().for_each(|held| held[input] = value);
         }
-        Ok(Self { start_s: spec.start_s, cycles: spec.cycles as f64, steps, commands, gains, climb })
+        let (start_s, cycles) = (spec.start_s, spec.cycles as f64);
+        Ok(Self { start_s, cycles, steps, commands, gains, saved, climb })
     }
 
     /// Changes what is `asked` of the level flight to what the dive asks `since` cycles after its begin, of commands the mean over the
@@ -293,12 +296,13 @@ impl<'a> Problem<'a> {
     /// Test: `a_dive_pulls_out_within_its_height`.
     ///
     /// Improves the level flight step by step: the model about the present plan is linear, the cost quadratic, and backwards in time
-    /// every part has its best command within the limits and its feedback.
-    fn solve(&self) -> Result<Flown, Fault> {
+    /// every part has its best command within the limits and its feedback. Beside the plan stands the share of its cost that the last
+    /// iteration saved: no more than `SAVED` unless the iterations ran out.
+    fn solve(&self) -> Result<(Flown, f64), Fault> {
         let still = DVector::zeros(self.low.len());
         let none = Fault::NotFinite { state: 0, time: 0.0 };
         let mut best = self.roll(|_, _| still.clone()).ok_or(none)?;
-        let mut damping = DAMPING[0];
+        let (mut damping, mut saved) = (DAMPING[0], f64::INFINITY);
         for _ in 0..ITERATIONS {
             let all = self.linear(
                 &best.nodes,
@@ -314,15 +318,18 @@ impl<'a> Problem<'a> {
                 }
                 damping = (damping * 10.0).max(DAMPING[1]);
             };
-            let Some(better) = better else { break };
+            let Some(better) = better else {
+                saved = 0.0;
+                break;
+            };
             damping = (damping / 5.0).max(DAMPING[0]);
-            let saved = best.cost - better.cost;
+            saved = (best.cost - better.cost) / better.cost;
             best = better;
-            if saved < SAVED * best.cost {
+            if saved < SAVED {
                 break;
             }
         }
-        Ok(best)
+        Ok((best, saved))
     }
 
     /// How deviations grow over every part.

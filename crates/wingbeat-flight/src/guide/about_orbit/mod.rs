@@ -280,12 +280,13 @@ impl Controller for AboutOrbit<'_> {
             Column::new("orbit_roll_error", "rad", "WB"),
             Column::new("orbit_pitch_error", "rad", "WB"),
         ];
-        let dive = self.family.dive().map(|_| Column::new("orbit_dive", "", ""));
+        let dive =
+            self.family.dive().map(|_| ["orbit_dive", "orbit_dive_saved"].map(|n| Column::new(n, "", "")));
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
         let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
         own.into_iter()
-            .chain(dive)
+            .chain(dive.into_iter().flatten())
             .chain(path)
             .chain(adapted)
             .chain(self.estimator.columns())
@@ -294,7 +295,8 @@ impl Controller for AboutOrbit<'_> {
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
-        row.extend(&self.seen[..4 + usize::from(self.family.dive().is_some())]);
+        row.extend(&self.seen[..4]);
+        row.extend(self.family.dive().into_iter().flat_map(|dive| [self.seen[4], dive.saved]));
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
         self.estimator.diagnostics(row);

@@ -112,7 +112,7 @@ fn answer(panels: Panels, which: usize) -> Result<(Vec<f64>, Answer), Error> {
     let moved = Pulsed { beam: beam.clone(), shape: modes[which].1.clone() };
     let surface = Surface { layout, sections: Arc::new(moved) };
     let wind = Vec3::new(-1.0, 0.0, 0.0);
-    let scene = Scene { surfaces: vec![surface], wind, density_kg_m3: 1.0, symmetric: true };
+    let scene = Scene { surfaces: vec![surface], wind, density_kg_m3: 1.0, symmetric: true, ground: None };
     // A panel a step.
     let step = 2.0 * SEMI_CHORD / panels.chordwise as f64;
     let mut lattice = Lattice::new(scene, Settings::new(step, 0.02 * 2.0 * SEMI_CHORD)).map_err(failed)?;

@@ -58,6 +58,7 @@ fn wing(speed: f64, alpha_deg: f64, prestrain: [f64; 2], strips: usize) -> Resul
         Reference { density_kg_m3: DENSITY, speed_m_s: speed, area_m2: planform.area(), chord_m: CHORD };
     let tether = Tether {
         spar: None,
+        ground: None,
         aero: Aero::Strip(StripModel::new(&planform, settings)?),
         motion: Motion { nose_up: Coordinate::Constant(alpha), ..Motion::at_rest() },
         wind: Vec3::new(-speed, 0.0, 0.0),
