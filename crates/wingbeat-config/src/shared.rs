@@ -75,6 +75,7 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         name: _,
         seed: _,
         lattice: _,
+        perch: _,
         mismatch: _,
         goal: _,
         trim: _,

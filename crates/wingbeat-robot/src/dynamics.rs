@@ -2,6 +2,7 @@
 //! the second rates of elastic joints and of a crank under a motor come from one solve.
 
 use super::drive::Ratios;
+use super::perch::Pose;
 use super::sections::Carriers;
 use super::surface::{Coupled, External};
 use super::{Joints, Links, Robot};
@@ -70,7 +71,9 @@ impl Plant for Robot {
         self.smooth_clearances(t, &x[self.layout.structure..], values)
     }
     fn unfelt_states(&self) -> Range<usize> {
-        self.layout.position..self.layout.position + 3
+        // The force of a perch depends on the place.
+        let felt = if self.perch.is_some() { 0 } else { 3 };
+        self.layout.position..self.layout.position + felt
     }
     fn late_states(&self) -> usize {
         self.layout.aero
@@ -213,6 +216,10 @@ impl<P: Scalar> Robot<P> {
         }
         for load in beyond {
             body += of_numbers(load);
+        }
+        if let Some(perch) = &self.perch {
+            let position = Vec3::from_slice(&x[l.position..]);
+            body += perch.load(&Pose { position, attitude, velocity: v_w, rate: w });
         }
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self

@@ -20,6 +20,7 @@ impl Robot {
             && laid.all(|(a, b)| a.outline == b.outline && a.hinges == b.hinges)
             && self.wind.fits_beside(&other.wind)
             && self.residual == other.residual
+            && self.perch == other.perch
     }
 
     /// Robots that [fit](Self::fits_beside) side by side, each in a lane; the lanes that are left over repeat the last.

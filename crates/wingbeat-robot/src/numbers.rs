@@ -272,6 +272,7 @@ impl Robot {
             density: numbers.density,
             wind: self.wind.map(P::from),
             residual: self.residual.clone(),
+            perch: self.perch,
             layout: self.layout,
             states: self.states.clone(),
             inputs: self.inputs.clone(),
