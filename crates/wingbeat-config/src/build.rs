@@ -102,7 +102,8 @@ impl ScenarioSpec {
     pub(super) fn task<'a>(&self, choice: &Choice, model: &'a Robot) -> Task<'a> {
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
         let (sensors, path) = (self.sensors.clone(), self.path.clone());
-        Task { model, manoeuvre, solver, sensors, path, prepared: None }
+        let perch = self.perch.as_ref().map(|perch| perch.beside(model));
+        Task { model, manoeuvre, solver, sensors, path, perch, prepared: None }
     }
 
     /// An error of the controller's settings, of its solver's, or of the gait that it is made for.

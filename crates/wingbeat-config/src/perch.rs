@@ -102,7 +102,7 @@ ranges!(PerchSpec {
     capture_m: Range::POSITIVE,
     speed_within_m_s: Range::POSITIVE,
     attitude_within_deg: Range::between(0.1, 180.0),
-    restitution: Range::between(0.01, 1.0),
+    restitution: Range::between(0.2, 1.0),
     friction: Range::between(0.0, 10.0),
     contact_s: Range::POSITIVE,
 });

@@ -5,6 +5,8 @@ use wingbeat_math::{Mat3, Quat, Scalar, Vec3, Wrench};
 
 /// Speed of sliding below which friction is rounded off, m/s. *Choice.*
 const SLIDING: f64 = 0.01;
+/// Steps to the frequency of a contact; each halves its error at least.
+const TURNS: usize = 60;
 
 /// What there is to hold on to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,21 +76,27 @@ impl Perch {
     /// A perch at `place` in W for a robot of `mass` (kg) with its claw at `claw` in B.
     ///
     /// Equation: robot.perch_contact
-    /// `F = k d + c d' where above 0, k = m (pi^2 + ln^2 e)/T^2, c = -2 m ln e/T; friction mu F`
-    /// Source: Cundall & Strack 1979, Geotechnique 29: spring and dashpot; half a period of the oscillator for T and e.
+    /// `F = k d + c d' where above 0, k = m (s^2 + b^2), c = 2 m b, s T = pi - atan2(2 b s, s^2 - b^2), e = exp(-b T); friction mu F`
+    /// Source: Cundall & Strack 1979, Geotechnique 29: spring and dashpot; Schwager & Poeschel 2007, Granular Matter 9: end of the contact.
     /// Test: `a_claw_bounces_off_by_its_restitution`.
     ///
-    /// Half an oscillation of the mass takes T and leaves the share e of its speed.
+    /// A central hit of the mass m ends after T, where the force would begin to pull, and leaves the share e of its speed.
     pub fn new(place: Vec3, shape: PerchShape, claw: Vec3, contact: Contact, mass: f64) -> Self {
         let Contact { restitution, friction, duration } = contact;
-        let lost = restitution.ln();
+        // The decay follows from T and e, the frequency by steps to a fixed point.
+        let decay = -restitution.ln() / duration;
+        let mut turning = std::f64::consts::PI / duration;
+        for _ in 0..TURNS {
+            let angle = (2.0 * decay * turning).atan2(turning * turning - decay * decay);
+            turning = 0.5 * (turning + (std::f64::consts::PI - angle) / duration);
+        }
         Self {
             place,
             shape,
             claw,
             friction,
-            stiffness: mass * (std::f64::consts::PI.powi(2) + lost * lost) / (duration * duration),
-            damping: -2.0 * mass * lost / duration,
+            stiffness: mass * (turning * turning + decay * decay),
+            damping: 2.0 * mass * decay,
         }
     }
 

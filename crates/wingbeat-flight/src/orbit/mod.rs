@@ -20,7 +20,7 @@ pub use course::Course;
 pub use cycle::PARTS;
 pub use cycle::{Cycle, End, Free, Point};
 pub use failure::Failure;
-pub(crate) use linear::fly_part;
+pub(crate) use linear::{fly_held, fly_part};
 pub use linear::{Deviations, Interval, alone, interval, intervals};
 pub use measure::{Measures, SKIN, StripAreas, measure};
 pub use modes::{Mode, Modes, Sector, floquet};
