@@ -127,7 +127,10 @@ impl Flown<'_> {
     fn task(&self, judge: &mut Judge) {
         let (summary, goal) = (self.summary, self.context.goal);
         if self.context.period_s.is_none() {
-            judge.hold_if(&flight::FREE_PATH_ANGLE, self.path_angle().filter(|_| self.context.perch.is_none()));
+            judge.hold_if(
+                &flight::FREE_PATH_ANGLE,
+                self.path_angle().filter(|_| self.context.perch.is_none()),
+            );
             return;
         }
         let height = summary.height_max_error_m.filter(|_| summary.path.is_none());

@@ -137,11 +137,8 @@ impl PerchSpec {
             },
             PerchKind::Ceiling => PerchShape::Ceiling { radius: self.radius_m },
         };
-        let contact = Contact {
-            restitution: self.restitution,
-            friction: self.friction,
-            duration: self.contact_s,
-        };
+        let contact =
+            Contact { restitution: self.restitution, friction: self.friction, duration: self.contact_s };
         Perch::new(Vec3(self.place_m), shape, Vec3(self.claw_m), contact, robot.mass())
     }
 

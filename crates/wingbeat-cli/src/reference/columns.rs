@@ -222,6 +222,7 @@ pub const COLUMNS: &[Described] = &[
     column("orbit_legs", &[FLIGHT], ONE, "", "Legs begun before and the share of the present one that is done, under `[controller.orbit]`: 1.25 is a quarter of the second."),
     column("orbit_dive", &[FLIGHT], ONE, "", "Share of the dive of `controller.orbit.dive` that is done."),
     column("orbit_landing", &[FLIGHT], ONE, "", "Share of the landing of `controller.orbit.landing` that is done."),
+    column("orbit_landing_ahead", &[FLIGHT], M, "", "How far the robot is ahead of the plan of the landing along its way; what it began ahead is made up until the end."),
     column("perch_<axis>", &[FLIGHT], M, "W", "Place of `[perch]`."),
     column("perch_distance", &[FLIGHT], M, "", "Distance of the claw from where it could hold, 0 where they touch."),
     column("perch_speed", &[FLIGHT], &["m/s"], "", "Speed of the claw."),

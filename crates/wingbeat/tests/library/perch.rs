@@ -36,7 +36,8 @@ fn thrown(overrides: &[&str]) -> Run {
 fn before_and_after(run: &Run) -> [Vec3; 2] {
     let force = run.record.values("perch_force").unwrap();
     let (first, last) = (force.iter().position(|f| *f > 0.0), force.iter().rposition(|f| *f > 0.0));
-    let at = |row: usize| Vec3(["x", "y", "z"].map(|a| run.record.values(&format!("v_WB_W_{a}")).unwrap()[row]));
+    let at =
+        |row: usize| Vec3(["x", "y", "z"].map(|a| run.record.values(&format!("v_WB_W_{a}")).unwrap()[row]));
     [at(first.unwrap() - 1), at(last.unwrap() + 1)]
 }
 
@@ -72,7 +73,8 @@ fn a_claw_latches_within_its_limits_and_ends_the_flight() {
     for id in ["perch.capture_m", "perch.speed_within_m_s", "perch.attitude_within_deg"] {
         assert!(ids.contains(&id), "{ids:?}");
     }
-    let upright = flown("reorientation", &["start.velocity_m_s=[0.0, 0.0, 0.7]", bar, "flight.duration_s=0.2"]);
+    let upright =
+        flown("reorientation", &["start.velocity_m_s=[0.0, 0.0, 0.7]", bar, "flight.duration_s=0.2"]);
     let perch = upright.summary.perch.unwrap();
     assert!(!perch.caught && (perch.attitude_error_deg - 180.0).abs() < 5.0, "{perch:?}");
     assert_eq!(upright.summary.status, Status::OffTarget);
@@ -82,7 +84,8 @@ fn a_claw_latches_within_its_limits_and_ends_the_flight() {
 #[test]
 fn a_perch_that_cannot_be_is_refused() {
     let refused = |key: &str, value: &str| {
-        let perch = "perch={place_m=[0.0, 0.0, 1.0], capture_m=0.05, speed_within_m_s=0.5, attitude_within_deg=20.0}";
+        let perch =
+            "perch={place_m=[0.0, 0.0, 1.0], capture_m=0.05, speed_within_m_s=0.5, attitude_within_deg=20.0}";
         loaded("reorientation", &[perch, &format!("perch.{key}={value}")]).err().unwrap_or_default()
     };
     for (key, value, allowed) in [

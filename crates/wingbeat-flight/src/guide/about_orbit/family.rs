@@ -2,8 +2,8 @@
 
 use super::adapt::Tangent;
 use super::dive::{Dive, Level};
-use super::landing::{Approach, Landing, LandingSpec};
 use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
+use super::landing::{Approach, Landing, LandingSpec};
 use super::predictive::PredictiveSpec;
 use super::schedule::{Place, Schedule, Stretch};
 use super::spec::AboutOrbitSpec;

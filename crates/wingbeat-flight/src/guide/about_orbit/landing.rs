@@ -16,22 +16,22 @@ use wingbeat_robot::{Layout, Perch, Robot};
 
 /// What counts as one at the end of the plan: velocity of the claw, m/s, pitch, rad, its rate, rad/s, and height off the perch, m.
 /// *Choices.*
-const END: [f64; 5] = [0.1, 0.1, 5.0 * PI / 180.0, 5.0, 0.01];
+const END: [f64; 5] = [0.15, 0.15, 5.0 * PI / 180.0, 5.0, 0.01];
 /// Cost of a full command over a part. *Choice.*
 const EFFORT: f64 = 0.01;
 /// Clearance below which the plan pays, and what counts as one below it, m. *Choices.*
-const CLEAR: [f64; 2] = [0.006, 0.001];
+const CLEAR: [f64; 2] = [0.008, 1.0 / 60.0];
 /// Steps by which the plan is led from level flight to the landing.
 const STAGES: usize = 3;
-/// Most iterations of a stage, and the shares of the cost that the last must still save: on the way, and at the end.
+/// Most iterations of a stage, and the share of the cost that the last must still save.
 const ITERATIONS: usize = 60;
-const SAVED: [f64; 2] = [0.05, 2e-3];
+const SAVED: f64 = 1e-3;
 /// What the plan may be off at its end: speed of the claw, m/s, and pitch, rad. *Choices.*
 const SLOW: f64 = 0.3;
 const OVER: f64 = 12.0 * PI / 180.0;
 /// Deviations that cost as much as each other in the feedback: of place, m, attitude, rad, velocity, m/s, and rate, rad/s, on the way and
 /// at the end; and what a full command costs over a part. *Fitted* to flights in gusts and air that the plan does not know.
-const ON_THE_WAY: [f64; 4] = [0.03, 30.0 * PI / 180.0, 1.0, 20.0];
+const ON_THE_WAY: [f64; 4] = [0.03, 30.0 * PI / 180.0, 0.6, 20.0];
 const AT_THE_END: [f64; 4] = [0.01, 5.0 * PI / 180.0, 0.05, 5.0];
 const COMMAND: f64 = 0.1;
 /// Numbers of the body among what deviates: place, rotation, velocity, rate.
@@ -84,13 +84,15 @@ pub(super) struct Begun {
     pub cycles: f64,
     /// Heading then, rad.
     heading: f64,
+    /// Place then less that of the plan, m.
+    ahead: Vec3,
 }
 
 /// What a landing asks for now.
 pub(super) struct Landed {
     pub commands: Vec<f64>,
-    /// Height, roll and pitch off the plan.
-    pub off: [f64; 3],
+    /// Height, roll and pitch off the plan, and how far ahead of it.
+    pub off: [f64; 4],
     /// Share of the plan that is done.
     pub done: f64,
 }
@@ -178,10 +180,16 @@ impl Landing {
         let ahead = Mat3::rotation_z(-yaw) * (perch.place() - Vec3::from_slice(&x[l.position..]));
         let to_go = ahead[0] - self.end[0];
         let half = 0.5 * self.cycle() * velocity[0].hypot(velocity[1]);
-        (to_go <= half).then(|| Begun {
+        let mut begun = Begun {
             time: t - (cycles - whole) * self.cycle(),
             cycles: whole,
             heading: yaw,
+            ahead: Vec3::ZERO,
+        };
+        (to_go <= half).then(|| {
+            let (off, _) = self.off(&begun, perch, (t, cycles), x);
+            begun.ahead = Vec3([off[0], off[1], 0.0]);
+            begun
         })
     }
 
@@ -192,8 +200,9 @@ impl Landing {
         self.duration / (parts / per_cycle) as f64
     }
 
-    /// What it asks for at the time `t` in the state `x` with the gait's phase `cycles`, over the coming `period`.
-    pub fn ask(&self, begun: &Begun, perch: &Perch, (t, cycles, period): (f64, f64, f64), x: &[f64]) -> Landed {
+    /// What the state `x` is off the plan at the time `t` with the gait's phase `cycles`, place and velocity along the axes of the plan, and
+    /// the share of it that is done.
+    fn off(&self, begun: &Begun, perch: &Perch, (t, cycles): (f64, f64), x: &[f64]) -> (Vec<f64>, f64) {
         let l = &self.layout;
         let since = t - begun.time;
         let done = (since / self.duration).clamp(0.0, 1.0);
@@ -206,25 +215,39 @@ impl Landing {
         Quat::from_wxyz(&asked[l.attitude..]).normalized().store_wxyz(&mut asked[l.attitude..]);
         let mut own = x.to_vec();
         let back = Mat3::rotation_z(-begun.heading);
+        // What it began ahead is made up smoothly until the end.
+        let left = 1.0 - done * done * (3.0 - 2.0 * done);
+        let leaves = -6.0 * done * (1.0 - done) / self.duration;
         let place = back * (Vec3::from_slice(&x[l.position..]) - perch.place()) + self.end;
-        place.store(&mut own[l.position..]);
-        (back * Vec3::from_slice(&x[l.velocity..])).store(&mut own[l.velocity..]);
+        (place - begun.ahead * left).store(&mut own[l.position..]);
+        (back * Vec3::from_slice(&x[l.velocity..]) - begun.ahead * leaves).store(&mut own[l.velocity..]);
         let turned = Quat::from_roll_pitch_yaw(0.0, 0.0, -begun.heading) * Quat::from_wxyz(&x[l.attitude..]);
         turned.store_wxyz(&mut own[l.attitude..]);
         if let Some(crank) = self.crank {
             // The phase counts, whatever part of it was the crank's before.
             own[crank] = std::f64::consts::TAU * (cycles - begun.cycles - since / self.cycle());
         }
-        let off = apart(l, &asked, &own);
+        (apart(l, &asked, &own), done)
+    }
+
+    /// What it asks for at the time `t` in the state `x` with the gait's phase `cycles`, over the coming `period`.
+    pub fn ask(
+        &self,
+        begun: &Begun,
+        perch: &Perch,
+        (t, cycles, period): (f64, f64, f64),
+        x: &[f64],
+    ) -> Landed {
+        let (off, done) = self.off(begun, perch, (t, cycles), x);
         let gain = gain_at(&self.gains, done);
         let parts = self.commands.len() as f64;
         let per = parts / self.duration;
-        let from = (since * per).clamp(0.0, parts - 1e-6);
+        let from = (done * parts).min(parts - 1e-6);
         let mut commands = mean_over(&self.commands, [from, from + period * per]);
         for (row, input) in self.inputs.iter().enumerate() {
             commands[*input] -= off.iter().enumerate().map(|(j, off)| gain[(row, j)] * off).sum::<f64>();
         }
-        Landed { commands, off: [off[2], off[3], off[4]], done }
+        Landed { commands, off: [off[2], off[3], off[4], off[0]], done }
     }
 }
 
@@ -310,8 +333,7 @@ impl<'a> Problem<'a> {
             let last = stage == STAGES;
             let height = if last { self.approach.perch.place()[2] } else { f64::NAN };
             self.asked = [left * vx, left * vz, left * pitch - (1.0 - left) * PI, 0.0, height];
-            let ends = (ITERATIONS, SAVED[usize::from(last)], EFFORT);
-            let found = ddp::solve(self, begin, commands, ends)?;
+            let found = ddp::solve(self, begin, commands, (ITERATIONS, SAVED, EFFORT))?;
             commands = found.commands.clone();
             flown = Some(found);
         }

@@ -72,8 +72,9 @@ struct AboutOrbit<'a> {
     /// The perch to land on, and the landing once it has begun.
     perch: Option<Perch>,
     lands: Option<Begun>,
-    /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive or landing.
-    seen: [f64; 5],
+    /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive or landing, how
+    /// far ahead of the landing's plan.
+    seen: [f64; 6],
 }
 
 impl ControllerSpec for AboutOrbitSpec {
@@ -155,7 +156,7 @@ impl ControllerSpec for AboutOrbitSpec {
             dives: None,
             perch: task.perch,
             lands: None,
-            seen: [0.0; 5],
+            seen: [0.0; 6],
         }))
     }
 }
@@ -201,8 +202,8 @@ impl AboutOrbit<'_> {
         self.lands = begun;
         let Some(begun) = begun else { return false };
         let asked = landing.ask(&begun, perch, (t, cycles, self.period), &self.x);
-        let [height, roll, pitch] = asked.off;
-        self.seen = [0.0, height, roll, pitch, asked.done];
+        let [height, roll, pitch, ahead] = asked.off;
+        self.seen = [0.0, height, roll, pitch, asked.done, ahead];
         self.held = asked.commands;
         for (command, channel) in self.held.iter_mut().zip(self.robot.inputs()) {
             *command = channel.clamp(*command);
@@ -286,7 +287,7 @@ impl Controller for AboutOrbit<'_> {
         }
         let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
         let dived = self.family.dive().map_or(0.0, |dive| since / dive.cycles);
-        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived];
+        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived, 0.0];
         let Some(predictive) = &mut self.predictive else {
             self.regulate(place, cycles, since, asked, &error);
             return Update::Fresh;
@@ -314,7 +315,9 @@ impl Controller for AboutOrbit<'_> {
             Column::new("orbit_pitch_error", "rad", "WB"),
         ];
         let dive = self.family.dive().map(|_| Column::new("orbit_dive", "", ""));
-        let landing = self.family.landing().map(|_| Column::new("orbit_landing", "", ""));
+        let landing = ["orbit_landing", "orbit_landing_ahead"].into_iter().zip(["", "m"]);
+        let landing = landing.map(|(name, unit)| Column::new(name, unit, ""));
+        let landing = landing.filter(|_| self.family.landing().is_some());
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
         let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
@@ -329,8 +332,12 @@ impl Controller for AboutOrbit<'_> {
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
-        let planned = self.family.dive().is_some() || self.family.landing().is_some();
-        row.extend(&self.seen[..4 + usize::from(planned)]);
+        let planned = match (self.family.dive(), self.family.landing()) {
+            (_, Some(_)) => 2,
+            (Some(_), None) => 1,
+            (None, None) => 0,
+        };
+        row.extend(&self.seen[..4 + planned]);
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
         self.estimator.diagnostics(row);
