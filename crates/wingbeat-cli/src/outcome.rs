@@ -100,6 +100,15 @@ fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
             own("level again after", level, "s"),
         ]);
     }
+    if let Some(perch) = &summary.perch {
+        let became = if perch.caught { "caught" } else { "missed" };
+        rows.extend([
+            own("perch", became.into(), ""),
+            own("claw from perch", number(1e3 * perch.distance_m), "mm"),
+            own("speed of the claw", number(perch.speed_m_s), "m/s"),
+            own("off hanging upside down", number(perch.attitude_error_deg), "deg"),
+        ]);
+    }
     rows.push(own("yaw change", number(summary.yaw_change_deg), "deg"));
     rows
 }

@@ -102,7 +102,8 @@ impl ScenarioSpec {
     pub(super) fn task<'a>(&self, choice: &Choice, model: &'a Robot) -> Task<'a> {
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
         let (sensors, path) = (self.sensors.clone(), self.path.clone());
-        Task { model, manoeuvre, solver, sensors, path, prepared: None }
+        let perch = self.perch.as_ref().map(|perch| perch.beside(model));
+        Task { model, manoeuvre, solver, sensors, path, perch, prepared: None }
     }
 
     /// An error of the controller's settings, of its solver's, or of the gait that it is made for.
@@ -142,6 +143,10 @@ impl ScenarioSpec {
         }
         if let Some(path) = &self.path {
             path.build().map_err(|e| e.within("path"))?;
+        }
+        if let Some(perch) = &self.perch {
+            let checked = perch.check(self.flight.step_s).map_err(|e| e.within("perch"));
+            checked.map_err(|e| e.against(["flight.step_s"]))?;
         }
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
@@ -209,7 +214,12 @@ impl ScenarioSpec {
             real.residual = None;
         }
         let air = Air { density: self.air.density_kg_m3, wind };
-        self.over_ground(self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))?)
+        let robot = self.over_ground(self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))?)?;
+        let perch = self.perch.as_ref().map(|perch| perch.beside(&robot));
+        Ok(match perch {
+            Some(perch) => robot.beside(perch),
+            None => robot,
+        })
     }
 
     /// The turbulence of its air.

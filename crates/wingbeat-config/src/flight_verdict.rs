@@ -49,6 +49,9 @@ impl Flown<'_> {
             None => {
                 not_judged = self.goal(&mut judge);
                 self.task(&mut judge);
+                if let Some((spec, perch)) = self.context.perch.zip(self.summary.perch.as_ref()) {
+                    perch.judge(spec, &mut judge);
+                }
             }
         }
         self.model(&mut judge);
@@ -124,7 +127,10 @@ impl Flown<'_> {
     fn task(&self, judge: &mut Judge) {
         let (summary, goal) = (self.summary, self.context.goal);
         if self.context.period_s.is_none() {
-            judge.hold_if(&flight::FREE_PATH_ANGLE, self.path_angle());
+            judge.hold_if(
+                &flight::FREE_PATH_ANGLE,
+                self.path_angle().filter(|_| self.context.perch.is_none()),
+            );
             return;
         }
         let height = summary.height_max_error_m.filter(|_| summary.path.is_none());

@@ -23,6 +23,7 @@ mod mismatch;
 mod motion_table;
 mod moved;
 mod name;
+mod perch;
 mod plan;
 mod plausible;
 mod recorder;
@@ -78,6 +79,7 @@ pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use moved::Moved;
 pub use name::RunName;
+pub use perch::{PerchKind, PerchSpec, PerchSummary};
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,
     Planned, RollInSummary, SolverNumbers,
@@ -415,16 +417,18 @@ impl Scenario {
         let mut error = lattice.is_none().then(|| StepError::new(&self.robot, schedule));
         let mut recorder =
             Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
+        recorder.beside(self.spec.perch.as_ref());
         let mut x = self.start();
         let see = |sample: &Sample, controller: &(dyn Controller + 'c)| {
             recorder.sample(sample, controller)?;
             if let Some(error) = &mut error {
                 error.see(sample);
             }
-            Ok(observe(sample))
+            let seen = observe(sample);
+            Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
         };
         let (robot, sensors) = (&self.robot, &mut sensors);
-        let (flight, coupling) = match &mut lattice {
+        let (mut flight, coupling) = match &mut lattice {
             None => (fly(robot, sensors, controller, schedule, &mut x, see), None),
             Some(flow) => {
                 let flow = flow.as_mut();
@@ -432,6 +436,7 @@ impl Scenario {
                 (flight, Some(LatticeSummary::new(coupling, self.spec.lattice.as_ref())))
             }
         };
+        recorder.complete(&mut flight);
         let error = error.and_then(|error| error.at_end(flight.duration));
         let mut recorded = recorder.finish();
         let cut = recorded.cut(&flight.ending);
@@ -476,6 +481,7 @@ impl Scenario {
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
             turbulence: self.spec.turbulence(),
+            perch: self.spec.perch.as_ref(),
             wind: Vec3(self.spec.air.wind_m_s),
         };
         Summary::new(&recorded.record, flight, &context)

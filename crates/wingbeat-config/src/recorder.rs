@@ -1,10 +1,13 @@
 //! From an observed robot to the columns of a record.
 
+use super::perch::{self, PerchSpec};
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
 use wingbeat_aero::{Aero, LiftLaw, LoadSource, StripState};
 use wingbeat_flight::guide::Manoeuvre;
-use wingbeat_flight::simulate::{AXES, Column, Controller, Cost, Record, Sample, StripRecorder};
+use wingbeat_flight::simulate::{
+    AXES, Column, Controller, Cost, Ending, Flight, Record, Sample, StripRecorder,
+};
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -79,6 +82,9 @@ pub struct Recorder<'a> {
     /// Samples beyond the velocities of `robot.residual`, and all of those that tell.
     beyond: [f64; 2],
     strips: Option<Strips>,
+    /// The perch, and whether its claw has latched.
+    perch: Option<&'a PerchSpec>,
+    latched: bool,
 }
 
 /// Loads of the strips at every so many samples.
@@ -119,7 +125,26 @@ impl<'a> Recorder<'a> {
             shares: [0.0; 2],
             beyond: [0.0; 2],
             strips: samples_per_strips.map(strips),
+            perch: None,
+            latched: false,
         })
+    }
+
+    /// Looks out for the claw to latch as `perch` says.
+    pub fn beside(&mut self, perch: Option<&'a PerchSpec>) {
+        self.perch = perch;
+    }
+
+    /// Whether the claw has latched, which ends the flight.
+    pub fn latched(&self) -> bool {
+        self.latched
+    }
+
+    /// A flight that a latched claw has ended is whole.
+    pub fn complete(&self, flight: &mut Flight) {
+        if self.latched {
+            flight.ending = Ending::Complete;
+        }
     }
 
     /// Appends a sample and the controller's diagnostics.
@@ -144,6 +169,11 @@ impl<'a> Recorder<'a> {
         row.extend((position + o.attitude * o.center_of_mass).0);
         if self.robot.is_in_vacuum() {
             row.extend(o.angular_momentum.0);
+        }
+        if let Some((perch, seen)) = self.robot.perch().zip(self.robot.at_perch(x)) {
+            row.extend(perch.place().0);
+            row.extend([seen.distance, seen.speed, seen.off_hanging, seen.force]);
+            self.latched |= self.perch.is_some_and(|perch| perch.latches(&seen));
         }
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(o.incidence());
@@ -278,6 +308,9 @@ fn columns(robot: &Robot) -> Vec<Column> {
     columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
     if robot.is_in_vacuum() {
         columns.extend(AXES.map(|a| column(format!("{MOMENTUM}_{a}"), "kg m2/s", "W")));
+    }
+    if robot.perch().is_some() {
+        columns.extend(perch::COLUMNS.map(|[name, unit, frame]| Column::new(name, unit, frame)));
     }
     for point in robot.outline_names() {
         for line in LINES {

@@ -2,6 +2,7 @@
 
 use super::Scenario;
 use super::chosen::{Chosen, Named};
+use super::perch::PerchSpec;
 use super::spec::{AeroSpec, AirSpec, FlightSpec, ScenarioSpec, StartSpec};
 use serde::Serialize;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -55,6 +56,7 @@ struct MadeFrom<'a> {
     solver: &'a Option<Named>,
     sensors: &'a Option<SensorSpec>,
     path: &'a Option<PathSpec>,
+    perch: &'a Option<PerchSpec>,
 }
 
 /// What the controller of `spec` is made from, as text; none without a controller. Every field of the tables is named, so that a new one
@@ -71,6 +73,7 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         solver,
         sensors,
         path,
+        perch,
         // A controller is told neither what happens to the flight nor what is asked of it, nor what else the scenario is used for.
         name: _,
         seed: _,
@@ -107,6 +110,7 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         solver,
         sensors,
         path,
+        perch,
     };
     toml::to_string(&made_from).ok()
 }

@@ -4,7 +4,7 @@ use super::recorder::Recorder;
 use super::{ConfigError, Scenario, Summary};
 use std::ops::ControlFlow;
 use wingbeat_flight::guide::HeldCommands;
-use wingbeat_flight::simulate::{Controller, Sample, Seat, fly_side_by_side};
+use wingbeat_flight::simulate::{Controller, Flight, Sample, Seat, fly_side_by_side};
 use wingbeat_math::{Double4, Lanes};
 use wingbeat_robot::{BodySpec, Robot};
 
@@ -56,7 +56,9 @@ impl Scenario {
         let recorder = |(scenario, controller): (&&'a Self, &Steering<'a>)| {
             let rows = scenario.schedule.steps / scenario.schedule.steps_per_sample + 1;
             let recorder = Recorder::new(&scenario.robot, scenario.manoeuvre(), controller, rows, None);
-            recorder.map_err(|error| scenario.explain(&error))
+            let mut recorder = recorder.map_err(|error| scenario.explain(&error))?;
+            recorder.beside(scenario.spec.perch.as_ref());
+            Ok::<_, ConfigError>(recorder)
         };
         let mut recorders = all.iter().zip(&controllers).map(recorder).collect::<Result<Vec<_>, _>>()?;
         let watch = &watch;
@@ -69,12 +71,14 @@ impl Scenario {
                 start,
                 observe: move |sample: &Sample, controller: &Steering<'a>| {
                     recorder.sample(sample, controller)?;
-                    Ok(watch())
+                    let seen = watch();
+                    Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
                 },
             })
             .collect();
         let flights = fly_side_by_side(|t, x, u, dx| robot.rates_side_by_side(t, x, u, dx), seats);
-        let summary = |((scenario, recorder), flight): ((&&Self, Recorder), _)| {
+        let summary = |((scenario, recorder), mut flight): ((&&Self, Recorder), Flight)| {
+            recorder.complete(&mut flight);
             scenario.summarise(&recorder.finish(), &flight, &scenario.schedule, None)
         };
         Ok(all.iter().zip(recorders).zip(flights).map(summary).collect())

@@ -4,6 +4,7 @@ use super::chosen::{Chosen, Named};
 use super::dryden::DrydenSpec;
 use super::lattice::LatticeSpec;
 use super::mismatch::Mismatch;
+use super::perch::PerchSpec;
 use super::plan::PlanSpec;
 use super::trim::TrimSpec;
 use super::verdict_limits::VerdictLimits;
@@ -53,6 +54,9 @@ pub struct ScenarioSpec {
     /// What is flown along; needed by a controller that tracks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<PathSpec>,
+    /// A perch beside the flight. Only the robot that flies meets it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub perch: Option<PerchSpec>,
     /// What `wingbeat plan` plans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanSpec>,

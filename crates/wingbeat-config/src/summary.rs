@@ -9,6 +9,7 @@ use super::grounded::ground_distance;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
 use super::measure::Measured;
+use super::perch::{PerchSpec, PerchSummary};
 use super::recorder::{Means, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
@@ -64,6 +65,9 @@ pub struct Summary {
     /// What a dive took.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dive: Option<DiveSummary>,
+    /// What became of the landing on a perch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub perch: Option<PerchSummary>,
     /// How still the robot hovered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hover: Option<HoverSummary>,
@@ -287,6 +291,8 @@ pub(super) struct Context<'a> {
     pub period_s: Option<f64>,
     /// Estimate of the error of the steps, m.
     pub step_error_m: Option<f64>,
+    /// The perch beside the flight.
+    pub perch: Option<&'a PerchSpec>,
     /// Turbulence of the air, and its steady wind, m/s.
     pub turbulence: Option<Dryden>,
     pub wind: Vec3,
@@ -339,6 +345,7 @@ impl Summary {
             path: PathSummary::new(record, settled.first),
             dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz(), context.wind)
                 .filter(|_| !grew),
+            perch: context.perch.and_then(|perch| PerchSummary::new(record, perch)),
             hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),

@@ -150,6 +150,9 @@ impl Hold {
 
     /// True when the whole flight was flown and the errors stayed within.
     pub fn met(&self, summary: &Summary) -> bool {
+        if let Some(perch) = &summary.perch {
+            return summary.completed() && perch.caught;
+        }
         summary.completed()
             && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)
             && summary.pitch_max_error_deg.is_some_and(|e| e <= self.pitch_within_deg)

@@ -196,6 +196,7 @@ impl<'a> Film<'a> {
         if self.motion.free {
             self.way(&mut view, i);
         }
+        perch(self.motion, &mut view, i);
         robot(self.motion, &mut view, i, self.enlarged);
         view
     }
@@ -320,6 +321,7 @@ fn close(
         lines: Vec::new(),
         words: Vec::new(),
     };
+    perch(motion, &mut view, i);
     robot(motion, &mut view, i, 1.0);
     if motion.free {
         let (com, along) = (motion.in_world(i, at(&motion.com, i)), motion.turned(i, Vec3([1.0, 0.0, 0.0])));
@@ -358,6 +360,15 @@ fn robot(motion: &Motion, view: &mut View, i: usize, enlarged: f64) {
 fn filled(Pane { x, y, width, height }: Pane) -> Pane {
     let more = MARGIN - KEPT;
     Pane { x: x - more, y: y - more, width: width + 2.0 * more, height: height + 2.0 * more }
+}
+
+/// The perch, where there is one.
+fn perch(motion: &Motion, view: &mut View, i: usize) {
+    if !motion.free {
+        return;
+    }
+    let ends = |of: &crate::motion::Line| of.points.iter().map(|point| at(point, i).0).collect();
+    view.lines.extend(motion.lines.iter().map(|of| line(ends(of), WAY, 4.0)));
 }
 
 fn line(points: Vec<Point>, colour: &str, weight: f64) -> Line {

@@ -7,7 +7,7 @@ use wingbeat::robot::{Outline, Robot, Skeleton};
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Record;
 
-use crate::motion::{Motion, Source, Strip, Surface, Track, push, rows, sound};
+use crate::motion::{Line, Motion, Source, Strip, Surface, Track, push, rows, sound};
 
 /// How far from the middle plane the middle of a panel lies that is of a side, m.
 const MIDDLE: f64 = 1e-6;
@@ -49,6 +49,10 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<M
         free: true,
         ..Motion::default()
     };
+    if let Some(perch) = robot.perch() {
+        let still = |end: Vec3| end.0.map(|axis| vec![axis; shown.len()]);
+        motion.lines = vec![Line { name: "perch", weight: 5.0, points: perch.ends().map(still).into() }];
+    }
     // Where the lattice gives the attached flow, the model's strips are not those that flew; a vacuum has none.
     let strips = scenario.spec.lattice.is_none() && !robot.is_in_vacuum();
     motion.circulation = strips.then(|| told(robot));

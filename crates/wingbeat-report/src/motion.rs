@@ -86,7 +86,7 @@ pub struct Motion {
     pub surfaces: Vec<Surface>,
     /// Forces by source.
     pub sources: Vec<Source>,
-    /// Arm and sting.
+    /// Arm and sting, or a perch.
     pub lines: Vec<Line>,
     /// Places that a path asks for, in W.
     pub path: Option<Track>,

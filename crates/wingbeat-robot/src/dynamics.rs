@@ -2,6 +2,7 @@
 //! the second rates of elastic joints and of a crank under a motor come from one solve.
 
 use super::drive::Ratios;
+use super::perch::Pose;
 use super::sections::Carriers;
 use super::surface::{Coupled, External};
 use super::{Joints, Links, Robot};
@@ -70,8 +71,13 @@ impl Plant for Robot {
         self.smooth_clearances(t, &x[self.layout.structure..], values)
     }
     fn unfelt_states(&self) -> Range<usize> {
-        // Over a ground the height is felt.
-        self.layout.position..self.layout.position + if self.ground.is_some() { 2 } else { 3 }
+        // Over a ground the height is felt, and at a perch the place.
+        let unfelt = match (&self.perch, &self.ground) {
+            (Some(_), _) => 0,
+            (None, Some(_)) => 2,
+            (None, None) => 3,
+        };
+        self.layout.position..self.layout.position + unfelt
     }
     fn placing_states(&self) -> [Range<usize>; 2] {
         let (l, elements) = (&self.layout, self.elements.len());
@@ -225,6 +231,10 @@ impl<P: Scalar> Robot<P> {
         }
         for load in beyond {
             body += of_numbers(load);
+        }
+        if let Some(perch) = &self.perch {
+            let position = Vec3::from_slice(&x[l.position..]);
+            body += perch.load(&Pose { position, attitude, velocity: v_w, rate: w });
         }
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self

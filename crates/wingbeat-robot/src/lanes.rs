@@ -21,6 +21,7 @@ impl Robot {
             && self.wind.fits_beside(&other.wind)
             && self.residual == other.residual
             && self.ground == other.ground
+            && self.perch == other.perch
     }
 
     /// Robots that [fit](Self::fits_beside) side by side, each in a lane; the lanes that are left over repeat the last.

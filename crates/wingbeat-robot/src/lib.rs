@@ -18,6 +18,7 @@ mod mechanism;
 mod mirror;
 mod numbers;
 mod observe;
+mod perch;
 mod physical;
 mod placement;
 mod regulators;
@@ -39,6 +40,7 @@ pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying};
 pub use numbers::{check_given, former, stands_for};
 pub use observe::Observation;
+pub use perch::{Contact, Perch, PerchShape, Seen};
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
@@ -125,6 +127,8 @@ pub struct Robot<P: Scalar = f64> {
     ground: Option<f64>,
     /// What the models of the air leave of measured loads.
     residual: Option<Arc<Residual>>,
+    /// A perch beside it.
+    perch: Option<Perch>,
     layout: Layout,
     states: Vec<Channel>,
     inputs: Vec<Channel>,
@@ -182,6 +186,7 @@ impl Robot {
             wind: air.wind,
             ground: None,
             residual: residual.map(Arc::new),
+            perch: None,
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
             inputs,

@@ -273,6 +273,7 @@ impl Robot {
             wind: self.wind.map(P::from),
             ground: self.ground,
             residual: self.residual.clone(),
+            perch: self.perch,
             layout: self.layout,
             states: self.states.clone(),
             inputs: self.inputs.clone(),

@@ -87,6 +87,11 @@ pub const LONG: &[LongCase] = &[
         run: |watch| draws::rows(&draws::LAUNCH, watch),
     },
     LongCase {
+        id: "flight.draws.land_20g",
+        core_minutes: 3.0,
+        run: |watch| draws::rows(&draws::LAND, watch),
+    },
+    LongCase {
         id: "flight.draws.passive_level_20g",
         core_minutes: 3.0,
         run: |watch| draws::rows(&draws::PASSIVE_LEVEL, watch),

@@ -67,6 +67,7 @@ const FILES: &[(&str, &str)] = files![
     "scenarios/glider"
     "scenarios/hover"
     "scenarios/hover_guarded"
+    "scenarios/land_20g"
     "scenarios/least_power_gait"
     "scenarios/launch_20g"
     "scenarios/level_20g"

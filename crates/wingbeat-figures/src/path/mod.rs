@@ -19,7 +19,7 @@ type Point = [f64; 3];
 /// The path `p_WB_x`, `p_WB_y`, `p_WB_z` (world frame) above its shadow on the floor of the axes. Where the record has the ends of
 /// the surfaces' panels, `<line>_[<surface>_][<side>_]<end>_x/y/z` (world frame; leading, trailing; left, right), the surfaces
 /// are drawn every few tenths of a second. Where `paper` says where the flight ends, that place is marked at the height of
-/// the own end.
+/// the own end. So is the place of a perch, `perch_x`, `perch_y`, `perch_z`.
 pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let track = points(record, "p_WB")?;
@@ -32,7 +32,8 @@ pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Err
         let end = track[track.len() - 1];
         [track[0][0] + paper.distance_x_m, track[0][1] - paper.roll_deg.signum() * paper.distance_y_m, end[2]]
     });
-    let seen: Vec<Point> = track.iter().copied().chain(published).collect();
+    let perch = points(record, "perch").ok().and_then(|perch| perch.first().copied());
+    let seen: Vec<Point> = track.iter().copied().chain(published).chain(perch).collect();
     let room = Room::around(&seen, &birds);
     let all = birds.len();
     let mut sheet = Sheet::new(&room);
@@ -44,6 +45,7 @@ pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Err
     apart.iter().for_each(|bird| sheet.bird(&room, bird));
     sheet.ends(&track, t);
     published.into_iter().for_each(|point| sheet.published(&room, point));
+    perch.into_iter().for_each(|place| sheet.perch(&room, place));
     sheet.note(&apart, every, room.enlargement);
     Ok(Figure::new("path", sheet.scene))
 }

@@ -176,6 +176,15 @@ impl Sheet {
         self.text((x - 8.0, y - 8.0), text, TextAnchor::End, style::TICKS);
     }
 
+    /// A perch, above its place on the floor of the axes.
+    pub fn perch(&mut self, room: &Room, place: Point) {
+        let colour = style::colour(2);
+        self.line(&[place, [place[0], place[1], room.low[2]]], colour, 0.8);
+        let (x, y) = self.at(place);
+        self.disc(x, y, 5.0, colour);
+        self.text((x + 8.0, y - 8.0), "perch".into(), TextAnchor::Start, style::TICKS);
+    }
+
     /// What the colours and the size of the robot mean.
     pub fn note(&mut self, birds: &[Bird], every: Option<f64>, enlargement: f64) {
         let mut x = Self::MARGINS.0;

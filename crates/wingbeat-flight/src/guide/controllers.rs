@@ -11,7 +11,7 @@ use std::sync::Arc;
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::LocalChart;
 use wingbeat_ocp::realtime::{HorizonSolver, Settings};
-use wingbeat_robot::Robot;
+use wingbeat_robot::{Perch, Robot};
 
 /// What a controller takes long to make, and controllers of one model and one table share.
 pub type Prepared = Arc<dyn Any + Send + Sync>;
@@ -29,6 +29,8 @@ pub struct Task<'a> {
     pub sensors: Option<SensorSpec>,
     /// What to fly along, where the scenario says it.
     pub path: Option<PathSpec>,
+    /// The perch to land on, where the scenario says it.
+    pub perch: Option<Perch>,
     /// What [`ControllerSpec::prepare`] made for the same model, if it was asked.
     pub prepared: Option<Prepared>,
 }

@@ -41,7 +41,8 @@ fn processor_time(limit_s: Option<f64>) -> std::time::Duration {
 
 pub use about_orbit::gains_of;
 pub use about_orbit::{
-    AboutOrbitSpec, AdaptSpec, DiveSpec, Held, LegSpec, OrbitWeights, PredictiveSpec, Terminal, TrackingSpec,
+    AboutOrbitSpec, AdaptSpec, DiveSpec, Held, LandingSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal,
+    TrackingSpec,
 };
 pub use attitude_tracking::AttitudeTracking;
 pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};

@@ -154,9 +154,35 @@ pub(crate) fn fly_part<S: CycleScalar>(
     [part, parts]: [usize; 2],
     each: &mut dyn FnMut(&[S]),
 ) -> Result<(Vec<S>, [S; GROUND]), Fault> {
+    let mut x = deviations.state(s);
+    fly_state(cycle, &mut x, pace, u, [part, parts], each)?;
+    let mut end = vec![S::ZERO; deviations.len()];
+    let heading = deviations.of(&x, &mut end);
+    let place = deviations.position();
+    Ok((end, [x[place], x[place + 1], heading]))
+}
+
+/// Flies likewise from the state `x` at the pace of the gait, whose crank moves by its command; parts may go on beyond the first cycle.
+pub(crate) fn fly_held<S: CycleScalar>(
+    cycle: &Cycle,
+    x: &mut [S],
+    u: &[S],
+    part: [usize; 2],
+    each: &mut dyn FnMut(&[S]),
+) -> Result<(), Fault> {
+    fly_state(cycle, x, 1.0, u, part, each)
+}
+
+fn fly_state<S: CycleScalar>(
+    cycle: &Cycle,
+    x: &mut [S],
+    pace: f64,
+    u: &[S],
+    [part, parts]: [usize; 2],
+    each: &mut dyn FnMut(&[S]),
+) -> Result<(), Fault> {
     let length = cycle.duration(pace) / cycle.steps() as f64;
     let steps = cycle.steps() / parts;
-    let mut x = deviations.state(s);
     let clock = Steps { start: S::ZERO, length: S::from(length), first: part * steps, count: steps };
     let each = |_, _, x: &[S]| {
         each(x);
@@ -164,11 +190,8 @@ pub(crate) fn fly_part<S: CycleScalar>(
     };
     let mut flow = Flow { robot: cycle.robot(), pace: S::from(pace), u, each };
     let mut work = Workspace::new(x.len(), RK4.b.len());
-    RK4.integrate(&mut flow, clock, &mut x, &mut work)?;
-    let mut end = vec![S::ZERO; deviations.len()];
-    let heading = deviations.of(&x, &mut end);
-    let place = deviations.position();
-    Ok((end, [x[place], x[place + 1], heading]))
+    RK4.integrate(&mut flow, clock, x, &mut work)?;
+    Ok(())
 }
 
 /// The numbers after part `part` of a cycle from the `nominal` ones under held commands, and how deviations along

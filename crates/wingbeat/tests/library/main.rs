@@ -31,6 +31,7 @@ mod multibody;
 mod numbers;
 mod orbit;
 mod outline;
+mod perch;
 mod power;
 #[cfg(target_arch = "x86_64")]
 mod processor;

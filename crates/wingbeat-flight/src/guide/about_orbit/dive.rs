@@ -1,6 +1,7 @@
 //! A dive: from a level orbit the nose goes down and the robot pulls out to the same orbit below, by commands that are planned on the
 //! whole model before the flight, and feedback about the plan.
 
+use super::ddp::{self, Flown, Parts, Quadratic};
 use super::family::Asked;
 use super::feedback::{DEVIATIONS, Feedback, INTEGRAL, back, costs_of, effort, measured, with_integral};
 use super::spec::OrbitWeights;
@@ -17,12 +18,9 @@ use wingbeat_ocp::plant::{Channel, Fault};
 const NOSE: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Cost of the planned commands over that of the controller's: with less they are rough, with more the nose falls short. *Choice.*
 const EFFORT: f64 = 0.1;
-/// Most iterations of the plan, the share of its cost that the last must still save, and shares of a step that are tried.
+/// Most iterations of the plan, and the share of its cost that the last must still save.
 const ITERATIONS: usize = 60;
 const SAVED: f64 = 1e-3;
-const SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.03, 0.01];
-/// Damping of a step over the cost of the commands: least, first, and the most that is tried.
-const DAMPING: [f64; 3] = [1e-6, 1e-4, 1e6];
 /// What the nose may be off what is asked, rad.
 const SHORT: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
@@ -85,14 +83,6 @@ pub(super) struct Level<'a> {
     pub inputs: &'a [usize],
 }
 
-/// A plan under way: what deviates at the begin of every part and at the end, the commands of every part beside those of the orbit, its
-/// cost.
-struct Flown {
-    nodes: Vec<Vec<f64>>,
-    commands: Vec<DVector<f64>>,
-    cost: f64,
-}
-
 /// Costs and limits of a plan.
 struct Problem<'a> {
     level: &'a Level<'a>,
@@ -118,7 +108,7 @@ impl Dive {
         let cost = &cost * cost.transpose();
         let problem = Problem::new(spec, level, channels, &cost)?;
         let broken = |fault: Fault| Error::invalid("nose_down_deg", fault, "a dive that the model can fly");
-        let (flown, saved) = problem.solve().map_err(broken)?;
+        let flown = problem.solve().map_err(broken)?;
         let reached = flown.nodes[problem.parts / 2][Deviations::PITCH];
         if !((reached - problem.nose).abs() <= SHORT) {
             let allowed = format!(
@@ -142,7 +132,7 @@ impl Dive {
             commands.iter_mut().for_each(|held| held[input] = value);
         }
         let (start_s, cycles) = (spec.start_s, spec.cycles as f64);
-        Ok(Self { start_s, cycles, steps, commands, gains, saved, climb })
+        Ok(Self { start_s, cycles, steps, commands, gains, saved: flown.saved, climb })
     }
 
     /// Changes what is `asked` of the level flight to what the dive asks `since` cycles after its begin, of commands the mean over the
@@ -161,26 +151,35 @@ impl Dive {
         let i = (at as usize).min(last - 1);
         let numbers = self.steps[i].iter().zip(&self.steps[i + 1]);
         let numbers = numbers.map(|(one, other)| lerp(*one, *other, at - i as f64)).collect();
-        let parts = self.commands.len();
-        let per = parts as f64 / self.cycles;
-        let (from, to) = (since * per, (since + coming) * per);
-        let mut mean = vec![0.0; self.commands[0].len()];
-        for k in from as usize..=(to as usize) {
-            let share = ((to.min((k + 1) as f64) - from.max(k as f64)) / (to - from)).max(0.0);
-            let part = &self.commands[k.min(parts - 1)];
-            mean.iter_mut().zip(part).for_each(|(mean, command)| *mean += share * command);
-        }
+        let per = self.commands.len() as f64 / self.cycles;
+        let mean = mean_over(&self.commands, [since * per, (since + coming) * per]);
         (numbers, mean)
     }
 
     /// The feedback there.
     pub fn gain(&self, since: f64) -> DMatrix<f64> {
-        let last = self.gains.len() - 1;
-        let at = (since / self.cycles * last as f64).clamp(0.0, last as f64);
-        let k = (at as usize).min(last - 1);
-        let share = at - k as f64;
-        &self.gains[k] * (1.0 - share) + &self.gains[k + 1] * share
+        gain_at(&self.gains, since / self.cycles)
     }
+}
+
+/// Mean of the `commands` of parts from one to another place among them.
+pub(super) fn mean_over(commands: &[Vec<f64>], [from, to]: [f64; 2]) -> Vec<f64> {
+    let mut mean = vec![0.0; commands[0].len()];
+    for k in from as usize..=(to as usize) {
+        let share = ((to.min((k + 1) as f64) - from.max(k as f64)) / (to - from)).max(0.0);
+        let part = &commands[k.min(commands.len() - 1)];
+        mean.iter_mut().zip(part).for_each(|(mean, command)| *mean += share * command);
+    }
+    mean
+}
+
+/// The feedback at the share `done` of a plan.
+pub(super) fn gain_at(gains: &[DMatrix<f64>], done: f64) -> DMatrix<f64> {
+    let last = gains.len() - 1;
+    let at = (done * last as f64).clamp(0.0, last as f64);
+    let k = (at as usize).min(last - 1);
+    let share = at - k as f64;
+    &gains[k] * (1.0 - share) + &gains[k + 1] * share
 }
 
 impl<'a> Problem<'a> {
@@ -231,10 +230,10 @@ impl<'a> Problem<'a> {
 
     /// What `s` is off the level orbit at phase 0.
     fn off(&self, s: &[f64]) -> DVector<f64> {
-        self.apart(s, self.level.begin)
+        self.between(s, self.level.begin)
     }
 
-    fn apart(&self, s: &[f64], from: &[f64]) -> DVector<f64> {
+    fn between(&self, s: &[f64], from: &[f64]) -> DVector<f64> {
         let along = |d: &Direction| Section::along(d, s) - Section::along(d, from);
         DVector::from_iterator(self.directions.len(), self.directions.iter().map(along))
     }
@@ -271,69 +270,19 @@ impl<'a> Problem<'a> {
         Ok(fly_part(cycle, deviations, s, point.pace, held, self.part(k), &mut of)?.0)
     }
 
-    /// The flight by `command` of part and what deviates at its begin; none where the model breaks down.
-    fn roll(&self, mut command: impl FnMut(usize, &[f64]) -> DVector<f64>) -> Option<Flown> {
-        let mut nodes = vec![self.level.begin.to_vec()];
-        let mut commands = Vec::with_capacity(self.parts);
-        let mut cost = 0.0;
-        for k in 0..self.parts {
-            let s = &nodes[k];
-            let v = command(k, s);
-            cost += v.dot(&(&self.effort * &v));
-            let next = self.fly(s, k, &self.held(&v), &mut |_| ()).ok()?;
-            nodes.push(next);
-            commands.push(v);
-        }
-        cost += ((nodes[self.parts / 2][Deviations::PITCH] - self.nose) / NOSE).powi(2);
-        let off = self.off(&nodes[self.parts]);
-        cost += off.dot(&(&self.end * &off));
-        cost.is_finite().then_some(Flown { nodes, commands, cost })
-    }
-
     /// Equation: guide.dive_plan
     /// `min sum u'Ru + ((pitch(half) - asked)/NOSE)^2 + min_h d'P d, d = s(end) - level - h, u within its limits`
     /// Source: Tassa, Mansard & Todorov 2014, ICRA: differential dynamic programming with limits; steps of Gauss and Newton (Li & Todorov 2004).
     /// Test: `a_dive_pulls_out_within_its_height`.
     ///
-    /// Improves the level flight step by step: the model about the present plan is linear, the cost quadratic, and backwards in time
-    /// every part has its best command within the limits and its feedback. Beside the plan stands the share of its cost that the last
-    /// iteration saved: no more than `SAVED` unless the iterations ran out.
-    fn solve(&self) -> Result<(Flown, f64), Fault> {
-        let still = DVector::zeros(self.low.len());
-        let none = Fault::NotFinite { state: 0, time: 0.0 };
-        let mut best = self.roll(|_, _| still.clone()).ok_or(none)?;
-        let (mut damping, mut saved) = (DAMPING[0], f64::INFINITY);
-        for _ in 0..ITERATIONS {
-            let all = self.linear(
-                &best.nodes,
-                |k| self.held(&best.commands[k]),
-                &self.directions,
-                self.level.pairs,
-            )?;
-            let better = loop {
-                let found =
-                    self.backward(&all, &best, damping).and_then(|policy| self.forward(&best, &policy));
-                if found.is_some() || damping > DAMPING[2] {
-                    break found;
-                }
-                damping = (damping * 10.0).max(DAMPING[1]);
-            };
-            let Some(better) = better else {
-                saved = 0.0;
-                break;
-            };
-            damping = (damping / 5.0).max(DAMPING[0]);
-            saved = (best.cost - better.cost) / better.cost;
-            best = better;
-            if saved < SAVED {
-                break;
-            }
-        }
-        Ok((best, saved))
+    /// From the level flight on.
+    fn solve(&self) -> Result<Flown, Fault> {
+        let still = vec![DVector::zeros(self.low.len()); self.parts];
+        ddp::solve(self, self.level.begin, still, (ITERATIONS, SAVED, EFFORT))
     }
 
     /// How deviations grow over every part.
-    fn linear(
+    fn grown(
         &self,
         nodes: &[Vec<f64>],
         held: impl Fn(usize) -> Vec<f64> + Sync,
@@ -348,55 +297,6 @@ impl<'a> Problem<'a> {
         parallel::map(&nodes[..self.parts], of).into_iter().collect()
     }
 
-    /// For every part the change of its command and its feedback; none where the damping is too little.
-    fn backward(
-        &self,
-        all: &[Interval],
-        of: &Flown,
-        damping: f64,
-    ) -> Option<Vec<(DVector<f64>, DMatrix<f64>)>> {
-        let off = self.off(&of.nodes[self.parts]);
-        let (mut p, mut g) = (self.end.clone(), &self.end * off);
-        let pitch = self.directions.iter().position(|d| d[0].0 == Deviations::PITCH)?;
-        let mut policy = Vec::with_capacity(self.parts);
-        for k in (0..self.parts).rev() {
-            let (a, b, u) = (&all[k].a, &all[k].b, &of.commands[k]);
-            let pb = &p * b;
-            let curved = b.transpose() * &pb + &self.effort * (1.0 + damping / EFFORT);
-            let slope = &self.effort * u + b.transpose() * &g;
-            let cross = pb.transpose() * a;
-            let (step, free) = boxed(&curved, &slope, &(&self.low - u), &(&self.high - u))?;
-            let feedback = -masked(&curved, &free).cholesky()?.solve(&cross_of(&cross, &free));
-            g = a.transpose() * &g
-                + feedback.transpose() * (&curved * &step + &slope)
-                + cross.transpose() * &step;
-            p = a.transpose() * &p * a
-                + feedback.transpose() * (&curved * &feedback + &cross)
-                + cross.transpose() * &feedback;
-            p = (&p + p.transpose()) * 0.5;
-            if k == self.parts / 2 {
-                p[(pitch, pitch)] += NOSE.powi(-2);
-                g[pitch] += (of.nodes[k][Deviations::PITCH] - self.nose) * NOSE.powi(-2);
-            }
-            policy.push((step, feedback));
-        }
-        policy.reverse();
-        Some(policy)
-    }
-
-    /// The flight by `policy` about the plan `of`, by the first share of its steps that costs less.
-    fn forward(&self, of: &Flown, policy: &[(DVector<f64>, DMatrix<f64>)]) -> Option<Flown> {
-        let by = |share: f64| {
-            let flown = self.roll(|k, s| {
-                let (step, feedback) = &policy[k];
-                let v = &of.commands[k] + step * share + feedback * self.apart(s, &of.nodes[k]);
-                v.sup(&self.low).inf(&self.high)
-            });
-            flown.filter(|flown| flown.cost < of.cost)
-        };
-        SHARES.into_iter().find_map(by)
-    }
-
     /// The feedback about the plan by all commands that are fed back, backwards from the `cost` of what deviates at its end.
     fn gains(
         &self,
@@ -406,7 +306,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Option<Vec<DMatrix<f64>>>, Fault> {
         let level = self.level;
         let (each, inputs) = (alone(0..level.deviations.len()), alone(level.inputs.iter().copied()));
-        let all = self.linear(nodes, |k| commands[k].clone(), &each, &inputs)?;
+        let all = self.grown(nodes, |k| commands[k].clone(), &each, &inputs)?;
         let limits: Vec<f64> = level.inputs.iter().map(|i| self.channels[*i].high).collect();
         let (n, length) = (cost.nrows(), level.cycle.duration(level.point.pace) / level.cycle.parts() as f64);
         let (q, r) = (costs_of(level.weights, n), effort(&limits));
@@ -424,44 +324,52 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Most steps of the quadratic problem of a command: each frees or holds some of a handful.
-const BOXED: usize = 30;
-
-/// The least of v'Hv/2 + g'v within limits, and which numbers are at none.
-fn boxed(
-    h: &DMatrix<f64>,
-    g: &DVector<f64>,
-    low: &DVector<f64>,
-    high: &DVector<f64>,
-) -> Option<(DVector<f64>, Vec<bool>)> {
-    let mut v = DVector::zeros(g.len()).sup(low).inf(high);
-    for _ in 0..BOXED {
-        let slope = g + h * &v;
-        let free: Vec<bool> = (0..g.len())
-            .map(|i| !(v[i] <= low[i] && slope[i] > 0.0 || v[i] >= high[i] && slope[i] < 0.0))
-            .collect();
-        let step = -masked(h, &free)
-            .cholesky()?
-            .solve(&DVector::from_fn(g.len(), |i, _| if free[i] { slope[i] } else { 0.0 }));
-        let next = (&v + step).sup(low).inf(high);
-        let moved = (&next - &v).amax();
-        v = next;
-        if moved < 1e-12 {
-            return Some((v, free));
-        }
+impl Parts for Problem<'_> {
+    fn parts(&self) -> usize {
+        self.parts
     }
-    let free = (0..g.len()).map(|i| v[i] > low[i] && v[i] < high[i]).collect();
-    Some((v, free))
-}
 
-/// The matrix of the free numbers, those held standing alone.
-fn masked(h: &DMatrix<f64>, free: &[bool]) -> DMatrix<f64> {
-    DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| {
-        if free[i] && free[j] { h[(i, j)] } else { f64::from(u8::from(i == j)) }
-    })
-}
+    fn limits(&self) -> [&DVector<f64>; 2] {
+        [&self.low, &self.high]
+    }
 
-/// Rows of the free numbers, zero for those held.
-fn cross_of(cross: &DMatrix<f64>, free: &[bool]) -> DMatrix<f64> {
-    DMatrix::from_fn(cross.nrows(), cross.ncols(), |i, j| if free[i] { cross[(i, j)] } else { 0.0 })
+    fn effort(&self) -> &DMatrix<f64> {
+        &self.effort
+    }
+
+    fn next(&self, k: usize, s: &[f64], v: &DVector<f64>) -> Option<Vec<f64>> {
+        self.fly(s, k, &self.held(v), &mut |_| ()).ok()
+    }
+
+    fn apart(&self, s: &[f64], from: &[f64]) -> DVector<f64> {
+        self.between(s, from)
+    }
+
+    fn linear(&self, k: usize, s: &[f64], v: &DVector<f64>) -> Result<[DMatrix<f64>; 2], Fault> {
+        let Level { cycle, deviations, point, pairs, .. } = self.level;
+        let held = self.held(v);
+        let along = [&self.directions[..], pairs];
+        let over = interval(cycle, deviations, s, (point.pace, &held), self.part(k), along)?.1;
+        Ok([over.a, over.b])
+    }
+
+    fn cost(&self, k: usize, s: &[f64]) -> f64 {
+        let nose = if k == self.parts / 2 { (s[Deviations::PITCH] - self.nose) / NOSE } else { 0.0 };
+        let off = if k == self.parts { self.off(s) } else { return nose * nose };
+        nose * nose + off.dot(&(&self.end * &off))
+    }
+
+    fn quadratic(&self, k: usize, s: &[f64]) -> Option<Quadratic> {
+        if k == self.parts {
+            return Some((self.end.clone(), &self.end * self.off(s)));
+        }
+        let n = self.directions.len();
+        let pitch = self.directions.iter().position(|d| d[0].0 == Deviations::PITCH)?;
+        (k == self.parts / 2).then(|| {
+            let (mut p, mut g) = (DMatrix::zeros(n, n), DVector::zeros(n));
+            p[(pitch, pitch)] = NOSE.powi(-2);
+            g[pitch] = (s[Deviations::PITCH] - self.nose) * NOSE.powi(-2);
+            (p, g)
+        })
+    }
 }

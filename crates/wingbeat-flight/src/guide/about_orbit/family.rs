@@ -3,6 +3,7 @@
 use super::adapt::Tangent;
 use super::dive::{Dive, Level};
 use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
+use super::landing::{Approach, Landing, LandingSpec};
 use super::predictive::PredictiveSpec;
 use super::schedule::{Place, Schedule, Stretch};
 use super::spec::AboutOrbitSpec;
@@ -16,6 +17,7 @@ use wingbeat_math::Error;
 use wingbeat_math::interpolation::lerp;
 use wingbeat_math::parallel;
 use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_robot::Perch;
 
 /// Largest steps from orbit to orbit: of the bank, rad, of speed and climb, m/s.
 const BANK_STEP: f64 = 0.05;
@@ -61,6 +63,8 @@ pub(super) struct Family {
     start: Vec<f64>,
     /// The dive out of it.
     dive: Option<Dive>,
+    /// The landing out of it.
+    landing: Option<Landing>,
 }
 
 /// Two of a list and how far from the one to the other.
@@ -159,12 +163,12 @@ fn go_on(_: usize, _: f64) -> ControlFlow<()> {
 }
 
 impl Family {
-    /// Orbits along `schedule`, and feedback by `inputs` about every few of them.
+    /// Orbits along `schedule`, and feedback by `inputs` about every few of them; a landing ends at the `perch`.
     pub fn new(
         spec: &AboutOrbitSpec,
         cycle: &Cycle,
         schedule: &Schedule,
-        inputs: &[usize],
+        (inputs, perch): (&[usize], Option<&Perch>),
     ) -> Result<Self, Error> {
         let robot = cycle.robot();
         let (straight, turning) = (spec.free(robot, false)?, spec.free(robot, true)?);
@@ -245,8 +249,46 @@ impl Family {
             Dive::plan(dive, &level, robot.inputs())
         });
         let dive = dive.transpose().map_err(|e| e.within("dive"))?;
+        let landing = spec.landing.as_ref().zip(perch).map(|(landing, perch)| {
+            Self::landing_by(landing, spec, (cycle, point), (inputs, perch)).map_err(|e| e.within("landing"))
+        });
+        let landing = landing.transpose()?;
         let (start, ways) = (cycle.start(point), ways.collect());
-        Ok(Self { references, feedback, ways, tangent, start, dive })
+        Ok(Self { references, feedback, ways, tangent, start, dive, landing })
+    }
+
+    /// The landing out of the orbit at `point`, by what is free; the rate of the crank is commanded as the others are.
+    fn landing_by(
+        landing: &LandingSpec,
+        spec: &AboutOrbitSpec,
+        (cycle, point): (&Cycle, &Point),
+        (inputs, perch): (&[usize], &Perch),
+    ) -> Result<Landing, Error> {
+        let robot = cycle.robot();
+        if !cycle.section().alike() {
+            return Err(Error::invalid("", "given", "none: left and right of the robot differ"));
+        }
+        let (mut pairs, mut inputs) = (Vec::new(), inputs.to_vec());
+        for free in spec.free.iter().filter_map(|name| Free::named(robot, name, false)).flatten() {
+            match (free, robot.pacer()) {
+                (Free::Inputs(direction), _) => pairs.push(direction),
+                (Free::Frequency, Some(pacer)) => {
+                    pairs.push(vec![(pacer.input, 1.0)]);
+                    inputs.push(pacer.input);
+                }
+                (Free::Frequency, None) => {}
+            }
+        }
+        if point.pace != 1.0 {
+            let allowed = "stroke, twist or another actuator before frequency: the orbit has the gait's own";
+            return Err(Error::invalid("", "given", allowed));
+        }
+        Landing::plan(landing, &Approach { cycle, point, pairs: &pairs, inputs: &inputs, perch })
+    }
+
+    /// The landing out of the first orbit.
+    pub fn landing(&self) -> Option<&Landing> {
+        self.landing.as_ref()
     }
 
     /// The dive out of the first orbit.

@@ -2,10 +2,12 @@
 
 mod adapt;
 mod ahead;
+mod ddp;
 mod dive;
 mod family;
 mod feedback;
 mod gains;
+mod landing;
 mod predictive;
 mod schedule;
 mod spec;
@@ -14,6 +16,7 @@ mod tracking;
 pub use adapt::AdaptSpec;
 pub use dive::DiveSpec;
 pub use gains::{Held, gains_of};
+pub use landing::LandingSpec;
 pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
@@ -27,6 +30,7 @@ use adapt::Adaptation;
 use ahead::Ahead;
 use family::{Asked, Family};
 use feedback::{DEVIATIONS, INTEGRAL};
+use landing::Begun;
 use nalgebra::DVector;
 use predictive::{Height, Predictive};
 use schedule::{Place, Schedule};
@@ -37,7 +41,7 @@ use tracking::{Demand, Tracking};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Plant;
-use wingbeat_robot::Robot;
+use wingbeat_robot::{Perch, Robot};
 
 /// Largest height off at which the integral of the height grows, m.
 const INTEGRATED: f64 = 0.1;
@@ -65,8 +69,12 @@ struct AboutOrbit<'a> {
     held: Vec<f64>,
     /// Cycles at which the dive begins, once it is commanded.
     dives: Option<f64>,
-    /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive.
-    seen: [f64; 5],
+    /// The perch to land on, and the landing once it has begun.
+    perch: Option<Perch>,
+    lands: Option<Begun>,
+    /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive or landing, how
+    /// far ahead of the landing's plan.
+    seen: [f64; 6],
 }
 
 impl ControllerSpec for AboutOrbitSpec {
@@ -77,6 +85,10 @@ impl ControllerSpec for AboutOrbitSpec {
     fn check(&self, task: Task) -> Result<(), Error> {
         self.checked(task.model)?;
         self.tracked(&task)?;
+        if self.landing.is_some() && task.perch.is_none() {
+            let allowed = "none without [perch], on which it lands";
+            return Err(Error::invalid("landing", "given", allowed).against(["perch"]));
+        }
         if self.predictive.is_some() && task.solver.is_some() {
             let allowed = "none beside [controller.orbit.predictive], which has the shipped solver";
             return Err(Error::invalid("solver", "given", allowed));
@@ -97,7 +109,7 @@ impl ControllerSpec for AboutOrbitSpec {
 
     fn prepare(&self, task: Task) -> Result<Option<Prepared>, Error> {
         let (cycle, schedule) = self.checked(task.model)?;
-        let family = Family::new(self, &cycle, &schedule, &self.inputs(task.model)?)?;
+        let family = Family::new(self, &cycle, &schedule, (&self.inputs(task.model)?, task.perch.as_ref()))?;
         Ok(Some(Arc::new(family)))
     }
 
@@ -108,7 +120,7 @@ impl ControllerSpec for AboutOrbitSpec {
         let inputs = self.inputs(robot)?;
         let family = match task.prepared.and_then(|prepared| prepared.downcast().ok()) {
             Some(family) => family,
-            None => Arc::new(Family::new(self, &cycle, &schedule, &inputs)?),
+            None => Arc::new(Family::new(self, &cycle, &schedule, (&inputs, task.perch.as_ref()))?),
         };
         let deviations = Deviations::new(&cycle);
         let predictive = self.predictive.as_ref().map(|spec| {
@@ -142,7 +154,9 @@ impl ControllerSpec for AboutOrbitSpec {
             integral: 0.0,
             held,
             dives: None,
-            seen: [0.0; 5],
+            perch: task.perch,
+            lands: None,
+            seen: [0.0; 6],
         }))
     }
 }
@@ -181,6 +195,22 @@ fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
 }
 
 impl AboutOrbit<'_> {
+    /// Whether a landing is under way, whose commands are then in force.
+    fn land(&mut self, t: f64, cycles: f64) -> bool {
+        let Some((landing, perch)) = self.family.landing().zip(self.perch.as_ref()) else { return false };
+        let begun = self.lands.or_else(|| landing.begins(perch, t, &self.x, (cycles, self.period)));
+        self.lands = begun;
+        let Some(begun) = begun else { return false };
+        let asked = landing.ask(&begun, perch, (t, cycles, self.period), &self.x);
+        let [height, roll, pitch, ahead] = asked.off;
+        self.seen = [0.0, height, roll, pitch, asked.done, ahead];
+        self.held = asked.commands;
+        for (command, channel) in self.held.iter_mut().zip(self.robot.inputs()) {
+            *command = channel.clamp(*command);
+        }
+        true
+    }
+
     /// The controller's commands for deviations `error` from what is asked, `since` cycles after the begin of a dive.
     fn regulate(&mut self, place: Option<Place>, cycles: f64, since: f64, asked: Asked, error: &[f64]) {
         let gain = match self.family.dive() {
@@ -223,6 +253,10 @@ impl Controller for AboutOrbit<'_> {
             None => self.schedule.demand(t),
             Some(tracking) => tracking.demand(t, position, velocity),
         };
+        if self.land(t, cycles) {
+            return Update::Fresh;
+        }
+        let x = &self.x;
         let mut asked = self.family.asked(place, cycles);
         let since = match self.family.dive() {
             None => 0.0,
@@ -253,7 +287,7 @@ impl Controller for AboutOrbit<'_> {
         }
         let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
         let dived = self.family.dive().map_or(0.0, |dive| since / dive.cycles);
-        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived];
+        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived, 0.0];
         let Some(predictive) = &mut self.predictive else {
             self.regulate(place, cycles, since, asked, &error);
             return Update::Fresh;
@@ -282,11 +316,15 @@ impl Controller for AboutOrbit<'_> {
         ];
         let dive =
             self.family.dive().map(|_| ["orbit_dive", "orbit_dive_saved"].map(|n| Column::new(n, "", "")));
+        let landing = ["orbit_landing", "orbit_landing_ahead"].into_iter().zip(["", "m"]);
+        let landing = landing.map(|(name, unit)| Column::new(name, unit, ""));
+        let landing = landing.filter(|_| self.family.landing().is_some());
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
         let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
         own.into_iter()
             .chain(dive.into_iter().flatten())
+            .chain(landing)
             .chain(path)
             .chain(adapted)
             .chain(self.estimator.columns())
@@ -296,7 +334,11 @@ impl Controller for AboutOrbit<'_> {
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(&self.seen[..4]);
-        row.extend(self.family.dive().into_iter().flat_map(|dive| [self.seen[4], dive.saved]));
+        match (self.family.dive(), self.family.landing()) {
+            (_, Some(_)) => row.extend(&self.seen[4..6]),
+            (Some(dive), None) => row.extend([self.seen[4], dive.saved]),
+            (None, None) => {}
+        }
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
         self.estimator.diagnostics(row);

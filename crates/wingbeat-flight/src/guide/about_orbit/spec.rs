@@ -2,6 +2,7 @@
 
 use super::adapt::AdaptSpec;
 use super::dive::DiveSpec;
+use super::landing::LandingSpec;
 use super::predictive::PredictiveSpec;
 use super::schedule::{Schedule, Stretch};
 use super::tracking::TrackingSpec;
@@ -46,6 +47,9 @@ pub struct AboutOrbitSpec {
     /// A dive out of the orbit of the start and back to it below, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dive: Option<DiveSpec>,
+    /// A landing on `[perch]` out of the orbit of the start, in place of legs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landing: Option<LandingSpec>,
     /// How `[path]` is followed, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingSpec>,
@@ -154,7 +158,16 @@ impl AboutOrbitSpec {
         }
         if let Some(dive) = &self.dive {
             dive.in_range().map_err(|e| e.within("dive"))?;
+        }
+        if let Some(landing) = &self.landing {
+            landing.in_range().map_err(|e| e.within("landing"))?;
+        }
+        let planned = [("dive", self.dive.is_some()), ("landing", self.landing.is_some())];
+        if let Some((plan, _)) = planned.into_iter().find(|(_, given)| *given) {
+            let lands = self.landing.is_some();
             let beside = [
+                ("landing", plan == "dive" && lands),
+                ("estimator", lands && self.estimator.is_some()),
                 ("legs", !self.legs.is_empty()),
                 ("climb_m_s", self.climb_m_s != 0.0),
                 ("tracking", self.tracking.is_some()),
@@ -162,9 +175,8 @@ impl AboutOrbitSpec {
                 ("adapt", self.adapt.is_some()),
             ];
             if let Some((key, _)) = beside.into_iter().find(|(_, given)| *given) {
-                let allowed =
-                    "none beside dive, which begins and ends in level flight by commands of its own";
-                return Err(Error::invalid(key, "given", allowed).against(["dive"]));
+                let allowed = format!("none beside {plan}, which leaves level flight by commands of its own");
+                return Err(Error::invalid(key, "given", allowed).against([plan]));
             }
         }
         self.free(robot, true)?;
