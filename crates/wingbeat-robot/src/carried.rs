@@ -275,7 +275,9 @@ impl<P: Scalar> Robot<P> {
         loads: &mut Loads<S>,
     ) -> External<S> {
         let covering = &self.covering;
-        covering.aero.evaluate(&covering.motions(carriers), wind, x, dx, loads);
+        let mut motions = ArrayVec::new();
+        covering.motions(carriers, &mut motions);
+        covering.aero.evaluate(&motions, wind, x, dx, loads);
         let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
             loads.strip[..loads.strips].iter().map(StripLoads::total).collect();
         let mut external = External::new();

@@ -53,6 +53,18 @@ impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
     }
 }
 
+/// What of an instant does not know the air on the surfaces, in B.
+struct Setting<G: Scalar> {
+    /// R_WB.
+    attitude: Mat3<G>,
+    /// Velocity and acceleration of the air.
+    wind: Vec3<G>,
+    wind_dot: Vec3<G>,
+    gravity: Vec3<G>,
+    /// Drag of the body.
+    drag: Wrench<G>,
+}
+
 impl Plant for Robot {
     fn states(&self) -> &[Channel] {
         &self.states
@@ -197,6 +209,50 @@ impl<P: Scalar> Robot<P> {
         out: &mut Evaluation<G, S>,
     ) -> Result<(), Fault> {
         let l = &self.layout;
+        let structure = &x[l.structure..];
+        let Setting { attitude, wind, wind_dot, gravity, drag } = self.set_out((t, clock), x, u, dx, out)?;
+        let Evaluation { links, base, coordinates, second_rates, .. } = out;
+        let tree = &self.mechanism.tree;
+        let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links);
+        let mut body = tree.weight(gravity, first_moment) + drag + -bias;
+        if !self.thrusters.is_empty() {
+            body += self.thrust(structure);
+        }
+        for load in beyond {
+            body += of_numbers(load);
+        }
+        let mut carriers = Carriers::none(coordinates);
+        carriers.follow(base, &self.carriers, links, wind_dot);
+        let states = (structure, air, &mut dx[l.aero..]);
+        let acceleration = self
+            .acceleration::<K, _, _>(
+                (mass, body, beyond),
+                &carriers,
+                links,
+                (wind, gravity),
+                states,
+                second_rates,
+            )
+            .ok_or(Fault::MassMatrix { time: t.value() })?;
+
+        attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
+        Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
+        self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
+        (out.attitude, out.acceleration) = (attitude, acceleration);
+        Ok(())
+    }
+
+    /// Puts joints and links into `out` and the rates that follow from the state alone into `dx`.
+    #[inline(never)]
+    fn set_out<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        (t, clock): (G, &Jet<G>),
+        x: &[G],
+        u: &[G],
+        dx: &mut [S],
+        out: &mut Evaluation<G, S>,
+    ) -> Result<Setting<G>, Fault> {
+        let l = &self.layout;
         let q = Quat::from_wxyz(&x[l.attitude..]);
         let attitude = q.matrix();
         let v_w = Vec3::from_slice(&x[l.velocity..]);
@@ -204,47 +260,19 @@ impl<P: Scalar> Robot<P> {
         let v = attitude.transpose_mul(v_w);
 
         let structure = &x[l.structure..];
-        let Evaluation { joints, links, base, coordinates, ratios, second_rates, .. } = out;
+        let Evaluation { joints, links, base, coordinates, ratios, .. } = out;
         self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
         self.links(joints, v, w, links);
         *base = LinkMotion::base(v, w);
         self.coordinates(links, ratios, coordinates);
 
         let (wind, wind_dot) = self.wind(t, attitude);
-        let mut carriers = Carriers::none(coordinates);
-        carriers.follow(base, &self.carriers, links, wind_dot);
-        let tree = &self.mechanism.tree;
-        let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
-        let g_b = self.gravity(attitude);
-        let mut body =
-            tree.weight(g_b, first_moment) + self.body_load(clock, (structure, u), (v - wind, w)) + -bias;
-        if !self.thrusters.is_empty() {
-            body += self.thrust(structure);
-        }
-        for load in beyond {
-            body += of_numbers(load);
-        }
-        let states = (structure, air, &mut dx[l.aero..]);
-        let acceleration = self
-            .acceleration::<K, _, _>(
-                (mass, body, beyond),
-                &carriers,
-                links,
-                (wind, g_b),
-                states,
-                second_rates,
-            )
-            .ok_or(Fault::MassMatrix { time: t.value() })?;
-
         v_w.lifted().store(&mut dx[l.position..]);
         let mut turning = [G::ZERO; 4];
         q.rate(w).store_wxyz(&mut turning);
         lift(&turning, &mut dx[l.attitude..]);
-        attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
-        Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
-        self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
-        (out.attitude, out.acceleration) = (attitude, acceleration);
-        Ok(())
+        let drag = self.body_load(clock, (structure, u), (v - wind, w));
+        Ok(Setting { attitude, wind, wind_dot, gravity: self.gravity(attitude), drag })
     }
 
     /// Acceleration of the body origin and angular acceleration in B under the wrench `body` of all but the air and the
