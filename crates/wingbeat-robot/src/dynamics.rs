@@ -210,7 +210,9 @@ impl<P: Scalar> Robot<P> {
     ) -> Result<(), Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
-        let Setting { attitude, wind, wind_dot, gravity, drag } = self.set_out((t, clock), x, u, dx, out)?;
+        let Evaluation { joints, ratios, .. } = out;
+        self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
+        let Setting { attitude, wind, wind_dot, gravity, drag } = self.set_out((t, clock), x, u, dx, out);
         let Evaluation { links, base, coordinates, second_rates, .. } = out;
         let tree = &self.mechanism.tree;
         let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links);
@@ -242,7 +244,7 @@ impl<P: Scalar> Robot<P> {
         Ok(())
     }
 
-    /// Puts joints and links into `out` and the rates that follow from the state alone into `dx`.
+    /// Puts the links of the joints in `out` beside them and the rates that follow from the state alone into `dx`.
     #[inline(never)]
     fn set_out<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
@@ -251,7 +253,7 @@ impl<P: Scalar> Robot<P> {
         u: &[G],
         dx: &mut [S],
         out: &mut Evaluation<G, S>,
-    ) -> Result<Setting<G>, Fault> {
+    ) -> Setting<G> {
         let l = &self.layout;
         let q = Quat::from_wxyz(&x[l.attitude..]);
         let attitude = q.matrix();
@@ -261,7 +263,6 @@ impl<P: Scalar> Robot<P> {
 
         let structure = &x[l.structure..];
         let Evaluation { joints, links, base, coordinates, ratios, .. } = out;
-        self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
         self.links(joints, v, w, links);
         *base = LinkMotion::base(v, w);
         self.coordinates(links, ratios, coordinates);
@@ -272,7 +273,7 @@ impl<P: Scalar> Robot<P> {
         q.rate(w).store_wxyz(&mut turning);
         lift(&turning, &mut dx[l.attitude..]);
         let drag = self.body_load(clock, (structure, u), (v - wind, w));
-        Ok(Setting { attitude, wind, wind_dot, gravity: self.gravity(attitude), drag })
+        Setting { attitude, wind, wind_dot, gravity: self.gravity(attitude), drag }
     }
 
     /// Acceleration of the body origin and angular acceleration in B under the wrench `body` of all but the air and the
