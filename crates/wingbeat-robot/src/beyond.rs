@@ -4,8 +4,9 @@ use super::dynamics::Evaluation;
 use super::observe::{Moving, Observation};
 use super::sections::Carriers;
 use super::surface::{External, between_edges};
-use super::{BodyMotion, CarriedLoads, Robot, Stance};
+use super::{BodyMotion, CarriedLoads, Links, Robot, Stance};
 use crate::body::Coordinates;
+use arrayvec::ArrayVec;
 use wingbeat_aero::{ForceDetail, Loads, StripLoads};
 use wingbeat_math::{Jet, Wrench};
 use wingbeat_ocp::plant::Fault;
@@ -75,7 +76,8 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Vec<Wrench<f64>>, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let mut seen = Moving::empty();
+        let (mut e, mut links) = (Evaluation::empty(), Links::new());
+        let mut seen = Moving::still(&mut e, &mut links);
         self.moving((t, x, u), beyond, &mut dx, &mut seen)?;
         let Moving { e, base, moving, wind: [wind, wind_dot], .. } = &seen;
         let still = Coordinates::none();
@@ -84,7 +86,8 @@ impl Robot {
         carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;
         let mut loads = Loads::default();
-        let motions = self.covering.motions(&carriers);
+        let mut motions = ArrayVec::new();
+        self.covering.motions(&carriers, &mut motions);
         let (x, dx) = (&x[aero..], &mut dx[aero..]);
         self.covering.aero.evaluate_over(carriers.ground, &motions, *wind, x, dx, &mut loads);
         Ok(self.attached(&carriers, &loads))

@@ -275,7 +275,8 @@ impl<P: Scalar> Robot<P> {
         loads: &mut Loads<S>,
     ) -> External<S> {
         let covering = &self.covering;
-        let motions = covering.motions(carriers);
+        let mut motions = ArrayVec::new();
+        covering.motions(carriers, &mut motions);
         covering.aero.evaluate_over(carriers.ground, &motions, wind, x, dx, loads);
         let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
             loads.strip[..loads.strips].iter().map(StripLoads::total).collect();

@@ -54,6 +54,18 @@ impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
     }
 }
 
+/// What of an instant does not know the air on the surfaces, in B.
+struct Setting<G: Scalar> {
+    /// R_WB.
+    attitude: Mat3<G>,
+    /// Velocity and acceleration of the air.
+    wind: Vec3<G>,
+    wind_dot: Vec3<G>,
+    gravity: Vec3<G>,
+    /// Drag of the body.
+    drag: Wrench<G>,
+}
+
 impl Plant for Robot {
     fn states(&self) -> &[Channel] {
         &self.states
@@ -204,28 +216,14 @@ impl<P: Scalar> Robot<P> {
         out: &mut Evaluation<G, S>,
     ) -> Result<(), Fault> {
         let l = &self.layout;
-        let q = Quat::from_wxyz(&x[l.attitude..]);
-        let attitude = q.matrix();
-        let v_w = Vec3::from_slice(&x[l.velocity..]);
-        let w = Vec3::from_slice(&x[l.rate..]);
-        let v = attitude.transpose_mul(v_w);
-
         let structure = &x[l.structure..];
-        let Evaluation { joints, links, base, coordinates, ratios, second_rates, .. } = out;
+        let Evaluation { joints, ratios, .. } = out;
         self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
-        self.links(joints, v, w, links);
-        *base = LinkMotion::base(v, w);
-        self.coordinates(links, ratios, coordinates);
-
-        let (wind, wind_dot) = self.wind(t, attitude);
-        let mut carriers = Carriers::none(coordinates);
-        carriers.follow(base, &self.carriers, links, wind_dot);
-        carriers.ground = self.ground_below(attitude, x[l.position + 2]);
+        let Setting { attitude, wind, wind_dot, gravity, drag } = self.set_out((t, clock), x, u, dx, out);
+        let Evaluation { links, base, coordinates, second_rates, .. } = out;
         let tree = &self.mechanism.tree;
-        let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
-        let g_b = self.gravity(attitude);
-        let mut body =
-            tree.weight(g_b, first_moment) + self.body_load(clock, (structure, u), (v - wind, w)) + -bias;
+        let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links);
+        let mut body = tree.weight(gravity, first_moment) + drag + -bias;
         if !self.thrusters.is_empty() {
             body += self.thrust(structure);
         }
@@ -234,29 +232,61 @@ impl<P: Scalar> Robot<P> {
         }
         if let Some(perch) = &self.perch {
             let position = Vec3::from_slice(&x[l.position..]);
-            body += perch.load(&Pose { position, attitude, velocity: v_w, rate: w });
+            let velocity = Vec3::from_slice(&x[l.velocity..]);
+            body += perch.load(&Pose { position, attitude, velocity, rate: base.rate });
         }
+        let mut carriers = Carriers::none(coordinates);
+        carriers.follow(base, &self.carriers, links, wind_dot);
+        carriers.ground = self.ground_below(attitude, x[l.position + 2]);
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self
             .acceleration::<K, _, _>(
                 (mass, body, beyond),
                 &carriers,
                 links,
-                (wind, g_b),
+                (wind, gravity),
                 states,
                 second_rates,
             )
             .ok_or(Fault::MassMatrix { time: t.value() })?;
 
-        v_w.lifted().store(&mut dx[l.position..]);
-        let mut turning = [G::ZERO; 4];
-        q.rate(w).store_wxyz(&mut turning);
-        lift(&turning, &mut dx[l.attitude..]);
         attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
         Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
         self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
         (out.attitude, out.acceleration) = (attitude, acceleration);
         Ok(())
+    }
+
+    /// Puts the links of the joints in `out` beside them and the rates that follow from the state alone into `dx`.
+    #[inline(never)]
+    fn set_out<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        (t, clock): (G, &Jet<G>),
+        x: &[G],
+        u: &[G],
+        dx: &mut [S],
+        out: &mut Evaluation<G, S>,
+    ) -> Setting<G> {
+        let l = &self.layout;
+        let q = Quat::from_wxyz(&x[l.attitude..]);
+        let attitude = q.matrix();
+        let v_w = Vec3::from_slice(&x[l.velocity..]);
+        let w = Vec3::from_slice(&x[l.rate..]);
+        let v = attitude.transpose_mul(v_w);
+
+        let structure = &x[l.structure..];
+        let Evaluation { joints, links, base, coordinates, ratios, .. } = out;
+        self.links(joints, v, w, links);
+        *base = LinkMotion::base(v, w);
+        self.coordinates(links, ratios, coordinates);
+
+        let (wind, wind_dot) = self.wind(t, attitude);
+        v_w.lifted().store(&mut dx[l.position..]);
+        let mut turning = [G::ZERO; 4];
+        q.rate(w).store_wxyz(&mut turning);
+        lift(&turning, &mut dx[l.attitude..]);
+        let drag = self.body_load(clock, (structure, u), (v - wind, w));
+        Setting { attitude, wind, wind_dot, gravity: self.gravity(attitude), drag }
     }
 
     /// Acceleration of the body origin and angular acceleration in B under the wrench `body` of all but the air and the

@@ -69,29 +69,28 @@ pub struct Observation {
     pub clearances: Vec<f64>,
 }
 
-/// A robot with all its accelerations, which is large and so filled in place.
-pub(super) struct Moving {
+/// A robot with all its accelerations; what of it is large lies where its caller has room, and is filled there.
+pub(super) struct Moving<'a> {
     /// What led to its rates: joint coordinates with their second rates, and links without the body's own acceleration.
-    pub e: Evaluation<f64>,
+    pub e: &'a mut Evaluation<f64>,
     /// That acceleration.
     pub body: BaseAcceleration<f64>,
     /// The body as a link, accelerated.
     pub base: LinkMotion,
     /// The links with the body's acceleration.
-    pub moving: Links<f64>,
+    pub moving: &'a mut Links<f64>,
     /// Velocity of the air and its rate, in B.
     pub wind: [Vec3; 2],
 }
 
-impl Moving {
-    /// Room for it.
-    #[inline(always)]
-    pub fn empty() -> Self {
+impl<'a> Moving<'a> {
+    /// Nothing moves yet.
+    pub fn still(e: &'a mut Evaluation<f64>, moving: &'a mut Links<f64>) -> Self {
         Self {
-            e: Evaluation::empty(),
+            e,
             body: BaseAcceleration::from_slice(&[0.0; 6]),
             base: LinkMotion::REST,
-            moving: Links::new(),
+            moving,
             wind: [Vec3::ZERO; 2],
         }
     }
@@ -127,7 +126,8 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let mut seen = Moving::empty();
+        let (mut e, mut moving) = (Evaluation::empty(), Links::new());
+        let mut seen = Moving::still(&mut e, &mut moving);
         self.moving((t, x, u), beyond, &mut dx, &mut seen)?;
         let Moving { e, body, base, moving, wind: [wind, wind_dot] } = &seen;
         let (joints, links, body, wind) = (&e.joints, &e.links, *body, *wind);
@@ -209,14 +209,14 @@ impl Robot {
         (t, x, u): (f64, &[f64], &[f64]),
         beyond: &[Wrench<f64>],
         dx: &mut [f64],
-        seen: &mut Moving,
+        seen: &mut Moving<'_>,
     ) -> Result<(), Fault> {
-        let e = &mut seen.e;
+        let e = &mut *seen.e;
         self.evaluate(t, x, u, beyond, dx, e)?;
         self.let_go(&mut e.joints, &mut e.links, &e.coordinates, &e.ratios, &e.second_rates);
         seen.body = BaseAcceleration::from_slice(&seen.e.acceleration);
         seen.base = seen.e.base.accelerated(&seen.body);
-        append_copies(&mut seen.moving, LinkMotion::REST, seen.e.links.len());
+        append_copies(seen.moving, LinkMotion::REST, seen.e.links.len());
         for i in 0..seen.e.links.len() {
             seen.moving[i] = seen.e.links[i].accelerated(&seen.body);
         }

@@ -12,7 +12,7 @@ use wingbeat_aero::{
     ProfileDrag, SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
 };
 use wingbeat_math::Error;
-use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3, append_copies};
+use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3};
 use wingbeat_ocp::plant::MAX_DEGREES;
 
 /// What a scenario needs to know of a surface to choose its aerodynamic model.
@@ -354,17 +354,16 @@ impl<P: Scalar> Covering<P> {
         self.aero.settle(&self.riding(carriers), wind, x);
     }
 
-    /// Motion of all sections.
+    /// Motion of all sections, behind those of `motions`.
     pub fn motions<S: Scalar + Meets<P>>(
         &self,
         carriers: &Carriers<S>,
-    ) -> ArrayVec<SectionMotion<S>, MAX_SECTIONS> {
-        let (riding, mut motions) = (self.riding(carriers), ArrayVec::new());
-        append_copies(&mut motions, SectionMotion::default(), self.sections.len());
-        for i in 0..motions.len() {
-            motions[i] = riding.section(i);
+        motions: &mut ArrayVec<SectionMotion<S>, MAX_SECTIONS>,
+    ) {
+        let riding = self.riding(carriers);
+        for i in 0..self.sections.len() {
+            motions.push(riding.section(i));
         }
-        motions
     }
 
     /// Adds the loads of the strips to the links that bear them.

@@ -35,7 +35,7 @@ use membrane::Membrane;
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
 use wingbeat_math::Error;
-use wingbeat_math::{Meets, Over, Scalar, Vec3, lift};
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
 use wingbeat_ocp::plant::Channel;
 
 /// The strip model of a wing. Sections are the edges between strips.
@@ -255,13 +255,23 @@ impl<P: Scalar> StripModel<P> {
         macro_rules! wide {
             ($($width:literal),*) => {
                 match self.settings.strips {
-                    $(0..=$width => self.evaluate_in::<K, G, S, $width>(sections, wind, x, dx, others, wanted),)*
-                    _ => self.evaluate_in::<K, G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
+                    $(0..=$width => self.evaluate_in::<G, G, S, $width>(sections, wind, x, dx, others, wanted),)*
+                    _ => self.evaluate_in::<G, G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
                 }
             };
         }
         // Columns of plain numbers are as wide as there are strips, in whole registers; of others only their room is.
-        if const { plain::<S>() } { wide!(8, 12, 16, 24) } else { wide!(16) }
+        if const { size_of::<K>() < size_of::<G>() } {
+            // One copy of the code: what it spares matters less where there are many strips.
+            match self.settings.strips {
+                0..=16 => self.evaluate_in::<K, G, S, 16>(sections, wind, x, dx, others, wanted),
+                _ => self.evaluate_in::<G, G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
+            }
+        } else if const { plain::<S>() } {
+            wide!(8, 12, 16, 24)
+        } else {
+            wide!(16)
+        }
     }
 
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
@@ -297,12 +307,7 @@ impl<P: Scalar> StripModel<P> {
             }
             strips
         });
-        let wrench = self.load_strips(&flow, &response, loads, strips);
-        let mut added_mass = [[G::ZERO; 6]; 6];
-        for (to, from) in added_mass.iter_mut().zip(&flow.added_mass) {
-            lift(from, to);
-        }
-        (wrench, added_mass)
+        (self.load_strips(&flow, &response, loads, strips), lifted(&flow.added_mass))
     }
 
     /// See [`Aero::settle`](crate::Aero::settle).
@@ -365,6 +370,14 @@ impl<P: Scalar> StripModel<P> {
         flow.unit_left = multiply(&flow.relief, &[K::ONE; N], n);
         self.carry_air(flow);
     }
+}
+
+/// The matrix with more derivatives, all zero: written out, as a loop over what has just been written waits for it.
+#[inline(always)]
+fn lifted<K: Scalar, G: Over<K>>(matrix: &[[K; 6]; 6]) -> [[G; 6]; 6] {
+    let row = |[a, b, c, d, e, f]: [K; 6]| [a.into(), b.into(), c.into(), d.into(), e.into(), f.into()];
+    let [a, b, c, d, e, f] = *matrix;
+    [row(a), row(b), row(c), row(d), row(e), row(f)]
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Flow<K, S, N> {

@@ -125,8 +125,8 @@ pub(super) struct Foreign<S, const N: usize> {
 }
 
 /// Points and the normals through them, over 4 pi, with their moments about the origin.
-struct Points<'a, K: Scalar, G: Scalar, const N: usize> {
-    at: &'a Vectors<K, N>,
+struct Points<G: Scalar, const N: usize> {
+    at: Vectors<G, N>,
     normal: Vectors<G, N>,
     moment: Vectors<G, N>,
 }
@@ -146,13 +146,17 @@ impl<G: Scalar, const N: usize> Beside<G, N> {
     };
 }
 
-impl<'a, K: Scalar, G: Over<K>, const N: usize> Points<'a, K, G, N> {
-    fn new(at: &'a Vectors<K, N>, normals: &Vectors<K, N>) -> Self {
-        let (mut normal, mut moment) = (Vectors::ZERO, Vectors::ZERO);
+impl<G: Scalar, const N: usize> Points<G, N> {
+    fn new<K: Scalar>(points: &Vectors<K, N>, normals: &Vectors<K, N>) -> Self
+    where
+        G: Over<K>,
+    {
+        let (mut at, mut normal, mut moment) = (Vectors::ZERO, Vectors::ZERO, Vectors::ZERO);
         for i in 0..N {
-            let n = normals.get(i).scaled(INVERSE_4PI);
+            let (p, n) = (points.get(i), normals.get(i).scaled(INVERSE_4PI));
+            at.set(i, p.lifted());
             normal.set(i, n.lifted());
-            moment.set(i, at.get(i).cross(n).lifted());
+            moment.set(i, p.cross(n).lifted());
         }
         Self { at, normal, moment }
     }
@@ -179,7 +183,7 @@ impl<'a, K: Scalar, G: Over<K>, const N: usize> Points<'a, K, G, N> {
         let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, edge.wake));
         let least = core2 * NEAREST;
         for i in 0..N {
-            let (p, n) = (self.at.get(i).lifted::<G>(), self.line(i));
+            let (p, n) = (self.at.get(i), self.line(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = ((ra.norm_squared() + least).sqrt(), (rt.norm_squared() + least).sqrt());
             let run = rt.dot(edge.wake);
@@ -310,7 +314,7 @@ impl<P: Scalar> StripModel<P> {
         others: Others<'_, P, G, S>,
     ) -> Foreign<S, N> {
         let whole = self.whole(strips);
-        let [control, bound]: [Points<'_, K, G, N>; 2] = [
+        let [control, bound]: [Points<G, N>; 2] = [
             Points::new(&strips.three_quarter, &strips.normal),
             Points::new(&strips.quarter, &strips.normal),
         ];

@@ -1,0 +1,92 @@
+//! The linearisation, which leaves out what has no derivative, beside one that carries every derivative through everything.
+
+use std::path::Path;
+use wingbeat::math::Random;
+use wingbeat::plant::{Early, Linearisation, LocalChart, MAX_STATES, Plant};
+use wingbeat::scenario::Scenario;
+
+/// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes.
+const FLOWN: [(&str, &[&str]); 14] = [
+    ("banking_turn.toml", &[]),
+    ("banking_turn.toml", &["aero.law=stall", "air.gust_m_s=0.3"]),
+    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
+    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.law=lev", "air.gust_m_s=0.3"]),
+    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "aero.law=stall"]),
+    ("as_printed_fourier.toml", &[]),
+    ("banking_turn_beta.toml", &[]),
+    ("cruise_linkage.toml", &[]),
+    ("bank15_20g.toml", &[]),
+    ("aerobat_elastic.toml", &[]),
+    ("aerobat_membrane.toml", &[]),
+    ("motor_flapper.toml", &[]),
+    ("glider.toml", &[]),
+    ("four_wings.toml", &[]),
+];
+
+/// Derivatives of the rates by all states, then by all inputs, a column each.
+fn columns<P: Plant>(plant: &P, t: f64, x: &[f64], u: &[f64]) -> Vec<Vec<f64>> {
+    let constant = |values: &[f64]| values.iter().map(|v| Early::constant(*v)).collect::<Vec<_>>();
+    let mut columns = Vec::new();
+    for first in (0..x.len() + u.len()).step_by(Early::LANES) {
+        let (mut seeded, mut inputs, mut dx) = (constant(x), constant(u), constant(x));
+        let last = (first + Early::LANES).min(x.len() + u.len());
+        for column in first..last {
+            let (of, i) =
+                if column < x.len() { (&mut seeded, column) } else { (&mut inputs, column - x.len()) };
+            of[i].eps[column - first] = 1.0;
+        }
+        plant.rates_in_early(t, &seeded, &inputs, &mut dx).unwrap();
+        columns.extend((0..last - first).map(|lane| dx.iter().map(|rate| rate.eps[lane]).collect()));
+    }
+    columns
+}
+
+/// Largest difference of the linearisation, over the largest entry of its row and one.
+fn apart<P: Plant>(plant: &P, t: f64, x: &[f64], u: &[f64]) -> f64 {
+    let (n, m) = (x.len(), u.len());
+    let mut linear = Linearisation::new(n, m);
+    linear.evaluate(plant, t, x, u).unwrap();
+    let whole = columns(plant, t, x, u);
+    let mut values = vec![0.0; n];
+    plant.rates_in_numbers(t, x, u, &mut values).unwrap();
+    let mut largest: f64 = 0.0;
+    for (i, value) in values.iter().enumerate() {
+        let scale = whole.iter().fold(1.0, |most: f64, column| most.max(column[i].abs()));
+        let of =
+            |column: usize| if column < n { linear.a[i * n + column] } else { linear.b[i * m + column - n] };
+        for (column, exact) in whole.iter().enumerate() {
+            largest = largest.max((of(column) - exact[i]).abs() / scale);
+        }
+        largest = largest.max((linear.f[i] - value).abs() / (1.0 + value.abs()));
+    }
+    let mut inputs = Linearisation::new(n, m);
+    inputs.evaluate_inputs(plant, t, x, u).unwrap();
+    let same = inputs.b.iter().zip(&linear.b).all(|(a, b)| (a - b).abs() <= 1e-12 * (1.0 + b.abs()));
+    assert!(same, "B alone and beside A");
+    largest
+}
+
+#[test]
+fn what_has_no_derivative_is_left_out_and_nothing_else() {
+    for (name, overrides) in FLOWN {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(name);
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+        let scenario = Scenario::load(&path, &overrides).unwrap_or_else(|error| panic!("{error}"));
+        let (robot, mut x, mut random) = (scenario.robot(), scenario.start(), Random::new(7));
+        let layout = robot.layout();
+        x[layout.velocity..layout.aero].iter_mut().for_each(|v| *v += random.between(-0.02, 0.02));
+        x[layout.aero..].iter_mut().for_each(|v| *v += random.between(-0.01, 0.01));
+        let u: Vec<f64> = robot.inputs().iter().map(|_| random.between(-0.01, 0.01)).collect();
+        let mut largest = apart(robot, 0.13, &x, &u);
+        if x.len() <= MAX_STATES {
+            let mut chart = LocalChart::new(robot);
+            chart.center_at(&x);
+            let mut local = vec![0.0; chart.states().len()];
+            chart.localise(&x, &mut local);
+            local[layout.attitude..layout.attitude + 3].copy_from_slice(&[0.05, -0.1, 0.2]);
+            largest = largest.max(apart(&chart, 0.13, &local, &u));
+        }
+        println!("{name} {overrides:?}: {largest:.1e}");
+        assert!(largest < 1e-12, "{name} {overrides:?}: {largest:.1e}");
+    }
+}
