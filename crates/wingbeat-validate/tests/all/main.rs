@@ -1,7 +1,7 @@
 //! The shared problem of the solvers, the page, and the program. The comparisons themselves are run by `cargo xtask test` and `long`.
 
 mod flapbody;
-mod inside;
 mod ground;
+mod inside;
 mod page;
 mod program;

@@ -5,8 +5,8 @@ use wingbeat::math::Random;
 use wingbeat::plant::{Early, Linearisation, LocalChart, MAX_STATES, Plant};
 use wingbeat::scenario::Scenario;
 
-/// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes.
-const FLOWN: [(&str, &[&str]); 14] = [
+/// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes, a ground, a perch.
+const FLOWN: [(&str, &[&str]); 16] = [
     ("banking_turn.toml", &[]),
     ("banking_turn.toml", &["aero.law=stall", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
@@ -21,6 +21,13 @@ const FLOWN: [(&str, &[&str]); 14] = [
     ("motor_flapper.toml", &[]),
     ("glider.toml", &[]),
     ("four_wings.toml", &[]),
+    ("glider.toml", &["aero.preset=full", "air.ground_m=-0.3"]),
+    (
+        "glide.toml",
+        &[
+            "perch={place_m=[0.0,0.0,0.002],claw_m=[0.0,0.0,0.0],capture_m=0.001,speed_within_m_s=0.1,attitude_within_deg=5.0}",
+        ],
+    ),
 ];
 
 /// Derivatives of the rates by all states, then by all inputs, a column each.
