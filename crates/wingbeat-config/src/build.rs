@@ -64,6 +64,7 @@ impl ScenarioSpec {
             Error::invalid("mismatch", "given", allowed)
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
+        let robot = self.over_ground(robot)?;
         self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
@@ -209,7 +210,7 @@ impl ScenarioSpec {
             real.residual = None;
         }
         let air = Air { density: self.air.density_kg_m3, wind };
-        self.over_ground(self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))?)
+        self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))
     }
 
     /// The turbulence of its air.
