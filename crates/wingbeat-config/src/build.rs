@@ -64,6 +64,7 @@ impl ScenarioSpec {
             Error::invalid("mismatch", "given", allowed)
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
+        let robot = self.over_ground(robot)?;
         self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
@@ -214,7 +215,7 @@ impl ScenarioSpec {
             real.residual = None;
         }
         let air = Air { density: self.air.density_kg_m3, wind };
-        let robot = self.over_ground(self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))?)?;
+        let robot = self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))?;
         let perch = self.perch.as_ref().map(|perch| perch.beside(&robot));
         Ok(match perch {
             Some(perch) => robot.beside(perch),

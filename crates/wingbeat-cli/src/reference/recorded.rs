@@ -158,6 +158,7 @@ fn columns_of_flights_and_strips_are_in_the_reference() {
         fly(&mut met, "scenarios/four_wings.toml", &[key]);
     }
     fly(&mut met, "scenarios/glider.toml", &["aero.preset=as_printed"]);
+    fly(&mut met, "scenarios/glider.toml", &["air.ground_m=-5.0"]);
     fly(&mut met, "scenarios/paper_turn.toml", &["controller.horizon_between_cycles=[0.5, 1.5]"]);
     met.all_of(FLIGHT);
 }

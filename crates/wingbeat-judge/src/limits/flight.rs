@@ -65,8 +65,8 @@ pub const TURBULENCE_ELSEWHERE: Limit = Limit::at_most("flight.turbulence_other_
     .on("the turbulence passes at quite another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
 
 /// Height that a dive takes from level flight to level flight, over the velocity head v^2/(2 g) of that flight: robots that fly alike at
-/// other sizes dive alike. The shipped dive, with the nose down by 60 deg, takes 1.6 of 0.84 m.
-pub const DIVE_HEIGHT: Limit = Limit::at_most("flight.dive_velocity_heads", 1.8, "", OffTarget)
+/// other sizes dive alike. The shipped dive, with the nose down by 60 deg, takes 1.42 of 0.93 m.
+pub const DIVE_HEIGHT: Limit = Limit::at_most("flight.dive_velocity_heads", 1.6, "", OffTarget)
     .on("height lost in a dive and its pull-out over v^2/(2 g) of the level flight before it");
 /// What the plan of a dive would still gain by going on: it ends when an iteration saves less.
 pub const DIVE_PLAN: Limit = Limit::warn_above("flight.dive_plan_fraction", 1e-3, "")

@@ -79,9 +79,9 @@ pub struct Ramp {
 
 /// Where the measured lift has the peaks of the acceleration (0.24) and its dip that of the deceleration (1.25).
 const LATER: f64 = 0.24;
-/// Chords of travel over which lift is averaged: a point, and the width of the measured peaks.
-/// Chords of travel in which the plate's acceleration makes lift.
+/// Chords of travel in which the plate's acceleration makes lift: points of the measurement around its peak and its dip. *Choice.*
 const PULSES: [[f64; 2]; 2] = [[0.0, 0.36], [1.05, 1.36]];
+/// Chords of travel over which lift is averaged: a point, and the width of the measured peaks.
 const POINT: f64 = 1e-3;
 const QUARTER: f64 = 0.25;
 /// Chords of travel that are computed, and steps in each.
