@@ -446,6 +446,7 @@ impl Scenario {
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
+        summary.warnings.extend(self.spec.near_ground(summary.ground_distance_m));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 

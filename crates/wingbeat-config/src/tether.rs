@@ -1,6 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::fit::rejected_fit;
+use super::grounded::{mean_chord, near};
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
@@ -195,6 +196,11 @@ impl TetherCase {
         self.stalled(run)
             .into_iter()
             .chain(self.slow())
+            .chain(near(
+                self.tether.ground_distance(),
+                mean_chord(self.tether.wing.planform()),
+                "wind.ground_m",
+            ))
             .chain(repeating(run, self.tether.clock.frequency_hz))
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))

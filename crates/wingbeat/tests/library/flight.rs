@@ -215,7 +215,9 @@ fn a_glider_feels_the_ground_in_rates_and_loads() {
     for plane in ["air.ground_m=-0.2", "air.ground_m=0.05"] {
         let through = fly(&[plane]).0;
         assert!(through.ground_distance_m.unwrap() < 0.0 && through.status == Status::Outside, "{plane}");
+        assert!(through.warnings.iter().any(|warning| warning.id == "ground.near"), "{plane}");
     }
+    assert!(far.0.warnings.iter().all(|warning| warning.id != "ground.near"));
     let gusty = fly(&["air.ground_m=-0.8", "air.gust_m_s=0.1"]).0.warnings;
     assert!(gusty.iter().any(|warning| warning.id == "flight.ground_gusts"));
 }
