@@ -119,13 +119,19 @@ fn tables(table: &toml::Table, depth: usize) -> Vec<String> {
 const SOFT: &str = "scenarios/soft_bank15.toml";
 
 /// What takes seconds to find and adds no column, by the table that asks for it.
-const BRIEF: [(&[&str], &[&str]); 4] = [
+const BRIEF: [(&[&str], &[&str]); 5] = [
     // It begins within the flight.
     (&["plan", "roll_in"], &["plan.roll_in.start_s=0.0"]),
     (&["controller", "orbit"], &["controller.orbit.legs=[]"]),
     (
         &["controller", "orbit", "dive"],
         &["controller.orbit.dive.nose_down_deg=10.0", "controller.orbit.dive.cycles=2"],
+    ),
+    (
+        &["controller", "orbit", "landing"],
+        &[
+            "controller.orbit.landing={cycles=2, iterations=1, speed_within_m_s=100.0, pitch_within_deg=180.0}",
+        ],
     ),
     (
         &["controller", "orbit", "tracking"],

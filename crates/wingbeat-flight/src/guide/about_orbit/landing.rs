@@ -23,12 +23,8 @@ const EFFORT: f64 = 0.01;
 const CLEAR: [f64; 2] = [0.008, 1.0 / 60.0];
 /// Steps by which the plan is led from level flight to the landing.
 const STAGES: usize = 3;
-/// Most iterations of a stage, and the share of the cost that the last must still save.
-const ITERATIONS: usize = 60;
+/// Share of the cost that an iteration must save for another one.
 const SAVED: f64 = 1e-3;
-/// What the plan may be off at its end: speed of the claw, m/s, and pitch, rad. *Choices.*
-const SLOW: f64 = 0.3;
-const OVER: f64 = 12.0 * PI / 180.0;
 /// Deviations that cost as much as each other in the feedback: of place, m, attitude, rad, velocity, m/s, and rate, rad/s, on the way and
 /// at the end; and what a full command costs over a part. *Fitted* to flights in gusts and air that the plan does not know.
 const ON_THE_WAY: [f64; 4] = [0.03, 30.0 * PI / 180.0, 0.6, 20.0];
@@ -48,13 +44,40 @@ pub struct LandingSpec {
     /// Share of the range of each command that the plan may use; the rest is left to the feedback.
     #[serde(default = "most")]
     pub share: f64,
+    /// Speed of the claw at the end of the plan that is refused beyond, m/s.
+    #[serde(default = "slow")]
+    pub speed_within_m_s: f64,
+    /// Pitch off half a turn at the end of the plan that is refused beyond, deg.
+    #[serde(default = "over")]
+    pub pitch_within_deg: f64,
+    /// Most iterations to each of the three ends by which the plan is led to the landing.
+    #[serde(default = "most_iterations")]
+    pub iterations: usize,
 }
 
 fn most() -> f64 {
     0.9
 }
 
-ranges!(LandingSpec { cycles: Range::between(2.0, 20.0), share: Range::between(0.1, 1.0) });
+fn slow() -> f64 {
+    0.3
+}
+
+fn over() -> f64 {
+    12.0
+}
+
+fn most_iterations() -> usize {
+    60
+}
+
+ranges!(LandingSpec {
+    cycles: Range::between(2.0, 20.0),
+    share: Range::between(0.1, 1.0),
+    speed_within_m_s: Range::POSITIVE,
+    pitch_within_deg: Range::between(0.1, 180.0),
+    iterations: Range::between(1.0, 1000.0),
+});
 
 /// A planned landing and the feedback about it, by parts of a cycle, from the origin with heading zero on.
 pub(super) struct Landing {
@@ -108,6 +131,9 @@ pub(super) struct Approach<'a> {
     pub perch: &'a Perch,
 }
 
+/// What is differentiated by state and commands.
+type Differentiated<'a> = dyn Fn(&[Early], &[Early]) -> Result<Vec<Early>, Fault> + 'a;
+
 /// Costs and limits of a plan.
 struct Problem<'a> {
     approach: &'a Approach<'a>,
@@ -133,11 +159,12 @@ impl Landing {
         let broken = |fault: Fault| Error::invalid("cycles", fault, "a landing that the model can fly");
         let mut problem = Problem::new(spec, approach)?;
         let begin = cycle.start(point);
-        let flown = problem.solve(&begin).map_err(broken)?;
+        let flown = problem.solve(&begin, spec.iterations).map_err(broken)?;
         let end = &flown.nodes[problem.parts];
         let [vx, vz, pitch, ..] = problem.ends(end);
         let speed = vx.hypot(vz);
-        if !(speed <= SLOW && (pitch + PI).abs() <= OVER) {
+        let over = (pitch + PI).abs().to_degrees();
+        if !(speed <= spec.speed_within_m_s && over <= spec.pitch_within_deg) {
             let allowed = format!(
                 "a landing of which the robot is capable: with these cycles it gets to {speed:.2} m/s, nose up by {:.0} deg",
                 -pitch.to_degrees()
@@ -319,12 +346,12 @@ impl<'a> Problem<'a> {
     }
 
     /// Equation: guide.landing_plan
-    /// `min sum u'Ru + |(v_claw, pitch + pi, pitch rate, height off the perch)/END|^2 + |max(0, CLEAR - clearance)|^2, u within its limits`
+    /// `min sum u'Ru + sum ((v_claw, pitch + pi, pitch rate, height off the perch)/END)^2 + sum (max(0, CLEAR - clearance))^2, u within its limits`
     /// Source: Tassa, Mansard & Todorov 2014, ICRA; bats on a ceiling: Riskin et al. 2009, J. Exp. Biol. 212.
     /// Test: `a_landing_ends_upside_down_at_the_perch`.
     ///
     /// From the level flight on, by ends on the way to the landing.
-    fn solve(&mut self, begin: &[f64]) -> Result<Flown, Fault> {
+    fn solve(&mut self, begin: &[f64], iterations: usize) -> Result<Flown, Fault> {
         let [vx, vz, pitch, ..] = self.ends(begin);
         let mut commands = vec![DVector::zeros(self.low.len()); self.parts];
         let mut flown = None;
@@ -333,7 +360,7 @@ impl<'a> Problem<'a> {
             let last = stage == STAGES;
             let height = if last { self.approach.perch.place()[2] } else { f64::NAN };
             self.asked = [left * vx, left * vz, left * pitch - (1.0 - left) * PI, 0.0, height];
-            let found = ddp::solve(self, begin, commands, (ITERATIONS, SAVED, EFFORT))?;
+            let found = ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))?;
             commands = found.commands.clone();
             flown = Some(found);
         }
@@ -392,7 +419,7 @@ impl<'a> Problem<'a> {
         &self,
         (x, directions): (&[f64], &[Direction]),
         (beside_level, inputs): (&[f64], usize),
-        of: &dyn Fn(&[Early], &[Early]) -> Result<Vec<Early>, Fault>,
+        of: &Differentiated,
     ) -> Result<(Vec<f64>, DMatrix<f64>), Fault> {
         let l = self.robot.layout();
         let n = directions.len();
