@@ -200,7 +200,9 @@ impl Flown<'_> {
             judge.hold(&flight::STEPS_LOST, error);
         }
         judge.hold_if(&flight::GROUND, self.summary.ground_distance_m);
-        judge.hold_if(&flight::MOMENTUM, self.summary.angular_momentum_change_kg_m2_s);
+        // A perch turns the robot that hits it.
+        let alone = self.context.perch.is_none();
+        judge.hold_if(&flight::MOMENTUM, self.summary.angular_momentum_change_kg_m2_s.filter(|_| alone));
         if let Some(membrane) = self.summary.membrane {
             membrane.judge(judge);
         }

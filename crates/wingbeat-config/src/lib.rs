@@ -222,20 +222,31 @@ impl Scenario {
         let resolved = resolved.to_string();
         let choice = doors.choose(&spec, &document)?;
         match spec.build(&choice).and_then(|built| Ok((built, spec.limits.limits()?))) {
-            Ok((Built { robot, model, schedule, samples_per_strips }, limits)) => Ok(Self {
-                limits,
-                spec,
-                resolved,
-                document,
-                choice,
-                robot,
-                model,
-                schedule,
-                samples_per_strips,
-                prepared: None,
-            }),
+            Ok((Built { robot, model, schedule, samples_per_strips }, limits)) => {
+                let scenario = Self {
+                    limits,
+                    spec,
+                    resolved,
+                    document,
+                    choice,
+                    robot,
+                    model,
+                    schedule,
+                    samples_per_strips,
+                    prepared: None,
+                };
+                scenario.begins().map_err(|error| scenario.explain(&error))?;
+                Ok(scenario)
+            }
             Err(error) => Err(document.explain(&error)),
         }
+    }
+
+    /// Refuses a start that is already at the perch.
+    fn begins(&self) -> Result<(), Error> {
+        let seen = self.robot.at_perch(&self.start());
+        let begins = self.spec.perch.as_ref().zip(seen).map(|(perch, seen)| perch.begins(&seen));
+        begins.unwrap_or(Ok(())).map_err(|error| error.within("perch"))
     }
 
     /// Says where the value that `error` refuses was given.

@@ -99,19 +99,22 @@ fn default_contact() -> f64 {
 ranges!(PerchSpec {
     length_m: Range::POSITIVE,
     radius_m: Range::POSITIVE,
-    capture_m: Range::POSITIVE,
-    speed_within_m_s: Range::POSITIVE,
+    capture_m: Range::between(1e-4, 1.0),
+    speed_within_m_s: Range::between(1e-3, 20.0),
     attitude_within_deg: Range::between(0.1, 180.0),
     restitution: Range::between(0.2, 1.0),
     friction: Range::between(0.0, 10.0),
     contact_s: Range::POSITIVE,
 });
 
+/// Records within a hit, so that none is missed and the claw latches where it first may.
+const SEEN: f64 = 10.0;
+
 /// Steps of the flight that a hit must take at least, for the steps to follow it.
 const STEPS: f64 = 10.0;
 
 impl PerchSpec {
-    pub(super) fn check(&self, step_s: f64) -> Result<(), Error> {
+    pub(super) fn check(&self, step_s: f64, record_every_s: f64) -> Result<(), Error> {
         self.in_range()?;
         require::finite("place_m", &self.place_m)?;
         require::finite("claw_m", &self.claw_m)?;
@@ -122,6 +125,13 @@ impl PerchSpec {
         }
         if !(self.contact_s >= STEPS * step_s * (1.0 - 1e-9)) {
             let allowed = format!("{} or more, ten steps of the flight", STEPS * step_s);
+            return Err(Error::invalid("contact_s", self.contact_s, allowed));
+        }
+        if record_every_s > self.contact_s / SEEN * (1.0 + 1e-9) {
+            let allowed = format!(
+                "{} or more, ten times flight.record_every_s: claw and perch are looked at with every record",
+                SEEN * record_every_s
+            );
             return Err(Error::invalid("contact_s", self.contact_s, allowed));
         }
         Ok(())
@@ -140,6 +150,15 @@ impl PerchSpec {
         let contact =
             Contact { restitution: self.restitution, friction: self.friction, duration: self.contact_s };
         Perch::new(Vec3(self.place_m), shape, Vec3(self.claw_m), contact, robot.mass())
+    }
+
+    /// Refuses a robot that begins at the perch or beyond it.
+    pub(super) fn begins(&self, seen: &Seen) -> Result<(), Error> {
+        if seen.distance > 0.0 && seen.force == 0.0 && !self.latches(seen) {
+            return Ok(());
+        }
+        let allowed = "a perch that the robot does not begin at, in or beyond";
+        Err(Error::invalid("place_m", format!("{:?}", self.place_m), allowed))
     }
 
     /// Whether the claw latches.

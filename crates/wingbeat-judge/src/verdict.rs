@@ -210,7 +210,7 @@ fn words(limit: &Limit, value: f64, bound: f64, about: &str) -> String {
         Sense::AtLeast => "at least",
     };
     let about = if about.is_empty() { String::new() } else { format!(" {about}") };
-    let key = if limit.id.starts_with("goal.") { "" } else { "limits." };
+    let key = if ["goal.", "perch."].iter().any(|own| limit.id.starts_with(own)) { "" } else { "limits." };
     format!(
         "{}{about} is {}{unit}, allowed is {side} {}{unit} ({key}{})",
         limit.meaning,

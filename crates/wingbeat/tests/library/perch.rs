@@ -89,20 +89,30 @@ fn a_perch_that_cannot_be_is_refused() {
         loaded("reorientation", &[perch, &format!("perch.{key}={value}")]).err().unwrap_or_default()
     };
     for (key, value, allowed) in [
-        ("capture_m", "0.0", "above 0"),
+        ("capture_m", "0.0", "0.0001 to 1"),
         ("capture_m", "nan", "finite"),
-        ("speed_within_m_s", "-1.0", "above 0"),
+        ("speed_within_m_s", "-1.0", "0.001 to 20"),
         ("attitude_within_deg", "181.0", "0.1 to 180"),
         ("restitution", "0.0", "0.2 to 1"),
         ("friction", "-0.1", "0 to 10"),
         ("contact_s", "1e-6", "ten steps of the flight"),
         ("direction", "[0.0, 0.0, 0.0]", "a direction"),
+        ("place_m", "[0.0, 0.0, 0.0]", "does not begin at"),
         ("place_m", "[0.0, nan, 0.0]", "finite"),
         ("kind", "'branch'", "bar"),
     ] {
         let told = refused(key, value);
         assert!(told.contains(allowed) && told.contains(&format!("perch.{key}")), "{key} = {value}: {told}");
     }
+    let ceiling = "perch={place_m=[0.0, 0.0, -1.0], kind='ceiling', capture_m=0.05, speed_within_m_s=0.5, attitude_within_deg=180.0}";
+    let told = loaded("reorientation", &[ceiling]).err().unwrap_or_default();
+    assert!(told.contains("perch.place_m") && told.contains("beyond"), "{told}");
+    let seldom = [
+        "perch={place_m=[0.0, 0.0, 1.0], capture_m=0.05, speed_within_m_s=0.5, attitude_within_deg=20.0}",
+        "flight.record_every_s=0.01",
+    ];
+    let told = loaded("reorientation", &seldom).err().unwrap_or_default();
+    assert!(told.contains("perch.contact_s") && told.contains("flight.record_every_s"), "{told}");
     let landing = |overrides: &[&str]| loaded("bank15_20g", overrides).err().unwrap_or_default();
     let without = landing(&["controller.orbit.landing.cycles=6", "controller.orbit.legs=[]"]);
     assert!(without.contains("[perch]"), "{without}");
