@@ -225,7 +225,7 @@ pub struct Trim {
 /// manifest.json and a figure with every channel. The frequency comes from the data. No robot, rig or arm is needed;
 /// `rig process` also takes weight and inertia away. More in docs/average.md.
 ///
-/// A line of a channel's spectrum (Hann's window, without the straight trend) must have 60 times the power of the noise beside it
+/// A line of a channel's spectrum (Hann's window, without the straight trend) must have 36 times the power of the noise beside it
 /// (`data.line_over_noise`) and stand above what larger lines leak there. The strongest, `strongest_line_hz`, has the largest share
 /// of the power of all channels. It is taken as the harmonic k of the frequency, at most the sixth, if other lines lie at multiples
 /// of its k-th part that are coprime to k: the first, or two of them. Least squares of four harmonics give the frequency of each

@@ -16,7 +16,7 @@ const SPARE: usize = 2;
 /// Cycles from which a drift is told from the cycle. *Choice.*
 const FOR_DRIFT: f64 = 2.5;
 /// Points to which long records are averaged, and points in a cycle at least. *Choice*: what they cost is below 1 ms.
-const POINTS: usize = 2048;
+const POINTS: usize = 1536;
 const POINTS_PER_CYCLE: usize = 32;
 /// Deviation of a channel in parts of the largest of its unit below which it is not judged. *Choice.*
 const TELLING: f64 = 0.05;
@@ -88,9 +88,15 @@ impl<'a> Apart<'a> {
         self.part.total > TELLING * TELLING * self.most(all)
     }
 
+    /// Whether its unit is one of a force or a moment, or unknown.
+    fn is_load(&self) -> bool {
+        self.channel.unit.is_empty() || self.channel.unit.contains('N')
+    }
+
     /// Whether others of its unit that repeat dwarf it.
     fn is_small(&self, all: &[Self]) -> bool {
-        self.part.total < SMALL * SMALL * self.most(all) && all.iter().any(Self::repeats)
+        self.part.total < SMALL * SMALL * self.most(all)
+            && all.iter().any(|other| other.part.signal > EXPLAINS * other.part.total)
     }
 
     /// The largest variance of a channel of its unit.
@@ -140,6 +146,10 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
         // Beside a large load, a small one may hold what the mount does.
         let noted = |finding: Finding| match finding.id {
             "data.not_periodic" if one.is_small(&all) => finding.noted(),
+            // Nor has a wind or a temperature beside loads a cycle.
+            "data.not_periodic" | "data.drift" if !one.is_load() && all.iter().any(Apart::is_load) => {
+                finding.noted()
+            }
             _ => finding,
         };
         found.extend(own.map(noted));

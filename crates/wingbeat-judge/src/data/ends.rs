@@ -1,5 +1,6 @@
 //! Where a table of one cycle closes.
 
+use super::outliers::place;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::data::{ENDS, PHASE_GAP, SAMPLES};
 
@@ -62,7 +63,7 @@ const PLACES: usize = 60;
 pub(super) fn gap(series: &Series, cycles: f64) -> Option<Finding> {
     let mut seen = [false; PLACES];
     for phase in series.phase {
-        seen[((phase.rem_euclid(1.0) * PLACES as f64) as usize).min(PLACES - 1)] = true;
+        seen[place(*phase, PLACES)] = true;
     }
     let first = seen.iter().position(|seen| *seen)?;
     // Once round from a place with a sample, and to it again.

@@ -66,7 +66,7 @@ impl Usual {
         let per_cycle = count as f64 / cycles.max(1.0);
         let places = PLACES.min(count / SAME).min(per_cycle as usize).max(1);
         // Of so many samples of a place the median is known well enough; they are taken evenly from the whole file.
-        let every = (count / (places * ENOUGH)).max(1);
+        let every = count.div_ceil(places * ENOUGH);
         let mut there: Vec<(usize, Vec<f64>)> =
             (0..places).map(|_| (0, Vec::with_capacity(count / places / every + SAME))).collect();
         for (p, x) in phase.iter().zip(channel.samples) {
@@ -183,10 +183,15 @@ fn jagged(series: &Series, channel: &Channel) -> Option<Finding> {
     let least = (APART[0] * range).max(BEYOND * OF_MEDIAN * usual);
     let far = |of: &&[f64]| off(of).abs() > least && (of[2] - of[0]).abs() < JUMPS * off(of).abs();
     let (mut sum, mut many) = (0.0, 0_usize);
-    for of in channel.samples.windows(3).filter(far) {
-        (sum, many) = (sum + off(of).abs(), many + 1);
+    let (mut low, mut high) = (f64::MAX, f64::MIN);
+    for of in channel.samples.windows(3) {
+        if far(&of) {
+            (sum, many) = (sum + off(of).abs(), many + 1);
+        } else {
+            (low, high) = (low.min(of[1]), high.max(of[1]));
+        }
     }
-    let size = sum / (range * channel.samples.len() as f64);
+    let size = sum / ((high - low).max(f64::MIN_POSITIVE) * channel.samples.len() as f64);
     let text = format!(
         "{many} of {} rows lie far from those before and after them: spikes or drop-outs, of which harmonics take a part; cut them out \
          of the file",
@@ -216,8 +221,8 @@ pub(super) fn equals(series: &Series) -> Vec<Finding> {
     let mut found = Vec::new();
     for (k, channel) in series.channels.iter().enumerate() {
         let same = |other: &&Channel| channel.samples == other.samples;
-        let moves = Extent::of(channel.samples).is_some_and(|extent| extent.range() > 0.0);
-        let Some(other) = series.channels[..k].iter().find(same).filter(|_| moves) else { continue };
+        let moves = |_: &&Channel| Extent::of(channel.samples).is_some_and(|extent| extent.range() > 0.0);
+        let Some(other) = series.channels[..k].iter().find(same).filter(moves) else { continue };
         let text = format!("holds the very values of {}: one column for two", other.name);
         let about = series.about(channel.name);
         found.push(Finding::new("data.equal", &SWAPPED, about, 1.0, text).noted().in_channel(channel.name));

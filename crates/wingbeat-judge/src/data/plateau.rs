@@ -8,15 +8,20 @@ use crate::limits::data::CLIPPED;
 const PLACES: [usize; 2] = [24, 64];
 const SAME: usize = 12;
 /// Samples of a place that tell its noise. *Choice.*
-const ENOUGH: usize = 96;
+const ENOUGH: usize = 64;
 /// Part of the range within which the end is flat, and the places on it, in parts of a cycle. A slack line is flat for longer. *Choices.*
 const FLAT: f64 = 0.01;
 const SHARE: std::ops::Range<f64> = 0.05..0.36;
+/// Part of the range that the errors of the mean cycle may have. *Choice.*
+const BURIED: f64 = 0.05;
 /// Part of the range within which an end is near zero. *Choice.*
 const SLACK: f64 = 0.15;
 /// Variance of the noise at the end over that elsewhere: what is cut off has that of the converter alone. Right loads went down to 0.55 in
 /// the worst of 570 files with noise and with unsteady cranks (measured). *Choice.*
 const QUIET: f64 = 0.4;
+/// The share by which the variance at the end must be below that elsewhere, times the root of the samples there: four standard errors of a
+/// variance, 4 sqrt(2 / 0.37 n), of which the median of magnitudes uses 0.37. *Choice.*
+const SURE: f64 = 9.3;
 /// Standard errors by which the variance elsewhere may be smaller, and its share that the slope may explain. *Choices.*
 const ERRORS: f64 = 2.0;
 const BY_SLOPE: f64 = 0.5;
@@ -30,6 +35,7 @@ const NOISE: [f64; 2] = [0.002, 2.0];
 struct Place {
     mean: f64,
     noise: f64,
+    count: f64,
 }
 
 /// Part of the largest range of its unit below which a channel is dwarfed. *Choice.*
@@ -43,25 +49,34 @@ const CORNER: f64 = 0.45;
 /// The finding that an end is cut off under noise; `count` is that of the converter.
 ///
 /// What goes beyond the range of an amplifier is lost with the noise that it has until there, so that the samples of one phase
-/// scatter less at the end than elsewhere, more than an unsteady crank explains. A line that goes slack is flat and may be quiet as well, but near zero, and for longer:
-/// an end near zero counts only where the other one is flat and quiet too. It is a warning of a channel that others of its unit dwarf, where
-/// what moves the mount scatters more than noise does, and where samples lie beyond the end or the load comes to it without a corner: a
-/// wing that stalls may have a flat top, and buffet beside it.
+/// scatter less at the end than elsewhere, more than an unsteady crank explains. A line that goes slack is flat and may be quiet as well,
+/// but near zero, and for longer: an end near zero counts only where the other one is flat and quiet too. It is a warning of a channel
+/// that others of its unit dwarf, where what moves the mount scatters more than noise does, and where samples lie beyond the end or
+/// the load comes to it without a corner: a wing that stalls may have a flat top, and buffet beside it.
 pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<Finding> {
     let places = places(series, channel.samples)?;
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
     let range = high - low;
     let noise = median(&mut places.iter().map(|of| of.noise).collect::<Vec<_>>());
     let within = (FLAT * range).max(3.0 * noise / (series.phase.len() as f64 / places.len() as f64).sqrt());
+    if within > BURIED * range {
+        return None;
+    }
+    let near = |end: f64| places.iter().map(move |of| (of.mean - end).abs() <= within);
+    // The other end may be cut off as well.
+    let ends: Vec<bool> = near(low).zip(near(high)).map(|(low, high)| low || high).collect();
     let share = |end: f64| {
-        let on: Vec<bool> = places.iter().map(|of| (of.mean - end).abs() <= within).collect();
+        let on: Vec<bool> = near(end).collect();
         let share = on.iter().filter(|on| **on).count() as f64 / places.len() as f64;
-        let usual = elsewhere(&places, &on)?;
-        let there = places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of.noise);
-        let noise = median(&mut there.collect::<Vec<_>>());
+        // Of two bounds from below the larger one.
+        let usual =
+            [elsewhere(&places, &on), elsewhere(&places, &ends)].into_iter().flatten().reduce(f64::max)?;
+        let there = || places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of);
+        let noise = median(&mut there().map(|of| of.noise).collect::<Vec<_>>());
+        let below = QUIET.min(1.0 - SURE / there().map(|of| of.count).sum::<f64>().sqrt());
         let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
         let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(&places, &on) > CORNER;
-        (seen && SHARE.contains(&share) && noise * noise < QUIET * usual).then(|| (share, cut()))
+        (seen && SHARE.contains(&share) && noise * noise < below * usual).then(|| (share, cut()))
     };
     let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
@@ -163,6 +178,6 @@ impl Place {
         // Of samples that all have one phase there is no slope.
         let slope = if uu > 1e-6 { ux / uu } else { 0.0 };
         let mut left: Vec<f64> = samples.iter().map(|s| (s.1 - x - slope * (s.0 - u)).abs()).collect();
-        Self { mean: x - slope * u, noise: OF_MEDIAN * median(&mut left) }
+        Self { mean: x - slope * u, noise: OF_MEDIAN * median(&mut left), count }
     }
 }

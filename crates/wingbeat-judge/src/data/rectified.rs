@@ -54,7 +54,7 @@ fn mean_cycle(at: &Condensed, cycles: f64) -> Option<(Vec<f64>, Vec<f64>)> {
     let points = points.min(*POINTS.end());
     let mut sums = vec![(0.0, 0.0, 0.0); points];
     for (p, y) in at.phase.iter().zip(&at.values) {
-        let p = p.rem_euclid(1.0);
+        let p = p - p.floor();
         let sum = &mut sums[((p * points as f64) as usize).min(points - 1)];
         *sum = (sum.0 + 1.0, sum.1 + p, sum.2 + y);
     }

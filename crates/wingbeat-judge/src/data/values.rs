@@ -258,6 +258,9 @@ fn clipped(series: &Series, channel: &Channel, extent: Extent, ends: &[f64]) -> 
     let band = (BAND * extent.range()).max(1.5 * extent.count);
     let mut worst: Option<(f64, f64)> = None;
     for end in ends.iter().copied() {
+        if channel.samples.iter().filter(|x| **x == end).count() < ROW {
+            continue;
+        }
         let (mut at, mut near, mut row, mut rows) = (0_usize, 0_usize, 0_usize, 0_usize);
         for x in channel.samples {
             let on = *x == end;
