@@ -173,12 +173,15 @@ fn turned(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     let weight: f64 = large().map(|told| told.share.powi(2)).sum();
     let count = large().map(|told| told.all.len()).min()?;
     let at = |lag: usize| large().map(|told| told.share.powi(2) * told.all[lag]).sum::<f64>() / weight;
-    let all = || (0..count).map(at);
-    let (most, least) = (all().fold(f64::MIN, f64::max), all().fold(f64::MAX, f64::min));
+    let most = (0..count).map(at).fold(f64::MIN, f64::max);
+    let (least, lag) = (0..count).map(|lag| (at(lag), lag)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // One channel alone is told by its name.
+    let each = large().all(|told| told.all[lag] < 0.0);
     let text = format!(
-        "all channels together have a correlation of {least:.2} with what is computed, and of {most:.2} at most: the cell is turned over,          or all signs are reversed"
+        "all channels together have a correlation of {least:.2} with what is computed, and of {most:.2} at most: the cell is turned \
+         over, or all signs are reversed"
     );
-    (-least > TURNED[0] && -least - most > TURNED[1])
+    (each && -least > TURNED[0] && -least - most > TURNED[1])
         .then(|| Finding::new("data.reversed", &REVERSED, what, least, text))
 }
 
