@@ -1,4 +1,4 @@
-//! Links and joints as they stand in a URDF file (http://wiki.ros.org/urdf/XML).
+//! Links and joints as they stand in a URDF file (<http://wiki.ros.org/urdf/XML>).
 
 use xml::attribute::OwnedAttribute;
 use xml::common::Position;
