@@ -1,7 +1,7 @@
 //! Values that come again, exactly: codes that stand for samples that are missing, and stretches in which a channel was held.
 
 use super::values::Extent;
-use super::{Channel, Finding, Series};
+use super::{Channel, Finding, Purpose, Series};
 use crate::limits::data::{COUNTS, LOST, REPEATED};
 
 /// Slots by which values are counted, and how often the most frequent value must come beside the next. *Choices.*
@@ -12,6 +12,12 @@ const CODE: usize = 4;
 const HELD: usize = 8;
 /// Part of a channel's range by which it leaps to where it is held, or from there. *Choice.*
 const LEAPS: f64 = 0.2;
+/// Steps of the converter that are no leap. *Choice.*
+const STEPS: f64 = 4.0;
+/// Part of a channel's range by which a code is off the samples beside it. *Choice.*
+const APART: f64 = 0.05;
+/// Part by which rests of a motion differ in distance and length. *Choice.*
+const EVEN: f64 = 0.1;
 /// Share of a channel above which a value that is held is how it is sampled. *Choice.*
 const SAMPLED: f64 = 0.5;
 
@@ -20,11 +26,11 @@ pub(super) fn findings(series: &Series, channel: &Channel, extent: Extent) -> Ve
     if extent.range() < COUNTS.value * extent.count {
         return Vec::new();
     }
-    code(series, channel).into_iter().chain(held(series, channel, extent)).collect()
+    code(series, channel, extent).into_iter().chain(held(series, channel, extent)).collect()
 }
 
 /// The finding that one value comes again and again by itself though others hardly do: what a logger writes for a sample that it lacks.
-fn code(series: &Series, channel: &Channel) -> Option<Finding> {
+fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
     let slot = |x: &f64| (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 54) as usize;
     let mut counts = vec![0_u32; SLOTS];
     channel.samples.iter().for_each(|x| counts[slot(x)] += 1);
@@ -37,6 +43,9 @@ fn code(series: &Series, channel: &Channel) -> Option<Finding> {
     let value = *channel.samples.iter().find(|x| slot(x) == most)?;
     let runs = channel.samples.chunk_by(|a, b| a == b).filter(|run| run[0] == value && run.len() < CODE);
     let size = runs.map(<[f64]>::len).sum::<usize>() as f64 / channel.samples.len() as f64;
+    if near(channel.samples, value) < APART * extent.range() {
+        return None;
+    }
     let text = format!(
         "{:.1} % of the samples are {value} {} exactly, here and there, and hardly another value comes twice: it stands for samples that \
          are missing; cut them out of the file",
@@ -46,25 +55,48 @@ fn code(series: &Series, channel: &Channel) -> Option<Finding> {
     Some(Finding::new("data.outliers", &REPEATED, series.about(channel.name), size, text))
 }
 
+/// Median of what the samples beside those of `value` are off it: little where an instrument has a dead band about it.
+fn near(samples: &[f64], value: f64) -> f64 {
+    let beside = samples.windows(2).filter(|pair| (pair[0] == value) != (pair[1] == value));
+    let mut off: Vec<f64> = beside.map(|pair| (pair[1] - pair[0]).abs()).collect();
+    off.sort_by(f64::total_cmp);
+    off.get(off.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Whether stretches, each by its begin and length, come as evenly as a motion that rests in every cycle.
+fn even(stretches: &[(usize, usize)]) -> bool {
+    let apart = stretches.windows(2).map(|pair| (pair[1].0 - pair[0].0) as f64);
+    let lengths = stretches.iter().map(|(_, length)| *length as f64);
+    let spread = |of: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = of.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+        (high - low) / high
+    };
+    stretches.len() > 2 && spread(&mut apart.into_iter()) < EVEN && spread(&mut lengths.into_iter()) < EVEN
+}
+
 /// The finding that a channel leaps to a value, or from it, and keeps it exactly meanwhile.
 fn held(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
     let samples = channel.samples;
-    let leap =
-        |k: usize| k > 0 && k < samples.len() && (samples[k] - samples[k - 1]).abs() > LEAPS * extent.range();
-    let (mut lost, mut times, mut kept, mut begin) = (0, 0, 0, 0);
+    // Of few counts each is a leap.
+    let least = (LEAPS * extent.range()).max(STEPS * extent.count);
+    let leap = |k: usize| k > 0 && k < samples.len() && (samples[k] - samples[k - 1]).abs() > least;
+    let (mut lost, mut kept, mut begin) = (Vec::new(), 0, 0);
     for run in samples.chunk_by(|a, b| a == b) {
         let end = begin + run.len();
         kept += if run.len() >= HELD { run.len() } else { 0 };
         if run.len() >= HELD && (leap(begin) || leap(end)) {
-            (lost, times) = (lost + run.len(), times + 1);
+            lost.push((begin, run.len()));
         }
         begin = end;
     }
     let share = |of: usize| of as f64 / samples.len() as f64;
+    let (times, all) = (lost.len(), lost.iter().map(|(_, length)| length).sum());
     let text = format!(
         "leaps and keeps its value {times} times, for {:.1} % of the samples: it was held, or blanked; leave those parts out",
-        100.0 * share(lost)
+        100.0 * share(all)
     );
-    (share(kept) < SAMPLED && times > 1)
-        .then(|| Finding::new("data.stuck", &LOST, series.about(channel.name), share(lost), text))
+    // A motion may rest in every cycle.
+    let rests = series.purpose == Purpose::Motion && even(&lost);
+    (share(kept) < SAMPLED && times > 1 && !rests)
+        .then(|| Finding::new("data.stuck", &LOST, series.about(channel.name), share(all), text))
 }

@@ -180,6 +180,7 @@ fn right() -> Vec<(&'static str, Data)> {
         ("impacts", changed(&usual(), |k, x| if k % 200 < 3 { x + 5.0 } else { x })),
         ("phase_of_the_crank", changed(&usual(), |k, _| (k as f64 / 200.0).fract())),
         ("held_values", changed(&exact(usual()), |k, _| usual().at((k / 40 * 40) as f64 / 200.0))),
+        ("a_dead_band", changed(&usual(), |_, x| if x.abs() < 0.03 { 0.0 } else { x })),
         ("noise_of_differences", {
             let mut noise = Noise(3);
             let white: Vec<f64> = (0..2001).map(|_| noise.next()).collect();
