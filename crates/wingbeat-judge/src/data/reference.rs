@@ -175,8 +175,9 @@ fn turned(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     let at = |lag: usize| large().map(|told| told.share.powi(2) * told.all[lag]).sum::<f64>() / weight;
     let most = (0..count).map(at).fold(f64::MIN, f64::max);
     let (least, lag) = (0..count).map(|lag| (at(lag), lag)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    // One channel alone is told by its name.
-    let each = large().all(|told| told.all[lag] < 0.0);
+    // Where another channel is as computed, the one that is not is told by its name.
+    let as_computed = telling.iter().any(|(_, told)| told.now > ALIKE[0]);
+    let each = large().all(|told| told.all[lag] < 0.0) && !as_computed;
     let text = format!(
         "all channels together have a correlation of {least:.2} with what is computed, and of {most:.2} at most: the cell is turned \
          over, or all signs are reversed"
