@@ -82,7 +82,7 @@ fn what_has_no_derivative_is_left_out_and_nothing_else() {
         x[layout.velocity..layout.aero].iter_mut().for_each(|v| *v += random.between(-0.02, 0.02));
         if robot.perch().is_some() {
             // Within the bar, so that it pushes.
-            x[layout.position + 2] = 0.016;
+            x[layout.position + 2] = 0.018;
             assert!(robot.at_perch(&x).unwrap().force > 0.0);
         }
         x[layout.aero..].iter_mut().for_each(|v| *v += random.between(-0.01, 0.01));
