@@ -21,7 +21,7 @@ const LIMITS: [Limit; 3] = [
     Limit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 145 },
 ];
 
-/// Most code of the program with all formats, which has 20.9 MB. The aim is 16 MB.
+/// Most code of the program with all formats, which has 21.5 MB. The aim is 16 MB.
 const MOST_CODE: f64 = 21.5;
 
 /// Counts the copies in the program that was built.
