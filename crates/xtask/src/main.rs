@@ -47,9 +47,10 @@ cargo xtask TASK
           of memory, time and disk; the cases are the lists of crates/xtask/hostile
   faults  [VERB...] each write, creation, renaming, removal and start of a thread of these verbs, or of all, fails in turn (Linux)
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
-  python  test | wheel | calls | measure | policies [STEPS [SEED...]]: the tests of the Python package; the wheel to be released, in
-          target/wheels (on Linux for glibc 2.28 and later); 10,000 calls with hostile arguments; what the package costs; policies trained by
-          Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)
+  python  test | wheel | notebooks | calls | measure | policies [STEPS [SEED...]]: the tests of the Python package; the wheel to be
+          released, in target/wheels (on Linux for glibc 2.28 and later); the notebooks with what they print and draw; 10,000 calls
+          with hostile arguments; what the package costs; policies trained by Stable-Baselines3 beside the predictive controller
+          (installs PyTorch, some GB, into target/tools/policies)
   paper   every command of validation/paper/commands.txt, into target/paper: exit codes and numbers as it says
   soak    [--seconds 600] [--busy 0] [--program FILE] the recorder on the emulated box at 7 kHz beside so many busy processes: every
           sample accounted for, memory flat

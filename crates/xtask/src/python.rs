@@ -12,6 +12,16 @@ const CRATE: &str = "crates/wingbeat-py";
 /// Packs the extension that the tests have built, installs the wheel into target/tools/python and tests it there, by the tests that are
 /// marked `long` or by the others.
 pub fn check(long: bool) -> Tally {
+    tested(&["tests/python", "-m", if long { "long" } else { "not long" }], &[])
+}
+
+/// The notebooks with what their cells print and draw today.
+fn notebooks() -> Tally {
+    tested(&["tests/python/test_notebooks.py"], &[("WINGBEAT_WRITE_NOTEBOOKS", "1")])
+}
+
+/// Installs the wheel of what the tests have built, and runs the tests that `arguments` of pytest choose.
+fn tested(arguments: &[&str], variables: &[(&str, &str)]) -> Tally {
     let Some((python, _)) = installed(&requirements(), "target/tools/python") else {
         return Tally::one(false);
     };
@@ -24,9 +34,8 @@ pub fn check(long: bool) -> Tally {
         "-rP",
         "-p",
         "no:cacheprovider",
-        "tests/python",
     ]);
-    tests.args(["-m", if long { "long" } else { "not long" }]);
+    tests.args(arguments).envs(variables.iter().copied());
     tests.current_dir(tools::root().join(CRATE)).env("WINGBEAT_PROGRAM", tools::program());
     // Byte code of what the tests import, and of nothing else, is written, and not beside the sources.
     tests.env_remove("PYTHONDONTWRITEBYTECODE");
@@ -52,7 +61,7 @@ pub fn packed() -> Command {
 
 /// What may be asked of the package.
 const TASKS: &str =
-    "test, packed, wheel, calls [OPTION...], measure [WHAT...], or policies [STEPS [SEED...]]";
+    "test, packed, wheel, notebooks, calls [OPTION...], measure [WHAT...], or policies [STEPS [SEED...]]";
 
 /// Builds the extension and, as a test of the program needs it, the program.
 const BUILD: [&str; 8] =
@@ -75,6 +84,7 @@ pub fn task(arguments: &[String]) -> bool {
             return failed == 0;
         }
         Some("wheel") => return release(),
+        Some("notebooks") => return tools::succeeds(tools::cargo(&BUILD)) && notebooks().failed == 0,
         Some("calls") => ("calls.py", None),
         Some("measure") => ("measure.py", None),
         Some("policies") => ("ppo.py", Some("heavy/requirements.txt")),
