@@ -9,8 +9,8 @@ use wingbeat::judge::Verdict;
 pub fn information(of: &Information, parameters: &[Parameter]) -> String {
     let name = |k: usize| parameters[k].name.as_str();
     let mut text = format!(
-        "information at the start: standard error in parts of the size, from all runs with the other numbers fitted too; with the \
-         others known from all runs, and from the best run and channel alone\n\n{:<34}{:>12}{:>12}{:>12}  {}\n",
+        "relative standard error at the start values; fitted: all runs, other parameters fitted too; known: others known; best alone: \
+         best run and channel\n\n{:<34}{:>12}{:>12}{:>12}  {}\n",
         "", "fitted", "known", "best alone", "run, channel"
     );
     for (k, together) in of.together.iter().enumerate() {
@@ -32,6 +32,7 @@ pub fn information(of: &Information, parameters: &[Parameter]) -> String {
         Some(runs) if runs.len() < of.runs.len() => {
             format!("{} of the {} runs tell every parameter to within its size\n", runs.len(), of.runs.len())
         }
+        Some(runs) if runs.len() == 1 => "the run tells every parameter to within its size\n".into(),
         Some(_) => {
             format!("all {} runs are needed to tell every parameter to within its size\n", of.runs.len())
         }
@@ -55,7 +56,8 @@ pub fn information_csv(found: &Found) -> String {
 
 /// The report.
 pub fn report(found: &Found, verdict: &Verdict) -> String {
-    let mut text = format!("calibration {}: {}\n\n", found.name, found.model.join(", "));
+    let model = if found.model.is_empty() { String::new() } else { format!(": {}", found.model.join(", ")) };
+    let mut text = format!("calibration {}{model}\n\n", found.name);
     text += &format!("status: {}\n", verdict.status);
     verdict.reason.iter().for_each(|reason| text += &format!("because: {reason}\n"));
     text.push('\n');

@@ -18,7 +18,7 @@ pub struct Arguments {
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 a comparison failed; 2 bad input; 3 a run that did not do what its scenario asks, \
+Exit codes: 0 done; 1 a comparison failed; 2 bad input; 3 a limit is missed, nothing is found or data are suspect, \
 its folder is kept and its summary.json says why; 130 interrupted, nothing is kept but what the same command goes on \
 from. Where runs lie and what is replaced: docs/runs.md.";
 
@@ -122,7 +122,7 @@ pub struct Wake {
     /// Panels along the span
     #[arg(long, value_name = "N", default_value_t = Asked::default().spanwise)]
     pub spanwise: usize,
-    /// Steps per cycle; without it as many as make the wind's way in a step a panel's chord, 24 to 400
+    /// Steps per cycle; by default the wind moves by a panel's chord a step, 24 to 400 steps
     #[arg(long, value_name = "N")]
     pub steps: Option<usize>,
     /// Let the wind alone carry the wake
@@ -141,7 +141,7 @@ pub struct Wake {
     pub page: Page,
 }
 
-/// Plan a scenario's manoeuvre or gait offline: the quickest roll-in, or the least power for a mean force
+/// Plan offline: the quickest roll-in or reorientation, or the gait of least power for a mean force
 ///
 /// The scenario's `[plan]` says which. The folder holds plan.parquet and plan.json: nodes, inputs and multipliers. That
 /// of a roll-in also holds what `fly` writes, from the open-loop flight of the plan, and track.toml: the scenario with the
@@ -159,9 +159,9 @@ pub struct Plan {
     pub page: Page,
 }
 
-/// Fit numbers of robot and rig to runs on the load cell, with what is known of them
+/// Fit parameters of robot and rig to measured loads, with their standard errors
 ///
-/// Prints first which run and channel informs which number, and refuses what the runs cannot identify. The folder holds
+/// First prints which run tells of which parameter, and refuses what the runs cannot identify. The folder holds
 /// calibration.toml (as resolved), numbers.toml (the result, for `--set robot.numbers=FILE` of `fly`, `--set
 /// rig.robot.numbers=FILE` of `rig`), residual.toml where runs with `residual = true` tell what the fitted model leaves of their loads (for
 /// `robot.residual`, beside the numbers), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles
@@ -172,10 +172,10 @@ pub struct Calibrate {
     /// The calibration
     #[arg(value_name = "CALIBRATION.toml")]
     pub calibration: PathBuf,
-    /// Only print what the runs tell of the numbers
+    /// Only print what the runs can identify
     #[arg(long, conflicts_with = "watch")]
     pub information: bool,
-    /// Only list the numbers that can be fitted, with the values that the model gives them
+    /// Only list the parameters that can be fitted, with the model's values
     #[arg(long, conflicts_with_all = ["information", "watch"])]
     pub names: bool,
     #[command(flatten)]
@@ -186,7 +186,7 @@ pub struct Calibrate {
     pub live: Live,
 }
 
-/// Find the periodic flight that a scenario's `[trim]` asks for, and how it holds
+/// Find the periodic flight that a scenario's `[trim]` asks for, and its stability
 ///
 /// The folder holds summary.json (frequency, power, stall shares, Floquet multipliers, or why there is no orbit),
 /// record.parquet (one cycle), multipliers.parquet, family.parquet where `[trim.family]` asks for orbits along a parameter,
@@ -441,7 +441,7 @@ pub struct Run {
     /// Override a key, e.g. `--set robot.body.mass_kg=0.012`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
-    /// Seed of everything random, in place of the scenario's key `seed`
+    /// Seed of everything random, in place of the file's key `seed`
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// Print only errors
@@ -712,7 +712,7 @@ pub struct New {
     pub force: bool,
 }
 
-/// Rewrite documents with the names of keys that hold today
+/// Rewrite former names of keys in documents
 ///
 /// `pitch_deg` becomes `nose_up_deg` with the sign turned, in draws and in overrides (`key=value`) too, and former names of
 /// parameters become those of today. Comments, order and everything else are kept; what changes is printed.

@@ -187,7 +187,7 @@ fn table(summary: &TrimSummary) -> String {
         ("lift over weight", number(summary.lift_over_weight, 6)),
         ("weight carried by", if carried.is_empty() { "-".into() } else { carried.join(", ") }),
         ("Strouhal number", number(summary.strouhal, 3)),
-        ("U2 c beyond 12 / 20 deg", stalled),
+        ("stalled at 12 / 20 deg", stalled),
         ("least clearance", format!("{} mm", number(summary.least_clearance_m.map(|c| 1e3 * c), 2))),
         (
             "roll / nose up, mean",

@@ -1,5 +1,6 @@
 //! What is kept of each run of a sweep.
 
+use super::document::unit;
 use super::measure::measures;
 use super::side_by_side::MOST;
 use super::{ConfigError, Hold, ReadTable, Scenario, Summary, Sweep, SweepOf};
@@ -64,7 +65,7 @@ impl SweepOf {
 impl Sweep {
     /// The columns of a row, still empty: number of the run, its draws, its measures.
     pub fn columns(&self) -> Vec<Column> {
-        let draws = self.spec.draws.iter().map(|draw| Column::new(draw.key.clone(), "", ""));
+        let draws = self.spec.draws.iter().map(|draw| Column::new(draw.key.clone(), unit(&draw.key), ""));
         let measures = self.of.measures().into_iter().map(|(name, unit)| Column::new(name, unit, ""));
         std::iter::once(Column::new("run", "", "")).chain(draws).chain(measures).collect()
     }

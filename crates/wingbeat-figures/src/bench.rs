@@ -52,7 +52,7 @@ pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
             Curve { weight: style::CURVE, ..fitted },
         ];
         let title = format!(
-            "{} as {}: lag {:.3} cycles, gain {:.4}",
+            "{} against {} (lag {:.3} cycles, gain {:.4})",
             channel.measured, channel.computed, channel.fit.lag_cycles, channel.fit.gain
         );
         panels.push(Panel { bands: vec![band], ..Panel::new(title, curves) });

@@ -27,7 +27,8 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
             let follows = Curve::new(format!("{side}, response"), t, response.values.clone(), index);
             panel.curves.push(Curve { colour: style::tint(index), weight: style::BROAD, ..follows });
         }
-        let commanded = Curve::new(side, t, command.values.clone(), index);
+        let name = if side == "command" { side.into() } else { format!("{side}, command") };
+        let commanded = Curve::new(name, t, command.values.clone(), index);
         panel.curves.push(Curve { weight: style::FINE, ..commanded });
     }
     Ok(Figure::new("commands", stacked(panels, "time [s]", 0.9 * style::PANEL)))

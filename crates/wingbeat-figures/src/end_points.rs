@@ -37,7 +37,10 @@ pub fn end_points(record: &Record, what: &EndPoints) -> Result<Figure, Error> {
         let cloud = |points: Vec<(f64, f64)>, colour: &str, shape| {
             ScatterPlot::new().with_data(points).with_color(colour).with_size(3.2).with_marker(shape)
         };
-        let legend = format!("{name}: {} of {} held", kept.len(), rows.len());
+        let mut legend = format!("{name}: {} of {} held", kept.len(), rows.len());
+        if !lost.is_empty() {
+            legend += " (others: crosses)";
+        }
         if !lost.is_empty() {
             plots.push(cloud(lost, &style::tint(index), MarkerShape::Cross).into());
         }
@@ -58,7 +61,7 @@ pub fn end_points(record: &Record, what: &EndPoints) -> Result<Figure, Error> {
         .with_x_axis_max(right + 0.5)
         .with_y_axis_min(low - 0.5)
         .with_y_axis_max(high + 0.5)
-        .with_x_label("x at the end [m]; crosses did not hold their attitude")
+        .with_x_label("x at the end [m]")
         .with_y_label("y at the end [m], left is positive")
         .with_legend_position(LegendPosition::OutsideRightTop)
         .with_legend_box(false);

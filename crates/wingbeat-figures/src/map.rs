@@ -72,7 +72,7 @@ fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure,
         let unit = record.column(name).map_or("", |column| column.unit.as_str());
         Ok(Chart {
             title: String::new(),
-            x: Axis::new(*key),
+            x: Axis::new(spoken(record, key)),
             y: Axis::new(labelled(name, unit)),
             series: vec![Series::new("", points, Look::Circles, 0)],
             passes: None,
@@ -86,9 +86,28 @@ fn labelled(name: &str, unit: &str) -> String {
     if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }
 
+/// The quantity that a key names, with its unit: of `wing.hinges[0].angle_deg.fourier.sin[0]`, `hinges[0] angle, sin[0] [deg]`; the key,
+/// or its end where it is long, where it names no unit.
+fn spoken(record: &Record, key: &str) -> String {
+    let unit = record.column(key).map_or("", |column| column.unit.as_str());
+    let end = format!("_{}", unit.to_lowercase().replace(['/', ' '], "_"));
+    let parts: Vec<&str> = key.split('.').collect();
+    let Some(at) = parts.iter().rposition(|part| !unit.is_empty() && part.ends_with(&end)) else {
+        let ends = key.match_indices('.').map(|(at, _)| at + 1);
+        return match std::iter::once(0).chain(ends).find(|from| key.len() - from <= LONGEST) {
+            Some(from) if from > 0 => format!("… {}", &key[from..]),
+            _ => key.into(),
+        };
+    };
+    let of = parts[..at].last().filter(|part| part.ends_with(']')).map_or(String::new(), |part| format!("{part} "));
+    let name = parts[at].trim_end_matches(&end);
+    let rest: String = parts[at + 1..].iter().filter(|part| **part != "fourier").map(|part| format!(", {part}")).collect();
+    labelled(&format!("{of}{name}{rest}"), unit)
+}
+
 /// Values drawn for one key.
 struct Drawn<'a> {
-    key: &'a str,
+    name: String,
     values: &'a [f64],
     /// Those that are different, ascending.
     places: Vec<f64>,
@@ -105,18 +124,7 @@ impl<'a> Drawn<'a> {
         // Half a cell of a grid lies beyond its ends.
         let margin = 0.5 * (high - low) / (places.len().max(2) - 1) as f64;
         let margin = margin.max(0.04 * (high - low));
-        Ok(Self { key, values, places, scale: Scale::new(low - margin, high + margin) })
-    }
-
-    /// The key, or its end where it is long.
-    fn name(&self) -> String {
-        let ends = self.key.match_indices('.').map(|(at, _)| at + 1);
-        let end = std::iter::once(0).chain(ends).find(|from| self.key.len() - from <= LONGEST);
-        match end {
-            Some(0) => self.key.into(),
-            Some(from) => format!("… {}", &self.key[from..]),
-            None => self.key.into(),
-        }
+        Ok(Self { name: spoken(record, key), values, places, scale: Scale::new(low - margin, high + margin) })
     }
 
     /// The share of the axis at `value`.
@@ -138,7 +146,7 @@ fn frame(x: &Drawn, y: &Drawn) -> Layout {
     let plots: Vec<Plot> = Vec::new();
     let layout = style::axes(Layout::auto_from_plots(&plots)).with_force_margins(ROOM[0], ROOM[1]);
     let layout = y.scale.upwards(x.scale.right(layout.with_force_margins_y(ROOM[2], ROOM[3])));
-    layout.with_x_label(x.scale.label(&x.name())).with_y_label(y.scale.label(&y.name()))
+    layout.with_x_label(x.scale.label(&x.name)).with_y_label(y.scale.label(&y.name))
 }
 
 /// A measure with its range.

@@ -124,7 +124,7 @@ fn every_figure_names_its_axes_and_curves() {
         (forces(&record).unwrap(), &["to its top [N]", "added mass", "air, total", "0.286 s long"]),
         (
             path(&record, None).unwrap(),
-            &["x [m]", "y [m]", "z [m]", "left wing", "where there is room, robot 2 times enlarged"],
+            &["x [m]", "y [m]", "z [m]", "left wing", "robot where there is room; drawn 2 times as large"],
         ),
     ];
     for (figure, words) in expected {

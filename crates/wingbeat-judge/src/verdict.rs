@@ -210,10 +210,10 @@ fn words(limit: &Limit, value: f64, bound: f64, about: &str) -> String {
         Sense::AtLeast => "at least",
     };
     let about = if about.is_empty() { String::new() } else { format!(" {about}") };
+    let meaning = if about.starts_with(" (") { limit.meaning.trim_end_matches(',') } else { limit.meaning };
     let key = if ["goal.", "perch."].iter().any(|own| limit.id.starts_with(own)) { "" } else { "limits." };
     format!(
-        "{}{about} is {}{unit}, allowed is {side} {}{unit} ({key}{})",
-        limit.meaning,
+        "{meaning}{about} is {}{unit}, allowed is {side} {}{unit} ({key}{})",
         number(value),
         number(bound),
         limit.id

@@ -18,7 +18,7 @@ const SHARED: [&str; 6] = ["robots", "scenarios", "cases", "rigs", "calibrations
 const QUICK: [&str; 4] = ["new", "tether", "average", "show"];
 /// Beginnings of lines that build, install or rename.
 const BUILDS: [&str; 6] =
-    ["cargo install ", "cargo build ", "cargo test ", "pip install ", "alias ", "RUSTFLAGS="];
+    ["cargo install ", "cargo build ", "cargo test ", "pip install ", "export PATH=", "RUSTFLAGS="];
 /// The program as it is built and run at once.
 const BUILT: &str = "cargo run --release -- ";
 /// What shows a document of a kind, or reads it.

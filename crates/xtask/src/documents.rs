@@ -86,7 +86,7 @@ const PHASES: [&str; 3] = ["0.0", "1e-9", "-1e-9"];
 /// Flies the banking turn with both presets under every lift law, and puts the results into its page.
 fn six_flights() -> bool {
     let mut text = String::from(
-        "| preset | law | status | roll, mean / rms error, deg | pitch, mean / rms error, deg | altitude, m | inputs at a limit | clearance, mm | separated | suction lost |\n\
+        "| preset | law | status | roll, mean / rms error, deg | nose up, mean / rms error, deg | altitude, m | inputs at a limit | clearance, mm | separated | suction lost |\n\
          |---|---|---|---:|---:|---:|---:|---:|---:|---:|",
     );
     for (preset, law) in ["paper", "full"].iter().flat_map(|p| ["linear", "stall", "lev"].map(|law| (p, law)))
@@ -122,9 +122,10 @@ fn flight_row(preset: &str, law: &str, flights: &[Value]) -> String {
         let [low, high] = ends.map(|end| format!("{end:.digits$}"));
         if low == high { low } else { format!("{low} to {high}") }
     };
-    let pair = |angle: &str| {
-        let part = |what: &str| range(&format!("{angle}_{what}_deg"), 1.0, 1);
-        format!("{} / {}", part("mean"), part("rms_error"))
+    // Records and summaries give pitch negative nose up, pages nose up.
+    let pair = |angle: &str, sign: f64| {
+        let part = |what: &str, scale: f64| range(&format!("{angle}_{what}_deg"), scale, 1);
+        format!("{} / {}", part("mean", sign), part("rms_error", 1.0))
     };
     let mut statuses: Vec<&str> = flights.iter().filter_map(|flight| flight["status"].as_str()).collect();
     statuses.sort_unstable();
@@ -133,8 +134,8 @@ fn flight_row(preset: &str, law: &str, flights: &[Value]) -> String {
     format!(
         "\n| `{preset}` | `{law}` | {} | {} | {} | {} | {} | {} | {} | {} |",
         statuses.join(", "),
-        pair("roll"),
-        pair("pitch"),
+        pair("roll", 1.0),
+        pair("pitch", -1.0),
         range("altitude_change_m", 1.0, 1),
         percent("input_saturation_fraction"),
         range("least_clearance_m", 1e3, 0),

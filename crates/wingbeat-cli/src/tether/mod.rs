@@ -218,7 +218,9 @@ fn table(summary: &TetherSummary) -> String {
         text += &format!("propulsive efficiency, mean thrust x wind speed / mean power: {efficiency:.4}\n");
     }
     if let Some(Periodicity { change, quantity }) = &summary.periodicity {
-        text += &format!("last two cycles: {:.2e} % apart ({quantity})\n", 100.0 * change);
+        let percent = 100.0 * change;
+        let percent = if percent < 1e-3 { format!("{percent:.1e}") } else { format!("{percent:.3}") };
+        text += &format!("last two cycles: {percent} % apart ({quantity})\n");
     }
     text.extend(summary.spar.as_ref().map(spar));
     for Smoothed { key, harmonics, samples, residual_rms, residual_largest } in &summary.smoothed {

@@ -203,13 +203,13 @@ impl Sheet {
         }
         if !birds.is_empty() {
             let size = if enlargement > 1.0 {
-                format!(", robot {enlargement:.0} times enlarged")
+                format!("; drawn {enlargement:.0} times as large")
             } else {
                 String::new()
             };
             let text = match every {
-                Some(interval) => format!("every {interval:.2} s{size}"),
-                None => format!("where there is room{size}"),
+                Some(interval) => format!("robot every {interval:.2} s{size}"),
+                None => format!("robot where there is room{size}"),
             };
             self.text((x, 20.5), text, TextAnchor::Start, style::LETTERS);
         }

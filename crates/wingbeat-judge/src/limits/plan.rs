@@ -39,9 +39,9 @@ pub const CLOSURE: Limit = Limit::at_most("plan.replay_closure", 0.02, "", NotPe
 /// The same commands under the other preset: what depends on the model.
 pub const MODELS: Limit = Limit::warn_above("plan.model_force_fraction", 0.1, "")
     .on("the gait depends on the aerodynamic preset: change of the mean upward force under the other one, over the weight,");
-/// Strips past stall, where two published experiments alone test the lift laws.
+/// Strips past stall, where four published experiments alone test the lift laws.
 pub const STALLED: Limit = Limit::warn_above("plan.stall_fraction", 0.5, "").on(
-    "only two published experiments test the lift laws in stall: share of the strips past their stall angle",
+    "only four published experiments test the lift laws in stall: share of the strips past their stall angle",
 );
 
 /// All of them.

@@ -13,7 +13,7 @@ pub const POWER: Limit = Limit::at_most("trim.power_w_kg", 400.0, "W/kg", Outsid
     .on("mean of the positive mechanical power over the mass");
 /// Stall beyond which an orbit rests on laws that were not tested there.
 pub const BEYOND_12: Limit = Limit::warn_above("trim.stall_fraction_12", 0.5, "")
-    .on("only two published experiments test the lift laws in stall: share of U^2 c dy dt beyond 12 deg angle of attack");
+    .on("only four published experiments test the lift laws in stall: share of U^2 c dy dt beyond 12 deg angle of attack");
 /// Stall in which the wing does most of its work. The deepest shipped cruise, on the linkage, has 0.41.
 pub const BEYOND_20: Limit = Limit::at_most("trim.stall_fraction_20", 0.5, "", Outside)
     .on("share of U^2 c dy dt beyond 20 deg angle of attack");

@@ -172,10 +172,10 @@ impl Plan {
         let [x, y, z] = self.placed.placement.path.origin.0;
         let _ = writeln!(
             text,
-            "turn at {} m/s, roll {:.1} deg, pitch {:.1} deg (FLU: negative is nose up), radius {:.3} m, yaw rate {:.3} rad/s",
+            "turn at {} m/s, roll {:.1} deg, nose up {:.1} deg, radius {:.3} m, yaw rate {:.3} rad/s",
             turn.speed,
             turn.roll.to_degrees(),
-            turn.pitch.to_degrees(),
+            -turn.pitch.to_degrees(),
             turn.radius,
             -turn.roll.signum() * turn.speed / turn.radius,
         );
