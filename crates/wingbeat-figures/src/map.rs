@@ -99,9 +99,13 @@ fn spoken(record: &Record, key: &str) -> String {
             _ => key.into(),
         };
     };
-    let of = parts[..at].last().filter(|part| part.ends_with(']')).map_or(String::new(), |part| format!("{part} "));
+    let of = parts[..at]
+        .last()
+        .filter(|part| part.ends_with(']'))
+        .map_or(String::new(), |part| format!("{part} "));
     let name = parts[at].trim_end_matches(&end);
-    let rest: String = parts[at + 1..].iter().filter(|part| **part != "fourier").map(|part| format!(", {part}")).collect();
+    let rest: String =
+        parts[at + 1..].iter().filter(|part| **part != "fourier").map(|part| format!(", {part}")).collect();
     labelled(&format!("{of}{name}{rest}"), unit)
 }
 

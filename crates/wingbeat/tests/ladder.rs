@@ -72,6 +72,32 @@ fn every_module_uses_only_what_is_below_it() {
     assert!(found.is_empty(), "modules reach upward:\n{}", found.join("\n"));
 }
 
+/// Files outside its crate that a source includes: a package of the crate would lack them. Tests are in no package's build, and name such
+/// files from `CARGO_MANIFEST_DIR`.
+fn outside<'a>(text: &'a str, depth: usize) -> impl Iterator<Item = &'a str> {
+    let includes = text.split("include_str!(\"").chain(text.split("include_bytes!(\"")).skip(1);
+    let paths = includes.map(|rest| rest.split('"').next().unwrap_or_default());
+    paths.filter(move |path| path.split('/').take_while(|part| *part == "..").count() > depth)
+}
+
+#[test]
+fn no_package_lacks_what_its_sources_include() {
+    let mut found = Vec::new();
+    for folder in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap() {
+        let folder = folder.unwrap().path();
+        for path in files(&folder.join("src")) {
+            let Ok(text) = fs::read_to_string(&path) else { continue };
+            let depth = path.strip_prefix(&folder).unwrap().components().count() - 1;
+            found.extend(outside(&text, depth).map(|file| format!("{}: {file}", path.display())));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    assert_eq!(
+        outside("include_str!(\"../a\"); include_str!(\"../../b\")", 1).collect::<Vec<_>>(),
+        ["../../b"]
+    );
+}
+
 #[test]
 fn a_breach_is_seen() {
     let [plant, body, ..] = &RUNGS;

@@ -26,15 +26,7 @@ fn tested(arguments: &[&str], variables: &[(&str, &str)]) -> Tally {
         return Tally::one(false);
     };
     let mut tests = Command::new(python);
-    tests.args([
-        "-m",
-        "pytest",
-        "--quiet",
-        "--strict-markers",
-        "-rP",
-        "-p",
-        "no:cacheprovider",
-    ]);
+    tests.args(["-m", "pytest", "--quiet", "--strict-markers", "-rP", "-p", "no:cacheprovider"]);
     tests.args(arguments).envs(variables.iter().copied());
     tests.current_dir(tools::root().join(CRATE)).env("WINGBEAT_PROGRAM", tools::program());
     // Byte code of what the tests import, and of nothing else, is written, and not beside the sources.

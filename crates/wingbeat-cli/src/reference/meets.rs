@@ -91,7 +91,7 @@ fn shipped_documents_meet_their_schema_and_misspelt_ones_do_not_by_this_referenc
         }
     }
     let schema = DocumentKind::Scenario.schema();
-    let text = include_str!("../../../../scenarios/banking_turn.toml");
+    let text = include_str!("../../documents/banking_turn.toml");
     let file = DocumentKind::Scenario.schema_of_files();
     let based = serde_json::json!({ "base": "a.toml", "air": {}, "robot": { "base": "b.toml", "without": ["gait"] } });
     assert_eq!(fault(&file, &file, &based), None);

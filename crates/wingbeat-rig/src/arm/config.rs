@@ -123,7 +123,7 @@ pub struct ProfileConfig {
 impl ArmConfig {
     /// The Kinova Gen3 with six joints.
     pub fn kinova_gen3() -> Self {
-        let text = include_str!("../../../../rigs/arms/kinova_gen3_6dof.toml");
+        let text = include_str!("../../documents/kinova_gen3_6dof.toml");
         toml::from_str(text).expect("the embedded arm is valid; a test reads it")
     }
 

@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn errors_grow_as_their_rates_say() {
-        let text = include_str!("../../../../../robots/aerobat_paper.toml");
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/aerobat_paper.toml"));
         let spec: RobotSpec = toml::from_str(text).unwrap();
         let air = Air { density: 1.225, wind: Wind::steady(Vec3::ZERO) };
         let outlines = spec.outlines().unwrap();
