@@ -168,7 +168,7 @@ impl<'a> Film<'a> {
             }
         };
         if self.enlarged > 1.0 && self.asked.seen != Seen::Behind {
-            title += &format!("; robot on the path x{}", self.enlarged);
+            title += &format!("; on the path the robot is {} times enlarged", self.enlarged);
         }
         Picture { width, height, views, title }
     }
