@@ -146,9 +146,10 @@ impl ScenarioSpec {
             path.build().map_err(|e| e.within("path"))?;
         }
         if let Some(perch) = &self.perch {
-            let checked = perch.check(self.flight.step_s, self.flight.record_every_s);
-            let checked = checked.map_err(|e| e.within("perch"));
-            checked.map_err(|e| e.against(["flight.step_s", "flight.record_every_s"]))?;
+            perch.check().map_err(|e| e.within("perch"))?;
+            let seen = perch.seen_by(self.flight.step_s, self.flight.record_every_s);
+            let seen = seen.map_err(|e| e.within("perch"));
+            seen.map_err(|e| e.against(["flight.step_s", "flight.record_every_s"]))?;
         }
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use wingbeat_flight::simulate::Record;
+use wingbeat_judge::limits::flight;
 use wingbeat_judge::{Judge, Limit, Status};
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, Vec3, require};
@@ -114,7 +115,7 @@ const SEEN: f64 = 10.0;
 const STEPS: f64 = 10.0;
 
 impl PerchSpec {
-    pub(super) fn check(&self, step_s: f64, record_every_s: f64) -> Result<(), Error> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
         require::finite("place_m", &self.place_m)?;
         require::finite("claw_m", &self.claw_m)?;
@@ -123,6 +124,11 @@ impl PerchSpec {
         if !(length > 1e-6 && length.is_finite()) {
             return Err(Error::invalid("direction", format!("{:?}", self.direction), "a direction"));
         }
+        Ok(())
+    }
+
+    /// Refuses a hit that steps or records of the flight do not see.
+    pub(super) fn seen_by(&self, step_s: f64, record_every_s: f64) -> Result<(), Error> {
         if !(self.contact_s >= STEPS * step_s * (1.0 - 1e-9)) {
             let allowed = format!("{} or more, ten steps of the flight", STEPS * step_s);
             return Err(Error::invalid("contact_s", self.contact_s, allowed));
@@ -194,6 +200,12 @@ pub struct PerchSummary {
     pub least_distance_m: f64,
     /// Largest force between claw and perch, N.
     pub largest_force_n: f64,
+    /// Share of its cost that the last iteration of the plan of `controller.orbit.landing` saved.
+    pub plan_saved_fraction: Option<f64>,
+    /// Speed of the claw at the end of that plan, m/s.
+    pub plan_speed_m_s: Option<f64>,
+    /// Pitch off half a turn at the end of that plan, deg.
+    pub plan_pitch_deg: Option<f64>,
 }
 
 impl PerchSummary {
@@ -211,6 +223,7 @@ impl PerchSummary {
         let nose = 2.0 * (x[row] * z[row] - w[row] * y[row]);
         let back = 1.0 - 2.0 * (x[row] * x[row] + y[row] * y[row]);
         let caught = off(row) <= 1.0;
+        let planned = |of: &str| column(&format!("orbit_landing_{of}"))?.first().copied();
         Some(Self {
             caught,
             touched: caught || largest > 0.0,
@@ -221,6 +234,9 @@ impl PerchSummary {
             pitch_error_deg: (-nose).atan2(-back).to_degrees(),
             least_distance_m: distance.iter().copied().fold(f64::INFINITY, f64::min),
             largest_force_n: largest,
+            plan_saved_fraction: planned("saved"),
+            plan_speed_m_s: planned("speed"),
+            plan_pitch_deg: planned("pitch").map(f64::to_degrees),
         })
     }
 
@@ -228,5 +244,11 @@ impl PerchSummary {
         judge.hold_to(&DISTANCE, spec.capture_m, self.distance_m);
         judge.hold_to(&SPEED, spec.speed_within_m_s, self.speed_m_s);
         judge.hold_to(&ATTITUDE, spec.attitude_within_deg, self.attitude_error_deg);
+        judge.hold_if(&flight::LANDING_PLAN, self.plan_saved_fraction);
+        let ends = self.plan_speed_m_s.zip(self.plan_pitch_deg);
+        let over = |(speed, pitch): (f64, f64)| {
+            (speed / spec.speed_within_m_s).max(pitch / spec.attitude_within_deg)
+        };
+        judge.hold_if(&flight::LANDING_ASKED, ends.map(over));
     }
 }

@@ -197,6 +197,17 @@ impl SparSpec {
         if least.is_finite() { least } else { 0.0 }
     }
 
+    /// Mass per length over that of the fluid of `density` in the circle on the chord, the median of the stations.
+    pub(super) fn over_air(&self, planform: &Planform, density: f64) -> f64 {
+        let of = |station: &SparStationSpec| {
+            let (leading, trailing) = planform.edges(station.arc_m);
+            station.mass_kg_m / (0.25 * std::f64::consts::PI * density * (leading - trailing).powi(2))
+        };
+        let mut all: Vec<f64> = self.stations.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
+    }
+
     fn stations(&self, tip: f64) -> Result<Vec<Station>, Error> {
         let given = format!("{} stations", self.stations.len());
         let (Some(first), Some(last), true) =

@@ -1,7 +1,7 @@
 //! What the length of the steps does to a flight, estimated while it is flown.
 
 use wingbeat_flight::simulate::{Sample, Schedule, Stepper};
-use wingbeat_math::Vec3;
+use wingbeat_math::{Quat, Vec3};
 use wingbeat_robot::Robot;
 
 /// Instants at which steps are doubled, at most. *Choice*: a hundredth of the work of a flight of a second.
@@ -11,14 +11,17 @@ const INSTANTS: usize = 100;
 const ORDER: f64 = 15.0;
 /// Standard gravity, m/s2: what an error of the attitude does to the force that carries the robot.
 const GRAVITY: f64 = 9.81;
+/// Standard errors of the mean over the instants. *Choice.*
+const SURE: f64 = 2.0;
 
-/// Errors of position, velocity and attitude that the steps add, per second of flight.
-#[derive(Clone, Copy, Default)]
+/// Errors of position, velocity and attitude (a rotation in W) that the steps add, per second of flight, and the velocity there.
+#[derive(Clone, Copy)]
 struct Rate {
     t: f64,
-    position: f64,
-    velocity: f64,
-    attitude: f64,
+    position: Vec3,
+    velocity: Vec3,
+    attitude: Vec3,
+    flown: Vec3,
 }
 
 /// The estimate of a flight.
@@ -68,33 +71,41 @@ impl<'a> StepError<'a> {
         };
         let (short, long) = (after(self.step, 2)?, after(2.0 * self.step, 1)?);
         let layout = self.robot.layout();
-        let distance = |at: usize| (Vec3::from_slice(&short[at..]) - Vec3::from_slice(&long[at..])).norm();
-        // Half the angle of the small rotation between two unit quaternions is their distance.
-        let turn =
-            short[layout.attitude..][..4].iter().zip(&long[layout.attitude..]).map(|(a, b)| (a - b).powi(2));
         let per_second = 1.0 / (ORDER * 2.0 * self.step);
+        let apart = |at: usize| (Vec3::from_slice(&long[at..]) - Vec3::from_slice(&short[at..])) * per_second;
+        let [from, to] = [&short, &long].map(|x| Quat::from_wxyz(&x[layout.attitude..]));
+        let between = to * from.conjugate();
+        // Of a unit quaternion the vector is half a small angle; its opposite is the same rotation.
+        let twice = if between.w < 0.0 { -2.0 } else { 2.0 };
         Some(Rate {
             t: sample.t,
-            position: per_second * distance(layout.position),
-            velocity: per_second * distance(layout.velocity),
-            attitude: per_second * 2.0 * turn.sum::<f64>().sqrt(),
+            position: apart(layout.position),
+            velocity: apart(layout.velocity),
+            attitude: between.v * (twice * per_second),
+            flown: Vec3::from_slice(&sample.x[layout.velocity..]),
         })
     }
 
     /// The error of the position at the time `end`, m; infinite where twice the step cannot be taken, none without
     /// samples.
     ///
-    /// An error e made at t moves the position at T by e, that of the velocity by e (T - t), that of the attitude by
-    /// g e (T - t)^2 / 2.
+    /// An error e made at t moves the position at T by e, that of the velocity by e (T - t), that of the attitude by the flown velocity v
+    /// and the force m g turned with it, e x v (T - t) + e x g (T - t)^2 / 2. Errors of one stroke and the next cancel as vectors do; to
+    /// their sum come two standard errors of what the instants in between may add.
     pub fn at_end(&self, end: f64) -> Option<f64> {
         if self.failed {
             return Some(f64::INFINITY);
         }
+        let up = Vec3::new(0.0, 0.0, GRAVITY);
         let reach = |rate: &Rate| {
             let left = end - rate.t;
-            rate.position + rate.velocity * left + 0.5 * GRAVITY * rate.attitude * left * left
+            let turned = rate.attitude.cross(rate.flown + up * (0.5 * left));
+            rate.position + (rate.velocity + turned) * left
         };
-        let sum: f64 = self.rates.iter().map(reach).sum();
-        (!self.rates.is_empty()).then(|| sum / self.rates.len() as f64 * end)
+        let count = self.rates.len() as f64;
+        let all: Vec<Vec3> = self.rates.iter().map(reach).collect();
+        let mean = all.iter().fold(Vec3::ZERO, |sum, of| sum + *of) * (1.0 / count);
+        let spread = all.iter().map(|of| (*of - mean).norm().powi(2)).sum::<f64>() / count;
+        (!all.is_empty()).then(|| (mean.norm() + SURE * (spread / count).sqrt()) * end)
     }
 }

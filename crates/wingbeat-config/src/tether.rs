@@ -184,7 +184,11 @@ impl TetherCase {
             judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
             judge.hold_if(&tether::FLUTTER, run.steady.as_ref().and_then(|steady| self.growth(steady)));
             let spar = self.spec.spar.as_ref();
-            judge.hold_if(&tether::MASSLESS, spar.map(|spar| spar.least_mass(self.tether.wing.planform())));
+            let planform = self.tether.wing.planform();
+            judge.hold_if(&tether::MASSLESS, spar.map(|spar| spar.least_mass(planform)));
+            let density = self.spec.wind.density_kg_m3;
+            judge.hold_if(&tether::LIGHT, spar.map(|spar| spar.over_air(planform, density)));
+            judge.hold(&tether::SLENDER, 2.0 * planform.covered_half_span() / mean_chord(planform));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);

@@ -27,30 +27,38 @@ impl Harmonics {
     /// Source: Gauss; normal equations.
     /// Test: `harmonics_are_found_in_uneven_samples_of_several_cycles`.
     pub fn fitted(frequency: f64, t: &[f64], y: &[f64], count: usize) -> Option<Self> {
+        Self::fitted_each(frequency, t, &[y], count)?.pop()
+    }
+
+    /// The same of each of several rows of samples at the same `t`.
+    pub fn fitted_each(frequency: f64, t: &[f64], all: &[&[f64]], count: usize) -> Option<Vec<Self>> {
         let size = 2 * count + 1;
-        let (mut right, mut sums) = (vec![0.0; size], vec![(0.0, 0.0); size]);
-        for (t, y) in t.iter().zip(y) {
+        let (mut right, mut sums) = (vec![0.0; size * all.len()], vec![(0.0, 0.0); size]);
+        let mut waves = vec![(1.0, 0.0); size];
+        for (i, t) in t.iter().enumerate() {
             let phase = TAU * (frequency * t).fract();
             let (step_sin, step_cos) = phase.sin_cos();
             let (mut cos, mut sin) = (1.0, 0.0);
-            for (k, sum) in sums.iter_mut().enumerate() {
+            for (sum, wave) in sums.iter_mut().zip(&mut waves) {
                 *sum = (sum.0 + cos, sum.1 + sin);
-                if k <= count {
-                    right[k] += cos * y;
-                    right[if k > 0 { count + k } else { 0 }] += sin * y;
-                }
+                *wave = (cos, sin);
                 (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+            }
+            for (right, y) in right.chunks_exact_mut(size).zip(all) {
+                let (along, across) = right.split_at_mut(count + 1);
+                along.iter_mut().zip(&waves).for_each(|(sum, wave)| *sum += wave.0 * y[i]);
+                across.iter_mut().zip(&waves[1..]).for_each(|(sum, wave)| *sum += wave.1 * y[i]);
             }
         }
         let mut normal = normal(&sums);
         let mut pivots = vec![0; size];
         let known = lu_factor(&mut normal, size, &mut pivots)
-            && (0..size).all(|i| normal[i * size + i].abs() > UNDETERMINED * y.len() as f64);
-        known.then(|| {
-            lu_solve(&normal, size, &pivots, &mut right, 1);
-            let (cos, sin) = (right[1..=count].to_vec(), right[count + 1..].to_vec());
-            Self { mean: right[0], cos, sin }
-        })
+            && (0..size).all(|i| normal[i * size + i].abs() > UNDETERMINED * t.len() as f64);
+        let solved = |right: &mut [f64]| {
+            lu_solve(&normal, size, &pivots, right, 1);
+            Self { mean: right[0], cos: right[1..=count].to_vec(), sin: right[count + 1..].to_vec() }
+        };
+        known.then(|| right.chunks_exact_mut(size).map(solved).collect())
     }
 
     /// The sum at `cycles` of the fundamental.

@@ -6,7 +6,7 @@ use super::outliers::place;
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS};
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS, TREND};
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -67,14 +67,23 @@ struct Apart<'a> {
 }
 
 impl<'a> Apart<'a> {
-    fn of(series: &Series, channel: &'a Channel<'a>, cycles: f64) -> Option<Self> {
-        if channel.samples.iter().any(|x| !x.is_finite()) {
-            return None;
-        }
-        let at = Condensed::of(series.phase, channel.samples, cycles);
-        let (part, left) = Parts::of(&at, cycles)?;
-        let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
-        (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
+    /// Of all channels that are finite and move.
+    fn of_all(series: &'a Series, cycles: f64) -> Vec<Self> {
+        let finite = |channel: &&Channel| channel.samples.iter().all(|x| x.is_finite());
+        let condensed = |channel: &'a Channel<'a>| {
+            (channel, Condensed::of(series.phase, channel.samples, cycles))
+        };
+        let all: Vec<_> = series.channels.iter().filter(finite).map(condensed).collect();
+        let Some((_, first)) = all.first() else { return Vec::new() };
+        let values: Vec<&[f64]> = all.iter().map(|(_, at)| &at.values[..]).collect();
+        let fits = harmonics(first.values.len(), cycles)
+            .and_then(|count| Harmonics::fitted_each(1.0, &first.phase, &values, count));
+        let apart = |((channel, at), cycle): ((&'a Channel<'a>, Condensed), Harmonics)| {
+            let (part, left) = Parts::of(&at, cycles, &cycle);
+            let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
+            (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
+        };
+        all.into_iter().zip(fits.unwrap_or_default()).filter_map(apart).collect()
     }
 
     /// Whether it repeats at the frequency that is given for it.
@@ -137,8 +146,7 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     if !(cycles >= 0.9) {
         return found;
     }
-    let apart = |channel| Apart::of(series, channel, cycles);
-    let all: Vec<Apart> = series.channels.iter().filter_map(apart).collect();
+    let all = Apart::of_all(series, cycles);
     // All channels of a file have one frequency: where one repeats at that which is given, what others leave is no other frequency.
     let kept = all.iter().any(|one| one.is_telling(&all) && one.repeats());
     for one in all.iter().filter(|one| one.is_telling(&all)) {
@@ -162,17 +170,18 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     found
 }
 
+/// Harmonics that so many samples of so many cycles determine; none where there are too few.
+fn harmonics(count: usize, cycles: f64) -> Option<usize> {
+    let per_cycle = count as f64 / cycles.max(1.0);
+    let harmonics = HARMONICS.min((per_cycle / (2.0 * SPARE as f64)) as usize);
+    (harmonics > 0).then_some(harmonics)
+}
+
 impl Parts {
-    /// Of a channel, and what the harmonics leave of it; none where the samples do not determine them.
-    fn of(at: &Condensed, cycles: f64) -> Option<(Self, Vec<f64>)> {
+    /// Of a channel whose harmonics are `cycle`, and what those leave of it.
+    fn of(at: &Condensed, cycles: f64, cycle: &Harmonics) -> (Self, Vec<f64>) {
         let (phase, values) = (&at.phase, &at.values);
         let count = values.len();
-        let per_cycle = count as f64 / cycles.max(1.0);
-        let harmonics = HARMONICS.min((per_cycle / (2.0 * SPARE as f64)) as usize);
-        if harmonics == 0 {
-            return None;
-        }
-        let cycle = Harmonics::fitted(1.0, phase, values, harmonics)?;
         let fitted: Vec<f64> = phase.iter().map(|p| cycle.at(*p)).collect();
         let left: Vec<f64> = values.iter().zip(&fitted).map(|(x, fit)| x - fit).collect();
         let mean = values.iter().sum::<f64>() / count as f64;
@@ -189,10 +198,10 @@ impl Parts {
             drift,
             range: high - low,
             mean,
-            fitted: 2 * harmonics,
+            fitted: 2 * cycle.cos.len(),
             count,
         };
-        Some((part, left))
+        (part, left)
     }
 
     /// Power of the cycle over what the noise makes of it, each by its degrees of freedom.
@@ -265,7 +274,7 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
         let (limit, share) =
             if share > limits.of(&APERIODIC).0 { (&APERIODIC, share) } else { (&SWINGS, swings) };
         let finding = Finding::new("data.not_periodic", limit, about(), share, text);
-        let scatter = scatter(series, one).filter(|finding| finding.breaks(limits));
+        let scatter = sizes(series, one).into_iter().find(|finding| finding.breaks(limits));
         found.push(match scatter {
             Some(scatter) if !(finding.serious && finding.breaks(limits)) => scatter,
             _ => finding,
@@ -292,11 +301,11 @@ const FOR_SCATTER: usize = 4;
 /// Variance of their sizes over that which noise gives them, above which it is told. *Choice.*
 const ABOVE_NOISE: f64 = 4.0;
 
-/// The finding that the cycles differ in size: of each the part of the mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance
+/// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line: of each the part of the mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance
 /// s2 gives that the variance s2 / sum(f f), which is taken away.
-fn scatter(series: &Series, one: &Apart) -> Option<Finding> {
+fn sizes(series: &Series, one: &Apart) -> Vec<Finding> {
     let Apart { channel, at, part, left } = one;
-    let first = *at.phase.first()?;
+    let Some(first) = at.phase.first() else { return Vec::new() };
     // The last sample of a whole cycle lies a step before its end.
     let count = at.phase.len() as f64;
     let mut sums = vec![[0.0; 2]; (series.cycles() * (1.0 + 1.5 / count)).min(count) as usize];
@@ -313,13 +322,22 @@ fn scatter(series: &Series, one: &Apart) -> Option<Finding> {
     let mean = sizes().sum::<f64>() / count;
     let noise = part.white * count / all;
     let spread = sizes().map(|size| (size - mean).powi(2)).sum::<f64>() / count;
+    if sums.len() < FOR_SCATTER || !(mean > 0.0 && spread > ABOVE_NOISE * noise) {
+        return Vec::new();
+    }
+    let at = |k: usize| (k as f64 + 0.5) / count - 0.5;
+    // The squares of places that lie evenly from -1/2 to 1/2 have the mean (1 - 1 / n^2) / 12.
+    let slope = sizes().enumerate().map(|(k, size)| at(k) * size).sum::<f64>() * 12.0 / (count - 1.0 / count);
     let size = (spread - noise).max(0.0).sqrt() / mean;
-    let text = format!(
-        "the sizes of its cycles differ by {:.0} % (rms): the mean cycle is that of none of them; cut the file to its steady part",
-        100.0 * size
-    );
-    (sums.len() >= FOR_SCATTER && mean > 0.0 && spread > ABOVE_NOISE * noise)
-        .then(|| Finding::new("data.not_periodic", &SCATTER, series.about(channel.name), size, text))
+    let of = |limit, size: f64, how: &str| {
+        let text = format!(
+            "the sizes of its cycles {how} by {:.0} %{}: the mean cycle is that of none of them; cut the file to its steady part",
+            100.0 * size,
+            if how == "differ" { " (rms)" } else { " from begin to end" }
+        );
+        Finding::new("data.not_periodic", limit, series.about(channel.name), size, text)
+    };
+    vec![of(&SCATTER, size, "differ"), of(&TREND, (slope / mean).abs(), "change")]
 }
 
 /// The finding that the data repeat at another frequency than the one given.
@@ -353,13 +371,15 @@ fn other_frequency(
 /// last leads into the first.
 fn lasts(series: &Series, channel: &Channel) -> Option<Finding> {
     let (given, cycles, y) = (series.frequency_hz?, series.cycles(), channel.samples);
+    if series.purpose != Purpose::Motion {
+        return None;
+    }
     let steps: Vec<f64> = series.phase.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let step = cycles / steps.len().max(1) as f64;
     let even = steps.iter().all(|one| (one - step).abs() < 0.5 * step);
     let gap = (1.0 - cycles) / step;
     let (first, last) = (*y.first()?, *y.last()?);
-    if series.purpose != Purpose::Motion
-        || steps.len() < FEW
+    if steps.len() < FEW
         || !even
         || !ONE_CYCLE.contains(&cycles)
         || NO_GAP.contains(&gap)

@@ -97,8 +97,10 @@ pub fn examined(series: &Series, limits: &Limits) -> Vec<Finding> {
     let mut found = time::findings(series);
     // A gap that is small leaves the rest to be judged.
     if !found.iter().any(|finding| finding.breaks(limits)) {
-        found.extend(values::findings(series, limits));
-        found.extend(outliers::findings(series, limits));
+        let extents: Vec<Option<values::Extent>> =
+            series.channels.iter().map(|channel| values::Extent::of(channel.samples)).collect();
+        found.extend(values::findings(series, &extents, limits));
+        found.extend(outliers::findings(series, &extents, limits));
         found.extend(cycle::findings(series, limits));
         found.extend(outliers::equals(series));
     }

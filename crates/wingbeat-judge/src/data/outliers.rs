@@ -3,7 +3,8 @@
 use super::values::Extent;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{ALTERNATES, OUTLIERS, SWAPPED, WRAPPED};
+use super::same::dead_band;
+use crate::limits::data::{ALTERNATES, BY_TURNS, HOLE, OUTLIERS, SWAPPED, WRAPPED};
 
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
 const SAME: usize = 8;
@@ -26,29 +27,55 @@ const COUNTS: f64 = 40.0;
 /// Samples of a cycle from which every second one is told from the others. *Choice.*
 const FOR_SECOND: f64 = 8.0;
 
-/// Of all channels whose samples are finite.
-pub(super) fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
+/// Of all channels whose samples are finite; `extents` are those of all channels.
+pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) -> Vec<Finding> {
     let cycles = series.cycles();
-    let known = |channel: &&Channel| channel.samples.iter().all(|x| x.is_finite());
-    let all: Vec<&Channel> = series.channels.iter().filter(known).collect();
+    let channels = series.channels.iter().copied().zip(extents);
+    let all: Vec<(Channel, Extent)> =
+        channels.filter_map(|(channel, extent)| Some((channel, (*extent)?))).collect();
     if !(cycles >= 0.9) || series.phase.len() < 2 * SAME {
         return Vec::new();
     }
+    let breaks = |finding: &Finding| finding.breaks(limits);
     if series.purpose == Purpose::Motion {
-        return all.into_iter().filter_map(|channel| jagged(series, channel)).collect();
+        let of = |(channel, extent): &(Channel, Extent)| {
+            let far = jagged(series, channel, *extent).filter(breaks);
+            far.or_else(|| alternating(series, channel, *extent, cycles).pop())
+        };
+        return all.iter().filter_map(of).collect();
     }
-    let usual: Vec<Usual> = all.iter().map(|channel| Usual::of(series.phase, channel, cycles)).collect();
+    let at = Places::of(series.phase, cycles);
+    let usual: Vec<Usual> = all.iter().map(|(channel, extent)| Usual::of(&at, channel, *extent)).collect();
     let mut found = Vec::new();
-    for (channel, own) in all.iter().zip(&usual) {
-        let same = all.iter().zip(&usual).filter(|(other, _)| other.unit == channel.unit);
+    for ((channel, extent), own) in all.iter().zip(&usual) {
+        let same = all.iter().zip(&usual).filter(|((other, _), _)| other.unit == channel.unit);
         let most = same.map(|(_, usual)| usual.range).fold(0.0, f64::max);
         // Of one cause one finding.
-        let breaks = |finding: &Finding| finding.breaks(limits);
-        let first = alternating(series, channel, cycles).filter(breaks);
-        let first = first.or_else(|| own.apart(series, channel, most).filter(breaks));
-        found.extend(first.or_else(|| wrapped(series, channel, own.extent?, cycles)));
+        let turns = alternating(series, channel, *extent, cycles);
+        let first = turns.iter().find(|finding| finding.serious && breaks(finding)).cloned();
+        let first = first.or_else(|| own.apart(series, channel, &at, most).filter(breaks));
+        let first = first.or_else(|| wrapped(series, channel, *extent, cycles).filter(breaks));
+        let first = first.or_else(|| hole(series, channel, *extent, cycles).filter(breaks));
+        found.extend(first.or_else(|| turns.into_iter().find(breaks)));
     }
     found
+}
+
+/// The place of the cycle that each sample lies in, and how many there are.
+struct Places {
+    of: Vec<u8>,
+    count: usize,
+    /// Of so many samples of a place each, taken evenly from the whole file, the median is known well enough.
+    every: usize,
+}
+
+impl Places {
+    fn of(phase: &[f64], cycles: f64) -> Self {
+        let per_cycle = phase.len() as f64 / cycles.max(1.0);
+        let count = PLACES.min(phase.len() / SAME).min(per_cycle as usize).max(1);
+        let of = phase.iter().map(|p| place(*p, count) as u8).collect();
+        Self { of, count, every: phase.len().div_ceil(count * ENOUGH) }
+    }
 }
 
 /// What the samples of one phase usually are.
@@ -57,21 +84,16 @@ struct Usual {
     places: Vec<[f64; 2]>,
     /// Range of the medians.
     range: f64,
-    extent: Option<Extent>,
+    extent: Extent,
 }
 
 impl Usual {
-    fn of(phase: &[f64], channel: &Channel, cycles: f64) -> Self {
-        let count = phase.len();
-        let per_cycle = count as f64 / cycles.max(1.0);
-        let places = PLACES.min(count / SAME).min(per_cycle as usize).max(1);
-        // Of so many samples of a place the median is known well enough; they are taken evenly from the whole file.
-        let every = count.div_ceil(places * ENOUGH);
-        let mut there: Vec<(usize, Vec<f64>)> =
-            (0..places).map(|_| (0, Vec::with_capacity(count / places / every + SAME))).collect();
-        for (p, x) in phase.iter().zip(channel.samples) {
-            let (seen, of) = &mut there[place(*p, places)];
-            if *seen % every == 0 {
+    fn of(at: &Places, channel: &Channel, extent: Extent) -> Self {
+        let room = at.of.len() / at.count / at.every + SAME;
+        let mut there: Vec<(usize, Vec<f64>)> = (0..at.count).map(|_| (0, Vec::with_capacity(room))).collect();
+        for (place, x) in at.of.iter().zip(channel.samples) {
+            let (seen, of) = &mut there[usize::from(*place)];
+            if *seen % at.every == 0 {
                 of.push(*x);
             }
             *seen += 1;
@@ -87,14 +109,14 @@ impl Usual {
         places.iter_mut().for_each(|place| place[1] = place[1].max(all));
         let middles = || places.iter().map(|place| place[0]).filter(|x| x.is_finite());
         let range = middles().fold(f64::MIN, f64::max) - middles().fold(f64::MAX, f64::min);
-        Self { range: range.max(0.0), places, extent: Extent::of(channel.samples) }
+        Self { range: range.max(0.0), places, extent }
     }
 
     /// The finding that samples lie far from those of their phase, in jumps, and what they add. `most` is the largest range of the
     /// unit.
-    fn apart(&self, series: &Series, channel: &Channel, most: f64) -> Option<Finding> {
+    fn apart(&self, series: &Series, channel: &Channel, at: &Places, most: f64) -> Option<Finding> {
         let (samples, places) = (channel.samples, self.places.len());
-        let count = self.extent?.count;
+        let count = self.extent.count;
         let least = (APART[0] * self.range).max(APART[1] * most);
         let least = if count.is_finite() { least.max(BEYOND * count) } else { least };
         let bounds = |here: usize| {
@@ -105,11 +127,11 @@ impl Usual {
             [middle.min(beside[0]).min(beside[1]) - by, middle.max(beside[0]).max(beside[1]) + by, middle]
         };
         let bounds: Vec<[f64; 3]> = (0..places).map(bounds).collect();
-        let of = |p: f64, x: f64| {
-            let [low, high, middle] = bounds[place(p, places)];
-            if x < low || x > high { (x - middle).abs() } else { 0.0 }
+        let of = |(place, x): (&u8, &f64)| {
+            let [low, high, middle] = bounds[usize::from(*place)];
+            if *x < low || *x > high { (x - middle).abs() } else { 0.0 }
         };
-        let far: Vec<f64> = series.phase.iter().zip(samples).map(|(p, x)| of(*p, *x)).collect();
+        let far: Vec<f64> = at.of.iter().zip(samples).map(of).collect();
         if far.iter().all(|far| *far == 0.0) {
             return None;
         }
@@ -176,8 +198,8 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
 }
 
 /// The finding that single rows of a motion lie far from those before and after them, which agree.
-fn jagged(series: &Series, channel: &Channel) -> Option<Finding> {
-    let range = Extent::of(channel.samples)?.range();
+fn jagged(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+    let range = extent.range();
     let off = |of: &[f64]| of[1] - 0.5 * (of[0] + of[2]);
     let usual = median(&mut channel.samples.windows(3).map(|of| off(of).abs()).collect::<Vec<f64>>());
     let least = (APART[0] * range).max(BEYOND * OF_MEDIAN * usual);
@@ -203,17 +225,92 @@ fn jagged(series: &Series, channel: &Channel) -> Option<Finding> {
     })
 }
 
-/// The finding that every second sample is of something else: neighbours differ by more than those two apart do.
-fn alternating(series: &Series, channel: &Channel, cycles: f64) -> Option<Finding> {
-    let squares = |by: usize| {
-        let all = channel.samples.windows(by + 1).map(|of| (of[by] - of[0]).powi(2));
-        all.sum::<f64>() / (channel.samples.len() - by) as f64
-    };
-    let [one, two] = [squares(1), squares(2)];
-    let size = one / two.max(1e-12 * one);
+/// Stretches of the range in which samples are counted, samples in the stretches beside a hole at least, and times that it is leapt over, in
+/// a cycle and in all. *Choices.*
+const STRETCHES: usize = 128;
+const BESIDE: f64 = 0.02;
+const LEAPT: [f64; 2] = [0.5, 8.0];
+
+/// The finding that a smooth channel leaps over a part of its range, up and down, and never takes a value of it: a bit of the converter is
+/// dead, or two ranges do not meet.
+fn hole(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Option<Finding> {
+    let (samples, range) = (channel.samples, extent.range());
+    if range < COUNTS * extent.count {
+        return None;
+    }
+    let mut there = [0_u32; STRETCHES];
+    let scale = STRETCHES as f64 / range;
+    samples.iter().for_each(|x| there[(((x - extent.low) * scale) as usize).min(STRETCHES - 1)] += 1);
+    // The longest stretch without a sample, by its end and length.
+    let (mut run, mut most) = (0, (0, 0));
+    for (k, count) in there.iter().enumerate() {
+        run = if *count == 0 { run + 1 } else { 0 };
+        most = if run > most.1 { (k + 1, run) } else { most };
+    }
+    let (end, run) = most;
+    let size = run as f64 / STRETCHES as f64;
+    if size < HOLE.value {
+        return None;
+    }
+    let count = |of: &[u32]| f64::from(of.iter().sum::<u32>());
+    let begin = end - run;
+    let beside = [&there[begin.saturating_sub(run)..begin], &there[end..(end + run).min(STRETCHES)]];
+    let dense = beside.iter().all(|of| count(of) > BESIDE * samples.len() as f64);
+    let middle = extent.low + 0.5 * (begin + end) as f64 / scale;
+    let leaps = samples.windows(2).filter(|pair| (pair[0] < middle) != (pair[1] < middle)).count() as f64;
+    let mut steps: Vec<f64> = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let smooth = median(&mut steps) < 0.25 * size * range;
+    // An instrument with a dead band leaves out both sides of it.
+    let edges = samples.iter().fold([f64::MIN, f64::MAX], |[low, high], x| {
+        if *x < middle { [low.max(*x), high] } else { [low, high.min(*x)] }
+    });
+    let banded = || edges.iter().any(|edge| dead_band(samples, *edge, extent));
+    let text = format!(
+        "leaps over {:.0} % of its range, from {:.4} to {:.4} {}, and never takes a value there: a bit of the converter is dead, or two \
+         ranges do not meet",
+        100.0 * size,
+        edges[0],
+        edges[1],
+        channel.unit
+    );
+    (dense && leaps > LEAPT[1].max(LEAPT[0] * cycles) && smooth && !banded())
+        .then(|| Finding::new("data.hole", &HOLE, series.about(channel.name), size, text))
+}
+
+/// Part of the range that second differences have at least, rms, for their order to be looked at. *Choice.*
+const BENT: f64 = 0.02;
+
+/// The findings that every second sample is of something else: neighbours differ by more than those two apart do, or second differences
+/// have one sign and the other by turns.
+fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Vec<Finding> {
+    let samples = channel.samples;
+    let (mut one, mut two, mut bent, mut turned, mut before) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for of in samples.windows(3) {
+        let by = (of[2] - of[1]) - (of[1] - of[0]);
+        one += (of[1] - of[0]).powi(2);
+        two += (of[2] - of[0]).powi(2);
+        bent += by * by;
+        turned += by * before;
+        before = by;
+    }
+    let count = samples.len() as f64;
+    if !(one > 0.0 && count > FOR_SECOND * cycles) {
+        return Vec::new();
+    }
+    let loads = series.purpose == Purpose::Loads;
+    let signs = one / two.max(1e-12 * one);
     let text = "every second sample is of something else: channels of a multiplexer are mixed up, or signs alternate";
-    (one > 0.0 && channel.samples.len() as f64 > FOR_SECOND * cycles)
-        .then(|| Finding::new("data.alternates", &ALTERNATES, series.about(channel.name), size, text))
+    let about = || series.about(channel.name);
+    let mut found = Vec::new();
+    if loads {
+        found.push(Finding::new("data.alternates", &ALTERNATES, about(), signs, text));
+    }
+    if bent > count * (BENT * extent.range()).powi(2) {
+        let text = "leaps up and down by turns from sample to sample: rows in swapped pairs, two sources by turns, or a line near half \
+                    the rate";
+        found.push(Finding::new("data.alternates", &BY_TURNS, about(), turned / bent, text));
+    }
+    found
 }
 
 /// The findings that two channels that move are one.

@@ -1,7 +1,7 @@
 //! A channel that was cut off before noise was added: its end is flat, and quieter than the rest of the cycle.
 
 use super::outliers::{OF_MEDIAN, median, place};
-use super::{Channel, Finding, Series};
+use super::{Channel, Finding, Purpose, Series};
 use crate::limits::data::CLIPPED;
 
 /// Places of the cycle at least and at most, and samples of each at least. *Choice.*
@@ -12,6 +12,8 @@ const ENOUGH: usize = 64;
 /// Part of the range within which the end is flat, and the places on it, in parts of a cycle. A slack line is flat for longer. *Choices.*
 const FLAT: f64 = 0.01;
 const SHARE: std::ops::Range<f64> = 0.05..0.36;
+/// Share of a cycle up to which one that is flat for longer, and not near zero, is noted. *Choice.*
+const LONG: f64 = 0.6;
 /// Part of the range that the errors of the mean cycle may have. *Choice.*
 const BURIED: f64 = 0.05;
 /// Part of the range within which an end is near zero. *Choice.*
@@ -53,8 +55,8 @@ const CORNER: f64 = 0.45;
 /// but near zero, and for longer: an end near zero counts only where the other one is flat and quiet too. It is a warning of a channel
 /// that others of its unit dwarf, where what moves the mount scatters more than noise does, and where samples lie beyond the end or
 /// the load comes to it without a corner: a wing that stalls may have a flat top, and buffet beside it.
-pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<Finding> {
-    let places = places(series, channel.samples)?;
+pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, placed: &Placed) -> Option<Finding> {
+    let places = placed.of(channel.samples)?;
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
     let range = high - low;
     let noise = median(&mut places.iter().map(|of| of.noise).collect::<Vec<_>>());
@@ -76,7 +78,8 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64) -> Option<
         let below = QUIET.min(1.0 - SURE / there().map(|of| of.count).sum::<f64>().sqrt());
         let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
         let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(&places, &on) > CORNER;
-        (seen && SHARE.contains(&share) && noise * noise < below * usual).then(|| (share, cut()))
+        let flat = (SHARE.start..LONG).contains(&share) && noise * noise < below * usual;
+        (seen && flat).then(|| (share, share < SHARE.end && cut()))
     };
     let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
@@ -149,24 +152,40 @@ fn elsewhere(places: &[Place], on: &[bool]) -> Option<f64> {
     (rise * x < BY_SLOPE * y && least > 0.0).then_some(least)
 }
 
-/// The places of the cycle; none where the samples of a place are too few.
-fn places(series: &Series, samples: &[f64]) -> Option<Vec<Place>> {
-    let per_cycle = samples.len() as f64 / series.cycles().max(1.0);
-    let count = PLACES[1].min(samples.len() / SAME).min(per_cycle as usize);
-    if count < PLACES[0] {
-        return None;
+/// Which samples tell of the places of the cycle, each with its place and where it lies in it, from -1/2 to 1/2.
+pub(super) struct Placed {
+    samples: Vec<(usize, usize, f64)>,
+    count: usize,
+}
+
+/// The same of the samples of `series`; of none where a place has too few.
+pub(super) fn placed(series: &Series) -> Placed {
+    let (phase, cycles) = (series.phase, series.cycles());
+    let count = PLACES[1].min(phase.len() / SAME).min((phase.len() as f64 / cycles.max(1.0)) as usize);
+    if series.purpose != Purpose::Loads || count < PLACES[0] {
+        return Placed { samples: Vec::new(), count: 0 };
     }
-    let every = samples.len().div_ceil(count * ENOUGH);
-    let mut there: Vec<(usize, Vec<(f64, f64)>)> =
-        (0..count).map(|_| (0, Vec::with_capacity(samples.len() / count / every + SAME))).collect();
-    for (p, x) in series.phase.iter().zip(samples) {
-        let (seen, of) = &mut there[place(*p, count)];
-        if *seen % every == 0 {
-            of.push((((p - p.floor()) * count as f64).fract() - 0.5, *x));
+    let every = phase.len().div_ceil(count * ENOUGH);
+    let mut seen = vec![0; count];
+    let mut samples = Vec::with_capacity(phase.len() / every + count);
+    for (k, p) in phase.iter().enumerate() {
+        let at = place(*p, count);
+        if seen[at] % every == 0 {
+            samples.push((k, at, ((p - p.floor()) * count as f64).fract() - 0.5));
         }
-        *seen += 1;
+        seen[at] += 1;
     }
-    there.iter().map(|(_, of)| (of.len() >= SAME).then(|| Place::of(of))).collect()
+    Placed { samples, count }
+}
+
+impl Placed {
+    fn of(&self, samples: &[f64]) -> Option<Vec<Place>> {
+        let room = self.samples.len() / self.count.max(1) + SAME;
+        let mut there: Vec<Vec<(f64, f64)>> = (0..self.count).map(|_| Vec::with_capacity(room)).collect();
+        self.samples.iter().for_each(|(k, at, within)| there[*at].push((*within, samples[*k])));
+        let places = there.iter().map(|of| (of.len() >= SAME).then(|| Place::of(of)));
+        places.collect::<Option<Vec<Place>>>().filter(|places| !places.is_empty())
+    }
 }
 
 impl Place {

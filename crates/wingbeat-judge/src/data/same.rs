@@ -2,7 +2,7 @@
 
 use super::values::Extent;
 use super::{Channel, Finding, Purpose, Series};
-use crate::limits::data::{COUNTS, LOST, REPEATED};
+use crate::limits::data::{COPIED, COUNTS, LOST, REPEATED};
 
 /// Slots by which values are counted, and how often the most frequent value must come beside the next. *Choices.*
 const SLOTS: usize = 1 << 10;
@@ -43,7 +43,7 @@ fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
     let value = *channel.samples.iter().find(|x| slot(x) == most)?;
     let runs = channel.samples.chunk_by(|a, b| a == b).filter(|run| run[0] == value && run.len() < CODE);
     let size = runs.map(<[f64]>::len).sum::<usize>() as f64 / channel.samples.len() as f64;
-    if near(channel.samples, value) < APART * extent.range() {
+    if near(channel.samples, value) < APART * extent.range() || dead_band(channel.samples, value, extent) {
         return None;
     }
     let text = format!(
@@ -53,6 +53,53 @@ fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
         channel.unit
     );
     Some(Finding::new("data.outliers", &REPEATED, series.about(channel.name), size, text))
+}
+
+/// Width to either side of a dead band, in parts of a channel's range, at most, and samples in the stretch of that width beyond it, over
+/// those that read its value, at least, on either side. *Choices.*
+const BAND: f64 = 0.15;
+const BESIDE: f64 = 0.1;
+
+/// Whether `value` is what an instrument with a dead band reads all about it: no sample lies nearer to it than the width of the band, and as
+/// far again beyond that many do, on either side. About a code lie samples at any distance, or none.
+pub(super) fn dead_band(samples: &[f64], value: f64, extent: Extent) -> bool {
+    let off = || samples.iter().map(|x| x - value).filter(|off| *off != 0.0);
+    let width = off().fold(f64::INFINITY, |least, off| least.min(off.abs()));
+    let beyond = off().filter(|off| off.abs() <= 2.0 * width);
+    let (above, below) = beyond.fold((0, 0), |(a, b), off| if off > 0.0 { (a + 1, b) } else { (a, b + 1) });
+    let there = samples.len() - off().count();
+    width < BAND * extent.range() && f64::from(above.min(below)) > BESIDE * there as f64
+}
+
+/// Samples of a stretch that is sought again, stretches of a file, and parts of a cycle after which loads without noise have it again.
+/// *Choices.*
+const STRETCH: usize = 32;
+const STRETCHES: usize = 8;
+const NEXT: f64 = 1.2;
+
+/// The finding that stretches come again sample by sample: a buffer that was written twice, a file that was glued of copies. A load without
+/// noise is the same in the next cycle.
+pub(super) fn copied(series: &Series) -> Option<Finding> {
+    let moves = |of: &[f64]| of.windows(2).all(|pair| pair[0] != pair[1]);
+    let (mut again, mut after, count) = (0, 0, series.phase.len());
+    if count < 2 * STRETCHES * STRETCH {
+        return None;
+    }
+    let channel = series.channels.iter().find(|channel| moves(&channel.samples[..STRETCH]))?;
+    for k in 0..STRETCHES {
+        let from = k * (count - STRETCH) / STRETCHES;
+        let [here, later] = [&channel.samples[from..from + STRETCH], &channel.samples[from + STRETCH..]];
+        let same = |at: &usize| later[*at] == here[0] && later[*at..].starts_with(here);
+        let found = (0..later.len()).find(same).filter(|_| moves(here));
+        if let Some(at) = found.filter(|at| series.phase[from + STRETCH + at] - series.phase[from] > NEXT) {
+            (again, after) = (again + 1, STRETCH + at);
+        }
+    }
+    let size = f64::from(again) / STRETCHES as f64;
+    let text = format!(
+        "{again} of {STRETCHES} stretches come again sample by sample, {after} samples later: a buffer that was written twice, or a file          that was glued of copies"
+    );
+    Some(Finding::new("data.copied", &COPIED, series.about(channel.name), size, text).in_channel(channel.name))
 }
 
 /// Median of what the samples beside those of `value` are off it: little where an instrument has a dead band about it.

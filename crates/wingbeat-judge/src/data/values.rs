@@ -48,27 +48,27 @@ impl Extent {
 }
 
 /// What is wrong with the values.
-pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
-    let extents: Vec<Option<Extent>> =
-        series.channels.iter().map(|channel| Extent::of(channel.samples)).collect();
+pub fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) -> Vec<Finding> {
     let mut found = Vec::new();
-    for (channel, extent) in series.channels.iter().zip(&extents) {
+    let placed = plateau::placed(series);
+    for (channel, extent) in series.channels.iter().zip(extents) {
         match extent {
             None => {
                 let count = channel.samples.iter().filter(|x| !x.is_finite()).count();
                 found.extend(not_finite(series.what, channel.name, count));
             }
             Some(extent) => {
-                let own = of_channel(series, channel, *extent, limits);
+                let own = of_channel(series, (channel, *extent), &placed, limits);
                 found.extend(own.into_iter().map(|finding| finding.in_channel(channel.name)));
             }
         }
     }
-    found.extend(nothing(series, &extents));
+    found.extend(nothing(series, extents));
     if series.purpose == Purpose::Loads {
-        found.extend(coarse(series, &extents));
+        found.extend(coarse(series, extents));
+        found.extend(same::copied(series));
     }
-    found.extend(standing(series, &extents));
+    found.extend(standing(series, extents));
     found
 }
 
@@ -96,9 +96,15 @@ fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
             "spans {counts:.0} steps of {:.3e} {}: the range of the converter is far too wide",
             extent.count, channel.unit
         );
-        // One that others of its unit dwarf may flip a bit.
+        // One that others of its unit dwarf may flip a bit, and one alone of its unit leaves the others good.
         let dwarfed = extent.range() < HALF * most(channel.unit);
-        let limit = if counts < COUNTS.value && !dwarfed { &COUNTS } else { &FEW_COUNTS };
+        let fine = |(other, extent): (&Channel, &Option<Extent>)| {
+            extent.is_some_and(|extent| {
+                other.unit != channel.unit && extent.range() > FEW_COUNTS.value * extent.count
+            })
+        };
+        let alone = all().filter(|(other, _)| other.unit == channel.unit).count() == 1 && all().any(fine);
+        let limit = if counts < COUNTS.value && !dwarfed && !alone { &COUNTS } else { &FEW_COUNTS };
         let found = || Finding::new("data.coarse", limit, series.about(channel.name), counts, text);
         (judged && counts < FEW_COUNTS.value && even()).then(|| found().in_channel(channel.name))
     };
@@ -173,7 +179,12 @@ pub fn not_finite(what: &str, channel: &str, count: usize) -> Option<Finding> {
         .then(|| Finding::new("data.not_finite", &NOT_FINITE, about, count as f64, text).in_channel(channel))
 }
 
-fn of_channel(series: &Series, channel: &Channel, extent: Extent, limits: &Limits) -> Vec<Finding> {
+fn of_channel(
+    series: &Series,
+    (channel, extent): (&Channel, Extent),
+    placed: &plateau::Placed,
+    limits: &Limits,
+) -> Vec<Finding> {
     let about = || series.about(channel.name);
     let largest = extent.high.abs().max(extent.low.abs());
     let text = format!("the largest value is {largest:.3e} {}: check the unit and the scale", channel.unit);
@@ -185,7 +196,7 @@ fn of_channel(series: &Series, channel: &Channel, extent: Extent, limits: &Limit
         let breaks = |finding: &Finding| finding.breaks(limits);
         let clipped = clipped(series, channel, extent, &[extent.high, extent.low]).filter(breaks);
         let within = || clipped_within(series, channel, extent).filter(breaks);
-        found.extend(clipped.or_else(within).or_else(|| plateau::cut_off(series, channel, extent.count)));
+        found.extend(clipped.or_else(within).or_else(|| plateau::cut_off(series, channel, extent.count, placed)));
     }
     found
 }
@@ -250,6 +261,9 @@ fn clipped_within(series: &Series, channel: &Channel, extent: Extent) -> Option<
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let most = levels.chunk_by(|a, b| a.0 == b.0).filter(|level| level.len() > 1);
     let most = most.max_by_key(|level| level.iter().map(|run| run.1).sum::<usize>())?;
+    if same::dead_band(channel.samples, most[0].0, extent) {
+        return None;
+    }
     clipped(series, channel, extent, &[most[0].0])
 }
 

@@ -88,6 +88,15 @@ pub const WRAPPED: Limit = Limit::at_most("data.leaps_per_cycle", 0.5, "", Suspe
 /// White noise has 1, its differences 1.5, and smooth loads a quarter.
 pub const ALTERNATES: Limit = Limit::at_most("data.alternating_ratio", 3.0, "", SuspectData)
     .on("mean square of the steps from sample to sample over that of the steps to the second next");
+/// Correlation of the second differences of one sample and the next: white noise has -2/3, and smooth loads 1.
+pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0.9, "")
+    .on("correlation of the second differences from sample to sample");
+/// A converter whose bit is dead leaves out a half, a quarter, an eighth of its range.
+pub const HOLE: Limit = Limit::warn_above("data.hole_fraction", 0.05, "")
+    .on("widest part of its range that a smooth channel leaps over and never takes");
+/// Noise hardly ever gives 32 samples in a row again; what is written twice has them.
+pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "")
+    .on("share of the stretches of a channel that come again sample by sample, later than in the next cycle,");
 /// Smooth motions have up to 1.5 from 5 rows a cycle on, rounded and noisy ones less than 2: a spike of five times the acceleration makes
 /// loads of five times the inertia.
 pub const ENDS: Limit = Limit::at_most("data.ends_ratio", 5.0, "", SuspectData)
@@ -124,6 +133,9 @@ pub const SAMPLES: Limit =
 /// line below it.
 pub const OF_LINE: Limit = Limit::at_least("data.samples_of_line", 3.0, "", SuspectData)
     .on("number of samples in a period of the strongest line");
+/// Loads that grow by less from begin to end lie within what strokes of a steady crank do (measured: 6 to 20 %).
+pub const TREND: Limit = Limit::warn_above("data.size_trend_fraction", 0.3, "")
+    .on("change of the size of the cycles of a channel from begin to end, by a straight line, over their mean size,");
 /// A measured load of many counts hardly ever has one value twice; a fiftieth of the samples changes a mean as much as a gain does.
 pub const REPEATED: Limit = Limit::at_most("data.repeated_fraction", 0.02, "", SuspectData)
     .on("share of the samples that have one and the same value, each by itself,");
@@ -135,9 +147,9 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 39] = [
+pub const ALL: [Limit; 43] = [
     NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
     ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED,
-    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, SCATTER, REPEATED, SAMPLES, OF_LINE,
-    LAGS, BENT,
+    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, SCATTER, TREND, REPEATED, COPIED, SAMPLES,
+    OF_LINE, LAGS, BENT, BY_TURNS, HOLE,
 ];

@@ -71,14 +71,22 @@ pub const DIVE_HEIGHT: Limit = Limit::at_most("flight.dive_velocity_heads", 1.6,
 /// What the plan of a dive would still gain by going on: it ends when an iteration saves less.
 pub const DIVE_PLAN: Limit = Limit::warn_above("flight.dive_plan_fraction", 1e-3, "")
     .on("the plan of the dive is not at its least after its most iterations: share of its cost that the last one saved");
+/// The same of a landing.
+pub const LANDING_PLAN: Limit = Limit::warn_above("flight.landing_plan_fraction", 1e-3, "")
+    .on("the plan of the landing is not at its least after its most iterations: share of its cost that the last one saved");
+/// What the plan ends with over what `[perch]` asks of the claw: beyond one a flight on the plan misses it.
+pub const LANDING_ASKED: Limit = Limit::warn_above("flight.landing_end_fraction", 1.0, "")
+    .on("the plan of the landing ends faster or further from hanging than the claw latches (controller.orbit.landing): the larger of both over what perch allows");
 /// Pitch against the plan of a dive. The shipped one stays within 2 deg in still air.
 pub const DIVE_PITCH: Limit = Limit::at_most("flight.dive_pitch_deg", 10.0, "deg", OffTarget)
     .on("largest error of the pitch in a dive");
 
 /// All of them.
-pub const ALL: [Limit; 22] = [
+pub const ALL: [Limit; 24] = [
     DIVE_HEIGHT,
     DIVE_PLAN,
+    LANDING_PLAN,
+    LANDING_ASKED,
     DIVE_PITCH,
     ALTITUDE,
     ATTITUDE,

@@ -36,6 +36,15 @@ pub const FLUTTER: Limit = Limit::at_most("tether.growth_fraction", 1e-3, "", Ou
 pub const MASSLESS: Limit = Limit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
     "a wing has mass and inertia all along: least of either per length at a station of the spar, over the square or the fourth power of its chord, beside the median of all,",
 );
+/// A spar that is lighter than this part of the air about it, pi rho c^2 / 4 per length: films without a spar have 0.15 in air. *Choice.*
+pub const LIGHT: Limit = Limit::warn_below("tether.spar_over_air", 0.1, "").on(
+    "a wing that is lighter than the air about it (is its mass in kg/m?): mass of the spar per length over that of the fluid in the circle on the chord, median of the stations,",
+);
+/// Span over mean chord below which strips and lifting line are far off: at one they give 4/3 of the lift of a slender wing (R. T. Jones,
+/// NACA report 835, 1946), at a half 8/5.
+pub const SLENDER: Limit = Limit::warn_below("tether.aspect_ratio", 1.0, "")
+    .on("strips and lifting line hold for wings that are wide (are the chords in m?): span over the mean chord");
 
 /// All of them.
-pub const ALL: [Limit; 9] = [STEPS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS];
+pub const ALL: [Limit; 11] =
+    [STEPS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER];

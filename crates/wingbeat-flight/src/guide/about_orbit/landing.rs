@@ -93,6 +93,8 @@ pub(super) struct Landing {
     inputs: Vec<usize>,
     /// Where the claw ends.
     end: Vec3,
+    /// Share of its cost that the last iteration saved, speed of the claw at its end, m/s, and pitch off half a turn there, rad.
+    pub reached: [f64; 3],
     /// Where the crank's part of the phase is among the states.
     crank: Option<usize>,
     layout: Layout,
@@ -184,6 +186,7 @@ impl Landing {
         Ok(Self {
             duration: spec.cycles as f64 * cycle.duration(1.0),
             end: claw_of(&layout, end, approach.perch.claw())[0],
+            reached: [flown.saved, speed, over.to_radians()],
             steps,
             commands,
             gains,

@@ -239,6 +239,15 @@ impl AboutOrbit<'_> {
     }
 }
 
+/// Columns of a landing, and their units.
+const LANDING: [(&str, &str); 5] = [
+    ("orbit_landing", ""),
+    ("orbit_landing_ahead", "m"),
+    ("orbit_landing_saved", ""),
+    ("orbit_landing_speed", "m/s"),
+    ("orbit_landing_pitch", "rad"),
+];
+
 impl Controller for AboutOrbit<'_> {
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         let begun = Instant::now();
@@ -316,7 +325,7 @@ impl Controller for AboutOrbit<'_> {
         ];
         let dive =
             self.family.dive().map(|_| ["orbit_dive", "orbit_dive_saved"].map(|n| Column::new(n, "", "")));
-        let landing = ["orbit_landing", "orbit_landing_ahead"].into_iter().zip(["", "m"]);
+        let landing = LANDING.into_iter();
         let landing = landing.map(|(name, unit)| Column::new(name, unit, ""));
         let landing = landing.filter(|_| self.family.landing().is_some());
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
@@ -335,7 +344,7 @@ impl Controller for AboutOrbit<'_> {
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(&self.seen[..4]);
         match (self.family.dive(), self.family.landing()) {
-            (_, Some(_)) => row.extend(&self.seen[4..6]),
+            (_, Some(landing)) => row.extend(self.seen[4..6].iter().chain(&landing.reached)),
             (Some(dive), None) => row.extend([self.seen[4], dive.saved]),
             (None, None) => {}
         }
