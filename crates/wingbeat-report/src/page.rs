@@ -249,6 +249,8 @@ fn of_motion(motion: &Motion, without: Without, pack: &mut Pack) -> Value {
     put("spindle", json!({ "size": motion::SPINDLE_SIZE, "rings": motion::SPINDLE }));
     put("wind", json!(motion.wind));
     put("free", json!(motion.free));
+    put("bare", json!(motion.bare));
+    put("ground", json!(motion.ground));
     put("repeats", json!(motion.repeats));
     put("circulation", json!(motion.circulation.filter(|_| !without.wake)));
     put("table", json!(motion.table));

@@ -1,21 +1,31 @@
-//! Pages of runs in headless Chromium (Debian's package `chromium`), and files for other programs by their own validators.
+//! Pages of runs in headless Chromium (Debian's package `chromium`).
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use crate::report::Tally;
-use crate::tools;
+use crate::{exports, tools};
 
 /// Where Chromium is, unless `CHROMIUM` says.
 const CHROMIUM: &str = "/usr/bin/chromium";
 
 /// The runs whose pages are opened, with the arguments that make them.
-const RUNS: [(&str, &[&str]); 11] = [
+const RUNS: [(&str, &[&str]); 18] = [
     ("turn", &["fly", "scenarios/banking_turn.toml"]),
     ("minute", &["fly", "scenarios/banking_turn.toml", "--set", "flight.duration_s=60"]),
     ("glide", &["fly", "scenarios/glider.toml", "--set", "flight.duration_s=1"]),
     ("bank", &["fly", "scenarios/bank30_20g_lev.toml"]),
+    ("land", &["fly", "scenarios/land_20g.toml"]),
+    (
+        "ground",
+        &["fly", "scenarios/level_20g.toml", "--set", "air.ground_m=-0.3", "--set", "flight.duration_s=1"],
+    ),
+    ("dive", &["fly", "scenarios/dive_45_20g.toml"]),
+    ("membrane", &["fly", "scenarios/aerobat_membrane.toml"]),
+    ("reorientation", &["fly", "scenarios/reorientation.toml"]),
+    ("rollin", &["plan", "scenarios/roll_in.toml"]),
+    ("spar", &["tether", "cases/pazy.toml"]),
     ("trim", &["trim", "scenarios/cruise_20g.toml"]),
     ("tether", &["tether", "cases/flap_f2.toml"]),
     ("wake", &["wake", "cases/flap_f2.toml"]),
@@ -25,7 +35,7 @@ const RUNS: [(&str, &[&str]); 11] = [
     ("fit", &["calibrate", "calibrations/two_runs.toml"]),
 ];
 
-/// Makes the runs, opens their pages, and validates their glTF files.
+/// Makes the runs and opens their pages.
 pub fn check() -> Tally {
     let chromium = std::env::var("CHROMIUM").unwrap_or_else(|_| CHROMIUM.into());
     if !Path::new(&chromium).exists() {
@@ -36,14 +46,10 @@ pub fn check() -> Tally {
     match made(&folder) {
         Ok(()) => {
             let script = tools::root().join("crates/xtask/browser");
-            let node = |name: &str| {
-                let mut command = Command::new("node");
-                command.arg(script.join(name)).arg(&folder).env("CHROMIUM", &chromium);
-                command.env("WINGBEAT", tools::program());
-                Tally::of(command)
-            };
-            let (pages, models) = (node("check.mjs"), node("models.mjs"));
-            Tally { passed: pages.passed + models.passed, failed: pages.failed + models.failed }
+            let mut node = Command::new("node");
+            node.arg(script.join("check.mjs")).arg(&folder).env("CHROMIUM", &chromium);
+            node.env("WINGBEAT", tools::program());
+            Tally::of(node)
         }
         Err(why) => {
             eprintln!("error: {why}");
@@ -56,14 +62,7 @@ pub fn check() -> Tally {
 fn made(folder: &Path) -> Result<(), String> {
     fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let package = tools::root().join("crates/xtask/browser/package.json");
-    fs::copy(&package, folder.join("package.json")).map_err(|error| error.to_string())?;
-    if !folder.join("node_modules/puppeteer-core").is_dir() {
-        let mut npm = Command::new("npm");
-        npm.args(["install", "--no-audit", "--no-fund", "--ignore-scripts"]).current_dir(folder);
-        tools::succeeds(npm)
-            .then_some(())
-            .ok_or("npm could not install puppeteer-core, axe-core and gltf-validator")?;
-    }
+    exports::packages(folder, &package, "puppeteer-core")?;
     let run = |arguments: &[&str], more: &[&str]| {
         tools::succeeds(tools::wingbeat(&[arguments, more].concat()))
             .then_some(())
@@ -74,12 +73,11 @@ fn made(folder: &Path) -> Result<(), String> {
         run(arguments, &["--quiet", "--force", "--out", &inside(name)])?;
     }
     run(&["rig", "process", &inside("arm")], &["--quiet", "--force", "--out", &inside("processed")])?;
-    let (turn, small, model) = (inside("turn"), inside("small.html"), inside("turn.glb"));
+    let (turn, small) = (inside("turn"), inside("small.html"));
     run(&["report", &turn, "--no-wake", "--force", "--quiet", "--out", &small], &[])?;
     let both = inside("two/report.html");
     fs::create_dir_all(folder.join("two")).map_err(|error| error.to_string())?;
     run(&["report", &turn, &inside("glide"), "--force", "--quiet", "--out", &both], &[])?;
-    run(&["export", &turn, "--gltf", "--force", "--quiet", "--out", &model], &[])?;
     hostile(folder, &turn)
 }
 

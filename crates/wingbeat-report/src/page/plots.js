@@ -53,7 +53,7 @@ class Plots {
     panel.svg.addEventListener('pointerdown', event => { panel.held = true; at(event); });
     panel.svg.addEventListener('pointermove', event => panel.held && event.buttons && at(event));
     for (const end of ['pointerup', 'pointerleave', 'pointercancel']) panel.svg.addEventListener(end, () => panel.held = false);
-    const title = make('h3', {}, panel.title + (panel.unit ? ` [${panel.unit === 'deg' ? '°' : panel.unit}]` : ''));
+    const unit = panel.unit.replace('deg', '°').replace(/2/g, '²'), title = make('h3', {}, panel.title + (unit ? ` [${unit}]` : ''));
     // The line where the time is lies over the plot, which so is drawn once.
     panel.cursor = make('div', { class: 'cursor', 'aria-hidden': 'true' });
     panel.box = make('div', { class: 'panel' }, title, make('div', { class: 'plot' }, panel.svg, panel.cursor), keys);
@@ -82,24 +82,29 @@ class Plots {
   }
   drawn(panel, w, h) {
     const s = panel.svg, [low, high] = panel.range, left = this.left, right = w - 6, bottom = h - 18;
-    const X = x => left + (right - left) * (x - this.low) / (this.high - this.low || 1), Y = y => bottom - (bottom - 4) * (y - low) / (high - low);
+    const X = x => left + (right - left) * (x - this.low) / (this.high - this.low || 1), Y = y => bottom - (bottom - 9) * (y - low) / (high - low);
     s.replaceChildren(); s.setAttribute('viewBox', `0 0 ${w} ${h}`);
     for (const y of ticks(low, high, 4)) { s.append(svg('line', { x1: left, x2: right, y1: Y(y), y2: Y(y), stroke: 'var(--line)' }), svg('text', { x: left - 4, y: Y(y) + 4, 'text-anchor': 'end' }, digits(y))); }
     const axis = this.runs[0].axis;
-    ticks(this.low, this.high, Math.max(2, w / 90)).forEach(x => s.append(svg('line', { x1: X(x), x2: X(x), y1: bottom, y2: bottom + 4, stroke: 'var(--quiet)' }), svg('text', { x: Math.min(X(x), right - 12), y: h - 4, 'text-anchor': 'middle' }, digits(x))));
-    s.append(svg('text', { x: right, y: h - 4, 'text-anchor': 'end' }, axis.unit || axis.label));
+    const word = axis.unit || axis.label, free = right - 3 - 6 * word.length;
+    ticks(this.low, this.high, Math.max(2, w / 90)).forEach(x => {
+      const half = 3.2 * digits(x).length;
+      s.append(svg('line', { x1: X(x), x2: X(x), y1: bottom, y2: bottom + 4, stroke: 'var(--quiet)' }));
+      if (X(x) + half < free) s.append(svg('text', { x: X(x), y: h - 4, 'text-anchor': 'middle' }, digits(x)));
+    });
+    s.append(svg('text', { x: right, y: h - 4, 'text-anchor': 'end' }, word));
     s.append(svg('line', { x1: left, x2: right, y1: bottom, y2: bottom, stroke: 'var(--quiet)' }));
     if (panel.limits) for (const limit of panel.limits) if (limit >= low && limit <= high) { s.append(svg('line', { x1: left, x2: right, y1: Y(limit), y2: Y(limit), stroke: 'var(--bad)', 'stroke-dasharray': '3 3' }), svg('text', { x: right - 2, y: Y(limit) + (limit > 0 ? 12 : -3), 'text-anchor': 'end' }, 'limit ' + digits(limit))); }
     for (const curve of panel.curves) {
       const { values: t, joined } = this.runs[curve.run].axis, p = paint(curve.role), dash = p.dash || DASHES[curve.run % 4];
       if (!joined) { for (let i = 0; i < t.length; i++) if (Number.isFinite(curve.values[i])) s.append(svg('circle', { cx: X(t[i]).toFixed(1), cy: Y(curve.values[i]).toFixed(1), r: 2, fill: p.stroke })); continue; }
-      const path = this.way(t, curve.values, X, Y, right - left);
+      const path = this.way(t, curve.values, X, Y, right - left, panel.unit === 'deg' ? 90 : Infinity);
       s.append(svg('path', { d: path, fill: 'none', stroke: p.stroke, 'stroke-width': p.width, 'stroke-dasharray': dash, opacity: p.opacity || 1, 'stroke-linejoin': 'round' }));
     }
     panel.X = X;
   }
-  // Of many points in one column of pixels the least and the most.
-  way(t, values, X, Y, pixels) {
+  // Of many points in one column of pixels the least and the most; an angle that turns over between two frames is not joined.
+  way(t, values, X, Y, pixels, jump) {
     const n = t.length, bin = Math.max(1, Math.floor(n / pixels / 1.2));
     let d = '', pen = 'M';
     const to = i => { d += `${pen}${X(t[i]).toFixed(1)} ${Y(values[i]).toFixed(1)}`; pen = 'L'; };
@@ -107,6 +112,7 @@ class Plots {
       let least = -1, most = -1;
       for (let k = i; k < Math.min(n, i + bin); k++) if (Number.isFinite(values[k])) { if (least < 0 || values[k] < values[least]) least = k; if (most < 0 || values[k] > values[most]) most = k; }
       if (least < 0) { pen = 'M'; continue; }
+      if (i && Math.abs(values[i] - values[i - 1]) > jump) pen = 'M';
       if (least === most) to(least); else { to(Math.min(least, most)); to(Math.max(least, most)); }
     }
     return d;
