@@ -170,12 +170,13 @@ impl<'a> Film<'a> {
             _ if !self.motion.free => vec![self.far(i, whole)],
             _ => {
                 let (w, h) = (0.34 * width, 0.44 * height);
-                let corner = Pane { x: width - w - 8.0, y: 8.0, width: w, height: h };
+                // Below the title.
+                let corner = Pane { x: width - w - 8.0, y: 26.0, width: w, height: h };
                 vec![self.far(i, whole), self.near(i, corner, true)]
             }
         };
         if self.enlarged > 1.0 && self.asked.seen != Seen::Behind {
-            title += &format!("; on the path the robot is {} times enlarged", self.enlarged);
+            title += &format!("; on the path the robot is enlarged {} times", self.enlarged);
         }
         Picture { width, height, views, title }
     }

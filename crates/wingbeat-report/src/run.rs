@@ -79,7 +79,8 @@ impl Run {
     /// Nothing does, and why.
     pub fn moves(&self) -> Result<&Motion, String> {
         self.motion.as_ref().ok_or_else(|| {
-            let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
+            let why = self.notes.iter().filter(|note| note.starts_with("no"));
+            let notes: String = why.map(|note| format!("; {note}")).collect();
             format!("{}: nothing moves in this {}{notes}", self.name, self.kind)
         })
     }

@@ -1,9 +1,12 @@
 """Files of `wingbeat export` read by the programs that they are for: `python check.py FOLDER`.
 
-FOLDER holds the run folder `turn` and its exports turn.mcap, .csv, .npz, .mat and turn-vtk. Every number is held against record.parquet.
+FOLDER holds the run folder `turn` and its exports turn.mcap, .csv, .npz, .mat and turn-vtk; WINGBEAT names the program. Every number is
+held against record.parquet.
 """
 
 import json
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -144,9 +147,43 @@ def vtk() -> None:
     holds("pyvista: panels with a side, forces and circulation", mesh.n_cells > 10 and forces > 0 and {"circulation_m2_s"} <= set(mesh.point_data) and "side" in mesh.cell_data)
 
 
+def hostile() -> None:
+    """Records that no flight leaves: a page and files come of them, or one message says why not."""
+    rows = len(RECORD)
+    huge, lost, nowhere, odd = (RECORD.copy() for _ in range(4))
+    huge.loc[rows // 2 :, ["pitch", "p_WB_z"]] = 1e300
+    lost.iloc[rows // 3 :, 1:] = np.nan
+    nowhere["p_WB_x"] = np.nan
+    odd["quat_w"] = 1e300
+    million = pd.concat([RECORD.iloc[:1000]] * 1000, ignore_index=True)
+    million["t"] = 1e-3 * np.arange(len(million))
+    records = {"huge": huge, "lost": lost, "nowhere": nowhere, "odd": odd, "none": RECORD.iloc[:0], "one": RECORD.iloc[:1], "million": million}
+    manifest = json.loads((FOLDER / "turn" / "manifest.json").read_text())
+    manifest.pop("checksums", None)
+    place = FOLDER / "odd"
+    shutil.rmtree(place, ignore_errors=True)
+    for name, record in records.items():
+        run = place / name
+        run.mkdir(parents=True)
+        for file in ("scenario.toml", "summary.json"):
+            shutil.copy(FOLDER / "turn" / file, run)
+        (run / "manifest.json").write_text(json.dumps(manifest))
+        record.to_parquet(run / "record.parquet")
+        asked = {"report": ["report", run, "--out", place / f"{name}.html"]}
+        for form, file in {"mcap": "mcap", "gltf": "glb", "npz": "npz", "csv": "csv"}.items():
+            if name != "million" or form == "gltf":
+                asked[form] = ["export", run, f"--{form}", "--out", place / f"{name}.{file}"]
+        for what, arguments in asked.items():
+            ended = subprocess.run([os.environ["WINGBEAT"], *arguments, "--quiet"], check=False, capture_output=True, text=True, timeout=300)
+            refused = ended.returncode == 2 and ended.stderr.startswith("error: ") and ended.stderr.count("\n") == 1 and not arguments[-1].exists()
+            made = ended.returncode == 0 and arguments[-1].stat().st_size > 0
+            holds(f"{name}: {what} is {'made' if made else 'refused: ' + ended.stderr.strip()[-60:]}", refused or made)
+
+
 if __name__ == "__main__":
     mcap(FOLDER / "turn.mcap")
     arrays()
     vtk()
+    hostile()
     print(f"{tally[0]} passed, {tally[1]} failed")
     sys.exit(bool(tally[1]))

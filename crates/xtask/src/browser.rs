@@ -23,7 +23,7 @@ const RUNS: [(&str, &[&str]); 18] = [
     ),
     ("dive", &["fly", "scenarios/dive_45_20g.toml"]),
     ("membrane", &["fly", "scenarios/aerobat_membrane.toml"]),
-    ("reorientation", &["fly", "scenarios/reorientation.toml"]),
+    ("reorientation", &["plan", "scenarios/reorientation.toml"]),
     ("rollin", &["plan", "scenarios/roll_in.toml"]),
     ("spar", &["tether", "cases/pazy.toml"]),
     ("trim", &["trim", "scenarios/cruise_20g.toml"]),
@@ -78,7 +78,59 @@ fn made(folder: &Path) -> Result<(), String> {
     let both = inside("two/report.html");
     fs::create_dir_all(folder.join("two")).map_err(|error| error.to_string())?;
     run(&["report", &turn, &inside("glide"), "--force", "--quiet", "--out", &both], &[])?;
+    odd_loads(folder)?;
     hostile(folder, &turn)
+}
+
+/// Pages of a wing whose loads have no row, one, numbers beyond all sense, or a million rows.
+fn odd_loads(folder: &Path) -> Result<(), String> {
+    let text = |error: std::io::Error| error.to_string();
+    let (from, run) = (folder.join("tether"), folder.join("odd"));
+    let loads = fs::read_to_string(from.join("loads.csv")).map_err(text)?;
+    let (head, rows) = loads.split_once('\n').ok_or("loads.csv has no rows")?;
+    let rows: Vec<&str> = rows.lines().collect();
+    let kept = |lines: &mut dyn Iterator<Item = String>| {
+        lines.fold(format!("{head}\n"), |text, line| text + &line + "\n")
+    };
+    let huge = |(k, row): (usize, &&str)| match (k, row.split_once(',')) {
+        (3, Some((t, rest))) => format!("{t}{}", ",1e300".repeat(rest.split(',').count())),
+        _ => (*row).to_owned(),
+    };
+    let million = (0..1_000_000).map(|k| format!("{:.4},{}\n", f64::from(k) * 1e-4, k % 7));
+    let all = [
+        ("none", kept(&mut std::iter::empty())),
+        ("one", kept(&mut rows.iter().take(1).map(|row| (*row).to_owned()))),
+        ("huge", kept(&mut rows.iter().enumerate().map(huge))),
+        ("million", format!("t,force_wind_lift\n{}", million.collect::<String>())),
+    ];
+    for (name, loads) in all {
+        let _ = fs::remove_dir_all(&run);
+        fs::create_dir_all(&run).map_err(text)?;
+        for file in ["case.toml", "summary.json"] {
+            fs::copy(from.join(file), run.join(file)).map_err(text)?;
+        }
+        fs::write(run.join("loads.csv"), loads).map_err(text)?;
+        without_sums(&from, &run)?;
+        report(&run, &folder.join(format!("hostile-{name}.html")))?;
+    }
+    fs::remove_dir_all(&run).map_err(text)
+}
+
+/// The manifest of a run without checksums, by which the program would find its files changed.
+fn without_sums(from: &Path, to: &Path) -> Result<(), String> {
+    let text = |error: std::io::Error| error.to_string();
+    let manifest = fs::read_to_string(from.join("manifest.json")).map_err(text)?;
+    let mut manifest: serde_json::Value =
+        serde_json::from_str(&manifest).map_err(|error| format!("manifest.json: {error}"))?;
+    manifest["checksums"].take();
+    fs::write(to.join("manifest.json"), manifest.to_string()).map_err(text)
+}
+
+/// Writes the `page` of a run.
+fn report(run: &Path, page: &Path) -> Result<(), String> {
+    let [run, page] = [run, page].map(|path| path.display().to_string());
+    let made = tools::wingbeat(&["report", &run, "--force", "--quiet", "--out", &page]);
+    tools::succeeds(made).then_some(()).ok_or_else(|| format!("wingbeat report {run}"))
 }
 
 /// A run whose name and texts are markup.
@@ -89,19 +141,11 @@ fn hostile(folder: &Path, turn: &str) -> Result<(), String> {
     let _ = fs::remove_dir_all(&run);
     fs::create_dir_all(&run).map_err(text)?;
     fs::copy(Path::new(turn).join("record.parquet"), run.join("record.parquet")).map_err(text)?;
-    // Without checksums, by which the program would find the texts changed.
-    let manifest = fs::read_to_string(Path::new(turn).join("manifest.json")).map_err(text)?;
-    let mut manifest: serde_json::Value =
-        serde_json::from_str(&manifest).map_err(|error| format!("manifest.json: {error}"))?;
-    manifest["checksums"].take();
-    fs::write(run.join("manifest.json"), manifest.to_string()).map_err(text)?;
+    without_sums(Path::new(turn), &run)?;
     let markup = "</script><script>window.pwned = 1</script>";
     let scenario = fs::read_to_string(Path::new(turn).join("scenario.toml")).map_err(text)?;
     fs::write(run.join("scenario.toml"), format!("# {markup}\n{scenario}")).map_err(text)?;
     let summary = format!("{{ \"status\": \"failed\", \"reason\": \"{markup}\", \"size\": 1e300 }}");
     fs::write(run.join("summary.json"), summary).map_err(text)?;
-    let page = folder.join("hostile.html").display().to_string();
-    let run = run.display().to_string();
-    let made = tools::wingbeat(&["report", &run, "--force", "--quiet", "--out", &page]);
-    tools::succeeds(made).then_some(()).ok_or_else(|| "wingbeat report of a hostile run".into())
+    report(&run, &folder.join("hostile.html"))
 }

@@ -33,7 +33,7 @@ pub fn check() -> Tally {
         .filter(|python| tools::pip(python, &["--requirement"], &scripts.join("requirements.txt")).is_some());
     tally += python.map_or(Tally::one(false), |python| {
         let mut command = Command::new(python);
-        command.arg(scripts.join("check.py")).arg(&folder);
+        command.arg(scripts.join("check.py")).arg(&folder).env("WINGBEAT", tools::program());
         Tally::of(command)
     });
     match packages(&folder, &scripts.join("package.json"), "three") {

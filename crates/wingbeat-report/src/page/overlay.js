@@ -44,9 +44,9 @@ class Overlay {
   // Of panels at those places to the left.
   sides(w, left) { this.wings(w, [left.some(y => y > 0), left.some(y => y < 0)]); }
   scale(w, h, most, text) {
-    const x = w - 226, y = h - 18;
-    for (let i = 0; i < 160; i += 4) { const c = circulationColour((i - 78) / 60); this.patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }
-    this.write(text, x + 210, y - 8, 'right');
-    this.write(digits(+(-most).toPrecision(2)), x - 4, y + 8, 'right'); this.write(digits(+most.toPrecision(2)), x + 164, y + 8);
+    const n = w > 420 ? 160 : 80, x = w - n - 66, y = h - 18;
+    for (let i = 0; i < n; i += 4) { const c = circulationColour((i + 2 - 0.5 * n) / (0.375 * n)); this.patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }
+    this.write(text, x + n + 50, y - 8, 'right');
+    this.write(digits(+(-most).toPrecision(2)), x - 4, y + 8, 'right'); this.write(digits(+most.toPrecision(2)), x + n + 4, y + 8);
   }
 }

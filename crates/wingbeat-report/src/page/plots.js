@@ -2,7 +2,9 @@
 const SVG = 'http://www.w3.org/2000/svg';
 const svg = (name, attributes, text) => { const e = document.createElementNS(SVG, name); for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v); if (text !== undefined) e.textContent = text; return e; };
 const DASHES = ['', '7 4', '2 3', '9 3 2 3'];
-function paint([kind, n]) {
+function paint([kind, n], run, which) {
+  // Of several runs each has a colour, and each of its curves another line.
+  if (run !== undefined && kind !== 'reference') return { stroke: `var(--c${run % 8})`, width: 1.5, dash: DASHES[which % 4], opacity: kind === 'pale' ? 0.5 : 1 };
   if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: 1.7 };
   if (kind === 'own') return { stroke: `var(--c${n % 8})`, width: 1.6 };
   if (kind === 'pale') return { stroke: ['var(--left)', 'var(--right)', 'var(--quiet)'][n], width: 3.4, opacity: 0.35 };
@@ -38,10 +40,11 @@ class Plots {
   away() { this.watch.disconnect(); this.sized.disconnect(); clearTimeout(this.later); this.root.replaceChildren(); }
   build(panel) {
     const several = this.runs.length > 1, keys = make('div', { class: 'keys' });
+    const labels = [...new Set(panel.curves.filter(c => c.role[0] !== 'reference').map(c => c.label))];
     panel.outputs = panel.curves.map(curve => {
-      const p = paint(curve.role), out = make('output'), swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
+      const p = curve.paint = several ? paint(curve.role, curve.run, labels.indexOf(curve.label)) : paint(curve.role), out = make('output'), swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
       swatch.style.borderTopColor = p.stroke; swatch.style.borderTopWidth = Math.min(3, p.width + 0.6) + 'px';
-      swatch.style.borderTopStyle = p.dash || (several && curve.run) ? 'dashed' : 'solid'; swatch.style.opacity = p.opacity || 1;
+      swatch.style.borderTopStyle = p.dash ? p.dash === '2 3' ? 'dotted' : 'dashed' : 'solid'; swatch.style.opacity = p.opacity || 1;
       keys.append(make('span', {}, swatch, ' ', (several ? this.runs[curve.run].name + (curve.label ? ': ' : '') : '') + curve.label, ' ', out));
       return out;
     });
@@ -96,10 +99,10 @@ class Plots {
     s.append(svg('line', { x1: left, x2: right, y1: bottom, y2: bottom, stroke: 'var(--quiet)' }));
     if (panel.limits) for (const limit of panel.limits) if (limit >= low && limit <= high) { s.append(svg('line', { x1: left, x2: right, y1: Y(limit), y2: Y(limit), stroke: 'var(--bad)', 'stroke-dasharray': '3 3' }), svg('text', { x: right - 2, y: Y(limit) + (limit > 0 ? 12 : -3), 'text-anchor': 'end' }, 'limit ' + digits(limit))); }
     for (const curve of panel.curves) {
-      const { values: t, joined } = this.runs[curve.run].axis, p = paint(curve.role), dash = p.dash || DASHES[curve.run % 4];
+      const { values: t, joined } = this.runs[curve.run].axis, p = curve.paint;
       if (!joined) { for (let i = 0; i < t.length; i++) if (Number.isFinite(curve.values[i])) s.append(svg('circle', { cx: X(t[i]).toFixed(1), cy: Y(curve.values[i]).toFixed(1), r: 2, fill: p.stroke })); continue; }
       const path = this.way(t, curve.values, X, Y, right - left, panel.unit === 'deg' ? 90 : Infinity);
-      s.append(svg('path', { d: path, fill: 'none', stroke: p.stroke, 'stroke-width': p.width, 'stroke-dasharray': dash, opacity: p.opacity || 1, 'stroke-linejoin': 'round' }));
+      s.append(svg('path', { d: path, fill: 'none', stroke: p.stroke, 'stroke-width': p.width, 'stroke-dasharray': p.dash || '', opacity: p.opacity || 1, 'stroke-linejoin': 'round' }));
     }
     panel.X = X;
   }
@@ -126,6 +129,8 @@ class Plots {
     for (const panel of this.panels) {
       if (!panel.X || !(panel.seen || all)) continue;
       panel.cursor.style.transform = `translateX(${panel.X(t).toFixed(1)}px)`;
+      // On paper a plot stands in the middle of its box.
+      panel.cursor.style.left = this.printing ? `calc(50% - ${this.width / 2}px)` : '';
       if (!words) continue;
       panel.curves.forEach((curve, k) => { const v = curve.values[rows[curve.run]]; panel.outputs[k].textContent = digits(Math.abs(v) < 1e-6 * (panel.range[1] - panel.range[0]) ? 0 : v); });
     }

@@ -50,10 +50,10 @@ class Stage {
     this.look.bound = of('--furrow'); this.look.wind = of('--quiet');
     this.state.dirty = true;
   }
-  // The colours of run number `k`: those of later runs are paler, their paths of another colour.
+  // The colours of run number `k`: those of later runs are paler; of several each has a path in the colour of its plots.
   looks(k) {
     const tinted = c => k ? [...mixed(c.slice(0, 3), [1, 1, 1], 0.35 * Math.min(k, 2)), c[3]] : c;
-    return { ...this.look, sides: this.look.sides.map(tinted), path: k ? this.look.sources[(k + 1) % 8] : this.look.path };
+    return { ...this.look, sides: this.look.sides.map(tinted), path: this.motions.length > 1 ? this.look.sources[k % 8] : this.look.path };
   }
   choose(mode) {
     Object.assign(this.view, { mode, zoom: 1, shift: [0, 0, 0] }, VIEWS[mode]);
@@ -68,7 +68,7 @@ class Stage {
     camera.elevation = limited(view.elevation, -1.5, 1.5);
     if (!whole) { camera.target = add(m.free ? m.at(m.smooth) : m.middle(), view.shift); camera.distance = 5 * box.reach * view.zoom; return; }
     camera.target = this.middle();
-    this.fit(camera, this.canvas.clientWidth / this.canvas.clientHeight);
+    this.fit(camera, this.size[0] / this.size[1]);
     camera.target = add(camera.target, view.shift); camera.distance *= view.zoom;
   }
   // From where a whole way is seen: one that bends from behind its begin, so that right is right; a straight one more from its side.
@@ -147,9 +147,11 @@ class Stage {
     if (!state.playing && !this.follows) this.rest = setTimeout(() => this.sharpen(), 200);
     return (this.soft || this.flat ? 1 : dense) * this.quality;
   }
+  // Of a page on paper, which hides the canvas itself, a size that fits there.
+  get size() { const { clientWidth, clientHeight } = this.canvas; return this.paper && !clientWidth ? [960, 540] : [clientWidth, clientHeight]; }
   sharpen() { if (!this.state.playing) { this.sharp = true; this.state.dirty = true; this.frame(); this.sharp = false; } }
   frame() {
-    const { state, canvas } = this, w = canvas.clientWidth, h = canvas.clientHeight;
+    const { state, canvas } = this, [w, h] = this.size;
     if (!state.dirty || !this.renderer || this.plots.printing || !(this.motions.length || this.shots.length) || !w || !h) return;
     state.dirty = false; this.frames++;
     const ratio = this.ratio(), W = Math.max(2, Math.round(w * ratio)), H = Math.max(2, Math.round(h * ratio));
@@ -185,6 +187,10 @@ class Stage {
   // What is written beside lines that stand in space.
   name(cam, w, h) {
     const m = cam.matrix(w / h);
+    for (const run of this.motions.length > 1 ? this.motions : []) {
+      const q = transformed(m, add(run.p, cam.up, 1.1 * run.reach)), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
+      if (q[3] > 0 && u > 0 && u < w && v > 10 && v < h) this.overlay.write(run.run.name, u, v, 'center');
+    }
     for (const line of this.motions[0].lines) {
       const ends = line.points.map(p => this.motions[0].at(p)), q = transformed(m, ends[ends.length - 1]), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
       if (line.name === 'perch' && q[3] > 0 && u > 0 && u < w - 40 && v > 16 && v < h) this.overlay.write('perch', u + 6, v + 4);
@@ -204,9 +210,10 @@ class Stage {
   labels(cam, [x, y, w, h]) {
     const { box } = this, m = cam.matrix(w / h);
     if (box.table || !this.free) return;
+    const several = this.motions.length > 1;
     const own = this.motions[0];
     let before;
-    for (const [i, word] of [[0, 'start'], [own.n - 1, 'end']]) {
+    for (const [i, word] of several ? [] : [[0, 'start'], [own.n - 1, 'end']]) {
       const p = own.position.map(c => c[i]), q = transformed(m, p);
       if (q[3] <= 0) continue;
       const u = x + w * (0.5 + 0.5 * q[0] / q[3]), at = limited(u, x + 44, x + w - 44);
@@ -216,10 +223,10 @@ class Stage {
       before = [at, v];
       this.overlay.write(`${word} ${digits(+(p[2] - box.floor).toFixed(2))} m`, at, v, 'center');
     }
-    this.overlay.write(`${box.below ? 'ground at ' + digits(box.ground) + ' m, ' : ''}grid ${digits(box.step)} m, heights above it`, x + 8, y + h - 8);
+    this.overlay.write(`${box.below ? 'ground at ' + digits(box.ground) + ' m, ' : ''}grid ${digits(box.step)} m${several ? '' : ', heights above it'}`, x + 8, y + h - 8);
   }
   drawShot(W, H, ratio) {
-    const { box, camera } = this, shot = this.shots[Math.round(this.state.t)], scene = new Scene(), [w, h] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const { box, camera } = this, shot = this.shots[Math.round(this.state.t)], scene = new Scene(), [w, h] = this.size;
     // A hundredth of the rings is stronger than the scale, which so is not that of one curled-up edge.
     const sizes = shot.circulation.slice(shot.wings).map(Math.abs).sort((a, b) => a - b), most = Math.max(1e-9, sizes[Math.floor(0.99 * (sizes.length - 1))] || 0);
     const corner = i => shot.corners.map(c => c[i]);
