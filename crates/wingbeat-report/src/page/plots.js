@@ -5,7 +5,8 @@ const DASHES = ['', '7 4', '2 3', '9 3 2 3'];
 function paint([kind, n], run, which) {
   // Of several runs each has a colour, and each of its curves another line.
   if (run !== undefined && kind !== 'reference') return { stroke: `var(--c${run % 8})`, width: 1.5, dash: DASHES[which % 4], opacity: kind === 'pale' ? 0.5 : 1 };
-  if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: 1.7 };
+  // The same on both sides is seen as both.
+  if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: [2.8, 1.3][n] };
   if (kind === 'own') return { stroke: `var(--c${n % 8})`, width: 1.6 };
   if (kind === 'pale') return { stroke: ['var(--left)', 'var(--right)', 'var(--quiet)'][n], width: 3.4, opacity: 0.35 };
   if (kind === 'reference') return { stroke: 'var(--quiet)', width: 1.3, dash: '5 4' };
