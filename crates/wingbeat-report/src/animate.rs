@@ -170,9 +170,10 @@ impl<'a> Film<'a> {
             _ if !self.motion.free => vec![self.far(i, whole)],
             _ => {
                 let (w, h) = (0.34 * width, 0.44 * height);
-                // Below the title.
+                // Below the title and beside the path.
                 let corner = Pane { x: width - w - 8.0, y: 26.0, width: w, height: h };
-                vec![self.far(i, whole), self.near(i, corner, true)]
+                let beside = Pane { width: width - w - 12.0, ..whole };
+                vec![self.far(i, beside), self.near(i, corner, true)]
             }
         };
         if self.enlarged > 1.0 && self.asked.seen != Seen::Behind {

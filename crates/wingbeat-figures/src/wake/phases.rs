@@ -106,6 +106,9 @@ mod tests {
         assert_eq!(text.matches("100 mm").count(), 3);
         assert!(text.contains("attached") && text.contains("three"));
         assert_eq!(outline[0].len(), 5);
+        // Two rows fill a slide.
+        let slide = wake_phases(&["one", "two", "three"].map(sheet), &["attached".into()], true).unwrap();
+        assert!((slide.scene.width * 9.0 / 16.0 - slide.scene.height).abs() < 1e-6 * slide.scene.width);
         assert!(
             wake_phases(&[], &[], true).is_err() && wake_phases(&[Sheet::default()], &[], false).is_err()
         );

@@ -25,11 +25,12 @@ class Overlay {
     c.font = '12px system-ui, "DejaVu Sans", sans-serif'; c.textAlign = align; c.lineWidth = 3; c.strokeStyle = this.colours.sky;
     c.strokeText(text, x, y); c.fillStyle = this.colours.ink; c.fillText(text, x, y);
   }
-  legend(w, h, motions, level) {
+  legend(w, h, motions, level, box) {
     const m = motions[0], camber = Math.max(...motions.map(m => m.camber)), has = side => motions.some(m => m.surfaces.some(s => s.side.some((of, k) => of === side && s.covered[k])));
     let y0 = this.wings(w, [has(0), has(1)]);
     const say = text => { this.write(text, w - 12, y0 + 4, 'right'); y0 += 16; }, size = shown.camber > 1 ? ', drawn × ' + shown.camber : '';
     if (level && w > 420) say('arrow: nose; thin line: level');
+    if (box.ground !== undefined) say(`${box.below ? 'brown: ground' : box.ceiling !== undefined ? 'brown: ceiling' : 'not drawn: ground'} at z = ${digits(box.ground)} m`);
     if (m.path) say('dashed: path asked for');
     if (camber > 0) say('camber up to ' + digits(+(100 * camber).toPrecision(2)) + ' % of the chord' + size);
     if (!m.free && norm(m.wind)) say('arrow: wind, ' + digits(+norm(m.wind).toPrecision(3)) + ' m/s');

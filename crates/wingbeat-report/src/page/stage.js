@@ -170,7 +170,7 @@ class Stage {
     if (box.table) this.overlay.write(`table ${digits(+norm(sub(box.table[1], box.table[0])).toPrecision(3))} m wide`, 8, h - 8);
     this.name(camera, w, h);
     if (this.free && near && w > 330) this.drawCorner(ground, w, h, ratio);
-    this.overlay.legend(w, h, this.motions, shown.level && this.free);
+    this.overlay.legend(w, h, this.motions, shown.level && this.free, box);
   }
   addRun(scene, m, own) {
     const { box, look, view } = this;
@@ -223,7 +223,7 @@ class Stage {
       before = [at, v];
       this.overlay.write(`${word} ${digits(+(p[2] - box.floor).toFixed(2))} m`, at, v, 'center');
     }
-    this.overlay.write(`${box.below ? 'ground at ' + digits(box.ground) + ' m, ' : ''}grid ${digits(box.step)} m${several ? '' : ', heights above it'}`, x + 8, y + h - 8);
+    this.overlay.write(`grid ${digits(box.step)} m${several ? '' : `, heights above ${box.below ? 'ground' : 'it'}`}`, x + 8, y + h - 8);
   }
   drawShot(W, H, ratio) {
     const { box, camera } = this, shot = this.shots[Math.round(this.state.t)], scene = new Scene(), [w, h] = this.size;
