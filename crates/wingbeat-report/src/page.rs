@@ -24,13 +24,13 @@ const PROGRAM: [&str; 9] = [
 /// Half of this is the error of a place of the body, m.
 const PLACE: f64 = 1e-4;
 /// The same of a rib, as a share of the robot's reach.
-const RIB: f64 = 2.5e-4;
+const RIB: f64 = 5e-4;
 /// The same of a membrane, which may be drawn with its camber enlarged.
 const CAMBER: f64 = 5e-5;
 /// The same of a part of the quaternion.
 const TURN: f64 = 1e-4;
 /// Parts into which the range of a plotted column is cut, and that of an arrow.
-const PLOT: f64 = 2000.0;
+const PLOT: f64 = 1500.0;
 const ARROW: f64 = 250.0;
 /// Longest document, and longest part of a summary, that is shown, bytes.
 const LONGEST: usize = 64 << 10;

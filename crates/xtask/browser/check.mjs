@@ -49,6 +49,8 @@ const known = fs.existsSync(references) ? JSON.parse(fs.readFileSync(references)
 // A picture is left in its file. One of what is on the screen is also held against what was stored of it: means of 32 by 18 areas.
 async function picture(page, name, fullPage = false) {
   const file = path.join(pictures, name + '.png');
+  // As it is once it rests.
+  await page.evaluate('wingbeat.sharpen()');
   const bytes = await page.screenshot({ path: file, fullPage });
   if (fullPage) return;
   seen[name] = await page.evaluate(async letters => {

@@ -201,7 +201,7 @@ function addForces(scene, m, look) {
 function addPath(scene, m, look, floor, curtain) {
   const coarse = Math.max(1, Math.floor(m.n / 240)), p = i => [m.position[0][i], m.position[1][i], m.position[2][i]];
   // What is near in time is near the eye: there no corner is left out.
-  const [from, to] = curtain ? [0, 0] : [-0.8, 0.8].map(s => place(m.t, m.t[m.i] + s)[0]), fine = Math.max(1, Math.floor((to - from) / 320));
+  const [from, to] = curtain ? [0, 0] : [-0.8, 0.8].map(s => place(m.t, m.t[m.i] + s)[0]), fine = Math.max(1, Math.floor((to - from) / 160));
   for (let i = 0, j; i + 1 < m.n; i = j) {
     j = Math.min(i + (i >= from && i < to ? fine : coarse), m.n - 1);
     if (i < m.i && j > m.i) j = m.i;

@@ -80,8 +80,8 @@ class Stage {
   }
   middle() { const { low, high, floor } = this.box; return [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (floor + high[2])]; }
   // What has to be seen: the whole way with the robot on it and its foot on the ground, arms, the box of a wake.
-  corners() {
-    const { box } = this, r = box.reach, corners = [];
+  corners(enlarged) {
+    const { box } = this, r = box.reach * enlarged, corners = [];
     for (const run of this.motions) for (let k = 0; k <= 24; k++) {
       const i = Math.round(k * (run.n - 1) / 24), p = run.position.map(c => c[i]);
       corners.push([p[0], p[1], box.floor], ...[[r, 0, 0], [-r, 0, 0], [0, r, 0], [0, -r, 0], [0, 0, r]].map(d => add(p, d)));
@@ -91,10 +91,10 @@ class Stage {
     return corners;
   }
   // The least distance from which the corners are seen, and the target that centres them; what was found once is kept.
-  fit(cam, aspect) {
-    const key = [cam.azimuth, cam.elevation, aspect].map(v => v.toFixed(4)).join(), known = this.fits.get(key);
+  fit(cam, aspect, enlarged = 1) {
+    const key = [cam.azimuth, cam.elevation, aspect, enlarged].map(v => v.toFixed(4)).join(), known = this.fits.get(key);
     if (known) { Object.assign(cam, { target: known[0], distance: known[1] }); return; }
-    const corners = this.corners();
+    const corners = this.corners(enlarged);
     cam.distance = 4 * this.box.size;
     for (let turn = 0; turn < 24; turn++) {
       const m = cam.matrix(aspect), q = corners.map(p => transformed(m, p));
@@ -198,10 +198,10 @@ class Stage {
   }
   // The whole way in a corner, the robot enlarged.
   drawCorner(ground, w, h, ratio) {
-    const { box } = this, iw = Math.round(0.34 * w), ih = Math.round(0.40 * h), pad = 8, small = new Scene(), inset = Object.assign(new Camera(), this.camera);
-    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true); addRobot(small, m, own, limited(0.11 * box.size / m.reach, 1, 12), box.floor, false); addLines(small, m, own.body); });
+    const { box } = this, iw = Math.round(0.34 * w), ih = Math.round(0.40 * h), pad = 8, small = new Scene(), inset = Object.assign(new Camera(), this.camera), enlarged = m => limited(0.11 * box.size / m.reach, 1, 12);
+    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true); addRobot(small, m, own, enlarged(m), box.floor, false); addLines(small, m, own.body); });
     Object.assign(inset, { target: this.middle(), azimuth: this.across() - 0.15, elevation: 0.36 });
-    this.fit(inset, iw / ih);
+    this.fit(inset, iw / ih, Math.max(...this.motions.map(enlarged)));
     this.renderer.pass([ground, small], inset, [pad, pad, iw, ih].map(v => Math.round(v * ratio)), this.look, ratio);
     this.overlay.patch('', pad, h - pad - ih, iw, ih);
     if (iw > 240) this.labels(inset, [pad, h - pad - ih, iw, ih]);
