@@ -129,7 +129,8 @@ impl<'a> Film<'a> {
         let room = reach * enlarged;
         let mut bounds = Bounds { low: way.low.map(|x| x - room), high: way.high.map(|x| x + room) };
         // The grid lies on a ground that is nearer below than the way is large.
-        let ground = motion.ground.filter(|z| (way.low[2] - size..=way.low[2]).contains(z));
+        let middle = 0.5 * (way.low[2] + way.high[2]);
+        let ground = motion.ground.filter(|z| (way.low[2] - size..=middle).contains(z));
         bounds.low[2] = ground.unwrap_or(bounds.low[2]);
         let film = Self { run, motion, asked, bounds, enlarged, ground };
         match film.frames() {
