@@ -25,7 +25,7 @@ const PALETTE: usize = 256;
 pub struct Figure {
     /// Name of its files without extension.
     pub name: &'static str,
-    scene: Scene,
+    pub(crate) scene: Scene,
 }
 
 impl Figure {

@@ -21,6 +21,8 @@ const BODY: [f64; 3] = [110.0, 116.0, 125.0];
 const WAY: &str = "#222222";
 const CURTAIN: &str = "#808080";
 const GRID: &str = "#cccccc";
+/// The grid on a ground.
+const SOIL: &str = "#b39a6b";
 /// Where the light comes from.
 const LIGHT: [f64; 3] = [-0.34, 0.24, 0.91];
 /// Share of the way's size that the robot's reach takes at least.
@@ -105,6 +107,8 @@ pub struct Film<'a> {
     /// The box of the whole way with the robot, and the enlargement of the robot in it.
     bounds: Bounds,
     enlarged: f64,
+    /// Height of the ground, where it is drawn, m.
+    ground: Option<f64>,
 }
 
 impl<'a> Film<'a> {
@@ -123,8 +127,12 @@ impl<'a> Film<'a> {
         let size = (0..3).map(|i| way.high[i] - way.low[i]).fold(2.0 * reach, f64::max);
         let enlarged = if motion.free { (SHARE * size / reach).clamp(1.0, 12.0).round() } else { 1.0 };
         let room = reach * enlarged;
-        let bounds = Bounds { low: way.low.map(|x| x - room), high: way.high.map(|x| x + room) };
-        let film = Self { run, motion, asked, bounds, enlarged };
+        let mut bounds = Bounds { low: way.low.map(|x| x - room), high: way.high.map(|x| x + room) };
+        // The grid lies on a ground that is nearer below than the way is large.
+        let middle = 0.5 * (way.low[2] + way.high[2]);
+        let ground = motion.ground.filter(|z| (way.low[2] - size..=middle).contains(z));
+        bounds.low[2] = ground.unwrap_or(bounds.low[2]);
+        let film = Self { run, motion, asked, bounds, enlarged, ground };
         match film.frames() {
             0 => Err("no frames".into()),
             frames if frames > MOST => {
@@ -163,12 +171,14 @@ impl<'a> Film<'a> {
             _ if !self.motion.free => vec![self.far(i, whole)],
             _ => {
                 let (w, h) = (0.34 * width, 0.44 * height);
-                let corner = Pane { x: width - w - 8.0, y: 8.0, width: w, height: h };
-                vec![self.far(i, whole), self.near(i, corner, true)]
+                // Below the title and beside the path.
+                let corner = Pane { x: width - w - 8.0, y: 26.0, width: w, height: h };
+                let beside = Pane { width: width - w - 12.0, ..whole };
+                vec![self.far(i, beside), self.near(i, corner, true)]
             }
         };
         if self.enlarged > 1.0 && self.asked.seen != Seen::Behind {
-            title += &format!("; on the path the robot is {} times enlarged", self.enlarged);
+            title += &format!("; on the path the robot is enlarged {} times", self.enlarged);
         }
         Picture { width, height, views, title }
     }
@@ -234,9 +244,10 @@ impl<'a> Film<'a> {
             (first..=last).map(move |k| k as f64 * step)
         };
         let z = low[2];
-        view.lines.extend(ticks(0).map(|x| line(vec![[x, low[1], z], [x, high[1], z]], GRID, 1.0)));
-        view.lines.extend(ticks(1).map(|y| line(vec![[low[0], y, z], [high[0], y, z]], GRID, 1.0)));
-        view.words.push(([low[0], low[1], z], format!("grid {step} m")));
+        let (colour, name) = if self.ground.is_some() { (SOIL, "ground, grid") } else { (GRID, "grid") };
+        view.lines.extend(ticks(0).map(|x| line(vec![[x, low[1], z], [x, high[1], z]], colour, 1.0)));
+        view.lines.extend(ticks(1).map(|y| line(vec![[low[0], y, z], [high[0], y, z]], colour, 1.0)));
+        view.words.push(([low[0], low[1], z], format!("{name} {step} m")));
     }
 
     /// The way on its curtain: dark as far as it was flown.
@@ -348,7 +359,7 @@ fn robot(motion: &Motion, view: &mut View, i: usize, enlarged: f64) {
         }
     }
     let rings = spindle(at(&motion.com, i), motion.reach(), 6);
-    for pair in rings.windows(2) {
+    for pair in rings.windows(2).filter(|_| !motion.bare) {
         for (k, next) in (0..6).zip((1..6).chain([0])) {
             let corners = [pair[0][k], pair[0][next], pair[1][next], pair[1][k]].map(place);
             view.areas.push(shaded(&corners, BODY, None));

@@ -47,6 +47,7 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<M
         path: axes("path_nearest").ok(),
         wind: robot.mean_wind().0,
         free: true,
+        ground: robot.ground(),
         ..Motion::default()
     };
     if let Some(perch) = robot.perch() {

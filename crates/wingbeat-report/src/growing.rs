@@ -1,7 +1,5 @@
 //! A flight that is shown while it is flown: each row that comes is placed once.
 
-use wingbeat::simulate::Record;
-
 use crate::flight::{drawable, motion};
 use crate::motion::{MOST, Motion};
 use crate::panels::{continue_all, flight};
@@ -26,7 +24,7 @@ impl Growing {
         }
         self.shown.extend(&new);
         if self.shown.len() <= MOST && run.motion.as_mut().is_some_and(|motion| more(motion, flown, &new)) {
-            return self.plotted(run, flown.record);
+            return self.plotted(run, flown);
         }
         while self.shown.len() > MOST {
             let mut number = 0;
@@ -41,11 +39,12 @@ impl Growing {
     }
 
     /// Takes the rows into the plots; true where these have only grown.
-    fn plotted(&self, run: &mut Run, record: &Record) -> bool {
+    fn plotted(&self, run: &mut Run, Flown { scenario, record }: Flown) -> bool {
+        let ground = scenario.robot().ground();
         let t = record.values("t").unwrap_or_default();
         let old = run.axis.values.len();
         run.axis.values.extend(self.shown[old..].iter().map(|&row| t[row]));
-        let earlier = std::mem::replace(&mut run.panels, flight(record, &self.shown));
+        let earlier = std::mem::replace(&mut run.panels, flight(record, &self.shown, ground));
         continue_all(&run.panels, &earlier)
     }
 }

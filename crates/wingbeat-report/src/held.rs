@@ -31,7 +31,13 @@ pub fn wing(
     let tether = &case.tether;
     let arcs = tether.drawn_arcs(RIBS);
     let t = taken(loads, shown, "t")?;
-    let mut motion = Motion { sources: named(loads, shown), wind: tether.wind.0, ..Motion::default() };
+    let mut motion = Motion {
+        sources: named(loads, shown),
+        wind: tether.wind.0,
+        bare: true,
+        ground: tether.ground.as_ref().map(|plane| plane.height_m),
+        ..Motion::default()
+    };
     let strains = strains(case, loads);
     let heights = strips.and_then(|strips| heights(strips, loads.rows(), tether.aero.strips()));
     let mut surface = Surface::default();

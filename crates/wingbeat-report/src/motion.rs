@@ -100,6 +100,10 @@ pub struct Motion {
     pub repeats: bool,
     /// Whether the body goes somewhere; else it is held.
     pub free: bool,
+    /// Whether there is a wing alone, without a body.
+    pub bare: bool,
+    /// Height of the ground, or of a ceiling, in W, m.
+    pub ground: Option<f64>,
 }
 
 /// The rows of the times `t` that are shown, of which the first `sound` can be.

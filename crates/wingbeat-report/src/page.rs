@@ -24,13 +24,13 @@ const PROGRAM: [&str; 9] = [
 /// Half of this is the error of a place of the body, m.
 const PLACE: f64 = 1e-4;
 /// The same of a rib, as a share of the robot's reach.
-const RIB: f64 = 2.5e-4;
+const RIB: f64 = 5e-4;
 /// The same of a membrane, which may be drawn with its camber enlarged.
 const CAMBER: f64 = 5e-5;
 /// The same of a part of the quaternion.
 const TURN: f64 = 1e-4;
 /// Parts into which the range of a plotted column is cut, and that of an arrow.
-const PLOT: f64 = 2000.0;
+const PLOT: f64 = 1500.0;
 const ARROW: f64 = 250.0;
 /// Longest document, and longest part of a summary, that is shown, bytes.
 const LONGEST: usize = 64 << 10;
@@ -249,6 +249,8 @@ fn of_motion(motion: &Motion, without: Without, pack: &mut Pack) -> Value {
     put("spindle", json!({ "size": motion::SPINDLE_SIZE, "rings": motion::SPINDLE }));
     put("wind", json!(motion.wind));
     put("free", json!(motion.free));
+    put("bare", json!(motion.bare));
+    put("ground", json!(motion.ground));
     put("repeats", json!(motion.repeats));
     put("circulation", json!(motion.circulation.filter(|_| !without.wake)));
     put("table", json!(motion.table));

@@ -37,6 +37,13 @@ pub struct Curve {
     pub values: Vec<f64>,
 }
 
+impl Curve {
+    /// Whether not all its values are the same.
+    pub fn varies(&self) -> bool {
+        self.values.windows(2).any(|pair| pair[0].to_bits() != pair[1].to_bits())
+    }
+}
+
 /// A plot.
 #[derive(Clone, Debug)]
 pub struct Panel {
@@ -103,7 +110,8 @@ impl Taken<'_> {
 use Role::{Own, Pale, Reference, Side, Total};
 
 /// The plots of a flight.
-pub fn flight(record: &Record, rows: &[usize]) -> Vec<Panel> {
+/// with the ground at a height in W that they come near, m.
+pub fn flight(record: &Record, rows: &[usize], ground: Option<f64>) -> Vec<Panel> {
     let of = Taken { record, rows };
     let mut panels = Vec::new();
     panels.extend(attitude(&of));
@@ -118,7 +126,7 @@ pub fn flight(record: &Record, rows: &[usize]) -> Vec<Panel> {
         }],
         limits: None,
     }));
-    panels.extend(of.panel(("height", "m"), 1.0, &[("p_WB_z", "z", Own(0))]));
+    panels.extend(height(&of, ground));
     let way = [("p_WB_x", "x", Own(0)), ("p_WB_y", "y, left +", Own(1))];
     panels.extend(of.panel(("position", "m"), 1.0, &way));
     panels.extend(speed(&of));
@@ -168,6 +176,20 @@ fn attitude(of: &Taken) -> Option<Panel> {
 fn together(title: &str, unit: &'static str, curves: Vec<Option<Curve>>) -> Option<Panel> {
     let curves: Vec<Curve> = curves.into_iter().flatten().collect();
     (!curves.is_empty()).then(|| Panel { title: title.into(), unit, curves, limits: None })
+}
+
+/// Height, with the ground where that is no farther away than the heights are apart, or a metre.
+fn height(of: &Taken, ground: Option<f64>) -> Option<Panel> {
+    let mut panel = of.panel(("height", "m"), 1.0, &[("p_WB_z", "z", Own(0))])?;
+    let values = &panel.curves[0].values;
+    let [low, high] =
+        [f64::min, f64::max].map(|least: fn(f64, f64) -> f64| values.iter().copied().reduce(least));
+    let (low, high) = (low?, high?);
+    if let Some(ground) = ground.filter(|z| (low - z).max(z - high) <= (high - low).max(1.0)) {
+        let line = vec![ground; values.len()];
+        panel.curves.push(Curve { label: "ground".into(), role: Reference, values: line });
+    }
+    Some(panel)
 }
 
 /// Speed over the ground and climb.
@@ -252,6 +274,7 @@ fn add(panels: &mut Vec<Panel>, of: &Taken, column: &Column, name: &str, what: &
     });
     let (label, role) = match side {
         Some(side) => (["left", "right"][side], Side(side)),
+        None if what == ", command" => ("command", Own(0)),
         None => ("", Own(0)),
     };
     let follows = ["displacement", "rate"].map(|what| format!("{what}_{name}"));
@@ -261,7 +284,7 @@ fn add(panels: &mut Vec<Panel>, of: &Taken, column: &Column, name: &str, what: &
         .iter()
         .find(|other| what == ", command" && follows.contains(&other.name) && other.unit == column.unit);
     if let Some(response) = response {
-        let label = format!("{label} response").trim().to_owned();
+        let label = if side.is_some() { format!("{label} response") } else { "response".into() };
         panels[place].curves.extend(of.curve((&response.name, &label, Pale(side.unwrap_or(2))), factor));
     }
     panels[place].curves.extend(of.curve((&column.name, label, role), factor));

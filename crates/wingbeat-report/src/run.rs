@@ -16,6 +16,8 @@ use crate::panels::{self, Curve, Panel, Role, begins_with};
 use crate::wake::Shot;
 use crate::{Error, flight, held};
 
+/// Pitch beyond which roll and heading are about one axis, rad: 86 deg, our choice.
+const VERTICAL: f64 = 1.5;
 /// Most runs of the rig that are shown on one page.
 const MOST_RUNS: usize = 8;
 
@@ -77,7 +79,8 @@ impl Run {
     /// Nothing does, and why.
     pub fn moves(&self) -> Result<&Motion, String> {
         self.motion.as_ref().ok_or_else(|| {
-            let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
+            let why = self.notes.iter().filter(|note| note.starts_with("no"));
+            let notes: String = why.map(|note| format!("; {note}")).collect();
             format!("{}: nothing moves in this {}{notes}", self.name, self.kind)
         })
     }
@@ -256,7 +259,13 @@ pub fn of_flight(name: &str, kind: &'static str, flown: Flown, shown: &[usize]) 
 
 /// Adds to a run what moves and what is plotted of a flight, of which the rows `shown` can be drawn.
 fn fill(run: &mut Run, record: &Record, scenario: Option<&Scenario>, shown: &[usize]) {
-    run.panels = panels::flight(record, shown);
+    run.panels = panels::flight(record, shown, scenario.and_then(|scenario| scenario.robot().ground()));
+    let vertical = |&row: &usize| record.values("pitch").is_some_and(|pitch| pitch[row].abs() > VERTICAL);
+    if shown.iter().any(vertical) {
+        run.notes.push(
+            "where the nose passes the vertical, roll and heading turn over by 180 deg together".into(),
+        );
+    }
     if shown.len() < 2 {
         run.notes.push(format!("nothing moves: {} rows can be drawn", shown.len()));
     }
@@ -483,7 +492,13 @@ fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> 
     }
     run.panels = match run.kind {
         "calibration" => fits(&record, &all),
-        "sweep" => panels::every(&record, &all, "run"),
+        // What is the same in all runs is said by the summary.
+        "sweep" => {
+            let mut panels = panels::every(&record, &all, "run");
+            panels.retain(|panel| panel.curves.iter().any(Curve::varies));
+            panels
+        }
+        "averages" if record.values("low_Fx").is_some() => fits(&record, &all),
         "record" => panels::every(&record, &all, "t"),
         _ => panels::every(&record, &all, "cycle"),
     };
@@ -493,16 +508,21 @@ fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> 
     Ok(run)
 }
 
-/// Of each channel of a calibration what was measured, and the model before and after the fit.
+/// Of each channel of a calibration what was measured, and the model before and after the fit; of averages the mean with its band, truth
+/// and model.
 fn fits(record: &Record, rows: &[usize]) -> Vec<Panel> {
     let of = |channel: &str| {
         let unit = if channel.starts_with('F') { "N" } else { "N m" };
         let curve = |(what, role)| {
-            let values = flight::taken(record, rows, &format!("{what}_{channel}")).ok()?;
+            let name = if what == "mean" { channel.into() } else { format!("{what}_{channel}") };
+            let values = flight::taken(record, rows, &name).ok()?;
             Some(Curve { label: String::from(what), role, values })
         };
         let curves = [
             ("measured", Role::Total),
+            ("mean", Role::Total),
+            ("truth", Role::Own(1)),
+            ("model", Role::Own(0)),
             ("before", Role::Pale(2)),
             ("after", Role::Own(0)),
             ("low", Role::Reference),

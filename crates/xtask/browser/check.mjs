@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { createRequire } from 'node:module';
-import { spawn } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import net from 'node:net';
 
 const folder = path.resolve(process.argv[2]), references = path.join(import.meta.dirname, 'reference.json');
@@ -49,6 +49,8 @@ const known = fs.existsSync(references) ? JSON.parse(fs.readFileSync(references)
 // A picture is left in its file. One of what is on the screen is also held against what was stored of it: means of 32 by 18 areas.
 async function picture(page, name, fullPage = false) {
   const file = path.join(pictures, name + '.png');
+  // As it is once it rests.
+  await page.evaluate('wingbeat.sharpen()');
   const bytes = await page.screenshot({ path: file, fullPage });
   if (fullPage) return;
   seen[name] = await page.evaluate(async letters => {
@@ -89,6 +91,20 @@ async function memory(page) {
     largest = Math.max(largest, (of('Private_Clean') + of('Private_Dirty')) / 1024);
   } catch { /* it has ended */ }
   return largest;
+}
+
+// What the page costs of a run: least processor times of runs in turns with it and without.
+{
+  const root = path.resolve(import.meta.dirname, '../../..'), out = path.join(folder, 'cost');
+  const cost = more => {
+    const run = ['fly', 'scenarios/banking_turn.toml', '--quiet', '--force', '--out', out, ...more];
+    const said = execFileSync('sh', ['-c', '"$@" > /dev/null 2>&1; times', 'sh', process.env.WINGBEAT, ...run], { cwd: root, encoding: 'utf8' });
+    return said.trim().split('\n')[1].split(' ').reduce((sum, word) => { const [, m, s] = /(\d+)m([\d.]+)s/.exec(word); return sum + 60 * m + +s; }, 0);
+  };
+  const least = [Infinity, Infinity];
+  for (let turn = 0; turn < 5; turn++) [['--no-report'], []].forEach((more, k) => least[k] = Math.min(least[k], cost(more)));
+  console.log(`  a flight of 5 s takes ${least[0].toFixed(2)} s of processor time, with its page ${least[1].toFixed(2)} s`);
+  most('cost of the page, share of the processor time of the run', least[1] / least[0] - 1, 0.05);
 }
 
 const size = file => fs.statSync(path.join(folder, file)).size / 1000;

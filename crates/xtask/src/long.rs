@@ -2,15 +2,15 @@
 
 use crate::report::{Account, Tally};
 use crate::{
-    blocks, book, browser, documents, doors, fuzz, hostile, instructions, paper, peers, python, soak, tools,
-    tutorials,
+    blocks, book, browser, documents, doors, exports, fuzz, hostile, instructions, paper, peers, python,
+    soak, tools, tutorials,
 };
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 16] = [
+const TASKS: [Task; 17] = [
     ("tests", tests),
     ("doors", doors::check),
     ("instructions", instructions::check),
@@ -19,6 +19,7 @@ const TASKS: [Task; 16] = [
     ("book", || Tally::one(book::build())),
     ("paper", || Tally::one(paper::run())),
     ("browser", browser::check),
+    ("exports", exports::check),
     ("soak", || Tally::one(soak::hour())),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
     ("faults", hostile::disturbed::faults),

@@ -8,6 +8,7 @@ mod copies;
 mod dependencies;
 mod documents;
 mod doors;
+mod exports;
 mod fuzz;
 mod hostile;
 mod instructions;

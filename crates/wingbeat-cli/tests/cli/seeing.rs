@@ -132,6 +132,11 @@ fn a_run_on_the_rig_goes_to_ros_and_back() {
     let scenario = format!("sim/{name}/scenario.toml");
     done(&["rig", "process", "a.mcap", "--run", &scenario, "--out", "read"]);
     assert!(folder.join("read/report.html").is_file());
+    // Mean, band, truth and model of a channel share a plot.
+    let shown = wingbeat_report::run::read(&folder.join("read")).unwrap();
+    let lift = shown[0].panels.iter().find(|panel| panel.title == "Fz").unwrap();
+    let labels: Vec<&str> = lift.curves.iter().map(|curve| curve.label.as_str()).collect();
+    assert_eq!((labels, lift.unit), (vec!["mean", "truth", "model", "low", "high"], "N"));
     // Every number that was recorded comes back as it was; times are kept to the nanosecond.
     let input = InputSpec::default();
     let read = read_samples(&folder.join("a.mcap"), &input).and_then(|table| table.import(&input)).unwrap();

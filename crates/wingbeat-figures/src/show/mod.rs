@@ -151,7 +151,8 @@ impl Drawing {
         ));
         let corners = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
         self.areas.push((corners.into(), style::SHADE, 0.5));
-        self.lines.push(([corners[0], corners[3]].into(), Look::line(style::GUIDE, 0.8)));
+        let around = corners.into_iter().chain([corners[0]]);
+        self.lines.push((around.collect(), Look::line(style::GUIDE, 0.8)));
         self.labels.push(([0.0, -half, z], format!("table, z = {} m", style::number(z))));
     }
 

@@ -38,7 +38,10 @@ pub fn wake_phases(sheets: &[Sheet], notes: &[String], wide: bool) -> Result<Fig
     let rows = sheets.len().div_ceil(2) as f64;
     let page = if wide { WIDE } else { style::WIDTH };
     let (camera, width) = (Camera::orthographic(VIEW.0, VIEW.1), 0.5 * page);
-    let height = Space::height(&camera, &bounds, width, HIGHEST);
+    // A slide is filled to its height.
+    let slide = (page * 9.0 / 16.0 - head - FOOT) / rows - (WORDS - FREE);
+    let most = if wide { slide.max(0.5 * HIGHEST) } else { HIGHEST };
+    let height = Space::height(&camera, &bounds, width, most);
     let row = height + WORDS - FREE;
     let total = head + rows * row + FOOT;
     let mut paper = Paper::new(page, total);
@@ -103,6 +106,10 @@ mod tests {
         assert_eq!(text.matches("100 mm").count(), 3);
         assert!(text.contains("attached") && text.contains("three"));
         assert_eq!(outline[0].len(), 5);
+        // Two rows fill a slide to its height and no more.
+        let slide = wake_phases(&["one", "two", "three"].map(sheet), &["attached".into()], true).unwrap();
+        let filled = slide.scene.height / (slide.scene.width * 9.0 / 16.0);
+        assert!((0.9..1.0 + 1e-9).contains(&filled), "{filled}");
         assert!(
             wake_phases(&[], &[], true).is_err() && wake_phases(&[Sheet::default()], &[], false).is_err()
         );

@@ -74,6 +74,18 @@ def test_results_are_overlaid_and_other_kinds_refused(flight, tmp_path):
         ).view()
 
 
+def test_grounds_and_wings_alone_are_shown():
+    flight = wingbeat.fly(
+        wingbeat.shipped("scenarios/glider.toml"), {"flight.duration_s": 0.05, "air.ground_m": -0.3}
+    )
+    (run,) = runs(flight.view().html)
+    assert run["motion"]["ground"] == -0.3 and not run["motion"]["bare"]
+    (height,) = [panel for panel in run["panels"] if panel["title"] == "height"]
+    assert [curve["label"] for curve in height["curves"]] == ["z", "ground"]
+    case = wingbeat.tether(wingbeat.shipped("cases/flap_f2.toml"), {"time.cycles": 2})
+    assert runs(case.view().html)[0]["motion"]["bare"]
+
+
 def test_exports_hold_the_record(flight, tmp_path):
     flight.export(tmp_path / "a.npz")
     kept = np.load(tmp_path / "a.npz")

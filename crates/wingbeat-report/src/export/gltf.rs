@@ -128,7 +128,7 @@ pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
             listed(&joints)
         ),
         r#"{"name":"wings","mesh":0,"skin":0}"#.into(),
-        r#"{"name":"body","mesh":1}"#.into(),
+        if motion.bare { r#"{"name":"body"}"# } else { r#"{"name":"body","mesh":1}"# }.into(),
         r#"{"name":"path","mesh":2}"#.into(),
     ];
     let mut animated = Animated::default();

@@ -29,6 +29,7 @@ class Controls {
     $('sources').replaceChildren(...named.map((source, n) => this.source(source, n)));
     $('forces').hidden = !named.length;
     document.querySelector('[data-camera="chase"]').hidden = !free;
+    document.querySelector('[data-camera="follow"]').hidden = !motions.length;
   }
   lengths() {
     const select = make('select', { 'aria-label': 'Length of the wake' });
@@ -100,7 +101,7 @@ class Controls {
   // On paper: light colours, the picture as it stands, plots as wide as two columns have room.
   paper() {
     const { stage } = this, printing = on => document.documentElement.classList.toggle('printing', on);
-    addEventListener('beforeprint', () => { printing(true); stage.play(false); stage.relook(); stage.frame(); stage.copy(); stage.plots.printing = true; stage.plots.layout(336); });
-    addEventListener('afterprint', () => { printing(false); stage.plots.printing = false; stage.relook(); stage.plots.layout(); stage.frame(); });
+    addEventListener('beforeprint', () => { printing(true); stage.paper = true; stage.play(false); stage.relook(); stage.sharpen(); stage.copy(); stage.plots.printing = true; stage.plots.layout(336); });
+    addEventListener('afterprint', () => { printing(false); stage.paper = stage.plots.printing = false; stage.relook(); stage.plots.layout(); stage.frame(); });
   }
 }

@@ -7,7 +7,7 @@ class Page {
     window.wingbeat = {
       get runs() { return of.runs; }, get state() { return of.stage.state; }, get view() { return of.stage.view; }, get camera() { return of.stage.camera; },
       get frames() { return of.stage.frames; }, get low() { return of.stage.low; }, get high() { return of.stage.high; }, get renderer() { return of.stage.renderer && of.stage.renderer.kind; },
-      seek: t => of.stage.seek(t), play: on => of.stage.play(on), frame: () => { of.stage.state.dirty = true; of.stage.frame(); },
+      seek: t => of.stage.seek(t), sharpen: () => of.stage.sharpen(), play: on => of.stage.play(on), frame: () => { of.stage.state.dirty = true; of.stage.frame(); },
     };
   }
   // Numbers and settings below the plots.

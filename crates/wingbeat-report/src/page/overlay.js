@@ -25,19 +25,29 @@ class Overlay {
     c.font = '12px system-ui, "DejaVu Sans", sans-serif'; c.textAlign = align; c.lineWidth = 3; c.strokeStyle = this.colours.sky;
     c.strokeText(text, x, y); c.fillStyle = this.colours.ink; c.fillText(text, x, y);
   }
-  legend(w, h, motions) {
-    const m = motions[0], camber = Math.max(...motions.map(m => m.camber));
-    let y0 = 18;
-    ['left wing', 'right wing'].forEach((name, side) => {
-      if (!motions.some(m => m.surfaces.some(s => s.side.some((of, k) => of === side && s.covered[k])))) return;
-      this.write(name, w - 88, y0); this.patch(['#0072b2', '#d55e00'][side], w - 104, y0 - 9, 11, 10); y0 += 16;
-    });
-    const size = shown.camber > 1 ? ', drawn × ' + shown.camber : '';
-    if (camber > 0) this.write('camber up to ' + digits(+(100 * camber).toPrecision(2)) + ' % of the chord' + size, w - 12, y0 + 4, 'right');
-    if (!(shown.wake && m.circulation)) return;
-    const x = w - 226, y = h - 18, most = 0.7 * m.mostCirculation;
-    for (let i = 0; i < 160; i += 4) { const c = circulationColour((i - 78) / 60); this.patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }
-    this.write(m.circulation === 'circulation' ? 'circulation shed, m²/s' : w > 560 ? m.circulation + ', m²/s' : 'lag sum shed, m²/s', x + 210, y - 8, 'right');
-    this.write(digits(+(-most).toPrecision(2)), x - 4, y + 8, 'right'); this.write(digits(+most.toPrecision(2)), x + 164, y + 8);
+  legend(w, h, motions, level, box) {
+    const m = motions[0], camber = Math.max(...motions.map(m => m.camber)), has = side => motions.some(m => m.surfaces.some(s => s.side.some((of, k) => of === side && s.covered[k])));
+    let y0 = this.wings(w, [has(0), has(1)]);
+    const say = text => { this.write(text, w - 12, y0 + 4, 'right'); y0 += 16; }, size = shown.camber > 1 ? ', drawn × ' + shown.camber : '';
+    if (level && w > 420) say('arrow: nose; thin line: level');
+    if (box.ground !== undefined) say(`${box.below ? 'brown: ground' : box.ceiling !== undefined ? 'brown: ceiling' : 'not drawn: ground'} at z = ${digits(box.ground)} m`);
+    if (m.path) say('dashed: path asked for');
+    if (camber > 0) say('camber up to ' + digits(+(100 * camber).toPrecision(2)) + ' % of the chord' + size);
+    if (!m.free && norm(m.wind)) say('arrow: wind, ' + digits(+norm(m.wind).toPrecision(3)) + ' m/s');
+    if (shown.wake && m.circulation) this.scale(w, h, 0.7 * m.mostCirculation, m.circulation === 'circulation' ? 'circulation shed, m²/s' : w > 560 ? m.circulation + ', m²/s' : 'lag sum shed, m²/s');
+  }
+  // The colours of the wings that there are; answers where there is room below.
+  wings(w, has) {
+    let y = 18;
+    ['left wing', 'right wing'].forEach((name, side) => { if (has[side]) { this.write(name, w - 88, y); this.patch(['#0072b2', '#d55e00'][side], w - 104, y - 9, 11, 10); y += 16; } });
+    return y;
+  }
+  // Of panels at those places to the left.
+  sides(w, left) { this.wings(w, [left.some(y => y > 0), left.some(y => y < 0)]); }
+  scale(w, h, most, text) {
+    const n = w > 420 ? 160 : 80, x = w - n - 66, y = h - 18;
+    for (let i = 0; i < n; i += 4) { const c = circulationColour((i + 2 - 0.5 * n) / (0.375 * n)); this.patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }
+    this.write(text, x + n + 50, y - 8, 'right');
+    this.write(digits(+(-most).toPrecision(2)), x - 4, y + 8, 'right'); this.write(digits(+most.toPrecision(2)), x + n + 4, y + 8);
   }
 }

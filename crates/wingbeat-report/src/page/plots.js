@@ -2,8 +2,11 @@
 const SVG = 'http://www.w3.org/2000/svg';
 const svg = (name, attributes, text) => { const e = document.createElementNS(SVG, name); for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v); if (text !== undefined) e.textContent = text; return e; };
 const DASHES = ['', '7 4', '2 3', '9 3 2 3'];
-function paint([kind, n]) {
-  if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: 1.7 };
+function paint([kind, n], run, which) {
+  // Of several runs each has a colour, and each of its curves another line.
+  if (run !== undefined && kind !== 'reference') return { stroke: `var(--c${run % 8})`, width: 1.5, dash: DASHES[which % 4], opacity: kind === 'pale' ? 0.5 : 1 };
+  // The same on both sides is seen as both.
+  if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: [2.8, 1.3][n] };
   if (kind === 'own') return { stroke: `var(--c${n % 8})`, width: 1.6 };
   if (kind === 'pale') return { stroke: ['var(--left)', 'var(--right)', 'var(--quiet)'][n], width: 3.4, opacity: 0.35 };
   if (kind === 'reference') return { stroke: 'var(--quiet)', width: 1.3, dash: '5 4' };
@@ -38,10 +41,11 @@ class Plots {
   away() { this.watch.disconnect(); this.sized.disconnect(); clearTimeout(this.later); this.root.replaceChildren(); }
   build(panel) {
     const several = this.runs.length > 1, keys = make('div', { class: 'keys' });
+    const labels = [...new Set(panel.curves.filter(c => c.role[0] !== 'reference').map(c => c.label))];
     panel.outputs = panel.curves.map(curve => {
-      const p = paint(curve.role), out = make('output'), swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
+      const p = curve.paint = several ? paint(curve.role, curve.run, labels.indexOf(curve.label)) : paint(curve.role), out = make('output'), swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
       swatch.style.borderTopColor = p.stroke; swatch.style.borderTopWidth = Math.min(3, p.width + 0.6) + 'px';
-      swatch.style.borderTopStyle = p.dash || (several && curve.run) ? 'dashed' : 'solid'; swatch.style.opacity = p.opacity || 1;
+      swatch.style.borderTopStyle = p.dash ? p.dash === '2 3' ? 'dotted' : 'dashed' : 'solid'; swatch.style.opacity = p.opacity || 1;
       keys.append(make('span', {}, swatch, ' ', (several ? this.runs[curve.run].name + (curve.label ? ': ' : '') : '') + curve.label, ' ', out));
       return out;
     });
@@ -53,7 +57,7 @@ class Plots {
     panel.svg.addEventListener('pointerdown', event => { panel.held = true; at(event); });
     panel.svg.addEventListener('pointermove', event => panel.held && event.buttons && at(event));
     for (const end of ['pointerup', 'pointerleave', 'pointercancel']) panel.svg.addEventListener(end, () => panel.held = false);
-    const title = make('h3', {}, panel.title + (panel.unit ? ` [${panel.unit === 'deg' ? '°' : panel.unit}]` : ''));
+    const unit = panel.unit.replace('deg', '°').replace(/2/g, '²'), title = make('h3', {}, panel.title + (unit ? ` [${unit}]` : ''));
     // The line where the time is lies over the plot, which so is drawn once.
     panel.cursor = make('div', { class: 'cursor', 'aria-hidden': 'true' });
     panel.box = make('div', { class: 'panel' }, title, make('div', { class: 'plot' }, panel.svg, panel.cursor), keys);
@@ -82,24 +86,29 @@ class Plots {
   }
   drawn(panel, w, h) {
     const s = panel.svg, [low, high] = panel.range, left = this.left, right = w - 6, bottom = h - 18;
-    const X = x => left + (right - left) * (x - this.low) / (this.high - this.low || 1), Y = y => bottom - (bottom - 4) * (y - low) / (high - low);
+    const X = x => left + (right - left) * (x - this.low) / (this.high - this.low || 1), Y = y => bottom - (bottom - 9) * (y - low) / (high - low);
     s.replaceChildren(); s.setAttribute('viewBox', `0 0 ${w} ${h}`);
     for (const y of ticks(low, high, 4)) { s.append(svg('line', { x1: left, x2: right, y1: Y(y), y2: Y(y), stroke: 'var(--line)' }), svg('text', { x: left - 4, y: Y(y) + 4, 'text-anchor': 'end' }, digits(y))); }
     const axis = this.runs[0].axis;
-    ticks(this.low, this.high, Math.max(2, w / 90)).forEach(x => s.append(svg('line', { x1: X(x), x2: X(x), y1: bottom, y2: bottom + 4, stroke: 'var(--quiet)' }), svg('text', { x: Math.min(X(x), right - 12), y: h - 4, 'text-anchor': 'middle' }, digits(x))));
-    s.append(svg('text', { x: right, y: h - 4, 'text-anchor': 'end' }, axis.unit || axis.label));
+    const word = axis.unit || axis.label, free = right - 3 - 6 * word.length;
+    ticks(this.low, this.high, Math.max(2, w / 90)).forEach(x => {
+      const half = 3.2 * digits(x).length;
+      s.append(svg('line', { x1: X(x), x2: X(x), y1: bottom, y2: bottom + 4, stroke: 'var(--quiet)' }));
+      if (X(x) + half < free) s.append(svg('text', { x: X(x), y: h - 4, 'text-anchor': 'middle' }, digits(x)));
+    });
+    s.append(svg('text', { x: right, y: h - 4, 'text-anchor': 'end' }, word));
     s.append(svg('line', { x1: left, x2: right, y1: bottom, y2: bottom, stroke: 'var(--quiet)' }));
     if (panel.limits) for (const limit of panel.limits) if (limit >= low && limit <= high) { s.append(svg('line', { x1: left, x2: right, y1: Y(limit), y2: Y(limit), stroke: 'var(--bad)', 'stroke-dasharray': '3 3' }), svg('text', { x: right - 2, y: Y(limit) + (limit > 0 ? 12 : -3), 'text-anchor': 'end' }, 'limit ' + digits(limit))); }
     for (const curve of panel.curves) {
-      const { values: t, joined } = this.runs[curve.run].axis, p = paint(curve.role), dash = p.dash || DASHES[curve.run % 4];
+      const { values: t, joined } = this.runs[curve.run].axis, p = curve.paint;
       if (!joined) { for (let i = 0; i < t.length; i++) if (Number.isFinite(curve.values[i])) s.append(svg('circle', { cx: X(t[i]).toFixed(1), cy: Y(curve.values[i]).toFixed(1), r: 2, fill: p.stroke })); continue; }
-      const path = this.way(t, curve.values, X, Y, right - left);
-      s.append(svg('path', { d: path, fill: 'none', stroke: p.stroke, 'stroke-width': p.width, 'stroke-dasharray': dash, opacity: p.opacity || 1, 'stroke-linejoin': 'round' }));
+      const path = this.way(t, curve.values, X, Y, right - left, panel.unit === 'deg' ? 90 : Infinity);
+      s.append(svg('path', { d: path, fill: 'none', stroke: p.stroke, 'stroke-width': p.width, 'stroke-dasharray': p.dash || '', opacity: p.opacity || 1, 'stroke-linejoin': 'round' }));
     }
     panel.X = X;
   }
-  // Of many points in one column of pixels the least and the most.
-  way(t, values, X, Y, pixels) {
+  // Of many points in one column of pixels the least and the most; an angle that turns over between two frames is not joined.
+  way(t, values, X, Y, pixels, jump) {
     const n = t.length, bin = Math.max(1, Math.floor(n / pixels / 1.2));
     let d = '', pen = 'M';
     const to = i => { d += `${pen}${X(t[i]).toFixed(1)} ${Y(values[i]).toFixed(1)}`; pen = 'L'; };
@@ -107,6 +116,7 @@ class Plots {
       let least = -1, most = -1;
       for (let k = i; k < Math.min(n, i + bin); k++) if (Number.isFinite(values[k])) { if (least < 0 || values[k] < values[least]) least = k; if (most < 0 || values[k] > values[most]) most = k; }
       if (least < 0) { pen = 'M'; continue; }
+      if (i && Math.abs(values[i] - values[i - 1]) > jump) pen = 'M';
       if (least === most) to(least); else { to(Math.min(least, most)); to(Math.max(least, most)); }
     }
     return d;
@@ -120,6 +130,8 @@ class Plots {
     for (const panel of this.panels) {
       if (!panel.X || !(panel.seen || all)) continue;
       panel.cursor.style.transform = `translateX(${panel.X(t).toFixed(1)}px)`;
+      // On paper a plot stands in the middle of its box.
+      panel.cursor.style.left = this.printing ? `calc(50% - ${this.width / 2}px)` : '';
       if (!words) continue;
       panel.curves.forEach((curve, k) => { const v = curve.values[rows[curve.run]]; panel.outputs[k].textContent = digits(Math.abs(v) < 1e-6 * (panel.range[1] - panel.range[0]) ? 0 : v); });
     }

@@ -47,16 +47,18 @@ class Motion {
     const half = Math.max(0.12, 0.02 * (this.t[this.n - 1] - this.t[0]));
     this.smooth = this.position.map(column => this.averaged(column, half));
     this.heading = new Float64Array(this.n);
-    if (this.free) {
-      let turns = 0, before = 0;
+    const spread = k => Math.max(...this.smooth[k]) - Math.min(...this.smooth[k]);
+    // Who stays at a place is followed by where the nose points, else by the way.
+    if (this.free && Math.max(spread(0), spread(1)) < 2 * this.reach) {
+      for (let i = 0; i < this.n; i++) { this.seek(this.t[i]); this.heading[i] = Math.atan2(this.R[1][0], this.R[0][0]); }
+    } else if (this.free) {
       for (let i = 0; i < this.n; i++) {
-        const a = Math.max(0, i - 12), b = Math.min(this.n - 1, i + 12);
-        const dx = this.smooth[0][b] - this.smooth[0][a], dy = this.smooth[1][b] - this.smooth[1][a];
-        let angle = Math.hypot(dx, dy) < 1e-3 * this.reach ? before : Math.atan2(dy, dx) + turns;
-        while (i && angle - before > Math.PI) { angle -= 2 * Math.PI; turns -= 2 * Math.PI; }
-        while (i && angle - before < -Math.PI) { angle += 2 * Math.PI; turns += 2 * Math.PI; }
-        this.heading[i] = before = angle;
+        const a = Math.max(0, i - 12), b = Math.min(this.n - 1, i + 12), dx = this.smooth[0][b] - this.smooth[0][a], dy = this.smooth[1][b] - this.smooth[1][a];
+        this.heading[i] = Math.hypot(dx, dy) < 1e-3 * this.reach ? (i ? this.heading[i - 1] : 0) : Math.atan2(dy, dx);
       }
+    }
+    if (this.free) {
+      for (let i = 1; i < this.n; i++) this.heading[i] -= 2 * Math.PI * Math.round((this.heading[i] - this.heading[i - 1]) / (2 * Math.PI));
       this.heading = this.averaged(this.heading, half);
     }
     this.low = [Infinity, Infinity, Infinity]; this.high = [-Infinity, -Infinity, -Infinity];
@@ -108,6 +110,8 @@ class Motion {
     return most;
   }
   turned(v) { return this.R.map(row => dot(row, v)); }
+  // Half way between the tips: of a half wing not at its root.
+  middle() { const ends = this.surfaces.flatMap(s => s.ribs.filter((_, k) => s.covered[k] || s.covered[k - 1])).map(rib => this.at(rib[0])), side = ends.map(p => p[1]); return ends.length ? this.world([0, 0.5 * (Math.min(...side) + Math.max(...side)), 0]) : this.p; }
   world(v, scale = 1) { return add(this.p, this.turned(v), scale); }
   shed() {
     this.rows = this.surfaces.filter(s => s.strips.length > 1).map(surface => {
@@ -157,7 +161,9 @@ function addBody(scene, m, scale, k) {
   const points = rings.map(ring);
   for (let i = 0; i + 1 < points.length; i++) for (let n = 0; n < around; n++) scene.quad(points[i][n], points[i][(n + 1) % around], points[i + 1][(n + 1) % around], points[i + 1][n], k);
 }
-function addRobot(scene, m, look, scale, floor, detailed) {
+function addRobot(scene, m, look, scale, floor, detailed, table) {
+  // A shadow falls on what there is.
+  const lit = p => !table || (Math.abs(p[0]) < Math.abs(table[0][0]) && Math.abs(p[1]) < Math.abs(table[0][1]));
   for (const surface of m.surfaces) {
     const ribs = surface.ribs.map(rib => rib.map(edge => m.world(m.at(edge), scale)));
     for (let k = 0; k + 1 < ribs.length; k++) {
@@ -171,10 +177,10 @@ function addRobot(scene, m, look, scale, floor, detailed) {
       const dark = [paint[0] * 0.45, paint[1] * 0.45, paint[2] * 0.45, 1];
       scene.line(a, c, 2, dark); scene.line(b, d, 1, dark);
       if (detailed) scene.line(a, b, 0.8, faded(dark, 0.6));
-      if (floor !== undefined) { const down = p => [p[0], p[1], floor]; scene.veil(down(a), down(c), down(d), down(b), [0, 0, 0, 0.28]); }
+      if (floor !== undefined && [a, b, c, d].every(lit)) { const down = p => [p[0], p[1], floor]; scene.veil(down(a), down(c), down(d), down(b), [0, 0, 0, 0.28]); }
     }
   }
-  if (m.surfaces.length) addBody(scene, m, scale, look.body);
+  if (m.surfaces.length && !m.bare) addBody(scene, m, scale, look.body);
 }
 function addForces(scene, m, look) {
   const size = 0.9 * m.reach;
@@ -193,9 +199,13 @@ function addForces(scene, m, look) {
 }
 // The way so far is drawn strongly and stands on a curtain; what is to come is faint.
 function addPath(scene, m, look, floor, curtain) {
-  const step = Math.max(1, Math.floor(m.n / 240)), p = i => [m.position[0][i], m.position[1][i], m.position[2][i]];
-  for (let i = 0; i + 1 < m.n; i += step) {
-    const j = Math.min(i + step, m.n - 1), done = j <= m.i, a = p(i), b = p(j);
+  const coarse = Math.max(1, Math.floor(m.n / 240)), p = i => [m.position[0][i], m.position[1][i], m.position[2][i]];
+  // What is near in time is near the eye: there no corner is left out.
+  const [from, to] = curtain ? [0, 0] : [-0.8, 0.8].map(s => place(m.t, m.t[m.i] + s)[0]), fine = Math.max(1, Math.floor((to - from) / 160));
+  for (let i = 0, j; i + 1 < m.n; i = j) {
+    j = Math.min(i + (i >= from && i < to ? fine : coarse), m.n - 1);
+    if (i < m.i && j > m.i) j = m.i;
+    const done = j <= m.i, a = p(i), b = p(j);
     scene.line(a, b, (done ? 2.6 : 1.4) * (curtain ? 0.7 : 1), done ? look.path : faded(look.path, 0.35));
     if (!curtain) continue;
     scene.veil(a, b, [b[0], b[1], floor], [a[0], a[1], floor], faded(look.path, done ? 0.16 : 0.06));
@@ -204,10 +214,17 @@ function addPath(scene, m, look, floor, curtain) {
   const every = Math.pow(10, Math.ceil(Math.log10((m.t[m.n - 1] - m.t[0]) / 10)));
   for (let t = m.t[0]; curtain && t <= m.t[m.n - 1]; t += every / 2) { const a = p(place(m.t, t)[0]); scene.line(a, [a[0], a[1], floor], 1, faded(look.ink, 0.35)); }
 }
+// Arm and sting, or a perch.
+function addLines(scene, m, k) { for (const { points, weight } of m.lines) for (let i = 0; i + 1 < points.length; i++) scene.line(m.at(points[i]), m.at(points[i + 1]), weight, k); }
+// A grid under all, which lies on the ground where that is near; a ceiling has one of its own.
 function addGround(scene, box, look) {
-  const { floor, step, x0, x1, y0, y1 } = box;
-  for (let x = x0; x <= x1 + 1e-9; x += step) scene.line([x, y0, floor], [x, y1, floor], 1, look.grid);
-  for (let y = y0; y <= y1 + 1e-9; y += step) scene.line([x0, y, floor], [x1, y, floor], 1, look.grid);
+  const { floor, step, x0, x1, y0, y1, ceiling } = box;
+  for (const [z, k] of [[floor, look.grid], [ceiling, faded(look.bound, 0.8)]]) {
+    if (z === undefined) continue;
+    for (let x = x0; x <= x1 + 1e-9; x += step) scene.line([x, y0, z], [x, y1, z], 1, k);
+    for (let y = y0; y <= y1 + 1e-9; y += step) scene.line([x0, y, z], [x1, y, z], 1, k);
+  }
+  if (ceiling !== undefined) scene.veil([x0, y0, ceiling], [x1, y0, ceiling], [x1, y1, ceiling], [x0, y1, ceiling], faded(look.bound, 0.18));
 }
 // 1, 2 or 5 times a power of ten, not below `least`.
 function round(least) { const power = Math.pow(10, Math.floor(Math.log10(least))); return [1, 2, 5, 10].find(n => n * power >= 0.999 * least) * power; }
@@ -221,8 +238,10 @@ function shared(motions) {
 function boxOf(motions) {
   const low = [0, 1, 2].map(k => Math.min(...motions.map(m => m.low[k]))), high = [0, 1, 2].map(k => Math.max(...motions.map(m => m.high[k])));
   const reach = Math.max(...motions.map(m => m.reach)), size = Math.max(2 * reach, ...[0, 1, 2].map(k => high[k] - low[k])), step = round(size / 9);
-  const table = motions.map(m => m.table).find(t => t);
-  const floor = table ? table[0][2] : Math.floor((low[2] - 1.15 * reach) / step + 1e-6) * step, margin = Math.max(3 * step, 3 * reach);
+  const table = motions.map(m => m.table).find(t => t), ground = motions.map(m => m.ground).find(z => typeof z === 'number');
+  // A ground is drawn where the runs come within three times their size of it, below or above them.
+  const near = ground !== undefined && Math.max(low[2] - ground, ground - high[2]) < 3 * size, below = near && ground <= 0.5 * (low[2] + high[2]), ceiling = near && !below ? ground : undefined;
+  const floor = table ? table[0][2] : below ? ground : Math.floor((low[2] - 1.15 * reach) / (0.2 * step) + 1e-6) * 0.2 * step, margin = Math.max(3 * step, 3 * reach);
   const down = v => Math.floor((v - margin) / step) * step, up = v => Math.ceil((v + margin) / step) * step;
-  return { low, high, reach, size, step, floor, table, x0: down(low[0]), x1: up(high[0]), y0: down(low[1]), y1: up(high[1]) };
+  return { low, high, reach, size, step, floor, table, ground, below, ceiling, x0: down(low[0]), x1: up(high[0]), y0: down(low[1]), y1: up(high[1]) };
 }

@@ -18,7 +18,7 @@ class Stage {
   // Takes runs in place of those before; the view stays, and the time unless the page goes with a computation.
   load(motions, shots, plots) {
     const first = !this.renderer && (motions.length || shots.length), at = this.state.t >= this.high - 1e-9;
-    Object.assign(this, { motions, shots, plots });
+    Object.assign(this, { motions, shots, plots, fits: new Map() });
     this.named = shared(motions);
     [this.low, this.high] = shots.length ? [0, shots.length - 1] : [plots.low, plots.high];
     if (motions.length || shots.length) {
@@ -46,15 +46,18 @@ class Stage {
     this.look = { sky: of('--sky'), ground: of('--ground'), grid: of('--grid'), ink: of('--ink'), path: of('--ink'), body: [0.42, 0.45, 0.5, 1], thrust: of('--c3'),
       floor: this.shots.length || !this.box ? undefined : this.box.floor, sides: [colour('#0072b2'), colour('#d55e00'), [0.55, 0.58, 0.62, 1]], sources: [0, 1, 2, 3, 4, 5, 6, 7].map(n => of('--c' + n)) };
     this.overlay.relook(style);
+    if (this.box && this.box.below) [this.look.ground, this.look.grid] = [of('--soil'), of('--furrow')];
+    this.look.bound = of('--furrow'); this.look.wind = of('--quiet');
     this.state.dirty = true;
   }
-  // The colours of run number `k`: those of later runs are paler, their paths of another colour.
+  // The colours of run number `k`: those of later runs are paler; of several each has a path in the colour of its plots.
   looks(k) {
     const tinted = c => k ? [...mixed(c.slice(0, 3), [1, 1, 1], 0.35 * Math.min(k, 2)), c[3]] : c;
-    return { ...this.look, sides: this.look.sides.map(tinted), path: k ? this.look.sources[(k + 1) % 8] : this.look.path };
+    return { ...this.look, sides: this.look.sides.map(tinted), path: this.motions.length > 1 ? this.look.sources[k % 8] : this.look.path };
   }
   choose(mode) {
     Object.assign(this.view, { mode, zoom: 1, shift: [0, 0, 0] }, VIEWS[mode]);
+    if (mode === 'whole' && this.free) this.view.azimuth = this.across();
     document.querySelectorAll('[data-camera]').forEach(b => b.setAttribute('aria-pressed', b.dataset.camera === mode));
     this.state.dirty = true;
   }
@@ -63,15 +66,22 @@ class Stage {
     const heading = m ? mixed([m.heading[m.i]], [m.heading[m.j]], m.s)[0] : 0;
     camera.azimuth = (view.mode === 'chase' ? heading : 0) + view.azimuth;
     camera.elevation = limited(view.elevation, -1.5, 1.5);
-    if (!whole) { camera.target = add(m.at(m.smooth), view.shift); camera.distance = 5 * box.reach * view.zoom; return; }
+    if (!whole) { camera.target = add(m.free ? m.at(m.smooth) : m.middle(), view.shift); camera.distance = 5 * box.reach * view.zoom; return; }
     camera.target = this.middle();
-    this.fit(camera, this.canvas.clientWidth / this.canvas.clientHeight);
+    this.fit(camera, this.size[0] / this.size[1]);
     camera.target = add(camera.target, view.shift); camera.distance *= view.zoom;
+  }
+  // From where a whole way is seen: one that bends from behind its begin, so that right is right; a straight one more from its side.
+  across() {
+    const [x, y] = this.motions[0].smooth, n = x.length, dx = x[n - 1] - x[0], dy = y[n - 1] - y[0], length = Math.hypot(dx, dy);
+    let aside = 0;
+    for (let i = 0; i < n; i++) aside = Math.max(aside, Math.abs((x[i] - x[0]) * dy - (y[i] - y[0]) * dx) / (length || 1));
+    return length > 2 * this.box.reach && aside < 0.1 * length ? Math.atan2(dy, dx) + 0.95 : 0.5;
   }
   middle() { const { low, high, floor } = this.box; return [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (floor + high[2])]; }
   // What has to be seen: the whole way with the robot on it and its foot on the ground, arms, the box of a wake.
-  corners() {
-    const { box } = this, r = box.reach, corners = [];
+  corners(enlarged) {
+    const { box } = this, r = box.reach * enlarged, corners = [];
     for (const run of this.motions) for (let k = 0; k <= 24; k++) {
       const i = Math.round(k * (run.n - 1) / 24), p = run.position.map(c => c[i]);
       corners.push([p[0], p[1], box.floor], ...[[r, 0, 0], [-r, 0, 0], [0, r, 0], [0, -r, 0], [0, 0, r]].map(d => add(p, d)));
@@ -80,17 +90,23 @@ class Stage {
     for (let k = 0; this.shots.length && k < 8; k++) corners.push([0, 1, 2].map(a => (k >> a & 1 ? box.high : box.low)[a]));
     return corners;
   }
-  // The least distance from which the corners are seen, and the target that centres them.
-  fit(cam, aspect) {
-    const corners = this.corners();
+  // The least distance from which the corners are seen, and the target that centres them; what was found once is kept.
+  fit(cam, aspect, enlarged = 1) {
+    const key = [cam.azimuth, cam.elevation, aspect, enlarged].map(v => v.toFixed(4)).join(), known = this.fits.get(key);
+    if (known) { Object.assign(cam, { target: known[0], distance: known[1] }); return; }
+    const corners = this.corners(enlarged);
     cam.distance = 4 * this.box.size;
-    for (let turn = 0; turn < 6; turn++) {
-      const m = cam.matrix(aspect), seen = corners.map(p => transformed(m, p)).map(q => [q[0] / q[3], q[1] / q[3]]);
-      const range = k => [Math.min(...seen.map(s => s[k])), Math.max(...seen.map(s => s[k]))], [x, y] = [range(0), range(1)];
-      const half = cam.distance * Math.tan(cam.fov / 2);
-      cam.target = add(add(cam.target, cam.right, 0.5 * (x[0] + x[1]) * half * Math.max(1, aspect)), cam.up, 0.5 * (y[0] + y[1]) * half / Math.min(1, aspect));
-      cam.distance *= Math.max(x[1] - x[0], y[1] - y[0]) / 2 / 0.88;
+    for (let turn = 0; turn < 24; turn++) {
+      const m = cam.matrix(aspect), q = corners.map(p => transformed(m, p));
+      // Nothing may lie behind the eye, or so near before it that it hides the rest.
+      if (Math.min(...q.map(p => p[3])) < 0.08 * cam.distance) { cam.distance *= 1.3; continue; }
+      const seen = q.map(p => [p[0] / p[3], p[1] / p[3]]), range = k => [Math.min(...seen.map(s => s[k])), Math.max(...seen.map(s => s[k]))], [x, y] = [range(0), range(1)];
+      const half = cam.distance * Math.tan(cam.fov / 2), share = limited(Math.max(x[1] - x[0], y[1] - y[0]) / 2 / 0.88, 0.7, 1.5), slow = 0.7;
+      cam.target = add(add(cam.target, cam.right, slow * 0.5 * (x[0] + x[1]) * half * Math.max(1, aspect)), cam.up, slow * 0.5 * (y[0] + y[1]) * half / Math.min(1, aspect));
+      cam.distance *= share;
     }
+    if (this.fits.size > 50) this.fits.clear();
+    this.fits.set(key, [cam.target, cam.distance]);
   }
   seek(t) {
     const { state, shots } = this;
@@ -98,7 +114,7 @@ class Stage {
     const shot = shots[Math.round(state.t)];
     this.mark(shot ? shot.time : state.t);
     $('scrub').value = this.span ? 1000 * (state.t - this.low) / this.span : 0;
-    const text = shot ? shot.name : `${state.t.toFixed(3)} s of ${this.high.toFixed(2)} s`;
+    const text = shot ? shot.name : `${state.t.toFixed(3)} s of ${this.high.toFixed(2)} s`.replace('-', '−');
     $('clock').textContent = text; $('scrub').setAttribute('aria-valuetext', text);
     state.dirty = true;
   }
@@ -123,11 +139,22 @@ class Stage {
   }
   // A slow machine gets fewer pixels.
   adapt(ms) { this.slow = ms > 34 ? this.slow + 1 : Math.max(0, this.slow - 0.5); if (this.slow > 12 && this.quality > 0.45) { this.quality *= 0.8; this.slow = 0; } }
+  // Pixels in one of the page: fewer while a slow machine moves, and all as soon as the picture rests.
+  ratio() {
+    const dense = Math.min(2, devicePixelRatio || 1), { state } = this;
+    clearTimeout(this.rest);
+    if (this.sharp && !state.playing) return this.soft ? 2 : dense;
+    if (!state.playing && !this.follows) this.rest = setTimeout(() => this.sharpen(), 200);
+    return (this.soft || this.flat ? 1 : dense) * this.quality;
+  }
+  // Of a page on paper, which hides the canvas itself, a size that fits there.
+  get size() { const { clientWidth, clientHeight } = this.canvas; return this.paper && !clientWidth ? [960, 540] : [clientWidth, clientHeight]; }
+  sharpen() { if (!this.state.playing) { this.sharp = true; this.state.dirty = true; this.frame(); this.sharp = false; } }
   frame() {
-    const { state, canvas } = this, w = canvas.clientWidth, h = canvas.clientHeight;
+    const { state, canvas } = this, [w, h] = this.size;
     if (!state.dirty || !this.renderer || this.plots.printing || !(this.motions.length || this.shots.length) || !w || !h) return;
     state.dirty = false; this.frames++;
-    const ratio = (this.soft || this.flat ? 1 : Math.min(2, devicePixelRatio || 1)) * this.quality, W = Math.max(2, Math.round(w * ratio)), H = Math.max(2, Math.round(h * ratio));
+    const ratio = this.ratio(), W = Math.max(2, Math.round(w * ratio)), H = Math.max(2, Math.round(h * ratio));
     if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
     this.overlay.begin(w, h);
     if (this.shots.length) this.drawShot(W, H, ratio); else this.drawMotions(w, h, W, H, ratio);
@@ -140,26 +167,41 @@ class Stage {
     this.aim();
     this.renderer.pass([ground, scene], camera, [0, 0, W, H], look, ratio);
     if (!near) this.labels(camera, [0, 0, w, h]);
+    if (box.table) this.overlay.write(`table ${digits(+norm(sub(box.table[1], box.table[0])).toPrecision(3))} m wide`, 8, h - 8);
+    this.name(camera, w, h);
     if (this.free && near && w > 330) this.drawCorner(ground, w, h, ratio);
-    this.overlay.legend(w, h, this.motions);
+    this.overlay.legend(w, h, this.motions, shown.level && this.free, box);
   }
   addRun(scene, m, own) {
     const { box, look, view } = this;
     if (m.free) addPath(scene, m, own, box.floor, view.mode === 'whole' || view.mode === 'side');
     if (m.path) for (let i = 0, step = Math.max(1, Math.floor(m.n / 200)); i + step < m.n; i += 2 * step) scene.line(m.path.map(c => c[i]), m.path.map(c => c[i + step]), 1.6, faded(look.thrust, 0.8));
     if (shown.wake && m.circulation) addWake(scene, m, this.flat);
-    addRobot(scene, m, own, 1, box.floor, !this.flat);
-    for (const line of m.lines) for (let i = 0; i + 1 < line.points.length; i++) scene.line(m.at(line.points[i]), m.at(line.points[i + 1]), line.weight, look.body);
+    addRobot(scene, m, own, 1, box.floor, !this.flat, box.table);
+    addLines(scene, m, look.body);
     addForces(scene, m, own);
     if (!box.table) scene.line(m.p, [m.p[0], m.p[1], box.floor], 1, faded(look.ink, 0.4));
     if (shown.level && m.free) addLevel(scene, m, own);
+    if (!m.free && norm(m.wind)) { const along = unit(m.wind); scene.arrow(add(m.middle(), along, -2.2 * m.reach), along.map(v => 0.7 * m.reach * v), 3, look.wind); }
+  }
+  // What is written beside lines that stand in space.
+  name(cam, w, h) {
+    const m = cam.matrix(w / h);
+    for (const run of this.motions.length > 1 ? this.motions : []) {
+      const q = transformed(m, add(run.p, cam.up, 1.1 * run.reach)), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
+      if (q[3] > 0 && u > 0 && u < w && v > 10 && v < h) this.overlay.write(run.run.name, u, v, 'center');
+    }
+    for (const line of this.motions[0].lines) {
+      const ends = line.points.map(p => this.motions[0].at(p)), q = transformed(m, ends[ends.length - 1]), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
+      if (line.name === 'perch' && q[3] > 0 && u > 0 && u < w - 40 && v > 16 && v < h) this.overlay.write('perch', u + 6, v + 4);
+    }
   }
   // The whole way in a corner, the robot enlarged.
   drawCorner(ground, w, h, ratio) {
-    const { box } = this, iw = Math.round(0.34 * w), ih = Math.round(0.40 * h), pad = 8, small = new Scene(), inset = Object.assign(new Camera(), this.camera);
-    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true); addRobot(small, m, own, limited(0.11 * box.size / m.reach, 1, 12), box.floor, false); });
-    Object.assign(inset, { target: this.middle(), azimuth: 0.35, elevation: 0.36 });
-    this.fit(inset, iw / ih);
+    const { box } = this, iw = Math.round(0.34 * w), ih = Math.round(0.40 * h), pad = 8, small = new Scene(), inset = Object.assign(new Camera(), this.camera), enlarged = m => limited(0.11 * box.size / m.reach, 1, 12);
+    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true); addRobot(small, m, own, enlarged(m), box.floor, false); addLines(small, m, own.body); });
+    Object.assign(inset, { target: this.middle(), azimuth: this.across() - 0.15, elevation: 0.36 });
+    this.fit(inset, iw / ih, Math.max(...this.motions.map(enlarged)));
     this.renderer.pass([ground, small], inset, [pad, pad, iw, ih].map(v => Math.round(v * ratio)), this.look, ratio);
     this.overlay.patch('', pad, h - pad - ih, iw, ih);
     if (iw > 240) this.labels(inset, [pad, h - pad - ih, iw, ih]);
@@ -168,26 +210,41 @@ class Stage {
   labels(cam, [x, y, w, h]) {
     const { box } = this, m = cam.matrix(w / h);
     if (box.table || !this.free) return;
+    const several = this.motions.length > 1;
     const own = this.motions[0];
-    for (const [i, word] of [[0, 'start'], [own.n - 1, 'end']]) {
+    let before;
+    for (const [i, word] of several ? [] : [[0, 'start'], [own.n - 1, 'end']]) {
       const p = own.position.map(c => c[i]), q = transformed(m, p);
       if (q[3] <= 0) continue;
-      const u = x + w * (0.5 + 0.5 * q[0] / q[3]), v = y + h * (0.5 - 0.5 * q[1] / q[3]);
-      if (u > x + 24 && u < x + w - 24 && v > y + 16 && v < y + h - 4) this.overlay.write(`${word}, ${digits(+(p[2] - box.floor).toFixed(2))} m above the grid`, limited(u, x + 92, x + w - 92), v - 10, 'center');
+      const u = x + w * (0.5 + 0.5 * q[0] / q[3]), at = limited(u, x + 44, x + w - 44);
+      let v = Math.max(y + 14, y + h * (0.5 - 0.5 * q[1] / q[3]) - 10);
+      if (before && Math.abs(before[0] - at) < 84 && Math.abs(before[1] - v) < 17) v = before[1] + (v < before[1] && before[1] > y + 32 ? -17 : 17);
+      if (u < x || u > x + w || v > y + h - 24) continue;
+      before = [at, v];
+      this.overlay.write(`${word} ${digits(+(p[2] - box.floor).toFixed(2))} m`, at, v, 'center');
     }
-    this.overlay.write(`grid ${digits(box.step)} m`, x + 8, y + h - 8);
+    this.overlay.write(`grid ${digits(box.step)} m${several ? '' : `, heights above ${box.below ? 'ground' : 'it'}`}`, x + 8, y + h - 8);
   }
   drawShot(W, H, ratio) {
-    const shot = this.shots[Math.round(this.state.t)], scene = new Scene(), most = shot.circulation.slice(shot.wings).reduce((m, v) => Math.max(m, Math.abs(v)), 1e-9);
+    const { box, camera } = this, shot = this.shots[Math.round(this.state.t)], scene = new Scene(), [w, h] = this.size;
+    // A hundredth of the rings is stronger than the scale, which so is not that of one curled-up edge.
+    const sizes = shot.circulation.slice(shot.wings).map(Math.abs).sort((a, b) => a - b), most = Math.max(1e-9, sizes[Math.floor(0.99 * (sizes.length - 1))] || 0);
     const corner = i => shot.corners.map(c => c[i]);
     shot.circulation.forEach((value, n) => {
       const [a, b, c, d] = [0, 1, 2, 3].map(k => corner(4 * n + k));
       if (n < shot.wings) { scene.quad(a, b, c, d, this.look.sides[0.25 * (a[1] + b[1] + c[1] + d[1]) >= 0 ? 0 : 1]); return; }
-      if (shown.wake) scene.veil(a, b, c, d, circulationColour(value / (0.7 * most)));
+      // Many sheets lie over one another.
+      if (shown.wake) { const k = circulationColour(value / most); k[3] *= 0.45; scene.veil(a, b, c, d, k); }
     });
+    const { low, high, step } = box, from = [low[0], low[1], low[2]], bar = add(from, [step, 0, 0]);
+    scene.line(from, bar, 3, this.look.ink);
     this.aim();
-    this.renderer.pass([scene], this.camera, [0, 0, W, H], this.look, ratio);
-    this.overlay.write(`${shot.name}, t = ${digits(shot.time)} s; circulation within ±${digits(+most.toPrecision(2))} m²/s`, 10, 20);
+    this.renderer.pass([scene], camera, [0, 0, W, H], this.look, ratio);
+    const q = transformed(camera.matrix(w / h), add(from, [0.5 * step, 0, 0]));
+    if (q[3] > 0) this.overlay.write(`${digits(step)} m`, w * (0.5 + 0.5 * q[0] / q[3]), h * (0.5 - 0.5 * q[1] / q[3]) + 18, 'center');
+    this.overlay.write(`${shot.name}, t = ${digits(shot.time)} s`, 10, 20);
+    this.overlay.sides(w, shot.corners[1].slice(0, 4 * shot.wings));
+    if (shown.wake) this.overlay.scale(w, h, most, 'circulation of the rings, m²/s');
   }
   // A canvas that was drawn just now is not yet on paper; a copy of it is.
   copy() {

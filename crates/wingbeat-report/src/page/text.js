@@ -32,7 +32,7 @@ function together(runs) {
   runs.forEach((run, k) => run.summary.status && numbers[k].set('status', String(run.summary.status)));
   const names = [...new Set(['status', ...numbers.flatMap(of => [...of.keys()])])].filter(name => new Set(numbers.map(of => of.get(name))).size > 1);
   if (!names.length) return make('p', {}, 'The summaries of these runs are the same.');
-  const rows = names.map(name => row(cell(name), ...numbers.map(of => cell(of.get(name) || '–', (of.get(name) || '').length < 48))));
+  const rows = names.map(name => row(cell(name), ...numbers.map(of => cell(of.get(name) || '–', (of.get(name) || '').length < 32))));
   const wide = make('div', { class: 'wide', tabindex: '0', role: 'region', 'aria-label': 'Numbers that differ' });
   wide.append(table(['number', ...runs.map(run => run.name)], rows, 'What differs between the summaries of these runs', runs.map(run => run.name)));
   return make('div', {}, make('h2', {}, 'Side by side'), wide);
@@ -43,7 +43,7 @@ function told(run, several) {
   if (judged.length) tables.append(table(['judged', 'value', 'limit', 'met'], judged.map(j => row(cell(j.id), cell(`${digits(j.value)} ${j.unit || ''}`, true),
     cell(`${j.allowed === 'at_least' ? 'at least' : 'at most'} ${digits(j.limit)}${j.overridden ? ' (overridden)' : ''}`, true), make('td', { class: j.met ? 'good' : 'bad' }, j.met ? 'met' : 'missed'))), 'What the status rests on', ['value', 'limit']));
   const numbers = flat(run.summary);
-  if (numbers.length) tables.append(table(['number', 'value'], numbers.map(([k, v]) => row(cell(k), cell(v, v.length < 48))), 'summary.json', ['value']));
+  if (numbers.length) tables.append(table(['number', 'value'], numbers.map(([k, v]) => row(cell(k), cell(v, v.length < 32))), 'summary.json', ['value']));
   root.append(tables);
   if (run.settings) { const pre = make('pre', { tabindex: '0', 'aria-label': 'Settings of ' + run.name }); pre.textContent = run.settings; const box = make('details', {}, make('summary', {}, 'Settings of the run'), pre); root.append(box); }
   return root;
