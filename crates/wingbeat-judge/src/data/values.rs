@@ -196,7 +196,9 @@ fn of_channel(
         let breaks = |finding: &Finding| finding.breaks(limits);
         let clipped = clipped(series, channel, extent, &[extent.high, extent.low]).filter(breaks);
         let within = || clipped_within(series, channel, extent).filter(breaks);
-        found.extend(clipped.or_else(within).or_else(|| plateau::cut_off(series, channel, extent.count, placed)));
+        found.extend(
+            clipped.or_else(within).or_else(|| plateau::cut_off(series, channel, extent.count, placed)),
+        );
     }
     found
 }

@@ -95,8 +95,9 @@ pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0
 pub const HOLE: Limit = Limit::warn_above("data.hole_fraction", 0.05, "")
     .on("widest part of its range that a smooth channel leaps over and never takes");
 /// Noise hardly ever gives 32 samples in a row again; what is written twice has them.
-pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "")
-    .on("share of the stretches of a channel that come again sample by sample, later than in the next cycle,");
+pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "").on(
+    "share of the stretches of a channel that come again sample by sample, later than in the next cycle,",
+);
 /// Smooth motions have up to 1.5 from 5 rows a cycle on, rounded and noisy ones less than 2: a spike of five times the acceleration makes
 /// loads of five times the inertia.
 pub const ENDS: Limit = Limit::at_most("data.ends_ratio", 5.0, "", SuspectData)
@@ -133,6 +134,9 @@ pub const SAMPLES: Limit =
 /// line below it.
 pub const OF_LINE: Limit = Limit::at_least("data.samples_of_line", 3.0, "", SuspectData)
     .on("number of samples in a period of the strongest line");
+/// A gain that is half for a third of the file makes 0.28, strokes of a steady crank 0.06 (measured).
+pub const DIFFERS: Limit = Limit::warn_above("data.size_differs_fraction", 0.2, "")
+    .on("how far the cycles of a channel differ in size, rms over their mean size,");
 /// Loads that grow by less from begin to end lie within what strokes of a steady crank do (measured: 6 to 20 %).
 pub const TREND: Limit = Limit::warn_above("data.size_trend_fraction", 0.3, "")
     .on("change of the size of the cycles of a channel from begin to end, by a straight line, over their mean size,");
@@ -147,9 +151,9 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 43] = [
+pub const ALL: [Limit; 44] = [
     NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
     ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED,
-    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, SCATTER, TREND, REPEATED, COPIED, SAMPLES,
-    OF_LINE, LAGS, BENT, BY_TURNS, HOLE,
+    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, SCATTER, DIFFERS, TREND, REPEATED,
+    COPIED, SAMPLES, OF_LINE, LAGS, BENT, BY_TURNS, HOLE,
 ];
