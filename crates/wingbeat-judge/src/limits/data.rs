@@ -91,6 +91,9 @@ pub const ALTERNATES: Limit = Limit::at_most("data.alternating_ratio", 3.0, "", 
 /// Correlation of the second differences of one sample and the next: white noise has -2/3, and smooth loads 1.
 pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0.9, "")
     .on("correlation of the second differences from sample to sample");
+/// Fourth moment of the samples of one phase over the square of their variance: two values have 1, a hum 1.5, even noise 1.8.
+pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.25, "", SuspectData)
+    .on("kurtosis of the samples of one phase, where they scatter from one to the next,");
 /// A converter whose bit is dead leaves out a half, a quarter, an eighth of its range.
 pub const HOLE: Limit = Limit::warn_above("data.hole_fraction", 0.05, "")
     .on("widest part of its range that a smooth channel leaps over and never takes");
@@ -151,9 +154,50 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 44] = [
-    NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
-    ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED,
-    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, SCATTER, DIFFERS, TREND, REPEATED,
-    COPIED, SAMPLES, OF_LINE, LAGS, BENT, BY_TURNS, HOLE,
+pub const ALL: [Limit; 45] = [
+    NOT_FINITE,
+    BACKWARD,
+    LOST,
+    TINY,
+    HUGE,
+    STUCK,
+    CLIPPED,
+    DRIFT,
+    SIGNAL,
+    LINE,
+    SHARE,
+    APERIODIC,
+    FREQUENCY,
+    ROUGH,
+    REVERSED,
+    SWAPPED,
+    GAIN,
+    SHIFT,
+    UNRELATED,
+    DEAD,
+    LARGEST,
+    PHASE_GAP,
+    RECTIFIED,
+    OUTLIERS,
+    WRAPPED,
+    ALTERNATES,
+    ENDS,
+    LEFT,
+    UNLIKE,
+    COVERED,
+    COUNTS,
+    FEW_COUNTS,
+    SWINGS,
+    SCATTER,
+    DIFFERS,
+    TREND,
+    REPEATED,
+    COPIED,
+    SAMPLES,
+    OF_LINE,
+    LAGS,
+    BENT,
+    BY_TURNS,
+    TWO_SOURCES,
+    HOLE,
 ];
