@@ -63,7 +63,8 @@ const NEAR: f64 = 1.0;
 /// part of the speed along the chord.
 pub(super) fn near(distance: Option<f64>, chord: f64, key: &str) -> Option<Warning> {
     let chords = distance? / chord;
-    let how = if chords > 0.0 { format!("come within {chords:.2} mean chords of") } else { "pass through".into() };
+    let how =
+        if chords > 0.0 { format!("come within {chords:.2} mean chords of") } else { "pass through".into() };
     let text = format!(
         "the wings {how} {key}: strips leave out the speed along the chord by the images, \
          and at 8 deg their lift is 2 % too high at one chord and 10 % at half of one"

@@ -6,7 +6,9 @@ use super::outliers::place;
 use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS, TREND};
+use crate::limits::data::{
+    APERIODIC, DIFFERS, DRIFT, FREQUENCY, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS, TREND,
+};
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -70,9 +72,8 @@ impl<'a> Apart<'a> {
     /// Of all channels that are finite and move.
     fn of_all(series: &'a Series, cycles: f64) -> Vec<Self> {
         let finite = |channel: &&Channel| channel.samples.iter().all(|x| x.is_finite());
-        let condensed = |channel: &'a Channel<'a>| {
-            (channel, Condensed::of(series.phase, channel.samples, cycles))
-        };
+        let condensed =
+            |channel: &'a Channel<'a>| (channel, Condensed::of(series.phase, channel.samples, cycles));
         let all: Vec<_> = series.channels.iter().filter(finite).map(condensed).collect();
         let Some((_, first)) = all.first() else { return Vec::new() };
         let values: Vec<&[f64]> = all.iter().map(|(_, at)| &at.values[..]).collect();
@@ -337,7 +338,11 @@ fn sizes(series: &Series, one: &Apart) -> Vec<Finding> {
         );
         Finding::new("data.not_periodic", limit, series.about(channel.name), size, text)
     };
-    vec![of(&SCATTER, size, "differ"), of(&TREND, (slope / mean).abs(), "change")]
+    vec![
+        of(&SCATTER, size, "differ"),
+        of(&TREND, (slope / mean).abs(), "change"),
+        of(&DIFFERS, size, "differ"),
+    ]
 }
 
 /// The finding that the data repeat at another frequency than the one given.
@@ -379,11 +384,7 @@ fn lasts(series: &Series, channel: &Channel) -> Option<Finding> {
     let even = steps.iter().all(|one| (one - step).abs() < 0.5 * step);
     let gap = (1.0 - cycles) / step;
     let (first, last) = (*y.first()?, *y.last()?);
-    if steps.len() < FEW
-        || !even
-        || !ONE_CYCLE.contains(&cycles)
-        || NO_GAP.contains(&gap)
-    {
+    if steps.len() < FEW || !even || !ONE_CYCLE.contains(&cycles) || NO_GAP.contains(&gap) {
         return None;
     }
     let moved: Vec<f64> = y.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,9 +1,9 @@
 //! Samples that cannot be loads: codes of faults, spikes, counts that wrap around, channels of a multiplexer mixed up.
 
+use super::same::dead_band;
 use super::values::Extent;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use super::same::dead_band;
 use crate::limits::data::{ALTERNATES, BY_TURNS, HOLE, OUTLIERS, SWAPPED, WRAPPED};
 
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
@@ -24,6 +24,10 @@ const JUMPS: f64 = 0.5;
 const ACROSS: [f64; 2] = [0.75, 0.05];
 /// Counts that a channel must span for a leap to be one: the last digit of an idle one toggles. *Choice.*
 const COUNTS: f64 = 40.0;
+/// Cycles of a motion from which its rows are compared with those of their phase. *Choice.*
+const FOR_PLACES: f64 = 4.0;
+/// Part of its range that a channel passes through by itself between two leaps. *Choice.*
+const PASSES: f64 = 0.5;
 /// Samples of a cycle from which every second one is told from the others. *Choice.*
 const FOR_SECOND: f64 = 8.0;
 
@@ -37,14 +41,19 @@ pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Lim
         return Vec::new();
     }
     let breaks = |finding: &Finding| finding.breaks(limits);
+    let at = Places::of(series.phase, cycles);
     if series.purpose == Purpose::Motion {
         let of = |(channel, extent): &(Channel, Extent)| {
             let far = jagged(series, channel, *extent).filter(breaks);
+            let apart = || {
+                let usual = Usual::of(&at, channel, *extent);
+                usual.apart(series, channel, &at, usual.range).filter(breaks)
+            };
+            let far = far.or_else(|| if cycles >= FOR_PLACES { apart() } else { None });
             far.or_else(|| alternating(series, channel, *extent, cycles).pop())
         };
         return all.iter().filter_map(of).collect();
     }
-    let at = Places::of(series.phase, cycles);
     let usual: Vec<Usual> = all.iter().map(|(channel, extent)| Usual::of(&at, channel, *extent)).collect();
     let mut found = Vec::new();
     for ((channel, extent), own) in all.iter().zip(&usual) {
@@ -90,7 +99,8 @@ struct Usual {
 impl Usual {
     fn of(at: &Places, channel: &Channel, extent: Extent) -> Self {
         let room = at.of.len() / at.count / at.every + SAME;
-        let mut there: Vec<(usize, Vec<f64>)> = (0..at.count).map(|_| (0, Vec::with_capacity(room))).collect();
+        let mut there: Vec<(usize, Vec<f64>)> =
+            (0..at.count).map(|_| (0, Vec::with_capacity(room))).collect();
         for (place, x) in at.of.iter().zip(channel.samples) {
             let (seen, of) = &mut there[usize::from(*place)];
             if *seen % at.every == 0 {
@@ -189,12 +199,16 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
     let usual = || median(&mut steps().map(f64::abs).collect::<Vec<f64>>());
     let smooth = range > COUNTS * extent.count && 2 * large < 3 * leaps && usual() < ACROSS[1] * range;
     let leaps = 2 * up.min(leaps - up);
+    // A square wave stays where it leapt to.
+    let own = channel.samples.chunk_by(|a, b| (b - a).abs() <= ACROSS[0] * range);
+    let passes = own.map(|of| Extent::of(of).map_or(0.0, Extent::range)).fold(0.0, f64::max);
     let text = format!(
         "leaps across its range at {leaps} samples and is smooth elsewhere: its counts wrap around at their end; take a wider \
          range, or unwrap them"
     );
     let size = leaps as f64 / cycles;
-    smooth.then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
+    (smooth && passes > PASSES * range)
+        .then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
 }
 
 /// The finding that single rows of a motion lie far from those before and after them, which agree.

@@ -2,7 +2,7 @@
 
 use super::outliers::{OF_MEDIAN, median, place};
 use super::{Channel, Finding, Purpose, Series};
-use crate::limits::data::CLIPPED;
+use crate::limits::data::{CLIPPED, TWO_SOURCES};
 
 /// Places of the cycle at least and at most, and samples of each at least. *Choice.*
 const PLACES: [usize; 2] = [24, 64];
@@ -34,10 +34,40 @@ const NOISE: [f64; 2] = [0.002, 2.0];
 
 /// Mean, and noise about a line, of the samples of a place.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     mean: f64,
     noise: f64,
     count: f64,
+    /// Variance about the line, and the fourth moment over its square.
+    variance: f64,
+    peaked: f64,
+}
+
+/// Part of the range that the samples of a place scatter by for their distribution to be looked at, share of the places that must, and share
+/// of the scatter that comes from one sample to the next. *Choices.*
+const SCATTERS: f64 = 0.05;
+const MANY: f64 = 0.5;
+const AT_ONCE: f64 = 0.3;
+
+/// The finding that the samples of one phase have two values, and change between them from one to the next: two sources in one column.
+pub(super) fn two_sources(series: &Series, channel: &Channel, places: &[Place]) -> Option<Finding> {
+    let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
+    let wide: Vec<&Place> = places.iter().filter(|of| of.variance.sqrt() > SCATTERS * (high - low)).collect();
+    if (wide.len() as f64) < MANY * places.len() as f64 {
+        return None;
+    }
+    let count = wide.len() as f64;
+    let size = wide.iter().map(|of| of.peaked).sum::<f64>() / count;
+    if size > TWO_SOURCES.value {
+        return None;
+    }
+    let variance = wide.iter().map(|of| of.variance).sum::<f64>() / count;
+    let steps = channel.samples.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+    let text = "the samples of one phase have two values, and change between them from one to the next: two sources in one column";
+    (0.5 * steps > AT_ONCE * variance * channel.samples.len() as f64).then(|| {
+        Finding::new("data.alternates", &TWO_SOURCES, series.about(channel.name), size, text)
+            .in_channel(channel.name)
+    })
 }
 
 /// Part of the largest range of its unit below which a channel is dwarfed. *Choice.*
@@ -55,8 +85,7 @@ const CORNER: f64 = 0.45;
 /// but near zero, and for longer: an end near zero counts only where the other one is flat and quiet too. It is a warning of a channel
 /// that others of its unit dwarf, where what moves the mount scatters more than noise does, and where samples lie beyond the end or
 /// the load comes to it without a corner: a wing that stalls may have a flat top, and buffet beside it.
-pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, placed: &Placed) -> Option<Finding> {
-    let places = placed.of(channel.samples)?;
+pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, places: &[Place]) -> Option<Finding> {
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
     let range = high - low;
     let noise = median(&mut places.iter().map(|of| of.noise).collect::<Vec<_>>());
@@ -72,12 +101,12 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, placed: &P
         let share = on.iter().filter(|on| **on).count() as f64 / places.len() as f64;
         // Of two bounds from below the larger one.
         let usual =
-            [elsewhere(&places, &on), elsewhere(&places, &ends)].into_iter().flatten().reduce(f64::max)?;
+            [elsewhere(places, &on), elsewhere(places, &ends)].into_iter().flatten().reduce(f64::max)?;
         let there = || places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of);
         let noise = median(&mut there().map(|of| of.noise).collect::<Vec<_>>());
         let below = QUIET.min(1.0 - SURE / there().map(|of| of.count).sum::<f64>().sqrt());
         let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
-        let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(&places, &on) > CORNER;
+        let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(places, &on) > CORNER;
         let flat = (SHARE.start..LONG).contains(&share) && noise * noise < below * usual;
         (seen && flat).then(|| (share, share < SHARE.end && cut()))
     };
@@ -179,7 +208,7 @@ pub(super) fn placed(series: &Series) -> Placed {
 }
 
 impl Placed {
-    fn of(&self, samples: &[f64]) -> Option<Vec<Place>> {
+    pub fn of(&self, samples: &[f64]) -> Option<Vec<Place>> {
         let room = self.samples.len() / self.count.max(1) + SAME;
         let mut there: Vec<Vec<(f64, f64)>> = (0..self.count).map(|_| Vec::with_capacity(room)).collect();
         self.samples.iter().for_each(|(k, at, within)| there[*at].push((*within, samples[*k])));
@@ -197,6 +226,12 @@ impl Place {
         // Of samples that all have one phase there is no slope.
         let slope = if uu > 1e-6 { ux / uu } else { 0.0 };
         let mut left: Vec<f64> = samples.iter().map(|s| (s.1 - x - slope * (s.0 - u)).abs()).collect();
-        Self { mean: x - slope * u, noise: OF_MEDIAN * median(&mut left), count }
+        let (second, fourth) = left.iter().fold((0.0, 0.0), |(a, b), left| {
+            let square = left * left;
+            (a + square / count, b + square * square / count)
+        });
+        let peaked = fourth / (second * second).max(f64::MIN_POSITIVE);
+        let noise = OF_MEDIAN * median(&mut left);
+        Self { mean: x - slope * u, noise, count, variance: second, peaked }
     }
 }

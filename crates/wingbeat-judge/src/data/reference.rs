@@ -308,7 +308,7 @@ fn mixed(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
             found.push(finding.noted().in_channel(pair.name));
         };
         let others = telling.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, of)| of);
-        let others = others.filter(|(other, its)| other.unit == pair.unit && its.now > ALIKE[0]);
+        let others = others.filter(|(_, its)| its.now > ALIKE[0]);
         let talks = others.filter_map(|(other, its)| {
             let fit = by(&apart(other.measured))?;
             let size = fit.second.abs() * its.measured / told.computed;

@@ -99,7 +99,9 @@ pub(super) fn copied(series: &Series) -> Option<Finding> {
     let text = format!(
         "{again} of {STRETCHES} stretches come again sample by sample, {after} samples later: a buffer that was written twice, or a file          that was glued of copies"
     );
-    Some(Finding::new("data.copied", &COPIED, series.about(channel.name), size, text).in_channel(channel.name))
+    Some(
+        Finding::new("data.copied", &COPIED, series.about(channel.name), size, text).in_channel(channel.name),
+    )
 }
 
 /// Median of what the samples beside those of `value` are off it: little where an instrument has a dead band about it.

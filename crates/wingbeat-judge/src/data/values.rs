@@ -14,6 +14,9 @@ const STEEP: f64 = 5.0;
 /// Width of that band in parts of the range. *Choice.*
 const BAND: f64 = 1.0 / 200.0;
 
+/// Times that width by which a dead band leaves out what is beside zero. *Choice.*
+const APART: f64 = 3.0;
+
 /// Least and largest value and the least step between values that follow one another.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
@@ -196,7 +199,13 @@ fn of_channel(
         let breaks = |finding: &Finding| finding.breaks(limits);
         let clipped = clipped(series, channel, extent, &[extent.high, extent.low]).filter(breaks);
         let within = || clipped_within(series, channel, extent).filter(breaks);
-        found.extend(clipped.or_else(within).or_else(|| plateau::cut_off(series, channel, extent.count, placed)));
+        let places = placed.of(channel.samples);
+        found.extend(places.iter().filter_map(|places| plateau::two_sources(series, channel, places)));
+        let cut = || plateau::cut_off(series, channel, extent.count, places.as_ref()?);
+        found.extend(clipped.or_else(within).or_else(cut));
+    } else if extent.range() > 0.0 {
+        // A motion may meet a stop.
+        found.extend(clipped(series, channel, extent, &[extent.high, extent.low]).map(Finding::noted));
     }
     found
 }
@@ -282,6 +291,11 @@ fn clipped(series: &Series, channel: &Channel, extent: Extent, ends: &[f64]) -> 
             row = if on { row + 1 } else { 0 };
             rows = rows.max(row);
             at += usize::from(on);
+        }
+        // The values lead to where a load is cut off, and not to the zero about which an instrument has a dead band.
+        let off = channel.samples.iter().map(|x| (x - end).abs()).filter(|off| *off > 0.0);
+        if end == 0.0 && off.fold(f64::INFINITY, f64::min) > APART * band {
+            continue;
         }
         let share = at as f64 / channel.samples.len() as f64;
         let flat = rows >= ROW && at as f64 > STEEP * near as f64;

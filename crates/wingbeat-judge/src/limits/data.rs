@@ -91,12 +91,16 @@ pub const ALTERNATES: Limit = Limit::at_most("data.alternating_ratio", 3.0, "", 
 /// Correlation of the second differences of one sample and the next: white noise has -2/3, and smooth loads 1.
 pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0.9, "")
     .on("correlation of the second differences from sample to sample");
+/// Fourth moment of the samples of one phase over the square of their variance: two values have 1, a hum 1.5, even noise 1.8.
+pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.25, "", SuspectData)
+    .on("kurtosis of the samples of one phase, where they scatter from one to the next,");
 /// A converter whose bit is dead leaves out a half, a quarter, an eighth of its range.
 pub const HOLE: Limit = Limit::warn_above("data.hole_fraction", 0.05, "")
     .on("widest part of its range that a smooth channel leaps over and never takes");
 /// Noise hardly ever gives 32 samples in a row again; what is written twice has them.
-pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "")
-    .on("share of the stretches of a channel that come again sample by sample, later than in the next cycle,");
+pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "").on(
+    "share of the stretches of a channel that come again sample by sample, later than in the next cycle,",
+);
 /// Smooth motions have up to 1.5 from 5 rows a cycle on, rounded and noisy ones less than 2: a spike of five times the acceleration makes
 /// loads of five times the inertia.
 pub const ENDS: Limit = Limit::at_most("data.ends_ratio", 5.0, "", SuspectData)
@@ -133,6 +137,9 @@ pub const SAMPLES: Limit =
 /// line below it.
 pub const OF_LINE: Limit = Limit::at_least("data.samples_of_line", 3.0, "", SuspectData)
     .on("number of samples in a period of the strongest line");
+/// A gain that is half for a third of the file makes 0.28, strokes of a steady crank 0.06 (measured).
+pub const DIFFERS: Limit = Limit::warn_above("data.size_differs_fraction", 0.2, "")
+    .on("how far the cycles of a channel differ in size, rms over their mean size,");
 /// Loads that grow by less from begin to end lie within what strokes of a steady crank do (measured: 6 to 20 %).
 pub const TREND: Limit = Limit::warn_above("data.size_trend_fraction", 0.3, "")
     .on("change of the size of the cycles of a channel from begin to end, by a straight line, over their mean size,");
@@ -147,9 +154,50 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 43] = [
-    NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
-    ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP, RECTIFIED, OUTLIERS, WRAPPED,
-    ALTERNATES, ENDS, LEFT, UNLIKE, COVERED, COUNTS, FEW_COUNTS, SWINGS, SCATTER, TREND, REPEATED, COPIED, SAMPLES,
-    OF_LINE, LAGS, BENT, BY_TURNS, HOLE,
+pub const ALL: [Limit; 45] = [
+    NOT_FINITE,
+    BACKWARD,
+    LOST,
+    TINY,
+    HUGE,
+    STUCK,
+    CLIPPED,
+    DRIFT,
+    SIGNAL,
+    LINE,
+    SHARE,
+    APERIODIC,
+    FREQUENCY,
+    ROUGH,
+    REVERSED,
+    SWAPPED,
+    GAIN,
+    SHIFT,
+    UNRELATED,
+    DEAD,
+    LARGEST,
+    PHASE_GAP,
+    RECTIFIED,
+    OUTLIERS,
+    WRAPPED,
+    ALTERNATES,
+    ENDS,
+    LEFT,
+    UNLIKE,
+    COVERED,
+    COUNTS,
+    FEW_COUNTS,
+    SWINGS,
+    SCATTER,
+    DIFFERS,
+    TREND,
+    REPEATED,
+    COPIED,
+    SAMPLES,
+    OF_LINE,
+    LAGS,
+    BENT,
+    BY_TURNS,
+    TWO_SOURCES,
+    HOLE,
 ];

@@ -42,8 +42,9 @@ pub const LIGHT: Limit = Limit::warn_below("tether.spar_over_air", 0.1, "").on(
 );
 /// Span over mean chord below which strips and lifting line are far off: at one they give 4/3 of the lift of a slender wing (R. T. Jones,
 /// NACA report 835, 1946), at a half 8/5.
-pub const SLENDER: Limit = Limit::warn_below("tether.aspect_ratio", 1.0, "")
-    .on("strips and lifting line hold for wings that are wide (are the chords in m?): span over the mean chord");
+pub const SLENDER: Limit = Limit::warn_below("tether.aspect_ratio", 1.0, "").on(
+    "strips and lifting line hold for wings that are wide (are the chords in m?): span over the mean chord",
+);
 
 /// All of them.
 pub const ALL: [Limit; 11] =

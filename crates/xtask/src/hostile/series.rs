@@ -104,6 +104,16 @@ struct Change {
     ends: Option<f64>,
     /// Rows within these places are missing.
     lost: Option<[f64; 2]>,
+    /// It reads zero below this part of its range.
+    dead_band: f64,
+    /// This bit of seven of its converter stays zero.
+    dead_bit: Option<u32>,
+    /// It grows by this part with the cube of the place.
+    grows: f64,
+    /// Its first part of this size comes again and again.
+    again: Option<f64>,
+    /// Rows stand in pairs that are swapped.
+    pairs: bool,
     /// Only its magnitude is kept.
     magnitude: bool,
     /// Instants are off by so many steps.
@@ -259,6 +269,8 @@ impl Change {
             if self.zeros.is_some_and(|every| k % every == every / 2) {
                 *x = 0.0;
             }
+            *x *= 1.0 + self.grows * place.powi(3);
+            *x = if x.abs() < self.dead_band * size { 0.0 } else { *x };
             *x *= 1.0 + self.bend * x.abs() / size;
             *x *= 1.0 + self.swing * (TAU * 3.67 * place).sin();
             *x = if self.magnitude { x.abs() } else { *x };
@@ -273,6 +285,18 @@ impl Change {
             if let Some(count) = self.count {
                 *x = (*x / (count * size)).round() * count * size;
             }
+        }
+        if let Some(bit) = self.dead_bit {
+            let (low, step) = (values.iter().fold(f64::MAX, |m, x| m.min(*x)), range(values) / 127.0);
+            let code = |x: f64| ((x - low) / step).round() as u32 & !(1 << bit);
+            values.iter_mut().for_each(|x| *x = low + step * f64::from(code(*x)));
+        }
+        if let Some(part) = self.again {
+            let length = ((part * values.len() as f64) as usize).max(1);
+            (length..values.len()).for_each(|k| values[k] = values[k - length]);
+        }
+        if self.pairs {
+            values.chunks_exact_mut(2).for_each(|pair| pair.swap(0, 1));
         }
     }
 }
