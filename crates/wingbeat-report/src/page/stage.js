@@ -199,7 +199,7 @@ class Stage {
   // The whole way in a corner, the robot enlarged.
   drawCorner(ground, w, h, ratio) {
     const { box } = this, iw = Math.round(0.34 * w), ih = Math.round(0.40 * h), pad = 8, small = new Scene(), inset = Object.assign(new Camera(), this.camera), enlarged = m => limited(0.11 * box.size / m.reach, 1, 12);
-    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true); addRobot(small, m, own, enlarged(m), box.floor, false); addLines(small, m, own.body); });
+    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true, 120); addRobot(small, m, own, enlarged(m), box.floor, false); addLines(small, m, own.body); });
     Object.assign(inset, { target: this.middle(), azimuth: this.across() - 0.15, elevation: 0.36 });
     this.fit(inset, iw / ih, Math.max(...this.motions.map(enlarged)));
     this.renderer.pass([ground, small], inset, [pad, pad, iw, ih].map(v => Math.round(v * ratio)), this.look, ratio);
