@@ -223,7 +223,8 @@ class Stage {
       before = [at, v];
       this.overlay.write(`${word} ${digits(+(p[2] - box.floor).toFixed(2))} m`, at, v, 'center');
     }
-    this.overlay.write(`grid ${digits(box.step)} m${several ? '' : `, heights above ${box.below ? 'ground' : 'it'}`}`, x + 8, y + h - 8);
+    const above = ', heights above ' + (box.below ? 'ground' : 'it');
+    this.overlay.write('grid ' + digits(box.step) + ' m' + (several ? '' : above), x + 8, y + h - 8);
   }
   drawShot(W, H, ratio) {
     const { box, camera } = this, shot = this.shots[Math.round(this.state.t)], scene = new Scene(), [w, h] = this.size;
