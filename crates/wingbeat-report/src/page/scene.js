@@ -198,8 +198,8 @@ function addForces(scene, m, look) {
   }
 }
 // The way so far is drawn strongly and stands on a curtain; what is to come is faint.
-function addPath(scene, m, look, floor, curtain) {
-  const coarse = Math.max(1, Math.floor(m.n / 240)), p = i => [m.position[0][i], m.position[1][i], m.position[2][i]];
+function addPath(scene, m, look, floor, curtain, pieces = 240) {
+  const coarse = Math.max(1, Math.floor(m.n / pieces)), p = i => [m.position[0][i], m.position[1][i], m.position[2][i]];
   // What is near in time is near the eye: there no corner is left out.
   const [from, to] = curtain ? [0, 0] : [-0.8, 0.8].map(s => place(m.t, m.t[m.i] + s)[0]), fine = Math.max(1, Math.floor((to - from) / 160));
   for (let i = 0, j; i + 1 < m.n; i = j) {

@@ -199,7 +199,7 @@ class Stage {
   // The whole way in a corner, the robot enlarged.
   drawCorner(ground, w, h, ratio) {
     const { box } = this, iw = Math.round(0.34 * w), ih = Math.round(0.40 * h), pad = 8, small = new Scene(), inset = Object.assign(new Camera(), this.camera), enlarged = m => limited(0.11 * box.size / m.reach, 1, 12);
-    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true); addRobot(small, m, own, enlarged(m), box.floor, false); addLines(small, m, own.body); });
+    this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true, 120); addRobot(small, m, own, enlarged(m), box.floor, false); addLines(small, m, own.body); });
     Object.assign(inset, { target: this.middle(), azimuth: this.across() - 0.15, elevation: 0.36 });
     this.fit(inset, iw / ih, Math.max(...this.motions.map(enlarged)));
     this.renderer.pass([ground, small], inset, [pad, pad, iw, ih].map(v => Math.round(v * ratio)), this.look, ratio);
@@ -223,7 +223,8 @@ class Stage {
       before = [at, v];
       this.overlay.write(`${word} ${digits(+(p[2] - box.floor).toFixed(2))} m`, at, v, 'center');
     }
-    this.overlay.write(`grid ${digits(box.step)} m${several ? '' : `, heights above ${box.below ? 'ground' : 'it'}`}`, x + 8, y + h - 8);
+    const above = ', heights above ' + (box.below ? 'ground' : 'it');
+    this.overlay.write('grid ' + digits(box.step) + ' m' + (several ? '' : above), x + 8, y + h - 8);
   }
   drawShot(W, H, ratio) {
     const { box, camera } = this, shot = this.shots[Math.round(this.state.t)], scene = new Scene(), [w, h] = this.size;
