@@ -142,7 +142,7 @@ pub fn membrane_points(
     let ribs = aero.membrane().map_or(&[][..], |model| model.membrane_ribs());
     let mut knots: Vec<(f64, [f64; 2])> = strips.chain(ribs.iter().map(|arc| (*arc, [0.0; 2]))).collect();
     // From the right tip on, as the interpolation asks.
-    knots.sort_by(|a, b| a.0.total_cmp(&b.0));
+    wingbeat_math::order::ascend_by(&mut knots, |item| item.0);
     let along: Vec<f64> = knots.iter().map(|knot| knot.0).collect();
     let heights = [0, 1].map(|m| knots.iter().map(|knot| knot.1[m]).collect::<Vec<f64>>());
     let points = |(k, [le, te]): (usize, &[Vec3; 2])| {

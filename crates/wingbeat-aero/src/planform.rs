@@ -278,7 +278,7 @@ impl<P: Scalar> Planform<P> {
     pub fn chord_integrals(&self, from: P, to: P) -> [P; 2] {
         let stations = self.arcs.iter().flat_map(|arc| self.coordinates(*arc));
         let mut bounds: Vec<P> = stations.filter(|s| *s > from && *s < to).chain([from, to]).collect();
-        bounds.sort_by(|a, b| a.value().total_cmp(&b.value()));
+        wingbeat_math::order::ascend_by(&mut bounds, |item| item.value());
         bounds.windows(2).fold([P::ZERO; 2], |[area, square], s| {
             let (length, a, b) = (s[1] - s[0], self.chord(s[0]), self.chord(s[1]));
             [area + length * (a + b) / 2.0, square + length * (a * a + a * b + b * b) / 3.0]

@@ -56,6 +56,6 @@ pub fn rank(solved: &Solved, candidates: &Problem) -> Result<Vec<Candidate>, Err
             Candidate { index: *run, parameter, errors }
         })
         .collect();
-    ranked.sort_by(|a, b| a.errors[parameter].total_cmp(&b.errors[parameter]));
+    wingbeat::math::order::ascend_by(&mut ranked, |item| item.errors[parameter]);
     Ok(ranked)
 }

@@ -141,7 +141,7 @@ impl Found {
 
     /// Orders the structures by their error in runs left out.
     pub fn rank_structures(&mut self) {
-        self.rivals.sort_by(|a, b| a.left_out_share.total_cmp(&b.left_out_share));
+        wingbeat::math::order::ascend_by(&mut self.rivals, |item| item.left_out_share);
     }
 
     /// Runs that are only predicted.

@@ -98,7 +98,7 @@ impl Observed {
         for _ in 0..ROUNDS {
             let distances: Vec<f64> = self.cycles.iter().map(|cycle| self.distance(cycle)).collect();
             let mut sorted = distances.clone();
-            sorted.sort_by(f64::total_cmp);
+            wingbeat::math::order::ascend(&mut sorted);
             // Half of the cycles of normal noise lie below the median distance: it is the scale.
             let usual = sorted[sorted.len() / 2].max(f64::MIN_POSITIVE);
             let weight = |d: &f64| (HUBER * usual / d.max(f64::MIN_POSITIVE)).min(1.0);

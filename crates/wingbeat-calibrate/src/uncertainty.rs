@@ -226,7 +226,7 @@ fn singular(blocks: &[DMatrix<f64>], n: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     let square = blocks.iter().fold(DMatrix::zeros(n, n), |sum, block| sum + block.transpose() * block);
     let eigen = square.symmetric_eigen();
     let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    wingbeat::math::order::descend_by(&mut order, |item| eigen.eigenvalues[*item]);
     let values = order.iter().map(|k| eigen.eigenvalues[*k].max(0.0).sqrt()).collect();
     let directions = order.iter().map(|k| eigen.eigenvectors.column(*k).iter().copied().collect()).collect();
     (values, directions)
@@ -307,7 +307,7 @@ pub fn profiles(
         let mut curve: Vec<(f64, f64)> =
             own.filter_map(|((_, x), cost)| cost.map(|cost| (*x, scale * (cost - least).max(0.0)))).collect();
         curve.push((values[k], 0.0));
-        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        wingbeat::math::order::ascend_by(&mut curve, |item| item.0);
         profiles.push(profile(parameter, values[k], curve));
     }
     Ok(profiles)
@@ -317,7 +317,7 @@ fn profile(parameter: &Parameter, value: f64, curve: Vec<(f64, f64)>) -> Profile
     let crossing = |side: f64| {
         let mut outwards: Vec<(f64, f64)> =
             curve.iter().copied().filter(|(x, _)| side * (x - value) >= 0.0).collect();
-        outwards.sort_by(|a, b| (side * a.0).total_cmp(&(side * b.0)));
+        wingbeat::math::order::ascend_by(&mut outwards, |item| side * item.0);
         // The square root of the cost is nearly straight.
         outwards.windows(2).find(|pair| pair[0].1 <= CHI_95 && pair[1].1 > CHI_95).map(|pair| {
             let (a, b, c) = (pair[0].1.sqrt(), pair[1].1.sqrt(), CHI_95.sqrt());

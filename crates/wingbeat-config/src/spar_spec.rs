@@ -186,7 +186,7 @@ impl SparSpec {
                 (chord > 0.0).then(|| per_length(station)[k] / chord.powi(power))
             };
             let mut all: Vec<f64> = self.stations.iter().filter_map(of).collect();
-            all.sort_by(f64::total_cmp);
+            wingbeat_math::order::ascend(&mut all);
             // Of an even number the larger of both in the middle.
             if let (Some(lowest), Some(middle)) = (all.first(), all.get(all.len() / 2))
                 && *middle > 0.0

@@ -181,7 +181,7 @@ impl ControllerSummary {
     /// Order statistics of the update times.
     pub fn new(flight: &Flight, period_s: Option<f64>) -> Self {
         let mut us: Vec<f64> = flight.updates.iter().map(|d| d.as_secs_f64() * 1e6).collect();
-        us.sort_by(f64::total_cmp);
+        wingbeat_math::order::ascend(&mut us);
         let quantile = |q: f64| match us.len() {
             0 => 0.0,
             n => us[((n as f64 * q).ceil() as usize).clamp(1, n) - 1],

@@ -68,7 +68,7 @@ fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure,
         let y = needed(record, name)?;
         let mut points: Vec<(f64, f64)> =
             x.iter().copied().zip(y.iter().copied()).filter(|point| point.1.is_finite()).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        wingbeat::math::order::ascend_by(&mut points, |item| item.0);
         let unit = record.column(name).map_or("", |column| column.unit.as_str());
         Ok(Chart {
             title: String::new(),
@@ -122,7 +122,7 @@ impl<'a> Drawn<'a> {
     fn of(record: &'a Record, key: &'a str) -> Result<Self, Error> {
         let values = needed(record, key)?;
         let mut places = values.to_vec();
-        places.sort_by(f64::total_cmp);
+        wingbeat::math::order::ascend(&mut places);
         places.dedup();
         let (low, high) = style::span(values.iter().copied());
         // Half a cell of a grid lies beyond its ends.

@@ -104,7 +104,7 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
     };
     // The largest first: those beyond the first few kinds have no name.
     let mut rows: Vec<usize> = (0..record.rows()).collect();
-    rows.sort_by(|a, b| re[*b].hypot(im[*b]).total_cmp(&re[*a].hypot(im[*a])));
+    wingbeat::math::order::descend_by(&mut rows, |item| re[*item].hypot(im[*item]));
     let mut groups: Vec<Group> = Vec::new();
     for row in rows {
         let (own, longitudinal) = (own(row), lateral[row] == 0.0);

@@ -111,7 +111,7 @@ impl Flight {
             let tip = aero.arcs().iter().fold(0.0_f64, |tip, arc| tip.max(arc.abs()));
             let strips = places.map(|(i, arc)| (*arc, seen.strips.circulation[first + i]));
             let mut table: Vec<(f64, f64)> = [(-tip, 0.0), (tip, 0.0)].into_iter().chain(strips).collect();
-            table.sort_by(|a, b| a.0.total_cmp(&b.0));
+            wingbeat::math::order::ascend_by(&mut table, |item| item.0);
             tables.push(table.into_iter().unzip::<f64, f64, Vec<f64>, Vec<f64>>());
             first += aero.strips();
         }

@@ -88,7 +88,7 @@ fn uniform(planform: &Planform, hinge_arcs: &[f64], spanwise: usize) -> Result<(
     let at_gaps = planform.gaps().iter().flat_map(|gap| [gap.from_arc_m, gap.to_arc_m]);
     let inner = hinge_arcs.iter().copied().chain(at_gaps).flat_map(|arc| planform.coordinates(arc));
     let mut bounds: Vec<f64> = inner.filter(|arc| arc.abs() < tip).chain([tip, -tip]).collect();
-    bounds.sort_by(|a, b| b.total_cmp(a));
+    wingbeat::math::order::descend(&mut bounds);
     bounds.dedup_by(|a, b| (*a - *b).abs() <= SAME * tip);
     let pieces = bounds.len() - 1;
     if spanwise < pieces {

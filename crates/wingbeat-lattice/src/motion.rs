@@ -150,7 +150,7 @@ impl Scene {
         let hinges = wing.hinges().iter().flat_map(|h| std::iter::once(h.arc_m).chain(h.to_arc_m));
         let inner = |arc: &f64| *arc < wing.planform().half_span();
         let mut arcs: Vec<f64> = hinges.filter(inner).chain(symmetric.then_some(0.0)).collect();
-        arcs.sort_by(f64::total_cmp);
+        wingbeat::math::order::ascend(&mut arcs);
         arcs.dedup();
         let Panels { chordwise, spanwise, spacing } = panels;
         let whole = Layout::of(wing.planform(), &arcs, chordwise, spanwise, spacing)?;

@@ -88,7 +88,7 @@ impl Evolution {
         let expected = n.sqrt() * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n));
         let mut order: Vec<usize> = (0..costs.len().min(self.population)).collect();
         let rank = |k: &usize| if costs[*k].is_nan() { f64::INFINITY } else { costs[*k] };
-        order.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+        crate::order::ascend_by(&mut order, |item| rank(item));
         let drawn: Vec<Vec<f64>> = order.iter().map(|k| self.drawn(*k)).collect();
         let weighted = |i: usize, power: i32| -> f64 {
             self.weights.iter().zip(&drawn).map(|(w, z)| w * z[i].powi(power)).sum()

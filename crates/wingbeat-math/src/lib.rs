@@ -12,6 +12,7 @@ mod lanes;
 pub mod linear;
 pub mod multifrontal;
 pub mod names;
+pub mod order;
 mod over;
 pub mod parallel;
 mod parameters;

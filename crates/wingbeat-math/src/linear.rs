@@ -139,7 +139,7 @@ pub fn symmetric_eigenvalues<const N: usize>(mut a: [[f64; N]; N]) -> [f64; N] {
         }
     }
     let mut values: [f64; N] = std::array::from_fn(|i| a[i][i]);
-    values.sort_unstable_by(f64::total_cmp);
+    crate::order::ascend(&mut values);
     values
 }
 

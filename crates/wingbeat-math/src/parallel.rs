@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError, mpsc};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 /// Stack of a thread: an evaluation that carries derivatives or lanes holds several MB.
@@ -31,38 +31,93 @@ pub fn each<T: Sync, R: Send>(
     work: impl Fn(usize, &T) -> R + Sync,
     mut take: impl FnMut(usize, R) -> ControlFlow<()>,
 ) {
+    let answers = Mutex::new(Vec::new());
+    let done = |index: usize| {
+        let answer = work(index, &items[index]);
+        locked(&answers).push((index, answer));
+    };
+    shared(items.len(), &done, &mut || {
+        let new = std::mem::take(&mut *locked(&answers));
+        new.into_iter().try_for_each(|(index, answer)| take(index, answer))
+    });
+}
+
+/// What the threads of [`shared`] have told.
+struct Told {
+    /// Whether answers have come since they were taken.
+    new: bool,
+    /// Threads that work.
+    working: usize,
+}
+
+/// Tells that a thread works no more, even where its work panics.
+struct Leaving<'a>(&'a Mutex<Told>, &'a Condvar);
+
+impl Drop for Leaving<'_> {
+    fn drop(&mut self) {
+        locked(self.0).working -= 1;
+        self.1.notify_one();
+    }
+}
+
+/// `work` on every number below `count`, on all cores; `take` takes on the calling thread what has been done since it was called last.
+/// Compiled once: what is generic of [`each`] would stand in the program again for every work.
+fn shared(count: usize, work: &(dyn Fn(usize) + Sync), take: &mut dyn FnMut() -> ControlFlow<()>) {
     let next = AtomicUsize::new(0);
-    let (sender, answers) = mpsc::channel();
-    let cores = thread::available_parallelism().map_or(1, usize::from).min(items.len());
-    let (next, work) = (&next, &work);
+    let (told, wake) = (Mutex::new(Told { new: false, working: 0 }), Condvar::new());
+    let run = || {
+        let _leaving = Leaving(&told, &wake);
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count {
+                return;
+            }
+            work(index);
+            locked(&told).new = true;
+            wake.notify_one();
+        }
+    };
     let begun = thread::scope(|scope| {
         let mut begun = false;
-        for _ in 0..cores {
-            let sender = sender.clone();
-            let run = move || {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(index) else { return };
-                    if sender.send((index, work(index, item))).is_err() {
-                        return;
-                    }
-                }
-            };
-            begun |= thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).is_ok();
+        for _ in 0..cores(count) {
+            locked(&told).working += 1;
+            let starts = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).is_ok();
+            if !starts {
+                locked(&told).working -= 1;
+            }
+            begun |= starts;
         }
-        drop(sender);
-        for (index, answer) in answers {
-            if take(index, answer).is_break() {
-                next.store(items.len(), Ordering::Relaxed);
+        loop {
+            let mut now = locked(&told);
+            while !now.new && now.working > 0 {
+                now = wake.wait(now).unwrap_or_else(PoisonError::into_inner);
+            }
+            if !std::mem::take(&mut now.new) {
+                break;
+            }
+            drop(now);
+            if take().is_break() {
+                next.store(count, Ordering::Relaxed);
                 break;
             }
         }
         begun
     });
     if !begun {
-        let answers = items.iter().enumerate().map(|(index, item)| (index, work(index, item)));
-        let _ = { answers }.try_for_each(|(index, answer)| take(index, answer));
+        let _ = (0..count).try_for_each(|index| {
+            work(index);
+            take()
+        });
     }
+}
+
+fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
+    what.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Cores that `count` items can keep busy.
+fn cores(count: usize) -> usize {
+    thread::available_parallelism().map_or(1, usize::from).min(count)
 }
 
 /// `work` on every item, each core a run of neighbours; on at most `most` cores where that is not 0, and on those that the
@@ -74,19 +129,23 @@ pub fn each<T: Sync, R: Send>(
 /// assert_eq!(numbers, [2, 4, 6]);
 /// ```
 pub fn chunks<T: Send>(items: &mut [T], most: usize, work: impl Fn(&mut T) + Sync) {
-    let cores = thread::available_parallelism().map_or(1, usize::from).min(items.len());
+    let cores = cores(items.len());
     let cores = if most == 0 { cores } else { cores.min(most) };
     if cores <= 1 {
         return items.iter_mut().for_each(work);
     }
     let size = items.len().div_ceil(cores);
     let parts = Mutex::new(items.chunks_mut(size));
-    let next = || parts.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let run = || {
+    let next = || locked(&parts).next();
+    together(cores, &|| {
         while let Some(part) = next() {
             part.iter_mut().for_each(&work);
         }
-    };
+    });
+}
+
+/// `run` on the calling thread and on as many others as make up `cores`, as far as the system starts them.
+fn together(cores: usize, run: &(dyn Fn() + Sync)) {
     thread::scope(|scope| {
         for _ in 1..cores {
             // The others take the part of a thread that does not start.
@@ -122,5 +181,12 @@ mod tests {
         });
         assert_eq!(seen, 3);
         each(&[] as &[()], |_, ()| (), |_, ()| ControlFlow::Continue(()));
+    }
+
+    #[test]
+    #[should_panic(expected = "a scoped thread panicked")]
+    fn work_that_panics_ends_all() {
+        let work = |index: usize, (): &()| assert!(index != 3, "the fourth");
+        each(&[(); 8], work, |_, ()| ControlFlow::Continue(()));
     }
 }

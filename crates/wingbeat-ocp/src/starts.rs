@@ -23,7 +23,7 @@ impl Starts {
     /// Number of minima: objectives of solutions that differ by more than a thousandth.
     pub fn minima(&self) -> usize {
         let mut found: Vec<f64> = self.objectives.iter().copied().flatten().collect();
-        found.sort_by(f64::total_cmp);
+        wingbeat_math::order::ascend(&mut found);
         let apart = |pair: &[f64]| pair[1] - pair[0] > ALIKE * pair[0].abs().max(pair[1].abs());
         usize::from(!found.is_empty()) + found.windows(2).filter(|pair| apart(pair)).count()
     }

@@ -188,6 +188,7 @@ impl<P: Scalar> Robot<P> {
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
+    #[inline(never)]
     pub fn rates_by_clock<S: Scalar + Meets<P>>(
         &self,
         t: S,

@@ -174,6 +174,7 @@ impl<P: Scalar> Robot<P> {
     /// dynamics decide, are zero. `structure` holds the states of the elements, then those of elastic
     /// joints and crank; `dx` receives the rates of the elements' states, `joints` the coordinates,
     /// `ratios` the crank's ratios where a motor turns it.
+    #[inline(never)]
     pub(super) fn joints<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         clock: &Jet<G>,
@@ -222,6 +223,7 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Joint coordinates by the gait alone, its linkages with their lengths displaced.
+    #[inline(never)]
     pub(super) fn drive<G: Scalar + Meets<P>>(
         &self,
         phase: Jet<G>,

@@ -189,7 +189,7 @@ impl Placement {
         let gaps = self.planform.gaps().iter().flat_map(|gap| [gap.from_arc_m, gap.to_arc_m]);
         let arcs = self.planform.station_arcs().iter().copied().chain(hinges).chain(gaps);
         let mut all: Vec<f64> = arcs.flat_map(|arc| self.planform.coordinates(arc)).collect();
-        all.sort_by(|a, b| b.total_cmp(a));
+        wingbeat_math::order::descend(&mut all);
         all.dedup();
         all
     }
@@ -210,7 +210,7 @@ impl Placement {
             self.planform.coordinates(arc).into_iter().map(move |s| (s, name.clone()))
         };
         let mut ends: Vec<(f64, String)> = arcs.flat_map(at).map(|(s, name)| named(s, &name)).collect();
-        ends.sort_by(|a, b| b.0.total_cmp(&a.0));
+        wingbeat_math::order::descend_by(&mut ends, |item| item.0);
         ends
     }
 }

@@ -264,7 +264,7 @@ impl Covering {
             let mut stations = placement.stations();
             if let Some(model) = aero.membrane() {
                 stations.extend(aero.strip_arcs().iter().chain(model.membrane_ribs()));
-                stations.sort_by(|a, b| b.total_cmp(a));
+                wingbeat_math::order::descend(&mut stations);
                 stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
             }
             let placed = Laid {

@@ -156,7 +156,7 @@ impl Beam {
                 places.push((arc, None, 0.0));
             }
         }
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        wingbeat_math::order::ascend_by(&mut places, |item| item.0);
         let mut at = from;
         for (arc, section, weight) in places {
             let (centre, reach) = (0.5 * (at + arc), 0.5 * (arc - at));
@@ -312,7 +312,7 @@ fn edges(stations: &[Station], grid: &Grid, length: f64) -> Vec<f64> {
     let even = (0..=grid.elements).map(|i| length * i as f64 / grid.elements as f64);
     let steps = stations.windows(2).filter(|pair| pair[0].arc_m == pair[1].arc_m).map(|pair| pair[0].arc_m);
     let mut edges: Vec<f64> = even.chain(steps).collect();
-    edges.sort_by(f64::total_cmp);
+    wingbeat_math::order::ascend(&mut edges);
     edges.dedup_by(|a, b| (*a - *b).abs() <= SAME * length);
     edges
 }

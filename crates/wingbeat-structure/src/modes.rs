@@ -57,6 +57,6 @@ pub fn frequencies(linear: &Linear) -> Vec<(f64, Vec<f64>)> {
     let shapes = inverse.transpose() * &eigen.eigenvectors;
     let mode = |i: usize| (eigen.eigenvalues[i].max(0.0).sqrt(), shapes.column(i).iter().copied().collect());
     let mut modes: Vec<(f64, Vec<f64>)> = (0..eigen.eigenvalues.len()).map(mode).collect();
-    modes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    wingbeat_math::order::ascend_by(&mut modes, |item| item.0);
     modes
 }

@@ -39,7 +39,7 @@ fn still_air(preset: Preset) -> Result<Vec<(f64, f64)>, Error> {
         let section = TypicalSection { mass_ratio, unbalance: 0.2, frequency_ratio: 0.6, axis: AXIS };
         let mut found: Vec<f64> = section.eigenvalues(preset, 0.0)?.iter().map(|s| s.im).collect();
         found.retain(|omega| *omega > 0.1);
-        found.sort_by(f64::total_cmp);
+        wingbeat::math::order::ascend(&mut found);
         let exact = section.frequencies_with_carried_air();
         if found.len() != exact.len() {
             return Err(Error::NoAnswer(format!("{} oscillations of a plate on two springs", found.len())));

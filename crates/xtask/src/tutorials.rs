@@ -3,7 +3,8 @@
 //!
 //! Comments of the page say what a reader does by hand: `<!-- file NAME -->` writes the next block, `<!-- append NAME -->` adds it,
 //! `<!-- replace NAME: A => B -->` edits a line, `<!-- copy PAGE NAME -->` writes the first TOML block of a page.
-//! Behind `<!-- long -->` stands what takes longer than a test before every change may take.
+//! Behind `<!-- long -->` stands what takes longer than a test before every change may take, and so does the block below
+//! `<!-- long block -->`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -211,6 +212,15 @@ mod tests {
     const MOST_COMMANDS: usize = 20;
     /// What each page does not wait for.
     const LONG: &str = "<!-- long -->";
+    /// What stands above a block that is not waited for.
+    const LONG_BLOCK: &str = "<!-- long block -->\n```";
+
+    /// The text without the blocks that are not waited for.
+    fn without_long_blocks(text: &str) -> String {
+        let mut parts = text.split(LONG_BLOCK);
+        let first = parts.next().unwrap_or_default().to_owned();
+        parts.fold(first, |kept, part| kept + part.split_once("\n```").map_or("", |(_, after)| after))
+    }
 
     #[test]
     fn the_short_parts_of_the_tutorials_go_as_they_say() {
@@ -221,9 +231,17 @@ mod tests {
             let (short, long) = text.split_once(LONG).unwrap_or((&text, ""));
             assert!(!long.is_empty(), "{page}: no {LONG}");
             let name = page.rsplit('/').next().unwrap().trim_end_matches(".md");
-            let wrong = carried_out(short, &folder(&format!("short-{name}"), shared).unwrap());
+            let short = without_long_blocks(short);
+            let wrong = carried_out(&short, &folder(&format!("short-{name}"), shared).unwrap());
             assert!(wrong.is_empty(), "{page}: {}", wrong.join("\n"));
         }
+    }
+
+    #[test]
+    fn long_blocks_are_left_out() {
+        let page = "a\n<!-- long block -->\n```sh\nslow\n```\nb\n```sh\nquick\n```\n";
+        assert_eq!(without_long_blocks(page), "a\n\nb\n```sh\nquick\n```\n");
+        assert_eq!(steps(page).len(), 2);
     }
 
     #[test]

@@ -283,6 +283,7 @@ impl<P: Scalar> LiftingLine<P> {
     }
 
     /// Writes the loads by node behind the strips that `loads` holds; returns the sum.
+    #[inline(never)]
     pub(super) fn append<S: Scalar + Meets<P>>(
         &self,
         sections: &(impl Sections<S> + ?Sized),
@@ -322,6 +323,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
     /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
     /// what the coordinates of `sections` take.
+    #[inline(never)]
     pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),

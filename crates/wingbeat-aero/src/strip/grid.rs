@@ -145,7 +145,7 @@ pub fn spacing<P: Scalar>(
         // Edges are laid from the right tip, where the arc coordinate is negative, to the left one.
         hinges.extend(at.iter().map(|s| -*s));
     }
-    hinges.sort_by(|a: &P, b: &P| a.value().total_cmp(&b.value()));
+    wingbeat_math::order::ascend_by(&mut hinges, |item| item.value());
     hinges.dedup_by(|a, b| *a == *b);
     let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));
     for piece in &pieces {

@@ -51,6 +51,7 @@ impl<K: Scalar, G: Over<K>, const N: usize> Strips<K, G, N> {
 
 impl<P: Scalar> StripModel<P> {
     /// Sum of the loads of all strips; `loads` receives them by strip and source, `by_strip` their sums.
+    #[inline(never)]
     pub(super) fn load_strips<
         K: Scalar + Meets<P>,
         G: Over<K> + Meets<P>,

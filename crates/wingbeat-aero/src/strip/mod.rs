@@ -275,6 +275,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
+    #[inline(never)]
     fn evaluate_in<
         K: Scalar + Meets<P>,
         G: Over<K> + Meets<P>,
@@ -311,6 +312,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// See [`Aero::settle`](crate::Aero::settle).
+    #[inline(never)]
     pub(super) fn settle<S: Scalar + Meets<P>>(
         &self,
         sections: &dyn Sections<S>,

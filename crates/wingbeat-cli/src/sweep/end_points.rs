@@ -74,7 +74,7 @@ pub fn table(record: &Record, sweep: &Sweep) -> Vec<Group> {
 /// 5, 50 and 95 % of values, by their order.
 fn spread(values: impl Iterator<Item = f64>) -> [Option<f64>; 3] {
     let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
+    wingbeat::math::order::ascend(&mut sorted);
     let at = |share: f64| sorted.get(((sorted.len() as f64 * share).ceil() as usize).max(1) - 1);
     [0.05, 0.5, 0.95].map(|share| at(share).copied())
 }

@@ -154,7 +154,7 @@ type Quantiles = [Option<f64>; 3];
 
 /// Median, 90th percentile and largest.
 fn quantiles(mut sorted: Vec<f64>) -> Quantiles {
-    sorted.sort_by(f64::total_cmp);
+    wingbeat::math::order::ascend(&mut sorted);
     let at = |share: f64| sorted.get(((sorted.len() as f64 * share).ceil() as usize).max(1) - 1);
     [0.5, 0.9, 1.0].map(|share| at(share).copied())
 }

@@ -124,7 +124,7 @@ impl<'a> Sheet<'a> {
         let depth = |points: &[Point]| {
             points.iter().map(|&p| placed.view.nearness(p)).sum::<f64>() / points.len() as f64
         };
-        areas.sort_by(|a, b| depth(&a.0).total_cmp(&depth(&b.0)));
+        wingbeat::math::order::ascend_by(&mut areas, |item| depth(&item.0));
         for (points, colour, opacity) in areas {
             self.area(placed, points, colour, *opacity);
         }
@@ -206,13 +206,13 @@ impl<'a> Sheet<'a> {
         let mut sides: [Vec<((f64, f64), &str)>; 2] = [Vec::new(), Vec::new()];
         let mut all: Vec<((f64, f64), &str)> =
             self.drawing.labels.iter().map(|(at, text)| (placed.at(*at), text.as_str())).collect();
-        all.sort_by(|a, b| a.0.0.total_cmp(&b.0.0));
+        wingbeat::math::order::ascend_by(&mut all, |item| item.0.0);
         let half = all.len() / 2;
         for (i, label) in all.into_iter().enumerate() {
             sides[usize::from(i >= half)].push(label);
         }
         for (side, labels) in sides.iter_mut().enumerate() {
-            labels.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
+            wingbeat::math::order::ascend_by(labels, |item| item.0.1);
             let rows = rows(&labels.iter().map(|label| label.0.1).collect::<Vec<_>>(), top, height);
             for (&((x, y), text), row) in labels.iter().zip(rows) {
                 let (edge, anchor, end) = match side {

@@ -177,7 +177,7 @@ impl Space {
 
     /// Draws all on the paper: axes, then what is further away, then lines before all and words.
     pub fn paint(mut self, scene: &mut Scene) {
-        self.pieces.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
+        wingbeat::math::order::ascend_by(&mut self.pieces, |item| item.nearness);
         scene.elements.extend(self.back);
         scene.elements.extend(self.pieces.into_iter().map(|piece| piece.drawn));
         scene.elements.extend(self.front);

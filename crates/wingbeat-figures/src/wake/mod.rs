@@ -98,7 +98,7 @@ fn draw(
     let wake = sheet.wake.iter().map(|(corners, value)| (corners, scale.colour(*value), 0.9));
     let wing = sheet.wing.iter().map(|corners| (corners, "#4a4a4a".to_owned(), 1.0));
     let mut quads: Vec<_> = wake.chain(wing).collect();
-    quads.sort_by(|a, b| depth(a.0).total_cmp(&depth(b.0)));
+    wingbeat::math::order::ascend_by(&mut quads, |item| depth(item.0));
     for (corners, colour, opacity) in quads {
         paper.area(&corners.map(|corner| at(&corner)), &colour, opacity);
     }

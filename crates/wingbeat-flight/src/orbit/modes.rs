@@ -152,7 +152,7 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
             modes.push(mode(*multiplier, *sector, label, shares));
         }
     }
-    modes.sort_by(|a, b| b.size().total_cmp(&a.size()));
+    wingbeat_math::order::descend_by(&mut modes, |item| item.size());
     Ok(Modes { modes, coupling })
 }
 

@@ -24,7 +24,7 @@ impl Tether {
         };
         let edges = self.aero.arcs().iter().map(|arc| arc.abs());
         let mut half: Vec<f64> = edges.chain([0.0, spar.root_m, span]).filter(|arc| *arc <= span).collect();
-        half.sort_by(|a, b| b.total_cmp(a));
+        wingbeat_math::order::descend(&mut half);
         half.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * span);
         let right: Vec<f64> = half.iter().rev().skip(1).map(|arc| -arc).collect();
         half.into_iter().chain(right).collect()

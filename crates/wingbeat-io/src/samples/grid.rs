@@ -75,7 +75,7 @@ impl Grid {
             None => (time.to_vec(), None),
             Some(_) if unordered => {
                 let mut order: Vec<u32> = (0..time.len() as u32).collect();
-                order.sort_by(|a, b| time[*a as usize].total_cmp(&time[*b as usize]));
+                wingbeat::math::order::ascend_by(&mut order, |item| time[*item as usize]);
                 (order.iter().map(|row| time[*row as usize]).collect(), Some(order))
             }
             Some(row) => {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use hdf5_reader::error::Error as Hdf5Error;
 use hdf5_reader::group::Group;
-use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
+use hdf5_reader::{ByteOrder, Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 
 use super::numbers::Kind;
 use super::opened;
@@ -94,7 +94,7 @@ fn dataset(table: &mut Table, dataset: &Dataset, name: &str, length: u64) -> Res
             "dataset {name}: {rows} x {columns} numbers do not fit into a file of {length} bytes: damaged"
         )));
     }
-    let numbers = Parts::of(dataset, kind, shape);
+    let numbers = Parts::of(dataset, shape);
     let (unit, mut failed) = (unit(dataset), None);
     let numbers = numbers.map_while(|part| part.map_err(|error| failed = Some(error)).ok()).flatten();
     let added = table.add(name, &unit, shape, numbers);
@@ -107,15 +107,14 @@ fn dataset(table: &mut Table, dataset: &Dataset, name: &str, length: u64) -> Res
 /// A dataset some rows, or some numbers of a long row, at a time.
 struct Parts<'a> {
     dataset: &'a Dataset,
-    kind: Kind,
     shape: Shape,
     /// Row and number in it that come next.
     next: (usize, usize),
 }
 
 impl<'a> Parts<'a> {
-    fn of(dataset: &'a Dataset, kind: Kind, shape: Shape) -> Self {
-        Self { dataset, kind, shape, next: (0, 0) }
+    fn of(dataset: &'a Dataset, shape: Shape) -> Self {
+        Self { dataset, shape, next: (0, 0) }
     }
 
     /// The rows and columns that come next.
@@ -133,14 +132,11 @@ impl<'a> Parts<'a> {
         Some([row..end, column..last])
     }
 
-    fn part<T: H5Type + Copy>(
-        &self,
-        block: [std::ops::Range<usize>; 2],
-        to: impl Fn(T) -> f64,
-    ) -> Result<Vec<f64>, Hdf5Error> {
+    fn part(&self, block: [std::ops::Range<usize>; 2]) -> Result<Vec<f64>, Hdf5Error> {
         let dimensions = self.dataset.ndim();
+        let plain = |number: &Number| number.0;
         if dimensions == 0 {
-            return Ok(self.dataset.read_array::<T>()?.iter().map(|value| to(*value)).collect());
+            return Ok(self.dataset.read_array::<Number>()?.iter().map(plain).collect());
         }
         let all = |range: std::ops::Range<usize>| SliceInfoElem::Slice {
             start: range.start as u64,
@@ -148,7 +144,7 @@ impl<'a> Parts<'a> {
             step: 1,
         };
         let selection = SliceInfo { selections: block.into_iter().take(dimensions).map(all).collect() };
-        Ok(self.dataset.read_slice::<T>(&selection)?.iter().map(|value| to(*value)).collect())
+        Ok(self.dataset.read_slice::<Number>(&selection)?.iter().map(plain).collect())
     }
 }
 
@@ -157,29 +153,52 @@ impl Iterator for Parts<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let block = self.advance()?;
-        Some(match self.kind {
-            Kind::Float(4) => self.part(block, |x: f32| f64::from(x)),
-            Kind::Float(_) => self.part(block, |x: f64| x),
-            Kind::Signed(1) => self.part(block, |x: i8| f64::from(x)),
-            Kind::Signed(2) => self.part(block, |x: i16| f64::from(x)),
-            Kind::Signed(4) => self.part(block, |x: i32| f64::from(x)),
-            Kind::Signed(_) => self.part(block, |x: i64| x as f64),
-            Kind::Unsigned(1) => self.part(block, |x: u8| f64::from(x)),
-            Kind::Unsigned(2) => self.part(block, |x: u16| f64::from(x)),
-            Kind::Unsigned(4) => self.part(block, |x: u32| f64::from(x)),
-            Kind::Unsigned(_) => self.part(block, |x: u64| x as f64),
-        })
+        Some(self.part(block))
     }
+}
+
+/// A number as it is kept, whatever its kind: the reader's code, which is long, is compiled for it alone.
+#[derive(Clone, Copy)]
+struct Number(f64);
+
+impl H5Type for Number {
+    fn hdf5_type() -> Datatype {
+        Datatype::FloatingPoint { size: 8, byte_order: ByteOrder::LittleEndian }
+    }
+
+    fn from_bytes(bytes: &[u8], dtype: &Datatype) -> Result<Self, Hdf5Error> {
+        let stored = stored(dtype).filter(|(kind, _)| kind.size() <= bytes.len());
+        let Some((kind, big_endian)) = stored else {
+            return Err(Hdf5Error::InvalidData(format!("{} bytes are no number of {dtype:?}", bytes.len())));
+        };
+        Ok(Self(kind.one(&bytes[..kind.size()], big_endian)))
+    }
+
+    fn element_size(dtype: &Datatype) -> usize {
+        stored(dtype).map_or(8, |(kind, _)| kind.size())
+    }
+
+    fn decode_vec(raw: &[u8], dtype: &Datatype, count: usize) -> Option<Result<Vec<Self>, Hdf5Error>> {
+        let (kind, big_endian) = stored(dtype)?;
+        let raw = raw.get(..count.checked_mul(kind.size())?)?;
+        Some(Ok(kind.read(raw, big_endian).into_iter().map(Self).collect()))
+    }
+}
+
+/// How a dataset's numbers are stored: their kind, and whether their first byte counts most; none of others.
+fn stored(dtype: &Datatype) -> Option<(Kind, bool)> {
+    let (kind, order) = match dtype {
+        Datatype::FixedPoint { size, signed: true, byte_order } => (Kind::Signed(*size), byte_order),
+        Datatype::FixedPoint { size, signed: false, byte_order } => (Kind::Unsigned(*size), byte_order),
+        Datatype::FloatingPoint { size, byte_order } => (Kind::Float(*size), byte_order),
+        _ => return None,
+    };
+    Some((kind.checked()?, *order == ByteOrder::BigEndian))
 }
 
 /// Kind and shape of a dataset of plain numbers in at most two dimensions.
 fn plain(dataset: &Dataset) -> Option<(Kind, Shape)> {
-    let kind = match dataset.dtype() {
-        Datatype::FixedPoint { size, signed: true, .. } => Kind::Signed(*size),
-        Datatype::FixedPoint { size, signed: false, .. } => Kind::Unsigned(*size),
-        Datatype::FloatingPoint { size, .. } => Kind::Float(*size),
-        _ => return None,
-    };
+    let (kind, _) = stored(dataset.dtype())?;
     let size = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let shape = match dataset.shape() {
         [] => Shape { rows: 1, columns: 1 },
@@ -187,7 +206,7 @@ fn plain(dataset: &Dataset) -> Option<(Kind, Shape)> {
         [n, m] => Shape { rows: size(*n), columns: size(*m) },
         _ => return None,
     };
-    Some((kind.checked()?, shape))
+    Some((kind, shape))
 }
 
 /// The attribute that says the unit.

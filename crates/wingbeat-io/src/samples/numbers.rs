@@ -43,7 +43,8 @@ impl Kind {
         })
     }
 
-    fn one(self, chunk: &[u8], big_endian: bool) -> f64 {
+    /// The number in `chunk`, which has its bytes.
+    pub fn one(self, chunk: &[u8], big_endian: bool) -> f64 {
         let mut word = [0; 8];
         for (place, byte) in word.iter_mut().zip(chunk) {
             *place = *byte;

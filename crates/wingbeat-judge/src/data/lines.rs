@@ -135,7 +135,7 @@ impl Spectrum {
         let all = power.iter().sum::<f64>();
         let mut lines: Vec<(usize, f64)> =
             (1..power.len()).filter(|k| is_top(&power, *k)).map(|k| (k, power[k])).collect();
-        lines.sort_by(|a, b| b.1.total_cmp(&a.1));
+        wingbeat_math::order::descend_by(&mut lines, |item| item.1);
         lines.truncate(LEAKING);
         (all > 0.0 && all.is_finite()).then_some(Self { power, all, lines })
     }

@@ -108,7 +108,7 @@ pub(super) fn copied(series: &Series) -> Option<Finding> {
 fn near(samples: &[f64], value: f64) -> f64 {
     let beside = samples.windows(2).filter(|pair| (pair[0] == value) != (pair[1] == value));
     let mut off: Vec<f64> = beside.map(|pair| (pair[1] - pair[0]).abs()).collect();
-    off.sort_by(f64::total_cmp);
+    wingbeat_math::order::ascend(&mut off);
     off.get(off.len() / 2).copied().unwrap_or(0.0)
 }
 

@@ -267,7 +267,7 @@ fn clipped_within(series: &Series, channel: &Channel, extent: Extent) -> Option<
             levels.push((run[0], run.len()));
         }
     }
-    levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    wingbeat_math::order::ascend_by(&mut levels, |item| item.0);
     let most = levels.chunk_by(|a, b| a.0 == b.0).filter(|level| level.len() > 1);
     let most = most.max_by_key(|level| level.iter().map(|run| run.1).sum::<usize>())?;
     if same::dead_band(channel.samples, most[0].0, extent) {

@@ -91,7 +91,7 @@ impl Workspace<'_> {
     /// Bad numbers in the turn.
     pub fn place(&self, spec: &TurnSpec) -> Result<Option<Placed>, Error> {
         let mut starts = self.starts(spec)?;
-        starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        wingbeat_math::order::ascend_by(&mut starts, |item| item.cost);
         let mut best: Option<Placed> = None;
         for start in starts.iter().take(REFINED) {
             let found = self.refine(spec, start)?;

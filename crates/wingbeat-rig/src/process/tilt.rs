@@ -151,7 +151,7 @@ fn spread(tilts: &[Tilt]) -> f64 {
         }
     }
     let mut values = symmetric_eigenvalues(covariance);
-    values.sort_by(f64::total_cmp);
+    wingbeat_math::order::ascend(&mut values);
     values[1]
 }
 

@@ -101,6 +101,7 @@ impl<P: Scalar> Tree<P> {
     ///
     /// `motions` comes from [`Tree::motions`] with no second rates of the coordinates; `g_b` is
     /// gravity in B.
+    #[inline(never)]
     pub fn coordinate_inertia<S: Scalar + Meets<P>>(
         &self,
         motions: &[LinkMotion<S>],

@@ -122,6 +122,7 @@ impl<P: Scalar> Linkage<P> {
     ///
     /// # Errors
     /// [`Fault::LinkageSingular`] when a loop's margin is below [`MARGIN_LIMIT`].
+    #[inline(never)]
     pub fn pose<S: Scalar + Meets<P>>(
         &self,
         crank: Jet<S>,

@@ -160,6 +160,7 @@ impl<P: Scalar> Tree<P> {
     /// prismatic joint adds e q to r, e q' to v and e q'' + 2 w_p x e q' to a instead.
     ///
     /// `joints` and `out` hold one entry per link.
+    #[inline(never)]
     pub fn motions<S: Scalar + Meets<P>>(
         &self,
         joints: &[Jet<S>],

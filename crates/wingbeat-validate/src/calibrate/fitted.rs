@@ -123,6 +123,6 @@ pub(super) fn calibrated(structures: &[[&'static str; 2]]) -> Result<Vec<Calibra
 
 /// The middle of several.
 pub(super) fn median(mut of: Vec<f64>) -> f64 {
-    of.sort_by(f64::total_cmp);
+    wingbeat::math::order::ascend(&mut of);
     0.5 * (of[(of.len() - 1) / 2] + of[of.len() / 2])
 }

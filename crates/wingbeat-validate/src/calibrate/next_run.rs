@@ -90,7 +90,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     };
     let realised = found(2)?;
     let mut others = (3..all.len()).map(found).collect::<Result<Vec<f64>, Error>>()?;
-    others.sort_by(f64::total_cmp);
+    wingbeat::math::order::ascend(&mut others);
     let median = 0.5 * (others[others.len() / 2] + others[(others.len() - 1) / 2]);
     let ratio = best.error_then / realised;
     let name = &own.parameters[parameter].name;

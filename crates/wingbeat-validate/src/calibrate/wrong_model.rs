@@ -30,7 +30,7 @@ fn floor(run: &Observed) -> Vec<f64> {
 }
 
 fn median(of: &mut [f64]) -> f64 {
-    of.sort_by(f64::total_cmp);
+    wingbeat::math::order::ascend(of);
     0.5 * (of[(of.len() - 1) / 2] + of[of.len() / 2])
 }
 

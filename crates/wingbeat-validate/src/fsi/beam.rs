@@ -183,7 +183,7 @@ fn turned(of: &Linear, order: usize, count: usize) -> Result<Vec<f64>, Error> {
         .map(|s| s.im)
         .filter(|im| *im > 1e-6)
         .collect();
-    found.sort_by(f64::total_cmp);
+    wingbeat::math::order::ascend(&mut found);
     found.truncate(count);
     Ok(found)
 }

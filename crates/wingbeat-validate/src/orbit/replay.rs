@@ -362,7 +362,7 @@ impl Motion {
                 twisting.push(hinge);
             }
         }
-        twisting.sort_by(f64::total_cmp);
+        wingbeat::math::order::ascend(&mut twisting);
         Ok(twisting)
     }
 
@@ -372,7 +372,7 @@ impl Motion {
         let outlines = self.scenario.spec.robot.outlines()?;
         let mut ends: Vec<f64> = outlines[0].hinges.iter().copied().filter(|arc| *arc > 0.0).collect();
         ends.insert(0, 0.0);
-        ends.sort_by(f64::total_cmp);
+        wingbeat::math::order::ascend(&mut ends);
         let mut passes = 0;
         for k in 0..self.x.len() {
             let mut through = false;

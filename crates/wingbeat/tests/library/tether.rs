@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use wingbeat::math::Random;
 use wingbeat::scenario::{Convergence, ConvergenceRun, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::TetherRun;
@@ -422,20 +423,18 @@ fn a_strip_broadside_on_stays_separated_while_its_lags_change_sign() {
     assert!(jump < 0.02 * size, "{jump} of {size}");
 }
 
-proptest::proptest! {
-    #![proptest_config(proptest::test_runner::Config { cases: 24, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..Default::default() })]
-
-    #[test]
-    fn any_wind_and_fold_gives_finite_forces_that_are_continuous_in_time(
-        speed in proptest::sample::select(vec![0.0, 0.3, 1.5, 6.0]),
-        incidence in -180.0..180.0,
-        sideslip in -180.0..180.0,
-        flap in 0.0..60.0,
-        fold in 0.0..55.0,
-        law in proptest::sample::select(vec!["linear", "stall"]),
-        preset in proptest::sample::select(PRESETS.to_vec()),
-        regularisation in proptest::sample::select(vec![0.02, 0.1]),
-    ) {
+/// Over drawn winds and folds: the largest change from step to step is halved with the step.
+#[test]
+fn any_wind_and_fold_gives_finite_forces_that_are_continuous_in_time() {
+    let mut random = Random::new(1);
+    for _ in 0..24 {
+        let speed = [0.0, 0.3, 1.5, 6.0][random.bits() as usize % 4];
+        let incidence = random.between(-180.0, 180.0);
+        let sideslip = random.between(-180.0, 180.0);
+        let (flap, fold) = (random.between(0.0, 60.0), random.between(0.0, 55.0));
+        let law = ["linear", "stall"][random.bits() as usize % 2];
+        let preset = PRESETS[random.bits() as usize % PRESETS.len()];
+        let regularisation = [0.02, 0.1][random.bits() as usize % 2];
         let at = |steps: usize| {
             let overrides = [
                 format!("aero.preset={preset}"),
@@ -451,11 +450,11 @@ proptest::proptest! {
                 format!("time.steps_per_cycle={steps}"),
             ];
             let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
-            jump_and_size(&run("flap_fold", &overrides), steps)
+            (jump_and_size(&run("flap_fold", &overrides), steps), overrides.join(" "))
         };
-        let ((coarse, size), (fine, _)) = (at(800), at(1600));
-        proptest::prop_assert!(coarse.is_finite() && size.is_finite());
-        proptest::prop_assert!(fine <= 0.75 * coarse + 1e-6 * size + 1e-12, "{coarse} {fine} of {size}");
+        let (((coarse, size), drawn), ((fine, _), _)) = (at(800), at(1600));
+        assert!(coarse.is_finite() && size.is_finite(), "{drawn}");
+        assert!(fine <= 0.75 * coarse + 1e-6 * size + 1e-12, "{coarse} {fine} of {size}: {drawn}");
     }
 }
 

@@ -82,7 +82,7 @@ impl<P: Scalar> Membrane<P> {
             }
             ribs.extend(at);
         }
-        ribs.sort_by(|a, b| b.value().total_cmp(&a.value()));
+        wingbeat_math::order::descend_by(&mut ribs, |item| item.value());
         ribs.dedup_by(|a, b| (*a - *b).value().abs() < 1e-9);
         let mut laid = Self {
             prestrain: numbers.prestrain,

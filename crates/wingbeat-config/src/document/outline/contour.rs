@@ -76,7 +76,7 @@ impl Contour {
         let (low, high) = self.reach(unit)?;
         let (a, b) = self.edges(low, high)?;
         let mut arcs: Vec<f64> = a.iter().chain(&b).map(|point| point[0]).collect();
-        arcs.sort_by(f64::total_cmp);
+        wingbeat_math::order::ascend(&mut arcs);
         arcs.dedup_by(|next, before| *next - *before <= AT_ONE * (high - low));
         if arcs.len() > MOST {
             return Err(self.fault("file", format!("at most {MOST} stations")));

@@ -243,7 +243,7 @@ impl GaitSearch<'_> {
                 None => return Err(refused(format!("start {start}"), "a start beside a gait with an orbit")),
             }
         }
-        rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        wingbeat_math::order::ascend_by(&mut rows, |item| item[0]);
         let mut starts = Record::new(self.columns(), rows.len())
             .map_err(|error| E::from(self.scenario.explain(&error)))?;
         rows.iter().for_each(|row| starts.append(row));
@@ -334,7 +334,7 @@ impl GaitSearch<'_> {
         let document = Document::value("gait", &spec).map_err(|error| error.to_string())?;
         let mut good: Vec<f64> =
             (0..record.rows()).filter(|&i| kept[i] == 1.0).map(|i| objective[i]).collect();
-        good.sort_by(f64::total_cmp);
+        wingbeat_math::order::ascend(&mut good);
         let apart = |pair: &[f64]| pair[1] - pair[0] > ALIKE * pair[0].abs().max(pair[1].abs());
         let summary = SearchSummary {
             goal: self.spec.goal,

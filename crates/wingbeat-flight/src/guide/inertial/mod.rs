@@ -283,7 +283,7 @@ impl<'a, const N: usize> Inertial<'a, N> {
     /// What is believed at `t`.
     fn believe(&mut self, t: f64, arrived: &[Reading]) -> Result<State<N>, Fault> {
         self.readings.extend(arrived);
-        self.readings.sort_by(|a, b| a.taken.total_cmp(&b.taken));
+        wingbeat_math::order::ascend_by(&mut self.readings, |item| item.taken);
         let mut readings = std::mem::take(&mut self.readings);
         let settled = readings.partition_point(|r| r.taken <= t - self.delay + ROUNDING);
         let mut behind = self.behind.clone();
