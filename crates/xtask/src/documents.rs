@@ -56,8 +56,8 @@ fn banking_turns() -> bool {
         && shown(
             "docs/flight.md",
             "turn that carries its weight",
-            &["scenarios/bank30_20g_lev.toml"],
-            Some("bank30_20g_lev.png"),
+            &["scenarios/any_air_bank30_20g.toml"],
+            Some("any_air_bank30_20g.png"),
         )
 }
 

@@ -110,7 +110,7 @@ fn a_fin_is_no_asymmetry_and_springs_that_differ_are_one() {
 
 /// Robots of `robots/any` from their files alone: status of level flight and of the turn, as docs/trim.md has them. Robots of which
 /// the table has no turn are trimmed level alone.
-const TABLE: [(&str, Status, Option<Status>); 7] = [
+const TABLE: [(&str, Status, Option<Status>); 10] = [
     ("single_12g", Status::Ok, Some(Status::OffTarget)),
     ("hand_30g", Status::Ok, Some(Status::Ok)),
     ("elastic_16g", Status::Ok, Some(Status::Ok)),
@@ -118,6 +118,9 @@ const TABLE: [(&str, Status, Option<Status>); 7] = [
     ("three_links_60g", Status::OffTarget, Some(Status::Ok)),
     ("beside_35g", Status::Ok, Some(Status::Ok)),
     ("moth_10g", Status::Outside, None),
+    ("x_wing_22g", Status::Ok, Some(Status::Ok)),
+    ("motor_19g", Status::Ok, Some(Status::Ok)),
+    ("gull_180g", Status::Ok, Some(Status::OffTarget)),
 ];
 
 #[test]

@@ -49,7 +49,7 @@ const MISSED: f64 = 0.01;
 /// Orbits of the scan from which gaits are searched, until one keeps to the limits. *Choice.*
 const SEARCHES: usize = 2;
 /// Iterations of the search of gaits. *Choice.*
-const ITERATIONS: usize = 60;
+const ITERATIONS: usize = 20;
 /// Steps of integration of scan and search, s: the second where what the first finds is no orbit in the step of a trim. *Choices.*
 const STEPS_S: [f64; 2] = [1e-3, 5e-4];
 /// Mean pitches, rad, and paces to begin from at each speed, one after another until there is an orbit. *Choices.*

@@ -46,15 +46,13 @@ fn about(key: String, own: f64, low: f64, high: f64) -> VarySpec {
     VarySpec { key, low: low.min(own), high: high.max(own) }
 }
 
-/// Ranges of the numbers of one series at `key`; the phase of `first`, to which the others are seen, stays, and so does its least stroke:
-/// other joints may rest.
+/// Ranges of the numbers of one series at `key`; the phase of `first`, to which the others are seen, stays.
 fn of_series(key: &str, series: &DrivenSpec, twist: bool, first: bool, all: &mut Vec<VarySpec>) {
     let mean = series.mean_rad;
     all.push(about(format!("{key}.mean_rad"), mean, mean - MEAN, mean + MEAN));
     let Some(harmonic) = series.harmonics.first() else { return };
     let own = harmonic.amplitude_rad;
-    let [least, most] = STROKE;
-    let (low, high) = (if first { least } else { 0.0 }, if twist { TWIST } else { most });
+    let [low, high] = if twist { [0.0, TWIST] } else { STROKE };
     let (low, high) = if own < 0.0 { (-high, -low) } else { (low, high) };
     all.push(about(format!("{key}.harmonics[0].amplitude_rad"), own, low, high));
     if !first {

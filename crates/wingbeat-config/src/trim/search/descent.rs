@@ -16,9 +16,6 @@ const SHARES: [f64; 2] = [0.25, 0.75];
 const FACTORS: [f64; 2] = [0.4, 2.0];
 /// Gain of the merit below which nothing is left to gain.
 const GAIN: f64 = 1e-5;
-/// Gain since the curvature was last forgotten that is worth forgetting it again where no step gains: clearances are the least of many
-/// points, so their derivatives jump and leave a curvature that no step fits. *Choice.*
-const WORTH: f64 = 1e-3;
 /// What counts as keeping to a limit, in its scale: 1e-3 is .01 mm of clearance.
 pub(super) const KEPT: f64 = 1e-3;
 
@@ -112,27 +109,18 @@ pub fn descend<L: Landscape>(
     let n = x.len();
     let [mut radius, longest, shortest] = RADIUS;
     let mut hessian = DMatrix::<f64>::identity(n, n);
-    let mut begun = seen.merit();
     let end = |x, seen, iterations, ended| Some(Descent { x, seen, iterations, ended });
     let Some(mut slopes) = landscape.slopes(&x, &mut seen) else { return end(x, seen, 0, Ended::NoSlopes) };
     for iteration in 1..=most {
         if tell(iteration, &seen).is_break() {
             return None;
         }
-        let found = step(&x, (&seen.limits, &slopes), &hessian, WEIGHT, radius);
-        let ended = match &found {
-            None => Some(Ended::NoStep),
-            Some(found) if found.gain < GAIN => Some(Ended::Converged),
-            Some(_) => (radius < shortest).then_some(Ended::NoStep),
+        let Some(found) = step(&x, (&seen.limits, &slopes), &hessian, WEIGHT, radius) else {
+            return end(x, seen, iteration, Ended::NoStep);
         };
-        if let Some(ended) = ended {
-            if begun - seen.merit() < WORTH {
-                return end(x, seen, iteration, ended);
-            }
-            (hessian, radius, begun) = (DMatrix::identity(n, n), RADIUS[0], seen.merit());
-            continue;
+        if found.gain < GAIN {
+            return end(x, seen, iteration, Ended::Converged);
         }
-        let Some(found) = found else { continue };
         let ahead: Vec<f64> = x.iter().zip(&found.d).map(|(x, d)| (x + d).clamp(0.0, 1.0)).collect();
         let there = landscape.look(&ahead, &seen);
         let share = there.as_ref().map_or(-1.0, |there| (seen.merit() - there.merit()) / found.gain);
@@ -151,6 +139,8 @@ pub fn descend<L: Landscape>(
             let bend = bend(&slopes, &next, &found.multipliers);
             curve(&mut hessian, &found.d, &bend);
             (x, seen, slopes) = (ahead, there, next);
+        } else if radius < shortest {
+            return end(x, seen, iteration, Ended::NoStep);
         }
     }
     end(x, seen, most, Ended::IterationLimit)
