@@ -38,11 +38,12 @@ async function open(file, { hash = 'still', width = 1400, height = 800, touch = 
   client.on('Network.requestWillBeSent', event => requests.push(event.request.url));
   await page.setViewport({ width, height, hasTouch: touch });
   const features = Object.entries(media).map(([name, value]) => ({ name, value }));
-  // Features that are set take the kind of the medium away.
-  if (features.length) await page.emulateMediaFeatures(features);
-  if (type) await page.emulateMediaType(type);
+  const emulate = async () => { if (features.length) await page.emulateMediaFeatures(features); if (type) await page.emulateMediaType(type); };
+  await emulate();
   await page.goto(pathToFileURL(path.join(folder, file)).href + '#' + hash);
   await page.waitForFunction('window.wingbeat && (window.wingbeat.ready || document.querySelector("main.flat"))', { timeout: 120000 });
+  // A session of its own may forget the medium on the way to the page.
+  await emulate();
   await wait(400);
   return { page, client };
 }
