@@ -56,9 +56,9 @@ fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
 }
 
 /// Width to either side of a dead band, in parts of a channel's range, at most, and samples in the stretch of that width beyond it, over
-/// those that read its value, at least, on either side. *Choices.*
+/// those that read its value, at least; some lie on either side. *Choices.*
 const BAND: f64 = 0.15;
-const BESIDE: f64 = 0.1;
+const BESIDE: f64 = 0.25;
 
 /// Whether `value` is what an instrument with a dead band reads all about it: no sample lies nearer to it than the width of the band, and as
 /// far again beyond that many do, on either side. About a code lie samples at any distance, or none.
@@ -68,7 +68,8 @@ pub(super) fn dead_band(samples: &[f64], value: f64, extent: Extent) -> bool {
     let beyond = off().filter(|off| off.abs() <= 2.0 * width);
     let (above, below) = beyond.fold((0, 0), |(a, b), off| if off > 0.0 { (a + 1, b) } else { (a, b + 1) });
     let there = samples.len() - off().count();
-    width < BAND * extent.range() && f64::from(above.min(below)) > BESIDE * there as f64
+    let both = above.min(below) > 0 && f64::from(above + below) > BESIDE * there as f64;
+    width < BAND * extent.range() && both
 }
 
 /// Samples of a stretch that is sought again, stretches of a file, and parts of a cycle after which loads without noise have it again.
