@@ -123,6 +123,8 @@ class Stage {
     this.state.playing = on; this.state.last = undefined;
     $('play').textContent = on ? '❚❚' : '▶'; $('play').setAttribute('aria-label', on ? 'Pause' : 'Play');
     if (on) requestAnimationFrame(now => this.tick(now));
+    // The frame at which it rests is the one that is sharpened.
+    else { this.state.dirty = true; requestAnimationFrame(() => this.frame()); }
   }
   tick(now) {
     const { state } = this;
