@@ -195,11 +195,11 @@ pub(super) fn placed(series: &Series) -> Placed {
         return Placed { samples: Vec::new(), count: 0 };
     }
     let every = phase.len().div_ceil(count * ENOUGH);
-    let mut seen = vec![0; count];
+    let mut seen = vec![0_usize; count];
     let mut samples = Vec::with_capacity(phase.len() / every + count);
     for (k, p) in phase.iter().enumerate() {
         let at = place(*p, count);
-        if seen[at] % every == 0 {
+        if seen[at].is_multiple_of(every) {
             samples.push((k, at, ((p - p.floor()) * count as f64).fract() - 0.5));
         }
         seen[at] += 1;
