@@ -364,5 +364,5 @@ pub const COLUMNS: &[Described] = &[
     column("least_clearance", &[SWEEP], M, "", "Least of all clearances over the flight."),
     column("positive_power", &[SWEEP], &["W/kg"], "", "Mean of the positive part of the total power of the driven joints over the mass."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
-    column("<key>", &[SWEEP, RUNS, STARTS, CANDIDATES], ONE, "", "What was drawn, or found by a search, for a key of the scenario or case, in the unit that ends the key."),
+    column("<key>", &[SWEEP, RUNS, STARTS, CANDIDATES], &[OWN_UNIT], "", "What was drawn, or found by a search, for a key of the scenario or case, in the unit that ends the key."),
 ];
