@@ -74,7 +74,7 @@ fn every_module_uses_only_what_is_below_it() {
 
 /// Files outside its crate that a source includes: a package of the crate would lack them. Tests are in no package's build, and name such
 /// files from `CARGO_MANIFEST_DIR`.
-fn outside<'a>(text: &'a str, depth: usize) -> impl Iterator<Item = &'a str> {
+fn outside(text: &str, depth: usize) -> impl Iterator<Item = &str> {
     let includes = text.split("include_str!(\"").chain(text.split("include_bytes!(\"")).skip(1);
     let paths = includes.map(|rest| rest.split('"').next().unwrap_or_default());
     paths.filter(move |path| path.split('/').take_while(|part| *part == "..").count() > depth)

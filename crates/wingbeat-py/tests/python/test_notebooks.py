@@ -11,7 +11,7 @@ from nbclient import NotebookClient
 BOOKS = sorted((ROOT / "crates/wingbeat-py/notebooks").glob("*.ipynb"))
 LONG = {"calibrate": [pytest.mark.long]}
 # The cell that a warning names, by a path of the process that ran it, and where an object lies.
-PLACE = re.compile(r"/\S*/ipykernel_\d+/\d+\.py:\d+: |(?<= at) 0x[0-9a-f]+")
+PLACE = re.compile(r"/\S*/ipykernel_\d+/\d+\.py:\d+: |(?<= at) 0x[0-9a-f]+|(?<=: )/\S*/(?=numbers\.toml)")
 
 
 def cleaned(output):
@@ -29,10 +29,11 @@ def cleaned(output):
 
 
 def said(book):
-    """What the cells print and return, without pictures."""
+    """What each cell prints and returns, without pictures; its two streams may come in either order."""
     for cell in book.cells:
-        for output in cell.get("outputs", ()):
-            yield output.get("text") or output.get("data", {}).get("text/plain")
+        yield sorted(
+            output.get("text") or output.get("data", {}).get("text/plain") for output in cell.get("outputs", ())
+        )
 
 
 @pytest.mark.filterwarnings("default")
