@@ -33,14 +33,15 @@ const STALL_TWISTED: &[&str] = &[
 /// that alone has the room that clearance takes, so clearance is judged there; the scenario says itself how it adapts.
 type Flight = (&'static str, Shipped, &'static str, &'static [&'static str], bool);
 
-const UNTOLD_STALL: &str = "law `stall` untold";
-const UNTOLD_DRAG: &str = "profile drag x 1.5 and air 18 % thinner untold";
+const UNTOLD_STALL: &str = "law `stall` unknown to the controller";
+const UNTOLD_DRAG: &str = "profile drag x 1.5 and 18 % thinner air unknown to it";
+const UNTOLD_TWISTED: &str = "law `stall` unknown to the controller, mean twist to 0.2 in place of 0.075 rad";
 const FLIGHTS: [Flight; 8] = [
     ("untold_stall", "bank30_20g_lev", UNTOLD_STALL, STALL, false),
     ("untold_stall_beta", "bank15_beta_lev", UNTOLD_STALL, STALL, false),
     ("untold_drag", "bank30_20g_lev", UNTOLD_DRAG, DRAG, false),
     ("gusts", "bank30_20g_lev", "gusts of 0.5 m/s", GUSTS, false),
-    ("any_air.untold_stall", "any_air_bank30_20g", UNTOLD_STALL, STALL_TWISTED, true),
+    ("any_air.untold_stall", "any_air_bank30_20g", UNTOLD_TWISTED, STALL_TWISTED, true),
     ("any_air.untold_stall_beta", "any_air_bank15_beta", UNTOLD_STALL, STALL, true),
     ("any_air.untold_drag", "any_air_bank30_20g", UNTOLD_DRAG, DRAG, true),
     ("any_air.gusts", "any_air_bank30_20g", "gusts of 0.5 m/s", GUSTS, true),
