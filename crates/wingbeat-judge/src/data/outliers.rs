@@ -28,6 +28,9 @@ const COUNTS: f64 = 40.0;
 const FOR_PLACES: f64 = 4.0;
 /// Part of its range that a channel passes through by itself between two leaps. *Choice.*
 const PASSES: f64 = 0.5;
+/// Least mean part of its range that a channel leaps over where its counts wrap around: it then goes on from the other end, where a knock
+/// starts from anywhere. *Choice.*
+const WHOLE: f64 = 0.9;
 /// Samples of a cycle from which every second one is told from the others. *Choice.*
 const FOR_SECOND: f64 = 8.0;
 
@@ -196,6 +199,8 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
     }
     let large = steps().filter(|step| step.abs() > 2.0 * ACROSS[1] * range).count();
     let up = steps().filter(|step| *step > ACROSS[0] * range).count();
+    let sizes: f64 = steps().map(f64::abs).filter(|step| *step > ACROSS[0] * range).sum();
+    let whole = sizes > WHOLE * range * leaps as f64;
     let usual = || median(&mut steps().map(f64::abs).collect::<Vec<f64>>());
     let smooth = range > COUNTS * extent.count && 2 * large < 3 * leaps && usual() < ACROSS[1] * range;
     let leaps = 2 * up.min(leaps - up);
@@ -207,7 +212,7 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
          range, or unwrap them"
     );
     let size = leaps as f64 / cycles;
-    (smooth && passes > PASSES * range)
+    (smooth && whole && passes > PASSES * range)
         .then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
 }
 

@@ -77,9 +77,12 @@ pub(super) fn dead_band(samples: &[f64], value: f64, extent: Extent) -> bool {
 const STRETCH: usize = 32;
 const STRETCHES: usize = 8;
 const NEXT: f64 = 1.2;
+/// Part of a cycle by which a copy lies off whole cycles, after which loads without noise come again if the rate is no multiple of their
+/// frequency. *Choice.*
+const OFF_WHOLE: f64 = 0.01;
 
 /// The finding that stretches come again sample by sample: a buffer that was written twice, a file that was glued of copies. A load without
-/// noise is the same in the next cycle.
+/// noise is the same after whole cycles.
 pub(super) fn copied(series: &Series) -> Option<Finding> {
     let moves = |of: &[f64]| of.windows(2).all(|pair| pair[0] != pair[1]);
     let (mut again, mut after, count) = (0, 0, series.phase.len());
@@ -92,13 +95,16 @@ pub(super) fn copied(series: &Series) -> Option<Finding> {
         let [here, later] = [&channel.samples[from..from + STRETCH], &channel.samples[from + STRETCH..]];
         let same = |at: &usize| later[*at] == here[0] && later[*at..].starts_with(here);
         let found = (0..later.len()).find(same).filter(|_| moves(here));
-        if let Some(at) = found.filter(|at| series.phase[from + STRETCH + at] - series.phase[from] > NEXT) {
+        let apart = |at: usize| series.phase[from + STRETCH + at] - series.phase[from];
+        let copy = |at: &usize| apart(*at) > NEXT && (apart(*at) - apart(*at).round()).abs() > OFF_WHOLE;
+        if let Some(at) = found.filter(copy) {
             (again, after) = (again + 1, STRETCH + at);
         }
     }
     let size = f64::from(again) / STRETCHES as f64;
     let text = format!(
-        "{again} of {STRETCHES} stretches come again sample by sample, {after} samples later: a buffer that was written twice, or a file          that was glued of copies"
+        "{again} of {STRETCHES} stretches come again sample by sample, {after} samples later: a buffer that was written twice, or a file \
+         that was glued of copies"
     );
     Some(
         Finding::new("data.copied", &COPIED, series.about(channel.name), size, text).in_channel(channel.name),

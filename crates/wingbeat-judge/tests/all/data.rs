@@ -128,6 +128,17 @@ fn right() -> Vec<(&'static str, Data)> {
             loads(&Load { rate: 24, cycles: 200.0, more: [0.8, 0.6], noise: 0.002, ..usual() }),
         ),
         ("exact", loads(&exact(usual()))),
+        // A rate that is no multiple of the frequency: the digits come again after three cycles.
+        ("exact_digits_of_three_cycles", {
+            let phase: Vec<f64> = (0..5000).map(|k| f64::from(k) * 3e-3).collect();
+            let digits = |p: &f64| (exact(usual()).at(*p) * 1e6).round() * 1e-6;
+            let samples: Vec<f64> = phase.iter().map(digits).collect();
+            (phase, vec![samples.clone(), samples.iter().map(|x| 0.9 * x).collect()], Purpose::Loads)
+        }),
+        (
+            "knock_in_every_cycle",
+            changed(&usual(), |k, x| if (60..63).contains(&(k % 200)) { x + 4.0 } else { x }),
+        ),
         ("exact_and_alike", loads(&exact(Load { rate: 40, more: [0.0, 0.0], ..usual() }))),
         ("strong_harmonics", loads(&Load { more: [2.0, 1.5], ..usual() })),
         ("second_harmonic_alone", loads(&Load { more: [30.0, 0.0], size: 0.1, ..usual() })),
