@@ -122,6 +122,7 @@ const FILES: &[(&str, &str)] = files![
     "robots/passive_20g"
     "robots/passive_20g_margin"
     "robots/passive_linkage"
+    "robots/roomy_20g"
     "robots/sail_glider"
     "robots/soft_20g"
     "robots/soft_20g_margin"

@@ -16,8 +16,8 @@ const VACUUM: &str = "reorientation.toml";
 
 /// Scenarios whose middle of the wing is a gap, or where no strip lies on it.
 const OPEN: &[&str] = &[
-    "aerobat_membrane",
     "aerobat_elastic",
+    "aerobat_membrane",
     "any_air_bank15_beta",
     "any_air_bank30_20g",
     "bank15_20g",
@@ -32,6 +32,7 @@ const OPEN: &[&str] = &[
     "cruise_linkage",
     "decelerate",
     "hover_guarded",
+    "land_20g",
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
@@ -54,6 +55,7 @@ const ENDED: &[&str] = &[
     "cruise_linkage",
     "decelerate",
     "hover_guarded",
+    "land_20g",
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
@@ -64,8 +66,8 @@ const ENDED: &[&str] = &[
 const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"];
 /// Scenarios whose law asks for no suction.
 const WITHOUT_LEV: &[&str] = &[
-    "aerobat_membrane",
     "aerobat_elastic",
+    "aerobat_membrane",
     "any_air_bank15_beta",
     "any_air_bank30_20g",
     "as_printed_fourier",
@@ -75,9 +77,6 @@ const WITHOUT_LEV: &[&str] = &[
     "banking_turn",
     "banking_turn_beta",
     "banking_turn_stall",
-    "paper_turn",
-    "paper_turn_clear",
-    "paper_turn_one_speed",
     "bounding_20g",
     "cruise_20g",
     "cruise_44g",
@@ -86,7 +85,11 @@ const WITHOUT_LEV: &[&str] = &[
     "four_wings",
     "glider",
     "hover_guarded",
+    "land_20g",
     "motor_flapper",
+    "paper_turn",
+    "paper_turn_clear",
+    "paper_turn_one_speed",
     "passive_20g",
     "passive_20g_margin",
     "passive_bank15",
