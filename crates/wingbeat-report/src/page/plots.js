@@ -1,10 +1,12 @@
 // The plots: one panel for all runs that have it, a line where the time is, values beside the names.
 const SVG = 'http://www.w3.org/2000/svg';
 const svg = (name, attributes, text) => { const e = document.createElementNS(SVG, name); for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v); if (text !== undefined) e.textContent = text; return e; };
+// Numbers of the colours of several runs: none is that of a wing.
+const ofRun = k => [2, 3, 4, 6, 7, 5][k % 6];
 const DASHES = ['', '7 4', '2 3', '9 3 2 3'];
 function paint([kind, n], run, which) {
   // Of several runs each has a colour, and each of its curves another line.
-  if (run !== undefined && kind !== 'reference') return { stroke: `var(--c${run % 8})`, width: 1.5, dash: DASHES[which % 4], opacity: kind === 'pale' ? 0.5 : 1 };
+  if (run !== undefined && kind !== 'reference') return { stroke: `var(--c${ofRun(run)})`, width: 1.5, dash: DASHES[which % 4], opacity: kind === 'pale' ? 0.5 : 1 };
   // The same on both sides is seen as both.
   if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: [2.8, 1.3][n] };
   if (kind === 'own') return { stroke: `var(--c${n % 8})`, width: 1.6 };

@@ -53,7 +53,7 @@ class Stage {
   // The colours of run number `k`: those of later runs are paler; of several each has a path in the colour of its plots.
   looks(k) {
     const tinted = c => k ? [...mixed(c.slice(0, 3), [1, 1, 1], 0.35 * Math.min(k, 2)), c[3]] : c;
-    return { ...this.look, sides: this.look.sides.map(tinted), path: this.motions.length > 1 ? this.look.sources[k % 8] : this.look.path };
+    return { ...this.look, sides: this.look.sides.map(tinted), path: this.motions.length > 1 ? this.look.sources[ofRun(k)] : this.look.path };
   }
   choose(mode) {
     Object.assign(this.view, { mode, zoom: 1, shift: [0, 0, 0] }, VIEWS[mode]);
