@@ -90,8 +90,9 @@ impl<'a> StepError<'a> {
     /// samples.
     ///
     /// An error e made at t moves the position at T by e, that of the velocity by e (T - t), that of the attitude by the flown velocity v
-    /// and the force m g turned with it, e x v (T - t) + e x g (T - t)^2 / 2. Errors of one stroke and the next cancel as vectors do; to
-    /// their sum come two standard errors of what the instants in between may add.
+    /// and the force m g turned with it, e x v (T - t) + e x g (T - t)^2 / 2: an upper guess, as if the path followed the attitude at
+    /// once. Errors of one stroke and the next cancel as vectors do; to their sum come two standard errors of what the instants in between
+    /// may add.
     pub fn at_end(&self, end: f64) -> Option<f64> {
         if self.failed {
             return Some(f64::INFINITY);
