@@ -105,6 +105,7 @@ pub fn gains(
     let why = match fitted {
         Some(mass) => format!("{} is fitted without a prior, and takes a wrong gain up", mass.name),
         None if weighed => return Ok((found, None)),
+        None if model.targets.is_empty() => "no case weighs its wing at rest".to_owned(),
         None => {
             "no run weighs the robot at rest in several attitudes (hold.tilts_deg) well enough".to_owned()
         }

@@ -66,7 +66,7 @@ pub use chosen::{Chosen, Named};
 pub use cost::{CostLine, CostSummary};
 pub use document::{
     ConfigError, Document, Migrated, Other, Place, Problem, Translate, Wrong, largest, migrated,
-    nearest_names, text_of, unit,
+    nearest_names, spoken, text_of, unit,
 };
 pub use doors::Doors;
 pub use dryden::DrydenSpec;

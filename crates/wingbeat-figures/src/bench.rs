@@ -52,10 +52,13 @@ pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
             Curve { weight: style::CURVE, ..fitted },
         ];
         let title = format!(
-            "{} against {} (lag {:.3} cycles, gain {:.4})",
-            channel.measured, channel.computed, channel.fit.lag_cycles, channel.fit.gain
+            "{} against computed {} (lag {:.3} cycles, gain {:.4})",
+            channel.measured,
+            channel.computed.replace('_', " "),
+            channel.fit.lag_cycles,
+            channel.fit.gain
         );
         panels.push(Panel { bands: vec![band], ..Panel::new(title, curves) });
     }
-    Ok(Figure::new("compare", stacked(panels, "phase [cycles]", style::PANEL)))
+    Ok(Figure::new("compare", stacked(panels, "phase [cycles]; shaded: range of the measured cycles", style::PANEL)))
 }

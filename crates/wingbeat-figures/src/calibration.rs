@@ -90,17 +90,17 @@ pub fn profiles(curves: Vec<ProfileCurve>) -> Figure {
             let deviations = f64::from(k) / 10.0;
             (value + deviations * error, deviations * deviations)
         };
-        let mut series = vec![Series::new("refitted", curve.points.clone(), Look::Line, 0)];
+        let mut series = vec![Series::new("other parameters fitted again", curve.points.clone(), Look::Line, 0)];
         if error > 0.0 && error.is_finite() {
             let (low, high) =
                 curve.points.iter().fold((value, value), |(low, high), (x, _)| (low.min(*x), high.max(*x)));
             let by_error = (-30..=30).map(parabola).filter(|(x, _)| (low..=high).contains(x)).collect();
-            series.push(Series::new("by the standard error", by_error, Look::Dashed, 1));
+            series.push(Series::new("parabola of the standard error", by_error, Look::Dashed, 1));
         }
         Chart {
             title: curve.title,
             x: Axis::new(curve.name),
-            y: Axis::new("cost").over(0.0, 12.0),
+            y: Axis::new("rise of chi-squared; grey: 95 %").over(0.0, 12.0),
             series,
             passes: Some((0.0, 3.84)),
         }

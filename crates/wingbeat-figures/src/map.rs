@@ -7,6 +7,7 @@ use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
+use wingbeat::scenario::spoken;
 use wingbeat::simulate::Record;
 
 use crate::chart::{Axis, Chart, Look, Series, grid};
@@ -20,8 +21,6 @@ const PANEL: (f64, f64) = (424.0, 270.0);
 const ROOM: [f64; 4] = [56.0, 78.0, 28.0, 42.0];
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
-/// Most letters of the name of an axis.
-const LONGEST: usize = 30;
 /// Radius of a point, px.
 const POINT: f64 = 5.0;
 /// Shades of the bar of colours.
@@ -72,7 +71,7 @@ fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure,
         let unit = record.column(name).map_or("", |column| column.unit.as_str());
         Ok(Chart {
             title: String::new(),
-            x: Axis::new(spoken(record, key)),
+            x: Axis::new(spoken(key)),
             y: Axis::new(labelled(name, unit)),
             series: vec![Series::new("", points, Look::Circles, 0)],
             passes: None,
@@ -84,29 +83,6 @@ fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure,
 fn labelled(name: &str, unit: &str) -> String {
     let name = name.replace('_', " ");
     if unit.is_empty() { name } else { format!("{name} [{unit}]") }
-}
-
-/// The quantity that a key names, with its unit: of `wing.hinges[0].angle_deg.fourier.sin[0]`, `hinges[0] angle, sin[0] [deg]`; the key,
-/// or its end where it is long, where it names no unit.
-fn spoken(record: &Record, key: &str) -> String {
-    let unit = record.column(key).map_or("", |column| column.unit.as_str());
-    let end = format!("_{}", unit.to_lowercase().replace(['/', ' '], "_"));
-    let parts: Vec<&str> = key.split('.').collect();
-    let Some(at) = parts.iter().rposition(|part| !unit.is_empty() && part.ends_with(&end)) else {
-        let ends = key.match_indices('.').map(|(at, _)| at + 1);
-        return match std::iter::once(0).chain(ends).find(|from| key.len() - from <= LONGEST) {
-            Some(from) if from > 0 => format!("… {}", &key[from..]),
-            _ => key.into(),
-        };
-    };
-    let of = parts[..at]
-        .last()
-        .filter(|part| part.ends_with(']'))
-        .map_or(String::new(), |part| format!("{part} "));
-    let name = parts[at].trim_end_matches(&end);
-    let rest: String =
-        parts[at + 1..].iter().filter(|part| **part != "fourier").map(|part| format!(", {part}")).collect();
-    labelled(&format!("{of}{name}{rest}"), unit)
 }
 
 /// Values drawn for one key.
@@ -128,7 +104,7 @@ impl<'a> Drawn<'a> {
         // Half a cell of a grid lies beyond its ends.
         let margin = 0.5 * (high - low) / (places.len().max(2) - 1) as f64;
         let margin = margin.max(0.04 * (high - low));
-        Ok(Self { name: spoken(record, key), values, places, scale: Scale::new(low - margin, high + margin) })
+        Ok(Self { name: spoken(key), values, places, scale: Scale::new(low - margin, high + margin) })
     }
 
     /// The share of the axis at `value`.

@@ -1,5 +1,6 @@
 //! The figures of a calibration.
 
+use wingbeat::scenario::spoken;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat_calibrate::{Found, FoundRun, Layout, PHASES, phase_of};
 use wingbeat_figures::calibration::{
@@ -14,7 +15,7 @@ use crate::run_folder::RunFolder;
 pub fn draw(folder: &RunFolder, found: &Found) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
     let told = crate::fly::left_out;
-    let names: Vec<String> = found.parameters.iter().map(|parameter| parameter.name.clone()).collect();
+    let names: Vec<String> = found.parameters.iter().map(|parameter| spoken(&parameter.name)).collect();
     told(write_figure(&figures, &correlations(&names, found.correlations.clone())))?;
     told(write_figure(&figures, &profiles(profile_curves(found))))?;
     told(write_figure(&figures, &residual_spectra(spectra(found))))?;
@@ -59,7 +60,7 @@ fn profile_curves(found: &Found) -> Vec<ProfileCurve> {
     let curve = |k: usize| {
         let profile = &found.profiles[k];
         ProfileCurve {
-            name: found.parameters[k].name.clone(),
+            name: spoken(&found.parameters[k].name),
             title: profile.label.word().into(),
             points: profile.values.iter().copied().zip(profile.cost.iter().copied()).collect(),
             fit: (found.values[k], found.errors[k]),

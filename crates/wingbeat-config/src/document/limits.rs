@@ -62,6 +62,28 @@ pub fn unit(path: &str) -> &'static str {
     row(path).map_or("", |(unit, _)| unit)
 }
 
+/// The quantity that a key names, in words and with its unit: of `wing.hinges[0].angle_deg.fourier.sin[0]`,
+/// `hinges[0] angle, sin[0] [deg]`; of `surfaces.wing.cd0`, `wing cd0`.
+pub fn spoken(path: &str) -> String {
+    let plain = path.replace('"', "");
+    let parts: Vec<(&str, &str)> =
+        plain.split('.').map(|part| part.split_at(part.find('[').unwrap_or(part.len()))).collect();
+    let of = |(name, _): &(&str, &str)| BY_UNIT.iter().find(|(end, ..)| name.ends_with(end));
+    let found = parts.iter().enumerate().rev().find_map(|(at, part)| of(part).map(|row| (at, row)));
+    let (at, end, unit) = match found {
+        Some((at, (end, unit, _))) => (at, *end, format!(" [{unit}]")),
+        None => (parts.len() - 1, "", String::new()),
+    };
+    let before = at.checked_sub(1).map_or(String::new(), |at| format!("{}{} ", parts[at].0, parts[at].1));
+    let name = parts[at].0.strip_suffix(end).unwrap_or_default();
+    let rest: String = parts[at + 1..]
+        .iter()
+        .filter(|(name, index)| *name != "fourier" || !index.is_empty())
+        .map(|(name, index)| format!(", {name}{index}"))
+        .collect();
+    format!("{before}{name}{}{rest}", parts[at].1).replace('_', " ") + &unit
+}
+
 /// The text of a plain file of at most `LARGEST_FILE` bytes, or of a pipe of the shell; what else is not a regular file
 /// may have no end.
 ///

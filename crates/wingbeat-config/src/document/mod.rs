@@ -30,7 +30,7 @@ pub(super) use airfoil::KEY as AIRFOIL_KEY;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub use former::{Migrated, migrated};
 pub(super) use inherit::{BASE, WITHOUT};
-pub use limits::{largest, text_of, unit};
+pub use limits::{largest, spoken, text_of, unit};
 pub(super) use outline::KEY as OUTLINE_KEY;
 pub use outline::OutlineFile;
 pub use source::Translate;

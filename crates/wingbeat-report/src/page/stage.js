@@ -1,5 +1,5 @@
 // The picture in space: what of the runs is drawn, from where, and when.
-const VIEWS = { chase: { azimuth: -0.35, elevation: 0.25 }, follow: { azimuth: -0.7, elevation: 0.3 }, whole: { azimuth: 0.5, elevation: 0.42 }, side: { azimuth: Math.PI / 2, elevation: 0.06 }, top: { azimuth: 0, elevation: 1.5 } };
+const VIEWS = { chase: { azimuth: 0, elevation: 0.25 }, follow: { azimuth: -0.7, elevation: 0.3 }, whole: { azimuth: 0.5, elevation: 0.42 }, side: { azimuth: Math.PI / 2, elevation: 0.06 }, top: { azimuth: 0, elevation: 1.5 } };
 const limited = (v, low, high) => Math.max(low, Math.min(high, v));
 class Stage {
   constructor(mark) {
@@ -193,6 +193,10 @@ class Stage {
       const q = transformed(m, add(run.p, cam.up, 1.1 * run.reach)), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
       if (q[3] > 0 && u > 0 && u < w && v > 10 && v < h) this.overlay.write(run.run.name, u, v, 'center');
     }
+    if (shown.level && this.free) for (const k of [0, 1]) {
+      const f = this.motions[0], q = transformed(m, add(f.world(f.at(f.com)), f.turned([0, 1, 0]), (k ? -1.45 : 1.45) * f.reach)), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
+      if (q[3] > 0 && u > 9 && u < w - 9 && v > 9 && v < h) this.overlay.write(k ? 'R' : 'L', u, v + 4, 'center');
+    }
     for (const line of this.motions[0].lines) {
       const ends = line.points.map(p => this.motions[0].at(p)), q = transformed(m, ends[ends.length - 1]), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
       if (line.name === 'perch' && q[3] > 0 && u > 0 && u < w - 40 && v > 16 && v < h) this.overlay.write('perch', u + 6, v + 4);
@@ -259,8 +263,12 @@ class Stage {
 // How the body lies against the horizon: a level line, the body's own axis to its left and right, and an arrow along its nose.
 function addLevel(scene, m, own) {
   const along = m.turned([1, 0, 0]), level = unit([-along[1], along[0], 0]), c = m.world(m.at(m.com)), r = 1.3 * m.reach, lie = m.turned([0, 1, 0]);
-  scene.line(add(c, level, -r), add(c, level, r), 1.2, faded(own.ink, 0.75));
-  scene.line(c, add(c, lie, r), 3, own.sides[0]); scene.line(c, add(c, lie, -r), 3, own.sides[1]);
+  scene.line(add(c, level, -1.4 * r), add(c, level, 1.4 * r), 1.6, own.ink);
+  for (const k of [0, 1]) {
+    const q = k ? -r : r, end = add(c, lie, q);
+    scene.line(c, end, 3, own.sides[k]);
+    scene.tri(scene.glass, c, add(c, level, q), end, faded(own.sides[k], 0.35));
+  }
   scene.arrow(c, along.map(v => 1.2 * r * v), 2.5, own.ink);
 }
 function boxOfShots(all) {
