@@ -60,5 +60,8 @@ pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
         );
         panels.push(Panel { bands: vec![band], ..Panel::new(title, curves) });
     }
-    Ok(Figure::new("compare", stacked(panels, "phase [cycles]; shaded: range of the measured cycles", style::PANEL)))
+    Ok(Figure::new(
+        "compare",
+        stacked(panels, "phase [cycles]; shaded: range of the measured cycles", style::PANEL),
+    ))
 }

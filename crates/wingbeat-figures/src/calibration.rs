@@ -90,7 +90,8 @@ pub fn profiles(curves: Vec<ProfileCurve>) -> Figure {
             let deviations = f64::from(k) / 10.0;
             (value + deviations * error, deviations * deviations)
         };
-        let mut series = vec![Series::new("other parameters fitted again", curve.points.clone(), Look::Line, 0)];
+        let mut series =
+            vec![Series::new("other parameters fitted again", curve.points.clone(), Look::Line, 0)];
         if error > 0.0 && error.is_finite() {
             let (low, high) =
                 curve.points.iter().fold((value, value), |(low, high), (x, _)| (low.min(*x), high.max(*x)));

@@ -1,7 +1,7 @@
 //! The figures of a calibration.
 
-use wingbeat::scenario::spoken;
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::scenario::spoken;
 use wingbeat_calibrate::{Found, FoundRun, Layout, PHASES, phase_of};
 use wingbeat_figures::calibration::{
     Overlay, ProfileCurve, Spectrum, correlations, information, overlay, profiles, residual_spectra,

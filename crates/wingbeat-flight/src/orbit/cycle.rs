@@ -4,7 +4,7 @@ use super::course::Course;
 use super::section::{Direction, Section};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
-use wingbeat_math::{Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
+use wingbeat_math::{Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace, parallel};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
 use wingbeat_robot::{CycleScalar, Robot};
 
@@ -232,17 +232,16 @@ impl<'a> Cycle<'a> {
         point: &Point,
         directions: &[Direction],
         free: &[Free],
-        of: impl Fn(&[Early], &End<Early>) -> Vec<Early>,
+        of: impl Fn(&[Early], &End<Early>) -> Vec<Early> + Sync,
     ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Fault> {
         let columns = directions.len() + free.len();
-        let (mut values, mut rows) = (Vec::new(), Vec::new());
-        for first in (0..columns.max(1)).step_by(Early::LANES) {
+        let firsts: Vec<usize> = (0..columns.max(1)).step_by(Early::LANES).collect();
+        let flown = parallel::map(&firsts, |_, first| {
             let constant =
                 |values: &[f64]| values.iter().map(|v| Early::constant(*v)).collect::<Vec<Early>>();
             let (mut z, mut inputs) = (constant(&point.z), constant(&point.inputs));
             let mut pace = Early::constant(point.pace);
-            let last = columns.min(first + Early::LANES);
-            for column in first..last {
+            for column in *first..columns.min(first + Early::LANES) {
                 let lane = column - first;
                 let seed = |to: &mut [Early], direction: &Direction| {
                     direction.iter().for_each(|(i, share)| to[*i].eps[lane] = *share);
@@ -256,15 +255,15 @@ impl<'a> Cycle<'a> {
                 }
             }
             let end = self.end_in_early(&z, pace, &inputs)?;
-            let outcome = of(&z, &end);
-            if first == 0 {
-                values = outcome.iter().map(|o| o.re).collect();
-                rows = vec![vec![0.0; columns]; outcome.len()];
-            }
-            for (row, o) in rows.iter_mut().zip(&outcome) {
-                row[first..last].copy_from_slice(&o.eps[..last - first]);
-            }
-        }
+            Ok(of(&z, &end))
+        });
+        let flown: Vec<Vec<Early>> = flown.into_iter().collect::<Result<_, Fault>>()?;
+        let values: Vec<f64> = flown[0].iter().map(|o| o.re).collect();
+        let row = |i: usize| {
+            let lanes = flown.iter().flat_map(|outcome| outcome[i].eps);
+            lanes.take(columns).collect::<Vec<f64>>()
+        };
+        let rows = (0..values.len()).map(row).collect();
         Ok((values, rows))
     }
 

@@ -4,7 +4,7 @@ use super::cycle::{Cycle, Flow, Point};
 use super::section::{Direction, Section};
 use nalgebra::DMatrix;
 use std::ops::Range;
-use wingbeat_math::{Error, RK4, Scalar, Steps, Workspace};
+use wingbeat_math::{Error, RK4, Scalar, Steps, Workspace, parallel};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
 use wingbeat_robot::CycleScalar;
 
@@ -205,42 +205,85 @@ pub fn interval(
     nominal: &[f64],
     point: (f64, &[f64]),
     part: [usize; 2],
-    [directions, inputs]: [&[Direction]; 2],
+    along: [&[Direction]; 2],
 ) -> Result<(Vec<f64>, Interval), Fault> {
-    let (n, m) = (directions.len(), inputs.len());
-    let (mut a, mut b) = (DMatrix::zeros(n + GROUND, n), DMatrix::zeros(n + GROUND, m));
-    let (mut next, mut ground) = (Vec::new(), [0.0; GROUND]);
-    for first in (0..n + m).step_by(Early::LANES) {
-        let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
-        let mut u: Vec<Early> = point.1.iter().map(|v| Early::constant(*v)).collect();
-        let last = (n + m).min(first + Early::LANES);
-        for column in first..last {
-            let (to, direction) = match column.checked_sub(n) {
-                None => (&mut s, &directions[column]),
-                Some(i) => (&mut u, &inputs[i]),
+    let mut over = Interval::zeros(along.map(<[Direction]>::len));
+    let mut next = Vec::new();
+    for first in (0..along[0].len() + along[1].len()).step_by(Early::LANES) {
+        let columns = fly_columns(cycle, deviations, nominal, point, part, along, first)?;
+        over.set(&columns);
+        next = columns.next;
+    }
+    Ok((next, over))
+}
+
+impl Interval {
+    /// Room for `n` deviations and `m` commands.
+    fn zeros([n, m]: [usize; 2]) -> Self {
+        let [(a, b), (ground_a, ground_b)] =
+            [n, GROUND].map(|rows| (DMatrix::zeros(rows, n), DMatrix::zeros(rows, m)));
+        Self { a, b, ground: [0.0; GROUND], ground_a, ground_b }
+    }
+
+    /// Takes the columns that were flown together.
+    fn set(&mut self, flown: &Columns) {
+        let n = self.a.nrows();
+        self.ground = flown.ground;
+        for (i, row) in flown.rows.iter().enumerate() {
+            let (a, b, i) = match i.checked_sub(n) {
+                None => (&mut self.a, &mut self.b, i),
+                Some(i) => (&mut self.ground_a, &mut self.ground_b, i),
             };
-            direction.iter().for_each(|(i, share)| to[*i].eps[column - first] = *share);
-        }
-        let (end, over) = fly_part(cycle, deviations, &s, point.0, &u, part, &mut |_| ())?;
-        let along = directions.iter().map(|direction| Section::along(direction, &end));
-        for (i, end) in along.chain(over).enumerate() {
-            for column in first..last {
-                match column.checked_sub(n) {
-                    None => a[(i, column)] = end.eps[column - first],
-                    Some(input) => b[(i, input)] = end.eps[column - first],
+            for (lane, value) in row[..flown.count].iter().enumerate() {
+                match (flown.first + lane).checked_sub(n) {
+                    None => a[(i, flown.first + lane)] = *value,
+                    Some(input) => b[(i, input)] = *value,
                 }
             }
         }
-        (next, ground) = (end.iter().map(|end| end.re).collect(), over.map(|over| over.re));
     }
-    let interval = Interval {
-        ground_a: a.rows(n, GROUND).into(),
-        ground_b: b.rows(n, GROUND).into(),
-        a: a.resize_vertically(n, 0.0),
-        b: b.resize_vertically(n, 0.0),
-        ground,
-    };
-    Ok((next, interval))
+}
+
+/// Columns of an [`Interval`] that are flown together.
+struct Columns {
+    /// The first of them, those of A before those of B.
+    first: usize,
+    /// Their number.
+    count: usize,
+    /// Derivatives, by rows: what deviates, then what lies over the ground.
+    rows: Vec<[f64; Early::LANES]>,
+    /// The numbers at the end of the interval.
+    next: Vec<f64>,
+    /// Where the orbit is then over the ground.
+    ground: [f64; GROUND],
+}
+
+/// Flies the columns from `first` on.
+fn fly_columns(
+    cycle: &Cycle,
+    deviations: &Deviations,
+    nominal: &[f64],
+    point: (f64, &[f64]),
+    part: [usize; 2],
+    [directions, inputs]: [&[Direction]; 2],
+    first: usize,
+) -> Result<Columns, Fault> {
+    let n = directions.len();
+    let count = (n + inputs.len() - first).min(Early::LANES);
+    let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
+    let mut u: Vec<Early> = point.1.iter().map(|v| Early::constant(*v)).collect();
+    for lane in 0..count {
+        let (to, direction) = match (first + lane).checked_sub(n) {
+            None => (&mut s, &directions[first + lane]),
+            Some(i) => (&mut u, &inputs[i]),
+        };
+        direction.iter().for_each(|(i, share)| to[*i].eps[lane] = *share);
+    }
+    let (end, over) = fly_part(cycle, deviations, &s, point.0, &u, part, &mut |_| ())?;
+    let along = directions.iter().map(|direction| Section::along(direction, &end).eps);
+    let rows = along.chain(over.iter().map(|over| over.eps)).collect();
+    let next = end.iter().map(|end| end.re).collect();
+    Ok(Columns { first, count, rows, next, ground: over.map(|over| over.re) })
 }
 
 /// Each of these numbers by itself.
@@ -270,12 +313,22 @@ pub fn intervals(
     let (directions, inputs) = (alone(0..deviations.len()), alone(inputs.iter().copied()));
     let mut nominal = vec![0.0; deviations.len()];
     deviations.of(&cycle.start(point), &mut nominal);
-    let mut all = Vec::with_capacity(count);
-    for k in 0..count {
+    // Columns that are flown together do not see the others, so each core takes some of them over the whole cycle.
+    let columns: Vec<usize> = (0..directions.len() + inputs.len()).step_by(Early::LANES).collect();
+    let over_cycle = |_, first: &usize| -> Result<Vec<Columns>, Fault> {
+        let mut at = nominal.clone();
         let held = (point.pace, &point.inputs[..]);
-        let (next, over) = interval(cycle, &deviations, &nominal, held, [k, count], [&directions, &inputs])?;
-        nominal = next;
-        all.push(over);
+        let over = |k| {
+            let along = [&directions[..], &inputs[..]];
+            let flown = fly_columns(cycle, &deviations, &at, held, [k, count], along, *first)?;
+            at.clone_from(&flown.next);
+            Ok(flown)
+        };
+        (0..count).map(over).collect()
+    };
+    let mut all = vec![Interval::zeros([directions.len(), inputs.len()]); count];
+    for flown in parallel::map(&columns, over_cycle) {
+        all.iter_mut().zip(&flown?).for_each(|(interval, columns)| interval.set(columns));
     }
     Ok(all)
 }

@@ -5,6 +5,7 @@ use super::newton::Orbit;
 use super::section::{Direction, Section};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
+use std::ops::Range;
 use wingbeat_ocp::plant::{Early, Fault};
 
 /// In which directions a disturbance lies.
@@ -79,24 +80,14 @@ const NEUTRAL: f64 = 1e-9;
 /// Label of the mode that is neutral by the symmetry of space.
 const HEADING: &str = "heading";
 
-/// The monodromy: derivatives of the coordinates after a cycle along `directions`, as shares of `rows`.
+/// The monodromy: derivatives of the coordinates after a cycle along `directions`.
 ///
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.
-fn monodromy(
-    cycle: &Cycle,
-    point: &Point,
-    directions: &[Direction],
-    others: &[Direction],
-) -> Result<(DMatrix<f64>, f64), Fault> {
-    let rows = |z: &[Early]| -> Vec<Early> {
-        directions.iter().chain(others).map(|d| Section::along(d, z)).collect()
-    };
+fn monodromy(cycle: &Cycle, point: &Point, directions: &[Direction]) -> Result<DMatrix<f64>, Fault> {
+    let rows = |z: &[Early]| directions.iter().map(|d| Section::along(d, z)).collect();
     let (_, matrix) = cycle.differentiate(point, directions, &[], |_, end| rows(&end.z))?;
-    let n = directions.len();
-    let own = DMatrix::from_fn(n, n, |i, j| matrix[i][j]);
-    let coupling = matrix[n..].iter().flatten().fold(0.0, |most: f64, m| most.max(m.abs()));
-    Ok((own, coupling))
+    Ok(DMatrix::from_fn(directions.len(), directions.len(), |i, j| matrix[i][j]))
 }
 
 /// Multipliers and modes of `orbit`, of a straight one of a robot whose sides are alike split into what keeps left and right alike and what does not.
@@ -113,13 +104,12 @@ fn monodromy(
 pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
     let section = cycle.section();
     let (symmetric, antisymmetric) = (section.symmetric(), section.antisymmetric());
-    let sectors: Vec<(Sector, Vec<Direction>, Vec<Direction>)> = if cycle.coupled(&orbit.course) {
-        vec![(Sector::Coupled, [symmetric, antisymmetric].concat(), Vec::new())]
+    let all = [symmetric, antisymmetric].concat();
+    let sectors: Vec<(Sector, Range<usize>)> = if cycle.coupled(&orbit.course) {
+        vec![(Sector::Coupled, 0..all.len())]
     } else {
-        vec![
-            (Sector::Longitudinal, symmetric.to_vec(), antisymmetric.to_vec()),
-            (Sector::Lateral, antisymmetric.to_vec(), symmetric.to_vec()),
-        ]
+        let first = symmetric.len();
+        vec![(Sector::Longitudinal, 0..first), (Sector::Lateral, first..all.len())]
     };
     let duration = orbit.end.duration;
     let mode = |multiplier: Complex<f64>, sector, label, shares| Mode {
@@ -133,9 +123,13 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
     let neutral = sectors.last().map_or(Sector::Lateral, |s| s.0);
     let mut modes = vec![mode(Complex::new(1.0, 0.0), neutral, HEADING.into(), vec![0.0; section.len()])];
     let mut coupling: f64 = 0.0;
-    for (sector, directions, others) in &sectors {
-        let (matrix, across) = monodromy(cycle, &orbit.point, directions, others)?;
-        coupling = coupling.max(across);
+    let whole = monodromy(cycle, &orbit.point, &all)?;
+    for (sector, own) in &sectors {
+        let directions = &all[own.clone()];
+        let others = (0..all.len()).filter(|i| !own.contains(i));
+        let across = others.flat_map(|i| own.clone().map(move |j| (i, j)));
+        coupling = across.fold(coupling, |most, at| most.max(whole[at].abs()));
+        let matrix = whole.view((own.start, own.start), (own.len(), own.len()));
         let scales: Vec<f64> = directions.iter().map(|d| scale(cycle, orbit, d[0].0)).collect();
         // In the orbit's own scales, so that a mode's shares can be compared.
         let scaled =
