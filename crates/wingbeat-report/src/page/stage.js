@@ -186,31 +186,27 @@ class Stage {
     if (shown.level && m.free) addLevel(scene, m, own);
     if (!m.free && norm(m.wind)) { const along = unit(m.wind); scene.arrow(add(m.middle(), along, -2.2 * m.reach), along.map(v => 0.7 * m.reach * v), 3, look.wind); }
   }
-  // What is written beside lines that stand in space.
+  // What is written beside lines that stand in space, where the corner does not hide it.
   name(cam, w, h) {
-    const m = cam.matrix(w / h);
-    for (const run of this.motions.length > 1 ? this.motions : []) {
-      const q = transformed(m, add(run.p, cam.up, 1.1 * run.reach)), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
-      if (q[3] > 0 && u > 0 && u < w && v > 10 && v < h) this.overlay.write(run.run.name, u, v, 'center');
-    }
-    if (shown.level && this.free) for (const k of [0, 1]) {
-      const f = this.motions[0], q = transformed(m, add(f.world(f.at(f.com)), f.turned([0, 1, 0]), (k ? -1.45 : 1.45) * f.reach)), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
-      if (q[3] > 0 && u > 9 && u < w - 9 && v > 9 && v < h) this.overlay.write(k ? 'R' : 'L', u, v + 4, 'center');
-    }
-    for (const line of this.motions[0].lines) {
-      const ends = line.points.map(p => this.motions[0].at(p)), q = transformed(m, ends[ends.length - 1]), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
-      if (line.name === 'perch' && q[3] > 0 && u > 0 && u < w - 40 && v > 16 && v < h) this.overlay.write('perch', u + 6, v + 4);
-    }
+    const m = cam.matrix(w / h), [pad, iw, ih] = this.corner(w, h), write = (text, point, align) => {
+      const q = transformed(m, point), u = w * (0.5 + 0.5 * q[0] / q[3]), v = h * (0.5 - 0.5 * q[1] / q[3]);
+      if (q[3] > 0 && u > 9 && u < w - (align ? 9 : 40) && v > 13 && v < h && (u > pad + iw + 6 || v < h - pad - ih - 6)) this.overlay.write(text, align ? u : u + 6, v + 4, align);
+    };
+    if (this.motions.length > 1) this.motions.forEach(run => write(run.run.name, add(run.p, cam.up, 1.1 * run.reach), 'center'));
+    const f = this.motions[0];
+    if (shown.level && f.free) for (const k of [0, 1]) write('LR'[k], add(f.world(f.at(f.com)), f.turned([0, 1, 0]), (k ? -1.45 : 1.45) * f.reach), 'center');
+    for (const line of f.lines) if (line.name === 'perch') write('perch', f.at(line.points[line.points.length - 1]));
   }
   // The whole way in a corner, the robot enlarged.
+  corner(w, h) { return [8, Math.round(0.29 * w), Math.round(0.37 * h)]; }
   drawCorner(ground, w, h, ratio) {
-    const { box } = this, iw = Math.round(0.34 * w), ih = Math.round(0.40 * h), pad = 8, small = new Scene(), inset = Object.assign(new Camera(), this.camera), enlarged = m => limited(0.11 * box.size / m.reach, 1, 12);
+    const { box } = this, [pad, iw, ih] = this.corner(w, h), small = new Scene(), inset = Object.assign(new Camera(), this.camera), enlarged = m => limited(0.11 * box.size / m.reach, 1, 12);
     this.motions.forEach((m, k) => { const own = this.looks(k); addPath(small, m, own, box.floor, true, 120); addRobot(small, m, own, enlarged(m), box.floor, false); addLines(small, m, own.body); });
     Object.assign(inset, { target: this.middle(), azimuth: this.across() - 0.15, elevation: 0.36 });
     this.fit(inset, iw / ih, Math.max(...this.motions.map(enlarged)));
     this.renderer.pass([ground, small], inset, [pad, pad, iw, ih].map(v => Math.round(v * ratio)), this.look, ratio);
     this.overlay.patch('', pad, h - pad - ih, iw, ih);
-    if (iw > 240) this.labels(inset, [pad, h - pad - ih, iw, ih]);
+    if (iw > 230) this.labels(inset, [pad, h - pad - ih, iw, ih]);
   }
   // Start and end of the way, and the size of the grid.
   labels(cam, [x, y, w, h]) {
