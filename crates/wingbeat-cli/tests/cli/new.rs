@@ -85,7 +85,7 @@ fn the_minimal_robot_flies_and_documents_stand_around_it() {
     let folder = scratch("new-minimal");
     let told = written(&folder, &["robot", "bird.toml", "--minimal"]);
     assert!(told.contains("next: wingbeat show bird.toml"), "{told}");
-    assert!(fs::read_to_string(folder.join("bird.toml")).unwrap().lines().count() < 70);
+    assert!(fs::read_to_string(folder.join("bird.toml")).unwrap().lines().count() < 80);
     let told = written(&folder, &["scenario", "flight.toml", "--robot", "bird.toml"]);
     runs(&folder, &told, &["--quiet", "--set", "flight.duration_s=0.2", "--out", "a"]);
     fs::create_dir(folder.join("below")).unwrap();
@@ -95,6 +95,16 @@ fn the_minimal_robot_flies_and_documents_stand_around_it() {
     assert!(text.contains("free = [\"frequency\", \"elevator\"]"), "{text}");
     let output =
         wingbeat(&folder, &["fly", "below/level.toml", "--quiet", "--set", "flight.duration_s=0.01"]);
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn the_minimal_robot_trims_as_it_is_written() {
+    let folder = scratch("new-trims");
+    written(&folder, &["robot", "bird.toml", "--minimal"]);
+    written(&folder, &["trim", "level.toml", "--robot", "bird.toml"]);
+    let output = wingbeat(&folder, &["trim", "level.toml", "--quiet", "--out", "level"]);
     assert!(output.status.success(), "{output:?}");
 }
 

@@ -20,7 +20,8 @@ pub enum Failure {
     },
     /// Newton's method stopped before the conditions held.
     #[error(
-        "not converged: residual {residual:.2e} after {iterations} iterations, the worst condition is {condition}"
+        "not converged: residual {residual:.2e} after {iterations} iterations, the worst condition is {condition}: begin nearer to an orbit \
+         ([start], robot.gait), or free other numbers"
     )]
     NotConverged {
         /// Iterations taken.
@@ -31,7 +32,7 @@ pub enum Failure {
         condition: String,
     },
     /// A number left its range.
-    #[error("{name} = {value:.4} {unit} is outside {low:.4} to {high:.4}")]
+    #[error("{name} = {value:.4} {unit} is outside {low:.4} to {high:.4}: begin nearer to an orbit ([start], robot.gait), or free other numbers")]
     Range {
         /// Name of the number.
         name: String,

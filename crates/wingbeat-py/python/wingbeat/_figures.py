@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 AXES = ("C3", "C2", "C0")
 # What a flight shows where nothing is chosen.
 FLIGHT = ("roll", "roll_reference", "pitch", "pitch_reference", "yaw", "p_WB_x", "p_WB_y", "p_WB_z")
+# What a tethered wing shows.
+TETHER = ("force_wind_lift", "force_wind_drag", "power")
 DASHES = ("-", "--", "-.", ":")
 
 
@@ -25,9 +27,10 @@ def chosen(record: Record, names: str | Sequence[str] | None) -> list[Column]:
     """The columns to be drawn: a name, or the beginning of several."""
     known = {column.name: column for column in record.columns}
     if names is None:
-        flight = [known[name] for name in FLIGHT if name in known]
-        commands = [column for name, column in known.items() if name.startswith("command_")]
-        return flight + commands or [column for name, column in known.items() if name not in ("t", "phase")]
+        tethered = TETHER[0] in known
+        own = [known[name] for name in (TETHER if tethered else FLIGHT) if name in known]
+        own += [column for name, column in known.items() if name.startswith("hinge_" if tethered else "command_")]
+        return own or [column for name, column in known.items() if name not in ("t", "phase", "run")]
     found: list[Column] = []
     for name in [names] if isinstance(names, str) else names:
         own = [known[name]] if name in known else [c for n, c in known.items() if n.startswith(name)]
@@ -37,8 +40,10 @@ def chosen(record: Record, names: str | Sequence[str] | None) -> list[Column]:
     return found
 
 
-def columns(record: Record, names: str | Sequence[str] | None, against: str) -> Figure:
+def columns(record: Record, names: str | Sequence[str] | None, against: str | None) -> Figure:
     """One panel per unit, commands apart; angles in degrees."""
+    if against is None:
+        against = next((name for name in ("t", "phase") if name in record), next(iter(record)))
     drawn = chosen(record, names)
     panel_of = {column.name: (column.unit, column.name.startswith("command_")) for column in drawn}
     kinds = list(dict.fromkeys(panel_of.values()))

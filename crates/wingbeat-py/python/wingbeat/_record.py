@@ -98,8 +98,10 @@ class Record(Mapping[str, Array]):
         table.attrs = {"units": self.units, "frames": self.frames}
         return table
 
-    def plot(self, names: str | Sequence[str] | None = None, *, against: str = "t") -> Figure:
-        """Columns over time, one panel per unit, limits dashed; those of a flight are attitude, position and commands."""
+    def plot(self, names: str | Sequence[str] | None = None, *, against: str | None = None) -> Figure:
+        """Columns over time, or over the runs of a sweep, one panel per unit, limits dashed. Where none is named: of a flight attitude,
+        position and commands, of a tethered wing lift, drag, power and hinges.
+        """
         from wingbeat._figures import columns
 
         return columns(self, names, against)

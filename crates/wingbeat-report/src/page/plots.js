@@ -17,8 +17,10 @@ function paint([kind, n], run, which) {
 function ticks(low, high, most) {
   const step = round((high - low) / most) || 1, out = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step && out.length < 20; k++) out.push(+(k * step).toPrecision(12));
-  return out;
+  return out.length < 2 && most < 64 ? ticks(low, high, 2 * most) : out;
 }
+// A value with the digits that the page holds of it: a curve is cut into parts of its range.
+function rounded(v, [low, high]) { const q = 10 ** Math.ceil(Math.log10((high - low) / 1500)); return Number.isFinite(v) ? Math.round(v / q) * q || 0 : v; }
 class Plots {
   constructor(runs, root, seek) {
     this.runs = runs; this.root = root; this.seek = seek; this.panels = [];
@@ -82,7 +84,8 @@ class Plots {
   layout(asked) {
     const width = asked || (this.panels.length ? this.panels[0].svg.getBoundingClientRect().width : 0);
     if (!width || width === this.width) return;
-    this.width = width; this.left = 46;
+    this.width = width;
+    this.left = 10 + 6.2 * Math.max(6, ...this.panels.flatMap(panel => ticks(...panel.range, 4).map(y => digits(y).length)));
     for (const panel of this.panels) this.drawn(panel, width, 118);
     this.mark(this.now === undefined ? this.low : this.now, true);
   }
@@ -135,7 +138,7 @@ class Plots {
       // On paper a plot stands in the middle of its box.
       panel.cursor.style.left = this.printing ? `calc(50% - ${this.width / 2}px)` : '';
       if (!words) continue;
-      panel.curves.forEach((curve, k) => { const v = curve.values[rows[curve.run]]; panel.outputs[k].textContent = digits(Math.abs(v) < 1e-6 * (panel.range[1] - panel.range[0]) ? 0 : v); });
+      panel.curves.forEach((curve, k) => { panel.outputs[k].textContent = digits(rounded(curve.values[rows[curve.run]], panel.range)); });
     }
   }
 }
