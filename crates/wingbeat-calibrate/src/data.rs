@@ -76,7 +76,7 @@ pub fn read(path: &Path, run: &RigRun) -> Result<Pass, Error> {
 
 /// The columns of a CSV file; the text says what is wrong with it.
 pub(crate) fn table(path: &Path) -> Result<Record, String> {
-    wingbeat_io::read_csv(path).map_err(|error| error.to_string())
+    wingbeat_io::samples::read_measured(path).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ struct Measured {
 
 impl Measured {
     fn open(path: PathBuf, case: &TetherCase) -> PyResult<Self> {
-        let record = wingbeat_io::read_csv(&path).map_err(refused)?;
+        let record = wingbeat_io::samples::read_measured(&path).map_err(refused)?;
         let channels = case.channels(&record).map_err(refused)?;
         case.measured_phase(&record).map_err(|error| refused(format!("{}: {error}", path.display())))?;
         Ok(Self { path, record, channels })

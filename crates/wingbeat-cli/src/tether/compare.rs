@@ -5,7 +5,7 @@ use std::path::Path;
 use wingbeat::scenario::{Comparison, TetherCase};
 use wingbeat::simulate::Record;
 use wingbeat::tether::{CycleFit, TetherRun};
-use wingbeat_io::read_csv;
+use wingbeat_io::samples::read_measured;
 
 use crate::error::Error;
 
@@ -19,7 +19,7 @@ pub struct Measured<'a> {
 impl<'a> Measured<'a> {
     /// Reads and checks a file, before the wing moves.
     pub fn open(path: &'a Path, case: &TetherCase) -> Result<Self, Error> {
-        let record = read_csv(path)?;
+        let record = read_measured(path)?;
         let channels = case.channels(&record)?;
         case.measured_phase(&record).map_err(|error| refused(path, &error))?;
         Ok(Self { path, record, channels })

@@ -230,6 +230,27 @@ fn a_comparison_judges_the_measured_data() {
 }
 
 #[test]
+fn a_header_with_units_is_read_as_by_average() {
+    let folder = scratch("tether-compare-units");
+    let good = |out: &str| summary(&folder.join(out))["compare"][1]["gain"].as_f64().unwrap();
+    assert!(compared(&folder, "plain.csv", 5.0, &|_, row| row).status.success());
+    let text = fs::read_to_string(folder.join("plain.csv")).unwrap();
+    let in_milli = |row: &str| {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        format!("{},{},{}\n", cells[0], cells[1], 1e3 * cells[2])
+    };
+    let rows: String = text.lines().skip(1).map(in_milli).collect();
+    fs::write(folder.join("units.csv"), format!("Time (s),Fx (N),Fz (mN)\n{rows}")).unwrap();
+    let case = cases().join("flap_f2.toml");
+    let keys = ["time.frequency_hz=5.0", "compare.channels.force_x=Fx", "compare.channels.force_z=Fz"]
+        .map(|key| ["--set", key]);
+    let more = ["--compare", "units.csv", "--out", "units"];
+    let output = tether(&folder, &case, &[&BRIEF[..], keys.as_flattened(), &more].concat());
+    assert!(output.status.success(), "{output:?}");
+    assert!((good("units") - good("plain")).abs() < 1e-9, "{} {}", good("units"), good("plain"));
+}
+
+#[test]
 fn a_smoothed_table_says_what_it_left() {
     let folder = scratch("tether-smooth");
     let row = |i: u32| {

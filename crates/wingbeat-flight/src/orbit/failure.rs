@@ -32,7 +32,9 @@ pub enum Failure {
         condition: String,
     },
     /// A number left its range.
-    #[error("{name} = {value:.4} {unit} is outside {low:.4} to {high:.4}: begin nearer to an orbit ([start], robot.gait), or free other numbers")]
+    #[error(
+        "{name} = {value:.4} {unit} is outside {low:.4} to {high:.4}: begin nearer to an orbit ([start], robot.gait), or free other numbers"
+    )]
     Range {
         /// Name of the number.
         name: String,

@@ -16,7 +16,7 @@ mod table;
 mod text;
 
 pub use mcap::MAGIC as MCAP_MAGIC;
-pub use plain::{Asked, Plain};
+pub use plain::{Asked, Plain, read_measured};
 pub use record::{Import, Imported};
 pub use table::Table;
 

@@ -1,7 +1,9 @@
 //! The channels of a file as they are: any names, the units of the file, no change of sign or frame.
 
+use std::path::Path;
+
 use wingbeat::rig::unit::Quantity;
-use wingbeat::simulate::Column;
+use wingbeat::simulate::{Column, Record};
 
 use super::Table;
 use super::grid::Grid;
@@ -43,6 +45,36 @@ pub struct Plain {
     pub cautions: Vec<String>,
     /// The rate by the file's own times, Hz, where another one is given.
     pub other_rate: Option<f64>,
+}
+
+/// A measured table: as [`read_csv`](crate::read_csv) reads it where a column is called `t` or `phase`, else as a file of channels with a
+/// column of time, `Time (s)`; units of forces, moments and angles that it says become N, N m and rad, and rows with missing samples go.
+///
+/// # Errors
+/// Those of `read_csv` where neither reads it.
+pub fn read_measured(path: &Path) -> Result<Record, Error> {
+    let plainly = crate::read_csv(path);
+    if plainly.as_ref().is_ok_and(|record| ["t", "phase"].iter().any(|name| record.column(name).is_some())) {
+        return plainly;
+    }
+    let channels = super::read_channels(path).and_then(|table| table.plain(&Asked::default()));
+    let Ok(Plain { time, mut channels, .. }) = channels else { return plainly };
+    for column in &mut channels {
+        let known = |quantity: &Quantity| Some((quantity.factor(&column.unit)?, quantity.names()[0]));
+        let of = [Quantity::Force, Quantity::Moment, Quantity::Angle];
+        if let Some((factor, unit)) = of.iter().find_map(known) {
+            column.values.iter_mut().for_each(|value| *value *= factor);
+            column.unit = unit.into();
+        }
+    }
+    channels.insert(0, Column { values: time, ..Column::new("t", "s", "") });
+    let whole: Vec<bool> =
+        (0..channels[0].values.len()).map(|k| channels.iter().all(|c| c.values[k].is_finite())).collect();
+    for column in &mut channels {
+        let mut kept = whole.iter();
+        column.values.retain(|_| kept.next() == Some(&true));
+    }
+    Record::new(channels, 0).map_err(|error| Error::format(path, error))
 }
 
 impl Table {
