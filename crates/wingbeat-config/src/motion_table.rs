@@ -216,7 +216,7 @@ impl TableSpec {
     }
 
     /// What is wrong with a table, at times `t` (s) of the case. Harmonics take away noise, and ask for no order. Of one that need
-    /// not repeat it is another frequency, where it does repeat.
+    /// not repeat it is another frequency or noise, where it does repeat.
     fn found(&self, (frequency_hz, limits): (f64, &Limits), t: &[f64], y: &[f64]) -> Vec<Finding> {
         let phase: Vec<f64> = t.iter().map(|t| t * frequency_hz).collect();
         let own = self.frequency_hz.unwrap_or(frequency_hz);
@@ -236,7 +236,7 @@ impl TableSpec {
             |id: &str| self.harmonics.is_some() && ["data.rough", "data.time", "data.ends"].contains(&id);
         let counts = |finding: &Finding| match self.repeats() {
             true => !smoothed(finding.id),
-            false => finding.id == "data.frequency" && does_repeat(&phase, y),
+            false => ["data.frequency", "data.rough"].contains(&finding.id) && does_repeat(&phase, y),
         };
         let found = examined(&series, limits).into_iter().filter(counts);
         found
