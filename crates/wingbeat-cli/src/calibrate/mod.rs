@@ -101,7 +101,10 @@ fn found(
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
     let on_data = prepared.verdict();
-    on_data.warnings.iter().for_each(|warning| say::note(&warning.to_string()));
+    // A fit says them with its result.
+    if arguments.information || prepared.check().is_err() {
+        on_data.warnings.iter().for_each(|warning| say::note(&warning.to_string()));
+    }
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
     prepared.check()?;
     if arguments.information {

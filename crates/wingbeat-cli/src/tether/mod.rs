@@ -9,7 +9,7 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::judge::Verdict;
 use wingbeat::scenario::{
-    Compared, Comparison, Convergence, Smoothed, SparSummary, TetherCase, TetherSummary,
+    Compared, Comparison, Convergence, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
 };
 use wingbeat::simulate::Ending;
 use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
@@ -225,7 +225,11 @@ fn table(summary: &TetherSummary) -> String {
     text.extend(summary.spar.as_ref().map(spar));
     for Smoothed { key, harmonics, samples, residual_rms, residual_largest } in &summary.smoothed {
         text += &format!(
-            "{key}: {harmonics} harmonics of {samples} samples leave {residual_rms:.4} rms, {residual_largest:.4} at most\n"
+            "{key}: {harmonics} harmonics of {samples} samples leave {residual_rms:.4} rms, {residual_largest:.4} at most{}\n",
+            match unit(key) {
+                "" => String::new(),
+                unit => format!(" [{unit}]"),
+            }
         );
     }
     for warning in &summary.verdict.warnings {

@@ -15,6 +15,8 @@ const APART: f64 = 34.0;
 /// From an edge to its numbers and to its name, px.
 const NUMBERS: f64 = 13.0;
 const NAME: f64 = 42.0;
+/// Width of a letter, px.
+const LETTER: f64 = 8.0;
 
 /// 1, 2 or 5 times a power of ten, not below `least` by more than a quarter.
 pub(crate) fn round_step(least: f64) -> f64 {
@@ -135,7 +137,14 @@ impl Space {
             return;
         }
         let middle: Point = std::array::from_fn(|i| 0.5 * (chosen[0][i] + chosen[1][i]));
-        self.label(middle, (NAME * out.0, NAME * out.1 + 4.5), &scale.label(name), anchor);
+        let text = scale.label(name);
+        // A name that begins near the right end of the pane ends there.
+        let ends = self.at(middle).0 + NAME * out.0 + LETTER * text.chars().count() as f64;
+        let beyond = match anchor {
+            TextAnchor::Start => (ends - self.pane.x - self.pane.width).max(0.0),
+            _ => 0.0,
+        };
+        self.label(middle, (NAME * out.0 - beyond, NAME * out.1 + 4.5), &text, anchor);
     }
 
     /// A bar of `length` m in the lower left corner of the pane, true at the target of the view and across it.
