@@ -7,11 +7,11 @@ use wingbeat_math::interpolation::lerp;
 pub struct Trajectory {
     /// Times, s, ascending.
     pub t: Vec<f64>,
-    /// States, one vector per time.
+    /// States, one vector per time, in the units of their channels.
     pub x: Vec<Vec<f64>>,
-    /// Inputs, one vector per time.
+    /// Inputs, one vector per time, in the units of their channels.
     pub u: Vec<Vec<f64>>,
-    /// Parameters.
+    /// Parameters, in their own units.
     pub p: Vec<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! Direct collocation: an optimal-control problem as a sparse nonlinear program.
+//! Direct collocation: an optimal-control problem as a sparse nonlinear program. Functions are in the caller's units; unknowns and
+//! multipliers are those of the scaled problem.
 
 mod assembly;
 mod ends;

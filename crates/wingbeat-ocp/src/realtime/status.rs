@@ -80,8 +80,8 @@ pub struct Statistics {
     pub restarted: bool,
     /// Sequential quadratic programming iterations made.
     pub iterations: usize,
-    /// Largest entry of the reduced gradient of the Lagrangian at the last
-    /// point linearised.
+    /// Largest entry of the reduced gradient of the Lagrangian at the last point linearised, in the unit of the cost over those
+    /// of the inputs.
     pub stationarity: f64,
     /// Largest defect at the last point linearised, in units of the states.
     pub defect: f64,
