@@ -50,19 +50,19 @@ pub trait Sections<S: Scalar> {
 /// A plane that the air does not cross, ground or ceiling, in B.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<S: Scalar> {
-    /// Unit normal.
+    /// Unit normal, in B.
     pub normal: Vec3<S>,
     /// Its distance from the body origin along the normal, m.
     pub offset: S,
 }
 
 impl<S: Scalar> Ground<S> {
-    /// Mirror image of a point.
+    /// Mirror image of a point, m in B.
     #[inline]
     pub fn point(&self, p: Vec3<S>) -> Vec3<S> {
         p - self.normal * ((self.normal.dot(p) - self.offset) * 2.0)
     }
-    /// Mirror image of a direction.
+    /// Mirror image of a direction, in its own unit.
     #[inline]
     pub fn direction(&self, v: Vec3<S>) -> Vec3<S> {
         v - self.normal * (self.normal.dot(v) * 2.0)
@@ -72,9 +72,9 @@ impl<S: Scalar> Ground<S> {
 /// Velocities of a chord line per unit rate of a coordinate, in B.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SectionField<S: Scalar> {
-    /// Of the leading edge.
+    /// Of the leading edge, m/s over the unit of the rate: m/rad for a turn.
     pub le: Vec3<S>,
-    /// Of the trailing edge.
+    /// The same of the trailing edge.
     pub te: Vec3<S>,
 }
 

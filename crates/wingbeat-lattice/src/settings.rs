@@ -74,7 +74,7 @@ pub struct Settings {
     pub crossing: f64,
     /// Segments of a wake from which its velocities are summed by multipoles.
     pub fast_from: usize,
-    /// Largest suction parameter of the leading edge: what is above is shed there. None for attached flow.
+    /// Largest suction parameter of the leading edge, dimensionless: what is above is shed there. None for attached flow.
     pub critical_suction: Option<f64>,
     /// Radius of the cores of the sheets that leave the leading edges, m; where these feel bound vortices, of those too.
     pub sheet_core_m: f64,

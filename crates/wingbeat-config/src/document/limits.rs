@@ -52,7 +52,7 @@ fn row(path: &str) -> Option<(&'static str, f64)> {
     keys.filter(|key| !key.is_empty()).find_map(of)
 }
 
-/// Largest magnitude that any document may give the number at `path`, `body.nose_up_deg.constant`.
+/// Largest magnitude that any document may give the number at `path`, in the unit that ends it: `body.nose_up_deg.constant`.
 pub fn largest(path: &str) -> f64 {
     row(path).map_or(LARGEST, |(_, largest)| largest)
 }

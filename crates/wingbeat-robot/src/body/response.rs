@@ -74,7 +74,7 @@ impl Default for Element {
 }
 
 impl Coupled {
-    /// From A (2n x 2n) and B (2n x m) by rows.
+    /// From A (2n x 2n) and B (2n x m) by rows, in 1/s, 1/s2 and the units of the elements.
     ///
     /// # Errors
     /// [`Error::Invalid`] when the shapes do not match, a number is not finite, or the
@@ -106,7 +106,8 @@ impl Coupled {
         Ok(Self { elements, commands, state: a[elements..].concat(), command: b[elements..].concat() })
     }
 
-    /// Independent elements of which regulators move several, by the placement P (n x m) of their commands.
+    /// Independent elements of which regulators move several, by the placement P (n x m) of their commands, in the unit of the
+    /// element over that of the command.
     pub fn of_elements(elements: &[Element], placement: &[Vec<f64>]) -> Self {
         let n = elements.len();
         let mut state = vec![0.0; 2 * n * n];
@@ -202,8 +203,8 @@ impl<P: Scalar> Response<P> {
     /// Source: Paper eq. (mimic_dynamics).
     /// Test: `uncoupled_elements_equal_their_full_matrices`.
     ///
-    /// Displacements with rate and acceleration from the state [y; y'] and the
-    /// commands; `out` has n entries. Paper eq. (mimic_dynamics).
+    /// Displacements with rate and acceleration from the state [y; y'] and the commands, in the units of the elements; `out`
+    /// has n entries. Paper eq. (mimic_dynamics).
     pub fn displacements<S: Scalar + Meets<P>>(&self, state: &[S], command: &[S], out: &mut [Jet<S>]) {
         let n = self.elements();
         for i in 0..n {
@@ -222,7 +223,7 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// Rates [y'; y''] of the state, from the displacements of the same instant.
+    /// Rates [y', in the units of the elements, 1/s and 1/s2; y''] of the state, from the displacements of the same instant.
     pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
         let n = self.elements();
         for i in 0..n {
