@@ -169,8 +169,8 @@ impl RigTarget {
         (0..6).map(most).fold(0.0, f64::max)
     }
 
-    /// Mean square over the cycle, by channel in B, of what the cell's own noise and steps make of the harmonics of one cycle: of n
-    /// independent samples of variance s the mean has s/n and each cosine and sine 2 s/n.
+    /// Mean square over the cycle, by channel in B and in the square of its unit, of what the cell's own noise and steps make
+    /// of the harmonics of one cycle: of n independent samples of variance s the mean has s/n and each cosine and sine 2 s/n.
     pub fn cell_noise(&self) -> Vec<f64> {
         let (cell, layout) = (&self.run.spec.rig.cell, self.layout());
         let flapping = || cell.rate_hz / self.run.frequency();

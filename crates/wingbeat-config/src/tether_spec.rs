@@ -149,7 +149,7 @@ pub struct FourierSpec {
     /// Mean, in the unit of the key.
     #[serde(default)]
     pub mean: f64,
-    /// Cosine amplitudes from the first harmonic on.
+    /// Cosine amplitudes from the first harmonic on, in the unit of the key.
     #[serde(default)]
     pub cos: Vec<f64>,
     /// Sine amplitudes from the first harmonic on, in the unit of the key.

@@ -171,7 +171,7 @@ impl Turning {
         }
     }
 
-    /// Whether the rotation vector `d` has come as far as asked.
+    /// Whether the rotation vector `d` (rad) has come as far as asked.
     pub fn is_reached(&self, d: &[f64]) -> bool {
         Vec3::from_slice(d).dot(self.rotation) >= self.rotation.norm_squared()
     }

@@ -64,7 +64,7 @@ impl<'a> Stand<'a> {
         &self.mirror
     }
 
-    /// Motion of the body.
+    /// Motion of the body at the pitch `pitch`, rad.
     pub fn body<S: Scalar>(&self, pitch: S) -> BodyMotion<S> {
         let attitude = Mat3::from_roll_pitch_yaw(S::ZERO, pitch, S::from(self.yaw));
         BodyMotion::steady(attitude, Vec3::constant(self.velocity))

@@ -38,7 +38,7 @@ pub struct Orbit {
 pub struct Found {
     /// The orbit.
     pub orbit: Orbit,
-    /// Largest condition missed.
+    /// Largest condition missed, in its own SI unit.
     pub residual: f64,
     /// Iterations of Newton's method.
     pub iterations: usize,
@@ -171,8 +171,9 @@ fn started(
     }
 }
 
-/// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
-/// free numbers than conditions by steps of least norm in them, each measured by half of its range.
+/// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more free
+/// numbers than conditions by steps of least norm in them, each measured by half of its range; `observe` hears iteration and
+/// residual (in SI units).
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.

@@ -132,11 +132,11 @@ pub struct Thrust {
     pub theta_deg: f64,
     /// Phase of pitch before heave, degrees.
     pub psi_deg: f64,
-    /// Inviscid model.
+    /// Thrust coefficient of the inviscid model.
     pub value: f64,
-    /// Measured.
+    /// Thrust coefficient measured.
     pub measured: f64,
-    /// Error bars below and above.
+    /// Error bars of the coefficient, below and above.
     pub bars: (f64, f64),
 }
 

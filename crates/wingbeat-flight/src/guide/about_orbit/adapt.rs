@@ -153,14 +153,14 @@ impl<'a> Adaptation<'a> {
         crank.chain(missed).collect()
     }
 
-    /// Their numbers: of what is missed the means over a cycle.
+    /// Their numbers: of what is missed the means over a cycle, in the units of the columns.
     pub fn numbers(&self) -> Vec<f64> {
         let missed =
             self.missed.iter().flat_map(|missed| missed.waves.chunks_exact(missed.waves.len() / MISSED));
         self.crank.iter().map(|crank| crank.added).chain(missed.map(|own| own[0])).collect()
     }
 
-    /// What is learned of the acceleration that is missed.
+    /// What is learned of the acceleration that is missed, by wave of the phase, m/s2 and rad/s2.
     pub fn waves(&self) -> Option<&[f64]> {
         self.missed.as_ref().map(|missed| &missed.waves[..])
     }
@@ -206,8 +206,8 @@ impl<'a> Adaptation<'a> {
     /// Source: Allison & Isaksson 1998, mid-ranging; gradient of the commands' cost along the orbits.
     /// Test: `the_crank_takes_over_what_other_commands_hold`.
     ///
-    /// Moves the rate of the crank down the gradient of the cost of the commands `held` beyond those `asked`, each measured by
-    /// its limit, along the orbits of one course, on which the air carries the robot alike.
+    /// Moves the rate of the crank down the gradient of the cost of the commands `held` beyond those `asked`, in the units of
+    /// their channels, each measured by its limit, along the orbits of one course, on which the air carries the robot alike.
     pub fn pace(&mut self, tangent: &Tangent, inputs: &[Channel], asked: &[f64], held: &[f64]) {
         let (Some(crank), Some(time)) = (&mut self.crank, self.spec.crank_s) else { return };
         let own = crank.pacer.input;
