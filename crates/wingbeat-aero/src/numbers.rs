@@ -16,7 +16,7 @@ pub const MAX_WASH_LAGS: usize = 3;
 /// One lag of the wash on a chord: a term of Wagner's function in plane flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LagNumbers<P: Scalar = f64> {
-    /// Weight of the lag in the lift wash.
+    /// Weight of the lag in the lift wash, dimensionless.
     pub weight: P,
     /// Rate per semichord travelled, dimensionless.
     pub rate: P,

@@ -49,7 +49,7 @@ pub struct Observed {
     pub layout: Layout,
     /// Numbers of each cycle, in the units of the channels (N and N m).
     pub cycles: Vec<Vec<f64>>,
-    /// Weight of each cycle, 1 for an ordinary one.
+    /// Weight of each cycle, dimensionless: 1 for an ordinary one.
     pub weights: Vec<f64>,
     /// Weighted mean of the cycles, in the units of the channels.
     pub mean: Vec<f64>,

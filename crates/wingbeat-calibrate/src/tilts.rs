@@ -64,7 +64,7 @@ impl Tilts {
         at(part)..at(part + 1)
     }
 
-    /// Samples of a cycle at `rate_hz`.
+    /// Number of samples of a cycle at `rate_hz`.
     pub fn samples(self, rate_hz: f64) -> f64 {
         let (begin, end) = self.used(0);
         (end - begin) * rate_hz * self.count as f64 / PARTS as f64

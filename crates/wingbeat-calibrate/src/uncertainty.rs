@@ -21,7 +21,8 @@ const TOLD: f64 = 0.05;
 /// Covariances of the estimates.
 #[derive(Clone, Debug)]
 pub struct Covariances {
-    /// Cycles as clusters (sandwich), with what the model cannot say and what priors leave open.
+    /// In the units of the parameters, squared: cycles as clusters (sandwich), with what the model cannot say and what priors
+    /// leave open.
     pub clustered: DMatrix<f64>,
     /// That part of it which is of what the model cannot say, in the units of the parameters, squared.
     pub unsaid: DMatrix<f64>,

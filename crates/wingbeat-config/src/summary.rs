@@ -169,9 +169,9 @@ pub struct ControllerSummary {
     pub period_s: Option<f64>,
     /// Wall time of an update, microseconds.
     pub median_us: f64,
-    /// 99th percentile.
+    /// The same at the 99th percentile.
     pub p99_us: f64,
-    /// 99.9th percentile.
+    /// The same at the 99.9th percentile.
     pub p999_us: f64,
     /// Longest, microseconds.
     pub max_us: f64,

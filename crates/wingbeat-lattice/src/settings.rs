@@ -16,7 +16,7 @@ pub struct Core {
     pub radius_m: f64,
     /// Kinematic viscosity nu of the air, m2/s.
     pub viscosity_m2_s: f64,
-    /// Squire's share of the circulation in the viscosity of a turbulent core.
+    /// Share of the circulation, after Squire, in the viscosity of a turbulent core.
     pub squire: f64,
 }
 

@@ -87,8 +87,8 @@ impl Shedding {
         columns
     }
 
-    /// The circulations of the rings, `rings` with the jumps of a step ago, so that no edge has more than the critical suction: of the
-    /// strips that shed, linear conditions, to which those are added that pass the critical value by it.
+    /// The circulations of the rings (m2/s), `rings` with the jumps of a step ago, so that no edge has more than the critical
+    /// suction: of the strips that shed, linear conditions, to which those are added that pass the critical value by it.
     ///
     /// Equation: lattice.shedding
     /// `jumps at the leading edges so that abs(A0) is at most the critical suction`

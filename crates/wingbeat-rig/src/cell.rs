@@ -52,7 +52,7 @@ pub struct CellSpec {
     pub calibration: Calibration,
     /// Samples per second: 7000 divided by a whole number.
     pub rate_hz: f64,
-    /// Standard deviation of the noise, in steps of resolution.
+    /// Standard deviation of the noise, as a ratio to the step of resolution.
     #[serde(default)]
     pub noise_steps: f64,
     /// Offset at the start, N and N m.

@@ -19,7 +19,8 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens the log; the first number of a row is its flight's. A last line cut short goes.
+    /// Opens the log, whose rows are in the units of their columns; the first number of a row is its flight's. A last line cut
+    /// short goes.
     ///
     /// # Errors
     /// A line that is no row for which `belongs` holds, a flight that is there twice.

@@ -119,8 +119,9 @@ pub(super) fn solve(matrix: &[f64], rows: usize, columns: usize, rhs: &[f64]) ->
     Some((a.transpose() * gram.lu().solve(&b)?).as_slice().to_vec())
 }
 
-/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method, first in steps twice as long. The first
-/// two of `free` are what the start turns; a turn is not started this way but followed from level flight.
+/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method, first in steps twice as long. The first two
+/// of `free` are what the start turns; a turn is not started this way but followed from level flight. `observe` hears iteration
+/// and residual (in SI units).
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.

@@ -90,8 +90,8 @@ pub struct Settings {
     pub step: f64,
     /// The input at node 0 is given, not chosen.
     pub hold_first_input: bool,
-    /// Solved when the largest input step (relative to half its range where it
-    /// has one) and the largest defect are below this.
+    /// Solved when the largest input step (as a share of half its range, or in its unit where it has none) and the largest
+    /// defect are below this.
     pub tolerance: f64,
     /// Longest Runge-Kutta step beyond the old horizon when shifting, s.
     pub substep: f64,

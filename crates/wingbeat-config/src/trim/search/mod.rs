@@ -55,7 +55,7 @@ pub struct SearchProgress {
     pub power_w_kg: f64,
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Worst limit missed, relative to its scale.
+    /// Worst limit missed, as a ratio to its scale.
     pub violation: f64,
 }
 

@@ -88,7 +88,7 @@ pub struct Instrument {
     pub quantity: Quantity,
     /// Where, from the body's origin in B, m.
     pub place: Vec3,
-    /// A number of its own that the reading takes; 0 of an instrument that has none.
+    /// A number of its own that the reading takes, in its own unit; 0 of an instrument that has none.
     pub setting: f64,
     /// Time between readings, s.
     pub every: f64,
