@@ -154,7 +154,7 @@ impl Found {
         self.runs.iter().filter(|run| run.observed.role == RunRole::Fitted)
     }
 
-    /// Numbers of the cycle of run `run` with the learned wrench, in the units of the channels,, where it is learned from that
+    /// Numbers of the cycle of run `run` with the learned wrench, in the units of the channels, where it is learned from that
     /// run.
     pub fn with_residual(&self, run: usize) -> Option<&[f64]> {
         let residual = self.residual.as_ref()?;

@@ -145,7 +145,7 @@ impl<S: Scalar> Line<S> {
     {
         Self { direction, moment: point.cross_over(direction) }
     }
-    /// n , m3. (d x r) for r from this line, of direction d, to a point on the line n.
+    /// n . (d x r), m3, for r from this line, of direction d, to a point on the line n.
     #[inline(always)]
     pub fn turn<K: Scalar>(&self, n: &Line<K>) -> S
     where

@@ -179,7 +179,8 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// What the acceleration of element `i` gains per unit of the state `j`: an entry of the lower rows of A.
+    /// What the acceleration of element `i` gains by the state `j`, in the unit of the element per s2 over that of the state:
+    /// an entry of the lower rows of A.
     pub fn state_gain(&self, i: usize, j: usize) -> P {
         match self {
             Self::Uncoupled(e) if j == i => -e[i].stiffness,
@@ -189,7 +190,8 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// What the acceleration of element `i` gains per unit of the command `j`: an entry of the lower rows of B.
+    /// What the acceleration of element `i` gains by the command `j`, in the unit of the element per s2 over that of the
+    /// command: an entry of the lower rows of B.
     pub fn command_gain(&self, i: usize, j: usize) -> P {
         match self {
             Self::Uncoupled(e) if j == i => e[i].stiffness + e[i].rate_gain,
@@ -324,8 +326,8 @@ impl Response {
         }
     }
 
-    /// Displacements at rest per unit of the held commands, n rows of m: y = K^-1 B_2 omega. Zero for elements that no
-    /// stiffness brings to rest, and for all where K is singular beyond them.
+    /// Displacements at rest by the held commands, in the units of elements over those of commands, n rows of m: y = K^-1 B_2
+    /// omega. Zero for elements that no stiffness brings to rest, and for all where K is singular beyond them.
     pub fn rest(&self) -> Vec<f64> {
         let (n, m) = (self.elements(), self.commands());
         let mut stiffness: Vec<f64> = (0..n * n).map(|k| -self.state_gain(k / n, k % n)).collect();

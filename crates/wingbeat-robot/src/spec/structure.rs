@@ -49,8 +49,8 @@ pub struct StructureSpec {
 pub struct RegulatorSpec {
     /// Name of its channel.
     pub name: String,
-    /// Displacement of each element at rest per unit of the command, by the name of the element: the
-    /// column of the placement P; with `b` none, which holds it.
+    /// Displacement of each element at rest, in its unit, per unit of the command, by the name of the element: the column of
+    /// the placement P; with `b` none, which holds it.
     #[serde(default)]
     pub elements: BTreeMap<String, f64>,
     /// Lower limit of the command, in the unit of the first of its elements. Without limits of its own

@@ -79,7 +79,7 @@ impl SmallMotion {
         Ok((0..self.d[0].len()).map(output).collect())
     }
 
-    /// Steady outputs per unit of derivative `order` of q held.
+    /// Steady outputs, in the caller's units, per unit of derivative `order` of q held.
     pub fn steady(&self, order: usize) -> Result<Vec<f64>, Error> {
         let x = self.states_at(0.0, |i| (self.b[order][i], 0.0))?;
         Ok(self.outputs(&x.iter().map(|s| s.0).collect::<Vec<_>>(), order))
