@@ -74,8 +74,8 @@ impl Layout {
     }
 }
 
-/// Means and harmonics of `channels` over the cycle that begins at the phase `begin` (rad): x_k = 1/pi integral of
-/// x cos(k phase) over it, by trapezia between the samples, the ends by linear interpolation. `phase` ascends and
+/// Means and harmonics of `channels`, in the units of these, over the cycle that begins at the phase `begin` (rad): x_k = 1/pi
+/// integral of x cos(k phase) over it, by trapezia between the samples, the ends by linear interpolation. `phase` ascends and
 /// covers the cycle. None where a sample is missing.
 ///
 /// Equation: calibrate.projection

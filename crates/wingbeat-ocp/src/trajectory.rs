@@ -16,8 +16,7 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// State and input at the fraction `s` in [0, 1] of the time span,
-    /// linear between samples.
+    /// State and input, in the units of their channels, at the fraction `s` in [0, 1] of the time span, linear between samples.
     pub fn sample(&self, s: f64) -> (Vec<f64>, Vec<f64>) {
         let last = self.t.len() - 1;
         if last == 0 {

@@ -100,8 +100,8 @@ impl Transcription {
         Ok(())
     }
 
-    /// Value and slope of the interpolated state component `i` at the fraction
-    /// `s` in [0, 1] of the interval.
+    /// Value and slope (in its unit and that per s) of the interpolated state component `i` at the fraction `s` in [0, 1] of
+    /// the interval.
     pub fn state<S: Scalar>(self, interval: &Interval<S>, s: S, i: usize) -> (S, S) {
         let Interval { h, x: [x0, x1], f: [f0, f1], .. } = *interval;
         match self {
@@ -132,7 +132,7 @@ impl<S: Scalar> Interval<'_, S> {
         }
     }
 
-    /// Interpolated input component `j` at the fraction `s` in [0, 1].
+    /// Interpolated input component `j`, in the unit of the input, at the fraction `s` in [0, 1].
     pub fn input(&self, s: S, j: usize) -> S {
         lerp(self.u[0][j], self.u[1][j], s)
     }

@@ -131,8 +131,8 @@ pub fn sound(columns: &[&[f64]]) -> usize {
     (0..rows).take_while(drawn).count()
 }
 
-/// Corners of the rings of a spindle about `centre`, `around` each and of a size that goes with `reach` (all in m), in the axes
-/// of the body.
+/// Corners, m, of the rings of a spindle about `centre`, `around` each and of a size that goes with `reach` (all in m), in the
+/// axes of the body.
 pub fn spindle(centre: Vec3, reach: f64, around: u16) -> Vec<Vec<Vec3>> {
     let [l, r] = SPINDLE_SIZE.map(|share| share * reach);
     let corner = |[x, w]: [f64; 2], k: u16| {

@@ -70,7 +70,7 @@ impl<'a> Stand<'a> {
         BodyMotion::steady(attitude, Vec3::constant(self.velocity))
     }
 
-    /// The gait's clock at `t` s.
+    /// The gait's clock, in s, at `t` s.
     pub fn clock<S: Scalar>(&self, t: S, flapping: &Flapping<S>) -> Jet<S> {
         let pace = flapping.frequency_hz * (1.0 / self.robot.frequency_hz());
         Jet::new(t * pace, pace, S::ZERO)

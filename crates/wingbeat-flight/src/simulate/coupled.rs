@@ -24,7 +24,7 @@ pub trait Flow {
     /// Length with which moments are compared with forces, m.
     fn length(&self) -> f64;
 
-    /// Loads of the air on links and body at its next instant, `t` s, if the robot is then as it is `at`: as
+    /// Loads (N and N m) of the air on links and body at its next instant, `t` s, if the robot is then as it is `at`: as
     /// [`Robot::rates_beyond`] takes them, those of attached flow whole. The first instant is the begin.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ pub struct Beyond {
 }
 
 impl Beyond {
-    /// At `t` s.
+    /// The loads at `t` s, N and N m.
     pub fn at(&self, t: f64) -> OnLinks {
         let share = (t - self.from) / self.length;
         let between = |(a, b): (&Wrench<f64>, &Wrench<f64>)| Wrench {

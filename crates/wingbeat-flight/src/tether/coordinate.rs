@@ -23,7 +23,7 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
-    /// Value, rate and acceleration at `t` s.
+    /// Value (rad or m), rate and acceleration at `t` s.
     pub fn at(&self, t: f64) -> Jet<f64> {
         match self {
             Self::Constant(value) => Jet::from(*value),

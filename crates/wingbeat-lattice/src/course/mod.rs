@@ -223,7 +223,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// The body's origin at `t` s of the course.
+    /// The body's origin, m in W, at `t` s of the course.
     pub fn origin(&self, t: f64) -> Vec3 {
         self.flown.as_ref().map_or(Vec3::ZERO, |flown| flown.flight.body(flown.from_s + t).0)
     }

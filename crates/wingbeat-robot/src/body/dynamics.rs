@@ -148,7 +148,7 @@ impl<S: Scalar> BaseAcceleration<S> {
         self.origin.dot_over(wrench.force) + self.angular.dot_over(wrench.moment)
     }
 
-    /// Acceleration of the point `r` (m, B) of a body that moves with this field.
+    /// Acceleration, m/s2 in B, of the point `r` (m, B) of a body that moves with this field.
     #[inline]
     pub fn at(&self, r: Vec3<S>) -> Vec3<S> {
         self.origin + self.angular.cross(r)

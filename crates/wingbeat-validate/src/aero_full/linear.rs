@@ -85,7 +85,7 @@ impl SmallMotion {
         Ok(self.outputs(&x.iter().map(|s| s.0).collect::<Vec<_>>(), order))
     }
 
-    /// Outputs at the times `t` (ascending, s) after derivative `order` of q jumps to 1 at t = 0.
+    /// Outputs, in the caller's units, at the times `t` (ascending, s) after derivative `order` of q jumps to 1 at t = 0.
     pub fn step(&self, order: usize, t: &[f64]) -> Vec<Vec<f64>> {
         let mut x = vec![0.0; self.states];
         let mut now = 0.0;

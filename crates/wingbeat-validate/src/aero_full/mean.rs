@@ -20,8 +20,8 @@ pub fn trefftz() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("aero.full.trefftz", "Munk: drag of its own far wake", metric, worst, 0.005, "")])
 }
 
-/// Steady induced drag over its Trefftz drag of a wing of AR 6, swept by `angle` degrees, or folded: each
-/// half at the dihedral 15 degrees up to 1/3 of it, then bent down by `angle` degrees.
+/// Ratio of the steady induced drag to the Trefftz drag of a wing of AR 6, swept by `angle` degrees, or folded: each half at
+/// the dihedral 15 degrees up to 1/3 of it, then bent down by `angle` degrees.
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.

@@ -17,6 +17,8 @@ pub struct Item {
     takes: Vec<(String, String)>,
     /// Its type, or what the function gives.
     gives: String,
+    /// Whether that is a number that its name does not settle.
+    pub gives_number: bool,
     /// Letters that stand for a number type.
     generic: BTreeSet<String>,
     pub is_rotation: bool,
@@ -26,13 +28,29 @@ pub struct Item {
 
 /// Types that are numbers, or are made of numbers alone. A quaternion of the library has length 1 and is none.
 const NUMBERS: [&str; 21] = [
-    "f64", "f32", "Vec3", "Mat3", "Wrench", "Jet", "Dual", "Varying", "Traced", "DMatrix", "DVector", "SMatrix", "SVector", "Vector2",
-    "Vector3", "Vector6", "Matrix2", "Matrix3", "Matrix6", "Complex", "f64x4",
+    "f64", "f32", "Vec3", "Mat3", "Wrench", "Jet", "Dual", "Varying", "Traced", "DMatrix", "DVector",
+    "SMatrix", "SVector", "Vector2", "Vector3", "Vector6", "Matrix2", "Matrix3", "Matrix6", "Complex",
+    "f64x4",
 ];
 /// Types that hold what their arguments are; the arguments of others are theirs to document.
 const HOLDS: [&str; 17] = [
-    "Vec", "Option", "Result", "Box", "Arc", "Rc", "Cow", "BTreeMap", "HashMap", "ArrayVec", "Iterator", "IntoIterator",
-    "ExactSizeIterator", "DoubleEndedIterator", "Range", "RangeInclusive", "AsRef",
+    "Vec",
+    "Option",
+    "Result",
+    "Box",
+    "Arc",
+    "Rc",
+    "Cow",
+    "BTreeMap",
+    "HashMap",
+    "ArrayVec",
+    "Iterator",
+    "IntoIterator",
+    "ExactSizeIterator",
+    "DoubleEndedIterator",
+    "Range",
+    "RangeInclusive",
+    "AsRef",
 ];
 /// Traits of number types.
 const SCALARS: [&str; 5] = ["Scalar", "Over", "Lanes", "CycleScalar", "Real"];
@@ -110,7 +128,10 @@ fn scalars(head: &str) -> BTreeSet<String> {
         let bound = rest.strip_prefix(": ").unwrap_or_default();
         names(bound).next().is_some_and(|(name, _)| SCALARS.contains(&name))
     };
-    names(head).filter(|(name, rest)| name.len() == 1 && is_bound(rest)).map(|(name, _)| name.to_owned()).collect()
+    names(head)
+        .filter(|(name, rest)| name.len() == 1 && is_bound(rest))
+        .map(|(name, _)| name.to_owned())
+        .collect()
 }
 
 impl Item {
@@ -131,14 +152,15 @@ impl Item {
     }
 
     fn holds(&self, kind: &str, aliases: &BTreeSet<String>) -> bool {
-        let alias = |name: &str| aliases.contains(name) || aliases.contains(&format!("{}::{name}", self.path));
+        let alias =
+            |name: &str| aliases.contains(name) || aliases.contains(&format!("{}::{name}", self.path));
         let is_number = |name: &str| NUMBERS.contains(&name) || self.generic.contains(name) || alias(name);
         names(&plain(kind)).any(|(name, _)| is_number(name))
     }
 
-    /// Whether a number of it is not named by what `named` knows. The time `t`, the state `x` with its rates `dx` and the inputs `u` are
-    /// those of `Plant`, which says their units.
-    pub fn needs_unit(&self, aliases: &BTreeSet<String>, named: &dyn Fn(&str) -> bool) -> bool {
+    /// Itself, where a number of it is not named by what `named` knows. The time `t`, the state `x` with its rates `dx` and the inputs `u`
+    /// are those of `Plant`, which says their units.
+    pub fn in_need(self, aliases: &BTreeSet<String>, named: &dyn Fn(&str) -> bool) -> Option<Self> {
         let convention = |name: &str, kind: &str| match name {
             "t" => true,
             "x" | "u" | "dx" => kind.contains('['),
@@ -147,8 +169,9 @@ impl Item {
         let takes = |(name, kind): &(String, String)| {
             !convention(name, kind) && !named(name) && self.holds(kind, aliases)
         };
-        let gives = self.holds(&self.gives, aliases) && !named(self.name.trim_end_matches("()"));
-        self.is_documented && (gives || self.takes.iter().any(takes))
+        let gives_number = self.holds(&self.gives, aliases) && !named(self.name.trim_end_matches("()"));
+        let in_need = self.is_documented && (gives_number || self.takes.iter().any(takes));
+        in_need.then_some(Self { gives_number, ..self })
     }
 }
 
@@ -189,7 +212,15 @@ enum Kind {
 impl Source {
     /// Reads the text of the file at `path`.
     pub fn read(path: &str, text: &str) -> Self {
-        let mut reader = Reader { path, source: Self::default(), scopes: Vec::new(), doc: String::new(), part: Part::Prose, is_documented: false, of_tests: false };
+        let mut reader = Reader {
+            path,
+            source: Self::default(),
+            scopes: Vec::new(),
+            doc: String::new(),
+            part: Part::Prose,
+            is_documented: false,
+            of_tests: false,
+        };
         let lines: Vec<&str> = text.lines().collect();
         let heading: Vec<&str> = lines.iter().filter_map(|line| line.strip_prefix("//!")).collect();
         reader.source.types.push((path.to_owned(), heading.join(" ")));
@@ -352,7 +383,10 @@ impl Reader<'_> {
         }
         let tuple = rest.split('{').next().and_then(|start| start.find('(').map(|open| &start[open..]));
         if let (Some(fields), true, "struct") = (tuple, is_public, word) {
-            let public = fields.trim_matches(['(', ')', ';', ' ']).split(", ").filter_map(|field| field.strip_prefix("pub "));
+            let public = fields
+                .trim_matches(['(', ')', ';', ' '])
+                .split(", ")
+                .filter_map(|field| field.strip_prefix("pub "));
             let public: Vec<&str> = public.collect();
             self.scopes.push(Scope { indent, kind, name: name.clone(), head: head.to_owned() });
             self.push(name.clone(), Vec::new(), public.join(", "), at, true);
@@ -380,14 +414,24 @@ impl Reader<'_> {
         let is_number = names(&plain(kind)).any(|(name, _)| NUMBERS.contains(&name));
         if let (Some(name), true) = (name, is_number && !super::Doc::read(&self.doc).names_unit()) {
             let of_file = !head.starts_with("pub ");
-            self.source.aliases.push(if of_file { format!("{}::{name}", self.path) } else { name.to_owned() });
+            self.source.aliases.push(if of_file {
+                format!("{}::{name}", self.path)
+            } else {
+                name.to_owned()
+            });
         }
     }
 
     /// A constant or a field, `name: kind`.
     fn value(&mut self, text: &str, at: usize, is_field: bool) {
         let Some((name, kind)) = text.split_once(':') else { return };
-        self.push(name.trim().to_owned(), Vec::new(), kind.trim_end_matches([',', ' ']).to_owned(), at, is_field);
+        self.push(
+            name.trim().to_owned(),
+            Vec::new(),
+            kind.trim_end_matches([',', ' ']).to_owned(),
+            at,
+            is_field,
+        );
     }
 
     fn function(&mut self, head: &str, at: usize) {
@@ -399,10 +443,16 @@ impl Reader<'_> {
         let (inside, behind) = rest.split_at(enclosed(rest));
         let takes = listed(inside.trim_matches(['(', ')', ' ']).trim_end_matches(','));
         let takes = takes.into_iter().filter_map(|text| text.split_once(':'));
-        let takes = takes.map(|(name, kind)| (name.trim().trim_start_matches("mut ").to_owned(), kind.to_owned()));
+        let takes =
+            takes.map(|(name, kind)| (name.trim().trim_start_matches("mut ").to_owned(), kind.to_owned()));
         let gives = behind.split(" where ").next().unwrap_or(behind);
         let gives = gives.split('{').next().unwrap_or(gives).to_owned();
-        let scope = Scope { indent: usize::MAX, kind: Kind::Open, name: String::new(), head: format!("{generic} {behind}") };
+        let scope = Scope {
+            indent: usize::MAX,
+            kind: Kind::Open,
+            name: String::new(),
+            head: format!("{generic} {behind}"),
+        };
         self.scopes.push(scope);
         self.push(format!("{name}()"), takes.collect(), gives, at, false);
         self.scopes.pop();
@@ -424,6 +474,7 @@ impl Reader<'_> {
             is_field,
             takes,
             gives,
+            gives_number: false,
             generic,
             is_rotation,
         });

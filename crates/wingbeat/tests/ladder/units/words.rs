@@ -9,27 +9,94 @@ pub struct Doc {
 
 /// Symbols of units, of which products, quotients and powers are made.
 const SYMBOLS: [&str; 33] = [
-    "m", "mm", "cm", "km", "um", "g", "kg", "s", "ms", "us", "min", "h", "N", "mN", "kN", "W", "mW", "V", "A", "J", "mJ", "Pa", "kPa",
-    "Hz", "kHz", "rad", "deg", "K", "ohm", "px", "dB", "pt", "%",
+    "m", "mm", "cm", "km", "um", "g", "kg", "s", "ms", "us", "min", "h", "N", "mN", "kN", "W", "mW", "V",
+    "A", "J", "mJ", "Pa", "kPa", "Hz", "kHz", "rad", "deg", "K", "ohm", "px", "dB", "pt", "%",
 ];
 /// Units in words.
 const WORDS: [&str; 26] = [
-    "metres", "millimetres", "seconds", "milliseconds", "microseconds", "minutes", "hours", "degrees", "radians", "newtons", "watts",
-    "volts", "hertz", "kilograms", "joules", "pixels", "bytes", "percent", "cycles", "chords", "semi-chords", "semichords", "deviations",
-    "turns", "counts", "frames",
+    "metres",
+    "millimetres",
+    "seconds",
+    "milliseconds",
+    "microseconds",
+    "minutes",
+    "hours",
+    "degrees",
+    "radians",
+    "newtons",
+    "watts",
+    "volts",
+    "hertz",
+    "kilograms",
+    "joules",
+    "pixels",
+    "bytes",
+    "percent",
+    "cycles",
+    "chords",
+    "semi-chords",
+    "semichords",
+    "deviations",
+    "turns",
+    "counts",
+    "frames",
 ];
 /// Words that may stand before these.
 const WHICH: [&str; 9] = ["half", "mean", "root", "tip", "standard", "whole", "full", "own", "reference"];
 /// Words of quantities without a unit.
 const BARE: [&str; 16] = [
-    "dimensionless", "ratio", "ratios", "fraction", "fractions", "share", "shares", "coefficient", "coefficients", "correlation",
-    "correlations", "probability", "efficiency", "logarithm", "unitless", "quaternion",
+    "dimensionless",
+    "ratio",
+    "ratios",
+    "fraction",
+    "fractions",
+    "share",
+    "shares",
+    "coefficient",
+    "coefficients",
+    "correlation",
+    "correlations",
+    "probability",
+    "efficiency",
+    "logarithm",
+    "unitless",
+    "quaternion",
 ];
 /// What a quantity is divided by.
 const DIVISORS: [&str; 33] = [
-    "chord", "chords", "span", "half", "semispan", "weight", "weights", "largest", "length", "noise", "variances", "reference", "mean",
-    "distance", "mass", "limit", "finest", "speed", "amplitude", "density", "range", "ranges", "rms", "one", "true", "measured", "size",
-    "deviation", "radius", "least", "dynamic", "finer", "displacement",
+    "chord",
+    "chords",
+    "span",
+    "half",
+    "semispan",
+    "weight",
+    "weights",
+    "largest",
+    "length",
+    "noise",
+    "variances",
+    "reference",
+    "mean",
+    "distance",
+    "mass",
+    "limit",
+    "finest",
+    "speed",
+    "amplitude",
+    "density",
+    "range",
+    "ranges",
+    "rms",
+    "one",
+    "true",
+    "measured",
+    "size",
+    "deviation",
+    "radius",
+    "least",
+    "dynamic",
+    "finer",
+    "displacement",
 ];
 
 /// Whether `word` is written as a unit: `N`, `m/s2`, `1/rad`.
@@ -113,7 +180,13 @@ impl Doc {
     fn word_at(&self, i: usize) -> bool {
         let word = self.word(i).to_lowercase();
         let adjective = WHICH.contains(&self.before(i).to_lowercase().as_str());
-        let before = if adjective && i > 1 { self.before(i - 1) } else if adjective { "." } else { self.before(i) };
+        let before = if adjective && i > 1 {
+            self.before(i - 1)
+        } else if adjective {
+            "."
+        } else {
+            self.before(i)
+        };
         let next = self.word(i + 1);
         // At the start of a sentence some are verbs or what a list holds: "Turns the loads", "Samples of a cycle".
         let is_first = match word.as_str() {
@@ -146,7 +219,11 @@ impl Doc {
                 "unit" => matches!(next, "vector" | "vectors" | "normal" | "axis" | "direction"),
                 "weights" => true,
                 "reduced" => next == "frequency",
-                "number" => matches!(before, "." | "a" | "Mean" | "mean") && next == "of" && !matches!(after, "the" | "its" | "a"),
+                "number" => {
+                    matches!(before, "." | "a" | "Mean" | "mean")
+                        && next == "of"
+                        && !matches!(after, "the" | "its" | "a")
+                }
                 "samples" | "records" => before == "." && next == "per",
                 "no" | "without" => next == "unit" && before != "names",
                 "per" => before == "," && next == "half",
@@ -156,24 +233,49 @@ impl Doc {
 
     /// The unit of something else that is named: "in the unit of", "in their declared units".
     fn unit_at(&self, i: usize) -> bool {
-        let whose = |word: &str| matches!(word, "its" | "own" | "their" | "whose" | "that" | "SI" | "caller's");
+        let whose =
+            |word: &str| matches!(word, "its" | "own" | "their" | "whose" | "that" | "SI" | "caller's");
         // "Per unit of the command" says nothing of what is gained.
         let of = self.word(i + 1) == "of" && !matches!(self.before(i), "per" | "a" | "one");
-        let owned = whose(self.before(i)) || (i > 1 && whose(self.before(i - 1)) && self.before(i) == "declared");
+        let owned =
+            whose(self.before(i)) || (i > 1 && whose(self.before(i - 1)) && self.before(i) == "declared");
         let word = self.word(i);
-        word == "its unit" || (matches!(word, "unit" | "units") && (owned || of || self.word(i + 2) == "ends"))
+        word == "its unit"
+            || (matches!(word, "unit" | "units") && (owned || of || self.word(i + 2) == "ends"))
+    }
+
+    fn names_at(&self, i: usize) -> bool {
+        self.symbol_at(i) || self.word_at(i) || self.bare_at(i) || self.unit_at(i)
+    }
+
+    /// Whether what is named at `i` is of an argument: "`angle` rad", "`place` (m, W)", "the share `x`".
+    fn is_of_argument(&self, i: usize) -> bool {
+        let code = |i: usize| self.word(i) == "`";
+        let first = (0..i)
+            .rev()
+            .take(6)
+            .take_while(|&j| !matches!(self.word(j), ")" | "." | ";"))
+            .find(|&j| self.word(j) == "(");
+        let in_brackets = first.is_some_and(|open| open > 0 && code(open - 1));
+        in_brackets || (i > 0 && code(i - 1)) || (self.bare_at(i) && code(i + 1))
     }
 
     /// Whether it names a unit, or says that there is none.
     pub fn names_unit(&self) -> bool {
-        (0..self.words.len()).any(|i| self.symbol_at(i) || self.word_at(i) || self.bare_at(i) || self.unit_at(i))
+        (0..self.words.len()).any(|i| self.names_at(i))
+    }
+
+    /// Whether it names one that is not an argument's.
+    pub fn names_unit_of_result(&self) -> bool {
+        (0..self.words.len()).any(|i| self.names_at(i) && !self.is_of_argument(i))
     }
 
     /// Whether the docs of a type or module speak for all that is in it: "in the caller's units", "values are in the units of
     /// their parameters".
     pub fn speaks_for_all(&self) -> bool {
         let callers = |i: usize| self.before(i) == "caller's";
-        let are_in = |i: usize| i > 3 && self.words[i - 3..i] == ["are", "in", "the"] && self.word(i + 1) == "of";
+        let are_in =
+            |i: usize| i > 3 && self.words[i - 3..i] == ["are", "in", "the"] && self.word(i + 1) == "of";
         (0..self.words.len()).any(|i| matches!(self.word(i), "unit" | "units") && (callers(i) || are_in(i)))
     }
 
@@ -185,7 +287,11 @@ impl Doc {
             "in" => plural(i - 1) && (unit(i + 1) || (i + 2..i + 5).any(|j| self.unit_at(j))),
             "units" => self.before(i) == "SI",
             "dimensionless" => matches!(self.before(i), "are" | "all"),
-            _ => matches!(self.before(i), "," | "(") && unit(i) && matches!(self.word(i + 1), "." | ";" | ":" | ")"),
+            _ => {
+                matches!(self.before(i), "," | "(")
+                    && unit(i)
+                    && matches!(self.word(i + 1), "." | ";" | ":" | ")")
+            }
         })
     }
 
@@ -196,7 +302,9 @@ impl Doc {
 
     /// Whether it is of a rotation matrix, which has no unit.
     pub fn says_rotation(&self) -> bool {
-        let of = |word: &String| word.to_lowercase().starts_with("rotation") || word.starts_with("R_") || word == "axes";
+        let of = |word: &String| {
+            word.to_lowercase().starts_with("rotation") || word.starts_with("R_") || word == "axes"
+        };
         self.words.iter().any(of)
     }
 }
