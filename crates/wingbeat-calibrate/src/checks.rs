@@ -82,7 +82,7 @@ fn wrong(found: &Axes) -> impl Iterator<Item = (usize, String)> {
 }
 
 /// Refuses runs whose axes are swapped or flipped, or whose phase is off by more than 5 deg where no parameter takes it up,
-/// each with what would be right; `values` are in the units of the parameters, and what is only odd is returned in words.
+/// each with what would be right. `values` are in the units of the parameters, and what is only odd is returned in words.
 ///
 /// # Errors
 /// [`Error::Data`] with the run and the proposal; a model without an answer.

@@ -149,7 +149,7 @@ impl Linear {
     }
 }
 
-/// The step, in the units of the parameters, -(A + damping diag A)^-1 g of the parameters in `free`, cut to the bounds: those
+/// The step, in the units of the parameters, -(A + damping diag A)^-1 g of the parameters in `free`, cut to the bounds. Those
 /// that would leave theirs stay there, and the others are solved again.
 pub fn step(
     (square, gradient): &(DMatrix<f64>, DVector<f64>),

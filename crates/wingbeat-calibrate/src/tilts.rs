@@ -45,7 +45,7 @@ impl Tilts {
         self.of_means((0..self.count).map(mean))
     }
 
-    /// The cycles (N and N m) of the samples of a pass, none in place of one with an attitude without samples: `time` (s)
+    /// The cycles (N and N m) of the samples of a pass, none in place of one with an attitude without samples. `time` (s)
     /// ascends, and `load` is what a sample that can be used shows.
     pub fn cycles(self, time: &[f64], load: &dyn Fn(usize) -> Option<[f64; 6]>) -> Vec<Option<Vec<f64>>> {
         let one = |part: usize| {

@@ -256,8 +256,8 @@ pub struct Room {
     eight: Vec<crate::wider::Seen>,
 }
 
-/// Adds to `sums` the velocities times 4 pi (m/s) at the points of `blocks` that parts of a grid of vortices with cores induce:
-/// eight points at once where the processor can, else four, to the same bits.
+/// Adds to `sums` the velocities times 4 pi (m/s) at the points of `blocks` that parts of a grid of vortices with cores induce.
+/// Eight points at once where the processor can, else four, to the same bits.
 pub fn add_all(
     grid: &Grid,
     windows: &[Window],
@@ -477,7 +477,7 @@ pub fn add_rounded(
     }
 }
 
-/// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation (1/m): `across` and
+/// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation (1/m). `across` and
 /// `along` as in [`Grid`]; `unit` is what a segment between two vertices induces per 4 pi.
 #[inline(always)]
 pub fn unit_washes(

@@ -322,8 +322,8 @@ impl<P: Scalar> Robot<P> {
         let joints = self.mechanism.springs().map(|s| P::from(s.start)).chain(crank(self.phase_start));
         joints.chain(still).chain(crank(self.phase_rate)).collect()
     }
-    /// States of the carried robot as it hangs still in still air, in the units of their channels: elements without
-    /// displacement, joints where they start, and the crank of a motor standing at the starting phase.
+    /// States of the carried robot as it hangs still in still air, in the units of their channels. Elements have no
+    /// displacement, joints are where they start, and the crank of a motor stands at the starting phase.
     pub fn carried_still(&self) -> Vec<P> {
         let mut x = vec![P::ZERO; self.carried_states()];
         let mut joints = self.start_coordinates();

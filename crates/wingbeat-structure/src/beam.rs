@@ -257,7 +257,7 @@ impl Beam {
     }
 
     /// Mean strains of each step at its middle, in the order of [`Strain::ALL`] (twist and bending in rad/m, extension and
-    /// shear dimensionless), behind its arc, m: those of bending and twist are what gauges would see.
+    /// shear dimensionless), behind its arc, m. Those of bending and twist are what gauges would see.
     pub fn strains(&self, q: &[f64]) -> Vec<(f64, [f64; 6])> {
         let along = self.steps.iter().zip(self.nodes.windows(2));
         along

@@ -179,7 +179,7 @@ impl Turning {
 
 impl<'a, P: Plant> RollIn<'a, P> {
     /// The reorientation of `plant`, whose structure elements have `strokes` (in the units of their channels), from its state
-    /// `x` at the time 0: the least time to another attitude by its own inertia and, where there is air, the air's.
+    /// `x` at the time 0. It takes the least time to another attitude by its own inertia and, where there is air, the air's.
     ///
     /// Equation: guide.reorientation
     /// `min t_f + int e sum (u_i/limit_i)^2 dt, log(R_0' R_f) = d within what is allowed, elements at rest again, strokes

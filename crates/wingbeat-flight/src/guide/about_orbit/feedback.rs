@@ -53,7 +53,7 @@ impl Feedback {
     ///
     /// Feedback K_k at each phase that minimises sum s' Q s + u' R u over all time: backwards over cycles K = (R + B'PB)^-1
     /// B'PA, P = Q + A'P(A - B K) until K is the same a cycle earlier; `None` where it does not settle. The state is the
-    /// integral of the height before the deviations, of which `coordinates` after the height are those of an orbit; `limits`
+    /// integral of the height before the deviations, of which `coordinates` after the height are those of an orbit. `limits`
     /// are those of the commands, in the units of these, and `duration` (s) is that of a cycle. The states of air and elastic
     /// joints take part in the prediction and are left out of the feedback: they are not measured. With a `path` place and
     /// heading beside it are part of the state, and its distances along and across cost as much as a full command each.
