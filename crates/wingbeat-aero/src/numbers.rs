@@ -38,7 +38,7 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
     pub cd90: P,
     /// Incidence at which the attached lift is largest, rad.
     pub stall_angle: P,
-    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction, dimensionless.
+    /// Dimensionless leading-edge suction parameter A0 beyond which the edge holds no more suction.
     pub critical_suction: P,
     /// The air that the sections carry, in parts of what potential flow says: 1 unless it is fitted.
     pub added_mass_scale: P,

@@ -32,7 +32,7 @@ pub struct SearchFound {
     pub best: usize,
     /// Its cost, dimensionless: sum of the squares of all misses; 0 meets all goals.
     pub cost: f64,
-    /// Its values, by the keys of the draws, in the units that end them: units of the document.
+    /// Its values, by the keys of the draws and in the units of these.
     pub values: Vec<(String, f64)>,
     /// What its flights came to.
     pub flights: Vec<SearchFlight>,

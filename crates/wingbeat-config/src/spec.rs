@@ -153,7 +153,7 @@ pub struct AeroSpec {
     /// attached lift, deg; where a surface says none of its own.
     #[serde(default = "default_stall_angle")]
     pub stall_angle_deg: f64,
-    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction, dimensionless, for law `lev`; where a
+    /// Dimensionless leading-edge suction parameter A0 beyond which the edge holds no more suction, for law `lev`; where a
     /// surface says none of its own.
     #[serde(default = "default_critical_suction")]
     pub critical_suction: f64,

@@ -167,7 +167,7 @@ impl TetherCase {
         Ok(when.iter().map(|when| pace * when).collect())
     }
 
-    /// Column `theirs` of a measured file in the unit of, and with the sign of, the column `ours` of the loads.
+    /// Column `theirs` of a measured file in the unit and with the sign of the column `ours` of the loads.
     pub fn measured_values(&self, measured: &Record, ours: &str, theirs: &str) -> Vec<f64> {
         let factor = self.spec.compare.scale.get(ours).copied().unwrap_or(1.0);
         measured.values(theirs).unwrap_or_default().iter().map(|value| factor * value).collect()

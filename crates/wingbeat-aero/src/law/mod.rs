@@ -231,7 +231,7 @@ pub struct SectionSpec {
     /// Angle of attack at which the attached lift is largest, deg.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stall_angle_deg: Option<f64>,
-    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction, dimensionless.
+    /// Dimensionless leading-edge suction parameter A0 beyond which the edge holds no more suction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_suction: Option<f64>,
     /// Angle of attack of the chord at which the section bears no lift, deg; negative with camber upward.

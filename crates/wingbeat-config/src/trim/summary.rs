@@ -21,7 +21,7 @@ pub struct Multiplier {
     pub re: f64,
     /// Imaginary part, dimensionless.
     pub im: f64,
-    /// Magnitude: by what factor, dimensionless, a small disturbance grows over a cycle.
+    /// Magnitude: the ratio by which a small disturbance grows over a cycle.
     pub size: f64,
     /// Rate of growth, 1/s.
     pub growth_per_s: f64,
@@ -120,7 +120,7 @@ pub struct TrimSummary {
     /// Largest derivative, in SI units, that leads from flight in the plane of symmetry out of it, or
     /// back; straight flight only.
     pub sector_coupling: Option<f64>,
-    /// Largest multiplier of a deviation, dimensionless, the integral of the height among them, under the feedback of
+    /// Largest multiplier, dimensionless, of a deviation, the integral of the height among them, under the feedback of
     /// `gains.csv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub held_multiplier: Option<f64>,

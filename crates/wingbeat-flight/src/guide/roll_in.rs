@@ -314,7 +314,7 @@ impl RollIn<'_, Robot> {
         defects(self, &Scheme::hermite_simpson(), unknowns)
     }
 
-    /// Hands the problem on its first mesh to `see`, with the start of the first guess, scaled and dimensionless.
+    /// Hands the problem on its first mesh to `see`, with the start of the first guess, in the units of its channels.
     ///
     /// # Errors
     /// The [`Fault`] of the flight that is the guess.

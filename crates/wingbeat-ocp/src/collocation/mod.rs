@@ -1,5 +1,5 @@
-//! Direct collocation: an optimal-control problem as a sparse nonlinear program. Functions are in the caller's units; unknowns and
-//! multipliers are those of the scaled problem.
+//! Direct collocation: an optimal-control problem as a sparse nonlinear program. Unknowns, functions and multipliers are in the
+//! caller's units, those of the problem.
 
 mod assembly;
 mod ends;

@@ -79,7 +79,7 @@ pub struct SearchSummary {
     /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, the frequency, the
     /// power.
     pub violation: f64,
-    /// The varied numbers, by their keys and in the units that end these: units of the document.
+    /// The varied numbers, by their keys and in the units of these.
     pub values: BTreeMap<String, f64>,
 }
 

@@ -301,7 +301,7 @@ impl Family {
         &self.start
     }
 
-    /// The reference at `place` and the share `cycles` of the gait's phase.
+    /// The reference at `place` and the phase `cycles` of the gait, in cycles.
     pub fn asked(&self, place: Option<Place>, cycles: f64) -> Asked {
         let Between(one, other, between) = self.between(place);
         let (one, other) = (&self.references[one], &self.references[other]);

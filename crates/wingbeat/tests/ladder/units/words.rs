@@ -236,7 +236,7 @@ impl Doc {
         let whose =
             |word: &str| matches!(word, "its" | "own" | "their" | "whose" | "that" | "SI" | "caller's");
         // "Per unit of the command" says nothing of what is gained.
-        let of = self.word(i + 1) == "of" && !matches!(self.before(i), "per" | "a" | "one");
+        let of = matches!(self.word(i + 1), "of" | "and") && !matches!(self.before(i), "per" | "a" | "one");
         let owned =
             whose(self.before(i)) || (i > 1 && whose(self.before(i - 1)) && self.before(i) == "declared");
         let word = self.word(i);
