@@ -140,7 +140,7 @@ impl<S: Scalar> std::ops::AddAssign for ForceDetail<S> {
 /// What coordinates beyond the six of the body take from a surface.
 #[derive(Debug)]
 pub struct Coupling<'a, G: Scalar, S: Scalar> {
-    /// Mass matrix on [acceleration of the body origin, kg, kg m and kg m2, or per unit of a coordinate; angular acceleration;
+    /// Mass matrix (kg, kg m and kg m2, or per unit of a coordinate) on [acceleration of the body origin; angular acceleration;
     /// second rates of the coordinates]; its rows and columns 6.. grow by the added mass.
     pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
     /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out, N and N m.
@@ -194,7 +194,7 @@ impl<G: Scalar> ImpulseRates<G> {
 pub struct Loads<S: Scalar> {
     /// Sum over strips and sources, N and N m, about the body origin in B.
     pub wrench: Wrench<S>,
-    /// Added-mass matrix on [acceleration, in kg, kg m and kg m2; angular acceleration], symmetric, about the body origin.
+    /// Added-mass matrix (kg, kg m and kg m2) on [acceleration; angular acceleration], symmetric, about the body origin, in B.
     pub added_mass: [[S; 6]; 6],
     /// Strips from left tip to right tip; the first `strips` are valid.
     pub strip: [StripLoads<S>; MAX_STRIPS],

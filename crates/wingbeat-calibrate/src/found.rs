@@ -49,7 +49,7 @@ pub struct Found {
     pub singular: (Vec<f64>, Vec<Vec<f64>>),
     /// Cost and values of every start.
     pub starts: Vec<Option<Fit>>,
-    /// Ratio of the sum of squares over freedom with the noise of the cycles alone.
+    /// Sum of squares over freedom, a ratio, with the noise of the cycles alone.
     pub chi_squared: f64,
     /// What the model cannot say, in parts of the amplitude, by channel.
     pub discrepancy: Vec<f64>,

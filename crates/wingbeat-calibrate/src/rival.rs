@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub struct Rival {
     /// Name.
     pub name: String,
-    /// Ratio of the sum of squares over freedom with the noise of the cycles alone.
+    /// Sum of squares over freedom, a ratio, with the noise of the cycles alone.
     pub chi_squared: f64,
     /// Rms in runs left out, mean over the runs, by channel, in its unit.
     pub left_out_rms: BTreeMap<String, f64>,

@@ -46,7 +46,7 @@ pub struct Solved<'a> {
     pub values: Vec<f64>,
     /// The starts.
     pub starts: Vec<Start>,
-    /// Ratio of the sum of squares over freedom with the noise of the cycles alone.
+    /// Sum of squares over freedom, a ratio, with the noise of the cycles alone.
     pub chi_squared: f64,
     /// Residuals and Jacobian at the values, of the fitted runs.
     pub at: Linear,

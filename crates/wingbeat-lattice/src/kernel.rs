@@ -192,8 +192,8 @@ fn cored((r1, x): &Seen, (r2, y): &Seen, core: f64x4) -> ([f64x4; 3], f64x4, f64
     (across, (*x + *y) * excess, product.mul_add(square, f64x4::splat(NEVER_ZERO)))
 }
 
-/// Velocity at four points per 4 pi of circulation of the segment between two vertices, with the squared core times squared
-/// length, 1/m, with lengths in m.
+/// Velocity at four points per 4 pi of circulation, 1/m, of the segment between two vertices, with the squared core times
+/// squared length (m4).
 #[inline(always)]
 pub fn between<const CORE: bool>(a: &Seen, b: &Seen, core: f64x4) -> [f64x4; 3] {
     if !CORE {
@@ -478,7 +478,7 @@ pub fn add_rounded(
 }
 
 /// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation (1/m). `across` and
-/// `along` as in [`Grid`]; `unit` is what a segment between two vertices induces per 4 pi.
+/// `along` are as in [`Grid`]; `unit` is what a segment between two vertices induces per 4 pi.
 #[inline(always)]
 pub fn unit_washes(
     grid: &Grid,

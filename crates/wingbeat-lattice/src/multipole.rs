@@ -32,8 +32,8 @@ fn exponents(degree: usize) -> impl Iterator<Item = [usize; 3]> {
 
 /// Moments of a patch: circulation times length (m3/s), by every power of the place (m).
 pub type Moments = [Vec3; MOMENTS];
-/// Coefficients of a patch, those of the moments in m/s: by degree n from 1 on, n + 1 with the last exponent 0, then n with 1,
-/// each by the second exponent.
+/// Coefficients of a patch, of degree n in (m3/s) m^(n-1): by degree n from 1 on, n + 1 with the last exponent 0, then n with
+/// 1, each by the second exponent.
 pub type Coefficients = [[f64; 3]; TERMS];
 
 /// Powers (y - c)^k of all moments.

@@ -127,7 +127,7 @@ impl<'a> Samples<'a> {
         })
     }
 
-    /// Samples (times in s, phases in rad, N and N m) of a run that `carrier` moves.
+    /// Samples of a run that `carrier` moves: times in s, channels in N and N m, phases in rad.
     pub fn carried(time: Vec<f64>, channels: [Vec<f64>; 6], phase: Vec<f64>, carrier: &'a Carrier) -> Self {
         Self { time, channels, phase, status: Vec::new(), motion: Motion::Carried(carrier) }
     }

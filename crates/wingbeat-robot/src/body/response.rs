@@ -225,7 +225,7 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// Rates [y', in the units of the elements, 1/s and 1/s2; y''] of the state, from the displacements of the same instant.
+    /// Rates [y'; y''] of the state, in the units of the elements per s and per s2, from the displacements of the same instant.
     pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
         let n = self.elements();
         for i in 0..n {
