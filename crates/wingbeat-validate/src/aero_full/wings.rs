@@ -42,7 +42,7 @@ fn planform(rows: &[[f64; 3]]) -> Result<Planform, Error> {
     Ok(Planform::new(&rows.iter().map(station).collect::<Vec<_>>())?)
 }
 
-/// A rectangle with its leading edge on the hinge line, both in m.
+/// A rectangle of `span` and `chord` (both in m) with its leading edge on the hinge line.
 pub fn rectangle(span: f64, chord: f64) -> Result<Planform, Error> {
     planform(&[[0.0, 0.0, -chord], [0.5 * span, 0.0, -chord]])
 }
