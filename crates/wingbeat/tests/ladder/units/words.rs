@@ -206,7 +206,7 @@ impl Doc {
         let next = self.word(i + 1);
         let after = self.word(i + 2);
         let before = self.before(i);
-        (BARE.contains(&word.as_str()) && !(word == "share" && before.ends_with("'s")))
+        (BARE.contains(&word.as_str()) && !(word == "share" && (before == "that" || before.ends_with("'s"))))
             || match word.as_str() {
                 "relative" => next != "to",
                 "factor" | "factors" => matches!(next, "on" | "by" | "`"),
