@@ -122,6 +122,19 @@ fn listed(text: &str) -> Vec<&str> {
     parts
 }
 
+/// The first of `lines` as one, up to that which ends with one of `ends`, and how many they are.
+fn joined(lines: &[&str], ends: &[char]) -> (String, usize) {
+    let mut all = String::new();
+    for (i, line) in lines.iter().enumerate() {
+        all.push_str(line.split(" // ").next().unwrap_or_default().trim());
+        all.push(' ');
+        if all.trim_end().ends_with(ends) {
+            return (all, i + 1);
+        }
+    }
+    (all, lines.len())
+}
+
 /// Letters that a head, `impl<S: Scalar> A<S>` or `fn f<T: Over<S>>(...)`, bounds by a number trait.
 fn scalars(head: &str) -> BTreeSet<String> {
     let is_bound = |rest: &str| {
@@ -309,19 +322,7 @@ impl Reader<'_> {
         let bare = text.strip_prefix("pub ").unwrap_or(text);
         let bare = bare.strip_prefix("const fn").map_or(bare, |_| &bare[6..]);
         let word = names(bare).next().map_or("", |(word, _)| word);
-        let head = |ends: &[char]| {
-            let mut head = String::new();
-            let mut taken = 0;
-            for line in &lines[at..] {
-                taken += 1;
-                head.push_str(line.split(" // ").next().unwrap_or_default().trim());
-                head.push(' ');
-                if head.trim_end().ends_with(ends) {
-                    break;
-                }
-            }
-            (head, taken)
-        };
+        let head = |ends: &[char]| joined(&lines[at..], ends);
         match word {
             "struct" | "enum" | "trait" | "impl" | "mod" | "union" => {
                 let (head, taken) = head(&['{', ';', '}']);
