@@ -142,8 +142,8 @@ pub fn coefficients(moments: &Moments) -> Coefficients {
 /// Terms of a degree, with the last exponent 0 and 1, by the second exponent.
 type Terms = [[f64x4; DEGREE + 1]; 2];
 
-/// Velocity times 4 pi (m/s) at four points that lie `d` (m) from the centre: n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) - (n
-/// - 1) sum_i a_(k - 2 e_i), n the degree of k.
+/// Velocity times 4 pi (m/s) at four points that lie `d` (m) from the centre: n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) -
+/// (n - 1) sum_i a_(k - 2 e_i), n the degree of k.
 ///
 /// Equation: lattice.multipole_terms
 /// `n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) - (n - 1) sum_i a_(k - 2 e_i)`

@@ -71,8 +71,8 @@ impl<S: Scalar> LinkMotion<S> {
         self.moving_at(r_b).1
     }
 
-    /// Velocity and acceleration, m/s and m/s2 in B, without the base's, of the body-frame point `r_B` moving with the link: v
-    /// + w x r, a + w' x r + w x (w x r).
+    /// Velocity and acceleration, m/s and m/s2 in B, without the base's, of the body-frame point `r_B` moving with the link:
+    /// v + w x r, a + w' x r + w x (w x r).
     #[inline]
     pub fn moving_at(&self, r_b: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
         let arm = r_b - self.position;

@@ -171,8 +171,8 @@ impl<'a> Adaptation<'a> {
     /// Test: `what_the_model_misses_is_found_by_phase`.
     ///
     /// Learns from the state `x` at the time `t` and the phase `cycles`: the velocity (m/s) and the angular rate (rad/s) that
-    /// the model does not account for since the last update, over the time between, by the phase half way. Over a cycle b b = 1
-    /// + N and the mean of b b' is 1 for the mean and 1/2 for each wave of the N harmonics, so that the mean has the time
+    /// the model does not account for since the last update, over the time between, by the phase half way. Over a cycle b b =
+    /// 1 + N and the mean of b b' is 1 for the mean and 1/2 for each wave of the N harmonics, so that the mean has the time
     /// constant tau and the waves have 2 tau. After a fault of the model nothing is learned until the update after the next.
     pub fn learn(&mut self, t: f64, cycles: f64, x: &[f64], held: &[f64]) -> Result<(), Fault> {
         let (Some(missed), Some(time)) = (&mut self.missed, self.spec.missed_s) else { return Ok(()) };
