@@ -167,8 +167,9 @@ impl<P: Scalar> Aero<P> {
             _ => None,
         }
     }
-    /// Sets states that follow the impulse of the air to that impulse, the other states as they are in `x`: the surface has
-    /// always moved as it does. From zero they would begin with the blow of an impulsive start.
+    /// Sets states that follow the impulse of the air to that impulse, the other states as they are in `x`, under the wind
+    /// `wind` (m/s, B): the surface has always moved as it does. From zero they would begin with the blow of an impulsive
+    /// start.
     pub fn settle<S: Scalar + Meets<P>>(&self, sections: &impl Sections<S>, wind: Vec3<S>, x: &mut [S]) {
         if let Self::Strip(model) = self {
             model.settle(sections, wind, x);

@@ -76,7 +76,7 @@ impl Circulation {
     }
 }
 
-/// Loads of one strip by source.
+/// Loads of one strip by source: forces in N, moments in N m about the body origin, in B.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StripLoads<S: Scalar> {
     /// Lift of the bound and shed vorticity, perpendicular to the wind the
@@ -91,12 +91,12 @@ pub struct StripLoads<S: Scalar> {
 }
 
 impl<S: Scalar> StripLoads<S> {
-    /// Sum over the sources.
+    /// Sum over the sources, N and N m.
     pub fn total(&self) -> Wrench<S> {
         self.circulatory + self.induced_drag + self.added_mass + self.profile_drag
     }
 
-    /// The loads in the order of [`LoadSource::STRIP`].
+    /// The loads, N and N m, in the order of [`LoadSource::STRIP`].
     pub fn parts(&self) -> [Wrench<S>; LoadSource::STRIP.len()] {
         [self.circulatory, self.induced_drag, self.added_mass, self.profile_drag]
     }
@@ -117,7 +117,7 @@ impl<S: Scalar> std::ops::AddAssign for StripLoads<S> {
     }
 }
 
-/// Forces that are parts of a source and that the sources do not tell apart, N.
+/// Forces in B that are parts of a source and that the sources do not tell apart, N.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ForceDetail<S: Scalar> {
     /// Leading-edge suction along the zero-lift line, part of the circulatory force.
@@ -140,10 +140,10 @@ impl<S: Scalar> std::ops::AddAssign for ForceDetail<S> {
 /// What coordinates beyond the six of the body take from a surface.
 #[derive(Debug)]
 pub struct Coupling<'a, G: Scalar, S: Scalar> {
-    /// Mass matrix on [acceleration of the body origin; angular acceleration; second rates of the
-    /// coordinates]; its rows and columns 6.. grow by the added mass.
+    /// Mass matrix (kg, kg m and kg m2, or per unit of a coordinate) on [acceleration of the body origin; angular acceleration;
+    /// second rates of the coordinates]; its rows and columns 6.. grow by the added mass.
     pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
-    /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out.
+    /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out, N and N m.
     pub strips: &'a mut [Wrench<S>],
     /// Where states follow the impulse of the air: what their rates lack.
     pub impulses: Option<&'a mut ImpulseRates<G>>,
@@ -171,7 +171,8 @@ impl<G: Scalar> ImpulseRates<G> {
         Self { first_state: 0, rows: ArrayVec::new_const() }
     }
 
-    /// Completes the rates `dx` of the states of all surfaces by the accelerations found.
+    /// Completes the rates `dx` of the states of all surfaces by the accelerations found, m/s2, rad/s2 and those of the
+    /// coordinates.
     pub fn complete<S: Over<G>>(&self, accelerations: &[S], dx: &mut [S]) {
         for row in &self.rows {
             let mut lacking = S::ZERO;
@@ -191,9 +192,9 @@ impl<G: Scalar> ImpulseRates<G> {
 /// `wrench - added_mass s`.
 #[derive(Clone, Copy, Debug)]
 pub struct Loads<S: Scalar> {
-    /// Sum over strips and sources.
+    /// Sum over strips and sources, N and N m, about the body origin in B.
     pub wrench: Wrench<S>,
-    /// Added-mass matrix on [acceleration; angular acceleration], symmetric, about the body origin.
+    /// Added-mass matrix (kg, kg m and kg m2) on [acceleration; angular acceleration], symmetric, about the body origin, in B.
     pub added_mass: [[S; 6]; 6],
     /// Strips from left tip to right tip; the first `strips` are valid.
     pub strip: [StripLoads<S>; MAX_STRIPS],
@@ -250,7 +251,7 @@ impl<S: Scalar> Loads<S> {
         loads
     }
 
-    /// Sum of the parts over the strips, each times its weight (1 beyond the end of `weights`); zero where they were not
+    /// Sum of the parts over the strips, N, each times its weight (1 beyond the end of `weights`); zero where they were not
     /// asked for.
     pub fn detail_sum(&self, weights: &[S]) -> ForceDetail<S> {
         let mut sum = ForceDetail::default();

@@ -18,10 +18,11 @@ pub struct MembraneSpec {
     pub modulus_pa: f64,
     /// Density, kg/m3; the links' masses have to hold the membrane's too.
     pub density_kg_m3: f64,
-    /// Strain of the flat membrane at rest along the chord; negative is slack, by which it is longer than the chord.
+    /// Strain of the flat membrane at rest along the chord, dimensionless; negative is slack, by which it is longer than the
+    /// chord.
     #[serde(default)]
     pub prestrain: f64,
-    /// Strain of the flat membrane along the span where ribs hold it; `prestrain` where not given.
+    /// Strain of the flat membrane along the span where ribs hold it, dimensionless; `prestrain` where not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prestrain_span: Option<f64>,
     /// Poisson's ratio; acts between ribs.
@@ -89,9 +90,9 @@ pub struct MembraneNumbers<P: Scalar = f64> {
     pub stiffness: P,
     /// Mass over area, kg/m2.
     pub areal_density: P,
-    /// Strain of the flat membrane along the chord.
+    /// Strain of the flat membrane along the chord, dimensionless.
     pub prestrain: P,
-    /// And along the span.
+    /// And along the span, dimensionless.
     pub prestrain_span: P,
     /// Poisson's ratio.
     pub poisson_ratio: P,

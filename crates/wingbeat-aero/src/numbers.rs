@@ -16,9 +16,9 @@ pub const MAX_WASH_LAGS: usize = 3;
 /// One lag of the wash on a chord: a term of Wagner's function in plane flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LagNumbers<P: Scalar = f64> {
-    /// Weight in the lift wash.
+    /// Weight of the lag in the lift wash, dimensionless.
     pub weight: P,
-    /// Rate per semichord travelled.
+    /// Rate per semichord travelled, dimensionless.
     pub rate: P,
 }
 
@@ -38,7 +38,7 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
     pub cd90: P,
     /// Incidence at which the attached lift is largest, rad.
     pub stall_angle: P,
-    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction.
+    /// Dimensionless leading-edge suction parameter A0 beyond which the edge holds no more suction.
     pub critical_suction: P,
     /// The air that the sections carry, in parts of what potential flow says: 1 unless it is fitted.
     pub added_mass_scale: P,

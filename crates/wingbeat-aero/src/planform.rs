@@ -189,7 +189,7 @@ impl<P: Scalar> Planform<P> {
             Span::Right => self.half_span() - s,
         }
     }
-    /// Whether the arc coordinate `s` lies on the left half.
+    /// Whether the arc coordinate `s` (m) lies on the left half.
     pub fn on_left(&self, s: P) -> bool {
         match self.span {
             Span::Symmetric => s.value() >= 0.0,
@@ -220,7 +220,7 @@ impl<P: Scalar> Planform<P> {
     pub fn gaps(&self) -> &[Gap<P>] {
         &self.gaps
     }
-    /// Whether there is wing at the arc coordinate `s` (either side).
+    /// Whether there is wing at the arc coordinate `s` (m) (either side).
     pub fn covers(&self, s: P) -> bool {
         let inboard = s.abs() <= self.half_span();
         let s = self.from_root(s);
@@ -254,8 +254,9 @@ impl<P: Scalar> Planform<P> {
         let (leading, trailing) = self.edges(s);
         leading - trailing
     }
-    /// Slope of the line of the quarter chords along the arc coordinate `s`, positive where the line runs forward to the left:
-    /// that of the outline between two stations; in the middle of a symmetric wing, where it has two, none.
+    /// Slope, dimensionless, of the line of the quarter chords along the arc coordinate `s` (m), positive where the line runs
+    /// forward to the left: that of the outline between two stations; in the middle of a symmetric wing, where it has two,
+    /// none.
     pub fn sweep(&self, s: P) -> P {
         if self.span == Span::Symmetric && s.is_zero() {
             return P::ZERO;

@@ -20,7 +20,7 @@ impl<P: Scalar> ZeroLift<P> {
     pub fn new(angle: P) -> Self {
         if angle.is_zero() { Self::Chord } else { Self::Inclined(angle.cos(), angle.sin()) }
     }
-    /// Directions along the line and normal to it, from those of the chord.
+    /// Unit vectors along the line and normal to it, from those of the chord.
     ///
     /// Equation: aero.zero_lift
     /// `a section lifts as the flat plate along its zero-lift line; g = a0 b cos L, D = (g - d) sum(q_k l_k)`
@@ -37,7 +37,7 @@ impl<P: Scalar> ZeroLift<P> {
             ),
         }
     }
-    /// Rate of the normal to the line, from the rate of the chord's normal and that of its direction.
+    /// Rate of the normal to the line, 1/s, from the rate of the chord's normal and that of its direction.
     #[inline(always)]
     pub fn turned_rate<S: Scalar + Meets<P>>(
         self,
@@ -49,7 +49,7 @@ impl<P: Scalar> ZeroLift<P> {
             Self::Inclined(cosine, sine) => normal_rate.scaled(cosine) + chordwise_rate().scaled(-sine),
         }
     }
-    /// Normal of the chord from the directions along the line and normal to it.
+    /// Unit normal of the chord from the directions along the line and normal to it.
     #[inline(always)]
     pub fn upward<S: Scalar + Meets<P>>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> Vec3<S> {
         match self {
@@ -164,8 +164,8 @@ impl<S: Scalar> Section<S> {
         }
     }
 
-    /// Nose-up couple about the quarter chord of a pitching section beyond the
-    /// mid-chord force: -m [(b/2) V q + (b^2/8) q'].
+    /// Nose-up couple, N m, about the quarter chord of a pitching section of the added mass `mass`, kg, beyond the mid-chord
+    /// force: -m [(b/2) V q + (b^2/8) q'].
     ///
     /// Equation: aero.section_moment
     /// `-m [(b/2) V q + (b^2/8) q'] about c/4`
@@ -240,7 +240,7 @@ impl<S: Scalar> Section<S> {
         }
     }
 
-    /// A section force as a wrench about the body origin.
+    /// A section force as a wrench, N and N m in B, about the body origin.
     #[inline]
     pub fn wrench<T: Over<S>>(&self, f: SectionForce<T>) -> Wrench<T> {
         f.wrench(self.middle, self.chordwise, self.normal, self.across)
@@ -281,7 +281,7 @@ impl<S: Scalar> SectionForce<S> {
         }
     }
 
-    /// As a wrench about the body origin, given mid chord and the section's directions.
+    /// As a wrench (N and N m, in B) about the body origin, given mid chord (m) and the section's directions.
     #[inline]
     pub fn wrench<G: Scalar>(
         self,

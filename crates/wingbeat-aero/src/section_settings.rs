@@ -20,7 +20,7 @@ pub struct SectionSettings {
     /// Incidence beyond which the wing counts as stalled, rad; laws `stall` and
     /// `lev` have their largest attached lift there.
     pub stall_angle_rad: f64,
-    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction; law `lev`.
+    /// Dimensionless leading-edge suction parameter A0 beyond which the edge holds no more suction; law `lev`.
     pub critical_suction: f64,
     /// Profile drag.
     pub drag: ProfileDrag,

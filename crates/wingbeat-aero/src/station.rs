@@ -50,19 +50,19 @@ pub trait Sections<S: Scalar> {
 /// A plane that the air does not cross, ground or ceiling, in B.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<S: Scalar> {
-    /// Unit normal.
+    /// Unit normal, in B.
     pub normal: Vec3<S>,
     /// Its distance from the body origin along the normal, m.
     pub offset: S,
 }
 
 impl<S: Scalar> Ground<S> {
-    /// Mirror image of a point.
+    /// Mirror image of a point, m in B.
     #[inline]
     pub fn point(&self, p: Vec3<S>) -> Vec3<S> {
         p - self.normal * ((self.normal.dot(p) - self.offset) * 2.0)
     }
-    /// Mirror image of a direction.
+    /// Mirror image of a direction, in its own unit.
     #[inline]
     pub fn direction(&self, v: Vec3<S>) -> Vec3<S> {
         v - self.normal * (self.normal.dot(v) * 2.0)
@@ -72,9 +72,9 @@ impl<S: Scalar> Ground<S> {
 /// Velocities of a chord line per unit rate of a coordinate, in B.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SectionField<S: Scalar> {
-    /// Of the leading edge.
+    /// Of the leading edge, m/s over the unit of the rate: m/rad for a turn.
     pub le: Vec3<S>,
-    /// Of the trailing edge.
+    /// The same of the trailing edge.
     pub te: Vec3<S>,
 }
 
@@ -87,8 +87,8 @@ impl<S: Scalar> SectionField<S> {
     {
         Self { le: along(self.le, other.le, x), te: along(self.te, other.te, x) }
     }
-    /// Velocity of mid chord along `normal`, and rate of nose-up pitch of a chord 1/`inverse_chord` m long, whose own
-    /// normal is `upward`.
+    /// Velocity (m/s) of mid chord along `normal`, and rate (rad/s) of nose-up pitch of a chord 1/`inverse_chord` m long, whose
+    /// own normal is `upward`.
     #[inline]
     pub fn heave_and_pitch(&self, [normal, upward]: [Vec3<S>; 2], inverse_chord: S) -> (S, S) {
         let heave = (self.le + self.te).dot(normal) * 0.5;
@@ -104,17 +104,17 @@ impl<S: Scalar, T: AsRef<[SectionMotion<S>]> + ?Sized> Sections<S> for T {
 }
 
 impl<S: Scalar> SectionMotion<S> {
-    /// Position at the chord fraction `x` (0 leading edge, 1 trailing edge).
+    /// Position, m in B, at the chord fraction `x` (0 leading edge, 1 trailing edge).
     #[inline]
     pub fn point(&self, x: f64) -> Vec3<S> {
         along(self.le, self.te, x)
     }
-    /// Velocity at the chord fraction `x`.
+    /// Velocity, m/s in B, at the chord fraction `x`.
     #[inline]
     pub fn velocity(&self, x: f64) -> Vec3<S> {
         along(self.v_le, self.v_te, x)
     }
-    /// Acceleration at the chord fraction `x`.
+    /// Acceleration, m/s2 in B, at the chord fraction `x`.
     #[inline]
     pub fn acceleration(&self, x: f64) -> Vec3<S> {
         along(self.a_le, self.a_te, x)

@@ -12,9 +12,10 @@ use std::f64::consts::TAU;
 pub struct Predicted {
     /// How its numbers lie.
     pub layout: Layout,
-    /// Numbers.
+    /// Numbers of the cycle, in the units of the channels (N and N m).
     pub cycle: Vec<f64>,
-    /// Standard deviation by channel and phase of one measured cycle: estimates, noise, what the model cannot say.
+    /// Standard deviation by channel and phase of one measured cycle, in the units of the channels: estimates, noise, what the
+    /// model cannot say.
     pub deviations: Vec<Vec<f64>>,
     /// The same from independent samples alone.
     pub white: Vec<Vec<f64>>,
@@ -38,7 +39,7 @@ impl Predicted {
         (0..self.layout.channels).map(channel).collect()
     }
 
-    /// Mean half width of the 95 % band, by channel.
+    /// Mean half width of the 95 % band, by channel, in the units of the channels.
     pub fn half_widths(&self) -> Vec<f64> {
         let mean = |of: &Vec<f64>| NORMAL_95 * of.iter().sum::<f64>() / of.len() as f64;
         self.deviations.iter().map(mean).collect()

@@ -32,7 +32,7 @@ impl Bins {
         }
     }
 
-    /// Covariance about the mean of each phase.
+    /// Covariance about the mean of each phase, in the units of the channels, squared.
     pub fn covariance(&self) -> DMatrix<f64> {
         let mut covariance = self.square.clone();
         let mut freedom = 0.0;

@@ -415,7 +415,7 @@ impl Calibration {
         Ok(all?)
     }
 
-    /// Names and values of all numbers that can be fitted.
+    /// Names and values of all numbers that can be fitted, in their declared units.
     ///
     /// # Errors
     /// Bad runs.

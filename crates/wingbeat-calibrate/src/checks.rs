@@ -17,14 +17,14 @@ const GAINED: f64 = 0.5;
 /// What of a measured cycle does not agree with the model's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Disagreement {
-    /// Channels that would agree much better if they were others, or had the other sign.
+    /// Channels that would agree much better if they were others, or had the other sign, with the factor on each.
     Axes(Axes),
     /// A cycle behind (or, negative, ahead of) the model's by more than 5 deg.
     Phase(Shift),
 }
 
-/// What of the cycle `measured` does not agree with `model`; `in_cell` are both in the frame of the cell. Axes that are swapped
-/// or flipped are told before a phase: with them it means nothing.
+/// What of the cycle `measured` does not agree with `model`; `in_cell` are both in the frame of the cell, in the units of the
+/// channels. Axes that are swapped or flipped are told before a phase: with them it means nothing.
 pub fn disagreement(
     layout: Layout,
     [measured, model]: [&[f64]; 2],
@@ -82,7 +82,7 @@ fn wrong(found: &Axes) -> impl Iterator<Item = (usize, String)> {
 }
 
 /// Refuses runs whose axes are swapped or flipped, or whose phase is off by more than 5 deg where no parameter takes it up,
-/// each with what would be right; what is only odd is returned in words.
+/// each with what would be right. `values` are in the units of the parameters, and what is only odd is returned in words.
 ///
 /// # Errors
 /// [`Error::Data`] with the run and the proposal; a model without an answer.

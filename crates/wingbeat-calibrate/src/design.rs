@@ -12,7 +12,7 @@ pub struct Candidate {
     pub index: usize,
     /// The parameter whose standard error is the largest part of its size now.
     pub parameter: usize,
-    /// Standard errors of all parameters after the run.
+    /// Standard errors of all parameters after the run, in the units of the parameters.
     pub errors: Vec<f64>,
 }
 

@@ -76,8 +76,9 @@ pub fn telling(
 /// Standard errors of a gain within which it says nothing: of noise one of 370 lies beyond.
 const BELIEVED: f64 = 3.0;
 
-/// What the runs say of the gain of the cell: those that weigh the robot at rest in several attitudes are held against its weight. Where none
-/// does so well enough, a gain that is wrong looks like a slope or a density that is wrong, and the warning says so.
+/// What the runs say of the gain of the cell at `values`, in the units of the parameters: those that weigh the robot at rest in
+/// several attitudes are held against its weight. Where none does so well enough, a gain that is wrong looks like a slope or a
+/// density that is wrong, and the warning says so.
 ///
 /// # Errors
 /// A model without an answer.
@@ -133,7 +134,8 @@ fn weighing(problem: &Problem, run: usize, predicted: &[f64]) -> Option<[f64; 2]
     (own > 0.0).then(|| [both / own, own.sqrt().recip()])
 }
 
-/// What is wrong with each of the cases of `structure`: what their samples say, and their cycles beside those predicted with `values`.
+/// What is wrong with each of the cases of `structure`: what their samples say, and their cycles beside those predicted with
+/// `values`, in the units of the parameters.
 ///
 /// # Errors
 /// A model without an answer.

@@ -42,9 +42,9 @@ pub struct Progress<'a> {
     pub stage: usize,
     /// Steps taken.
     pub step: usize,
-    /// Sum of squares.
+    /// Sum of squares of deviations, dimensionless.
     pub cost: f64,
-    /// Values.
+    /// Values, in the units of the parameters.
     pub values: &'a [f64],
 }
 
@@ -54,9 +54,9 @@ pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 /// Where a fit ended.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Fit {
-    /// Values of all parameters.
+    /// Values of all parameters, in their own units.
     pub values: Vec<f64>,
-    /// Sum of squares there.
+    /// Sum of squares of deviations there, dimensionless.
     pub cost: f64,
     /// How it ended.
     pub ended: Ended,
@@ -87,12 +87,12 @@ pub struct Linear {
     pub of: Vec<usize>,
     /// Model less measurement.
     pub residuals: Whitened,
-    /// Derivatives.
+    /// Derivatives: deviations over the units of the parameters.
     pub jacobians: Vec<DMatrix<f64>>,
 }
 
 impl Linear {
-    /// Of the runs `of` at `values`.
+    /// Of the runs `of` at `values`, in the units of the parameters.
     ///
     /// # Errors
     /// A model without an answer.
@@ -124,7 +124,7 @@ impl Linear {
         self.residuals = residuals;
     }
 
-    /// J'J and J'r with the priors, without the runs of `leave`.
+    /// J'J and J'r with the priors at `values`, over the units of the parameters, without the runs of `leave`.
     pub fn normal(
         &self,
         parameters: &[Parameter],
@@ -149,8 +149,8 @@ impl Linear {
     }
 }
 
-/// The step -(A + damping diag A)^-1 g of the parameters in `free`, cut to the bounds: those that would leave theirs
-/// stay there, and the others are solved again.
+/// The step, in the units of the parameters, -(A + damping diag A)^-1 g of the parameters in `free`, cut to the bounds. Those
+/// that would leave theirs stay there, and the others are solved again.
 pub fn step(
     (square, gradient): &(DMatrix<f64>, DVector<f64>),
     damping: f64,
@@ -196,7 +196,8 @@ pub fn step(
     }
 }
 
-/// A^-1 g of a positive semidefinite matrix, scaled to a unit diagonal; small singular values count as none.
+/// A^-1 g, in the units of these, of a positive semidefinite matrix, scaled to a unit diagonal; small singular values count as
+/// none.
 pub fn scaled_solve(a: &DMatrix<f64>, g: &DVector<f64>) -> Option<DVector<f64>> {
     let scale = DVector::from_fn(a.nrows(), |i, _| a[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
     let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * scale[i] * scale[j]);
@@ -210,8 +211,9 @@ pub fn scaled_solve(a: &DMatrix<f64>, g: &DVector<f64>) -> Option<DVector<f64>> 
     back.iter().all(|x| x.is_finite()).then_some(back)
 }
 
-/// Fits from `start`, first the parameters of stage 1, then those of stages 1 and 2, and so on. Where wings are still in some of the
-/// runs, all stages but the last are fitted to those alone. A fit that comes to where `known` ended ends there.
+/// Fits from `start` (values in the units of the parameters), first the parameters of stage 1, then those of stages 1 and 2,
+/// and so on. Where wings are still in some of the runs, all stages but the last are fitted to those alone. A fit that comes to
+/// where `known` ended ends there.
 ///
 /// # Errors
 /// A model without an answer at the start; [`Error::Stopped`].

@@ -15,11 +15,11 @@ const LEAST_NOISE: f64 = 1e-24;
 pub struct FoundRun {
     /// What was measured.
     pub observed: Observed,
-    /// Predicted with the values that the fit began with.
+    /// Predicted with the values that the fit began with, in the units of the channels (N and N m).
     pub before: Vec<f64>,
     /// Predicted with the fit.
     pub after: Predicted,
-    /// Covariance of the noise of its mean, by harmonic and channel.
+    /// Covariance of the noise of its mean, by harmonic and channel, in the units of the channels, squared.
     pub noise: Vec<Vec<f64>>,
 }
 
@@ -31,31 +31,31 @@ pub struct Found {
     pub model: Vec<String>,
     /// What was fitted.
     pub parameters: Vec<Parameter>,
-    /// Names and values of what was held.
+    /// Names and values of what was held, in their declared units.
     pub held: Vec<(String, f64)>,
-    /// Values.
+    /// Values, in the units of the parameters.
     pub values: Vec<f64>,
     /// Standard errors, cycles as clusters.
     pub errors: Vec<f64>,
-    /// Standard errors as if samples were independent.
+    /// Standard errors as if samples were independent, in the units of the parameters.
     pub white_errors: Vec<f64>,
-    /// Degrees of freedom of their 95 %.
+    /// Number of degrees of freedom of their 95 %.
     pub freedom: f64,
     /// Profiles.
     pub profiles: Vec<Profile>,
     /// Correlations.
     pub correlations: Vec<Vec<f64>>,
-    /// Singular values with their directions.
+    /// Singular values with their directions, of parameters in parts of their sizes.
     pub singular: (Vec<f64>, Vec<Vec<f64>>),
     /// Cost and values of every start.
     pub starts: Vec<Option<Fit>>,
-    /// Sum of squares over freedom with the noise of the cycles alone.
+    /// Sum of squares over freedom, a ratio, with the noise of the cycles alone.
     pub chi_squared: f64,
     /// What the model cannot say, in parts of the amplitude, by channel.
     pub discrepancy: Vec<f64>,
     /// The runs.
     pub runs: Vec<FoundRun>,
-    /// Rms of runs left out.
+    /// Rms of runs left out, in the units of the channels.
     pub left_out: Vec<(usize, Vec<f64>)>,
     /// What the runs tell.
     pub information: Information,
@@ -154,7 +154,8 @@ impl Found {
         self.runs.iter().filter(|run| run.observed.role == RunRole::Fitted)
     }
 
-    /// Numbers of the cycle of run `run` with the learned wrench, where it is learned from that run.
+    /// Numbers of the cycle of run `run` with the learned wrench, in the units of the channels, where it is learned from that
+    /// run.
     pub fn with_residual(&self, run: usize) -> Option<&[f64]> {
         let residual = self.residual.as_ref()?;
         let place = residual.runs.iter().position(|(own, _)| *own == run)?;
@@ -243,7 +244,7 @@ pub fn columns() -> Vec<Column> {
 }
 
 impl FoundRun {
-    /// By phase and channel: measured, before, after, low and high end of the band.
+    /// By phase and channel, in the unit of the channel: measured, before, after, low and high end of the band.
     pub fn curves(&self) -> Vec<Vec<[f64; 5]>> {
         let layout = self.observed.layout;
         let at = |k: usize| {

@@ -41,7 +41,7 @@ impl Layout {
             _ => turned.sin(),
         }
     }
-    /// Means and harmonics of rows of channels at equal steps of a cycle from phase 0.
+    /// Means and harmonics of rows of channels, in the units of these, at equal steps of a cycle from phase 0.
     pub fn of_steps(self, rows: &[[f64; 6]]) -> Vec<f64> {
         let mut cycle = vec![0.0; self.len()];
         let count = rows.len() as f64;
@@ -60,7 +60,7 @@ impl Layout {
     pub fn share(part: usize) -> f64 {
         if part == 0 { 1.0 } else { 0.5 }
     }
-    /// Mean square of a channel over the cycle.
+    /// Mean square of a channel over the cycle, in the square of its unit.
     pub fn mean_square(self, cycle: &[f64], channel: usize) -> f64 {
         (0..self.width()).map(|part| Self::share(part) * cycle[self.at(channel, part)].powi(2)).sum()
     }
@@ -74,8 +74,8 @@ impl Layout {
     }
 }
 
-/// Means and harmonics of `channels` over the cycle that begins at the phase `begin` (rad): x_k = 1/pi integral of
-/// x cos(k phase) over it, by trapezia between the samples, the ends by linear interpolation. `phase` ascends and
+/// Means and harmonics of `channels`, in the units of these, over the cycle that begins at the phase `begin` (rad): x_k = 1/pi
+/// integral of x cos(k phase) over it, by trapezia between the samples, the ends by linear interpolation. `phase` ascends and
 /// covers the cycle. None where a sample is missing.
 ///
 /// Equation: calibrate.projection

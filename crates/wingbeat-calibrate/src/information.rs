@@ -39,7 +39,7 @@ pub struct Information {
 }
 
 impl Information {
-    /// Of the linearisation `at`.
+    /// Of the linearisation `at` about `values`, in the units of the parameters.
     pub fn of(problem: &Problem, at: &Linear, values: &[f64]) -> Self {
         let parameters = problem.parameters;
         let n = parameters.len();

@@ -23,7 +23,7 @@ pub struct Pass {
     pub time: Vec<f64>,
     /// Phase of the encoder, rad, ascending; empty without one.
     pub phase: Vec<f64>,
-    /// Fx .. Tz in the cell's frame.
+    /// Fx .. Tz in the cell's frame, N and N m.
     pub channels: [Vec<f64>; 6],
 }
 
@@ -343,7 +343,7 @@ fn correlation(layout: Layout, measured: &[f64], model: &[f64], shift: f64) -> f
     sums[0] / (sums[1] * sums[2]).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// The shift at which measurement and model agree best.
+/// The shift at which measurement and model agree best, both in the units of the channels.
 pub fn shift(layout: Layout, measured: &[f64], model: &[f64]) -> Shift {
     let at = |by: f64| correlation(layout, measured, model, by);
     let steps = (-720..720).map(|k| f64::from(k) * 0.25_f64.to_radians());
@@ -360,8 +360,8 @@ const TELLING: f64 = 0.03;
 /// What all changed axes must bring together. *Choice*: a model may be wrong by half.
 const CONVINCING: f64 = 0.4;
 
-/// Axes with which the measured cycle agrees with the model much better than as they are; none where they are right.
-/// Forces and moments are turned apart from each other: a plug may be wrong, as may a sign in a file.
+/// Axes with which the measured cycle, in the units of the channels, agrees with the model much better than as they are; none
+/// where they are right. Forces and moments are turned apart from each other: a plug may be wrong, as may a sign in a file.
 pub fn axes(layout: Layout, measured: &[f64], model: &[f64]) -> Option<Axes> {
     if layout.channels != 6 {
         return None;

@@ -47,13 +47,13 @@ pub struct Observed {
     pub name: String,
     /// How the numbers lie.
     pub layout: Layout,
-    /// Numbers of each cycle.
+    /// Numbers of each cycle, in the units of the channels (N and N m).
     pub cycles: Vec<Vec<f64>>,
-    /// Weight of each cycle, 1 for an ordinary one.
+    /// Weight of each cycle, dimensionless: 1 for an ordinary one.
     pub weights: Vec<f64>,
-    /// Weighted mean of the cycles.
+    /// Weighted mean of the cycles, in the units of the channels.
     pub mean: Vec<f64>,
-    /// Covariance of the channels from sample to sample at one phase.
+    /// Covariance of the channels from sample to sample at one phase, in the units of the channels, squared.
     pub sample_noise: DMatrix<f64>,
     /// Samples per cycle.
     pub samples_per_cycle: f64,
@@ -79,11 +79,12 @@ pub struct Common {
     /// The group of each cycle, where those of a group are parts of one pass and only what differs within it scatters; empty where all
     /// cycles scatter about one mean.
     pub groups: Vec<usize>,
-    /// Covariance of the error of the mean that is of the tare; none where nothing is tared.
+    /// Covariance of the error of the mean that is of the tare, in the units of the channels, squared; none where nothing is
+    /// tared.
     pub mean: Option<DMatrix<f64>>,
     /// The same of the cycles of one pass.
     pub pass: Option<DMatrix<f64>>,
-    /// Batches of rest beyond the lines they take of which both were told.
+    /// Number of batches of rest beyond the lines they take of which both were told.
     pub tare_freedom: f64,
 }
 
@@ -126,7 +127,8 @@ impl Observed {
         (0..self.layout.channels).map(of).sum::<f64>().sqrt()
     }
 
-    /// What each cycle differs from the mean about which it scatters: that of all, or of its group.
+    /// What each cycle differs, in the units of the channels, from the mean about which it scatters: that of all, or of its
+    /// group.
     pub fn deviations(&self) -> Vec<Vec<f64>> {
         let group = |k: usize| self.common.groups.get(k).copied().unwrap_or(0);
         let mut sums = vec![(0.0, vec![0.0; self.layout.len()]); self.groups()];
@@ -157,7 +159,7 @@ impl Observed {
         !self.unmeasured.contains(&channel)
     }
 
-    /// Variance of the number `i` of the mean that is of the tare.
+    /// Variance of the number `i` of the mean that is of the tare, in the square of its unit.
     pub fn tare_variance(&self, i: usize) -> f64 {
         self.common.mean.as_ref().map_or(0.0, |of| of[(i, i)])
     }
@@ -224,7 +226,7 @@ pub fn scatter(runs: &[&Observed]) -> Option<Vec<Vec<DMatrix<f64>>>> {
     Some(sizes.iter().map(|size| sized(&shape, size)).collect())
 }
 
-/// Matrices with row and column `c` times `by[c]`.
+/// Matrices with row and column `c` times the factor `by[c]`, a ratio.
 pub fn sized(shape: &[DMatrix<f64>], by: &[f64]) -> Vec<DMatrix<f64>> {
     let one = |of: &DMatrix<f64>| DMatrix::from_fn(of.nrows(), of.ncols(), |a, b| of[(a, b)] * by[a] * by[b]);
     shape.iter().map(one).collect()

@@ -8,13 +8,13 @@ use wingbeat::parallel;
 
 /// What predicts the cycles of runs.
 pub trait Model: Sync {
-    /// Numbers of the cycle of run `run` with the parameters at `values`.
+    /// Numbers of the cycle of run `run` in the units of its channels (N and N m), with the parameters at `values`, in theirs.
     ///
     /// # Errors
     /// A model without an answer.
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error>;
 
-    /// Refuses values that no robot has.
+    /// Refuses values, in the units of the parameters, that no robot has.
     ///
     /// # Errors
     /// The first of them.
@@ -22,7 +22,7 @@ pub trait Model: Sync {
         Ok(())
     }
 
-    /// Their derivatives by each parameter.
+    /// Their derivatives by each parameter: units of the channels over that of the parameter.
     ///
     /// # Errors
     /// A model without an answer.
@@ -47,20 +47,20 @@ pub trait Model: Sync {
 pub struct Parameter {
     /// Name.
     pub name: String,
-    /// Where the fit begins.
+    /// Where the fit begins, in its unit.
     pub start: f64,
-    /// Lowest value.
+    /// Lowest value, in its unit.
     pub low: f64,
-    /// Highest value.
+    /// Highest value, in its unit.
     pub high: f64,
-    /// Mean and standard deviation of what is known beforehand.
+    /// Mean and standard deviation of what is known beforehand, in its unit.
     pub prior: Option<[f64; 2]>,
     /// Stage in which it joins.
     pub stage: usize,
 }
 
 impl Parameter {
-    /// Its size: that of its start, or of its prior, or of its range.
+    /// Its size, in its unit: that of its start, or of its prior, or of its range.
     pub fn scale(&self) -> f64 {
         let prior = self.prior.map_or(0.0, |[_, deviation]| deviation);
         let range = 0.1 * (self.high - self.low);
@@ -85,7 +85,7 @@ pub struct Problem<'a> {
     pub parameters: &'a [Parameter],
     /// Lower Cholesky factors of the covariance of each run's mean.
     factors: Vec<Factor>,
-    /// Covariance from cycle to cycle by harmonic, of each run.
+    /// Covariance from cycle to cycle by harmonic, of each run, in the units of the channels, squared.
     pub noise: Vec<Vec<DMatrix<f64>>>,
     /// Cycles beyond the means they take of which the covariances of each run were told; infinite where they are known.
     pub freedom: Vec<f64>,
@@ -142,7 +142,8 @@ impl<'a> Problem<'a> {
         Ok(Self { freedom, ..Self::with_noise(model, runs, parameters, noise)? })
     }
 
-    /// A problem of which the covariance from cycle to cycle is known, by run and harmonic.
+    /// A problem of which the covariance from cycle to cycle is known, by run and harmonic, in the units of the channels,
+    /// squared.
     ///
     /// # Errors
     /// A covariance that is not positive definite.
@@ -173,7 +174,7 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    /// Asks the model at `values` what of the runs is in doubt.
+    /// Asks the model at `values` (in the units of the parameters) what of the runs is in doubt.
     ///
     /// # Errors
     /// A model without an answer.
@@ -234,7 +235,7 @@ impl<'a> Problem<'a> {
         Ok(Factor::Whole(factor.l()))
     }
 
-    /// Covariance of the mean of run `run` in channel `channel` alone.
+    /// Covariance of the mean of run `run` in channel `channel` alone, in its unit, squared.
     pub fn covariance_of_channel(&self, run: usize, channel: usize) -> DMatrix<f64> {
         let (observed, covariances) = (&self.runs[run], self.covariances_of(run));
         let layout = observed.layout;
@@ -276,7 +277,8 @@ impl<'a> Problem<'a> {
         (0..layout.channels).map(of).collect()
     }
 
-    /// Root mean square over the cycle of what of run `run` is in doubt, by channel: the whole force's, the whole moment's.
+    /// Root mean square over the cycle of what of run `run` is in doubt, by channel and in its unit: the whole force's, the
+    /// whole moment's.
     pub fn load(&self, run: usize) -> Vec<f64> {
         let (cycle, layout) = (self.in_doubt[run].as_slice(), self.runs[run].layout);
         let of =
@@ -289,7 +291,7 @@ impl<'a> Problem<'a> {
         (0..self.runs.len()).filter(|run| self.runs[*run].role == RunRole::Fitted).collect()
     }
 
-    /// What the model says of the runs `of` with these values, if a robot can have them.
+    /// What the model says of the runs `of`, in the units of the channels, with these values, if a robot can have them.
     ///
     /// # Errors
     /// Values that no robot has; a model without an answer.
@@ -298,7 +300,7 @@ impl<'a> Problem<'a> {
         self.predictions(of, values)
     }
 
-    /// What the model says of the runs `of` with these values.
+    /// What the model says of the runs `of`, in the units of the channels, with these values.
     ///
     /// # Errors
     /// A model without an answer.
@@ -306,7 +308,8 @@ impl<'a> Problem<'a> {
         parallel::map(of, |_, run| self.model.predict(*run, values)).into_iter().collect()
     }
 
-    /// Derivatives of what the model says of the runs `of` by the parameters: one column each.
+    /// Derivatives of what the model says of the runs `of` by the parameters, in the units of the channels over those of the
+    /// parameters: one column each.
     ///
     /// # Errors
     /// A model without an answer.
@@ -361,7 +364,7 @@ impl<'a> Problem<'a> {
         of.iter().zip(predictions).map(one).collect()
     }
 
-    /// Sum of squares of the residuals and of the priors' differences.
+    /// Sum of squares, dimensionless, of the residuals and of the priors' differences.
     pub fn cost(&self, residuals: &Whitened, values: &[f64]) -> f64 {
         residuals.iter().map(DVector::norm_squared).sum::<f64>() + priors(self.parameters, values)
     }
@@ -391,7 +394,7 @@ pub fn group(layout: Layout, channel: usize) -> Range<usize> {
     }
 }
 
-/// Sum of squares of the differences from the priors.
+/// Sum of squares, dimensionless, of the differences from the priors.
 pub fn priors(parameters: &[Parameter], values: &[f64]) -> f64 {
     let prior = |(parameter, value): (&Parameter, &f64)| {
         parameter.prior.map_or(0.0, |[mean, deviation]| ((value - mean) / deviation).powi(2))

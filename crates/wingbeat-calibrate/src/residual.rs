@@ -50,7 +50,8 @@ pub struct LearnedResidual {
     pub runs: Vec<(usize, Vec3)>,
     /// All channels.
     pub channels: Vec<LearnedChannel>,
-    /// What is left of each run of `runs` with the wrench, as the cell shows it: numbers of its cycle.
+    /// What is left of each run of `runs` with the wrench, as the cell shows it: numbers of its cycle, in the units of the
+    /// channels.
     pub predicted: Vec<Vec<f64>>,
 }
 

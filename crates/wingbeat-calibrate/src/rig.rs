@@ -151,12 +151,12 @@ impl RigTarget {
         self.run.spec.process.steps.tare
     }
 
-    /// A wrench on the cell in C as that of the body about its origin in B, the mount as drawn.
+    /// A wrench on the cell in C, N and N m, as that of the body about its origin in B, the mount as drawn.
     pub fn in_body(&self, of: [f64; 6]) -> [f64; 6] {
         six(&self.drawn.to_body(&wrench(of)))
     }
 
-    /// Numbers of a cycle in B as those of the wrench on the cell in C.
+    /// Numbers of a cycle in B, N and N m, as those of the wrench on the cell in C.
     pub fn in_cell(&self, cycle: &[f64]) -> Vec<f64> {
         in_cell(&self.drawn, self.layout(), cycle)
     }
@@ -169,8 +169,8 @@ impl RigTarget {
         (0..6).map(most).fold(0.0, f64::max)
     }
 
-    /// Mean square over the cycle, by channel in B, of what the cell's own noise and steps make of the harmonics of one cycle: of n
-    /// independent samples of variance s the mean has s/n and each cosine and sine 2 s/n.
+    /// Mean square over the cycle, by channel in B and in the square of its unit, of what the cell's own noise and steps make
+    /// of the harmonics of one cycle: of n independent samples of variance s the mean has s/n and each cosine and sine 2 s/n.
     pub fn cell_noise(&self) -> Vec<f64> {
         let (cell, layout) = (&self.run.spec.rig.cell, self.layout());
         let flapping = || cell.rate_hz / self.run.frequency();
@@ -234,7 +234,7 @@ impl RigTarget {
         Error::Model { run: self.name.clone(), fault }
     }
 
-    /// Numbers of the run's cycle with these numbers of robot and rig.
+    /// Numbers of the run's cycle, N and N m, with these numbers of robot and rig.
     ///
     /// # Errors
     /// A model without an answer.
@@ -245,7 +245,7 @@ impl RigTarget {
         Ok(self.cycle(&rows))
     }
 
-    /// Derivatives of [`predict`](Self::predict) by the first `count` of the numbers.
+    /// Derivatives of [`predict`](Self::predict) by the first `count` of the numbers, over the units of these.
     ///
     /// # Errors
     /// A model without an answer.
@@ -258,7 +258,8 @@ impl RigTarget {
     }
 }
 
-/// Numbers of a cycle of wrenches about the body's origin in B as those of the wrenches on the cell of `mount` in C.
+/// Numbers of a cycle of wrenches, N and N m, about the body's origin in B as those of the wrenches on the cell of `mount` in
+/// C.
 pub fn in_cell(mount: &Mount, layout: Layout, cycle: &[f64]) -> Vec<f64> {
     let mut turned = vec![0.0; cycle.len()];
     for part in 0..layout.width() {
@@ -274,7 +275,8 @@ pub fn in_wind(run: &RigRun) -> bool {
     run.robot.mean_wind() != Vec3::ZERO
 }
 
-/// What the cell makes of the harmonics of a load: its resonance and the box's filter, each a linear system.
+/// What the cell makes of the harmonics of a load, in the units of the channels, at the frequency `frequency` in Hz: its
+/// resonance and the box's filter, each a linear system.
 ///
 /// Equation: calibrate.cell_response
 /// `1/(1 - r^2 + 2 i z r), r = k f/f_0; (1 - p)/(1 - p e^(-iwT)); e^(iwT/2)`
@@ -284,7 +286,7 @@ pub fn respond(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64
     each_harmonic(layout, cycle, |k| response(cell, frequency, k));
 }
 
-/// The load before the cell of which it shows these harmonics: [`respond`] undone.
+/// The load before the cell, in the units of the channels, of which it shows these harmonics: [`respond`] undone.
 pub fn beyond_cell(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64]) {
     each_harmonic(layout, cycle, |k| inverse(response(cell, frequency, k)));
 }
@@ -335,12 +337,12 @@ pub struct RigModel {
     pub cases: Vec<CaseTarget>,
     /// Names of what is fitted.
     pub names: Vec<String>,
-    /// Names and values of what is held.
+    /// Names and values of what is held, in their declared units.
     pub held: Vec<(String, f64)>,
 }
 
 impl RigModel {
-    /// Names and values of all numbers, those that are fitted first.
+    /// Names and values of all numbers, in their declared units, those that are fitted first.
     pub fn numbers<'a>(&'a self, values: &[f64]) -> Vec<(&'a str, f64)> {
         let fitted = self.names.iter().map(String::as_str).zip(values.iter().copied());
         let held = self.held.iter().map(|(name, value)| (name.as_str(), *value));
@@ -388,7 +390,7 @@ const DENSITY: &str = "air.density_kg_m3";
 /// Density that counts as none, kg/m3.
 const NO_AIR: f64 = 1e-6;
 
-/// A wrench of forces and moments.
+/// A wrench of forces (N) and moments (N m).
 pub fn of_six(x: [f64; 6]) -> wingbeat::math::Wrench<f64> {
     wrench(x)
 }

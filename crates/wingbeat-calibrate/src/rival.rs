@@ -13,17 +13,17 @@ use std::collections::BTreeMap;
 pub struct Rival {
     /// Name.
     pub name: String,
-    /// Sum of squares over freedom with the noise of the cycles alone.
+    /// Sum of squares over freedom, a ratio, with the noise of the cycles alone.
     pub chi_squared: f64,
-    /// Rms in runs left out, mean over the runs, by channel.
+    /// Rms in runs left out, mean over the runs, by channel, in its unit.
     pub left_out_rms: BTreeMap<String, f64>,
     /// The same in parts of the channels' measured rms, mean over the channels.
     pub left_out_share: f64,
-    /// Rms in runs held out, by channel.
+    /// Rms in runs held out, by channel, in its unit.
     pub held_out_rms: BTreeMap<String, f64>,
     /// The same in parts of the channels' measured rms, mean over the channels.
     pub held_out_share: Option<f64>,
-    /// Values.
+    /// Values, in the units of the parameters.
     pub values: Vec<f64>,
 }
 
@@ -78,11 +78,11 @@ pub struct NextRun {
     pub name: String,
     /// The parameter that is known worst.
     pub parameter: String,
-    /// Its standard error now.
+    /// Its standard error now, in its unit.
     pub error_now: f64,
-    /// What it will be.
+    /// What it will be, in its unit.
     pub error_then: f64,
-    /// Standard errors of all parameters then.
+    /// Standard errors of all parameters then, in the units of these.
     pub errors: Vec<f64>,
     /// Largest load on the cell of the cycle predicted, in parts of its range: above 1 the cell does not read it.
     pub load_share: f64,
@@ -145,8 +145,8 @@ impl NextRun {
 /// Share of the whole force or moment that every channel's load counts at least where noise is held against it. *Choice.*
 const LEAST_LOAD: f64 = 0.1;
 
-/// Noise of runs that were not made. The cell's own is known; what cycles scatter beyond it (gusts, arm, structure) is in
-/// proportion to the load of each channel, as in the first of the runs made.
+/// Noise of runs that were not made, in the units of the channels, squared. The cell's own is known; what cycles scatter beyond
+/// it (gusts, arm, structure) is in proportion to the load of each channel, as in the first of the runs made.
 ///
 /// Equation: calibrate.expected_noise
 /// `S' = E S E, e^2 = (cell' + (s^2 - cell) load'^2/load^2)/s^2`

@@ -32,7 +32,7 @@ pub struct Plan {
 /// A start and where it led.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// Values it began with.
+    /// Values it began with, in the units of the parameters.
     pub from: Vec<f64>,
     /// Where it ended; none where the model had no answer.
     pub fit: Option<Fit>,
@@ -42,11 +42,11 @@ pub struct Start {
 pub struct Solved<'a> {
     /// Runs, parameters and weights.
     pub problem: Problem<'a>,
-    /// Values.
+    /// Values, in the units of the parameters.
     pub values: Vec<f64>,
     /// The starts.
     pub starts: Vec<Start>,
-    /// Sum of squares over freedom with the noise of the cycles alone.
+    /// Sum of squares over freedom, a ratio, with the noise of the cycles alone.
     pub chi_squared: f64,
     /// Residuals and Jacobian at the values, of the fitted runs.
     pub at: Linear,
@@ -54,7 +54,7 @@ pub struct Solved<'a> {
     pub covariances: Covariances,
 }
 
-/// The starts of a fit: that of the parameters, then others drawn evenly within `spread` of it.
+/// The starts of a fit, in the units of the parameters: that of the parameters, then others drawn evenly within `spread` of it.
 pub fn starts(parameters: &[Parameter], plan: &Plan) -> Vec<Vec<f64>> {
     let mut random = Random::stream(plan.seed, u64::from(u32::MAX));
     let first: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
@@ -187,12 +187,12 @@ fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
 }
 
 impl Solved<'_> {
-    /// Standard errors with cycles as clusters.
+    /// Standard errors with cycles as clusters, in the units of the parameters.
     pub fn errors(&self) -> Vec<f64> {
         (0..self.values.len()).map(|k| self.covariances.clustered[(k, k)].max(0.0).sqrt()).collect()
     }
 
-    /// Standard errors as if all samples were independent.
+    /// Standard errors as if all samples were independent, in the units of the parameters.
     pub fn white_errors(&self) -> Vec<f64> {
         (0..self.values.len()).map(|k| self.covariances.white[(k, k)].max(0.0).sqrt()).collect()
     }
@@ -205,7 +205,8 @@ impl Solved<'_> {
         profiles(&self.problem, &self.at, &self.values, &self.errors())
     }
 
-    /// The values without run `run`: two Gauss-Newton steps from the fit, on its Jacobian and the model's own residuals.
+    /// The values without run `run`, in the units of the parameters: two Gauss-Newton steps from the fit, on its Jacobian and
+    /// the model's own residuals.
     ///
     /// # Errors
     /// A model without an answer.
@@ -221,7 +222,7 @@ impl Solved<'_> {
         Ok(step(&normal, 0.0, parameters, &once, &free))
     }
 
-    /// Rms by channel of every fitted run that is left out, predicted from the others.
+    /// Rms by channel, in its unit, of every fitted run that is left out, predicted from the others.
     ///
     /// # Errors
     /// A model without an answer.
@@ -242,7 +243,7 @@ impl Solved<'_> {
         crate::uncertainty::correlations(&self.covariances.clustered)
     }
 
-    /// Covariance of the estimates from noise alone: the inverse of the information.
+    /// Covariance of the estimates from noise alone, in the units of the parameters, squared: the inverse of the information.
     pub fn information_covariance(&self) -> DMatrix<f64> {
         inverse(&self.at.normal(self.problem.parameters, &self.values, &[]).0)
     }
@@ -253,7 +254,8 @@ pub fn phase_of(k: usize) -> f64 {
     std::f64::consts::TAU * k as f64 / PHASES as f64
 }
 
-/// Root mean square over the cycle of what is predicted less what was measured, by channel; NaN of one that was not measured.
+/// Root mean square over the cycle of what is predicted less what was measured, by channel, in its unit; NaN of one that was
+/// not measured.
 pub fn rms(observed: &Observed, predicted: &[f64]) -> Vec<f64> {
     let apart: Vec<f64> = predicted.iter().zip(&observed.mean).map(|(model, mean)| model - mean).collect();
     let one = |channel: usize| match observed.is_measured(channel) {

@@ -8,7 +8,7 @@ use wingbeat::rig::process::tare_line;
 
 /// The rest before a run.
 pub struct Rest {
-    /// Offset at t = 0 and slope of each channel.
+    /// Offset at t = 0 and slope of each channel, in its unit and that per s.
     pub lines: [(f64, f64); 6],
     /// Covariance of the channels' noise per sample, as far as it does not average out from sample to sample.
     noise: DMatrix<f64>,
@@ -82,8 +82,8 @@ pub fn rest(target: &RigTarget, pass: &Pass) -> Result<Option<Rest>, Error> {
 }
 
 impl Rest {
-    /// Covariance of what the noise of the rest puts into the cycles of a pass: an error of the offset is a load of the same size at
-    /// every phase, one of the slope that load times the time, which over the cycle is `clock`.
+    /// Covariance of what the noise of the rest puts into the cycles of a pass: an error of the offset is a load of the same
+    /// size at every phase, one of the slope that load times the time, which over the cycle is `clock` (s).
     ///
     /// Equation: calibrate.tare_covariance
     /// `T = K (x) M N M', K = [[var b, cov], [cov, var d]] between 1 and t over the cycle, N of the means of batches
@@ -115,8 +115,8 @@ impl Rest {
     }
 }
 
-/// Mean and harmonics of the time over cycles that begin at the phase `begin.0` and have the frequency `begin.1`, about `middle`:
-/// a sawtooth, whose sines about that phase are -1/(pi k f).
+/// Mean and harmonics of the time, s, over cycles that begin at the phase `begin.0` and have the frequency `begin.1`, about
+/// `middle`: a sawtooth, whose sines about that phase are -1/(pi k f).
 pub fn clock(layout: Layout, (begin, frequency): (f64, f64), middle: f64) -> Vec<f64> {
     let part = |part: usize| {
         let k = Layout::harmonic(part) as f64;

@@ -59,7 +59,7 @@ impl CaseTarget {
         Error::Model { run: self.name.clone(), fault }
     }
 
-    /// Numbers of the last cycle with these numbers of wing and air.
+    /// Numbers of the last cycle, N and N m, with these numbers of wing and air.
     ///
     /// # Errors
     /// A model without an answer.
@@ -68,7 +68,8 @@ impl CaseTarget {
         Ok(self.layout().of_steps(&rows))
     }
 
-    /// Derivatives of [`predict`](Self::predict) by the first `count` of the numbers; none depends on what a wing alone has not.
+    /// Derivatives of [`predict`](Self::predict) by the first `count` of the numbers, over the units of these; none depends on
+    /// what a wing alone has not.
     ///
     /// # Errors
     /// A model without an answer.

@@ -35,7 +35,7 @@ impl Tilts {
         (at(SETTLING[0]), at(1.0 - SETTLING[1]))
     }
 
-    /// The cycle of loads at ascending times.
+    /// The cycle of loads (N and N m) at ascending times (s).
     pub fn cycle(self, time: &dyn Fn(usize) -> f64, rows: &[[f64; 6]]) -> Option<Vec<f64>> {
         let mean = |k: usize| {
             let (begin, end) = self.used(k);
@@ -45,8 +45,8 @@ impl Tilts {
         self.of_means((0..self.count).map(mean))
     }
 
-    /// The cycles of the samples of a pass, none in place of one with an attitude without samples: `time` ascends, and `load` is what a
-    /// sample that can be used shows.
+    /// The cycles (N and N m) of the samples of a pass, none in place of one with an attitude without samples. `time` (s)
+    /// ascends, and `load` is what a sample that can be used shows.
     pub fn cycles(self, time: &[f64], load: &dyn Fn(usize) -> Option<[f64; 6]>) -> Vec<Option<Vec<f64>>> {
         let one = |part: usize| {
             self.of_means((0..self.count).map(|k| mean(self.rows(time, k, part).filter_map(load))))
@@ -64,13 +64,13 @@ impl Tilts {
         at(part)..at(part + 1)
     }
 
-    /// Samples of a cycle at `rate_hz`.
+    /// Number of samples of a cycle at `rate_hz`.
     pub fn samples(self, rate_hz: f64) -> f64 {
         let (begin, end) = self.used(0);
         (end - begin) * rate_hz * self.count as f64 / PARTS as f64
     }
 
-    /// Mean and harmonics of the time over a pass: the middle of what is used of each attitude.
+    /// Mean and harmonics of the time, s, over a pass: the middle of what is used of each attitude.
     pub fn clock(self) -> Vec<f64> {
         let middle = |k: usize| {
             let (begin, end) = self.used(k);

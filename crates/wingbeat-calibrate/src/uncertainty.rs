@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use wingbeat::parallel;
 
-/// Two-sided 95 % of the normal distribution.
+/// Two-sided 95 % of the normal distribution, as a number of standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// 95 % of chi squared with one degree of freedom.
 const CHI_95: f64 = 3.841_458_820_694_124;
@@ -21,11 +21,12 @@ const TOLD: f64 = 0.05;
 /// Covariances of the estimates.
 #[derive(Clone, Debug)]
 pub struct Covariances {
-    /// Cycles as clusters (sandwich), with what the model cannot say and what priors leave open.
+    /// In the units of the parameters, squared: cycles as clusters (sandwich), with what the model cannot say and what priors
+    /// leave open.
     pub clustered: DMatrix<f64>,
-    /// That part of it which is of what the model cannot say.
+    /// That part of it which is of what the model cannot say, in the units of the parameters, squared.
     pub unsaid: DMatrix<f64>,
-    /// As if every sample were independent of the one before.
+    /// As if every sample were independent of the one before, in the units of the parameters, squared.
     pub white: DMatrix<f64>,
     /// Cycles beyond their means of which the noise was told, those of the runs of which the fewest tell it.
     pub freedom: f64,
@@ -35,8 +36,8 @@ pub struct Covariances {
     pub directions: Vec<Vec<f64>>,
 }
 
-/// Inverse of a positive semidefinite matrix by eigenvalues of its form with a unit diagonal; directions that it does not
-/// know stay out.
+/// Inverse of a positive semidefinite matrix, in the units of the parameters or over them, by eigenvalues of its form with a
+/// unit diagonal; directions that it does not know stay out.
 pub fn inverse(a: &DMatrix<f64>) -> DMatrix<f64> {
     let n = a.nrows();
     let columns: Vec<DVector<f64>> = (0..n)
@@ -48,7 +49,8 @@ pub fn inverse(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
-/// Two-sided 95 % of Student's distribution, by its expansion about the normal one: within 2e-3 from 6 degrees of freedom on.
+/// Two-sided 95 % of Student's distribution, as a number of standard deviations, by its expansion about the normal one: within
+/// 2e-3 from 6 degrees of freedom on.
 ///
 /// Equation: calibrate.student
 /// `z + (z^3 + z)/(4 v) + (5 z^5 + 16 z^3 + 3 z)/(96 v^2) + (3 z^7 + 19 z^5 + 17 z^3 - 15 z)/(384 v^3)`
@@ -266,18 +268,19 @@ impl Label {
 /// The cost along one parameter, the others fitted again.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// Values of the parameter, ascending.
+    /// Values of the parameter, ascending, in its unit.
     pub values: Vec<f64>,
-    /// Cost above the least, in the scale in which 3.84 is its 95 %.
+    /// Cost above the least, dimensionless, in the scale in which 3.84 is its 95 %.
     pub cost: Vec<f64>,
     /// What it says.
     pub label: Label,
-    /// Ends of the 95 % interval where the cost passes 3.84; none where it does not.
+    /// Ends of the 95 % interval where the cost passes 3.84, in the unit of the parameter; none where it does not.
     pub interval: [Option<f64>; 2],
 }
 
-/// Profiles of all parameters about `values`. The others take Gauss-Newton steps on the Jacobian at the fit and the model's
-/// own residuals. `errors` are the standard errors; the cost is measured in the scale that makes its curvature theirs.
+/// Profiles of all parameters about `values`, in the units of the parameters. The others take Gauss-Newton steps on the
+/// Jacobian at the fit and the model's own residuals. `errors` are the standard errors; the cost is measured in the scale that
+/// makes its curvature theirs.
 ///
 /// # Errors
 /// A model without an answer at the fit.

@@ -131,8 +131,8 @@ pub struct Wake {
     /// Radius of the cores of the wake's vortices, mean chords
     #[arg(long, value_name = "SHARE", default_value_t = Asked::default().core)]
     pub core: f64,
-    /// Largest suction parameter of the leading edges (about 0.11 for flat plates): what is above is shed there; without it the flow
-    /// stays attached
+    /// Largest suction parameter of the leading edges (dimensionless, about 0.11 for flat plates): what is above is shed there;
+    /// without it the flow stays attached
     #[arg(long, value_name = "A0")]
     pub critical_suction: Option<f64>,
     #[command(flatten)]
@@ -208,7 +208,7 @@ pub struct Trim {
     /// The scenario; or a robot, which is trimmed from its file alone
     #[arg(value_name = "FILE.toml")]
     pub file: PathBuf,
-    /// Of a robot: also fly a turn of this bank about the gait that is found; positive is right wing down
+    /// Of a robot: also fly a turn of this bank, deg, about the gait that is found; positive is right wing down
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub bank: Option<f64>,
     #[command(flatten)]
@@ -636,7 +636,7 @@ pub struct RigEmulate {
     /// Let the numbers leap ahead after this many records of a stream; 0 never
     #[arg(long, value_name = "RECORDS", default_value_t = 0)]
     pub jump_after: u64,
-    /// Records made of those that the stated rate says; 0 all
+    /// Share of records made of those that the stated rate says; 0 all
     #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
     pub pace: f64,
     /// Number before the first record of a stream and of the box's own count, to see numbers wrap

@@ -197,16 +197,16 @@ pub struct CalibratedCaseSpec {
 pub struct ParameterSpec {
     /// Name, `surfaces.wing.cd0`, `links.twist.mass_kg` (both sides), `mount.shift_m[2]`, `gait.phase_rad`.
     pub name: String,
-    /// Where the fit begins; without it the value of the model.
+    /// Where the fit begins, in the unit of the number; without it the value of the model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<f64>,
-    /// Lowest value.
+    /// Lowest value, in the unit of the number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
-    /// Highest value.
+    /// Highest value, in the unit of the number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
-    /// What is known beforehand: mean and standard deviation.
+    /// What is known beforehand: mean and standard deviation, in the unit of the number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prior: Option<[f64; 2]>,
     /// True to hold it at its start; it is then only named in the report.
@@ -386,7 +386,7 @@ const INERTIA: [&str; 3] = ["mass_kg", "com_m", "inertia_kg_m2"];
 const AIR: [&str; 2] = ["surfaces.", "air."];
 
 impl ParameterSpec {
-    /// Lowest and highest value of the number that `quantity` declares.
+    /// Lowest and highest value of the number that `quantity` declares, in its unit.
     pub fn bounds(&self, quantity: &Quantity) -> [f64; 2] {
         let [low, high] = quantity.given;
         [self.low.unwrap_or(low), self.high.unwrap_or(high)]

@@ -275,8 +275,8 @@ impl Scenario {
         self.robot.inputs().iter().map(|channel| given(channel).unwrap_or(0.0)).collect()
     }
 
-    /// State at t = 0: at the origin, structure at rest under the commands that the start holds, still wake but for what
-    /// the start says.
+    /// State at t = 0, in the units of its channels: at the origin, structure at rest under the commands that the start holds,
+    /// still wake but for what the start says.
     pub fn start(&self) -> Vec<f64> {
         self.start_of(&self.robot)
     }

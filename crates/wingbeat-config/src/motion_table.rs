@@ -89,7 +89,7 @@ pub struct Smoothed {
     pub samples: usize,
     /// Root of the mean square of table less fit, in the unit of the key, scale included.
     pub residual_rms: f64,
-    /// Largest magnitude of it.
+    /// Largest magnitude of what the fit leaves, in the unit of the key.
     pub residual_largest: f64,
 }
 

@@ -47,7 +47,8 @@ const WITHIN: f64 = 2e-2;
 /// Range of a load over the largest of all below which it is rounding. *Choice.*
 const ROUNDING: f64 = 1e-7;
 
-/// The caution that all loads repeat twice or three times in what is called a cycle: a table of another frequency is read so.
+/// The caution that all loads repeat twice or three times in what is called a cycle, of `hz` (Hz): a table of another frequency
+/// is read so.
 pub fn repeating(run: &TetherRun, hz: f64) -> Option<Warning> {
     let change = run.periodicity.as_ref()?.change;
     let within = WITHIN.max(2.0 * change);

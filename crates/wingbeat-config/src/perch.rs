@@ -48,7 +48,7 @@ pub struct PerchSpec {
     /// What it is.
     #[serde(default)]
     pub kind: PerchKind,
-    /// Direction along a bar, in W.
+    /// Direction along a bar, in W, dimensionless.
     #[serde(default = "across")]
     pub direction: [f64; 3],
     /// Length of a bar, m.

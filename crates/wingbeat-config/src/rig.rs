@@ -302,7 +302,7 @@ impl RigRun {
         }
     }
 
-    /// Simulates the run.
+    /// Simulates the run; `progress` hears the share that is done.
     ///
     /// # Errors
     /// Bad numbers; a fault of the model comes back with its time.
@@ -370,7 +370,7 @@ impl RigRun {
         Ok(Self { lattice: self.lattice, ..run })
     }
 
-    /// Names and values of the numbers of robot and rig that a fit can find.
+    /// Names and values of the numbers of robot and rig that a fit can find, in their declared units.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
         self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
     }
@@ -382,7 +382,8 @@ impl RigRun {
         named
     }
 
-    /// Robot and rig with other numbers; names as for [`Robot::adjusted`]. A fit tries many: the values are not checked.
+    /// Robot and rig with other numbers, in their declared units; names as for [`Robot::adjusted`]. A fit tries many: the
+    /// values are not checked.
     ///
     /// # Errors
     /// An unknown name.
@@ -394,7 +395,7 @@ impl RigRun {
         Ok((self.robot.with(&self.robot.given(&robot)?)?, numbers))
     }
 
-    /// Refuses numbers that no robot has, as [`Robot::adjusted`] does.
+    /// Refuses numbers, in their declared units, that no robot has, as [`Robot::adjusted`] does.
     ///
     /// # Errors
     /// An unknown name, a value that cannot be.

@@ -35,9 +35,9 @@ pub struct Processed {
     pub model: Option<Modelled>,
     /// Phase averages in still air that were taken away from both.
     pub still: Option<[CycleAverage; 6]>,
-    /// Tare offsets in the cell frame.
+    /// Tare offsets in the cell frame, N and N m.
     pub offset: [f64; 6],
-    /// Drift per s in the cell frame.
+    /// Drift in the cell frame, N/s and N m/s.
     pub slope: [f64; 6],
     /// Samples with a channel at the end of its range.
     pub saturated: usize,
@@ -200,7 +200,7 @@ impl RigRun {
         }))
     }
 
-    /// Mass, centre and offsets from a record of static tilts.
+    /// Mass, centre and offsets (kg, m, N and N m) from a record of static tilts.
     ///
     /// # Errors
     /// Missing columns, attitudes without samples or that do not part mass from offsets.

@@ -4,7 +4,7 @@ use super::RigRun;
 use wingbeat_rig::cell::CHANNELS;
 use wingbeat_rig::process::{Corrected, CycleAverage, PhaseSource};
 
-/// One line per step of processing, those left out included.
+/// One line per step of processing of the window from `begin` to `end` (s), those left out included.
 pub fn statement(
     run: &RigRun,
     measured: &Corrected,

@@ -46,7 +46,7 @@ pub struct Together {
     pub reference: String,
     /// True when the model has an answer on the measured motion of that run.
     pub simulated: bool,
-    /// Strokes drawn: three that follow each other, or as many as the windows hold.
+    /// Number of strokes drawn: three that follow each other, or as many as the windows hold.
     pub turns: f64,
     /// Columns `t`, `low_`, `high_` of each channel over these strokes, and `simulation_` where there is one.
     pub envelope: Record,

@@ -30,9 +30,9 @@ pub struct SearchFound {
     pub candidates: usize,
     /// Number of the best one.
     pub best: usize,
-    /// Its cost: sum of the squares of all misses; 0 meets all goals.
+    /// Its cost, dimensionless: sum of the squares of all misses; 0 meets all goals.
     pub cost: f64,
-    /// Its values, by the keys of the draws.
+    /// Its values, by the keys of the draws and in the units of these.
     pub values: Vec<(String, f64)>,
     /// What its flights came to.
     pub flights: Vec<SearchFlight>,
@@ -45,7 +45,7 @@ pub struct SearchFound {
 pub struct SearchFlight {
     /// Its overrides.
     pub overrides: Vec<String>,
-    /// Its goals: key, value, what is asked, and whether it is met.
+    /// Its goals: key, value in the unit that ends it, what is asked, and whether it is met.
     pub goals: Vec<(String, Option<f64>, String, bool)>,
 }
 
@@ -74,7 +74,7 @@ impl Sweep {
         Some(SweepFound { verdict: self.verdict(record), found })
     }
 
-    /// The search after the candidates of whole generations among `rows`, in any order.
+    /// The search after the candidates of whole generations among `rows`, in the units of their columns, in any order.
     ///
     /// # Errors
     /// A row that is not of this search.
@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
         self.told..(self.told + self.spec.population).min(self.sweep.runs())
     }
 
-    /// The values of a candidate of the present generation.
+    /// The values of a candidate of the present generation, in the units of their draws.
     pub fn values(&self, run: usize) -> Vec<f64> {
         let shares = self.evolution.candidate(run - self.told);
         let of = |(draw, share): (&super::Draw, f64)| {
@@ -167,7 +167,7 @@ impl<'a> Search<'a> {
         self.sweep.spec.draws.iter().zip(shares).map(of).collect()
     }
 
-    /// Whether `row` is that of a candidate: of the present generation its values too.
+    /// Whether `row`, in the units of the columns, is that of a candidate: of the present generation its values too.
     pub fn has_row(&self, row: &[f64]) -> bool {
         let run = row.first().copied().unwrap_or(f64::NAN);
         let whole = run.fract() == 0.0 && (0.0..self.sweep.runs() as f64).contains(&run);
@@ -175,7 +175,7 @@ impl<'a> Search<'a> {
         row.len() == self.columns().len() && whole && (!self.generation().contains(&(run as usize)) || own())
     }
 
-    /// Goes on to the next generation by the rows of this one.
+    /// Goes on to the next generation by the rows of this one, in the units of their columns.
     pub fn tell<'r>(&mut self, rows: impl Iterator<Item = &'r [f64]>) {
         let costs: Vec<f64> = rows.map(|row| row.last().copied().unwrap_or(f64::NAN)).collect();
         self.told += costs.len();
@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Flies a candidate: its row, or none where `watch` stopped it.
+    /// Flies a candidate: its row in the units of the columns, or none where `watch` stopped it.
     ///
     /// # Errors
     /// A scenario that cannot be flown.
@@ -196,7 +196,8 @@ impl<'a> Search<'a> {
         self.row_of(run, &self.values(run), watch)
     }
 
-    /// Flies candidate `run` with these values, which need not be of the present generation: its row, or none where `watch` stopped it.
+    /// Flies candidate `run` with these values, in the units of their draws, which need not be of the present generation: its
+    /// row, or none where `watch` stopped it.
     ///
     /// # Errors
     /// A scenario that cannot be flown.

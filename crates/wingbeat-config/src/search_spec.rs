@@ -41,13 +41,13 @@ pub struct SearchGoal {
     /// Its key, `roll_mean_deg`; of a table inside `controller.failures`; or the name of a limit, `flight.path_angle_deg`, for what is held
     /// against it.
     pub key: String,
-    /// Least value.
+    /// Least value, in the unit of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
-    /// Largest value.
+    /// Largest value, in the unit of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
-    /// Miss that costs 1; the cost is the sum of the squares.
+    /// Miss that costs 1, in the unit of the key; the cost is the sum of the squares.
     #[serde(default = "one")]
     pub per: f64,
 }

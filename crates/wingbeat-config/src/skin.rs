@@ -22,7 +22,7 @@ pub struct MembraneSummary {
     pub lag_rad: f64,
     /// Rise by the weight of the membrane, which is left out, over the largest rise.
     pub weight_fraction: f64,
-    /// Load that its bending stiffness, which is left out, would bear over what the mean tension bears.
+    /// Ratio of the load that its bending stiffness, which is left out, would bear to what the mean tension bears.
     pub bending_fraction: f64,
 }
 

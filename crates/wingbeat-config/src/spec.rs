@@ -153,8 +153,8 @@ pub struct AeroSpec {
     /// attached lift, deg; where a surface says none of its own.
     #[serde(default = "default_stall_angle")]
     pub stall_angle_deg: f64,
-    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction, for law `lev`; where a surface
-    /// says none of its own.
+    /// Dimensionless leading-edge suction parameter A0 beyond which the edge holds no more suction, for law `lev`; where a
+    /// surface says none of its own.
     #[serde(default = "default_critical_suction")]
     pub critical_suction: f64,
     /// Angle of attack of the chord at which the section bears no lift, deg, negative with camber upward; where a surface says
@@ -299,8 +299,8 @@ pub struct StartSpec {
     /// given starts at rest.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub states: BTreeMap<String, f64>,
-    /// Commands in force from the start by the names of their columns: the structure starts displaced by them, and without
-    /// a controller they are held.
+    /// Commands in force from the start by the names of their columns and in the units of these: the structure starts displaced
+    /// by them, and without a controller they are held.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub commands: BTreeMap<String, f64>,
 }

@@ -40,7 +40,7 @@ pub struct Summary {
     pub not_judged: Vec<&'static str>,
     /// Simulated time, s.
     pub duration_s: f64,
-    /// Simulated over wall time.
+    /// Ratio of simulated to wall time.
     pub real_time_factor: f64,
     /// Travel along world x, m.
     pub distance_x_m: f64,
@@ -150,7 +150,7 @@ pub struct LawState {
     pub meaning: &'static str,
     /// Unit; empty when it is a share.
     pub unit: &'static str,
-    /// The mean.
+    /// The mean, in `unit`.
     pub mean: f64,
 }
 
@@ -169,11 +169,11 @@ pub struct ControllerSummary {
     pub period_s: Option<f64>,
     /// Wall time of an update, microseconds.
     pub median_us: f64,
-    /// 99th percentile.
+    /// The same at the 99th percentile.
     pub p99_us: f64,
-    /// 99.9th percentile.
+    /// The same at the 99.9th percentile.
     pub p999_us: f64,
-    /// Longest.
+    /// Longest, microseconds.
     pub max_us: f64,
 }
 
@@ -213,7 +213,7 @@ pub(super) struct Settled<'a> {
 }
 
 impl Settled<'_> {
-    /// The samples of a column that count; none of a column that is not there.
+    /// The samples of a column that count, in its unit; none of a column that is not there.
     pub fn column(&self, name: &str) -> &[f64] {
         self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
     }

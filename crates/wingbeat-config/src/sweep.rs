@@ -130,9 +130,8 @@ impl Sweep {
         self.spec.count()
     }
 
-    /// The values drawn for run `run`, in the order of the draws: random numbers are from
-    /// a stream of its own for every run, so that order and interruption do not matter. Of a grid the last draw varies
-    /// fastest.
+    /// The values drawn for run `run`, in the order of the draws and in the units of their keys. Random numbers are from a
+    /// stream of its own for every run, so that order and interruption do not matter. Of a grid the last draw varies fastest.
     pub fn values(&self, run: usize) -> Vec<f64> {
         let mut random = Random::stream(self.spec.seed, run as u64);
         let (mut left, mut grid) = (self.runs(), run);

@@ -46,7 +46,7 @@ const CASE: [(&str, &str); 10] = [
 /// Rows of a batch of runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepRows {
-    /// One for each run; none where they were stopped.
+    /// One for each run, in the units of the columns; none where they were stopped.
     pub rows: Vec<Vec<f64>>,
     /// Groups in which they were made: of lanes as many as registers were filled.
     pub groups: usize,
@@ -154,7 +154,7 @@ impl Sweep {
         Ok((summaries.into_iter().flatten().collect(), groups.len()))
     }
 
-    /// Whether `row` is that of a run of the sweep: its number and its draws.
+    /// Whether `row`, in the units of the columns, is that of a run of the sweep: its number and its draws.
     pub fn has_row(&self, row: &[f64]) -> bool {
         let draws = self.spec.draws.len();
         let run = row.first().copied().unwrap_or(f64::NAN);

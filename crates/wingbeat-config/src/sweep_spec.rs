@@ -83,10 +83,10 @@ pub enum Sampling {
 pub struct Draw {
     /// Key of the scenario or case, e.g. `mismatch.mass`, `mismatch.com_m[0]` or `time.frequency_hz`.
     pub key: String,
-    /// Lower end.
+    /// Lower end, in the unit of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
-    /// Upper end.
+    /// Upper end, in the unit of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
     /// Number of values of a grid.
@@ -97,7 +97,7 @@ pub struct Draw {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(with = "Vec<Listed>")]
     pub values: Vec<toml::Value>,
-    /// Value with which a search begins; without it the middle.
+    /// Value with which a search begins, in the unit of the key; without it the middle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<f64>,
     /// Other keys that take the same value; behind a minus sign its negative: `-robot.structure.elements[0].low`.
@@ -364,7 +364,7 @@ impl Draw {
         ends.map(|(key, value)| (key.into(), value)).into()
     }
 
-    /// The word of a list that the recorded `value` stands for; none of numbers.
+    /// The word of a list that the recorded `value` stands for (a number of its place, without unit); none of numbers.
     pub fn word(&self, value: f64) -> Option<&toml::Value> {
         self.values.get(value as usize).filter(|word| number(word).is_none())
     }

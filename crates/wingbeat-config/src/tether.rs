@@ -121,8 +121,8 @@ impl TetherCase {
         Document::value("case", &spec)?.resolved()
     }
 
-    /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps, and `compared` what was found of a
-    /// measurement.
+    /// The numbers of a run, with warnings; `step_change` says by what share they depend on the steps, and `compared` what was
+    /// found of a measurement.
     pub fn summary(
         &self,
         run: &TetherRun,
@@ -306,7 +306,7 @@ pub struct TetherSummary {
     pub mean_power_w: Option<f64>,
     /// Mean of the positive part of that power, W: what a drive gives that takes nothing back.
     pub mean_positive_power_w: Option<f64>,
-    /// Mean thrust times wind speed over mean power; negative where the wing drags.
+    /// Ratio of mean thrust times wind speed to mean power; negative where the wing drags.
     pub propulsive_efficiency: Option<f64>,
     /// How far the last cycle is from the one before; none of a single cycle.
     pub periodicity: Option<Periodicity>,
@@ -403,9 +403,9 @@ const ROUNDED_OFF: f64 = 0.02;
 pub(super) const STEP_CHANGE: f64 = 0.02;
 
 impl TetherCase {
-    /// How much the mean loads of `run` depend on its steps: their change against the run with half the steps per
-    /// cycle and, where that is large, against the one with twice as many, which tells whether this one or that
-    /// coarse one is at fault. None for a run that did not end. `simulate` makes the other runs.
+    /// How much the mean loads of `run` depend on its steps: their relative change against the run with half the steps per
+    /// cycle and, where that is large, against the one with twice as many, which tells whether this one or that coarse one is
+    /// at fault. None for a run that did not end. `simulate` makes the other runs.
     ///
     /// # Errors
     /// Those of `simulate`.
@@ -440,7 +440,7 @@ impl TetherCase {
     }
 }
 
-/// The largest change of a mean between two runs, forces and moments each by the largest of their kind, in the run
+/// The largest relative change of a mean between two runs, forces and moments each by the largest of their kind, in the run
 /// where that is smaller: the other may have grown without bound.
 pub fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
     let of = |kind: &str| {
@@ -499,7 +499,8 @@ impl TetherCase {
         self.document.explain(error)
     }
 
-    /// Names and values of the numbers that `numbers` may give, as a robot calls those of its wing and air.
+    /// Names and values of the numbers that `numbers` may give, as a robot calls those of its wing and air, in their declared
+    /// units.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
         self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
     }
@@ -509,7 +510,7 @@ impl TetherCase {
         WingNumbers::of(&self.tether.aero).named(&|_, _, _| None)
     }
 
-    /// The wing in its wind with other numbers; those of what a wing alone has not do not count.
+    /// The wing in its wind with other numbers, in their declared units; those of what a wing alone has not do not count.
     ///
     /// # Errors
     /// A number that the wing has not, or that cannot be.

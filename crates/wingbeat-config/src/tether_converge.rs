@@ -70,7 +70,7 @@ impl ConvergenceRun {
         }
     }
 
-    /// The quantities, by [`QUANTITIES`].
+    /// The quantities, by [`QUANTITIES`], in the units of these.
     pub fn values(&self) -> [f64; QUANTITIES.len()] {
         [self.mean_lift_n, self.mean_thrust_n, self.peak_lift_n, self.mean_power_w]
     }
@@ -81,11 +81,11 @@ impl ConvergenceRun {
 pub struct Spread {
     /// Its name, with the unit at its end.
     pub quantity: &'static str,
-    /// Its value with most strips and steps.
+    /// Its value with most strips and steps, in the unit of the quantity.
     pub finest: f64,
-    /// Observed order in the strips, with most steps; none where the three values do not approach one.
+    /// Observed order (dimensionless) in the strips, with most steps; none where the three values do not approach one.
     pub order_strips: Option<f64>,
-    /// Observed order in the steps, with most strips.
+    /// Observed order (dimensionless) in the steps, with most strips.
     pub order_steps: Option<f64>,
     /// Largest less smallest with the two finer levels of both, over the finest value, or over a tenth of the largest
     /// force or power where that is more.
@@ -99,7 +99,7 @@ pub struct Convergence {
     pub status: &'static str,
     /// Why.
     pub verdict: String,
-    /// Largest spread of all quantities.
+    /// Largest relative spread of all quantities.
     pub spread: f64,
     /// Strips and steps.
     #[serde(flatten)]
@@ -250,7 +250,7 @@ fn spread(values: [f64; 4], scale: f64) -> f64 {
     if size > 0.0 { (high - low) / size } else { 0.0 }
 }
 
-/// The order p with which values at `counts` approach one: f = f0 + C n^-p through all three.
+/// The order p, dimensionless, with which values at `counts` approach one: f = f0 + C n^-p through all three.
 ///
 /// Equation: tether.observed_order
 /// `(f1 - f2)/(f2 - f3) = (n1^-p - n2^-p)/(n2^-p - n3^-p)`

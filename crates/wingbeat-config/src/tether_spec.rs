@@ -128,7 +128,7 @@ pub struct TetheredBodySpec {
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum CoordinateSpec {
-    /// Always the same.
+    /// Always the same, in the unit of the key.
     Constant(f64),
     /// Harmonics of the case's frequency.
     Fourier(FourierSpec),
@@ -146,13 +146,13 @@ impl Default for CoordinateSpec {
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FourierSpec {
-    /// Mean.
+    /// Mean, in the unit of the key.
     #[serde(default)]
     pub mean: f64,
-    /// Cosine amplitudes from the first harmonic on.
+    /// Cosine amplitudes from the first harmonic on, in the unit of the key.
     #[serde(default)]
     pub cos: Vec<f64>,
-    /// Sine amplitudes from the first harmonic on.
+    /// Sine amplitudes from the first harmonic on, in the unit of the key.
     #[serde(default)]
     pub sin: Vec<f64>,
 }

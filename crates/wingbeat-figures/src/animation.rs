@@ -23,7 +23,7 @@ pub struct Area {
     pub corners: Vec<Point>,
     /// Its colour, `#rrggbb`.
     pub colour: String,
-    /// How much of it is seen.
+    /// Share of its colour that covers what is behind.
     pub opacity: f64,
     /// The colour of a line about it.
     pub edge: Option<&'static str>,

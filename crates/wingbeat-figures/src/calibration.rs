@@ -28,15 +28,15 @@ const RISE: f64 = -50.0;
 pub struct Overlay {
     /// Channel with its unit in brackets.
     pub title: String,
-    /// Measured mean.
+    /// Measured mean, in the unit of the title.
     pub measured: Vec<f64>,
-    /// Predicted with the values that the fit began with.
+    /// Predicted with the values that the fit began with, in the unit of the title.
     pub before: Vec<f64>,
-    /// Predicted with the fit.
+    /// Predicted with the fit, in the unit of the title.
     pub after: Vec<f64>,
-    /// Low and high end of the 95 % band.
+    /// Low and high end of the 95 % band, in the unit of the title.
     pub band: Vec<(f64, f64)>,
-    /// Predicted with the fit and the wrench that is learned of what it leaves.
+    /// Predicted with the fit and the wrench that is learned of what it leaves, in the unit of the title.
     pub with_residual: Option<Vec<f64>>,
 }
 
@@ -76,9 +76,9 @@ pub struct ProfileCurve {
     pub name: String,
     /// What its profile says.
     pub title: String,
-    /// (value, cost above the least).
+    /// (value in the unit of the parameter, cost above the least without unit).
     pub points: Vec<(f64, f64)>,
-    /// Value and standard error of the fit.
+    /// Value and standard error of the fit, in the unit of the parameter.
     pub fit: (f64, f64),
 }
 
@@ -113,11 +113,11 @@ pub fn profiles(curves: Vec<ProfileCurve>) -> Figure {
 pub struct Spectrum {
     /// Channel with its unit in brackets.
     pub title: String,
-    /// Rms over the runs before the fit, by harmonic from 0.
+    /// Rms over the runs before the fit, by harmonic from 0, in the unit of the channel.
     pub before: Vec<f64>,
-    /// After the fit.
+    /// The same after the fit.
     pub after: Vec<f64>,
-    /// What noise leaves in the mean of the cycles.
+    /// What noise leaves in the mean of the cycles, in the unit of the channel.
     pub noise: Vec<f64>,
 }
 
@@ -152,11 +152,11 @@ pub struct Cells {
     pub rows: Vec<String>,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Numbers; those that are not finite stay blank.
+    /// Numbers in the unit of the title; those that are not finite stay blank.
     pub values: Vec<Vec<f64>>,
     /// Share of the scale of colours at a number, 0 to 1.
     pub shade: fn(f64) -> f64,
-    /// The number in a cell.
+    /// The number in a cell, as it is written, in the unit of the title.
     pub text: fn(f64) -> String,
 }
 

@@ -62,9 +62,9 @@ pub enum Look {
 pub struct Series {
     /// Name in the legend; none when empty. Series of one name and look stand there once.
     pub name: String,
-    /// (x, y) in drawing order.
+    /// (x, y) in drawing order, in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Bars below and above each point; none when empty.
+    /// Bars below and above each point, in the unit of y; none when empty.
     pub bars: Vec<(f64, f64)>,
     /// How the points are drawn.
     pub look: Look,
@@ -73,12 +73,12 @@ pub struct Series {
 }
 
 impl Series {
-    /// Points in the colour number `index` of the house.
+    /// Points, in the units of the axes, in the colour number `index` of the house.
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>, look: Look, index: usize) -> Self {
         Self { name: name.into(), points, bars: Vec::new(), look, colour: style::colour(index).into() }
     }
 
-    /// What the others are compared with: black circles.
+    /// What the others are compared with, in the units of the axes: black circles.
     pub fn reference(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         let colour = style::INK.into();
         Self { name: name.into(), points, bars: Vec::new(), look: Look::Circles, colour }
@@ -90,7 +90,7 @@ impl Series {
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
-    /// Range; without it that of the series.
+    /// Range, in the unit of the label; without it that of the series.
     pub range: Option<(f64, f64)>,
     /// Logarithmic.
     pub log: bool,
@@ -107,7 +107,7 @@ impl Axis {
         Self { label: label.into(), log: true, ..Self::default() }
     }
 
-    /// The same with a given range.
+    /// The same with a given range, in the unit of the label.
     pub fn over(self, low: f64, high: f64) -> Self {
         Self { range: Some((low, high)), ..self }
     }
@@ -124,7 +124,7 @@ pub struct Chart {
     pub y: Axis,
     /// Curves and marks, the first below.
     pub series: Vec<Series>,
-    /// Shaded ground: the range of y that passes.
+    /// Shaded ground: the range of y that passes, in its unit.
     pub passes: Option<(f64, f64)>,
 }
 

@@ -14,9 +14,9 @@ const DASHES: [Option<&str>; 4] = [None, Some("8 5"), Some("2 4"), Some("11 4 2 
 pub struct Quantity {
     /// What it is, with its unit in brackets.
     pub title: String,
-    /// Number of the run, which of its curves, name, values.
+    /// Number of the run, which of its curves, name, values in the unit of the title.
     pub curves: Vec<(usize, usize, String, Vec<f64>)>,
-    /// What the values may not leave.
+    /// What the values may not leave, in the unit of the title.
     pub limits: Option<(f64, f64)>,
 }
 

@@ -52,7 +52,8 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A curve of ordinary weight in the colour and the strokes number `index`; of one of many points, what would be seen.
+    /// A curve, in the units of the axes, of ordinary weight in the colour and the strokes number `index`; of one of many
+    /// points, what would be seen.
     pub fn new(name: impl Into<String>, x: &[f64], y: Vec<f64>, index: usize) -> Self {
         let kept = seen(&y, MOST_POINTS);
         let of = |values: &[f64]| kept.iter().map(|k| values[*k]).collect();
@@ -71,21 +72,21 @@ impl Curve {
         Self { dashes: None, ..self }
     }
 
-    /// A whole black line, heavier than others: the sum of what the others show.
+    /// A whole black line, heavier than others: the sum of what the others show, in the units of the axes.
     pub fn total(name: &str, x: &[f64], y: Vec<f64>) -> Self {
         let total = Self::new(name, x, y, 0);
         Self { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total }
     }
 
-    /// A fine black line: what the others are to follow.
+    /// A fine black line: what the others are to follow, in the units of the axes.
     pub fn reference(name: &str, x: &[f64], y: Vec<f64>) -> Self {
         let reference = Self::new(name, x, y, 0);
         Self { colour: style::INK.into(), weight: style::FINE, ..reference }
     }
 }
 
-/// Which points of a curve to draw, `most` or fewer: of every stretch its first, lowest, highest and last, so that no
-/// peak is lost.
+/// Which points of a curve, in the unit of its axis, to draw, `most` or fewer: of every stretch its first, lowest, highest and
+/// last, so that no peak is lost.
 pub fn seen(y: &[f64], most: usize) -> Vec<usize> {
     if y.len() <= most {
         return (0..y.len()).collect();
@@ -111,13 +112,13 @@ pub struct Panel {
     /// What is drawn, with its unit in brackets.
     pub title: String,
     pub curves: Vec<Curve>,
-    /// What the curves may not leave; shaded outside.
+    /// What the curves may not leave, in the unit of the title; shaded outside.
     pub limits: Option<(f64, f64)>,
-    /// Where curves should lie: (x, low, high) along x, shaded inside.
+    /// Where curves should lie: (x, low, high) along x, in the units of the axes, shaded inside.
     pub bands: Vec<Vec<(f64, f64, f64)>>,
     /// Whether the bands are narrow, and so darker.
     pub narrow: bool,
-    /// Where thin lines lie, which the axis holds.
+    /// Where thin lines lie, which the axis holds, in the unit of the title.
     pub levels: Vec<f64>,
 }
 
@@ -128,7 +129,7 @@ impl Panel {
     }
 }
 
-/// The panels one below another over the axis `x_label`, which spans all curves.
+/// The panels one below another over the axis `x_label`, which spans all curves; `height` is that of a panel, px.
 pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
     stacked_with(panels, x_label, height, &[])
 }
@@ -138,7 +139,7 @@ pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[Ref
     stacked_from(panels, x_label, height, marks, b'a')
 }
 
-/// The panels in two stacks beside one another.
+/// The panels in two stacks beside one another; `height` is that of a panel, px.
 pub fn two_stacks(mut panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
     let right = panels.split_off(panels.len().div_ceil(2));
     let letter = b'a' + panels.len() as u8;

@@ -19,8 +19,8 @@ const PREFIXED: [&str; 20] = [
 const PREFIXES: [(i32, &str); 7] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G")];
 
-/// A range of values with a step of 1, 2 or 5 times a power of ten, and the power of a thousand in which its
-/// numbers are short.
+/// A range of values with a step of 1, 2 or 5 times a power of ten, and the power of a thousand in which its numbers are short.
+/// Its ends and values are in the caller's unit, that of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// Lower end.

@@ -41,14 +41,14 @@ const DASHES: [&str; 8] = ["", "9 4", "2 3", "10 3 2 3", "16 4", "5 3", "10 3 2 
 /// Number of the colour of each side of the robot, in every figure.
 pub const SIDES: [(&str, usize); 2] = [("left", 0), ("right", 1)];
 
-/// A number to nine digits, in the shortest form.
+/// A number, in the unit that is written beside it (any unit of the caller), to nine digits, in the shortest form.
 pub fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
     let text = rounded.to_string();
     if text == "-0" { "0".into() } else { text.replace('-', "−") }
 }
 
-/// The power of ten whose exponent stands at a tick.
+/// The power of ten whose exponent (dimensionless) stands at a tick.
 pub fn decade(exponent: f64) -> String {
     if (-2.0..=3.0).contains(&exponent) {
         return number(10_f64.powf(exponent));
@@ -87,7 +87,7 @@ pub fn axes(layout: Layout) -> Layout {
         .with_tick_format(TickFormat::Custom(Arc::new(number)))
 }
 
-/// A thin line across a panel at the height `at`.
+/// A thin line across a panel at the height `at`, in the unit of the axis.
 pub fn thin(at: f64) -> ReferenceLine {
     ReferenceLine::horizontal(at).with_color(GUIDE).with_stroke_width(0.8).with_dasharray("")
 }
@@ -148,7 +148,7 @@ pub fn words(x: f64, y: f64, content: impl Into<String>, anchor: TextAnchor, bol
     Primitive::Text { x, y, content: content.into(), size: LETTERS, anchor, rotate: None, bold, color }
 }
 
-/// Least and largest of the finite `values`; 0 and 1 when there are none.
+/// Least and largest of the finite `values`, in the unit of these; 0 and 1 when there are none.
 pub fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
     let (low, high) =

@@ -145,16 +145,16 @@ impl Windowed {
     }
 }
 
-/// One channel averaged over whole cycles, by phase.
+/// One channel averaged over whole cycles, by phase. Values are in the unit of the channel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CycleAverage {
-    /// Mean over the cycles at equal steps of phase from 0.
+    /// Mean over the cycles at equal steps of phase from 0, in the unit of the channel.
     pub mean: Vec<f64>,
-    /// Smallest over the cycles.
+    /// Smallest over the cycles, in the unit of the channel.
     pub low: Vec<f64>,
-    /// Largest over the cycles.
+    /// Largest over the cycles, in the unit of the channel.
     pub high: Vec<f64>,
-    /// Standard deviation over the cycles, n - 1 in the denominator; zero of a single cycle.
+    /// Standard deviation over the cycles, in the unit of the channel, n - 1 in the denominator; zero of a single cycle.
     pub deviation: Vec<f64>,
     /// Whole cycles averaged.
     pub cycles: usize,
@@ -162,8 +162,8 @@ pub struct CycleAverage {
     pub left_out: usize,
 }
 
-/// Averages `x` over the whole cycles of `phase` at `bins` phases, by linear interpolation.
-/// A cycle in which samples are missing (not-a-number) is left out.
+/// Averages `x`, in its unit, over the whole cycles of `phase` (rad) at `bins` phases, by linear interpolation. A cycle in
+/// which samples are missing (not-a-number) is left out.
 ///
 /// # Errors
 /// Less than one whole cycle, or none without gaps.
@@ -239,17 +239,17 @@ impl CycleAverage {
 /// One curve against another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Root mean square of the difference.
+    /// Root mean square of the difference, in the unit of the curves.
     pub rmse: f64,
-    /// Range of the reference, largest less smallest.
+    /// Range of the reference, in the unit of the curves, largest less smallest.
     pub range: f64,
     /// Pearson correlation.
     pub correlation: f64,
-    /// Range of the curve over range of the reference.
+    /// Ratio of the range of the curve to the range of the reference.
     pub peak_ratio: f64,
 }
 
-/// Compares `curve` with `reference`, sample by sample.
+/// Compares `curve` with `reference`, sample by sample, both in the unit of one quantity.
 pub fn compare(curve: &[f64], reference: &[f64]) -> Comparison {
     let n = curve.len().min(reference.len()) as f64;
     let mean = |x: &[f64]| x.iter().sum::<f64>() / n;

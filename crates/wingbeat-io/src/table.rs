@@ -32,7 +32,7 @@ pub fn csv_bytes(record: &Record) -> Result<Vec<u8>, String> {
     Ok(text)
 }
 
-/// A number in the fewest letters that read back as the same number.
+/// A number, in the caller's unit, in the fewest letters that read back as the same number.
 pub fn shortest(value: f64) -> String {
     let (plain, power) = (value.to_string(), format!("{value:e}"));
     if power.len() < plain.len() { power } else { plain }

@@ -12,10 +12,10 @@ pub struct Judged {
     /// The run, the course or the file that it is of, where several are judged together.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
-    /// The value of the result; absent when it is not a finite number.
+    /// The value of the result, in `unit`; absent when it is not a finite number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// The limit.
+    /// The limit, in `unit`.
     pub limit: f64,
     /// `at_most` or `at_least`.
     pub allowed: &'static str,
@@ -34,7 +34,7 @@ pub struct Warning {
     pub id: &'static str,
     /// What was found, why it matters, and what helps.
     pub text: String,
-    /// How large it is, in the unit that the text names.
+    /// How large it is, in its unit, which the text names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<f64>,
     /// The key of the document that mends it.
@@ -48,7 +48,7 @@ impl Warning {
         Self { id, text: text.into(), size: None, key: None }
     }
 
-    /// The same with its size.
+    /// The same with its size, in its unit.
     pub fn size(self, size: f64) -> Self {
         Self { size: size.is_finite().then_some(size), ..self }
     }
@@ -127,7 +127,7 @@ impl<'a> Judge<'a> {
         Self { limits, status: Status::Ok, reasons: Vec::new(), judged: Vec::new(), warnings: Vec::new() }
     }
 
-    /// Holds `value` against `limit`; true when it is allowed.
+    /// Holds `value`, in the unit of the limit, against `limit`; true when it is allowed.
     pub fn hold(&mut self, limit: &'static Limit, value: f64) -> bool {
         self.hold_about(limit, value, "")
     }
@@ -138,14 +138,14 @@ impl<'a> Judge<'a> {
         self.take(limit, (bound, overridden), value, about)
     }
 
-    /// Holds `value` against `limit` where there is one.
+    /// Holds `value`, in the unit of the limit, against `limit` where there is one.
     pub fn hold_if(&mut self, limit: &'static Limit, value: Option<f64>) {
         if let Some(value) = value {
             self.hold(limit, value);
         }
     }
 
-    /// Holds `value` against `bound`, which the document's task states; `limit` says the rest.
+    /// Holds `value`, in the unit of the limit, against `bound`, which the document's task states; `limit` says the rest.
     pub fn hold_to(&mut self, limit: &'static Limit, bound: f64, value: f64) -> bool {
         self.take(limit, (bound, false), value, "")
     }

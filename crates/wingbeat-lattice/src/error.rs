@@ -8,7 +8,7 @@ pub enum Error {
     Setting {
         /// Name of the setting.
         key: &'static str,
-        /// The value given.
+        /// The value given, in the unit of the setting.
         value: f64,
         /// What is allowed.
         allowed: String,

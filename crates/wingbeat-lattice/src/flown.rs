@@ -71,7 +71,7 @@ impl Flight {
         self.times.partition_point(|time| *time <= t).saturating_sub(1).min(last)
     }
 
-    /// The states at `t` s.
+    /// The states at `t` s, in the units of their channels.
     pub fn state(&self, t: f64) -> Vec<f64> {
         let i = self.row(t);
         let Some(h) = self.times.get(i + 1).map(|next| next - self.times[i]) else {

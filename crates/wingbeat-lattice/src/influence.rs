@@ -63,12 +63,12 @@ impl Image {
     pub fn turns(self) -> bool {
         self.aside != self.ground.is_some()
     }
-    /// Of a point.
+    /// Of a point, m.
     pub fn point(self, p: Vec3) -> Vec3 {
         let Vec3([x, y, z]) = self.direction(p);
         Vec3([x, y, z + 2.0 * self.ground.unwrap_or(0.0)])
     }
-    /// Of a direction.
+    /// Of a direction, in the unit of the vector.
     pub fn direction(self, v: Vec3) -> Vec3 {
         let v = if self.aside { mirrored(v) } else { v };
         let [x, y, z] = v.0;
@@ -118,7 +118,7 @@ struct SeenFrom {
     places: [Place; LANES],
 }
 
-/// The mirror image at the plane y = 0.
+/// The mirror image at the plane y = 0, in the unit of the vector.
 pub fn mirrored(v: Vec3) -> Vec3 {
     let [x, y, z] = v.0;
     Vec3([x, -y, z])

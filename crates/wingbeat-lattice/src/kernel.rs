@@ -4,21 +4,21 @@ use wide::f64x4;
 use wingbeat::math::Vec3;
 use wingbeat::parallel;
 
-/// 1/(4 pi).
+/// 1/(4 pi), dimensionless.
 pub const INVERSE_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
 /// Points of one block of lanes.
 pub const LANES: usize = 4;
 /// Squared sine of the angle between the ways from a point to the ends of a segment below which it lies on the segment's line: legs of
 /// millimetres whose places are rounded metres from the origin are that far off.
 const ON_LINE: f64 = 1e-18;
-/// Added to denominators: far below any of them, so that the product of two is no zero either, nor infinite its inverse.
+/// Added to denominators (m4): far below any of them, so that the product of two is no zero either, nor infinite its inverse.
 pub const NEVER_ZERO: f64 = 1e-120;
 /// Pairs of segments and points from which work is shared among the cores. *Choice.*
 const SHARED: usize = 2_000_000;
 /// Blocks that one core takes at a time. *Choice.*
 const BLOCKS: usize = 16;
 
-/// Velocity at `p` per unit circulation of the segment from `a` to `b`: (d x r) (r1 + r2) / (4 pi r1 r2 (r1 r2 + r1.r2)),
+/// Velocity at `p` per unit circulation, 1/m, of the segment from `a` to `b`: (d x r) (r1 + r2) / (4 pi r1 r2 (r1 r2 + r1.r2)),
 /// d = b - a; nothing on the line of the segment.
 ///
 /// Equation: lattice.segment
@@ -78,7 +78,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Takes the place of the points held.
+    /// Takes the place of the points held, m.
     pub fn set(&mut self, points: impl ExactSizeIterator<Item = Vec3>) {
         self.count = points.len();
         self.blocks.clear();
@@ -104,7 +104,7 @@ impl Points {
         self.count
     }
 
-    /// The blocks: x, y and z of four points each.
+    /// The blocks: x, y and z of four points each, m.
     pub fn blocks(&self) -> &[[f64x4; 3]] {
         &self.blocks
     }
@@ -144,7 +144,7 @@ impl Grid {
 /// A vertex as seen from four points: where they lie from it, and how far.
 pub type Seen = ([f64x4; 3], f64x4);
 
-/// `point` as seen from the points `p`.
+/// `point` as seen from the points `p`, m.
 #[inline(always)]
 pub fn see(p: &[f64x4; 3], point: Vec3) -> Seen {
     let r: [f64x4; 3] = std::array::from_fn(|k| p[k] - f64x4::splat(point[k]));
@@ -192,7 +192,8 @@ fn cored((r1, x): &Seen, (r2, y): &Seen, core: f64x4) -> ([f64x4; 3], f64x4, f64
     (across, (*x + *y) * excess, product.mul_add(square, f64x4::splat(NEVER_ZERO)))
 }
 
-/// Velocity at four points per 4 pi of circulation of the segment between two vertices, with the squared core times squared length.
+/// Velocity at four points per 4 pi of circulation, 1/m, of the segment between two vertices, with the squared core times
+/// squared length (m4).
 #[inline(always)]
 pub fn between<const CORE: bool>(a: &Seen, b: &Seen, core: f64x4) -> [f64x4; 3] {
     if !CORE {
@@ -255,8 +256,8 @@ pub struct Room {
     eight: Vec<crate::wider::Seen>,
 }
 
-/// Adds to `sums` the velocities times 4 pi at the points of `blocks` that parts of a grid of vortices with cores induce: eight points
-/// at once where the processor can, else four, to the same bits.
+/// Adds to `sums` the velocities times 4 pi (m/s) at the points of `blocks` that parts of a grid of vortices with cores induce.
+/// Eight points at once where the processor can, else four, to the same bits.
 pub fn add_all(
     grid: &Grid,
     windows: &[Window],
@@ -286,7 +287,7 @@ pub fn add_all(
     }
 }
 
-/// Adds velocities at four points to those of up to four.
+/// Adds velocities (m/s) at four points to those of up to four.
 pub fn add_block(out: &mut [Vec3], velocity: [f64x4; 3]) {
     let lanes = velocity.map(|v| v.to_array());
     for (lane, v) in out.iter_mut().enumerate() {
@@ -294,7 +295,7 @@ pub fn add_block(out: &mut [Vec3], velocity: [f64x4; 3]) {
     }
 }
 
-/// Adds the velocity times 4 pi at four points that a part of a grid induces; `seen` is room for a row of vertices.
+/// Adds the velocity times 4 pi (m/s) at four points that a part of a grid induces; `seen` is room for a row of vertices.
 pub fn add_induced<const CORE: bool>(
     grid: &Grid,
     window: &Window,
@@ -395,7 +396,7 @@ impl Crossing {
         radius * radius
     }
 
-    /// The squared cores at four points of the vortices along at the columns `arcs`, and of those across between them.
+    /// The squared cores (m2) at four points of the vortices along at the columns `arcs`, and of those across between them.
     pub fn squares(&self, places: [Place; LANES], surface: usize, arcs: &[f64]) -> [Vec<f64x4>; 2] {
         let at = |arc: f64| f64x4::from(places.map(|place| self.square(place, surface, arc)));
         let middles = arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
@@ -403,8 +404,8 @@ impl Crossing {
     }
 }
 
-/// Velocity at four points per 4 pi of circulation of the segment between two vertices, with the squared core times squared length,
-/// which may be zero; nothing on the segment's line.
+/// Velocity at four points per 4 pi of circulation, 1/m, of the segment between two vertices, with the squared core times
+/// squared length, which may be zero; nothing on the segment's line.
 #[inline(always)]
 pub fn rounded(a: &Seen, b: &Seen, core: f64x4) -> [f64x4; 3] {
     let (across, numerator, denominator) = cored(a, b, core);
@@ -422,7 +423,7 @@ pub enum Segment {
     Along(usize, usize),
 }
 
-/// Every segment of a grid, with its two vertices as seen from four points; `seen` is room for a row of vertices.
+/// Every segment of a grid, with its two vertices as seen from the four points `p` (m); `seen` is room for a row of vertices.
 #[inline(always)]
 pub fn each_segment(
     grid: &Grid,
@@ -476,8 +477,8 @@ pub fn add_rounded(
     }
 }
 
-/// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation:
-/// `across` and `along` as in [`Grid`]; `unit` is what a segment between two vertices induces per 4 pi.
+/// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation (1/m). `across` and
+/// `along` are as in [`Grid`]; `unit` is what a segment between two vertices induces per 4 pi.
 #[inline(always)]
 pub fn unit_washes(
     grid: &Grid,
@@ -498,7 +499,7 @@ pub fn unit_washes(
     });
 }
 
-/// What a segment induces per 4 pi with the grid's own cores.
+/// What a segment induces per 4 pi of circulation, 1/m, with the grid's own cores.
 #[inline(always)]
 pub fn own<const CORE: bool>(grid: &Grid, segment: Segment, a: &Seen, b: &Seen) -> [f64x4; 3] {
     let core = match segment {

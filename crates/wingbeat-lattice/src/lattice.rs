@@ -391,7 +391,7 @@ impl Lattice {
     pub fn sheets(&self) -> &[Wake] {
         self.shedding.as_ref().map_or(&[], |shedding| &shedding.sheets)
     }
-    /// Suction parameters of the leading edges, by surface and strip, where these shed.
+    /// Suction parameters of the leading edges, by surface and strip, where these shed, dimensionless.
     pub fn suction(&self) -> &[f64] {
         self.shedding.as_ref().map_or(&[], |shedding| &shedding.suction)
     }

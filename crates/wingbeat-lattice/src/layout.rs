@@ -21,7 +21,7 @@ pub struct Layout {
     pub chordwise: usize,
     /// Arc coordinates of the strips' edges from left to right, m (left positive).
     pub arcs: Vec<f64>,
-    /// Place of the control points between the edges of their strip.
+    /// Place of the control points between the edges of their strip, as shares of its width.
     pub fractions: Vec<f64>,
 }
 

@@ -21,13 +21,13 @@ pub struct Air<'a> {
 /// Forces on the panels of a surface, N, resolved in W.
 #[derive(Clone, Debug, Default)]
 pub struct PanelLoads {
-    /// By Joukowski, with the suction of the leading edge, by panel.
+    /// By Joukowski, with the suction of the leading edge, by panel, N in W.
     pub joukowski: Vec<Vec3>,
-    /// By Bernoulli, along the panels' normals, by panel.
+    /// By Bernoulli, along the panels' normals, by panel, N in W.
     pub bernoulli: Vec<Vec3>,
-    /// Suction of the leading edge that Bernoulli lacks, by strip.
+    /// Suction of the leading edge that Bernoulli lacks, by strip, N in W.
     pub suction: Vec<Vec3>,
-    /// Force and moment about W's origin by Joukowski, by strip.
+    /// Force and moment about W's origin by Joukowski, by strip, N and N m.
     pub strips: Vec<Wrench<f64>>,
 }
 
@@ -38,9 +38,9 @@ pub struct Loads {
     pub time: f64,
     /// By surface.
     pub panels: Vec<PanelLoads>,
-    /// Sum by Joukowski.
+    /// Sum by Joukowski, N and N m.
     pub joukowski: Wrench<f64>,
-    /// Sum by Bernoulli with the suction of the leading edge.
+    /// Sum by Bernoulli with the suction of the leading edge, N and N m.
     pub bernoulli: Wrench<f64>,
     /// Share of the suction in that.
     pub suction: Wrench<f64>,

@@ -30,9 +30,10 @@ fn exponents(degree: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..=degree).flat_map(|n| (0..=n).flat_map(move |l| (0..=n - l).map(move |j| [n - l - j, j, l])))
 }
 
-/// Moments of a patch.
+/// Moments of a patch: circulation times length (m3/s), by every power of the place (m).
 pub type Moments = [Vec3; MOMENTS];
-/// Coefficients of a patch: by degree n from 1 on, n + 1 with the last exponent 0, then n with 1, each by the second exponent.
+/// Coefficients of a patch, of degree n in (m3/s) m^(n-1): by degree n from 1 on, n + 1 with the last exponent 0, then n with
+/// 1, each by the second exponent.
 pub type Coefficients = [[f64; 3]; TERMS];
 
 /// Powers (y - c)^k of all moments.
@@ -54,8 +55,8 @@ static LOWER: LazyLock<Vec<(usize, usize)>> = LazyLock::new(|| {
     exponents(LAST).skip(1).map(lower).collect()
 });
 
-/// Adds the straight vortex from `a` to `b`, seen from the centre, of the circulation `strength`: two points of Gauss hold its
-/// moments up to the third exactly.
+/// Adds the straight vortex from `a` to `b`, seen from the centre (m), of the circulation `strength` (m2/s): two points of
+/// Gauss hold its moments up to the third exactly.
 pub fn add_segment(moments: &mut Moments, a: Vec3, b: Vec3, strength: f64) {
     let (middle, along) = ((a + b) * 0.5, b - a);
     let off = along * (0.5 / 3.0_f64.sqrt());
@@ -91,7 +92,7 @@ impl Shift {
         Self { terms }
     }
 
-    /// Adds moments about a centre that lies `off` from that of `sum`.
+    /// Adds moments about a centre that lies `off` (m) from that of `sum`.
     pub fn add(&self, sum: &mut Moments, moments: &Moments, off: Vec3) {
         let powers = powers(off);
         for (to, from, power, factor) in &self.terms {
@@ -141,8 +142,8 @@ pub fn coefficients(moments: &Moments) -> Coefficients {
 /// Terms of a degree, with the last exponent 0 and 1, by the second exponent.
 type Terms = [[f64x4; DEGREE + 1]; 2];
 
-/// Velocity per 4 pi at four points that lie `d` from the centre:
-/// n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) - (n - 1) sum_i a_(k - 2 e_i), n the degree of k.
+/// Velocity times 4 pi (m/s) at four points that lie `d` (m) from the centre: n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) -
+/// (n - 1) sum_i a_(k - 2 e_i), n the degree of k.
 ///
 /// Equation: lattice.multipole_terms
 /// `n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) - (n - 1) sum_i a_(k - 2 e_i)`

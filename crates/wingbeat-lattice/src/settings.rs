@@ -16,7 +16,7 @@ pub struct Core {
     pub radius_m: f64,
     /// Kinematic viscosity nu of the air, m2/s.
     pub viscosity_m2_s: f64,
-    /// Squire's share of the circulation in the viscosity of a turbulent core.
+    /// Share of the circulation, after Squire, in the viscosity of a turbulent core.
     pub squire: f64,
 }
 
@@ -74,7 +74,7 @@ pub struct Settings {
     pub crossing: f64,
     /// Segments of a wake from which its velocities are summed by multipoles.
     pub fast_from: usize,
-    /// Largest suction parameter of the leading edge: what is above is shed there. None for attached flow.
+    /// Largest suction parameter of the leading edge, dimensionless: what is above is shed there. None for attached flow.
     pub critical_suction: Option<f64>,
     /// Radius of the cores of the sheets that leave the leading edges, m; where these feel bound vortices, of those too.
     pub sheet_core_m: f64,

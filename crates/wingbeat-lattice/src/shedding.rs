@@ -20,7 +20,7 @@ pub struct Shedding {
     pub sheets: Vec<Wake>,
     /// Jumps at the edges now and at the two instants before, by surface and strip, m2/s.
     pub jumps: [Vec<f64>; 3],
-    /// Suction parameters, by surface and strip.
+    /// Suction parameters, by surface and strip, dimensionless.
     pub suction: Vec<f64>,
     /// Largest way of a vortex of the sheets in a step beyond the wind's, m.
     pub farthest: f64,
@@ -28,7 +28,7 @@ pub struct Shedding {
 
 /// A factorised matrix of the rings.
 pub struct Factors<'a> {
-    /// From [`lu_factor`].
+    /// From [`lu_factor`]: wash over circulation, 1/m.
     pub matrix: &'a [f64],
     /// Beside it.
     pub pivots: &'a [usize],
@@ -54,7 +54,7 @@ fn edges(meshes: &[Mesh], wind: Vec3) -> Vec<Edge> {
 }
 
 impl Shedding {
-    /// Sheets of the surfaces `meshes`, whose edges bear suction up to `critical`.
+    /// Sheets of the surfaces `meshes`, whose edges bear suction up to the dimensionless parameter `critical`.
     pub fn new(critical: f64, meshes: &[Mesh]) -> Self {
         let strips = meshes.iter().map(|mesh| mesh.strips).sum();
         Self {
@@ -66,7 +66,8 @@ impl Shedding {
         }
     }
 
-    /// Joins `sheet` to the nose of `mesh`, whose jumps a step ago are `shed`; before anything was shed it has no more than its last rows.
+    /// Joins `sheet` to the nose of `mesh`, whose jumps a step ago are `shed` (m2/s); before anything was shed it has no more
+    /// than its last rows.
     pub fn join(sheet: &mut Wake, mesh: &Mesh, shed: Option<&[f64]>) {
         if sheet.rows() > 0 && sheet.rings.iter().all(|ring| *ring == 0.0) {
             sheet.truncate(0, f64::INFINITY);
@@ -76,7 +77,7 @@ impl Shedding {
         sheet.join(&mesh.heads.points, rings.as_deref());
     }
 
-    /// The tangency that the jumps of a step ago ask of the rings beyond `right`, and the columns of the noses.
+    /// The tangency that the jumps of a step ago ask of the rings beyond `right` (m/s), and the columns of the noses (1/m).
     pub fn held(&self, influence: &Influence, meshes: &[Mesh], right: &mut [f64]) -> Vec<f64> {
         let columns = influence.noses(meshes);
         let held = &self.jumps[1];
@@ -86,8 +87,8 @@ impl Shedding {
         columns
     }
 
-    /// The circulations of the rings, `rings` with the jumps of a step ago, so that no edge has more than the critical suction: of the
-    /// strips that shed, linear conditions, to which those are added that pass the critical value by it.
+    /// The circulations of the rings (m2/s), `rings` with the jumps of a step ago, so that no edge has more than the critical
+    /// suction: of the strips that shed, linear conditions, to which those are added that pass the critical value by it.
     ///
     /// Equation: lattice.shedding
     /// `jumps at the leading edges so that abs(A0) is at most the critical suction`
@@ -165,7 +166,7 @@ impl Shedding {
         }
     }
 
-    /// Strips that shed at the last instant, of all.
+    /// Share of the strips that shed at the last instant.
     pub fn share(&self) -> f64 {
         let shed = self.jumps[0].iter().zip(&self.jumps[1]).filter(|(now, before)| now != before);
         shed.count() as f64 / self.suction.len().max(1) as f64

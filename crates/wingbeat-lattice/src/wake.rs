@@ -22,12 +22,13 @@ impl Wake {
         self.grid.rows().saturating_sub(1)
     }
 
-    /// The row of vertices that joined last.
+    /// The row of vertices that joined last, m in W.
     pub fn last_row(&self) -> Option<&[Vec3]> {
         self.grid.points.len().checked_sub(self.grid.columns.max(1)).map(|first| &self.grid.points[first..])
     }
 
-    /// Joins the wake to the ends `trailing` of the bound rings; `shed` are the circulations that the last rings had a step ago.
+    /// Joins the wake to the ends `trailing` (m) of the bound rings; `shed` are the circulations (m2/s) that the last rings had
+    /// a step ago.
     pub fn join(&mut self, trailing: &[Vec3], shed: Option<&[f64]>) {
         self.grid.columns = trailing.len();
         self.rings.extend(shed.unwrap_or_default());

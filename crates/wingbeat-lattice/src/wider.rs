@@ -88,7 +88,8 @@ fn lane(of: __m512d, lane: usize) -> f64 {
     _mm512_cvtsd_f64(_mm512_permutexvar_pd(_mm512_set1_epi64(lane as i64), of))
 }
 
-/// As [`add_induced`](crate::kernel::add_induced) of vortices with cores, for two blocks of points.
+/// As [`add_induced`](crate::kernel::add_induced) of vortices with cores, for two blocks of points (m) and the sums of their
+/// velocities (m/s).
 #[target_feature(enable = "avx512f")]
 pub fn add_induced(
     grid: &Grid,

@@ -4,7 +4,8 @@ use super::Scalar;
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A value and its derivatives along `N` directions.
+/// A value and its derivatives along `N` directions. Both are in the caller's units: a derivative in that of the value over
+/// that of its direction.
 ///
 /// `Dual<N>` gives gradients; `Dual<N, Dual<M>>` gives exact second derivatives.
 ///

@@ -63,7 +63,8 @@ impl Error {
     }
 }
 
-/// Checks of numbers from a configuration, with the message of what is allowed.
+/// Checks of numbers from a configuration, with the message of what is allowed. Values are in the unit of their key, the
+/// caller's unit.
 pub mod require {
     use super::Error;
     use crate::range::Range;

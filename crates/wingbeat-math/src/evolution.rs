@@ -46,7 +46,7 @@ impl Evolution {
         Self { mean, step, variance, path, conjugate, weights, population, generation: 0, seed }
     }
 
-    /// The middle of the distribution, mirrored into the box.
+    /// The middle of the distribution, mirrored into the box, as shares of the box.
     pub fn mean(&self) -> Vec<f64> {
         self.mean.iter().copied().map(mirrored).collect()
     }

@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 /// that lie evenly have 1/2. *Choice.*
 const UNDETERMINED: f64 = 1e-6;
 
-/// `mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t)`.
+/// `mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t)`. The mean and the amplitudes are in the caller's
+/// units, those of the samples; f is in Hz and t in s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Harmonics {
     /// Mean.

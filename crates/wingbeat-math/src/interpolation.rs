@@ -1,4 +1,4 @@
-//! Interpolation in one variable.
+//! Interpolation in one variable. Abscissae and values are in the caller's units.
 
 use super::Scalar;
 

@@ -4,7 +4,7 @@ use super::{Meets, Scalar};
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// x, dx/dt and d2x/dt2 of one quantity.
+/// x, dx/dt and d2x/dt2 of one quantity. They are in the caller's unit, that per s and that per s2.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Jet<S: Scalar = f64> {
     /// Value.

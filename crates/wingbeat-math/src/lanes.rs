@@ -6,8 +6,8 @@ use std::fmt::{self, Debug, Formatter};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use wide::{f32x8, f64x4};
 
-/// A scalar that is several numbers, its lanes. No lane knows the others: what comes out of one depends, to the bit, on what
-/// went into it alone.
+/// A scalar that is several numbers in the caller's unit, its lanes. No lane knows the others: what comes out of one depends,
+/// to the bit, on what went into it alone.
 ///
 /// Where branches ask for [`value`](Scalar::value), lanes that differ have none: it is NaN, as their order is unknown. Code
 /// that is to run on lanes branches by [`if_below`](Scalar::if_below), [`positive`](Scalar::positive) and

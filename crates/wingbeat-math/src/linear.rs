@@ -1,4 +1,4 @@
-//! Small dense solves in place, row-major, without allocation.
+//! Small dense solves in place, row-major, without allocation. Matrices and vectors are in the caller's units.
 
 use super::{Over, Scalar};
 

@@ -1,5 +1,5 @@
 //! Numbers in order, by IEEE 754's total order. A sort is long code that is compiled again for each comparison: this one is
-//! compiled once, for places, and what is to be sorted only moves to them.
+//! compiled once, for places, and what is to be sorted only moves to them. The numbers are in the caller's units.
 
 /// Sorts numbers, the least first.
 #[inline(never)]

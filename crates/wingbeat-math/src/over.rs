@@ -1,4 +1,4 @@
-//! Numbers with more derivatives beside numbers with fewer.
+//! Numbers with more derivatives beside numbers with fewer. All are in the caller's units.
 
 use super::{Dual, Mat3, Scalar, Vec3};
 use std::ops::{Add, Mul, MulAssign, Sub};

@@ -13,8 +13,8 @@ pub struct Quantity {
     pub unit: &'static str,
     /// What it may be in any robot.
     pub range: Range,
-    /// Lowest and highest value that a numbers file or a fit may give it. *Choices*, wide of any robot: they keep a fit from
-    /// numbers without meaning.
+    /// Lowest and highest value that a numbers file or a fit may give it, in `unit`. *Choices*, wide of any robot: they keep a
+    /// fit from numbers without meaning.
     pub given: [f64; 2],
     /// Whether the number of the mirror image has the other sign.
     pub turned: bool,
@@ -26,7 +26,7 @@ impl Quantity {
         Self { unit, range: Range::FINITE, given: [-1e6, 1e6], turned: false }
     }
 
-    /// A number that may lie within `range`, and is given from `low` to `high`.
+    /// A number in `unit` that may lie within `range`, and is given from `low` to `high`.
     pub const fn within(unit: &'static str, range: Range, low: f64, high: f64) -> Self {
         Self { unit, range, given: [low, high], turned: false }
     }
@@ -136,7 +136,7 @@ impl<'a, P: Copy, Q> Walk<'a, P, Q> {
 }
 
 impl<P: Scalar, Q: Scalar> Walk<'_, P, Q> {
-    /// A vector.
+    /// A vector, each component in the unit of its quantity.
     pub fn vector(&mut self, key: &str, quantities: &[Quantity; 3], value: Vec3<P>) -> Vec3<Q> {
         Vec3(self.array(key, quantities, value.0))
     }
@@ -150,12 +150,13 @@ pub trait Parameters<P: Scalar> {
     /// Meets each number once, in the same order always, and makes the same of what the walk makes of them.
     fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Self::In<Q>;
 
-    /// The same numbers in another scalar, `f` of each.
+    /// The same numbers in another scalar, `f` of each; values are in the unit of what is declared of them.
     fn map<Q: Scalar>(&self, mut f: impl FnMut(P) -> Q) -> Self::In<Q> {
         self.walk(&mut Walk::new(&|_, _, _| None, &mut |_, value| f(value)))
     }
 
-    /// The same numbers in another scalar, `f` of what is declared of each and its value; `plain` of those without a name.
+    /// The same numbers in another scalar, `f` of what is declared of each and its value, in the unit of what is declared;
+    /// `plain` of those without a name.
     fn map_named<Q: Scalar>(
         &self,
         labels: Labels,

@@ -26,17 +26,17 @@ impl Random {
     pub fn bits(&mut self) -> u64 {
         self.stream.next_u64()
     }
-    /// Uniform in [0, 1).
+    /// A share, uniform in [0, 1).
     #[inline]
     pub fn unit(&mut self) -> f64 {
         self.stream.random()
     }
-    /// Uniform in [low, high).
+    /// Uniform in [low, high), in the unit of both.
     #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
-    /// Normal with mean 0 and deviation 1.
+    /// Normal with mean 0 and deviation 1, dimensionless: a number of standard deviations.
     #[inline]
     pub fn normal(&mut self) -> f64 {
         self.stream.sample(StandardNormal)

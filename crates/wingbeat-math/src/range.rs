@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use crate::Error;
 
-/// What a finite number may be.
+/// What a finite number may be. Its ends are in the caller's unit, that of the key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     low: f64,

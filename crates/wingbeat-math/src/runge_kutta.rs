@@ -3,7 +3,8 @@
 use super::Scalar;
 use std::ops::ControlFlow;
 
-/// Butcher table of an explicit method with `STAGES` stages.
+/// Butcher table of an explicit method with `STAGES` stages. Its numbers are dimensionless; states are in the caller's units,
+/// and slopes in those per unit of `t`.
 #[derive(Clone, Copy, Debug)]
 pub struct Tableau<const STAGES: usize> {
     /// Name in the literature.
@@ -72,7 +73,8 @@ impl<const STAGES: usize> Tableau<STAGES> {
     }
 }
 
-/// Equal steps of time. Step `k` begins at `start + k length`, free of summed rounding.
+/// Equal steps of time. Step `k` begins at `start + k length`, free of summed rounding. Times are in the caller's unit, s in
+/// every model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<S = f64> {
     /// Time at which step 0 begins.
@@ -97,8 +99,8 @@ impl<S: Scalar> Steps<S> {
     }
 }
 
-/// What [`Tableau::integrate`] follows: a slope, and what is done between the steps.
-/// A closure `f(t, x, dx)` is a slope alone.
+/// What [`Tableau::integrate`] follows: a slope, and what is done between the steps. A closure `f(t, x, dx)` is a slope alone.
+/// Time and states are in the caller's units, slopes in those per unit of time.
 pub trait Dynamics<S: Scalar, E> {
     /// Writes dx/dt.
     ///

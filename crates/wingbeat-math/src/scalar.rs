@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A real number, possibly carrying derivatives.
+/// A real number, possibly carrying derivatives, in the caller's unit.
 ///
 /// Comparison and [`value`](Scalar::value) look at the value only, so branches
 /// follow the value and derivatives follow the branch taken.

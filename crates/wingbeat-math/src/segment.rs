@@ -5,8 +5,8 @@ use super::{Scalar, Vec3};
 /// Squared length below which a segment is a point, and scale of parallel ones, m2.
 const TINY: f64 = 1e-18;
 
-/// Distance between two segments (Ericson, Real-Time Collision Detection, 5.1.9). Its derivatives are exact
-/// where the nearest points are unique; where the segments touch they are taken as zero.
+/// Distance between two segments, in the unit of their ends (Ericson, Real-Time Collision Detection, 5.1.9). Its derivatives
+/// are exact where the nearest points are unique; where the segments touch they are taken as zero.
 ///
 /// Equation: math.segment_distance
 /// `min over s, t in [0, 1] of abs(a0 + s da - b0 - t db)`

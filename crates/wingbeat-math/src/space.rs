@@ -7,7 +7,7 @@
 use super::Scalar;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-/// A vector of three components.
+/// A vector of three components. Its components are in the caller's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vec3<S: Scalar = f64>(pub [S; 3]);
 
@@ -148,7 +148,7 @@ impl<S: Scalar> SubAssign for Vec3<S> {
     }
 }
 
-/// A 3x3 matrix by rows.
+/// A 3x3 matrix by rows. Its entries are in the caller's unit; those of a rotation have none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mat3<S: Scalar = f64>(pub [[S; 3]; 3]);
 
@@ -311,9 +311,9 @@ impl<S: Scalar> Mul for Mat3<S> {
 /// A unit quaternion, order w, x, y, z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quat<S: Scalar = f64> {
-    /// Scalar part.
+    /// Scalar part, cos(angle/2), dimensionless.
     pub w: S,
-    /// Vector part.
+    /// Vector part, axis times sin(angle/2), dimensionless.
     pub v: Vec3<S>,
 }
 
@@ -321,12 +321,12 @@ impl<S: Scalar> Quat<S> {
     /// No rotation.
     pub const IDENTITY: Self = Self { w: S::ONE, v: Vec3::ZERO };
 
-    /// From (w, x, y, z).
+    /// From (w, x, y, z) of a unit quaternion.
     #[inline]
     pub fn from_wxyz(q: &[S]) -> Self {
         Self { w: q[0], v: Vec3::from_slice(&q[1..4]) }
     }
-    /// Writes (w, x, y, z).
+    /// Writes (w, x, y, z) of this unit quaternion.
     #[inline]
     pub fn store_wxyz(self, q: &mut [S]) {
         q[0] = self.w;
@@ -354,7 +354,7 @@ impl<S: Scalar> Quat<S> {
         };
         Self { w, v: r * k }
     }
-    /// Rotation vector of this rotation, angle in [0, pi].
+    /// Rotation vector of this rotation, rad, angle in [0, pi].
     pub fn log(self) -> Vec3<S> {
         let q = if self.w.value() < 0.0 { Self { w: -self.w, v: -self.v } } else { self };
         let sine2 = q.v.norm_squared();
@@ -396,7 +396,7 @@ impl<S: Scalar> Quat<S> {
             [(x * z - w * y) * 2.0, (y * z + w * x) * 2.0, one - (x * x + y * y) * 2.0],
         ])
     }
-    /// dq/dt = q (0, w)/2 of q_WB for the angular rate `w_WB_B`.
+    /// dq/dt = q (0, w)/2 of q_WB for the angular rate `w_WB_B` in rad/s; a rate of a unit quaternion, 1/s.
     #[inline]
     pub fn rate(self, w_b: Vec3<S>) -> Self {
         let half = w_b * S::from(0.5);

@@ -3,7 +3,7 @@
 use super::Jet;
 use crate::Error;
 
-/// A C2 cubic spline through a table, natural or periodic.
+/// A C2 cubic spline through a table, natural or periodic. Abscissae and values are in the caller's units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubicSpline {
     x: Vec<f64>,

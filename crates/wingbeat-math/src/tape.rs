@@ -245,8 +245,8 @@ impl Scalar for Traced {
     }
 }
 
-/// A recorded function and the scratch of its sweeps; reused point after point
-/// without allocation once it has grown.
+/// A recorded function and the scratch of its sweeps; reused point after point without allocation once it has grown. Inputs and
+/// outputs are in the caller's units.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
     nodes: Vec<Node>,

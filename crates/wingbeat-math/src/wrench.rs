@@ -20,17 +20,17 @@ impl<S: Scalar> Wrench<S> {
     /// No load.
     pub const ZERO: Self = Self { force: Vec3::ZERO, moment: Vec3::ZERO };
 
-    /// A force acting at `point`.
+    /// A force (N) acting at `point` (m), in B from the body origin.
     #[inline]
     pub fn at(point: Vec3<S>, force: Vec3<S>) -> Self {
         Self { force, moment: point.cross(force) }
     }
-    /// The same wrench with more derivatives, all zero.
+    /// The same wrench, N and N m, with more derivatives, all zero.
     #[inline]
     pub fn lifted<T: Over<S>>(self) -> Wrench<T> {
         Wrench { force: self.force.lifted(), moment: self.moment.lifted() }
     }
-    /// A pure couple.
+    /// A pure couple, N m in B.
     #[inline]
     pub fn couple(moment: Vec3<S>) -> Self {
         Self { force: Vec3::ZERO, moment }

@@ -1,4 +1,5 @@
-//! How far a trajectory misses the equations of collocation, from its states and inputs alone.
+//! How far a trajectory misses the equations of collocation, from its states and inputs alone. Defects are in the units of the
+//! states.
 
 use super::problem::{Instant, OptimalControl};
 use super::scheme::Scheme;

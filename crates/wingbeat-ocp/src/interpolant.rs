@@ -82,7 +82,7 @@ impl Interpolant {
         (x, u, (0..n).map(|i| sum(&slopes, &self.rates, i)).collect())
     }
 
-    /// State and input at time `t`, held at the ends.
+    /// State and input at time `t` (s), in the units of their channels, held at the ends.
     pub fn at(&self, t: f64) -> (Vec<f64>, Vec<f64>) {
         let inner = self.scheme.points() - 1;
         let nodes = self.points.t.iter().step_by(inner);
@@ -122,9 +122,8 @@ impl Interpolant {
         Ok(errors)
     }
 
-    /// Integrates the dynamics from the initial state with the interpolated
-    /// input, `steps` Runge-Kutta steps per interval, and returns the largest
-    /// distance of each state from the interpolant at the nodes.
+    /// Integrates the dynamics from the initial state with the interpolated input, `steps` Runge-Kutta steps per interval, and
+    /// returns the largest distance of each state from the interpolant at the nodes, in the unit of the state.
     pub fn resimulate<P: OptimalControl>(&self, problem: &P, steps: usize) -> Result<Vec<f64>, Fault> {
         let mut x = self.points.x[0].clone();
         let mut worst = vec![0.0_f64; x.len()];

@@ -1,7 +1,7 @@
 //! What a solution would gain if its constraints moved.
 
 /// Multipliers of the constraints on the last mesh, in the units of the problem: the Lagrangian is the objective plus
-/// multipliers times constraints.
+/// multipliers times constraints. Each is in the unit of the objective over that of its constraint, the caller's units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Multipliers {
     /// Middle of each interval, s.

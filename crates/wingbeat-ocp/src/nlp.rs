@@ -1,5 +1,5 @@
-//! Nonlinear programs: min f(x) subject to g_low <= g(x) <= g_high and
-//! x_low <= x <= x_high, with exact sparse first and second derivatives.
+//! Nonlinear programs: min f(x) subject to g_low <= g(x) <= g_high and x_low <= x <= x_high, with exact sparse first and second
+//! derivatives. Variables, objective, constraints and their derivatives are in the caller's units.
 
 use crate::plant::Channel;
 use wingbeat_math::{Scalar, Tape};

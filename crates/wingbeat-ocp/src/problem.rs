@@ -8,7 +8,7 @@ use wingbeat_math::Scalar;
 /// Lowest and highest value allowed; equal ones fix the value.
 pub type Limits = [f64; 2];
 
-/// No limits.
+/// No limits: infinite in the unit of any channel.
 pub const FREE: Limits = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Time, state, input and parameters at one instant.
@@ -35,7 +35,7 @@ pub struct Ends<'a, S> {
     pub p: &'a [S],
 }
 
-/// The numbers of a problem: what there is, by name, and its limits.
+/// The numbers of a problem: what there is, by name, and its limits, which are in the units of their channels, times in s.
 ///
 /// In the paper's stacked decision vector [Y, Omega, t_f] the states at the
 /// nodes are Y, the inputs Omega; its boundary conditions r_i are `start`,
@@ -69,24 +69,24 @@ pub struct Setup {
 /// them; an empty list is one each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scales {
-    /// Of the states.
+    /// Of the states, in the units of their channels.
     pub states: Vec<f64>,
-    /// Of the inputs.
+    /// Of the inputs, in the units of their channels.
     pub inputs: Vec<f64>,
-    /// Of the parameters.
+    /// Of the parameters, in their own units.
     pub parameters: Vec<f64>,
 }
 
 impl Scales {
-    /// Size of the state `i`.
+    /// Size of the state `i`, in its unit.
     pub fn state(&self, i: usize) -> f64 {
         self.states.get(i).copied().unwrap_or(1.0)
     }
-    /// Size of the input `i`.
+    /// Size of the input `i`, in its unit.
     pub fn input(&self, i: usize) -> f64 {
         self.inputs.get(i).copied().unwrap_or(1.0)
     }
-    /// Size of the parameter `i`.
+    /// Size of the parameter `i`, in its unit.
     pub fn parameter(&self, i: usize) -> f64 {
         self.parameters.get(i).copied().unwrap_or(1.0)
     }
@@ -112,7 +112,7 @@ impl Scales {
     }
 }
 
-/// An optimal-control problem; its functions are written once over any scalar.
+/// An optimal-control problem; its functions are written once over any scalar. Costs and constraints are in the caller's units.
 pub trait OptimalControl {
     /// Channels and limits.
     fn setup(&self) -> Setup;
@@ -133,12 +133,12 @@ pub trait OptimalControl {
 }
 
 impl Setup {
-    /// States, inputs and times alone; fixed initial time 0.
+    /// States, inputs and times alone; fixed initial time 0; the final one in s.
     pub fn new(states: Vec<Channel>, inputs: Vec<Channel>, final_time: Limits) -> Self {
         Self { states, inputs, times: [[0.0, 0.0], final_time], ..Self::default() }
     }
 
-    /// The same with limits of the initial and of the final state.
+    /// The same with limits of the initial and of the final state, in the units of the states.
     pub fn between(mut self, start: &[Limits], end: &[Limits]) -> Self {
         (self.start, self.end) = (start.to_vec(), end.to_vec());
         self

@@ -25,9 +25,9 @@ pub struct Scheme {
     pub name: &'static str,
     /// The error at a fixed time falls as h^order.
     pub order: i32,
-    /// Points, from 0 to 1.
+    /// Points, from 0 to 1 as shares of the interval.
     pub c: Vec<f64>,
-    /// Integrals of the Lagrange polynomials, one row per point.
+    /// Integrals of the Lagrange polynomials, one row per point, as shares of the interval.
     pub a: Vec<Vec<f64>>,
     /// The input between the nodes.
     pub input: InputShape,
@@ -78,7 +78,7 @@ impl Scheme {
         &self.a[self.c.len() - 1]
     }
 
-    /// Integrals from 0 to `s` of the Lagrange polynomials.
+    /// Integrals from 0 to `s` of the Lagrange polynomials, all as shares of the interval.
     ///
     /// Equation: ocp.lobatto
     /// `x_j - x_0 - h sum_i A_ji f_i = 0, A_ji = integral of the Lagrange polynomial l_i to c_j`

@@ -15,7 +15,7 @@ pub struct Starts {
     /// The lowest solution; without any the best point that was met. Its status is that of a stopped solve where the observer asked for
     /// an end before all guesses were tried.
     pub best: Optimum,
-    /// Objective of each start that was solved; none of the others, in order.
+    /// Objective of each start that was solved, in the unit of the problem's cost; none of the others, in order.
     pub objectives: Vec<Option<f64>>,
 }
 

@@ -7,17 +7,16 @@ use wingbeat_math::interpolation::lerp;
 pub struct Trajectory {
     /// Times, s, ascending.
     pub t: Vec<f64>,
-    /// States, one vector per time.
+    /// States, one vector per time, in the units of their channels.
     pub x: Vec<Vec<f64>>,
-    /// Inputs, one vector per time.
+    /// Inputs, one vector per time, in the units of their channels.
     pub u: Vec<Vec<f64>>,
-    /// Parameters.
+    /// Parameters, in their own units.
     pub p: Vec<f64>,
 }
 
 impl Trajectory {
-    /// State and input at the fraction `s` in [0, 1] of the time span,
-    /// linear between samples.
+    /// State and input, in the units of their channels, at the fraction `s` in [0, 1] of the time span, linear between samples.
     pub fn sample(&self, s: f64) -> (Vec<f64>, Vec<f64>) {
         let last = self.t.len() - 1;
         if last == 0 {

@@ -11,22 +11,22 @@ pub struct Interval<'a, S: Scalar> {
     pub t: S,
     /// Length, s.
     pub h: S,
-    /// States at both ends, n each.
+    /// States at both ends, n each, in the units of their channels.
     pub x: [&'a [S]; 2],
-    /// Inputs at both ends, m each.
+    /// Inputs at both ends, one for each channel and in the units of these.
     pub u: [&'a [S]; 2],
-    /// Rates f(t, x, u) at both ends, n each.
+    /// Rates f(t, x, u) at both ends, n each, in the units of the states per s.
     pub f: [&'a [S]; 2],
 }
 
 /// State, input and rates at the middle of an interval; made once, reused.
 #[derive(Clone, Debug)]
 pub struct Midpoint<S: Scalar> {
-    /// State, n.
+    /// State, n, in the units of the states.
     pub x: Vec<S>,
-    /// Input, m.
+    /// Input, one number for each channel and in its unit.
     pub u: Vec<S>,
-    /// Rates, n.
+    /// Rates, n, in the units of the states per s.
     pub f: Vec<S>,
 }
 
@@ -57,8 +57,7 @@ impl Transcription {
         }
     }
 
-    /// Quadrature of a running cost on an interval of length 1:
-    /// (abscissa, weight) of each point.
+    /// Quadrature of a running cost on an interval of length 1, as shares of the length: (abscissa, weight) of each point.
     pub fn quadrature(self) -> &'static [(f64, f64)] {
         match self {
             Self::Trapezoid => &[(0.0, 0.5), (1.0, 0.5)],
@@ -66,9 +65,8 @@ impl Transcription {
         }
     }
 
-    /// Writes the defect of `interval` (n): what the end state lacks. `rates`
-    /// evaluates f(t, x, u) and is called once, in the middle, by
-    /// Hermite-Simpson, and never by the trapezoid; its point stays in `middle`.
+    /// Writes the defect of `interval` (n, in the units of the states): what the end state lacks. `rates` evaluates f(t, x, u)
+    /// and is called once, in the middle, by Hermite-Simpson, and never by the trapezoid; its point stays in `middle`.
     ///
     /// Trapezoid: x1 - x0 - h/2 (f0 + f1).
     /// Hermite-Simpson: x1 - x0 - h/6 (f0 + 4 fc + f1).
@@ -102,8 +100,8 @@ impl Transcription {
         Ok(())
     }
 
-    /// Value and slope of the interpolated state component `i` at the fraction
-    /// `s` in [0, 1] of the interval.
+    /// Value and slope (in its unit and that per s) of the interpolated state component `i` at the fraction `s` in [0, 1] of
+    /// the interval.
     pub fn state<S: Scalar>(self, interval: &Interval<S>, s: S, i: usize) -> (S, S) {
         let Interval { h, x: [x0, x1], f: [f0, f1], .. } = *interval;
         match self {
@@ -134,7 +132,7 @@ impl<S: Scalar> Interval<'_, S> {
         }
     }
 
-    /// Interpolated input component `j` at the fraction `s` in [0, 1].
+    /// Interpolated input component `j`, in the unit of the input, at the fraction `s` in [0, 1].
     pub fn input(&self, s: S, j: usize) -> S {
         lerp(self.u[0][j], self.u[1][j], s)
     }

@@ -303,7 +303,7 @@ impl Told {
         Self { progress, raised }
     }
 
-    /// Tells numbers by name.
+    /// Tells numbers by name, each in its own unit.
     pub fn of(&self, numbers: &[(&str, f64)]) -> ControlFlow<()> {
         self.raised.stop.flow()?;
         let Some(progress) = &self.progress else { return ControlFlow::Continue(()) };

@@ -69,7 +69,7 @@ impl Scenario {
     }
 }
 
-/// A channel as Python sees it.
+/// A channel as Python sees it: name, unit, frame, limits in its unit.
 pub fn described(channel: &Channel) -> Described {
     let Channel { name, unit, frame, low, high, .. } = channel;
     (name.clone(), (*unit).into(), (*frame).into(), *low, *high)

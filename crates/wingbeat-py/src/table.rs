@@ -9,7 +9,7 @@ use wingbeat::simulate::{Column, Record};
 /// Name, unit, frame, lower and upper limit, numbers.
 pub type Named<'py> = (String, String, String, f64, f64, Bound<'py, PyArray1<f64>>);
 
-/// The columns of a record; their numbers cannot be written to.
+/// The columns of a record, in their own units; their numbers cannot be written to.
 pub fn columns(py: Python<'_>, record: Record) -> Vec<Named<'_>> {
     let column = |column: Column| {
         let Column { name, unit, frame, low, high, values } = column;
@@ -23,7 +23,7 @@ pub fn columns(py: Python<'_>, record: Record) -> Vec<Named<'_>> {
 /// Columns as Python hands them back.
 pub type Given<'py> = (String, String, String, f64, f64, PyReadonlyArray1<'py, f64>);
 
-/// The record of columns that Python hands back.
+/// The record of columns that Python hands back, in their own units.
 ///
 /// # Errors
 /// Columns of different lengths.
@@ -39,7 +39,7 @@ pub fn record(columns: Vec<Given<'_>>) -> PyResult<Record> {
     Record::new(columns.into_iter().map(column).collect(), 0).map_err(refused)
 }
 
-/// Writes columns as the program writes its records: the same bytes.
+/// Writes columns, in their own units, as the program writes its records: the same bytes.
 #[pyfunction]
 pub fn write_parquet(path: PathBuf, columns: Vec<Given<'_>>) -> PyResult<()> {
     wingbeat_io::write_parquet(&path, &record(columns)?).map_err(refused)

@@ -48,7 +48,8 @@ pub fn page_of(py: Python<'_>, results: Vec<Held<'_>>, wake: bool, strips: bool)
     made.map_err(refused)
 }
 
-/// The animation of a result: an animated PNG, or a PNG of every frame where `frames` says so.
+/// The animation of a result: an animated PNG, or a PNG of every frame where `frames` says so. `numbers` are the ratio of the time of the
+/// result to that of the film, the frames a second, and the width in px.
 #[pyfunction]
 pub fn animation_of(
     py: Python<'_>,

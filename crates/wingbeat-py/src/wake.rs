@@ -43,7 +43,7 @@ pub fn wake_case<'py>(
     told(py, stepped.map_err(refused)?)
 }
 
-/// The wakes along a flight of a scenario.
+/// The wakes along a flight of a scenario; columns are in their own units.
 #[pyfunction]
 pub fn wake_flight<'py>(
     py: Python<'py>,

@@ -268,7 +268,7 @@ impl<'a> Film<'a> {
     }
 }
 
-/// A robot at one instant, from behind and from its right side, with level lines.
+/// A robot at one instant, from behind and from its right side, with level lines; width and height in px.
 ///
 /// # Errors
 /// A state in which the robot has no place.

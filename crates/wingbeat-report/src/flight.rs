@@ -123,7 +123,7 @@ fn sides(ribs: &[[Vec3; 2]]) -> Vec<usize> {
     ribs.windows(2).map(side).collect()
 }
 
-/// The numbers of a column in the rows that are shown.
+/// The numbers of a column, in its unit, in the rows that are shown.
 pub fn taken(record: &Record, shown: &[usize], name: &str) -> Result<Vec<f64>, Silent> {
     let column = record.values(name).ok_or_else(|| format!("the record has no column {name}"))?;
     Ok(shown.iter().map(|&row| column[row]).collect())

@@ -69,7 +69,8 @@ pub fn wing(
     Ok(motion)
 }
 
-/// The coordinates of the spar that has bent the wing of `case` with those `loads`; nothing of a rigid one, and of loads that lack some.
+/// The coordinates of the spar, in the units of its strains, that has bent the wing of `case` with those `loads`; nothing of a
+/// rigid one, and of loads that lack some.
 pub fn strains<'a>(case: &TetherCase, loads: &'a Record) -> Vec<&'a [f64]> {
     let count = case.tether.spar.as_ref().map_or(0, |spar| spar.beam.coordinates());
     let all: Option<Vec<&[f64]>> = (0..count).map(|i| loads.values(&format!("{STRAIN}{i}"))).collect();

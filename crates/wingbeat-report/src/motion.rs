@@ -54,7 +54,7 @@ pub struct Strip {
 pub struct Source {
     /// Its name.
     pub name: String,
-    /// Where it is drawn from: a place in B; the centre of mass where none.
+    /// Where it is drawn from: a place in B, m; the centre of mass where none.
     pub place: Option<[f64; 3]>,
     /// The force, N.
     pub force: Track,
@@ -78,7 +78,7 @@ pub struct Motion {
     pub t: Vec<f64>,
     /// The body's origin in W, m.
     pub position: Track,
-    /// Attitude of the body, w, x, y, z of R_WB.
+    /// Attitude of the body, the unit quaternion w, x, y, z of R_WB.
     pub attitude: [Vec<f64>; 4],
     /// Centre of mass, in B, m.
     pub com: Track,
@@ -90,7 +90,7 @@ pub struct Motion {
     pub lines: Vec<Line>,
     /// Places that a path asks for, in W.
     pub path: Option<Track>,
-    /// Corners of the table that the arm stands on, in W.
+    /// Corners of the table that the arm stands on, in W, m.
     pub table: Option<[[f64; 3]; 4]>,
     /// Velocity of the air, in W, m/s.
     pub wind: [f64; 3],
@@ -124,14 +124,15 @@ pub fn rows(t: &[f64], sound: usize) -> Vec<usize> {
     rows
 }
 
-/// How many rows come before the first whose place cannot be drawn.
+/// Number of rows that come before the first whose place cannot be drawn.
 pub fn sound(columns: &[&[f64]]) -> usize {
     let rows = columns.first().map_or(0, |column| column.len());
     let drawn = |i: &usize| columns.iter().all(|column| column[*i].abs() <= FARTHEST);
     (0..rows).take_while(drawn).count()
 }
 
-/// Corners of the rings of a spindle about `centre`, `around` each, in the axes of the body.
+/// Corners, m, of the rings of a spindle about `centre`, `around` each and of a size that goes with `reach` (all in m), in the
+/// axes of the body.
 pub fn spindle(centre: Vec3, reach: f64, around: u16) -> Vec<Vec<Vec3>> {
     let [l, r] = SPINDLE_SIZE.map(|share| share * reach);
     let corner = |[x, w]: [f64; 2], k: u16| {
@@ -141,17 +142,17 @@ pub fn spindle(centre: Vec3, reach: f64, around: u16) -> Vec<Vec<Vec3>> {
     SPINDLE.iter().map(|ring| (0..around).map(|k| corner(*ring, k)).collect()).collect()
 }
 
-/// Adds a frame to a track.
+/// Adds a frame to a track, in the unit of the track.
 pub fn push(track: &mut Track, value: Vec3) {
     track.iter_mut().zip(value.0).for_each(|(column, value)| column.push(value));
 }
 
-/// A vector of length one along `v`; zero where that has no length.
+/// A unit vector along `v`; zero where that has no length.
 pub fn direction(v: Vec3) -> Vec3 {
     v * (1.0 / v.norm().max(1e-300))
 }
 
-/// The point of a track in frame `i`.
+/// The point of a track in frame `i`, in the unit of the track.
 pub fn at(track: &Track, i: usize) -> Vec3 {
     Vec3(std::array::from_fn(|axis| track[axis][i]))
 }
@@ -196,7 +197,7 @@ impl Motion {
         Some(squares.fold(0.0, f64::max)).filter(|reach| *reach > 0.0 && reach.is_finite()).unwrap_or(0.1)
     }
 
-    /// The point `p` of B in W in frame `i`.
+    /// The point `p` of B in W in frame `i`, m.
     pub fn in_world(&self, i: usize, p: Vec3) -> Vec3 {
         at(&self.position, i) + self.turned(i, p)
     }
@@ -211,7 +212,8 @@ impl Motion {
 }
 
 impl Surface {
-    /// Points along rib `k` from the leading to the trailing edge in frame `i`, in B: its edges, and of a membrane what lies between.
+    /// Points along rib `k` from the leading to the trailing edge in frame `i`, in B, m: its edges, and of a membrane what lies
+    /// between.
     pub fn along(&self, k: usize, i: usize) -> Vec<Vec3> {
         let [leading, trailing] = &self.ribs[k];
         let between = self.raised.get(k).map_or(&[][..], |points| points);

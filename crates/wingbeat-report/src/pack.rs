@@ -44,7 +44,8 @@ impl Pack {
         self.from = row;
     }
 
-    /// Adds a column, whose numbers may be wrong by half a `step`; by more only where they span more than [`MOST_STEPS`].
+    /// Adds a column, in its unit, whose numbers may be wrong by half a `step`; by more only where they span more than
+    /// [`MOST_STEPS`].
     pub fn add(&mut self, values: &[f64], step: f64) -> Channel {
         let values = &values[self.from.min(values.len())..];
         let (low, high) = range(values);
@@ -76,7 +77,7 @@ impl Pack {
         Channel { at, rows: values.len(), base, step, order, planes }
     }
 
-    /// Adds a column to a part of its range.
+    /// Adds a column, in its unit, to the share 1/`parts` of its range.
     pub fn add_parts(&mut self, values: &[f64], parts: f64) -> Channel {
         let (low, high) = range(values);
         self.add(values, 2.0 * ((0.5 * high - 0.5 * low) / parts))

@@ -33,7 +33,7 @@ pub struct Curve {
     pub label: String,
     /// How it is drawn.
     pub role: Role,
-    /// Its values in the panel's unit.
+    /// Its values, in the unit of the panel.
     pub values: Vec<f64>,
 }
 
@@ -53,7 +53,7 @@ pub struct Panel {
     pub unit: &'static str,
     /// Its curves.
     pub curves: Vec<Curve>,
-    /// What its values are limited to.
+    /// What its values are limited to, in the unit of the panel.
     pub limits: Option<(f64, f64)>,
 }
 
@@ -73,7 +73,7 @@ impl Panel {
     }
 }
 
-/// Whether `values` begin with `earlier`, to the bit.
+/// Whether `values` begin with `earlier`, to the bit, both in the unit of the panel.
 pub fn begins_with(values: &[f64], earlier: &[f64]) -> bool {
     let bits = |pair: (&f64, &f64)| pair.0.to_bits() == pair.1.to_bits();
     values.len() >= earlier.len() && values.iter().zip(earlier).all(bits)

@@ -28,7 +28,7 @@ pub struct Axis {
     pub label: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Its values, one a frame.
+    /// Its values, in the unit of the axis, one a frame.
     pub values: Vec<f64>,
     /// Whether neighbours are joined by lines.
     pub joined: bool,

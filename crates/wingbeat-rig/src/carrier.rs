@@ -22,8 +22,8 @@ pub struct Mount<P: Scalar = f64> {
 }
 
 impl<S: Scalar> Mount<S> {
-    /// Wrench that the mount itself puts on the cell while it moves as `cell`,
-    /// about the cell's origin, in C: weight and inertia.
+    /// Wrench, N and N m, that the mount itself puts on the cell while it moves as `cell`, about the cell's origin, in C:
+    /// weight and inertia.
     ///
     /// Equation: rig.mount_wrench
     /// `F = -m (a_c - g), M = c x F - (I w' + w x I w)`
@@ -37,13 +37,13 @@ impl<S: Scalar> Mount<S> {
         Wrench { force, moment: self.com.cross(force) - Vec3::constant(spin) }
     }
 
-    /// A wrench about the body origin in B as a wrench about the cell's origin in C.
+    /// A wrench (N and N m) about the body origin in B as a wrench about the cell's origin in C.
     pub fn to_cell(&self, body: &Wrench<S>) -> Wrench<S> {
         let force = self.body.rotation * body.force;
         Wrench { force, moment: self.body.rotation * body.moment + self.body.origin.cross(force) }
     }
 
-    /// A wrench about the cell's origin in C as a wrench about the body origin in B.
+    /// A wrench (N and N m) about the cell's origin in C as a wrench about the body origin in B.
     pub fn to_body(&self, cell: &Wrench<S>) -> Wrench<S> {
         let about_body = cell.moment - self.body.origin.cross(cell.force);
         let turn = |v: Vec3<S>| self.body.rotation.transpose_mul(v);
@@ -76,7 +76,7 @@ pub enum Carrier {
     },
     /// A stand that holds the tool in one placement after another, without motion between.
     Stand {
-        /// (time at which it begins, placement X_WT), ascending.
+        /// (time at which it begins in s, placement X_WT), ascending.
         holds: Vec<(f64, Pose)>,
     },
 }
@@ -90,7 +90,7 @@ impl Carrier {
         }
     }
 
-    /// Joint positions with rates and accelerations at `t`; none for a stand.
+    /// Joint positions, rad, with rates and accelerations at `t`; none for a stand.
     pub fn joints(&self, t: f64) -> Option<[Jet; MAX_JOINTS]> {
         match self {
             Self::Arm { trajectory, .. } => Some(trajectory.at(t)),
@@ -131,9 +131,8 @@ impl From<&FrameMotion> for BodyMotion {
 }
 
 impl Trajectory {
-    /// Joint motion at `t` by quintic Hermite polynomials between the samples;
-    /// the first pose before, the last after. Without stored accelerations or
-    /// rates these count as zero at the samples.
+    /// Joint motion, rad, at `t` by quintic Hermite polynomials between the samples; the first pose before, the last after.
+    /// Without stored accelerations or rates these count as zero at the samples.
     pub fn at(&self, t: f64) -> [Jet; MAX_JOINTS] {
         let mut q = [Jet::default(); MAX_JOINTS];
         let last = self.len().saturating_sub(1);

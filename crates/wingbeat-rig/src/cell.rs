@@ -52,7 +52,7 @@ pub struct CellSpec {
     pub calibration: Calibration,
     /// Samples per second: 7000 divided by a whole number.
     pub rate_hz: f64,
-    /// Standard deviation of the noise, in steps of resolution.
+    /// Standard deviation of the noise, as a ratio to the step of resolution.
     #[serde(default)]
     pub noise_steps: f64,
     /// Offset at the start, N and N m.
@@ -123,7 +123,7 @@ pub struct LoadCell {
 }
 
 impl LoadCell {
-    /// A cell that has rested under `wrench`.
+    /// A cell that has rested under `wrench` (N and N m, in C).
     ///
     /// # Errors
     /// What [`CellSpec::check`] refuses.
@@ -141,13 +141,13 @@ impl LoadCell {
         Ok(cell)
     }
 
-    /// Lets the cell rest under `wrench`.
+    /// Lets the cell rest under `wrench` (N and N m, in C).
     pub fn rest(&mut self, wrench: &Wrench<f64>) {
         self.filtered = six(wrench);
         self.resonance = self.filtered.map(|x| [x, 0.0]);
     }
 
-    /// The next sample under `wrench` (in the cell's frame), held over one sampling step.
+    /// The next sample under `wrench` (N and N m, in the cell's frame), held over one sampling step.
     pub fn sample(&mut self, wrench: &Wrench<f64>) -> Reading {
         let t = self.samples as f64 * self.step;
         self.samples += 1;
@@ -181,13 +181,13 @@ impl LoadCell {
     }
 }
 
-/// Fx, Fy, Fz, Tx, Ty, Tz of a wrench.
+/// Fx, Fy, Fz, Tx, Ty, Tz of a wrench, N and N m.
 pub fn six(wrench: &Wrench<f64>) -> [f64; 6] {
     let (f, m) = (wrench.force, wrench.moment);
     [f[0], f[1], f[2], m[0], m[1], m[2]]
 }
 
-/// The wrench of Fx, Fy, Fz, Tx, Ty, Tz.
+/// The wrench, N and N m, of Fx, Fy, Fz, Tx, Ty, Tz.
 pub fn wrench(x: [f64; 6]) -> Wrench<f64> {
     Wrench { force: Vec3([x[0], x[1], x[2]]), moment: Vec3([x[3], x[4], x[5]]) }
 }

@@ -17,7 +17,7 @@ impl Unrest {
         Self { keep: (-step / time).exp(), state: [0.0; 6] }
     }
 
-    /// The next step.
+    /// The next step, each channel in standard deviations.
     pub fn next(&mut self, random: &mut Random) -> [f64; 6] {
         let kick = (1.0 - self.keep * self.keep).sqrt();
         for channel in &mut self.state {
@@ -27,7 +27,7 @@ impl Unrest {
     }
 }
 
-/// Rms of each channel about its mean.
+/// Rms of each channel about its mean, in the unit of the channel.
 pub fn rms_about_mean(rows: &[[f64; 6]]) -> [f64; 6] {
     let count = rows.len().max(1) as f64;
     std::array::from_fn(|i| {
@@ -39,7 +39,7 @@ pub fn rms_about_mean(rows: &[[f64; 6]]) -> [f64; 6] {
 /// A sine: amplitude, rate in rad/s, phase in rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wave {
-    /// Amplitude.
+    /// Amplitude, in the unit of what it moves.
     pub amplitude: f64,
     /// Rate, rad/s.
     pub rate: f64,
@@ -80,7 +80,7 @@ impl Deviations {
         PACES.iter().map(wave).collect()
     }
 
-    /// The gait's clock with the pace of the crank; it begins with the even one.
+    /// The gait's clock, s, with the pace of the crank; it begins with the even one.
     pub fn clock(&self, even: Jet) -> Jet {
         let ahead = |wave: &Wave| wave.at(even) + -wave.at(Jet::default()).x;
         self.pace.iter().fold(even, |clock, wave| clock + ahead(wave))

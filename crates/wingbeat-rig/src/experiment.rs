@@ -64,11 +64,11 @@ pub struct Outcome {
 /// Loads of one instant, without noise.
 #[derive(Clone, Copy, Debug)]
 pub struct CellLoads {
-    /// What the cell feels, about its origin, in C.
+    /// What the cell feels, about its origin, in C, N and N m.
     pub wrench: Wrench<f64>,
-    /// Of the air, about the body origin, in B.
+    /// Of the air, about the body origin, in B, N and N m.
     pub air: Wrench<f64>,
-    /// Of the inertia of body and links, about the body origin, in B.
+    /// Of the inertia of body and links, about the body origin, in B, N and N m.
     pub inertia: Wrench<f64>,
     /// Phase of the gait, rad.
     pub phase: f64,

@@ -49,7 +49,7 @@ impl RigNumbers {
         Ok(self)
     }
 
-    /// Sets the number called `name`.
+    /// Sets the number called `name`, in its declared unit.
     ///
     /// # Errors
     /// An unknown name.

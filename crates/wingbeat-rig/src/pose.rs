@@ -32,7 +32,7 @@ impl<S: Scalar> Pose<S> {
         let rotation = self.rotation.transpose();
         Self { rotation, origin: -(rotation * self.origin) }
     }
-    /// The point `p_B` in A.
+    /// The point `p_B` in A, m.
     #[inline]
     pub fn point(&self, p: Vec3<S>) -> Vec3<S> {
         self.rotation * p + self.origin

@@ -50,7 +50,7 @@ impl Trajectory {
         }
         peak
     }
-    /// Largest |rate| and |acceleration| of each joint.
+    /// Largest |rate| and |acceleration| of each joint, rad/s and rad/s2.
     pub fn peaks(&self) -> (Vec<f64>, Vec<f64>) {
         (peak(&self.velocity, self.joints.len()), peak(&self.acceleration, self.joints.len()))
     }

@@ -22,8 +22,8 @@ fn with_beyond(air: StripLoads<f64>, beyond: &[Wrench<f64>]) -> StripLoads<f64> 
 }
 
 impl Robot {
-    /// As [`Plant::rates`](wingbeat_ocp::plant::Plant::rates), with the loads `beyond` on the links in the order of the tree, the body
-    /// last, about the body origin, in B; none, or one for each.
+    /// As [`Plant::rates`](wingbeat_ocp::plant::Plant::rates), with the loads `beyond` (N and N m) on the links in the order of
+    /// the tree, the body last, about the body origin, in B; none, or one for each.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -38,8 +38,8 @@ impl Robot {
         self.evaluate(t, x, u, beyond, dx, &mut Evaluation::empty())
     }
 
-    /// As [`observe`](Self::observe), under the loads `beyond`: with them the loads of the surfaces but for the profile drag are one
-    /// sum, written as circulatory.
+    /// As [`observe`](Self::observe), under the loads `beyond` (N and N m): with them the loads of the surfaces but for the
+    /// profile drag are one sum, written as circulatory.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -64,7 +64,8 @@ impl Robot {
         self.mechanism.tree.links() + 1
     }
 
-    /// Loads of the surfaces' own models but for the profile drag, as they are while the loads `beyond` act, on links and body.
+    /// Loads of the surfaces' own models but for the profile drag, as they are while the loads `beyond` act, on links and body:
+    /// N and N m about the body origin, in B.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.

@@ -34,17 +34,16 @@ impl<S: Scalar> BodyMotion<S> {
     }
 }
 
-/// Loads on what carries the robot, by source, in B about the body origin; and
-/// what the joints do.
+/// Loads in N and N m on what carries the robot, by source, in B about the body origin; and what the joints do.
 #[derive(Clone, Debug, Default)]
 pub struct CarriedLoads<S: Scalar = f64> {
     /// Aerodynamic loads of the surfaces by source.
     pub air: StripLoads<S>,
-    /// Drag of the body with what `robot.residual` says.
+    /// Drag of the body with what `robot.residual` says, N and N m.
     pub body_drag: Wrench<S>,
-    /// Weight.
+    /// Weight, N and N m.
     pub gravity: Wrench<S>,
-    /// Minus the rate of momentum of body and links.
+    /// Minus the rate of momentum of body and links, N and N m.
     pub inertia: Wrench<S>,
     /// Joint coordinates with rates and accelerations, rad or m; order of the tree.
     pub joints: ArrayVec<Jet<S>, MAX_LINKS>,
@@ -59,11 +58,11 @@ pub struct CarriedLoads<S: Scalar = f64> {
 }
 
 impl<S: Scalar> CarriedLoads<S> {
-    /// The wrench that the robot exerts on its carrier.
+    /// The wrench that the robot exerts on its carrier, N and N m about the body origin, in B.
     pub fn total(&self) -> Wrench<S> {
         self.air.total() + self.body_drag + self.gravity + self.inertia
     }
-    /// The loads in the order of [`LoadSource::ALL`].
+    /// The loads, N and N m, in the order of [`LoadSource::ALL`].
     pub fn parts(&self) -> [Wrench<S>; LoadSource::ALL.len()] {
         self.air.parts_with([self.body_drag, self.gravity, self.inertia])
     }
@@ -175,7 +174,8 @@ impl<P: Scalar> Robot<P> {
         })
     }
 
-    /// Sets states that follow the impulse of the air to that impulse: the wings have always moved as they do.
+    /// Sets states that follow the impulse of the air to that impulse, at the gait's time `clock` (s): the wings have always
+    /// moved as they do.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.

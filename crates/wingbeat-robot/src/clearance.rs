@@ -87,7 +87,7 @@ impl Clearances {
         fresh
     }
 
-    /// The least distance of each.
+    /// The least distance of each, m.
     pub fn least(&self, links: &[LinkMotion]) -> impl Iterator<Item = f64> {
         self.parts.iter().map(|parts| {
             let mut least = f64::INFINITY;

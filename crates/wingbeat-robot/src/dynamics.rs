@@ -183,8 +183,8 @@ impl<P: Scalar> Robot<P> {
         self.evaluate_parts::<S, _, _>(t, &Jet::new(t, S::ONE, S::ZERO), early, air, u, beyond, dx, out)
     }
 
-    /// Rates at the time `t` of a robot whose gait is at the time `clock`: its crank may run faster or slower than
-    /// by the gait's frequency, and may carry derivatives by its pace.
+    /// Rates at the time `t` of a robot whose gait is at the time `clock` (s): its crank may run faster or slower than by the
+    /// gait's frequency, and may carry derivatives by its pace.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -472,8 +472,8 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         }
     }
 
-    /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns
-    /// their wrench on the whole. `wind` comes with room for what the rates of followed impulses lack.
+    /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns their wrench (N and N m,
+    /// B) on the whole. `wind` comes with room for what the rates of followed impulses lack.
     pub fn add_air<K: Scalar + Meets<P>, P: Scalar>(
         &mut self,
         robot: &Robot<P>,
@@ -498,8 +498,8 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         net
     }
 
-    /// Accelerations of the body under the wrench `net` (all of them zero where it is imposed: `None`)
-    /// and second rates of `count` coordinates. `None` when the matrix is not positive definite.
+    /// Accelerations (m/s2 and rad/s2, B) of the body under the wrench `net` (all of them zero where it is imposed: `None`) and
+    /// second rates of `count` coordinates. `None` when the matrix is not positive definite.
     pub fn solve(mut self, net: Option<Wrench<S>>, count: usize) -> Option<[S; MAX_DEGREES]> {
         let mut rhs = [S::ZERO; MAX_DEGREES];
         match net {

@@ -141,7 +141,7 @@ pub struct Pacer {
     pub element: usize,
     /// Number of the input.
     pub input: usize,
-    /// Steady rate of the crank beyond the gait's per unit of the command.
+    /// Steady rate of the crank beyond the gait's over the command, in rad/s over the unit of the command.
     pub gain: f64,
 }
 
@@ -277,8 +277,8 @@ impl Robot {
     pub fn paced(&self, pace: f64) -> Self {
         Self { phase_rate: self.phase_rate * pace, ..self.clone() }
     }
-    /// Displacements of the elements at rest per unit of the held commands, a row for each element; none of what
-    /// follows its command with its rate.
+    /// Displacements of the elements at rest by the held commands, in the units of elements over those of commands, a row for
+    /// each element; none of what follows its command with its rate.
     pub fn rest_gains(&self) -> Vec<f64> {
         self.response.rest()
     }
@@ -322,8 +322,8 @@ impl<P: Scalar> Robot<P> {
         let joints = self.mechanism.springs().map(|s| P::from(s.start)).chain(crank(self.phase_start));
         joints.chain(still).chain(crank(self.phase_rate)).collect()
     }
-    /// States of the carried robot as it hangs still in still air: elements without displacement, joints where they
-    /// start, and the crank of a motor standing at the starting phase.
+    /// States of the carried robot as it hangs still in still air, in the units of their channels. Elements have no
+    /// displacement, joints are where they start, and the crank of a motor stands at the starting phase.
     pub fn carried_still(&self) -> Vec<P> {
         let mut x = vec![P::ZERO; self.carried_states()];
         let mut joints = self.start_coordinates();

@@ -166,7 +166,7 @@ impl<P: Scalar> Mechanism<P> {
         })
     }
 
-    /// The series of the joints that have one, with their lags.
+    /// The series of the joints that have one, with their lags, rad.
     pub fn series(&self) -> impl Iterator<Item = (usize, &FourierSeries<P>, P)> {
         self.drives.iter().enumerate().filter_map(|(joint, drive)| match drive {
             Drive::Series(series, lag) => Some((joint, series, *lag)),

@@ -28,7 +28,7 @@ pub struct SpringNumbers<P: Scalar = f64> {
 pub struct StopNumbers<P: Scalar = f64> {
     /// Coordinate of the lower stop, rad or m.
     pub low: P,
-    /// Of the upper one.
+    /// Of the upper one, rad or m.
     pub high: P,
     /// N m/rad, or N/m of a sliding joint.
     pub stiffness: P,
@@ -232,7 +232,7 @@ impl Robot {
         self.numbers().named(&self.labels())
     }
 
-    /// Names and values of the same.
+    /// Names and values of the same, in their declared units.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
         self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
     }
@@ -322,7 +322,8 @@ impl Robot {
         keys.chunks(TOGETHER).map(batch).collect()
     }
 
-    /// The robot's numbers, those called by the keys at these values; keys as for [`varied`](Self::varied).
+    /// The robot's numbers, those called by the keys at these values in their declared units; keys as for
+    /// [`varied`](Self::varied).
     ///
     /// # Errors
     /// [`Error::Invalid`] with the names that there are when one is unknown. Values are not checked.
@@ -335,7 +336,8 @@ impl Robot {
         Ok(self.each_number(|value| value, given))
     }
 
-    /// The robot with the numbers called by the keys at these values; keys as for [`varied`](Self::varied).
+    /// The robot with the numbers called by the keys at these values in their declared units; keys as for
+    /// [`varied`](Self::varied).
     ///
     /// # Errors
     /// [`Error::Invalid`] with the names that there are when one is unknown, or with what no robot has:
@@ -375,7 +377,7 @@ impl Robot {
         Err(Error::invalid("numbers", format!("{unknown:?}"), allowed))
     }
 
-    /// Refuses values that a number is not given.
+    /// Refuses values, each in the unit of its number, that a number is not given.
     ///
     /// # Errors
     /// [`Error::Invalid`].
@@ -422,7 +424,7 @@ fn pair_of(name: &str) -> String {
     SIDES.iter().fold(name.to_owned(), |name, side| name.replacen(&format!("{side}."), ".", 1))
 }
 
-/// Refuses a value that the number called `name` is not given.
+/// Refuses a value, in the unit of `quantity`, that the number called `name` is not given.
 pub fn check_given(name: &str, quantity: &Quantity, value: f64) -> Result<(), Error> {
     let [low, high] = quantity.given;
     if (low..=high).contains(&value) {

@@ -42,18 +42,18 @@ pub struct Observation {
     pub air: StripLoads<f64>,
     /// Parts of `air` that its sources do not tell apart, in B.
     pub detail: ForceDetail<f64>,
-    /// Drag of the body with what `robot.residual` says, in B.
+    /// Drag of the body with what `robot.residual` says, N and N m in B.
     pub body_drag: Wrench<f64>,
-    /// Part of it that `robot.residual` says.
+    /// Part of it that `robot.residual` says, N and N m in B.
     pub residual: Wrench<f64>,
     /// Whether the wings are beyond the velocities at which `robot.residual` was measured; none without one.
     pub beyond_residual: Option<bool>,
-    /// Wrench of the thrusters, in B.
+    /// Wrench of the thrusters, N and N m in B.
     pub thrust: Wrench<f64>,
-    /// Gravity, in B.
+    /// Gravity, N and N m in B.
     pub gravity: Wrench<f64>,
-    /// Inertia: minus the rate of momentum of body and links, in B. With the
-    /// forces above it sums to zero (d'Alembert).
+    /// Inertia: minus the rate of momentum of body and links, N and N m in B. With the forces above it sums to zero
+    /// (d'Alembert).
     pub inertia: Wrench<f64>,
     /// Loads, incidence, circulation and place of the strips of all surfaces in turn, in B about the
     /// body origin.
@@ -97,7 +97,7 @@ impl<'a> Moving<'a> {
 }
 
 impl Observation {
-    /// The loads of air, body drag, gravity and inertia in the order of [`LoadSource::ALL`].
+    /// The loads of air, body drag, gravity and inertia in the order of [`LoadSource::ALL`], N and N m.
     pub fn parts(&self) -> [Wrench<f64>; LoadSource::ALL.len()] {
         self.air.parts_with([self.body_drag, self.gravity, self.inertia])
     }

@@ -105,7 +105,7 @@ impl Perch {
         self.place
     }
 
-    /// Ends of the line that stands for it in pictures, in W: the axis of a bar, a span of a ceiling's disc.
+    /// Ends of the line that stands for it in pictures, m in W: the axis of a bar, a span of a ceiling's disc.
     pub fn ends(&self) -> [Vec3; 2] {
         let half = match self.shape {
             PerchShape::Bar { axis, half_length, .. } => axis * half_length,

@@ -15,7 +15,7 @@ pub struct PanelNumbers<P: Scalar = f64> {
     pub from_arc: P,
     /// Its begin in the link's frame, m.
     pub origin: Vec3<P>,
-    /// Along the span from the root on, in the link's frame; its length does not matter.
+    /// Direction along the span from the root on, in the link's frame, dimensionless; its length does not matter.
     pub direction: Vec3<P>,
 }
 

@@ -40,7 +40,7 @@ impl Term {
         if name.is_empty() { "1".into() } else { name }
     }
 
-    /// Its value at the velocity `v`, in B.
+    /// Its value at the velocity `v`, in B: a product of components, in m/s to the power of its factors.
     pub fn at<S: Scalar>(self, v: Vec3<S>) -> S {
         (0..3).fold(S::ONE, |product, i| (0..self.0[i]).fold(product, |product, _| product * v[i]))
     }

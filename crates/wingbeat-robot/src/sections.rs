@@ -31,12 +31,12 @@ impl<P: Scalar> Section<P> {
 }
 
 impl Section {
-    /// The hinge line of the section, from the body origin.
+    /// The hinge line of the section, from the body origin, m in B.
     pub fn hinge_point(&self, link: &LinkMotion<f64>) -> Vec3 {
         link.point(Vec3::new(0.0, self.le[1], self.le[2]))
     }
 
-    /// Leading and trailing edge, from the body origin.
+    /// Leading and trailing edge, from the body origin, m in B.
     pub fn edges(&self, link: &LinkMotion<f64>) -> [Vec3; 2] {
         [link.point(self.le), link.point(self.te)]
     }
@@ -139,7 +139,7 @@ impl<'a, S: Scalar> Carriers<'a, S> {
         Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates, ground: None }
     }
 
-    /// Takes the body and the links `carriers`.
+    /// Takes the body and the links `carriers`, in air that accelerates by `wind_dot` (m/s2, B).
     #[inline(always)]
     pub fn follow(
         &mut self,
@@ -157,7 +157,7 @@ impl<'a, S: Scalar> Carriers<'a, S> {
 }
 
 impl<S: Scalar> Carriers<'_, S> {
-    /// Adds the forces of `load` on `link` along the coordinates.
+    /// Adds the forces of `load` (N and N m, B) on `link` along the coordinates.
     pub fn project<T: Over<S>>(&self, link: usize, load: &Wrench<T>, forces: &mut [T]) {
         self.coordinates.project(link, load, forces);
     }

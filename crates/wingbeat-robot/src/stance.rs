@@ -11,7 +11,7 @@ use wingbeat_ocp::plant::Fault;
 /// What the places and velocities of a robot's surfaces follow from.
 #[derive(Clone, Debug)]
 pub struct Stance {
-    /// The gait's time with its rate.
+    /// The gait's time, s, with its rate.
     pub clock: Jet,
     /// R_WB.
     pub attitude: Mat3,
@@ -21,7 +21,7 @@ pub struct Stance {
     pub velocity: Vec3,
     /// w_WB_B, rad/s.
     pub rate: Vec3,
-    /// States of the structure.
+    /// States of the structure, in the units of their channels.
     pub structure: Vec<f64>,
 }
 

@@ -28,7 +28,7 @@ pub struct SurfaceOutline {
     pub hinges: Vec<f64>,
     /// Profile drag coefficient along the wind.
     pub cd0: f64,
-    /// That of the plate broadside on, where given.
+    /// Drag coefficient of the plate broadside on, where given.
     pub cd90: Option<f64>,
     /// What it says of its section.
     pub section: SectionSpec,
@@ -327,8 +327,8 @@ impl<P: Scalar> Covering<P> {
         Riding { sections: &self.sections, carriers }
     }
 
-    /// Sum of the loads and the added mass, with the state rates in `dx`; the coordinates of `carriers`
-    /// take their part in `coupled`. Places carry the derivatives of `K` alone.
+    /// Sum of the loads (N and N m) and the added mass (kg, kg m and kg m2), in B, with the state rates in `dx`; the
+    /// coordinates of `carriers` take their part in `coupled`. Places carry the derivatives of `K` alone.
     #[inline(always)]
     pub fn sum<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>>(
         &self,
@@ -349,7 +349,7 @@ impl<P: Scalar> Covering<P> {
         sum
     }
 
-    /// Sets states that follow the impulse of the air to that impulse.
+    /// Sets states that follow the impulse of the air to that impulse, under the wind `wind` (m/s, B).
     pub fn settle<S: Scalar + Meets<P>>(&self, carriers: &Carriers<S>, wind: Vec3<S>, x: &mut [S]) {
         self.aero.settle(&self.riding(carriers), wind, x);
     }
@@ -366,7 +366,7 @@ impl<P: Scalar> Covering<P> {
         }
     }
 
-    /// Adds the loads of the strips to the links that bear them.
+    /// Adds the loads (N and N m, B) of the strips to the links that bear them.
     pub fn share<G: Scalar + Meets<P>, S: Over<G>>(
         &self,
         riding: &Riding<P, G>,

@@ -26,7 +26,7 @@ impl Thruster {
         specs.iter().enumerate().map(one).collect()
     }
 
-    /// Wrench of a unit of thrust about the body's origin, in B.
+    /// Wrench, N and N m in B, of `thrust` (N) about the body's origin.
     pub fn wrench<S: Scalar>(&self, thrust: S) -> Wrench<S> {
         Wrench::at(Vec3::constant(self.place), Vec3::constant(self.direction) * thrust)
     }

@@ -1,6 +1,6 @@
 //! Legendre polynomials and Gauss points.
 
-/// Values at `x` in [-1, 1] of the first `count` Legendre polynomials.
+/// Values at `x` in [-1, 1] of the first `count` Legendre polynomials, dimensionless.
 pub fn legendre(x: f64, count: usize) -> Vec<f64> {
     let mut values = vec![1.0, x];
     for n in 1..count.saturating_sub(1) {

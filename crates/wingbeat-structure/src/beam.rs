@@ -194,7 +194,7 @@ impl Beam {
     pub fn tip(&self) -> usize {
         self.nodes.len() - 1
     }
-    /// Number of the node nearest to an arc coordinate.
+    /// Number of the node nearest to the arc coordinate `arc`, m.
     pub fn nearest(&self, arc: f64) -> usize {
         let distance = |i: &usize| (self.nodes[*i].arc - arc).abs();
         (0..self.nodes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
@@ -243,7 +243,8 @@ impl Beam {
         mean.plus(mean.bracket(*slope), 1.0)
     }
 
-    /// Places of all nodes where the root is at `root` and the strain coordinates are `q`.
+    /// Places of all nodes where the root is at `root` and the strain coordinates are `q`, of twist and bending in rad/m, of
+    /// extension and shear dimensionless; positions in m.
     pub fn places<S: Scalar>(&self, root: &Place<S>, q: &[S]) -> Vec<Place<S>> {
         let mut places = Vec::with_capacity(self.nodes.len());
         let mut place = *root;
@@ -255,7 +256,8 @@ impl Beam {
         places
     }
 
-    /// Mean strains of each step at its middle, in the order of [`Strain::ALL`]: those of bending and twist are what gauges would see.
+    /// Mean strains of each step at its middle, in the order of [`Strain::ALL`] (twist and bending in rad/m, extension and
+    /// shear dimensionless), behind its arc, m. Those of bending and twist are what gauges would see.
     pub fn strains(&self, q: &[f64]) -> Vec<(f64, [f64; 6])> {
         let along = self.steps.iter().zip(self.nodes.windows(2));
         along

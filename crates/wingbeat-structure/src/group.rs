@@ -8,9 +8,9 @@ const TERMS: usize = 20;
 /// Position and attitude of a section; the columns of `r` are its axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<S: Scalar = f64> {
-    /// Position.
+    /// Position, m.
     pub p: Vec3<S>,
-    /// Attitude.
+    /// Attitude, a rotation matrix.
     pub r: Mat3<S>,
 }
 
@@ -23,9 +23,9 @@ impl Place {
 /// A rate of turn and a velocity, or a moment and a force.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<S: Scalar> {
-    /// Turn, or moment.
+    /// Turn, rad, or moment, N m; of a strain rad/m.
     pub turn: Vec3<S>,
-    /// Displacement, or force.
+    /// Displacement, m, or force, N; of a strain dimensionless.
     pub push: Vec3<S>,
 }
 

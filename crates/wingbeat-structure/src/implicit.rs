@@ -3,7 +3,8 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-/// State and rates of a system of second and of first order at one instant.
+/// State and rates of a system of second and of first order at one instant. Coordinates and states are in the caller's units,
+/// rates in those per s.
 #[derive(Clone, Debug, Default)]
 pub struct Stage {
     /// Coordinates.
@@ -28,7 +29,8 @@ pub enum Rule {
     Radau,
 }
 
-/// Equations F(t, q, v, a, x, w) = 0, as many as accelerations and rates.
+/// Equations F(t, q, v, a, x, w) = 0, as many as accelerations and rates. Coordinates and equations are in the caller's units,
+/// times in s.
 pub trait Implicit {
     /// The rule of its steps.
     fn rule(&self) -> Rule {
@@ -91,7 +93,8 @@ impl Rule {
     }
 }
 
-/// Advances `at` from `t` by `h`. Its accelerations and rates are where the search begins and become those of the last stage.
+/// Advances `at` from `t` by `h`, both in s. Its accelerations and rates are where the search begins and become those of the last
+/// stage.
 pub fn step(system: &impl Implicit, t: f64, h: f64, at: &mut Stage, factors: &mut Factors) -> Stepped {
     let Table { a, b, c } = system.rule().table();
     let (n, m) = (at.q.len(), at.x.len());

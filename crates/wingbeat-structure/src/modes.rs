@@ -4,7 +4,8 @@ use crate::beam::Beam;
 use crate::motion::Setting;
 use nalgebra::{Complex, DMatrix};
 
-/// Mass, damping (with gyroscopic terms) and stiffness of small motions, by the coordinates.
+/// Mass, damping (with gyroscopic terms) and stiffness of small motions, by the coordinates. With coordinates in the units of
+/// their strains the rows are generalised forces: J over those units.
 #[derive(Clone, Debug)]
 pub struct Linear {
     /// Mass.
@@ -15,7 +16,8 @@ pub struct Linear {
     pub stiffness: DMatrix<f64>,
 }
 
-/// The small motions about the shape `q`, at rest in the axes of the root.
+/// The small motions about the shape `q`, at rest in the axes of the root. Strains of twist and bending are in rad/m, the
+/// others dimensionless.
 pub fn linear(beam: &Beam, setting: &Setting, q: &[f64]) -> Linear {
     let zero = vec![0.0; q.len()];
     let [stiffness, damping, mass] = beam.tangents(setting, [q, &zero, &zero], &[]);

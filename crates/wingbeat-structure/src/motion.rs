@@ -41,11 +41,11 @@ pub struct Load {
 }
 
 impl Load {
-    /// A force that keeps its direction.
+    /// A force that keeps its direction, N in W.
     pub fn dead(node: usize, force: Vec3) -> Self {
         Self { node, force, moment: Vec3::ZERO, follows: false }
     }
-    /// A force that turns with the section.
+    /// A force that turns with the section, N in its axes.
     pub fn following(node: usize, force: Vec3) -> Self {
         Self { follows: true, ..Self::dead(node, force) }
     }
@@ -85,7 +85,7 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// The sum.
+    /// The sum, J.
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic + self.weight
     }
@@ -98,7 +98,7 @@ fn axial<S: Scalar>(a: &Mat3<S>, b: &Mat3<S>) -> Vec3<S> {
     Vec3([product(2, 1), product(0, 2), product(1, 0)])
 }
 
-/// Angular rate and acceleration in W: the axial vectors of R' R^T and of R'' R^T + R' R'^T.
+/// Angular rate (rad/s) and acceleration (rad/s2) in W: the axial vectors of R' R^T and of R'' R^T + R' R'^T.
 #[inline]
 pub fn turning<S: Scalar>(r: &Mat3<Jet<S>>) -> [Vec3<S>; 2] {
     let [x, d, dd] = [r.each(|j| j.x), r.each(|j| j.d), r.each(|j| j.dd)];
@@ -127,7 +127,7 @@ impl Beam {
         self.coordinates() + if free { ROOT } else { 0 }
     }
 
-    /// Places of all nodes with their rates.
+    /// Places of all nodes, m, with their rates.
     pub fn motion<S: Scalar>(&self, setting: &Setting, q: &[S], v: &[S], a: &[S]) -> Vec<Place<Jet<S>>> {
         let jets: Vec<Jet<S>> = (0..q.len()).map(|i| Jet::new(q[i], v[i], a[i])).collect();
         let lift = |j: Jet<f64>| Jet::new(S::from(j.x), S::from(j.d), S::from(j.dd));
@@ -142,8 +142,8 @@ impl Beam {
         self.places(&root, strains)
     }
 
-    /// Inertia, stiffness and damping less the loads, by coordinate, which is zero in a motion; `others` are further loads on the
-    /// nodes, in W about them. Returns what holds the root, in W about it.
+    /// Inertia, stiffness and damping less the loads, by coordinate, in J over the units of these, which is zero in a motion;
+    /// `others` are further loads on the nodes, in W about them. Returns what holds the root, in W about it.
     ///
     /// Loads are summed from the tip inboard, so that each step gives its coordinates the work of all that lies outboard.
     ///
@@ -257,7 +257,8 @@ impl Beam {
         }
     }
 
-    /// Derivatives of the residual by coordinates, their rates and their accelerations, exact.
+    /// Derivatives of the residual, J over the units of two coordinates, by coordinates, their rates and their accelerations,
+    /// exact.
     pub fn tangents(
         &self,
         setting: &Setting,
@@ -292,7 +293,7 @@ impl Beam {
         all
     }
 
-    /// Energies.
+    /// Energies, J, with the strain coordinates `q` and their rates `v`.
     pub fn energy(&self, setting: &Setting, q: &[f64], v: &[f64]) -> Energy {
         let zero = vec![0.0; q.len()];
         let places = self.motion(setting, q, v, &zero);
@@ -313,7 +314,7 @@ impl Beam {
         energy
     }
 
-    /// Momentum, and angular momentum about W's origin.
+    /// Momentum, kg m/s, and angular momentum about W's origin, kg m2/s, in W.
     pub fn momentum(&self, setting: &Setting, q: &[f64], v: &[f64]) -> [Vec3; 2] {
         let zero = vec![0.0; q.len()];
         let mut sums = [Vec3::ZERO; 2];

@@ -23,7 +23,8 @@ pub enum Status {
 /// A shape at rest.
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// Coordinates.
+    /// Coordinates: strains of twist and bending in rad/m, of extension and shear dimensionless; of a free root m and rad
+    /// before them.
     pub q: Vec<f64>,
     /// How the search ended.
     pub status: Status,

@@ -16,26 +16,26 @@ pub struct Row {
     pub source: String,
     /// What `value` is, e.g. `max error of the humerus angle`.
     pub metric: String,
-    /// Distance from the source: the smaller, the better.
+    /// Distance from the source, in `unit`: the smaller, the better.
     pub value: f64,
-    /// Largest value that passes; none for a number shown without a judgement.
+    /// Largest value that passes, in `unit`; none for a number shown without a judgement.
     pub limit: Option<f64>,
     /// Unit of `value` and `limit`; empty when dimensionless.
     pub unit: &'static str,
 }
 
 impl Row {
-    /// A number that passes when it is at most `limit`.
+    /// A number that passes when it is at most `limit`, both in `unit`.
     pub fn judged(id: &str, source: &str, metric: &str, value: f64, limit: f64, unit: &'static str) -> Self {
         Self { limit: Some(limit), ..Self::shown(id, source, metric, value, unit) }
     }
 
-    /// A number printed without a judgement.
+    /// A number, in `unit`, printed without a judgement.
     pub fn shown(id: &str, source: &str, metric: &str, value: f64, unit: &'static str) -> Self {
         Self { id: id.into(), source: source.into(), metric: metric.into(), value, limit: None, unit }
     }
 
-    /// An observed order of convergence: value = |observed - expected|.
+    /// An observed order of convergence, dimensionless: value = |observed - expected|.
     pub fn order(id: &str, source: &str, observed: f64, expected: f64, tolerance: f64) -> Self {
         let metric = format!("|observed order {observed:.3} - {expected}|");
         Self::judged(id, source, &metric, (observed - expected).abs(), tolerance, "")

@@ -17,7 +17,7 @@ pub fn eldredge(s: f64, start: f64) -> (f64, f64) {
     (angle, 0.5 * FRAC_PI_4 * (first.tanh() - last.tanh()))
 }
 
-/// A curve, straight between its points.
+/// A curve, straight between its points. Abscissae and values are in the caller's units.
 pub struct Curve {
     /// Where, rising.
     pub at: Vec<f64>,

@@ -20,7 +20,7 @@ const SPAN: f64 = 0.30;
 const CHORD: f64 = 0.12;
 const REGULATOR_TIME: f64 = 0.020;
 const FLAP_RATE: f64 = 2.0 * std::f64::consts::PI * 3.5;
-/// Largest difference of the regulators of a pair.
+/// Largest difference of the commands of a pair, dimensionless: they are shares of a stroke.
 pub const DIFFERENCE: f64 = 1.2;
 
 /// The plant: x = [roll, pitch, yaw, w(3), v(3), s(4), z], u = commanded strokes.
@@ -43,7 +43,7 @@ impl Default for FlapBody {
     }
 }
 
-/// State of the recorded flight at t = 0.
+/// State of the recorded flight at t = 0, in the units of its channels.
 pub fn initial_state() -> [f64; 14] {
     let mut x = [0.0; 14];
     (x[1], x[6], x[8]) = (-15_f64.to_radians(), 1.0, 0.1);
@@ -158,13 +158,13 @@ impl Tracking for BankTurn {
 pub struct Instance {
     /// Time, s.
     pub time: f64,
-    /// State at node 0.
+    /// State at node 0, in the units of its channels.
     pub state: Vec<f64>,
     /// The problem.
     pub problem: BankTurn,
-    /// Optimal inputs, node by node, 6 x 4.
+    /// Optimal inputs, node by node, 6 x 4, in the units of their channels.
     pub inputs: Vec<f64>,
-    /// Optimal cost.
+    /// Optimal cost, dimensionless.
     pub cost: f64,
 }
 

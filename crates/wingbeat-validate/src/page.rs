@@ -64,7 +64,8 @@ fn table<'a>(names: impl Iterator<Item = &'a str>, rows: &[Row]) -> Option<Strin
     Some(text)
 }
 
-/// Three digits of a number that the model determines, one of what is left by rounding or a solver's tolerance.
+/// Three digits of a number, in the unit of its row, that the model determines, one of what is left by rounding or a solver's
+/// tolerance.
 pub fn short(value: f64) -> String {
     if value == 0.0 || value.abs() >= ROUNDING { significant(value, 3) } else { format!("{value:.0e}") }
 }
@@ -72,7 +73,7 @@ pub fn short(value: f64) -> String {
 /// Below this size a value is what rounding or the tolerance of a solver leave.
 const ROUNDING: f64 = 1e-4;
 
-/// `value` with `digits` significant digits and no exponent.
+/// `value` with `digits` significant digits and no exponent, in the unit of its row.
 pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

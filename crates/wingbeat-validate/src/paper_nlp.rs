@@ -24,7 +24,7 @@ pub const CASES: &[Case] = &[
 /// The same functions and derivatives, by another solver.
 const SERVED: &str = "IPOPT on the functions and derivatives of this program, validation/paper_nlp/serve.py";
 
-/// The problem of `scenarios/paper_plan.toml` on the robot, on its first mesh.
+/// The problem of `scenarios/paper_plan.toml` on the robot, on its first mesh, unknowns in the units of their channels.
 ///
 /// # Errors
 /// A scenario that does not fly up to its start.

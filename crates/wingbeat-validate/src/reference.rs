@@ -58,12 +58,12 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// The numbers of the column called `name`.
+    /// The numbers of the column called `name`, in the unit of the file.
     pub fn column(&self, name: &str) -> Result<Vec<f64>, Error> {
         self.column_at(self.index(name)?)
     }
 
-    /// The numbers of column `index`, counted from 0.
+    /// The numbers of column `index`, counted from 0, in the unit of the file.
     pub fn column_at(&self, index: usize) -> Result<Vec<f64>, Error> {
         (0..self.len()).map(|row| self.number(row, index)).collect()
     }

@@ -105,7 +105,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// What it may be.
     pub range: Range,
-    /// Value where none is given: a thin, flat plate at Reynolds numbers of 1e3 to 1e5.
+    /// Value where none is given, in `unit`: a thin, flat plate at Reynolds numbers of 1e3 to 1e5.
     pub default: f64,
     /// What it is.
     pub meaning: &'static str,
@@ -186,7 +186,7 @@ pub const CD90: Parameter = Parameter {
 };
 
 impl Parameter {
-    /// Refuses `value` outside the range, under the parameter's key.
+    /// Refuses `value`, in the unit of the parameter, outside the range, under the parameter's key.
     ///
     /// # Errors
     /// [`Error::Invalid`].
@@ -231,7 +231,7 @@ pub struct SectionSpec {
     /// Angle of attack at which the attached lift is largest, deg.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stall_angle_deg: Option<f64>,
-    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction.
+    /// Dimensionless leading-edge suction parameter A0 beyond which the edge holds no more suction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_suction: Option<f64>,
     /// Angle of attack of the chord at which the section bears no lift, deg; negative with camber upward.

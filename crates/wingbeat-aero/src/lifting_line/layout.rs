@@ -29,7 +29,7 @@ impl<P: Scalar> Layout<P> {
         Ok(Self::of_chords(planform.half_span(), |arc| [planform.chord(arc), planform.sweep(arc)], set))
     }
 
-    /// Nodes for cells that end at the hinges.
+    /// Nodes for cells that end at the hinges, whose arcs are in m.
     pub fn hinged(
         planform: &Planform<P>,
         hinge_arcs: &[P],

@@ -37,7 +37,7 @@ use wingbeat_ocp::plant::Channel;
 
 /// Jones' two-term fit of Wagner's function (NACA Rep. 681, 1940): weights.
 pub const JONES_WEIGHTS: [f64; 2] = [0.165, 0.335];
-/// Jones' rates per semi-chord of travel.
+/// Jones' rates per semi-chord of travel, 1 over that travel and so dimensionless.
 pub const JONES_RATES: [f64; 2] = [0.0455, 0.3];
 
 /// The unsteady lifting line; constant after construction.

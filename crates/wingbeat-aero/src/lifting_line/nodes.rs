@@ -47,7 +47,8 @@ pub(super) struct Cell<P = f64> {
 }
 
 impl<P: Scalar> Cell<P> {
-    /// Of a smooth `chord` with its `sweep` at `angle` by quadrature: the lift vanishes at the tips, area and square do not.
+    /// Of a smooth `chord` (m) with its `sweep` (a slope) at the `angle` (rad) that stands for the span, by quadrature: the
+    /// lift vanishes at the tips, area and square do not.
     pub fn smooth(
         [chord, sweep]: [P; 2],
         width: P,

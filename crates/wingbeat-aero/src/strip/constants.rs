@@ -13,15 +13,15 @@ pub(super) const FOLLOWING_TIME: f64 = 1e-2;
 /// chord travelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lags {
-    /// Rates e_k of the wash lags.
+    /// Rates e_k of the wash lags, dimensionless.
     pub rate: &'static [f64],
     /// Weights psi_k of the lags in the lift wash; they sum to 1/2.
     pub lift: &'static [f64],
     /// Weights gamma_k of the lags in the circulation; they sum to 1.
     pub circulation: &'static [f64],
-    /// Weight beta of the wash of the chord doublet.
+    /// Weight beta of the wash of the chord doublet, dimensionless.
     pub doublet: f64,
-    /// Part of the circulation whose wake wash follows at once.
+    /// Share of the circulation whose wake wash follows at once.
     pub wake_at_once: f64,
     /// Weights of the delayed wake washes; with `wake_at_once` they sum to 1.
     pub wake: &'static [f64],

@@ -94,9 +94,9 @@ impl<P: Scalar> Flat<'_, P> {
 }
 
 impl<P: Scalar> Cores<P> {
-    /// The cores of a planform; `share` is k. With y what the wash of a vortex falls by, and y0 its value on the
-    /// flat wing, the wash is taken (1 + k^8) y^4 / (y^4 + (k^2 y0)^4) times; y goes with the square of the
-    /// distance near a vortex, whose wash is halved k distances off.
+    /// The cores of a planform; `share` is k, dimensionless. With y what the wash of a vortex falls by, and y0 its value on the
+    /// flat wing, the wash is taken (1 + k^8) y^4 / (y^4 + (k^2 y0)^4) times; y goes with the square of the distance near a
+    /// vortex, whose wash is halved k distances off.
     ///
     /// Equation: aero.strip.core_distance
     /// `y0 the value on the flat wing of what the wash falls by; strengths times 1 + k^8`

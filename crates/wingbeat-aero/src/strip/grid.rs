@@ -121,8 +121,7 @@ fn pieces<P: Scalar>(planform: &Planform<P>, strips: usize) -> Result<Vec<Piece<
     Ok(all)
 }
 
-/// Arc coordinates of the strip edges from the right tip to the left one, and the place of the
-/// control point in each strip.
+/// Arc coordinates of the strip edges from the right tip to the left one, m, and the place of the control point in each strip.
 ///
 /// # Errors
 /// [`Error::Invalid`] when a hinge lies beyond the tip or the strips are too few for hinges and gaps.

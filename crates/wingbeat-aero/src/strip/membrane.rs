@@ -79,7 +79,8 @@ impl<P: Scalar> StripModel<P> {
         self.membrane.is_some()
     }
 
-    /// What the motion of the membrane is held against at the strain `stretch` along its chord; none without one.
+    /// What the motion of the membrane is held against at the strain `stretch` (dimensionless) along its chord; none without
+    /// one.
     pub fn membrane_scales(&self, stretch: f64) -> Option<MembraneScales> {
         self.membrane.as_ref().map(|membrane| membrane.scales(self.numbers.density.value(), stretch))
     }

@@ -25,7 +25,7 @@ pub struct Display {
 }
 
 impl Display {
-    /// A line on the terminal, unless `quiet`.
+    /// A line on the terminal for a gait of `frequency`, Hz, unless `quiet`.
     pub fn new(scale: Scale, frequency: f64, quiet: bool) -> Self {
         let bar = progress::bar(None, "{elapsed} {wide_msg}", quiet);
         Self { scale, frequency, fz: [(0.0, 0.0); BINS], shown: Instant::now(), bar, rows: 0 }

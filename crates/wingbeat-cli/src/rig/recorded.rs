@@ -86,9 +86,9 @@ pub struct ByClock {
     pub wall_s: f64,
     /// Time without a record at the end, s.
     pub tail_s: f64,
-    /// Records that this rate makes in this time.
+    /// Number of records that this rate makes in this time.
     pub expected: f64,
-    /// Those of them that are neither recorded nor booked as missing; negative when there are too many.
+    /// Number of those that are neither recorded nor booked as missing; negative when there are too many.
     pub unaccounted: f64,
 }
 

@@ -19,7 +19,8 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens the log; the first number of a row is its flight's. A last line cut short goes.
+    /// Opens the log, whose rows are in the units of their columns; the first number of a row is its flight's. A last line cut
+    /// short goes.
     ///
     /// # Errors
     /// A line that is no row for which `belongs` holds, a flight that is there twice.
@@ -55,7 +56,7 @@ impl Log {
         self.rows.len()
     }
 
-    /// Adds a row. Numbers keep all their digits.
+    /// Adds a row, in the units of its columns. Numbers keep all their digits.
     pub fn append(&mut self, row: &[f64]) -> Result<(), Error> {
         let cells: Vec<String> = row.iter().copied().map(shortest).collect();
         self.line(&cells.join(","))?;
@@ -63,7 +64,7 @@ impl Log {
         Ok(())
     }
 
-    /// The rows in the order of their flights.
+    /// The rows in the order of their flights, in the units of their columns.
     pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
         self.rows.values().map(Vec::as_slice)
     }

@@ -16,7 +16,7 @@ const MOST: usize = 4000;
 pub struct Point {
     /// What it is a start of, and its number.
     pub series: String,
-    /// What converges: name, unit, value.
+    /// What converges: name, unit, value in that unit.
     pub values: Vec<(String, &'static str, f64)>,
 }
 

@@ -13,7 +13,7 @@ pub const LARGEST_DOCUMENT: usize = 128 << 20;
 pub const DEEPEST: usize = 32;
 /// Most files of which each is based on the next. *Choice*: no shipped document has more than five.
 pub const MOST_BASES: usize = 16;
-/// Largest magnitude of a number whose key names no unit: its powers are finite.
+/// Largest magnitude, in its own unit, of a number whose key names no unit: its powers are finite.
 pub const LARGEST: f64 = 1e12;
 
 /// Units and largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
@@ -52,7 +52,7 @@ fn row(path: &str) -> Option<(&'static str, f64)> {
     keys.filter(|key| !key.is_empty()).find_map(of)
 }
 
-/// Largest magnitude that any document may give the number at `path`, `body.nose_up_deg.constant`.
+/// Largest magnitude that any document may give the number at `path`, in the unit that ends it: `body.nose_up_deg.constant`.
 pub fn largest(path: &str) -> f64 {
     row(path).map_or(LARGEST, |(_, largest)| largest)
 }

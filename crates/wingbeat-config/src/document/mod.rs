@@ -292,7 +292,7 @@ impl Document {
         Some((self.sources.text(&span), self.sources.place(span.start)))
     }
 
-    /// The number at `key`.
+    /// The number at `key`, in the unit that ends the key.
     ///
     /// # Errors
     /// What is allowed, where there is none.

@@ -24,11 +24,11 @@ const MAX_ROBOTS: usize = 1 << 16;
 /// What a step of a flock tells: one row per robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
-    /// Observations, robot after robot.
+    /// Observations in the units of their channels, robot after robot.
     pub observations: Vec<f64>,
-    /// Rewards.
+    /// Rewards, dimensionless.
     pub rewards: Vec<f64>,
-    /// Terms of the rewards, robot after robot.
+    /// Terms of the rewards, dimensionless, robot after robot.
     pub terms: Vec<f64>,
     /// Episodes that have failed.
     pub terminated: Vec<bool>,
@@ -72,11 +72,11 @@ struct Member {
 pub struct SavedRobot {
     /// State, inputs and clock.
     pub robot: Saved,
-    /// Action in force, each in [-1, 1].
+    /// Action in force, each a share of the command's range in [-1, 1].
     pub action: Vec<f64>,
     /// Seed of the episodes.
     pub seed: u64,
-    /// How much the start varies.
+    /// How much the start varies, as a factor on what is usual.
     pub spread: f64,
     /// Episodes begun since the seed was given.
     pub episode: u64,
@@ -178,8 +178,8 @@ impl Flock {
         Ok(())
     }
 
-    /// Starts all anew, each from its seed; the start varies by `spread` times what is usual, at 0 it is that of the
-    /// scenario. The observations.
+    /// Starts all anew, each from its seed; the start varies by `spread` times what is usual, at 0 it is that of the scenario.
+    /// The observations, in the units of their channels.
     ///
     /// # Panics
     /// When there is not one seed per robot.
@@ -191,7 +191,7 @@ impl Flock {
         self.again()
     }
 
-    /// Starts all on their next episodes. The observations.
+    /// Starts all on their next episodes. The observations, in the units of their channels.
     pub fn again(&mut self) -> Vec<f64> {
         let mut observations = vec![0.0; self.count() * self.observations()];
         let rows = observations.chunks_mut(self.task.observation().len());
@@ -202,8 +202,8 @@ impl Flock {
         observations
     }
 
-    /// A step of all robots under actions in [-1, 1], robot after robot, kept within. Where an episode was over
-    /// the next one begins instead: its action is not used, its reward is 0.
+    /// A step of all robots under actions in [-1, 1], shares of the commands' ranges, robot after robot, kept within. Where an
+    /// episode was over the next one begins instead: its action is not used, its reward is 0.
     ///
     /// # Errors
     /// [`Error::Invalid`] for actions of another number, or that are not finite.

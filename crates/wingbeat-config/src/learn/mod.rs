@@ -35,9 +35,9 @@ pub struct View<'a> {
     pub t: f64,
     /// Phase of the gait, rad.
     pub phase: f64,
-    /// State.
+    /// State, in the units of the robot's channels.
     pub x: &'a [f64],
-    /// Action in force, each in [-1, 1].
+    /// Action in force, each a share of the command's range in [-1, 1].
     pub action: &'a [f64],
 }
 
@@ -46,13 +46,13 @@ pub trait Task: Debug + Send + Sync {
     /// What an observation holds, in order; its numbers are kept within the channels' limits.
     fn observation(&self) -> &[Channel];
 
-    /// Writes an observation.
+    /// Writes an observation, in the units of its channels.
     fn observe(&self, view: &View, values: &mut [f64]);
 
     /// Names of the terms whose sum is the reward.
     fn terms(&self) -> &[&'static str];
 
-    /// Writes the terms of the reward.
+    /// Writes the terms of the reward, dimensionless.
     fn reward(&self, view: &View, terms: &mut [f64]);
 
     /// True when the episode has failed.
@@ -61,6 +61,6 @@ pub trait Task: Debug + Send + Sync {
     /// Duration after which an episode is cut off, s.
     fn duration_s(&self) -> f64;
 
-    /// Varies the state at the start by `spread` times what is usual for the task.
+    /// Varies the state at the start by the factor `spread` on what is usual for the task.
     fn vary(&self, x: &mut [f64], spread: f64, random: &mut Random);
 }

@@ -53,12 +53,12 @@ impl Measured {
         Self(measures().map(|measure| (measure.value)(settled)).collect())
     }
 
-    /// Each quantity with its value.
+    /// Each quantity with its value, in its unit.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Measure, Option<f64>)> {
         measures().zip(self.0.iter().copied())
     }
 
-    /// The value of a key of the table.
+    /// The value of a key of the table, in the unit that ends the key.
     pub fn get(&self, key: &str) -> Option<f64> {
         self.iter().find(|(measure, _)| measure.key == key).and_then(|(_, value)| value)
     }

@@ -79,7 +79,7 @@ pub struct LeastPowerSummary {
     pub stall_fraction: Option<f64>,
     /// The same of the robot's own gait.
     pub own_stall_fraction: Option<f64>,
-    /// Largest difference of a state over the last cycle of that replay.
+    /// Largest difference of a state over the last cycle of that replay, in its own unit.
     pub replay_closure: Option<f64>,
     /// The robot's own gait, actuators at rest.
     pub own: GaitNumbers,

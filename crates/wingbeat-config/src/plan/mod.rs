@@ -87,9 +87,9 @@ pub struct SolverNumbers {
     pub verdict: Verdict,
     /// How the solver ended.
     pub solver: String,
-    /// Largest violation of a constraint, as the solver scales them; missing when nothing could be evaluated.
+    /// Largest violation of a constraint, dimensionless, as the solver scales them; missing when nothing could be evaluated.
     pub violation: Option<f64>,
-    /// Largest error of the optimality conditions, scaled likewise.
+    /// Largest error of the optimality conditions, dimensionless, scaled likewise.
     pub residual: Option<f64>,
     /// Share of the inputs at a limit, over the nodes.
     pub saturated_fraction: Option<f64>,
@@ -158,9 +158,9 @@ impl Scenario {
         }
     }
 
-    /// How far the plan `points` ([`PlanNodes::points`]) with these `parameters` misses the dynamics of this scenario's model: the
-    /// defect of each state, one list per row, from states and inputs alone. A plan that was made elsewhere is held against the
-    /// model by this.
+    /// How far the plan `points` ([`PlanNodes::points`]) with these `parameters` misses the dynamics of this scenario's model:
+    /// the defect of each state, in its unit, one list per row, from states and inputs alone. A plan that was made elsewhere is
+    /// held against the model by this.
     ///
     /// # Errors
     /// [`Error::Invalid`] without a `[plan]`, for a column that is not there, or a state that the model refuses.

@@ -25,7 +25,7 @@ pub struct PlanConstants {
     pub rows_per_interval: usize,
     /// Intervals.
     pub intervals: usize,
-    /// What is least.
+    /// What is least, in the unit of the plan's cost.
     pub objective: f64,
     /// Its unit; multipliers are in this unit per unit of what they belong to.
     pub objective_unit: &'static str,
@@ -42,19 +42,19 @@ pub struct PlanValue {
     pub name: String,
     /// Unit; empty when it has none.
     pub unit: &'static str,
-    /// The number.
+    /// The number, in `unit`.
     pub value: f64,
-    /// Lowest value allowed; absent without one.
+    /// Lowest value allowed, in `unit`; absent without one.
     pub low: Option<f64>,
-    /// Highest value allowed; absent without one.
+    /// Highest value allowed, in `unit`; absent without one.
     pub high: Option<f64>,
-    /// Multiplier of its limits, positive at the upper one: the objective rises by its negative where the limit that holds goes up
-    /// by one.
+    /// Multiplier of its limits, in the unit of the objective over its own, positive at the upper one: the objective rises by
+    /// its negative where the limit that holds goes up by one.
     pub multiplier: f64,
 }
 
 impl PlanConstants {
-    /// The parameters.
+    /// The parameters, in their own units.
     pub fn parameters(&self) -> Vec<f64> {
         self.unknowns[2..].iter().map(|unknown| unknown.value).collect()
     }

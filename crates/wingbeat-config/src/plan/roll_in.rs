@@ -185,8 +185,8 @@ impl Scenario {
         problem.defects(&nodes::trajectory(&setup, 1, points, parameters)?).map_err(broken)
     }
 
-    /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess: objective,
-    /// constraints and their derivatives, for any solver of nonlinear programs.
+    /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess, in the units of its
+    /// channels: objective, constraints and their derivatives, for any solver of nonlinear programs.
     ///
     /// # Errors
     /// A scenario without such a plan, or that does not fly up to its start.

@@ -63,7 +63,7 @@ pub enum TrimProgress {
         orbits: usize,
         /// Iteration of Newton's method, from 1.
         iteration: usize,
-        /// Largest condition missed.
+        /// Largest condition missed, in its own SI unit.
         residual: f64,
     },
     /// Of a turn that is flown.
@@ -184,7 +184,7 @@ impl Scenario {
         Cycle::new(&self.model, self.trim_spec()?.step_s).map_err(|e| e.renamed(&[("gait", gait)]))
     }
 
-    /// The orbit that `[trim]` asks for, a turn by way of straight flight. `tell` hears iteration and residual and may
+    /// The orbit that `[trim]` asks for, a turn by way of straight flight. `tell` hears iteration and residual (in SI units) and may
     /// stop the search.
     ///
     /// # Errors

@@ -17,11 +17,11 @@ use wingbeat_robot::Robot;
 /// A Floquet multiplier and its mode.
 #[derive(Clone, Debug, Serialize)]
 pub struct Multiplier {
-    /// Real part.
+    /// Real part, dimensionless.
     pub re: f64,
-    /// Imaginary part.
+    /// Imaginary part, dimensionless.
     pub im: f64,
-    /// Magnitude: by what a small disturbance grows over a cycle.
+    /// Magnitude: the ratio by which a small disturbance grows over a cycle.
     pub size: f64,
     /// Rate of growth, 1/s.
     pub growth_per_s: f64,
@@ -115,11 +115,13 @@ pub struct TrimSummary {
     pub commands: BTreeMap<String, f64>,
     /// Floquet multipliers, the largest first.
     pub multipliers: Vec<Multiplier>,
-    /// Largest |multiplier| without the heading's.
+    /// Largest |multiplier| without the heading's, dimensionless.
     pub largest_multiplier: Option<f64>,
-    /// Largest derivative that leads from flight in the plane of symmetry out of it, or back; straight flight only.
+    /// Largest derivative, in SI units, that leads from flight in the plane of symmetry out of it, or
+    /// back; straight flight only.
     pub sector_coupling: Option<f64>,
-    /// Largest multiplier of a deviation, the integral of the height among them, under the feedback of `gains.csv`.
+    /// Largest multiplier, dimensionless, of a deviation, the integral of the height among them, under the feedback of
+    /// `gains.csv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub held_multiplier: Option<f64>,
     /// Whether no multiplier but the heading's exceeds 1.

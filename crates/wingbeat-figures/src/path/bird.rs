@@ -30,7 +30,7 @@ pub struct Wing {
 }
 
 impl Bird {
-    /// The bird with all distances from the body enlarged.
+    /// The bird with all distances from the body enlarged by the factor `factor`.
     pub fn enlarged(&self, factor: f64) -> Self {
         let grow = |p: &Point| std::array::from_fn(|i| self.body[i] + factor * (p[i] - self.body[i]));
         let wing = |wing: &Wing| Wing {
@@ -41,7 +41,7 @@ impl Bird {
         Self { body: self.body, wings: self.wings.iter().map(wing).collect() }
     }
 
-    /// Largest distance of a point from the body.
+    /// Largest distance of a point from the body, m.
     pub fn reach(&self) -> f64 {
         self.points().map(|point| distance(point, self.body)).fold(0.0, f64::max)
     }
@@ -52,7 +52,8 @@ impl Bird {
     }
 }
 
-/// Those of the `birds` that do not lie over one before, each as much enlarged; the last one takes the place of those that it covers.
+/// Those of the `birds` that do not lie over one before, each enlarged by the factor `enlargement`; the last one takes the
+/// place of those that it covers.
 pub fn apart(birds: Vec<Bird>, enlargement: f64) -> Vec<Bird> {
     let clear =
         |a: &Bird, b: &Bird| distance(a.body, b.body) >= APART * enlargement * a.reach().max(b.reach());

@@ -39,7 +39,7 @@ impl Room {
         }
     }
 
-    /// The multiples of the step from `low` to `high` along axis `i`.
+    /// The multiples of the step from `low` to `high` along axis `i`, m.
     pub fn ticks(&self, i: usize) -> Vec<f64> {
         let count = ((self.high[i] - self.low[i]) / self.step).round();
         (0..=count.min(2.0 * LINES) as usize).map(|n| self.low[i] + n as f64 * self.step).collect()

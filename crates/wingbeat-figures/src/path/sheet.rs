@@ -185,7 +185,8 @@ impl Sheet {
         self.text((x + 8.0, y - 8.0), "perch".into(), TextAnchor::Start, style::TICKS);
     }
 
-    /// What the colours and the size of the robot mean.
+    /// What the colours and the size of the robot mean, drawn at intervals of `every` seconds and too large by the factor
+    /// `enlargement`.
     pub fn note(&mut self, birds: &[Bird], every: Option<f64>, enlargement: f64) {
         let mut x = Self::MARGINS.0;
         let mut entries = vec![("path", style::INK), ("shadow below", SHADOW)];

@@ -160,7 +160,7 @@ impl Space {
         self.front.push(style::sample((x, y), (right, y), style::INK, 2.4, None));
     }
 
-    /// A round length of which the bar takes about a fifth of the pane's width.
+    /// A round length, m, of which the bar takes about a fifth of the pane's width.
     pub fn round_length(&self) -> f64 {
         round_step(0.2 * self.pane.width / self.scale.max(1e-9))
     }

@@ -49,7 +49,7 @@ impl Camera {
         }
     }
 
-    /// How near a point is to the eye, in an order: larger is nearer.
+    /// How near a point is to the eye, in an order, of which only the sign counts (m or m2): larger is nearer.
     pub fn nearness(&self, point: Point) -> f64 {
         match self.eye {
             None => -dot(self.away, point),

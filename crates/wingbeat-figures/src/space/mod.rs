@@ -18,7 +18,7 @@ pub type Point = [f64; 3];
 /// Room around what is seen for ticks and names, px.
 const MARGIN: f64 = 46.0;
 
-/// A rectangle of the paper, px from its upper left corner.
+/// A rectangle of the paper, its lengths in px from the upper left corner.
 #[derive(Clone, Copy, Debug)]
 pub struct Pane {
     /// Its left end.
@@ -125,7 +125,8 @@ impl Space {
         (self.origin.0 + self.scale * right, self.origin.1 + self.scale * down)
     }
 
-    /// An area with straight edges; of `edge` with a line of that colour about it. Areas are sorted by their middles.
+    /// An area with straight edges, which covers the share `opacity` of what is behind; of `edge` with a line of that colour
+    /// about it. Areas are sorted by their middles.
     pub fn area(&mut self, corners: &[Point], colour: &str, opacity: f64, edge: Option<&str>) {
         let place = |point: &Point| self.at(*point);
         let places: Vec<(f64, f64)> = corners.iter().map(place).collect();
@@ -141,7 +142,7 @@ impl Space {
         self.push(corners, drawn, &places);
     }
 
-    /// A line, sorted piece by piece among the areas.
+    /// A line of the `weight` px, sorted piece by piece among the areas.
     pub fn line(&mut self, points: &[Point], colour: &str, weight: f64) {
         for pair in points.windows(2) {
             let [from, to] = [self.at(pair[0]), self.at(pair[1])];
@@ -149,7 +150,7 @@ impl Space {
         }
     }
 
-    /// A line before all areas.
+    /// A line of the `weight` px before all areas.
     pub fn outline(&mut self, points: &[Point], colour: &str, weight: f64) {
         let points: Vec<(f64, f64)> = points.iter().map(|point| self.at(*point)).collect();
         if points.iter().all(|p| p.0.is_finite() && p.1.is_finite()) {

@@ -7,7 +7,7 @@ const LOW: [f64; 3] = [0.0, 68.0, 136.0];
 const MIDDLE: [f64; 3] = [247.0, 247.0, 247.0];
 const HIGH: [f64; 3] = [178.0, 60.0, 0.0];
 
-/// A scale alike on both sides of zero.
+/// A scale alike on both sides of zero. Its values are in the caller's unit, m2/s of a wake.
 #[derive(Clone, Copy, Debug)]
 pub struct Diverging {
     /// Value at its ends.

@@ -39,7 +39,7 @@ impl Paper {
         self.scene.elements.push(style::words(x, y, content, anchor, false));
     }
 
-    /// A colour scale with its ends, zero and name, its upper left corner at `place`.
+    /// A colour scale with its ends, zero and name, its upper left corner at `(x, y)` px.
     pub fn scale(&mut self, scale: &Diverging, (x, y): (f64, f64), name: &str) {
         let axis = Scale::new(-scale.most, scale.most);
         let at = |share: f64| x + SCALE.0 * share;

@@ -31,7 +31,8 @@ impl History {
         }
     }
 
-    /// The commands in force from `t` s on and until when, the last of them without end; `None` where none are known.
+    /// The commands in force from `t` s on, in the units of their channels, and until when (in s), the last of them without
+    /// end; `None` where none are known.
     pub fn at(&self, t: f64) -> Option<(&[f64], f64)> {
         let next = self.past.partition_point(|(from, _)| *from <= t).max(1);
         let until = self.past.get(next).map_or(f64::INFINITY, |(from, _)| *from);

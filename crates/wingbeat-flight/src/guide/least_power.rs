@@ -249,7 +249,7 @@ impl<'a> LeastPower<'a> {
         Ok(optimum)
     }
 
-    /// Defects of a plan from its states and inputs alone.
+    /// Defects of a plan from its states and inputs alone, in the units of the states.
     ///
     /// # Errors
     /// The [`Fault`] of a state that the model refuses.

@@ -84,9 +84,9 @@ pub struct Weights {
     /// diagonal entries of the paper's C.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_axes: Option<[f64; 3]>,
-    /// Input, per half of its range.
+    /// Weight of the input, per half of its range.
     pub input: f64,
-    /// Change of the input over an interval, per half of its range.
+    /// Weight of the change of the input over an interval, per half of its range.
     #[serde(default)]
     pub input_change: f64,
     /// Clearance short of `clearance_m`, per m, at the nodes after the first; 0 for none.

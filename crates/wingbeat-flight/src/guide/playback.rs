@@ -20,7 +20,7 @@ pub struct CommandsSpec {
     pub period_s: f64,
     /// Times, s, ascending: two or more.
     pub time_s: Vec<f64>,
-    /// Commands by the names of their inputs, one for each time; those of the other inputs are 0.
+    /// Commands by the names and in the units of their inputs, one for each time; those of the other inputs are 0.
     pub commands: BTreeMap<String, Vec<f64>>,
 }
 
@@ -57,7 +57,7 @@ impl ControllerSpec for CommandsSpec {
     }
 }
 
-/// The controller that holds its commands.
+/// The controller that holds its commands, in the units of their channels.
 #[derive(Clone, Debug)]
 pub struct HeldCommands(pub Vec<f64>);
 
@@ -79,7 +79,7 @@ pub struct Playback<C> {
 }
 
 impl<C: Controller> Playback<C> {
-    /// Inputs at ascending times, two or more, after `approach`.
+    /// Inputs, in the units of their channels, at two or more ascending times (s), after `approach`.
     pub fn new(approach: C, times: Vec<f64>, inputs: Vec<Vec<f64>>) -> Self {
         Self { approach, times, inputs }
     }

@@ -171,15 +171,15 @@ impl Turning {
         }
     }
 
-    /// Whether the rotation vector `d` has come as far as asked.
+    /// Whether the rotation vector `d` (rad) has come as far as asked.
     pub fn is_reached(&self, d: &[f64]) -> bool {
         Vec3::from_slice(d).dot(self.rotation) >= self.rotation.norm_squared()
     }
 }
 
 impl<'a, P: Plant> RollIn<'a, P> {
-    /// The reorientation of `plant`, whose structure elements have `strokes`, from its state `x` at the time 0: the least time to
-    /// another attitude by its own inertia and, where there is air, the air's.
+    /// The reorientation of `plant`, whose structure elements have `strokes` (in the units of their channels), from its state
+    /// `x` at the time 0. It takes the least time to another attitude by its own inertia and, where there is air, the air's.
     ///
     /// Equation: guide.reorientation
     /// `min t_f + int e sum (u_i/limit_i)^2 dt, log(R_0' R_f) = d within what is allowed, elements at rest again, strokes

@@ -177,7 +177,8 @@ impl Driver<()> for Guess<'_> {
 }
 
 impl<'a, P: Plant> RollIn<'a, P> {
-    /// The roll-in of `plant`, whose structure elements have `strokes`, from its state `x` at `spec.start_s`.
+    /// The roll-in of `plant`, whose structure elements have `strokes` (in the units of their channels), from its state `x` at
+    /// `spec.start_s`.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is out of range or the plant has no
@@ -297,7 +298,7 @@ impl RollIn<'_, Robot> {
         self.plan(observer)
     }
 
-    /// [`Interpolant::resimulate`] of a robot's plan.
+    /// [`Interpolant::resimulate`] of a robot's plan, in the units of the states.
     ///
     /// # Errors
     /// The [`Fault`] of a state that the model refuses.
@@ -305,7 +306,7 @@ impl RollIn<'_, Robot> {
         plan.resimulate(self, steps)
     }
 
-    /// Defects of a plan from its states and inputs alone.
+    /// Defects of a plan from its states and inputs alone, in the units of the states.
     ///
     /// # Errors
     /// The [`Fault`] of a state that the model refuses.
@@ -313,7 +314,7 @@ impl RollIn<'_, Robot> {
         defects(self, &Scheme::hermite_simpson(), unknowns)
     }
 
-    /// Hands the problem on its first mesh to `see`, with the start of the first guess.
+    /// Hands the problem on its first mesh to `see`, with the start of the first guess, in the units of its channels.
     ///
     /// # Errors
     /// The [`Fault`] of the flight that is the guess.

@@ -20,7 +20,8 @@ pub(super) struct SoftClearance {
 }
 
 impl SoftClearance {
-    /// That of all clearances of `plant`; `key` names the weight.
+    /// That of all clearances of `plant`, with a `weight` (1/m) below `limit`, rounded off over `width` (both m); `key` names
+    /// the weight.
     pub fn new<P: Plant>(plant: &P, key: &str, weight: f64, limit: f64, width: f64) -> Result<Self, Error> {
         let count = match (weight == 0.0, plant.clearances().len()) {
             (true, _) => 0,
@@ -34,8 +35,8 @@ impl SoftClearance {
         Ok(Self { count, limit, width, weight })
     }
 
-    /// Weight times the smooth positive part of what each clearance is short of its limit. Where the model cannot
-    /// be evaluated it has none: its rates refuse the state.
+    /// Weight times the smooth positive part, dimensionless, of what each clearance is short of its limit. Where the model
+    /// cannot be evaluated it has none: its rates refuse the state.
     ///
     /// Equation: guide.soft_clearance
     /// `r = weight s(c_min - c), s the smooth positive part over 1 mm`

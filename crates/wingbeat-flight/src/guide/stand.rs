@@ -64,13 +64,13 @@ impl<'a> Stand<'a> {
         &self.mirror
     }
 
-    /// Motion of the body.
+    /// Motion of the body at the pitch `pitch`, rad.
     pub fn body<S: Scalar>(&self, pitch: S) -> BodyMotion<S> {
         let attitude = Mat3::from_roll_pitch_yaw(S::ZERO, pitch, S::from(self.yaw));
         BodyMotion::steady(attitude, Vec3::constant(self.velocity))
     }
 
-    /// The gait's clock at `t` s.
+    /// The gait's clock, in s, at `t` s.
     pub fn clock<S: Scalar>(&self, t: S, flapping: &Flapping<S>) -> Jet<S> {
         let pace = flapping.frequency_hz * (1.0 / self.robot.frequency_hz());
         Jet::new(t * pace, pace, S::ZERO)

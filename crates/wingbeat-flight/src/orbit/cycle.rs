@@ -58,18 +58,18 @@ impl Free {
 /// Where a cycle begins and what is held over it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// Coordinates of the [`Section`].
+    /// Coordinates of the [`Section`], in the units of their states.
     pub z: Vec<f64>,
     /// Frequency over that of the robot's gait.
     pub pace: f64,
-    /// Held commands.
+    /// Held commands, in the units of their channels.
     pub inputs: Vec<f64>,
 }
 
 /// Where a cycle ends.
 #[derive(Clone, Debug)]
 pub struct End<S: Scalar = f64> {
-    /// Coordinates.
+    /// Coordinates of the section, in the units of their states.
     pub z: Vec<S>,
     /// Growth of the heading, rad.
     pub heading: S,
@@ -161,7 +161,7 @@ impl<'a> Cycle<'a> {
         (pace * self.robot.frequency_hz()).recip()
     }
 
-    /// The state at which `point` begins.
+    /// The state at which `point` begins, in the units of its channels.
     pub fn start(&self, point: &Point) -> Vec<f64> {
         self.state(&point.z, &point.inputs)
     }
@@ -178,7 +178,8 @@ impl<'a> Cycle<'a> {
         x
     }
 
-    /// Flies a cycle; `each` sees the state after every step.
+    /// Flies a cycle from the coordinates `z` with a crank `pace` as a factor on its rate and held `inputs`, in the units of
+    /// their channels; `each` sees the state after every step.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable on the way.
@@ -222,8 +223,8 @@ impl<'a> Cycle<'a> {
         self.fly(z, pace, inputs, |_, _, _| Ok(()))
     }
 
-    /// `of` the end of a cycle from `point`, with its derivatives along `directions` of the coordinates, then along
-    /// `free`: values, and one row per number with a column per direction.
+    /// `of` the end of a cycle from `point`, with its derivatives along `directions` of the coordinates, then along `free`:
+    /// values in the units of `of`, and one row per number with a column per direction.
     ///
     /// # Errors
     /// As [`fly`](Self::fly).
@@ -267,7 +268,8 @@ impl<'a> Cycle<'a> {
         Ok((values, rows))
     }
 
-    /// The regulator that paces the crank and what it is told for `pace`.
+    /// The regulator that paces the crank and what it is told for `pace` (a factor on the crank's rate), in the unit of its
+    /// channel.
     pub fn pacing(&self, pace: f64) -> Option<(usize, f64)> {
         let pacer = self.robot.pacer()?;
         Some((pacer.input, (self.rate(pace) - self.rate(1.0)) / pacer.gain))

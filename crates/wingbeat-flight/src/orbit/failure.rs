@@ -15,7 +15,7 @@ pub enum Failure {
     Singular {
         /// Iteration, from 1.
         iteration: usize,
-        /// Largest condition missed.
+        /// Largest condition missed, in its own SI unit.
         residual: f64,
     },
     /// Newton's method stopped before the conditions held.
@@ -26,7 +26,7 @@ pub enum Failure {
     NotConverged {
         /// Iterations taken.
         iterations: usize,
-        /// Largest condition missed.
+        /// Largest condition missed, in its own SI unit.
         residual: f64,
         /// Its name.
         condition: String,
@@ -38,13 +38,13 @@ pub enum Failure {
     Range {
         /// Name of the number.
         name: String,
-        /// Where it went.
+        /// Where it went, in its unit.
         value: f64,
         /// Its unit.
         unit: &'static str,
-        /// Least allowed.
+        /// Least allowed, in its unit.
         low: f64,
-        /// Largest allowed.
+        /// Largest allowed, in its unit.
         high: f64,
     },
     /// Left and right differ: flight straight ahead was looked for as if they did not.
@@ -53,7 +53,7 @@ pub enum Failure {
          the plane of symmetry alone"
     )]
     Asymmetric {
-        /// What differs after the cycle from before it, SI.
+        /// What differs after the cycle from before it, in SI units.
         missed: f64,
         /// Its name.
         condition: String,

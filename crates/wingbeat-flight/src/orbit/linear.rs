@@ -25,15 +25,15 @@ pub struct Deviations {
 /// Deviations at the end of an interval from those at its begin and from held commands: A s + B u.
 #[derive(Clone, Debug)]
 pub struct Interval {
-    /// A.
+    /// A, in the units of the deviations.
     pub a: DMatrix<f64>,
-    /// B.
+    /// B, in the units of the deviations over those of the commands.
     pub b: DMatrix<f64>,
     /// Where the orbit is at its end over the ground, in heading axes at its begin: along x, y, m, and heading, rad.
     pub ground: [f64; 3],
-    /// As A for that.
+    /// The same as A for that.
     pub ground_a: DMatrix<f64>,
-    /// As B for that.
+    /// The same as B for that.
     pub ground_b: DMatrix<f64>,
 }
 
@@ -194,8 +194,8 @@ fn fly_state<S: CycleScalar>(
     Ok(())
 }
 
-/// The numbers after part `part` of a cycle from the `nominal` ones under held commands, and how deviations along
-/// `directions` and commands along `inputs` grow over it, as deviations along `directions`.
+/// The numbers, in the units of the states, after part `part` of a cycle from the `nominal` ones under held commands, and how
+/// deviations along `directions` and commands along `inputs` grow over it, as deviations along `directions`.
 ///
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.

@@ -58,8 +58,8 @@ pub struct Measures {
     pub heave: f64,
 }
 
-/// Looks at a cycle of `orbit` at every step. Rates of joints and strips are central differences over the cycle,
-/// which closes.
+/// Looks at a cycle of `orbit` at every step; `areas` are those of the strips (m2). Rates of joints and strips are central
+/// differences over the cycle, which closes.
 ///
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.

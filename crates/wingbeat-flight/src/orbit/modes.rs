@@ -33,7 +33,7 @@ impl Sector {
 /// One mode.
 #[derive(Clone, Debug)]
 pub struct Mode {
-    /// Multiplier: by what the mode grows over a cycle, real and imaginary part.
+    /// Multiplier: the ratio by which the mode grows over a cycle, real and imaginary part.
     pub multiplier: [f64; 2],
     /// Rate of growth, 1/s: ln |multiplier| / T.
     pub growth: f64,
@@ -48,7 +48,7 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// |multiplier|.
+    /// |multiplier|, a ratio.
     pub fn size(&self) -> f64 {
         self.multiplier[0].hypot(self.multiplier[1])
     }
@@ -59,12 +59,13 @@ impl Mode {
 pub struct Modes {
     /// From the largest multiplier down.
     pub modes: Vec<Mode>,
-    /// Largest entry of the monodromy that leads from one sector into the other, 0 in a robot whose sides are alike.
+    /// Largest entry of the monodromy, in SI units, that leads from one sector into the other, 0 in a robot whose sides are
+    /// alike.
     pub coupling: f64,
 }
 
 impl Modes {
-    /// Largest |multiplier| without the heading's.
+    /// Largest |multiplier| without the heading's, a ratio.
     pub fn largest(&self) -> f64 {
         self.modes.iter().filter(|m| m.label != HEADING).map(Mode::size).fold(0.0, f64::max)
     }

@@ -38,7 +38,7 @@ pub struct Orbit {
 pub struct Found {
     /// The orbit.
     pub orbit: Orbit,
-    /// Largest condition missed.
+    /// Largest condition missed, in its own SI unit.
     pub residual: f64,
     /// Iterations of Newton's method.
     pub iterations: usize,
@@ -119,8 +119,9 @@ pub(super) fn solve(matrix: &[f64], rows: usize, columns: usize, rhs: &[f64]) ->
     Some((a.transpose() * gram.lu().solve(&b)?).as_slice().to_vec())
 }
 
-/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method, first in steps twice as long. The first
-/// two of `free` are what the start turns; a turn is not started this way but followed from level flight.
+/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method, first in steps twice as long. The first two
+/// of `free` are what the start turns; a turn is not started this way but followed from level flight. `observe` hears iteration
+/// and residual (in SI units).
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.
@@ -171,8 +172,9 @@ fn started(
     }
 }
 
-/// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
-/// free numbers than conditions by steps of least norm in them, each measured by half of its range.
+/// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more free
+/// numbers than conditions by steps of least norm in them, each measured by half of its range. `observe` hears iteration and
+/// residual (in SI units).
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.

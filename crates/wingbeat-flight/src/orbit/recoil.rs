@@ -64,7 +64,7 @@ pub(super) fn recoil(
     Ok(point)
 }
 
-/// Growth of forward and upward velocity and of the pitch rate over a cycle.
+/// Growth of forward and upward velocity (m/s) and of the pitch rate (rad/s) over a cycle.
 ///
 /// # Errors
 /// The [`Failure`] of a model that cannot be evaluated.
@@ -90,7 +90,8 @@ fn slopes(cycle: &Cycle, free: &[Free], point: &Point, here: [f64; 3]) -> Result
     Ok(matrix)
 }
 
-/// One cycle: the state at phase 0 gets the swing about the motion asked, and the states of air and joints at its end.
+/// One cycle: the state at phase 0 gets the swing about the motion asked, at the mean pitch `pitch` (rad), and the states of
+/// air and joints at its end.
 ///
 /// # Errors
 /// The [`Failure`] of a model that cannot be evaluated.
@@ -136,7 +137,7 @@ impl Point {
         self
     }
 
-    /// The point on the line from `before` through this one, `ahead` times their distance beyond it.
+    /// The point on the line from `before` through this one, the factor `ahead` on their distance beyond it.
     pub fn beyond(&self, before: &Self, ahead: f64) -> Self {
         let on = |a: f64, b: f64| (1.0 + ahead) * b - ahead * a;
         let line = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| on(*a, *b)).collect();

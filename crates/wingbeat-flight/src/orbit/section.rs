@@ -163,7 +163,8 @@ impl Section {
         sum * (1.0 / direction.len() as f64)
     }
 
-    /// The state at the origin with heading zero; `structure` holds the displacements of the elements and their rates.
+    /// The state at the origin with heading zero; `structure` holds the displacements of the elements and their rates, all in
+    /// the units of their channels.
     pub fn state<S: Scalar>(&self, z: &[S], structure: &[S], x: &mut [S]) {
         let l = &self.layout;
         x[l.position..l.position + 3].fill(S::ZERO);

@@ -24,7 +24,7 @@ pub trait Flow {
     /// Length with which moments are compared with forces, m.
     fn length(&self) -> f64;
 
-    /// Loads of the air on links and body at its next instant, `t` s, if the robot is then as it is `at`: as
+    /// Loads (N and N m) of the air on links and body at its next instant, `t` s, if the robot is then as it is `at`: as
     /// [`Robot::rates_beyond`] takes them, those of attached flow whole. The first instant is the begin.
     ///
     /// # Errors
@@ -41,11 +41,12 @@ pub trait Flow {
 /// Way of the surfaces' trailing edges through the air in a step, rms over edges and steps in which they moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fineness {
-    /// In chords of a panel; 0 where nothing moved.
+    /// In chords of a panel, a ratio; 0 where nothing moved.
     pub panels: f64,
-    /// In radii of the wake's cores.
+    /// In radii of the wake's cores, a ratio.
     pub cores: f64,
-    /// Largest way of a vortex in a step that has left a leading edge, lengths of the air; none in attached flow.
+    /// Largest way of a vortex in a step that has left a leading edge, as a ratio to the length of the air; none in attached
+    /// flow.
     pub sheet: Option<f64>,
 }
 
@@ -78,7 +79,7 @@ pub struct Beyond {
 }
 
 impl Beyond {
-    /// At `t` s.
+    /// The loads at `t` s, N and N m.
     pub fn at(&self, t: f64) -> OnLinks {
         let share = (t - self.from) / self.length;
         let between = |(a, b): (&Wrench<f64>, &Wrench<f64>)| Wrench {
@@ -97,7 +98,7 @@ pub trait Bears: System<Memory = Beyond> {
     /// How the robot is in the state `x` at `t` s.
     fn stance(&self, t: f64, x: &[f64]) -> Stance;
 
-    /// As [`Robot::attached_loads`].
+    /// As [`Robot::attached_loads`], N and N m.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -151,13 +152,13 @@ impl Bears for Beside<'_> {
 
 /// Who steers a system that bears loads of the air, and watches it; `k` counts its steps.
 pub trait Steers {
-    /// Decides anew before step `k`.
+    /// Decides anew before step `k`, at the time `_t` (s) in the state `_x`.
     fn update(&mut self, _k: usize, _t: f64, _x: &[f64]) {}
 
-    /// Writes what is decided for the time `t`; what it leaves alone stays as it was.
+    /// Writes what is decided for the time `t` (s), in the units of the inputs; what it leaves alone stays as it was.
     fn planned(&self, _t: f64, _u: &mut [f64]) {}
 
-    /// Sees the system before step `k`, or after the last, under the loads `beyond`, and stops by `Break`.
+    /// Sees the system before step `k`, or after the last, under the loads `beyond` (N and N m), and stops by `Break`.
     ///
     /// # Errors
     /// The [`Fault`] of a system that cannot be looked at.

@@ -37,7 +37,7 @@ pub trait Estimator {
     fn columns(&self) -> Vec<Column> {
         Vec::new()
     }
-    /// Appends what the last estimate tells of itself, one number per column.
+    /// Appends what the last estimate tells of itself, one number per column in its unit.
     fn diagnostics(&self, _row: &mut Vec<f64>) {}
 }
 

@@ -20,8 +20,8 @@ pub trait Controller {
     fn columns(&self) -> Vec<Column> {
         Vec::new()
     }
-    /// Appends what the last update tells of itself, one number per column.
-    /// Nothing that depends on the wall clock, so that records repeat.
+    /// Appends what the last update tells of itself, one number per column in its unit. Nothing that depends on the wall clock,
+    /// so that records repeat.
     fn diagnostics(&self, _row: &mut Vec<f64>) {}
 }
 
@@ -82,12 +82,12 @@ pub struct Schedule {
 pub struct Sample<'a> {
     /// Time, s.
     pub t: f64,
-    /// State.
+    /// State, in the units of the plant's channels.
     pub x: &'a [f64],
-    /// Inputs in force.
+    /// Inputs in force, in the units of the plant's channels.
     pub u: &'a [f64],
-    /// Loads on links and body from beyond the robot's own models, as [`Robot::rates_beyond`](wingbeat_robot::Robot::rates_beyond)
-    /// takes them.
+    /// Loads, N and N m, on links and body from beyond the robot's own models, as
+    /// [`Robot::rates_beyond`](wingbeat_robot::Robot::rates_beyond) takes them.
     pub beyond: &'a [Wrench<f64>],
     /// Wall time since the flight began.
     pub elapsed: Duration,

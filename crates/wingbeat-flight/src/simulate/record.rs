@@ -12,11 +12,11 @@ pub struct Column {
     pub unit: String,
     /// Frame in which the number is resolved, e.g. `W`; empty when it has none.
     pub frame: String,
-    /// Lower limit of the number; minus infinity when it has none.
+    /// Lower limit of the number, in `unit`; minus infinity when it has none.
     pub low: f64,
-    /// Upper limit of the number; infinity when it has none.
+    /// Upper limit of the number, in `unit`; infinity when it has none.
     pub high: f64,
-    /// The numbers, one per row.
+    /// The numbers, one per row, in `unit`.
     pub values: Vec<f64>,
 }
 
@@ -73,7 +73,7 @@ impl Record {
         Ok(Self { columns })
     }
 
-    /// Appends a row: one number per column, in order. Allocates nothing while the room lasts.
+    /// Appends a row: one number per column, in order and in the units of the columns. Allocates nothing while the room lasts.
     ///
     /// # Panics
     /// When `row` has not one number per column.
@@ -133,7 +133,7 @@ impl Record {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// The numbers of the column called `name`.
+    /// The numbers of the column called `name`, in its unit.
     pub fn values(&self, name: &str) -> Option<&[f64]> {
         self.column(name).map(|column| column.values.as_slice())
     }

@@ -15,7 +15,7 @@ const MEMORY: usize = 12;
 const DEPENDENT: f64 = 1e-9;
 
 impl Secant {
-    /// The next guess, after G gave `found` at `guess`.
+    /// The next guess, after G gave `found` at `guess`, all in the caller's units.
     pub fn next(&mut self, guess: &[f64], found: &[f64]) -> Vec<f64> {
         let residual = minus(found, guess);
         if let Some([before, gave]) = self.last.take() {

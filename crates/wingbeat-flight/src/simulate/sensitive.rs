@@ -12,7 +12,8 @@ pub trait Varied<const N: usize> {
     /// Numbers of states, each with its derivatives one, and of inputs.
     fn sizes(&self) -> Sizes;
 
-    /// Writes the rates of the states `x` at `t` under the inputs `u`, and tells what is to be seen there.
+    /// Writes the rates, in the units of the states per s, of the states `x` at `t` under the inputs `u`, and tells what is to
+    /// be seen there.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -23,7 +24,7 @@ pub trait Varied<const N: usize> {
 /// A system of plain numbers, for each state its value and then the derivatives.
 pub struct Sensitive<T, const N: usize>(pub T);
 
-/// States with their derivatives as plain numbers.
+/// States with their derivatives as plain numbers, in the units of the states and of these over what varies.
 pub fn packed<const N: usize>(x: Vec<Dual<N>>) -> Vec<f64> {
     x.into_iter().flat_map(|x| std::iter::once(x.re).chain(x.eps)).collect()
 }

@@ -19,7 +19,7 @@ pub struct Seat<'a, P, C, O> {
     pub controller: &'a mut C,
     /// The clock; the steps of all flights are alike.
     pub schedule: &'a Schedule,
-    /// State at t = 0.
+    /// State at t = 0, in the units of the plant's channels.
     pub start: &'a [f64],
     /// Sees every sample, the first at t = 0, and may stop the flight.
     pub observe: O,

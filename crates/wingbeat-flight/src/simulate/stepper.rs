@@ -118,11 +118,11 @@ impl<R: Deref<Target: System>> Stepper<R> {
     pub fn set_time(&mut self, t: f64) {
         self.clock = Steps::new(t, 0.0, 0);
     }
-    /// State.
+    /// State, in the units of its channels.
     pub fn state(&self) -> &[f64] {
         &self.x
     }
-    /// State, to be set.
+    /// The same, to be set.
     pub fn state_mut(&mut self) -> &mut [f64] {
         &mut self.x
     }
@@ -130,7 +130,7 @@ impl<R: Deref<Target: System>> Stepper<R> {
     pub fn memory_mut(&mut self) -> &mut <R::Target as System>::Memory {
         &mut self.memory
     }
-    /// Inputs in force.
+    /// Inputs in force, in the units of their channels.
     pub fn inputs(&self) -> &[f64] {
         &self.u
     }

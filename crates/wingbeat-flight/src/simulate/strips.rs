@@ -44,7 +44,7 @@ pub struct StripMotion {
 }
 
 impl StripMotion {
-    /// Of a control section, with the power of its strip.
+    /// Of a control section, with the power of its strip, W.
     pub fn of(section: &SectionMotion<f64>, power: f64) -> Self {
         let velocity = section.v_le * 0.75 + section.v_te * 0.25;
         Self { chord: (section.le - section.te).norm(), velocity, power }

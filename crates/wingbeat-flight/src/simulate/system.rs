@@ -19,9 +19,9 @@ pub struct Sizes {
 pub struct Moment<'a, M = ()> {
     /// Time, s.
     pub t: f64,
-    /// State.
+    /// State, in the units of the system's channels.
     pub x: &'a [f64],
-    /// Inputs in force.
+    /// Inputs in force, in the units of the system's channels.
     pub u: &'a [f64],
     /// What the system carries from step to step.
     pub memory: &'a M,
@@ -50,11 +50,11 @@ pub trait System {
     /// The [`Fault`] that makes the model unusable there.
     fn slope(&self, at: Moment<Self::Memory>, dx: &mut [f64]) -> Result<(), Fault>;
 
-    /// Keeps inputs within what the system can do.
+    /// Keeps inputs within what the system can do, in the units of their channels.
     fn limit(&self, _u: &mut [f64]) {}
 
-    /// Done once after every Runge-Kutta step, at the step's end `t`: sheds the wake of the last
-    /// `dt` into `memory`, puts `x` back onto its constraints. `u` are the inputs of the last stage.
+    /// Done once after every Runge-Kutta step, at the step's end `t`: sheds the wake of the last `dt` (s) into `memory`, puts
+    /// `x` back onto its constraints. `u` are the inputs of the last stage.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -122,7 +122,7 @@ impl Observed for Robot {
 /// Who steers a system through a [`Stepper::run`](super::Stepper::run), and watches it. `k` counts the run's steps;
 /// its ends are before step 0, between the steps, and after the last.
 pub trait Driver<M> {
-    /// Decides what the inputs will be from this end of a step on.
+    /// Decides what the inputs will be from this end of a step on, at the time `_t` (s) in the state `_x`.
     fn decide(&mut self, _k: usize, _t: f64, _x: &[f64]) {}
 
     /// Writes the inputs at time `t`; what it leaves alone stays as it was.

@@ -15,15 +15,16 @@ const ROUNDS: usize = 8;
 pub struct CycleFit {
     /// Cycles by which the measured one comes later, from -1/2 to 1/2.
     pub lag_cycles: f64,
-    /// Gain, in the measured unit over the computed one; above zero, and zero where the measured cycle does not vary.
+    /// Gain, in the unit of the measured cycle over that of the computed one; above zero, and zero where the measured cycle
+    /// does not vary.
     pub gain: f64,
-    /// Offset, in the measured unit.
+    /// Offset, in the unit of the measured cycle.
     pub offset: f64,
-    /// Root of the mean square of measured less computed as they are.
+    /// Root of the mean square of measured less computed as they are, in the unit of the measured cycle.
     pub rms_before: f64,
-    /// The same after the fit, in the measured unit.
+    /// The same after the fit.
     pub rms: f64,
-    /// Range of the measured cycle, largest less smallest.
+    /// Range of the measured cycle, in its unit, largest less smallest.
     pub range: f64,
 }
 

@@ -5,17 +5,17 @@ use wingbeat_math::{CubicSpline, Harmonics, Jet, Scalar};
 /// A coordinate with its rate and acceleration at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coordinate {
-    /// Always the same.
+    /// Always the same, rad, or m of a displacement.
     Constant(f64),
     /// `mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t)`.
     Fourier {
         /// Frequency f of the first harmonic, Hz.
         frequency_hz: f64,
-        /// Mean.
+        /// Mean, rad or m.
         mean: f64,
-        /// Cosine amplitudes from the first harmonic on.
+        /// Cosine amplitudes from the first harmonic on, rad or m.
         cos: Vec<f64>,
-        /// Sine amplitudes from the first harmonic on.
+        /// Sine amplitudes from the first harmonic on, rad or m.
         sin: Vec<f64>,
     },
     /// A table through which a smooth curve is drawn.
@@ -23,7 +23,7 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
-    /// Value, rate and acceleration at `t` s.
+    /// Value (rad or m), rate and acceleration at `t` s.
     pub fn at(&self, t: f64) -> Jet<f64> {
         match self {
             Self::Constant(value) => Jet::from(*value),
@@ -60,7 +60,7 @@ impl Coordinate {
         Some(Self::Fourier { frequency_hz, mean, cos, sin })
     }
 
-    /// The coordinate in another unit.
+    /// The coordinate times the factor `factor`: in another unit, of which so many are one of its own unit.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         let all = |v: Vec<f64>| v.into_iter().map(|a| a * factor).collect();

@@ -11,15 +11,15 @@ pub struct CycleMean {
     pub name: String,
     /// SI unit.
     pub unit: String,
-    /// Mean.
+    /// Mean, in the unit of the quantity.
     pub mean: f64,
-    /// Smallest value.
+    /// Smallest value, in the unit of the quantity.
     pub low: f64,
-    /// Largest value.
+    /// Largest value, in the unit of the quantity.
     pub high: f64,
-    /// Mean less that of the cycle before; none where there is no cycle before.
+    /// Mean less that of the cycle before, in its unit; none where there is no cycle before.
     pub mean_change: Option<f64>,
-    /// Half the range less that of the cycle before; none where there is no cycle before.
+    /// Half the range less that of the cycle before, in its unit; none where there is no cycle before.
     pub amplitude_change: Option<f64>,
 }
 
@@ -42,12 +42,12 @@ impl CycleMean {
         }
     }
 
-    /// Half the range.
+    /// Half the range, in the unit of the quantity.
     pub fn amplitude(&self) -> f64 {
         0.5 * (self.high - self.low)
     }
 
-    /// The largest magnitude.
+    /// The largest magnitude, in the unit of the quantity.
     pub fn largest(&self) -> f64 {
         self.low.abs().max(self.high.abs())
     }

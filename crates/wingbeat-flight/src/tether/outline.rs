@@ -8,7 +8,7 @@ use wingbeat_robot::Outline;
 /// What has bent a wing at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shape<'a> {
-    /// Coordinates of its spar; nothing of a rigid wing, and of one that is not bent.
+    /// Coordinates of its spar, in the units of its strains; nothing of a rigid wing, and of one that is not bent.
     pub spar: &'a [f64],
     /// Heights of its membrane over the chord, strip by strip; nothing of a rigid one.
     pub heights: [&'a [f64]; 2],

@@ -39,7 +39,7 @@ pub struct TetherRun {
 }
 
 impl TetherRun {
-    /// Mean of a column of `loads` over the last cycle.
+    /// Mean of a column of `loads`, in its unit, over the last cycle.
     pub fn mean(&self, name: &str) -> Option<f64> {
         self.means.iter().find(|row| row.name == name).map(|row| row.mean)
     }
@@ -50,7 +50,7 @@ impl TetherRun {
         Some(power.iter().map(|power| power.max(0.0)).sum::<f64>() / power.len() as f64)
     }
 
-    /// The last cycle of a column of `loads`, its end left out; none where the run ended before a cycle.
+    /// The last cycle of a column of `loads`, in its unit, its end left out; none where the run ended before a cycle.
     pub fn last_cycle(&self, name: &str) -> Option<&[f64]> {
         let rows = cycle::rows_of_cycle(self.loads.rows(), self.steps_per_cycle, 0)?;
         Some(&self.loads.values(name)?[rows])

@@ -243,7 +243,8 @@ impl Tether {
         [surge, heave, nose_up, roll].into_iter().chain(hinges).any(Coordinate::repeats)
     }
 
-    /// Sections at the arc coordinates `arcs` for a frame of the body and angles of the hinges, of a wing that its spars bend.
+    /// Sections at the arc coordinates `arcs` (m) for a frame of the body and angles (rad) of the hinges, of a wing that its
+    /// spars bend.
     pub fn sections_at(
         &self,
         arcs: &[f64],
@@ -257,7 +258,7 @@ impl Tether {
         }
     }
 
-    /// The states of still air in which the wing has always moved as it does at first.
+    /// The states, in the units of the air's models, of still air in which the wing has always moved as it does at first.
     pub fn start(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.air_states()];
         self.settle(0.0, &mut x);

@@ -43,9 +43,9 @@ pub struct Spar {
 /// The shape of the beam at one instant.
 #[derive(Clone, Debug, Default)]
 pub struct Bent {
-    /// Coordinates, their rates and accelerations.
+    /// Coordinates, their rates and accelerations, in the units of the beam's strains, per s and per s2.
     pub q: [Vec<f64>; 3],
-    /// What holds the root of the left half, in W about it.
+    /// What holds the root of the left half, in W about it, N and N m.
     pub root: Wrench<f64>,
 }
 
@@ -62,9 +62,9 @@ impl Bent {
 pub struct Steady {
     /// Whether it was found.
     pub found: bool,
-    /// Coordinates of the beam.
+    /// Coordinates of the beam, in the units of its strains.
     pub q: Vec<f64>,
-    /// States of the air.
+    /// States of the air, in the units of its models.
     pub x: Vec<f64>,
     /// Displacement of the tip's reference line up and ahead (m) and its twist nose up (rad), in the axes of the root.
     pub tip: [f64; 3],
@@ -72,8 +72,8 @@ pub struct Steady {
     pub frequencies_hz: Vec<f64>,
     /// Growth rate (1/s) and frequency (rad/s) of the motion that decays least.
     pub least_damped: [f64; 2],
-    /// How far the tip of a beam with more coordinates is from this one, over its displacement or, where that is larger, a
-    /// hundredth of its length.
+    /// Relative distance: how far the tip of a beam with more coordinates is from this one, over its displacement or, where
+    /// that is larger, a hundredth of its length.
     pub grid_change: Option<f64>,
 }
 

@@ -35,7 +35,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// True for a section whose arc has the sign `sign`.
+    /// True for a section whose arc (m) has the sign of `sign`.
     pub fn holds(self, sign: f64) -> bool {
         match self {
             Self::Both => true,

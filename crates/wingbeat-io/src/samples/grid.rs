@@ -33,13 +33,13 @@ impl Grid {
         self.len() == rows && self.rows.len() == rows && self.late == 0
     }
 
-    /// Rows that follow one another without a gap.
+    /// Rows that follow one another without a gap, `rate` in Hz.
     pub fn counted(rows: usize, rate: f64) -> Self {
         let all: Vec<u32> = (0..rows as u32).collect();
         Self { place: all.clone(), rows: all, rate, ..Self::default() }
     }
 
-    /// By numbers that count the samples and wrap at 2^32.
+    /// By numbers that count the samples and wrap at 2^32, `rate` in Hz.
     pub fn numbered(sequence: &[f64], rate: f64) -> Result<Self, String> {
         let first = *sequence.first().ok_or("no samples")?;
         let mut ahead = 0_i64;

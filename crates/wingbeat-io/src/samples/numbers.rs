@@ -28,12 +28,12 @@ impl Kind {
         }
     }
 
-    /// The numbers in `bytes`; a last one that is cut short is left out.
+    /// The numbers in `bytes`, in the unit of the file; a last one that is cut short is left out.
     pub fn read(self, bytes: &[u8], big_endian: bool) -> Vec<f64> {
         bytes.chunks_exact(self.size()).map(|chunk| self.one(chunk, big_endian)).collect()
     }
 
-    /// The numbers that `reader` gives, until it ends or fails.
+    /// The numbers that `reader` gives, in the unit of the file, until it ends or fails.
     pub fn stream(self, mut reader: impl Read, big_endian: bool) -> impl Iterator<Item = f64> {
         let mut word = [0; 8];
         std::iter::from_fn(move || {
@@ -43,7 +43,7 @@ impl Kind {
         })
     }
 
-    /// The number in `chunk`, which has its bytes.
+    /// The number in `chunk`, in the unit of the file, which has its bytes.
     pub fn one(self, chunk: &[u8], big_endian: bool) -> f64 {
         let mut word = [0; 8];
         for (place, byte) in word.iter_mut().zip(chunk) {

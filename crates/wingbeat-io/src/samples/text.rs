@@ -30,7 +30,7 @@ struct Head {
 /// One column as it fills.
 #[derive(Default)]
 pub struct Cells {
-    /// Its numbers.
+    /// Its numbers, in the unit of the file.
     pub values: Vec<f64>,
     /// False of a column that is not kept.
     pub wanted: bool,

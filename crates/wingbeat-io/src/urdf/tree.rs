@@ -73,7 +73,7 @@ pub struct Joint {
     pub parent: String,
     /// Name of the child link.
     pub child: String,
-    /// Axis in the frame of the joint.
+    /// Axis in the frame of the joint, dimensionless.
     pub axis: [f64; 3],
     /// Least place, rad or m.
     pub lower: f64,

@@ -28,7 +28,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A finding of `size` about a channel.
+    /// A finding of `size`, in the unit of the limit, about a channel.
     pub fn new(
         id: &'static str,
         limit: &'static Limit,
@@ -51,7 +51,7 @@ impl Finding {
         matches!(self.id, "data.dead" | "data.stuck")
     }
 
-    /// That what was measured has another gain by `size`.
+    /// That what was measured has another gain by the factor `size`.
     pub fn scaled(about: impl Into<String>, size: f64, text: impl Into<String>) -> Self {
         Self::new("data.scaled", &GAIN, about, size, text)
     }

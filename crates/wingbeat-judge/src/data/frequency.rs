@@ -21,7 +21,7 @@ const NEAR: f64 = 0.2;
 pub struct Frequency {
     /// The frequency over the one given.
     pub ratio: f64,
-    /// Its standard error (Cramer and Rao's bound for a line in white noise).
+    /// Its relative standard error (Cramer and Rao's bound for a line in white noise).
     pub error: f64,
     /// Share of the channel's power that a cycle of this frequency explains.
     pub explained: f64,

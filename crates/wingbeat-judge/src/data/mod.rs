@@ -58,7 +58,7 @@ pub struct Channel<'a> {
     pub name: &'a str,
     /// Unit, for words.
     pub unit: &'a str,
-    /// Its samples.
+    /// Its samples, in its unit.
     pub samples: &'a [f64],
 }
 

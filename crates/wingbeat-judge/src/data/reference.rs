@@ -38,9 +38,9 @@ pub struct Pair<'a> {
     pub name: &'a str,
     /// Unit of both; channels of one unit are compared in size.
     pub unit: &'a str,
-    /// What was measured.
+    /// What was measured, in the unit of the channel.
     pub measured: &'a [f64],
-    /// What is computed.
+    /// What is computed, in the unit of the channel.
     pub computed: &'a [f64],
 }
 

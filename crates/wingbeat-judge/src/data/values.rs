@@ -26,7 +26,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Of finite samples; `None` where one is not.
+    /// Of finite samples, in the unit of the channel; `None` where one is not.
     pub fn of(samples: &[f64]) -> Option<Self> {
         let mut of = Self { low: f64::INFINITY, high: f64::NEG_INFINITY, count: f64::INFINITY };
         let mut before = f64::NAN;

@@ -33,7 +33,7 @@ pub struct Limit {
     pub id: &'static str,
     /// The side on which a value may lie.
     pub sense: Sense,
-    /// The limit.
+    /// The limit, in `unit`.
     pub value: f64,
     /// Its unit; empty for a pure number.
     pub unit: &'static str,
@@ -44,22 +44,22 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// A value above `value` makes the result `status`.
+    /// A value above `value`, both in `unit`, makes the result `status`.
     pub const fn at_most(id: &'static str, value: f64, unit: &'static str, status: Status) -> Self {
         Self { id, sense: Sense::AtMost, value, unit, status: Some(status), meaning: "" }
     }
 
-    /// A value below `value` makes the result `status`.
+    /// A value below `value`, both in `unit`, makes the result `status`.
     pub const fn at_least(id: &'static str, value: f64, unit: &'static str, status: Status) -> Self {
         Self { id, sense: Sense::AtLeast, value, unit, status: Some(status), meaning: "" }
     }
 
-    /// A value above `value` is worth a warning.
+    /// A value above `value`, both in `unit`, is worth a warning.
     pub const fn warn_above(id: &'static str, value: f64, unit: &'static str) -> Self {
         Self { id, sense: Sense::AtMost, value, unit, status: None, meaning: "" }
     }
 
-    /// A value below `value` is worth a warning.
+    /// A value below `value`, both in `unit`, is worth a warning.
     pub const fn warn_below(id: &'static str, value: f64, unit: &'static str) -> Self {
         Self { id, sense: Sense::AtLeast, value, unit, status: None, meaning: "" }
     }
@@ -69,7 +69,7 @@ impl Limit {
         Self { meaning, ..self }
     }
 
-    /// True when `value` lies on the allowed side of `limit`. A value that is not a number never does.
+    /// True when `value` lies on the allowed side of `limit`, both in its unit. A value that is not a number never does.
     pub fn allows(&self, value: f64, limit: f64) -> bool {
         match self.sense {
             Sense::AtMost => value <= limit,
@@ -105,14 +105,14 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The same limits with `value` for the one called `id`.
+    /// The same limits with `value`, in its unit, for the one called `id`.
     pub fn with(mut self, id: &str, value: f64) -> Result<Self, UnknownLimit> {
         let limit = all().find(|limit| limit.id == id).ok_or_else(|| UnknownLimit::new(id))?;
         self.overridden.insert(limit.id, value);
         Ok(self)
     }
 
-    /// The value that holds, and whether a document gave it.
+    /// The value that holds, in the unit of the limit, and whether a document gave it.
     pub fn of(&self, limit: &Limit) -> (f64, bool) {
         self.overridden.get(limit.id).map_or((limit.value, false), |value| (*value, true))
     }

@@ -53,7 +53,7 @@ pub struct Asked {
     pub prescribed: bool,
     /// Radius of the cores of the wake's vortices, mean chords.
     pub core: f64,
-    /// Largest suction parameter of the leading edges; without it the flow stays attached.
+    /// Largest suction parameter of the leading edges, dimensionless; without it the flow stays attached.
     pub critical_suction: Option<f64>,
 }
 
@@ -123,16 +123,16 @@ fn fitting(way: f64, chord: f64, chordwise: usize) -> usize {
 /// The air's axes in W: direction of flight through it, left, up.
 #[derive(Clone, Copy, Debug)]
 pub struct Axes {
-    /// Direction of flight through the air.
+    /// Direction of flight through the air, a unit vector.
     pub flight: Vec3,
-    /// To the left of it.
+    /// To the left of it, a unit vector.
     pub left: Vec3,
-    /// Up, across both.
+    /// Up, across both, a unit vector.
     pub up: Vec3,
 }
 
 impl Axes {
-    /// Of a flight with the velocity `through` the air; at rest flight is along x.
+    /// Of a flight with the velocity `through` (m/s, W) the air; at rest flight is along x.
     pub fn new(through: Vec3) -> Self {
         let flight = if through.norm() > 0.0 { through.unit() } else { Vec3::new(1.0, 0.0, 0.0) };
         let upward = if flight[0].hypot(flight[1]) > 1e-9 {
@@ -144,7 +144,7 @@ impl Axes {
         Self { flight, left: up.cross(flight), up }
     }
 
-    /// The components of `v` along flight, left and up.
+    /// The components of `v` along flight, left and up, in its unit.
     pub fn of(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.flight), v.dot(self.left), v.dot(self.up))
     }
@@ -218,12 +218,12 @@ pub struct Course {
     pub crosses: bool,
     /// Of a case, its motion.
     pub moved: Option<Moved>,
-    /// Largest suction parameter of the leading edges, which shed what is above; none in attached flow.
+    /// Largest suction parameter of the leading edges, which shed what is above, dimensionless; none in attached flow.
     pub critical_suction: Option<f64>,
 }
 
 impl Course {
-    /// The body's origin at `t` s of the course.
+    /// The body's origin, m in W, at `t` s of the course.
     pub fn origin(&self, t: f64) -> Vec3 {
         self.flown.as_ref().map_or(Vec3::ZERO, |flown| flown.flight.body(flown.from_s + t).0)
     }

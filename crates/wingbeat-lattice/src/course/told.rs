@@ -8,18 +8,18 @@ use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
 /// Ratio of downstroke to upstroke.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct DownOverUp {
-    /// Of the left half.
+    /// Ratio of the left half.
     pub left: Option<f64>,
-    /// Of the right half.
+    /// Ratio of the right half.
     pub right: Option<f64>,
 }
 
 /// Ratio of left to right half.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct LeftOverRight {
-    /// In the downstroke.
+    /// Ratio in the downstroke.
     pub down: Option<f64>,
-    /// In the upstroke.
+    /// Ratio in the upstroke.
     pub up: Option<f64>,
 }
 
@@ -40,7 +40,8 @@ pub struct Told {
     pub wake_drag_n: Option<f64>,
     /// Span efficiency L^2/(pi q b^2 D) of a steady wing by that drag; null as that is.
     pub span_efficiency: Option<f64>,
-    /// Largest change of a half's mean bound circulation within the last cycle, over it: above 0.02 the flow is not steady.
+    /// Largest relative change of a half's mean bound circulation within the last cycle, over it: above 0.02 the flow is not
+    /// steady.
     pub unsteadiness: Option<f64>,
     /// Share of strips and instants of the last cycle that shed at the leading edge; null in attached flow.
     pub leading_edge_shed: Option<f64>,

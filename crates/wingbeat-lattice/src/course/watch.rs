@@ -15,9 +15,9 @@ pub struct Shot {
     pub phase: f64,
     /// Rings of wing and wake.
     pub picture: Picture,
-    /// Leading and trailing edges of the surfaces.
+    /// Leading and trailing edges of the surfaces, m in W.
     pub edges: Vec<Vec<Vec3>>,
-    /// The body's origin.
+    /// The body's origin, m in W.
     pub origin: Vec3,
 }
 
@@ -219,7 +219,7 @@ impl<'a> Watch<'a> {
         self.course.critical_suction.map(|_| self.shed.0 / f64::max(self.shed.1, 1.0))
     }
 
-    /// Largest change of the mean bound circulation of a half within the last cycle, over it: none of a steady wing.
+    /// Largest relative change of the mean bound circulation of a half within the last cycle, over it: none of a steady wing.
     pub fn unsteadiness(&self) -> Option<f64> {
         let first = self.course.clock.first_of_last();
         let of = |side: &str| {
@@ -231,7 +231,7 @@ impl<'a> Watch<'a> {
         of("left").into_iter().chain(of("right")).reduce(f64::max)
     }
 
-    /// Mean over the last cycle of the force along `axis`.
+    /// Mean over the last cycle of the force along `axis`, N.
     pub fn mean(&self, way: &str, axis: Vec3) -> Option<f64> {
         let columns = ["x", "y", "z"].map(|name| self.record.values(&format!("{way}_force_{name}")));
         let first = self.course.clock.first_of_last();

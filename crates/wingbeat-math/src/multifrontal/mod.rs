@@ -1,8 +1,7 @@
-//! Direct solution of sparse symmetric indefinite systems by the multifrontal
-//! method (Duff & Reid 1983): the caller names the blocks in which the unknowns
-//! are eliminated (the stages of an optimal-control problem, say); inside a
-//! block pivots of order one and two are chosen with a threshold (Bunch &
-//! Kaufman 1977), and what finds no stable pivot is delayed to the next block.
+//! Direct solution of sparse symmetric indefinite systems by the multifrontal method (Duff & Reid 1983): the caller names the
+//! blocks in which the unknowns are eliminated (the stages of an optimal-control problem, say); inside a block pivots of order one
+//! and two are chosen with a threshold (Bunch & Kaufman 1977), and what finds no stable pivot is delayed to the next block. Entries
+//! and unknowns are in the caller's units.
 
 mod front;
 

@@ -96,7 +96,7 @@ pub struct Faults {
     pub die_after: u64,
     /// After this many records of a stream its numbers leap ahead by 2^30; 0 never.
     pub jump_after: u64,
-    /// Records made of those that its rate says; 1 all, and 0 means 1.
+    /// Share of records made of those that its rate says; 1 all, and 0 means 1.
     pub pace: f64,
     /// Number before the first record of a stream and of the box's own count, to see numbers wrap.
     pub sequence: u32,

@@ -1,4 +1,5 @@
-//! Direct collocation: an optimal-control problem as a sparse nonlinear program.
+//! Direct collocation: an optimal-control problem as a sparse nonlinear program. Unknowns, functions and multipliers are in the
+//! caller's units, those of the problem.
 
 mod assembly;
 mod ends;

@@ -1,6 +1,6 @@
-//! A primal-dual interior-point method with a filter line search, after
-//! Waechter & Biegler 2006 (Mathematical Programming 106:25-57), for sparse
-//! programs with exact second derivatives.
+//! A primal-dual interior-point method with a filter line search, after Waechter & Biegler 2006 (Mathematical Programming
+//! 106:25-57), for sparse programs with exact second derivatives. Variables, objective and constraints are in the caller's units;
+//! inside, all is scaled.
 
 mod best;
 mod filter;

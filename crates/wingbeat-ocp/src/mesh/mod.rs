@@ -74,7 +74,7 @@ pub struct Pass {
     pub status: Status,
     /// Solver's iterations.
     pub iterations: usize,
-    /// Objective.
+    /// Objective, in the unit of the problem's cost.
     pub objective: f64,
     /// Largest error of an interval, relative.
     pub error: f64,
@@ -94,7 +94,7 @@ pub enum Progress<'a> {
 pub struct Optimum {
     /// How it ended.
     pub status: Status,
-    /// Objective on the last mesh.
+    /// Objective on the last mesh, in the unit of the problem's cost.
     pub objective: f64,
     /// The solution as functions of time; none when nothing could be evaluated.
     pub solution: Option<Interpolant>,
@@ -119,9 +119,9 @@ pub struct Optimum {
 /// How far a solution on its mesh is from an optimum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Misses {
-    /// Largest violation of a constraint, as the solver scales them.
+    /// Largest violation of a constraint, dimensionless: as the solver scales them.
     pub infeasibility: f64,
-    /// Largest error of the optimality conditions, scaled likewise.
+    /// Largest error of the optimality conditions, dimensionless: scaled likewise.
     pub residual: f64,
     /// Largest violation of a constraint in its own unit.
     pub violation: f64,
@@ -131,7 +131,8 @@ pub struct Misses {
 
 impl Optimum {
     /// True when this is better than `other`: an optimum of the lower objective, else the better of two points that are none
-    /// (of the feasible ones the lower, without any the one that misses its constraints less).
+    /// (of the feasible ones the lower, without any the one that misses its constraints less). Violations up to `acceptable`,
+    /// scaled and dimensionless, are none.
     pub fn beats(&self, other: &Self, acceptable: f64) -> bool {
         match (self.status.is_success(), other.status.is_success()) {
             (true, true) => self.objective < other.objective,

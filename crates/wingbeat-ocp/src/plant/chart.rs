@@ -53,7 +53,7 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         }
     }
 
-    /// Local coordinates of the plant state `x`.
+    /// Local coordinates of the plant state `x`, in the units of their channels, the attitude as a rotation vector in rad.
     pub fn localise(&self, x: &[f64], local: &mut [f64]) {
         let Some(a) = self.plant.attitude() else {
             local.copy_from_slice(x);
@@ -64,7 +64,8 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         local[a + 3..].copy_from_slice(&x[a + 4..]);
     }
 
-    /// Local coordinates in this chart of a state given in a chart centred at `center`.
+    /// Local coordinates in this chart of a state given in a chart centred at `center`, in the units of their channels, the
+    /// attitude as a rotation vector in rad.
     pub fn adopt(&self, center: Quat, local: &mut [f64]) {
         if let Some(a) = self.plant.attitude() {
             let turned = self.reference.conjugate() * center * Quat::exp(Vec3::from_slice(&local[a..]));
@@ -72,7 +73,7 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         }
     }
 
-    /// Plant state of the local coordinates.
+    /// Plant state of the local coordinates, in the units of its channels.
     pub fn globalise<S: Scalar>(&self, local: &[S], x: &mut [S]) {
         let Some(a) = self.plant.attitude() else {
             x.copy_from_slice(local);
@@ -107,9 +108,8 @@ fn rest<S: Scalar>(rates: &mut States<S>, n: usize) {
     append_copies(rates, S::ZERO, n);
 }
 
-/// Rate of the rotation vector d of q = q_ref exp(d) for the angular rate w in
-/// the rotated axes: d' = w + (d x w)/2 + k d x (d x w),
-/// k = 1/a^2 - (1 + cos a)/(2 a sin a), a = |d| (Bortz 1971, eq. 8).
+/// Rate of the rotation vector d of q = q_ref exp(d) for the angular rate w in the rotated axes, rad/s: d' = w + (d x w)/2 + k
+/// d x (d x w), k = 1/a^2 - (1 + cos a)/(2 a sin a), a = |d| (Bortz 1971, eq. 8).
 pub fn rotation_vector_rate<S: Scalar>(d: Vec3<S>, w: Vec3<S>) -> Vec3<S> {
     let a2 = d.norm_squared();
     let k = if a2.value() < 1e-4 {

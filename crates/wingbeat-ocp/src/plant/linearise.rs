@@ -14,11 +14,11 @@ pub type Late = Dual<16>;
 /// discretised model (section IV). Row-major; reusable without allocation.
 #[derive(Clone, Debug)]
 pub struct Linearisation {
-    /// Rates f(t, x, u), n.
+    /// Rates f(t, x, u), n, in the units of the states per s.
     pub f: Vec<f64>,
-    /// df/dx, n x n, row-major.
+    /// df/dx, n x n, row-major, in the unit of the row's state over that of the column's, per s.
     pub a: Vec<f64>,
-    /// df/du, n x m, row-major.
+    /// df/du, n x m, row-major, in the unit of the row's state over that of the column's input, per s.
     pub b: Vec<f64>,
     x: Vec<Early>,
     u: Vec<Early>,

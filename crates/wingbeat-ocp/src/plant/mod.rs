@@ -60,9 +60,9 @@ pub struct Channel {
     pub unit: &'static str,
     /// Frame in which the component is resolved, e.g. `W`; empty when it has none.
     pub frame: &'static str,
-    /// Lower limit.
+    /// Lower limit, in `unit`.
     pub low: f64,
-    /// Upper limit.
+    /// Upper limit, in `unit`.
     pub high: f64,
     /// What it means.
     pub role: Role,
@@ -74,7 +74,7 @@ impl Channel {
         Self::limited(name, unit, frame, f64::NEG_INFINITY, f64::INFINITY)
     }
 
-    /// A channel limited to [low, high].
+    /// A channel limited to [low, high], both in `unit`.
     pub fn limited(
         name: impl Into<String>,
         unit: &'static str,
@@ -91,13 +91,13 @@ impl Channel {
         Self { role, ..self }
     }
 
-    /// `value` limited to the channel's range.
+    /// `value` limited to the channel's range, in its unit.
     #[inline]
     pub fn clamp<S: Scalar>(&self, value: S) -> S {
         value.clamped(self.low, self.high)
     }
 
-    /// True when `value` lies on or beyond a limit.
+    /// True when `value` lies on or beyond a limit, in its unit.
     pub fn saturated(&self, value: f64) -> bool {
         value <= self.low || value >= self.high
     }
@@ -111,9 +111,9 @@ pub enum Fault {
     LinkageSingular {
         /// Loop number, 1 to 3.
         closure: usize,
-        /// 1 - |cos| of the loop's elbow.
+        /// 1 - |cos| of the loop's elbow, dimensionless.
         margin: f64,
-        /// Smallest margin allowed.
+        /// Smallest margin allowed, dimensionless.
         limit: f64,
     },
     /// The mass matrix is not positive definite.
@@ -178,8 +178,8 @@ pub trait Plant: Sync {
     fn clearances(&self) -> &[Channel] {
         &[]
     }
-    /// Writes those distances, smooth in state and time and never above the true ones; negative where the parts
-    /// pass through each other. Pure, and allocates nothing.
+    /// Writes those distances, m, smooth in state and time and never above the true ones; negative where the parts pass through
+    /// each other. Pure, and allocates nothing.
     fn clear<S: Scalar>(&self, _t: S, _x: &[S], _values: &mut [S]) -> Result<(), Fault> {
         Ok(())
     }

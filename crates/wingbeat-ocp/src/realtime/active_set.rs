@@ -1,5 +1,5 @@
-//! Dense strictly convex quadratic programs by the dual active-set method
-//! (Goldfarb & Idnani 1983): exact, cold-started, no allocation after set-up.
+//! Dense strictly convex quadratic programs by the dual active-set method (Goldfarb & Idnani 1983): exact, cold-started, no
+//! allocation after set-up. Variables, rows and cost are in the caller's units.
 
 use super::dense::{axpy, cholesky, dot, invert_lower};
 

@@ -73,7 +73,8 @@ impl Elimination {
         self.horizon.step = step;
     }
 
-    /// S_k: row i holds the sensitivity of state i of `node`.
+    /// S_k, by the inputs, in the unit of that state over those of the inputs: row i holds the sensitivity of state i of
+    /// `node`.
     pub fn state(&self, node: usize, columns: Columns) -> &[f64] {
         &self.states[node][..self.horizon.states * columns.width(node)]
     }
@@ -85,8 +86,8 @@ impl Elimination {
         add_inputs(&mut self.rates[0], columns.width(0), columns.of(0), 1.0, &node.b, columns.inputs);
     }
 
-    /// Eliminates node k+1 from the linearised Hermite-Simpson defect of the
-    /// interval `k`, with the linearisations at its middle and end:
+    /// Eliminates node k+1 from the linearised Hermite-Simpson defect (in the units of the states) of the interval `k`, with
+    /// the linearisations at its middle and end:
     ///
     /// dx_{k+1} - dx_k - h/6 (df_k + 4 df_c + df_{k+1}) + d = 0,
     /// df_c = A_c ((dx_k + dx_{k+1})/2 + h/8 (df_k - df_{k+1})) + B_c (du_k + du_{k+1})/2.

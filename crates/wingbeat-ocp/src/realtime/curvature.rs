@@ -1,4 +1,4 @@
-//! The part of the curvature that Gauss-Newton leaves out.
+//! The part of the curvature that Gauss-Newton leaves out. Gradients, steps and curvatures are in the caller's units.
 
 use super::dense::{axpy, dot};
 

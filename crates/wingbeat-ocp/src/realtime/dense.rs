@@ -1,4 +1,4 @@
-//! Dense row-major kernels whose inner loops run along contiguous rows.
+//! Dense row-major kernels whose inner loops run along contiguous rows. Entries are in the caller's units.
 
 /// a b + c, fused where the target fuses.
 #[inline(always)]

@@ -9,7 +9,7 @@ pub trait HorizonSolver<P: Plant, T: Tracking> {
     fn plan(&self) -> &Plan;
     /// The plan, to move its states into other coordinates or to set a guess.
     fn plan_mut(&mut self) -> &mut Plan;
-    /// Fills the plan with the state `x0` and inputs of zero, or the nearest allowed.
+    /// Fills the plan with the state `x0` and inputs of zero, or the nearest allowed, in the units of the plant's channels.
     fn reset(&mut self, plant: &P, x0: &[f64]);
     /// Moves the plan on by `dt`, s: the warm start of the next update.
     fn shift(&mut self, plant: &P, dt: f64);

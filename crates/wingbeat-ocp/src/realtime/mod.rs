@@ -90,8 +90,8 @@ pub struct Settings {
     pub step: f64,
     /// The input at node 0 is given, not chosen.
     pub hold_first_input: bool,
-    /// Solved when the largest input step (relative to half its range where it
-    /// has one) and the largest defect are below this.
+    /// Solved when the largest input step (as a share of half its range, or in its unit where it has none) and the largest
+    /// defect are below this.
     pub tolerance: f64,
     /// Longest Runge-Kutta step beyond the old horizon when shifting, s.
     pub substep: f64,
@@ -167,19 +167,18 @@ impl RealTime {
         &mut self.plan
     }
 
-    /// State at node `k`.
+    /// State at node `k`, in the units of its channels.
     pub fn state(&self, k: usize) -> &[f64] {
         self.plan.state(k)
     }
 
-    /// Input at node `k`.
+    /// Input at node `k`, in the units of its channels.
     pub fn input(&self, k: usize) -> &[f64] {
         self.plan.input(k)
     }
 
-    /// Derivative of the state at `node` by the inputs, at the point linearised
-    /// last: states x (1 + free inputs up to `node`), row-major; column 0 is the
-    /// step that closes the defects.
+    /// Derivative of the state at `node` by the inputs, at the point linearised last, in the units of the states over those of
+    /// the inputs: states x (1 + free inputs up to `node`), row-major; column 0 is the step that closes the defects.
     pub fn sensitivity(&self, node: usize) -> &[f64] {
         self.states.state(node, self.columns)
     }
@@ -189,7 +188,7 @@ impl RealTime {
         self.statistics
     }
 
-    /// Fills the plan with the state `x0` and inputs of zero, or the nearest allowed.
+    /// Fills the plan with the state `x0` and inputs of zero, or the nearest allowed, in the units of the plant's channels.
     pub fn reset<P: Plant>(&mut self, plant: &P, x0: &[f64]) {
         self.plan.rest(x0, plant.inputs(), 0);
         self.plan.f.fill(0.0);

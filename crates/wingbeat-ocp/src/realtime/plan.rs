@@ -24,11 +24,11 @@ pub struct Plan {
     pub horizon: Horizon,
     /// Time of node 0, s.
     pub start: f64,
-    /// States, node by node.
+    /// States, node by node, in the units of their channels.
     pub x: Vec<f64>,
-    /// Inputs, node by node.
+    /// Inputs, node by node, in the units of their channels.
     pub u: Vec<f64>,
-    /// Rates f(t_k, x_k, u_k), node by node.
+    /// Rates f(t_k, x_k, u_k), node by node, in the units of the states per s.
     pub f: Vec<f64>,
 }
 
@@ -55,27 +55,27 @@ impl Plan {
         self.start + k as f64 * self.horizon.step
     }
 
-    /// State at node `k`.
+    /// State at node `k`, in the units of its channels.
     pub fn state(&self, k: usize) -> &[f64] {
         &self.x[k * self.horizon.states..][..self.horizon.states]
     }
 
-    /// State at node `k`.
+    /// The same, to be changed.
     pub fn state_mut(&mut self, k: usize) -> &mut [f64] {
         &mut self.x[k * self.horizon.states..][..self.horizon.states]
     }
 
-    /// Input at node `k`.
+    /// Input at node `k`, in the units of its channels.
     pub fn input(&self, k: usize) -> &[f64] {
         &self.u[k * self.horizon.inputs..][..self.horizon.inputs]
     }
 
-    /// Input at node `k`.
+    /// The same, to be changed.
     pub fn input_mut(&mut self, k: usize) -> &mut [f64] {
         &mut self.u[k * self.horizon.inputs..][..self.horizon.inputs]
     }
 
-    /// Rates at node `k`.
+    /// Rates at node `k`, in the units of the states per s.
     pub fn rates(&self, k: usize) -> &[f64] {
         &self.f[k * self.horizon.states..][..self.horizon.states]
     }
@@ -187,7 +187,7 @@ impl Plan {
     }
 }
 
-/// Refuses rates that are not finite.
+/// Refuses rates that are not finite, at the time `time`, s.
 pub fn check_finite(f: &[f64], time: f64) -> Result<(), Fault> {
     match f.iter().position(|f| !f.is_finite()) {
         Some(state) => Err(Fault::NotFinite { state, time }),

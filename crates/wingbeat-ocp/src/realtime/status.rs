@@ -80,12 +80,12 @@ pub struct Statistics {
     pub restarted: bool,
     /// Sequential quadratic programming iterations made.
     pub iterations: usize,
-    /// Largest entry of the reduced gradient of the Lagrangian at the last
-    /// point linearised.
+    /// Largest entry of the reduced gradient of the Lagrangian at the last point linearised, in the unit of the cost over those
+    /// of the inputs.
     pub stationarity: f64,
     /// Largest defect at the last point linearised, in units of the states.
     pub defect: f64,
-    /// Largest step of an input, relative to half its range where it has one.
+    /// Largest step of an input, as a share of half its range, or in its unit where it has none.
     pub step: f64,
     /// Constraints added or dropped by the quadratic programs, summed.
     pub qp_changes: usize,

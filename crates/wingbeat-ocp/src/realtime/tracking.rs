@@ -14,13 +14,14 @@ pub trait Tracking {
     /// given by [`residuals`](Self::residuals).
     fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]);
 
-    /// Weight c_j on the squared change of input `j` over each interval.
+    /// Weight c_j on the squared change of input `j` over each interval, 1 over the square of its unit: the cost is
+    /// dimensionless.
     fn change_weight(&self, _input: usize) -> f64 {
         0.0
     }
 
-    /// Largest rate r_j of input `j`, per second: |u_{j,k+1} - u_{j,k}| <= r_j h
-    /// on every interval. Infinite: no limit.
+    /// Largest rate r_j of input `j`, in its unit per second: |u_{j,k+1} - u_{j,k}| <= r_j h on every interval. Infinite: no
+    /// limit.
     fn rate_limit(&self, _input: usize) -> f64 {
         f64::INFINITY
     }
@@ -47,8 +48,8 @@ pub struct LinearLimit {
     pub name: String,
     /// Components and their coefficients.
     pub terms: Vec<(Component, f64)>,
-    /// Lower limit.
+    /// Lower limit, in the unit of the sum.
     pub low: f64,
-    /// Upper limit.
+    /// Upper limit, in the unit of the sum.
     pub high: f64,
 }

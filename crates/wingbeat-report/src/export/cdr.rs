@@ -27,7 +27,7 @@ impl Message {
         self
     }
 
-    /// 64-bit floats.
+    /// 64-bit floats, in the units of the message.
     pub fn doubles(&mut self, values: &[f64]) -> &mut Self {
         for value in values {
             self.align(8);
@@ -36,7 +36,7 @@ impl Message {
         self
     }
 
-    /// A list of 64-bit floats with its length.
+    /// A list of 64-bit floats with its length, in the units of the message.
     pub fn list(&mut self, values: &[f64]) -> &mut Self {
         self.int(values.len() as u32).doubles(values)
     }

@@ -113,7 +113,7 @@ pub fn csv_fits(record: &Record) -> Result<(), String> {
 /// Most bytes of an export; sizes and offsets of the formats have 32 bits.
 const LARGEST: f64 = (1_u64 << 31) as f64;
 
-/// Refuses more bytes than an export may have.
+/// Refuses so many `bytes` (in bytes) where they are more than an export may have.
 ///
 /// # Errors
 /// That.

@@ -58,7 +58,7 @@ fn row(text: &mut String, [x, y, z]: [f64; 3]) {
     let _ = writeln!(text, "{x} {y} {z}");
 }
 
-/// The list of the files with their times that ParaView reads.
+/// The list of the files with their times (s) that ParaView reads.
 pub fn series(files: &[(String, f64)]) -> String {
     let file = |(name, time): &(String, f64)| format!("    {{ \"name\": \"{name}\", \"time\": {time} }}");
     let files: Vec<String> = files.iter().map(file).collect();

@@ -149,7 +149,7 @@ impl SerialArm {
         self.joints.len()
     }
 
-    /// Joint frames in the base frame, then the tool frame at index `dof()`.
+    /// Joint frames in the base frame (places in m) at the joint positions `q` (rad), then the tool frame at index `dof()`.
     ///
     /// Product of exponentials about each joint's own frame (Lynch & Park,
     /// Modern Robotics, 4.1.2).
@@ -169,7 +169,7 @@ impl SerialArm {
         frames
     }
 
-    /// Tool frame in the base frame.
+    /// Tool frame in the base frame (its place in m) at the joint positions `q` (rad).
     pub fn tool_pose<S: Scalar>(&self, q: &[S]) -> Pose<S> {
         self.frames(q)[self.dof()]
     }

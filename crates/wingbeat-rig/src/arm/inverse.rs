@@ -64,8 +64,8 @@ impl Default for InverseKinematics {
 }
 
 impl InverseKinematics {
-    /// Joint positions that bring the tool to `goal`: from `seed` first, then
-    /// from random poses. Continuous joints come back within half a turn of the seed.
+    /// Joint positions, rad, that bring the tool to `goal`: from `seed` first, then from random poses. Continuous joints come
+    /// back within half a turn of the seed.
     pub fn solve(&self, arm: &SerialArm, goal: &Goal, seed: &[f64]) -> Solution {
         let mut random = Random::new(self.random_seed);
         let mut best = self.descend(arm, goal, start_from(arm, seed));
@@ -87,12 +87,12 @@ impl InverseKinematics {
         best
     }
 
-    /// The nearest solution on the branch of `seed`: no restart, so that a path stays on one branch.
+    /// The nearest solution on the branch of `seed` (rad): no restart, so that a path stays on one branch.
     pub fn follow(&self, arm: &SerialArm, goal: &Goal, seed: &[f64]) -> Solution {
         self.descend(arm, goal, start_from(arm, seed))
     }
 
-    /// Different arm postures that reach `goal`, found from `tries` random starts.
+    /// Different arm postures, rad, that reach `goal`, found from `tries` random starts.
     pub fn postures(&self, arm: &SerialArm, goal: &Goal, tries: usize) -> Vec<[f64; MAX_JOINTS]> {
         let mut random = Random::new(self.random_seed);
         let mut found: Vec<[f64; MAX_JOINTS]> = Vec::new();

@@ -9,7 +9,7 @@ use wingbeat_math::linear::symmetric_eigenvalues;
 /// frame; the first `dof` are valid.
 #[derive(Clone, Copy, Debug)]
 pub struct Jacobian {
-    /// Columns [vx, vy, vz, wx, wy, wz].
+    /// Columns [vx, vy, vz, wx, wy, wz], m/rad and, dimensionless, rad/rad.
     pub columns: [[f64; 6]; MAX_JOINTS],
     /// Number of joints.
     pub dof: usize,
@@ -72,7 +72,7 @@ impl Jacobian {
         }
         (Vec3::from_slice(&twist[..3]), Vec3::from_slice(&twist[3..]))
     }
-    /// J' [force; moment]: joint torques that balance a load on the tool.
+    /// J' [force; moment], N and N m: joint torques, N m, that balance a load on the tool.
     pub fn transpose_mul(&self, load: [f64; 6]) -> [f64; MAX_JOINTS] {
         let dot = |c: &[f64; 6]| c.iter().zip(load).map(|(a, b)| a * b).sum();
         std::array::from_fn(|i| dot(&self.columns[i]))

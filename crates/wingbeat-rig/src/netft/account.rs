@@ -184,7 +184,7 @@ impl Account {
         }
     }
 
-    /// Records per second that the box makes, by the samples from one to the next; none before the second.
+    /// Rate of the records that the box makes, Hz, by the samples from one to the next; none before the second.
     pub fn rate(&self) -> Option<f64> {
         (self.step > 0).then(|| BOX_RATE / f64::from(self.step))
     }

@@ -49,7 +49,7 @@ impl Clearance {
     pub fn min(self, o: Self) -> Self {
         Self { table: self.table.min(o.table), arm: self.arm.min(o.arm), wings: self.wings.min(o.wings) }
     }
-    /// The smallest of all.
+    /// The smallest of all, m.
     pub fn smallest(self) -> f64 {
         self.table.min(self.arm).min(self.wings)
     }

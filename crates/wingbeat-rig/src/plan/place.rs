@@ -43,9 +43,9 @@ pub struct Placed {
     pub path: TurnPath,
     /// Where it lies.
     pub placement: Placement,
-    /// Joint positions at its start.
+    /// Joint positions at its start, rad.
     pub start: [f64; MAX_JOINTS],
-    /// Joint positions in the middle of the steady turn.
+    /// Joint positions in the middle of the steady turn, rad.
     pub middle: [f64; MAX_JOINTS],
     /// Largest share of a limit, with the path's duration and broken margins added.
     pub cost: f64,

@@ -21,7 +21,7 @@ pub struct Placement {
 pub struct Instant {
     /// Time, s.
     pub t: f64,
-    /// Joint positions, rates and accelerations.
+    /// Joint positions, rad, with rates and accelerations.
     pub q: [Jet; MAX_JOINTS],
     /// Smallest singular value of the Jacobian, m/rad.
     pub margin: f64,

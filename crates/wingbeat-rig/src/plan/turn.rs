@@ -100,9 +100,8 @@ impl TurnSpec {
         self.settle([1.0, run_up, 0.0, 1.0, 1.0]).map(drop)
     }
 
-    /// The turn with `choice` (radius m; run-up, straight, roll-in, run-down s)
-    /// for what the file leaves open. Times are rounded to whole ms, so that 1 kHz
-    /// samples meet both ends.
+    /// The turn with `choice` (radius in m; run-up, straight, roll-in, run-down in s) for what the file leaves open. Times are
+    /// rounded to whole ms, so that 1 kHz samples meet both ends.
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the key.

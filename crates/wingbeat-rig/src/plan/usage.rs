@@ -53,14 +53,14 @@ pub struct Peak {
     pub joint: Option<usize>,
     /// What is limited.
     pub kind: LimitKind,
-    /// Largest magnitude reached.
+    /// Largest magnitude reached, in the unit of the quantity.
     pub value: f64,
-    /// Its limit; infinity when there is none.
+    /// Its limit, in the unit of the quantity; infinity when there is none.
     pub limit: f64,
 }
 
 impl Peak {
-    /// Peak over limit; 0 without a limit.
+    /// Share of the limit that the peak takes; 0 without a limit.
     pub fn share(&self) -> f64 {
         if self.limit.is_finite() { self.value / self.limit } else { 0.0 }
     }

@@ -29,7 +29,7 @@ pub struct Steps {
     pub robot_inertia: bool,
     /// Turn the wrench to the body frame, about the body's origin; else it stays in the cell's.
     pub body_frame: bool,
-    /// Cut-off of the zero-phase filter in multiples of the flapping frequency; 0 leaves it out.
+    /// Cut-off of the zero-phase filter, as a ratio to the flapping frequency; 0 leaves it out.
     pub cutoff_multiple: f64,
 }
 
@@ -59,7 +59,7 @@ pub struct Samples<'a> {
     pub channels: [Vec<f64>; 6],
     /// Stroke phase, rad, without jumps and gaps; empty when there is no encoder.
     pub phase: Vec<f64>,
-    /// Status words of the box; empty when there are none.
+    /// Status words of the box, bits without unit; empty when there are none.
     pub status: Vec<f64>,
     motion: Motion<'a>,
 }
@@ -127,7 +127,7 @@ impl<'a> Samples<'a> {
         })
     }
 
-    /// Samples of a run that `carrier` moves.
+    /// Samples of a run that `carrier` moves: times in s, channels in N and N m, phases in rad.
     pub fn carried(time: Vec<f64>, channels: [Vec<f64>; 6], phase: Vec<f64>, carrier: &'a Carrier) -> Self {
         Self { time, channels, phase, status: Vec::new(), motion: Motion::Carried(carrier) }
     }
@@ -210,7 +210,7 @@ pub struct Corrected {
     pub channels: [Vec<f64>; 6],
     /// The same before the filter.
     pub unfiltered: [Vec<f64>; 6],
-    /// Tare offsets of the channels in C at t = 0.
+    /// Tare offsets of the channels in C at t = 0, N and N m.
     pub offset: [f64; 6],
     /// Drift of the channels in C, per s.
     pub slope: [f64; 6],
@@ -402,7 +402,7 @@ struct Model {
     removed: Wrench<f64>,
 }
 
-/// Least-squares line through (t, y): value at t = 0 and slope.
+/// Least-squares line through (t, y): value at t = 0 and slope, in the unit of y and that per s.
 pub fn tare_line(t: &[f64], y: &[f64]) -> (f64, f64) {
     let n = t.len() as f64;
     let (mt, my) = (t.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);

@@ -51,8 +51,7 @@ impl Butterworth {
         1.0 / (1.0 + w.powi(8))
     }
 
-    /// `x` without what lies above the cut-off and without delay; the ends are
-    /// continued by point reflection.
+    /// `x`, in its unit, without what lies above the cut-off and without delay; the ends are continued by point reflection.
     pub fn apply(&self, x: &[f64]) -> Vec<f64> {
         if x.len() < 2 {
             return x.to_vec();

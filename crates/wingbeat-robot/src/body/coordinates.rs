@@ -39,7 +39,7 @@ impl<S: Scalar> Coordinates<S> {
         self.count
     }
 
-    /// Lets the rate of `coordinate` turn `joint` of `tree` at `ratio` times itself.
+    /// Lets the rate of `coordinate` turn `joint` of `tree` at `ratio` times itself, dimensionless.
     ///
     /// # Panics
     /// When a tree's joint is added more often than there are links.
@@ -64,15 +64,15 @@ impl<S: Scalar> Coordinates<S> {
         self.shares.iter().filter(moves).fold(still, |sum, s| sum.plus(&s.field, S::ONE))
     }
 
-    /// Adds the generalised forces of `wrench` on `link` (about the body origin, in B) to `forces`,
-    /// one per coordinate: Q_c = field_c . wrench.
+    /// Adds the generalised forces (W over the unit of the rate) of `wrench` on `link` (N and N m, about the body origin, in B)
+    /// to `forces`, one per coordinate: Q_c = field_c . wrench.
     pub fn project<T: Over<S>>(&self, link: usize, wrench: &Wrench<T>, forces: &mut [T]) {
         for share in self.shares.iter().filter(|s| s.links >> link & 1 == 1) {
             forces[share.coordinate] += share.field.power(wrench);
         }
     }
 
-    /// The field of all coordinates with the rates `rates` on `link`, in B.
+    /// The field of all coordinates with the rates `rates` on `link`, m/s2 and rad/s2 in B.
     pub fn combined(&self, link: usize, rates: &[S]) -> BaseAcceleration<S> {
         let still = BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO };
         let moving = self.shares.iter().filter(|s| s.links >> link & 1 == 1);

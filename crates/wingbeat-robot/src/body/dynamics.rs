@@ -12,11 +12,10 @@ impl<P: Scalar> Tree<P> {
     /// Source: Newton-Euler summed over links.
     /// Test: `joint_work_equals_the_change_of_energy`.
     ///
-    /// (M, bias) with M [a0; w_dot] + bias = external wrench about the body
-    /// origin; `a0` is the inertial acceleration of the body origin and `w_dot`
-    /// the angular acceleration, both in B. The bias holds the reaction of the
-    /// prescribed joint motion and every velocity term, not gravity.
-    /// `motions` comes from [`Tree::motions`] with the same `w_b`.
+    /// (M, bias) with M [a0; w_dot] + bias = external wrench about the body origin; `a0` is the inertial acceleration of the
+    /// body origin and `w_dot` the angular acceleration, both in B; all in SI units. The bias holds the reaction of the
+    /// prescribed joint motion and every velocity term, not gravity. `motions` comes from [`Tree::motions`] with the same
+    /// `w_b`.
     pub fn inertia_and_bias<S: Scalar + Meets<P>>(
         &self,
         w_b: Vec3<S>,
@@ -143,13 +142,13 @@ impl<S: Scalar> BaseAcceleration<S> {
         Self { origin: Vec3::from_slice(x), angular: Vec3::from_slice(&x[3..]) }
     }
 
-    /// Virtual power of a wrench about the body origin in this field of motion.
+    /// Virtual power, N m/s2: force times acceleration, of a wrench about the body origin in this field of motion.
     #[inline]
     pub fn power<T: Over<S>>(&self, wrench: &Wrench<T>) -> T {
         self.origin.dot_over(wrench.force) + self.angular.dot_over(wrench.moment)
     }
 
-    /// Acceleration of the point `r` of a body that moves with this field.
+    /// Acceleration, m/s2 in B, of the point `r` (m, B) of a body that moves with this field.
     #[inline]
     pub fn at(&self, r: Vec3<S>) -> Vec3<S> {
         self.origin + self.angular.cross(r)

@@ -62,7 +62,7 @@ impl<P: Scalar> FourierSeries<P> {
     /// Source: Paper section V (gait).
     /// Test: `fourier_rates_are_derivatives_and_the_extremes_are_known`.
     ///
-    /// mean + sum_k a_k cos(k phase - p_k), with rate and acceleration.
+    /// mean + sum_k a_k cos(k phase - p_k), with rate and acceleration, in rad.
     #[inline]
     pub fn angle<S: Scalar + Meets<P>>(&self, phase: Jet<S>) -> Jet<S> {
         let mut sum = Jet::constant(S::from(self.mean_rad));

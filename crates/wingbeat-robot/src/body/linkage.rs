@@ -13,7 +13,7 @@ use wingbeat_math::Error;
 use wingbeat_math::{Jet, Meets, Scalar};
 use wingbeat_ocp::plant::Fault;
 
-/// Smallest margin 1 - |cos| of a loop's elbow: rates grow as 1/sqrt(margin).
+/// Smallest margin 1 - |cos| of a loop's elbow, dimensionless: rates grow as 1/sqrt(margin).
 pub const MARGIN_LIMIT: f64 = 0.003;
 
 /// Names of the regulated lengths, in the order of every displacement.
@@ -43,7 +43,7 @@ pub struct LinkagePose<S: Scalar = f64> {
     pub radius: Jet<S>,
     /// Unit vectors e(t2), e(t3), e(t5), e(t6), e(t8), e(t9).
     pub directions: Directions<S>,
-    /// 1 - |cos| of each loop's elbow.
+    /// 1 - |cos| of each loop's elbow, dimensionless.
     pub margins: [f64; 3],
 }
 

@@ -14,8 +14,8 @@ pub struct Momentum<S: Scalar = f64> {
 }
 
 impl<P: Scalar> Tree<P> {
-    /// Momentum with the angular part about the fixed point that lies at `about`
-    /// from the body origin, in B (for the world origin: -R_WB' p_WB).
+    /// Momentum, N s, with the angular part about the fixed point that lies at `about` from the body origin, in B (for the
+    /// world origin: -R_WB' p_WB).
     pub fn momentum<S: Scalar + Meets<P>>(
         &self,
         v_b: Vec3<S>,

@@ -15,7 +15,7 @@ use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3};
 pub struct LinkMotion<S: Scalar = f64> {
     /// R_BL: turns link coordinates into body coordinates.
     pub rotation: Mat3<S>,
-    /// Link origin.
+    /// Link origin, m in B.
     pub position: Vec3<S>,
     /// Velocity of the link origin, m/s.
     pub velocity: Vec3<S>,
@@ -44,13 +44,13 @@ impl<S: Scalar> LinkMotion<S> {
         rate_dot: Vec3::ZERO,
     };
 
-    /// The base body moving with `v_B` at its origin and `w_B`.
+    /// The base body moving with `v_B` (m/s) at its origin and `w_B` (rad/s).
     #[inline]
     pub fn base(v_b: Vec3<S>, w_b: Vec3<S>) -> Self {
         Self { velocity: v_b, rate: w_b, ..Self::REST }
     }
 
-    /// The point `r_L` fixed in the link, from the body origin.
+    /// The point `r_L` fixed in the link, from the body origin, m in B.
     #[inline]
     pub fn point<P: Scalar>(&self, r_l: Vec3<P>) -> Vec3<S>
     where
@@ -59,20 +59,20 @@ impl<S: Scalar> LinkMotion<S> {
         self.position + self.rotation.mul_constant(r_l)
     }
 
-    /// Velocity of the body-frame point `r_B` moving with the link.
+    /// Velocity, m/s in B, of the body-frame point `r_B` moving with the link.
     #[inline]
     pub fn velocity_at(&self, r_b: Vec3<S>) -> Vec3<S> {
         self.velocity + self.rate.cross(r_b - self.position)
     }
 
-    /// Acceleration, without the base's, of the body-frame point `r_B` moving with the link.
+    /// Acceleration, m/s2 in B, without the base's, of the body-frame point `r_B` moving with the link.
     #[inline]
     pub fn acceleration_at(&self, r_b: Vec3<S>) -> Vec3<S> {
         self.moving_at(r_b).1
     }
 
-    /// Velocity and acceleration, without the base's, of the body-frame point `r_B` moving
-    /// with the link: v + w x r, a + w' x r + w x (w x r).
+    /// Velocity and acceleration, m/s and m/s2 in B, without the base's, of the body-frame point `r_B` moving with the link:
+    /// v + w x r, a + w' x r + w x (w x r).
     #[inline]
     pub fn moving_at(&self, r_b: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
         let arm = r_b - self.position;
@@ -152,12 +152,10 @@ impl<P: Scalar> Tree<P> {
     /// Source: rigid-body kinematics; Featherstone 2008, section 5.3.
     /// Test: `bias_acceleration_of_a_moving_base_matches_central_differences`.
     ///
-    /// Motion of every link from the joint angles with their rates and
-    /// accelerations, the inertial velocity `v_b` of the body origin and the
-    /// angular rate `w_b`, both in B: v = v_p + w_p x r,
-    /// a = a_p + w_p' x r + w_p x (w_p x r), w = w_p + e q',
-    /// w' = w_p' + e q'' + w_p x e q' (Featherstone 2008, section 5.3, at the joint origins); a
-    /// prismatic joint adds e q to r, e q' to v and e q'' + 2 w_p x e q' to a instead.
+    /// Motion of every link from the joint angles with their rates and accelerations, the inertial velocity `v_b` (m/s) of the
+    /// body origin and the angular rate `w_b`, both in B: v = v_p + w_p x r, a = a_p + w_p' x r + w_p x (w_p x r), w = w_p + e
+    /// q', w' = w_p' + e q'' + w_p x e q' (Featherstone 2008, section 5.3, at the joint origins); a prismatic joint adds e q to
+    /// r, e q' to v and e q'' + 2 w_p x e q' to a instead.
     ///
     /// `joints` and `out` hold one entry per link.
     #[inline(never)]

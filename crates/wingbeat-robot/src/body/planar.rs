@@ -3,7 +3,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 use wingbeat_math::{Jet, Meets, Scalar};
 
-/// A vector y + i z with its rate and acceleration.
+/// A vector y + i z with its rate and acceleration. Its components are in the caller's unit: m, or none of a direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Planar<S: Scalar = f64> {
     /// Outboard component.

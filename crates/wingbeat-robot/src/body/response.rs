@@ -74,7 +74,7 @@ impl Default for Element {
 }
 
 impl Coupled {
-    /// From A (2n x 2n) and B (2n x m) by rows.
+    /// From A (2n x 2n) and B (2n x m) by rows, in 1/s, 1/s2 and the units of the elements.
     ///
     /// # Errors
     /// [`Error::Invalid`] when the shapes do not match, a number is not finite, or the
@@ -106,7 +106,8 @@ impl Coupled {
         Ok(Self { elements, commands, state: a[elements..].concat(), command: b[elements..].concat() })
     }
 
-    /// Independent elements of which regulators move several, by the placement P (n x m) of their commands.
+    /// Independent elements of which regulators move several, by the placement P (n x m) of their commands, in the unit of the
+    /// element over that of the command.
     pub fn of_elements(elements: &[Element], placement: &[Vec<f64>]) -> Self {
         let n = elements.len();
         let mut state = vec![0.0; 2 * n * n];
@@ -178,7 +179,8 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// What the acceleration of element `i` gains per unit of the state `j`: an entry of the lower rows of A.
+    /// What the acceleration of element `i` gains by the state `j`, in the unit of the element per s2 over that of the state:
+    /// an entry of the lower rows of A.
     pub fn state_gain(&self, i: usize, j: usize) -> P {
         match self {
             Self::Uncoupled(e) if j == i => -e[i].stiffness,
@@ -188,7 +190,8 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// What the acceleration of element `i` gains per unit of the command `j`: an entry of the lower rows of B.
+    /// What the acceleration of element `i` gains by the command `j`, in the unit of the element per s2 over that of the
+    /// command: an entry of the lower rows of B.
     pub fn command_gain(&self, i: usize, j: usize) -> P {
         match self {
             Self::Uncoupled(e) if j == i => e[i].stiffness + e[i].rate_gain,
@@ -202,8 +205,8 @@ impl<P: Scalar> Response<P> {
     /// Source: Paper eq. (mimic_dynamics).
     /// Test: `uncoupled_elements_equal_their_full_matrices`.
     ///
-    /// Displacements with rate and acceleration from the state [y; y'] and the
-    /// commands; `out` has n entries. Paper eq. (mimic_dynamics).
+    /// Displacements with rate and acceleration from the state [y; y'] and the commands, in the units of the elements; `out`
+    /// has n entries. Paper eq. (mimic_dynamics).
     pub fn displacements<S: Scalar + Meets<P>>(&self, state: &[S], command: &[S], out: &mut [Jet<S>]) {
         let n = self.elements();
         for i in 0..n {
@@ -222,7 +225,7 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// Rates [y'; y''] of the state, from the displacements of the same instant.
+    /// Rates [y'; y''] of the state, in the units of the elements per s and per s2, from the displacements of the same instant.
     pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
         let n = self.elements();
         for i in 0..n {
@@ -323,8 +326,8 @@ impl Response {
         }
     }
 
-    /// Displacements at rest per unit of the held commands, n rows of m: y = K^-1 B_2 omega. Zero for elements that no
-    /// stiffness brings to rest, and for all where K is singular beyond them.
+    /// Displacements at rest by the held commands, in the units of elements over those of commands, n rows of m: y = K^-1 B_2
+    /// omega. Zero for elements that no stiffness brings to rest, and for all where K is singular beyond them.
     pub fn rest(&self) -> Vec<f64> {
         let (n, m) = (self.elements(), self.commands());
         let mut stiffness: Vec<f64> = (0..n * n).map(|k| -self.state_gain(k / n, k % n)).collect();

@@ -212,7 +212,7 @@ impl<P: Scalar> Tree<P> {
         node.kind == JointKind::Revolute && matches!(node.axis, Axis::Coordinate { index: 1, .. })
     }
 
-    /// Axis of the joint of a link that moves as `motion`, in B.
+    /// Axis of the joint of a link that moves as `motion`, a unit vector in B.
     pub fn axis(&self, link: usize, motion: &LinkMotion) -> Vec3 {
         self.nodes[link].axis.direction(&motion.rotation)
     }

@@ -59,8 +59,8 @@ impl BoundSpec {
     /// Source: choice; Lanczos 1956, Applied Analysis, ch. 4 (factors).
     /// Test: `a_bound_flaps_and_folds`.
     ///
-    /// The series of a joint over the cycle: that of its stroke under an envelope, about the angle at which it is folded. Both are
-    /// trigonometric polynomials, and so is their product.
+    /// The series of a joint over the cycle: that of its stroke under an envelope, about the angle at which it is folded, in
+    /// rad. Both are trigonometric polynomials, and so is their product.
     ///
     /// # Errors
     /// [`Error::Invalid`] with more harmonics than a series may have.

@@ -44,7 +44,7 @@ pub struct LinkSpec {
     /// Whether the joint turns or slides.
     #[serde(default)]
     pub joint: JointKind,
-    /// Direction of the joint's axis in link axes; any length above 0.
+    /// Direction of the joint's axis in link axes, dimensionless; any length above 0.
     #[serde(default = "forward")]
     pub axis: [f64; 3],
     /// Mass, kg.

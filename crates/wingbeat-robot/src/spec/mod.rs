@@ -198,7 +198,7 @@ impl RobotSpec {
         all
     }
 
-    /// The numbers given by name that are the robot's own.
+    /// The numbers given by name that are the robot's own, in their declared units.
     pub fn own_numbers(&self) -> Vec<(&str, f64)> {
         let own = self.numbers.iter().filter(|(name, _)| !is_of_rig(name));
         own.map(|(name, value)| (name.as_str(), *value)).collect()

@@ -33,7 +33,7 @@ pub struct LinkSparSpec {
     /// Inertia per length about the span at the root, kg m, through the centre of mass.
     #[serde(default)]
     pub inertia_kg_m: f64,
-    /// Stiffness, mass and inertia at the tip over those at the root; linear between.
+    /// Ratio of stiffness, mass and inertia at the tip to those at the root; linear between.
     #[serde(default = "one")]
     pub taper: f64,
     /// Damping over stiffness, s.

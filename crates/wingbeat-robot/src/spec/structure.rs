@@ -35,10 +35,10 @@ pub struct StructureSpec {
     /// Damping C per unit inertia (n rows of n), 1/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping_per_s: Option<Vec<Vec<f64>>>,
-    /// Full matrix A (2n rows of 2n), its upper rows [0 1].
+    /// Full matrix A (2n rows of 2n), its upper rows [0 1], 1/s and 1/s2.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub a: Option<Vec<Vec<f64>>>,
-    /// Full matrix B (2n rows of m), its upper rows 0.
+    /// Full matrix B (2n rows of m), its upper rows 0, 1/s2 for elements and commands of one unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub b: Option<Vec<Vec<f64>>>,
 }
@@ -49,15 +49,15 @@ pub struct StructureSpec {
 pub struct RegulatorSpec {
     /// Name of its channel.
     pub name: String,
-    /// Displacement of each element at rest per unit of the command, by the name of the element: the
-    /// column of the placement P; with `b` none, which holds it.
+    /// Displacement of each element at rest, in its unit, per unit of the command, by the name of the element: the column of
+    /// the placement P; with `b` none, which holds it.
     #[serde(default)]
     pub elements: BTreeMap<String, f64>,
     /// Lower limit of the command, in the unit of the first of its elements. Without limits of its own
     /// it keeps each of its elements within theirs; link lengths always have theirs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
-    /// Upper limit of the command.
+    /// Upper limit of the command, in the unit of `low`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
 }

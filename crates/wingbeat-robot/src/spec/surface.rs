@@ -68,7 +68,7 @@ pub struct PanelSpec {
     /// Place of its begin in the frame of the link, m; edges lie ahead of it along x.
     #[serde(default)]
     pub origin_m: [f64; 3],
-    /// Direction of the span from the root on, in the frame of the link, across x; any length above 0.
+    /// Direction of the span from the root on, in the frame of the link, across x, dimensionless; any length above 0.
     #[serde(default = "left")]
     pub direction: [f64; 3],
 }

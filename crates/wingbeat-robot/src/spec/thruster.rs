@@ -17,7 +17,7 @@ pub struct ThrusterSpec {
     pub name: String,
     /// Place from the body's origin, in B, m.
     pub place_m: [f64; 3],
-    /// Direction of the force on the body, in B; its length does not count.
+    /// Direction of the force on the body, in B, dimensionless; its length does not count.
     pub direction: [f64; 3],
     /// Largest thrust, N; the least is none.
     pub max_n: f64,

@@ -124,9 +124,9 @@ pub fn loading(aspect: f64, k: f64, chordwise: usize, spanwise: usize) -> Result
     })
 }
 
-/// Places across the span of a rectangular wing of aspect ratio `aspect` in steady flow, from one tip to the
-/// middle, and the downwash there, per speed and incidence, at `behind` chords behind its leading edge in
-/// its plane, on `chordwise` x `spanwise` panels.
+/// Places, in chords, across the span of a rectangular wing of aspect ratio `aspect` in steady flow, from one tip
+/// to the middle, and the downwash there, per speed and incidence, at `behind` chords behind its leading edge in its plane, on
+/// `chordwise` x `spanwise` panels.
 ///
 /// # Errors
 /// [`Error::NoAnswer`] when the lattice is singular.

@@ -79,13 +79,13 @@ impl SmallMotion {
         Ok((0..self.d[0].len()).map(output).collect())
     }
 
-    /// Steady outputs per unit of derivative `order` of q held.
+    /// Steady outputs, in the caller's units, per unit of derivative `order` of q held.
     pub fn steady(&self, order: usize) -> Result<Vec<f64>, Error> {
         let x = self.states_at(0.0, |i| (self.b[order][i], 0.0))?;
         Ok(self.outputs(&x.iter().map(|s| s.0).collect::<Vec<_>>(), order))
     }
 
-    /// Outputs at the times `t` (ascending, s) after derivative `order` of q jumps to 1 at t = 0.
+    /// Outputs, in the caller's units, at the times `t` (ascending, s) after derivative `order` of q jumps to 1 at t = 0.
     pub fn step(&self, order: usize, t: &[f64]) -> Vec<Vec<f64>> {
         let mut x = vec![0.0; self.states];
         let mut now = 0.0;

@@ -20,8 +20,8 @@ pub fn trefftz() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("aero.full.trefftz", "Munk: drag of its own far wake", metric, worst, 0.005, "")])
 }
 
-/// Steady induced drag over its Trefftz drag of a wing of AR 6, swept by `angle` degrees, or folded: each
-/// half at the dihedral 15 degrees up to 1/3 of it, then bent down by `angle` degrees.
+/// Ratio of the steady induced drag to the Trefftz drag of a wing of AR 6, swept by `angle` degrees, or folded: each half at
+/// the dihedral 15 degrees up to 1/3 of it, then bent down by `angle` degrees.
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
@@ -132,11 +132,11 @@ pub struct Thrust {
     pub theta_deg: f64,
     /// Phase of pitch before heave, degrees.
     pub psi_deg: f64,
-    /// Inviscid model.
+    /// Thrust coefficient of the inviscid model.
     pub value: f64,
-    /// Measured.
+    /// Thrust coefficient measured.
     pub measured: f64,
-    /// Error bars below and above.
+    /// Error bars of the coefficient, below and above.
     pub bars: (f64, f64),
 }
 

@@ -24,7 +24,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// |value - exact| / |exact|
+    /// Relative error |value - exact| / |exact|.
     pub fn error(&self) -> f64 {
         let (value, exact) = (self.value, self.exact);
         (value.0 - exact.0).hypot(value.1 - exact.1) / exact.0.hypot(exact.1)
@@ -154,7 +154,7 @@ pub struct SpanLoading {
     pub value: Vec<Complex>,
     /// The same of the lattice, extrapolated from 12 and 24 panels.
     pub exact: Vec<Complex>,
-    /// Largest error of the lattice's circulation over its peak.
+    /// Largest relative error of the lattice's circulation, over its peak.
     pub lattice_error: f64,
 }
 

@@ -42,17 +42,17 @@ fn planform(rows: &[[f64; 3]]) -> Result<Planform, Error> {
     Ok(Planform::new(&rows.iter().map(station).collect::<Vec<_>>())?)
 }
 
-/// A rectangle with its leading edge on the hinge line.
+/// A rectangle of `span` and `chord` (both in m) with its leading edge on the hinge line.
 pub fn rectangle(span: f64, chord: f64) -> Result<Planform, Error> {
     planform(&[[0.0, 0.0, -chord], [0.5 * span, 0.0, -chord]])
 }
 
-/// A flat rectangular wing of unit chord.
+/// A flat rectangular wing of a chord of 1 m and the aspect ratio `aspect`.
 pub fn rectangular(aspect: f64) -> Result<Still, Error> {
     Still::flat(rectangle(aspect, 1.0)?, aspect, 1.0, 0.0)
 }
 
-/// A flat wing of unit chord swept back by `degrees`.
+/// A flat wing of a chord of 1 m and the aspect ratio `aspect`, swept back by `degrees`.
 pub fn swept(aspect: f64, degrees: f64) -> Result<Still, Error> {
     let back = 0.5 * aspect * degrees.to_radians().tan();
     let rows = [[0.0, 0.0, -1.0], [0.5 * aspect, -back, -1.0 - back]];
@@ -85,7 +85,7 @@ pub fn other(name: &str) -> Result<Still, Error> {
     Ok(still)
 }
 
-/// Ellipse of root chord 1 m, straight quarter chord.
+/// Ellipse of root chord 1 m and the aspect ratio `aspect`, straight quarter chord.
 pub fn ellipse(aspect: f64) -> Result<Planform, Error> {
     let span = 0.25 * aspect * PI;
     let rows: Vec<[f64; 3]> = (0..=200)

@@ -61,12 +61,12 @@ fn named(parameters: &[Parameter], values: &[f64]) -> Vec<(String, f64)> {
 }
 
 impl Calibrated {
-    /// Numbers of the robot by name.
+    /// Numbers of the robot by name, in their declared units.
     pub fn numbers(&self) -> Vec<(String, f64)> {
         named(&self.parameters, &self.values)
     }
 
-    /// Numbers up to 20 % off those of the model before the fit.
+    /// Numbers, in their declared units, up to 20 % off those of the model before the fit.
     pub fn drawn(&self) -> Vec<Vec<(String, f64)>> {
         let draw = |draw: usize| {
             let mut random = Random::stream(29, draw as u64);

@@ -20,7 +20,7 @@ const SPAN: f64 = 1e5;
 const DENSITY: f64 = 1e-5;
 /// Airspeed below which the models round off, m/s.
 const LEAST_SPEED: f64 = 1e-6;
-/// Radius of gyration about the elastic axis, squared, in semi-chords.
+/// Radius of gyration about the elastic axis, squared, as a ratio to the square of the semi-chord.
 pub const GYRATION2: f64 = 0.25;
 /// Nodes or strips.
 const NODES: usize = 12;
@@ -28,11 +28,11 @@ const NODES: usize = 12;
 /// A typical section; frequencies in units of the uncoupled pitch frequency, which is 1 rad/s.
 #[derive(Clone, Copy, Debug)]
 pub struct TypicalSection {
-    /// m / (pi rho b2) per unit span.
+    /// Mass ratio m / (pi rho b2) per unit span.
     pub mass_ratio: f64,
     /// Distance of the centre of mass behind the elastic axis, semi-chords.
     pub unbalance: f64,
-    /// Uncoupled plunge frequency over pitch frequency.
+    /// Ratio of the uncoupled plunge frequency to the pitch frequency.
     pub frequency_ratio: f64,
     /// Elastic axis behind the leading edge, chords.
     pub axis: f64,
@@ -141,7 +141,7 @@ panels = [{{ link = "pitch", origin_m = [0.0, 0.0, {root:e}], direction = [0.0, 
     }
 }
 
-/// Where `f` crosses zero upwards between `low` and `high`.
+/// Where `f` crosses zero upwards, in the caller's unit, between `low` and `high`.
 ///
 /// # Errors
 /// [`Error::NoAnswer`] when it does not.

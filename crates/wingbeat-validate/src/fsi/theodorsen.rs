@@ -12,7 +12,7 @@ type C = Complex<f64>;
 /// Euler's constant.
 const EULER: f64 = 0.577_215_664_901_532_9;
 
-/// Theodorsen's function C(k) = H1 / (H1 + i H0) with Hankel functions of the second kind.
+/// Theodorsen's function C(k) = H1 / (H1 + i H0), dimensionless, with Hankel functions of the second kind.
 pub fn deficiency(k: f64) -> C {
     let ([j0, j1], [y0, y1]) = bessel(k);
     let (h0, h1) = (C::new(j0, -y0), C::new(j1, -y1));
@@ -41,9 +41,9 @@ fn bessel(x: f64) -> ([f64; 2], [f64; 2]) {
 /// Speed U / (b omega_a) and frequency omega / omega_a of flutter.
 #[derive(Clone, Copy, Debug)]
 pub struct Flutter {
-    /// U / (b omega_a).
+    /// Speed as a ratio, U / (b omega_a).
     pub speed: f64,
-    /// omega / omega_a.
+    /// Frequency as a ratio, omega / omega_a.
     pub frequency: f64,
 }
 

@@ -11,7 +11,7 @@ const ENDLESS: f64 = 1e4;
 const FORGOTTEN: f64 = 20.0;
 const SURFACE: &str = "linear lifting surface";
 
-/// Steady lift slope: a step so long that the last rings are horseshoes.
+/// Steady lift slope, 1/rad: a step so long that the last rings are horseshoes.
 pub fn steady_slope(aspect: f64, chordwise: usize, spanwise: usize) -> Result<f64, Error> {
     let mut wing = rectangle(aspect)?;
     wing.wind = Vec3::new(-SMALL.cos(), 0.0, SMALL.sin());
@@ -77,7 +77,7 @@ pub fn step() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("lattice.step", SURFACE, metric, worst, 0.02, "")])
 }
 
-/// Lift per upwash angle of a plunging rectangle, complex.
+/// Lift coefficient per upwash angle of a plunging rectangle, complex.
 pub fn plunging(
     aspect: f64,
     k: f64,
@@ -160,7 +160,7 @@ pub fn theodorsen() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("lattice.theodorsen", "Theodorsen 1935, exact", metric, worst, 0.01, "")])
 }
 
-/// Mean thrust over rho U^2 S theta^2 of a pitching rectangle, by Joukowski and by Bernoulli with suction.
+/// Mean thrust as a ratio to rho U^2 S theta^2 of a pitching rectangle, by Joukowski and by Bernoulli with suction.
 pub fn pitching(
     aspect: f64,
     k: f64,

@@ -41,7 +41,7 @@ pub fn lan(chordwise: usize, spanwise: usize) -> Panels {
     Panels { chordwise, spanwise, spacing }
 }
 
-/// The loads of `steps` instants, the way of each a panel's chord unless `step` says another.
+/// The loads of `steps` instants, the way of each a panel's chord unless `step` (s) says another.
 pub fn loads(wing: &Flapping, panels: Panels, step: Option<f64>, steps: usize) -> Result<Vec<Loads>, Error> {
     let scene = Scene::new(wing, panels, true)?;
     let step = step.unwrap_or(CHORD / panels.chordwise as f64);
@@ -52,7 +52,8 @@ pub fn loads(wing: &Flapping, panels: Panels, step: Option<f64>, steps: usize) -
     (0..steps).map(|_| Ok(lattice.step()?)).collect()
 }
 
-/// The first harmonic at the angular frequency `omega` of values at even `step`, over the whole cycles at their end.
+/// The first harmonic, in the unit of the values, at the angular frequency `omega` of values at even `step`, over the whole
+/// cycles at their end.
 pub fn harmonic(values: &[f64], step: f64, omega: f64) -> (f64, f64) {
     let cycle = (2.0 * PI / (omega * step)).round();
     let from = values.len() - cycle as usize;
@@ -87,7 +88,7 @@ pub fn flapper(half_span: f64, amplitude_deg: f64, fold: Option<(f64, f64)>) -> 
     Ok(Flapping { wing: Wing::new(planform, hinges)?, motion, wind, density_kg_m3: 1.225, ground: None })
 }
 
-/// Lift and drag of a force in a wind at 5 degrees.
+/// Lift and drag, N, of a force in a wind at 5 degrees.
 pub fn lift_drag(force: Vec3) -> (f64, f64) {
     let (sin, cos) = 5_f64.to_radians().sin_cos();
     (force[0] * sin + force[2] * cos, -force[0] * cos + force[2] * sin)

@@ -85,7 +85,7 @@ pub struct Means {
     pub forward: f64,
     /// Upward force of the body's drag over the weight.
     pub body_up: f64,
-    /// Of the positive part of the power.
+    /// Mean of the positive part of the power over the mass, W/kg.
     pub power: f64,
 }
 
@@ -138,7 +138,7 @@ impl Motion {
         })
     }
 
-    /// The body's motion as it is, the strokes of driven joints times `share`.
+    /// The body's motion as it is, the strokes of driven joints times the share `share`.
     pub fn gentler(self, share: f64) -> Result<Self, Error> {
         let mut spec = self.scenario.spec.clone();
         let series = spec.robot.links.iter_mut().filter_map(|link| link.driven.as_mut());
@@ -405,7 +405,7 @@ impl Motion {
     }
 }
 
-/// Whether the way from `a` to `b` passes through the triangle.
+/// Whether the way from `a` to `b` (m) passes through the triangle.
 pub fn pierces([a, b]: [Vec3; 2], [p, q, r]: [Vec3; 3]) -> bool {
     // Signed volumes: both ends on other sides of the plane, the way on one side of all edges.
     let volume = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| (b - a).cross(c - a).dot(d - a);

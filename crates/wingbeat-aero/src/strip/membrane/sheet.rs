@@ -266,7 +266,8 @@ impl<P: Scalar> Membrane<P> {
         }
     }
 
-    /// What its motion is held against at the strain `stretch` along the chord, in air of the density `density`, sides let go.
+    /// What its motion is held against at the strain `stretch` (dimensionless) along the chord, in air of the density `density`
+    /// (kg/m3), sides let go.
     ///
     /// Least frequency of a bay: the modal mass is (8/15) m c + (7/12) pi rho c^2/4 for each span, the stiffness (16/3) T/c, both with
     /// the largest chord, and T = K e the tension. What the strain of a vibration adds to the stiffness is left out, so that it

@@ -37,8 +37,8 @@ fn harmonics(cycles: &[CycleAverage; 6]) -> Option<Vec<f64>> {
     project(&phase, &channels, 0.0, HARMONICS)
 }
 
-/// What is wrong with the samples of a run, by themselves and beside the model on the measured motion. What is told
-/// as a disagreement with the model too is only noted.
+/// What is wrong with the samples of a run in the `window` (s), by themselves and beside the model on the measured motion. What
+/// is told as a disagreement with the model too is only noted.
 pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &Limits) -> Vec<Finding> {
     let mut found = of_samples(one, limits).unwrap_or_default();
     found.extend(beside_model(one, limits).unwrap_or_default());

@@ -39,7 +39,7 @@ pub struct Curve<'a> {
     pub line: usize,
     /// Its layer.
     pub layer: &'a str,
-    /// Its points, first to last; of a closed one the first again.
+    /// Its points in the unit of the drawing, first to last; of a closed one the first again.
     pub points: Vec<Point>,
 }
 

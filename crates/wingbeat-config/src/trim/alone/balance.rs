@@ -131,7 +131,7 @@ impl Balance<'_> {
         ends.map(|[low, high]| [low.max(-1.0), high.min(1.0)]).collect()
     }
 
-    /// A gait near `start` that is balanced.
+    /// A gait near `start` that is balanced; `tell` hears the iteration and the relative imbalance.
     ///
     /// # Errors
     /// What stays off balance, or why the model cannot be evaluated.
@@ -184,8 +184,8 @@ impl Balance<'_> {
     }
 }
 
-/// The damped step of least norm that takes off `off`, within `room`: unknowns that would leave it stop at its end and the others
-/// take over.
+/// The damped step of least norm, dimensionless, that takes off `off`, within `room` (shares of the ranges): unknowns that
+/// would leave it stop at its end and the others take over.
 pub fn least(slopes: &DMatrix<f64>, off: &Vector3<f64>, damping: f64, room: &[[f64; 2]]) -> Vec<f64> {
     let count = room.len();
     let mut step = vec![0.0; count];

@@ -93,7 +93,8 @@ pub struct AloneSummary {
     pub assumed_actuators: Vec<String>,
     /// What was tried at each speed, and what became of it.
     pub tried: Vec<Tried>,
-    /// Numbers that were changed: key, value of the file and value found, none where it was left out, as those of a motor.
+    /// Numbers that were changed: key, value of the file and value found in the unit that ends the key, none where it was left
+    /// out, as those of a motor.
     pub changed: BTreeMap<String, [Option<f64>; 2]>,
     /// The turn that was flown.
     pub turn: Option<TurnSummary>,

@@ -19,7 +19,8 @@ const GAIN: f64 = 1e-5;
 /// What counts as keeping to a limit, in its scale: 1e-3 is .01 mm of clearance.
 pub(super) const KEPT: f64 = 1e-3;
 
-/// What is seen at a point: objective and limits, all scaled; a limit is kept where its number is at most 0.
+/// What is seen at a point: objective and limits, all scaled: they are dimensionless; a limit is kept where its number is at
+/// most 0.
 #[derive(Clone, Debug)]
 pub struct Seen<P> {
     /// Value of the objective.
@@ -31,7 +32,7 @@ pub struct Seen<P> {
 }
 
 impl<P> Seen<P> {
-    /// The worst limit missed.
+    /// The worst limit missed, dimensionless.
     pub fn violation(&self) -> f64 {
         self.limits.iter().fold(0.0, |most, c| c.max(most))
     }
@@ -40,7 +41,7 @@ impl<P> Seen<P> {
     }
 }
 
-/// Derivatives of the objective, and of each limit.
+/// Derivatives of the objective, and of each limit. All are dimensionless: coordinates are shares of their ranges.
 #[derive(Clone, Debug)]
 pub struct Slopes {
     /// Of the objective, by coordinate.
@@ -98,7 +99,8 @@ pub struct Descent<P> {
 /// Hears the number of an iteration and where it stands; may stop the descent.
 pub(super) type Tell<'a, P> = dyn FnMut(usize, &Seen<P>) -> ControlFlow<()> + 'a;
 
-/// Follows the landscape down from `x`; `tell` hears iteration, objective and violation, and may stop it.
+/// Follows the landscape down from the shares `x` of the ranges; `tell` hears iteration, objective and violation, and may stop
+/// it.
 pub fn descend<L: Landscape>(
     landscape: &L,
     mut x: Vec<f64>,

@@ -97,7 +97,7 @@ impl<'a> Gaits<'a> {
         })
     }
 
-    /// The gait at `x`: from its scenario's own start, or step by step from `own` at `from`.
+    /// The gait at the shares `x` of the ranges: from its scenario's own start, or step by step from `own` at `from`.
     pub fn reached(&self, x: &[f64], from: &[f64], own: &Seen<Gait>) -> Result<Seen<Gait>, String> {
         self.anew(x).or_else(|_| {
             let between = |k: usize| -> Vec<f64> {

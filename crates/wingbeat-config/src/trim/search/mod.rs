@@ -55,7 +55,7 @@ pub struct SearchProgress {
     pub power_w_kg: f64,
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Worst limit missed, in its scale.
+    /// Worst limit missed, as a ratio to its scale.
     pub violation: f64,
 }
 
@@ -79,7 +79,7 @@ pub struct SearchSummary {
     /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, the frequency, the
     /// power.
     pub violation: f64,
-    /// The varied numbers.
+    /// The varied numbers, by their keys and in the units of these.
     pub values: BTreeMap<String, f64>,
 }
 
@@ -200,7 +200,7 @@ impl GaitSearch<'_> {
         COLUMNS.iter().map(|(name, unit)| Column::new(*name, *unit, "")).chain(varied).collect()
     }
 
-    /// Whether `row` can be that of a start of the search.
+    /// Whether `row`, in the units of its columns, can be that of a start of the search.
     pub fn has_row(&self, row: &[f64]) -> bool {
         row.len() == COLUMNS.len() + self.spec.vary.len() && row[0] >= 0.0 && row[0] < self.spec.starts as f64
     }
@@ -210,8 +210,8 @@ impl GaitSearch<'_> {
         self.spec.starts
     }
 
-    /// Searches from the starts of which there is no row in `rows`; `keep` gets the row of each as soon as it is known. None
-    /// where `tell` stopped it.
+    /// Searches from the starts of which there is no row in `rows` (in the units of the columns); `keep` gets the row of each
+    /// as soon as it is known. None where `tell` stopped it.
     ///
     /// # Errors
     /// What `keep` says; a start, or a best gait, without an orbit.
@@ -252,7 +252,8 @@ impl GaitSearch<'_> {
         Ok(Some(Searched { starts, best, summary }))
     }
 
-    /// Searches from start `start`: a pure function of the scenario and the number. `tell` may stop it; then there is no row.
+    /// Searches from start `start`: a row in the units of its columns, a pure function of the scenario and the number. `tell`
+    /// may stop it; then there is no row.
     pub fn row(
         &self,
         start: usize,

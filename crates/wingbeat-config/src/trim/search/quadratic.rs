@@ -10,11 +10,11 @@ use wingbeat_ocp::plant::Channel;
 
 /// A step and the multipliers of the limits.
 pub struct Step {
-    /// Change of each coordinate.
+    /// Change of each coordinate, as a share of its range.
     pub d: Vec<f64>,
-    /// Multiplier of each limit.
+    /// Multiplier of each limit, dimensionless.
     pub multipliers: Vec<f64>,
-    /// What the model of objective and limits says the merit falls by.
+    /// What the model of objective and limits says the merit falls by, dimensionless.
     pub gain: f64,
 }
 

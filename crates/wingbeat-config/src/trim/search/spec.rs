@@ -72,9 +72,9 @@ pub enum Goal {
 pub struct VarySpec {
     /// Key of the scenario, e.g. `robot.links[0].driven.mean_rad` or `trim.speed_m_s`.
     pub key: String,
-    /// Lower end.
+    /// Lower end, in the unit of the key.
     pub low: f64,
-    /// Upper end.
+    /// Upper end, in the unit of the key.
     pub high: f64,
 }
 
@@ -98,7 +98,7 @@ pub struct LimitsSpec {
     /// Largest share beyond 20 deg.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stall_fraction_20: Option<f64>,
-    /// Largest |multiplier| without the heading's.
+    /// Largest |multiplier| without the heading's, dimensionless.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multiplier: Option<f64>,
 }

@@ -153,14 +153,14 @@ impl<'a> Adaptation<'a> {
         crank.chain(missed).collect()
     }
 
-    /// Their numbers: of what is missed the means over a cycle.
+    /// Their numbers: of what is missed the means over a cycle, in the units of the columns.
     pub fn numbers(&self) -> Vec<f64> {
         let missed =
             self.missed.iter().flat_map(|missed| missed.waves.chunks_exact(missed.waves.len() / MISSED));
         self.crank.iter().map(|crank| crank.added).chain(missed.map(|own| own[0])).collect()
     }
 
-    /// What is learned of the acceleration that is missed.
+    /// What is learned of the acceleration that is missed, by wave of the phase, m/s2 and rad/s2.
     pub fn waves(&self) -> Option<&[f64]> {
         self.missed.as_ref().map(|missed| &missed.waves[..])
     }
@@ -170,10 +170,10 @@ impl<'a> Adaptation<'a> {
     /// Source: De Luca & Mattone 2003, residual of the momentum; Widrow & Hoff 1960, least mean squares; m by the mean over a cycle.
     /// Test: `what_the_model_misses_is_found_by_phase`.
     ///
-    /// Learns from the state `x` at the time `t` and the phase `cycles`: the velocity and the angular rate that the model
-    /// does not account for since the last update, over the time between, by the phase half way. Over a cycle b b = 1 + N and the
-    /// mean of b b' is 1 for the mean and 1/2 for each wave of the N harmonics, so that the mean has the time constant tau and the
-    /// waves have 2 tau. After a fault of the model nothing is learned until the update after the next.
+    /// Learns from the state `x` at the time `t` and the phase `cycles`: the velocity (m/s) and the angular rate (rad/s) that
+    /// the model does not account for since the last update, over the time between, by the phase half way. Over a cycle b b =
+    /// 1 + N and the mean of b b' is 1 for the mean and 1/2 for each wave of the N harmonics, so that the mean has the time
+    /// constant tau and the waves have 2 tau. After a fault of the model nothing is learned until the update after the next.
     pub fn learn(&mut self, t: f64, cycles: f64, x: &[f64], held: &[f64]) -> Result<(), Fault> {
         let (Some(missed), Some(time)) = (&mut self.missed, self.spec.missed_s) else { return Ok(()) };
         if let Some((since, before)) = missed.last.take().filter(|(since, _)| t > *since) {
@@ -206,8 +206,8 @@ impl<'a> Adaptation<'a> {
     /// Source: Allison & Isaksson 1998, mid-ranging; gradient of the commands' cost along the orbits.
     /// Test: `the_crank_takes_over_what_other_commands_hold`.
     ///
-    /// Moves the rate of the crank down the gradient of the cost of the commands `held` beyond those `asked`, each measured by
-    /// its limit, along the orbits of one course, on which the air carries the robot alike.
+    /// Moves the rate of the crank down the gradient of the cost of the commands `held` beyond those `asked`, in the units of
+    /// their channels, each measured by its limit, along the orbits of one course, on which the air carries the robot alike.
     pub fn pace(&mut self, tangent: &Tangent, inputs: &[Channel], asked: &[f64], held: &[f64]) {
         let (Some(crank), Some(time)) = (&mut self.crank, self.spec.crank_s) else { return };
         let own = crank.pacer.input;

@@ -156,7 +156,7 @@ impl Dive {
         (numbers, mean)
     }
 
-    /// The feedback there.
+    /// The feedback `since` cycles after its begin, in the units of commands over those of deviations.
     pub fn gain(&self, since: f64) -> DMatrix<f64> {
         gain_at(&self.gains, since / self.cycles)
     }

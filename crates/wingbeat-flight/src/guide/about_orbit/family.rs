@@ -296,12 +296,12 @@ impl Family {
         self.dive.as_ref()
     }
 
-    /// The state at phase 0 of the orbit of the begin.
+    /// The state at phase 0 of the orbit of the begin, in the units of its channels.
     pub fn start(&self) -> &[f64] {
         &self.start
     }
 
-    /// The reference at `place` and `cycles` of the gait's phase.
+    /// The reference at `place` and the phase `cycles` of the gait, in cycles.
     pub fn asked(&self, place: Option<Place>, cycles: f64) -> Asked {
         let Between(one, other, between) = self.between(place);
         let (one, other) = (&self.references[one], &self.references[other]);
@@ -341,7 +341,7 @@ impl Family {
         }
     }
 
-    /// Commands for what the model is learned to miss, by its waves.
+    /// Commands for what the model is learned to miss, by its waves, in the units of commands over those of accelerations.
     pub fn ahead(&self, place: Option<Place>, cycles: f64) -> Option<DMatrix<f64>> {
         match self.made(place) {
             (one, None) => one.ahead(cycles),
@@ -360,7 +360,8 @@ impl Family {
         Between(way[k], way[k + 1], at - k as f64)
     }
 
-    /// The feedback there, linear between the orbits about which it was made.
+    /// The feedback there, in the units of commands over those of deviations, linear between the orbits about which it was
+    /// made.
     pub fn gain(&self, place: Option<Place>, cycles: f64) -> DMatrix<f64> {
         match self.made(place) {
             (one, None) => one.at(cycles),
@@ -368,7 +369,7 @@ impl Family {
         }
     }
 
-    /// The cost of deviations from there on, likewise.
+    /// The cost, dimensionless, of deviations from there on, linear between the orbits.
     pub fn cost(&self, place: Option<Place>, cycles: f64) -> CostToGo {
         match self.made(place) {
             (one, None) => one.cost(cycles),

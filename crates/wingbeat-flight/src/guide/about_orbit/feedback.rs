@@ -51,12 +51,12 @@ impl Feedback {
     /// Source: Bittanti & Colaneri 2009, Periodic Systems, ch. 7.
     /// Test: `intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit`.
     ///
-    /// Feedback K_k at each phase that minimises sum s' Q s + u' R u over all time: backwards over cycles
-    /// K = (R + B'PB)^-1 B'PA, P = Q + A'P(A - B K) until K is the same a cycle earlier; `None` where it does not settle. The
-    /// state is the integral of the height before the deviations, of which `coordinates` after the height are those of an
-    /// orbit; `limits` are those of the commands and `duration` is that of a cycle. The states of air and elastic joints
-    /// take part in the prediction and are left out of the feedback: they are not measured. With a `path` place and heading
-    /// beside it are part of the state, and its distances along and across cost as much as a full command each.
+    /// Feedback K_k at each phase that minimises sum s' Q s + u' R u over all time: backwards over cycles K = (R + B'PB)^-1
+    /// B'PA, P = Q + A'P(A - B K) until K is the same a cycle earlier; `None` where it does not settle. The state is the
+    /// integral of the height before the deviations, of which `coordinates` after the height are those of an orbit. `limits`
+    /// are those of the commands, in the units of these, and `duration` (s) is that of a cycle. The states of air and elastic
+    /// joints take part in the prediction and are left out of the feedback: they are not measured. With a `path` place and
+    /// heading beside it are part of the state, and its distances along and across cost as much as a full command each.
     pub fn new(
         w: &OrbitWeights,
         path: Option<[f64; 2]>,
@@ -120,7 +120,7 @@ impl Feedback {
     /// Source: Floquet 1883, of the closed loop.
     /// Test: `a_bound_is_periodic_and_held`.
     ///
-    /// By how much the slowest deviation decays over a cycle under the feedback, the integral of the height among them.
+    /// By what ratio the slowest deviation decays over a cycle under the feedback, the integral of the height among them.
     pub fn multiplier(&self, all: &[Interval]) -> f64 {
         let n = self.gains.0[0].ncols();
         let over = all.iter().zip(&self.gains.0).fold(DMatrix::identity(n, n), |product, (of, gain)| {
@@ -130,17 +130,17 @@ impl Feedback {
         over.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
     }
 
-    /// Commands by deviations at `cycles` of the gait's phase.
+    /// Commands by deviations, in the units of both, at `cycles` of the gait's phase.
     pub fn at(&self, cycles: f64) -> DMatrix<f64> {
         self.gains.at(cycles)
     }
 
-    /// Commands by the waves of what the model misses.
+    /// Commands by the waves of what the model misses, in the units of commands over those of accelerations.
     pub fn ahead(&self, cycles: f64) -> Option<DMatrix<f64>> {
         self.ahead.as_ref().map(|ahead| ahead.at(cycles))
     }
 
-    /// The cost of deviations there.
+    /// The cost of deviations there, dimensionless.
     pub fn cost(&self, cycles: f64) -> CostToGo {
         CostToGo { root: self.roots.at(cycles), interval: self.interval }
     }
@@ -217,7 +217,7 @@ impl Periodic {
 /// Axes of an acceleration that the model misses: along heading axes, then about those of B.
 pub const MISSED: usize = 6;
 
-/// 1, then cosine and sine of each of `harmonics` of the phase.
+/// 1, then cosine and sine of each of `harmonics` of the phase, dimensionless.
 pub fn waves(harmonics: usize, cycles: f64) -> Vec<f64> {
     let wave = |n: usize| {
         let (sin, cos) = (TAU * n as f64 * cycles).sin_cos();
@@ -298,8 +298,8 @@ pub(super) struct MeanPath {
 }
 
 impl MeanPath {
-    /// From places over the ground and headings at equal parts of a cycle. A chord heads half as far from either end of its
-    /// arc as that turns; the mean over the cycle is neither ahead nor beside.
+    /// From places over the ground (m) and headings (rad) at equal parts of a cycle. A chord heads half as far from either end
+    /// of its arc as that turns; the mean over the cycle is neither ahead nor beside.
     pub fn new(orbit: &[[f64; OFF_PATH]]) -> Self {
         let parts = orbit.len() - 1;
         let ([x, y, first], [end_x, end_y, last]) = (orbit[0], orbit[parts]);

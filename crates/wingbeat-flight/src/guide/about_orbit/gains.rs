@@ -15,7 +15,7 @@ const UNITS: [&str; DEVIATIONS + Deviations::BODY] =
 pub struct Held {
     /// Gains.
     pub table: String,
-    /// Largest multiplier of a deviation over a cycle under this feedback.
+    /// Largest multiplier of a deviation over a cycle under this feedback, dimensionless.
     pub multiplier: f64,
 }
 

@@ -260,7 +260,7 @@ impl Landing {
         (apart(l, &asked, &own), done)
     }
 
-    /// What it asks for at the time `t` in the state `x` with the gait's phase `cycles`, over the coming `period`.
+    /// What it asks for at the time `t` in the state `x` with the gait's phase `cycles`, over the coming `period` (s).
     pub fn ask(
         &self,
         begun: &Begun,

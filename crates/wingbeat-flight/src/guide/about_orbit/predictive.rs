@@ -43,7 +43,7 @@ pub struct PredictiveSpec {
     /// What the end of the plan costs.
     #[serde(default)]
     pub terminal: Terminal,
-    /// Change of a command over an interval, per half of its range, beside the command itself.
+    /// Weight of the change of a command over an interval, per half of its range, beside the command itself.
     #[serde(default)]
     pub command_change: f64,
     /// Cost of clearance short of `clearance_m`, per m, at the nodes after the first; 0 for none.
@@ -299,9 +299,9 @@ impl<'a> Predictive<'a> {
         Ok(Self { cost, receding, robot, state: vec![0.0; robot.states().len()] })
     }
 
-    /// Plans from the state `x` at `t`, where what is asked at later times is said by `demand`, of the time and the place
-    /// planned for it. The phase of the gait at a node is what the last plan leads to: the crank's command is led.
-    /// The integral of the height enters at the end as it would be with the deviation of now: no command changes that soon.
+    /// Plans from the state `x` at `t`, where what is asked at later times is said by `demand`, of the time (s) and the place
+    /// (m) planned for it. The phase of the gait at a node is what the last plan leads to: the crank's command is led. The
+    /// integral of the height enters at the end as it would be with the deviation of now: no command changes that soon.
     pub fn update(
         &mut self,
         t: f64,

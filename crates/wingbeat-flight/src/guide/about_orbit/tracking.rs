@@ -174,13 +174,13 @@ impl Tracking {
         ]
     }
 
-    /// What the last update found of the path.
+    /// What the last update found of the path, in the units of the columns.
     pub fn numbers(&self) -> [f64; 7] {
         let Seen { arc, cross, along, bank, nearest: Vec3([x, y, z]) } = self.seen;
         [arc, cross, along, bank, x, y, z]
     }
 
-    /// What the path asks at the time `t` of a robot at `place` with `velocity` in W.
+    /// What the path asks at the time `t` of a robot at `place` (m) with `velocity` (m/s) in W.
     ///
     /// Equation: guide.path_bank
     /// `g tan(bank) = w^2 e + 2 d w e' - k(s + V lead) V^2, so that e'' = -2 d w e' - w^2 e of a turn at V^2 k = -g
@@ -203,7 +203,7 @@ impl Tracking {
         self.asked(station, along, beside.cross)
     }
 
-    /// What it asks at the time `t` after the last update of a robot at `place` then; the bank stays.
+    /// What it asks at the time `t` after the last update of a robot at `place` (m, W) then; the bank stays.
     pub fn ahead(&self, t: f64, place: Vec3) -> Demand {
         let beside = self.path.beside(place, self.seen.arc);
         self.asked(self.path.at(beside.arc), beside.arc - self.speed * t, beside.cross)

@@ -45,7 +45,7 @@ fn widened(narrow: Early) -> Wide {
 }
 
 impl Linear {
-    /// At the time `t` in the state `x` under `u`, `missed` being the accelerations missed there.
+    /// At the time `t` in the state `x` under `u`, `missed` being the accelerations missed there (m/s2 and rad/s2).
     pub fn new(
         robot: &Robot,
         places: &Places,
@@ -95,7 +95,7 @@ impl Linear {
         f
     }
 
-    /// What instrument number `i` would read, its bias being `bias`, and its derivatives by the errors.
+    /// What instrument number `i` would read, in its unit, its bias being `bias`, and its derivatives by the errors.
     pub fn reading<const N: usize>(&self, i: usize, instrument: &Instrument, bias: f64) -> (f64, Row<N>) {
         let (read, mut by_errors) = self.felt(instrument);
         by_errors[BIAS + i] = 1.0;

@@ -112,7 +112,7 @@ impl Path {
         }
     }
 
-    /// The point of the path nearest to `place` over the ground, looked for from the arc `from` on.
+    /// The point of the path nearest to `place` over the ground, looked for from the arc `from` (m) on.
     ///
     /// Equation: guide.path_beside
     /// `(p - P(s)) . T(s) = 0 by Newton, slope -(1 - k e); e = (p - P) . N`

@@ -53,7 +53,7 @@ impl Sensor for AirspeedSpec {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// Velocity of `place` against the air, along body x.
+    /// Velocity, m/s, of `place` (m, B) against the air, along body x.
     ///
     /// Equation: simulate.airspeed
     /// `e_x . (R'(v - wind) + w x r)`

@@ -82,7 +82,7 @@ impl Sensor for InertialSpec {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// Specific force at `place`: what an accelerometer feels there, gravity not being felt.
+    /// Specific force, m/s2 in B, at `place` (m, B): what an accelerometer feels there, gravity not being felt.
     ///
     /// Equation: simulate.specific_force
     /// `f = R'(a - g) + w' x r + w x (w x r) at the place r of the body`

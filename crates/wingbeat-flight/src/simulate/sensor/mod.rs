@@ -57,7 +57,7 @@ pub struct Quantity {
     pub unit: &'static str,
     /// Frame.
     pub frame: &'static str,
-    /// The reading of a motion by an instrument.
+    /// The reading of a motion by an instrument, in `unit`.
     pub plain: fn(&Motion, &Instrument) -> f64,
     /// The same with derivatives.
     pub erring: fn(&Motion<Erring>, &Instrument) -> Erring,
@@ -88,15 +88,15 @@ pub struct Instrument {
     pub quantity: Quantity,
     /// Where, from the body's origin in B, m.
     pub place: Vec3,
-    /// A number of its own that the reading takes; 0 of an instrument that has none.
+    /// A number of its own that the reading takes, in its own unit; 0 of an instrument that has none.
     pub setting: f64,
     /// Time between readings, s.
     pub every: f64,
     /// Time from a reading to its arrival, s.
     pub delay: f64,
-    /// Standard deviation of its noise.
+    /// Standard deviation of its noise, in the unit of its quantity.
     pub noise: f64,
-    /// Standard deviation of its constant offset.
+    /// Standard deviation of its constant offset, in the unit of its quantity.
     pub bias: f64,
 }
 
@@ -107,7 +107,7 @@ pub struct Reading {
     pub instrument: usize,
     /// When it was read, s.
     pub taken: f64,
-    /// What was read.
+    /// What was read, in the unit of the quantity.
     pub value: f64,
 }
 
@@ -155,7 +155,7 @@ impl Places {
         })
     }
 
-    /// What is felt in the state `x` with the rates `dx` in air that moves with `wind` in W.
+    /// What is felt in the state `x` with the rates `dx` in air that moves with `wind` (m/s) in W.
     pub fn motion<S: Scalar>(&self, x: &[S], dx: &[S], wind: Vec3) -> Motion<S> {
         Motion {
             height: x[self.height],
@@ -175,7 +175,7 @@ impl Instrument {
         Self { quantity, place: Vec3::ZERO, setting: 0.0, every, delay, noise, bias }
     }
 
-    /// What it would read without noise and offset.
+    /// What it would read without noise and offset, in the unit of its quantity.
     pub fn reads(&self, motion: &Motion) -> f64 {
         (self.quantity.plain)(motion, self)
     }

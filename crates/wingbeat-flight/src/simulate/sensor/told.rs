@@ -44,15 +44,15 @@ impl<'a> Measurement<'a> {
     pub fn channels(&self) -> &'a [Channel] {
         self.channels
     }
-    /// One value per channel.
+    /// One value per channel, in its unit.
     pub fn values(&self) -> &'a [f64] {
         self.values
     }
-    /// The value of the channel of this role, if it is measured.
+    /// The value of the channel of this role, in its unit, if it is measured.
     pub fn value(&self, role: Role) -> Option<f64> {
         role.place(self.channels).map(|i| self.values[i])
     }
-    /// Three components, if they are measured: `vector(Role::AngularRate)`.
+    /// Three components, if they are measured, in the unit of their channels: `vector(Role::AngularRate)`.
     pub fn vector(&self, role: fn(usize) -> Role) -> Option<Vec3> {
         Some(Vec3::new(self.value(role(0))?, self.value(role(1))?, self.value(role(2))?))
     }

@@ -9,7 +9,7 @@ const STEPS: usize = 2000;
 /// A beam whose numbers are linear along the span, x from 0 at the root to 1 at the tip; length 1 m.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Linear {
-    /// Bending and torsional stiffness, mass and inertia about the axis at the root.
+    /// Bending and torsional stiffness (N m2), mass (kg/m) and inertia about the axis (kg m) at the root.
     pub root: [f64; 4],
     /// The same at the tip.
     pub tip: [f64; 4],
@@ -106,8 +106,8 @@ pub fn elastica(load: f64) -> Result<[f64; 2], Error> {
     Ok([y[2], 1.0 - y[3]])
 }
 
-/// Tip of a cantilever of length 1 along x under a load normal to its tip that turns with it, P L^2 / E I = `load`: seen from
-/// the tip, where nothing bends it, an initial-value problem t'' = -a cos t.
+/// Tip, as shares of the length, of a cantilever along x under a load normal to its tip that turns with it, P L^2 / E I =
+/// `load`: seen from the tip, where nothing bends it, an initial-value problem t'' = -a cos t.
 pub fn followed(load: f64) -> Result<[f64; 2], Error> {
     // s from the tip; the load is along +y of the tip's axes, x points to the root.
     let mut y = [0.0_f64, 0.0, 0.0, 0.0];

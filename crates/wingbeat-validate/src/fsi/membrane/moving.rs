@@ -134,7 +134,8 @@ fn vortices(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
     Ok(Answer { lift: sums[0], camber: sums[1] })
 }
 
-/// Lift slope of a sail at rest of that tension over q c: vortices on `pieces` of a stretched string between two points.
+/// Lift slope, 1/rad, of a sail at rest of that tension over q c: vortices on `pieces` of a stretched string between two
+/// points.
 pub fn at_rest(ratio: f64, pieces: usize) -> Result<f64, Error> {
     let dx = 1.0 / pieces as f64;
     // Circulations, then heights at the ends of the pieces: T z'' = -dp with dp = gamma, T = C_T/2; the slope of a piece washes.

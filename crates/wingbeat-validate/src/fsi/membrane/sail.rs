@@ -59,7 +59,7 @@ fn matrices(count: usize) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
     (stiffness, loads, DVector::from_fn(count, |i, _| load(&flat, i)))
 }
 
-/// A sail of the tension `ratio` over q c with so many shapes.
+/// A sail of which `ratio` is the ratio of tension to q c, with so many shapes.
 pub fn solve(ratio: f64, shapes: usize) -> Sail {
     let (stiffness, loads, flat) = matrices(shapes);
     let heights = (stiffness * ratio - loads).lu().solve(&flat).unwrap_or_else(|| DVector::zeros(shapes));
@@ -71,7 +71,7 @@ pub fn solve(ratio: f64, shapes: usize) -> Sail {
     Sail { slope: TAU * (1.0 + camber * step / PI), middle: heights[0] }
 }
 
-/// Tension over q c at which a sail without incidence bulges: the largest eigenvalue of loads against stiffness.
+/// Ratio of tension to q c at which a sail without incidence bulges: the largest eigenvalue of loads against stiffness.
 pub fn divergence(shapes: usize) -> f64 {
     let (stiffness, loads, _) = matrices(shapes);
     let Some(system) = stiffness.lu().solve(&loads) else { return f64::NAN };

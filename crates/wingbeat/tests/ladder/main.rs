@@ -1,4 +1,7 @@
-//! A module uses only what stands below it. Between crates Cargo sees to that; between the modules of one crate this test does.
+//! What the sources of the libraries keep to. A module uses only what stands below it: between crates Cargo sees to that, between
+//! the modules of one crate this test does. Every public number names its unit.
+
+mod units;
 
 use std::fs;
 use std::path::{Path, PathBuf};
