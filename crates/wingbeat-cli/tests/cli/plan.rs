@@ -24,7 +24,7 @@ fn plan_with(folder: &Path, keys: &[&str], more: &[&str]) -> Output {
         "frequency_hz=[3.5, 3.5]",
         "nose_up_deg=[15.0, 15.0]",
         "effort_w=0.3",
-        "intervals=24",
+        "intervals=16",
         "meshes=1",
         "tolerance=1e-2",
     ];
@@ -188,7 +188,7 @@ fn a_plan_cut_off_by_its_iterations_is_kept_with_its_status() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(!text.contains("NaN") && !text.contains("inf,"), "{text}");
     assert!(text.contains("limit overridden: plan.violation = 0.001"), "{text}");
-    assert!(read_parquet(&folder.join("a/plan.parquet")).unwrap().rows() == 25);
+    assert!(read_parquet(&folder.join("a/plan.parquet")).unwrap().rows() == 17);
     // A limit of time counts the processor: next to none, and the same answer in kind.
     let output = plan_with(&folder, &["time_limit_s=1e-3"], &["--force"]);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
