@@ -225,8 +225,9 @@ def test_a_calibration_is_the_programs(program, tmp_path):
     file = tmp_path / "coarse.toml"
     base = ROOT / "calibrations/two_runs.toml"
     # One run of a cell at 1.75 kHz in place of 7: what a bench costs is its samples.
-    cell = '"rig.cell.rate_hz=1750", "rig.cell.filter_hz=500"'
-    model, truth = (f'["rig.aero.preset={air}", {cell}]' for air in ('paper", "rig.aero.law=linear', 'full", "rig.aero.law=lev'))
+    cell = ["rig.cell.rate_hz=1750", "rig.cell.filter_hz=500"]
+    model = json.dumps(["rig.aero.preset=paper", "rig.aero.law=linear", *cell])
+    truth = json.dumps(["rig.aero.preset=full", "rig.aero.law=lev", *cell])
     file.write_text(
         f'name = "coarse"\nbase = "{base}"\nstarts = 1\nsteps_per_cycle = 60\nmodel = {model}\n'
         f'[truth]\nset = {truth}\n[[runs]]\nrun = "{ROOT}/rigs/runs/roll15_speed08.toml"\n'

@@ -263,7 +263,8 @@ fn a_hover_is_outside_of_what_the_wake_can_do() {
 #[test]
 fn an_orbit_is_judged() {
     let trim = |overrides: &[&str]| {
-        scenario("cruise_20g", overrides).trim(&mut |_| ControlFlow::Continue(())).unwrap().summary
+        let coarse = [&["trim.step_s=1e-3"], overrides].concat();
+        scenario("cruise_20g", &coarse).trim(&mut |_| ControlFlow::Continue(())).unwrap().summary
     };
     let well = trim(&[]);
     assert!(well.status == Status::Ok && well.reason.is_none() && well.warnings.is_empty(), "{well:?}");
