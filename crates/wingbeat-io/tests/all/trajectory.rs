@@ -5,6 +5,8 @@ use wingbeat::rig::arm::ArmConfig;
 use wingbeat_io::trajectory::{
     Imported, against, kinova_json, kortex_csv, parse_kinova_json, parse_kortex_csv,
 };
+#[cfg(feature = "yaml")]
+use wingbeat_io::trajectory::{parse_ros_yaml, ros_yaml};
 
 fn sample() -> Trajectory {
     let arm = ArmConfig::kinova_gen3().build().unwrap();
