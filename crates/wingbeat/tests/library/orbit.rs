@@ -263,10 +263,10 @@ fn a_hover_is_outside_of_what_the_wake_can_do() {
 #[test]
 fn an_orbit_is_judged() {
     let trim = |overrides: &[&str]| {
-        let coarse = [&["trim.step_s=1e-3"], overrides].concat();
-        scenario("cruise_20g", &coarse).trim(&mut |_| ControlFlow::Continue(())).unwrap().summary
+        scenario("cruise_20g", overrides).trim(&mut |_| ControlFlow::Continue(())).unwrap().summary
     };
-    let well = trim(&[]);
+    let coarse = "trim.step_s=1e-3";
+    let well = trim(&[coarse]);
     assert!(well.status == Status::Ok && well.reason.is_none() && well.warnings.is_empty(), "{well:?}");
     assert!(well.judged.iter().all(|judged| judged.met) && well.judged.len() == 13);
 
@@ -283,7 +283,7 @@ fn an_orbit_is_judged() {
         "air.gusts=[{start_s=1.0, duration_s=0.5, velocity_m_s=[0.0, 0.0, 1.0]}]",
         "air.dryden={airspeed_m_s=4.0, altitude_m=10.0, wind_6m_m_s=5.0}",
     ] {
-        let gusty = trim(&[gust]);
+        let gusty = trim(&[coarse, gust]);
         assert!(gusty.status == Status::Ok && gusty.power_w_kg == well.power_w_kg);
         assert_eq!(gusty.warnings[0].id, "trim.gusts_ignored");
         assert!(gusty.warnings[0].size.is_some_and(|size| size > 0.4), "{:?}", gusty.warnings[0]);
