@@ -452,7 +452,7 @@ fn any_wind_and_fold_gives_finite_forces_that_are_continuous_in_time() {
             let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
             (jump_and_size(&run("flap_fold", &overrides), steps), overrides.join(" "))
         };
-        let (((coarse, size), drawn), ((fine, _), _)) = (at(400), at(800));
+        let (((coarse, size), drawn), ((fine, _), _)) = (at(800), at(1600));
         assert!(coarse.is_finite() && size.is_finite(), "{drawn}");
         assert!(fine <= 0.75 * coarse + 1e-6 * size + 1e-12, "{coarse} {fine} of {size}: {drawn}");
     }
