@@ -46,11 +46,17 @@ fn program(message: &str) -> Option<Program> {
     Some(Program { name, executable, folder })
 }
 
-/// As cargo runs it. Some tests wait for a box or a clock: each program takes a thread more than its share of the cores.
+/// Whether the tests of the program `name` keep time. They mostly wait: ten seconds of recordings cost half a second of a core.
+pub fn timed(name: &str) -> bool {
+    name.starts_with("wingbeat-netft")
+}
+
+/// As cargo runs it. Some tests wait for a box or a clock: each program takes a thread more than its share of the cores, and more where
+/// all of its tests wait.
 fn job(program: Program) -> Job {
     let mut command = Command::new(program.executable);
     command.current_dir(&program.folder).env("CARGO_MANIFEST_DIR", program.folder);
-    command.env("RUST_TEST_THREADS", "2");
+    command.env("RUST_TEST_THREADS", if timed(&program.name) { "8" } else { "2" });
     Job { name: program.name, commands: vec![command] }
 }
 

@@ -1,5 +1,8 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
 use crate::report::{Account, Job, Tally};
 use crate::{copies, dependencies, documents, hostile, programs, python, soak, tools};
 
@@ -25,7 +28,7 @@ pub fn test() -> bool {
     };
     // The box and its recorder keep time, and so have the machine to themselves.
     let (timed, programs): (Vec<Job>, Vec<Job>) =
-        programs.into_iter().partition(|job| job.name.starts_with("wingbeat-netft"));
+        programs.into_iter().partition(|job| programs::timed(&job.name));
     account.together(timed, |_| ());
     // The extension is packed as it lies there.
     jobs.push(Job { name: "python".into(), commands: vec![python::packed()] });
@@ -42,20 +45,30 @@ pub fn test() -> bool {
 
 /// Lints, pages of the code and their examples: one after another, as cargo does one thing at a time.
 fn read_by_cargo() -> Job {
-    let lints = tools::cargo(&[
-        "clippy",
-        "--release",
-        "--workspace",
-        "--all-targets",
-        "--quiet",
-        "--",
-        "--deny",
-        "warnings",
-    ]);
+    let mut lints = tools::cargo(&["clippy", "--release", "--workspace", "--all-targets", "--quiet"]);
+    lints.args(["--", "--deny", "warnings"]);
     let mut pages = tools::cargo(&["doc", "--release", "--workspace", "--lib", "--no-deps", "--quiet"]);
     pages.env("RUSTDOCFLAGS", "--deny warnings");
+    // What the lints have read is not read again where cargo's compiler is theirs, with the arguments that they had.
+    if let Some(compiler) = clippy() {
+        pages.env("RUSTC_WORKSPACE_WRAPPER", compiler);
+        pages.env(
+            "CLIPPY_ARGS",
+            ["--deny", "warnings"].map(|word| format!("{word}__CLIPPY_HACKERY__")).concat(),
+        );
+    }
     let examples = tools::cargo(&["test", "--release", "--workspace", "--doc", "--no-fail-fast", "--quiet"]);
     Job { name: "lints, pages, doc tests".into(), commands: vec![lints, pages, examples] }
+}
+
+/// The compiler that tells lints; none where it lies elsewhere than rustup puts it.
+fn clippy() -> Option<PathBuf> {
+    let mut asked = Command::new("rustc");
+    asked.args(["--print", "sysroot"]).current_dir(tools::root());
+    let root = tools::output(asked)?;
+    let compiler =
+        Path::new(root.trim()).join("bin").join(format!("clippy-driver{}", std::env::consts::EXE_SUFFIX));
+    compiler.is_file().then_some(compiler)
 }
 
 /// The quick comparisons, and the numbers of docs/validation.md beside theirs.

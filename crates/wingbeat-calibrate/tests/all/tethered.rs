@@ -172,7 +172,7 @@ fn slopes_of_a_case_are_those_of_differences() {
 fn a_run_on_the_rig_and_a_case_are_fitted_together() {
     let data = measured("two.csv", 4);
     let turn = format!(
-        "[[runs]]\nrun = \"{ROOT}/rigs/runs/roll15_speed08.toml\"\n[[cases]]\nname = \"held\"\nheld_out = true\ncase = \
+        "[[runs]]\nrun = \"{ROOT}/rigs/runs/roll15_speed08.toml\"\nset = [\"rig.cell.rate_hz=1750\", \"rig.cell.filter_hz=500\"]\n[[cases]]\nname = \"held\"\nheld_out = true\ncase = \
          \"{ROOT}/cases/flap_f2.toml\"\nset = [\"compare.channels.force_z=down_mN\", \"compare.scale.force_z=-1e-3\"]\n\
          data = [{:?}]\n",
         measured("three.csv", 5)
@@ -239,6 +239,8 @@ fn refusals_say_where_and_what() {
     let empty = told(&with("", &stages(3, 1)));
     assert!(empty.contains("no number is fitted in stage 2"), "{empty}");
     let phase = "[[parameters]]\nname = \"gait.phase_rad\"\nprior = [0.0, 0.1]\nstage = 2\n";
-    let silent = told(&format!("name = \"c\"\n[truth]\n{turn}{tilts}{cd0}stage = 1\n{phase}"));
+    let coarse = "set = [\"rig.cell.rate_hz=1750\", \"rig.cell.filter_hz=500\"]\n";
+    let silent =
+        told(&format!("name = \"c\"\n[truth]\n{turn}{coarse}{tilts}{coarse}{cd0}stage = 1\n{phase}"));
     assert!(silent.contains("say nothing of surfaces.wing.cd0"), "{silent}");
 }

@@ -16,7 +16,8 @@ fn with(numbers: &str, mass: bool) -> Calibration {
     let text = format!(
         "name = \"weighed\"\nmodel = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]\nstarts = 1\n\
          [truth]\nset = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"{numbers}]\npasses = 3\n\
-         [[runs]]\nrun = \"{root}/rigs/identification/static_tilts.toml\"\nset = [\"hold.each_s=2.0\"]\n{mass}\
+         [[runs]]\nrun = \"{root}/rigs/identification/static_tilts.toml\"\nset = [\"hold.each_s=2.0\", \"rig.cell.rate_hz=1750\", \
+         \"rig.cell.filter_hz=500\"]\n{mass}\
          [[parameters]]\nname = \"body.com_m[0]\"\nlow = -0.1\nhigh = 0.1\n"
     );
     Calibration::new(Document::text("weighed", &text).unwrap()).unwrap()

@@ -24,7 +24,7 @@ fn plan_with(folder: &Path, keys: &[&str], more: &[&str]) -> Output {
         "frequency_hz=[3.5, 3.5]",
         "nose_up_deg=[15.0, 15.0]",
         "effort_w=0.3",
-        "intervals=24",
+        "intervals=16",
         "meshes=1",
         "tolerance=1e-2",
     ];
@@ -154,7 +154,7 @@ fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
 #[test]
 fn a_force_out_of_reach_is_named_in_a_folder_that_is_kept() {
     let folder = scratch("plan-reach");
-    let output = plan(&folder, &["up_n=3.0", "intervals=5"]);
+    let output = plan(&folder, &["up_n=3.0", "intervals=3"]);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     let text = String::from_utf8(output.stderr).unwrap();
     assert!(text.contains("infeasible: mean upward force misses its limits"), "{text}");
@@ -188,7 +188,7 @@ fn a_plan_cut_off_by_its_iterations_is_kept_with_its_status() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(!text.contains("NaN") && !text.contains("inf,"), "{text}");
     assert!(text.contains("limit overridden: plan.violation = 0.001"), "{text}");
-    assert!(read_parquet(&folder.join("a/plan.parquet")).unwrap().rows() == 25);
+    assert!(read_parquet(&folder.join("a/plan.parquet")).unwrap().rows() == 17);
     // A limit of time counts the processor: next to none, and the same answer in kind.
     let output = plan_with(&folder, &["time_limit_s=1e-3"], &["--force"]);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
@@ -222,7 +222,7 @@ fn a_gait_that_its_limits_refuse_ends_with_their_names() {
 fn a_roll_in_is_flown_judged_and_read_back() {
     let folder = scratch("plan-roll-in");
     let scenario = root().join("scenarios/roll_in.toml");
-    let short = ["plan.roll_in.meshes=1", "plan.roll_in.tolerance=1e-2", "plan.roll_in.intervals=12"];
+    let short = ["plan.roll_in.meshes=1", "plan.roll_in.tolerance=1e-2", "plan.roll_in.intervals=10"];
     let mut arguments = vec!["plan", scenario.to_str().unwrap(), "--out", "a"];
     arguments.extend(short.iter().flat_map(|key| ["--set", key]));
     let output = wingbeat(&folder, &arguments);

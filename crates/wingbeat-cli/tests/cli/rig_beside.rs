@@ -39,10 +39,16 @@ fn foreign(record: &Record, path: &Path, change: Change) {
     write_parquet(path, &Record::new(columns, 0).unwrap()).unwrap();
 }
 
+/// The cell at 1.75 kHz in place of 7: what a bench costs is its samples.
+fn coarse(folder: &Path, arguments: &[&str]) -> Output {
+    let cell = ["--set", "rig.cell.rate_hz=1750", "--set", "rig.cell.filter_hz=500"];
+    rig(folder, &[arguments, &cell].concat())
+}
+
 /// The bench simulated once: its folder.
 fn simulated(name: &str) -> (PathBuf, Record) {
     let folder = scratch(name);
-    let output = rig(&folder, &["simulate", &run(), "--out", "sim", "--quiet"]);
+    let output = coarse(&folder, &["simulate", &run(), "--out", "sim", "--quiet"]);
     assert!(output.status.success(), "{output:?}");
     let record = read_parquet(&folder.join("sim/roll15_speed08/record.parquet")).unwrap();
     (folder, record)
@@ -76,7 +82,7 @@ fn the_simulation_beside_a_bench_is_another_model_on_the_measured_motion() {
 
     // The same as a file: the motion of the arm comes from its positions alone.
     foreign(&record, &folder.join("file.parquet"), &|_| {});
-    let output = rig(&folder, &["process", "file.parquet", "--run", &run(), "--out", "file", "--quiet"]);
+    let output = coarse(&folder, &["process", "file.parquet", "--run", &run(), "--out", "file", "--quiet"]);
     assert!(output.status.success(), "{output:?}");
     let file = summary(&folder.join("file"));
     assert_eq!(file["simulation"], "roll15_speed08");
@@ -115,12 +121,13 @@ fn wrong_signs_axes_and_phases_of_a_file_are_told_and_mended_as_proposed() {
     for (name, change, said, mend) in cases {
         let file = format!("{name}.parquet");
         foreign(&record, &folder.join(&file), change);
-        let output = rig(&folder, &["process", &file, "--run", &run(), "--out", name]);
+        let output = coarse(&folder, &["process", &file, "--run", &run(), "--out", name]);
         let text = String::from_utf8(output.stdout).unwrap();
         assert!(output.status.success() && text.contains(said) && text.contains(mend), "{name}: {text}");
         let proposed = text.split("--set '").nth(1).unwrap().split('\'').next().unwrap();
         let mended = format!("{name}-mended");
-        let output = rig(&folder, &["process", &file, "--run", &run(), "--set", proposed, "--out", &mended]);
+        let output =
+            coarse(&folder, &["process", &file, "--run", &run(), "--set", proposed, "--out", &mended]);
         let text = String::from_utf8(output.stdout).unwrap();
         assert!(output.status.success() && !text.contains("caution"), "{name}: {text}");
         let fz = |of: &str| {
@@ -130,7 +137,7 @@ fn wrong_signs_axes_and_phases_of_a_file_are_told_and_mended_as_proposed() {
     }
     // All six: no model is wrong like that, so the samples are suspect.
     foreign(&record, &folder.join("over.parquet"), &|v| v[1..7].iter_mut().flatten().for_each(|x| *x = -*x));
-    let output = rig(&folder, &["process", "over.parquet", "--run", &run(), "--out", "over"]);
+    let output = coarse(&folder, &["process", "over.parquet", "--run", &run(), "--out", "over"]);
     let text = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.code() == Some(3) && text.contains("suspect_data"), "{text}");
     assert!(summary(&folder.join("over"))["warnings"].to_string().contains("turned over"));

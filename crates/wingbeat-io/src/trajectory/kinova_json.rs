@@ -85,25 +85,3 @@ fn time(pose: &Value) -> Option<f64> {
     let data: Value = serde_json::from_str(pose["applicationData"].as_str()?).ok()?;
     data["time_s"].as_f64()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::tests::{near, sample};
-    use super::*;
-
-    #[test]
-    fn the_list_round_trips() {
-        let t = sample();
-        let back = parse_kinova_json(&kinova_json(&t, 1)).unwrap();
-        assert!(back.warnings.is_empty() && (back.trajectory.step - 0.02).abs() < 1e-12);
-        near(&back.trajectory.position, &t.position, 1e-12);
-    }
-
-    #[test]
-    fn other_json_is_explained() {
-        assert!(parse_kinova_json("{}").unwrap_err().contains("jointAnglesGroup"));
-        assert!(parse_kinova_json("[1,").unwrap_err().contains("not JSON"));
-        let hollow = r#"{"jointAnglesGroup":{"jointAngles":[{"reachJointAngles":{}}]}}"#;
-        assert!(parse_kinova_json(hollow).unwrap_err().contains("pose 0"));
-    }
-}

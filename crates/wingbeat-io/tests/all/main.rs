@@ -4,6 +4,10 @@
 mod hostile;
 mod mcap;
 mod parquet;
+mod plain;
 #[cfg(feature = "formats")]
 mod samples;
 mod table;
+mod trajectory;
+#[cfg(feature = "urdf")]
+mod urdf;

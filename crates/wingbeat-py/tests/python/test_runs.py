@@ -224,7 +224,14 @@ def test_a_wake_is_the_programs_wake(program, tmp_path):
 def test_a_calibration_is_the_programs(program, tmp_path):
     file = tmp_path / "coarse.toml"
     base = ROOT / "calibrations/two_runs.toml"
-    file.write_text(f'name = "coarse"\nbase = "{base}"\nstarts = 1\nsteps_per_cycle = 60\n')
+    # One run of a cell at 1.75 kHz in place of 7: what a bench costs is its samples.
+    cell = ["rig.cell.rate_hz=1750", "rig.cell.filter_hz=500"]
+    model = json.dumps(["rig.aero.preset=paper", "rig.aero.law=linear", *cell])
+    truth = json.dumps(["rig.aero.preset=full", "rig.aero.law=lev", *cell])
+    file.write_text(
+        f'name = "coarse"\nbase = "{base}"\nstarts = 1\nsteps_per_cycle = 60\nmodel = {model}\n'
+        f'[truth]\nset = {truth}\n[[runs]]\nrun = "{ROOT}/rigs/runs/roll15_speed08.toml"\n'
+    )
     told = wingbeat.calibrate(file, information=True)
     assert told.record is None and told.values == {} and "surfaces.wing.lift_slope_per_rad" in told.information
     done = program("calibrate", file, "--quiet", "--out", tmp_path / "fit")
@@ -286,7 +293,7 @@ def test_a_run_of_the_bench_is_the_programs(program, tmp_path):
 
 
 def test_processed_samples_are_the_programs(program, tmp_path):
-    run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 4.0}
+    run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 4.0, "rig.cell.rate_hz": 1750.0, "rig.cell.filter_hz": 500.0}
     [bench] = wingbeat.rig(run, sets)
     bench.record.write(tmp_path / "samples.parquet")
     out = ("--quiet", "--out", tmp_path / "out")

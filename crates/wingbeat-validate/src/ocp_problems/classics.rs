@@ -10,7 +10,7 @@ use wingbeat::plant::{Channel, Fault};
 
 /// Least time through a current u = -y (Zermelo 1931; Bryson & Ho 1975, 2.7).
 /// The heading obeys theta' = cos^2 theta, so tan theta grows by 1 per second.
-struct Zermelo;
+pub(super) struct Zermelo;
 
 /// Headings at start and end; the start lies where such a path begins.
 const HEADINGS: [f64; 2] = [105.0 * PI / 180.0, 240.0 * PI / 180.0];
@@ -43,7 +43,7 @@ impl OptimalControl for Zermelo {
 
 /// Four coupled states kept outside a sphere that swells four times: "Alp
 /// rider" (Betts 2010, example 4.10).
-struct AlpRider;
+pub(super) struct AlpRider;
 
 impl OptimalControl for AlpRider {
     fn setup(&self) -> Setup {
@@ -76,7 +76,7 @@ fn squares<S: Scalar>(values: &[S]) -> S {
 }
 
 /// The cart thrown and caught below a ceiling at `0` m (Bryson & Ho 1975, 3.11).
-struct Ceiling(f64);
+pub(super) struct Ceiling(f64);
 
 impl Ceiling {
     /// The cost: touching the ceiling at a point (above 1/6 m) or along it.
@@ -103,7 +103,7 @@ impl OptimalControl for Ceiling {
 
 /// A cart brought one metre on from rest to rest: with least energy in 1 s, or
 /// in least time.
-struct Cart {
+pub(super) struct Cart {
     force: f64,
     speed: f64,
     time: Limits,
@@ -144,7 +144,7 @@ const SLOW: Cart = Cart { force: 1.0, speed: 0.5, time: [0.1, 10.0], energy: fal
 
 /// Least time to height 5 and speed 45 along the horizon under a thrust of 100
 /// (linear tangent steering; Betts 2010, example 4.6).
-struct LinearTangent;
+pub(super) struct LinearTangent;
 
 impl OptimalControl for LinearTangent {
     fn setup(&self) -> Setup {
@@ -167,7 +167,7 @@ impl OptimalControl for LinearTangent {
 
 /// The shape of a chain of length 4 between (0, 1) and (1, 3) by its least
 /// potential energy, the length as a state (COPS 3, problem 4).
-struct HangingChain;
+pub(super) struct HangingChain;
 
 impl OptimalControl for HangingChain {
     fn setup(&self) -> Setup {
@@ -185,7 +185,7 @@ impl OptimalControl for HangingChain {
 
 /// Mixing of two catalysts along a reactor, with a singular arc (Jackson 1968;
 /// COPS 3, problem 14).
-struct CatalystMixing;
+pub(super) struct CatalystMixing;
 
 impl OptimalControl for CatalystMixing {
     fn setup(&self) -> Setup {
@@ -205,14 +205,18 @@ impl OptimalControl for CatalystMixing {
 /// A comparison by name.
 macro_rules! case {
     ($name:literal, $source:expr, $problem:expr, $optimum:expr) => {
-        Case { id: concat!("ocp.", $name), quick: true, run: || compare($name, $source, &$problem, $optimum) }
+        Case {
+            id: concat!("ocp.", $name),
+            quick: true,
+            run: || compare($name, $source, &$problem.into(), $optimum),
+        }
     };
 }
 
 /// By the scheme of order 6: with inputs that are linear in each interval the
 /// terrain leaves multipliers on which the solver stalls.
 fn alp_rider() -> Result<Vec<Row>, Error> {
-    compare_by(Scheme::lobatto(), "alp_rider", BETTS, &AlpRider, 2030.85609)
+    compare_by(Scheme::lobatto(), "alp_rider", BETTS, &AlpRider.into(), 2030.85609)
 }
 
 const BETTS: &str = "Betts 2010";

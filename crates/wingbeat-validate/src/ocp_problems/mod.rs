@@ -3,4 +3,5 @@
 pub mod classics;
 pub mod flapbody;
 pub mod hock_schittkowski;
+mod problem;
 pub mod trajectories;

@@ -1,6 +1,7 @@
 //! Nine optimal-control problems with optima in closed form or from a fine
 //! Radau collocation, each solved from the straight line between its ends.
 
+use super::problem::Problem;
 use crate::{Case, Error, Row};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -14,21 +15,16 @@ pub(super) const CLOSED_FORM: &str = "closed form";
 const CASADI: &str = "CasADi 3.8.2 + IPOPT, Radau IIA degree 4";
 
 /// Relative distance of the optimum found from the reference, by Hermite-Simpson collocation.
-pub(super) fn compare<P: OptimalControl>(
-    name: &str,
-    source: &str,
-    problem: &P,
-    optimum: f64,
-) -> Result<Vec<Row>, Error> {
+pub(super) fn compare(name: &str, source: &str, problem: &Problem, optimum: f64) -> Result<Vec<Row>, Error> {
     compare_by(Scheme::hermite_simpson(), name, source, problem, optimum)
 }
 
 /// Relative distance of the optimum found by a collocation scheme from the reference.
-pub(super) fn compare_by<P: OptimalControl>(
+pub(super) fn compare_by(
     scheme: Scheme,
     name: &str,
     source: &str,
-    problem: &P,
+    problem: &Problem,
     optimum: f64,
 ) -> Result<Vec<Row>, Error> {
     let solver = Options { time: Duration::from_secs(300), ..Options::default() };
@@ -56,7 +52,7 @@ pub(super) fn exactly<const N: usize>(values: [f64; N]) -> [Limits; N] {
 }
 
 /// Bryson & Ho 1975: a cart thrown and caught below a ceiling.
-struct BrysonDenham;
+pub(super) struct BrysonDenham;
 
 impl OptimalControl for BrysonDenham {
     fn setup(&self) -> Setup {
@@ -74,7 +70,7 @@ impl OptimalControl for BrysonDenham {
 }
 
 /// A cart brought one metre on with least energy.
-struct DoubleIntegrator;
+pub(super) struct DoubleIntegrator;
 
 impl OptimalControl for DoubleIntegrator {
     fn setup(&self) -> Setup {
@@ -91,7 +87,7 @@ impl OptimalControl for DoubleIntegrator {
 }
 
 /// The scalar linear regulator on a finite horizon.
-struct LqrScalar;
+pub(super) struct LqrScalar;
 
 impl OptimalControl for LqrScalar {
     fn setup(&self) -> Setup {
@@ -107,7 +103,7 @@ impl OptimalControl for LqrScalar {
 }
 
 /// The curve of quickest descent (J. Bernoulli 1696), angle from the vertical.
-struct Brachistochrone;
+pub(super) struct Brachistochrone;
 
 impl OptimalControl for Brachistochrone {
     fn setup(&self) -> Setup {
@@ -127,7 +123,7 @@ impl OptimalControl for Brachistochrone {
 }
 
 /// Swing-up of a pole on a cart (Kelly 2017, SIAM Review 59).
-struct CartPole;
+pub(super) struct CartPole;
 
 impl OptimalControl for CartPole {
     fn setup(&self) -> Setup {
@@ -152,7 +148,7 @@ impl OptimalControl for CartPole {
 }
 
 /// Van der Pol's oscillator with limits on a state and on the input.
-struct VanDerPol;
+pub(super) struct VanDerPol;
 
 impl OptimalControl for VanDerPol {
     fn setup(&self) -> Setup {
@@ -171,7 +167,7 @@ impl OptimalControl for VanDerPol {
 }
 
 /// Rayleigh's equation driven to rest.
-struct Rayleigh;
+pub(super) struct Rayleigh;
 
 impl OptimalControl for Rayleigh {
     fn setup(&self) -> Setup {
@@ -189,7 +185,7 @@ impl OptimalControl for Rayleigh {
 }
 
 /// Two boundary layers around a long rest (Rao & Mease 2000).
-struct Hypersensitive;
+pub(super) struct Hypersensitive;
 
 impl OptimalControl for Hypersensitive {
     fn setup(&self) -> Setup {
@@ -205,7 +201,7 @@ impl OptimalControl for Hypersensitive {
 }
 
 /// Soft landing with least fuel: full thrust after a switch (Meditch 1964).
-struct MoonLander;
+pub(super) struct MoonLander;
 
 impl OptimalControl for MoonLander {
     fn setup(&self) -> Setup {
@@ -224,7 +220,11 @@ impl OptimalControl for MoonLander {
 /// A comparison by name.
 macro_rules! case {
     ($name:literal, $source:expr, $problem:expr, $optimum:expr) => {
-        Case { id: concat!("ocp.", $name), quick: true, run: || compare($name, $source, &$problem, $optimum) }
+        Case {
+            id: concat!("ocp.", $name),
+            quick: true,
+            run: || compare($name, $source, &$problem.into(), $optimum),
+        }
     };
 }
 

@@ -8,7 +8,9 @@ use wingbeat::simulate::Record;
 
 fn scenario(overrides: &[&str]) -> Scenario {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/cruise_20g.toml");
-    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    let coarse = "trim.step_s=1e-3";
+    let overrides: Vec<String> =
+        [&[coarse], overrides].concat().iter().map(|text| (*text).to_owned()).collect();
     Scenario::load(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 

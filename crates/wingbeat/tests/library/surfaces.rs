@@ -433,22 +433,26 @@ fn halves_whose_last_edges_meet_lift_like_one_wing() {
     assert!((0.88..0.95).contains(&slit), "{slit}");
 }
 
-/// Largest wash of the wing on the tail, and its largest slope by height, 1/s, while the tail crosses the wake.
+/// Largest wash of the wing on the tail, and its largest slope by height from one millimetre to the next, 1/s, while the tail crosses
+/// the wake.
 fn crossing(behind: f64, side: f64) -> [f64; 2] {
+    const STEP: f64 = 1e-3;
     let craft = wing_and_tail(behind, 0.0, side);
     let x = steady(&craft).0;
     let (mut largest, mut slope) = (0.0_f64, 0.0_f64);
+    let mut below: Option<Vec<f64>> = None;
     for k in -600..600 {
-        let mut placed: Vec<Placed<Dual<1>>> = craft.placed.iter().map(Placed::lifted).collect();
-        placed[1].at[2] = Dual::variable(1e-3 * f64::from(k), 0);
+        let mut placed: Vec<Placed<f64>> = craft.placed.iter().map(Placed::lifted).collect();
+        placed[1].at[2] = STEP * f64::from(k);
         let sections = craft.sections_of(&placed);
-        let states: Vec<Dual<1>> = x.iter().map(|&v| Dual::constant(v)).collect();
-        let (mut dx, mut loads) = (states.clone(), Loads::default());
-        craft.surfaces.evaluate(&sections, Vec3::constant(WIND), &states, &mut dx, &mut loads);
-        for wash in &loads.wash_of_others[16..24] {
-            largest = largest.max(wash.re.abs());
-            slope = slope.max(wash.eps[0].abs());
+        let (mut dx, mut loads) = (x.clone(), Loads::default());
+        craft.surfaces.evaluate(&sections, WIND, &x, &mut dx, &mut loads);
+        let wash = loads.wash_of_others[16..24].to_vec();
+        largest = wash.iter().fold(largest, |most, wash| most.max(wash.abs()));
+        for (a, b) in below.iter().flatten().zip(&wash) {
+            slope = slope.max((b - a).abs() / STEP);
         }
+        below = Some(wash);
     }
     [largest, slope]
 }
