@@ -72,6 +72,40 @@ fn six_columns_give_their_frequency_and_phase_averages() {
 }
 
 #[test]
+fn a_rest_at_the_begin_is_subtracted() {
+    let folder = scratch("average-rest");
+    let mut seed = 3;
+    let rest = (0..2000).map(|_| {
+        let of = |i: u32| format!("{:.6}", 0.1 * f64::from(i) + 0.02 * noise(&mut seed));
+        (0..6).map(of).collect::<Vec<_>>().join(",") + "\n"
+    });
+    let rest: String = rest.collect();
+    fs::write(folder.join("cell.csv"), rest + &cell(5.0, 1.0, 0.02)).unwrap();
+    let with = |seconds: &str, out: &str| {
+        let given = ["average", "cell.csv", "--rate", "1000", "--rest", seconds, "--out", out];
+        wingbeat(&folder, &given)
+    };
+    let answer = with("2", "a");
+    assert!(answer.status.success(), "{answer:?}");
+    let summary = json(&fs::read(folder.join("a/summary.json")).unwrap());
+    assert_eq!(summary["warnings"], Value::Array(Vec::new()), "{summary}");
+    for i in 0..6 {
+        let read = summary["rest"]["channels"][i]["mean"].as_f64().unwrap();
+        let mean = summary["channels"][i]["mean"].as_f64().unwrap();
+        assert!((read - 0.1 * i as f64).abs() < 2e-3 && mean.abs() < 2e-3, "{i}: {read}, {mean}");
+    }
+    let answer = with("8", "b");
+    let told = String::from_utf8_lossy(&answer.stdout).into_owned();
+    assert!(answer.status.success() && told.contains("data.rest"), "{told}");
+    for seconds in ["0", "-1", "nan", "1e300", "0.001", "14"] {
+        let answer = with(seconds, "c");
+        let told = String::from_utf8_lossy(&answer.stderr).into_owned();
+        assert!(answer.status.code() == Some(2) && told.contains("--rest"), "{seconds}: {told}");
+        assert!(!folder.join("c").exists());
+    }
+}
+
+#[test]
 fn a_given_frequency_is_held_against_the_data_and_noise_has_none() {
     let folder = scratch("average_suspect");
     fs::write(folder.join("cell.csv"), cell(5.2, 1.0, 0.2)).unwrap();

@@ -113,6 +113,9 @@ pub const LEFT: Limit = Limit::at_most("data.left_fraction", 0.35, "", SuspectDa
 pub const UNLIKE: Limit = Limit::warn_below("data.channel_correlation", 0.4, "")
     .on("largest correlation of a channel with its computed load at any phase");
 
+/// Noise of a third of the load stands in both: wings that move at rest scatter alike in all channels. *Choice.*
+pub const REST: Limit = Limit::warn_above("data.rest_fraction", 0.3, "")
+    .on("least over the channels of the scatter in the rest that is subtracted, over that of what follows,");
 /// A run of ten cycles whose file lacks more than one was cut, or its start is wrong.
 pub const COVERED: Limit = Limit::warn_below("data.covered_fraction", 0.9, "")
     .on("share of the time that is averaged that the file covers");
@@ -154,7 +157,7 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 45] = [
+pub const ALL: [Limit; 46] = [
     NOT_FINITE,
     BACKWARD,
     LOST,
@@ -185,6 +188,7 @@ pub const ALL: [Limit; 45] = [
     LEFT,
     UNLIKE,
     COVERED,
+    REST,
     COUNTS,
     FEW_COUNTS,
     SWINGS,

@@ -158,6 +158,7 @@ def average(
     units: Sequence[str] = (),
     columns: Sequence[str] = (),
     frequency_hz: float | None = None,
+    rest_s: float | None = None,
     bins: int = 200,
 ) -> Averaged:
     """Averages measured loads over the cycles of the wings, from a file of the load cell alone.
@@ -174,6 +175,8 @@ def average(
         Channels to average; without them all but time, status and sequence.
     frequency_hz
         Frequency of the cycle, Hz, in place of the one that the data have.
+    rest_s
+        Seconds of rest at the begin of the file: what the channels read there is subtracted, and they are left out.
     bins
         Number of phases of the average.
 
@@ -183,7 +186,7 @@ def average(
         ``record``, ``summary`` and ``picture``.
     """
     options = ["--bins", str(bins)]
-    for name, value in (("--rate", rate_hz), ("--frequency", frequency_hz)):
+    for name, value in (("--rate", rate_hz), ("--frequency", frequency_hz), ("--rest", rest_s)):
         if value is not None:
             # With the sign of equality: the program takes a negative number for an option otherwise.
             options.append(f"{name}={float(value)!r}")

@@ -1,5 +1,7 @@
 //! `wingbeat average`: a file of loads, averaged over the cycles of the wings.
 
+mod rest;
+
 use std::time::Instant;
 
 use serde::Serialize;
@@ -19,6 +21,7 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::{RunFolder, named_after};
 use crate::say;
+use rest::Rest;
 
 /// Phases of an average that may be asked for.
 const BINS: [usize; 2] = [2, 10_000];
@@ -32,6 +35,8 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     if arguments.columns.is_empty() {
         leave_out_counters(&mut plain);
     }
+    let file = arguments.file.display().to_string();
+    let rest = arguments.rest.map(|seconds| Rest::taken(&mut plain, seconds, &file)).transpose()?;
     plain.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
     let name = named_after(&arguments.file, arguments.out.as_deref())?;
     let folder = RunFolder::create(arguments.out.as_deref(), &name, arguments.force)?;
@@ -45,7 +50,7 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     interrupt.check()?;
     let averages = told.frequency().map(|f| averages(arguments, &plain, f)).transpose()?;
     let averages = averages.filter(|averages| !averages.is_empty());
-    let summary = Summary::of(arguments, &plain, &told, averages.as_deref(), &limits);
+    let summary = Summary::of(arguments, &plain, (&told, rest), averages.as_deref(), &limits);
     bar.finish_and_clear();
     folder.write_json("summary.json", &summary)?;
     if let Some(averages) = &averages {
@@ -244,12 +249,21 @@ struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     strongest_line_hz: Option<f64>,
     channels: Vec<Averaged>,
+    /// The rest that was subtracted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rest: Option<Rest>,
     #[serde(flatten)]
     verdict: Verdict,
 }
 
 impl Summary {
-    fn of(arguments: &Average, plain: &Plain, told: &Told, averages: Option<&[Of]>, limits: &Limits) -> Self {
+    fn of(
+        arguments: &Average,
+        plain: &Plain,
+        (told, rest): (&Told, Option<Rest>),
+        averages: Option<&[Of]>,
+        limits: &Limits,
+    ) -> Self {
         let line = match told {
             Told::Found(line) => Some(line),
             Told::Given(_) => None,
@@ -272,7 +286,8 @@ impl Summary {
                 .flatten()
                 .map(|(c, average)| Averaged::of(c, average))
                 .collect(),
-            verdict: verdict(arguments, plain, told, limits),
+            verdict: verdict(arguments, plain, (told, rest.as_ref()), limits),
+            rest,
         }
     }
 
@@ -281,6 +296,7 @@ impl Summary {
             "{}: {} samples at {:.6} Hz, {:.3} s\n",
             self.file, self.samples, self.rate_hz, self.duration_s
         );
+        text.extend(self.rest.as_ref().map(Rest::text));
         if let Some(frequency) = self.frequency_hz {
             let error = self.frequency_error_hz.map_or("given".into(), |error| format!("+- {error:.1e} Hz"));
             text += &format!("frequency {frequency:.5} Hz ({error})\n");
@@ -305,8 +321,16 @@ impl Summary {
 const FEWEST: f64 = 4.0;
 
 /// What the samples say of themselves. Those that are missing are gaps.
-fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> Verdict {
+fn verdict(
+    arguments: &Average,
+    plain: &Plain,
+    (told, rest): (&Told, Option<&Rest>),
+    limits: &Limits,
+) -> Verdict {
     let mut judge = Judge::new(limits);
+    if let Some(rest) = rest {
+        rest.judge(&mut judge);
+    }
     if let Told::Found(line) = told {
         judge.hold(&LINE, line.over_noise);
     }

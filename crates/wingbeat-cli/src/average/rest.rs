@@ -1,0 +1,92 @@
+//! What a load cell reads at rest, taken from the begin of a file.
+
+use serde::Serialize;
+use wingbeat::judge::Judge;
+use wingbeat::judge::limits::data::REST;
+use wingbeat_io::samples::Plain;
+
+use crate::error::Error;
+
+/// Fewest samples of a rest, and of what follows it. *Choice.*
+const FEWEST: usize = 8;
+
+/// A channel at rest.
+#[derive(Serialize)]
+struct Reading {
+    /// Its name.
+    name: String,
+    /// Its unit.
+    unit: String,
+    /// Mean, which is subtracted.
+    mean: f64,
+}
+
+/// The rest at the begin of a file.
+#[derive(Serialize)]
+pub struct Rest {
+    /// How long it lasts, s.
+    duration_s: f64,
+    /// Least over the channels of their standard deviation at rest over that of what follows.
+    scatter_fraction: f64,
+    /// What each channel reads.
+    channels: Vec<Reading>,
+}
+
+impl Rest {
+    /// Takes the first `seconds` of `plain` away, and what its channels read in them from what follows.
+    pub fn taken(plain: &mut Plain, seconds: f64, file: &str) -> Result<Self, Error> {
+        let begin = plain.time.first().copied().unwrap_or_default();
+        let count = plain.time.iter().take_while(|t| **t - begin < seconds).count();
+        let left = plain.time.len() - count;
+        if !(seconds > 0.0 && count >= FEWEST && left >= FEWEST) {
+            let span = plain.time.last().unwrap_or(&begin) - begin;
+            return Err(Error::Input(format!(
+                "--rest {seconds:?}: allowed is a time above 0 s that holds {FEWEST} samples and leaves as many of the {span:.3} s of {file}"
+            )));
+        }
+        let mut scatter_fraction = f64::INFINITY;
+        let mut channels = Vec::new();
+        for column in &mut plain.channels {
+            let (mean, at_rest) = moments(&column.values[..count]);
+            if !mean.is_finite() {
+                return Err(Error::Input(format!(
+                    "--rest {seconds:?}: {} of {file} has no number in it",
+                    column.name
+                )));
+            }
+            let (_, moving) = moments(&column.values[count..]);
+            if moving > 0.0 {
+                scatter_fraction = scatter_fraction.min(at_rest / moving);
+            }
+            column.values.drain(..count);
+            column.values.iter_mut().for_each(|value| *value -= mean);
+            channels.push(Reading { name: column.name.clone(), unit: column.unit.clone(), mean });
+        }
+        plain.time.drain(..count);
+        Ok(Self { duration_s: seconds, scatter_fraction, channels })
+    }
+
+    /// A channel that is quiet at rest tells whether it was one: others may be noise throughout.
+    pub fn judge(&self, judge: &mut Judge) {
+        judge.hold_about(
+            &REST,
+            self.scatter_fraction,
+            "(the wings move there, or the loads are noise; --rest)",
+        );
+    }
+
+    /// The readings in a line.
+    pub fn text(&self) -> String {
+        let of = |r: &Reading| format!("{} {:.5} {}", r.name, r.mean, r.unit).trim_end().to_owned();
+        let all = self.channels.iter().map(of).collect::<Vec<_>>().join(", ");
+        format!("rest, first {} s, subtracted: {all}\n", self.duration_s)
+    }
+}
+
+/// Mean and standard deviation of the values that are numbers.
+fn moments(values: &[f64]) -> (f64, f64) {
+    let finite = || values.iter().filter(|value| value.is_finite());
+    let count = finite().count() as f64;
+    let mean = finite().sum::<f64>() / count;
+    (mean, (finite().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt())
+}
