@@ -4,7 +4,7 @@ use super::same::dead_band;
 use super::values::Extent;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{ALTERNATES, BY_TURNS, HOLE, OUTLIERS, SWAPPED, WRAPPED};
+use crate::limits::data::{ALTERNATES, BIT, BY_TURNS, HOLE, OUTLIERS, PAIRS, SWAPPED, WRAPPED};
 
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
 const SAME: usize = 8;
@@ -284,16 +284,51 @@ fn hole(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Opti
         if *x < middle { [low.max(*x), high] } else { [low, high.min(*x)] }
     });
     let banded = || edges.iter().any(|edge| dead_band(samples, *edge, extent));
+    if !(dense && leaps > LEAPT[1].max(LEAPT[0] * cycles) && smooth && !banded()) {
+        return None;
+    }
+    let [back, on] = beside_leaps(samples, middle, size * range, (samples.len() as f64 / cycles / STEPS).max(1.0) as usize);
+    let (limit, why) = match (back > OFTEN * leaps, on > OFTEN * leaps) {
+        (true, _) => (&BIT, "a bit of the converter is dead"),
+        (false, true) => (&HOLE, "two ranges do not meet"),
+        // A load that leaps and stays where it leapt to, or comes to a leap by and by, takes no value there by itself.
+        _ => return None,
+    };
     let text = format!(
-        "leaps over {:.0} % of its range, from {:.4} to {:.4} {}, and never takes a value there: a bit of the converter is dead, or two \
-         ranges do not meet",
+        "leaps over {:.0} % of its range, from {:.4} to {:.4} {}, and never takes a value there: {why}",
         100.0 * size,
         edges[0],
         edges[1],
         channel.unit
     );
-    (dense && leaps > LEAPT[1].max(LEAPT[0] * cycles) && smooth && !banded())
-        .then(|| Finding::new("data.hole", &HOLE, series.about(channel.name), size, text))
+    Some(Finding::new("data.hole", limit, series.about(channel.name), size, text))
+}
+
+/// Stretches of a cycle over which slopes are compared, their largest ratio where a curve goes on, and the share of the leaps that must be
+/// of a kind. *Choices.*
+const STEPS: f64 = 60.0;
+const GOES_ON: f64 = 3.0;
+const OFTEN: f64 = 0.4;
+
+/// How often a smooth channel falls back by about `size` against the way that it goes on, and how often its slope is the same before and
+/// after it leaps across `middle`; slopes are those over `by` samples.
+fn beside_leaps(samples: &[f64], middle: f64, size: f64, by: usize) -> [f64; 2] {
+    let (mut back, mut on) = (0.0, 0.0);
+    let alike = |a: f64, b: f64| a * b > 0.0 && a.abs().max(b.abs()) < GOES_ON * a.abs().min(b.abs());
+    for k in 2 * by..samples.len().saturating_sub(2 * by + 1) {
+        let leap = samples[k + 1] - samples[k];
+        if leap.abs() < 0.5 * size {
+            continue;
+        }
+        let before = [samples[k] - samples[k - by], samples[k - by] - samples[k - 2 * by]];
+        let after = [samples[k + 1 + by] - samples[k + 1], samples[k + 1 + 2 * by] - samples[k + 1 + by]];
+        let across = (samples[k] < middle) != (samples[k + 1] < middle);
+        let against = leap * before[0] < 0.0 && leap * after[0] < 0.0;
+        let smooth = alike(before[0], before[1]) && alike(after[0], after[1]);
+        back += f64::from(u8::from(!across && against && leap.abs() < 2.0 * size));
+        on += f64::from(u8::from(across && smooth && leap * before[0] > 0.0 && leap * after[0] > 0.0));
+    }
+    [back, on]
 }
 
 /// Part of the range that second differences have at least, rms, for their order to be looked at. *Choice.*
@@ -325,11 +360,31 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
         found.push(Finding::new("data.alternates", &ALTERNATES, about(), signs, text));
     }
     if bent > count * (BENT * extent.range()).powi(2) {
-        let text = "leaps up and down by turns from sample to sample: rows in swapped pairs, two sources by turns, or a line near half \
-                    the rate";
-        found.push(Finding::new("data.alternates", &BY_TURNS, about(), turned / bent, text));
+        let finding = Finding::new("data.alternates", &BY_TURNS, about(), turned / bent, "leaps up and down by turns from sample to sample: two sources by turns, or a line near half the rate");
+        let put_back = if turned < BY_TURNS.value * bent { exchanged(samples) / bent } else { f64::INFINITY };
+        found.push(if put_back < PAIRS.value {
+            let text = "is smooth if the rows of each pair are exchanged: they were written in the wrong order";
+            Finding::new("data.alternates", &PAIRS, about(), put_back, text)
+        } else {
+            finding
+        });
     }
     found
+}
+
+/// Sum of the squares of the second differences with the rows of each pair exchanged, the less of the two ways to pair them.
+fn exchanged(samples: &[f64]) -> f64 {
+    let of = |first: usize| {
+        let rest = samples[first..].chunks_exact(2).flat_map(|pair| [pair[1], pair[0]]);
+        let (mut sum, mut before) = (0.0, [f64::NAN; 2]);
+        for x in rest {
+            let by = x - 2.0 * before[1] + before[0];
+            sum += if by.is_finite() { by * by } else { 0.0 };
+            before = [before[1], x];
+        }
+        sum
+    };
+    of(0).min(of(1))
 }
 
 /// The findings that two channels that move are one.
