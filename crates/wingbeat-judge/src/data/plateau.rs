@@ -145,7 +145,7 @@ pub(super) fn cut_off(
         (Some((top, a)), Some((bottom, b))) => (top + bottom, if top > bottom { high } else { low }, a || b),
         (Some((top, cut)), None) if far(high) => (top, high, cut),
         (None, Some((bottom, cut))) if far(low) => (bottom, low, cut),
-        _ => return flat_between_corners(series, channel, places, [low, high, within]),
+        _ => return flat_between_corners(series, channel, places, [low, high, within, count]),
     };
     let text = format!(
         "is flat at {end:.4} {} for {:.0} % of the cycle, and scatters far less there than elsewhere: cut off before the \
@@ -174,9 +174,13 @@ fn flat_between_corners(
     series: &Series,
     channel: &Channel,
     places: &[Place],
-    [low, high, within]: [f64; 3],
+    [low, high, within, count]: [f64; 4],
 ) -> Option<Finding> {
     let range = high - low;
+    // A load of few counts has corners of its own.
+    if range * FLAT < count {
+        return None;
+    }
     let of = |end: f64| {
         let on: Vec<bool> = places.iter().map(|of| (of.mean - end).abs() <= within).collect();
         let share = on.iter().filter(|on| **on).count() as f64 / places.len() as f64;
