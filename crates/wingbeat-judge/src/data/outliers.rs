@@ -287,7 +287,12 @@ fn hole(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Opti
     if !(dense && leaps > LEAPT[1].max(LEAPT[0] * cycles) && smooth && !banded()) {
         return None;
     }
-    let [back, on] = beside_leaps(samples, middle, size * range, (samples.len() as f64 / cycles / STEPS).max(1.0) as usize);
+    let [back, on] = beside_leaps(
+        samples,
+        middle,
+        size * range,
+        (samples.len() as f64 / cycles / STEPS).max(1.0) as usize,
+    );
     let (limit, why) = match (back > OFTEN * leaps, on > OFTEN * leaps) {
         (true, _) => (&BIT, "a bit of the converter is dead"),
         (false, true) => (&HOLE, "two ranges do not meet"),
@@ -311,7 +316,7 @@ const GOES_ON: f64 = 3.0;
 const OFTEN: f64 = 0.4;
 
 /// How often a smooth channel falls back by about `size` against the way that it goes on, and how often its slope is the same before and
-/// after it leaps across `middle`; slopes are those over `by` samples.
+/// after it leaps, by more than it rises beside, across `middle`; slopes are those over `by` samples.
 fn beside_leaps(samples: &[f64], middle: f64, size: f64, by: usize) -> [f64; 2] {
     let (mut back, mut on) = (0.0, 0.0);
     let alike = |a: f64, b: f64| a * b > 0.0 && a.abs().max(b.abs()) < GOES_ON * a.abs().min(b.abs());
@@ -326,7 +331,8 @@ fn beside_leaps(samples: &[f64], middle: f64, size: f64, by: usize) -> [f64; 2] 
         let against = leap * before[0] < 0.0 && leap * after[0] < 0.0;
         let smooth = alike(before[0], before[1]) && alike(after[0], after[1]);
         back += f64::from(u8::from(!across && against && leap.abs() < 2.0 * size));
-        on += f64::from(u8::from(across && smooth && leap * before[0] > 0.0 && leap * after[0] > 0.0));
+        let far = leap.abs() * by as f64 > GOES_ON * before[0].abs().max(after[0].abs());
+        on += f64::from(u8::from(across && smooth && far && leap * before[0] > 0.0 && leap * after[0] > 0.0));
     }
     [back, on]
 }
@@ -360,17 +366,21 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
         found.push(Finding::new("data.alternates", &ALTERNATES, about(), signs, text));
     }
     if bent > count * (BENT * extent.range()).powi(2) {
-        let finding = Finding::new("data.alternates", &BY_TURNS, about(), turned / bent, "leaps up and down by turns from sample to sample: two sources by turns, or a line near half the rate");
-        let put_back = if turned < BY_TURNS.value * bent { exchanged(samples) / bent } else { f64::INFINITY };
+        let put_back = if turned < TURNED * bent { exchanged(samples) / bent } else { f64::INFINITY };
         found.push(if put_back < PAIRS.value {
             let text = "is smooth if the rows of each pair are exchanged: they were written in the wrong order";
             Finding::new("data.alternates", &PAIRS, about(), put_back, text)
         } else {
-            finding
+            let text = "leaps up and down by turns from sample to sample: two sources by turns, or a line near half the rate";
+            Finding::new("data.alternates", &BY_TURNS, about(), turned / bent, text)
         });
     }
     found
 }
+
+/// Correlation of the second differences of one sample and the next below which it is tried whether rows are exchanged; white noise has
+/// -2/3. *Choice.*
+const TURNED: f64 = -0.5;
 
 /// Sum of the squares of the second differences with the rows of each pair exchanged, the less of the two ways to pair them.
 fn exchanged(samples: &[f64]) -> f64 {
@@ -393,10 +403,44 @@ pub(super) fn equals(series: &Series) -> Vec<Finding> {
     for (k, channel) in series.channels.iter().enumerate() {
         let same = |other: &&Channel| channel.samples == other.samples;
         let moves = |_: &&Channel| Extent::of(channel.samples).is_some_and(|extent| extent.range() > 0.0);
-        let Some(other) = series.channels[..k].iter().find(same).filter(moves) else { continue };
-        let text = format!("holds the very values of {}: one column for two", other.name);
+        let before = &series.channels[..k];
+        let (other, text) = match before.iter().find(same).filter(moves) {
+            Some(other) => (other, "holds the very values of"),
+            None => match before.iter().find(|other| one_noise(other.samples, channel.samples)) {
+                Some(other) => (other, "has even the noise, by a factor, of"),
+                None => continue,
+            },
+        };
+        let text = format!("{text} {}: one column for two", other.name);
         let about = series.about(channel.name);
         found.push(Finding::new("data.equal", &SWAPPED, about, 1.0, text).noted().in_channel(channel.name));
     }
     found
+}
+
+/// Samples whose noise is compared, the part of the range and the counts that it has at least, and the part of it that differs at most.
+/// *Choices.*
+const TOLD: usize = 2048;
+const NOISE: f64 = 0.002;
+const STEPS_OF_NOISE: f64 = 2.0;
+const DIFFERS: f64 = 0.02;
+
+/// Whether third differences, which are those of the noise, are a multiple of those of another channel. Loads that are computed may be, and
+/// have no noise.
+fn one_noise(a: &[f64], b: &[f64]) -> bool {
+    let third = |of: &[f64], k: usize| of[k + 3] - of[k] - 3.0 * (of[k + 2] - of[k + 1]);
+    let (mut aa, mut ab, mut bb, mut turned, mut before) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for k in 0..a.len().min(TOLD).saturating_sub(3) {
+        let (x, y) = (third(a, k), third(b, k));
+        (aa, ab, bb, turned) = (aa + x * x, ab + x * y, bb + y * y, turned + y * before);
+        before = y;
+    }
+    let Some(extent) = Extent::of(&b[..b.len().min(TOLD)]).filter(|extent| extent.range() > 0.0) else {
+        return false;
+    };
+    // Loads of few counts have the steps of the converter for noise.
+    let least = (NOISE * extent.range()).max(STEPS_OF_NOISE * extent.count);
+    // Third differences of white noise have 20 times its variance, and -3/4 as correlation from one to the next; smooth loads have 1.
+    let noisy = bb > 20.0 * least.powi(2) * b.len().min(TOLD) as f64 && aa > 0.0;
+    noisy && turned < TURNED * bb && 1.0 - ab * ab / (aa * bb) < DIFFERS * DIFFERS
 }

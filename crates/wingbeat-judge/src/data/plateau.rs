@@ -83,7 +83,8 @@ fn is_line(series: &Series, channel: &Channel, places: &[Place]) -> bool {
     let off = |(p, x): (&f64, &f64)| x - places[place(*p, places.len())].mean;
     let left: Vec<f64> = series.phase.iter().zip(channel.samples).take(TOLD).map(off).collect();
     let all = left.iter().map(|x| x * x).sum::<f64>();
-    let with = |after: usize| left.iter().zip(&left[after.min(left.len())..]).map(|(a, b)| a * b).sum::<f64>();
+    let with =
+        |after: usize| left.iter().zip(&left[after.min(left.len())..]).map(|(a, b)| a * b).sum::<f64>();
     AGAIN.into_iter().any(|after| with(after) > LIKE * all)
 }
 
@@ -189,7 +190,8 @@ fn flat_between_corners(
         let sharp = SHARP.contains(&(near / further)) && near > 2.0 * RISES * range;
         // Of the same width is the top of a sine.
         let least = WIDE.max(WIDER * (1.0 - 2.0 * within / range).acos() / std::f64::consts::PI);
-        (once && sharp && end.abs() > SLACK * range && (least..SHARE.end).contains(&share)).then_some((share, end))
+        (once && sharp && end.abs() > SLACK * range && (least..SHARE.end).contains(&share))
+            .then_some((share, end))
     };
     let (share, end) = of(high).into_iter().chain(of(low)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     let text = format!(

@@ -9,8 +9,9 @@ use crate::limits::data::{COPIED, COUNTS, LOST, REPEATED, TWICE};
 /// Slots by which values are counted, and how often the most frequent value must come beside the next. *Choices.*
 const SLOTS: usize = 1 << 12;
 const ALONE: f64 = 8.0;
-/// Samples in a row from which a value is held; fewer are a code. *Choice.*
+/// Samples in a row from which a value is held; fewer are a code, and fewer still where an instrument may have a dead band. *Choices.*
 const HELD: usize = 8;
+const CODE: usize = 4;
 /// Part of a channel's range by which it leaps to where it is held, or from there. *Choice.*
 const LEAPS: f64 = 0.2;
 /// Steps of the converter that are no leap. *Choice.*
@@ -42,9 +43,12 @@ fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
         return None;
     }
     let value = *channel.samples.iter().find(|x| slot(x) == most)?;
-    let runs = channel.samples.chunk_by(|a, b| a == b).filter(|run| run[0] == value && run.len() < HELD);
+    // Where an instrument may have a dead band, its value comes in runs, and what lies beside it is near.
+    let near = near(channel.samples, value) / extent.range();
+    let longest = if near > BAND { HELD } else { CODE };
+    let runs = channel.samples.chunk_by(|a, b| a == b).filter(|run| run[0] == value && run.len() < longest);
     let size = runs.map(<[f64]>::len).sum::<usize>() as f64 / channel.samples.len() as f64;
-    if near(channel.samples, value) < APART * extent.range() || dead_band(channel.samples, value, extent) {
+    if near < APART || dead_band(channel.samples, value, extent) {
         return None;
     }
     let text = format!(
@@ -116,9 +120,7 @@ pub(super) fn copied(series: &Series, extents: &[Option<Extent>], placed: &Place
         "{again} of {STRETCHES} stretches come again sample by sample, {after} samples later: a buffer that was written twice, or a file \
          that was glued of copies"
     );
-    Some(
-        Finding::new("data.copied", limit, series.about(channel.name), size, text).in_channel(channel.name),
-    )
+    Some(Finding::new("data.copied", limit, series.about(channel.name), size, text).in_channel(channel.name))
 }
 
 /// Part of the range and counts of the converter that its noise has at least for a stretch never to come again. *Choices.*

@@ -218,8 +218,9 @@ impl Series {
             let turned = if *name == CRANK { 360.0 / self.rate as f64 } else { 0.0 };
             let drifts: f64 = self.change.iter().filter(|of| of.takes(name)).map(|of| of.drifts).sum();
             let one = |k: usize| {
-                // Of a frequency that grows evenly, and is that of the file in the middle.
-                let drift = 0.5 * drifts * (place(k) - 1.0) * ratio * k as f64 / self.rate as f64;
+                // Of a frequency that grows evenly: that of the file in the middle, and no phase in the mean.
+                let bow = place(k) * (place(k) - 1.0) + 1.0 / 6.0;
+                let drift = 0.5 * drifts * bow * ratio * self.cycles;
                 let here = at(cycle, ratio * k as f64 / self.rate as f64 + drift - late);
                 here + turned * k as f64 + self.noise * size * noise.next()
             };
