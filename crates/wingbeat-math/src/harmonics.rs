@@ -34,20 +34,24 @@ impl Harmonics {
     pub fn fitted_each(frequency: f64, t: &[f64], all: &[&[f64]], count: usize) -> Option<Vec<Self>> {
         let size = 2 * count + 1;
         let (mut right, mut sums) = (vec![0.0; size * all.len()], vec![(0.0, 0.0); size]);
-        let (mut cosines, mut sines) = (vec![1.0; size], vec![0.0; size]);
+        let mut kept = vec![(1.0, 0.0); size];
         for (i, t) in t.iter().enumerate() {
             let phase = TAU * (frequency * t).fract();
-            let (step_sin, step_cos) = phase.sin_cos();
-            let (mut cos, mut sin) = (1.0, 0.0);
-            for (k, sum) in sums.iter_mut().enumerate() {
-                *sum = (sum.0 + cos, sum.1 + sin);
-                (cosines[k], sines[k]) = (cos, sin);
-                (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+            // Of one row the waves need not be kept.
+            if let [y] = all {
+                waves(phase, &mut sums, |k, cos, sin| {
+                    if k <= count {
+                        right[k] += cos * y[i];
+                        right[if k > 0 { count + k } else { 0 }] += sin * y[i];
+                    }
+                });
+                continue;
             }
+            waves(phase, &mut sums, |k, cos, sin| kept[k] = (cos, sin));
             for (right, y) in right.chunks_exact_mut(size).zip(all) {
                 let (along, across) = right.split_at_mut(count + 1);
-                add(along, &cosines, y[i]);
-                add(across, &sines[1..], y[i]);
+                along.iter_mut().zip(&kept).for_each(|(sum, wave)| *sum += wave.0 * y[i]);
+                across.iter_mut().zip(&kept[1..]).for_each(|(sum, wave)| *sum += wave.1 * y[i]);
             }
         }
         let mut normal = normal(&sums);
@@ -73,14 +77,15 @@ impl Harmonics {
     }
 }
 
-/// Adds `factor` times the first of `waves` to `sums`. A loop over places: two slices side by side, as an iterator, are a call for each sample
-/// where the crates are compiled in many parts.
+/// Adds cos(k x) and sin(k x) to the sums, k from 0 on, and hands them on.
 #[inline(always)]
-#[expect(clippy::needless_range_loop, reason = "an iterator beside it is not compiled to vectors")]
-fn add(sums: &mut [f64], waves: &[f64], factor: f64) {
-    let waves = &waves[..sums.len()];
-    for k in 0..sums.len() {
-        sums[k] += waves[k] * factor;
+fn waves(x: f64, sums: &mut [(f64, f64)], mut each: impl FnMut(usize, f64, f64)) {
+    let (step_sin, step_cos) = x.sin_cos();
+    let (mut cos, mut sin) = (1.0, 0.0);
+    for (k, sum) in sums.iter_mut().enumerate() {
+        *sum = (sum.0 + cos, sum.1 + sin);
+        each(k, cos, sin);
+        (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
     }
 }
 

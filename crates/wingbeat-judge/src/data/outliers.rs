@@ -366,7 +366,7 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
         found.push(Finding::new("data.alternates", &ALTERNATES, about(), signs, text));
     }
     if bent > count * (BENT * extent.range()).powi(2) {
-        let put_back = if turned < TURNED * bent { exchanged(samples) / bent } else { f64::INFINITY };
+        let put_back = if turned < TURNED * bent { exchanged(samples) } else { f64::INFINITY };
         found.push(if put_back < PAIRS.value {
             let text = "is smooth if the rows of each pair are exchanged: they were written in the wrong order";
             Finding::new("data.alternates", &PAIRS, about(), put_back, text)
@@ -382,17 +382,20 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
 /// -2/3. *Choice.*
 const TURNED: f64 = -0.5;
 
-/// Sum of the squares of the second differences with the rows of each pair exchanged, the less of the two ways to pair them.
+/// Sum of the squares of the second differences with the rows of each pair exchanged over that without, the less of the two ways to pair
+/// them, of samples in the middle of the file.
 fn exchanged(samples: &[f64]) -> f64 {
+    let from = samples.len().saturating_sub(TOLD) / 2;
+    let samples = &samples[from..samples.len().min(from + TOLD)];
+    // Samples a and b, c and d are pairs: written b, a, d, c.
     let of = |first: usize| {
-        let rest = samples[first..].chunks_exact(2).flat_map(|pair| [pair[1], pair[0]]);
-        let (mut sum, mut before) = (0.0, [f64::NAN; 2]);
-        for x in rest {
-            let by = x - 2.0 * before[1] + before[0];
-            sum += if by.is_finite() { by * by } else { 0.0 };
-            before = [before[1], x];
+        let (mut sum, mut without) = (0.0, 0.0);
+        for four in samples[first..].windows(4).step_by(2) {
+            let [a, b, c, d] = [four[1], four[0], four[3], four[2]];
+            sum += (c - 2.0 * b + a).powi(2) + (d - 2.0 * c + b).powi(2);
+            without += (d - 2.0 * a + b).powi(2) + (c - 2.0 * d + a).powi(2);
         }
-        sum
+        sum / without
     };
     of(0).min(of(1))
 }
@@ -418,9 +421,9 @@ pub(super) fn equals(series: &Series) -> Vec<Finding> {
     found
 }
 
-/// Samples whose noise is compared, the part of the range and the counts that it has at least, and the part of it that differs at most.
+/// Samples whose order and noise are compared, the part of the range and the counts that it has at least, and the part of it that differs at most.
 /// *Choices.*
-const TOLD: usize = 2048;
+const TOLD: usize = 1024;
 const NOISE: f64 = 0.002;
 const STEPS_OF_NOISE: f64 = 2.0;
 const DIFFERS: f64 = 0.02;

@@ -7,7 +7,7 @@ use super::{Channel, Finding, Purpose, Series};
 use crate::limits::data::{COPIED, COUNTS, LOST, REPEATED, TWICE};
 
 /// Slots by which values are counted, and how often the most frequent value must come beside the next. *Choices.*
-const SLOTS: usize = 1 << 12;
+const SLOTS: usize = 1 << 11;
 const ALONE: f64 = 8.0;
 /// Samples in a row from which a value is held; fewer are a code, and fewer still where an instrument may have a dead band. *Choices.*
 const HELD: usize = 8;
@@ -33,7 +33,7 @@ pub(super) fn findings(series: &Series, channel: &Channel, extent: Extent) -> Ve
 
 /// The finding that one value comes again and again by itself though others hardly do: what a logger writes for a sample that it lacks.
 fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
-    let slot = |x: &f64| (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 52) as usize;
+    let slot = |x: &f64| (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 53) as usize;
     let mut counts = vec![0_u32; SLOTS];
     channel.samples.iter().for_each(|x| counts[slot(x)] += 1);
     let most = (0..SLOTS).max_by_key(|k| counts[*k])?;
