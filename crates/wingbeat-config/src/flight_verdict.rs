@@ -4,23 +4,10 @@ use super::plausible;
 use super::spec::GoalSpec;
 use super::summary::{Context, Crossing, Summary};
 use wingbeat_flight::simulate::{Ending, Flight, Record};
-use wingbeat_judge::limits::{flight, range, trim, wake};
+use wingbeat_judge::limits::{asked, flight, range, trim, wake};
 use wingbeat_judge::{Judge, Limit, Limits, Status, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
-
-const GOAL_ROLL: Limit =
-    Limit::at_most("goal.roll_within_deg", 0.0, "deg", Status::OffTarget).on("rms error of roll");
-const GOAL_PITCH: Limit =
-    Limit::at_most("goal.pitch_within_deg", 0.0, "deg", Status::OffTarget).on("rms error of pitch");
-const GOAL_ALTITUDE: Limit =
-    Limit::at_most("goal.altitude_within_m", 0.0, "m", Status::OffTarget).on("change of altitude");
-const GOAL_SLOWEST: Limit =
-    Limit::at_least("goal.speed_between_m_s", 0.0, "m/s", Status::OffTarget).on("mean speed");
-const GOAL_FASTEST: Limit =
-    Limit::at_most("goal.speed_between_m_s", 0.0, "m/s", Status::OffTarget).on("mean speed");
-const GOAL_CLEARANCE: Limit =
-    Limit::at_least("goal.clearance_m", 0.0, "m", Status::OffTarget).on("least clearance");
 
 /// A flight and what is judged of it.
 pub(super) struct Flown<'a> {
@@ -107,18 +94,18 @@ impl Flown<'_> {
         let why = if reference { UNSETTLED } else { "without [manoeuvre] there is no reference to hold" };
         let summary = self.summary;
         let mut asked = vec![
-            (&GOAL_ROLL, goal.roll_within_deg, angle(summary.roll_rms_error_deg), why),
-            (&GOAL_PITCH, goal.pitch_within_deg, angle(summary.pitch_rms_error_deg), why),
+            (&asked::ROLL, goal.roll_within_deg, angle(summary.roll_rms_error_deg), why),
+            (&asked::PITCH, goal.pitch_within_deg, angle(summary.pitch_rms_error_deg), why),
         ];
         if let Some(within) = goal.altitude_within_m {
-            asked.push((&GOAL_ALTITUDE, within, self.altitude_change(), UNSETTLED));
+            asked.push((&asked::ALTITUDE, within, self.altitude_change(), UNSETTLED));
         }
         if let Some([low, high]) = goal.speed_between_m_s {
-            asked.push((&GOAL_SLOWEST, low, summary.mean_speed_m_s, UNSETTLED));
-            asked.push((&GOAL_FASTEST, high, summary.mean_speed_m_s, UNSETTLED));
+            asked.push((&asked::SLOWEST, low, summary.mean_speed_m_s, UNSETTLED));
+            asked.push((&asked::FASTEST, high, summary.mean_speed_m_s, UNSETTLED));
         }
         if let Some(least) = goal.clearance_m {
-            asked.push((&GOAL_CLEARANCE, least, summary.least_clearance_m, "the robot has no clearances"));
+            asked.push((&asked::CLEARANCE, least, summary.least_clearance_m, "the robot has no clearances"));
         }
         asked
     }

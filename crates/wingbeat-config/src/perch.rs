@@ -2,18 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use wingbeat_flight::simulate::Record;
-use wingbeat_judge::limits::flight;
-use wingbeat_judge::{Judge, Limit, Status};
+use wingbeat_judge::Judge;
+use wingbeat_judge::limits::{asked, flight};
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, Vec3, require};
 use wingbeat_robot::{Contact, Perch, PerchShape, Robot, Seen};
-
-const DISTANCE: Limit =
-    Limit::at_most("perch.capture_m", 0.0, "m", Status::OffTarget).on("distance of the claw from the perch");
-const SPEED: Limit = Limit::at_most("perch.speed_within_m_s", 0.0, "m/s", Status::OffTarget)
-    .on("speed of the claw at the perch");
-const ATTITUDE: Limit = Limit::at_most("perch.attitude_within_deg", 0.0, "deg", Status::OffTarget)
-    .on("angle between the back and straight down at the perch");
 
 /// Columns that a flight beside a perch has.
 pub(super) const COLUMNS: [[&str; 3]; 7] = [
@@ -241,9 +234,9 @@ impl PerchSummary {
     }
 
     pub(super) fn judge(&self, spec: &PerchSpec, judge: &mut Judge) {
-        judge.hold_to(&DISTANCE, spec.capture_m, self.distance_m);
-        judge.hold_to(&SPEED, spec.speed_within_m_s, self.speed_m_s);
-        judge.hold_to(&ATTITUDE, spec.attitude_within_deg, self.attitude_error_deg);
+        judge.hold_to(&asked::PERCH_DISTANCE, spec.capture_m, self.distance_m);
+        judge.hold_to(&asked::PERCH_SPEED, spec.speed_within_m_s, self.speed_m_s);
+        judge.hold_to(&asked::PERCH_ATTITUDE, spec.attitude_within_deg, self.attitude_error_deg);
         judge.hold_if(&flight::LANDING_PLAN, self.plan_saved_fraction);
         let ends = self.plan_speed_m_s.zip(self.plan_pitch_deg);
         let over = |(speed, pitch): (f64, f64)| {

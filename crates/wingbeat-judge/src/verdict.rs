@@ -1,6 +1,6 @@
 //! The verdict on one result, and how it comes about.
 
-use crate::limits::{Limit, Limits, Sense};
+use crate::limits::{Limit, Limits, Sense, asked};
 use crate::status::Status;
 use serde::Serialize;
 
@@ -211,7 +211,7 @@ fn words(limit: &Limit, value: f64, bound: f64, about: &str) -> String {
     };
     let about = if about.is_empty() { String::new() } else { format!(" {about}") };
     let meaning = if about.starts_with(" (") { limit.meaning.trim_end_matches(',') } else { limit.meaning };
-    let key = if ["goal.", "perch."].iter().any(|own| limit.id.starts_with(own)) { "" } else { "limits." };
+    let key = if asked::ALL.contains(limit) { "" } else { "limits." };
     format!(
         "{meaning}{about} is {}{unit}, allowed is {side} {}{unit} ({key}{})",
         number(value),

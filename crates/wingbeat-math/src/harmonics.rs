@@ -35,20 +35,24 @@ impl Harmonics {
     pub fn fitted_each(frequency: f64, t: &[f64], all: &[&[f64]], count: usize) -> Option<Vec<Self>> {
         let size = 2 * count + 1;
         let (mut right, mut sums) = (vec![0.0; size * all.len()], vec![(0.0, 0.0); size]);
-        let mut waves = vec![(1.0, 0.0); size];
+        let mut kept = vec![(1.0, 0.0); size];
         for (i, t) in t.iter().enumerate() {
             let phase = TAU * (frequency * t).fract();
-            let (step_sin, step_cos) = phase.sin_cos();
-            let (mut cos, mut sin) = (1.0, 0.0);
-            for (sum, wave) in sums.iter_mut().zip(&mut waves) {
-                *sum = (sum.0 + cos, sum.1 + sin);
-                *wave = (cos, sin);
-                (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+            // Of one row the waves need not be kept.
+            if let [y] = all {
+                waves(phase, &mut sums, |k, cos, sin| {
+                    if k <= count {
+                        right[k] += cos * y[i];
+                        right[if k > 0 { count + k } else { 0 }] += sin * y[i];
+                    }
+                });
+                continue;
             }
+            waves(phase, &mut sums, |k, cos, sin| kept[k] = (cos, sin));
             for (right, y) in right.chunks_exact_mut(size).zip(all) {
                 let (along, across) = right.split_at_mut(count + 1);
-                along.iter_mut().zip(&waves).for_each(|(sum, wave)| *sum += wave.0 * y[i]);
-                across.iter_mut().zip(&waves[1..]).for_each(|(sum, wave)| *sum += wave.1 * y[i]);
+                along.iter_mut().zip(&kept).for_each(|(sum, wave)| *sum += wave.0 * y[i]);
+                across.iter_mut().zip(&kept[1..]).for_each(|(sum, wave)| *sum += wave.1 * y[i]);
             }
         }
         let mut normal = normal(&sums);
@@ -71,6 +75,18 @@ impl Harmonics {
             (c, s) = (c * step_cos - s * step_sin, s * step_cos + c * step_sin);
         }
         sum
+    }
+}
+
+/// Adds cos(k x) and sin(k x) to the sums, k from 0 on, and hands them on.
+#[inline(always)]
+fn waves(x: f64, sums: &mut [(f64, f64)], mut each: impl FnMut(usize, f64, f64)) {
+    let (step_sin, step_cos) = x.sin_cos();
+    let (mut cos, mut sin) = (1.0, 0.0);
+    for (k, sum) in sums.iter_mut().enumerate() {
+        *sum = (sum.0 + cos, sum.1 + sin);
+        each(k, cos, sin);
+        (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
     }
 }
 

@@ -26,14 +26,14 @@ struct Reading {
 pub struct Rest {
     /// How long it lasts, s.
     duration_s: f64,
-    /// Least over the channels of their standard deviation at rest over that of what follows.
+    /// Scatter in the quarter of the rest where it is largest over that of what follows, in the channel where that is least.
     scatter_fraction: f64,
     /// What each channel reads.
     channels: Vec<Reading>,
 }
 
 impl Rest {
-    /// Takes the first `seconds` of `plain` away, and what its channels read in them from what follows.
+    /// Takes the first `seconds` s of `plain` away, and what its channels read in them from what follows.
     pub fn taken(plain: &mut Plain, seconds: f64, file: &str) -> Result<Self, Error> {
         let begin = plain.time.first().copied().unwrap_or_default();
         let count = plain.time.iter().take_while(|t| **t - begin < seconds).count();
@@ -47,14 +47,16 @@ impl Rest {
         let mut scatter_fraction = f64::INFINITY;
         let mut channels = Vec::new();
         for column in &mut plain.channels {
-            let (mean, at_rest) = moments(&column.values[..count]);
+            let mean = mean(&column.values[..count]);
             if !mean.is_finite() {
                 return Err(Error::Input(format!(
                     "--rest {seconds:?}: {} of {file} has no number in it",
                     column.name
                 )));
             }
-            let (_, moving) = moments(&column.values[count..]);
+            let moving = scatter(&column.values[count..], self::mean(&column.values[count..]));
+            let quarters = column.values[..count].chunks(count.div_ceil(4));
+            let at_rest = quarters.map(|quarter| scatter(quarter, mean)).fold(0.0, f64::max);
             if moving > 0.0 {
                 scatter_fraction = scatter_fraction.min(at_rest / moving);
             }
@@ -83,10 +85,14 @@ impl Rest {
     }
 }
 
-/// Mean and standard deviation of the values that are numbers.
-fn moments(values: &[f64]) -> (f64, f64) {
+/// Mean of the values that are numbers.
+fn mean(values: &[f64]) -> f64 {
     let finite = || values.iter().filter(|value| value.is_finite());
-    let count = finite().count() as f64;
-    let mean = finite().sum::<f64>() / count;
-    (mean, (finite().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt())
+    finite().sum::<f64>() / finite().count() as f64
+}
+
+/// Root mean square of what the values that are numbers lie off `mean`; 0 where none is one.
+fn scatter(values: &[f64], mean: f64) -> f64 {
+    let finite = || values.iter().filter(|value| value.is_finite());
+    (finite().map(|value| (value - mean).powi(2)).sum::<f64>() / finite().count().max(1) as f64).sqrt()
 }

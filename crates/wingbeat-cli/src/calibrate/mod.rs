@@ -101,16 +101,17 @@ fn found(
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
     let on_data = prepared.verdict();
-    // A fit says them with its result.
-    if arguments.information || prepared.check().is_err() {
-        on_data.warnings.iter().for_each(|warning| say::note(&warning.to_string()));
+    let said = || on_data.warnings.iter().for_each(|warning| say::note(&warning.to_string()));
+    if arguments.information {
+        said();
     }
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
-    prepared.check()?;
+    prepared.check().inspect_err(|_| said())?;
     if arguments.information {
         return Error::unless_sound(on_data.status, on_data.reason.as_deref()).map(|()| None);
     }
-    watched(&prepared, &mut Kept::open(folder), interrupt, quiet, watch).map(Some)
+    // A fit says them with its result.
+    watched(&prepared, &mut Kept::open(folder), interrupt, quiet, watch).inspect_err(|_| said()).map(Some)
 }
 
 /// The fit, with cost, parameters and time on a bar.

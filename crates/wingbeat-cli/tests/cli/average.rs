@@ -94,9 +94,12 @@ fn a_rest_at_the_begin_is_subtracted() {
         let mean = summary["channels"][i]["mean"].as_f64().unwrap();
         assert!((read - 0.1 * i as f64).abs() < 2e-3 && mean.abs() < 2e-3, "{i}: {read}, {mean}");
     }
-    let answer = with("8", "b");
-    let told = String::from_utf8_lossy(&answer.stdout).into_owned();
-    assert!(answer.status.success() && told.contains("data.rest"), "{told}");
+    // Wings that move in it, were it a fifth of a second at its end.
+    for (seconds, out) in [("8", "b"), ("2.2", "d")] {
+        let answer = with(seconds, out);
+        let told = String::from_utf8_lossy(&answer.stderr).into_owned();
+        assert!(answer.status.code() == Some(3) && told.contains("data.rest_fraction"), "{seconds}: {told}");
+    }
     for seconds in ["0", "-1", "nan", "1e300", "0.001", "14"] {
         let answer = with(seconds, "c");
         let told = String::from_utf8_lossy(&answer.stderr).into_owned();

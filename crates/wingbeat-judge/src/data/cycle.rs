@@ -7,7 +7,7 @@ use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
 use crate::limits::data::{
-    APERIODIC, DIFFERS, DRIFT, FREQUENCY, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS, TREND,
+    APERIODIC, DIFFERS, DRIFT, EARLY, FREQUENCY, PHASES, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS, TREND,
 };
 use wingbeat_math::Harmonics;
 
@@ -275,7 +275,10 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
         let (limit, share) =
             if share > limits.of(&APERIODIC).0 { (&APERIODIC, share) } else { (&SWINGS, swings) };
         let finding = Finding::new("data.not_periodic", limit, about(), share, text);
-        let scatter = sizes(series, one).into_iter().find(|finding| finding.breaks(limits));
+        let scatter =
+            phases(series, one).into_iter().chain(sizes(series, one)).filter(|of| of.breaks(limits));
+        // Of several reasons one that refuses the data.
+        let scatter = scatter.max_by_key(|finding| finding.serious);
         found.push(match scatter {
             Some(scatter) if !(finding.serious && finding.breaks(limits)) => scatter,
             _ => finding,
@@ -343,6 +346,45 @@ fn sizes(series: &Series, one: &Apart) -> Vec<Finding> {
         of(&TREND, (slope / mean).abs(), "change"),
         of(&DIFFERS, size, "differ"),
     ]
+}
+
+/// Points of a cycle from which its slope is known. *Choice.*
+const FOR_SLOPE: f64 = 8.0;
+
+/// The findings that the cycles come early and late: of each the part of the slope g of the mean cycle that what the harmonics leave holds,
+/// d = sum(l g) / sum(g g), in cycles. Noise of variance s2 gives that the variance s2 / sum(g g), which is taken away.
+fn phases(series: &Series, one: &Apart) -> Vec<Finding> {
+    let Apart { channel, at, part, left } = one;
+    let count = at.phase.len() as f64;
+    let (Some(first), cycles) = (at.phase.first(), series.cycles()) else { return Vec::new() };
+    if count < FOR_SLOPE * cycles || cycles < FOR_SCATTER as f64 {
+        return Vec::new();
+    }
+    let mut sums = vec![[0.0; 2]; (cycles * (1.0 + 1.5 / count)).min(count) as usize];
+    let fit = |k: usize| at.values[k] - left[k];
+    for k in 1..at.phase.len() - 1 {
+        let slope = (fit(k + 1) - fit(k - 1)) / (at.phase[k + 1] - at.phase[k - 1]);
+        if let Some([lg, gg]) = sums.get_mut((at.phase[k] - first) as usize) {
+            *lg += left[k] * slope;
+            *gg += slope * slope;
+        }
+    }
+    sums.retain(|[_, gg]| *gg > 0.0);
+    let (count, all) = (sums.len() as f64, sums.iter().map(|[_, gg]| gg).sum::<f64>());
+    let late = || sums.iter().map(|[lg, gg]| lg / gg);
+    let mean = late().sum::<f64>() / count;
+    let noise = part.white * count / all;
+    let spread = late().map(|late| (late - mean).powi(2)).sum::<f64>() / count;
+    if sums.len() < FOR_SCATTER || !(spread > ABOVE_NOISE * noise) {
+        return Vec::new();
+    }
+    let size = 360.0 * (spread - noise).max(0.0).sqrt();
+    let text = format!(
+        "its cycles come early and late by {size:.0} deg (rms), as where the frequency drifts or the crank is unsteady: their mean is \
+         flatter than each; give phases in place of times, or cut the file to its steady part"
+    );
+    let of = |limit| Finding::new("data.not_periodic", limit, series.about(channel.name), size, text.clone());
+    vec![of(&PHASES), of(&EARLY)]
 }
 
 /// The finding that the data repeat at another frequency than the one given.

@@ -4,7 +4,7 @@ use super::same::dead_band;
 use super::values::Extent;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{ALTERNATES, BY_TURNS, HOLE, OUTLIERS, SWAPPED, WRAPPED};
+use crate::limits::data::{ALTERNATES, BIT, BY_TURNS, HOLE, OUTLIERS, PAIRS, SWAPPED, WRAPPED};
 
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
 const SAME: usize = 8;
@@ -284,16 +284,57 @@ fn hole(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Opti
         if *x < middle { [low.max(*x), high] } else { [low, high.min(*x)] }
     });
     let banded = || edges.iter().any(|edge| dead_band(samples, *edge, extent));
+    if !(dense && leaps > LEAPT[1].max(LEAPT[0] * cycles) && smooth && !banded()) {
+        return None;
+    }
+    let [back, on] = beside_leaps(
+        samples,
+        middle,
+        size * range,
+        (samples.len() as f64 / cycles / STEPS).max(1.0) as usize,
+    );
+    let (limit, why) = match (back > OFTEN * leaps, on > OFTEN * leaps) {
+        (true, _) => (&BIT, "a bit of the converter is dead"),
+        (false, true) => (&HOLE, "two ranges do not meet"),
+        // A load that leaps and stays where it leapt to, or comes to a leap by and by, takes no value there by itself.
+        _ => return None,
+    };
     let text = format!(
-        "leaps over {:.0} % of its range, from {:.4} to {:.4} {}, and never takes a value there: a bit of the converter is dead, or two \
-         ranges do not meet",
+        "leaps over {:.0} % of its range, from {:.4} to {:.4} {}, and never takes a value there: {why}",
         100.0 * size,
         edges[0],
         edges[1],
         channel.unit
     );
-    (dense && leaps > LEAPT[1].max(LEAPT[0] * cycles) && smooth && !banded())
-        .then(|| Finding::new("data.hole", &HOLE, series.about(channel.name), size, text))
+    Some(Finding::new("data.hole", limit, series.about(channel.name), size, text))
+}
+
+/// Stretches of a cycle over which slopes are compared, their largest ratio where a curve goes on, and the share of the leaps that must be
+/// of a kind. *Choices.*
+const STEPS: f64 = 60.0;
+const GOES_ON: f64 = 3.0;
+const OFTEN: f64 = 0.4;
+
+/// How often a smooth channel falls back by about `size` against the way that it goes on, and how often its slope is the same before and
+/// after it leaps, by more than it rises beside, across `middle`; slopes are those over `by` samples.
+fn beside_leaps(samples: &[f64], middle: f64, size: f64, by: usize) -> [f64; 2] {
+    let (mut back, mut on) = (0.0, 0.0);
+    let alike = |a: f64, b: f64| a * b > 0.0 && a.abs().max(b.abs()) < GOES_ON * a.abs().min(b.abs());
+    for k in 2 * by..samples.len().saturating_sub(2 * by + 1) {
+        let leap = samples[k + 1] - samples[k];
+        if leap.abs() < 0.5 * size {
+            continue;
+        }
+        let before = [samples[k] - samples[k - by], samples[k - by] - samples[k - 2 * by]];
+        let after = [samples[k + 1 + by] - samples[k + 1], samples[k + 1 + 2 * by] - samples[k + 1 + by]];
+        let across = (samples[k] < middle) != (samples[k + 1] < middle);
+        let against = leap * before[0] < 0.0 && leap * after[0] < 0.0;
+        let smooth = alike(before[0], before[1]) && alike(after[0], after[1]);
+        back += f64::from(u8::from(!across && against && leap.abs() < 2.0 * size));
+        let far = leap.abs() * by as f64 > GOES_ON * before[0].abs().max(after[0].abs());
+        on += f64::from(u8::from(across && smooth && far && leap * before[0] > 0.0 && leap * after[0] > 0.0));
+    }
+    [back, on]
 }
 
 /// Part of the range that second differences have at least, rms, for their order to be looked at. *Choice.*
@@ -325,11 +366,38 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
         found.push(Finding::new("data.alternates", &ALTERNATES, about(), signs, text));
     }
     if bent > count * (BENT * extent.range()).powi(2) {
-        let text = "leaps up and down by turns from sample to sample: rows in swapped pairs, two sources by turns, or a line near half \
-                    the rate";
-        found.push(Finding::new("data.alternates", &BY_TURNS, about(), turned / bent, text));
+        let put_back = if turned < TURNED * bent { exchanged(samples) } else { f64::INFINITY };
+        found.push(if put_back < PAIRS.value {
+            let text = "is smooth if the rows of each pair are exchanged: they were written in the wrong order";
+            Finding::new("data.alternates", &PAIRS, about(), put_back, text)
+        } else {
+            let text = "leaps up and down by turns from sample to sample: two sources by turns, or a line near half the rate";
+            Finding::new("data.alternates", &BY_TURNS, about(), turned / bent, text)
+        });
     }
     found
+}
+
+/// Correlation of the second differences of one sample and the next below which it is tried whether rows are exchanged; white noise has
+/// -2/3. *Choice.*
+const TURNED: f64 = -0.5;
+
+/// Sum of the squares of the second differences with the rows of each pair exchanged over that without, the less of the two ways to pair
+/// them, of samples in the middle of the file.
+fn exchanged(samples: &[f64]) -> f64 {
+    let from = samples.len().saturating_sub(TOLD) / 2;
+    let samples = &samples[from..samples.len().min(from + TOLD)];
+    // Samples a and b, c and d are pairs: written b, a, d, c.
+    let of = |first: usize| {
+        let (mut sum, mut without) = (0.0, 0.0);
+        for four in samples[first..].windows(4).step_by(2) {
+            let [a, b, c, d] = [four[1], four[0], four[3], four[2]];
+            sum += (c - 2.0 * b + a).powi(2) + (d - 2.0 * c + b).powi(2);
+            without += (d - 2.0 * a + b).powi(2) + (c - 2.0 * d + a).powi(2);
+        }
+        sum / without
+    };
+    of(0).min(of(1))
 }
 
 /// The findings that two channels that move are one.
@@ -338,10 +406,44 @@ pub(super) fn equals(series: &Series) -> Vec<Finding> {
     for (k, channel) in series.channels.iter().enumerate() {
         let same = |other: &&Channel| channel.samples == other.samples;
         let moves = |_: &&Channel| Extent::of(channel.samples).is_some_and(|extent| extent.range() > 0.0);
-        let Some(other) = series.channels[..k].iter().find(same).filter(moves) else { continue };
-        let text = format!("holds the very values of {}: one column for two", other.name);
+        let before = &series.channels[..k];
+        let (other, text) = match before.iter().find(same).filter(moves) {
+            Some(other) => (other, "holds the very values of"),
+            None => match before.iter().find(|other| one_noise(other.samples, channel.samples)) {
+                Some(other) => (other, "has even the noise, by a factor, of"),
+                None => continue,
+            },
+        };
+        let text = format!("{text} {}: one column for two", other.name);
         let about = series.about(channel.name);
         found.push(Finding::new("data.equal", &SWAPPED, about, 1.0, text).noted().in_channel(channel.name));
     }
     found
+}
+
+/// Samples whose order and noise are compared, the part of the range and the counts that it has at least, and the part of it that differs at most.
+/// *Choices.*
+const TOLD: usize = 1024;
+const NOISE: f64 = 0.002;
+const STEPS_OF_NOISE: f64 = 2.0;
+const DIFFERS: f64 = 0.02;
+
+/// Whether third differences, which are those of the noise, are a multiple of those of another channel. Loads that are computed may be, and
+/// have no noise.
+fn one_noise(a: &[f64], b: &[f64]) -> bool {
+    let third = |of: &[f64], k: usize| of[k + 3] - of[k] - 3.0 * (of[k + 2] - of[k + 1]);
+    let (mut aa, mut ab, mut bb, mut turned, mut before) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for k in 0..a.len().min(TOLD).saturating_sub(3) {
+        let (x, y) = (third(a, k), third(b, k));
+        (aa, ab, bb, turned) = (aa + x * x, ab + x * y, bb + y * y, turned + y * before);
+        before = y;
+    }
+    let Some(extent) = Extent::of(&b[..b.len().min(TOLD)]).filter(|extent| extent.range() > 0.0) else {
+        return false;
+    };
+    // Loads of few counts have the steps of the converter for noise.
+    let least = (NOISE * extent.range()).max(STEPS_OF_NOISE * extent.count);
+    // Third differences of white noise have 20 times its variance, and -3/4 as correlation from one to the next; smooth loads have 1.
+    let noisy = bb > 20.0 * least.powi(2) * b.len().min(TOLD) as f64 && aa > 0.0;
+    noisy && turned < TURNED * bb && 1.0 - ab * ab / (aa * bb) < DIFFERS * DIFFERS
 }

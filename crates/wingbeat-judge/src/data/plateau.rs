@@ -9,6 +9,8 @@ const PLACES: [usize; 2] = [24, 64];
 const SAME: usize = 12;
 /// Samples of a place that tell its noise. *Choice.*
 const ENOUGH: usize = 64;
+/// Mean square of where samples lie in their place, below which they lie at one phase; evenly spread ones have 1 / 12. *Choice.*
+const ONE_PHASE: f64 = 0.01;
 /// Part of the range within which the end is flat, and the places on it, in parts of a cycle. A slack line is flat for longer. *Choices.*
 const FLAT: f64 = 0.01;
 const SHARE: std::ops::Range<f64> = 0.05..0.36;
@@ -65,9 +67,31 @@ pub(super) fn two_sources(series: &Series, channel: &Channel, places: &[Place]) 
     let steps = channel.samples.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
     let text = "the samples of one phase have two values, and change between them from one to the next: two sources in one column";
     (0.5 * steps > AT_ONCE * variance * channel.samples.len() as f64).then(|| {
-        Finding::new("data.alternates", &TWO_SOURCES, series.about(channel.name), size, text)
-            .in_channel(channel.name)
+        let found = Finding::new("data.alternates", &TWO_SOURCES, series.about(channel.name), size, text)
+            .in_channel(channel.name);
+        if is_line(series, channel, places) { found.noted() } else { found }
     })
+}
+
+/// Samples after which what comes again is a line, the samples that tell, and their correlation. *Choices.*
+const AGAIN: std::ops::RangeInclusive<usize> = 2..=8;
+const TOLD: usize = 4096;
+const LIKE: f64 = 0.7;
+
+/// Whether what the mean cycle leaves comes again after few samples: a line at a part of the rate, as of the mains.
+fn is_line(series: &Series, channel: &Channel, places: &[Place]) -> bool {
+    let off = |(p, x): (&f64, &f64)| x - places[place(*p, places.len())].mean;
+    let left: Vec<f64> = series.phase.iter().zip(channel.samples).take(TOLD).map(off).collect();
+    let all = left.iter().map(|x| x * x).sum::<f64>();
+    let with =
+        |after: usize| left.iter().zip(&left[after.min(left.len())..]).map(|(a, b)| a * b).sum::<f64>();
+    AGAIN.into_iter().any(|after| with(after) > LIKE * all)
+}
+
+/// Median of the noise of the places of a cycle.
+pub(super) fn noise(places: &[Place]) -> Option<f64> {
+    let noise = median(&mut places.iter().map(|of| of.noise).collect::<Vec<_>>());
+    noise.is_finite().then_some(noise)
 }
 
 /// Part of the largest range of its unit below which a channel is dwarfed. *Choice.*
@@ -85,7 +109,12 @@ const CORNER: f64 = 0.45;
 /// but near zero, and for longer: an end near zero counts only where the other one is flat and quiet too. It is a warning of a channel
 /// that others of its unit dwarf, where what moves the mount scatters more than noise does, and where samples lie beyond the end or
 /// the load comes to it without a corner: a wing that stalls may have a flat top, and buffet beside it.
-pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, places: &[Place]) -> Option<Finding> {
+pub(super) fn cut_off(
+    series: &Series,
+    (channel, count): (&Channel, f64),
+    placed: &Placed,
+    places: &[Place],
+) -> Option<Finding> {
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
     let range = high - low;
     let noise = median(&mut places.iter().map(|of| of.noise).collect::<Vec<_>>());
@@ -108,7 +137,8 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, places: &[
         let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
         let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(places, &on) > CORNER;
         let flat = (SHARE.start..LONG).contains(&share) && noise * noise < below * usual;
-        (seen && flat).then(|| (share, share < SHARE.end && cut()))
+        (seen && flat && unsteady(series, channel, placed, places) < UNSTEADY)
+            .then(|| (share, share < SHARE.end && cut()))
     };
     let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
@@ -116,7 +146,7 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, places: &[
         (Some((top, a)), Some((bottom, b))) => (top + bottom, if top > bottom { high } else { low }, a || b),
         (Some((top, cut)), None) if far(high) => (top, high, cut),
         (None, Some((bottom, cut))) if far(low) => (bottom, low, cut),
-        _ => return None,
+        _ => return flat_between_corners(series, channel, places, [low, high, within, count]),
     };
     let text = format!(
         "is flat at {end:.4} {} for {:.0} % of the cycle, and scatters far less there than elsewhere: cut off before the \
@@ -132,6 +162,71 @@ pub(super) fn cut_off(series: &Series, channel: &Channel, count: f64, places: &[
     Some(if !cut || highest - lowest < DWARFED * most { found.noted() } else { found })
 }
 
+/// Slopes beside a corner over those further on, between which the load is cut off there: a sine has 0.9 at seven tenths of its top. Part of
+/// the range that it rises by from place to place beside the corner, share of the cycle, and that share over that of a sine, at least.
+/// *Choices.*
+const SHARP: std::ops::Range<f64> = 0.6..1.3;
+const RISES: f64 = 0.015;
+const WIDE: f64 = 0.1;
+const WIDER: f64 = 1.7;
+
+/// The note that an end is flat between two corners, and as noisy as the rest: cut off, and noise added after, or a load of that shape.
+fn flat_between_corners(
+    series: &Series,
+    channel: &Channel,
+    places: &[Place],
+    [low, high, within, count]: [f64; 4],
+) -> Option<Finding> {
+    let range = high - low;
+    // A load of few counts has corners of its own.
+    if range * FLAT < count {
+        return None;
+    }
+    let of = |end: f64| {
+        let on: Vec<bool> = places.iter().map(|of| (of.mean - end).abs() <= within).collect();
+        let share = on.iter().filter(|on| **on).count() as f64 / places.len() as f64;
+        let once = (0..on.len()).filter(|k| on[*k] && !on[(k + 1) % on.len()]).count() == 1;
+        let [near, further] = slopes(places, &on);
+        let sharp = SHARP.contains(&(near / further)) && near > 2.0 * RISES * range;
+        // Of the same width is the top of a sine.
+        let least = WIDE.max(WIDER * (1.0 - 2.0 * within / range).acos() / std::f64::consts::PI);
+        (once && sharp && end.abs() > SLACK * range && (least..SHARE.end).contains(&share))
+            .then_some((share, end))
+    };
+    let (share, end) = of(high).into_iter().chain(of(low)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let text = format!(
+        "is flat at {end:.4} {} for {:.0} % of the cycle between two corners: cut off before noise was added, so that means and harmonics \
+         are too small, or a load of that shape",
+        channel.unit,
+        100.0 * share
+    );
+    Some(Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text).noted())
+}
+
+/// Cycles by which the cycles come early and late, rms, from which the ends of any load are quieter than its slopes; parts of the file that
+/// are compared, and samples in each. *Choices.*
+const UNSTEADY: f64 = 0.015;
+const PARTS: usize = 64;
+const OF_PART: usize = 32;
+
+/// How early and late the parts of a file come, rms, in cycles: of each the part of the slope of the mean cycle that its samples hold beside
+/// that cycle, sum(l g) / sum(g g).
+fn unsteady(series: &Series, channel: &Channel, placed: &Placed, places: &[Place]) -> f64 {
+    let count = places.len();
+    let slope = |at: usize| 0.5 * (places[(at + 1) % count].mean - places[(at + count - 1) % count].mean);
+    let parts = PARTS.min(series.cycles() as usize).min(placed.samples.len() / OF_PART).max(1);
+    let mut sums = vec![[0.0; 2]; parts];
+    for (k, at, within) in &placed.samples {
+        let g = slope(*at);
+        let [lg, gg] = &mut sums[k * parts / series.phase.len()];
+        *lg += (channel.samples[*k] - places[*at].mean - g * within) * g;
+        *gg += g * g;
+    }
+    let late = || sums.iter().map(|[lg, gg]| lg / gg.max(f64::MIN_POSITIVE) / count as f64);
+    let mean = late().sum::<f64>() / parts as f64;
+    (late().map(|late| (late - mean).powi(2)).sum::<f64>() / parts as f64).sqrt()
+}
+
 /// The share of all samples that lie beyond the end by some of its deviations.
 fn beyond(channel: &Channel, [end, noise, middle]: [f64; 3]) -> f64 {
     let out = (end - middle).signum();
@@ -141,6 +236,12 @@ fn beyond(channel: &Channel, [end, noise, middle]: [f64; 3]) -> f64 {
 
 /// The slopes of the mean cycle beside the end, over those two places further on.
 fn corner(places: &[Place], on: &[bool]) -> f64 {
+    let [near, further] = slopes(places, on);
+    near / further.max(f64::MIN_POSITIVE)
+}
+
+/// The steps of the mean cycle beside the end, both sides together, and two places further on.
+fn slopes(places: &[Place], on: &[bool]) -> [f64; 2] {
     let count = places.len();
     let step = |k: usize| (places[(k + 1) % count].mean - places[k % count].mean).abs();
     let (mut near, mut further) = (0.0, 0.0);
@@ -155,7 +256,7 @@ fn corner(places: &[Place], on: &[bool]) -> f64 {
             further += step(k + count - 4);
         }
     }
-    near / further.max(f64::MIN_POSITIVE)
+    [near, further]
 }
 
 /// The variance that the noise has where the mean cycle does not change, from the places away from the end, less its error: a crank that is
@@ -223,8 +324,8 @@ impl Place {
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| samples.iter().map(of).sum::<f64>() / count;
         let (u, x) = (mean(&|s| s.0), mean(&|s| s.1));
         let (uu, ux) = (mean(&|s| (s.0 - u).powi(2)), mean(&|s| (s.0 - u) * (s.1 - x)));
-        // Of samples that all have one phase there is no slope.
-        let slope = if uu > 1e-6 { ux / uu } else { 0.0 };
+        // Of samples that nearly have one phase, as of a rate that is a multiple of the frequency, there is no slope.
+        let slope = if uu > ONE_PHASE { ux / uu } else { 0.0 };
         let mut left: Vec<f64> = samples.iter().map(|s| (s.1 - x - slope * (s.0 - u)).abs()).collect();
         let (second, fourth) = left.iter().fold((0.0, 0.0), |(a, b), left| {
             let square = left * left;

@@ -1,15 +1,17 @@
 //! Values that come again, exactly: codes that stand for samples that are missing, and stretches in which a channel was held.
 
+use super::outliers::{OF_MEDIAN, median};
+use super::plateau::{self, Placed};
 use super::values::Extent;
 use super::{Channel, Finding, Purpose, Series};
-use crate::limits::data::{COPIED, COUNTS, LOST, REPEATED};
+use crate::limits::data::{COPIED, COUNTS, LOST, REPEATED, TWICE};
 
 /// Slots by which values are counted, and how often the most frequent value must come beside the next. *Choices.*
-const SLOTS: usize = 1 << 10;
+const SLOTS: usize = 1 << 11;
 const ALONE: f64 = 8.0;
-/// Samples in a row up to which a value is a code, and from which it is held. *Choices.*
-const CODE: usize = 4;
+/// Samples in a row from which a value is held; fewer are a code, and fewer still where an instrument may have a dead band. *Choices.*
 const HELD: usize = 8;
+const CODE: usize = 4;
 /// Part of a channel's range by which it leaps to where it is held, or from there. *Choice.*
 const LEAPS: f64 = 0.2;
 /// Steps of the converter that are no leap. *Choice.*
@@ -31,7 +33,7 @@ pub(super) fn findings(series: &Series, channel: &Channel, extent: Extent) -> Ve
 
 /// The finding that one value comes again and again by itself though others hardly do: what a logger writes for a sample that it lacks.
 fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
-    let slot = |x: &f64| (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 54) as usize;
+    let slot = |x: &f64| (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 53) as usize;
     let mut counts = vec![0_u32; SLOTS];
     channel.samples.iter().for_each(|x| counts[slot(x)] += 1);
     let most = (0..SLOTS).max_by_key(|k| counts[*k])?;
@@ -41,9 +43,12 @@ fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
         return None;
     }
     let value = *channel.samples.iter().find(|x| slot(x) == most)?;
-    let runs = channel.samples.chunk_by(|a, b| a == b).filter(|run| run[0] == value && run.len() < CODE);
+    // Where an instrument may have a dead band, its value comes in runs, and what lies beside it is near.
+    let near = near(channel.samples, value) / extent.range();
+    let longest = if near > BAND { HELD } else { CODE };
+    let runs = channel.samples.chunk_by(|a, b| a == b).filter(|run| run[0] == value && run.len() < longest);
     let size = runs.map(<[f64]>::len).sum::<usize>() as f64 / channel.samples.len() as f64;
-    if near(channel.samples, value) < APART * extent.range() || dead_band(channel.samples, value, extent) {
+    if near < APART || dead_band(channel.samples, value, extent) {
         return None;
     }
     let text = format!(
@@ -82,33 +87,55 @@ const NEXT: f64 = 1.2;
 const OFF_WHOLE: f64 = 0.01;
 
 /// The finding that stretches come again sample by sample: a buffer that was written twice, a file that was glued of copies. A load without
-/// noise is the same after whole cycles.
-pub(super) fn copied(series: &Series) -> Option<Finding> {
+/// noise is the same after whole cycles, and so is one of few counts.
+pub(super) fn copied(series: &Series, extents: &[Option<Extent>], placed: &Placed) -> Option<Finding> {
     let moves = |of: &[f64]| of.windows(2).all(|pair| pair[0] != pair[1]);
     let (mut again, mut after, count) = (0, 0, series.phase.len());
     if count < 2 * STRETCHES * STRETCH {
         return None;
     }
-    let channel = series.channels.iter().find(|channel| moves(&channel.samples[..STRETCH]))?;
+    let (channel, extent) = series
+        .channels
+        .iter()
+        .zip(extents)
+        .filter_map(|(channel, extent)| Some((channel, (*extent)?)))
+        .find(|(channel, _)| moves(&channel.samples[..STRETCH]))?;
+    let mut noisy = None;
     for k in 0..STRETCHES {
         let from = k * (count - STRETCH) / STRETCHES;
         let [here, later] = [&channel.samples[from..from + STRETCH], &channel.samples[from + STRETCH..]];
         let same = |at: &usize| later[*at] == here[0] && later[*at..].starts_with(here);
         let found = (0..later.len()).find(same).filter(|_| moves(here));
         let apart = |at: usize| series.phase[from + STRETCH + at] - series.phase[from];
-        let copy = |at: &usize| apart(*at) > NEXT && (apart(*at) - apart(*at).round()).abs() > OFF_WHOLE;
-        if let Some(at) = found.filter(copy) {
+        let Some(at) = found else { continue };
+        let noisy = *noisy.get_or_insert_with(|| is_noisy(channel, extent, placed));
+        let whole = apart(at) < NEXT || (apart(at) - apart(at).round()).abs() < OFF_WHOLE;
+        if noisy || !whole {
             (again, after) = (again + 1, STRETCH + at);
         }
     }
+    let limit = if noisy == Some(true) { &TWICE } else { &COPIED };
     let size = f64::from(again) / STRETCHES as f64;
     let text = format!(
         "{again} of {STRETCHES} stretches come again sample by sample, {after} samples later: a buffer that was written twice, or a file \
          that was glued of copies"
     );
-    Some(
-        Finding::new("data.copied", &COPIED, series.about(channel.name), size, text).in_channel(channel.name),
-    )
+    Some(Finding::new("data.copied", limit, series.about(channel.name), size, text).in_channel(channel.name))
+}
+
+/// Part of the range and counts of the converter that its noise has at least for a stretch never to come again. *Choices.*
+const NOISE: [f64; 2] = [0.002, 2.0];
+/// Deviation of the third differences of white noise over that of the noise, sqrt(1 + 9 + 9 + 1).
+const OF_THIRD: f64 = 4.472_135_954_999_58;
+
+/// Whether the samples of one phase differ by noise.
+fn is_noisy(channel: &Channel, extent: Extent, placed: &Placed) -> bool {
+    let noise = placed.of(channel.samples).and_then(|places| plateau::noise(&places));
+    // Loads without noise scatter within a place by their bends, but not from one sample to the next.
+    let third = channel.samples.windows(4).map(|of| (of[3] - of[0] - 3.0 * (of[2] - of[1])).abs());
+    let at_once = || OF_MEDIAN * median(&mut third.collect::<Vec<f64>>()) / OF_THIRD;
+    let least = (NOISE[0] * extent.range()).max(NOISE[1] * extent.count);
+    noise.is_some_and(|noise| noise > least) && at_once() > least
 }
 
 /// Median of what the samples beside those of `value` are off it: little where an instrument has a dead band about it.

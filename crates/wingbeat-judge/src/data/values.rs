@@ -69,7 +69,7 @@ pub fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) ->
     found.extend(nothing(series, extents));
     if series.purpose == Purpose::Loads {
         found.extend(coarse(series, extents));
-        found.extend(same::copied(series));
+        found.extend(same::copied(series, extents, &placed));
     }
     found.extend(standing(series, extents));
     found
@@ -201,7 +201,7 @@ fn of_channel(
         let within = || clipped_within(series, channel, extent).filter(breaks);
         let places = placed.of(channel.samples);
         found.extend(places.iter().filter_map(|places| plateau::two_sources(series, channel, places)));
-        let cut = || plateau::cut_off(series, channel, extent.count, places.as_ref()?);
+        let cut = || plateau::cut_off(series, (channel, extent.count), placed, places.as_ref()?);
         found.extend(clipped.or_else(within).or_else(cut));
     } else if extent.range() > 0.0 {
         // A motion may meet a stop.

@@ -91,13 +91,23 @@ pub const ALTERNATES: Limit = Limit::at_most("data.alternating_ratio", 3.0, "", 
 /// Correlation of the second differences of one sample and the next: white noise has -2/3, and smooth loads 1.
 pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0.9, "")
     .on("correlation of the second differences from sample to sample");
-/// Fourth moment of the samples of one phase over the square of their variance: two values have 1, a hum 1.5, even noise 1.8.
-pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.25, "", SuspectData)
+/// Fourth moment of the samples of one phase over the square of their variance: two values have 1 (1.3 of 22
+/// samples), a hum 1.5, even noise 1.8.
+pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.35, "", SuspectData)
     .on("kurtosis of the samples of one phase, where they scatter from one to the next,");
-/// A converter whose bit is dead leaves out a half, a quarter, an eighth of its range.
+/// Rows that are put back in pairs are smooth again; those of a line near half the rate are not.
+pub const PAIRS: Limit = Limit::at_least("data.pairs_fraction", 0.25, "", SuspectData)
+    .on("power of the second differences with the rows of each pair exchanged, over that without,");
+/// A converter whose bit is dead leaves out a half, a quarter, an eighth of its range, and falls back by as much where its counts go on.
+pub const BIT: Limit = Limit::at_most("data.dead_bit_fraction", 0.05, "", SuspectData)
+    .on("widest part of its range that a smooth channel never takes and falls back by beside it");
+/// Two ranges of an amplifier that do not meet leave out what lies between them.
 pub const HOLE: Limit = Limit::warn_above("data.hole_fraction", 0.05, "")
     .on("widest part of its range that a smooth channel leaps over and never takes");
-/// Noise hardly ever gives 32 samples in a row again; what is written twice has them.
+/// Noise of two counts and more never gives 32 samples in a row again: what is written twice adds no cycle, and breaks the phase.
+pub const TWICE: Limit = Limit::at_most("data.written_twice_fraction", 0.2, "", SuspectData)
+    .on("share of the stretches of a noisy channel that come again sample by sample");
+/// The same of a channel whose noise is not known, but for whole cycles.
 pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "").on(
     "share of the stretches of a channel that come again sample by sample, later than in the next cycle,",
 );
@@ -113,9 +123,9 @@ pub const LEFT: Limit = Limit::at_most("data.left_fraction", 0.35, "", SuspectDa
 pub const UNLIKE: Limit = Limit::warn_below("data.channel_correlation", 0.4, "")
     .on("largest correlation of a channel with its computed load at any phase");
 
-/// Noise of a third of the load stands in both: wings that move at rest scatter alike in all channels. *Choice.*
-pub const REST: Limit = Limit::warn_above("data.rest_fraction", 0.3, "")
-    .on("least over the channels of the scatter in the rest that is subtracted, over that of what follows,");
+/// In a channel that is mostly load the rest is quiet; wings that move in it scatter in all channels. *Choice.*
+pub const REST: Limit = Limit::at_most("data.rest_fraction", 0.4, "", SuspectData)
+    .on("scatter in the restless quarter of the rest that is subtracted over that of what follows, in the channel where it is least,");
 /// A run of ten cycles whose file lacks more than one was cut, or its start is wrong.
 pub const COVERED: Limit = Limit::warn_below("data.covered_fraction", 0.9, "")
     .on("share of the time that is averaged that the file covers");
@@ -130,8 +140,9 @@ pub const FEW_COUNTS: Limit =
 /// Loads that swing by 45 % of their size have this share beside the cycle; a mount that swings by a quarter of it 0.06.
 pub const SWINGS: Limit = Limit::warn_above("data.swinging_fraction", 0.1, "")
     .on("share of the power that is neither periodic nor noise");
-/// A gain that swings by 60 % of itself makes 0.42, one that falls to a quarter 0.35: the mean cycle is that of no stroke.
-pub const SCATTER: Limit = Limit::at_most("data.size_scatter_fraction", 0.3, "", SuspectData)
+/// A gain that swings by 60 % of itself makes 0.42, one that is half for a third of the file 0.28, a wind that swells by a fifth 0.14: the
+/// mean cycle is that of no stroke.
+pub const SCATTER: Limit = Limit::at_most("data.size_scatter_fraction", 0.25, "", SuspectData)
     .on("how far the cycles of a channel differ in size, rms over their mean size,");
 /// Less than two samples a cycle do not show that it is one (H. Nyquist, Trans. AIEE 47 (1928) 617-644).
 pub const SAMPLES: Limit =
@@ -140,9 +151,16 @@ pub const SAMPLES: Limit =
 /// line below it.
 pub const OF_LINE: Limit = Limit::at_least("data.samples_of_line", 3.0, "", SuspectData)
     .on("number of samples in a period of the strongest line");
-/// A gain that is half for a third of the file makes 0.28, strokes of a steady crank 0.06 (measured).
+/// Strokes of a steady crank make 0.06 (measured).
 pub const DIFFERS: Limit = Limit::warn_above("data.size_differs_fraction", 0.2, "")
     .on("how far the cycles of a channel differ in size, rms over their mean size,");
+/// Cycles that come early and late by a normal distribution of s rad lower the harmonic k of the mean by exp(-(k s)^2 / 2): 13 % of the
+/// first and 42 % of the second at 30 deg.
+pub const PHASES: Limit = Limit::at_most("data.phase_scatter_deg", 30.0, "deg", SuspectData)
+    .on("how early and late the cycles of a channel come, rms,");
+/// The same as a warning: 2 % of the first harmonic, 6 % of the second.
+pub const EARLY: Limit = Limit::warn_above("data.phase_differs_deg", 10.0, "deg")
+    .on("how early and late the cycles of a channel come, rms,");
 /// Loads that grow by less from begin to end lie within what strokes of a steady crank do (measured: 6 to 20 %).
 pub const TREND: Limit = Limit::warn_above("data.size_trend_fraction", 0.3, "")
     .on("change of the size of the cycles of a channel from begin to end, by a straight line, over their mean size,");
@@ -157,7 +175,7 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 46] = [
+pub const ALL: [Limit; 51] = [
     NOT_FINITE,
     BACKWARD,
     LOST,
@@ -202,6 +220,11 @@ pub const ALL: [Limit; 46] = [
     LAGS,
     BENT,
     BY_TURNS,
+    PAIRS,
     TWO_SOURCES,
     HOLE,
+    BIT,
+    TWICE,
+    PHASES,
+    EARLY,
 ];

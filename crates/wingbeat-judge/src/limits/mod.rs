@@ -1,5 +1,6 @@
 //! The limits that results are held against, one file per kind of result.
 
+pub mod asked;
 pub mod calibration;
 pub mod data;
 pub mod flight;

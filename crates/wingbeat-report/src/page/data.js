@@ -25,6 +25,8 @@ function column(bytes, { at, rows, base, step, order, planes }, Kind = Float32Ar
   for (let k = 0; k < order; k++) for (let i = 1; i < rows; i++) q[i] += q[i - 1];
   const out = new Kind(rows);
   for (let i = 0; i < rows; i++) out[i] = q[i] ? step * (base + q[i] - 1) : NaN;
+  // What the values are multiples of.
+  out.step = step;
   return out;
 }
 // Every channel below `value` in its place.

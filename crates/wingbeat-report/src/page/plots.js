@@ -19,8 +19,8 @@ function ticks(low, high, most) {
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step && out.length < 20; k++) out.push(+(k * step).toPrecision(12));
   return out.length < 2 && most < 64 ? ticks(low, high, 2 * most) : out;
 }
-// A value with the digits that the page holds of it: a curve is cut into parts of its range.
-function rounded(v, [low, high]) { const q = 10 ** Math.ceil(Math.log10((high - low) / 1500)); return Number.isFinite(v) ? Math.round(v / q) * q || 0 : v; }
+// A value with the digits that the page holds of it.
+function rounded(v, { step }) { const q = 10 ** Math.ceil(Math.log10(step)); return Number.isFinite(v) && step > 0 ? Math.round(v / q) * q || 0 : v; }
 class Plots {
   constructor(runs, root, seek) {
     this.runs = runs; this.root = root; this.seek = seek; this.panels = [];
@@ -138,7 +138,7 @@ class Plots {
       // On paper a plot stands in the middle of its box.
       panel.cursor.style.left = this.printing ? `calc(50% - ${this.width / 2}px)` : '';
       if (!words) continue;
-      panel.curves.forEach((curve, k) => { panel.outputs[k].textContent = digits(rounded(curve.values[rows[curve.run]], panel.range)); });
+      panel.curves.forEach((curve, k) => { panel.outputs[k].textContent = digits(rounded(curve.values[rows[curve.run]], curve.values)); });
     }
   }
 }

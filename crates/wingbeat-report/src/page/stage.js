@@ -194,7 +194,7 @@ class Stage {
     };
     if (this.motions.length > 1) this.motions.forEach(run => write(run.run.name, add(run.p, cam.up, 1.1 * run.reach), 'center'));
     const f = this.motions[0];
-    if (shown.level && f.free) for (const k of [0, 1]) write('LR'[k], add(f.world(f.at(f.com)), f.turned([0, 1, 0]), (k ? -1.45 : 1.45) * f.reach), 'center');
+    if (shown.level && f.free) for (const k of [0, 1]) write('LR'[k], add(add(f.world(f.at(f.com)), f.turned([0, 1, 0]), (k ? -1.4 : 1.4) * f.reach), cam.up, 0.14 * f.reach), 'center');
     for (const line of f.lines) if (line.name === 'perch') write('perch', f.at(line.points[line.points.length - 1]));
   }
   // The whole way in a corner, the robot enlarged.

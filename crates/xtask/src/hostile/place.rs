@@ -19,8 +19,12 @@ use crate::tools;
 
 /// Most memory of a call, kB of address space.
 const MEMORY_KB: u64 = 1 << 20;
-/// Longest time of a call.
+/// Longest processor time of a call, and longest time in which it uses none: on a busy machine it takes longer than alone.
 pub const PATIENCE: Duration = Duration::from_secs(60);
+/// Longest time of a call over that, whatever it uses.
+const BUSY: u32 = 20;
+/// Clock ticks of /proc in a second, on every Linux machine (proc(5), USER_HZ).
+const TICKS: f64 = 100.0;
 /// Longest time from a signal to the end.
 pub const ANSWER: Duration = Duration::from_secs(1);
 /// Most that may lie in the folder of a case, bytes; no single file may become larger.
@@ -305,15 +309,26 @@ impl Running {
         if sent.is_ok_and(|status| status.success()) { Ok(()) } else { Err(format!("kill -{name} failed")) }
     }
 
-    /// Waits for its end, at most so long; what broke is an error.
+    /// Waits for its end, at most until it has used so much processor time, or has used none for so long; what broke is an error.
     pub fn end(mut self, patience: Duration) -> Result<Ended, String> {
-        let begun = Instant::now();
+        let (begun, mut moved, mut spent) = (Instant::now(), Instant::now(), Duration::ZERO);
         let status = loop {
             match self.child.try_wait() {
                 Ok(Some(status)) => break Some(status),
-                Ok(None) if begun.elapsed() > patience => break None,
                 Ok(None) => thread::sleep(Duration::from_millis(3)),
                 Err(error) => return Err(format!("lost: {error}")),
+            }
+            // What one tick takes is looked at when it can have passed.
+            if moved.elapsed().as_secs_f64() < 1.0 / TICKS {
+                continue;
+            }
+            match processor(self.child.id()) {
+                Some(used) if used > spent => (moved, spent) = (Instant::now(), used),
+                _ if moved.elapsed() > patience => break None,
+                _ => {}
+            }
+            if spent > patience || begun.elapsed() > BUSY * patience {
+                break None;
             }
         };
         if status.is_none() {
@@ -324,7 +339,8 @@ impl Running {
             |reader: Option<JoinHandle<String>>| reader.and_then(|r| r.join().ok()).unwrap_or_default();
         let (stdout, stderr) = (text(self.stdout.take()), text(self.stderr.take()));
         let Some(status) = status else {
-            return Err(format!("still running after {patience:?}: {}", brief(&stderr)));
+            let time = format!("{:?}, {spent:?} of the processor", begun.elapsed());
+            return Err(format!("still running after {time}: {}", brief(&stderr)));
         };
         let ended = Ended { code: status.code(), signal: status.signal(), stdout, stderr, answered: None };
         match BROKEN.iter().find(|word| ended.stderr.contains(**word)) {
@@ -372,6 +388,15 @@ impl Ended {
             took => Err(format!("answered the signal after {took:?}: {}", brief(&self.stderr))),
         }
     }
+}
+
+/// Processor time that a process has used, all its threads together; none where the system does not tell it.
+fn processor(id: u32) -> Option<Duration> {
+    let text = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    // The name, which may hold anything, ends at the last bracket; user and system time are the 14th and 15th field.
+    let after = text.rsplit_once(')')?.1;
+    let ticks = after.split_whitespace().skip(11).take(2).filter_map(|field| field.parse::<f64>().ok());
+    Some(Duration::from_secs_f64(ticks.sum::<f64>() / TICKS))
 }
 
 /// Reads a stream to its end, or its first line only.

@@ -112,6 +112,16 @@ struct Change {
     grows: f64,
     /// Its first part of this size comes again and again.
     again: Option<f64>,
+    /// It is this part of itself for the first third of the file.
+    third: Option<f64>,
+    /// Runs of five samples are zero, each so many samples.
+    drops: Option<usize>,
+    /// Half of its samples, at random, lie higher by this part.
+    sources: f64,
+    /// Its frequency grows by this part from begin to end.
+    drifts: f64,
+    /// It is so many times as steep, and stays at the ends of its range.
+    steep: Option<f64>,
     /// Rows stand in pairs that are swapped.
     pairs: bool,
     /// Only its magnitude is kept.
@@ -206,8 +216,12 @@ impl Series {
             let late: f64 = own.map(|change| change.late_deg / 360.0).sum();
             let size = range(cycle);
             let turned = if *name == CRANK { 360.0 / self.rate as f64 } else { 0.0 };
+            let drifts: f64 = self.change.iter().filter(|of| of.takes(name)).map(|of| of.drifts).sum();
             let one = |k: usize| {
-                let here = at(cycle, ratio * k as f64 / self.rate as f64 - late);
+                // Of a frequency that grows evenly: that of the file in the middle, and no phase in the mean.
+                let bow = place(k) * (place(k) - 1.0) + 1.0 / 6.0;
+                let drift = 0.5 * drifts * bow * ratio * self.cycles;
+                let here = at(cycle, ratio * k as f64 / self.rate as f64 + drift - late);
                 here + turned * k as f64 + self.noise * size * noise.next()
             };
             columns.push((name, (0..rows).map(one).collect()));
@@ -256,9 +270,13 @@ impl Change {
             let low = values.iter().fold(f64::MAX, |m, x| m.min(*x));
             low + part * range(values)
         });
+        let middle = values.iter().sum::<f64>() / values.len().max(1) as f64;
         for (k, x) in values.iter_mut().enumerate() {
             let place = k as f64 / last;
             walked += noise.next();
+            if let Some(steep) = self.steep {
+                *x = middle + (steep * (*x - middle)).clamp(-0.5 * size, 0.5 * size);
+            }
             *x = self.scale.unwrap_or(1.0) * *x
                 + size * (self.offset + self.drift * place + self.bow * (2.0 * place - 1.0).powi(2))
                 + size * (self.noise * noise.next() + self.walk * walked)
@@ -269,6 +287,13 @@ impl Change {
             if self.zeros.is_some_and(|every| k % every == every / 2) {
                 *x = 0.0;
             }
+            if self.drops.is_some_and(|every| (every / 2..every / 2 + 5).contains(&(k % every))) {
+                *x = 0.0;
+            }
+            if self.sources != 0.0 && noise.next() > 0.0 {
+                *x += self.sources * size;
+            }
+            *x *= if place < 1.0 / 3.0 { self.third.unwrap_or(1.0) } else { 1.0 };
             *x *= 1.0 + self.grows * place.powi(3);
             *x = if x.abs() < self.dead_band * size { 0.0 } else { *x };
             *x *= 1.0 + self.bend * x.abs() / size;
