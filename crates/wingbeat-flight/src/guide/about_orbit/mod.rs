@@ -30,7 +30,7 @@ use adapt::Adaptation;
 use ahead::Ahead;
 use family::{Asked, Family};
 use feedback::{DEVIATIONS, INTEGRAL};
-use landing::Begun;
+use landing::{Airs, Begun, Landing};
 use nalgebra::DVector;
 use predictive::{Height, Predictive};
 use schedule::{Place, Schedule};
@@ -72,6 +72,8 @@ struct AboutOrbit<'a> {
     /// The perch to land on, and the landing once it has begun.
     perch: Option<Perch>,
     lands: Option<Begun>,
+    /// Which law of lift holds, where the landing is planned under several.
+    airs: Option<Airs>,
     /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive or landing, how
     /// far ahead of the landing's plan.
     seen: [f64; 6],
@@ -129,6 +131,7 @@ impl ControllerSpec for AboutOrbitSpec {
         });
         let adaptation = self.adapt.map(|spec| Adaptation::new(spec, robot, self.period_s, &deviations));
         let Asked { commands: held, .. } = family.asked(None, 0.0);
+        let airs = family.landing().and_then(Landing::airs);
         let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
             None => Box::new(Ahead::new(robot)),
             Some(spec) => {
@@ -156,6 +159,7 @@ impl ControllerSpec for AboutOrbitSpec {
             dives: None,
             perch: task.perch,
             lands: None,
+            airs,
             seen: [0.0; 6],
         }))
     }
@@ -201,7 +205,7 @@ impl AboutOrbit<'_> {
         let begun = self.lands.or_else(|| landing.begins(perch, t, &self.x, (cycles, self.period)));
         self.lands = begun;
         let Some(begun) = begun else { return false };
-        let asked = landing.ask(&begun, perch, (t, cycles, self.period), &self.x);
+        let asked = landing.ask(&begun, perch, (t, cycles, self.period), (&self.x, self.airs.as_ref()));
         let [height, roll, pitch, ahead] = asked.off;
         self.seen = [0.0, height, roll, pitch, asked.done, ahead];
         self.held = asked.commands;
@@ -262,6 +266,11 @@ impl Controller for AboutOrbit<'_> {
             None => self.schedule.demand(t),
             Some(tracking) => tracking.demand(t, position, velocity),
         };
+        if let Some(airs) = &mut self.airs
+            && airs.learn(t, (self.robot, &self.x), &self.held).is_err()
+        {
+            return Update::Kept;
+        }
         if self.land(t, cycles) {
             return Update::Fresh;
         }
