@@ -73,7 +73,7 @@ impl Airs {
     /// `w_i = S_i^-n / sum_j S_j^-n, S' = (|e|^2 - S)/tau, e = what model i misses of velocity and rate over an update`
     /// Source: Magill 1965, IEEE Trans. Autom. Control 10: adaptive estimation by several models; likelihood of 2 n looks whose variance is
     /// not known.
-    /// Test: `the_law_that_holds_is_found_in_flight`.
+    /// Test: `the_law_that_holds_is_found_as_it_lands`.
     ///
     /// How far each law is taken to hold; together 1.
     pub fn weights(&self) -> Vec<f64> {

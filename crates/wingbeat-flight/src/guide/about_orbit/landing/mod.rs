@@ -9,13 +9,12 @@ pub(super) use airs::Airs;
 use super::dive::{gain_at, mean_over};
 use crate::orbit::{Cycle, Direction, Point};
 use nalgebra::DMatrix;
-use plan::{apart, claw_of};
+use plan::apart;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use wingbeat_aero::LiftLaw;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, Mat3, Quat, Vec3, require};
-use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_robot::{Layout, Perch, Robot};
 
 /// Half a loop from level flight to the perch of the scenario, whose height above the start it takes; it begins with the cycle that starts
@@ -152,6 +151,8 @@ pub(super) struct Landed {
     pub off: [f64; 4],
     /// Share of the plan that is done.
     pub done: f64,
+    /// How far other laws than the one that is known are taken to hold.
+    pub others: f64,
 }
 
 /// What a landing is planned with.
@@ -281,7 +282,8 @@ impl Landing {
     ) -> Landed {
         let weights = airs.map_or_else(|| vec![1.0], Airs::weights);
         let states: Vec<&[f64]> = airs.map_or_else(|| vec![x], |airs| airs.states().collect());
-        let mut all = Landed { commands: Vec::new(), off: [0.0; 4], done: 0.0 };
+        let others = weights[1..].iter().sum();
+        let mut all = Landed { commands: Vec::new(), off: [0.0; 4], done: 0.0, others };
         for ((plan, weight), x) in self.plans.iter().zip(weights).zip(states) {
             let (off, done) = self.off(plan, begun, perch, (t, cycles), x);
             let commands = self.by(plan, &off, done, period);
