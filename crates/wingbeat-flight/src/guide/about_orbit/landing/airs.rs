@@ -13,6 +13,8 @@ const FORGOTTEN: f64 = 0.06;
 const ALIKE: [f64; 2] = [0.6, 20.0];
 /// What every model is taken to have missed before, in squares of [`ALIKE`]. *Choice.*
 const BEFORE: f64 = 1e-4;
+/// Least mean square, far below rounding's: shares of nothing have no sense.
+const LEAST: f64 = 1e-30;
 /// Power of the squares that a model misses: half the number of independent looks. *Choice.*
 const LOOKS: i32 = 3;
 
@@ -62,6 +64,7 @@ impl Airs {
             let l = *model.robot.layout();
             let share = 1.0 - (-(t - since) / FORGOTTEN).exp();
             model.missed += share * (missed(&l, x, model.stepper.state()) - model.missed);
+            model.missed = model.missed.max(LEAST);
             let mut next = model.stepper.state().to_vec();
             next[..l.aero].copy_from_slice(&x[..l.aero]);
             model.stepper.reset(t, &next);
@@ -70,9 +73,8 @@ impl Airs {
     }
 
     /// Equation: guide.law_weights
-    /// `w_i = S_i^-n / sum_j S_j^-n, S' = (|e|^2 - S)/tau, e = what model i misses of velocity and rate over an update`
-    /// Source: Magill 1965, IEEE Trans. Autom. Control 10: adaptive estimation by several models; likelihood of 2 n looks whose variance is
-    /// not known.
+    /// `w_i = S_i^-n / sum_j S_j^-n, S' = (e'e - S)/tau, e = what model i misses of velocity and rate over an update`
+    /// Source: Magill 1965, IEEE Trans. Autom. Control 10: several models; likelihood of 2 n looks of unknown variance.
     /// Test: `the_law_that_holds_is_found_as_it_lands`.
     ///
     /// How far each law is taken to hold; together 1.
