@@ -99,6 +99,16 @@ impl<P: Scalar> Aero<P> {
             Self::Strip(model) => Aero::Strip(model.with(numbers)?),
         })
     }
+    /// The same model under another law.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with).
+    pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
+        Ok(match self {
+            Self::LiftingLine(line) => Self::LiftingLine(line.under(law)?),
+            Self::Strip(model) => Self::Strip(model.under(law)?),
+        })
+    }
     /// Arc coordinates where [`SectionMotion`]s are wanted, m, left tip
     /// (positive) to right tip.
     pub fn arcs(&self) -> &[P] {

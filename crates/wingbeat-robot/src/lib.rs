@@ -62,7 +62,7 @@ use joints::{CRANK, Displaced, Placed};
 use mechanism::Mechanism;
 use std::sync::Arc;
 use surface::Covering;
-use wingbeat_aero::{Aero, Surfaces};
+use wingbeat_aero::{Aero, LiftLaw, Surfaces};
 use wingbeat_math::Error;
 use wingbeat_math::{Jet, Scalar, Vec3};
 use wingbeat_ocp::plant::{Channel, MAX_COORDINATES, Role};
@@ -247,6 +247,22 @@ impl Robot {
         self.covering.strip();
         (self.density, self.residual) = (0.0, None);
         self.lay_states()
+    }
+    /// The same robot under another law of lift; what is measured of its loads belongs to its own and is left out.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where a surface has no model under it.
+    pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
+        let mut other = Self { residual: None, ..self.clone() };
+        other.covering.aero = other.covering.aero.under(law)?;
+        Ok(other.lay_states())
+    }
+    /// Its state that has the numbers of the state `x` of the robot `other` where names are the same, and 0 elsewhere.
+    pub fn named_as(&self, other: &Self, x: &[f64]) -> Vec<f64> {
+        let of = |own: &Channel| {
+            other.states.iter().position(|other| other.name == own.name).map_or(0.0, |i| x[i])
+        };
+        self.states.iter().map(of).collect()
     }
     /// The same robot over a ground, or under a ceiling, at the height `ground` m in W: its surfaces of preset `full` feel the mirror
     /// images of all vortices as it flies, for which states follow.

@@ -24,8 +24,8 @@ pub use settings::{LagSpeed, LiftTilt, LiftingLineSettings};
 use super::law::Polar;
 use super::section::{Section, SectionForce, ZeroLift};
 use super::{
-    Coupling, ForceDetail, Loads, Planform, ProfileDrag, SectionMotion, Sections, StripLoads, SurfaceNumbers,
-    Wrench,
+    Coupling, ForceDetail, LiftLaw, Loads, Planform, ProfileDrag, SectionMotion, SectionSettings, Sections,
+    StripLoads, SurfaceNumbers, Wrench,
 };
 use flow::Flow;
 use layout::Layout;
@@ -134,6 +134,19 @@ impl<P: Scalar> LiftingLine<P> {
             Some(outline) => Layout::hinged(outline, &numbers.hinges, &self.settings)?,
         };
         LiftingLine::laid(layout, numbers.clone(), self.settings)
+    }
+
+    /// The same line under another law.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with).
+    pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
+        let section = SectionSettings { law, ..self.settings.section };
+        Self::laid(
+            self.layout.clone(),
+            self.numbers.clone(),
+            LiftingLineSettings { section, ..self.settings },
+        )
     }
 
     /// The numbers in use.

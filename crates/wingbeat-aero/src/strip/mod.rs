@@ -27,7 +27,10 @@ pub use settings::{LagSet, StripSettings};
 
 use crate::law::Polar;
 use crate::section::ZeroLift;
-use crate::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, SurfaceNumbers, Wrench};
+use crate::{
+    Coupling, LiftLaw, Loads, MAX_STRIPS, Planform, SectionMotion, SectionSettings, Sections, SurfaceNumbers,
+    Wrench,
+};
 use cores::Cores;
 use grid::Grid;
 use influence::{Column, Matrix, Targets, Wash, invert, lanes, multiply, plain};
@@ -126,6 +129,16 @@ impl<P: Scalar> StripModel<P> {
     /// [`Error::Invalid`] when the strips do not fit the outline.
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<StripModel<Q>, Error> {
         StripModel::laid(numbers.clone(), self.settings.clone())
+    }
+
+    /// The same strips under another law.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with).
+    pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
+        let section = SectionSettings { law, ..self.settings.section };
+        let settings = StripSettings { section, ..self.settings.clone() };
+        Self::laid(self.numbers.clone(), settings)
     }
 
     /// The numbers in use.

@@ -15,7 +15,7 @@
 
 use super::strip::{ARRIVAL_LAGS, Others, Source, Vortices};
 use super::{
-    Aero, Coupling, Ground, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections,
+    Aero, Coupling, Ground, LiftLaw, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections,
     SurfaceNumbers, Wrench,
 };
 use std::ops::Range;
@@ -102,6 +102,16 @@ impl Surfaces {
         }
         all.pair();
         Ok(all)
+    }
+
+    /// The same surfaces under another law.
+    ///
+    /// # Errors
+    /// As [`Aero::under`].
+    pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
+        let under = |own: &Surface| Ok((own.name.clone(), own.aero.under(law)?));
+        let all = Self::new(self.surfaces.iter().map(under).collect::<Result<Vec<_>, Error>>()?)?;
+        Ok(if self.grounded { all.over_ground() } else { all })
     }
 }
 

@@ -224,6 +224,7 @@ pub const COLUMNS: &[Described] = &[
     column("orbit_dive_saved", &[FLIGHT], ONE, "", "Share of its cost that the last iteration of the dive's plan saved."),
     column("orbit_landing", &[FLIGHT], ONE, "", "Share of the landing of `controller.orbit.landing` that is done."),
     column("orbit_landing_ahead", &[FLIGHT], M, "", "How far the robot is ahead of the plan of the landing along its way; what it began ahead is made up until the end."),
+    column("orbit_landing_other_laws", &[FLIGHT], ONE, "", "How far `laws` of `controller.orbit.landing` are taken to hold in place of the law that the controller knows."),
     column("orbit_landing_saved", &[FLIGHT], ONE, "", "Share of its cost that the last iteration of the landing's plan saved."),
     column("orbit_landing_speed", &[FLIGHT], &["m/s"], "", "Speed of the claw at the end of the landing's plan."),
     column("orbit_landing_pitch", &[FLIGHT], RAD, "", "Pitch off half a turn at the end of the landing's plan."),

@@ -47,18 +47,14 @@ pub struct Plain {
     pub other_rate: Option<f64>,
 }
 
-/// A measured table: as [`read_csv`](crate::read_csv) reads it where a column is called `t` or `phase` and none names a unit, else as a file of channels with a
+/// A measured table: as [`read_csv`](crate::read_csv) reads it where a column is called `t` or `phase`, else as a file of channels with a
 /// column of time, `Time (s)`; units of forces, moments and angles that it says become N, N m and rad, and rows with missing samples go.
 ///
 /// # Errors
 /// Those of `read_csv` where neither reads it.
 pub fn read_measured(path: &Path) -> Result<Record, Error> {
     let plainly = crate::read_csv(path);
-    let is_plain = |record: &Record| {
-        let bare = |column: &Column| base(&column.name).1.is_none();
-        ["t", "phase"].iter().any(|name| record.column(name).is_some()) && record.columns().iter().all(bare)
-    };
-    if plainly.as_ref().is_ok_and(is_plain) {
+    if plainly.as_ref().is_ok_and(|record| ["t", "phase"].iter().any(|name| record.column(name).is_some())) {
         return plainly;
     }
     let channels = super::read_channels(path).and_then(|table| table.plain(&Asked::default()));

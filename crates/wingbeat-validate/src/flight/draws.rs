@@ -34,8 +34,8 @@ pub const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: 
 /// Launches by hand, of which none may be lost; their wings are not clear in most.
 pub const LAUNCH: Asked = Asked { sweep: "launch_20g", lost: 0.0, crossing: None, power: None };
 
-/// Landings, of which 90 of 100 are asked to be caught. 85 are: all under the law that the plan knows, 33 of 48 under the other.
-pub const LAND: Asked = Asked { sweep: "land_20g", lost: f64::INFINITY, crossing: None, power: None };
+/// Landings, of which 90 of 100 are asked to be caught.
+pub const LAND: Asked = Asked { sweep: "land_20g", lost: 0.1, crossing: None, power: None };
 
 /// In unknown air: 190 of 200 in the turn, 195 level, 180 of Beta.
 pub const ANY_AIR_BANK30: Asked =

@@ -3,8 +3,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use wingbeat::aero::LiftLaw;
 use wingbeat::judge::Status;
 use wingbeat::math::Vec3;
+use wingbeat::plant::Plant;
+use wingbeat::robot::Robot;
 use wingbeat::scenario::{Run, Scenario};
 
 fn loaded(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
@@ -121,6 +124,14 @@ fn a_perch_that_cannot_be_is_refused() {
     let told = landing(&["controller.orbit.landing={cycles=6, iterations=0}", "controller.orbit.legs=[]"]);
     assert!(told.contains("1 to 1000"), "{told}");
     assert!(landing(&["controller.orbit.landing.cycles=6"]).contains("none beside landing"));
+    // The controller of `bank15_20g` knows law `stall`.
+    for laws in ["['stall']", "['linear']", "['lev', 'lev']", "['lev', 'lev3d', 'stall', 'linear']"] {
+        let given = format!("controller.orbit.landing={{cycles=6, laws={laws}}}");
+        let told = landing(&[&given, "controller.orbit.legs=[]"]);
+        assert!(told.contains("controller.orbit.landing.laws"), "{laws}: {told}");
+    }
+    let told = landing(&["controller.orbit.landing={cycles=6, laws=['soft']}", "controller.orbit.legs=[]"]);
+    assert!(told.contains("lev3d"), "{told}");
 }
 
 /// Half a loop from 3.2 m/s to the perch within what the claw latches at, in still air as planned, and in gusts.
@@ -137,5 +148,44 @@ fn a_landing_ends_upside_down_at_the_perch() {
         }
         let nose = run.record.values("pitch").unwrap();
         assert!(nose.iter().any(|pitch| *pitch < -1.4), "it goes over by the nose");
+    }
+}
+
+/// A robot that is put under another law has the rates of one that was built under it.
+#[test]
+fn a_robot_under_another_law_is_as_one_built_under_it() {
+    let still = "aero.law=";
+    let robots = ["stall", "lev"].map(|law| loaded("bank15_20g", &[&format!("{still}{law}")]).unwrap());
+    let [stall, lev] = [robots[0].robot(), robots[1].robot()];
+    let moved = stall.under(LiftLaw::Lev).unwrap();
+    let x = moved.named_as(stall, &robots[0].start());
+    assert_eq!(x.len(), lev.states().len());
+    let names = |robot: &Robot| robot.states().iter().map(|state| state.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&moved), names(lev));
+    let rates = |robot: &Robot| {
+        let (mut dx, u) = (vec![0.0; x.len()], vec![0.0; robot.inputs().len()]);
+        robot.rates(0.03, &x, &u, &mut dx).unwrap();
+        dx
+    };
+    assert_eq!(rates(&moved), rates(lev));
+    let back = moved.under(LiftLaw::Stall).unwrap();
+    assert_eq!(names(&back), names(stall));
+    assert_eq!(back.named_as(&moved, &x), robots[0].start());
+}
+
+/// Half a loop under a law that the controller does not know: within a cycle it takes the law that holds for the one that does.
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn the_law_that_holds_is_found_as_it_lands() {
+    for (law, other) in [("stall", 0.0), ("lev", 1.0)] {
+        let air = format!("mismatch.aero={{preset='full', law='{law}', full={{strips=9}}}}");
+        let run = flown("land_20g", &[&air, "air.gust_m_s=0.3", "mismatch.mass=1.02", "seed=2"]);
+        let (t, others) =
+            (run.record.values("t").unwrap(), run.record.values("orbit_landing_other_laws").unwrap());
+        for (t, others) in t.iter().zip(others).filter(|(t, _)| **t > 0.12) {
+            assert!((others - other).abs() < 0.1, "law {law}: {others} at {t} s");
+        }
+        let perch = run.summary.perch.unwrap();
+        assert!(perch.caught, "law {law}: {perch:?}");
     }
 }

@@ -23,6 +23,9 @@ const HELD: f64 = 0.02;
 /// Largest difference of the mean roll from the bank, deg. *Choice.*
 const ROLLED_DEG: f64 = 3.0;
 
+/// Share of commands at a limit from which on that is told of a turn that does not hold. *Choice.*
+const SATURATED: f64 = 0.05;
+
 /// A turn that was flown.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurnSummary {
@@ -177,6 +180,11 @@ fn turned(run: &crate::Summary, bank_deg: f64, speed: f64) -> TurnSummary {
         );
         reason = Some(reason.map_or(text.clone(), |reason| format!("{reason}; {text}")));
     }
+    let held = run.input_saturation_fraction;
+    if status != Status::Ok && held > SATURATED {
+        let text = format!("{:.0} % of the commands are at a limit", 100.0 * held);
+        reason = Some(reason.map_or(text.clone(), |reason| format!("{reason}; {text}")));
+    }
     TurnSummary {
         status,
         reason,
@@ -188,7 +196,7 @@ fn turned(run: &crate::Summary, bank_deg: f64, speed: f64) -> TurnSummary {
         height_max_error_m: run.height_max_error_m,
         least_clearance_m: run.least_clearance_m,
         power_w_kg: run.cost.positive_power_w_kg,
-        input_saturation_fraction: Some(run.input_saturation_fraction),
+        input_saturation_fraction: Some(held),
         flights: 0,
     }
 }

@@ -30,7 +30,7 @@ use adapt::Adaptation;
 use ahead::Ahead;
 use family::{Asked, Family};
 use feedback::{DEVIATIONS, INTEGRAL};
-use landing::Begun;
+use landing::{Airs, Begun, Landing};
 use nalgebra::DVector;
 use predictive::{Height, Predictive};
 use schedule::{Place, Schedule};
@@ -72,9 +72,11 @@ struct AboutOrbit<'a> {
     /// The perch to land on, and the landing once it has begun.
     perch: Option<Perch>,
     lands: Option<Begun>,
+    /// Which law of lift holds, where the landing is planned under several.
+    airs: Option<Airs>,
     /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive or landing, how
-    /// far ahead of the landing's plan.
-    seen: [f64; 6],
+    /// far ahead of the landing's plan, how far other laws than the one that is known are taken to hold.
+    seen: [f64; 7],
 }
 
 impl ControllerSpec for AboutOrbitSpec {
@@ -129,6 +131,7 @@ impl ControllerSpec for AboutOrbitSpec {
         });
         let adaptation = self.adapt.map(|spec| Adaptation::new(spec, robot, self.period_s, &deviations));
         let Asked { commands: held, .. } = family.asked(None, 0.0);
+        let airs = family.landing().and_then(Landing::airs);
         let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
             None => Box::new(Ahead::new(robot)),
             Some(spec) => {
@@ -156,7 +159,8 @@ impl ControllerSpec for AboutOrbitSpec {
             dives: None,
             perch: task.perch,
             lands: None,
-            seen: [0.0; 6],
+            airs,
+            seen: [0.0; 7],
         }))
     }
 }
@@ -201,9 +205,9 @@ impl AboutOrbit<'_> {
         let begun = self.lands.or_else(|| landing.begins(perch, t, &self.x, (cycles, self.period)));
         self.lands = begun;
         let Some(begun) = begun else { return false };
-        let asked = landing.ask(&begun, perch, (t, cycles, self.period), &self.x);
+        let asked = landing.ask(&begun, perch, (t, cycles, self.period), (&self.x, self.airs.as_ref()));
         let [height, roll, pitch, ahead] = asked.off;
-        self.seen = [0.0, height, roll, pitch, asked.done, ahead];
+        self.seen = [0.0, height, roll, pitch, asked.done, ahead, asked.others];
         self.held = asked.commands;
         for (command, channel) in self.held.iter_mut().zip(self.robot.inputs()) {
             *command = channel.clamp(*command);
@@ -240,9 +244,10 @@ impl AboutOrbit<'_> {
 }
 
 /// Columns of a landing, and their units.
-const LANDING: [(&str, &str); 5] = [
+const LANDING: [(&str, &str); 6] = [
     ("orbit_landing", ""),
     ("orbit_landing_ahead", "m"),
+    ("orbit_landing_other_laws", ""),
     ("orbit_landing_saved", ""),
     ("orbit_landing_speed", "m/s"),
     ("orbit_landing_pitch", "rad"),
@@ -262,6 +267,11 @@ impl Controller for AboutOrbit<'_> {
             None => self.schedule.demand(t),
             Some(tracking) => tracking.demand(t, position, velocity),
         };
+        if let Some(airs) = &mut self.airs
+            && airs.learn(t, (self.robot, &self.x), &self.held).is_err()
+        {
+            return Update::Kept;
+        }
         if self.land(t, cycles) {
             return Update::Fresh;
         }
@@ -296,7 +306,7 @@ impl Controller for AboutOrbit<'_> {
         }
         let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
         let dived = self.family.dive().map_or(0.0, |dive| since / dive.cycles);
-        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived, 0.0];
+        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived, 0.0, 0.0];
         let Some(predictive) = &mut self.predictive else {
             self.regulate(place, cycles, since, asked, &error);
             return Update::Fresh;
@@ -344,7 +354,7 @@ impl Controller for AboutOrbit<'_> {
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(&self.seen[..4]);
         match (self.family.dive(), self.family.landing()) {
-            (_, Some(landing)) => row.extend(self.seen[4..6].iter().chain(&landing.reached)),
+            (_, Some(landing)) => row.extend(self.seen[4..7].iter().chain(&landing.reached)),
             (Some(dive), None) => row.extend([self.seen[4], dive.saved]),
             (None, None) => {}
         }

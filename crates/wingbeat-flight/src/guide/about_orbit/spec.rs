@@ -160,7 +160,7 @@ impl AboutOrbitSpec {
             dive.in_range().map_err(|e| e.within("dive"))?;
         }
         if let Some(landing) = &self.landing {
-            landing.in_range().map_err(|e| e.within("landing"))?;
+            landing.check(robot).map_err(|e| e.within("landing"))?;
         }
         let planned = [("dive", self.dive.is_some()), ("landing", self.landing.is_some())];
         if let Some((plan, _)) = planned.into_iter().find(|(_, given)| *given) {

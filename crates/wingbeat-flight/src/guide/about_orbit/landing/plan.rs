@@ -1,22 +1,19 @@
-//! A landing heel above head: from a level orbit the nose goes up and over in half a loop that ends at the perch, slow and upside down,
-//! by commands that are planned on the whole model before the flight, and feedback about the plan.
+//! The plan of a landing on the whole model, and the feedback about it.
 
-use super::ddp::{self, Flown, Parts, Quadratic};
-use super::dive::{gain_at, mean_over};
-use super::feedback::{back, effort};
-use crate::orbit::{Cycle, Direction, Point, Section, alone, fly_held};
+use super::super::ddp::{self, Flown, Parts, Quadratic};
+use super::super::feedback::{back, effort};
+use super::{Approach, LandingSpec, Planned};
+use crate::orbit::{Direction, Section, alone, fly_held};
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use wingbeat_math::parallel;
-use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::{Error, Mat3, Quat, Scalar, Vec3};
+use wingbeat_math::{Error, Quat, Scalar, Vec3};
 use wingbeat_ocp::plant::{Channel, Early, Fault, Plant};
-use wingbeat_robot::{Layout, Perch, Robot};
+use wingbeat_robot::{Layout, Robot};
 
-/// What counts as one at the end of the plan: velocity of the claw, m/s, pitch, rad, its rate, rad/s, and height off the perch, m.
-/// *Choices.*
-const END: [f64; 5] = [0.15, 0.15, 5.0 * PI / 180.0, 5.0, 0.01];
+/// What counts as one at the end of the plan: velocity of the claw, m/s, pitch, rad, its rate, rad/s, height off the perch, m, and place
+/// along the way off that of the first plan, m. *Choices.*
+const END: [f64; 6] = [0.15, 0.15, 5.0 * PI / 180.0, 5.0, 0.01, 0.01];
 /// Cost of a full command over a part. *Choice.*
 const EFFORT: f64 = 0.01;
 /// Clearance below which the plan pays, and what counts as one below it, m. *Choices.*
@@ -33,106 +30,6 @@ const COMMAND: f64 = 0.1;
 /// Numbers of the body among what deviates: place, rotation, velocity, rate.
 const BODY: usize = 12;
 
-/// Half a loop from level flight to the perch of the scenario, whose height above the start it takes; it begins with the cycle that starts
-/// nearest to where the plan does.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, schemars::JsonSchema)]
-#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
-#[serde(deny_unknown_fields)]
-pub struct LandingSpec {
-    /// Cycles of the gait from level flight to the perch.
-    pub cycles: usize,
-    /// Share of the range of each command that the plan may use; the rest is left to the feedback.
-    #[serde(default = "most")]
-    pub share: f64,
-    /// Speed of the claw at the end of the plan that is refused beyond, m/s.
-    #[serde(default = "slow")]
-    pub speed_within_m_s: f64,
-    /// Pitch off half a turn at the end of the plan that is refused beyond, deg.
-    #[serde(default = "over")]
-    pub pitch_within_deg: f64,
-    /// Most iterations to each of the three ends by which the plan is led to the landing.
-    #[serde(default = "most_iterations")]
-    pub iterations: usize,
-}
-
-fn most() -> f64 {
-    0.9
-}
-
-fn slow() -> f64 {
-    0.3
-}
-
-fn over() -> f64 {
-    12.0
-}
-
-fn most_iterations() -> usize {
-    60
-}
-
-ranges!(LandingSpec {
-    cycles: Range::between(2.0, 20.0),
-    share: Range::between(0.1, 1.0),
-    speed_within_m_s: Range::POSITIVE,
-    pitch_within_deg: Range::between(0.1, 180.0),
-    iterations: Range::between(1.0, 1000.0),
-});
-
-/// A planned landing and the feedback about it, by parts of a cycle, from the origin with heading zero on.
-pub(super) struct Landing {
-    /// How long it takes, s.
-    duration: f64,
-    /// States at every step.
-    steps: Vec<Vec<f64>>,
-    /// Commands of every part.
-    commands: Vec<Vec<f64>>,
-    /// Feedback of the inputs by what deviates, at the begin of every part and at the end.
-    gains: Vec<DMatrix<f64>>,
-    /// Numbers of the inputs.
-    inputs: Vec<usize>,
-    /// Where the claw ends.
-    end: Vec3,
-    /// Share of its cost that the last iteration saved, speed of the claw at its end, m/s, and pitch off half a turn there, rad.
-    pub reached: [f64; 3],
-    /// Where the crank's part of the phase is among the states.
-    crank: Option<usize>,
-    layout: Layout,
-}
-
-/// A landing under way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Begun {
-    /// When it began, s.
-    pub time: f64,
-    /// Cycles of the gait at which it began.
-    pub cycles: f64,
-    /// Heading then, rad.
-    heading: f64,
-    /// Place then less that of the plan, m.
-    ahead: Vec3,
-}
-
-/// What a landing asks for now.
-pub(super) struct Landed {
-    pub commands: Vec<f64>,
-    /// Height, roll and pitch off the plan, and how far ahead of it.
-    pub off: [f64; 4],
-    /// Share of the plan that is done.
-    pub done: f64,
-}
-
-/// What a landing is planned with.
-pub(super) struct Approach<'a> {
-    pub cycle: &'a Cycle<'a>,
-    /// The level orbit.
-    pub point: &'a Point,
-    /// The commands that act on both sides alike, and each that is fed back.
-    pub pairs: &'a [Direction],
-    pub inputs: &'a [usize],
-    pub perch: &'a Perch,
-}
-
 /// What is differentiated by state and commands.
 type Differentiated<'a> = dyn Fn(&[Early], &[Early]) -> Result<Vec<Early>, Fault> + 'a;
 
@@ -147,34 +44,42 @@ struct Problem<'a> {
     high: DVector<f64>,
     /// Commands of the orbit.
     level: Vec<f64>,
-    /// What is asked at the end, in the order of [`END`]; any height where it is not finite.
-    asked: [f64; 5],
+    /// What is asked at the end, in the order of [`END`]; nothing of what is not finite.
+    asked: [f64; 6],
 }
 
-impl Landing {
-    /// Plans the landing `spec`, and the feedback about it.
+impl Planned {
+    /// Of the approach, from the state `begin` on; near to a plan under another law, where there is one, and to where that ends.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the robot cannot fly it so.
-    pub fn plan(spec: &LandingSpec, approach: &Approach) -> Result<Self, Error> {
-        let Approach { cycle, point, .. } = *approach;
+    pub fn new(
+        spec: &LandingSpec,
+        approach: &Approach,
+        begin: &[f64],
+        near: Option<&Self>,
+    ) -> Result<Self, Error> {
         let broken = |fault: Fault| Error::invalid("cycles", fault, "a landing that the model can fly");
         let mut problem = Problem::new(spec, approach)?;
-        let begin = cycle.start(point);
-        let flown = problem.solve(&begin, spec.iterations).map_err(broken)?;
+        let flown = match near {
+            None => problem.solve(begin, spec.iterations),
+            Some(near) => problem.solve_near(near, begin, spec.iterations),
+        };
+        let flown = flown.map_err(broken)?;
+        let layout = *problem.robot.layout();
         let end = &flown.nodes[problem.parts];
         let [vx, vz, pitch, ..] = problem.ends(end);
-        let speed = vx.hypot(vz);
-        let over = (pitch + PI).abs().to_degrees();
-        if !(speed <= spec.speed_within_m_s && over <= spec.pitch_within_deg) {
+        let (speed, over) = (vx.hypot(vz), (pitch + PI).abs());
+        if !(speed <= spec.speed_within_m_s && over.to_degrees() <= spec.pitch_within_deg) {
+            let law = problem.robot.surfaces().next().map_or("", |(_, aero)| aero.law().name());
             let allowed = format!(
-                "a landing of which the robot is capable: with these cycles it gets to {speed:.2} m/s, nose up by {:.0} deg",
+                "a landing of which the robot is capable: with these cycles it gets to {speed:.2} m/s, nose up by {:.0} deg under law {law}",
                 -pitch.to_degrees()
             );
             return Err(Error::invalid("cycles", spec.cycles, allowed));
         }
         let commands: Vec<Vec<f64>> = flown.commands.iter().map(|v| problem.held(v.as_slice())).collect();
-        let mut steps = vec![begin];
+        let mut steps = vec![begin.to_vec()];
         for (k, held) in commands.iter().enumerate() {
             problem.fly(k, &flown.nodes[k], held, &mut |x: &[f64]| steps.push(x.to_vec())).map_err(broken)?;
         }
@@ -182,102 +87,13 @@ impl Landing {
         let gains = gains.ok_or_else(|| {
             Error::invalid("cycles", spec.cycles, "a landing about which the feedback has a solution")
         })?;
-        let layout = *problem.robot.layout();
-        Ok(Self {
-            duration: spec.cycles as f64 * cycle.duration(1.0),
-            end: claw_of(&layout, end, approach.perch.claw())[0],
-            reached: [flown.saved, speed, over.to_radians()],
-            steps,
-            commands,
-            gains,
-            inputs: approach.inputs.to_vec(),
-            crank: problem.robot.pacer().map(|pacer| layout.structure + pacer.element),
-            layout,
-        })
+        let end = claw_of(&layout, end, approach.perch.claw());
+        Ok(Self { steps, commands, gains, layout, end, saved: flown.saved, over })
     }
 
-    /// Begins it, where the whole of a cycle has just begun at the time `t` in the state `x` and no other begins nearer to where the plan
-    /// does. A cycle has begun where the number of `cycles` is whole, up to the share `late` of one.
-    pub fn begins(&self, perch: &Perch, t: f64, x: &[f64], (cycles, period): (f64, f64)) -> Option<Begun> {
-        let l = &self.layout;
-        let whole = cycles.round();
-        // Updates may come a little before or after the cycle begins.
-        if !((cycles - whole).abs() <= 0.5 * period / self.cycle()) {
-            return None;
-        }
-        let yaw = Quat::from_wxyz(&x[l.attitude..]).matrix().roll_pitch_yaw()[2];
-        let velocity = Vec3::from_slice(&x[l.velocity..]);
-        let ahead = Mat3::rotation_z(-yaw) * (perch.place() - Vec3::from_slice(&x[l.position..]));
-        let to_go = ahead[0] - self.end[0];
-        let half = 0.5 * self.cycle() * velocity[0].hypot(velocity[1]);
-        let mut begun = Begun {
-            time: t - (cycles - whole) * self.cycle(),
-            cycles: whole,
-            heading: yaw,
-            ahead: Vec3::ZERO,
-        };
-        (to_go <= half).then(|| {
-            let (off, _) = self.off(&begun, perch, (t, cycles), x);
-            begun.ahead = Vec3([off[0], off[1], 0.0]);
-            begun
-        })
-    }
-
-    /// Duration of a cycle of the gait, s.
-    fn cycle(&self) -> f64 {
-        let parts = self.commands.len();
-        let per_cycle = crate::orbit::PARTS;
-        self.duration / (parts / per_cycle) as f64
-    }
-
-    /// What the state `x` is off the plan at the time `t` with the gait's phase `cycles`, place and velocity along the axes of the plan, and
-    /// the share of it that is done.
-    fn off(&self, begun: &Begun, perch: &Perch, (t, cycles): (f64, f64), x: &[f64]) -> (Vec<f64>, f64) {
-        let l = &self.layout;
-        let since = t - begun.time;
-        let done = (since / self.duration).clamp(0.0, 1.0);
-        let last = self.steps.len() - 1;
-        let at = done * last as f64;
-        let i = (at as usize).min(last - 1);
-        let share = at - i as f64;
-        let nearer = |(one, other): (&f64, &f64)| one + share * (other - one);
-        let mut asked: Vec<f64> = self.steps[i].iter().zip(&self.steps[i + 1]).map(nearer).collect();
-        Quat::from_wxyz(&asked[l.attitude..]).normalized().store_wxyz(&mut asked[l.attitude..]);
-        let mut own = x.to_vec();
-        let back = Mat3::rotation_z(-begun.heading);
-        // What it began ahead is made up smoothly until the end.
-        let left = 1.0 - done * done * (3.0 - 2.0 * done);
-        let leaves = -6.0 * done * (1.0 - done) / self.duration;
-        let place = back * (Vec3::from_slice(&x[l.position..]) - perch.place()) + self.end;
-        (place - begun.ahead * left).store(&mut own[l.position..]);
-        (back * Vec3::from_slice(&x[l.velocity..]) - begun.ahead * leaves).store(&mut own[l.velocity..]);
-        let turned = Quat::from_roll_pitch_yaw(0.0, 0.0, -begun.heading) * Quat::from_wxyz(&x[l.attitude..]);
-        turned.store_wxyz(&mut own[l.attitude..]);
-        if let Some(crank) = self.crank {
-            // The phase counts, whatever part of it was the crank's before.
-            own[crank] = std::f64::consts::TAU * (cycles - begun.cycles - since / self.cycle());
-        }
-        (apart(l, &asked, &own), done)
-    }
-
-    /// What it asks for at the time `t` in the state `x` with the gait's phase `cycles`, over the coming `period` (s).
-    pub fn ask(
-        &self,
-        begun: &Begun,
-        perch: &Perch,
-        (t, cycles, period): (f64, f64, f64),
-        x: &[f64],
-    ) -> Landed {
-        let (off, done) = self.off(begun, perch, (t, cycles), x);
-        let gain = gain_at(&self.gains, done);
-        let parts = self.commands.len() as f64;
-        let per = parts / self.duration;
-        let from = (done * parts).min(parts - 1e-6);
-        let mut commands = mean_over(&self.commands, [from, from + period * per]);
-        for (row, input) in self.inputs.iter().enumerate() {
-            commands[*input] -= off.iter().enumerate().map(|(j, off)| gain[(row, j)] * off).sum::<f64>();
-        }
-        Landed { commands, off: [off[2], off[3], off[4], off[0]], done }
+    /// Speed of the claw at the end, m/s.
+    pub fn speed(&self) -> f64 {
+        self.end[1].norm()
     }
 }
 
@@ -296,7 +112,7 @@ fn beside<S: Scalar>(l: &Layout, x0: &[f64], d: &[S]) -> Vec<S> {
 }
 
 /// What the state `x` is off `x0`: place, twice the vector of the quaternion between them, velocity, rate, and the rest.
-fn apart<S: Scalar>(l: &Layout, x0: &[f64], x: &[S]) -> Vec<S> {
+pub(super) fn apart<S: Scalar>(l: &Layout, x0: &[f64], x: &[S]) -> Vec<S> {
     let mut d = vec![S::ZERO; x.len() - 1];
     let difference = |i: usize| x[i] - x0[i];
     for i in 0..3 {
@@ -313,7 +129,7 @@ fn apart<S: Scalar>(l: &Layout, x0: &[f64], x: &[S]) -> Vec<S> {
 }
 
 /// Place and velocity of a point of the body.
-fn claw_of<S: Scalar>(l: &Layout, x: &[S], claw: Vec3) -> [Vec3<S>; 2] {
+pub(super) fn claw_of<S: Scalar>(l: &Layout, x: &[S], claw: Vec3) -> [Vec3<S>; 2] {
     let attitude = Quat::from_wxyz(&x[l.attitude..]).matrix();
     let arm: Vec3<S> = Vec3::constant(claw);
     let swept = attitude * Vec3::from_slice(&x[l.rate..]).cross(arm);
@@ -344,7 +160,7 @@ impl<'a> Problem<'a> {
             low: low.map(|v| v.min(0.0)),
             high: high.map(|v| v.max(0.0)),
             level: level.clone(),
-            asked: [0.0; 5],
+            asked: [0.0; 6],
         })
     }
 
@@ -362,12 +178,38 @@ impl<'a> Problem<'a> {
             let left = 1.0 - stage as f64 / STAGES as f64;
             let last = stage == STAGES;
             let height = if last { self.approach.perch.place()[2] } else { f64::NAN };
-            self.asked = [left * vx, left * vz, left * pitch - (1.0 - left) * PI, 0.0, height];
+            self.asked = [left * vx, left * vz, left * pitch - (1.0 - left) * PI, 0.0, height, f64::NAN];
             let found = ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))?;
             commands = found.commands.clone();
             flown = Some(found);
         }
         flown.ok_or(Fault::NotFinite { state: 0, time: 0.0 })
+    }
+
+    /// As [`solve`](Self::solve), from the commands on by which the feedback of the plan `near` would land.
+    fn solve_near(&mut self, near: &Planned, begin: &[f64], iterations: usize) -> Result<Flown, Fault> {
+        let air = near.layout.aero - 1;
+        let (mut commands, mut x) = (Vec::with_capacity(self.parts), begin.to_vec());
+        let steps = self.approach.cycle.steps() / self.approach.cycle.parts();
+        for (k, planned) in near.commands.iter().enumerate() {
+            let off = apart(&near.layout, &near.steps[k * steps][..=air], &x[..=air]);
+            let v = self.approach.pairs.iter().zip(self.low.iter().zip(self.high.iter())).map(
+                |(pair, (low, high))| {
+                    let (input, share) = pair[0];
+                    let row = self.approach.inputs.iter().position(|i| *i == input);
+                    let fed = |row| {
+                        off.iter().enumerate().map(|(j, off)| near.gains[k][(row, j)] * off).sum::<f64>()
+                    };
+                    ((planned[input] - row.map_or(0.0, fed) - self.level[input]) / share).clamp(*low, *high)
+                },
+            );
+            let v = DVector::from_iterator(self.low.len(), v);
+            x = self.fly(k, &x, &self.held(v.as_slice()), &mut |_| ())?;
+            commands.push(v);
+        }
+        let perch = self.approach.perch.place()[2];
+        self.asked = [0.0, 0.0, -PI, 0.0, perch, near.end[0][0]];
+        ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))
     }
 
     /// All commands for those `beside` the orbit's.
@@ -392,12 +234,12 @@ impl<'a> Problem<'a> {
         Ok(x)
     }
 
-    /// Velocity of the claw ahead and up, pitch beyond half a turn too, its rate, height of the claw.
-    fn ends<S: Scalar>(&self, x: &[S]) -> [S; 5] {
+    /// Velocity of the claw ahead and up, pitch beyond half a turn too, its rate, height of the claw, its place along the way.
+    fn ends<S: Scalar>(&self, x: &[S]) -> [S; 6] {
         let l = self.robot.layout();
         let [place, velocity] = claw_of(l, x, self.approach.perch.claw());
         let pitch = x[l.attitude + 2].atan2(x[l.attitude]) * 2.0;
-        [velocity[0], velocity[2], pitch, x[l.rate + 1], place[2]]
+        [velocity[0], velocity[2], pitch, x[l.rate + 1], place[2], place[0]]
     }
 
     /// What counts at the end of the plan, or before part `k`: its squares are the cost.
