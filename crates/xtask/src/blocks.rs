@@ -17,8 +17,15 @@ const SHARED: [&str; 6] = ["robots", "scenarios", "cases", "rigs", "calibrations
 /// Verbs that take a second here, and so run before every change.
 const QUICK: [&str; 4] = ["new", "tether", "average", "show"];
 /// Beginnings of lines that build, install or rename.
-const BUILDS: [&str; 6] =
-    ["cargo install ", "cargo build ", "cargo test ", "pip install ", "export PATH=", "RUSTFLAGS="];
+const BUILDS: [&str; 7] = [
+    "cargo install ",
+    "cargo build ",
+    "cargo test ",
+    "pip install ",
+    "export PATH=",
+    "RUSTFLAGS=",
+    "CARGO_INCREMENTAL=",
+];
 /// The program as it is built and run at once.
 const BUILT: &str = "cargo run --release -- ";
 /// What shows a document of a kind, or reads it.
