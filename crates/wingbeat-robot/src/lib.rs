@@ -257,7 +257,8 @@ impl Robot {
         other.covering.aero = other.covering.aero.under(law)?;
         Ok(other.lay_states())
     }
-    /// Its state that has the numbers of the state `x` of the robot `other` where names are the same, and 0 elsewhere.
+    /// Its state that has the numbers of the state `x` of the robot `other`, in the units of its states, where names are the same, and 0
+    /// elsewhere.
     pub fn named_as(&self, other: &Self, x: &[f64]) -> Vec<f64> {
         let of = |own: &Channel| {
             other.states.iter().position(|other| other.name == own.name).map_or(0.0, |i| x[i])

@@ -267,10 +267,8 @@ impl Controller for AboutOrbit<'_> {
             None => self.schedule.demand(t),
             Some(tracking) => tracking.demand(t, position, velocity),
         };
-        if let Some(airs) = &mut self.airs
-            && airs.learn(t, (self.robot, &self.x), &self.held).is_err()
-        {
-            return Update::Kept;
+        if let Some(airs) = &mut self.airs {
+            airs.learn(t, (self.robot, &self.x), &self.held);
         }
         if self.land(t, cycles) {
             return Update::Fresh;

@@ -4,7 +4,7 @@ use crate::guide::history::STEP;
 use crate::simulate::Stepper;
 use std::sync::Arc;
 use wingbeat_math::Vec3;
-use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_ocp::plant::Plant;
 use wingbeat_robot::{Layout, Robot};
 
 /// Time over which what the models miss is averaged, s: about half a cycle of a robot of 20 g. *Choice.*
@@ -44,13 +44,11 @@ impl Airs {
         Self { models: robots.iter().map(model).collect(), last: None }
     }
 
-    /// Compares what each has expected under the commands `held` with the state `x` of the robot `known`, measured at the time `t`.
-    ///
-    /// # Errors
-    /// The [`Fault`] of a model that breaks down.
-    pub fn learn(&mut self, t: f64, (known, x): (&Robot, &[f64]), held: &[f64]) -> Result<(), Fault> {
+    /// Compares what each has expected under the commands `held`, in the units of the inputs, with the state `x` of the robot `known`, in the
+    /// units of its states, measured at the time `t`, s. A model that breaks down counts no more.
+    pub fn learn(&mut self, t: f64, (known, x): (&Robot, &[f64]), held: &[f64]) {
         let since = self.last.replace(t).filter(|since| t > *since);
-        for model in &mut self.models {
+        for model in self.models.iter_mut().filter(|model| model.missed.is_finite()) {
             let Some(since) = since else {
                 let begin = model.robot.named_as(known, x);
                 model.stepper.reset(t, &begin);
@@ -58,8 +56,10 @@ impl Airs {
             };
             model.stepper.set_inputs(held);
             let steps = ((t - since) / STEP).ceil();
-            for _ in 0..steps as usize {
-                model.stepper.step((t - since) / steps)?;
+            let flown = (0..steps as usize).try_for_each(|_| model.stepper.step((t - since) / steps));
+            if flown.is_err() {
+                model.missed = f64::INFINITY;
+                continue;
             }
             let l = *model.robot.layout();
             let share = 1.0 - (-(t - since) / FORGOTTEN).exp();
@@ -69,7 +69,6 @@ impl Airs {
             next[..l.aero].copy_from_slice(&x[..l.aero]);
             model.stepper.reset(t, &next);
         }
-        Ok(())
     }
 
     /// Equation: guide.law_weights
@@ -77,15 +76,18 @@ impl Airs {
     /// Source: Magill 1965, IEEE Trans. Autom. Control 10: several models; likelihood of 2 n looks of unknown variance.
     /// Test: `the_law_that_holds_is_found_as_it_lands`.
     ///
-    /// How far each law is taken to hold; together 1.
+    /// Share to which each law is taken to hold; together 1, the first where every model has broken down.
     pub fn weights(&self) -> Vec<f64> {
         let least = self.models.iter().map(|model| model.missed).fold(f64::INFINITY, f64::min);
+        if least.is_infinite() {
+            return (0..self.models.len()).map(|i| if i == 0 { 1.0 } else { 0.0 }).collect();
+        }
         let shares: Vec<f64> = self.models.iter().map(|model| (least / model.missed).powi(LOOKS)).collect();
         let sum: f64 = shares.iter().sum();
         shares.into_iter().map(|share| share / sum).collect()
     }
 
-    /// The state of each model.
+    /// The state of each model, in the units of its states.
     pub fn states(&self) -> impl Iterator<Item = &[f64]> {
         self.models.iter().map(|model| model.stepper.state())
     }

@@ -272,7 +272,8 @@ impl Landing {
         (apart(l, &asked, &own), done)
     }
 
-    /// What it asks for at the time `t` in the state `x` with the gait's phase `cycles`, over the coming `period`; `airs` say which law holds.
+    /// What it asks for at the time `t`, s, in the state `x` with the gait's phase `cycles`, in cycles, over the coming `period`, s; `airs` say
+    /// which law holds.
     pub fn ask(
         &self,
         begun: &Begun,

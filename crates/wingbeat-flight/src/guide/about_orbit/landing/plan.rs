@@ -49,7 +49,7 @@ struct Problem<'a> {
 }
 
 impl Planned {
-    /// Of the approach, from the state `begin` on; near to a plan under another law, where there is one, and to where that ends.
+    /// Of the approach, from the state `begin`, in the units of the states, on; near to a plan under another law, where there is one, and to where that ends.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the robot cannot fly it so.
