@@ -305,8 +305,8 @@ const FOR_SCATTER: usize = 4;
 /// Variance of their sizes over that which noise gives them, above which it is told. *Choice.*
 const ABOVE_NOISE: f64 = 4.0;
 
-/// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line: of each the part of the mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance
-/// s2 gives that the variance s2 / sum(f f), which is taken away.
+/// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line: of each the part of the
+/// mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance s2 gives that the variance s2 / sum(f f), which is taken away.
 fn sizes(series: &Series, one: &Apart) -> Vec<Finding> {
     let Apart { channel, at, part, left } = one;
     let Some(first) = at.phase.first() else { return Vec::new() };
