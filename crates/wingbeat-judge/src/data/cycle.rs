@@ -275,8 +275,9 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
         let (limit, share) =
             if share > limits.of(&APERIODIC).0 { (&APERIODIC, share) } else { (&SWINGS, swings) };
         let finding = Finding::new("data.not_periodic", limit, about(), share, text);
-        let scatter =
-            phases(series, one).into_iter().chain(sizes(series, one)).filter(|of| of.breaks(limits));
+        // Where all but noise repeats, no cycle comes early or late.
+        let late = if share > SEEKS { phases(series, one) } else { Vec::new() };
+        let scatter = late.into_iter().chain(sizes(series, one)).filter(|of| of.breaks(limits));
         // Of several reasons one that refuses the data.
         let scatter = scatter.max_by_key(|finding| finding.serious);
         found.push(match scatter {
