@@ -275,8 +275,9 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
         let (limit, share) =
             if share > limits.of(&APERIODIC).0 { (&APERIODIC, share) } else { (&SWINGS, swings) };
         let finding = Finding::new("data.not_periodic", limit, about(), share, text);
-        let scatter =
-            phases(series, one).into_iter().chain(sizes(series, one)).filter(|of| of.breaks(limits));
+        // Where all but noise repeats, no cycle comes early or late.
+        let late = if share > SEEKS { phases(series, one) } else { Vec::new() };
+        let scatter = late.into_iter().chain(sizes(series, one)).filter(|of| of.breaks(limits));
         // Of several reasons one that refuses the data.
         let scatter = scatter.max_by_key(|finding| finding.serious);
         found.push(match scatter {
@@ -305,8 +306,8 @@ const FOR_SCATTER: usize = 4;
 /// Variance of their sizes over that which noise gives them, above which it is told. *Choice.*
 const ABOVE_NOISE: f64 = 4.0;
 
-/// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line: of each the part of the mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance
-/// s2 gives that the variance s2 / sum(f f), which is taken away.
+/// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line: of each the part of the
+/// mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance s2 gives that the variance s2 / sum(f f), which is taken away.
 fn sizes(series: &Series, one: &Apart) -> Vec<Finding> {
     let Apart { channel, at, part, left } = one;
     let Some(first) = at.phase.first() else { return Vec::new() };

@@ -8,7 +8,7 @@ use crate::limits::data::{CLIPPED, TWO_SOURCES};
 const PLACES: [usize; 2] = [24, 64];
 const SAME: usize = 12;
 /// Samples of a place that tell its noise. *Choice.*
-const ENOUGH: usize = 64;
+const ENOUGH: usize = 48;
 /// Mean square of where samples lie in their place, below which they lie at one phase; evenly spread ones have 1 / 12. *Choice.*
 const ONE_PHASE: f64 = 0.01;
 /// Part of the range within which the end is flat, and the places on it, in parts of a cycle. A slack line is flat for longer. *Choices.*
@@ -282,7 +282,7 @@ fn elsewhere(places: &[Place], on: &[bool]) -> Option<f64> {
     (rise * x < BY_SLOPE * y && least > 0.0).then_some(least)
 }
 
-/// Which samples tell of the places of the cycle, each with its place and where it lies in it, from -1/2 to 1/2.
+/// Which samples tell of the places of the cycle, each with its place and where it lies in it, from -1/2 to 1/2; those of a place together.
 pub(super) struct Placed {
     samples: Vec<(usize, usize, f64)>,
     count: usize,
@@ -297,24 +297,29 @@ pub(super) fn placed(series: &Series) -> Placed {
     }
     let every = phase.len().div_ceil(count * ENOUGH);
     let mut seen = vec![0_usize; count];
-    let mut samples = Vec::with_capacity(phase.len() / every + count);
+    let mut samples = vec![Vec::with_capacity(phase.len() / every / count + SAME); count];
     for (k, p) in phase.iter().enumerate() {
         let at = place(*p, count);
         if seen[at].is_multiple_of(every) {
-            samples.push((k, at, ((p - p.floor()) * count as f64).fract() - 0.5));
+            samples[at].push((k, at, ((p - p.floor()) * count as f64).fract() - 0.5));
         }
         seen[at] += 1;
     }
-    Placed { samples, count }
+    Placed { samples: samples.concat(), count }
 }
 
 impl Placed {
     pub fn of(&self, samples: &[f64]) -> Option<Vec<Place>> {
-        let room = self.samples.len() / self.count.max(1) + SAME;
-        let mut there: Vec<Vec<(f64, f64)>> = (0..self.count).map(|_| Vec::with_capacity(room)).collect();
-        self.samples.iter().for_each(|(k, at, within)| there[*at].push((*within, samples[*k])));
-        let places = there.iter().map(|of| (of.len() >= SAME).then(|| Place::of(of)));
-        places.collect::<Option<Vec<Place>>>().filter(|places| !places.is_empty())
+        let mut room = Vec::new();
+        let place = |of: &[(usize, usize, f64)]| {
+            room.clear();
+            room.extend(of.iter().map(|(k, _, within)| (*within, samples[*k])));
+            (of.len() >= SAME).then(|| Place::of(&room))
+        };
+        let places = self.samples.chunk_by(|a, b| a.1 == b.1).map(place);
+        places
+            .collect::<Option<Vec<Place>>>()
+            .filter(|places| !places.is_empty() && places.len() == self.count)
     }
 }
 
