@@ -137,7 +137,7 @@ fn fused_square<K: Scalar, S: Over<K>>(a: Vec3<K>, c: S) -> S {
 }
 
 impl<S: Scalar> Line<S> {
-    /// Along `direction` through `point`, both in m.
+    /// Along `direction`, in m or of length 1, through `point`, m.
     #[inline(always)]
     pub fn new<K: Scalar>(point: Vec3<K>, direction: Vec3<S>) -> Self
     where
@@ -145,7 +145,7 @@ impl<S: Scalar> Line<S> {
     {
         Self { direction, moment: point.cross_over(direction) }
     }
-    /// n . (d x r), m3, for r from this line, of direction d, to a point on the line n.
+    /// n . (d x r), the lengths of n and d times m, for r from this line, of direction d, to a point on the line n.
     #[inline(always)]
     pub fn turn<K: Scalar>(&self, n: &Line<K>) -> S
     where

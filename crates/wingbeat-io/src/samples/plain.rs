@@ -48,7 +48,8 @@ pub struct Plain {
 }
 
 /// A measured table: as [`read_csv`](crate::read_csv) reads it where a column is called `t` or `phase`, else as a file of channels with a
-/// column of time, `Time (s)`; units of forces, moments and angles that it says become N, N m and rad, and rows with missing samples go.
+/// column of time, `Time (s)`; units of forces, moments and angles that it says become N, N m and rad, channels in
+/// other units and rows with missing samples go.
 ///
 /// # Errors
 /// Those of `read_csv` where neither reads it.
@@ -59,9 +60,12 @@ pub fn read_measured(path: &Path) -> Result<Record, Error> {
     }
     let channels = super::read_channels(path).and_then(|table| table.plain(&Asked::default()));
     let Ok(Plain { time, mut channels, .. }) = channels else { return plainly };
+    let of = [Quantity::Force, Quantity::Moment, Quantity::Angle];
+    // What is no force, moment or angle is none of the loads.
+    let is_known = |unit: &str| unit.is_empty() || of.iter().any(|quantity| quantity.factor(unit).is_some());
+    channels.retain(|column| is_known(&column.unit));
     for column in &mut channels {
         let known = |quantity: &Quantity| Some((quantity.factor(&column.unit)?, quantity.names()[0]));
-        let of = [Quantity::Force, Quantity::Moment, Quantity::Angle];
         if let Some((factor, unit)) = of.iter().find_map(known) {
             column.values.iter_mut().for_each(|value| *value *= factor);
             column.unit = unit.into();

@@ -73,12 +73,13 @@ pub(super) fn two_sources(series: &Series, channel: &Channel, places: &[Place]) 
     })
 }
 
-/// Samples after which what comes again is a line, the samples that tell, and their correlation. *Choices.*
-const AGAIN: std::ops::RangeInclusive<usize> = 2..=8;
+/// Samples after which what comes again is a line, the samples that tell, and their correlation. Of any period some few fill nearly a whole
+/// number of samples. *Choices.*
+const AGAIN: std::ops::RangeInclusive<usize> = 2..=64;
 const TOLD: usize = 4096;
 const LIKE: f64 = 0.7;
 
-/// Whether what the mean cycle leaves comes again after few samples: a line at a part of the rate, as of the mains.
+/// Whether what the mean cycle leaves comes again after few samples: a line, as of the mains or a motor driver.
 fn is_line(series: &Series, channel: &Channel, places: &[Place]) -> bool {
     let off = |(p, x): (&f64, &f64)| x - places[place(*p, places.len())].mean;
     let left: Vec<f64> = series.phase.iter().zip(channel.samples).take(TOLD).map(off).collect();

@@ -13,7 +13,7 @@ mod turn;
 
 pub use turn::TurnSummary;
 
-use super::search::{Goal, LimitsSpec, SearchSpec, Searched, VarySpec};
+use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec};
 use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
 use crate::{ConfigError, Document, Scenario, ScenarioSpec};
@@ -467,7 +467,7 @@ impl RobotTrim {
         candidate: Candidate,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Result<(f64, ScenarioSpec), ConfigError> {
-        let Candidate { mut spec, order: (mut violation, power), .. } = candidate;
+        let Candidate { mut spec, order: (mut violation, _), .. } = candidate;
         if self.iterations == 0 {
             return Ok((violation, spec));
         }
@@ -497,14 +497,7 @@ impl RobotTrim {
         let Ok(Some(search)) = scenario.gait_search() else { return Ok((violation, spec)) };
         let tell = &mut |at| observe(TrimProgress::Search(at));
         let searched = search.all::<ConfigError>(Vec::new(), &mut |_| Ok(()), tell);
-        // A search that ends on more power than it began with, within the limits, has left a better gait.
-        let ended = |searched: &Searched| {
-            let powers = searched.starts.values("power_w_kg").unwrap_or_default();
-            searched.summary.kept > 0 && powers.first().is_some_and(|ended| *ended <= power)
-        };
-        if let Ok(Some(searched)) = searched
-            && (violation > 0.0 || ended(&searched))
-        {
+        if let Ok(Some(searched)) = searched {
             spec = searched.best.spec.clone();
             numbers::fold(&mut spec);
             violation = if searched.summary.kept > 0 { 0.0 } else { searched.summary.violation };

@@ -28,7 +28,7 @@ pub(in super::super) struct Airs {
 
 struct Model {
     robot: Arc<Robot>,
-    stepper: Stepper<Arc<Robot>>,
+    x: Vec<f64>,
     /// Mean square of what it misses.
     missed: f64,
 }
@@ -37,8 +37,8 @@ impl Airs {
     /// Of the `robots`, of which none has been seen to be right.
     pub fn new(robots: &[Arc<Robot>]) -> Self {
         let model = |robot: &Arc<Robot>| Model {
-            stepper: Stepper::new(Arc::clone(robot), 0.0, &vec![0.0; robot.states().len()]),
             robot: Arc::clone(robot),
+            x: vec![0.0; robot.states().len()],
             missed: BEFORE,
         };
         Self { models: robots.iter().map(model).collect(), last: None }
@@ -48,26 +48,25 @@ impl Airs {
     /// units of its states, measured at the time `t`, s. A model that breaks down counts no more.
     pub fn learn(&mut self, t: f64, (known, x): (&Robot, &[f64]), held: &[f64]) {
         let since = self.last.replace(t).filter(|since| t > *since);
-        for model in self.models.iter_mut().filter(|model| model.missed.is_finite()) {
-            let Some(since) = since else {
-                let begin = model.robot.named_as(known, x);
-                model.stepper.reset(t, &begin);
+        for model in &mut self.models {
+            let (Some(since), true) = (since, model.missed.is_finite()) else {
+                model.x = model.robot.named_as(known, x);
                 continue;
             };
-            model.stepper.set_inputs(held);
+            let mut stepper = Stepper::new(&*model.robot, since, &model.x);
+            stepper.set_inputs(held);
             let steps = ((t - since) / STEP).ceil();
-            let flown = (0..steps as usize).try_for_each(|_| model.stepper.step((t - since) / steps));
+            let flown = (0..steps as usize).try_for_each(|_| stepper.step((t - since) / steps));
             if flown.is_err() {
-                model.missed = f64::INFINITY;
+                (model.missed, model.x) = (f64::INFINITY, model.robot.named_as(known, x));
                 continue;
             }
-            let l = *model.robot.layout();
+            let (l, expected) = (model.robot.layout(), stepper.state());
             let share = 1.0 - (-(t - since) / FORGOTTEN).exp();
-            model.missed += share * (missed(&l, x, model.stepper.state()) - model.missed);
+            model.missed += share * (missed(l, x, expected) - model.missed);
             model.missed = model.missed.max(LEAST);
-            let mut next = model.stepper.state().to_vec();
-            next[..l.aero].copy_from_slice(&x[..l.aero]);
-            model.stepper.reset(t, &next);
+            model.x.copy_from_slice(expected);
+            model.x[..l.aero].copy_from_slice(&x[..l.aero]);
         }
     }
 
@@ -89,7 +88,7 @@ impl Airs {
 
     /// The state of each model, in the units of its states.
     pub fn states(&self) -> impl Iterator<Item = &[f64]> {
-        self.models.iter().map(|model| model.stepper.state())
+        self.models.iter().map(|model| &model.x[..])
     }
 }
 
