@@ -247,7 +247,7 @@ pub struct Average {
     /// Frequency of the cycle, Hz, in place of the one that the data have
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub frequency: Option<f64>,
-    /// Seconds of rest at the begin of the file: what the channels read there is subtracted, and they are left out
+    /// Seconds of rest at the start of the file: what the channels read there is subtracted, and they are left out
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub rest: Option<f64>,
     /// Phases of the average

@@ -145,7 +145,7 @@ impl<S: Scalar> Line<S> {
     {
         Self { direction, moment: point.cross_over(direction) }
     }
-    /// n . (d x r), the lengths of n and d times m, for r from this line, of direction d, to a point on the line n.
+    /// n . (d x r), in m times the units of both directions, for r from this line, of direction d, to a point on the line n.
     #[inline(always)]
     pub fn turn<K: Scalar>(&self, n: &Line<K>) -> S
     where

@@ -176,7 +176,7 @@ def average(
     frequency_hz
         Frequency of the cycle, Hz, in place of the one that the data have.
     rest_s
-        Seconds of rest at the begin of the file: what the channels read there is subtracted, and they are left out.
+        Seconds of rest at the start of the file: what the channels read there is subtracted, and they are left out.
     bins
         Number of phases of the average.
 
