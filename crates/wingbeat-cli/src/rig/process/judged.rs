@@ -55,19 +55,27 @@ fn of_samples(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
     let raw = CHANNELS.iter().map(|(name, _)| trace.values(&format!("raw_{name}")));
     let raw = raw.collect::<Option<Vec<&[f64]>>>()?;
     let cycle = trace.values("cycle")?;
-    let whole: Vec<usize> =
-        (0..cycle.len()).filter(|row| raw.iter().all(|channel| channel[*row].is_finite())).collect();
-    let kept = |of: &[f64]| whole.iter().map(|row| of[*row]).collect::<Vec<f64>>();
-    let (phase, raw) = (kept(cycle), raw.into_iter().map(kept).collect::<Vec<_>>());
-    let channel = |((name, unit), samples)| Channel { name, unit, samples };
-    let series = Series {
-        what: one.name(),
-        phase: &phase,
-        frequency_hz: Some(one.run.frequency()),
-        channels: CHANNELS.iter().copied().zip(raw.iter().map(Vec::as_slice)).map(channel).collect(),
-        purpose: Purpose::Loads,
+    let is_whole = |row: &usize| raw.iter().all(|channel| channel[*row].is_finite());
+    let examined = |phase: &[f64], raw: &[&[f64]]| {
+        let channel = |((name, unit), samples)| Channel { name, unit, samples };
+        let series = Series {
+            what: one.name(),
+            phase,
+            frequency_hz: Some(one.run.frequency()),
+            channels: CHANNELS.iter().copied().zip(raw.iter().copied()).map(channel).collect(),
+            purpose: Purpose::Loads,
+        };
+        examined(&series, limits)
     };
-    Some(examined(&series, limits))
+    // Long files are not copied where nothing is missing.
+    if (0..cycle.len()).all(|row| is_whole(&row)) {
+        return Some(examined(cycle, &raw));
+    }
+    let whole: Vec<usize> = (0..cycle.len()).filter(is_whole).collect();
+    let kept = |of: &[f64]| whole.iter().map(|row| of[*row]).collect::<Vec<f64>>();
+    let (phase, kept): (_, Vec<Vec<f64>>) = (kept(cycle), raw.iter().map(|of| kept(of)).collect());
+    let kept: Vec<&[f64]> = kept.iter().map(Vec::as_slice).collect();
+    Some(examined(&phase, &kept))
 }
 
 /// The frequency of the strokes that the force tells, against that of the run: a phase by the force follows any.
