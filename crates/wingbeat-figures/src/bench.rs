@@ -51,10 +51,13 @@ pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
             Curve { dashes: Some("6 4"), ..Curve::new("computed", phase, column("computed")?.to_vec(), 1) },
             Curve { weight: style::CURVE, ..fitted },
         ];
+        let computed = comparison.cycle.column(&format!("computed_{}", channel.computed));
+        let unit = computed.map(|column| column.unit.as_str()).filter(|unit| !unit.is_empty());
         let title = format!(
-            "{} against computed {} (lag {:.3} cycles, gain {:.4})",
+            "{} against computed {}{} (lag {:.3} cycles, gain {:.4})",
             channel.measured,
             channel.computed.replace('_', " "),
+            unit.map_or(String::new(), |unit| format!(" [{unit}]")),
             channel.fit.lag_cycles,
             channel.fit.gain
         );

@@ -364,6 +364,36 @@ pub fn loads(record: &Record, rows: &[usize]) -> Vec<Panel> {
     panels
 }
 
+/// Of each channel of a comparison (columns over `phase`, cycles) the measured mean with the range of its cycles, and the computed curve as
+/// it is and fitted, at the times `times` (s) of a run with that frequency.
+pub fn compared(comparison: &Record, times: &[f64], frequency_hz: f64) -> Vec<Panel> {
+    let rows = comparison.rows() as f64;
+    let phases = times.iter().map(|t| (t * frequency_hz).rem_euclid(1.0));
+    // The phases of a comparison are even, the first is 0: the nearest row is within half of one.
+    let nearest: Vec<usize> =
+        phases.map(|phase| (phase * rows).round() as usize % (rows as usize).max(1)).collect();
+    let of = Taken { record: comparison, rows: &nearest };
+    let kinds = [
+        ("measured", Total),
+        ("low", Reference),
+        ("high", Reference),
+        ("computed", Pale(2)),
+        ("fitted", Own(0)),
+    ];
+    let channels =
+        comparison.columns().iter().filter_map(|c| Some((c.name.strip_prefix("computed_")?, &c.unit)));
+    let panel = |(channel, unit): (&str, &String)| {
+        // A file with commas has no units: loads are told by the start of their names.
+        let known = [("force", "N"), ("moment", "N m"), ("torque", "N m"), ("power", "W")];
+        let known = known.iter().find(|(start, _)| unit.is_empty() && channel.starts_with(start));
+        let (unit, factor) = drawn(known.map_or(unit.as_str(), |(_, unit)| unit));
+        let curve = |(kind, role)| of.curve((format!("{kind}_{channel}").as_str(), kind, role), factor);
+        let title = format!("{}, measured and computed", channel.replace('_', " "));
+        Panel { title, unit, curves: kinds.into_iter().filter_map(curve).collect(), limits: None }
+    };
+    if rows > 0.0 { channels.map(panel).collect() } else { Vec::new() }
+}
+
 /// Every column of a record in a panel of its own, the three of an axis or the six of a cell together.
 pub fn every(record: &Record, rows: &[usize], but: &str) -> Vec<Panel> {
     let of = Taken { record, rows };
@@ -412,5 +442,28 @@ fn grouped(name: &str) -> (String, &str) {
     match name.rsplit_once('_') {
         Some((group, axis)) if axis.len() == 1 && !group.is_empty() => (group.replace('_', " "), axis),
         _ => (name.replace('_', " "), ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comparison_is_shown_at_the_phases_of_the_times() {
+        let column =
+            |name: &str, values: [f64; 4]| Column { values: values.into(), ..Column::new(name, "", "") };
+        let columns = vec![
+            column("phase", [0.0, 0.25, 0.5, 0.75]),
+            column("measured_force_z", [0.0, 1.0, 2.0, 3.0]),
+            column("computed_force_z", [0.0, 2.0, 4.0, 6.0]),
+        ];
+        let record = Record::new(columns, 4).unwrap();
+        // At 2 Hz: half a cycle, three quarters in the second cycle, and the end of the third, which is the start.
+        let panels = compared(&record, &[0.25, 0.875, 1.499], 2.0);
+        assert_eq!((panels.len(), panels[0].unit), (1, "N"));
+        let curves: Vec<(&str, &[f64])> =
+            panels[0].curves.iter().map(|curve| (curve.label.as_str(), &curve.values[..])).collect();
+        assert_eq!(curves, [("measured", &[2.0, 3.0, 0.0][..]), ("computed", &[4.0, 6.0, 0.0][..])]);
     }
 }

@@ -316,6 +316,10 @@ fn tether(files: Files, blank: Blank) -> Result<Run, Error> {
     let mut run = blank("wing in prescribed motion", time(axis));
     run.settings = files.text("case.toml")?;
     run.panels = panels::loads(&loads, &shown);
+    if files.has("compare.csv") {
+        let (measured, frequency) = (files.record("compare.csv")?, case.tether.clock.frequency_hz);
+        run.panels.splice(0..0, panels::compared(&measured, &run.axis.values, frequency));
+    }
     if shown.len() > 1 {
         match held::wing(&case, &loads, strips.as_deref(), &shown) {
             Ok(motion) => {
