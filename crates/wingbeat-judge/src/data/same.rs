@@ -82,7 +82,8 @@ fn code_within(series: &Series, channel: &Channel, extent: Extent) -> Option<Fin
         own.len(),
         100.0 * size
     );
-    (own.len() as f64 > MOSTLY * all && own.len() >= FEWEST && together < ANY_PHASE)
+    let told = own.len() as f64 > MOSTLY * all && own.len() >= FEWEST && together < ANY_PHASE;
+    (told && !dead_band(samples, own[0].0, extent))
         .then(|| Finding::new("data.outliers", &REPEATED, series.about(channel.name), size, text))
 }
 

@@ -96,7 +96,7 @@ pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0
 pub const TURNS: Limit = Limit::at_most("data.turns_ratio", 2.0, "", SuspectData)
     .on("second differences where turns of a few samples meet over those within, where they go up and down,");
 /// Fourth moment of the samples of one phase over the square of their variance: two values have 1 (1.3 of 22
-/// samples), a hum 1.5, even noise 1.8.
+/// samples, or with the noise and the sizes of a load), a hum 1.5, even noise 1.8.
 pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.42, "", SuspectData)
     .on("kurtosis of the samples of one phase, where they scatter from one to the next,");
 /// Rows that are put back in pairs are smooth again; those of a line near half the rate are not.
