@@ -3,6 +3,7 @@
 use serde::Serialize;
 use wingbeat::judge::Judge;
 use wingbeat::judge::limits::data::REST;
+use wingbeat::rig::unit::Quantity;
 use wingbeat_io::samples::Plain;
 
 use crate::error::Error;
@@ -26,7 +27,7 @@ struct Reading {
 pub struct Rest {
     /// How long it lasts, s.
     duration_s: f64,
-    /// Scatter in the quarter of the rest where it is largest over that of what follows, in the channel where that is least.
+    /// Scatter in the quarter of the rest where it is largest over that of what follows, in the channel of a load where that is least.
     scatter_fraction: f64,
     /// What each channel reads.
     channels: Vec<Reading>,
@@ -44,6 +45,10 @@ impl Rest {
                 "--rest {seconds:?}: allowed is a time above 0 s that holds {FEWEST} samples and leaves as many of the {span:.3} s of {file}"
             )));
         }
+        // A temperature does not tell whether the wings rest.
+        let is_load =
+            |unit: &str| [Quantity::Force, Quantity::Moment].iter().any(|of| of.factor(unit).is_some());
+        let known = plain.channels.iter().any(|column| is_load(&column.unit));
         let mut scatter_fraction = f64::INFINITY;
         let mut channels = Vec::new();
         for column in &mut plain.channels {
@@ -57,7 +62,7 @@ impl Rest {
             let moving = scatter(&column.values[count..], self::mean(&column.values[count..]));
             let quarters = column.values[..count].chunks(count.div_ceil(4));
             let at_rest = quarters.map(|quarter| scatter(quarter, mean)).fold(0.0, f64::max);
-            if moving > 0.0 {
+            if moving > 0.0 && (!known || is_load(&column.unit)) {
                 scatter_fraction = scatter_fraction.min(at_rest / moving);
             }
             column.values.drain(..count);

@@ -96,22 +96,33 @@ fn found(
     arguments: &args::Calibrate,
     watch: &Convergence,
 ) -> Result<Option<Found>, Error> {
-    let quiet = arguments.run.quiet;
     let prepared = calibration.prepared()?;
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
-    let on_data = prepared.verdict();
-    let said = || on_data.warnings.iter().for_each(|warning| say::note(&warning.to_string()));
-    if arguments.information {
-        said();
+    let found = searched(&prepared, folder, interrupt, arguments, watch);
+    // A fit says them with its result.
+    if !matches!(found, Ok(Some(_))) {
+        prepared.verdict().warnings.iter().for_each(|warning| say::note(&warning.to_string()));
     }
+    found
+}
+
+/// The fit, or the information of the data alone.
+fn searched(
+    prepared: &Prepared<'_>,
+    folder: &RunFolder,
+    interrupt: &Interrupt,
+    arguments: &args::Calibrate,
+    watch: &Convergence,
+) -> Result<Option<Found>, Error> {
+    let quiet = arguments.run.quiet;
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
-    prepared.check().inspect_err(|_| said())?;
+    prepared.check()?;
     if arguments.information {
+        let on_data = prepared.verdict();
         return Error::unless_sound(on_data.status, on_data.reason.as_deref()).map(|()| None);
     }
-    // A fit says them with its result.
-    watched(&prepared, &mut Kept::open(folder), interrupt, quiet, watch).inspect_err(|_| said()).map(Some)
+    watched(prepared, &mut Kept::open(folder), interrupt, quiet, watch).map(Some)
 }
 
 /// The fit, with cost, parameters and time on a bar.

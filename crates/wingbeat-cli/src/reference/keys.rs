@@ -155,6 +155,7 @@ impl<'a> Walk<'a> {
                 let items = self.form(self.resolved(&value["items"]));
                 match (value["minItems"].as_u64(), value["maxItems"].as_u64()) {
                     (Some(least), Some(most)) if least == most => format!("{least} of: {items}"),
+                    (None, Some(most)) => format!("list of at most {most}: {items}"),
                     _ => format!("list of: {items}"),
                 }
             }

@@ -72,6 +72,21 @@ fn six_columns_give_their_frequency_and_phase_averages() {
 }
 
 #[test]
+fn a_temperature_that_rests_hides_no_wings_that_move() {
+    let folder = scratch("average-rest-beside");
+    let row = |k: u32| {
+        let t = f64::from(k) * 2e-3;
+        let warm = if t < 2.0 { 0.0 } else { (TAU * t / 7.0).sin() };
+        format!("{t},{},{}\n", (TAU * 5.0 * t).sin() + 0.1 * (TAU * 10.0 * t).cos(), 20.0 + warm)
+    };
+    let text = format!("t,Fz (N),cell (degC)\n{}", (0..5000).map(row).collect::<String>());
+    fs::write(folder.join("cell.csv"), text).unwrap();
+    let answer = wingbeat(&folder, &["average", "cell.csv", "--rest", "2", "--out", "a"]);
+    let told = String::from_utf8_lossy(&answer.stderr).into_owned();
+    assert!(answer.status.code() == Some(3) && told.contains("data.rest_fraction"), "{told}");
+}
+
+#[test]
 fn a_rest_at_the_begin_is_subtracted() {
     let folder = scratch("average-rest");
     let mut seed = 3;

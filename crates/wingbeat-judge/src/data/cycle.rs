@@ -4,11 +4,12 @@ use super::ends;
 use super::frequency::{self, Frequency};
 use super::outliers::place;
 use super::rectified::rectified;
+use super::strokes::{self, Strokes};
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{
-    APERIODIC, DIFFERS, DRIFT, EARLY, FREQUENCY, PHASES, ROUGH, SCATTER, SHARE, SIGNAL, SWINGS, TREND,
-};
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL, SWINGS};
+use std::cell::LazyCell;
+use std::ops::Deref;
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -40,32 +41,32 @@ const NO_GAP: std::ops::Range<f64> = -0.5..2.5;
 const WHITE: f64 = 1.2;
 
 /// A channel apart: cycle, drift, noise, and what is left.
-struct Parts {
+pub(super) struct Parts {
     /// Variance about the mean.
-    total: f64,
+    pub total: f64,
     /// Variance of the cycle.
     signal: f64,
     /// Variance of what changes from sample to sample.
-    white: f64,
+    pub white: f64,
     /// Variance of what is neither.
-    slow: f64,
+    pub slow: f64,
     /// Change by the parabola through what the cycle leaves, begin to end at most, and the share of `slow` it is.
     drift: (f64, f64),
     /// Largest less least of the cycle.
     range: f64,
-    mean: f64,
+    pub mean: f64,
     /// Numbers fitted, samples.
     fitted: usize,
     count: usize,
 }
 
 /// A channel that moves, with its parts.
-struct Apart<'a> {
-    channel: &'a Channel<'a>,
-    at: Condensed,
-    part: Parts,
+pub(super) struct Apart<'a> {
+    pub channel: &'a Channel<'a>,
+    pub at: Condensed,
+    pub part: Parts,
     /// What the harmonics leave.
-    left: Vec<f64>,
+    pub left: Vec<f64>,
 }
 
 impl<'a> Apart<'a> {
@@ -94,12 +95,12 @@ impl<'a> Apart<'a> {
     }
 
     /// Whether it moves enough beside those of its unit: the noise of a channel without a load may be of any kind.
-    fn is_telling(&self, all: &[Self]) -> bool {
+    pub fn is_telling(&self, all: &[Self]) -> bool {
         self.part.total > TELLING * TELLING * self.most(all)
     }
 
     /// Whether its unit is one of a force or a moment, or unknown.
-    fn is_load(&self) -> bool {
+    pub fn is_load(&self) -> bool {
         self.channel.unit.is_empty() || self.channel.unit.contains('N')
     }
 
@@ -150,8 +151,10 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     let all = Apart::of_all(series, cycles);
     // All channels of a file have one frequency: where one repeats at that which is given, what others leave is no other frequency.
     let kept = all.iter().any(|one| one.is_telling(&all) && one.repeats());
-    for one in all.iter().filter(|one| one.is_telling(&all)) {
-        let own = of_channel(series, one, kept, limits).into_iter();
+    let strokes: Vec<Strokes> = all.iter().map(|one| Strokes::of(series, one)).collect();
+    for (k, one) in all.iter().enumerate().filter(|(_, one)| one.is_telling(&all)) {
+        let by_wings = LazyCell::new(|| strokes::are_of_wings(series, &all, &strokes, k));
+        let own = of_channel(series, (one, &strokes[k]), (kept, &by_wings), limits).into_iter();
         // Beside a large load, a small one may hold what the mount does.
         let noted = |finding: Finding| match finding.id {
             "data.not_periodic" if one.is_small(&all) => finding.noted(),
@@ -252,8 +255,13 @@ fn drifted(left: &[f64], variance: f64) -> (f64, f64) {
     (change, if variance > 0.0 { (own / variance).min(1.0) } else { 0.0 })
 }
 
-/// Of a channel; `kept` says that the frequency given is that of the file.
-fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<Finding> {
+/// Of a channel; `kept` says that the frequency given is that of the file, `by_wings` that the wings change the size of its cycles.
+fn of_channel(
+    series: &Series,
+    (one, strokes): (&Apart, &Strokes),
+    (kept, by_wings): (bool, &dyn Deref<Target = bool>),
+    limits: &Limits,
+) -> Vec<Finding> {
     let Apart { channel, at, part, .. } = one;
     let about = || series.about(channel.name);
     let share = part.slow / part.total;
@@ -266,126 +274,52 @@ fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<
     }
     let mut found = Vec::new();
     if series.purpose == Purpose::Loads || series.cycles() >= 2.0 {
+        // Strokes of another size are strokes.
+        let odd = |share: f64| share > limits.of(&APERIODIC).0;
+        let share = if odd(share) && **by_wings { share.min(strokes.left(part) / part.total) } else { share };
         let text = format!(
             "{:.0} % of its power neither repeats with the cycle nor is noise: the motion does not repeat, or the \
              file holds more than the steady part; cut it to that",
             100.0 * share
         );
         let swings = share - repeated(&at.phase, &one.left) / part.total;
-        let (limit, share) =
-            if share > limits.of(&APERIODIC).0 { (&APERIODIC, share) } else { (&SWINGS, swings) };
+        let (limit, share) = if odd(share) { (&APERIODIC, share) } else { (&SWINGS, swings) };
         let finding = Finding::new("data.not_periodic", limit, about(), share, text);
         // Where all but noise repeats, no cycle comes early or late.
-        let late = if share > SEEKS { phases(series, one) } else { Vec::new() };
-        let scatter = late.into_iter().chain(sizes(series, one)).filter(|of| of.breaks(limits));
+        let late = if part.slow > SEEKS * part.total { strokes.phases(series, one) } else { Vec::new() };
+        let of_size = || strokes.sizes(series, one).into_iter().filter(|of| of.breaks(limits));
+        let sizes = of_size().map(|of| if **by_wings { strokes::noted(of) } else { of });
+        let scatter = late.into_iter().filter(|of| of.breaks(limits)).chain(sizes);
         // Of several reasons one that refuses the data.
         let scatter = scatter.max_by_key(|finding| finding.serious);
         found.push(match scatter {
             Some(scatter) if !(finding.serious && finding.breaks(limits)) => scatter,
             _ => finding,
         });
+        found.extend(strokes.runs_away(series, one));
     }
-    let scale = part.range.max(part.mean.abs());
-    let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;
-    if told && scale > 0.0 {
-        let size = part.drift.0 / scale;
-        let text = format!(
-            "drifts by {:.4} {} from begin to end, {:.0} % of its cycle: means and tare are off; let the cell \
-             warm up, take a rest before and after, or take the drift away before",
-            part.drift.0,
-            channel.unit,
-            100.0 * size
-        );
-        found.push(Finding::new("data.drift", &DRIFT, about(), size, text));
-    }
+    found.extend(drift(series, one).map(|of| {
+        // The mean of a load changes with the size of the strokes.
+        let wings = of.breaks(limits) && strokes.differ(part) && **by_wings;
+        if wings { of.noted() } else { of }
+    }));
     found
 }
 
-/// Whole cycles from which their sizes are compared. *Choice.*
-const FOR_SCATTER: usize = 4;
-/// Variance of their sizes over that which noise gives them, above which it is told. *Choice.*
-const ABOVE_NOISE: f64 = 4.0;
-
-/// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line: of each the part of the
-/// mean cycle that it holds, a = sum(x f) / sum(f f). Noise of variance s2 gives that the variance s2 / sum(f f), which is taken away.
-fn sizes(series: &Series, one: &Apart) -> Vec<Finding> {
-    let Apart { channel, at, part, left } = one;
-    let Some(first) = at.phase.first() else { return Vec::new() };
-    // The last sample of a whole cycle lies a step before its end.
-    let count = at.phase.len() as f64;
-    let mut sums = vec![[0.0; 2]; (series.cycles() * (1.0 + 1.5 / count)).min(count) as usize];
-    for ((p, x), left) in at.phase.iter().zip(&at.values).zip(left) {
-        let fit = x - left - part.mean;
-        if let Some([xf, ff]) = sums.get_mut((p - first) as usize) {
-            *xf += (x - part.mean) * fit;
-            *ff += fit * fit;
-        }
-    }
-    sums.retain(|[_, ff]| *ff > 0.0);
-    let (count, all) = (sums.len() as f64, sums.iter().map(|[_, ff]| ff).sum::<f64>());
-    let sizes = || sums.iter().map(|[xf, ff]| xf / ff);
-    let mean = sizes().sum::<f64>() / count;
-    let noise = part.white * count / all;
-    let spread = sizes().map(|size| (size - mean).powi(2)).sum::<f64>() / count;
-    if sums.len() < FOR_SCATTER || !(mean > 0.0 && spread > ABOVE_NOISE * noise) {
-        return Vec::new();
-    }
-    let at = |k: usize| (k as f64 + 0.5) / count - 0.5;
-    // The squares of places that lie evenly from -1/2 to 1/2 have the mean (1 - 1 / n^2) / 12.
-    let slope = sizes().enumerate().map(|(k, size)| at(k) * size).sum::<f64>() * 12.0 / (count - 1.0 / count);
-    let size = (spread - noise).max(0.0).sqrt() / mean;
-    let of = |limit, size: f64, how: &str| {
-        let text = format!(
-            "the sizes of its cycles {how} by {:.0} %{}: the mean cycle is that of none of them; cut the file to its steady part",
-            100.0 * size,
-            if how == "differ" { " (rms)" } else { " from begin to end" }
-        );
-        Finding::new("data.not_periodic", limit, series.about(channel.name), size, text)
-    };
-    vec![
-        of(&SCATTER, size, "differ"),
-        of(&TREND, (slope / mean).abs(), "change"),
-        of(&DIFFERS, size, "differ"),
-    ]
-}
-
-/// Points of a cycle from which its slope is known. *Choice.*
-const FOR_SLOPE: f64 = 8.0;
-
-/// The findings that the cycles come early and late: of each the part of the slope g of the mean cycle that what the harmonics leave holds,
-/// d = sum(l g) / sum(g g), in cycles. Noise of variance s2 gives that the variance s2 / sum(g g), which is taken away.
-fn phases(series: &Series, one: &Apart) -> Vec<Finding> {
-    let Apart { channel, at, part, left } = one;
-    let count = at.phase.len() as f64;
-    let (Some(first), cycles) = (at.phase.first(), series.cycles()) else { return Vec::new() };
-    if count < FOR_SLOPE * cycles || cycles < FOR_SCATTER as f64 {
-        return Vec::new();
-    }
-    let mut sums = vec![[0.0; 2]; (cycles * (1.0 + 1.5 / count)).min(count) as usize];
-    let fit = |k: usize| at.values[k] - left[k];
-    for k in 1..at.phase.len() - 1 {
-        let slope = (fit(k + 1) - fit(k - 1)) / (at.phase[k + 1] - at.phase[k - 1]);
-        if let Some([lg, gg]) = sums.get_mut((at.phase[k] - first) as usize) {
-            *lg += left[k] * slope;
-            *gg += slope * slope;
-        }
-    }
-    sums.retain(|[_, gg]| *gg > 0.0);
-    let (count, all) = (sums.len() as f64, sums.iter().map(|[_, gg]| gg).sum::<f64>());
-    let late = || sums.iter().map(|[lg, gg]| lg / gg);
-    let mean = late().sum::<f64>() / count;
-    let noise = part.white * count / all;
-    let spread = late().map(|late| (late - mean).powi(2)).sum::<f64>() / count;
-    if sums.len() < FOR_SCATTER || !(spread > ABOVE_NOISE * noise) {
-        return Vec::new();
-    }
-    let size = 360.0 * (spread - noise).max(0.0).sqrt();
+/// The finding that the mean changes from begin to end.
+fn drift(series: &Series, one: &Apart) -> Option<Finding> {
+    let Apart { channel, part, .. } = one;
+    let scale = part.range.max(part.mean.abs());
+    let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;
+    let size = part.drift.0 / scale;
     let text = format!(
-        "its cycles come early and late by {size:.0} deg (rms), as where the frequency drifts or the crank is unsteady: their mean is \
-         flatter than each; give phases in place of times, or cut the file to its steady part"
+        "drifts by {:.4} {} from begin to end, {:.0} % of its cycle: means and tare are off; let the cell \
+         warm up, take a rest before and after, or take the drift away before",
+        part.drift.0,
+        channel.unit,
+        100.0 * size
     );
-    let of = |limit| Finding::new("data.not_periodic", limit, series.about(channel.name), size, text.clone());
-    vec![of(&PHASES), of(&EARLY)]
+    (told && scale > 0.0).then(|| Finding::new("data.drift", &DRIFT, series.about(channel.name), size, text))
 }
 
 /// The finding that the data repeat at another frequency than the one given.

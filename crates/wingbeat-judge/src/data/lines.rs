@@ -1,7 +1,7 @@
 //! The frequency of channels of which none is known: the strongest line of their spectra, and what it is a harmonic of.
 
 use super::cycle::Condensed;
-use super::{Channel, frequency};
+use super::{Channel, frequency, outliers};
 use std::f64::consts::TAU;
 use wingbeat_math::power_spectrum;
 
@@ -66,8 +66,9 @@ pub fn find_frequency(time: &[f64], channels: &[Channel], over_noise: f64) -> Li
         return nothing;
     }
     let grid = Grid { first: *first, rate: (count - 1) as f64 / span, count };
-    let spectra: Vec<Spectrum> =
-        channels.iter().filter_map(|channel| Spectrum::of(&grid, time, channel.samples)).collect();
+    let spectra = channels.iter().map(|channel| (channel, Spectrum::of(&grid, time, channel.samples)));
+    let spectra = spectra.filter_map(|(channel, spectrum)| Some((channel, spectrum?)));
+    let (moving, spectra): (Vec<&Channel>, Vec<Spectrum>) = spectra.unzip();
     let (step, width) = (grid.step(), grid.points(1.0));
     let from = grid.points(FEWEST) as usize;
     let to = grid.highest().min(spectra.first().map_or(0, |spectrum| spectrum.power.len()));
@@ -85,7 +86,15 @@ pub fn find_frequency(time: &[f64], channels: &[Channel], over_noise: f64) -> Li
         return line;
     }
     let strongest = best.1 as f64 * step;
-    let rough = strongest / harmonic(&spectra, best.1, width, over_noise) as f64;
+    let part = harmonic(&spectra, best.1, width, over_noise);
+    let share = |of: &Spectrum| of.power[best.1] / of.all;
+    let clearest = moving.iter().zip(&spectra).max_by(|a, b| share(a.1).total_cmp(&share(b.1)));
+    let agrees = |part: &usize| {
+        clearest.is_some_and(|(channel, _)| {
+            mostly_agrees(time, channel.samples, *part as f64 / strongest, strongest)
+        })
+    };
+    let rough = strongest / (1..part).find(agrees).unwrap_or(part) as f64;
     let told = refined(time, channels, rough, width * step);
     Line { frequency: told.map(|told| told.0), error: told.map_or(0.0, |told| told.1), strongest, ..line }
 }
@@ -225,6 +234,31 @@ fn harmonic(spectra: &[Spectrum], k: usize, width: f64, over_noise: f64) -> usiz
         step >= FEWEST * width && (there.len() > 1 || there.contains(&1) || (*part == 2 && !there.is_empty()))
     };
     (2..=HIGHEST).rev().find(is).unwrap_or(1)
+}
+
+/// Parts of a period over which samples are averaged. *Choice.*
+const PARTS: f64 = 8.0;
+/// Median of the changes over their root mean square below which most samples agree: noise has 0.67, and what differs by a load all the
+/// time more; strokes of which two in ten come after a rest, or go before one, 0.1. *Choice.*
+const AGREES: f64 = 0.3;
+
+/// Whether most of a channel is the same after `period` s, and some is far off, as where strokes come in bouts with rests between: the
+/// bouts make lines at parts of the frequency, but no cycle. `line` is the frequency of a line, Hz, over whose eighths samples are averaged.
+fn mostly_agrees(time: &[f64], samples: &[f64], period: f64, line: f64) -> bool {
+    let Some(first) = time.first() else { return false };
+    let mut parts: Vec<(f64, f64)> = Vec::new();
+    for (t, x) in time.iter().zip(samples).filter(|(_, x)| x.is_finite()) {
+        let at = ((t - first) * line * PARTS) as usize;
+        if parts.len() <= at {
+            parts.resize(at + 1, (0.0, 0.0));
+        }
+        parts[at] = (parts[at].0 + x, parts[at].1 + 1.0);
+    }
+    let later = (period * line * PARTS).round() as usize;
+    let pairs = parts.iter().zip(parts.iter().skip(later)).filter(|(a, b)| a.1 > 0.0 && b.1 > 0.0);
+    let mut changes: Vec<f64> = pairs.map(|(a, b)| (b.0 / b.1 - a.0 / a.1).abs()).collect();
+    let squares = changes.iter().map(|x| x * x).sum::<f64>() / changes.len().max(1) as f64;
+    outliers::median(&mut changes) < AGREES * squares.sqrt()
 }
 
 /// The largest divisor of both.

@@ -32,6 +32,7 @@ mod plateau;
 mod rectified;
 mod reference;
 mod same;
+mod strokes;
 mod time;
 mod values;
 
@@ -113,7 +114,9 @@ fn alike(series: &Series, found: Vec<Finding>) -> Vec<Finding> {
     let mut told: Vec<Finding> = Vec::new();
     for finding in found {
         let same = |other: &&mut Finding| {
-            other.id == "data.frequency" && finding.id == other.id && near(other.size, finding.size)
+            ["data.frequency", "data.runs_away"].contains(&other.id)
+                && finding.id == other.id
+                && near(other.size, finding.size)
         };
         match told.iter_mut().find(same) {
             Some(first) => {

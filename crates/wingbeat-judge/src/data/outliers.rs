@@ -4,7 +4,7 @@ use super::same::dead_band;
 use super::values::Extent;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{ALTERNATES, BIT, BY_TURNS, HOLE, OUTLIERS, PAIRS, SWAPPED, WRAPPED};
+use crate::limits::data::{ALTERNATES, BIT, BY_TURNS, HOLE, OUTLIERS, PAIRS, SWAPPED, TURNS, WRAPPED};
 
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
 const SAME: usize = 8;
@@ -31,6 +31,8 @@ const PASSES: f64 = 0.5;
 /// Least mean part of its range that a channel leaps over where its counts wrap around: it then goes on from the other end, where a knock
 /// starts from anywhere. *Choice.*
 const WHOLE: f64 = 0.9;
+/// Share of the cycles in which samples far from their phase come at one place of it for them to come with the cycle. *Choice.*
+const EACH_CYCLE: f64 = 0.3;
 /// Samples of a cycle from which every second one is told from the others. *Choice.*
 const FOR_SECOND: f64 = 8.0;
 
@@ -66,27 +68,46 @@ pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Lim
         let turns = alternating(series, channel, *extent, cycles);
         let first = turns.iter().find(|finding| finding.serious && breaks(finding)).cloned();
         let first = first.or_else(|| own.apart(series, channel, &at, most).filter(breaks));
-        let first = first.or_else(|| wrapped(series, channel, *extent, cycles).filter(breaks));
-        let first = first.or_else(|| hole(series, channel, *extent, cycles).filter(breaks));
+        // Both leap over a part of the range.
+        let leaps = steps_beyond(channel.samples, 0.9 * HOLE.value * extent.range()) > 0;
+        let odd = || wrapped(series, channel, *extent, cycles).filter(breaks);
+        let hole = || hole(series, channel, *extent, cycles).filter(breaks);
+        let first = first.or_else(|| if leaps { odd().or_else(hole) } else { None });
         found.extend(first.or_else(|| turns.into_iter().find(breaks)));
     }
     found
 }
 
-/// The place of the cycle that each sample lies in, and how many there are.
+/// How many steps from one sample to the next are larger than `least`.
+pub(super) fn steps_beyond(samples: &[f64], least: f64) -> usize {
+    let after = samples.get(1..).unwrap_or_default();
+    // Counted as wide as the samples are, several at once.
+    samples.iter().zip(after).map(|(a, b)| u64::from((b - a).abs() > least)).sum::<u64>() as usize
+}
+
+/// The place of the cycle that each sample lies in.
 struct Places {
     of: Vec<u8>,
-    count: usize,
-    /// Of so many samples of a place each, taken evenly from the whole file, the median is known well enough.
-    every: usize,
+    /// Of each place samples taken evenly from the whole file, from which its median is known well enough.
+    taken: Vec<Vec<u32>>,
 }
 
 impl Places {
     fn of(phase: &[f64], cycles: f64) -> Self {
         let per_cycle = phase.len() as f64 / cycles.max(1.0);
         let count = PLACES.min(phase.len() / SAME).min(per_cycle as usize).max(1);
-        let of = phase.iter().map(|p| place(*p, count) as u8).collect();
-        Self { of, count, every: phase.len().div_ceil(count * ENOUGH) }
+        let of: Vec<u8> = phase.iter().map(|p| place(*p, count) as u8).collect();
+        let every = phase.len().div_ceil(count * ENOUGH);
+        let mut taken = vec![Vec::with_capacity(phase.len() / count / every + SAME); count];
+        let mut seen = vec![0_usize; count];
+        for (k, place) in of.iter().enumerate() {
+            let place = usize::from(*place);
+            if seen[place] % every == 0 {
+                taken[place].push(k as u32);
+            }
+            seen[place] += 1;
+        }
+        Self { of, taken }
     }
 }
 
@@ -101,22 +122,15 @@ struct Usual {
 
 impl Usual {
     fn of(at: &Places, channel: &Channel, extent: Extent) -> Self {
-        let room = at.of.len() / at.count / at.every + SAME;
-        let mut there: Vec<(usize, Vec<f64>)> =
-            (0..at.count).map(|_| (0, Vec::with_capacity(room))).collect();
-        for (place, x) in at.of.iter().zip(channel.samples) {
-            let (seen, of) = &mut there[usize::from(*place)];
-            if *seen % at.every == 0 {
-                of.push(*x);
-            }
-            *seen += 1;
-        }
-        let known = |(_, of): &mut (usize, Vec<f64>)| {
-            let middle = median(of);
+        let mut of: Vec<f64> = Vec::new();
+        let known = |taken: &Vec<u32>| {
+            of.clear();
+            of.extend(taken.iter().map(|k| channel.samples[*k as usize]));
+            let middle = median(&mut of);
             of.iter_mut().for_each(|x| *x = (*x - middle).abs());
-            [middle, OF_MEDIAN * median(of)]
+            [middle, OF_MEDIAN * median(&mut of)]
         };
-        let mut places: Vec<[f64; 2]> = there.iter_mut().map(known).collect();
+        let mut places: Vec<[f64; 2]> = at.taken.iter().map(known).collect();
         // Few samples of a place tell little of its noise.
         let all = median(&mut places.iter().map(|place| place[1]).collect::<Vec<f64>>());
         places.iter_mut().for_each(|place| place[1] = place[1].max(all));
@@ -150,6 +164,7 @@ impl Usual {
         }
         let step = |k: usize| (samples[k] - samples[k - 1]).abs();
         let (mut sum, mut many, mut begin) = (0.0, 0_usize, 0);
+        let mut runs = vec![0_usize; places];
         for end in 1..=samples.len() {
             if end < samples.len() && (far[end] > 0.0) == (far[begin] > 0.0) {
                 continue;
@@ -160,6 +175,7 @@ impl Usual {
             if run[0] > 0.0 && jumps {
                 sum += run.iter().sum::<f64>();
                 many += run.len();
+                runs[usize::from(at.of[begin])] += 1;
             }
             begin = end;
         }
@@ -172,9 +188,23 @@ impl Usual {
             sum / many.max(1) as f64,
             channel.unit
         );
-        let found =
-            || Finding::new("data.outliers", &OUTLIERS, series.about(channel.name), sum / scale, text);
-        (sum > 0.0).then(|| found().in_channel(channel.name))
+        let found = |text: String| {
+            Finding::new("data.outliers", &OUTLIERS, series.about(channel.name), sum / scale, text)
+                .in_channel(channel.name)
+        };
+        let all: usize = runs.iter().sum();
+        let often = EACH_CYCLE * series.cycles();
+        let at_one: usize = runs.iter().filter(|count| **count as f64 > often.max(1.0)).sum();
+        // What comes in most cycles at one phase is a load.
+        if 2 * at_one > all {
+            let text = format!(
+                "{many} of {} samples lie far from others of their phase, at one phase in most cycles, and the signal jumps there: a knock, \
+                 or spikes that come with the cycle",
+                samples.len()
+            );
+            return Some(found(text).noted());
+        }
+        (sum > 0.0).then(|| found(text))
     }
 }
 
@@ -189,7 +219,14 @@ pub(super) fn median(of: &mut [f64]) -> f64 {
     if of.is_empty() { f64::NAN } else { *of.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
+/// Part of the range that a channel whose counts wrap around passes through beyond the leap, at least, in the mean. *Choice*: a knock on the
+/// extreme of a sine, of a tenth of its cycle, has 0.02.
+const BEYOND_LEAP: f64 = 0.08;
+
 /// The finding that a channel leaps across its range, up and down: a phase that begins again leaps one way.
+///
+/// What wraps around goes on from the other end as it came, and comes back by the same way, so that it passes through a part of the range
+/// there. A knock at an extreme leaps across the range as well, and has the height of its top there: it is noted.
 fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Option<Finding> {
     let range = extent.range();
     let steps = || channel.samples.windows(2).map(|pair| pair[1] - pair[0]);
@@ -206,14 +243,29 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
     let leaps = 2 * up.min(leaps - up);
     // A square wave stays where it leapt to.
     let own = channel.samples.chunk_by(|a, b| (b - a).abs() <= ACROSS[0] * range);
-    let passes = own.map(|of| Extent::of(of).map_or(0.0, Extent::range)).fold(0.0, f64::max);
-    let text = format!(
-        "leaps across its range at {leaps} samples and is smooth elsewhere: its counts wrap around at their end; take a wider \
-         range, or unwrap them"
-    );
-    let size = leaps as f64 / cycles;
-    (smooth && whole && passes > PASSES * range)
-        .then(|| Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), size, text))
+    let passes: Vec<(f64, usize)> =
+        own.map(|of| (Extent::of(of).map_or(0.0, Extent::range), of.len())).collect();
+    let most = passes.iter().map(|of| of.0).fold(0.0, f64::max);
+    if !(smooth && whole && most > PASSES * range) {
+        return None;
+    }
+    // Between two leaps it is by turns within its range and beyond it, there for less time.
+    let side = |of: usize| passes.iter().skip(1 + of).step_by(2);
+    let beyond = usize::from(side(0).map(|of| of.1).sum::<usize>() > side(1).map(|of| of.1).sum());
+    // Noise carries single samples across.
+    let weighed = side(beyond)
+        .fold((0.0, 0.0), |(sum, all), (range, count)| (sum + range * *count as f64, all + *count as f64));
+    let mean = weighed.0 / weighed.1.max(1.0);
+    let knocks = mean < BEYOND_LEAP * range;
+    let why = if knocks {
+        "a knock in each cycle, or counts that wrap around at their end for a moment"
+    } else {
+        "its counts wrap around at their end; take a wider range, or unwrap them"
+    };
+    let text = format!("leaps across its range at {leaps} samples and is smooth elsewhere: {why}");
+    let found =
+        Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), leaps as f64 / cycles, text);
+    Some(if knocks { found.noted() } else { found })
 }
 
 /// The finding that single rows of a motion lie far from those before and after them, which agree.
@@ -365,6 +417,9 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
     if loads {
         found.push(Finding::new("data.alternates", &ALTERNATES, about(), signs, text));
     }
+    if loads {
+        found.extend(by_turns(series, channel, extent));
+    }
     if bent > count * (BENT * extent.range()).powi(2) {
         let put_back = if turned < TURNED * bent { exchanged(samples) } else { f64::INFINITY };
         found.push(if put_back < PAIRS.value {
@@ -376,6 +431,60 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
         });
     }
     found
+}
+
+/// Samples that tell, in the middle of a file, lengths of turns that are sought, and the correlation of the steps between turns and the next ones below which they go up and down.
+/// *Choices.*
+const FOR_TURNS: usize = 512;
+const OF_TURN: std::ops::RangeInclusive<usize> = 2..=8;
+const UP_AND_DOWN: f64 = -0.6;
+/// Part of the range and counts that the steps between turns have at least, in the mean. *Choices.*
+const OF_TURNS: [f64; 2] = [0.01, 2.0];
+
+/// The finding that samples come from two sources by turns of m samples.
+///
+/// The steps b from one turn to the next go up and down by turns, with a correlation of -1 from each to the next, where those of a value
+/// that is held have 1 and those of noise -1/2. Beside the steps before and after them, b - (a + c) / 2, they are far larger than the second
+/// differences within a turn. For a line at half the frequency of the turns the ratio is (1 - cos w) / (2 (1 - cos w)), 1/2, with
+/// w = pi / m, for white noise sqrt(5 / 6), and for smooth loads 1/2 as for lines. Turns of two have no second differences within, and are
+/// told from nothing but a line at a quarter of the rate: they are noted.
+fn by_turns(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+    let from = channel.samples.len().saturating_sub(FOR_TURNS) / 2;
+    let samples = &channel.samples[from..channel.samples.len().min(from + FOR_TURNS)];
+    let steps: Vec<f64> = samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let beside: Vec<f64> = steps.windows(3).map(|of| (of[1] - 0.5 * (of[0] + of[2])).abs()).collect();
+    let bent: Vec<f64> = steps.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let least = (OF_TURNS[0] * extent.range()).max(OF_TURNS[1] * extent.count);
+    let of = |m: usize| {
+        let mean = |of: &[f64], k: usize| {
+            let all = of.iter().skip(k).step_by(m);
+            all.clone().sum::<f64>() / all.count() as f64
+        };
+        // Step k + 1 is that of `beside` k, and of the second differences k and k + 1.
+        let sizes: Vec<f64> = (0..m).map(|k| mean(&beside, k)).collect();
+        let at = (0..m).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]))?;
+        let size = sizes[at];
+        let meets = || steps.iter().skip(at + 1).step_by(m);
+        let next = || meets().zip(meets().skip(1)).map(|(a, b)| a * b).sum::<f64>();
+        let all = || meets().map(|step| step * step).sum::<f64>();
+        if size < least || next() > UP_AND_DOWN * all() {
+            return None;
+        }
+        let within = match m {
+            2 => sizes[1 - at],
+            _ => (2..m).map(|k| mean(&bent, (at + k) % m)).sum::<f64>() / (m - 2) as f64,
+        };
+        Some((size / within.max(1e-3 * size), m))
+    };
+    let all = OF_TURN.filter(|m| steps.len() > 8 * m).filter_map(of);
+    let (size, m) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let or = if m == 2 { ", or a line at a quarter of the rate" } else { "" };
+    let text = format!(
+        "leaps up and down every {m} samples and is smooth between: two sources by turns in one column{or}"
+    );
+    let found = Finding::new("data.alternates", &TURNS, series.about(channel.name), size, text);
+    let found = found.in_channel(channel.name);
+    Some(if m == 2 { found.noted() } else { found })
 }
 
 /// Correlation of the second differences of one sample and the next below which it is tried whether rows are exchanged; white noise has

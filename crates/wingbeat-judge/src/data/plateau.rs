@@ -138,8 +138,10 @@ pub(super) fn cut_off(
         let seen = usual.sqrt() > (NOISE[0] * range).max(NOISE[1] * count);
         let cut = || beyond(channel, [end, noise, 0.5 * (high + low)]) < FEW && corner(places, &on) > CORNER;
         let flat = (SHARE.start..LONG).contains(&share) && noise * noise < below * usual;
-        (seen && flat && unsteady(series, channel, placed, places) < UNSTEADY)
-            .then(|| (share, share < SHARE.end && cut()))
+        let noisy = || {
+            unsteady(series, channel, placed, places) < UNSTEADY && at_once(series, channel, places) > AT_ONCE
+        };
+        (seen && flat && noisy()).then(|| (share, share < SHARE.end && cut()))
     };
     let far = |end: f64| end.abs() > SLACK * range;
     let (top, bottom) = (share(high), share(low));
@@ -147,7 +149,10 @@ pub(super) fn cut_off(
         (Some((top, a)), Some((bottom, b))) => (top + bottom, if top > bottom { high } else { low }, a || b),
         (Some((top, cut)), None) if far(high) => (top, high, cut),
         (None, Some((bottom, cut))) if far(low) => (bottom, low, cut),
-        _ => return flat_between_corners(series, channel, places, [low, high, within, count]),
+        _ => {
+            let found = flat_between_corners(series, channel, places, [low, high, within, count]);
+            return found.filter(|_| unsteady(series, channel, placed, places) < UNSTEADY);
+        }
     };
     let text = format!(
         "is flat at {end:.4} {} for {:.0} % of the cycle, and scatters far less there than elsewhere: cut off before the \
@@ -226,6 +231,24 @@ fn unsteady(series: &Series, channel: &Channel, placed: &Placed, places: &[Place
     let late = || sums.iter().map(|[lg, gg]| lg / gg.max(f64::MIN_POSITIVE) / count as f64);
     let mean = late().sum::<f64>() / parts as f64;
     (late().map(|late| (late - mean).powi(2)).sum::<f64>() / parts as f64).sqrt()
+}
+
+/// Part of a cycle after which noise is another one and the scatter of strokes of several sizes the same, and pairs of samples that tell.
+/// *Choices.*
+const SHORTLY: f64 = 1.0 / 16.0;
+const PAIRS: usize = 4096;
+
+/// The share of what the mean cycle leaves that is another after a sixteenth of a cycle, half the mean square of the change over the mean
+/// square: noise has 1, even where a filter keeps its higher half away; strokes that come and go have 2 sin^2(pi / 16), 0.08.
+fn at_once(series: &Series, channel: &Channel, places: &[Place]) -> f64 {
+    let later = ((SHORTLY * series.phase.len() as f64 / series.cycles()) as usize).max(1);
+    let left = |k: usize| channel.samples[k] - places[place(series.phase[k], places.len())].mean;
+    let count = series.phase.len().saturating_sub(later);
+    let pairs = (0..count).step_by(count.div_ceil(PAIRS).max(1)).map(|k| (left(k), left(k + later)));
+    let (changed, all) = pairs.fold((0.0, 0.0), |(changed, all), (a, b)| {
+        (changed + 0.5 * (b - a).powi(2), all + 0.5 * (a * a + b * b))
+    });
+    changed / all.max(f64::MIN_POSITIVE)
 }
 
 /// The share of all samples that lie beyond the end by some of its deviations.

@@ -2,7 +2,7 @@
 
 use super::{Channel, Finding, Purpose, Series, plateau, same};
 use crate::limits::Limits;
-use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STUCK, TINY};
+use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STEPS, STUCK, TINY};
 
 /// Counts that a channel must span elsewhere for a stay within one of them to be odd. *Choice.*
 const SPAN: f64 = 8.0;
@@ -70,6 +70,10 @@ pub fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) ->
     if series.purpose == Purpose::Loads {
         found.extend(coarse(series, extents));
         found.extend(same::copied(series, extents, &placed));
+    } else {
+        found.extend(in_steps(series, extents));
+        // A motion may be flown again.
+        found.extend(same::copied(series, extents, &placed).map(Finding::noted));
     }
     found.extend(standing(series, extents));
     found
@@ -112,6 +116,32 @@ fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
         (judged && counts < FEW_COUNTS.value && even()).then(|| found().in_channel(channel.name))
     };
     all().filter_map(told).collect()
+}
+
+/// Share of the rows at which a motion stands still from which its steps are those of an encoder or of a table by hand; rounded rows that
+/// are near to one another stand still at the ends of the stroke alone. *Choice.*
+const STANDS: f64 = 0.4;
+/// Values that it takes at least: a motion may go to and fro between two. *Choice.*
+const VALUES: f64 = 3.0;
+
+/// Motions that stand still and go on by even steps: an encoder of few marks, or angles rounded by hand.
+fn in_steps(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
+    let told = |(channel, extent): (&Channel, &Option<Extent>)| {
+        let extent = (*extent)?;
+        let steps = || channel.samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let still = steps().filter(|step| *step <= 1e-9 * extent.range()).count() as f64;
+        let size = extent.range() / extent.count;
+        let even = |step: f64| (step / extent.count - (step / extent.count).round()).abs() < 0.01;
+        let text = format!(
+            "moves in {size:.0} steps of {:.3} {} and stands still between them: as rounded, with accelerations that it does not have; give \
+             finer angles, or harmonics",
+            extent.count, channel.unit
+        );
+        let about = series.about(channel.name);
+        (still > STANDS * channel.samples.len() as f64 && size > VALUES - 1.5 && steps().all(even))
+            .then(|| Finding::new("data.coarse", &STEPS, about, size, text).in_channel(channel.name))
+    };
+    series.channels.iter().zip(extents).filter_map(told).collect()
 }
 
 /// Samples in a row in which all channels stand still for it to be odd, and the part of a channel's range by which one of them leaps to
@@ -234,6 +264,15 @@ fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> 
     }
     let (from, to) = longest_stay(channel.samples, extent.count);
     let cycles = series.phase[to] - series.phase[from];
+    if cycles > STUCK.value && rests(series, channel, from..to) {
+        let text = format!(
+            "stays within {:.3e} {} for {cycles:.2} cycles from sample {} on, as all loads do: the wings rest; average the strokes alone",
+            extent.count,
+            channel.unit,
+            from + 1
+        );
+        return Some(Finding::new("data.stuck", &STUCK, series.about(channel.name), cycles, text).noted());
+    }
     let text = format!(
         "stays within {:.3e} {} for {cycles:.2} cycles from sample {} on, though it moves by {:.3e} elsewhere: \
          the channel was stuck; leave that part out",
@@ -243,6 +282,18 @@ fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> 
         extent.range()
     );
     Some(Finding::new("data.stuck", &STUCK, series.about(channel.name), cycles, text))
+}
+
+/// Part of its range that a channel moves by while the wings rest, at most. *Choice.*
+const RESTS: f64 = 0.1;
+
+/// Whether the other channels rest meanwhile as well; of a file of one channel whether it is the start.
+fn rests(series: &Series, channel: &Channel, there: std::ops::Range<usize>) -> bool {
+    let range = |of: &[f64]| Extent::of(of).map_or(0.0, Extent::range);
+    let others =
+        || series.channels.iter().filter(|other| other.name != channel.name && range(other.samples) > 0.0);
+    let rest = |other: &Channel| range(&other.samples[there.clone()]) < RESTS * range(other.samples);
+    if others().next().is_none() { there.start == 0 } else { others().all(rest) }
 }
 
 /// First and last sample of the longest stretch whose values lie within `count` of its first.

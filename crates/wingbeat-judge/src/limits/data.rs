@@ -91,9 +91,13 @@ pub const ALTERNATES: Limit = Limit::at_most("data.alternating_ratio", 3.0, "", 
 /// Correlation of the second differences of one sample and the next: white noise has -2/3, and smooth loads 1.
 pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0.9, "")
     .on("correlation of the second differences from sample to sample");
+/// Second differences across the ends of turns over those within: a line has 0.5 in turns of 3 samples and less in longer ones, white noise
+/// 0.9 (their deviations, sqrt(5 / 6)), in files of 2000 samples within 10 % of it.
+pub const TURNS: Limit = Limit::at_most("data.turns_ratio", 2.0, "", SuspectData)
+    .on("second differences where turns of a few samples meet over those within, where they go up and down,");
 /// Fourth moment of the samples of one phase over the square of their variance: two values have 1 (1.3 of 22
-/// samples), a hum 1.5, even noise 1.8.
-pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.35, "", SuspectData)
+/// samples, or with the noise and the sizes of a load), a hum 1.5, even noise 1.8.
+pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.42, "", SuspectData)
     .on("kurtosis of the samples of one phase, where they scatter from one to the next,");
 /// Rows that are put back in pairs are smooth again; those of a line near half the rate are not.
 pub const PAIRS: Limit = Limit::at_least("data.pairs_fraction", 0.25, "", SuspectData)
@@ -104,8 +108,8 @@ pub const BIT: Limit = Limit::at_most("data.dead_bit_fraction", 0.05, "", Suspec
 /// Two ranges of an amplifier that do not meet leave out what lies between them.
 pub const HOLE: Limit = Limit::warn_above("data.hole_fraction", 0.05, "")
     .on("widest part of its range that a smooth channel leaps over and never takes");
-/// Noise of two counts and more never gives 32 samples in a row again: what is written twice adds no cycle, and breaks the phase.
-pub const TWICE: Limit = Limit::at_most("data.written_twice_fraction", 0.2, "", SuspectData)
+/// Noise of a count never gives 32 samples in a row again: what is written twice adds no cycle, and breaks the phase. As much as may be lost.
+pub const TWICE: Limit = Limit::at_most("data.written_twice_fraction", 0.05, "", SuspectData)
     .on("share of the stretches of a noisy channel that come again sample by sample");
 /// The same of a channel whose noise is not known, but for whole cycles.
 pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "").on(
@@ -137,6 +141,10 @@ pub const COUNTS: Limit =
 /// The same as a warning.
 pub const FEW_COUNTS: Limit =
     Limit::warn_below("data.few_counts", 6.0, "").on("range of a channel in steps of its converter");
+/// Even steps of a range put 1 / (2 sqrt(3) n) of it on it, rms: 7 % of the amplitude of a sine in 12 of them, and far more of its
+/// acceleration.
+pub const STEPS: Limit = Limit::warn_below("data.motion_steps", 12.0, "")
+    .on("range of a motion in steps between which it stands still");
 /// Loads that swing by 45 % of their size have this share beside the cycle; a mount that swings by a quarter of it 0.06.
 pub const SWINGS: Limit = Limit::warn_above("data.swinging_fraction", 0.1, "")
     .on("share of the power that is neither periodic nor noise");
@@ -161,11 +169,15 @@ pub const PHASES: Limit = Limit::at_most("data.phase_scatter_deg", 30.0, "deg", 
 /// The same as a warning: 2 % of the first harmonic, 6 % of the second.
 pub const EARLY: Limit = Limit::warn_above("data.phase_differs_deg", 10.0, "deg")
     .on("how early and late the cycles of a channel come, rms,");
+/// Ten cycles at a frequency that is off by 0.3 % run away by 11 deg. It is said, as the mean loses nothing of note: sin(x) / x of half the
+/// angle, 0.1 % of the first harmonic.
+pub const RUNS: Limit = Limit::warn_above("data.phase_runs_deg", 8.0, "deg")
+    .on("how much later or earlier the cycles of a channel come from begin to end, by a straight line,");
 /// Loads that grow by less from begin to end lie within what strokes of a steady crank do (measured: 6 to 20 %).
 pub const TREND: Limit = Limit::warn_above("data.size_trend_fraction", 0.3, "")
     .on("change of the size of the cycles of a channel from begin to end, by a straight line, over their mean size,");
-/// A measured load of many counts hardly ever has one value twice; a fiftieth of the samples changes a mean as much as a gain does.
-pub const REPEATED: Limit = Limit::at_most("data.repeated_fraction", 0.02, "", SuspectData)
+/// A measured load of many counts hardly ever has one value twice; of 0.5 % of the samples a mean takes as much as of the error of a cell.
+pub const REPEATED: Limit = Limit::at_most("data.repeated_fraction", 0.005, "", SuspectData)
     .on("share of the samples that have one and the same value, each by itself,");
 /// Models miss the phase of a load by tens of degrees at most; beyond it one channel has another clock.
 pub const LAGS: Limit = Limit::at_most("data.lag_spread_deg", 60.0, "deg", SuspectData)
@@ -175,7 +187,7 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 51] = [
+pub const ALL: [Limit; 54] = [
     NOT_FINITE,
     BACKWARD,
     LOST,
@@ -227,4 +239,7 @@ pub const ALL: [Limit; 51] = [
     TWICE,
     PHASES,
     EARLY,
+    RUNS,
+    TURNS,
+    STEPS,
 ];

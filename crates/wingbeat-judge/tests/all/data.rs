@@ -519,6 +519,119 @@ fn wrong_data_are_found_by_name() {
     assert!(all.len() >= 30 && missed.is_empty(), "of {}: {missed:#?}", all.len());
 }
 
+/// Of a load, a size for each cycle from 0 on; its noise stays, as that of a cell does.
+fn strokes(load: &Load, size: impl Fn(usize) -> f64) -> Data {
+    let of = |seed: u64, power: i32| {
+        let mut noise = Noise(seed);
+        let one = |p: &f64| load.at(*p) * size(*p as usize).powi(power) + load.noise * 1.73 * noise.next();
+        load.phase().iter().map(one).collect::<Vec<f64>>()
+    };
+    (load.phase(), vec![of(1, 1), of(2, 2)], Purpose::Loads)
+}
+
+#[test]
+fn strokes_of_several_sizes_are_noted_and_a_gain_that_changes_is_refused() {
+    let load = Load { cycles: 40.0, ..Load::default() };
+    let bounding = |k: usize| f64::from(u8::from(k % 10 < 7));
+    let sweep = |k: usize| 0.4 + 0.2 * (k / 10) as f64;
+    let start = |k: usize| f64::from(u8::from(k > 7));
+    for size in [&bounding as &dyn Fn(usize) -> f64, &sweep, &start] {
+        let told = found(&strokes(&load, size));
+        assert!(!told.is_empty() && told.iter().all(|finding| !finding.serious), "{told:?}");
+        assert!(told.iter().all(|of| of.id == "data.not_periodic" || of.id == "data.drift"), "{told:?}");
+        // A gain changes the noise as well, and one channel fails alone.
+        let mut gain = loads(&load);
+        let times = |x: &mut Vec<f64>| x.iter_mut().enumerate().for_each(|(k, x)| *x *= 0.05 + size(k / 200));
+        times(&mut gain.1[0]);
+        let alone = found(&gain);
+        times(&mut gain.1[1]);
+        for told in [alone, found(&gain)] {
+            assert!(told.iter().any(|of| of.id == "data.not_periodic" && of.serious), "{told:?}");
+        }
+    }
+}
+
+#[test]
+fn bouts_with_rests_keep_the_frequency_of_their_strokes() {
+    let load = Load { cycles: 60.0, more: [0.3, 0.1], ..Load::default() };
+    for (on, off) in [(7, 3), (5, 5), (8, 2)] {
+        let (phase, channels, _) = strokes(&load, |k| f64::from(u8::from(k % (on + off) < on)));
+        let time: Vec<f64> = phase.iter().map(|p| p / 5.0).collect();
+        let told = line(&time, &channels).frequency.unwrap_or(f64::NAN);
+        assert!((told - 5.0).abs() < 0.01, "{on} of {}: {told} Hz", on + off);
+    }
+}
+
+#[test]
+fn a_knock_at_an_extreme_is_noted_and_counts_that_wrap_around_are_refused() {
+    let load = Load { more: [0.0, 0.0], ..Load::default() };
+    for width in [1, 3, 6] {
+        let knock = |k: usize, x: f64| if (100..100 + width).contains(&(k % 200)) { x + 2.2 } else { x };
+        let told = found(&changed(&load, knock));
+        assert!(ids(&told).contains(&"data.wrapped") && told.iter().all(|of| !of.serious), "{told:?}");
+    }
+    let wraps = changed(&load, |_, x| (x + 0.8).rem_euclid(1.6) - 0.8);
+    assert!(found(&wraps).iter().any(|of| of.id == "data.wrapped" && of.serious));
+    // A knock of another height, wherever it stands, comes with the cycle.
+    let knock = changed(&load, |k, x| if [37, 120].contains(&(k % 200)) { x - 3.0 } else { x });
+    assert!(found(&knock).iter().all(|of| !of.serious), "{:?}", found(&knock));
+}
+
+#[test]
+fn copies_are_found_wherever_they_lie_and_of_few_counts() {
+    let copied = |load: &Load, from: usize, to: usize, count: usize| {
+        let mut data = loads(load);
+        data.1.iter_mut().for_each(|x| x.copy_within(from..from + count, to));
+        data
+    };
+    let load = Load { cycles: 40.0, ..Load::default() };
+    let serious = |data: &Data| found(data).iter().any(|of| of.id == "data.copied" && of.serious);
+    for (from, to) in [(0, 2000), (130, 5010), (2777, 4800), (4000, 6000)] {
+        assert!(serious(&copied(&load, from, to, 1000)), "{from} to {to}");
+    }
+    for count in [0.05, 0.2] {
+        let coarse = Load { count, ..load.clone() };
+        assert!(serious(&copied(&coarse, 400, 4123, 2400)), "counts of {count}");
+        assert!(!ids(&found(&loads(&coarse))).contains(&"data.copied"), "counts of {count}");
+    }
+    let exact = Load { noise: 0.0, count: 0.05, ..load };
+    assert!(!ids(&found(&loads(&exact))).contains(&"data.copied"));
+}
+
+#[test]
+fn two_sources_by_turns_and_a_code_within_the_range_are_found_and_a_line_is_not_one() {
+    let load = Load { cycles: 20.0, ..Load::default() };
+    for turn in 3..=8 {
+        let told = found(&changed(&load, |k, x| if k / turn % 2 == 0 { x } else { 0.6 * x + 0.1 }));
+        assert!(told.iter().any(|of| of.id == "data.alternates" && of.serious), "{turn}: {told:?}");
+        let line = |k: usize, x: f64| x + 0.1 * (TAU * (k as f64 + 0.3) / (2 * turn) as f64).sin();
+        let told = found(&changed(&load, line));
+        assert!(told.iter().all(|of| !of.serious), "{turn}: {told:?}");
+    }
+    let mut noise = Noise(77);
+    let at: Vec<bool> = (0..4000).map(|_| noise.next().abs() < 0.013).collect();
+    for count in [0.0, 0.05] {
+        let told = found(&changed(&Load { count, ..load.clone() }, |k, x| if at[k] { 0.3 } else { x }));
+        assert!(told.iter().any(|of| of.id == "data.outliers" && of.serious), "{count}: {told:?}");
+    }
+}
+
+#[test]
+fn a_motion_in_steps_and_one_that_runs_away_are_told() {
+    let load = Load { size: 35.0, noise: 0.0, more: [0.1, 0.0], rate: 100, ..Load::default() };
+    let steps = motion(&Load { count: 15.0, ..load.clone() });
+    assert!(ids(&found(&steps)).contains(&"data.coarse"), "{:?}", found(&steps));
+    for fine in [0.1, 1.0] {
+        let told = found(&motion(&Load { count: fine, ..load.clone() }));
+        assert!(!ids(&told).contains(&"data.coarse"), "{fine}: {told:?}");
+    }
+    for (ratio, is) in [(1.003, true), (0.997, true), (1.0005, false)] {
+        let told = found(&motion(&Load { ratio, ..load.clone() }));
+        assert_eq!(ids(&told).contains(&"data.runs_away"), is, "{ratio}: {told:?}");
+        assert!(told.iter().all(|of| !of.serious), "{ratio}: {told:?}");
+    }
+}
+
 #[test]
 fn a_limit_lies_between_what_passes_and_what_does_not() {
     let drift = |size: f64| changed(&Load::default(), move |k, x| x + size * k as f64 / 2000.0);

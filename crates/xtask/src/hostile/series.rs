@@ -112,6 +112,8 @@ struct Change {
     grows: f64,
     /// Its first part of this size comes again and again.
     again: Option<f64>,
+    /// From the first place on, a part of this size comes again after itself.
+    copy: Option<[f64; 2]>,
     /// It is this part of itself for the first third of the file.
     third: Option<f64>,
     /// Runs of five samples are zero, each so many samples.
@@ -122,6 +124,14 @@ struct Change {
     drifts: f64,
     /// It is so many times as steep, and stays at the ends of its range.
     steep: Option<f64>,
+    /// Of its strokes the first so many come, and the next so many not, again and again.
+    bouts: Option<[usize; 2]>,
+    /// So many samples of each cycle lie higher by the range, from where it is least.
+    knock: usize,
+    /// Every second so many samples are 0.6 of themselves.
+    turns: usize,
+    /// This part of its samples, at random, has one value within its range.
+    code: f64,
     /// Rows stand in pairs that are swapped.
     pairs: bool,
     /// Only its magnitude is kept.
@@ -217,11 +227,19 @@ impl Series {
             let size = range(cycle);
             let turned = if *name == CRANK { 360.0 / self.rate as f64 } else { 0.0 };
             let drifts: f64 = self.change.iter().filter(|of| of.takes(name)).map(|of| of.drifts).sum();
+            let own = || self.change.iter().filter(|of| of.takes(name));
+            let bouts = own().find_map(|of| of.bouts);
+            let rests =
+                |k: usize| bouts.is_some_and(|[on, off]| (k / self.rate.max(1)) % (on + off).max(1) >= on);
+            let knock: usize = own().map(|of| of.knock).sum();
+            let least = (0..cycle.len()).min_by(|a, b| cycle[*a].total_cmp(&cycle[*b])).unwrap_or(0);
+            let knocks = |k: usize| (k + self.rate - least * self.rate / STEPS) % self.rate.max(1) < knock;
             let one = |k: usize| {
                 // Of a frequency that grows evenly: that of the file in the middle, and no phase in the mean.
                 let bow = place(k) * (place(k) - 1.0) + 1.0 / 6.0;
                 let drift = 0.5 * drifts * bow * ratio * self.cycles;
                 let here = at(cycle, ratio * k as f64 / self.rate as f64 + drift - late);
+                let here = if rests(k) { 0.0 } else { here } + if knocks(k) { size } else { 0.0 };
                 here + turned * k as f64 + self.noise * size * noise.next()
             };
             columns.push((name, (0..rows).map(one).collect()));
@@ -290,6 +308,12 @@ impl Change {
             if self.drops.is_some_and(|every| (every / 2..every / 2 + 5).contains(&(k % every))) {
                 *x = 0.0;
             }
+            if self.turns > 0 && k / self.turns % 2 == 1 {
+                *x *= 0.6;
+            }
+            if self.code > 0.0 && noise.next().abs() < self.code {
+                *x = 0.1 * size;
+            }
             if self.sources != 0.0 && noise.next() > 0.0 {
                 *x += self.sources * size;
             }
@@ -319,6 +343,10 @@ impl Change {
         if let Some(part) = self.again {
             let length = ((part * values.len() as f64) as usize).max(1);
             (length..values.len()).for_each(|k| values[k] = values[k - length]);
+        }
+        if let Some([from, part]) = self.copy {
+            let [from, length] = [from, part].map(|of| (of * values.len() as f64) as usize);
+            values.copy_within(from..from + length, from + length);
         }
         if self.pairs {
             values.chunks_exact_mut(2).for_each(|pair| pair.swap(0, 1));

@@ -1,0 +1,245 @@
+//! How the cycles of a channel differ from the mean one: in size, and in time.
+
+use super::cycle::{Apart, Parts};
+use super::outliers::{OF_MEDIAN, median};
+use super::same::OF_THIRD;
+use super::values::Extent;
+use super::{Finding, Purpose, Series};
+use crate::limits::data::{DIFFERS, EARLY, PHASES, RUNS, SCATTER, TREND};
+
+/// Whole cycles from which they are compared. *Choice.*
+const FOR_SCATTER: usize = 4;
+/// Variance of their sizes over that which noise gives them, above which it is told. *Choice.*
+const ABOVE_NOISE: f64 = 4.0;
+/// Points of a cycle from which its slope is known. *Choice.*
+const FOR_SLOPE: f64 = 8.0;
+/// Standard errors of a line through how late the cycles come above which it is told. *Choice.*
+const SURE: f64 = 6.0;
+
+/// What each whole cycle holds of the mean cycle f and of its slope g, by least squares over its points x, which the mean cycle leaves l:
+/// its size sum(x f) / sum(f f) and how late it comes, sum(l g) / sum(g g), in cycles.
+pub(super) struct Strokes {
+    sizes: Spread,
+    late: Spread,
+    /// Variance that sizes and levels of the cycles explain of what the mean cycle leaves.
+    explained: f64,
+}
+
+/// A number of each cycle.
+struct Spread {
+    of: Vec<f64>,
+    mean: f64,
+    /// Mean square about the mean.
+    spread: f64,
+    /// That which white noise of the variance s2 gives it: s2 over the mean of the sums of squares.
+    noise: f64,
+}
+
+impl Spread {
+    /// By numerators and denominators.
+    fn of(sums: impl Iterator<Item = [f64; 2]>, white: f64) -> Self {
+        let sums: Vec<[f64; 2]> = sums.collect();
+        let (count, all) = (sums.len() as f64, sums.iter().map(|[_, below]| below).sum::<f64>());
+        let ratio = |[above, below]: [f64; 2]| if below > 0.0 { above / below } else { 0.0 };
+        let of: Vec<f64> = sums.into_iter().map(ratio).collect();
+        let mean = of.iter().sum::<f64>() / count;
+        let spread = of.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+        Self { mean, spread, noise: white * count / all.max(f64::MIN_POSITIVE), of }
+    }
+
+    fn is_told(&self) -> bool {
+        self.of.len() >= FOR_SCATTER && self.spread > ABOVE_NOISE * self.noise
+    }
+
+    /// Root mean square about the mean, without what noise gives.
+    fn size(&self) -> f64 {
+        (self.spread - self.noise).max(0.0).sqrt()
+    }
+
+    /// Change from begin to end by a straight line, and its standard error. The squares of places that lie evenly from -1/2 to 1/2 have
+    /// the mean (1 - 1 / n^2) / 12.
+    fn trend(&self) -> [f64; 2] {
+        let count = self.of.len() as f64;
+        let at = |k: usize| (k as f64 + 0.5) / count - 0.5;
+        let squares = (count - 1.0 / count) / 12.0;
+        let slope = self.of.iter().enumerate().map(|(k, x)| at(k) * x).sum::<f64>() / squares;
+        let left = (self.spread - slope * slope * squares / count).max(self.noise);
+        [slope, (left / squares).sqrt()]
+    }
+}
+
+impl Strokes {
+    pub fn of(series: &Series, one: &Apart) -> Self {
+        let Apart { at, part, left, .. } = one;
+        let count = at.phase.len();
+        let first = at.phase.first().copied().unwrap_or_default();
+        // The last sample of a whole cycle lies a step before its end.
+        let whole = (series.cycles() * (1.0 + 1.5 / count as f64)).min(count as f64) as usize;
+        let sloped = count as f64 >= FOR_SLOPE * series.cycles();
+        let fit = |k: usize| at.values[k] - left[k];
+        // sum(x f), sum(f f), sum(l g), sum(g g), sum(l), count.
+        let mut sums = vec![[0.0; 6]; whole];
+        for k in 0..count {
+            let Some(of) = sums.get_mut((at.phase[k] - first) as usize) else { continue };
+            let f = fit(k) - part.mean;
+            of[0] += (f + left[k]) * f;
+            of[1] += f * f;
+            of[4] += left[k];
+            of[5] += 1.0;
+            if sloped && k > 0 && k + 1 < count {
+                let slope = (fit(k + 1) - fit(k - 1)) / (at.phase[k + 1] - at.phase[k - 1]);
+                of[2] += left[k] * slope;
+                of[3] += slope * slope;
+            }
+        }
+        let explained = |[xf, ff, _, _, l, n]: &[f64; 6]| {
+            (xf - ff).powi(2) / ff.max(f64::MIN_POSITIVE) + l * l / n.max(1.0)
+        };
+        let explained = sums.iter().map(explained).sum::<f64>() / count as f64;
+        let sizes = Spread::of(sums.iter().map(|of| [of[0], of[1]]), part.white);
+        let late = if sloped { &sums[..] } else { &[] };
+        Self { sizes, late: Spread::of(late.iter().map(|of| [of[2], of[3]]), part.white), explained }
+    }
+
+    /// Variance that neither repeats, nor is noise, nor comes of other sizes and levels of the cycles.
+    pub fn left(&self, part: &Parts) -> f64 {
+        (part.slow - self.explained).max(0.0)
+    }
+
+    /// Whether sizes explain most of what does not repeat.
+    pub fn differ(&self, part: &Parts) -> bool {
+        self.sizes.is_told() && self.explained > 0.5 * part.slow
+    }
+
+    /// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line.
+    pub fn sizes(&self, series: &Series, one: &Apart) -> Vec<Finding> {
+        let Spread { mean, .. } = self.sizes;
+        if !(mean > 0.0 && self.sizes.is_told()) {
+            return Vec::new();
+        }
+        let size = self.sizes.size() / mean;
+        let of = |limit, size: f64, how: &str| {
+            let text = format!(
+                "the sizes of its cycles {how} by {:.0} %{}: the mean cycle is that of none of them; cut the file to its steady part",
+                100.0 * size,
+                if how == "differ" { " (rms)" } else { " from begin to end" }
+            );
+            Finding::new("data.not_periodic", limit, series.about(one.channel.name), size, text)
+        };
+        vec![
+            of(&SCATTER, size, "differ"),
+            of(&TREND, (self.sizes.trend()[0] / mean).abs(), "change"),
+            of(&DIFFERS, size, "differ"),
+        ]
+    }
+
+    /// The findings that the cycles come early and late.
+    pub fn phases(&self, series: &Series, one: &Apart) -> Vec<Finding> {
+        if !self.late.is_told() {
+            return Vec::new();
+        }
+        let size = 360.0 * self.late.size();
+        let text = format!(
+            "its cycles come early and late by {size:.0} deg (rms), as where the frequency drifts or the crank is unsteady: their mean is \
+             flatter than each; give phases in place of times, or cut the file to its steady part"
+        );
+        let of = |limit| {
+            Finding::new("data.not_periodic", limit, series.about(one.channel.name), size, text.clone())
+        };
+        vec![of(&PHASES), of(&EARLY)]
+    }
+
+    /// The finding that the cycles come later and later, or earlier, by a straight line: the frequency is another one.
+    pub fn runs_away(&self, series: &Series, one: &Apart) -> Option<Finding> {
+        let [by, error] = self.late.trend();
+        let told = self.late.is_told() && by.abs() > SURE * error;
+        let given = series.frequency_hz?;
+        // From begin to end a cycle passes less or more.
+        let own = given * (1.0 + by / series.cycles());
+        let text = format!(
+            "its cycles come {} by {:.1} deg from begin to end: it repeats at {own:.4} Hz, and {given:.4} Hz is given for it",
+            if by > 0.0 { "earlier" } else { "later" },
+            360.0 * by.abs()
+        );
+        let about = series.about(one.channel.name);
+        told.then(|| {
+            Finding::new("data.runs_away", &RUNS, about, 360.0 * by.abs(), text).in_channel(one.channel.name)
+        })
+    }
+}
+
+/// What is told of sizes that the wings change.
+pub(super) fn noted(of: Finding) -> Finding {
+    let text = format!(
+        "{}; all loads change together, as where the wings rest, start or change their stroke",
+        of.text
+    );
+    Finding { text, ..of.noted() }
+}
+
+/// Correlation of the sizes of the cycles of two channels above which they change together, and the part of the one's spread that the
+/// other's has at least. *Choices*: lift goes with the square of the stroke, drag with less.
+const TOGETHER: f64 = 0.7;
+const PART: f64 = 0.25;
+/// Part of the spread that noise may have for sizes to be compared. *Choice.*
+const KNOWN: f64 = 0.25;
+
+/// Whether it is the wings that change the sizes of the cycles of channel `k`, as in bounding flight, a start, or a sweep of the stroke.
+///
+/// A wing changes all loads together; a channel whose gain fails is alone. Where all change together, the gain of the instrument and the
+/// stroke are told apart by the noise, which comes after the stroke and before the gain. A file of one channel has its noise alone, one
+/// without noise the other channels alone.
+pub(super) fn are_of_wings(series: &Series, all: &[Apart], strokes: &[Strokes], k: usize) -> bool {
+    let own = &strokes[k].sizes;
+    if series.purpose != Purpose::Loads || !own.is_told() {
+        return false;
+    }
+    let others = all.iter().zip(strokes).enumerate();
+    let others = others.filter(|(other, (one, _))| *other != k && one.is_load() && one.is_telling(all));
+    let known: Vec<&Spread> = others
+        .map(|(_, (_, strokes))| &strokes.sizes)
+        .filter(|sizes| sizes.noise < KNOWN * own.spread && sizes.mean > 0.0)
+        .collect();
+    let together = |other: &Spread| {
+        let products = own.of.iter().zip(&other.of).map(|(a, b)| (a - own.mean) * (b - other.mean));
+        let product = products.sum::<f64>() / own.of.len() as f64;
+        product > TOGETHER * (own.spread * other.spread).sqrt()
+            && (other.spread / own.spread).sqrt() * own.mean > PART * other.mean
+    };
+    if !known.iter().all(|other| together(other)) {
+        return false;
+    }
+    match noise_goes_along(series, &all[k], own) {
+        Some(along) => !along,
+        None => !known.is_empty(),
+    }
+}
+
+/// Power of the ratio of the sizes of small and large cycles below which the ratio of their noise is nearer to that of a gain. *Choice.*
+const ALONG: f64 = 0.7;
+/// Correlation of the third differences of one sample and the next below which they are those of noise: white noise has -3/4. *Choice.*
+const WHITE: f64 = -0.5;
+
+/// Whether the noise of the small cycles is smaller than that of the large ones as they are, by the medians of the third differences; none
+/// where the noise is not seen.
+fn noise_goes_along(series: &Series, one: &Apart, sizes: &Spread) -> Option<bool> {
+    let (first, samples) = (series.phase.first()?, one.channel.samples);
+    let mut groups: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+    let (mut before, mut turned, mut squares) = (0.0, 0.0, 0.0);
+    for (p, of) in series.phase.iter().zip(samples.windows(4)) {
+        let Some(size) = sizes.of.get((p - first) as usize) else { continue };
+        let third = of[3] - of[0] - 3.0 * (of[2] - of[1]);
+        groups[usize::from(*size > sizes.mean)].push(third.abs());
+        turned += third * before;
+        squares += third * third;
+        before = third;
+    }
+    let [small, large] = groups.map(|mut of| OF_MEDIAN * median(&mut of) / OF_THIRD);
+    let mean = |large: bool| {
+        let of = || sizes.of.iter().filter(|size| (**size > sizes.mean) == large).map(|size| size.abs());
+        of().sum::<f64>() / of().count().max(1) as f64
+    };
+    let ratio = (mean(false) / mean(true)).max(f64::MIN_POSITIVE);
+    let seen = turned < WHITE * squares && large > Extent::of(samples)?.count;
+    seen.then(|| small < large * ratio.powf(ALONG))
+}
