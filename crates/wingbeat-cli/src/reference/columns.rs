@@ -233,6 +233,13 @@ pub const COLUMNS: &[Described] = &[
     column("perch_speed", &[FLIGHT], &["m/s"], "", "Speed of the claw."),
     column("perch_attitude", &[FLIGHT], &["rad"], "", "Angle between the back of the robot and straight down; 0 hangs heel above head."),
     column("perch_force", &[FLIGHT], &["N"], "", "Force between claw and perch."),
+    column(
+        "perch_clearance",
+        &[FLIGHT],
+        &["m"],
+        "",
+        "Least distance of the surfaces and capsules from the perch (`robot.perch_clearance`).",
+    ),
     column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, as measured, under `[controller.orbit]`."),
     column("orbit_crank_added", &[FLIGHT], &["rad/s"], "", "Rate of the crank that `controller.orbit.adapt` adds to that of the reference."),
     column("orbit_missed_acceleration_<axis>", &[FLIGHT], &["m/s2"], "H", "Mean over a cycle of the acceleration along heading axes that `controller.orbit.adapt` has learned the model to miss."),
