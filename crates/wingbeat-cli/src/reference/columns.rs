@@ -244,6 +244,7 @@ pub const COLUMNS: &[Described] = &[
     column("orbit_crank_added", &[FLIGHT], &["rad/s"], "", "Rate of the crank that `controller.orbit.adapt` adds to that of the reference."),
     column("orbit_missed_acceleration_<axis>", &[FLIGHT], &["m/s2"], "H", "Mean over a cycle of the acceleration along heading axes that `controller.orbit.adapt` has learned the model to miss."),
     column("orbit_missed_turning_<axis>", &[FLIGHT], &["rad/s2"], "B", "The same of the angular acceleration, in body axes."),
+    column("orbit_governed", &[FLIGHT], &[""], "", "Largest change that `controller.orbit.clearance_m` makes to a command at the last update, over its upper limit."),
     column("orbit_roll_error", &[FLIGHT], RAD, "WB", "Roll less that of the reference at the same phase, at the last update, as measured, under `[controller.orbit]`."),
     column("orbit_pitch_error", &[FLIGHT], RAD, "WB", "Pitch, likewise."),
     column("thrust_moment_<axis>", &[FLIGHT], NM, "B", "Moment of the thrusters about the body's origin."),
