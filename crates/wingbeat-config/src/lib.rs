@@ -127,7 +127,7 @@ use std::path::Path;
 use step_error::StepError;
 use wingbeat_aero::Aero;
 use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
-use wingbeat_flight::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly, fly_in};
+use wingbeat_flight::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_until};
 use wingbeat_judge::{Limits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::{Quat, Vec3, pitch_of_nose_up};
@@ -438,9 +438,14 @@ impl Scenario {
             let seen = observe(sample);
             Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
         };
-        let (robot, sensors) = (&self.robot, &mut sensors);
+        let (robot, sensors, perch) = (&self.robot, &mut sensors, self.spec.perch.as_ref());
+        // In a lattice the claw is looked at with the records alone.
+        let latches = |_: f64, x: &[f64]| {
+            let seen = perch.zip(robot.at_perch(x));
+            seen.map_or(f64::INFINITY, |(perch, seen)| perch.short_of_latching(&seen))
+        };
         let (mut flight, coupling) = match &mut lattice {
-            None => (fly(robot, sensors, controller, schedule, &mut x, see), None),
+            None => (fly_until(robot, sensors, controller, schedule, &mut x, &latches, see), None),
             Some(flow) => {
                 let flow = flow.as_mut();
                 let (flight, coupling) = fly_in(robot, flow, sensors, controller, schedule, &mut x, see);

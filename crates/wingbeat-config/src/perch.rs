@@ -9,7 +9,7 @@ use wingbeat_math::{Error, Vec3, require};
 use wingbeat_robot::{Contact, Perch, PerchShape, Robot, Seen};
 
 /// Columns that a flight beside a perch has.
-pub(super) const COLUMNS: [[&str; 3]; 7] = [
+pub(super) const COLUMNS: [[&str; 3]; 8] = [
     ["perch_x", "m", "W"],
     ["perch_y", "m", "W"],
     ["perch_z", "m", "W"],
@@ -17,6 +17,7 @@ pub(super) const COLUMNS: [[&str; 3]; 7] = [
     ["perch_speed", "m/s", ""],
     ["perch_attitude", "rad", ""],
     ["perch_force", "N", ""],
+    ["perch_clearance", "m", ""],
 ];
 
 /// What there is to land on.
@@ -101,7 +102,7 @@ ranges!(PerchSpec {
     contact_s: Range::POSITIVE,
 });
 
-/// Records within a hit, so that none is missed and the claw latches where it first may.
+/// Records within a hit, so that its largest force is recorded.
 const SEEN: f64 = 10.0;
 
 /// Steps of the flight that a hit must take at least, for the steps to follow it.
@@ -128,7 +129,7 @@ impl PerchSpec {
         }
         if record_every_s > self.contact_s / SEEN * (1.0 + 1e-9) {
             let allowed = format!(
-                "{} or more, ten times flight.record_every_s: claw and perch are looked at with every record",
+                "{} or more, ten times flight.record_every_s: the force of a hit is recorded with every record",
                 SEEN * record_every_s
             );
             return Err(Error::invalid("contact_s", self.contact_s, allowed));
@@ -162,7 +163,12 @@ impl PerchSpec {
 
     /// Whether the claw latches.
     pub(super) fn latches(&self, seen: &Seen) -> bool {
-        self.off(seen.distance, seen.speed, seen.off_hanging) <= 1.0
+        self.short_of_latching(seen) <= 0.0
+    }
+
+    /// What falls to 0 where the claw latches, dimensionless.
+    pub(super) fn short_of_latching(&self, seen: &Seen) -> f64 {
+        self.off(seen.distance, seen.speed, seen.off_hanging) - 1.0
     }
 
     /// The largest of distance, speed and angle (rad), each over that at which the claw latches.
@@ -193,6 +199,8 @@ pub struct PerchSummary {
     pub least_distance_m: f64,
     /// Largest force between claw and perch, N.
     pub largest_force_n: f64,
+    /// Least distance of surfaces and capsules from the perch over the flight, m.
+    pub least_clearance_m: Option<f64>,
     /// Share of its cost that the last iteration of the plan of `controller.orbit.landing` saved.
     pub plan_saved_fraction: Option<f64>,
     /// Speed of the claw at the end of that plan, m/s.
@@ -216,6 +224,7 @@ impl PerchSummary {
         let nose = 2.0 * (x[row] * z[row] - w[row] * y[row]);
         let back = 1.0 - 2.0 * (x[row] * x[row] + y[row] * y[row]);
         let caught = off(row) <= 1.0;
+        let clear = column("perch_clearance").and_then(|clear| clear.iter().copied().reduce(f64::min));
         let planned = |of: &str| column(&format!("orbit_landing_{of}"))?.first().copied();
         Some(Self {
             caught,
@@ -227,6 +236,7 @@ impl PerchSummary {
             pitch_error_deg: (-nose).atan2(-back).to_degrees(),
             least_distance_m: distance.iter().copied().fold(f64::INFINITY, f64::min),
             largest_force_n: largest,
+            least_clearance_m: clear,
             plan_saved_fraction: planned("saved"),
             plan_speed_m_s: planned("speed"),
             plan_pitch_deg: planned("pitch").map(f64::to_degrees),
@@ -237,6 +247,7 @@ impl PerchSummary {
         judge.hold_to(&asked::PERCH_DISTANCE, spec.capture_m, self.distance_m);
         judge.hold_to(&asked::PERCH_SPEED, spec.speed_within_m_s, self.speed_m_s);
         judge.hold_to(&asked::PERCH_ATTITUDE, spec.attitude_within_deg, self.attitude_error_deg);
+        judge.hold_if(&flight::PERCH_CLEARANCE, self.least_clearance_m);
         judge.hold_if(&flight::LANDING_PLAN, self.plan_saved_fraction);
         let ends = self.plan_speed_m_s.zip(self.plan_pitch_deg);
         let over = |(speed, pitch): (f64, f64)| {

@@ -173,6 +173,7 @@ impl<'a> Recorder<'a> {
         if let Some((perch, seen)) = self.robot.perch().zip(self.robot.at_perch(x)) {
             row.extend(perch.place().0);
             row.extend([seen.distance, seen.speed, seen.off_hanging, seen.force]);
+            row.extend(self.robot.perch_clearance(t, x)?);
             self.latched |= self.perch.is_some_and(|perch| perch.latches(&seen));
         }
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));

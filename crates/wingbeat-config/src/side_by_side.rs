@@ -20,7 +20,10 @@ impl Scenario {
     pub(super) fn fits_beside(&self, other: &Self) -> bool {
         let clocks =
             [self, other].map(|s| (s.schedule.step.to_bits(), s.schedule.steps, s.spec.flight.flapping));
-        self.without_lattice().is_ok()
+        // The claw latches within a step, which all lanes take whole.
+        self.spec.perch.is_none()
+            && other.spec.perch.is_none()
+            && self.without_lattice().is_ok()
             && other.without_lattice().is_ok()
             && clocks[0] == clocks[1]
             && self.make() == other.make()
@@ -56,9 +59,7 @@ impl Scenario {
         let recorder = |(scenario, controller): (&&'a Self, &Steering<'a>)| {
             let rows = scenario.schedule.steps / scenario.schedule.steps_per_sample + 1;
             let recorder = Recorder::new(&scenario.robot, scenario.manoeuvre(), controller, rows, None);
-            let mut recorder = recorder.map_err(|error| scenario.explain(&error))?;
-            recorder.beside(scenario.spec.perch.as_ref());
-            Ok::<_, ConfigError>(recorder)
+            recorder.map_err(|error| scenario.explain(&error))
         };
         let mut recorders = all.iter().zip(&controllers).map(recorder).collect::<Result<Vec<_>, _>>()?;
         let watch = &watch;
@@ -71,14 +72,12 @@ impl Scenario {
                 start,
                 observe: move |sample: &Sample, controller: &Steering<'a>| {
                     recorder.sample(sample, controller)?;
-                    let seen = watch();
-                    Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
+                    Ok(watch())
                 },
             })
             .collect();
         let flights = fly_side_by_side(|t, x, u, dx| robot.rates_side_by_side(t, x, u, dx), seats);
-        let summary = |((scenario, recorder), mut flight): ((&&Self, Recorder), Flight)| {
-            recorder.complete(&mut flight);
+        let summary = |((scenario, recorder), flight): ((&&Self, Recorder), Flight)| {
             scenario.summarise(&recorder.finish(), &flight, &scenario.schedule, None)
         };
         Ok(all.iter().zip(recorders).zip(flights).map(summary).collect())

@@ -42,7 +42,7 @@ pub use random::Random;
 pub use room::{append, append_copies};
 pub use runge_kutta::{Dynamics, RK4, Steps, Tableau, Workspace};
 pub use scalar::Scalar;
-pub use segment::segment_distance;
+pub use segment::{segment_distance, triangle_distance};
 pub use space::{Mat3, Quat, Vec3};
 pub use spline::CubicSpline;
 pub use tape::Tape;

@@ -38,6 +38,33 @@ pub fn segment_distance<S: Scalar>(a: [Vec3<S>; 2], b: [Vec3<S>; 2]) -> S {
     if squared.value() > 0.0 { squared.sqrt() } else { S::ZERO }
 }
 
+/// Distance of a segment from a triangle, in the unit of their corners; 0 where it passes through.
+///
+/// Equation: math.triangle_distance
+/// `least of the distances from the edges, and from the plane at ends that lie over the triangle; 0 where the segment pierces it`
+/// Source: Ericson 2005, Real-Time Collision Detection, 5.1.10.
+/// Test: `triangle_distance_against_a_fine_search`.
+pub fn triangle_distance(segment: [Vec3; 2], triangle: [Vec3; 3]) -> f64 {
+    let [a, b, c] = triangle;
+    let edges = [[a, b], [b, c], [c, a]];
+    let normal = (b - a).cross(c - a);
+    let size = normal.norm();
+    let beside = edges.iter().map(|edge| segment_distance(segment, *edge)).fold(f64::INFINITY, f64::min);
+    if size <= TINY {
+        return beside;
+    }
+    let over = |p: Vec3| edges.iter().all(|[from, to]| (*to - *from).cross(p - *from).dot(normal) >= 0.0);
+    let above = segment.map(|p| (p - a).dot(normal) / size);
+    if above[0] * above[1] <= 0.0 && above[0] != above[1] {
+        let at = segment[0] + (segment[1] - segment[0]) * (above[0] / (above[0] - above[1]));
+        if over(at) {
+            return 0.0;
+        }
+    }
+    let ends = segment.iter().zip(above).filter(|(p, _)| over(**p)).map(|(_, above)| above.abs());
+    ends.fold(beside, f64::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,5 +115,29 @@ mod tests {
         let cross = [[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]];
         let touching = cross.map(|s| s.map(|p| Vec3::<Dual<1>>::constant(Vec3(p))));
         assert_eq!(segment_distance(touching[0], touching[1]).eps[0], 0.0);
+    }
+
+    #[test]
+    fn triangle_distance_against_a_fine_search() {
+        let mut random = Random::new(5);
+        let mut pierced = 0;
+        for _ in 0..60 {
+            let [[a, b], [c, d]] = drawn(&mut random);
+            let [[e, _], _] = drawn(&mut random);
+            let mut best = f64::INFINITY;
+            for i in 0..=60 {
+                let on = a + (b - a) * (f64::from(i) / 60.0);
+                for j in 0..=60 {
+                    for k in 0..=60 - j {
+                        let at = c + (d - c) * (f64::from(j) / 60.0) + (e - c) * (f64::from(k) / 60.0);
+                        best = best.min((on - at).norm());
+                    }
+                }
+            }
+            let exact = triangle_distance([a, b], [c, d, e]);
+            assert!(exact <= best + 1e-12 && best - exact < 0.05, "{exact} {best}");
+            pierced += usize::from(exact == 0.0);
+        }
+        assert!(pierced > 2 && pierced < 30, "{pierced}");
     }
 }

@@ -46,6 +46,7 @@ enum Apart {
 pub(super) struct Clearances {
     pub channels: Vec<Channel>,
     parts: Vec<Apart>,
+    capsules: Vec<Capsule>,
 }
 
 impl Clearances {
@@ -54,14 +55,14 @@ impl Clearances {
     /// # Errors
     /// [`Error::Invalid`] with the key of the robot file.
     pub fn new(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Self, Error> {
-        let mut found = Self { channels: Vec::new(), parts: Vec::new() };
+        let capsules = Capsule::all(spec, mechanism);
+        let mut found = Self { channels: Vec::new(), parts: Vec::new(), capsules: Vec::new() };
         for surface in spec.all_surfaces() {
             let corners = corners(&surface, mechanism)?;
             if !corners.is_empty() {
                 found.add(format!("{}_middle", surface.name), Apart::Halves(corners));
             }
         }
-        let capsules = Capsule::all(spec, mechanism);
         for (i, pair) in spec.clearances.iter().enumerate() {
             let [one, other] = &pair.between;
             let name = format!("{one}_{other}");
@@ -75,7 +76,12 @@ impl Clearances {
                 ));
             }
         }
-        Ok(found)
+        Ok(Self { capsules, ..found })
+    }
+
+    /// The axes of all capsules, from the body origin, m in B, with their radii, m.
+    pub fn capsules(&self, links: &[LinkMotion]) -> impl Iterator<Item = ([Vec3; 2], f64)> {
+        self.capsules.iter().map(|capsule| (capsule.segment(links), capsule.radius))
     }
 
     /// False when the name is taken.
@@ -245,7 +251,7 @@ impl Robot {
     }
 
     /// Places of the links, at rest.
-    fn posed<S: Scalar>(&self, t: S, structure: &[S]) -> Result<Links<S>, Fault> {
+    pub(super) fn posed<S: Scalar>(&self, t: S, structure: &[S]) -> Result<Links<S>, Fault> {
         let (mut joints, mut links) = (Joints::new(), Links::new());
         self.rest(&Jet::new(t, S::ZERO, S::ZERO), structure, &mut joints)?;
         self.links(&joints, Vec3::ZERO, Vec3::ZERO, &mut links);

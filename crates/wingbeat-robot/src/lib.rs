@@ -294,6 +294,10 @@ impl Robot {
     pub fn paced(&self, pace: f64) -> Self {
         Self { phase_rate: self.phase_rate * pace, ..self.clone() }
     }
+    /// How the elements follow the commands.
+    pub fn response(&self) -> &Response {
+        &self.response
+    }
     /// Displacements of the elements at rest by the held commands, in the units of elements over those of commands, a row for
     /// each element; none of what follows its command with its rate.
     pub fn rest_gains(&self) -> Vec<f64> {

@@ -1,7 +1,9 @@
 //! A perch beside the robot, the claw that meets it, and the force between them.
 
 use super::Robot;
-use wingbeat_math::{Mat3, Quat, Scalar, Vec3, Wrench};
+use crate::body::LinkMotion;
+use wingbeat_math::{Mat3, Quat, Scalar, Vec3, Wrench, segment_distance, triangle_distance};
+use wingbeat_ocp::plant::Fault;
 
 /// Speed of sliding below which friction is rounded off, m/s. *Choice.*
 const SLIDING: f64 = 0.01;
@@ -163,6 +165,27 @@ impl Perch {
         Wrench { force, moment: arm.cross(force) }
     }
 
+    /// How far a flat triangle in W is from its surface, m; minus the radius where a bar pierces it, negative beyond a ceiling.
+    fn from_triangle(&self, triangle: [Vec3; 3]) -> f64 {
+        match self.shape {
+            PerchShape::Bar { radius, .. } => triangle_distance(self.ends(), triangle) - radius,
+            PerchShape::Ceiling { .. } => self.below(&triangle),
+        }
+    }
+
+    /// The same of a capsule, by its axis in W and its radius.
+    fn from_capsule(&self, axis: [Vec3; 2], round: f64) -> f64 {
+        match self.shape {
+            PerchShape::Bar { radius, .. } => segment_distance(self.ends(), axis) - radius - round,
+            PerchShape::Ceiling { .. } => self.below(&axis) - round,
+        }
+    }
+
+    /// How far the highest of `points` is below the place.
+    fn below(&self, points: &[Vec3]) -> f64 {
+        points.iter().map(|p| self.place[2] - p[2]).fold(f64::INFINITY, f64::min)
+    }
+
     fn seen(&self, pose: &Pose<f64>) -> Seen {
         let [at, velocity] = self.claw_of(pose);
         let (gap, _) = self.gap(at);
@@ -194,6 +217,44 @@ impl Robot {
     /// The perch beside it.
     pub fn perch(&self) -> Option<&Perch> {
         self.perch.as_ref()
+    }
+
+    /// Least distance of its surfaces, as drawn, and its capsules from the perch at the time `t` (s) in the state `x`, m, of a
+    /// robot that has neither that of the body's origin; none without a perch.
+    ///
+    /// Equation: robot.perch_clearance
+    /// `least over flat pieces of the surfaces and capsules of the distance from the bar's axis less the radii, or of the height below the
+    /// ceiling`
+    /// Source: definition.
+    /// Test: `wings_keep_clear_of_the_perch_or_are_told`.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the gait unusable there.
+    pub fn perch_clearance(&self, t: f64, x: &[f64]) -> Result<Option<f64>, Fault> {
+        let Some(perch) = &self.perch else { return Ok(None) };
+        let links = self.posed(t, &x[self.layout.structure..])?;
+        let (position, attitude) = (
+            Vec3::from_slice(&x[self.layout.position..]),
+            Quat::from_wxyz(&x[self.layout.attitude..]).matrix(),
+        );
+        let place = |p: Vec3| position + attitude * p;
+        let mut least = f64::INFINITY;
+        for laid in &self.covering.laid {
+            let edges = |k: usize| {
+                let rib = &laid.ribs[k];
+                rib.edges(rib.link.map_or(&LinkMotion::REST, |link| &links[link])).map(place)
+            };
+            for k in (0..laid.covered.len()).filter(|k| laid.covered[*k]) {
+                let ([le, te], [next_le, next_te]) = (edges(k), edges(k + 1));
+                for triangle in [[le, te, next_te], [le, next_te, next_le]] {
+                    least = least.min(perch.from_triangle(triangle));
+                }
+            }
+        }
+        for (axis, radius) in self.clearances.capsules(&links) {
+            least = least.min(perch.from_capsule(axis.map(place), radius));
+        }
+        Ok(Some(if least.is_finite() { least } else { perch.from_capsule([position; 2], 0.0) }))
     }
 
     /// Where its claw is against the perch in the state `x`; none without one.

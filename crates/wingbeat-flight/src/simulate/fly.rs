@@ -121,10 +121,24 @@ pub fn fly<P: Plant, C: Controller + ?Sized>(
     controller: &mut C,
     schedule: &Schedule,
     x: &mut [f64],
+    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+) -> Flight {
+    fly_until(plant, sensors, controller, schedule, x, &|_, _| f64::INFINITY, observe)
+}
+
+/// As [`fly`], up to where `event`, dimensionless, of the time (s) and the state falls to 0, if it does: that instant is found within its
+/// step, and `observe` sees it as the last sample, between those that are due.
+pub fn fly_until<P: Plant, C: Controller + ?Sized>(
+    plant: &P,
+    sensors: &mut Sensors,
+    controller: &mut C,
+    schedule: &Schedule,
+    x: &mut [f64],
+    event: Event,
     mut observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> Flight {
     let observe: Observer<C> = &mut observe;
-    let mut pilot = Pilot::new(plant, sensors, controller, schedule, observe);
+    let mut pilot = Pilot { event, ..Pilot::new(plant, sensors, controller, schedule, observe) };
     let mut stepper = Stepper::new(plant, 0.0, x);
     let ending = stepper.run(schedule.step, schedule.steps, &mut pilot);
     x.copy_from_slice(stepper.state());
@@ -134,12 +148,16 @@ pub fn fly<P: Plant, C: Controller + ?Sized>(
 /// Who sees the samples of a flight, whatever it does with them.
 pub(super) type Observer<'a, C> = &'a mut dyn FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>;
 
+/// What ends a flight where it falls to 0, dimensionless, of the time (s) and the state.
+pub type Event<'a> = &'a dyn Fn(f64, &[f64]) -> f64;
+
 /// A controller behind its sensors at the stepper's wheel.
 pub(super) struct Pilot<'a, P, C: ?Sized, O> {
     pub plant: &'a P,
     sensors: &'a mut Sensors,
     controller: &'a mut C,
     schedule: &'a Schedule,
+    event: Event<'a>,
     observe: O,
     start: Instant,
     updates: Vec<Duration>,
@@ -162,6 +180,7 @@ impl<'a, P, C: ?Sized, O> Pilot<'a, P, C, O> {
             sensors,
             controller,
             schedule,
+            event: &|_, _| f64::INFINITY,
             observe,
             start: Instant::now(),
             updates: Vec::with_capacity(updates),
@@ -198,6 +217,14 @@ where
     fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
         self.sensors.watch(k, self.plant, at.t, at.x, at.u)?;
         self.see(k, (at.t, at.x, at.u), &[])
+    }
+
+    fn event(&self, t: f64, x: &[f64]) -> f64 {
+        (self.event)(t, x)
+    }
+
+    fn ended(&mut self, at: Moment) -> Result<(), Fault> {
+        self.see(0, (at.t, at.x, at.u), &[]).map(drop)
     }
 }
 

@@ -19,7 +19,7 @@ pub use cost::Cost;
 pub use coupled::{Bears, Beyond, Steers, step_in};
 pub use coupled::{Coupling, Fineness, Flow, fly_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
-pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
+pub use fly::{AtRest, Controller, Event, Flight, Sample, Schedule, Update, fly, fly_until};
 pub use record::{Column, Record};
 pub use sensitive::{Sensitive, Varied, packed};
 pub use sensor::*;

@@ -5,6 +5,9 @@ use std::ops::{ControlFlow, Deref};
 use wingbeat_math::{Dynamics, RK4, Steps, Workspace};
 use wingbeat_ocp::plant::Fault;
 
+/// Halvings of a step that place an event in it: to 1e-12 of the step.
+const HALVINGS: usize = 40;
+
 /// All that changes while a system is stepped, as [`Stepper::save`] gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saved<M = ()> {
@@ -199,8 +202,8 @@ impl<R: Deref<Target: System>> Stepper<R> {
         self.clock.first += steps;
     }
 
-    /// `steps` steps of `dt` seconds steered by `driver`, which sees the ends of all steps. There is one copy of the loop for each
-    /// system, whoever drives it.
+    /// `steps` steps of `dt` seconds steered by `driver`, which sees the ends of all steps, unless its event ends the run within one.
+    /// There is one copy of the loop for each system, whoever drives it.
     pub fn run(
         &mut self,
         dt: f64,
@@ -211,7 +214,9 @@ impl<R: Deref<Target: System>> Stepper<R> {
         let began = self.clock.first;
         let Self { system, x, u, memory, clock, work } = self;
         let todo = Steps { count: steps, ..*clock };
-        let mut run = Run { system: &**system, memory, u, clock, began, driver };
+        // Kept only where an event may end a step.
+        let before = if driver.event(todo.time(todo.first), x).is_finite() { x.clone() } else { Vec::new() };
+        let mut run = Run { system: &**system, memory, u, clock, began, driver, before };
         let end = run.boundary(x).and_then(|flow| match flow {
             ControlFlow::Break(()) => Ok(false),
             ControlFlow::Continue(()) => RK4.integrate(&mut run, todo, x, work),
@@ -232,9 +237,41 @@ struct Run<'a, S: System + ?Sized> {
     clock: &'a mut Steps,
     began: usize,
     driver: &'a mut dyn Driver<S::Memory>,
+    /// State at the start of the step, where an event may end it.
+    before: Vec<f64>,
 }
 
 impl<S: System + ?Sized> Run<'_, S> {
+    /// Ends the step `k`, at whose end the state is `x`, at the event within it.
+    ///
+    /// Equation: flight.event
+    /// `g(t + s h, x(t + s h)) = 0, x by a Runge-Kutta step of length s h from the start of the step, s by bisection`
+    /// Source: Hairer, Noersett & Wanner 1993, Solving Ordinary Differential Equations I, II.6; of the order 4 of the step itself.
+    /// Test: `an_event_ends_a_run_within_its_step`.
+    fn end_within(&mut self, k: usize, x: &mut [f64]) -> Result<ControlFlow<()>, Fault> {
+        let (start, length) = (self.clock.time(k), self.clock.length);
+        let (before, mut work) = (std::mem::take(&mut self.before), Workspace::new(x.len(), RK4.b.len()));
+        let (mut early, mut late, mut trial) = (0.0, 1.0, before.clone());
+        for _ in 0..HALVINGS {
+            let share = 0.5 * (early + late);
+            trial.copy_from_slice(&before);
+            RK4.step(|t, x, dx| self.slope(t, x, dx), start, share * length, &mut trial, &mut work)?;
+            match self.driver.event(start + share * length, &trial) > 0.0 {
+                true => early = share,
+                false => {
+                    late = share;
+                    x.copy_from_slice(&trial);
+                }
+            }
+        }
+        let t = start + late * length;
+        self.set_inputs(t);
+        self.system.advance(t, late * length, x, self.u, self.memory)?;
+        *self.clock = Steps::new(t, length, 0);
+        self.driver.ended(Moment { t, x, u: self.u, memory: self.memory })?;
+        Ok(ControlFlow::Break(()))
+    }
+
     fn set_inputs(&mut self, t: f64) {
         self.driver.inputs(t, self.u);
         self.system.limit(self.u);
@@ -257,8 +294,12 @@ impl<S: System + ?Sized> Dynamics<f64, Fault> for Run<'_, S> {
 
     fn after_step(&mut self, k: usize, t: f64, x: &mut [f64]) -> Result<ControlFlow<()>, Fault> {
         finite(x, self.clock.time(k))?;
+        if !self.before.is_empty() && self.driver.event(t, x) <= 0.0 {
+            return self.end_within(k, x);
+        }
         self.system.advance(t, self.clock.length, x, self.u, self.memory)?;
         self.clock.first = k + 1;
+        self.before.iter_mut().zip(&*x).for_each(|(before, x)| *before = *x);
         self.boundary(x)
     }
 }
@@ -344,6 +385,58 @@ mod tests {
         assert_eq!(one.save(), run.save());
         one.step(0.05).unwrap();
         assert_eq!(one.time(), 0.1 * 9.0 + 0.05);
+    }
+
+    /// A mass that falls, and whoever waits for it at a height of 0.
+    struct Fall;
+
+    impl System for Fall {
+        type Memory = ();
+
+        fn sizes(&self) -> Sizes {
+            Sizes { states: 2, inputs: 0 }
+        }
+        fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+            (dx[0], dx[1]) = (at.x[1], -2.0);
+            Ok(())
+        }
+    }
+
+    #[derive(Default)]
+    struct Waits {
+        seen: usize,
+        ended: Option<(f64, f64)>,
+    }
+
+    impl Driver<()> for Waits {
+        fn inputs(&self, _: f64, _: &mut [f64]) {}
+        fn observe(&mut self, _: usize, _: Moment) -> Result<ControlFlow<()>, Fault> {
+            self.seen += 1;
+            Ok(ControlFlow::Continue(()))
+        }
+        fn event(&self, _: f64, x: &[f64]) -> f64 {
+            x[0]
+        }
+        fn ended(&mut self, at: Moment) -> Result<(), Fault> {
+            self.ended = Some((at.t, at.x[1]));
+            Ok(())
+        }
+    }
+
+    /// Height 1 - t^2: it is 0 after 1 s, whatever the steps.
+    #[test]
+    fn an_event_ends_a_run_within_its_step() {
+        for (step, seen) in [(0.3, 4), (0.7, 2)] {
+            let (mut stepper, mut driver) = (Stepper::new(&Fall, 0.0, &[1.0, 0.0]), Waits::default());
+            assert_eq!(stepper.run(step, 9, &mut driver), Ending::Stopped);
+            let (t, speed) = driver.ended.unwrap();
+            assert!((t - 1.0).abs() < 1e-12 && (speed + 2.0).abs() < 1e-12, "{t} {speed}");
+            assert_eq!((stepper.time(), driver.seen), (t, seen));
+            assert!(stepper.state()[0] <= 0.0 && stepper.state()[0] > -1e-11);
+        }
+        let mut driver = Waits::default();
+        assert_eq!(Stepper::new(&Fall, 0.0, &[1.0, 0.0]).run(0.3, 3, &mut driver), Ending::Complete);
+        assert!(driver.ended.is_none());
     }
 
     #[test]

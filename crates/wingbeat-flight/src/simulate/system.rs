@@ -133,6 +133,19 @@ pub trait Driver<M> {
     /// # Errors
     /// The [`Fault`] of a system that cannot be looked at.
     fn observe(&mut self, k: usize, at: Moment<M>) -> Result<ControlFlow<()>, Fault>;
+
+    /// What ends the run where it falls to 0, dimensionless, at the time `_t` (s) in the state `_x`; infinite where nothing does.
+    fn event(&self, _t: f64, _x: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Sees the system at the event that ends the run, within a step.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a system that cannot be looked at.
+    fn ended(&mut self, _at: Moment<M>) -> Result<(), Fault> {
+        Ok(())
+    }
 }
 
 /// Leaves the inputs as they are set; the function watches.

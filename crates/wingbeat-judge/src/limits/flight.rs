@@ -77,13 +77,17 @@ pub const LANDING_PLAN: Limit = Limit::warn_above("flight.landing_plan_fraction"
 /// What the plan ends with over what `[perch]` asks of the claw: beyond one a flight on the plan misses it.
 pub const LANDING_ASKED: Limit = Limit::warn_above("flight.landing_end_fraction", 1.0, "")
     .on("the plan of the landing ends faster or further from hanging than the claw latches (controller.orbit.landing): the larger of both over what perch allows");
+/// Distance of wings and body from the perch, but for the claw, which is a point: with less, skins of 3 mm meet it.
+pub const PERCH_CLEARANCE: Limit = Limit::at_least("flight.perch_clearance_m", 0.003, "m", Outside)
+    .on("least distance of the surfaces and capsules of the robot from the perch");
 /// Pitch against the plan of a dive. The shipped one stays within 2 deg in still air.
 pub const DIVE_PITCH: Limit = Limit::at_most("flight.dive_pitch_deg", 10.0, "deg", OffTarget)
     .on("largest error of the pitch in a dive");
 
 /// All of them.
-pub const ALL: [Limit; 24] = [
+pub const ALL: [Limit; 25] = [
     DIVE_HEIGHT,
+    PERCH_CLEARANCE,
     DIVE_PLAN,
     LANDING_PLAN,
     LANDING_ASKED,

@@ -66,6 +66,7 @@ mod reduced;
 mod status;
 mod tracking;
 
+pub use active_set::{ActiveSet, QpEnd, QuadraticProgram};
 pub use horizon::HorizonSolver;
 pub use plan::{Horizon, Plan};
 pub use status::{Limit, Statistics, Status};
@@ -73,7 +74,6 @@ pub use tracking::{Component, LinearLimit, Tracking};
 
 use crate::plant::{Fault, Linearisation, Plant};
 use crate::{Midpoint, Transcription};
-use active_set::{ActiveSet, QpEnd, QuadraticProgram};
 use condense::{Columns, Elimination};
 use curvature::Correction;
 use plan::check_finite;

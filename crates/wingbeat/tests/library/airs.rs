@@ -89,6 +89,40 @@ fn adaptation_that_cannot_be_is_refused() {
     assert!(refused("estimator_20g", beside).contains("estimator"));
 }
 
+/// Told law `lev` and flown under `stall`, the commands of the regulator alone take the wings through each other.
+#[test]
+fn a_governor_keeps_the_wings_apart() {
+    let untold = [
+        "aero.law=lev",
+        "mismatch.aero={preset='full', law='stall'}",
+        "controller.orbit.legs=[]",
+        "flight.duration_s=0.5",
+    ];
+    let without = ["controller.orbit.clearance_m=-1.0"];
+    let kept = flown("any_air_bank30_20g", &untold);
+    let free = flown("any_air_bank30_20g", &[&untold[..], &without].concat());
+    let [clear, crossed] = [&kept, &free].map(|run| run.summary.least_clearance_m.unwrap());
+    assert!(clear > 3e-3 && crossed < 0.0, "{clear} {crossed}");
+    let changed =
+        |run: &Run| run.record.values("orbit_governed").unwrap().iter().copied().fold(0.0, f64::max);
+    assert!(changed(&kept) > 0.01 && changed(&free) == 0.0, "{} {}", changed(&kept), changed(&free));
+    assert!(kept.summary.height_max_error_m.unwrap() < 0.05);
+}
+
+#[test]
+fn a_clearance_that_cannot_be_kept_is_refused() {
+    let refused =
+        |name: &str| loaded(name, &["controller.orbit.clearance_m=0.004"]).err().unwrap_or_default();
+    assert!(refused("predictive_20g").contains("soft limit"), "{}", refused("predictive_20g"));
+    assert!(
+        refused("passive_bank15_20g").contains("move by themselves"),
+        "{}",
+        refused("passive_bank15_20g")
+    );
+    assert!(refused("dive_45_20g").contains("none beside dive"), "{}", refused("dive_45_20g"));
+    assert!(refused("bank15_20g").is_empty());
+}
+
 /// The power of a search over airs is the mean of their orbits, each found by itself.
 #[test]
 fn a_gait_is_searched_in_several_airs() {

@@ -12,14 +12,29 @@ const DAMPING: [f64; 3] = [1e-6, 1e-4, 1e6];
 /// A cost that is quadratic in deviations d: d'Pd/2 + g'd.
 pub(super) type Quadratic = (DMatrix<f64>, DVector<f64>);
 
+/// The parts of a plan, and the commands that are held over each.
+pub(super) struct Commanded {
+    /// Number of the parts.
+    pub parts: usize,
+    /// Lowest and highest commands.
+    pub low: DVector<f64>,
+    pub high: DVector<f64>,
+    /// Cost of the commands of a part.
+    pub effort: DMatrix<f64>,
+}
+
+impl Commanded {
+    /// Commands that begin at 0, within what is left of their ranges [low, high] and at these costs.
+    pub fn new(parts: usize, [low, high]: [DVector<f64>; 2], costs: &DVector<f64>) -> Self {
+        let (low, high) = (low.map(|v| v.min(0.0)), high.map(|v| v.max(0.0)));
+        Self { parts, low, high, effort: DMatrix::from_diagonal(costs) }
+    }
+}
+
 /// What is planned: a flight in parts, over each of which the commands are held.
 pub(super) trait Parts: Sync {
-    /// Their number.
-    fn parts(&self) -> usize;
-    /// Lowest and highest commands.
-    fn limits(&self) -> [&DVector<f64>; 2];
-    /// Cost of the commands of a part.
-    fn effort(&self) -> &DMatrix<f64>;
+    /// The parts and their commands.
+    fn commanded(&self) -> &Commanded;
     /// The state after part `k`; none where the model breaks down.
     fn next(&self, k: usize, s: &[f64], v: &DVector<f64>) -> Option<Vec<f64>>;
     /// What the state `s` is off `from`.
@@ -91,31 +106,32 @@ fn roll(
     command: &mut dyn FnMut(usize, &[f64]) -> DVector<f64>,
 ) -> Option<Flown> {
     let mut nodes = vec![begin.to_vec()];
-    let mut commands = Vec::with_capacity(of.parts());
+    let Commanded { parts, effort, .. } = of.commanded();
+    let mut commands = Vec::with_capacity(*parts);
     let mut cost = 0.0;
-    for k in 0..of.parts() {
+    for k in 0..*parts {
         let s = &nodes[k];
         let v = command(k, s);
-        cost += v.dot(&(of.effort() * &v)) + of.cost(k, s);
+        cost += v.dot(&(effort * &v)) + of.cost(k, s);
         let next = of.next(k, s, &v)?;
         nodes.push(next);
         commands.push(v);
     }
-    cost += of.cost(of.parts(), &nodes[of.parts()]);
+    cost += of.cost(*parts, &nodes[*parts]);
     cost.is_finite().then_some(Flown { nodes, commands, cost, saved: f64::INFINITY })
 }
 
 /// For every part the change of its command and its feedback; none where the damping is too little.
 fn backward(of: &dyn Parts, all: &[[DMatrix<f64>; 2]], flown: &Flown, damping: f64) -> Option<Policy> {
-    let parts = of.parts();
+    let Commanded { parts, low, high, effort } = of.commanded();
+    let parts = *parts;
     let (mut p, mut g) = of.quadratic(parts, &flown.nodes[parts])?;
-    let [low, high] = of.limits();
     let mut policy = Vec::with_capacity(parts);
     for k in (0..parts).rev() {
         let ([a, b], u) = (&all[k], &flown.commands[k]);
         let pb = &p * b;
-        let curved = b.transpose() * &pb + of.effort() * (1.0 + damping);
-        let slope = of.effort() * u + b.transpose() * &g;
+        let curved = b.transpose() * &pb + effort * (1.0 + damping);
+        let slope = effort * u + b.transpose() * &g;
         let cross = pb.transpose() * a;
         let (step, free) = boxed(&curved, &slope, &(low - u), &(high - u))?;
         let feedback = -masked(&curved, &free).cholesky()?.solve(&cross_of(&cross, &free));
@@ -138,7 +154,7 @@ fn backward(of: &dyn Parts, all: &[[DMatrix<f64>; 2]], flown: &Flown, damping: f
 
 /// The flight by `policy` about the plan `flown`, by the first share of its steps that costs less.
 fn forward(of: &dyn Parts, flown: &Flown, policy: &Policy) -> Option<Flown> {
-    let [low, high] = of.limits();
+    let Commanded { low, high, .. } = of.commanded();
     let by = |share: f64| {
         let found = roll(of, &flown.nodes[0], &mut |k, s| {
             let (step, feedback) = &policy[k];

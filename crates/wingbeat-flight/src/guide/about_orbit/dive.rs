@@ -1,7 +1,7 @@
 //! A dive: from a level orbit the nose goes down and the robot pulls out to the same orbit below, by commands that are planned on the
 //! whole model before the flight, and feedback about the plan.
 
-use super::ddp::{self, Flown, Parts, Quadratic};
+use super::ddp::{self, Commanded, Flown, Parts, Quadratic};
 use super::family::Asked;
 use super::feedback::{DEVIATIONS, Feedback, INTEGRAL, back, costs_of, effort, measured, with_integral};
 use super::spec::OrbitWeights;
@@ -88,14 +88,11 @@ struct Problem<'a> {
     level: &'a Level<'a>,
     channels: &'a [Channel],
     directions: Vec<Direction>,
-    parts: usize,
+    commanded: Commanded,
     /// Pitch asked half way, rad.
     nose: f64,
-    effort: DMatrix<f64>,
     /// Cost of what deviates from the level orbit at the end, at any height.
     end: DMatrix<f64>,
-    low: DVector<f64>,
-    high: DVector<f64>,
 }
 
 impl Dive {
@@ -109,7 +106,7 @@ impl Dive {
         let problem = Problem::new(spec, level, channels, &cost)?;
         let broken = |fault: Fault| Error::invalid("nose_down_deg", fault, "a dive that the model can fly");
         let flown = problem.solve().map_err(broken)?;
-        let reached = flown.nodes[problem.parts / 2][Deviations::PITCH];
+        let reached = flown.nodes[problem.commanded.parts / 2][Deviations::PITCH];
         if !((reached - problem.nose).abs() <= SHORT) {
             let allowed = format!(
                 "a dive of which the robot is capable: with these cycles its nose gets to {:.1} deg",
@@ -117,7 +114,7 @@ impl Dive {
             );
             return Err(Error::invalid("nose_down_deg", spec.nose_down_deg, allowed));
         }
-        let off = problem.off(&flown.nodes[problem.parts]);
+        let off = problem.off(&flown.nodes[problem.commanded.parts]);
         let climb = (&problem.raw(&cost) * &off)[0] / problem.raw(&cost)[(0, 0)];
         let mut commands: Vec<Vec<f64>> = flown.commands.iter().map(|v| problem.held(v)).collect();
         let mut steps = vec![flown.nodes[0].clone()];
@@ -197,20 +194,18 @@ impl<'a> Problem<'a> {
             };
             DVector::from_iterator(m, level.pairs.iter().map(range))
         };
-        let (low, high) = (of(|channel| channel.low), of(|channel| channel.high));
+        let ranges = [of(|channel| channel.low), of(|channel| channel.high)];
         let cost_of = |pair: &Direction| -> f64 {
             pair.iter().map(|(i, share)| (share / channels[*i].high).powi(2)).sum::<f64>() * EFFORT
         };
+        let costs = DVector::from_iterator(m, level.pairs.iter().map(cost_of));
         let mut problem = Self {
             level,
             channels,
             directions,
-            parts: spec.cycles * level.cycle.parts(),
+            commanded: Commanded::new(spec.cycles * level.cycle.parts(), ranges, &costs),
             nose: spec.nose_down_deg.to_radians(),
-            effort: DMatrix::from_diagonal(&DVector::from_iterator(m, level.pairs.iter().map(cost_of))),
             end: DMatrix::zeros(0, 0),
-            low: low.map(|v| v.min(0.0)),
-            high: high.map(|v| v.max(0.0)),
         };
         // What no height can lessen: the least over it of the quadratic form.
         let raw = problem.raw(cost);
@@ -277,7 +272,7 @@ impl<'a> Problem<'a> {
     ///
     /// From the level flight on.
     fn solve(&self) -> Result<Flown, Fault> {
-        let still = vec![DVector::zeros(self.low.len()); self.parts];
+        let still = vec![DVector::zeros(self.commanded.low.len()); self.commanded.parts];
         ddp::solve(self, self.level.begin, still, (ITERATIONS, SAVED, EFFORT))
     }
 
@@ -294,7 +289,7 @@ impl<'a> Problem<'a> {
             let part = self.part(k);
             Ok(interval(cycle, deviations, s, (point.pace, &held(k)), part, [directions, inputs])?.1)
         };
-        parallel::map(&nodes[..self.parts], of).into_iter().collect()
+        parallel::map(&nodes[..self.commanded.parts], of).into_iter().collect()
     }
 
     /// The feedback about the plan by all commands that are fed back, backwards from the `cost` of what deviates at its end.
@@ -325,16 +320,8 @@ impl<'a> Problem<'a> {
 }
 
 impl Parts for Problem<'_> {
-    fn parts(&self) -> usize {
-        self.parts
-    }
-
-    fn limits(&self) -> [&DVector<f64>; 2] {
-        [&self.low, &self.high]
-    }
-
-    fn effort(&self) -> &DMatrix<f64> {
-        &self.effort
+    fn commanded(&self) -> &Commanded {
+        &self.commanded
     }
 
     fn next(&self, k: usize, s: &[f64], v: &DVector<f64>) -> Option<Vec<f64>> {
@@ -354,18 +341,19 @@ impl Parts for Problem<'_> {
     }
 
     fn cost(&self, k: usize, s: &[f64]) -> f64 {
-        let nose = if k == self.parts / 2 { (s[Deviations::PITCH] - self.nose) / NOSE } else { 0.0 };
-        let off = if k == self.parts { self.off(s) } else { return nose * nose };
+        let nose =
+            if k == self.commanded.parts / 2 { (s[Deviations::PITCH] - self.nose) / NOSE } else { 0.0 };
+        let off = if k == self.commanded.parts { self.off(s) } else { return nose * nose };
         nose * nose + off.dot(&(&self.end * &off))
     }
 
     fn quadratic(&self, k: usize, s: &[f64]) -> Option<Quadratic> {
-        if k == self.parts {
+        if k == self.commanded.parts {
             return Some((self.end.clone(), &self.end * self.off(s)));
         }
         let n = self.directions.len();
         let pitch = self.directions.iter().position(|d| d[0].0 == Deviations::PITCH)?;
-        (k == self.parts / 2).then(|| {
+        (k == self.commanded.parts / 2).then(|| {
             let (mut p, mut g) = (DMatrix::zeros(n, n), DVector::zeros(n));
             p[(pitch, pitch)] = NOSE.powi(-2);
             g[pitch] = (s[Deviations::PITCH] - self.nose) * NOSE.powi(-2);

@@ -369,6 +369,16 @@ impl Family {
         }
     }
 
+    /// The cost of a change of the commands there, dimensionless over their units squared, linear between the orbits.
+    pub fn hessian(&self, place: Option<Place>, cycles: f64) -> DMatrix<f64> {
+        match self.made(place) {
+            (one, None) => one.hessian(cycles),
+            (one, Some((other, share))) => {
+                one.hessian(cycles) * (1.0 - share) + other.hessian(cycles) * share
+            }
+        }
+    }
+
     /// The cost, dimensionless, of deviations from there on, linear between the orbits.
     pub fn cost(&self, place: Option<Place>, cycles: f64) -> CostToGo {
         match self.made(place) {

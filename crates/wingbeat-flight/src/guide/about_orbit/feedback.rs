@@ -32,6 +32,8 @@ struct Periodic(Vec<DMatrix<f64>>);
 pub(super) struct Feedback {
     gains: Periodic,
     roots: Periodic,
+    /// R + B'PB, half the second derivative of the cost by the commands of an interval.
+    hessians: Periodic,
     /// Commands by the waves of the acceleration that the model misses, where it is learned.
     ahead: Option<Periodic>,
     interval: f64,
@@ -103,13 +105,23 @@ impl Feedback {
                 let ahead = learned.map(|harmonics| {
                     ahead(&augmented, &gains, &costs, &r, interval, harmonics).map(Periodic)
                 });
+                let hessian = |(k, (_, b)): (usize, &(_, DMatrix<f64>))| {
+                    &r + b.transpose() * &costs[(k + 1) % costs.len()] * b
+                };
+                let hessians = Periodic(augmented.iter().enumerate().map(hessian).collect());
                 gains.iter_mut().for_each(|gain| measured(gain, coordinates));
                 let roots = costs.into_iter().map(root).collect::<Option<_>>()?;
                 let ahead = match ahead {
                     Some(made) => Some(made?),
                     None => None,
                 };
-                return Some(Self { gains: Periodic(gains), roots: Periodic(roots), ahead, interval });
+                return Some(Self {
+                    gains: Periodic(gains),
+                    roots: Periodic(roots),
+                    hessians,
+                    ahead,
+                    interval,
+                });
             }
         }
         None
@@ -133,6 +145,11 @@ impl Feedback {
     /// Commands by deviations, in the units of both, at `cycles` of the gait's phase.
     pub fn at(&self, cycles: f64) -> DMatrix<f64> {
         self.gains.at(cycles)
+    }
+
+    /// Cost of a change of the commands over an interval that starts there, dimensionless over their units squared.
+    pub fn hessian(&self, cycles: f64) -> DMatrix<f64> {
+        self.hessians.at(cycles)
     }
 
     /// Commands by the waves of what the model misses, in the units of commands over those of accelerations.

@@ -7,6 +7,7 @@ mod dive;
 mod family;
 mod feedback;
 mod gains;
+mod governor;
 mod landing;
 mod predictive;
 mod schedule;
@@ -30,6 +31,7 @@ use adapt::Adaptation;
 use ahead::Ahead;
 use family::{Asked, Family};
 use feedback::{DEVIATIONS, INTEGRAL};
+use governor::Governor;
 use landing::{Airs, Begun, Landing};
 use nalgebra::DVector;
 use predictive::{Height, Predictive};
@@ -40,7 +42,7 @@ use std::time::Instant;
 use tracking::{Demand, Tracking};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
-use wingbeat_ocp::plant::Plant;
+use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_robot::{Perch, Robot};
 
 /// Largest height off at which the integral of the height grows, m.
@@ -61,6 +63,8 @@ struct AboutOrbit<'a> {
     predictive: Option<Predictive<'a>>,
     /// What is learned in flight, where the controller adapts.
     adaptation: Option<Adaptation<'a>>,
+    /// What keeps to a clearance, where one is kept.
+    governor: Option<Governor<'a>>,
     estimator: Box<dyn Estimator + 'a>,
     /// The state as it is known.
     x: Vec<f64>,
@@ -130,6 +134,7 @@ impl ControllerSpec for AboutOrbitSpec {
             made.map_err(|e| e.within("predictive"))
         });
         let adaptation = self.adapt.map(|spec| Adaptation::new(spec, robot, self.period_s, &deviations));
+        let governor = self.clearance_m.map(|least| Governor::new(robot, least, &inputs, self.period_s));
         let Asked { commands: held, .. } = family.asked(None, 0.0);
         let airs = family.landing().and_then(Landing::airs);
         let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
@@ -152,6 +157,7 @@ impl ControllerSpec for AboutOrbitSpec {
             inputs,
             predictive: predictive.transpose()?,
             adaptation,
+            governor,
             estimator,
             x: vec![0.0; robot.states().len()],
             integral: 0.0,
@@ -215,8 +221,17 @@ impl AboutOrbit<'_> {
         true
     }
 
-    /// The controller's commands for deviations `error` from what is asked, `since` cycles after the begin of a dive.
-    fn regulate(&mut self, place: Option<Place>, cycles: f64, since: f64, asked: Asked, error: &[f64]) {
+    /// The controller's commands at the time `t` for deviations `error` from what is asked, `since` cycles after the start of a dive.
+    ///
+    /// # Errors
+    /// The [`Fault`] of the gait over the cycle ahead, where a clearance is kept.
+    fn regulate(
+        &mut self,
+        place: Option<Place>,
+        (t, cycles, since): (f64, f64, f64),
+        asked: Asked,
+        error: &[f64],
+    ) -> Result<(), Fault> {
         let gain = match self.family.dive() {
             Some(dive) if since > 0.0 && since < dive.cycles => dive.gain(since),
             _ => self.family.gain(place, cycles),
@@ -224,6 +239,9 @@ impl AboutOrbit<'_> {
         let mut commands = asked.commands.clone();
         if let Some(adaptation) = &self.adaptation {
             self.family.beside(adaptation.added(), &mut commands);
+        }
+        let mut retreat = commands.clone();
+        if let Some(adaptation) = &self.adaptation {
             if let Some((ahead, waves)) = self.family.ahead(place, cycles).zip(adaptation.waves()) {
                 let ahead = ahead * DVector::from_column_slice(waves);
                 self.inputs.iter().zip(ahead.iter()).for_each(|(input, ahead)| commands[*input] += ahead);
@@ -233,13 +251,20 @@ impl AboutOrbit<'_> {
             let fed: f64 = error.iter().enumerate().map(|(j, e)| gain[(row, DEVIATIONS + j)] * e).sum();
             commands[input] -= gain[(row, INTEGRAL)] * self.integral + fed;
         }
-        for (command, channel) in commands.iter_mut().zip(self.robot.inputs()) {
-            *command = channel.clamp(*command);
+        for (commands, channel) in commands.iter_mut().zip(&mut retreat).zip(self.robot.inputs()) {
+            let (command, retreat) = commands;
+            (*command, *retreat) = (channel.clamp(*command), channel.clamp(*retreat));
+        }
+        if let Some(governor) = &mut self.governor {
+            let elements = &self.x[self.robot.layout().structure..][..2 * self.robot.response().elements()];
+            let hessian = self.family.hessian(place, cycles);
+            governor.keep(t, elements, &hessian, &retreat, &mut commands)?;
         }
         if let (Some(adaptation), Some(tangent)) = (&mut self.adaptation, self.family.tangent()) {
             adaptation.pace(tangent, self.robot.inputs(), &asked.commands, &commands);
         }
         self.held = commands;
+        Ok(())
     }
 }
 
@@ -306,8 +331,10 @@ impl Controller for AboutOrbit<'_> {
         let dived = self.family.dive().map_or(0.0, |dive| since / dive.cycles);
         self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived, 0.0, 0.0];
         let Some(predictive) = &mut self.predictive else {
-            self.regulate(place, cycles, since, asked, &error);
-            return Update::Fresh;
+            return match self.regulate(place, (t, cycles, since), asked, &error) {
+                Ok(()) => Update::Fresh,
+                Err(_) => Update::Kept,
+            };
         };
         let (schedule, tracking) = (&self.schedule, self.tracking.as_ref());
         let demand = |t: f64, place: Vec3| {
@@ -338,12 +365,14 @@ impl Controller for AboutOrbit<'_> {
         let landing = landing.filter(|_| self.family.landing().is_some());
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
         let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
+        let governed = self.governor.iter().map(|_| Column::new("orbit_governed", "", ""));
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
         own.into_iter()
             .chain(dive.into_iter().flatten())
             .chain(landing)
             .chain(path)
             .chain(adapted)
+            .chain(governed)
             .chain(self.estimator.columns())
             .chain(solver)
             .collect()
@@ -358,6 +387,7 @@ impl Controller for AboutOrbit<'_> {
         }
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
+        row.extend(self.governor.iter().map(|governor| governor.changed));
         self.estimator.diagnostics(row);
         row.extend(self.predictive.iter().flat_map(|p| receding::measures(&p.statistics())));
     }

@@ -2,6 +2,7 @@
 
 use super::adapt::AdaptSpec;
 use super::dive::DiveSpec;
+use super::governor::Governor;
 use super::landing::LandingSpec;
 use super::predictive::PredictiveSpec;
 use super::schedule::{Schedule, Stretch};
@@ -44,6 +45,10 @@ pub struct AboutOrbitSpec {
     /// How the controller adapts in flight to an unknown air; without it, it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adapt: Option<AdaptSpec>,
+    /// Clearance that the commands keep in the cycle ahead, m: they change as little as that takes, whatever the air does. The robot
+    /// must have clearances, and all its joints must be driven. Without it no clearance is kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
     /// A dive out of the orbit of the start and back to it below, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dive: Option<DiveSpec>,
@@ -118,7 +123,15 @@ impl Default for OrbitWeights {
 const SPEED: Range = Range::between(0.1, 100.0);
 const CLIMB: Range = Range::between(-50.0, 50.0);
 
-ranges!(AboutOrbitSpec { period_s: Range::POSITIVE, speed_m_s: SPEED, climb_m_s: CLIMB });
+/// Clearances that may be kept, m.
+const CLEARANCE: Range = Range::between(-1.0, 1.0);
+
+ranges!(AboutOrbitSpec {
+    period_s: Range::POSITIVE,
+    speed_m_s: SPEED,
+    climb_m_s: CLIMB,
+    clearance_m: CLEARANCE
+});
 ranges!(LegSpec {
     start_s: Range::NOT_NEGATIVE,
     duration_s: Range::POSITIVE,
@@ -156,6 +169,13 @@ impl AboutOrbitSpec {
                 return Err(Error::invalid("adapt.missed_s", "given", allowed).against(["estimator"]));
             }
         }
+        if let Some(least) = self.clearance_m {
+            Governor::check(robot, least)?;
+            if self.predictive.is_some() {
+                let allowed = "none beside predictive, whose clearance_m is a soft limit of the plan";
+                return Err(Error::invalid("clearance_m", least, allowed).against(["predictive"]));
+            }
+        }
         if let Some(dive) = &self.dive {
             dive.in_range().map_err(|e| e.within("dive"))?;
         }
@@ -173,6 +193,7 @@ impl AboutOrbitSpec {
                 ("tracking", self.tracking.is_some()),
                 ("predictive", self.predictive.is_some()),
                 ("adapt", self.adapt.is_some()),
+                ("clearance_m", self.clearance_m.is_some()),
             ];
             if let Some((key, _)) = beside.into_iter().find(|(_, given)| *given) {
                 let allowed = format!("none beside {plan}, which leaves level flight by commands of its own");

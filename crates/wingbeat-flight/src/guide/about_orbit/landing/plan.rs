@@ -1,6 +1,6 @@
 //! The plan of a landing on the whole model, and the feedback about it.
 
-use super::super::ddp::{self, Flown, Parts, Quadratic};
+use super::super::ddp::{self, Commanded, Flown, Parts, Quadratic};
 use super::super::feedback::{back, effort};
 use super::{Approach, LandingSpec, Planned};
 use crate::orbit::{Direction, Section, alone, fly_held};
@@ -38,10 +38,7 @@ struct Problem<'a> {
     approach: &'a Approach<'a>,
     robot: &'a Robot,
     directions: Vec<Direction>,
-    parts: usize,
-    effort: DMatrix<f64>,
-    low: DVector<f64>,
-    high: DVector<f64>,
+    commanded: Commanded,
     /// Commands of the orbit.
     level: Vec<f64>,
     /// What is asked at the end, in the order of [`END`]; nothing of what is not finite.
@@ -67,7 +64,7 @@ impl Planned {
         };
         let flown = flown.map_err(broken)?;
         let layout = *problem.robot.layout();
-        let end = &flown.nodes[problem.parts];
+        let end = &flown.nodes[problem.commanded.parts];
         let [vx, vz, pitch, ..] = problem.ends(end);
         let (speed, over) = (vx.hypot(vz), (pitch + PI).abs());
         if !(speed <= spec.speed_within_m_s && over.to_degrees() <= spec.pitch_within_deg) {
@@ -148,17 +145,14 @@ impl<'a> Problem<'a> {
             };
             DVector::from_iterator(pairs.len(), pairs.iter().map(range))
         };
-        let (low, high) = (of(|channel| channel.low), of(|channel| channel.high));
+        let ranges = [of(|channel| channel.low), of(|channel| channel.high)];
         let cost_of = |pair: &Direction| EFFORT * (pair[0].1 / robot.inputs()[pair[0].0].high).powi(2);
         let costs = DVector::from_iterator(pairs.len(), pairs.iter().map(cost_of));
         Ok(Self {
             approach,
             robot,
             directions: symmetric(robot)?,
-            parts: spec.cycles * cycle.parts(),
-            effort: DMatrix::from_diagonal(&costs),
-            low: low.map(|v| v.min(0.0)),
-            high: high.map(|v| v.max(0.0)),
+            commanded: Commanded::new(spec.cycles * cycle.parts(), ranges, &costs),
             level: level.clone(),
             asked: [0.0; 6],
         })
@@ -172,7 +166,7 @@ impl<'a> Problem<'a> {
     /// From the level flight on, by ends on the way to the landing.
     fn solve(&mut self, begin: &[f64], iterations: usize) -> Result<Flown, Fault> {
         let [vx, vz, pitch, ..] = self.ends(begin);
-        let mut commands = vec![DVector::zeros(self.low.len()); self.parts];
+        let mut commands = vec![DVector::zeros(self.commanded.low.len()); self.commanded.parts];
         let mut flown = None;
         for stage in 1..=STAGES {
             let left = 1.0 - stage as f64 / STAGES as f64;
@@ -189,21 +183,24 @@ impl<'a> Problem<'a> {
     /// As [`solve`](Self::solve), from the commands on by which the feedback of the plan `near` would land.
     fn solve_near(&mut self, near: &Planned, begin: &[f64], iterations: usize) -> Result<Flown, Fault> {
         let air = near.layout.aero - 1;
-        let (mut commands, mut x) = (Vec::with_capacity(self.parts), begin.to_vec());
+        let (mut commands, mut x) = (Vec::with_capacity(self.commanded.parts), begin.to_vec());
         let steps = self.approach.cycle.steps() / self.approach.cycle.parts();
         for (k, planned) in near.commands.iter().enumerate() {
             let off = apart(&near.layout, &near.steps[k * steps][..=air], &x[..=air]);
-            let v = self.approach.pairs.iter().zip(self.low.iter().zip(self.high.iter())).map(
-                |(pair, (low, high))| {
+            let v = self
+                .approach
+                .pairs
+                .iter()
+                .zip(self.commanded.low.iter().zip(self.commanded.high.iter()))
+                .map(|(pair, (low, high))| {
                     let (input, share) = pair[0];
                     let row = self.approach.inputs.iter().position(|i| *i == input);
                     let fed = |row| {
                         off.iter().enumerate().map(|(j, off)| near.gains[k][(row, j)] * off).sum::<f64>()
                     };
                     ((planned[input] - row.map_or(0.0, fed) - self.level[input]) / share).clamp(*low, *high)
-                },
-            );
-            let v = DVector::from_iterator(self.low.len(), v);
+                });
+            let v = DVector::from_iterator(self.commanded.low.len(), v);
             x = self.fly(k, &x, &self.held(v.as_slice()), &mut |_| ())?;
             commands.push(v);
         }
@@ -245,7 +242,7 @@ impl<'a> Problem<'a> {
     /// What counts at the end of the plan, or before part `k`: its squares are the cost.
     fn missed<S: Scalar>(&self, k: usize, x: &[S]) -> Vec<S> {
         let mut missed = Vec::new();
-        if k == self.parts {
+        if k == self.commanded.parts {
             let ends = self.ends(x).into_iter().zip(self.asked.into_iter().zip(END));
             let asked = ends.filter(|(_, (asked, _))| asked.is_finite());
             missed.extend(asked.map(|(is, (asked, size))| (is - asked) * (1.0 / size)));
@@ -356,16 +353,8 @@ fn symmetric(robot: &Robot) -> Result<Vec<Direction>, Error> {
 }
 
 impl Parts for Problem<'_> {
-    fn parts(&self) -> usize {
-        self.parts
-    }
-
-    fn limits(&self) -> [&DVector<f64>; 2] {
-        [&self.low, &self.high]
-    }
-
-    fn effort(&self) -> &DMatrix<f64> {
-        &self.effort
+    fn commanded(&self) -> &Commanded {
+        &self.commanded
     }
 
     fn next(&self, k: usize, s: &[f64], v: &DVector<f64>) -> Option<Vec<f64>> {
