@@ -13,6 +13,7 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.pazy.bending", quick: true, run: bending },
     Case { id: "fsi.pazy.later", quick: true, run: later },
     Case { id: "fsi.pazy.static", quick: false, run: static_shape },
+    Case { id: "fsi.pazy.wind", quick: false, run: later_wind },
 ];
 
 /// Half span to which the measured displacements refer, m.
@@ -307,5 +308,24 @@ fn static_shape() -> Result<Vec<Row>, Error> {
         let id = format!("fsi.pazy.static.{id}");
         rows.push(Row::shown(&id, SOURCE, what, f64::sqrt(sum / count), ""));
     }
+    Ok(rows)
+}
+
+/// The later wing in the wind.
+fn later_wind() -> Result<Vec<Row>, Error> {
+    let table = reference_table!("pazy/static_5deg_later.csv")?;
+    let (speeds, measured) = (table.column("airspeed_m_s")?, table.column("displacement")?);
+    let (mut rows, mut sum) = (Vec::new(), 0.0);
+    let source = "Avin et al. 2022, measured, the later wing";
+    for (speed, measured) in speeds.iter().zip(&measured) {
+        let found = displaced(*speed, Change { later: true, ..AS_GIVEN })? / SPAN;
+        let value = (found / measured - 1.0).abs();
+        sum += value * value / speeds.len() as f64;
+        let metric = format!(
+            "relative error of the tip's displacement at {speed} m/s, 5 deg, the later wing, {found:.4} of the half span"
+        );
+        rows.push(Row::shown(&format!("fsi.pazy.wind.{speed}"), source, &metric, value, ""));
+    }
+    rows.push(Row::shown("fsi.pazy.wind.rms", source, "rms of these", sum.sqrt(), ""));
     Ok(rows)
 }
