@@ -177,7 +177,7 @@ impl Preset {
     }
 
     /// The same with a law and its section.
-    fn model_with(
+    pub fn model_with(
         self,
         section: Section,
         strips: usize,

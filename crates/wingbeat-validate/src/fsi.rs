@@ -2,6 +2,7 @@
 
 pub mod beam;
 mod energy;
+pub mod flapping;
 pub mod flight;
 mod flutter;
 pub mod goland;

@@ -61,6 +61,7 @@ pub fn cases() -> Vec<&'static Case> {
         fsi::goland::CASES,
         fsi::pazy::CASES,
         fsi::membrane::CASES,
+        fsi::flapping::CASES,
         fsi::flight::CASES,
         orbit::CASES,
         flight::CASES,

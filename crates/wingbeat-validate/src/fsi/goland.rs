@@ -27,7 +27,7 @@ const MASS: f64 = 35.71;
 const INERTIA: f64 = 8.64;
 /// Density at sea level, to which the speed of exact strip theory belongs, kg/m3.
 const SEA_LEVEL: f64 = 1.225;
-/// Density with which lattices publish their speeds (Murua et al. 2012), kg/m3.
+/// Density with which lattices publish their speeds (`validation/goland`), kg/m3.
 const ALOFT: f64 = 1.02;
 /// Strips over the semi-span, and modes of the beam.
 const STRIPS: usize = 40;
@@ -148,7 +148,7 @@ fn strip() -> Result<Vec<Row>, Error> {
         ),
         Row::shown(
             "fsi.goland.strip.aloft",
-            "Murua, Palacios & Graham 2012: 165 m/s by a lattice, which knows the finite wing",
+            "validation/goland: 164 to 177 m/s in three-dimensional flow, where the finite wing bears less",
             "speed of flutter by strips in air of 1.02 kg/m3",
             aloft[0],
             "m/s",

@@ -11,7 +11,9 @@ use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Spar, Tether,
 /// The comparisons.
 pub const CASES: &[Case] = &[
     Case { id: "fsi.pazy.bending", quick: true, run: bending },
+    Case { id: "fsi.pazy.later", quick: true, run: later },
     Case { id: "fsi.pazy.static", quick: false, run: static_shape },
+    Case { id: "fsi.pazy.wind", quick: false, run: later_wind },
 ];
 
 /// Half span to which the measured displacements refer, m.
@@ -25,7 +27,10 @@ const ASKED: f64 = 20.0;
 const DENSITY: f64 = 1.225;
 const SOURCE: &str = "measured at Technion; Goizueta et al., doi 10.5281/zenodo.4299868";
 
-fn stiffness() -> Result<Table, Error> {
+fn stiffness(later: bool) -> Result<Table, Error> {
+    if later {
+        return reference_table!("pazy/stiffness_later.csv");
+    }
     reference_table!("pazy/stiffness_with_skin.csv")
 }
 
@@ -44,9 +49,12 @@ struct Change {
     coupling: f64,
     /// Place of the hung mass outboard of the tip, m.
     beyond: f64,
+    /// Whether the stiffness is that of the later Pazy wing.
+    later: bool,
 }
 
-const AS_GIVEN: Change = Change { bending: 1.0, clamp: f64::INFINITY, coupling: 1.0, beyond: 0.0 };
+const AS_GIVEN: Change =
+    Change { bending: 1.0, clamp: f64::INFINITY, coupling: 1.0, beyond: 0.0, later: false };
 /// Fitted to the bending under a mass, each alone, by least squares.
 const SOFTER: Change = Change { bending: 0.908, ..AS_GIVEN };
 const CLAMPED: Change = Change { clamp: 310.0, ..AS_GIVEN };
@@ -55,7 +63,7 @@ const BEYOND: Change = Change { beyond: 0.039, ..AS_GIVEN };
 /// The equivalent beam of Riso & Cesnik: the stiffness is constant in each element, masses lie at the keypoints. The table's axes
 /// are y along the span and x along the chord, taken to point aft; z then points down where ours points up.
 fn beam(arcs: Vec<f64>, change: Change) -> Result<Beam, Error> {
-    let (stiffness, inertia) = (stiffness()?, inertia()?);
+    let (stiffness, inertia) = (stiffness(change.later)?, inertia()?);
     let column = |table: &Table, name: &str| table.column(name);
     let ends = column(&inertia, "span_m")?;
     let names = ["EA_N", "GJ_N_m2", "EI_flap_N_m2", "EI_lag_N_m2", "K12", "K13", "K14", "K23", "K24", "K34"];
@@ -107,24 +115,26 @@ fn section([ea, gj, flap, lag, k12, k13, k14, k23, k24, k34]: [f64; 10]) -> Sect
     s
 }
 
+/// Height of the tip of `beam` under its weight and a mass, m.
+fn height(beam: &Beam, change: Change, mass: f64) -> Result<f64, Error> {
+    let force = Vec3::new(0.0, 0.0, -GRAVITY * mass);
+    // Hung mid-chord, aft of the reference line, which shifts little as the tip turns.
+    let moment = Vec3::new(change.beyond, (0.5 - LINE) * CHORD, 0.0).cross(force);
+    let load = Load { moment, ..Load::dead(beam.tip(), force) };
+    let setting = Setting { loads: vec![load], gravity: Vec3::new(0.0, 0.0, -GRAVITY), ..Setting::default() };
+    let held = hold(beam, &setting, 6);
+    match held.status {
+        Status::Converged => Ok(beam.places(&Place::IDENTITY, &held.q)[beam.tip()].p[2]),
+        status => Err(Error::NoAnswer(format!("Pazy wing under {mass} kg: {status:?}"))),
+    }
+}
+
 /// Largest and rms error of the tip's displacement under a mass, over the half span.
 fn bent(change: Change) -> Result<[f64; 2], Error> {
     let table = reference_table!("pazy/bending_with_skin.csv")?;
     let (masses, measured) = (table.column("tip_mass_kg")?, table.column("tip_displacement_m")?);
     let beam = beam(Vec::new(), change)?;
-    let down = |mass: f64| -> Result<f64, Error> {
-        let force = Vec3::new(0.0, 0.0, -GRAVITY * mass);
-        // Hung mid-chord, aft of the reference line, which shifts little as the tip turns.
-        let moment = Vec3::new(change.beyond, (0.5 - LINE) * CHORD, 0.0).cross(force);
-        let load = Load { moment, ..Load::dead(beam.tip(), force) };
-        let setting =
-            Setting { loads: vec![load], gravity: Vec3::new(0.0, 0.0, -GRAVITY), ..Setting::default() };
-        let held = hold(&beam, &setting, 6);
-        match held.status {
-            Status::Converged => Ok(beam.places(&Place::IDENTITY, &held.q)[beam.tip()].p[2]),
-            status => Err(Error::NoAnswer(format!("Pazy wing under {mass} kg: {status:?}"))),
-        }
-    };
+    let down = |mass: f64| height(&beam, change, mass);
     let unloaded = down(0.0)?;
     let (mut worst, mut sum, mut count, mut zero) = (0.0_f64, 0.0, 0.0, 0.0);
     for (mass, place) in masses.iter().zip(&measured) {
@@ -138,6 +148,38 @@ fn bent(change: Change) -> Result<[f64; 2], Error> {
         count += 1.0;
     }
     Ok([worst, f64::sqrt(sum / count) / SPAN])
+}
+
+/// The later wing: the library against another program on the same equivalent beam, and that program against the measurement.
+fn later() -> Result<Vec<Row>, Error> {
+    let table = reference_table!("pazy/bending_later.csv")?;
+    let [masses, peer, measured] = ["tip_mass_kg", "um_nast", "measured"].map(|name| table.column(name));
+    let (masses, peer, measured) = (masses?, peer?, measured?);
+    let change = Change { later: true, ..AS_GIVEN };
+    let beam = beam(Vec::new(), change)?;
+    let unloaded = height(&beam, change, 0.0)?;
+    let mut worst = [0.0_f64; 3];
+    for ((mass, peer), measured) in masses.into_iter().zip(peer).zip(measured) {
+        let own = (height(&beam, change, mass)? - unloaded) / SPAN;
+        for (worst, off) in worst.iter_mut().zip([own - peer, own - measured, peer - measured]) {
+            *worst = worst.max(off.abs());
+        }
+    }
+    let [apart, own, other] = worst;
+    let source = "Riso & Cesnik, AIAA 2022-2313: UM/NAST on its equivalent beam of the later wing";
+    let missed = "Avin et al. 2022, measured, the later wing";
+    Ok(vec![
+        Row::judged(
+            "fsi.pazy.later",
+            source,
+            "max difference of the tip's displacement over half span, 0.2 to 3 kg at the tip",
+            apart,
+            0.01,
+            "",
+        ),
+        Row::shown("fsi.pazy.later.measured", missed, "max error of the same", own, ""),
+        Row::shown("fsi.pazy.later.um_nast", missed, "max error of the same of UM/NAST", other, ""),
+    ])
 }
 
 fn bending() -> Result<Vec<Row>, Error> {
@@ -266,5 +308,24 @@ fn static_shape() -> Result<Vec<Row>, Error> {
         let id = format!("fsi.pazy.static.{id}");
         rows.push(Row::shown(&id, SOURCE, what, f64::sqrt(sum / count), ""));
     }
+    Ok(rows)
+}
+
+/// The later wing in the wind.
+fn later_wind() -> Result<Vec<Row>, Error> {
+    let table = reference_table!("pazy/static_5deg_later.csv")?;
+    let (speeds, measured) = (table.column("airspeed_m_s")?, table.column("displacement")?);
+    let (mut rows, mut sum) = (Vec::new(), 0.0);
+    let source = "Avin et al. 2022, measured, the later wing";
+    for (speed, measured) in speeds.iter().zip(&measured) {
+        let found = displaced(*speed, Change { later: true, ..AS_GIVEN })? / SPAN;
+        let value = (found / measured - 1.0).abs();
+        sum += value * value / speeds.len() as f64;
+        let metric = format!(
+            "relative error of the tip's displacement at {speed} m/s, 5 deg, the later wing, {found:.4} of the half span"
+        );
+        rows.push(Row::shown(&format!("fsi.pazy.wind.{speed}"), source, &metric, value, ""));
+    }
+    rows.push(Row::shown("fsi.pazy.wind.rms", source, "rms of these", sum.sqrt(), ""));
     Ok(rows)
 }

@@ -1,7 +1,7 @@
 //! Goland's wing in the air of the library's lattice, which knows the finite wing and its wake.
 
 use super::{ALOFT, AXIS, C, MODES, SEMI_CHORD, SPAN, beam, flutter};
-use crate::{Error, Row};
+use crate::{Error, Row, reference_table};
 use nalgebra::DMatrix;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -17,13 +17,6 @@ const WIDTH: f64 = 1.0;
 /// Chords of travel before the middle of a pulse, and behind it.
 const BEFORE: f64 = 3.5;
 const BEHIND: f64 = 16.0;
-
-/// What the test of another lattice on a beam expects: SHARPy, tests/linear/goland_wing, 16 x 32 panels; an older one says 166 m/s.
-struct Public {
-    speed: f64,
-    source: &'static str,
-}
-const SHARPY: Public = Public { speed: 169.0, source: "SHARPy, its own test of Goland's wing: 169 m/s" };
 
 /// A lattice over the half wing.
 #[derive(Clone, Copy)]
@@ -172,49 +165,91 @@ fn of(panels: Panels) -> Result<[f64; 2], Error> {
     })
 }
 
-pub fn rows() -> Result<Vec<Row>, Error> {
-    let (fine, coarse) = (Panels { chordwise: 10, half: 12 }, Panels { chordwise: 7, half: 8 });
-    let [speed, frequency] = of(fine)?;
-    let [before, _] = of(coarse)?;
-    // The error falls as the chord of a panel.
-    let ratio = fine.chordwise as f64 / coarse.chordwise as f64;
-    let endless = speed + (speed - before) / (ratio - 1.0);
-    let published =
-        "Murua, Palacios & Graham 2012, a vortex lattice on a beam: 165 m/s, 69 rad/s (from memory)";
-    let Public { speed: public, source } = SHARPY;
-    let Panels { chordwise, half } = fine;
-    let off = |speed: f64, other: f64| (speed / other - 1.0).abs();
-    Ok(vec![
+/// Speed (m/s) and frequency (rad/s) with endless panels, from two grids of one shape: the error falls as the size of a panel.
+fn endless(coarse: [f64; 2], fine: [f64; 2], ratio: f64) -> [f64; 2] {
+    [0, 1].map(|i| fine[i] + (fine[i] - coarse[i]) / (ratio - 1.0))
+}
+
+/// What another program for the same wing tends to with endless panels, and how far its two series of grids end from one another,
+/// relative.
+fn apart() -> Result<([f64; 2], f64), Error> {
+    let table = reference_table!("goland/surface.csv")?;
+    let [inset, panels, speed, frequency] = ["inset", "chordwise", "speed_m_s", "frequency_rad_s"];
+    let [inset, panels, speed, frequency] =
+        [table.column(inset)?, table.column(panels)?, table.column(speed)?, table.column(frequency)?];
+    let ends = (1..inset.len()).filter(|i| inset.get(i + 1) != Some(&inset[*i]));
+    let found: Vec<[f64; 2]> = ends
+        .map(|i| {
+            let at = |i: usize| [speed[i], frequency[i]];
+            endless(at(i - 1), at(i), panels[i] / panels[i - 1])
+        })
+        .collect();
+    let [one, other] = found[..] else {
+        return Err(Error::reference("goland/surface.csv", format!("{} series, not 2", found.len())));
+    };
+    Ok(([0, 1].map(|i| 0.5 * (one[i] + other[i])), (one[0] / other[0] - 1.0).abs()))
+}
+
+/// Published speeds beside `speed`, which differ among themselves.
+fn published(speed: f64) -> Result<Vec<Row>, Error> {
+    let table = reference_table!("goland/published.csv")?;
+    let (names, methods) = (table.words("name")?, table.words("method")?);
+    let (panels, speeds) = (table.words("panels")?, table.column("speed_m_s")?);
+    let row = |i: usize| {
+        let panels = if panels[i] == "-" { String::new() } else { format!(", {} panels", panels[i]) };
         Row::shown(
-            "fsi.goland.lattice",
-            published,
+            &format!("fsi.goland.lattice.{}", names[i]),
+            "validation/goland/published.csv",
             &format!(
-                "relative error of the speed of flutter, {chordwise} x {half} panels, {speed:.1} m/s (asked: 0.03)"
+                "the lattice with endless panels against {}{panels}, {} m/s: relative difference (asked: 0.03)",
+                methods[i], speeds[i]
             ),
-            off(speed, 165.0),
+            (speed / speeds[i] - 1.0).abs(),
             "",
+        )
+    };
+    Ok((0..names.len()).map(row).collect())
+}
+
+pub fn rows() -> Result<Vec<Row>, Error> {
+    let (fine, coarse) = (Panels { chordwise: 9, half: 12 }, Panels { chordwise: 6, half: 8 });
+    let (found, before) = (of(fine)?, of(coarse)?);
+    let limit = endless(before, found, fine.half as f64 / coarse.half as f64);
+    let ([speed, frequency], spread) = apart()?;
+    let Panels { chordwise, half } = fine;
+    let source = format!(
+        "a lattice in the frequency domain on its own beam, endless panels: {speed:.1} m/s, {frequency:.1} rad/s (validation/goland)"
+    );
+    let off = |value: f64, other: f64| (value / other - 1.0).abs();
+    let judged = |id: &str, what: String, value: f64| Row::judged(id, &source, &what, value, 0.03, "");
+    let mut rows = vec![
+        judged(
+            "fsi.goland.lattice",
+            format!(
+                "relative error of the speed of flutter, {chordwise} x {half} panels, {:.1} m/s",
+                found[0]
+            ),
+            off(found[0], speed),
         ),
-        Row::shown(
+        judged(
             "fsi.goland.lattice.endless",
-            published,
-            &format!("the same, extrapolated to endless panels, {endless:.1} m/s"),
-            off(endless, 165.0),
-            "",
+            format!("the same, extrapolated to endless panels, {:.1} m/s", limit[0]),
+            off(limit[0], speed),
         ),
-        Row::shown(
-            "fsi.goland.lattice.public",
-            source,
-            "the same beside a public lattice on a beam, 169 m/s",
-            off(endless, public),
-            "",
+        judged(
+            "fsi.goland.lattice.frequency",
+            format!("relative error of its frequency, endless panels ({:.1} rad/s)", limit[1]),
+            off(limit[1], frequency),
         ),
         Row::judged(
-            "fsi.goland.lattice.frequency",
-            published,
-            &format!("relative error of its frequency ({frequency:.1} rad/s)"),
-            off(frequency, 69.0),
-            0.03,
+            "fsi.goland.lattice.series",
+            &source,
+            "relative difference of the speeds to which two series of grids of that lattice tend",
+            spread,
+            0.003,
             "",
         ),
-    ])
+    ];
+    rows.extend(published(limit[0])?);
+    Ok(rows)
 }
