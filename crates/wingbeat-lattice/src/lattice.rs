@@ -159,6 +159,15 @@ impl Lattice {
                 at = first + mesh.fronts.len() + mesh.legs.len();
             }
         }
+        if self.shedding.is_some() {
+            let mut at = 0;
+            let changes = spread::changes_by_sheets(&self.meshes, self.sheets(), &self.influence);
+            for (mesh, change) in self.meshes.iter().zip(changes) {
+                let first = at + mesh.panels() + mesh.fronts.len();
+                air[first..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
+                at = first + mesh.legs.len();
+            }
+        }
         let rates = self.rates(&self.rings);
         let jump_rates = self.shedding.as_ref().map_or_else(Vec::new, |own| self.rates(&own.jumps));
         let density = self.scene.density_kg_m3;

@@ -8,6 +8,7 @@
 use crate::influence::{Influence, Sources, mirrored};
 use crate::kernel::{Grid, Place, segment, softened_segment};
 use crate::mesh::Mesh;
+use crate::wake::Wake;
 use wingbeat::math::Vec3;
 
 /// Gauss-Legendre rule of six points on 0 to 1: places, weights. *Choice*: swept, tapered and delta wings of 6 x 24 panels have the
@@ -19,6 +20,14 @@ const GAUSS: [[f64; 2]; 6] = [
     [0.619_309_593_041_598_5, 0.233_956_967_286_345_52],
     [0.830_604_693_233_132_3, 0.180_380_786_524_069_3],
     [0.966_234_757_101_576, 0.085_662_246_189_585_17],
+];
+
+/// The rule of three points, for what is mild. *Choice*: of the plate of the rows `lattice.shedding.measured` six points give the same
+/// lift.
+const FEW: [[f64; 2]; 3] = [
+    [0.112_701_665_379_258_3, 0.277_777_777_777_777_8],
+    [0.5, 0.444_444_444_444_444_4],
+    [0.887_298_334_620_741_7, 0.277_777_777_777_777_8],
 ];
 
 /// Strips on either side whose vortices are spread: further away the distance is many widths. *Choice.*
@@ -72,6 +81,91 @@ pub fn changes(meshes: &[Mesh], influence: &Influence) -> Vec<Vec<Vec3>> {
 /// Where along a bound vortex of strip `j` the air is wanted: at the point of the strip, and at those of the mean.
 fn fractions(mesh: &Mesh, j: usize) -> impl Iterator<Item = f64> {
     std::iter::once(mesh.fractions[j]).chain(GAUSS.map(|[place, _]| place))
+}
+
+/// What has to be added, by surface, to the velocities that noses and `sheets` induce at the points of [`Mesh::legs`] (m/s), where
+/// leading edges shed: on the legs of the first panels and of the nose their mean from the middle of one strip beside to that of the
+/// other. A sheet lies over a wing by less than the width of a strip, and its filaments right over the legs: at a distance a, filaments
+/// that are d apart induce at the legs coth(pi a/d) times what the sheet does for which they stand, and their mean over d is that
+/// of the sheet. So it is with the corner that each filament has at the edge, which would pull itself.
+pub fn changes_by_sheets(meshes: &[Mesh], sheets: &[Wake], influence: &Influence) -> Vec<Vec<Vec3>> {
+    let rising: Vec<Grid> = meshes.iter().map(rising).collect();
+    let heads = meshes.iter().map(|mesh| &mesh.heads);
+    let cored = heads.chain(sheets.iter().map(|sheet| &sheet.grid)).collect();
+    let sources = Sources { bound: rising.iter().enumerate().collect(), cored };
+    let (mut points, mut places) = (Vec::new(), Vec::new());
+    for (surface, mesh) in meshes.iter().enumerate() {
+        for leg in first_legs(mesh) {
+            for (f, _) in halves(mesh, leg % mesh.arcs.len()) {
+                let (from, to) = (mesh.legs[leg].at, mesh.legs[f.toward(leg)].at);
+                points.push(from + (to - from) * f.way);
+                let [from, to] = [leg, f.toward(leg)].map(|leg| mesh.arcs[leg % mesh.arcs.len()]);
+                places.push(Place::On(surface, from + (to - from) * f.way));
+            }
+        }
+    }
+    let velocities = influence.velocities(&points, &places, &sources);
+    let mut seen = velocities.iter();
+    let of = |mesh: &Mesh| {
+        let mut changes = vec![Vec3::ZERO; mesh.legs.len()];
+        for leg in first_legs(mesh) {
+            let parts = halves(mesh, leg % mesh.arcs.len()).zip(seen.by_ref());
+            changes[leg] = parts.fold(Vec3::ZERO, |sum, ((_, weight), v)| sum + *v * weight);
+        }
+        changes
+    };
+    meshes.iter().map(of).collect()
+}
+
+/// The legs of the first panels, then those of the nose.
+fn first_legs(mesh: &Mesh) -> impl Iterator<Item = usize> {
+    let sides = mesh.arcs.len();
+    (0..sides).chain(mesh.chordwise * sides..(mesh.chordwise + 1) * sides)
+}
+
+/// A place between a leg and one beside it.
+struct Beside {
+    right: bool,
+    /// Share of the way to that leg.
+    way: f64,
+}
+
+impl Beside {
+    fn toward(&self, leg: usize) -> usize {
+        if self.right { leg + 1 } else { leg - usize::from(self.way > 0.0) }
+    }
+}
+
+/// Places about the leg `side` of a row with their weights in the mean less what is at the leg.
+fn halves(mesh: &Mesh, side: usize) -> impl Iterator<Item = (Beside, f64)> {
+    let arcs = &mesh.arcs;
+    let width = |right: bool| {
+        let to = if right { side.checked_add(1) } else { side.checked_sub(1) };
+        to.and_then(|to| arcs.get(to)).map_or(0.0, |to| (to - arcs[side]).abs())
+    };
+    let widths = [width(false), width(true)];
+    let all = widths[0] + widths[1];
+    let at_leg = std::iter::once((Beside { right: false, way: 0.0 }, -1.0));
+    let of = move |right: bool| {
+        let share = widths[usize::from(right)] / all;
+        let within = FEW.into_iter().filter(move |_| share > 0.0);
+        within.map(move |[place, weight]| (Beside { right, way: 0.5 * place }, share * weight))
+    };
+    at_leg.chain(of(false)).chain(of(true))
+}
+
+/// The rings of the nose without what lies on the wing.
+fn rising(mesh: &Mesh) -> Grid {
+    let (nose, columns) = (&mesh.nose, mesh.arcs.len());
+    Grid {
+        columns,
+        points: nose.points[columns..].to_vec(),
+        across: nose.across[columns - 1..].to_vec(),
+        along: nose.along[columns..].to_vec(),
+        core_across: nose.core_across[columns - 1..].to_vec(),
+        core_along: nose.core_along[columns..].to_vec(),
+        arcs: nose.arcs.clone(),
+    }
 }
 
 /// The bound vortices alone: a single row of vertices, in which a segment without circulation leads from each row of the wing to the next.
