@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use wingbeat_io::samples::{Asked, Plain, read_channels, read_measured};
+use wingbeat_io::samples::{Asked, Plain, read_channels};
 
 fn read(name: &str, text: &str, asked: &Asked) -> Result<Plain, String> {
     let path = std::env::temp_dir().join(format!("wingbeat-plain-{}-{name}.csv", std::process::id()));
@@ -41,30 +41,4 @@ fn times_units_and_gaps_come_from_the_file() {
     assert!(read("three", &text, &asked(None, &["N"; 3])).unwrap_err().contains("3 for 2 channels"));
     let none = read("none", "lift_N\n1\n2\n3\n", &asked(None, &[])).unwrap_err();
     assert!(none.contains("no column of time; found lift_N: give the samples per second"), "{none}");
-}
-
-#[test]
-fn a_measured_table_without_rows_or_names_is_refused_and_one_row_is_read() {
-    let measured = |name: &str, text: &str| {
-        let path = std::env::temp_dir().join(format!("wingbeat-measured-{}-{name}.csv", std::process::id()));
-        fs::write(&path, text).unwrap();
-        let answer = read_measured(&path);
-        fs::remove_file(&path).unwrap();
-        answer.map_err(|error| error.to_string())
-    };
-    for (name, text, words) in [
-        ("empty", "", "empty"),
-        ("line", "\n", "empty"),
-        ("bare", "1,2,3\n4,5,6\n", "bare"),
-        ("one_bare", "1\n", "one_bare"),
-    ] {
-        let error = measured(name, text).unwrap_err();
-        assert!(error.contains(words), "{name}: {error}");
-    }
-    let named = measured("names", "t,Fx,Fz\n").unwrap();
-    assert_eq!(named.rows(), 0);
-    let one = measured("one", "t,Fx,Fz\n0,1,2\n").unwrap();
-    assert_eq!(one.column("Fz").unwrap().values, [2.0]);
-    let one = measured("spoken", "Time (s),Fz (mN)\n0,2\n");
-    assert!(one.is_ok_and(|one| one.column("Fz").is_none_or(|column| column.values.len() <= 1)));
 }

@@ -102,7 +102,7 @@ impl Places {
         let mut seen = vec![0_usize; count];
         for (k, place) in of.iter().enumerate() {
             let place = usize::from(*place);
-            if seen[place] % every == 0 {
+            if seen[place].is_multiple_of(every) {
                 taken[place].push(k as u32);
             }
             seen[place] += 1;

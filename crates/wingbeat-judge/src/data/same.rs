@@ -108,7 +108,8 @@ fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
     let longest = if near > BAND { HELD } else { CODE };
     let runs = channel.samples.chunk_by(|a, b| a == b).filter(|run| run[0] == value && run.len() < longest);
     let size = runs.map(<[f64]>::len).sum::<usize>() as f64 / channel.samples.len() as f64;
-    if near < APART || dead_band(channel.samples, value, extent) {
+    // What mostly comes in long runs is a rest or a dead band.
+    if near < APART || 2.0 * size < share || dead_band(channel.samples, value, extent) {
         return None;
     }
     let text = format!(
