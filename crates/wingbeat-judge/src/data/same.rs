@@ -195,10 +195,13 @@ pub(super) fn copied(series: &Series, extents: &[Option<Extent>], placed: &Place
         let cycles = cycles(later);
         cycles < NEXT || (cycles - cycles.round()).abs() < OFF_WHOLE
     };
+    // Most of a load without noise comes again within a cycle; samples that are missing put the rest of it out of step.
+    let next = marks.again.iter().filter(|later| cycles(**later) < NEXT).count();
+    let without_noise = 2 * next > marks.count;
     let told = |later: &usize| {
         let by = Agreeing::of(samples, *later);
         let twice = || Agreeing::of(samples, 2 * *later).longest;
-        if by.beside > 0.0 {
+        if by.beside > 0.0 && !without_noise {
             let copy = cycles(*later) > NEXT && 2 * twice() < by.longest;
             copy.then(|| of(&TWICE, by.share, *later))
         } else {
