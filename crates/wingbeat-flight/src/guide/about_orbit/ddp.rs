@@ -24,7 +24,8 @@ pub(super) struct Commanded {
 }
 
 impl Commanded {
-    /// Commands that begin at 0, within what is left of their ranges [low, high] and at these costs.
+    /// A number of parts of commands that start at 0, within what is left of their ranges [low, high] (units of the channels) and at these
+    /// costs (1 over their square).
     pub fn new(parts: usize, [low, high]: [DVector<f64>; 2], costs: &DVector<f64>) -> Self {
         let (low, high) = (low.map(|v| v.min(0.0)), high.map(|v| v.max(0.0)));
         Self { parts, low, high, effort: DMatrix::from_diagonal(costs) }

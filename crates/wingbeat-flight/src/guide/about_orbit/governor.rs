@@ -63,7 +63,7 @@ impl<'a> Governor<'a> {
         Self { robot, clearance, inputs: inputs.to_vec(), look, by_state, by_command, reach, changed: 0.0 }
     }
 
-    /// That a robot can keep a clearance by its commands alone.
+    /// That a robot can keep a clearance (m) by its commands alone.
     pub fn check(robot: &Robot, clearance: f64) -> Result<(), Error> {
         let allowed = if robot.clearances().is_empty() {
             "none for a robot without clearances"
