@@ -166,7 +166,7 @@ impl Perch {
     }
 
     /// How far a flat triangle in W is from its surface, m; minus the radius where a bar pierces it, negative beyond a ceiling.
-    fn to_triangle(&self, triangle: [Vec3; 3]) -> f64 {
+    fn triangle_distance(&self, triangle: [Vec3; 3]) -> f64 {
         match self.shape {
             PerchShape::Bar { radius, .. } => triangle_distance(self.ends(), triangle) - radius,
             PerchShape::Ceiling { .. } => self.below(&triangle),
@@ -174,7 +174,7 @@ impl Perch {
     }
 
     /// The same of a capsule, by its axis in W and its radius.
-    fn to_capsule(&self, axis: [Vec3; 2], round: f64) -> f64 {
+    fn capsule_distance(&self, axis: [Vec3; 2], round: f64) -> f64 {
         match self.shape {
             PerchShape::Bar { radius, .. } => segment_distance(self.ends(), axis) - radius - round,
             PerchShape::Ceiling { .. } => self.below(&axis) - round,
@@ -247,14 +247,14 @@ impl Robot {
             for k in (0..laid.covered.len()).filter(|k| laid.covered[*k]) {
                 let ([le, te], [next_le, next_te]) = (edges(k), edges(k + 1));
                 for triangle in [[le, te, next_te], [le, next_te, next_le]] {
-                    least = least.min(perch.to_triangle(triangle));
+                    least = least.min(perch.triangle_distance(triangle));
                 }
             }
         }
         for (axis, radius) in self.clearances.capsules(&links) {
-            least = least.min(perch.to_capsule(axis.map(place), radius));
+            least = least.min(perch.capsule_distance(axis.map(place), radius));
         }
-        Ok(Some(if least.is_finite() { least } else { perch.to_capsule([position; 2], 0.0) }))
+        Ok(Some(if least.is_finite() { least } else { perch.capsule_distance([position; 2], 0.0) }))
     }
 
     /// Where its claw is against the perch in the state `x`; none without one.

@@ -241,11 +241,11 @@ impl AboutOrbit<'_> {
             self.family.beside(adaptation.added(), &mut commands);
         }
         let mut retreat = commands.clone();
-        if let Some(adaptation) = &self.adaptation {
-            if let Some((ahead, waves)) = self.family.ahead(place, cycles).zip(adaptation.waves()) {
-                let ahead = ahead * DVector::from_column_slice(waves);
-                self.inputs.iter().zip(ahead.iter()).for_each(|(input, ahead)| commands[*input] += ahead);
-            }
+        if let Some(adaptation) = &self.adaptation
+            && let Some((ahead, waves)) = self.family.ahead(place, cycles).zip(adaptation.waves())
+        {
+            let ahead = ahead * DVector::from_column_slice(waves);
+            self.inputs.iter().zip(ahead.iter()).for_each(|(input, ahead)| commands[*input] += ahead);
         }
         for (row, &input) in self.inputs.iter().enumerate() {
             let fed: f64 = error.iter().enumerate().map(|(j, e)| gain[(row, DEVIATIONS + j)] * e).sum();
