@@ -76,7 +76,7 @@ fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
     let nose_up = settled(summary.pitch_mean_deg.map(|pitch| -pitch));
-    let height = summary.height_max_error_m.map(|e| own("height off the orbit, most", number(1e3 * e), "mm"));
+    let height = summary.height_max_error_m.map(|e| own("height off orbit, most", number(1e3 * e), "mm"));
     let mut rows = vec![
         own("status", summary.status.name().into(), ""),
         match summary.turn_roll_mean_deg {

@@ -108,7 +108,7 @@ fn leave_out_counters(plain: &mut Plain) {
         plain.channels.retain(|column| !counters.contains(&column.name));
         let names = counters.join(", ");
         plain.cautions.push(format!(
-            "{names}: grows from begin to end as an encoder or a counter does, and is left out"
+            "{names}: grows from start to end as an encoder or a counter does, and is left out"
         ));
     }
 }

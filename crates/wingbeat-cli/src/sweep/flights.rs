@@ -128,7 +128,7 @@ impl Outcome {
             2,
         );
         if let Some(within) = self.height_within_m {
-            row("height off the orbit, most", "height_max_error", self.height_max_error_m, within, "m", 4);
+            row("height off orbit, most", "height_max_error", self.height_max_error_m, within, "m", 4);
         }
         if let Some(within) = self.cross_rms_within_m {
             row("across the path, rms", "cross_rms", self.cross_rms_m, within, "m", 4);

@@ -246,7 +246,7 @@ impl<S: System + ?Sized> Run<'_, S> {
     ///
     /// Equation: flight.event
     /// `g(t + s h, x(t + s h)) = 0, x by a Runge-Kutta step of length s h from the start of the step, s by bisection`
-    /// Source: Hairer, Noersett & Wanner 1993, Solving Ordinary Differential Equations I, II.6; of the order 4 of the step itself.
+    /// Source: Hairer, Noersett & Wanner 1993, Solving Ordinary Differential Equations I, II.6; order 4, as the step.
     /// Test: `an_event_ends_a_run_within_its_step`.
     fn end_within(&mut self, k: usize, x: &mut [f64]) -> Result<ControlFlow<()>, Fault> {
         let (start, length) = (self.clock.time(k), self.clock.length);

@@ -306,14 +306,14 @@ fn of_channel(
     found
 }
 
-/// The finding that the mean changes from begin to end.
+/// The finding that the mean changes from start to end.
 fn drift(series: &Series, one: &Apart) -> Option<Finding> {
     let Apart { channel, part, .. } = one;
     let scale = part.range.max(part.mean.abs());
     let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;
     let size = part.drift.0 / scale;
     let text = format!(
-        "drifts by {:.4} {} from begin to end, {:.0} % of its cycle: means and tare are off; let the cell \
+        "drifts by {:.4} {} from start to end, {:.0} % of its cycle: means and tare are off; let the cell \
          warm up, take a rest before and after, or take the drift away before",
         part.drift.0,
         channel.unit,

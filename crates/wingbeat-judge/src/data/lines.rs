@@ -258,7 +258,11 @@ fn mostly_agrees(time: &[f64], samples: &[f64], period: f64, line: f64) -> bool 
     let pairs = parts.iter().zip(parts.iter().skip(later)).filter(|(a, b)| a.1 > 0.0 && b.1 > 0.0);
     let mut changes: Vec<f64> = pairs.map(|(a, b)| (b.0 / b.1 - a.0 / a.1).abs()).collect();
     let squares = changes.iter().map(|x| x * x).sum::<f64>() / changes.len().max(1) as f64;
-    outliers::median(&mut changes) < AGREES * squares.sqrt()
+    // A bout that ends changes a whole stroke, a knock in each cycle a part of it.
+    let least = AGREES * squares.sqrt();
+    let stroke = PARTS as usize;
+    let whole = changes.windows(stroke).any(|of| 2 * of.iter().filter(|x| **x > least).count() > stroke);
+    whole && outliers::median(&mut changes) < least
 }
 
 /// The largest divisor of both.

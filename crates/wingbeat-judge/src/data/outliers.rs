@@ -31,8 +31,10 @@ const PASSES: f64 = 0.5;
 /// Least mean part of its range that a channel leaps over where its counts wrap around: it then goes on from the other end, where a knock
 /// starts from anywhere. *Choice.*
 const WHOLE: f64 = 0.9;
-/// Share of the cycles in which samples far from their phase come at one place of it for them to come with the cycle. *Choice.*
-const EACH_CYCLE: f64 = 0.3;
+/// Share of the cycles in which samples far from their phase come at one place of it for them to come with the cycle, and part of the
+/// cycle that such places have at most: spikes that are dense enough come everywhere in as many. *Choices.*
+const EACH_CYCLE: f64 = 0.5;
+const OF_CYCLE: f64 = 0.125;
 /// Samples of a cycle from which every second one is told from the others. *Choice.*
 const FOR_SECOND: f64 = 8.0;
 
@@ -67,13 +69,19 @@ pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Lim
         // Of one cause one finding.
         let turns = alternating(series, channel, *extent, cycles);
         let first = turns.iter().find(|finding| finding.serious && breaks(finding)).cloned();
-        let first = first.or_else(|| own.apart(series, channel, &at, most).filter(breaks));
+        let apart = own.apart(series, channel, &at, most).filter(breaks);
+        let first = first.or_else(|| apart.clone().filter(|finding| finding.serious));
         // Both leap over a part of the range.
         let leaps = steps_beyond(channel.samples, 0.9 * HOLE.value * extent.range()) > 0;
         let odd = || wrapped(series, channel, *extent, cycles).filter(breaks);
         let hole = || hole(series, channel, *extent, cycles).filter(breaks);
         let first = first.or_else(|| if leaps { odd().or_else(hole) } else { None });
-        found.extend(first.or_else(|| turns.into_iter().find(breaks)));
+        // A knock is noted, and so is what it looks like.
+        let noted = apart.or_else(|| turns.into_iter().find(breaks));
+        found.extend(match (first, noted) {
+            (Some(first), Some(noted)) if !first.serious => Some(noted),
+            (first, noted) => first.or(noted),
+        });
     }
     found
 }
@@ -195,8 +203,13 @@ impl Usual {
         let all: usize = runs.iter().sum();
         let often = EACH_CYCLE * series.cycles();
         let at_one: usize = runs.iter().filter(|count| **count as f64 > often.max(1.0)).sum();
-        // What comes in most cycles at one phase is a load.
-        if 2 * at_one > all {
+        let wide = runs.iter().filter(|count| **count as f64 > often.max(1.0)).count();
+        let mut values: Vec<f64> =
+            samples.iter().zip(&far).filter(|of| *of.1 > 0.0).map(|of| *of.0).collect();
+        let usual = median(&mut values);
+        let code = values.len() > 2 && 2 * values.iter().filter(|x| **x == usual).count() > values.len();
+        // What comes in most cycles at one phase is a load, but for a value that is always the same.
+        if 2 * at_one > all && wide as f64 <= (OF_CYCLE * places as f64).max(1.0) && !code {
             let text = format!(
                 "{many} of {} samples lie far from others of their phase, at one phase in most cycles, and the signal jumps there: a knock, \
                  or spikes that come with the cycle",
@@ -221,7 +234,7 @@ pub(super) fn median(of: &mut [f64]) -> f64 {
 
 /// Part of the range that a channel whose counts wrap around passes through beyond the leap, at least, in the mean. *Choice*: a knock on the
 /// extreme of a sine, of a tenth of its cycle, has 0.02.
-const BEYOND_LEAP: f64 = 0.08;
+const BEYOND_LEAP: f64 = 0.04;
 
 /// The finding that a channel leaps across its range, up and down: a phase that begins again leaps one way.
 ///
@@ -440,6 +453,8 @@ const OF_TURN: std::ops::RangeInclusive<usize> = 2..=8;
 const UP_AND_DOWN: f64 = -0.6;
 /// Part of the range and counts that the steps between turns have at least, in the mean. *Choices.*
 const OF_TURNS: [f64; 2] = [0.01, 2.0];
+/// Deviation of the steps between turns over their mean below which they are those of a ripple on the load. *Choice.*
+const STEADY: f64 = 0.3;
 
 /// The finding that samples come from two sources by turns of m samples.
 ///
@@ -447,7 +462,8 @@ const OF_TURNS: [f64; 2] = [0.01, 2.0];
 /// that is held have 1 and those of noise -1/2. Beside the steps before and after them, b - (a + c) / 2, they are far larger than the second
 /// differences within a turn. For a line at half the frequency of the turns the ratio is (1 - cos w) / (2 (1 - cos w)), 1/2, with
 /// w = pi / m, for white noise sqrt(5 / 6), and for smooth loads 1/2 as for lines. Turns of two have no second differences within, and are
-/// told from nothing but a line at a quarter of the rate: they are noted.
+/// told from nothing but a line at a quarter of the rate: they are noted. So are turns whose steps are all alike: those of a ripple that is
+/// added to the load, as of a chopper or of hum with harmonics; what two sources differ by changes with the load.
 fn by_turns(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
     let from = channel.samples.len().saturating_sub(FOR_TURNS) / 2;
     let samples = &channel.samples[from..channel.samples.len().min(from + FOR_TURNS)];
@@ -474,17 +490,25 @@ fn by_turns(series: &Series, channel: &Channel, extent: Extent) -> Option<Findin
             2 => sizes[1 - at],
             _ => (2..m).map(|k| mean(&bent, (at + k) % m)).sum::<f64>() / (m - 2) as f64,
         };
-        Some((size / within.max(1e-3 * size), m))
+        let squares = beside.iter().skip(at).step_by(m).map(|step| (step - size).powi(2));
+        // White noise of deviation s gives these steps sqrt(5) s, and the magnitude of second differences sqrt(2 / pi) sqrt(6) s.
+        let noise = 5.0 / (6.0 * std::f64::consts::FRAC_2_PI) * within * within;
+        let spread = squares.sum::<f64>() * m as f64 / beside.len() as f64 - noise;
+        Some((size / within.max(1e-3 * size), m, spread < (STEADY * size).powi(2)))
     };
     let all = OF_TURN.filter(|m| steps.len() > 8 * m).filter_map(of);
-    let (size, m) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let or = if m == 2 { ", or a line at a quarter of the rate" } else { "" };
+    let (size, m, steady) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let or = match m {
+        2 => ", or a line at a quarter of the rate",
+        _ if steady => ", or a ripple of that period",
+        _ => "",
+    };
     let text = format!(
         "leaps up and down every {m} samples and is smooth between: two sources by turns in one column{or}"
     );
     let found = Finding::new("data.alternates", &TURNS, series.about(channel.name), size, text);
     let found = found.in_channel(channel.name);
-    Some(if m == 2 { found.noted() } else { found })
+    Some(if m == 2 || steady { found.noted() } else { found })
 }
 
 /// Correlation of the second differences of one sample and the next below which it is tried whether rows are exchanged; white noise has

@@ -56,7 +56,7 @@ impl Spread {
         (self.spread - self.noise).max(0.0).sqrt()
     }
 
-    /// Change from begin to end by a straight line, and its standard error. The squares of places that lie evenly from -1/2 to 1/2 have
+    /// Change from start to end by a straight line, and its standard error. The squares of places that lie evenly from -1/2 to 1/2 have
     /// the mean (1 - 1 / n^2) / 12.
     fn trend(&self) -> [f64; 2] {
         let count = self.of.len() as f64;
@@ -111,7 +111,7 @@ impl Strokes {
         self.sizes.is_told() && self.explained > 0.5 * part.slow
     }
 
-    /// The findings that the cycles differ in size, and that they grow or shrink from begin to end by a straight line.
+    /// The findings that the cycles differ in size, and that they grow or shrink from start to end by a straight line.
     pub fn sizes(&self, series: &Series, one: &Apart) -> Vec<Finding> {
         let Spread { mean, .. } = self.sizes;
         if !(mean > 0.0 && self.sizes.is_told()) {
@@ -122,7 +122,7 @@ impl Strokes {
             let text = format!(
                 "the sizes of its cycles {how} by {:.0} %{}: the mean cycle is that of none of them; cut the file to its steady part",
                 100.0 * size,
-                if how == "differ" { " (rms)" } else { " from begin to end" }
+                if how == "differ" { " (rms)" } else { " from start to end" }
             );
             Finding::new("data.not_periodic", limit, series.about(one.channel.name), size, text)
         };
@@ -157,7 +157,7 @@ impl Strokes {
         // From begin to end a cycle passes less or more.
         let own = given * (1.0 + by / series.cycles());
         let text = format!(
-            "its cycles come {} by {:.1} deg from begin to end: it repeats at {own:.4} Hz, and {given:.4} Hz is given for it",
+            "its cycles come {} by {:.1} deg from start to end: it repeats at {own:.4} Hz, and {given:.4} Hz is given for it",
             if by > 0.0 { "earlier" } else { "later" },
             360.0 * by.abs()
         );
@@ -209,11 +209,15 @@ pub(super) fn are_of_wings(series: &Series, all: &[Apart], strokes: &[Strokes], 
     if !known.iter().all(|other| together(other)) {
         return false;
     }
+    let small = own.of.iter().map(|size| size.abs()).fold(f64::MAX, f64::min);
     match noise_goes_along(series, &all[k], own) {
         Some(along) => !along,
-        None => !known.is_empty(),
+        None => !known.is_empty() && small < RESTS * own.mean,
     }
 }
+
+/// Size of the smallest cycle over the mean one below which the wings rest or start, where no noise tells that the gain is kept. *Choice.*
+const RESTS: f64 = 0.2;
 
 /// Power of the ratio of the sizes of small and large cycles below which the ratio of their noise is nearer to that of a gain. *Choice.*
 const ALONG: f64 = 0.7;

@@ -94,7 +94,7 @@ pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0
 /// Second differences across the ends of turns over those within: a line has 0.5 in turns of 3 samples and less in longer ones, white noise
 /// 0.9 (their deviations, sqrt(5 / 6)), in files of 2000 samples within 10 % of it.
 pub const TURNS: Limit = Limit::at_most("data.turns_ratio", 2.0, "", SuspectData)
-    .on("second differences where turns of a few samples meet over those within, where they go up and down,");
+    .on("second differences at the joins of two sources that take turns, over those within a turn,");
 /// Fourth moment of the samples of one phase over the square of their variance: two values have 1 (1.3 of 22
 /// samples, or with the noise and the sizes of a load), a hum 1.5, even noise 1.8.
 pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.42, "", SuspectData)
@@ -110,7 +110,7 @@ pub const HOLE: Limit = Limit::warn_above("data.hole_fraction", 0.05, "")
     .on("widest part of its range that a smooth channel leaps over and never takes");
 /// Noise of a count never gives 32 samples in a row again: what is written twice adds no cycle, and breaks the phase. As much as may be lost.
 pub const TWICE: Limit = Limit::at_most("data.written_twice_fraction", 0.05, "", SuspectData)
-    .on("share of the stretches of a noisy channel that come again sample by sample");
+    .on("share of the stretches of a noisy channel that recur sample by sample");
 /// The same of a channel whose noise is not known, but for whole cycles.
 pub const COPIED: Limit = Limit::warn_above("data.copied_fraction", 0.2, "").on(
     "share of the stretches of a channel that come again sample by sample, later than in the next cycle,",
@@ -172,13 +172,13 @@ pub const EARLY: Limit = Limit::warn_above("data.phase_differs_deg", 10.0, "deg"
 /// Ten cycles at a frequency that is off by 0.3 % run away by 11 deg. It is said, as the mean loses nothing of note: sin(x) / x of half the
 /// angle, 0.1 % of the first harmonic.
 pub const RUNS: Limit = Limit::warn_above("data.phase_runs_deg", 8.0, "deg")
-    .on("how much later or earlier the cycles of a channel come from begin to end, by a straight line,");
+    .on("drift of the phase of the cycles of a channel from start to end, by a straight line,");
 /// Loads that grow by less from begin to end lie within what strokes of a steady crank do (measured: 6 to 20 %).
 pub const TREND: Limit = Limit::warn_above("data.size_trend_fraction", 0.3, "")
-    .on("change of the size of the cycles of a channel from begin to end, by a straight line, over their mean size,");
+    .on("change of the size of the cycles of a channel from start to end, by a straight line, over their mean size,");
 /// A measured load of many counts hardly ever has one value twice; of 0.5 % of the samples a mean takes as much as of the error of a cell.
 pub const REPEATED: Limit = Limit::at_most("data.repeated_fraction", 0.005, "", SuspectData)
-    .on("share of the samples that have one and the same value, each by itself,");
+    .on("share of the samples that carry one fixed value, as a code for missing samples does,");
 /// Models miss the phase of a load by tens of degrees at most; beyond it one channel has another clock.
 pub const LAGS: Limit = Limit::at_most("data.lag_spread_deg", 60.0, "deg", SuspectData)
     .on("difference of the phase between two channels of a file, each beside what is computed");

@@ -560,6 +560,38 @@ fn bouts_with_rests_keep_the_frequency_of_their_strokes() {
         let told = line(&time, &channels).frequency.unwrap_or(f64::NAN);
         assert!((told - 5.0).abs() < 0.01, "{on} of {}: {told} Hz", on + off);
     }
+    // A clap in each cycle of a load that has two peaks is no bout.
+    let mut noise = Noise(5);
+    let samples: Vec<f64> = (0..8000)
+        .map(|k| {
+            let p = f64::from(k) / 200.0;
+            let clap = if p.fract() < 0.03 { 2.0 } else { 0.0 };
+            (2.0 * TAU * p).cos() + 0.1 * (TAU * p).sin() - clap + 0.02 * noise.next()
+        })
+        .collect();
+    let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * 1e-3).collect();
+    let told = line(&time, &[samples]).frequency.unwrap_or(f64::NAN);
+    assert!((told - 5.0).abs() < 0.01, "{told} Hz");
+}
+
+#[test]
+fn dense_spikes_a_code_in_each_cycle_and_a_gain_without_noise_are_no_knock_and_no_stroke() {
+    let load = Load { cycles: 60.0, ..Load::default() };
+    let mut noise = Noise(3);
+    let at: Vec<bool> = (0..12_000).map(|_| noise.next().abs() < 0.04).collect();
+    let spikes = changed(&load, |k, x| if at[k] { x + 4.0 * (k as f64 * 0.7).sin() } else { x });
+    let code = changed(&load, |k, x| if k % 200 == 77 { -9.99 } else { x });
+    for data in [&spikes, &code] {
+        assert!(found(data).iter().any(|of| of.id == "data.outliers" && of.serious), "{:?}", found(data));
+    }
+    let exact = Load { noise: 0.0, count: 0.01, cycles: 40.0, ..Load::default() };
+    let mut sag = loads(&exact);
+    let halved = |x: &mut Vec<f64>| x.iter_mut().skip(4000).for_each(|x| *x *= 0.5);
+    sag.1.iter_mut().for_each(halved);
+    assert!(found(&sag).iter().any(|of| of.serious), "{:?}", found(&sag));
+    // A chopper adds the same ripple all the time.
+    let chopped = changed(&load, |k, x| if k / 3 % 2 == 0 { x + 0.05 } else { x - 0.05 });
+    assert!(found(&chopped).iter().all(|of| !of.serious), "{:?}", found(&chopped));
 }
 
 #[test]

@@ -308,15 +308,15 @@ fn measured() -> Result<Vec<Row>, Error> {
             rows.push(Row::shown(&id, source, &format!("{what}, law {law}"), value, ""));
         };
         let (off, turned) = (rms(&thrusts.beside(&thrust)), rms(&pitches.beside(&pitch)));
-        show("", "rms error of thrust over its rms, 5 plates".into(), off);
-        show(".pitch", "rms error of the pitch amplitude over its rms, 4 plates".into(), turned);
+        show("", "rms error of thrust over its rms, 5 plates, St 0.1 to 1".into(), off);
+        show(".pitch", "rms error of the pitch amplitude over its rms, 4 plates, St 0.1 to 1".into(), turned);
         let mut sum = 0.0;
         for strouhal in COMPARED {
             let (own, right) = (thrusts.at(strouhal), thrust.at(strouhal));
             let off = (best(&own) / best(&right) - 1.0).abs();
             sum += off / COMPARED.len() as f64;
             let what = format!(
-                "error of the thickness of most thrust at St {strouhal}: {} for {} thousandths of the chord (asked: 0.2)",
+                "error of the thickness of most thrust at St {strouhal}: {}, measured {} (thousandths of the chord; asked: 0.2)",
                 summary(&own, strouhal),
                 summary(&right, strouhal)
             );

@@ -120,7 +120,7 @@ struct Change {
     drops: Option<usize>,
     /// Half of its samples, at random, lie higher by this part.
     sources: f64,
-    /// Its frequency grows by this part from begin to end.
+    /// Its frequency grows by this part from start to end.
     drifts: f64,
     /// It is so many times as steep, and stays at the ends of its range.
     steep: Option<f64>,

@@ -78,7 +78,7 @@ impl<'a> Governor<'a> {
     /// Equation: guide.command_governor
     /// `min (v - u)'(R + B'PB)(v - u), c_j(v) >= min(c_min, c_j(u_0)), low <= v <= high; c_j the clearances over the cycle ahead
     /// under v for one update, then u_0`
-    /// Source: Garone, Di Cairano & Kolmanovsky 2017, Reference and command governors, Automatica 75; what is least by the cost of
+    /// Source: Garone, Di Cairano & Kolmanovsky 2017, Reference and command governors, Automatica 75; the cost is that of
     /// guide.periodic_regulator.
     /// Test: `a_governor_keeps_the_wings_apart`.
     ///

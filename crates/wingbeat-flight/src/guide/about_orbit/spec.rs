@@ -45,8 +45,8 @@ pub struct AboutOrbitSpec {
     /// How the controller adapts in flight to an unknown air; without it, it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adapt: Option<AdaptSpec>,
-    /// Clearance that the commands keep in the cycle ahead, m: they change as little as that takes, whatever the air does. The robot
-    /// must have clearances, and all its joints must be driven. Without it no clearance is kept.
+    /// Clearance to keep over the next cycle, m, by the least change of the commands. The robot must have clearances (of a symmetric
+    /// surface or `[[clearances]]`), and all its joints must be driven. Without it no clearance is kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<f64>,
     /// A dive out of the orbit of the start and back to it below, in place of legs.

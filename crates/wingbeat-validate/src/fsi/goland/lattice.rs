@@ -201,7 +201,7 @@ fn published(speed: f64) -> Result<Vec<Row>, Error> {
             &format!("fsi.goland.lattice.{}", names[i]),
             "validation/goland/published.csv",
             &format!(
-                "the lattice with endless panels against {}{panels}, {} m/s: relative difference (asked: 0.03)",
+                "extrapolated lattice against {}{panels}, {} m/s: relative difference (asked: 0.03)",
                 methods[i], speeds[i]
             ),
             (speed / speeds[i] - 1.0).abs(),
@@ -218,7 +218,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let ([speed, frequency], spread) = apart()?;
     let Panels { chordwise, half } = fine;
     let source = format!(
-        "a lattice in the frequency domain on its own beam, endless panels: {speed:.1} m/s, {frequency:.1} rad/s (validation/goland)"
+        "a lattice in the frequency domain on its own beam, extrapolated: {speed:.1} m/s, {frequency:.1} rad/s (validation/goland)"
     );
     let off = |value: f64, other: f64| (value / other - 1.0).abs();
     let judged = |id: &str, what: String, value: f64| Row::judged(id, &source, &what, value, 0.03, "");
@@ -233,18 +233,18 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         ),
         judged(
             "fsi.goland.lattice.endless",
-            format!("the same, extrapolated to endless panels, {:.1} m/s", limit[0]),
+            format!("the same, extrapolated in the size of panels, {:.1} m/s", limit[0]),
             off(limit[0], speed),
         ),
         judged(
             "fsi.goland.lattice.frequency",
-            format!("relative error of its frequency, endless panels ({:.1} rad/s)", limit[1]),
+            format!("relative error of its frequency, extrapolated ({:.1} rad/s)", limit[1]),
             off(limit[1], frequency),
         ),
         Row::judged(
             "fsi.goland.lattice.series",
             &source,
-            "relative difference of the speeds to which two series of grids of that lattice tend",
+            "relative difference of the limits of two series of grids of surface.py",
             spread,
             0.003,
             "",

@@ -38,8 +38,8 @@ pub struct LandingSpec {
     #[serde(default = "most_iterations")]
     pub iterations: usize,
     /// Laws of lift that may hold in place of the one that the controller knows. The landing is planned under each, and commands are
-    /// the mean of those of all plans, weighted by how far the flight shows each law to hold. Each stands once, at most three do, and
-    /// `linear`, which never lets the flow separate, is none of them.
+    /// the mean of those of all plans, weighted by how far the flight shows each law to hold. Name at most three, each once,
+    /// but not `linear`, under which the flow never separates.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = MOST_LAWS))]
     pub laws: Vec<LiftLaw>,
