@@ -101,7 +101,7 @@ impl Strokes {
         Self { sizes, late: Spread::of(late.iter().map(|of| [of[2], of[3]]), part.white), explained }
     }
 
-    /// Variance (square of the channel's unit) that neither repeats, nor is noise, nor comes of other sizes and levels of the cycles.
+    /// Variance (squares of the units of the channels) that neither repeats, nor is noise, nor comes of other sizes and levels of the cycles.
     pub fn left(&self, part: &Parts) -> f64 {
         (part.slow - self.explained).max(0.0)
     }
