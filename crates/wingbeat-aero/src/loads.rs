@@ -129,6 +129,16 @@ pub struct ForceDetail<S: Scalar> {
     pub plate: Vec3<S>,
 }
 
+impl<S: Scalar> ForceDetail<S> {
+    /// Names of the parts as written in columns, in the order of [`parts`](Self::parts).
+    pub const NAMES: [&'static str; 3] = ["suction", "vortex", "separated"];
+
+    /// The parts, N, in B.
+    pub fn parts(&self) -> [Vec3<S>; 3] {
+        [self.suction, self.vortex, self.plate]
+    }
+}
+
 impl<S: Scalar> std::ops::AddAssign for ForceDetail<S> {
     fn add_assign(&mut self, o: Self) {
         self.suction += o.suction;

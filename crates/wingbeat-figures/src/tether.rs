@@ -65,6 +65,14 @@ impl<'a> LastCycle<'a> {
                 index,
             )?);
         }
+        // What bears on the leading edge is part of the circulatory force.
+        for (index, part) in ["suction", "vortex"].into_iter().enumerate() {
+            let column = format!("force_{part}_{axis}");
+            if self.record.values(&column).is_some_and(|force| force.iter().any(|f| *f != 0.0)) {
+                let name = format!("of circulatory: {part}");
+                curves.push(self.curve(&name, &column, 1.0, LoadSource::STRIP.len() + index)?);
+            }
+        }
         let total = self.curve("", &format!("force_{axis}"), 1.0, 0)?;
         curves.push(Curve::total("total", &self.phase, total.y));
         Ok(Panel::new(title, curves))

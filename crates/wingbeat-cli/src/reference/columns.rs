@@ -204,6 +204,7 @@ pub const COLUMNS: &[Described] = &[
     column("power", &[STRIPS], W, "", "Power that the strip gives to the air; of tether."),
     column("quarter_chord_<axis>", &[STRIPS], M, "B", "Point at 1/4 chord of the control section from the body's origin."),
     column("force_<source>_<axis>", &[STRIPS], N, "B", "Force on the strip by source: circulatory, induced_drag, added_mass, profile_drag."),
+    column("force_<part>_<axis>", &[STRIPS, LOADS], N, "B", "Parts of those forces: suction and vortex of the leading edge (of circulatory), separated (what `cd90` gives; of profile_drag)."),
     column("force_<axis>", &[STRIPS], N, "B", "Force on the strip, sum over the sources."),
     column("weight_<part>", &[FLIGHT], ONE, "W", "Upward force over the weight by part: attached (normal force of the attached flow), suction and vortex of the leading edge, separated (what `cd90` gives), friction (`cd0`), wash (turn of the lift by the downwash), added_mass, body_drag, residual (`robot.residual`), thrust. Their sum is the upward force of air and thrusters."),
     column("com_<axis>", &[FLIGHT], M, "W", "Centre of mass of the whole robot."),

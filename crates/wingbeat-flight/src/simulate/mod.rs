@@ -26,6 +26,7 @@ pub use sensor::*;
 pub use side_by_side::{Seat, fly_side_by_side};
 pub use stepper::{Saved, Stepper};
 pub use strips::AXES;
+pub(crate) use strips::detail_columns;
 pub use strips::{StripMotion, StripRecorder};
 pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
 pub use together::Together;

@@ -1,7 +1,7 @@
 //! Loads of a wing's strips over time, as a record.
 
 use super::record::{Column, Record};
-use wingbeat_aero::{Aero, Circulation, LoadSource, Loads, SectionMotion};
+use wingbeat_aero::{Aero, Circulation, ForceDetail, LoadSource, Loads, SectionMotion};
 use wingbeat_math::{Mat3, Vec3};
 
 /// Axes of a vector, as they end the names of its columns.
@@ -20,6 +20,7 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// | `quarter_chord_*` | m | point at 1/4 chord of the control section, from the origin of B, in B |
 /// | `surface` | - | number of the surface, in the robot's order |
 /// | `separated`, `suction_lost` | - | shares of flow and of linear leading-edge suction that the law takes away |
+/// | `force_suction_*`, `force_vortex_*`, `force_separated_*` | N | parts of those of the sources: see [`ForceDetail`]; 0 where the loads do not tell them |
 /// | `camber`, `camber_forward` | - | heights of a membrane over the chord, where a surface has one |
 /// | `chord`, `velocity_*`, `power` | m, m/s, W | of a recorder of [`moving`](Self::moving) strips: see [`StripMotion`] |
 #[derive(Clone, Debug)]
@@ -113,6 +114,8 @@ impl StripRecorder {
             row.push(width);
             row.extend((to_body * (loads.quarter_chord[i] - origin)).0);
             row.extend([surface, loads.separated[i], loads.suction_lost[i]]);
+            let detail = loads.detail.as_ref().map(|parts| parts[i]).unwrap_or_default();
+            row.extend(detail.parts().iter().flat_map(|force| (to_body * *force).0));
             if self.membrane {
                 row.extend([loads.camber[i], loads.camber_forward[i]]);
             }
@@ -144,5 +147,12 @@ fn columns(circulation: Circulation, phase_unit: &str) -> Vec<Column> {
     columns.push(Column::new("width", "m", ""));
     columns.extend(AXES.map(|a| Column::new(format!("quarter_chord_{a}"), "m", "B")));
     columns.extend(["surface", "separated", "suction_lost"].map(|name| Column::new(name, "", "")));
+    columns.extend(detail_columns());
     columns
+}
+
+/// Columns of the parts of the forces that the sources do not tell apart.
+pub(crate) fn detail_columns() -> impl Iterator<Item = Column> {
+    let of = |part| AXES.map(|a| Column::new(format!("force_{part}_{a}"), "N", "B"));
+    ForceDetail::<f64>::NAMES.into_iter().flat_map(of)
 }

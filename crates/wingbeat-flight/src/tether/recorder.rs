@@ -4,7 +4,7 @@ use super::Tether;
 use super::cycle::{self, CycleMean, Periodicity};
 use super::power::Powers;
 use super::spar::{Bent, Spar, Steady};
-use crate::simulate::{AXES, Column, Ending, Record, StripRecorder};
+use crate::simulate::{AXES, Column, Ending, Record, StripRecorder, detail_columns};
 use wingbeat_aero::{LoadSource, Loads};
 use wingbeat_math::Error;
 use wingbeat_math::{Vec3, Wrench};
@@ -127,6 +127,8 @@ impl Recorder {
         row.extend(force.iter().chain(&moment));
         row.extend(coefficients(tether, force, back * total.moment));
         parts.iter().for_each(|part| push(&mut row, &in_body(part)));
+        let detail = loads.detail_sum(&self.weights);
+        row.extend(detail.parts().iter().flat_map(|force| (back * *force).0));
         row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
         if let (Some(spar), Some(bent)) = (&tether.spar, bent) {
@@ -217,6 +219,7 @@ fn load_columns(tether: &Tether) -> Vec<Column> {
         columns.extend(AXES.map(|a| Column::new(format!("force_{source}_{a}"), "N", "B")));
         columns.extend(AXES.map(|a| Column::new(format!("moment_{source}_{a}"), "N m", "B")));
     }
+    columns.extend(detail_columns());
     for (name, unit) in [("surge", "m"), ("heave", "m"), ("nose_up", "rad"), ("roll", "rad")] {
         columns.push(Column::new(name, unit, "W"));
     }

@@ -316,11 +316,11 @@ impl Observed for Tether {
     type Observation = Loads<f64>;
 
     fn observed(&self, at: Moment) -> Result<Loads<f64>, Fault> {
-        let (mut dx, mut loads) = (vec![0.0; at.x.len()], Loads::default());
+        let (mut dx, mut loads) = (vec![0.0; at.x.len()], Loads::boxed());
         self.evaluate(at.t, at.x, &mut dx, &mut loads);
         match dx.iter().position(|rate| !rate.is_finite()) {
             Some(state) => Err(Fault::NotFinite { state, time: at.t }),
-            None => Ok(loads),
+            None => Ok(*loads),
         }
     }
 }

@@ -410,13 +410,17 @@ impl Coupled<'_> {
         spar.beam.balance(&setting, &places, [q, v], &borne, out)
     }
 
-    fn in_numbers(&self, t: f64, at: &Stage, out: &mut [f64], dx: &mut [f64]) -> (Loads<f64>, Wrench<f64>) {
-        let mut loads = Loads::default();
+    fn in_numbers(
+        &self,
+        t: f64,
+        at: &Stage,
+        [out, dx]: [&mut [f64]; 2],
+        loads: &mut Loads<f64>,
+    ) -> Wrench<f64> {
         let air = |s: &[SectionMotion<f64>], w: Vec3, x: &[f64], dx: &mut [f64], l: &mut Loads<f64>| {
             self.tether.aero.evaluate_in_numbers(s, w, x, dx, l);
         };
-        let root = self.evaluate(t, [&at.q, &at.v, &at.a], &at.x, &air, (out, dx, &mut loads));
-        (loads, root)
+        self.evaluate(t, [&at.q, &at.v, &at.a], &at.x, &air, (out, dx, loads))
     }
 
     /// Derivatives of the residuals and of the rates of the air, by the columns `wanted` of q, v, a and x in this order.
@@ -481,7 +485,7 @@ impl Implicit for Coupled<'_> {
     }
     fn residual(&self, t: f64, at: &Stage, out: &mut [f64]) {
         let (own, air) = out.split_at_mut(at.q.len());
-        self.in_numbers(t, at, own, air);
+        self.in_numbers(t, at, [own, air], &mut Loads::default());
         air.iter_mut().zip(&at.w).for_each(|(x, w)| *x = w - *x);
     }
 
@@ -543,15 +547,16 @@ impl Observed for Coupled<'_> {
         let mut stage = self.stage(at.x, at.memory);
         let (n, m) = (stage.q.len(), stage.x.len());
         let (mut out, mut dx) = (vec![0.0; n], vec![0.0; m]);
-        self.in_numbers(at.t, &stage, &mut out, &mut dx);
+        let mut loads = Loads::boxed();
+        self.in_numbers(at.t, &stage, [&mut out, &mut dx], &mut loads);
         let by_a = self.derivatives(at.t, &stage, 2 * n..3 * n).rows(0, n).into_owned();
         let change = by_a.lu().solve(&DVector::from_column_slice(&out));
         let Some(change) = change else { return Err(Fault::MassMatrix { time: at.t }) };
         stage.a.iter_mut().zip(change.iter()).for_each(|(a, c)| *a -= c);
-        let (loads, root) = self.in_numbers(at.t, &stage, &mut out, &mut dx);
+        let root = self.in_numbers(at.t, &stage, [&mut out, &mut dx], &mut loads);
         match dx.iter().chain(&stage.a).position(|rate| !rate.is_finite()) {
             Some(state) => Err(Fault::NotFinite { state, time: at.t }),
-            None => Ok((loads, Bent { q: [stage.q, stage.v, stage.a], root })),
+            None => Ok((*loads, Bent { q: [stage.q, stage.v, stage.a], root })),
         }
     }
 }

@@ -181,6 +181,31 @@ fn torques_and_powers_are_those_of_the_forces() {
     assert!((largest(strips("velocity_z")) - 0.05 * rate).abs() < 1e-4 * rate);
 }
 
+/// Of a flat wing that does not twist nothing but the suction of the edge pulls along the chord.
+#[test]
+fn the_suction_of_the_edge_is_told_by_strip_and_wing() {
+    for law in ["linear", "lev"] {
+        let run = run("flap_f2", &["time.cycles=1", &format!("aero.law={law}")]);
+        let (loads, strips) = (&run.loads, &run.strips);
+        let count = strips.rows() / loads.rows();
+        for part in ["suction", "vortex", "separated"] {
+            for axis in ["x", "y", "z"] {
+                let name = format!("force_{part}_{axis}");
+                let (whole, each) = (loads.values(&name).unwrap(), strips.values(&name).unwrap());
+                for (row, strips) in each.chunks(count).enumerate() {
+                    let off = strips.iter().sum::<f64>() - whole[row];
+                    assert!(off.abs() < 1e-14, "{law} {name}, row {row}: {off}");
+                }
+            }
+        }
+        let [suction, chordwise] =
+            ["suction", "circulatory"].map(|part| loads.values(&format!("force_{part}_x")).unwrap());
+        let off = suction.iter().zip(chordwise).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12 * largest(suction), "{law}: {off}");
+        assert_eq!(largest(loads.values("force_vortex_z").unwrap()) > 0.0, law == "lev");
+    }
+}
+
 #[test]
 fn the_efficiency_of_a_plunging_wing_is_that_of_its_means() {
     let heaving = run("plunge", &["time.cycles=8"]);
