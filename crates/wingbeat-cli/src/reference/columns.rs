@@ -240,6 +240,8 @@ pub const COLUMNS: &[Described] = &[
         "",
         "Least distance of the surfaces and capsules from the perch (`robot.perch_clearance`).",
     ),
+    column("orbit_clearance_asked", &[FLIGHT], M, "", "The clearance `controller.orbit.clearance_m`."),
+    column("orbit_not_kept", &[FLIGHT], ONE, "", "Updates so far at which no commands keep it over the cycle ahead."),
     column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, as measured, under `[controller.orbit]`."),
     column("orbit_crank_added", &[FLIGHT], &["rad/s"], "", "Rate of the crank that `controller.orbit.adapt` adds to that of the reference."),
     column("orbit_missed_acceleration_<axis>", &[FLIGHT], &["m/s2"], "H", "Mean over a cycle of the acceleration along heading axes that `controller.orbit.adapt` has learned the model to miss."),
