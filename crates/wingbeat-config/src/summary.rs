@@ -353,7 +353,8 @@ impl Summary {
             hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
-            turn_roll_mean_deg: settled.turn_roll_deg(&roll_errors),
+            // A half loop to a perch ends with half a turn of roll, and is no turn.
+            turn_roll_mean_deg: settled.turn_roll_deg(&roll_errors).filter(|_| context.perch.is_none()),
             roll_rms_error_deg: rms_deg(&roll_errors),
             roll_max_error_deg: largest_deg(&roll_errors),
             pitch_mean_deg: settled.mean_deg("pitch"),
@@ -374,10 +375,10 @@ impl Summary {
             beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
-            crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             governed: crossing
                 .as_ref()
                 .and_then(|c| GovernedSummary::new(record, c.least_m, flight.updates.len())),
+            crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),
             step_error_m: context.step_error_m,
