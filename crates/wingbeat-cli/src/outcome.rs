@@ -108,6 +108,7 @@ fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
             own("speed of the claw", number(perch.speed_m_s), "m/s"),
             own("off hanging upside down", number(perch.attitude_error_deg), "deg"),
         ]);
+        rows.extend(perch.least_clearance_m.map(|c| own("clear of the perch", number(1e3 * c), "mm")));
     }
     rows.push(own("yaw change", number(summary.yaw_change_deg), "deg"));
     rows

@@ -126,6 +126,9 @@ impl Flown<'_> {
             judge.hold_if(&flight::ATTITUDE, summary.roll_rms_error_deg);
             judge.hold_if(&flight::ATTITUDE, summary.pitch_rms_error_deg);
         }
+        if let Some(governed) = &summary.governed {
+            governed.judge(judge);
+        }
         match &summary.dive {
             Some(dive) => dive.judge(judge),
             None if self.record.values("orbit_dive").is_some() => {

@@ -12,6 +12,7 @@ mod estimate;
 mod fit;
 mod flight_verdict;
 mod followed;
+mod governed;
 mod grounded;
 mod hovered;
 #[doc(hidden)]
@@ -72,6 +73,7 @@ pub use doors::Doors;
 pub use dryden::DrydenSpec;
 pub use estimate::EstimateSummary;
 pub use followed::PathSummary;
+pub use governed::GovernedSummary;
 pub use hovered::HoverSummary;
 pub use lattice::{LatticeSpec, LatticeSummary, LatticeTask, MakeLattice};
 pub use measure::{Measure, Measured, measures};

@@ -108,6 +108,9 @@ const SEEN: f64 = 10.0;
 /// Steps of the flight that a hit must take at least, for the steps to follow it.
 const STEPS: f64 = 10.0;
 
+/// By how much of its limits the claw is within them where it is taken to latch: the state at that instant is still normalised.
+const ROUNDED: f64 = 1e-12;
+
 impl PerchSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
@@ -163,12 +166,12 @@ impl PerchSpec {
 
     /// Whether the claw latches.
     pub(super) fn latches(&self, seen: &Seen) -> bool {
-        self.short_of_latching(seen) <= 0.0
+        self.off(seen.distance, seen.speed, seen.off_hanging) <= 1.0
     }
 
-    /// What falls to 0 where the claw latches, dimensionless.
+    /// What falls to 0 where the claw latches, whatever the state is rounded to from there on, dimensionless.
     pub(super) fn short_of_latching(&self, seen: &Seen) -> f64 {
-        self.off(seen.distance, seen.speed, seen.off_hanging) - 1.0
+        self.off(seen.distance, seen.speed, seen.off_hanging) - (1.0 - ROUNDED)
     }
 
     /// The largest of distance, speed and angle (rad), each over that at which the claw latches.

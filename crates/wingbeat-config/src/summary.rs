@@ -5,6 +5,7 @@ use super::dived::DiveSummary;
 use super::estimate::{EstimateSummary, Estimated};
 use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
+use super::governed::GovernedSummary;
 use super::grounded::ground_distance;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
@@ -125,6 +126,9 @@ pub struct Summary {
     /// Least of all clearances over the records of the whole flight, m; negative where parts pass through each
     /// other, or a wing through the middle plane. Missing for a robot without clearances.
     pub least_clearance_m: Option<f64>,
+    /// How the clearance that the controller is asked to keep was kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub governed: Option<GovernedSummary>,
     /// Share of the records in which a clearance is below zero.
     pub crossing_fraction: Option<f64>,
     /// Least distance of the body's origin and of the wings from `air.ground_m`, m; negative where something passes through it.
@@ -349,7 +353,8 @@ impl Summary {
             hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
-            turn_roll_mean_deg: settled.turn_roll_deg(&roll_errors),
+            // A half loop to a perch ends with half a turn of roll, and is no turn.
+            turn_roll_mean_deg: settled.turn_roll_deg(&roll_errors).filter(|_| context.perch.is_none()),
             roll_rms_error_deg: rms_deg(&roll_errors),
             roll_max_error_deg: largest_deg(&roll_errors),
             pitch_mean_deg: settled.mean_deg("pitch"),
@@ -370,6 +375,9 @@ impl Summary {
             beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
+            governed: crossing
+                .as_ref()
+                .and_then(|c| GovernedSummary::new(record, c.least_m, flight.updates.len())),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),

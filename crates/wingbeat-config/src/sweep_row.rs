@@ -10,7 +10,7 @@ use wingbeat_flight::tether::TetherRun;
 use wingbeat_judge::Status;
 
 /// Columns of a flight beside its number and its draws, with their units.
-const FLIGHT: [(&str, &str); 16] = [
+const FLIGHT: [(&str, &str); 18] = [
     ("held", ""),
     ("completed", ""),
     ("status", ""),
@@ -27,6 +27,8 @@ const FLIGHT: [(&str, &str); 16] = [
     ("least_clearance", "m"),
     ("positive_power", "W/kg"),
     ("controller_failures", ""),
+    ("perch_caught", ""),
+    ("perch_clearance", "m"),
 ];
 
 /// Columns of a run of a tethered wing beside its number and its draws, with their units.
@@ -187,6 +189,8 @@ fn flight(summary: &Summary, hold: Hold) -> Vec<f64> {
         of(summary.least_clearance_m),
         of(summary.cost.positive_power_w_kg),
         whole(summary.controller.failures as f64),
+        of(summary.perch.as_ref().map(|perch| f64::from(u8::from(perch.caught)))),
+        of(summary.perch.as_ref().and_then(|perch| perch.least_clearance_m)),
     ];
     let measured = summary.measured.iter().filter(|(measure, _)| measure.swept.is_some());
     fixed.into_iter().chain(measured.map(|(_, value)| of(value))).collect()

@@ -118,7 +118,8 @@ pub(super) enum Listed {
     Truth(bool),
 }
 
-/// Largest errors of a held flight, from the goal's settling time on.
+/// Largest errors of a held flight, from the goal's settling time on. A flight to a `[perch]` is held where the claw latches and its own
+/// verdict lets it be used.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -148,10 +149,10 @@ impl Hold {
         clearance_m: f64::NEG_INFINITY,
     };
 
-    /// True when the whole flight was flown and the errors stayed within.
+    /// True when the whole flight was flown and the errors stayed within; to a perch, where it is caught and nothing of it is wrong.
     pub fn met(&self, summary: &Summary) -> bool {
         if let Some(perch) = &summary.perch {
-            return summary.completed() && perch.caught;
+            return perch.caught && summary.status.exit_code() == 0;
         }
         summary.completed()
             && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)

@@ -31,6 +31,9 @@ pub struct Outcome {
     pitch_within_deg: f64,
     /// Completed flights in which no clearance fell below `clearance_m`.
     clear: usize,
+    /// Flights to a perch whose claw latched, held or not; none without a perch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    caught: Option<usize>,
     clearance_m: f64,
     /// Median, 10th percentile and least of the least clearances, m.
     least_clearance_m: Quantiles,
@@ -82,6 +85,10 @@ impl Outcome {
             roll_within_deg: hold.roll_within_deg,
             pitch_within_deg: hold.pitch_within_deg,
             clear: count("clear"),
+            caught: values("perch_caught")
+                .iter()
+                .any(|caught| caught.is_finite())
+                .then(|| count("perch_caught")),
             clearance_m: hold.clearance_m,
             least_clearance_m: self::quantiles(clearances.iter().map(|c| -c).collect())
                 .map(|c| c.map(|c| -c)),
@@ -137,6 +144,9 @@ impl Outcome {
         if clearances > 0 {
             row("least clearance", "least_clearance", self.least_clearance_m, self.clearance_m, "m", 4);
             text += &format!("clear {} of the {clearances} flights completed\n", self.clear);
+        }
+        if let Some(caught) = self.caught {
+            text += &format!("caught {caught} of the {} flights\n", self.flights);
         }
         if let ([Some(median), Some(most), Some(worst)], Some(mean)) =
             (self.positive_power_w_kg, self.positive_power_mean_w_kg)

@@ -247,7 +247,7 @@ impl<S: System + ?Sized> Run<'_, S> {
     /// Equation: flight.event
     /// `g(t + s h, x(t + s h)) = 0, x by a Runge-Kutta step of length s h from the start of the step, s by bisection`
     /// Source: Hairer, Noersett & Wanner 1993, Solving Ordinary Differential Equations I, II.6; order 4, as the step.
-    /// Test: `an_event_ends_a_run_within_its_step`.
+    /// Test: `the_instant_of_an_event_is_of_the_order_of_the_steps`.
     fn end_within(&mut self, k: usize, x: &mut [f64]) -> Result<ControlFlow<()>, Fault> {
         let (start, length) = (self.clock.time(k), self.clock.length);
         let (before, mut work) = (std::mem::take(&mut self.before), Workspace::new(x.len(), RK4.b.len()));
@@ -437,6 +437,35 @@ mod tests {
         let mut driver = Waits::default();
         assert_eq!(Stepper::new(&Fall, 0.0, &[1.0, 0.0]).run(0.3, 3, &mut driver), Ending::Complete);
         assert!(driver.ended.is_none());
+    }
+
+    /// A mass on a spring.
+    struct Swing;
+
+    impl System for Swing {
+        type Memory = ();
+
+        fn sizes(&self) -> Sizes {
+            Sizes { states: 2, inputs: 0 }
+        }
+        fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+            (dx[0], dx[1]) = (at.x[1], -at.x[0]);
+            Ok(())
+        }
+    }
+
+    /// cos t is no polynomial: where it becomes 0 is found with an error that falls by 16 as the step halves, order 4.
+    #[test]
+    fn the_instant_of_an_event_is_of_the_order_of_the_steps() {
+        let missed = |step: f64| {
+            let mut driver = Waits::default();
+            assert_eq!(Stepper::new(&Swing, 0.0, &[1.0, 0.0]).run(step, 99, &mut driver), Ending::Stopped);
+            driver.ended.unwrap().0 - std::f64::consts::FRAC_PI_2
+        };
+        let errors = [0.3, 0.15, 0.075].map(missed);
+        assert!(errors[0].abs() > 1e-5, "{errors:?}");
+        let orders = [0, 1].map(|i: usize| (errors[i] / errors[i + 1]).log2());
+        assert!(orders.iter().all(|order| (order - 4.0).abs() < 0.1), "{orders:?}");
     }
 
     #[test]

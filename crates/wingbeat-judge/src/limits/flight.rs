@@ -80,18 +80,26 @@ pub const LANDING_ASKED: Limit = Limit::warn_above("flight.landing_end_fraction"
 /// Distance of wings and body from the perch, but for the claw, which is a point: with less, skins of 3 mm meet it.
 pub const PERCH_CLEARANCE: Limit = Limit::at_least("flight.perch_clearance_m", 0.003, "m", Outside)
     .on("least distance of the surfaces and capsules of the robot from the perch");
+/// Clearance that the controller is asked to keep: two of what its program allows for rounding.
+pub const KEPT: Limit = Limit::at_most("flight.clearance_short_fraction", 0.01, "", OffTarget)
+    .on("how far the least clearance falls short of controller.orbit.clearance_m, over it");
+/// Updates whose best commands left a clearance too small somewhere in the cycle ahead: a later one may mend it.
+pub const NOT_KEPT: Limit = Limit::warn_above("flight.clearance_not_kept_fraction", 0.0, "")
+    .on("share of the updates at which no commands keep controller.orbit.clearance_m over the cycle ahead");
 /// Pitch against the plan of a dive. The shipped one stays within 2 deg in still air.
 pub const DIVE_PITCH: Limit = Limit::at_most("flight.dive_pitch_deg", 10.0, "deg", OffTarget)
     .on("largest error of the pitch in a dive");
 
 /// All of them.
-pub const ALL: [Limit; 25] = [
+pub const ALL: [Limit; 27] = [
     DIVE_HEIGHT,
     PERCH_CLEARANCE,
     DIVE_PLAN,
     LANDING_PLAN,
     LANDING_ASKED,
     DIVE_PITCH,
+    KEPT,
+    NOT_KEPT,
     ALTITUDE,
     ATTITUDE,
     PATH,

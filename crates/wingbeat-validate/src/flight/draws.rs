@@ -34,7 +34,7 @@ pub const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: 
 /// Launches by hand, of which none may be lost; their wings are not clear in most.
 pub const LAUNCH: Asked = Asked { sweep: "launch_20g", lost: 0.0, crossing: None, power: None };
 
-/// Landings, of which 90 of 100 are asked to be caught.
+/// Landings, of which 90 of 100 are asked to be caught, clear of the bar and of themselves.
 pub const LAND: Asked = Asked { sweep: "land_20g", lost: 0.1, crossing: None, power: None };
 
 /// In unknown air: 190 of 200 in the turn, 195 level, 180 of Beta.
@@ -107,6 +107,10 @@ pub fn rows(asked: &Asked, watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
         true => Row::judged(&id("held"), source, &metric, lost, asked.lost, ""),
         false => Row::shown(&id("held"), source, &metric, lost, ""),
     });
+    let caught = column("perch_caught")?;
+    if caught.iter().any(|caught| caught.is_finite()) {
+        rows.push(Row::shown(&id("caught"), source, &of("whose claw does not latch"), missed(&caught), ""));
+    }
     let metric = of(&format!("with less than {:.0} mm of clearance", 1e3 * hold.clearance_m));
     rows.push(match asked.crossing {
         Some(limit) => Row::judged(&id("clear"), source, &metric, crossing, limit, ""),

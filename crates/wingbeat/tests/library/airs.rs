@@ -89,24 +89,51 @@ fn adaptation_that_cannot_be_is_refused() {
     assert!(refused("estimator_20g", beside).contains("estimator"));
 }
 
-/// Told law `lev` and flown under `stall`, the commands of the regulator alone take the wings through each other.
+/// Told law `lev` and flown under `stall`, the commands of the regulator alone take the wings through each other. With a governor they
+/// keep what is asked between its looks too: a turn has no reserve of the smooth minimum over left and right.
 #[test]
 fn a_governor_keeps_the_wings_apart() {
-    let untold = [
-        "aero.law=lev",
-        "mismatch.aero={preset='full', law='stall'}",
-        "controller.orbit.legs=[]",
-        "flight.duration_s=0.5",
+    let untold = ["aero.law=lev", "mismatch.aero={preset='full', law='stall'}"];
+    let turn = [
+        "controller.orbit.clearance_m=0.008",
+        "controller.orbit.legs=[{start_s=0.0, duration_s=0.15, bank_deg=5.0}]",
+        "flight.duration_s=0.7",
+        "flight.record_every_s=2.5e-4",
     ];
-    let without = ["controller.orbit.clearance_m=-1.0"];
-    let kept = flown("any_air_bank30_20g", &untold);
-    let free = flown("any_air_bank30_20g", &[&untold[..], &without].concat());
+    let kept = flown("any_air_bank30_20g", &[&untold[..], &turn].concat());
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("ungoverned.toml");
+    let governed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/any_air_bank30_20g.toml");
+    let text =
+        format!("base = {governed:?}\nwithout = [\"controller.orbit.clearance_m\"]\nname = \"free\"\n");
+    std::fs::write(&path, text).unwrap();
+    let level = ["controller.orbit.legs=[]", "flight.duration_s=0.5"];
+    let level: Vec<String> = untold.iter().chain(&level).map(|text| (*text).to_owned()).collect();
+    let free = Scenario::load(&path, &level).unwrap_or_else(|e| panic!("{e}"));
+    let free = free.fly(|_| ControlFlow::Continue(())).unwrap();
     let [clear, crossed] = [&kept, &free].map(|run| run.summary.least_clearance_m.unwrap());
-    assert!(clear > 3e-3 && crossed < 0.0, "{clear} {crossed}");
-    let changed =
-        |run: &Run| run.record.values("orbit_governed").unwrap().iter().copied().fold(0.0, f64::max);
-    assert!(changed(&kept) > 0.01 && changed(&free) == 0.0, "{} {}", changed(&kept), changed(&free));
+    assert!(clear >= 0.008 && crossed < 0.0, "{clear} {crossed}");
+    let changed = kept.record.values("orbit_governed").unwrap().iter().copied().fold(0.0, f64::max);
+    assert!(changed > 0.01 && free.summary.governed.is_none(), "{changed}");
     assert!(kept.summary.height_max_error_m.unwrap() < 0.05);
+    let governed = kept.summary.governed.unwrap();
+    assert_eq!((governed.asked_m, governed.short_fraction), (0.008, 0.0));
+    let short = kept.summary.judged.iter().find(|judged| judged.id == "flight.clearance_short_fraction");
+    assert!(short.unwrap().met);
+}
+
+/// More than the shoulders are apart of the middle plane: the judge says that it is not kept, and at how many updates.
+#[test]
+fn a_clearance_that_is_not_kept_is_told() {
+    let brief = ["controller.orbit.clearance_m=0.03", "controller.orbit.legs=[]", "flight.duration_s=0.1"];
+    let run = flown("any_air_bank30_20g", &brief);
+    let governed = run.summary.governed.unwrap();
+    assert!((governed.not_kept, governed.not_kept_fraction) == (run.summary.controller.updates, 1.0));
+    let least = run.summary.least_clearance_m.unwrap();
+    assert!((governed.short_fraction - (1.0 - least / 0.03)).abs() < 1e-12 && least < 0.021, "{governed:?}");
+    assert_eq!(run.summary.status, Status::OffTarget);
+    assert!(run.summary.reason.unwrap().contains("controller.orbit.clearance_m"));
+    let warned = run.summary.warnings.iter().any(|w| w.id == "flight.clearance_not_kept_fraction");
+    assert!(warned, "{:?}", run.summary.warnings);
 }
 
 #[test]
@@ -121,6 +148,14 @@ fn a_clearance_that_cannot_be_kept_is_refused() {
     );
     assert!(refused("dive_45_20g").contains("none beside dive"), "{}", refused("dive_45_20g"));
     assert!(refused("bank15_20g").is_empty());
+    for (value, allowed) in [("-0.5", "above 0"), ("0.0", "above 0"), ("1.0", "above 0, at most 0.203")] {
+        let told = loaded("any_air_bank30_20g", &[&format!("controller.orbit.clearance_m={value}")]);
+        let told = told.err().unwrap_or_default();
+        assert!(
+            told.contains("controller.orbit.clearance_m = ") && told.contains(allowed),
+            "{value}: {told}"
+        );
+    }
 }
 
 /// The power of a search over airs is the mean of their orbits, each found by itself.

@@ -7,7 +7,7 @@ use wingbeat::aero::LiftLaw;
 use wingbeat::judge::Status;
 use wingbeat::math::Vec3;
 use wingbeat::plant::Plant;
-use wingbeat::robot::Robot;
+use wingbeat::robot::{Contact, Perch, PerchShape, Robot};
 use wingbeat::scenario::{Run, Scenario};
 
 fn loaded(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
@@ -109,6 +109,22 @@ fn a_claw_latches_at_an_instant_that_records_do_not_move() {
     assert!((steps - steps.round()).abs() > 1e-3, "{seldom:?}");
 }
 
+/// Whatever the state at the instant of the latch is rounded to, the claw has latched and the flight is whole.
+#[test]
+fn a_claw_that_latches_stays_latched() {
+    let bar = "perch={place_m=[0.0, 0.0, 0.03], capture_m=0.2, speed_within_m_s=3.0, attitude_within_deg=20.0, radius_m=0.001, \
+               claw_m=[-0.03, 0.0, -0.03], length_m=0.01}";
+    for i in 20..32 {
+        let rate = format!("start.rate_rad_s=[0.3, -5.{i}, 0.2]");
+        let over =
+            ["start.nose_up_deg=157.0", "start.velocity_m_s=[0.0, 0.0, 0.3]", "flight.duration_s=0.05"];
+        let run = flown("reorientation", &[&over[..], &[bar, "flight.step_s=2.5e-4", &rate]].concat());
+        let perch = run.summary.perch.unwrap();
+        assert!(perch.caught && perch.attitude_error_deg <= 20.0, "{rate}: {perch:?}");
+        assert_ne!(run.summary.status, Status::Interrupted, "{rate}");
+    }
+}
+
 /// A bar that the wings pass through, or nearly touch, is told; one that is far is not.
 #[test]
 fn wings_keep_clear_of_the_perch_or_are_told() {
@@ -131,6 +147,35 @@ fn wings_keep_clear_of_the_perch_or_are_told() {
     assert!((through + 0.002).abs() < 1e-12 && status == Status::Outside, "{through} {status:?}");
     let (below, status) = beside("[0.0, 0.0, 0.004]", ", kind='ceiling', claw_m=[0.0, 0.0, -0.1]");
     assert!(below < 0.0 && status == Status::Outside, "{below} {status:?}");
+}
+
+/// A landing that its own verdict calls impossible is caught, but not held.
+#[test]
+fn a_catch_through_the_perch_is_not_held() {
+    let bar = |place: &str, direction: &str, velocity: &str| {
+        let bar = format!(
+            "perch={{place_m={place}, direction={direction}, length_m=0.3, capture_m=0.05, speed_within_m_s=0.8, attitude_within_deg=20.0, radius_m=0.001}}"
+        );
+        let velocity = format!("start.velocity_m_s={velocity}");
+        let over = ["start.nose_up_deg=170.0", "flight.duration_s=0.02", &velocity];
+        flown("reorientation", &[&over[..], &[&bar]].concat()).summary
+    };
+    let hold = wingbeat::scenario::Hold {
+        roll_within_deg: 180.0,
+        pitch_within_deg: 180.0,
+        height_within_m: None,
+        cross_rms_within_m: None,
+        clearance_m: 0.0,
+    };
+    let clear = bar("[0.0, 0.0, 0.06]", "[0.0, 1.0, 0.0]", "[0.0, 0.0, 0.7]");
+    // Upright, it stands in a wing.
+    let through = bar("[0.0, 0.053, 0.0]", "[0.0, 0.0, 1.0]", "[0.0, 0.3, 0.1]");
+    for (summary, held) in [(&clear, true), (&through, false)] {
+        assert!(summary.perch.as_ref().unwrap().caught, "{:?}", summary.perch);
+        assert_eq!(hold.met(summary), held, "{:?} {:?}", summary.status, summary.perch);
+    }
+    assert_eq!(through.status, Status::Outside, "{:?}", through.reason);
+    assert!(clear.turn_roll_mean_deg.is_none());
 }
 
 #[test]

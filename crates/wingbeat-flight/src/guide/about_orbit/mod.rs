@@ -287,6 +287,10 @@ impl Controller for AboutOrbit<'_> {
         let x = &self.x;
         let cycles = cycles(self.robot, t, x);
         let layout = self.robot.layout();
+/// Columns where a clearance is kept, and their units.
+const GOVERNED: [(&str, &str); 3] =
+    [("orbit_governed", ""), ("orbit_clearance_asked", "m"), ("orbit_not_kept", "")];
+
         let [position, velocity] = [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
         let Demand { place, height, faster, .. } = match &mut self.tracking {
             None => self.schedule.demand(t),
@@ -365,7 +369,8 @@ impl Controller for AboutOrbit<'_> {
         let landing = landing.filter(|_| self.family.landing().is_some());
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
         let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
-        let governed = self.governor.iter().map(|_| Column::new("orbit_governed", "", ""));
+        let governed = GOVERNED.into_iter().map(|(name, unit)| Column::new(name, unit, ""));
+        let governed = governed.filter(|_| self.governor.is_some());
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
         own.into_iter()
             .chain(dive.into_iter().flatten())
@@ -387,7 +392,7 @@ impl Controller for AboutOrbit<'_> {
         }
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
-        row.extend(self.governor.iter().map(|governor| governor.changed));
+        row.extend(self.governor.iter().flat_map(Governor::numbers));
         self.estimator.diagnostics(row);
         row.extend(self.predictive.iter().flat_map(|p| receding::measures(&p.statistics())));
     }

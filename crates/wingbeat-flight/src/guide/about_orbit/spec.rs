@@ -45,8 +45,9 @@ pub struct AboutOrbitSpec {
     /// How the controller adapts in flight to an unknown air; without it, it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adapt: Option<AdaptSpec>,
-    /// Clearance to keep over the next cycle, m, by the least change of the commands. The robot must have clearances (of a symmetric
-    /// surface or `[[clearances]]`), and all its joints must be driven. Without it no clearance is kept.
+    /// Clearance to keep over the next cycle, m, by the least change of the commands; less than the wings reach from the body's origin.
+    /// The robot must have clearances (of a symmetric surface or `[[clearances]]`), and all its joints must be driven. Without it no
+    /// clearance is kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<f64>,
     /// A dive out of the orbit of the start and back to it below, in place of legs.
@@ -124,7 +125,7 @@ const SPEED: Range = Range::between(0.1, 100.0);
 const CLIMB: Range = Range::between(-50.0, 50.0);
 
 /// Clearances that may be kept, m.
-const CLEARANCE: Range = Range::between(-1.0, 1.0);
+const CLEARANCE: Range = Range::over(0.0, 1.0);
 
 ranges!(AboutOrbitSpec {
     period_s: Range::POSITIVE,
