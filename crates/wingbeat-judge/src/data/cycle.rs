@@ -423,8 +423,8 @@ const SPANS: f64 = 20.0;
 /// The finding that a channel has no cycle where others of the file have, and is no noise of its cell: its rows are out of order, or its
 /// cable is broken.
 ///
-/// Noise of a cell is normally distributed, and the channels of one unit have about the same. A load has a kurtosis of 1.5 to 2.5 in any
-/// order of its samples. Normal noise is below 2.6 and five standard errors once in 3e6.
+/// The channels of one unit have about the same noise. Of one alone of its unit it tells that noise of a cell is normally distributed, and a
+/// load has a kurtosis of 1.5 to 2.5 in any order of its samples: normal noise is below 2.6 and five standard errors once in 3e6.
 fn without_order(series: &Series, one: &Apart, all: &[Apart]) -> Option<Finding> {
     let Apart { channel, part, .. } = one;
     let others = || all.iter().filter(|other| other.channel.name != channel.name);
@@ -449,8 +449,9 @@ fn without_order(series: &Series, one: &Apart, all: &[Apart]) -> Option<Finding>
         return None;
     }
     let peaked = fourth * count / (second * second);
-    let bounded =
-        peaked < PEAKED.min(3.0 - SURE * (24.0 / count).sqrt()) && extent.range() > SPANS * extent.count;
+    let bounded = noise.is_empty()
+        && peaked < PEAKED.min(3.0 - SURE * (24.0 / count).sqrt())
+        && extent.range() > SPANS * extent.count;
     let text = "has no cycle though others have, and is no noise of a cell: its rows are out of order, or its cable is broken";
     (noisier || bounded).then(|| {
         Finding::new("data.noise", &SIGNAL, series.about(channel.name), order, text).in_channel(channel.name)
