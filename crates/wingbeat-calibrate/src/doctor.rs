@@ -22,7 +22,7 @@ pub fn findings(
         phase,
         frequency_hz: Some(target.case.measured_frequency()),
         channels: of.iter().map(channel).collect(),
-        purpose: Purpose::Loads,
+        purpose: Purpose::Datum,
     };
     examined(&series, &target.case.limits).into_iter().map(mended_in_compare).collect()
 }

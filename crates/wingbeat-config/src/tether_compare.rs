@@ -244,7 +244,7 @@ impl TetherCase {
                 .zip(&samples)
                 .map(|((ours, theirs), samples)| Channel { name: theirs, unit: unit(ours), samples })
                 .collect(),
-            purpose: Purpose::Loads,
+            purpose: Purpose::Datum,
         };
         let mut found = examined(&series, &self.limits);
         // Cycles of another frequency are none.

@@ -24,6 +24,7 @@
 pub mod data;
 pub mod limits;
 mod status;
+pub mod unit;
 mod verdict;
 
 pub use limits::{Limit, Limits, Sense, UnknownLimit};

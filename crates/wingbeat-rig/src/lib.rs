@@ -13,7 +13,7 @@ mod pose;
 pub mod process;
 mod sensitivity;
 mod trajectory;
-pub mod unit;
+pub use wingbeat_judge::unit;
 
 pub use deviations::{Deviations, Unrest, Wave, rms_about_mean};
 pub use experiment::{Experiment, Outcome};

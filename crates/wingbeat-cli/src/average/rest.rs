@@ -3,7 +3,7 @@
 use serde::Serialize;
 use wingbeat::judge::Judge;
 use wingbeat::judge::limits::data::REST;
-use wingbeat::rig::unit::Quantity;
+use wingbeat::judge::unit::is_load;
 use wingbeat_io::samples::Plain;
 
 use crate::error::Error;
@@ -46,9 +46,7 @@ impl Rest {
             )));
         }
         // A temperature does not tell whether the wings rest.
-        let is_load =
-            |unit: &str| [Quantity::Force, Quantity::Moment].iter().any(|of| of.factor(unit).is_some());
-        let known = plain.channels.iter().any(|column| is_load(&column.unit));
+        let known = plain.channels.iter().any(|column| is_load(&column.name, &column.unit));
         let mut scatter_fraction = f64::INFINITY;
         let mut channels = Vec::new();
         for column in &mut plain.channels {
@@ -62,7 +60,7 @@ impl Rest {
             let moving = scatter(&column.values[count..], self::mean(&column.values[count..]));
             let quarters = column.values[..count].chunks(count.div_ceil(4));
             let at_rest = quarters.map(|quarter| scatter(quarter, mean)).fold(0.0, f64::max);
-            if moving > 0.0 && (!known || is_load(&column.unit)) {
+            if moving > 0.0 && (!known || is_load(&column.name, &column.unit)) {
                 scatter_fraction = scatter_fraction.min(at_rest / moving);
             }
             column.values.drain(..count);

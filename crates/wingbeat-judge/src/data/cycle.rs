@@ -1,11 +1,13 @@
 //! What repeats with the cycle, what is noise, and what is neither.
 
+use super::backwards::backwards;
 use super::ends;
 use super::frequency::{self, Frequency};
+use super::noise::median;
 use super::outliers::place;
-use super::rectified::rectified;
 use super::strokes::{self, Strokes};
-use super::{Channel, Finding, Purpose, Series};
+use super::values::Extent;
+use super::{Cause, Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
 use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL, SWINGS};
 use std::cell::LazyCell;
@@ -99,11 +101,6 @@ impl<'a> Apart<'a> {
         self.part.total > TELLING * TELLING * self.most(all)
     }
 
-    /// Whether its unit is one of a force or a moment, or unknown.
-    pub fn is_load(&self) -> bool {
-        self.channel.unit.is_empty() || self.channel.unit.contains('N')
-    }
-
     /// Whether others of its unit that repeat dwarf it.
     fn is_small(&self, all: &[Self]) -> bool {
         self.part.total < SMALL * SMALL * self.most(all)
@@ -159,16 +156,17 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
         let noted = |finding: Finding| match finding.id {
             "data.not_periodic" if one.is_small(&all) => finding.noted(),
             // Nor has a wind or a temperature beside loads a cycle.
-            "data.not_periodic" | "data.drift" if !one.is_load() && all.iter().any(Apart::is_load) => {
-                finding.noted()
-            }
+            "data.not_periodic" | "data.drift" if !series.is_load(one.channel) => finding.noted(),
             _ => finding,
         };
         found.extend(own.map(noted));
         found.extend(rough(series, one));
-        found.extend(rectified(series, one.channel, &one.at));
+        if one.part.slow > SEEKS * one.part.total && series.purpose.is_loads() {
+            found.extend(backwards(series, one.channel, &one.at));
+        }
     }
-    if series.purpose == Purpose::Loads {
+    if series.purpose.is_loads() {
+        found.extend(all.iter().filter_map(|one| without_order(series, one, &all)));
         found.extend(without_signal(series, &all));
     }
     found
@@ -273,10 +271,12 @@ fn of_channel(
         return vec![finding];
     }
     let mut found = Vec::new();
-    if series.purpose == Purpose::Loads || series.cycles() >= 2.0 {
+    if series.purpose.is_loads() || series.cycles() >= 2.0 {
         // Strokes of another size are strokes.
         let odd = |share: f64| share > limits.of(&APERIODIC).0;
-        let share = if odd(share) && **by_wings { share.min(strokes.left(part) / part.total) } else { share };
+        let may = series.purpose.allows(Cause::Strokes);
+        let share =
+            if odd(share) && may && **by_wings { share.min(strokes.left(part) / part.total) } else { share };
         let text = format!(
             "{:.0} % of its power neither repeats with the cycle nor is noise: the motion does not repeat, or the \
              file holds more than the steady part; cut it to that",
@@ -288,7 +288,7 @@ fn of_channel(
         // Where all but noise repeats, no cycle comes early or late.
         let late = if part.slow > SEEKS * part.total { strokes.phases(series, one) } else { Vec::new() };
         let of_size = || strokes.sizes(series, one).into_iter().filter(|of| of.breaks(limits));
-        let sizes = of_size().map(|of| if **by_wings { strokes::noted(of) } else { of });
+        let sizes = of_size().map(|of| if **by_wings { strokes::explained(of, series.purpose) } else { of });
         let scatter = late.into_iter().filter(|of| of.breaks(limits)).chain(sizes);
         // Of several reasons one that refuses the data.
         let scatter = scatter.max_by_key(|finding| finding.serious);
@@ -301,7 +301,7 @@ fn of_channel(
     found.extend(drift(series, one).map(|of| {
         // The mean of a load changes with the size of the strokes.
         let wings = of.breaks(limits) && strokes.differ(part) && **by_wings;
-        if wings { of.noted() } else { of }
+        if wings { of.explained(Cause::Strokes, series.purpose) } else { of }
     }));
     found
 }
@@ -410,6 +410,52 @@ fn differences(of: &[f64], order: usize) -> f64 {
         of = of.windows(2).map(|pair| pair[1] - pair[0]).collect();
     }
     (of.iter().map(|x| x * x).sum::<f64>() / of.len().max(1) as f64).sqrt()
+}
+
+/// Deviation of what changes from sample to sample over the median of that of the other channels of its unit, and kurtosis (3 of a normal
+/// distribution), from which a channel without a cycle is no noise of a cell. *Choices.*
+const NOISIER: f64 = 5.0;
+const PEAKED: f64 = 2.6;
+/// Standard errors sqrt(24 / n) by which the kurtosis lies below 3, and steps of the converter that a channel spans, at least. *Choices.*
+const SURE: f64 = 5.0;
+const SPANS: f64 = 20.0;
+
+/// The finding that a channel has no cycle where others of the file have, and is no noise of its cell: its rows are out of order, or its
+/// cable is broken.
+///
+/// The channels of one unit have about the same noise. Of one alone of its unit it tells that noise of a cell is normally distributed, and a
+/// load has a kurtosis of 1.5 to 2.5 in any order of its samples: normal noise is below 2.6 and five standard errors once in 3e6.
+fn without_order(series: &Series, one: &Apart, all: &[Apart]) -> Option<Finding> {
+    let Apart { channel, part, .. } = one;
+    let others = || all.iter().filter(|other| other.channel.name != channel.name);
+    let repeats =
+        others().any(|other| other.is_telling(all) && other.part.signal > EXPLAINS * other.part.total);
+    let order = part.over_noise();
+    if !repeats || order >= SIGNAL.value || part.white < EXPLAINS * part.total {
+        return None;
+    }
+    let same = others().filter(|other| other.channel.unit == channel.unit);
+    let mut noise: Vec<f64> = same.map(|other| other.part.white).collect();
+    let noisier = !noise.is_empty() && part.white > NOISIER * NOISIER * median(&mut noise);
+    let extent = Extent::of(channel.samples)?;
+    let mean = part.mean;
+    let (second, fourth) = channel.samples.iter().fold((0.0, 0.0), |(a, b), x| {
+        let square = (x - mean).powi(2);
+        (a + square, b + square * square)
+    });
+    let count = channel.samples.len() as f64;
+    // Means over some samples have less of it.
+    if second / count < SMALL * SMALL * one.most(all) {
+        return None;
+    }
+    let peaked = fourth * count / (second * second);
+    let bounded = noise.is_empty()
+        && peaked < PEAKED.min(3.0 - SURE * (24.0 / count).sqrt())
+        && extent.range() > SPANS * extent.count;
+    let text = "has no cycle though others have, and is no noise of a cell: its rows are out of order, or its cable is broken";
+    (noisier || bounded).then(|| {
+        Finding::new("data.noise", &SIGNAL, series.about(channel.name), order, text).in_channel(channel.name)
+    })
 }
 
 /// The findings that no channel has a cycle.

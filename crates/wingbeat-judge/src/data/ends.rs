@@ -74,7 +74,9 @@ pub(super) fn gap(series: &Series, cycles: f64) -> Option<Finding> {
     }
     let size = longest as f64 / PLACES as f64;
     let (what, cure) = match series.purpose {
-        Purpose::Loads => ("loads", "sample faster, or at a rate that is no multiple of the frequency"),
+        Purpose::Loads | Purpose::Datum => {
+            ("loads", "sample faster, or at a rate that is no multiple of the frequency")
+        }
         Purpose::Motion => ("motion", "give rows of the whole cycle, or the frequency of the data"),
     };
     let text = format!(

@@ -1,5 +1,6 @@
 //! One thing that is wrong with data.
 
+use super::{Cause, Purpose};
 use crate::limits::data::GAIN;
 use crate::limits::{Limit, Limits};
 use crate::verdict::{Judge, Warning};
@@ -71,6 +72,11 @@ impl Finding {
     #[must_use]
     pub fn noted(self) -> Self {
         Self { serious: false, ..self }
+    }
+
+    /// The same as a warning where `cause` explains it and `purpose` allows that.
+    pub(super) fn explained(self, cause: Cause, purpose: Purpose) -> Self {
+        if purpose.allows(cause) { self.noted() } else { self }
     }
 
     /// What was found, of what, and the key that mends it.

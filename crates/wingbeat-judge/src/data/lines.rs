@@ -1,7 +1,7 @@
 //! The frequency of channels of which none is known: the strongest line of their spectra, and what it is a harmonic of.
 
 use super::cycle::Condensed;
-use super::{Channel, frequency, outliers};
+use super::{Channel, frequency, noise};
 use std::f64::consts::TAU;
 use wingbeat_math::power_spectrum;
 
@@ -262,7 +262,7 @@ fn mostly_agrees(time: &[f64], samples: &[f64], period: f64, line: f64) -> bool 
     let least = AGREES * squares.sqrt();
     let stroke = PARTS as usize;
     let whole = changes.windows(stroke).any(|of| 2 * of.iter().filter(|x| **x > least).count() > stroke);
-    whole && outliers::median(&mut changes) < least
+    whole && noise::median(&mut changes) < least
 }
 
 /// The largest divisor of both.

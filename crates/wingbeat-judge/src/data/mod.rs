@@ -22,16 +22,20 @@
 //! assert!(verdict.warnings[0].text.contains("5.17"), "{}", verdict.warnings[0].text);
 //! ```
 
+mod backwards;
 mod cycle;
 mod ends;
 mod finding;
 mod frequency;
+mod leaps;
 mod lines;
+mod noise;
 mod outliers;
 mod plateau;
 mod rectified;
 mod reference;
 mod same;
+mod spread;
 mod strokes;
 mod time;
 mod values;
@@ -42,14 +46,45 @@ pub use lines::{Line, find_frequency};
 pub use reference::{Pair, compared};
 
 use crate::limits::Limits;
+use crate::unit;
 
-/// What the channels are.
+/// What the channels are, and what they are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// Forces and moments, which follow a stroke.
+    /// Forces and moments, which follow a stroke, to be averaged as they are.
     Loads,
+    /// The same, whose mean cycle stands for a steady case: it is held beside a model, or one is fitted to it.
+    Datum,
     /// A prescribed motion, which may stop and stay, and is differentiated twice.
     Motion,
+}
+
+/// What may explain a finding, so that the samples are right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cause {
+    /// The wings rest, start, or change their strokes.
+    Strokes,
+    /// A knock comes in most cycles, at one phase of them.
+    Knock,
+    /// A motion meets a stop, and stays there.
+    Stop,
+    /// A motion is flown again, step by step.
+    Again,
+}
+
+impl Purpose {
+    /// Whether the channels are forces and moments.
+    fn is_loads(self) -> bool {
+        self != Self::Motion
+    }
+
+    /// Which findings are noted, as the samples are right and serve the purpose; the others refuse the data.
+    fn allows(self, cause: Cause) -> bool {
+        match cause {
+            Cause::Strokes | Cause::Knock => self == Self::Loads,
+            Cause::Stop | Cause::Again => self == Self::Motion,
+        }
+    }
 }
 
 /// A measured channel.
@@ -85,6 +120,12 @@ impl Series<'_> {
             [first, .., last] => last - first,
             _ => 0.0,
         }
+    }
+
+    /// Whether a channel is a force or a moment, or may be, as none of the file is known to be.
+    fn is_load(&self, channel: &Channel) -> bool {
+        let known = |channel: &Channel| unit::is_load(channel.name, channel.unit);
+        known(channel) || !self.channels.iter().any(known)
     }
 
     /// A finding about one channel.

@@ -1,8 +1,11 @@
 //! Samples that cannot be loads: codes of faults, spikes, counts that wrap around, channels of a multiplexer mixed up.
 
+use super::cycle::variance;
+use super::leaps::Leaps;
+use super::noise::{OF_MEDIAN, median, third};
 use super::same::dead_band;
 use super::values::Extent;
-use super::{Channel, Finding, Purpose, Series};
+use super::{Cause, Channel, Finding, Series};
 use crate::limits::Limits;
 use crate::limits::data::{ALTERNATES, BIT, BY_TURNS, HOLE, OUTLIERS, PAIRS, SWAPPED, TURNS, WRAPPED};
 
@@ -13,8 +16,6 @@ const PLACES: usize = 64;
 const ENOUGH: usize = 64;
 /// Robust deviations beyond which a sample lies apart: of 1e15 samples with white noise one does. *Choice.*
 const BEYOND: f64 = 8.0;
-/// The deviation of white noise over the median of its magnitudes: 1 / Phi^-1(3 / 4).
-pub(super) const OF_MEDIAN: f64 = 1.482_602_218_505_602;
 /// Parts of the cycle's range, and of the largest range of its unit, below which no sample lies apart: so much do cycles differ. *Choice.*
 const APART: [f64; 2] = [0.1, 0.05];
 /// Part of its distance that the signal jumps where a run of such samples begins and ends; a load grows by and by. *Choice.*
@@ -49,7 +50,7 @@ pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Lim
     }
     let breaks = |finding: &Finding| finding.breaks(limits);
     let at = Places::of(series.phase, cycles);
-    if series.purpose == Purpose::Motion {
+    if !series.purpose.is_loads() {
         let of = |(channel, extent): &(Channel, Extent)| {
             let far = jagged(series, channel, *extent).filter(breaks);
             let apart = || {
@@ -69,6 +70,9 @@ pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Lim
         // Of one cause one finding.
         let turns = alternating(series, channel, *extent, cycles);
         let first = turns.iter().find(|finding| finding.serious && breaks(finding)).cloned();
+        let leaps = Leaps::of(channel.samples, *extent);
+        let by_turns = leaps.turns(series, channel).filter(breaks);
+        let first = first.or_else(|| by_turns.clone().filter(|finding| finding.serious));
         let apart = own.apart(series, channel, &at, most).filter(breaks);
         let first = first.or_else(|| apart.clone().filter(|finding| finding.serious));
         // Both leap over a part of the range.
@@ -77,7 +81,7 @@ pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Lim
         let hole = || hole(series, channel, *extent, cycles).filter(breaks);
         let first = first.or_else(|| if leaps { odd().or_else(hole) } else { None });
         // A knock is noted, and so is what it looks like.
-        let noted = apart.or_else(|| turns.into_iter().find(breaks));
+        let noted = apart.or_else(|| turns.into_iter().find(breaks)).or(by_turns);
         found.extend(match (first, noted) {
             (Some(first), Some(noted)) if !first.serious => Some(noted),
             (first, noted) => first.or(noted),
@@ -215,7 +219,7 @@ impl Usual {
                  or spikes that come with the cycle",
                 samples.len()
             );
-            return Some(found(text).noted());
+            return Some(found(text).explained(Cause::Knock, series.purpose));
         }
         (sum > 0.0).then(|| found(text))
     }
@@ -226,20 +230,17 @@ pub(super) fn place(phase: f64, places: usize) -> usize {
     (((phase - phase.floor()) * places as f64) as usize).min(places - 1)
 }
 
-/// The middle one; not a number of none.
-pub(super) fn median(of: &mut [f64]) -> f64 {
-    let middle = of.len() / 2;
-    if of.is_empty() { f64::NAN } else { *of.select_nth_unstable_by(middle, f64::total_cmp).1 }
-}
-
-/// Part of the range that a channel whose counts wrap around passes through beyond the leap, at least, in the mean. *Choice*: a knock on the
-/// extreme of a sine, of a tenth of its cycle, has 0.02.
-const BEYOND_LEAP: f64 = 0.04;
+/// Part of the range by which the samples beyond the leaps of a channel whose counts wrap around lie further in than those next to the
+/// leaps, and standard errors of that, at least, in the mean. *Choices*: a knock on the extreme of a sine, of a twentieth of its cycle, has
+/// 0.004.
+const BEYOND_LEAP: f64 = 0.006;
+const ERRORS: f64 = 4.0;
 
 /// The finding that a channel leaps across its range, up and down: a phase that begins again leaps one way.
 ///
-/// What wraps around goes on from the other end as it came, and comes back by the same way, so that it passes through a part of the range
-/// there. A knock at an extreme leaps across the range as well, and has the height of its top there: it is noted.
+/// What wraps around enters at the other end of the range, goes on from there, and leaves by the same end: its samples lie further in than
+/// those next to the leaps. A knock at an extreme leaps across the range as well, and has one height, or is highest in its middle. The means of
+/// n and m of its samples, whose deviation is s, differ by s sqrt(1 / n + 1 / m): by four times that once in 30,000 of such knocks.
 fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Option<Finding> {
     let range = extent.range();
     let steps = || channel.samples.windows(2).map(|pair| pair[1] - pair[0]);
@@ -256,20 +257,22 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
     let leaps = 2 * up.min(leaps - up);
     // A square wave stays where it leapt to.
     let own = channel.samples.chunk_by(|a, b| (b - a).abs() <= ACROSS[0] * range);
-    let passes: Vec<(f64, usize)> =
-        own.map(|of| (Extent::of(of).map_or(0.0, Extent::range), of.len())).collect();
-    let most = passes.iter().map(|of| of.0).fold(0.0, f64::max);
+    let passes: Vec<&[f64]> = own.collect();
+    let most = passes.iter().filter_map(|of| Extent::of(of)).map(Extent::range).fold(0.0, f64::max);
     if !(smooth && whole && most > PASSES * range) {
         return None;
     }
     // Between two leaps it is by turns within its range and beyond it, there for less time.
     let side = |of: usize| passes.iter().skip(1 + of).step_by(2);
-    let beyond = usize::from(side(0).map(|of| of.1).sum::<usize>() > side(1).map(|of| of.1).sum());
-    // Noise carries single samples across.
-    let weighed = side(beyond)
-        .fold((0.0, 0.0), |(sum, all), (range, count)| (sum + range * *count as f64, all + *count as f64));
-    let mean = weighed.0 / weighed.1.max(1.0);
-    let knocks = mean < BEYOND_LEAP * range;
+    let time = |of: usize| side(of).map(|of| of.len()).sum::<usize>();
+    let beyond = usize::from(time(0) > time(1));
+    let middle = 0.5 * (extent.high + extent.low);
+    let all: Vec<f64> = side(beyond).flat_map(|of| of.iter()).map(|x| (x - middle).abs()).collect();
+    let next: Vec<f64> =
+        side(beyond).flat_map(|of| [of[0], of[of.len() - 1]]).map(|x| (x - middle).abs()).collect();
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+    let error = (variance(&next) * (1.0 / all.len() as f64 + 1.0 / next.len() as f64)).sqrt();
+    let knocks = !(mean(&next) - mean(&all) > (BEYOND_LEAP * range).max(ERRORS * error));
     let why = if knocks {
         "a knock in each cycle, or counts that wrap around at their end for a moment"
     } else {
@@ -278,7 +281,7 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
     let text = format!("leaps across its range at {leaps} samples and is smooth elsewhere: {why}");
     let found =
         Finding::new("data.wrapped", &WRAPPED, series.about(channel.name), leaps as f64 / cycles, text);
-    Some(if knocks { found.noted() } else { found })
+    Some(if knocks { found.explained(Cause::Knock, series.purpose) } else { found })
 }
 
 /// The finding that single rows of a motion lie far from those before and after them, which agree.
@@ -422,7 +425,7 @@ fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) 
     if !(one > 0.0 && count > FOR_SECOND * cycles) {
         return Vec::new();
     }
-    let loads = series.purpose == Purpose::Loads;
+    let loads = series.purpose.is_loads();
     let signs = one / two.max(1e-12 * one);
     let text = "every second sample is of something else: channels of a multiplexer are mixed up, or signs alternate";
     let about = || series.about(channel.name);
@@ -564,10 +567,9 @@ const DIFFERS: f64 = 0.02;
 /// Whether third differences, which are those of the noise, are a multiple of those of another channel. Loads that are computed may be, and
 /// have no noise.
 fn one_noise(a: &[f64], b: &[f64]) -> bool {
-    let third = |of: &[f64], k: usize| of[k + 3] - of[k] - 3.0 * (of[k + 2] - of[k + 1]);
     let (mut aa, mut ab, mut bb, mut turned, mut before) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for k in 0..a.len().min(TOLD).saturating_sub(3) {
-        let (x, y) = (third(a, k), third(b, k));
+        let (x, y) = (third(&a[k..]), third(&b[k..]));
         (aa, ab, bb, turned) = (aa + x * x, ab + x * y, bb + y * y, turned + y * before);
         before = y;
     }

@@ -1,7 +1,9 @@
 //! A channel that was cut off before noise was added: its end is flat, and quieter than the rest of the cycle.
 
-use super::outliers::{OF_MEDIAN, median, place};
-use super::{Channel, Finding, Purpose, Series};
+use super::noise::{OF_MEDIAN, median};
+use super::outliers::place;
+use super::spread::Spread;
+use super::{Channel, Finding, Series};
 use crate::limits::data::{CLIPPED, TWO_SOURCES};
 
 /// Places of the cycle at least and at most, and samples of each at least. *Choice.*
@@ -228,9 +230,7 @@ fn unsteady(series: &Series, channel: &Channel, placed: &Placed, places: &[Place
         *lg += (channel.samples[*k] - places[*at].mean - g * within) * g;
         *gg += g * g;
     }
-    let late = || sums.iter().map(|[lg, gg]| lg / gg.max(f64::MIN_POSITIVE) / count as f64);
-    let mean = late().sum::<f64>() / parts as f64;
-    (late().map(|late| (late - mean).powi(2)).sum::<f64>() / parts as f64).sqrt()
+    Spread::of(sums.into_iter(), 0.0).size() / count as f64
 }
 
 /// Part of a cycle after which noise is another one and the scatter of strokes of several sizes the same, and pairs of samples that tell.
@@ -316,7 +316,7 @@ pub(super) struct Placed {
 pub(super) fn placed(series: &Series) -> Placed {
     let (phase, cycles) = (series.phase, series.cycles());
     let count = PLACES[1].min(phase.len() / SAME).min((phase.len() as f64 / cycles.max(1.0)) as usize);
-    if series.purpose != Purpose::Loads || count < PLACES[0] {
+    if !series.purpose.is_loads() || count < PLACES[0] {
         return Placed { samples: Vec::new(), count: 0 };
     }
     let every = phase.len().div_ceil(count * ENOUGH);

@@ -1,14 +1,19 @@
 //! Loads of which only the magnitude was kept.
 
-use super::cycle::{Condensed, HARMONICS, variance};
-use super::{Channel, Finding, Purpose, Series};
+use super::cycle::{HARMONICS, variance};
+use super::outliers::place;
+use super::values::Extent;
+use super::{Channel, Finding, Series};
 use crate::limits::data::RECTIFIED;
 use wingbeat_math::Harmonics;
 
 /// Most points of the mean cycle, and fewest in which a cusp is told from a smooth minimum. *Choice.*
 const POINTS: std::ops::RangeInclusive<usize> = 24..=64;
-/// Part of the largest value below which the cycle counts as touching zero, and above which it has left it. *Choice.*
-const TOUCHES: (f64, f64) = (0.15, 0.3);
+/// Part of the largest sample that one of the other sign has in a channel that keeps its sign but for noise, at most. *Choice.*
+const SIGNED: f64 = 0.3;
+/// Part of the largest value, times the places of the cycle, below which it counts as touching zero, and above which it has left it. *Choice*:
+/// a sine rises by 6.3 over the places from one to the next, and half of that lies beside zero.
+const TOUCHES: [f64; 2] = [3.6, 7.2];
 /// Part of the largest value by which noise may carry it across zero. *Choice.*
 const ACROSS: f64 = 0.05;
 /// Share of the variance that the harmonics must leave for a cusp to be seen. *Choice*: those of |sin| leave 1e-3.
@@ -17,11 +22,12 @@ const SEEN: f64 = 2e-4;
 /// The finding that a channel keeps one sign, and that its cycle is a smooth one with every second arch turned over.
 ///
 /// |y| has a cusp where y crosses zero, which harmonics follow poorly; y itself has none.
-pub(super) fn rectified(series: &Series, channel: &Channel, at: &Condensed) -> Option<Finding> {
-    if series.purpose != Purpose::Loads {
+pub(super) fn rectified(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+    let [least, largest] = [extent.low.abs().min(extent.high.abs()), extent.low.abs().max(extent.high.abs())];
+    if extent.low < 0.0 && extent.high > 0.0 && least > SIGNED * largest {
         return None;
     }
-    let (phase, mut cycle) = mean_cycle(at, series.cycles())?;
+    let (phase, mut cycle) = mean_cycle(series.phase, channel.samples, series.cycles())?;
     let turned = cycle.iter().sum::<f64>().signum();
     cycle.iter_mut().for_each(|y| *y *= turned);
     let most = cycle.iter().fold(0.0_f64, |most, y| most.max(*y));
@@ -46,17 +52,16 @@ pub(super) fn rectified(series: &Series, channel: &Channel, at: &Condensed) -> O
 }
 
 /// Phases and values of the mean cycle at even shares of the samples; none of too few.
-fn mean_cycle(at: &Condensed, cycles: f64) -> Option<(Vec<f64>, Vec<f64>)> {
-    let points = (at.phase.len() as f64 / cycles.max(1.0)) as usize;
+fn mean_cycle(phase: &[f64], samples: &[f64], cycles: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+    let points = (phase.len() as f64 / cycles.max(1.0)) as usize;
     if points < *POINTS.start() {
         return None;
     }
     let points = points.min(*POINTS.end());
     let mut sums = vec![(0.0, 0.0, 0.0); points];
-    for (p, y) in at.phase.iter().zip(&at.values) {
-        let p = p - p.floor();
-        let sum = &mut sums[((p * points as f64) as usize).min(points - 1)];
-        *sum = (sum.0 + 1.0, sum.1 + p, sum.2 + y);
+    for (p, y) in phase.iter().zip(samples) {
+        let sum = &mut sums[place(*p, points)];
+        *sum = (sum.0 + 1.0, sum.1 + p - p.floor(), sum.2 + y);
     }
     sums.retain(|sum| sum.0 > 0.0);
     (sums.len() >= *POINTS.start()).then(|| sums.iter().map(|(n, p, y)| (p / n, y / n)).unzip())
@@ -64,13 +69,14 @@ fn mean_cycle(at: &Condensed, cycles: f64) -> Option<(Vec<f64>, Vec<f64>)> {
 
 /// The lowest points of the stretches in which the cycle touches zero, in order.
 fn touches(cycle: &[f64], most: f64) -> Vec<usize> {
-    let Some(start) = cycle.iter().position(|y| *y > TOUCHES.1 * most) else { return Vec::new() };
+    let [low, high] = TOUCHES.map(|part| part * most / cycle.len() as f64);
+    let Some(start) = cycle.iter().position(|y| *y > high) else { return Vec::new() };
     let mut found: Vec<usize> = Vec::new();
     let mut lowest: Option<usize> = None;
     for k in (start..start + cycle.len() + 1).map(|k| k % cycle.len()) {
-        if cycle[k] > TOUCHES.1 * most {
+        if cycle[k] > high {
             found.extend(lowest.take());
-        } else if cycle[k] < TOUCHES.0 * most && lowest.is_none_or(|low| cycle[k] < cycle[low]) {
+        } else if cycle[k] < low && lowest.is_none_or(|least| cycle[k] < cycle[least]) {
             lowest = Some(k);
         }
     }

@@ -71,6 +71,7 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
     let mut found = swapped(what, &telling);
     found.extend(repeated(what, &telling));
     found.extend(turned(what, &telling));
+    found.extend(backwards(what, &telling));
     if !found.iter().any(|finding| finding.breaks(limits)) {
         found.extend(telling.iter().map(|(pair, told)| reversed(about(pair), told)));
         let dead = |(pair, told): &(&Pair, &Told)| dead(about(pair), pair, told).in_channel(pair.name);
@@ -184,6 +185,35 @@ fn turned(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     );
     (each && -least > TURNED[0] && -least - most > TURNED[1])
         .then(|| Finding::new("data.reversed", &REVERSED, what, least, text))
+}
+
+/// The finding that all channels together fit far better when the file runs backwards, at any lag, by the correlations of [`TURNED`]. Both
+/// ways have the lag alone to be fitted; what is even in time fits as well either way.
+fn backwards(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+    let large = || telling.iter().filter(|(_, told)| told.share > COUNTS && told.measured > 0.0);
+    let weight: f64 = large().map(|(_, told)| told.share.powi(2)).sum();
+    let count = large().map(|(_, told)| told.all.len()).min()?;
+    let together = |of: &[(f64, Vec<f64>)]| {
+        let at = |lag: usize| of.iter().map(|(share, all)| share * all[lag]).sum::<f64>() / weight;
+        (0..count).map(at).fold(f64::MIN, f64::max)
+    };
+    let now = together(&large().map(|(_, told)| (told.share.powi(2), told.all.clone())).collect::<Vec<_>>());
+    // Of most files it need not be asked.
+    if now > TURNED[0] {
+        return None;
+    }
+    let turned = |(pair, told): &(&Pair, &Told)| {
+        let computed: Vec<f64> = pair.computed.iter().rev().copied().collect();
+        let backward = Told::of(&Pair { computed: &computed, ..**pair }, &[**pair]);
+        (told.share.powi(2), backward.all)
+    };
+    let back = together(&large().map(turned).collect::<Vec<_>>());
+    let text = format!(
+        "all channels together have a correlation of {back:.2} with what is computed when the file runs backwards, and of {now:.2} as it is: \
+         its rows were written from the end"
+    );
+    (back > TURNED[0] && back - now > TURNED[1])
+        .then(|| Finding::new("data.backwards", &REVERSED, what, -back, text))
 }
 
 fn dead(about: String, pair: &Pair, told: &Told) -> Finding {

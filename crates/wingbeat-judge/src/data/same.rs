@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::outliers::{OF_MEDIAN, median, steps_beyond};
+use super::noise::{deviation, third};
+use super::outliers::steps_beyond;
 use super::plateau::{self, Placed};
 use super::values::Extent;
-use super::{Channel, Finding, Purpose, Series};
+use super::{Channel, Finding, Series};
 use crate::limits::data::{COPIED, COUNTS, LOST, REPEATED, TWICE};
 
 /// Slots by which values are counted, and how often the most frequent value must come beside the next. *Choices.*
@@ -165,11 +166,23 @@ const DISTANCES: usize = 3;
 /// it is told where that is less than 1e-9 in all. A load without noise is the same after whole cycles, throughout the file, or again after
 /// twice as long.
 pub(super) fn copied(series: &Series, extents: &[Option<Extent>], placed: &Placed) -> Option<Finding> {
-    let counts = |extent: &Extent| extent.range() / extent.count;
     let known = series.channels.iter().zip(extents);
-    let known =
-        known.filter_map(|(channel, extent)| Some((channel, (*extent)?))).filter(|(_, of)| of.range() > 0.0);
-    let (channel, extent) = known.max_by(|a, b| counts(&a.1).total_cmp(&counts(&b.1)))?;
+    let mut known: Vec<(&Channel, Extent)> = known
+        .filter_map(|(channel, extent)| Some((channel, (*extent)?)))
+        .filter(|(_, of)| of.range() > COUNTS.value * of.count)
+        .collect();
+    // That of the most counts first: it tells best.
+    wingbeat_math::order::descend_by(&mut known, |(_, of)| of.range() / of.count);
+    let found = known.iter().filter_map(|(channel, of)| copied_in(series, (channel, *of), placed));
+    // One that refuses the data, else the first.
+    found.reduce(|first, next| {
+        let refuses = |of: &Finding| of.limit.id == TWICE.id && of.size > TWICE.value;
+        if refuses(&next) && !refuses(&first) { next } else { first }
+    })
+}
+
+/// The same of one channel.
+fn copied_in(series: &Series, (channel, extent): (&Channel, Extent), placed: &Placed) -> Option<Finding> {
     let samples = channel.samples;
     if samples.len() < FOR_COPIES {
         return None;
@@ -306,15 +319,12 @@ const FEW: f64 = 0.1;
 
 /// Part of the range and counts of the converter that its noise has at least for a stretch never to come again. *Choices.*
 const NOISE: [f64; 2] = [0.002, 1.0];
-/// Deviation of the third differences of white noise over that of the noise, sqrt(1 + 9 + 9 + 1).
-pub(super) const OF_THIRD: f64 = 4.472_135_954_999_58;
 
 /// Whether the samples of one phase differ by noise.
 fn is_noisy(channel: &Channel, extent: Extent, placed: &Placed) -> bool {
     let noise = placed.of(channel.samples).and_then(|places| plateau::noise(&places));
     // Loads without noise scatter within a place by their bends, but not from one sample to the next.
-    let third = channel.samples.windows(4).map(|of| (of[3] - of[0] - 3.0 * (of[2] - of[1])).abs());
-    let at_once = || OF_MEDIAN * median(&mut third.collect::<Vec<f64>>()) / OF_THIRD;
+    let at_once = || deviation(&mut channel.samples.windows(4).map(third).collect::<Vec<f64>>());
     let least = (NOISE[0] * extent.range()).max(NOISE[1] * extent.count);
     noise.is_some_and(|noise| noise > least) && at_once() > least
 }
@@ -360,7 +370,7 @@ fn held(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
         100.0 * share(all)
     );
     // A motion may rest in every cycle.
-    let rests = series.purpose == Purpose::Motion && even(&lost);
+    let rests = !series.purpose.is_loads() && even(&lost);
     (share(kept) < SAMPLED && times > 1 && !rests)
         .then(|| Finding::new("data.stuck", &LOST, series.about(channel.name), share(all), text))
 }

@@ -1,16 +1,12 @@
 //! How the cycles of a channel differ from the mean one: in size, and in time.
 
 use super::cycle::{Apart, Parts};
-use super::outliers::{OF_MEDIAN, median};
-use super::same::OF_THIRD;
+use super::noise::{Order, deviation, third};
+use super::spread::Spread;
 use super::values::Extent;
-use super::{Finding, Purpose, Series};
+use super::{Cause, Finding, Purpose, Series};
 use crate::limits::data::{DIFFERS, EARLY, PHASES, RUNS, SCATTER, TREND};
 
-/// Whole cycles from which they are compared. *Choice.*
-const FOR_SCATTER: usize = 4;
-/// Variance of their sizes over that which noise gives them, above which it is told. *Choice.*
-const ABOVE_NOISE: f64 = 4.0;
 /// Points of a cycle from which its slope is known. *Choice.*
 const FOR_SLOPE: f64 = 8.0;
 /// Standard errors of a line through how late the cycles come above which it is told. *Choice.*
@@ -23,49 +19,6 @@ pub(super) struct Strokes {
     late: Spread,
     /// Variance that sizes and levels of the cycles explain of what the mean cycle leaves.
     explained: f64,
-}
-
-/// A number of each cycle.
-struct Spread {
-    of: Vec<f64>,
-    mean: f64,
-    /// Mean square about the mean.
-    spread: f64,
-    /// That which white noise of the variance s2 gives it: s2 over the mean of the sums of squares.
-    noise: f64,
-}
-
-impl Spread {
-    /// By numerators and denominators.
-    fn of(sums: impl Iterator<Item = [f64; 2]>, white: f64) -> Self {
-        let sums: Vec<[f64; 2]> = sums.collect();
-        let (count, all) = (sums.len() as f64, sums.iter().map(|[_, below]| below).sum::<f64>());
-        let ratio = |[above, below]: [f64; 2]| if below > 0.0 { above / below } else { 0.0 };
-        let of: Vec<f64> = sums.into_iter().map(ratio).collect();
-        let mean = of.iter().sum::<f64>() / count;
-        let spread = of.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
-        Self { mean, spread, noise: white * count / all.max(f64::MIN_POSITIVE), of }
-    }
-
-    fn is_told(&self) -> bool {
-        self.of.len() >= FOR_SCATTER && self.spread > ABOVE_NOISE * self.noise
-    }
-
-    /// Root mean square about the mean, without what noise gives.
-    fn size(&self) -> f64 {
-        (self.spread - self.noise).max(0.0).sqrt()
-    }
-
-    /// Change from start to end by a straight line, and its standard error. The squares of places that lie evenly from -1/2 to 1/2 have
-    /// the mean (1 - 1 / n^2) / 12.
-    fn trend(&self) -> [f64; 2] {
-        let count = self.of.len() as f64;
-        let at = |k: usize| (k as f64 + 0.5) / count - 0.5;
-        let squares = (count - 1.0 / count) / 12.0;
-        let slope = self.of.iter().enumerate().map(|(k, x)| at(k) * x).sum::<f64>() / squares;
-        let left = (self.spread - slope * slope * squares / count).max(self.noise);
-        [slope, (left / squares).sqrt()]
-    }
 }
 
 impl Strokes {
@@ -169,12 +122,13 @@ impl Strokes {
 }
 
 /// What is told of sizes that the wings change.
-pub(super) fn noted(of: Finding) -> Finding {
+pub(super) fn explained(of: Finding, purpose: Purpose) -> Finding {
+    let steady = if purpose == Purpose::Datum { ", which a steady case does not do" } else { "" };
     let text = format!(
-        "{}; all loads change together, as where the wings rest, start or change their stroke",
+        "{}; all loads change together, as where the wings rest, start or change their stroke{steady}",
         of.text
     );
-    Finding { text, ..of.noted() }
+    Finding { text, ..of }.explained(Cause::Strokes, purpose)
 }
 
 /// Correlation of the sizes of the cycles of two channels above which they change together, and the part of the one's spread that the
@@ -191,11 +145,12 @@ const KNOWN: f64 = 0.25;
 /// without noise the other channels alone.
 pub(super) fn are_of_wings(series: &Series, all: &[Apart], strokes: &[Strokes], k: usize) -> bool {
     let own = &strokes[k].sizes;
-    if series.purpose != Purpose::Loads || !own.is_told() {
+    if !series.purpose.is_loads() || !own.is_told() {
         return false;
     }
     let others = all.iter().zip(strokes).enumerate();
-    let others = others.filter(|(other, (one, _))| *other != k && one.is_load() && one.is_telling(all));
+    let others =
+        others.filter(|(other, (one, _))| *other != k && series.is_load(one.channel) && one.is_telling(all));
     let known: Vec<&Spread> = others
         .map(|(_, (_, strokes))| &strokes.sizes)
         .filter(|sizes| sizes.noise < KNOWN * own.spread && sizes.mean > 0.0)
@@ -221,29 +176,25 @@ const RESTS: f64 = 0.2;
 
 /// Power of the ratio of the sizes of small and large cycles below which the ratio of their noise is nearer to that of a gain. *Choice.*
 const ALONG: f64 = 0.7;
-/// Correlation of the third differences of one sample and the next below which they are those of noise: white noise has -3/4. *Choice.*
-const WHITE: f64 = -0.5;
 
 /// Whether the noise of the small cycles is smaller than that of the large ones as they are, by the medians of the third differences; none
 /// where the noise is not seen.
 fn noise_goes_along(series: &Series, one: &Apart, sizes: &Spread) -> Option<bool> {
     let (first, samples) = (series.phase.first()?, one.channel.samples);
     let mut groups: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
-    let (mut before, mut turned, mut squares) = (0.0, 0.0, 0.0);
+    let mut order = Order::default();
     for (p, of) in series.phase.iter().zip(samples.windows(4)) {
         let Some(size) = sizes.of.get((p - first) as usize) else { continue };
-        let third = of[3] - of[0] - 3.0 * (of[2] - of[1]);
-        groups[usize::from(*size > sizes.mean)].push(third.abs());
-        turned += third * before;
-        squares += third * third;
-        before = third;
+        let third = third(of);
+        groups[usize::from(*size > sizes.mean)].push(third);
+        order.add(third);
     }
-    let [small, large] = groups.map(|mut of| OF_MEDIAN * median(&mut of) / OF_THIRD);
+    let [small, large] = groups.map(|mut of| deviation(&mut of));
     let mean = |large: bool| {
         let of = || sizes.of.iter().filter(|size| (**size > sizes.mean) == large).map(|size| size.abs());
         of().sum::<f64>() / of().count().max(1) as f64
     };
     let ratio = (mean(false) / mean(true)).max(f64::MIN_POSITIVE);
-    let seen = turned < WHITE * squares && large > Extent::of(samples)?.count;
+    let seen = order.is_noise() && large > Extent::of(samples)?.count;
     seen.then(|| small < large * ratio.powf(ALONG))
 }

@@ -1,6 +1,7 @@
 //! What the values of a channel say by themselves: not finite, tiny, huge, constant, stuck, clipped.
 
-use super::{Channel, Finding, Purpose, Series, plateau, same};
+use super::rectified::rectified;
+use super::{Cause, Channel, Finding, Series, plateau, same};
 use crate::limits::Limits;
 use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STEPS, STUCK, TINY};
 
@@ -67,14 +68,13 @@ pub fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) ->
         }
     }
     found.extend(nothing(series, extents));
-    if series.purpose == Purpose::Loads {
+    if series.purpose.is_loads() {
         found.extend(coarse(series, extents));
-        found.extend(same::copied(series, extents, &placed));
     } else {
         found.extend(in_steps(series, extents));
-        // A motion may be flown again.
-        found.extend(same::copied(series, extents, &placed).map(Finding::noted));
     }
+    let copied = same::copied(series, extents, &placed);
+    found.extend(copied.map(|copied| copied.explained(Cause::Again, series.purpose)));
     found.extend(standing(series, extents));
     found
 }
@@ -151,14 +151,14 @@ const TOGETHER: usize = 8;
 const HELD: usize = 5;
 const LEAPS: f64 = 0.2;
 
-/// The finding that all channels stand still together, leaping there: a plug that is loose, a logger that waits.
+/// The finding that all loads stand still together, leaping there: a plug that is loose, a logger that waits.
 fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
     let moving: Vec<(&Channel, Extent)> = series
         .channels
         .iter()
         .zip(extents)
         .filter_map(|(channel, extent)| Some((channel, (*extent)?)))
-        .filter(|(_, extent)| extent.range() > COUNTS.value * extent.count)
+        .filter(|(channel, extent)| extent.range() > COUNTS.value * extent.count && series.is_load(channel))
         .collect();
     if moving.is_empty() {
         return None;
@@ -224,18 +224,19 @@ fn of_channel(
     let huge = Finding::new("data.huge", &HUGE, about(), largest, text);
     let mut found = vec![huge];
     found.extend(same::findings(series, channel, extent));
-    if series.purpose == Purpose::Loads && extent.range() > 0.0 {
+    if series.purpose.is_loads() && extent.range() > 0.0 {
         found.extend(stuck(series, channel, extent));
         let breaks = |finding: &Finding| finding.breaks(limits);
         let clipped = clipped(series, channel, extent, &[extent.high, extent.low]).filter(breaks);
         let within = || clipped_within(series, channel, extent).filter(breaks);
         let places = placed.of(channel.samples);
         found.extend(places.iter().filter_map(|places| plateau::two_sources(series, channel, places)));
+        found.extend(rectified(series, channel, extent));
         let cut = || plateau::cut_off(series, (channel, extent.count), placed, places.as_ref()?);
         found.extend(clipped.or_else(within).or_else(cut));
     } else if extent.range() > 0.0 {
-        // A motion may meet a stop.
-        found.extend(clipped(series, channel, extent, &[extent.high, extent.low]).map(Finding::noted));
+        let clipped = clipped(series, channel, extent, &[extent.high, extent.low]);
+        found.extend(clipped.map(|clipped| clipped.explained(Cause::Stop, series.purpose)));
     }
     found
 }
@@ -245,7 +246,7 @@ fn nothing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
     let known: Vec<Extent> = extents.iter().copied().collect::<Option<_>>()?;
     let many = series.phase.len() > 1 && !known.is_empty();
     let most = known.iter().map(|extent| extent.high.abs().max(extent.low.abs())).fold(0.0, f64::max);
-    if many && series.purpose == Purpose::Loads && known.iter().all(|extent| extent.range() == 0.0) {
+    if many && series.purpose.is_loads() && known.iter().all(|extent| extent.range() == 0.0) {
         let names: Vec<&str> = series.channels.iter().map(|channel| channel.name).collect();
         let text = format!(
             "{} never change: is the cell connected, is it the right file, and are these the right columns?",
@@ -271,7 +272,8 @@ fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> 
             channel.unit,
             from + 1
         );
-        return Some(Finding::new("data.stuck", &STUCK, series.about(channel.name), cycles, text).noted());
+        let found = Finding::new("data.stuck", &STUCK, series.about(channel.name), cycles, text);
+        return Some(found.explained(Cause::Strokes, series.purpose));
     }
     let text = format!(
         "stays within {:.3e} {} for {cycles:.2} cycles from sample {} on, though it moves by {:.3e} elsewhere: \
@@ -287,11 +289,13 @@ fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> 
 /// Part of its range that a channel moves by while the wings rest, at most. *Choice.*
 const RESTS: f64 = 0.1;
 
-/// Whether the other channels rest meanwhile as well; of a file of one channel whether it is the start.
+/// Whether the other loads rest meanwhile as well; of a file of one whether it is the start.
 fn rests(series: &Series, channel: &Channel, there: std::ops::Range<usize>) -> bool {
     let range = |of: &[f64]| Extent::of(of).map_or(0.0, Extent::range);
-    let others =
-        || series.channels.iter().filter(|other| other.name != channel.name && range(other.samples) > 0.0);
+    let others = || {
+        let all = series.channels.iter().filter(|other| other.name != channel.name && series.is_load(other));
+        all.filter(|other| range(other.samples) > 0.0)
+    };
     let rest = |other: &Channel| range(&other.samples[there.clone()]) < RESTS * range(other.samples);
     if others().next().is_none() { there.start == 0 } else { others().all(rest) }
 }

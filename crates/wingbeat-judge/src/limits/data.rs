@@ -83,7 +83,7 @@ pub const OUTLIERS: Limit = Limit::at_most("data.outliers_fraction", 0.01, "", S
     "distance of the samples far from others of their phase, over all samples and the range of the cycle,",
 );
 /// A load that is sampled well never crosses its range in one step; a wrap leaps twice a cycle.
-pub const WRAPPED: Limit = Limit::at_most("data.leaps_per_cycle", 0.5, "", SuspectData)
+pub const WRAPPED: Limit = Limit::at_most("data.leaps_per_cycle", 0.2, "", SuspectData)
     .on("leaps across the whole range of a smooth channel, in a cycle,");
 /// White noise has 1, its differences 1.5, and smooth loads a quarter.
 pub const ALTERNATES: Limit = Limit::at_most("data.alternating_ratio", 3.0, "", SuspectData)
@@ -95,6 +95,9 @@ pub const BY_TURNS: Limit = Limit::warn_below("data.alternating_correlation", -0
 /// 0.9 (their deviations, sqrt(5 / 6)), in files of 2000 samples within 10 % of it.
 pub const TURNS: Limit = Limit::at_most("data.turns_ratio", 2.0, "", SuspectData)
     .on("second differences at the joins of two sources that take turns, over those within a turn,");
+/// As much as may be lost or written twice: what runs backwards takes the part of the mean that is odd in time away.
+pub const BACKWARDS: Limit = Limit::at_most("data.backwards_fraction", 0.05, "", SuspectData)
+    .on("share of the cycles that run backwards in time");
 /// Fourth moment of the samples of one phase over the square of their variance: two values have 1 (1.3 of 22
 /// samples, or with the noise and the sizes of a load), a hum 1.5, even noise 1.8.
 pub const TWO_SOURCES: Limit = Limit::at_least("data.scatter_kurtosis", 1.42, "", SuspectData)
@@ -187,7 +190,7 @@ pub const BENT: Limit = Limit::warn_above("data.bent_fraction", 0.1, "")
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [Limit; 54] = [
+pub const ALL: [Limit; 55] = [
     NOT_FINITE,
     BACKWARD,
     LOST,
@@ -241,5 +244,6 @@ pub const ALL: [Limit; 54] = [
     EARLY,
     RUNS,
     TURNS,
+    BACKWARDS,
     STEPS,
 ];

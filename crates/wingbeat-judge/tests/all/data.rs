@@ -551,6 +551,110 @@ fn strokes_of_several_sizes_are_noted_and_a_gain_that_changes_is_refused() {
     }
 }
 
+/// Whether a finding of that name refuses the data; none where there is none of that name.
+fn refuses(data: &Data, id: &str) -> Option<bool> {
+    let own = found(data).into_iter().filter(|finding| finding.id == id);
+    own.map(|finding| finding.serious && finding.limit.status.is_some()).reduce(|a, b| a || b)
+}
+
+#[test]
+fn what_is_right_to_average_is_no_datum_of_a_steady_case() {
+    let load = Load { cycles: 40.0, ..Load::default() };
+    let bounding = strokes(&load, |k| f64::from(u8::from(k % 10 < 7)));
+    let knocks = changed(&load, |k, x| if (100..102).contains(&(k % 200)) { x + 2.2 } else { x });
+    for (data, id) in [(bounding, "data.not_periodic"), (knocks, "data.wrapped")] {
+        assert_eq!(refuses(&data, id), Some(false), "{id}");
+        assert_eq!(refuses(&(data.0, data.1, Purpose::Datum), id), Some(true), "{id}");
+    }
+    assert!(found(&(load.phase(), vec![load.samples(1)], Purpose::Datum)).is_empty());
+}
+
+#[test]
+fn turns_of_two_sources_are_found_in_a_part_of_a_file_and_of_any_length() {
+    let load = Load { cycles: 40.0, ..Load::default() };
+    let turns =
+        |m: usize, to: usize| changed(&load, |k, x| if k < to && k / m % 2 == 1 { 0.5 * x } else { x });
+    for data in [turns(12, 8000), turns(3, 2800), turns(37, 8000)] {
+        assert_eq!(refuses(&data, "data.alternates"), Some(true), "{:?}", found(&data));
+    }
+    // A chopper adds the same to any load.
+    let ripple = changed(&load, |k, x| x + if k / 11 % 2 == 1 { 0.6 } else { 0.0 });
+    assert_eq!(refuses(&ripple, "data.alternates"), Some(false), "{:?}", found(&ripple));
+    // What rings after a knock keeps step with the cycle.
+    let rings = changed(&load, |k, x| {
+        let after = (k % 200) as f64 - 60.0;
+        if after < 0.0 { x } else { x + 2.0 * (-after / 30.0).exp() * (TAU * after / 10.0).cos() }
+    });
+    assert_ne!(refuses(&rings, "data.alternates"), Some(true), "{:?}", found(&rings));
+}
+
+#[test]
+fn counts_that_wrap_around_for_a_moment_are_told_from_a_knock() {
+    let load = Load { cycles: 40.0, noise: 0.01, ..Load::default() };
+    let clean = Load { noise: 0.0, ..load.clone() }.samples(1);
+    let (low, high) = clean.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let range = high - low;
+    for depth in [0.06, 0.12] {
+        let [from, width] = [low - 0.05 * range, (1.05 - depth) * range];
+        let wraps = changed(&load, |_, x| (x - from).rem_euclid(width) + from);
+        assert_eq!(refuses(&wraps, "data.wrapped"), Some(true), "{:?}", found(&wraps));
+    }
+    let least = clean[..200].iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |of| of.0);
+    let knock = changed(&load, |k, x| if (k + 202 - least) % 200 < 5 { x + range } else { x });
+    assert!(found(&knock).iter().all(|of| !of.serious), "{:?}", found(&knock));
+}
+
+#[test]
+fn magnitudes_rows_out_of_order_and_backwards_are_refused() {
+    let load = Load { cycles: 40.0, mean: 0.35, ..Load::default() };
+    let magnitudes = changed(&load, |_, x| x.abs());
+    assert_eq!(refuses(&magnitudes, "data.rectified"), Some(true), "{:?}", found(&magnitudes));
+
+    let mut shuffled = loads(&load);
+    let (mut noise, count) = (Noise(3), shuffled.1[0].len());
+    (1..count).rev().for_each(|k| shuffled.1[0].swap(k, (0.5 * (noise.next() + 1.0) * k as f64) as usize));
+    assert_eq!(refuses(&shuffled, "data.noise"), Some(true), "{:?}", found(&shuffled));
+    // A channel without a load has the noise of the others.
+    let mut idle = loads(&load);
+    idle.1.push((0..count).map(|_| 0.3 * noise.next()).collect());
+    idle.1[0].iter_mut().for_each(|x| *x += 0.3 * noise.next());
+    assert_eq!(refuses(&idle, "data.noise"), None, "{:?}", found(&idle));
+
+    let mut backwards = loads(&load);
+    backwards.1.iter_mut().for_each(|x| x[2000..4000].reverse());
+    assert_eq!(refuses(&backwards, "data.backwards"), Some(true), "{:?}", found(&backwards));
+}
+
+#[test]
+fn copies_are_found_in_the_channel_of_fewer_counts_too() {
+    let load = Load { cycles: 40.0, count: 0.01, ..Load::default() };
+    let mut data = loads(&load);
+    data.1[1] = Load { count: 0.0, ..load.clone() }.samples(2);
+    data.1[0].copy_within(1000..3000, 5111);
+    assert_eq!(refuses(&data, "data.copied"), Some(true), "{:?}", found(&data));
+}
+
+#[test]
+fn a_temperature_beside_loads_does_not_rest_with_them() {
+    let load = Load { cycles: 40.0, noise: 0.0, count: 0.01, ..Load::default() };
+    let rests = |k: usize, x: f64| if (2000..2400).contains(&k) { 0.1 } else { x };
+    let of = |seed: u64| load.samples(seed).into_iter().enumerate().map(|(k, x)| rests(k, x)).collect();
+    let samples: [Vec<f64>; 3] = [of(1), of(2), load.phase().iter().map(|p| 20.0 + 0.1 * p).collect()];
+    let units = [("Fx", "mN"), ("Fz", "kgf"), ("temp", "degC")];
+    let channels = units.iter().zip(&samples).map(|((name, unit), samples)| Channel { name, unit, samples });
+    let phase = load.phase();
+    let series = Series {
+        what: "a",
+        phase: &phase,
+        frequency_hz: None,
+        channels: channels.collect(),
+        purpose: Purpose::Loads,
+    };
+    let told = examined(&series, &Limits::default());
+    let stuck: Vec<&Finding> = told.iter().filter(|of| of.id == "data.stuck").collect();
+    assert!(!stuck.is_empty() && stuck.iter().all(|of| !of.serious), "{told:?}");
+}
+
 #[test]
 fn bouts_with_rests_keep_the_frequency_of_their_strokes() {
     let load = Load { cycles: 60.0, more: [0.3, 0.1], ..Load::default() };
@@ -815,6 +919,27 @@ fn what_is_computed_judges_sign_order_gain_and_phase() {
     let mut noise = Noise(4);
     let other = at(0).map(|x| x.iter().map(|_| noise.next()).collect::<Vec<f64>>());
     assert!(ids(&beside(&other)).contains(&"data.unrelated"), "{:?}", beside(&other));
+}
+
+#[test]
+fn a_file_that_runs_backwards_is_told_beside_what_is_computed() {
+    let own = [
+        Load { more: [0.5, 0.3], ..Load::default() },
+        Load { size: 0.15, more: [6.0, 0.0], ..Load::default() },
+        Load { size: 0.01, more: [-0.5, 0.3], ..Load::default() },
+    ];
+    let at = |lag: usize, back: bool| {
+        own.clone().map(|load| {
+            let mut of = cycle(&load, lag);
+            if back {
+                of.reverse();
+            }
+            of
+        })
+    };
+    let told = |of: &[Vec<f64>; 3]| beside(of).iter().any(|of| of.id == "data.backwards" && of.serious);
+    assert!(told(&at(0, true)) && told(&at(100, true)), "{:?}", beside(&at(0, true)));
+    assert!(!told(&at(0, false)) && !told(&at(100, false)), "{:?}", beside(&at(100, false)));
 }
 
 #[test]

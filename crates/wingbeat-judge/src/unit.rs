@@ -14,27 +14,36 @@ pub enum Quantity {
 }
 
 /// Newtons in each unit of force.
-const FORCE: [(&str, f64); 8] = [
+const FORCE: [(&str, f64); 11] = [
     ("N", 1.0),
     ("mN", 1e-3),
+    ("uN", 1e-6),
     ("kN", 1e3),
     ("lbf", 4.448_221_615_260_5),
     ("klbf", 4_448.221_615_260_5),
+    ("ozf", 0.278_013_850_953_781_2),
+    ("dyn", 1e-5),
     ("gf", 9.80665e-3),
     ("kgf", 9.80665),
     ("kg", 9.80665), // as ATI's boxes write kgf
 ];
 /// Newton metres in each unit of moment.
-const MOMENT: [(&str, f64); 9] = [
+const MOMENT: [(&str, f64); 15] = [
     ("N m", 1.0),
     ("N mm", 1e-3),
+    ("N cm", 1e-2),
     ("mN m", 1e-3),
+    ("mN mm", 1e-6),
+    ("uN m", 1e-6),
     ("kN m", 1e3),
+    ("ozf-in", 0.007_061_551_814_226_04),
     ("lbf-in", 0.112_984_829_027_616_7),
     ("lbf-ft", 1.355_817_948_331_400_4),
     ("kgf-cm", 0.098_066_5),
     ("kg-cm", 0.098_066_5),
     ("kgf-m", 9.80665),
+    ("kgf-mm", 9.80665e-3),
+    ("gf-cm", 9.80665e-5),
 ];
 /// Seconds in each unit of time.
 const TIME: [(&str, f64); 3] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6)];
@@ -67,9 +76,25 @@ impl Quantity {
     }
 }
 
+/// Whether a channel is a force or a moment: by its unit, where that is known, else by its name, `Fx` to `Tz`. Where no channel of a file is
+/// one, all may be.
+pub fn is_load(name: &str, unit: &str) -> bool {
+    let of = |quantity: Quantity| quantity.factor(unit).is_some();
+    let component = || {
+        let name: Vec<char> = name.chars().map(|c| c.to_ascii_lowercase()).collect();
+        matches!(name[..], ['f' | 'm' | 't', 'x'..='z'])
+    };
+    match Quantity::ALL.into_iter().find(|quantity| of(*quantity)) {
+        Some(known) => matches!(known, Quantity::Force | Quantity::Moment),
+        None => component(),
+    }
+}
+
 fn plain(name: &str) -> String {
     let letters = name.trim().chars().filter(|c| !matches!(c, ' ' | '-' | '.' | '*' | '·' | '_'));
-    let text = letters.collect::<String>().to_lowercase();
+    // The sign of micro has two codes.
+    let text =
+        letters.map(|c| if matches!(c, 'µ' | 'μ') { 'u' } else { c }).collect::<String>().to_lowercase();
     text.strip_suffix("turns").map(|start| format!("{start}turn")).unwrap_or(text)
 }
 
@@ -87,6 +112,23 @@ mod tests {
         // 1 lbf ft = 12 lbf in = 12 x 0.0254 m x 4.448... N (exact by definition).
         let foot = Quantity::Moment.factor("lbf-ft").unwrap();
         assert!((foot - 12.0 * 0.0254 * 4.448_221_615_260_5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_load_is_told_by_its_unit_and_else_by_its_name() {
+        for unit in ["N", "mN", "N mm", "mN·mm", "µN", "lbf", "kgf", "gf", "lbf-in", "ozf-in"] {
+            assert!(is_load("a", unit), "{unit}");
+        }
+        assert!(is_load("Fz", "V") && is_load("ty", "counts") && is_load("My", ""));
+        for (name, unit) in [("temp", "degC"), ("temp", ""), ("Tx", "deg"), ("wind", "m/s"), ("power", "W")] {
+            assert!(!is_load(name, unit), "{name} {unit}");
+        }
+        // 1 ozf = 1/16 lbf, 1 in = 0.0254 m (exact by definition).
+        let [force, moment] =
+            [Quantity::Force.factor("ozf"), Quantity::Moment.factor("ozf-in")].map(Option::unwrap);
+        assert!(
+            (force - 4.448_221_615_260_5 / 16.0).abs() < 1e-15 && (moment - 0.0254 * force).abs() < 1e-15
+        );
     }
 
     #[test]
