@@ -60,7 +60,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         flow: &Flow<K, G, N>,
-        response: &Response<S, N>,
+        response: &Response<'_, S, N>,
         loads: Option<&mut Loads<S>>,
         by_strip: Option<&mut [Wrench<S>]>,
     ) -> Wrench<S> {
@@ -97,7 +97,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         flow: &Flow<K, G, N>,
-        response: &Response<S, N>,
+        response: &Response<'_, S, N>,
         forces: &Forces<S, N>,
         loads: &mut Loads<S>,
     ) {
@@ -140,7 +140,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        response: &Response<S, N>,
+        response: &Response<'_, S, N>,
         plain: &InPlane<S, N>,
         detail: &mut [ForceDetail<S>],
     ) {
@@ -161,7 +161,7 @@ impl<P: Scalar> StripModel<P> {
     fn vortex_force<S: Scalar + Meets<P>, const N: usize>(
         &self,
         i: usize,
-        response: &Response<S, N>,
+        response: &Response<'_, S, N>,
         edges: &LeadingEdges<S, N>,
     ) -> S {
         edges.vortex[i] * response.attached[i] * self.tables.drag_scale[i]
@@ -185,7 +185,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        response: &Response<S, N>,
+        response: &Response<'_, S, N>,
         directed: Directed,
     ) -> InPlane<S, N> {
         let (attached, delta2) = (&response.attached, self.floor * self.floor);
@@ -237,7 +237,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        response: &Response<S, N>,
+        response: &Response<'_, S, N>,
         edges: &LeadingEdges<S, N>,
         shares: &Column<S, N>,
         force: &mut InPlane<S, N>,
@@ -295,7 +295,7 @@ impl<P: Scalar> StripModel<P> {
         &self,
         i: usize,
         flow: &Flow<K, G, N>,
-        response: &Response<S, N>,
+        response: &Response<'_, S, N>,
     ) -> SectionForce<S> {
         let (strips, impulse) = (&flow.strips, response.impulse[i]);
         let normal_rate = strips.normal_rate.get(i);
@@ -312,7 +312,7 @@ impl<P: Scalar> StripModel<P> {
                 strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);
             force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
             if let Some(camber) = &response.camber {
-                force.nose_up += self.camber_moment(i, flow, response.attached[i], camber);
+                force.nose_up += camber.couple[i];
             }
         }
         force

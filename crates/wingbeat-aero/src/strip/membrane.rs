@@ -7,13 +7,13 @@
 
 mod sheet;
 
-use super::influence::Column;
 use super::{Flow, StripModel};
 use crate::MAX_STRIPS;
+use arrayvec::ArrayVec;
 pub use sheet::MembraneScales;
 use sheet::{ARC, MODES};
 pub(super) use sheet::{Membrane, Shapes};
-use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_math::{Meets, Over, Scalar};
 
 /// What each strip carries for it: the heights over the chord, and the momentum that the parabola feels, as followed.
 pub(super) const STATES: [(&str, &str); BLOCKS] =
@@ -21,16 +21,24 @@ pub(super) const STATES: [(&str, &str); BLOCKS] =
 /// Number of its states per strip.
 pub(super) const BLOCKS: usize = MODES + 1;
 
-/// What the camber does on each strip.
-pub(super) struct Camber<S: Scalar, const N: usize> {
+/// What the camber does on each strip; columns end with the last strip that is computed, and are empty without a membrane.
+pub(super) struct Camber<'x, S: Scalar, const N: usize> {
     /// Heights over the chord.
-    pub of_chord: Shapes<Column<S, N>>,
-    /// Rate of the parabola's height, m/s.
-    pub rate: Column<S, N>,
+    pub of_chord: Shapes<&'x [S]>,
+    /// Nose-up couple about the quarter chord, N m.
+    pub couple: ArrayVec<S, N>,
     /// Lift wash without what the slopes add: the wash of the flat chord, m/s.
-    pub flat: Column<S, N>,
+    pub flat: ArrayVec<S, N>,
     /// What the slope at the leading edge takes of that wash there, m/s.
-    pub nose: Column<S, N>,
+    pub nose: ArrayVec<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Camber<'_, S, N> {
+    /// That of a rigid surface. Columns are not filled and not moved: with derivatives they are large.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { of_chord: [&[]; MODES], couple: ArrayVec::new(), flat: ArrayVec::new(), nose: ArrayVec::new() }
+    }
 }
 
 /// What a strip's membrane meets: as [`Strips`](super::motion::Strips), with the impulse of the air by the motion.
@@ -40,37 +48,20 @@ pub(super) struct SectionAir<G: Scalar> {
     wash_half: G,
     speed: G,
     pitch: G,
-    drift: G,
     impulse: G,
-    normal_rate: Vec3<G>,
-    chordwise: Vec3<G>,
-    across: Vec3<G>,
+    /// Acceleration of the flat chord by the turn of the normal in the air, m/s2.
+    turning: G,
 }
 
-impl<G: Scalar> SectionAir<G> {
-    fn of<K: Scalar, const N: usize>(flow: &Flow<K, G, N>, i: usize) -> Self
-    where
-        G: Over<K>,
-    {
-        let strips = &flow.strips;
-        Self {
-            along: strips.along[i],
-            wash_half: strips.wash_half[i],
-            speed: strips.speed[i],
-            pitch: strips.pitch[i],
-            drift: strips.drift[i],
-            impulse: flow.impulse[i],
-            normal_rate: strips.normal_rate.get(i),
-            chordwise: strips.chordwise.get(i).lifted(),
-            across: strips.across.get(i).lifted(),
-        }
-    }
-}
+/// That of each strip.
+pub(super) type SectionAirs<G, const N: usize> = ArrayVec<SectionAir<G>, N>;
 
-/// A membrane whose rates are not yet known.
-pub(super) struct Bulging<G: Scalar, S: Scalar, const N: usize> {
-    airs: [SectionAir<G>; N],
-    of_chord: Shapes<Column<S, N>>,
+/// A membrane in the air of its strips.
+pub(super) struct Skin<'a, P, G: Scalar, S> {
+    membrane: &'a Membrane<P>,
+    airs: &'a [SectionAir<G>],
+    /// Heights over the chord.
+    of_chord: Shapes<&'a [S]>,
 }
 
 impl<P: Scalar> StripModel<P> {
@@ -128,13 +119,9 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Heights over the chord from the states.
-    pub(super) fn cambers<S: Scalar, const N: usize>(&self, x: &[S]) -> Shapes<Column<S, N>> {
+    pub(super) fn cambers<'x, S>(&self, x: &'x [S]) -> Shapes<&'x [S]> {
         let (n, at) = (self.settings.strips, self.camber_states());
-        let mut shapes = [[S::ZERO; N]; MODES];
-        for (m, column) in shapes.iter_mut().enumerate() {
-            column[..n].copy_from_slice(&x[at + m * n..][..n]);
-        }
-        shapes
+        std::array::from_fn(|m| &x[at + m * n..][..n])
     }
 
     /// Adds what the slopes make of the wash at 3/4 chord, V (2 h_1 - h_2)/c: the wash is B0 + B1 cos t + B2 cos 2t + ..., of
@@ -146,13 +133,9 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Glauert 1926, ch. 7, with the wash of the rate.
     /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
     #[inline(never)]
-    fn wash_of_slope<G: Scalar, S: Over<G>>(
-        &self,
-        airs: &[SectionAir<G>],
-        [first, second]: Shapes<&[S]>,
-        wash: &mut [S],
-    ) {
-        for (i, air) in airs.iter().enumerate() {
+    pub(super) fn wash_of_slope<G: Scalar, S: Over<G>>(&self, skin: &Skin<'_, P, G, S>, wash: &mut [S]) {
+        let [first, second] = skin.of_chord;
+        for (i, air) in skin.airs.iter().enumerate() {
             wash[i] += (first[i] * 2.0 - second[i]) * air.along.smooth_abs(self.floor);
         }
     }
@@ -167,9 +150,7 @@ impl<P: Scalar> StripModel<P> {
     ) -> [G; 2] {
         let covered = self.tables.covered[i];
         let mass = membrane.areal_density * self.tables.chord[i] * membrane.width[i] * covered * (2.0 / 3.0);
-        let turning =
-            air.along * air.normal_rate.dot(air.chordwise) - air.drift * air.normal_rate.dot(air.across);
-        [air.impulse * 0.75 + air.wash_half * mass, turning * mass]
+        [air.impulse * 0.75 + air.wash_half * mass, air.turning * mass]
     }
 
     /// Loads on the shapes of strip `i`, N, by virtual work of the pressure difference; of the circulatory force per wash
@@ -222,17 +203,18 @@ impl<P: Scalar> StripModel<P> {
     /// Rates of the cambers, and what they make of washes and lags: the rate h_1' lowers the wash by h_1'/2, and with it at once the
     /// load, so that the air damps the camber; that damping is taken for both shapes, whose second has no other effect of its rate.
     #[inline(never)]
-    fn bulge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+    pub(super) fn bulge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        (airs, membrane): (&[SectionAir<G>], &Membrane<P>),
-        (of_chord, attached): (Shapes<&[S]>, &[S]),
-        [wash, lift_wash, flat, nose, first_rate]: [&mut [S]; 5],
+        &Skin { membrane, airs, of_chord }: &Skin<'_, P, G, S>,
+        attached: &[S],
+        [wash, lift_wash, flat, nose, couple]: [&mut [S]; 5],
         x: &[S],
         dx: &mut [S],
     ) {
         let (n, tables, at) = (self.settings.strips, &self.tables, self.camber_states());
         let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
-        let (mut load, mut resistance) = ([[S::ZERO; MAX_STRIPS]; MODES], [S::ZERO; MAX_STRIPS]);
+        let (mut first, mut second) = (ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new());
+        let mut resistance = ArrayVec::<S, MAX_STRIPS>::new();
         let felt = at + MODES * n;
         for (i, air) in airs.iter().enumerate() {
             // The rate of the momentum as a state follows it: accelerations are not yet known here.
@@ -240,59 +222,52 @@ impl<P: Scalar> StripModel<P> {
             dx[felt + i] = (x[felt + i] - momentum) * -membrane.damping.recip();
             let vortex = vortices.map_or(S::ZERO, |vortices| vortices[i]);
             let section = (lift_wash[i], attached[i], vortex, dx[felt + i] - turning);
-            let shapes = [of_chord[0][i], of_chord[1][i]];
-            [load[0][i], load[1][i]] = self.camber_load(i, air, shapes, section);
+            let load = self.camber_load(i, air, of_chord.map(|shape| shape[i]), section);
+            first.push(load[0]);
+            second.push(load[1]);
             let scale = tables.lift_scale[i] * tables.at_once * 0.25;
-            resistance[i] = attached[i] * (air.along.smooth_abs(self.floor) * scale);
+            resistance.push(attached[i] * (air.along.smooth_abs(self.floor) * scale));
         }
-        let [first, second] = &mut load;
-        membrane.rates(of_chord, &resistance, &mut [first, second]);
+        membrane.rates(of_chord, &resistance, &mut [&mut first, &mut second]);
         for (i, air) in airs.iter().enumerate() {
-            let (fallen, wind) = (load[0][i] * -0.5, air.along.smooth_abs(self.floor));
+            let (fallen, wind) = (first[i] * -0.5, air.along.smooth_abs(self.floor));
             wash[i] += fallen;
             lift_wash[i] += fallen * tables.at_once;
             nose[i] = of_chord[1][i] * wind;
             flat[i] = lift_wash[i] - of_chord[0][i] * (wind * 2.0) + nose[i];
-            first_rate[i] = load[0][i];
+            couple[i] = self.camber_moment(i, wind, attached[i], of_chord.map(|shape| shape[i]), first[i]);
             for (k, lag) in self.numbers.lags.iter().enumerate() {
                 dx[k * n + i] += fallen * (air.speed * (lag.rate * tables.turnover[i]));
             }
-            for (m, rate) in load.iter().enumerate() {
+            for (m, rate) in [&first, &second].into_iter().enumerate() {
                 dx[at + m * n + i] = rate[i] * tables.chord[i].recip();
             }
         }
     }
 
-    /// What the membrane, if there is one, makes of the wash: see [`wash_of_slope`](Self::wash_of_slope).
-    pub(super) fn slopes<K: Scalar, G: Over<K> + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
-        &self,
+    /// What the membrane meets, if there is one, kept in `airs`.
+    #[inline(always)]
+    pub(super) fn skin<'a, K: Scalar, G: Over<K>, S, const N: usize>(
+        &'a self,
         flow: &Flow<K, G, N>,
-        x: &[S],
-        wash: &mut Column<S, N>,
-    ) -> Option<Bulging<G, S, N>> {
-        self.membrane.as_ref()?;
-        let airs = std::array::from_fn(|i| SectionAir::of(flow, i));
-        let of_chord = self.cambers::<S, N>(x);
-        self.wash_of_slope(&airs[..self.settings.strips], [&of_chord[0], &of_chord[1]], wash);
-        Some(Bulging { airs, of_chord })
-    }
-
-    /// See [`bulge`](Self::bulge).
-    pub(super) fn advance_camber<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
-        &self,
-        Bulging { airs, of_chord }: Bulging<G, S, N>,
-        attached: &Column<S, N>,
-        (wash, lift_wash): (&mut Column<S, N>, &mut Column<S, N>),
-        x: &[S],
-        dx: &mut [S],
-    ) -> Option<Camber<S, N>> {
-        let zero = [S::ZERO; N];
-        let mut camber = Camber { of_chord, rate: zero, flat: *lift_wash, nose: zero };
-        let air = (&airs[..self.settings.strips], self.membrane.as_ref()?);
-        let held: (Shapes<&[S]>, &[S]) = ([&of_chord[0], &of_chord[1]], attached);
-        let columns: [&mut [S]; 5] = [wash, lift_wash, &mut camber.flat, &mut camber.nose, &mut camber.rate];
-        self.bulge(air, held, columns, x, dx);
-        Some(camber)
+        airs: &'a mut SectionAirs<G, N>,
+        x: &'a [S],
+    ) -> Option<Skin<'a, P, G, S>> {
+        let membrane = self.membrane.as_ref()?;
+        let strips = &flow.strips;
+        for i in 0..self.settings.strips {
+            let rate = strips.normal_rate.get(i);
+            airs.push(SectionAir {
+                along: strips.along[i],
+                wash_half: strips.wash_half[i],
+                speed: strips.speed[i],
+                pitch: strips.pitch[i],
+                impulse: flow.impulse[i],
+                turning: strips.along[i] * strips.chordwise.get(i).dot_over(rate)
+                    - strips.drift[i] * strips.across.get(i).dot_over(rate),
+            });
+        }
+        Some(Skin { membrane, airs, of_chord: self.cambers(x) })
     }
 
     /// Nose-up couple of the camber of strip `i` about its quarter chord, N m:
@@ -302,15 +277,16 @@ impl<P: Scalar> StripModel<P> {
     /// `-rho pi b^2 dy V [V (2 h_1 - 3/2 h_2)/c + h_1'/2]; steady c_m = -pi (h_1 - 3/4 h_2)/c`
     /// Source: Glauert 1926, ch. 7; rate by thin-aerofoil theory, own derivation.
     /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
-    pub(super) fn camber_moment<K: Scalar, G: Over<K> + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+    #[inline(always)]
+    fn camber_moment<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
+        wind: G,
         attached: S,
-        camber: &Camber<S, N>,
+        [first, second]: Shapes<S>,
+        first_rate: S,
     ) -> S {
-        let (wind, [first, second]) = (flow.strips.along[i].smooth_abs(self.floor), &camber.of_chord);
-        let turning = (first[i] * 2.0 - second[i] * 1.5) * wind + camber.rate[i] * 0.5;
+        let turning = (first * 2.0 - second * 1.5) * wind + first_rate * 0.5;
         -(turning * attached * (wind * (self.tables.lift_scale[i] * self.tables.chord[i] * 0.25)))
     }
 
@@ -340,6 +316,7 @@ mod tests {
         StripSettings,
     };
     use std::f64::consts::PI;
+    use wingbeat_math::Vec3;
 
     /// A sail of 1 m chord and 10 m span, E t = 100 N/m, 0.01 kg/m2.
     fn sail(thickness: f64, prestrain: f64) -> StripModel {

@@ -34,7 +34,7 @@ use crate::{
 use cores::Cores;
 use grid::Grid;
 use influence::{Column, Matrix, Targets, Wash, invert, lanes, multiply, plain};
-use membrane::Membrane;
+use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
 use wingbeat_math::Error;
@@ -313,7 +313,8 @@ impl<P: Scalar> StripModel<P> {
         if let Some(loads) = loads.as_deref_mut() {
             self.note_others(foreign.as_ref(), loads);
         }
-        let response = self.respond(&flow, foreign.as_ref(), &x[..states], &mut dx[..states]);
+        let mut camber = Camber::none();
+        let response = self.respond(&flow, foreign.as_ref(), &x[..states], &mut dx[..states], &mut camber);
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
             self.couple(&flow, sections, mass);
             if let (Some(rates), true) = (impulses, self.follows()) {

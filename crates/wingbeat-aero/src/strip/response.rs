@@ -2,14 +2,14 @@
 
 use super::constants::FOLLOWING_TIME;
 use super::influence::{Column, lanes, multiply};
-use super::membrane::Camber;
+use super::membrane::{Camber, SectionAirs};
 use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
 use crate::LagNumbers;
 use crate::law::{Attachment, Polar, lev};
 use crate::section::suction_share;
-use wingbeat_math::{Dual, Meets, Over, Scalar};
+use wingbeat_math::{Dual, Meets, Over, Scalar, append_copies};
 
 /// Linear sums over the lags of each strip.
 #[derive(Clone, Copy)]
@@ -33,7 +33,7 @@ pub(super) struct LagSums<S: Scalar, const N: usize> {
 }
 
 /// Washes and impulses of the strips.
-pub(super) struct Response<S: Scalar, const N: usize> {
+pub(super) struct Response<'a, S: Scalar, const N: usize> {
     /// Circulation, m2/s.
     pub circulation: Column<S, N>,
     /// Share of the lift that stays attached.
@@ -47,7 +47,7 @@ pub(super) struct Response<S: Scalar, const N: usize> {
     /// What law `lev` says of the leading edges.
     pub edges: Option<LeadingEdges<S, N>>,
     /// What a membrane does.
-    pub camber: Option<Camber<S, N>>,
+    pub camber: Option<&'a Camber<'a, S, N>>,
     /// Normal impulse of the air on each strip, N s, and its rate, N.
     pub impulse: Column<S, N>,
     pub impulse_rate: Column<S, N>,
@@ -304,6 +304,7 @@ impl<P: Scalar> StripModel<P> {
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     #[inline(always)]
     pub(super) fn respond<
+        'a,
         K: Scalar + Meets<P>,
         G: Over<K> + Meets<P>,
         S: Over<G> + Over<K> + Meets<P>,
@@ -312,9 +313,10 @@ impl<P: Scalar> StripModel<P> {
         &self,
         flow: &Flow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,
-        x: &[S],
+        x: &'a [S],
         dx: &mut [S],
-    ) -> Response<S, N> {
+        camber: &'a mut Camber<'a, S, N>,
+    ) -> Response<'a, S, N> {
         let lagged = self.lagged(x);
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
@@ -331,19 +333,36 @@ impl<P: Scalar> StripModel<P> {
                 wash[i] += left[i];
             }
         }
-        let membrane = self.slopes(flow, x, &mut wash);
+        let mut airs = SectionAirs::new();
+        let skin = self.skin(flow, &mut airs, x);
+        if let Some(skin) = &skin {
+            self.wash_of_slope(skin, &mut wash);
+        }
         let mut lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
-        let camber = membrane.and_then(|membrane| {
-            self.advance_camber(membrane, &attached, (&mut wash, &mut lift_wash), x, dx)
+        let camber = skin.map(|skin| {
+            let Camber { of_chord, couple, flat, nose } = &mut *camber;
+            *of_chord = self.cambers(x);
+            let count = lanes::<S, N>(self.settings.strips);
+            append_copies(couple, S::ZERO, count);
+            append_copies(flat, S::ZERO, count);
+            append_copies(nose, S::ZERO, count);
+            self.bulge(&skin, &attached, [&mut wash, &mut lift_wash, flat, nose, couple], x, dx);
+            &*camber
         });
         // What the slope of a camber adds is borne by it, not by the leading edge.
-        let flat = camber.as_ref().map_or(&lift_wash, |camber| &camber.flat);
+        let flat = camber.map_or(&lift_wash[..], |camber| &camber.flat);
         let turning_wash = self.turning_wash(flow, foreign, &sums, flat);
         let law = self.settings.section.law.about();
         // The leading edge meets the flat chord's wash less what its own slope takes.
-        let edge_washes = camber.as_ref().map(|Camber { flat, nose, .. }| {
-            let less = |of: &Column<S, N>| std::array::from_fn(|i| of[i] - nose[i]);
-            [less(flat), less(&turning_wash)]
+        let lags = matches!(law.attachment, Attachment::Lagging { .. });
+        let edge_washes = camber.filter(|_| law.edge_vortex || lags).map(|camber| {
+            let less = |of: &[S]| {
+                let mut column = [S::ZERO; N];
+                let left = of.iter().zip(&camber.nose).map(|(wash, nose)| *wash - *nose);
+                column.iter_mut().zip(left).for_each(|(column, left)| *column = left);
+                column
+            };
+            [less(&camber.flat), less(&turning_wash)]
         });
         let [edge_wash, edge_turning] =
             edge_washes.as_ref().map_or([&lift_wash, &turning_wash], |[wash, turning]| [wash, turning]);
@@ -496,7 +515,7 @@ impl<P: Scalar> StripModel<P> {
         flow: &Flow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,
         sums: &LagSums<S, N>,
-        lift_wash: &Column<S, N>,
+        lift_wash: &[S],
     ) -> Column<S, N> {
         let n = self.settings.strips;
         let mut seen = [S::ZERO; N];
@@ -504,9 +523,9 @@ impl<P: Scalar> StripModel<P> {
             seen[i] = sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0);
         }
         let (far, near) = (multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n));
-        let mut wash = *lift_wash;
+        let mut wash = far;
         for i in 0..lanes::<S, N>(self.settings.strips) {
-            wash[i] += far[i] - near[i];
+            wash[i] = lift_wash[i] + (far[i] - near[i]);
         }
         if let Some(foreign) = foreign {
             for i in 0..lanes::<S, N>(self.settings.strips) {

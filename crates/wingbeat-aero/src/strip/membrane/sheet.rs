@@ -2,6 +2,7 @@
 
 use super::super::grid::Grid;
 use crate::{MAX_STRIPS, MembraneNumbers, Planform};
+use arrayvec::ArrayVec;
 use std::f64::consts::{PI, TAU};
 use wingbeat_math::{Error, GRAVITY, Meets, Scalar};
 
@@ -17,6 +18,9 @@ pub(super) const MODES: usize = 2;
 pub(super) const ARC: [f64; MODES] = [16.0 / 3.0, 16.0 / 5.0];
 /// Mean square of each shape along the chord.
 const MEAN_SQUARE: [f64; MODES] = [8.0 / 15.0, 8.0 / 105.0];
+
+/// Tension of each strip of a bay along its chord, and its size.
+type Tensions<S> = ArrayVec<[S; 2], MAX_STRIPS>;
 
 /// Something for each shape.
 pub(in super::super) type Shapes<T> = [T; MODES];
@@ -171,7 +175,7 @@ impl<P: Scalar> Membrane<P> {
         resistance: &[S],
         rates: &mut Shapes<&mut [S]>,
     ) {
-        let mut along = [[S::ONE; 2]; MAX_STRIPS];
+        let mut along = Tensions::new();
         for bay in &self.bays {
             let across = self.tensions(bay, camber, &mut along);
             for m in 0..MODES {
@@ -200,15 +204,16 @@ impl<P: Scalar> Membrane<P> {
         }
     }
 
-    /// Tensions of a bay, and their sizes: of each strip along the chord in `along`, and of all along the span.
+    /// Tensions of a bay, and their sizes: of each strip along the chord, in `along`, and of all along the span.
     #[inline(never)]
     fn tensions<S: Scalar + Meets<P>>(
         &self,
         bay: &Bay<P>,
         camber: Shapes<&[S]>,
-        along: &mut [[S; 2]; MAX_STRIPS],
+        along: &mut Tensions<S>,
     ) -> [S; 2] {
         let strips = bay.strips();
+        along.clear();
         let mut along_span = <S as From<P>>::from(self.prestrain_span);
         for (column, mean) in camber.iter().zip(MEAN_SQUARE) {
             for (k, tie) in bay.ties.iter().enumerate() {
@@ -220,7 +225,7 @@ impl<P: Scalar> Membrane<P> {
         for i in strips {
             let strain = tension(self.stretch(camber, i) + along_span * bay.poisson);
             along_chord += strain[0] * (self.chord[i] * self.width[i] * bay.inverse_area);
-            along[i] = strain.map(|t| t * bay.stiffness);
+            along.push(strain.map(|t| t * bay.stiffness));
         }
         // A slack strip wrinkles: across it the membrane narrows as it likes.
         let across = along_span * (P::ONE - bay.poisson * bay.poisson) + along_chord * bay.poisson;
@@ -233,7 +238,7 @@ impl<P: Scalar> Membrane<P> {
     fn shape_rates<S: Scalar + Meets<P>>(
         &self,
         (bay, m): (&Bay<P>, usize),
-        (along, [pull, held]): (&[[S; 2]; MAX_STRIPS], [S; 2]),
+        (along, [pull, held]): (&[[S; 2]], [S; 2]),
         (camber, resistance): (&[S], &[S]),
         rates: &mut [S],
     ) {
@@ -241,28 +246,29 @@ impl<P: Scalar> Membrane<P> {
         let (arc, mean) = (ARC[m], MEAN_SQUARE[m]);
         let tie = |k: usize| bay.ties[k] * mean;
         let off = |k: usize| -(held * (tie(k) * self.damping));
-        let mut diagonal = [S::ONE; MAX_STRIPS];
+        let mut diagonal = ArrayVec::<S, MAX_STRIPS>::new();
         for k in 0..count {
             let i = first + k;
             let [before, here, behind] = [k, k + 1, k + 2].map(|k| self.height(bay, camber, k));
             let slope = self.width[i] / self.chord[i] * arc;
-            let tangent = (along[i][1] + camber[i].squared() * (bay.stiffness * arc)) * slope
+            let tangent = (along[k][1] + camber[i].squared() * (bay.stiffness * arc)) * slope
                 + held * (tie(k) + tie(k + 1));
-            diagonal[i] = tangent * self.damping + resistance[i];
+            let mut pivot = tangent * self.damping + resistance[i];
             rates[i] += ((behind - here) * tie(k + 1) - (here - before) * tie(k)) * pull
-                - along[i][0] * camber[i] * (self.width[i] * arc);
+                - along[k][0] * camber[i] * (self.width[i] * arc);
             if k > 0 {
-                let (share, ahead) = (off(k) / diagonal[i - 1], rates[i - 1]);
-                diagonal[i] -= share * off(k);
+                let (share, ahead) = (off(k) / diagonal[k - 1], rates[i - 1]);
+                pivot -= share * off(k);
                 rates[i] -= share * ahead;
             }
+            diagonal.push(pivot);
         }
         for i in (first..first + count).rev() {
             if i + 1 < first + count {
                 let behind = rates[i + 1];
                 rates[i] -= off(i + 1 - first) * behind;
             }
-            rates[i] = rates[i] / diagonal[i];
+            rates[i] = rates[i] / diagonal[i - first];
         }
     }
 
