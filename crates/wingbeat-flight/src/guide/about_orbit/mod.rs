@@ -278,6 +278,10 @@ const LANDING: [(&str, &str); 6] = [
     ("orbit_landing_pitch", "rad"),
 ];
 
+/// Columns where a clearance is kept, and their units.
+const GOVERNED: [(&str, &str); 3] =
+    [("orbit_governed", ""), ("orbit_clearance_asked", "m"), ("orbit_not_kept", "")];
+
 impl Controller for AboutOrbit<'_> {
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         let begun = Instant::now();
@@ -287,10 +291,6 @@ impl Controller for AboutOrbit<'_> {
         let x = &self.x;
         let cycles = cycles(self.robot, t, x);
         let layout = self.robot.layout();
-/// Columns where a clearance is kept, and their units.
-const GOVERNED: [(&str, &str); 3] =
-    [("orbit_governed", ""), ("orbit_clearance_asked", "m"), ("orbit_not_kept", "")];
-
         let [position, velocity] = [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
         let Demand { place, height, faster, .. } = match &mut self.tracking {
             None => self.schedule.demand(t),
