@@ -30,7 +30,7 @@ use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use adapt::Adaptation;
 use ahead::Ahead;
 use family::{Asked, Family};
-use feedback::{DEVIATIONS, INTEGRAL};
+use feedback::{DEVIATIONS, INTEGRAL, effort};
 use governor::Governor;
 use landing::{Airs, Begun, Landing};
 use nalgebra::DVector;
@@ -214,9 +214,18 @@ impl AboutOrbit<'_> {
         let asked = landing.ask(&begun, perch, (t, cycles, self.period), (&self.x, self.airs.as_ref()));
         let [height, roll, pitch, ahead] = asked.off;
         self.seen = [0.0, height, roll, pitch, asked.done, ahead, asked.others];
+        let mut retreat = asked.planned;
         self.held = asked.commands;
-        for (command, channel) in self.held.iter_mut().zip(self.robot.inputs()) {
-            *command = channel.clamp(*command);
+        for ((command, retreat), channel) in self.held.iter_mut().zip(&mut retreat).zip(self.robot.inputs()) {
+            (*command, *retreat) = (channel.clamp(*command), channel.clamp(*retreat));
+        }
+        if let Some(governor) = &mut self.governor {
+            let elements = &self.x[self.robot.layout().structure..][..2 * self.robot.response().elements()];
+            let limits: Vec<f64> = self.inputs.iter().map(|i| self.robot.inputs()[*i].high).collect();
+            let mut kept = self.held.clone();
+            if governor.keep(t, elements, &effort(&limits), &retreat, &mut kept).is_ok() {
+                self.held = kept;
+            }
         }
         true
     }
@@ -278,6 +287,10 @@ const LANDING: [(&str, &str); 6] = [
     ("orbit_landing_pitch", "rad"),
 ];
 
+/// Columns where a clearance is kept, and their units.
+const GOVERNED: [(&str, &str); 3] =
+    [("orbit_governed", ""), ("orbit_clearance_asked", "m"), ("orbit_not_kept", "")];
+
 impl Controller for AboutOrbit<'_> {
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         let begun = Instant::now();
@@ -287,10 +300,6 @@ impl Controller for AboutOrbit<'_> {
         let x = &self.x;
         let cycles = cycles(self.robot, t, x);
         let layout = self.robot.layout();
-/// Columns where a clearance is kept, and their units.
-const GOVERNED: [(&str, &str); 3] =
-    [("orbit_governed", ""), ("orbit_clearance_asked", "m"), ("orbit_not_kept", "")];
-
         let [position, velocity] = [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
         let Demand { place, height, faster, .. } = match &mut self.tracking {
             None => self.schedule.demand(t),
