@@ -38,31 +38,36 @@ pub fn segment_distance<S: Scalar>(a: [Vec3<S>; 2], b: [Vec3<S>; 2]) -> S {
     if squared.value() > 0.0 { squared.sqrt() } else { S::ZERO }
 }
 
-/// Distance of a segment from a triangle, in the unit of their corners; 0 where it passes through.
+/// Distance of a segment from a triangle, in the unit of their corners; 0 where it passes through. Its derivatives are exact where the
+/// nearest points are unique, and zero where it passes through.
 ///
 /// Equation: math.triangle_distance
 /// `least of the distances from the edges, and from the plane at ends that lie over the triangle; 0 where the segment pierces it`
 /// Source: Ericson 2005, Real-Time Collision Detection, 5.1.10.
 /// Test: `triangle_distance_against_a_fine_search`.
-pub fn triangle_distance(segment: [Vec3; 2], triangle: [Vec3; 3]) -> f64 {
+pub fn triangle_distance<S: Scalar>(segment: [Vec3<S>; 2], triangle: [Vec3<S>; 3]) -> S {
     let [a, b, c] = triangle;
     let edges = [[a, b], [b, c], [c, a]];
     let normal = (b - a).cross(c - a);
-    let size = normal.norm();
-    let beside = edges.iter().map(|edge| segment_distance(segment, *edge)).fold(f64::INFINITY, f64::min);
-    if size <= TINY {
+    let less = |one: S, other: S| if other < one { other } else { one };
+    let beside =
+        edges.map(|edge| segment_distance(segment, edge)).into_iter().fold(S::from(f64::INFINITY), less);
+    if normal.norm_squared().value() <= TINY * TINY {
         return beside;
     }
-    let over = |p: Vec3| edges.iter().all(|[from, to]| (*to - *from).cross(p - *from).dot(normal) >= 0.0);
+    let size = normal.norm();
+    let over =
+        |p: Vec3<S>| edges.iter().all(|[from, to]| (*to - *from).cross(p - *from).dot(normal).value() >= 0.0);
     let above = segment.map(|p| (p - a).dot(normal) / size);
-    if above[0] * above[1] <= 0.0 && above[0] != above[1] {
+    let [low, high] = above.map(Scalar::value);
+    if low * high <= 0.0 && low != high {
         let at = segment[0] + (segment[1] - segment[0]) * (above[0] / (above[0] - above[1]));
         if over(at) {
-            return 0.0;
+            return S::ZERO;
         }
     }
-    let ends = segment.iter().zip(above).filter(|(p, _)| over(**p)).map(|(_, above)| above.abs());
-    ends.fold(beside, f64::min)
+    let ends = segment.into_iter().zip(above).filter(|(p, _)| over(*p));
+    ends.map(|(_, above)| if above.value() < 0.0 { -above } else { above }).fold(beside, less)
 }
 
 #[cfg(test)]

@@ -80,7 +80,7 @@ impl Clearances {
     }
 
     /// The axes of all capsules, from the body origin, m in B, with their radii, m.
-    pub fn capsules(&self, links: &[LinkMotion]) -> impl Iterator<Item = ([Vec3; 2], f64)> {
+    pub fn capsules<S: Scalar>(&self, links: &[LinkMotion<S>]) -> impl Iterator<Item = ([Vec3<S>; 2], f64)> {
         self.capsules.iter().map(|capsule| (capsule.segment(links), capsule.radius))
     }
 

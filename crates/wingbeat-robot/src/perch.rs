@@ -102,6 +102,12 @@ impl Perch {
         }
     }
 
+    /// The same at another place in W, m.
+    #[must_use]
+    pub fn at(&self, place: Vec3) -> Self {
+        Self { place, ..*self }
+    }
+
     /// Its place in W, m.
     pub fn place(&self) -> Vec3 {
         self.place
@@ -166,24 +172,30 @@ impl Perch {
     }
 
     /// How far a flat triangle in W is from its surface, m; minus the radius where a bar pierces it, negative beyond a ceiling.
-    fn triangle_distance(&self, triangle: [Vec3; 3]) -> f64 {
+    fn triangle_distance<S: Scalar>(&self, triangle: [Vec3<S>; 3]) -> S {
         match self.shape {
-            PerchShape::Bar { radius, .. } => triangle_distance(self.ends(), triangle) - radius,
+            PerchShape::Bar { radius, .. } => triangle_distance(self.axis(), triangle) - radius,
             PerchShape::Ceiling { .. } => self.below(&triangle),
         }
     }
 
     /// The same of a capsule, by its axis in W and its radius.
-    fn capsule_distance(&self, axis: [Vec3; 2], round: f64) -> f64 {
+    fn capsule_distance<S: Scalar>(&self, axis: [Vec3<S>; 2], round: f64) -> S {
         match self.shape {
-            PerchShape::Bar { radius, .. } => segment_distance(self.ends(), axis) - radius - round,
+            PerchShape::Bar { radius, .. } => segment_distance(self.axis(), axis) - (radius + round),
             PerchShape::Ceiling { .. } => self.below(&axis) - round,
         }
     }
 
+    /// Its [`ends`](Self::ends).
+    fn axis<S: Scalar>(&self) -> [Vec3<S>; 2] {
+        self.ends().map(Vec3::constant)
+    }
+
     /// How far the highest of `points` is below the place.
-    fn below(&self, points: &[Vec3]) -> f64 {
-        points.iter().map(|p| self.place[2] - p[2]).fold(f64::INFINITY, f64::min)
+    fn below<S: Scalar>(&self, points: &[Vec3<S>]) -> S {
+        let below = points.iter().map(|p| -p[2] + self.place[2]);
+        below.fold(S::from(f64::INFINITY), less)
     }
 
     fn seen(&self, pose: &Pose<f64>) -> Seen {
@@ -206,6 +218,11 @@ impl Perch {
     }
 }
 
+/// The lesser of two numbers.
+fn less<S: Scalar>(one: S, other: S) -> S {
+    if other < one { other } else { one }
+}
+
 impl Robot {
     /// The same robot beside `perch`.
     #[must_use]
@@ -222,6 +239,15 @@ impl Robot {
     /// Least distance of its surfaces, as drawn, and its capsules from the perch at the time `t` (s) in the state `x`, m, of a
     /// robot that has neither that of the body's origin; none without a perch.
     ///
+    /// # Errors
+    /// The [`Fault`] that makes the gait unusable there.
+    pub fn perch_clearance(&self, t: f64, x: &[f64]) -> Result<Option<f64>, Fault> {
+        self.perch.as_ref().map(|perch| self.clearance_from(perch, t, x)).transpose()
+    }
+
+    /// That from `perch`, whether the robot is beside it or not; only states up to those of the air are read. Derivatives are exact where the
+    /// nearest points are unique, and zero where a bar pierces a surface.
+    ///
     /// Equation: robot.perch_clearance
     /// `least over flat pieces of the surfaces and capsules of the distance from the bar's axis less the radii, or of the height below the
     /// ceiling`
@@ -230,31 +256,36 @@ impl Robot {
     ///
     /// # Errors
     /// The [`Fault`] that makes the gait unusable there.
-    pub fn perch_clearance(&self, t: f64, x: &[f64]) -> Result<Option<f64>, Fault> {
-        let Some(perch) = &self.perch else { return Ok(None) };
+    pub fn clearance_from<S: Scalar>(&self, perch: &Perch, t: S, x: &[S]) -> Result<S, Fault> {
         let links = self.posed(t, &x[self.layout.structure..])?;
         let (position, attitude) = (
             Vec3::from_slice(&x[self.layout.position..]),
             Quat::from_wxyz(&x[self.layout.attitude..]).matrix(),
         );
-        let place = |p: Vec3| position + attitude * p;
-        let mut least = f64::INFINITY;
+        let place = |p: Vec3<S>| position + attitude * p;
+        let still = LinkMotion::REST;
+        // Derivatives are those of the nearest piece alone.
+        let mut nearest: Option<(f64, [Vec3<S>; 3])> = None;
         for laid in &self.covering.laid {
             let edges = |k: usize| {
                 let rib = &laid.ribs[k];
-                rib.edges(rib.link.map_or(&LinkMotion::REST, |link| &links[link])).map(place)
+                rib.edges(rib.link.map_or(&still, |link| &links[link])).map(place)
             };
             for k in (0..laid.covered.len()).filter(|k| laid.covered[*k]) {
                 let ([le, te], [next_le, next_te]) = (edges(k), edges(k + 1));
                 for triangle in [[le, te, next_te], [le, next_te, next_le]] {
-                    least = least.min(perch.triangle_distance(triangle));
+                    let away = perch.triangle_distance(triangle.map(|p| Vec3(p.0.map(S::value))));
+                    if nearest.is_none_or(|(least, _)| away < least) {
+                        nearest = Some((away, triangle));
+                    }
                 }
             }
         }
-        for (axis, radius) in self.clearances.capsules(&links) {
-            least = least.min(perch.capsule_distance(axis.map(place), radius));
-        }
-        Ok(Some(if least.is_finite() { least } else { perch.capsule_distance([position; 2], 0.0) }))
+        let surfaces = nearest.map(|(_, triangle)| perch.triangle_distance(triangle));
+        let capsules = self.clearances.capsules(&links);
+        let capsules = capsules.map(|(axis, radius)| perch.capsule_distance(axis.map(place), radius));
+        let least = surfaces.into_iter().chain(capsules).reduce(less);
+        Ok(least.unwrap_or_else(|| perch.capsule_distance([position; 2], 0.0)))
     }
 
     /// Where its claw is against the perch in the state `x`; none without one.

@@ -37,7 +37,7 @@ impl Section {
     }
 
     /// Leading and trailing edge, from the body origin, m in B.
-    pub fn edges(&self, link: &LinkMotion<f64>) -> [Vec3; 2] {
+    pub fn edges<S: Scalar>(&self, link: &LinkMotion<S>) -> [Vec3<S>; 2] {
         [link.point(self.le), link.point(self.te)]
     }
 }

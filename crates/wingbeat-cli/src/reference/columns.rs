@@ -234,8 +234,7 @@ pub const COLUMNS: &[Described] = &[
     column("perch_speed", &[FLIGHT], &["m/s"], "", "Speed of the claw."),
     column("perch_attitude", &[FLIGHT], &["rad"], "", "Angle between the back of the robot and straight down; 0 hangs heel above head."),
     column("perch_force", &[FLIGHT], &["N"], "", "Force between claw and perch."),
-    column("perch_clearance", &[FLIGHT, SWEEP], M, "", "Least distance of the surfaces and capsules from the perch (`robot.perch_clearance`); of a flight of a sweep the least over it."),
-    column("perch_caught", &[SWEEP], ONE, "", "1 for a flight whose claw latched onto `[perch]`, whatever else is wrong of it."),
+    column("perch_clearance", &[FLIGHT], M, "", "Least distance of the surfaces and capsules from the perch (`robot.perch_clearance`)."),
     column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, as measured, under `[controller.orbit]`."),
     column("orbit_crank_added", &[FLIGHT], &["rad/s"], "", "Rate of the crank that `controller.orbit.adapt` adds to that of the reference."),
     column("orbit_missed_acceleration_<axis>", &[FLIGHT], &["m/s2"], "H", "Mean over a cycle of the acceleration along heading axes that `controller.orbit.adapt` has learned the model to miss."),
@@ -371,5 +370,7 @@ pub const COLUMNS: &[Described] = &[
     column("least_clearance", &[SWEEP], M, "", "Least of all clearances over the flight."),
     column("positive_power", &[SWEEP], &["W/kg"], "", "Mean of the positive part of the total power of the driven joints over the mass."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
+    column("perch_caught", &[SWEEP], ONE, "", "1 for a flight whose claw latched onto `[perch]`, whatever else is wrong of it."),
+    column("perch_clearance", &[SWEEP], M, "", "Least distance of the surfaces and capsules from the perch over the flight."),
     column("<key>", &[SWEEP, RUNS, STARTS, CANDIDATES], &[OWN_UNIT], "", "What was drawn, or found by a search, for a key of the scenario or case, in the unit that ends the key."),
 ];

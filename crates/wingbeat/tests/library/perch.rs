@@ -5,7 +5,7 @@ use std::path::Path;
 
 use wingbeat::aero::LiftLaw;
 use wingbeat::judge::Status;
-use wingbeat::math::Vec3;
+use wingbeat::math::{Dual, Vec3};
 use wingbeat::plant::Plant;
 use wingbeat::robot::{Contact, Perch, PerchShape, Robot};
 use wingbeat::scenario::{Run, Scenario};
@@ -237,7 +237,7 @@ fn a_landing_ends_upside_down_at_the_perch() {
         let perch = run.summary.perch.unwrap();
         assert!(perch.caught, "{gusts:?} {perch:?}");
         if gusts.is_empty() {
-            // Body and wings pass the bar, which the plan does not know.
+            // Body and wings pass the bar, which the plan knows.
             let least = [perch.least_clearance_m.unwrap(), run.summary.least_clearance_m.unwrap()];
             assert!(least[0] > 3e-3 && least[1] > 3e-3, "{least:?}");
             assert_eq!(run.summary.status, Status::Ok);
@@ -267,6 +267,36 @@ fn a_robot_under_another_law_is_as_one_built_under_it() {
     let back = moved.under(LiftLaw::Stall).unwrap();
     assert_eq!(names(&back), names(stall));
     assert_eq!(back.named_as(&moved, &x), robots[0].start());
+}
+
+/// The derivatives of the distance from a bar are those of differences, for every piece that is nearest on the way.
+#[test]
+fn a_perch_pushes_by_its_exact_slope() {
+    let robot = loaded("land_20g", &["flight.duration_s=0.1"]).unwrap();
+    let (robot, start) = (robot.model(), robot.start());
+    let l = *robot.layout();
+    let shape = PerchShape::Bar { axis: Vec3::new(0.0, 1.0, 0.0), half_length: 0.1, radius: 0.001 };
+    let contact = Contact { restitution: 0.5, friction: 0.5, duration: 0.01 };
+    for (i, place) in [[0.05, 0.0, 0.03], [-0.12, 0.05, 0.02], [0.0, 0.02, -0.08]].into_iter().enumerate() {
+        let perch = Perch::new(Vec3(place), shape, Vec3::new(-0.06, 0.0, -0.06), contact, robot.mass());
+        let t = 0.013 * i as f64;
+        let directions =
+            [l.position, l.position + 2, l.attitude + 1, l.attitude + 2, l.structure, l.structure + 2];
+        for along in directions {
+            let moved = |by: f64| {
+                let mut x = start.clone();
+                x[along] += by;
+                robot.clearance_from(&perch, t, &x).unwrap()
+            };
+            let by = 1e-6;
+            let expected = (moved(by) - moved(-by)) / (2.0 * by);
+            let mut x: Vec<Dual<1>> = start.iter().map(|x| Dual::constant(*x)).collect();
+            x[along].eps[0] = 1.0;
+            let found = robot.clearance_from(&perch, Dual::constant(t), &x).unwrap();
+            assert!((found.re - moved(0.0)).abs() < 1e-15);
+            assert!((found.eps[0] - expected).abs() < 1e-7, "{place:?} {along}: {} {expected}", found.eps[0]);
+        }
+    }
 }
 
 /// Half a loop under a law that the controller does not know: within a cycle it takes the law that holds for the one that does.

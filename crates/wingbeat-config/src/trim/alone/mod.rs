@@ -48,6 +48,8 @@ pub const STALLED: f64 = 0.3;
 const MISSED: f64 = 0.01;
 /// Orbits of the scan from which gaits are searched, until one keeps to the limits. *Choice.*
 const SEARCHES: usize = 2;
+/// Further orbits of the scan from which gaits are searched at most, where the gait found takes more power than they do. *Choice.*
+const FURTHER: usize = 2;
 /// Iterations of the search of gaits. *Choice.*
 const ITERATIONS: usize = 20;
 /// Steps of integration of scan and search, s: the second where what the first finds is no orbit in the step of a trim. *Choices.*
@@ -119,6 +121,35 @@ struct Candidate {
     /// How far beyond the limits of the verdict, then the power.
     order: (f64, f64),
     tried: Tried,
+}
+
+/// Which orbit of the scan a gait is searched from next, of `powers` (W/kg), those nearest to the limits first: after a number of
+/// `searches` that have found as the best gait one with this violation and power. One that keeps to the limits may still take more
+/// power than the scan has seen elsewhere.
+fn next(powers: &[f64], best: Option<(f64, f64)>, searches: usize) -> Option<usize> {
+    match best {
+        Some((violation, power)) if violation <= 0.0 => {
+            let less = powers.iter().enumerate().filter(|(_, other)| **other < power);
+            less.min_by(|a, b| a.1.total_cmp(b.1)).map(|(place, _)| place)
+        }
+        _ => (searches < SEARCHES && !powers.is_empty()).then_some(0),
+    }
+}
+
+/// A gait that a search has found, on its orbit.
+struct Gaited {
+    /// By how much it misses a limit.
+    violation: f64,
+    /// W/kg.
+    power: f64,
+    spec: ScenarioSpec,
+}
+
+impl Gaited {
+    /// What is the less the better the gait is.
+    fn order(&self) -> (f64, f64) {
+        (self.violation.max(0.0), self.power)
+    }
 }
 
 impl RobotTrim {
@@ -288,17 +319,16 @@ impl RobotTrim {
     ) -> Result<Option<ScenarioSpec>, ConfigError> {
         let mut candidates = self.scan(step, tried, observe);
         candidates.sort_by(|a, b| a.order.0.total_cmp(&b.order.0).then(a.order.1.total_cmp(&b.order.1)));
-        let mut best: Option<(f64, ScenarioSpec)> = None;
-        for candidate in candidates.into_iter().take(SEARCHES) {
-            let (violation, spec) = self.searched(candidate, observe)?;
-            if best.as_ref().is_none_or(|(least, _)| violation < *least) {
-                best = Some((violation, spec));
-            }
-            if violation <= 0.0 {
-                break;
+        let mut best: Option<Gaited> = None;
+        for searches in 0..SEARCHES + FURTHER {
+            let powers: Vec<f64> = candidates.iter().map(|candidate| candidate.order.1).collect();
+            let Some(next) = next(&powers, best.as_ref().map(Gaited::order), searches) else { break };
+            let found = self.searched(candidates.remove(next), observe)?;
+            if best.as_ref().is_none_or(|best| found.order() < best.order()) {
+                best = Some(found);
             }
         }
-        Ok(best.map(|(_, spec)| spec))
+        Ok(best.map(|best| best.spec))
     }
 
     /// That no orbit was found, and why.
@@ -460,19 +490,20 @@ impl RobotTrim {
         Candidate { spec, order: (sum, power), tried }
     }
 
-    /// The best gait near that of a candidate, on its orbit, and by how much it misses a limit; the candidate's where the search cannot
-    /// begin.
+    /// The best gait near that of a candidate; the candidate's where the search cannot begin.
     fn searched(
         &self,
         candidate: Candidate,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
-    ) -> Result<(f64, ScenarioSpec), ConfigError> {
-        let Candidate { mut spec, order: (mut violation, _), .. } = candidate;
+    ) -> Result<Gaited, ConfigError> {
+        let Candidate { spec, order: (violation, power), .. } = candidate;
+        let mut gait = Gaited { violation, power, spec };
         if self.iterations == 0 {
-            return Ok((violation, spec));
+            return Ok(gait);
         }
+        let spec = &gait.spec;
         let speed = spec.trim.as_ref().map_or(1.0, |trim| trim.speed_m_s);
-        let own = Document::value("trim", &spec)?;
+        let own = Document::value("trim", spec)?;
         let mut vary = self.vary.clone();
         vary.push(VarySpec { key: "trim.speed_m_s".into(), low: 0.6 * speed, high: 1.5 * speed });
         // What was folded in may lie beyond a range.
@@ -494,15 +525,17 @@ impl RobotTrim {
         let mut asked = spec.clone();
         asked.trim.iter_mut().for_each(|trim| trim.search = Some(search.clone()));
         let scenario = Scenario::new(Document::value("trim", &asked)?)?;
-        let Ok(Some(search)) = scenario.gait_search() else { return Ok((violation, spec)) };
+        let Ok(Some(search)) = scenario.gait_search() else { return Ok(gait) };
         let tell = &mut |at| observe(TrimProgress::Search(at));
         let searched = search.all::<ConfigError>(Vec::new(), &mut |_| Ok(()), tell);
         if let Ok(Some(searched)) = searched {
-            spec = searched.best.spec.clone();
-            numbers::fold(&mut spec);
-            violation = if searched.summary.kept > 0 { 0.0 } else { searched.summary.violation };
+            gait.spec = searched.best.spec.clone();
+            numbers::fold(&mut gait.spec);
+            let power = searched.starts.values("power_w_kg").and_then(|all| all.get(searched.summary.best));
+            gait.power = power.copied().unwrap_or(gait.power);
+            gait.violation = if searched.summary.kept > 0 { 0.0 } else { searched.summary.violation };
         }
-        Ok((violation, spec))
+        Ok(gait)
     }
 }
 
@@ -559,5 +592,21 @@ impl Scenario {
     /// A robot without surfaces.
     pub fn guessed_speed(&self) -> Result<f64, ConfigError> {
         Ok(self.size().map_err(|error| self.explain(&error))?.speed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::next;
+
+    /// Of a gait within the limits at 151 W/kg the search goes on to the orbit of 71 that lies beyond them, and to no dearer one.
+    #[test]
+    fn a_gait_that_keeps_its_limits_is_not_the_last_that_is_searched() {
+        assert_eq!(next(&[160.0, 71.0, 90.0], None, 0), Some(0));
+        assert_eq!(next(&[200.0, 90.0, 71.0], Some((0.0, 151.0)), 1), Some(2));
+        assert_eq!(next(&[200.0, 90.0], Some((0.0, 80.0)), 2), None);
+        assert_eq!(next(&[71.0, 90.0], Some((0.3, 60.0)), 1), Some(0));
+        assert_eq!(next(&[71.0], Some((0.3, 60.0)), 2), None);
+        assert_eq!(next(&[], None, 0), None);
     }
 }

@@ -30,7 +30,7 @@ use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use adapt::Adaptation;
 use ahead::Ahead;
 use family::{Asked, Family};
-use feedback::{DEVIATIONS, INTEGRAL};
+use feedback::{DEVIATIONS, INTEGRAL, effort};
 use governor::Governor;
 use landing::{Airs, Begun, Landing};
 use nalgebra::DVector;
@@ -214,9 +214,18 @@ impl AboutOrbit<'_> {
         let asked = landing.ask(&begun, perch, (t, cycles, self.period), (&self.x, self.airs.as_ref()));
         let [height, roll, pitch, ahead] = asked.off;
         self.seen = [0.0, height, roll, pitch, asked.done, ahead, asked.others];
+        let mut retreat = asked.planned;
         self.held = asked.commands;
-        for (command, channel) in self.held.iter_mut().zip(self.robot.inputs()) {
-            *command = channel.clamp(*command);
+        for ((command, retreat), channel) in self.held.iter_mut().zip(&mut retreat).zip(self.robot.inputs()) {
+            (*command, *retreat) = (channel.clamp(*command), channel.clamp(*retreat));
+        }
+        if let Some(governor) = &mut self.governor {
+            let elements = &self.x[self.robot.layout().structure..][..2 * self.robot.response().elements()];
+            let limits: Vec<f64> = self.inputs.iter().map(|i| self.robot.inputs()[*i].high).collect();
+            let mut kept = self.held.clone();
+            if governor.keep(t, elements, &effort(&limits), &retreat, &mut kept).is_ok() {
+                self.held = kept;
+            }
         }
         true
     }

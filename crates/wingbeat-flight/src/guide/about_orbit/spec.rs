@@ -194,7 +194,7 @@ impl AboutOrbitSpec {
                 ("tracking", self.tracking.is_some()),
                 ("predictive", self.predictive.is_some()),
                 ("adapt", self.adapt.is_some()),
-                ("clearance_m", self.clearance_m.is_some()),
+                ("clearance_m", plan == "dive" && self.clearance_m.is_some()),
             ];
             if let Some((key, _)) = beside.into_iter().find(|(_, given)| *given) {
                 let allowed = format!("none beside {plan}, which leaves level flight by commands of its own");

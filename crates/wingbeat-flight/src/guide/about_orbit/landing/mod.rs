@@ -149,6 +149,8 @@ pub(super) struct Begun {
 /// What a landing asks for now.
 pub(super) struct Landed {
     pub commands: Vec<f64>,
+    /// Those of the plans alone.
+    pub planned: Vec<f64>,
     /// Height, roll and pitch off the plan, and how far ahead of it.
     pub off: [f64; 4],
     /// Share of the plan that is done.
@@ -286,12 +288,15 @@ impl Landing {
         let weights = airs.map_or_else(|| vec![1.0], Airs::weights);
         let states: Vec<&[f64]> = airs.map_or_else(|| vec![x], |airs| airs.states().collect());
         let others = weights[1..].iter().sum();
-        let mut all = Landed { commands: Vec::new(), off: [0.0; 4], done: 0.0, others };
+        let mut all = Landed { commands: Vec::new(), planned: Vec::new(), off: [0.0; 4], done: 0.0, others };
         for ((plan, weight), x) in self.plans.iter().zip(weights).zip(states) {
             let (off, done) = self.off(plan, begun, perch, (t, cycles), x);
-            let commands = self.by(plan, &off, done, period);
-            all.commands.resize(commands.len(), 0.0);
-            all.commands.iter_mut().zip(commands).for_each(|(all, own)| *all += weight * own);
+            let planned = self.planned(plan, done, period);
+            let commands = self.fed_back(plan, &planned, &off, done);
+            for (all, own) in [(&mut all.commands, commands), (&mut all.planned, planned)] {
+                all.resize(own.len(), 0.0);
+                all.iter_mut().zip(own).for_each(|(all, own)| *all += weight * own);
+            }
             let seen = [off[2], off[3], off[4], off[0]];
             all.off.iter_mut().zip(seen).for_each(|(all, own)| *all += weight * own);
             all.done = done;
@@ -299,13 +304,17 @@ impl Landing {
         all
     }
 
-    /// Commands of `plan` over the coming `period`, where it is done up to `done`, and its feedback of what is `off` it.
-    fn by(&self, plan: &Planned, off: &[f64], done: f64, period: f64) -> Vec<f64> {
-        let gain = gain_at(&plan.gains, done);
+    /// Commands of `plan` over the coming `period`, where it is done up to `done`.
+    fn planned(&self, plan: &Planned, done: f64, period: f64) -> Vec<f64> {
         let parts = plan.commands.len() as f64;
         let per = parts / self.duration;
         let from = (done * parts).min(parts - 1e-6);
-        let mut commands = mean_over(&plan.commands, [from, from + period * per]);
+        mean_over(&plan.commands, [from, from + period * per])
+    }
+
+    /// The commands `planned` and the feedback of what is `off` the `plan`, where it is done up to `done`.
+    fn fed_back(&self, plan: &Planned, planned: &[f64], off: &[f64], done: f64) -> Vec<f64> {
+        let (gain, mut commands) = (gain_at(&plan.gains, done), planned.to_vec());
         for (row, input) in self.inputs.iter().enumerate() {
             commands[*input] -= off.iter().enumerate().map(|(j, off)| gain[(row, j)] * off).sum::<f64>();
         }

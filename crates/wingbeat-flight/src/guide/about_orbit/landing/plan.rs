@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use wingbeat_math::parallel;
 use wingbeat_math::{Error, Quat, Scalar, Vec3};
 use wingbeat_ocp::plant::{Channel, Early, Fault, Plant};
-use wingbeat_robot::{Layout, Robot};
+use wingbeat_robot::{Layout, Perch, Robot};
 
 /// What counts as one at the end of the plan: velocity of the claw, m/s, pitch, rad, its rate, rad/s, height off the perch, m, and place
 /// along the way off that of the first plan, m. *Choices.*
@@ -18,6 +18,10 @@ const END: [f64; 6] = [0.15, 0.15, 5.0 * PI / 180.0, 5.0, 0.01, 0.01];
 const EFFORT: f64 = 0.01;
 /// Clearance below which the plan pays, and what counts as one below it, m. *Choices.*
 const CLEAR: [f64; 2] = [0.008, 1.0 / 60.0];
+/// Room beside the perch below which the plan pays, and what counts as one below it, m; instants to a part at which it is looked at.
+/// *Choices.*
+const ROOM: [f64; 2] = [0.02, 0.02];
+const LOOKS: usize = 5;
 /// Steps by which the plan is led from level flight to the landing.
 const STAGES: usize = 3;
 /// Share of the cost that an iteration must save for another one.
@@ -43,6 +47,8 @@ struct Problem<'a> {
     level: Vec<f64>,
     /// What is asked at the end, in the order of [`END`]; nothing of what is not finite.
     asked: [f64; 6],
+    /// The perch that wings and body are to pass, once its place along the way is known.
+    beside: Option<Perch>,
 }
 
 impl Planned {
@@ -155,15 +161,17 @@ impl<'a> Problem<'a> {
             commanded: Commanded::new(spec.cycles * cycle.parts(), ranges, &costs),
             level: level.clone(),
             asked: [0.0; 6],
+            beside: None,
         })
     }
 
     /// Equation: guide.landing_plan
-    /// `min sum u'Ru + sum ((v_claw, pitch + pi, pitch rate, height off the perch)/END)^2 + sum (max(0, CLEAR - clearance))^2, u within its limits`
+    /// `min sum u'Ru + sum ((v_claw, pitch + pi, pitch rate, place off the perch)/END)^2 + sum (max(0, CLEAR - clearance))^2
+    /// + sum (max(0, ROOM - distance of body and wings from the perch))^2, u within its limits`
     /// Source: Tassa, Mansard & Todorov 2014, ICRA; bats on a ceiling: Riskin et al. 2009, J. Exp. Biol. 212.
     /// Test: `a_landing_ends_upside_down_at_the_perch`.
     ///
-    /// From the level flight on, by ends on the way to the landing.
+    /// From the level flight on, by ends on the way to the landing; the last one, whose place along the way is then kept, past the perch.
     fn solve(&mut self, begin: &[f64], iterations: usize) -> Result<Flown, Fault> {
         let [vx, vz, pitch, ..] = self.ends(begin);
         let mut commands = vec![DVector::zeros(self.commanded.low.len()); self.commanded.parts];
@@ -177,7 +185,16 @@ impl<'a> Problem<'a> {
             commands = found.commands.clone();
             flown = Some(found);
         }
-        flown.ok_or(Fault::NotFinite { state: 0, time: 0.0 })
+        let flown = flown.ok_or(Fault::NotFinite { state: 0, time: 0.0 })?;
+        self.ends_at(self.ends(&flown.nodes[self.commanded.parts])[5]);
+        ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))
+    }
+
+    /// Asks for the landing with the claw at the perch, which stands `along` m along the way.
+    fn ends_at(&mut self, along: f64) {
+        let height = self.approach.perch.place()[2];
+        self.asked = [0.0, 0.0, -PI, 0.0, height, along];
+        self.beside = Some(self.approach.perch.at(Vec3::new(along, 0.0, height)));
     }
 
     /// As [`solve`](Self::solve), from the commands on by which the feedback of the plan `near` would land.
@@ -204,8 +221,7 @@ impl<'a> Problem<'a> {
             x = self.fly(k, &x, &self.held(v.as_slice()), &mut |_| ())?;
             commands.push(v);
         }
-        let perch = self.approach.perch.place()[2];
-        self.asked = [0.0, 0.0, -PI, 0.0, perch, near.end[0][0]];
+        self.ends_at(near.end[0][0]);
         ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))
     }
 
@@ -253,7 +269,40 @@ impl<'a> Problem<'a> {
             let short = |clear: S| clear.if_below(S::from(CLEAR[0]), -clear + CLEAR[0], S::ZERO);
             missed.extend(clear.into_iter().map(|clear| short(clear) * (1.0 / CLEAR[1])));
         }
+        if let Some(perch) = &self.beside
+            && let Ok(crowded) = self.crowded(k, x, perch)
+        {
+            missed.extend(crowded);
+        }
         missed
+    }
+
+    /// How much room beside the `perch` is missing about the begin of part `k`, up to half a part before and after it, over what counts as
+    /// one. The body moves on as fast as it does then, and so do the elements; the joints are those of the gait.
+    fn crowded<S: Scalar>(&self, k: usize, x: &[S], perch: &Perch) -> Result<Vec<S>, Fault> {
+        let l = self.robot.layout();
+        let parts = self.commanded.parts;
+        let part = self.approach.cycle.duration(1.0) / self.approach.cycle.parts() as f64;
+        let look = |i: usize| ((i as f64 + 0.5) / LOOKS as f64 - 0.5) * part;
+        let within = |by: &f64| !(k == parts && *by > 1e-9 || k == 0 && *by < -1e-9);
+        let room = |by: f64| {
+            let moved = self.moved_on(l, x, by);
+            let away = self.robot.clearance_from(perch, S::from(k as f64 * part + by), &moved)?;
+            Ok(away.if_below(S::from(ROOM[0]), -away + ROOM[0], S::ZERO) * (1.0 / ROOM[1]))
+        };
+        (0..LOOKS).map(look).filter(within).map(room).collect()
+    }
+
+    /// The state `x` up to those of the air after `by` s at the rates that it has.
+    fn moved_on<S: Scalar>(&self, l: &Layout, x: &[S], by: f64) -> Vec<S> {
+        let mut moved = x[..l.aero].to_vec();
+        let elements = self.robot.response().elements();
+        (0..3).for_each(|i| moved[l.position + i] += x[l.velocity + i] * by);
+        (l.structure..l.structure + elements).for_each(|i| moved[i] += x[i + elements] * by);
+        let turn: Vec3<S> = Vec3::from_slice(&x[l.rate..]);
+        let turned = Quat::from_wxyz(&x[l.attitude..]) * Quat::exp(turn * S::from(by));
+        turned.store_wxyz(&mut moved[l.attitude..]);
+        moved
     }
 
     /// Columns of the derivatives of `of` the state about `x` along `directions`, then along `inputs` of commands `beside`.
