@@ -1,9 +1,9 @@
 //! The membrane of the strips: camber by the pressure difference against a tension that grows with strain.
 //!
 //! Above the chord of a strip, x = c (1 - cos t)/2, stands z = sin^2 t (h_1 + h_2 cos t): the parabola, exact under an even
-//! pressure, and the shape that moves the bulge forward. States are both over the chord. The inertia of the membrane against itself
-//! is left out: its frequency, with the air that it carries, has to lie far above that of the motion, which
-//! [`StripModel::membrane_scales`] tells. What remains is a balance of first order in the heights.
+//! pressure, and the shape that moves the bulge forward. States are both over the chord. The parabola feels the inertia of the membrane
+//! and of the air that it carries within the membrane's own damping time, the second shape none: the frequency with that air has to lie
+//! far above that of the motion, which [`StripModel::membrane_scales`] tells.
 
 mod sheet;
 
@@ -140,26 +140,46 @@ impl<P: Scalar> StripModel<P> {
         }
     }
 
-    /// Momentum (3/4) P + (2/3) m w of strip `i` that its parabola feels, N s, and the part (2/3) m a of the rate of the second term that
-    /// is the turn of the normal in the air, N: m is the mass of the membrane, w the wash at mid chord.
+    /// Momentum (3/4) P + (2/3) m w of strip `i` that its parabola feels by the motion of the chord, N s, and the part (2/3) m a of the rate
+    /// of the second term that is the turn of the normal in the air, N: m is the mass of the membrane, w the wash at mid chord.
     fn camber_momentum<G: Scalar + Meets<P>>(
         &self,
         i: usize,
         air: &SectionAir<G>,
         membrane: &Membrane<P>,
     ) -> [G; 2] {
-        let covered = self.tables.covered[i];
-        let mass = membrane.areal_density * self.tables.chord[i] * membrane.width[i] * covered * (2.0 / 3.0);
+        let mass = self.membrane_mass(i, membrane) * (2.0 / 3.0);
         [air.impulse * 0.75 + air.wash_half * mass, air.turning * mass]
+    }
+
+    /// Mass of the membrane of strip `i`, kg.
+    fn membrane_mass(&self, i: usize, membrane: &Membrane<P>) -> P {
+        membrane.areal_density * self.tables.chord[i] * membrane.width[i] * self.tables.covered[i]
+    }
+
+    /// Mass that the parabola of strip `i` feels where its rise accelerates, kg: that of the membrane by the mean square of the shape, and
+    /// of the air in plane flow. The wash -h_1' (1 - cos 2t)/2 of its rate makes the pressure 2 rho b h_1'' (-3/4 sin t + 1/12 sin 3t),
+    /// which bears on the shape with -7/12 pi rho b^2 h_1'' for each span.
+    ///
+    /// Equation: aero.camber_mass
+    /// `8/15 m + 7/12 pi rho b^2 dy, as in aero.membrane.frequency`
+    /// Source: Theodorsen 1935; Peters, Hsieh & Torrero 2007 (modes of camber); own derivation.
+    /// Test: `a_membrane_let_go_swings_at_its_frequency`.
+    fn camber_mass(&self, i: usize, membrane: &Membrane<P>) -> P {
+        self.membrane_mass(i, membrane) * (8.0 / 15.0) + self.carried_mass(i) * (7.0 / 12.0)
+    }
+
+    /// Mass pi rho b^2 dy of the air that strip `i` carries in plane flow, kg; none where added mass is left out.
+    fn carried_mass(&self, i: usize) -> P {
+        if self.settings.section.added_mass { self.tables.mass[i] } else { P::ZERO }
     }
 
     /// Loads on the shapes of strip `i`, N, by virtual work of the pressure difference; of the circulatory force per wash
     /// L = rho a0 b dy V a half on the parabola, with w_l - B1/4, and an eighth on the other, with w_l + B1/2 - B2, where
     /// B1 = -b q - 4 V h_1/c and B2 = -3 V h_2/c; the vortex like the lift; on the parabola 2/3 of what presses evenly, the plate's
     /// force in separated flow, and `inertia`: (3/4) P' of the air that the chord carries less (2/3) m a of the membrane's mass.
-    /// Left out, and named in docs/sections.md: the force -3/4 m h_1'' of the air that an accelerating camber carries, the lift
-    /// pi rho b^2 V h_2'/(2 c) of the air's momentum by the second shape, and the weight; w holds the wind, so that a gust moves the
-    /// membrane's mass too.
+    /// Left out, and named in docs/sections.md: the lift -3/4 pi rho b^2 h_1'' of the air that an accelerating camber carries, what is felt
+    /// of the second shape's rates, and the weight; w holds the wind, so that a gust moves the membrane's mass too.
     ///
     /// Equation: aero.camber_load
     /// `Q_1 = L (w_l + b q/4 + V h_1/c)/2 + F_vortex/2 + 2/3 F_plate + 3/4 P' - 2/3 m a, Q_2 = L (w_l - b q/2 - V (2 h_1 - 3 h_2)/c)/8 +
@@ -193,11 +213,14 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// J^' = (J - J^)/tau: the momentum that the parabola feels is followed by a state within the membrane's own damping time, and
-    /// its rate is the load of inertia. At the angular frequency w it lags by about w tau, which the verdict holds against a limit.
+    /// its rate is the load of inertia. At the angular frequency w it lags by about w tau, which the verdict holds against a limit. The part
+    /// -mu h_1' of J, mu of aero.camber_mass, is known with h_1' only: its load -mu h_1'/tau stands with what resists the rate. The slope of
+    /// the second shape makes the pressure rho b V h_2' (sin t - sin 3t)/c, which bears on the parabola with (1/2) pi rho b^2 V h_2'/c.
     ///
     /// Equation: aero.camber_inertia
-    /// `J^' = (J - J^)/tau, J = 3/4 P + 2/3 m w; load J^' - 2/3 m (turn of the normal in the air)`
-    /// Source: rate of momentum by a first-order filter, tau a choice.
+    /// `J^' = (J - J^)/tau, J = 3/4 P + 2/3 m w - mu h_1' + (1/2) pi rho b^2 dy V h_2/c; load J^' - 2/3 m (turn of the normal in the
+    /// air)`
+    /// Source: rate of momentum by a first-order filter, tau a choice; Theodorsen 1935 (pressure of a rate).
     /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
     ///
     /// Rates of the cambers, and what they make of washes and lags: the rate h_1' lowers the wash by h_1'/2, and with it at once the
@@ -214,27 +237,32 @@ impl<P: Scalar> StripModel<P> {
         let (n, tables, at) = (self.settings.strips, &self.tables, self.camber_states());
         let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
         let (mut first, mut second) = (ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new());
-        let mut resistance = ArrayVec::<S, MAX_STRIPS>::new();
-        let felt = at + MODES * n;
+        let mut resistances = [ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new()];
+        let (felt, per_time) = (at + MODES * n, membrane.damping.recip());
         for (i, air) in airs.iter().enumerate() {
             // The rate of the momentum as a state follows it: accelerations are not yet known here.
             let [momentum, turning] = self.camber_momentum(i, air, membrane);
-            dx[felt + i] = (x[felt + i] - momentum) * -membrane.damping.recip();
+            let wind = air.along.smooth_abs(self.floor);
+            let of_slope = of_chord[1][i] * (wind * (self.carried_mass(i) * 0.5));
+            dx[felt + i] = (x[felt + i] - momentum - of_slope) * -per_time;
             let vortex = vortices.map_or(S::ZERO, |vortices| vortices[i]);
             let section = (lift_wash[i], attached[i], vortex, dx[felt + i] - turning);
             let load = self.camber_load(i, air, of_chord.map(|shape| shape[i]), section);
             first.push(load[0]);
             second.push(load[1]);
             let scale = tables.lift_scale[i] * tables.at_once * 0.25;
-            resistance.push(attached[i] * (air.along.smooth_abs(self.floor) * scale));
+            let of_air = attached[i] * (wind * scale);
+            resistances[0].push(of_air + self.camber_mass(i, membrane) * per_time);
+            resistances[1].push(of_air);
         }
-        membrane.rates(of_chord, &resistance, &mut [&mut first, &mut second]);
+        membrane.rates(of_chord, resistances.each_ref().map(|of| &of[..]), &mut [&mut first, &mut second]);
         for (i, air) in airs.iter().enumerate() {
             let (fallen, wind) = (first[i] * -0.5, air.along.smooth_abs(self.floor));
             wash[i] += fallen;
             lift_wash[i] += fallen * tables.at_once;
             nose[i] = of_chord[1][i] * wind;
             flat[i] = lift_wash[i] - of_chord[0][i] * (wind * 2.0) + nose[i];
+            dx[felt + i] -= first[i] * (self.camber_mass(i, membrane) * per_time);
             couple[i] = self.camber_moment(i, wind, attached[i], of_chord.map(|shape| shape[i]), first[i]);
             for (k, lag) in self.numbers.lags.iter().enumerate() {
                 dx[k * n + i] += fallen * (air.speed * (lag.rate * tables.turnover[i]));
@@ -362,6 +390,42 @@ mod tests {
         let model = sail(0.001, 0.01);
         let (mass, area): (f64, f64) = (model.membrane_masses().iter().sum(), model.widths().iter().sum());
         assert!((mass / (0.01 * area) - 1.0).abs() < 1e-9, "{mass} {area}");
+    }
+
+    /// In air that rests, mu J-filtered: (K tau^2 + R tau + mu) s^2 + (2 K tau + R) s + K = 0, K = (16/3) T dy/c and mu = w^-2 K of the
+    /// frequency that the verdict names.
+    #[test]
+    fn a_membrane_let_go_swings_at_its_frequency() {
+        let (tension, tau) = (10.0, 0.05);
+        let model = sail(1e-3, tension / 100.0);
+        let section = |y: &f64| SectionMotion {
+            le: Vec3([0.5, *y, 0.0]),
+            te: Vec3([-0.5, *y, 0.0]),
+            span: Vec3([0.0, -1.0, 0.0]),
+            ..Default::default()
+        };
+        let sections: Vec<_> = model.arcs().iter().map(section).collect();
+        let (n, strip, small) = (model.strips(), 1, 1e-5);
+        let places = [model.camber_states() + strip, model.camber_states() + MODES * n + strip];
+        let mut matrix = [[0.0; 2]; 2];
+        for (column, place) in places.into_iter().enumerate() {
+            let (mut x, mut dx) = (vec![0.0; model.states()], vec![0.0; model.states()]);
+            x[place] = small;
+            model.evaluate(&sections, Vec3::ZERO, &x, &mut dx, &mut Loads::default());
+            (0..2).for_each(|row| matrix[row][column] = dx[places[row]] / small);
+        }
+        let [[a, b], [c, d]] = matrix;
+        let width = model.widths()[strip];
+        let stiffness = 16.0 / 3.0 * tension * width;
+        let frequency = 2.0 * PI * model.membrane_scales(tension / 100.0).unwrap().frequency_hz;
+        let mass = stiffness / (frequency * frequency);
+        assert!((mass / (width * (8.0 / 15.0 * 0.01 + 7.0 / 48.0 * PI)) - 1.0).abs() < 1e-9, "{mass}");
+        let all = stiffness * tau * tau + mass;
+        let near = |value: f64, exact: f64| {
+            assert!((value / exact - 1.0).abs() < 1e-3, "{matrix:?}: {value} {exact}")
+        };
+        near(a * d - b * c, stiffness / all);
+        near(a + d, -2.0 * stiffness * tau / all);
     }
 
     /// In plane flow: k T h/c and the loads of both shapes are two linear equations, lift 2 pi (a + 2 h_1 - h_2), moment about 1/4 chord
