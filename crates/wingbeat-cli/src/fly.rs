@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use indicatif::{HumanDuration, ProgressBar};
+use wingbeat::parallel;
 use wingbeat::scenario::{Document, Run, Scenario};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Asked, Draw, of_flight};
@@ -35,6 +36,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     )?;
     let scenario = Arc::new(scenario);
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
+    wingbeat_figures::prepare();
     let mut watch = FlightWatch::begin(&arguments.live, &scenario)?;
     let run = simulate(&scenario, &interrupt, options.quiet, &mut watch)?;
     watch.end();
@@ -88,7 +90,7 @@ fn progress(duration: f64, quiet: bool) -> ProgressBar {
     progress::bar(Some((TICKS * duration) as u64), template, quiet)
 }
 
-/// Draws what the record has the columns for; what it has not is said and left out.
+/// Draws what the record has the columns for, on all cores; what it has not is said and left out.
 pub fn draw(
     folder: &RunFolder,
     record: &Record,
@@ -97,12 +99,11 @@ pub fn draw(
     interrupt: &Interrupt,
 ) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
-    for draw in draws {
+    let drawn = parallel::map(draws, |_, draw| {
         interrupt.check()?;
-        let drawn = draw(record, asked).and_then(|figure| wingbeat_figures::write(&figures, &figure));
-        left_out(drawn)?;
-    }
-    Ok(())
+        Ok::<_, Error>(draw(record, asked).and_then(|figure| wingbeat_figures::write(&figures, &figure)))
+    });
+    drawn.into_iter().try_for_each(|drawn| left_out(drawn?))
 }
 
 /// A figure that cannot be drawn is left out with a note.

@@ -63,7 +63,7 @@ pub use starts::starts;
 pub use states::{states, states_wide};
 pub use tether::{bent_wing, cycle_loads, span_loading};
 pub use wake::{Cut, Sheet as WakeSheet, around, frontal_planes, half_circulations, wake, wake_phases};
-pub use write::{Figure, write, write_for_screen, write_slide};
+pub use write::{Figure, prepare, write, write_for_screen, write_slide};
 
 use wingbeat::scenario::{GoalSpec, PaperResults};
 use wingbeat::simulate::Record;

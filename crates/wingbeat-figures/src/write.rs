@@ -61,6 +61,13 @@ impl Figure {
     }
 }
 
+/// Reads the letters of all figures on a thread of its own, so that they are there when the first is drawn.
+pub fn prepare() {
+    let empty = || drop(PngBackend::new().with_scale(1.0).render_scene(&Scene::new(1.0, 1.0)));
+    // Without a thread the first figure reads them.
+    drop(std::thread::Builder::new().spawn(empty));
+}
+
 /// Writes `<name>.svg` and `<name>.png`, for print, into `folder`.
 pub fn write(folder: &Path, figure: &Figure) -> Result<(), Error> {
     write_both(folder, figure, &rendered(figure, PRINT)?)

@@ -39,7 +39,7 @@ pub use lanes::{Double4, Lanes, Single8};
 pub use over::{Meets, Over, lift};
 pub use parameters::{Declared, Labels, Named, Parameters, Quantity, Walk, axial, polar};
 pub use random::Random;
-pub use room::{append, append_copies};
+pub use room::{append, append_copies, kept};
 pub use runge_kutta::{Dynamics, RK4, Steps, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use segment::{segment_distance, triangle_distance};

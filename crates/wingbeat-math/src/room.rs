@@ -1,6 +1,27 @@
-//! Filling rooms of fixed size whose elements are large: one copy of a block where a push is a call for each element.
+//! Filling rooms of fixed size whose elements are large: one copy of a block where a push is a call for each element. And rooms that a
+//! thread keeps.
 
 use arrayvec::ArrayVec;
+use std::any::Any;
+use std::cell::RefCell;
+
+thread_local! {
+    /// The rooms that no call uses now, those used last at the end.
+    static KEPT: RefCell<Vec<Box<dyn Any>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Lends `work` a room that this thread keeps from call to call, as the call before left it; the first gets a `new` one. So large
+/// rooms need not be cleared each time. A call within a call gets another room.
+pub fn kept<T: 'static, R>(new: impl FnOnce() -> Box<T>, work: impl FnOnce(&mut T) -> R) -> R {
+    let found = KEPT.with_borrow_mut(|kept| {
+        let place = kept.iter().rposition(|room| room.is::<T>())?;
+        kept.swap_remove(place).downcast().ok()
+    });
+    let mut room: Box<T> = found.unwrap_or_else(new);
+    let result = work(&mut room);
+    KEPT.with_borrow_mut(|kept| kept.push(room));
+    result
+}
 
 /// Elements that are copied at once.
 const BLOCK: usize = 4;
@@ -34,6 +55,16 @@ mod tests {
             assert_eq!(&room[..2], [1, 2]);
             assert!(room.len() == 2 + count && room[2..].iter().all(|value| *value == 7));
         }
+    }
+
+    #[test]
+    fn a_thread_keeps_a_room_of_each_type_and_a_call_within_a_call_gets_its_own() {
+        let next = || kept(|| Box::new(0_u64), |room| std::mem::replace(room, *room + 1));
+        assert_eq!([next(), next()], [0, 1]);
+        let within =
+            kept(|| Box::new(9_u64), |outer| (*outer, next(), kept(|| Box::new(5_i64), |room| *room)));
+        assert_eq!(within, (2, 0, 5));
+        assert_eq!(std::thread::spawn(move || kept(|| Box::new(7_u64), |room| *room)).join().unwrap(), 7);
     }
 
     #[test]

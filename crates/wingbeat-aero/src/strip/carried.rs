@@ -36,6 +36,8 @@ impl<P: Scalar> StripModel<P> {
         }
         if self.settings.section.added_mass {
             self.impulses_of_motion(flow, &rate_left);
+        } else {
+            (flow.impulse, flow.impulse_rate) = ([G::ZERO; N], [G::ZERO; N]);
         }
         self.finish_added_mass(flow);
     }

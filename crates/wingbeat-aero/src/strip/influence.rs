@@ -6,7 +6,7 @@
 use super::cores::{Cores, EdgeCores, StripCores};
 use super::motion::{Edge, Strips, Vectors, Wakes};
 use std::f64::consts::PI;
-use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_math::{Dual, Meets, Over, Scalar, Vec3};
 
 /// A number per strip.
 pub(super) type Column<S, const N: usize> = [S; N];
@@ -239,6 +239,9 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
         cores: &EdgeCores<P>,
         out: &mut Trailing<K, S, N>,
     ) {
+        if const { size_of::<K>() < size_of::<S>() } {
+            return self.trailing_turned(edge, cores, out);
+        }
         let (u, chord) = (edge.wake, edge.trailing - edge.bound);
         let chord2 = chord.norm_squared();
         let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
@@ -275,6 +278,55 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
             out.leg[i] = (wake.below * leg.above * both).beneath();
             out.wake[i] = wake.above * leg.below * both;
             out.far[i] = far;
+        }
+    }
+
+    /// As [`trailing`](Self::trailing), where of the edge the wake's direction u alone carries more derivatives: those of the wash by u
+    /// are found first, and once. With t = n . (u x r) and f(y) = y^3/(y^4 + core^4) the wash is t f(y): of the wake y = r (r - u.r), by
+    /// u f (r x n) - t f' |r| r; far behind y = r^2 - (u.r)^2, by u f (r x n) - 2 t f' (u.r) r.
+    fn trailing_turned<S: Over<K> + Meets<P>>(
+        &self,
+        edge: &Edge<K, S>,
+        cores: &EdgeCores<P>,
+        out: &mut Trailing<K, S, N>,
+    ) {
+        let (u, chord) = (edge.wake.beneath::<K>(), edge.trailing - edge.bound);
+        let chord2 = chord.norm_squared();
+        let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
+        let behind = Line::new(edge.bound, u);
+        let (u_trailing, u_bound) = (edge.trailing.dot_over(u), edge.bound.dot_over(u));
+        let least = K::from(cores.least);
+        let faded = |y: K, core4: P| {
+            let faded = Dual::<1, K>::variable(y, 0).faded_inverse(Dual::constant(K::from(core4)));
+            (faded.re, faded.eps[0])
+        };
+        let mut wash = [[K::ZERO; N]; 2];
+        let mut by = [Vectors::<K, N>::ZERO; 2];
+        for i in 0..lanes::<K, N>(self.strips) {
+            let (p, n) = (self.control.get(i), self.at_control(i));
+            let (ra, rt) = (p - edge.bound, p - edge.trailing);
+            let (a, b) = (fused_square(ra, least).sqrt(), fused_square(rt, least).sqrt());
+            (out.to_bound[i], out.to_trailing[i]) = (a, b);
+            out.leg[i] = faded_segment(leg.turn(&n), chord2, [a, b], cores.leg[i]).quotient();
+            let turn = wake.turn(&n);
+            let (f, slope) = faded((u_trailing + b - fused(u, p, K::ZERO)) * b, cores.wake[i]);
+            wash[0][i] = turn * f;
+            by[0].set(i, rt.cross(n.direction) * f - rt * (turn * slope * b));
+            let q = self.bound.get(i);
+            let (r, ahead) = (q - edge.bound, fused(u, q, -u_bound));
+            let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
+            let turn = behind.turn(&n);
+            let (f, slope) = faded(fused_square(r, -ahead.squared()), cores.far[i]);
+            wash[1][i] = turn * f;
+            by[1].set(i, r.cross(n.direction) * f - r * (turn * slope * ahead * 2.0));
+        }
+        let turned = [0, 1, 2].map(|k| edge.wake[k] - u[k]);
+        for (k, out) in [&mut out.wake, &mut out.far].into_iter().enumerate() {
+            let [x, y, z] = &by[k].0;
+            for i in 0..lanes::<S, N>(self.strips) {
+                let sum = turned[0].fused(x[i], S::from(wash[k][i]));
+                out[i] = turned[2].fused(z[i], turned[1].fused(y[i], sum));
+            }
         }
     }
 
@@ -409,7 +461,7 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
     if n % 2 == 1 {
         // An unknown of its own makes the number even.
         m.iter_mut().for_each(|column| column[n] = S::ZERO);
-        m[n][..n].fill(S::ZERO);
+        m[n].fill(S::ZERO);
         m[n][n] = S::ONE;
     }
     let lanes = lanes::<S, N>(n.next_multiple_of(2));

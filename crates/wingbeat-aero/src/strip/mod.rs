@@ -37,8 +37,7 @@ use influence::{Column, Matrix, Targets, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
 use tables::Tables;
-use wingbeat_math::Error;
-use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_math::{Error, Meets, Over, Scalar, Vec3, kept};
 use wingbeat_ocp::plant::Channel;
 
 /// The strip model of a wing. Sections are the edges between strips.
@@ -75,6 +74,15 @@ struct Flow<K: Scalar, S: Scalar, const N: usize> {
     impulse_rate: Column<S, N>,
     /// Added-mass matrix on [acceleration; angular acceleration] about the body origin.
     added_mass: [[K; 6]; 6],
+}
+
+/// Where an evaluation writes what the strips know of the air. A thread keeps it, so that it is not set to zero each time: each
+/// evaluation writes all that it reads.
+struct Room<K: Scalar, S: Scalar, const N: usize> {
+    /// Number of strips that it was last used for: all is zero beyond them.
+    strips: usize,
+    flow: Flow<K, S, N>,
+    wakes: Wakes<K, S, N>,
 }
 
 /// What is wanted beside the sum.
@@ -303,26 +311,52 @@ impl<P: Scalar> StripModel<P> {
         others: Option<Others<'_, P, G, S>>,
         wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        let mut edges = Edges::<K, G, N>::ZERO;
-        edges.fill(sections, self.settings.strips);
-        let mut flow = Flow::<K, G, N>::STILL;
-        self.flow(&edges, wind, &mut flow);
+        kept(
+            || Box::new(Room::<K, G, N>::NEW),
+            |room| self.evaluate_with(room, sections, wind, x, dx, others, wanted),
+        )
+    }
+
+    /// The evaluation in a room.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "those of the evaluation and its room")]
+    fn evaluate_with<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
+        &self,
+        room: &mut Room<K, G, N>,
+        sections: &dyn Sections<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        others: Option<Others<'_, P, G, S>>,
+        wanted: Wanted<'_, G, S>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        self.flow(sections, wind, room);
+        let flow = &room.flow;
         let states = self.states();
         let Wanted { mut loads, coupling } = wanted;
         let foreign = others.map(|others| self.wash_of_others(&flow.strips, others));
         if let Some(loads) = loads.as_deref_mut() {
             self.note_others(foreign.as_ref(), loads);
         }
+<<<<<<< HEAD
         let mut camber = Camber::none();
         let response = self.respond(&flow, foreign.as_ref(), &x[..states], &mut dx[..states], &mut camber);
+=======
+        let response = self.respond(flow, foreign.as_ref(), &x[..states], &mut dx[..states]);
+>>>>>>> speed
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
-            self.couple(&flow, sections, mass);
+            self.couple(flow, sections, mass);
             if let (Some(rates), true) = (impulses, self.follows()) {
-                self.follow(&flow, sections, rates);
+                self.follow(flow, sections, rates);
             }
             strips
         });
-        (self.load_strips(&flow, &response, loads, strips), lifted(&flow.added_mass))
+        (self.load_strips(flow, &response, loads, strips), lifted(&flow.added_mass))
     }
 
     /// See [`Aero::settle`](crate::Aero::settle).
@@ -336,12 +370,9 @@ impl<P: Scalar> StripModel<P> {
         if !self.follows() {
             return;
         }
-        let n = self.settings.strips;
-        let mut edges = Edges::<S, S, MAX_STRIPS>::ZERO;
-        edges.fill(sections, n);
-        let mut flow = Flow::<S, S, MAX_STRIPS>::STILL;
-        self.flow(&edges, wind, &mut flow);
-        self.settle_impulse(&flow, x);
+        let mut room = Room::<S, S, MAX_STRIPS>::NEW;
+        self.flow(sections, wind, &mut room);
+        self.settle_impulse(&room.flow, x);
     }
 
     /// Points, velocities and influence of the wing as it lies and moves now.
@@ -356,16 +387,26 @@ impl<P: Scalar> StripModel<P> {
     #[inline(always)]
     fn flow<K: Scalar + Meets<P>, S: Over<K> + Meets<P>, const N: usize>(
         &self,
-        edges: &Edges<K, S, N>,
+        sections: &dyn Sections<S>,
         wind: Vec3<S>,
-        flow: &mut Flow<K, S, N>,
+        room: &mut Room<K, S, N>,
     ) {
         let (n, tables) = (self.settings.strips, &self.tables);
-        self.move_strips(edges, wind, &mut flow.strips);
-        let mut wakes = Wakes::ZERO;
-        self.shed_wakes(edges, wind, &mut wakes);
+        if room.strips != n {
+            *room = Room { strips: n, ..Room::NEW };
+        }
+        let Room { flow, wakes, .. } = room;
+        flow.added_mass = [[K::ZERO; 6]; 6];
+        if const { plain::<S>() } {
+            let mut edges = Edges::ZERO;
+            edges.fill(sections, n);
+            self.move_strips(&edges, wind, &mut flow.strips);
+            self.shed_wakes(&edges, wind, wakes);
+        } else {
+            self.move_on(sections, wind, &mut flow.strips, wakes);
+        }
         let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
-        Targets::new(&flow.strips, &self.cores).wash(&wakes, n, &mut wash);
+        Targets::new(&flow.strips, &self.cores).wash(wakes, n, &mut wash);
         if !self.settings.wake_wash {
             flow.remainder = [[S::ZERO; N]; N];
             flow.far = [[S::ZERO; N]; N];
@@ -394,6 +435,11 @@ fn lifted<K: Scalar, G: Over<K>>(matrix: &[[K; 6]; 6]) -> [[G; 6]; 6] {
     let row = |[a, b, c, d, e, f]: [K; 6]| [a.into(), b.into(), c.into(), d.into(), e.into(), f.into()];
     let [a, b, c, d, e, f] = *matrix;
     [row(a), row(b), row(c), row(d), row(e), row(f)]
+}
+
+impl<K: Scalar, S: Over<K>, const N: usize> Room<K, S, N> {
+    /// Nothing is written yet.
+    const NEW: Self = Self { strips: 0, flow: Flow::STILL, wakes: Wakes::ZERO };
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Flow<K, S, N> {

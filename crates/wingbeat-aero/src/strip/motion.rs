@@ -177,6 +177,13 @@ impl<K: Scalar, S: Over<K>, const N: usize> Wakes<K, S, N> {
         }
         Edge { bound: self.bound.get(j), trailing: self.trailing.get(j), wake: self.wake.get(j) }
     }
+
+    #[inline(always)]
+    fn set(&mut self, j: usize, edge: &Edge<K, S>) {
+        self.bound.set(j, edge.bound);
+        self.trailing.set(j, edge.trailing);
+        self.wake.set(j, edge.wake);
+    }
 }
 
 /// The control section of a strip.
@@ -337,6 +344,29 @@ impl<K: Scalar, S: Over<K>, const N: usize> Strips<K, S, N> {
 }
 
 impl<P: Scalar> StripModel<P> {
+    /// Motion of all strips and vortex lines of all edges, one section after the other.
+    #[inline(never)]
+    pub(super) fn move_on<K: Scalar + Meets<P>, S: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        sections: &dyn Sections<S>,
+        wind: Vec3<S>,
+        strips: &mut Strips<K, S, N>,
+        wakes: &mut Wakes<K, S, N>,
+    ) {
+        let n = self.settings.strips.min(N);
+        let mut edges = [ChordLine::from(&sections.section(0)); 2];
+        for i in 0..n {
+            let (left, right) = (i % 2, (i + 1) % 2);
+            edges[right] = ChordLine::from(&sections.section(i + 1));
+            let [left, right] = [&edges[left], &edges[right]];
+            wakes.set(i, &self.vortex_line(left, wind));
+            let fraction = self.tables.fraction[i];
+            strips.set(i, &Strip::new([left, right], fraction, wind, self.floor, self.zero_lift));
+        }
+        wakes.last = self.vortex_line(&edges[n % 2], wind);
+        wakes.strips = n;
+    }
+
     /// Motion of all strips.
     #[inline(never)]
     pub(super) fn move_strips<K: Scalar + Meets<P>, S: Over<K> + Meets<P>, const N: usize>(
@@ -376,10 +406,7 @@ impl<P: Scalar> StripModel<P> {
         out: &mut Wakes<K, S, N>,
     ) {
         for j in 0..lanes::<S, N>(self.settings.strips) {
-            let edge = self.vortex_line(&edges.left.get(j), wind);
-            out.bound.set(j, edge.bound);
-            out.trailing.set(j, edge.trailing);
-            out.wake.set(j, edge.wake);
+            out.set(j, &self.vortex_line(&edges.left.get(j), wind));
         }
         out.last = self.vortex_line(&edges.last, wind);
         out.strips = self.settings.strips;

@@ -103,13 +103,22 @@ impl<S: CycleScalar, F: FnMut(usize, S, &[S]) -> Result<(), Fault>> Dynamics<S, 
         S::rates_by_clock(self.robot, t, &clock, x, self.u, dx)
     }
     fn after_step(&mut self, k: usize, t: S, x: &mut [S]) -> Result<ControlFlow<()>, Fault> {
-        let a = self.robot.layout().attitude;
-        Quat::from_wxyz(&x[a..]).normalized().store_wxyz(&mut x[a..]);
-        if let Some(state) = x.iter().position(|x| !x.value().is_finite()) {
-            return Err(Fault::NotFinite { state, time: t.value() });
-        }
+        settle(self.robot, t.value(), x)?;
         (self.each)(k + 1, t, x)?;
         Ok(ControlFlow::Continue(()))
+    }
+}
+
+/// Makes the attitude of the state `x` at the time `t` one of length 1.
+///
+/// # Errors
+/// [`Fault::NotFinite`].
+pub(super) fn settle<S: Scalar>(robot: &Robot, t: f64, x: &mut [S]) -> Result<(), Fault> {
+    let a = robot.layout().attitude;
+    Quat::from_wxyz(&x[a..]).normalized().store_wxyz(&mut x[a..]);
+    match x.iter().position(|x| !x.value().is_finite()) {
+        Some(state) => Err(Fault::NotFinite { state, time: t }),
+        None => Ok(()),
     }
 }
 

@@ -1,12 +1,12 @@
 //! Small deviations from an orbit between phases of its cycle.
 
-use super::cycle::{Cycle, Flow, Point};
+use super::cycle::{Cycle, Flow, Point, settle};
 use super::section::{Direction, Section};
 use nalgebra::DMatrix;
-use std::ops::Range;
-use wingbeat_math::{Error, RK4, Scalar, Steps, Workspace, parallel};
-use wingbeat_ocp::plant::{Early, Fault, Plant};
-use wingbeat_robot::CycleScalar;
+use std::ops::{ControlFlow, Range};
+use wingbeat_math::{Dynamics, Error, RK4, Scalar, Steps, Workspace, parallel};
+use wingbeat_ocp::plant::{Early, Fault, Linearisation, Plant};
+use wingbeat_robot::{CycleScalar, Robot};
 
 /// Numbers of place and heading over the ground.
 const GROUND: usize = 3;
@@ -178,12 +178,11 @@ fn fly_state<S: CycleScalar>(
     x: &mut [S],
     pace: f64,
     u: &[S],
-    [part, parts]: [usize; 2],
+    part: [usize; 2],
     each: &mut dyn FnMut(&[S]),
 ) -> Result<(), Fault> {
-    let length = cycle.duration(pace) / cycle.steps() as f64;
-    let steps = cycle.steps() / parts;
-    let clock = Steps { start: S::ZERO, length: S::from(length), first: part * steps, count: steps };
+    let Steps { start, length, first, count } = clock(cycle, pace, part);
+    let clock = Steps { start: S::from(start), length: S::from(length), first, count };
     let each = |_, _, x: &[S]| {
         each(x);
         Ok(())
@@ -192,6 +191,86 @@ fn fly_state<S: CycleScalar>(
     let mut work = Workspace::new(x.len(), RK4.b.len());
     RK4.integrate(&mut flow, clock, x, &mut work)?;
     Ok(())
+}
+
+/// The steps of part `part` of a cycle in so many equal parts as are given second.
+fn clock(cycle: &Cycle, pace: f64, [part, parts]: [usize; 2]) -> Steps {
+    let length = cycle.duration(pace) / cycle.steps() as f64;
+    let steps = cycle.steps() / parts;
+    Steps { start: 0.0, length, first: part * steps, count: steps }
+}
+
+/// A robot under held commands whose state comes with its derivatives: the numbers of the state, then by rows, as many columns each, those
+/// of their derivatives.
+///
+/// Equation: orbit.variation
+/// `X' = A X + B U beside x' = f, with A and B at each stage of a step`
+/// Source: variational equation; with A and B exact it gives the derivatives of the step itself.
+/// Test: `intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit`.
+struct Growing<'a> {
+    robot: &'a Robot,
+    u: &'a [f64],
+    /// U: derivatives of the commands, by rows.
+    moved: Vec<f64>,
+    columns: usize,
+    here: Linearisation,
+}
+
+impl<'a> Growing<'a> {
+    fn new(robot: &'a Robot, u: &'a [f64], [directions, inputs]: [&[Direction]; 2]) -> Self {
+        let columns = directions.len() + inputs.len();
+        let mut moved = vec![0.0; u.len() * columns];
+        for (column, input) in (directions.len()..).zip(inputs) {
+            input.iter().for_each(|(i, share)| moved[i * columns + column] = *share);
+        }
+        let here = Linearisation::new(robot.states().len(), u.len());
+        Self { robot, u, moved, columns, here }
+    }
+}
+
+impl Dynamics<f64, Fault> for Growing<'_> {
+    fn slope(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        let (n, m) = (self.robot.states().len(), self.u.len());
+        let (x, grown) = x.split_at(n);
+        let (rates, growth) = dx.split_at_mut(n);
+        self.here.evaluate(self.robot, t, x, self.u)?;
+        rates.copy_from_slice(&self.here.f);
+        growth.fill(0.0);
+        let columns = self.columns.max(1);
+        for (i, row) in growth.chunks_exact_mut(columns).enumerate() {
+            add_rows(row, &self.here.a[i * n..][..n], grown);
+            add_rows(row, &self.here.b[i * m..][..m], &self.moved);
+        }
+        Ok(())
+    }
+    fn after_step(&mut self, _: usize, t: f64, x: &mut [f64]) -> Result<ControlFlow<()>, Fault> {
+        let n = self.robot.states().len();
+        let (x, grown) = x.split_at_mut(n);
+        let first = self.robot.layout().attitude;
+        // Of q/|q| = p: dp = (dq - p (p . dq)) / |q|.
+        let inverse = x[first..first + 4].iter().map(|q| q * q).sum::<f64>().sqrt().recip();
+        settle(self.robot, t, x)?;
+        let p = &x[first..first + 4];
+        for column in 0..self.columns {
+            let at = |i: usize| (first + i) * self.columns + column;
+            let along: f64 = (0..4).map(|i| p[i] * grown[at(i)]).sum();
+            (0..4).for_each(|i| grown[at(i)] = (grown[at(i)] - p[i] * along) * inverse);
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+/// Adds the `rows`, each as long as `sum`, times their `factors`.
+fn add_rows(sum: &mut [f64], factors: &[f64], rows: &[f64]) {
+    let n = sum.len();
+    for (j, factor) in factors.iter().enumerate() {
+        if *factor != 0.0 {
+            let row = &rows[j * n..][..n];
+            for i in 0..n {
+                sum[i] = factor.mul_add(row[i], sum[i]);
+            }
+        }
+    }
 }
 
 /// The numbers, in the units of the states, after part `part` of a cycle from the `nominal` ones under held commands, and how
@@ -203,16 +282,47 @@ pub fn interval(
     cycle: &Cycle,
     deviations: &Deviations,
     nominal: &[f64],
-    point: (f64, &[f64]),
+    (pace, held): (f64, &[f64]),
     part: [usize; 2],
     along: [&[Direction]; 2],
 ) -> Result<(Vec<f64>, Interval), Fault> {
-    let mut over = Interval::zeros(along.map(<[Direction]>::len));
-    let mut next = Vec::new();
-    for first in (0..along[0].len() + along[1].len()).step_by(Early::LANES) {
-        let columns = fly_columns(cycle, deviations, nominal, point, part, along, first)?;
-        over.set(&columns);
-        next = columns.next;
+    let paced = (pace != 1.0).then(|| cycle.robot().paced(pace));
+    let robot = paced.as_ref().unwrap_or(cycle.robot());
+    let n = robot.states().len();
+    let mut growing = Growing::new(robot, held, along);
+    let columns = growing.columns;
+    let mut x = vec![0.0; n * (1 + columns)];
+    let blocks = || (0..columns.max(1)).step_by(Early::LANES);
+    for first in blocks() {
+        let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
+        for (lane, direction) in along[0].iter().skip(first).take(Early::LANES).enumerate() {
+            direction.iter().for_each(|(i, share)| s[*i].eps[lane] = *share);
+        }
+        let count = Early::LANES.min(columns - first);
+        for (i, state) in deviations.state(&s).iter().enumerate() {
+            x[i] = state.re;
+            x[n + i * columns + first..][..count].copy_from_slice(&state.eps[..count]);
+        }
+    }
+    let mut work = Workspace::new(x.len(), RK4.b.len());
+    RK4.integrate(&mut growing, clock(cycle, pace, part), &mut x, &mut work)?;
+    let (mut over, mut next) = (Interval::zeros(along.map(<[Direction]>::len)), Vec::new());
+    for first in blocks() {
+        let count = Early::LANES.min(columns - first);
+        let state = |i: usize| {
+            let mut state = Early::constant(x[i]);
+            state.eps[..count].copy_from_slice(&x[n + i * columns + first..][..count]);
+            state
+        };
+        let x: Vec<Early> = (0..n).map(state).collect();
+        let mut end = vec![Early::ZERO; deviations.len()];
+        let heading = deviations.of(&x, &mut end);
+        let place = deviations.position();
+        let ground = [x[place], x[place + 1], heading];
+        let rows = along[0].iter().map(|direction| Section::along(direction, &end).eps);
+        let rows = rows.chain(ground.map(|over| over.eps)).collect();
+        over.set(&Columns { first, count, rows, ground: ground.map(|over| over.re) });
+        next = end.iter().map(|end| end.re).collect();
     }
     Ok((next, over))
 }
@@ -225,7 +335,7 @@ impl Interval {
         Self { a, b, ground: [0.0; GROUND], ground_a, ground_b }
     }
 
-    /// Takes the columns that were flown together.
+    /// Takes the columns that are told together.
     fn set(&mut self, flown: &Columns) {
         let n = self.a.nrows();
         self.ground = flown.ground;
@@ -244,7 +354,7 @@ impl Interval {
     }
 }
 
-/// Columns of an [`Interval`] that are flown together.
+/// Columns of an [`Interval`] that are told together.
 struct Columns {
     /// The first of them, those of A before those of B.
     first: usize,
@@ -252,38 +362,8 @@ struct Columns {
     count: usize,
     /// Derivatives, by rows: what deviates, then what lies over the ground.
     rows: Vec<[f64; Early::LANES]>,
-    /// The numbers at the end of the interval.
-    next: Vec<f64>,
     /// Where the orbit is then over the ground.
     ground: [f64; GROUND],
-}
-
-/// Flies the columns from `first` on.
-fn fly_columns(
-    cycle: &Cycle,
-    deviations: &Deviations,
-    nominal: &[f64],
-    point: (f64, &[f64]),
-    part: [usize; 2],
-    [directions, inputs]: [&[Direction]; 2],
-    first: usize,
-) -> Result<Columns, Fault> {
-    let n = directions.len();
-    let count = (n + inputs.len() - first).min(Early::LANES);
-    let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
-    let mut u: Vec<Early> = point.1.iter().map(|v| Early::constant(*v)).collect();
-    for lane in 0..count {
-        let (to, direction) = match (first + lane).checked_sub(n) {
-            None => (&mut s, &directions[first + lane]),
-            Some(i) => (&mut u, &inputs[i]),
-        };
-        direction.iter().for_each(|(i, share)| to[*i].eps[lane] = *share);
-    }
-    let (end, over) = fly_part(cycle, deviations, &s, point.0, &u, part, &mut |_| ())?;
-    let along = directions.iter().map(|direction| Section::along(direction, &end).eps);
-    let rows = along.chain(over.iter().map(|over| over.eps)).collect();
-    let next = end.iter().map(|end| end.re).collect();
-    Ok(Columns { first, count, rows, next, ground: over.map(|over| over.re) })
 }
 
 /// Each of these numbers by itself.
@@ -313,22 +393,13 @@ pub fn intervals(
     let (directions, inputs) = (alone(0..deviations.len()), alone(inputs.iter().copied()));
     let mut nominal = vec![0.0; deviations.len()];
     deviations.of(&cycle.start(point), &mut nominal);
-    // Columns that are flown together do not see the others, so each core takes some of them over the whole cycle.
-    let columns: Vec<usize> = (0..directions.len() + inputs.len()).step_by(Early::LANES).collect();
-    let over_cycle = |_, first: &usize| -> Result<Vec<Columns>, Fault> {
-        let mut at = nominal.clone();
-        let held = (point.pace, &point.inputs[..]);
-        let over = |k| {
-            let along = [&directions[..], &inputs[..]];
-            let flown = fly_columns(cycle, &deviations, &at, held, [k, count], along, *first)?;
-            at.clone_from(&flown.next);
-            Ok(flown)
-        };
-        (0..count).map(over).collect()
-    };
-    let mut all = vec![Interval::zeros([directions.len(), inputs.len()]); count];
-    for flown in parallel::map(&columns, over_cycle) {
-        all.iter_mut().zip(&flown?).for_each(|(interval, columns)| interval.set(columns));
+    let (mut begins, held) = (vec![nominal], &point.inputs[..]);
+    for k in 1..count {
+        let part = [k - 1, count];
+        begins.push(fly_part(cycle, &deviations, &begins[k - 1], point.pace, held, part, &mut |_| ())?.0);
     }
-    Ok(all)
+    let along = [&directions[..], &inputs[..]];
+    let grown =
+        |k, begin: &Vec<f64>| interval(cycle, &deviations, begin, (point.pace, held), [k, count], along);
+    parallel::map(&begins, grown).into_iter().map(|grown| Ok(grown?.1)).collect()
 }

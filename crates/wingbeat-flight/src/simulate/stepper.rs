@@ -30,7 +30,7 @@ impl Saved {
 }
 
 /// A system under way: state, clock, inputs and memory, advanced by classical Runge-Kutta steps.
-/// Holds the system by reference, `Box` or `Arc`. Stepping allocates nothing.
+/// Holds the system by reference, `Box` or `Arc`. Stepping allocates nothing after the first step of a thread.
 ///
 /// ```
 /// use wingbeat_math::Scalar;

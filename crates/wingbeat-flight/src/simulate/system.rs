@@ -44,7 +44,7 @@ pub trait System {
     /// Numbers of states and inputs.
     fn sizes(&self) -> Sizes;
 
-    /// Writes dx/dt. Pure, and allocates nothing.
+    /// Writes dx/dt. Pure, and allocates nothing after the first call of a thread.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.

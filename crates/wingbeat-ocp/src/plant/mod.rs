@@ -171,7 +171,7 @@ pub trait Plant: Sync {
     fn attitude(&self) -> Option<usize> {
         None
     }
-    /// Writes dx/dt. Pure, and allocates nothing.
+    /// Writes dx/dt. Pure, and allocates nothing after the first call of a thread.
     fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault>;
 
     /// The distances between parts that should not meet, in order; none where nothing can.

@@ -1,4 +1,4 @@
-//! Evaluating and stepping the plant allocates nothing. The allocator of all tests counts by thread.
+//! Evaluating and stepping the plant allocates nothing after the first time on a thread. The allocator of all tests counts by thread.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -50,7 +50,7 @@ unsafe impl GlobalAlloc for Counting {
 static COUNTING: Counting = Counting;
 
 #[test]
-fn a_plant_evaluation_allocates_nothing() {
+fn a_plant_evaluation_allocates_nothing_after_the_first_of_a_thread() {
     for (name, preset) in [
         ("banking_turn", "paper"),
         ("banking_turn_beta", "paper"),
@@ -68,18 +68,23 @@ fn a_plant_evaluation_allocates_nothing() {
         let (xd, ud, mut dxd) = (dual(&x), dual(&u), dual(&x));
         let mut clearances = vec![Early::ZERO; robot.clearances().len()];
         let mut stepper = Stepper::new(robot, 0.0, &x);
+        let mut evaluate = || {
+            robot.rates_in_numbers(0.01, &x, &u, &mut dx).unwrap();
+            robot.rates_in_early(0.01, &xd, &ud, &mut dxd).unwrap();
+            robot.clear(Early::constant(0.01), &xd, &mut clearances).unwrap();
+            (0..5).for_each(|_| stepper.step(1e-4).unwrap());
+        };
+        // The first evaluation of a thread makes the rooms that it keeps.
+        evaluate();
         let before = allocations();
-        robot.rates_in_numbers(0.01, &x, &u, &mut dx).unwrap();
-        robot.rates_in_early(0.01, &xd, &ud, &mut dxd).unwrap();
-        robot.clear(Early::constant(0.01), &xd, &mut clearances).unwrap();
-        (0..5).for_each(|_| stepper.step(1e-4).unwrap());
+        evaluate();
         assert_eq!(allocations() - before, 0, "{name}");
         assert_ne!(before, 0);
     }
 }
 
 #[test]
-fn surfaces_in_each_others_wash_allocate_nothing() {
+fn surfaces_in_each_others_wash_allocate_nothing_after_the_first_time() {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -0.1 };
     let planform = Planform::new(&[station(0.0), station(0.3)]).unwrap();
     let settings = StripSettings { strips: 8, ..Default::default() };
@@ -98,6 +103,7 @@ fn surfaces_in_each_others_wash_allocate_nothing() {
         .collect();
     let (x, wind) = (vec![0.01; surfaces.states()], Vec3::new(-2.0, 0.0, 0.1));
     let (mut dx, mut loads) = (x.clone(), Loads::default());
+    surfaces.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
     let before = allocations();
     surfaces.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
     assert_eq!(allocations() - before, 0);
