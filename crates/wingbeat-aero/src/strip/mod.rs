@@ -343,12 +343,8 @@ impl<P: Scalar> StripModel<P> {
         if let Some(loads) = loads.as_deref_mut() {
             self.note_others(foreign.as_ref(), loads);
         }
-<<<<<<< HEAD
         let mut camber = Camber::none();
-        let response = self.respond(&flow, foreign.as_ref(), &x[..states], &mut dx[..states], &mut camber);
-=======
-        let response = self.respond(flow, foreign.as_ref(), &x[..states], &mut dx[..states]);
->>>>>>> speed
+        let response = self.respond(flow, foreign.as_ref(), &x[..states], &mut dx[..states], &mut camber);
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
             self.couple(flow, sections, mass);
             if let (Some(rates), true) = (impulses, self.follows()) {
