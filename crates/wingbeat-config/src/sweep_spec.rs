@@ -149,7 +149,7 @@ impl Hold {
         clearance_m: f64::NEG_INFINITY,
     };
 
-    /// True when the whole flight was flown and the errors stayed within; to a perch, where it is caught and nothing of it is wrong.
+    /// True when the whole flight was flown and the errors stayed within; on a landing, where it latched and no limit was missed.
     pub fn met(&self, summary: &Summary) -> bool {
         if let Some(perch) = &summary.perch {
             return perch.caught && summary.status.exit_code() == 0;

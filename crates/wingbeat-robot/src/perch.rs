@@ -245,7 +245,7 @@ impl Robot {
         self.perch.as_ref().map(|perch| self.clearance_from(perch, t, x)).transpose()
     }
 
-    /// That from `perch`, whether the robot is beside it or not; only states up to those of the air are read. Derivatives are exact where the
+    /// Least distance from `perch`, m, whether the robot is beside it or not; only states up to those of the air are read. Derivatives are exact where the
     /// nearest points are unique, and zero where a bar pierces a surface.
     ///
     /// Equation: robot.perch_clearance

@@ -49,17 +49,17 @@ pub struct Plain {
 
 /// A measured table: as [`read_csv`](crate::read_csv) reads it where a column is called `t` or `phase`, else as a file of channels with a
 /// column of time, `Time (s)`; units of forces, moments and angles that it says become N, N m and rad, channels in
-/// other units and rows with missing samples go.
+/// other units and rows that are missing between others go.
 ///
 /// # Errors
-/// Those of `read_csv` where neither reads it.
+/// Those of `read_csv` where neither reads it; cells without a number.
 pub fn read_measured(path: &Path) -> Result<Record, Error> {
     let plainly = crate::read_csv(path);
     if plainly.as_ref().is_ok_and(|record| ["t", "phase"].iter().any(|name| record.column(name).is_some())) {
         return plainly;
     }
     let channels = super::read_channels(path).and_then(|table| table.plain(&Asked::default()));
-    let Ok(Plain { time, mut channels, .. }) = channels else { return plainly };
+    let Ok(Plain { time, mut channels, missing, .. }) = channels else { return plainly };
     let of = [Quantity::Force, Quantity::Moment, Quantity::Angle];
     // What is no force, moment or angle is none of the loads.
     let is_known = |unit: &str| unit.is_empty() || of.iter().any(|quantity| quantity.factor(unit).is_some());
@@ -71,6 +71,9 @@ pub fn read_measured(path: &Path) -> Result<Record, Error> {
             column.unit = unit.into();
         }
     }
+    if let Some(text) = no_numbers(&channels, missing) {
+        return Err(Error::format(path, text));
+    }
     channels.insert(0, Column { values: time, ..Column::new("t", "s", "") });
     let whole: Vec<bool> =
         (0..channels[0].values.len()).map(|k| channels.iter().all(|c| c.values[k].is_finite())).collect();
@@ -79,6 +82,18 @@ pub fn read_measured(path: &Path) -> Result<Record, Error> {
         column.values.retain(|_| kept.next() == Some(&true));
     }
     Record::new(channels, 0).map_err(|error| Error::format(path, error))
+}
+
+/// The channel that has most cells without a number, where there are more of them than the `missing` rows, which no channel has.
+fn no_numbers(channels: &[Column], missing: usize) -> Option<String> {
+    let holes = |column: &&Column| column.values.iter().filter(|value| !value.is_finite()).count();
+    let worst = channels.iter().max_by_key(holes)?;
+    let (empty, rows) = (holes(&worst).saturating_sub(missing), worst.values.len());
+    let text = format!(
+        "{empty} of {rows} values of `{}` are no numbers: cut these rows or this column out",
+        worst.name
+    );
+    (empty > 0).then_some(text)
 }
 
 impl Table {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use wingbeat_io::samples::{Asked, Plain, read_channels};
+use wingbeat_io::samples::{Asked, Plain, read_channels, read_measured};
 
 fn read(name: &str, text: &str, asked: &Asked) -> Result<Plain, String> {
     let path = std::env::temp_dir().join(format!("wingbeat-plain-{}-{name}.csv", std::process::id()));
@@ -41,4 +41,25 @@ fn times_units_and_gaps_come_from_the_file() {
     assert!(read("three", &text, &asked(None, &["N"; 3])).unwrap_err().contains("3 for 2 channels"));
     let none = read("none", "lift_N\n1\n2\n3\n", &asked(None, &[])).unwrap_err();
     assert!(none.contains("no column of time; found lift_N: give the samples per second"), "{none}");
+}
+
+/// Rows that are missing between others go; a cell without a number is told.
+#[test]
+fn a_measured_file_with_cells_without_numbers_is_refused_by_its_column() {
+    let path = std::env::temp_dir().join(format!("wingbeat-plain-{}-holes.csv", std::process::id()));
+    let read = |hole: &str| {
+        let rows = (0..40).filter(|k| !(10..14).contains(k));
+        let row = |k: usize| {
+            let lift = if [20, 30].contains(&k) { hole } else { "7" };
+            format!("{k},{lift},{}\n", 2 * k)
+        };
+        fs::write(&path, format!("time_ms,lift_N,drag_N\n{}", rows.map(row).collect::<String>())).unwrap();
+        read_measured(&path).map_err(|error| error.to_string())
+    };
+    assert_eq!(read("7").unwrap().rows(), 36);
+    for hole in ["nan", ""] {
+        let error = read(hole).unwrap_err();
+        assert!(error.contains("2 of 40 values of `lift` are no numbers"), "{error}");
+    }
+    fs::remove_file(&path).unwrap();
 }

@@ -167,7 +167,7 @@ fn reversed(about: String, told: &Told) -> Finding {
 const TURNED: [f64; 2] = [0.9, 0.2];
 
 /// The finding that all channels together fit with the other sign alone. A phase that is taken from the force hides it: what is turned looks
-/// as if it came half a cycle later, but for the even harmonics.
+/// as if it came half a cycle later, but for the even harmonics. Where all are reversed as they are, it is one of the two.
 fn turned(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     let large =
         || telling.iter().map(|(_, told)| *told).filter(|told| told.share > COUNTS && told.measured > 0.0);
@@ -179,6 +179,14 @@ fn turned(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     // Where another channel is as computed, the one that is not is told by its name.
     let as_computed = telling.iter().any(|(_, told)| told.now > ALIKE[0]);
     let each = large().all(|told| told.all[lag] < 0.0) && !as_computed;
+    let now = at(0);
+    if large().count() > 1 && large().all(|told| told.now < REVERSED.value) && -now > TURNED[0] {
+        let text = format!(
+            "all channels together have a correlation of {now:.2} with what is computed: the cell is turned over, all signs are reversed, \
+             or the phase is half a cycle off"
+        );
+        return Some(Finding::new("data.reversed", &REVERSED, what, now, text));
+    }
     let text = format!(
         "all channels together have a correlation of {least:.2} with what is computed, and of {most:.2} at most: the cell is turned \
          over, or all signs are reversed"

@@ -16,7 +16,7 @@ const FOR_SCATTER: usize = 4;
 const ABOVE_NOISE: f64 = 4.0;
 
 impl Spread {
-    /// By numerators and denominators; `white` is the variance of the noise.
+    /// By numerators and denominators; `white` is the variance of the noise, the square of the unit of the values.
     pub fn of(sums: impl Iterator<Item = [f64; 2]>, white: f64) -> Self {
         let sums: Vec<[f64; 2]> = sums.collect();
         let (count, all) = (sums.len() as f64, sums.iter().map(|[_, below]| below).sum::<f64>());
@@ -31,12 +31,12 @@ impl Spread {
         self.of.len() >= FOR_SCATTER && self.spread > ABOVE_NOISE * self.noise
     }
 
-    /// Root mean square about the mean, without what noise gives.
+    /// Root mean square about the mean, without what noise gives, in the unit of the values.
     pub fn size(&self) -> f64 {
         (self.spread - self.noise).max(0.0).sqrt()
     }
 
-    /// Change from start to end by a straight line, and its standard error. The squares of places that lie evenly from -1/2 to 1/2 have
+    /// Change from start to end by a straight line, and its standard error, in the unit of the values. The squares of places that lie evenly from -1/2 to 1/2 have
     /// the mean (1 - 1 / n^2) / 12.
     pub fn trend(&self) -> [f64; 2] {
         let count = self.of.len() as f64;

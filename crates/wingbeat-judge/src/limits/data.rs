@@ -84,7 +84,7 @@ pub const OUTLIERS: Limit = Limit::at_most("data.outliers_fraction", 0.01, "", S
 );
 /// A load that is sampled well never crosses its range in one step; a wrap leaps twice a cycle.
 pub const WRAPPED: Limit = Limit::at_most("data.leaps_per_cycle", 0.2, "", SuspectData)
-    .on("leaps across the whole range of a smooth channel, in a cycle,");
+    .on("leaps per cycle of a smooth channel across its whole range,");
 /// White noise has 1, its differences 1.5, and smooth loads a quarter.
 pub const ALTERNATES: Limit = Limit::at_most("data.alternating_ratio", 3.0, "", SuspectData)
     .on("mean square of the steps from sample to sample over that of the steps to the second next");

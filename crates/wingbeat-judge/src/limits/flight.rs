@@ -82,7 +82,7 @@ pub const PERCH_CLEARANCE: Limit = Limit::at_least("flight.perch_clearance_m", 0
     .on("least distance of the surfaces and capsules of the robot from the perch");
 /// Clearance that the controller is asked to keep: two of what its program allows for rounding.
 pub const KEPT: Limit = Limit::at_most("flight.clearance_short_fraction", 0.01, "", OffTarget)
-    .on("how far the least clearance falls short of controller.orbit.clearance_m, over it");
+    .on("shortfall of the least clearance, as a share of controller.orbit.clearance_m");
 /// Updates whose best commands left a clearance too small somewhere in the cycle ahead: a later one may mend it.
 pub const NOT_KEPT: Limit = Limit::warn_above("flight.clearance_not_kept_fraction", 0.0, "")
     .on("share of the updates at which no commands keep controller.orbit.clearance_m over the cycle ahead");

@@ -14,7 +14,7 @@ pub const SLACK: Limit = Limit::warn_above("membrane.slack_fraction", 0.05, "")
     .on("a slack membrane wrinkles, which the model does not know: share of the strips and of the time in which it is slack along the chord");
 /// Frequency of the motion up to which a membrane may feel its inertia late; what is lost is of the order of the square.
 pub const FREQUENCY: Limit = Limit::warn_above("membrane.frequency_fraction", 0.25, "").on(
-    "the inertia of a membrane is felt late, and by one of its shapes: frequency of the motion over that of the membrane",
+    "only a membrane's first shape feels inertia, and late: frequency of the motion over that of the membrane",
 );
 /// A motion above the membrane's own frequency, which would move against it.
 pub const BEYOND_FREQUENCY: Limit = Limit::at_most("membrane.frequency_outside_fraction", 1.0, "", Outside)

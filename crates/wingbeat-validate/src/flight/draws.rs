@@ -35,7 +35,7 @@ pub const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: 
 pub const LAUNCH: Asked = Asked { sweep: "launch_20g", lost: 0.0, crossing: None, power: None };
 
 /// Landings, of which 90 of 100 are asked to be caught, clear of the bar and of themselves.
-pub const LAND: Asked = Asked { sweep: "land_20g", lost: 0.1, crossing: None, power: None };
+pub const LAND: Asked = Asked { sweep: "land_20g", lost: 0.1, crossing: Some(0.1), power: None };
 
 /// In unknown air: 190 of 200 in the turn, 195 level, 180 of Beta.
 pub const ANY_AIR_BANK30: Asked =
