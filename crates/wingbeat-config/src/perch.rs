@@ -109,7 +109,7 @@ const SEEN: f64 = 10.0;
 const STEPS: f64 = 10.0;
 
 /// By how much of its limits the claw is within them where it is taken to latch: the state at that instant is still normalised.
-const ROUNDED: f64 = 1e-12;
+const ROUNDED: f64 = 1e-9;
 
 impl PerchSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
