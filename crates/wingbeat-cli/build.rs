@@ -1,7 +1,9 @@
 //! Has the linker keep machine code that is equal once: generic code is often the same for types of the same size, and the program
-//! is a twentieth smaller. No function of ours is known by its address.
+//! is a twentieth smaller. Nothing in it tells functions apart by their addresses.
 
 use std::env;
+use std::path::Path;
+use std::process::Command;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -13,10 +15,17 @@ fn main() {
 
 /// Whether the linker is the one that comes with the compiler, which has the option; GNU's ld refuses it.
 fn links_with_lld() -> bool {
-    let is = |key: &str, value: &str| env::var(key).is_ok_and(|given| given == value);
-    let target = ["OS", "ARCH", "ENV"].map(|part| format!("CARGO_CFG_TARGET_{part}"));
-    let linux = is(&target[0], "linux") && is(&target[1], "x86_64") && is(&target[2], "gnu");
+    let is =
+        |part: &str, value: &str| env::var(format!("CARGO_CFG_TARGET_{part}")).is_ok_and(|own| own == value);
     let flags = env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
     let chosen = env::var_os("RUSTC_LINKER").is_some() || flags.contains("link");
-    linux && !chosen
+    is("OS", "linux") && is("ARCH", "x86_64") && is("ENV", "gnu") && !chosen && comes_with_lld()
+}
+
+/// Whether the compiler brings a linker along, as those of rustup do, and those of some distributions do not.
+fn comes_with_lld() -> bool {
+    let Some(rustc) = env::var_os("RUSTC") else { return false };
+    let Ok(said) = Command::new(rustc).args(["--print", "sysroot"]).output() else { return false };
+    let root = String::from_utf8_lossy(&said.stdout);
+    Path::new(root.trim()).join("lib/rustlib/x86_64-unknown-linux-gnu/bin/gcc-ld/ld.lld").is_file()
 }

@@ -6,7 +6,7 @@ use std::any::Any;
 use std::cell::RefCell;
 
 thread_local! {
-    /// The rooms that no call uses now, those used last at the end.
+    /// The rooms that no call uses now.
     static KEPT: RefCell<Vec<Box<dyn Any>>> = const { RefCell::new(Vec::new()) };
 }
 

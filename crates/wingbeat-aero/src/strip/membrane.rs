@@ -164,7 +164,7 @@ impl<P: Scalar> StripModel<P> {
     /// Equation: aero.camber_mass
     /// `8/15 m + 7/12 pi rho b^2 dy, as in aero.membrane.frequency`
     /// Source: Theodorsen 1935; Peters, Hsieh & Torrero 2007 (modes of camber); own derivation.
-    /// Test: `a_membrane_let_go_swings_at_its_frequency`.
+    /// Test: `a_membrane_let_go_moves_by_its_mass_tension_and_delay`.
     fn camber_mass(&self, i: usize, membrane: &Membrane<P>) -> P {
         self.membrane_mass(i, membrane) * (8.0 / 15.0) + self.carried_mass(i) * (7.0 / 12.0)
     }
@@ -395,7 +395,7 @@ mod tests {
     /// In air that rests, mu J-filtered: (K tau^2 + R tau + mu) s^2 + (2 K tau + R) s + K = 0, K = (16/3) T dy/c and mu = w^-2 K of the
     /// frequency that the verdict names.
     #[test]
-    fn a_membrane_let_go_swings_at_its_frequency() {
+    fn a_membrane_let_go_moves_by_its_mass_tension_and_delay() {
         let (tension, tau) = (10.0, 0.05);
         let model = sail(1e-3, tension / 100.0);
         let section = |y: &f64| SectionMotion {

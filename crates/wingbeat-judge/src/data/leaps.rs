@@ -9,8 +9,8 @@ use crate::limits::data::TURNS;
 
 /// Third differences, taken evenly from the file, that tell the noise. *Choice.*
 const TOLD: usize = 512;
-/// Deviations of third differences from which one is a leap: with white noise one of 1e15 is. *Choice.*
-const BEYOND: f64 = 8.0;
+/// Deviations of third differences from which one is a leap. *Choice.*
+const BEYOND: f64 = TURNS.value;
 /// Part of the range and counts of the converter that a leap has at least. *Choices.*
 const LEAST: [f64; 2] = [0.02, 4.0];
 /// Leaps from which their order tells, and most that are looked at. *Choices.*

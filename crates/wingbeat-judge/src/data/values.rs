@@ -283,7 +283,9 @@ fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> 
         from + 1,
         extent.range()
     );
-    Some(Finding::new("data.stuck", &STUCK, series.about(channel.name), cycles, text))
+    let found = Finding::new("data.stuck", &STUCK, series.about(channel.name), cycles, text);
+    // What is no load, as a temperature, may stand still beside loads.
+    Some(if series.is_load(channel) { found } else { found.noted() })
 }
 
 /// Part of its range that a channel moves by while the wings rest, at most. *Choice.*

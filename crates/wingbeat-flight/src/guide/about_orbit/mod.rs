@@ -223,8 +223,9 @@ impl AboutOrbit<'_> {
             let elements = &self.x[self.robot.layout().structure..][..2 * self.robot.response().elements()];
             let limits: Vec<f64> = self.inputs.iter().map(|i| self.robot.inputs()[*i].high).collect();
             let mut kept = self.held.clone();
-            if governor.keep(t, elements, &effort(&limits), &retreat, &mut kept).is_ok() {
-                self.held = kept;
+            match governor.keep(t, elements, &effort(&limits), &retreat, &mut kept) {
+                Ok(()) => self.held = kept,
+                Err(_) => governor.not_kept += 1,
             }
         }
         true

@@ -45,7 +45,7 @@ pub struct AboutOrbitSpec {
     /// How the controller adapts in flight to an unknown air; without it, it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adapt: Option<AdaptSpec>,
-    /// Clearance to keep over the next cycle, m, by the least change of the commands. It must be below the wings' reach from the body's origin.
+    /// Clearance to keep over the next cycle, m, by the least change of the commands. It is at most the wings' reach from the body's origin.
     /// The robot must have clearances (of a symmetric surface or `[[clearances]]`), and all its joints must be driven. Without it no
     /// clearance is kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
