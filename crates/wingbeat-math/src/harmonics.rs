@@ -76,6 +76,29 @@ impl Harmonics {
         }
         sum
     }
+
+    /// The sums of each of `all` at the places `cycles`, in cycles of their fundamental, in the unit of what was fitted.
+    pub fn each_at(all: &[Self], cycles: &[f64]) -> Vec<Vec<f64>> {
+        let most = all.iter().map(|one| one.cos.len()).max().unwrap_or(0);
+        let (mut sums, mut waves) =
+            (vec![Vec::with_capacity(cycles.len()); all.len()], vec![(0.0, 0.0); most]);
+        for cycles in cycles {
+            let (step_sin, step_cos) = (TAU * cycles.fract()).sin_cos();
+            let (mut c, mut s) = (step_cos, step_sin);
+            for wave in &mut waves {
+                *wave = (c, s);
+                (c, s) = (c * step_cos - s * step_sin, s * step_cos + c * step_sin);
+            }
+            for (one, sums) in all.iter().zip(&mut sums) {
+                let mut sum = one.mean;
+                for ((cos, sin), (c, s)) in one.cos.iter().zip(&one.sin).zip(&waves) {
+                    sum += cos * c + sin * s;
+                }
+                sums.push(sum);
+            }
+        }
+        sums
+    }
 }
 
 /// Adds cos(k x) and sin(k x) to the sums, k from 0 on, and hands them on.

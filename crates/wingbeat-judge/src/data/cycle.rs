@@ -75,19 +75,24 @@ impl<'a> Apart<'a> {
     /// Of all channels that are finite and move.
     fn of_all(series: &'a Series, cycles: f64) -> Vec<Self> {
         let finite = |channel: &&Channel| channel.samples.iter().all(|x| x.is_finite());
-        let condensed =
-            |channel: &'a Channel<'a>| (channel, Condensed::of(series.phase, channel.samples, cycles));
-        let all: Vec<_> = series.channels.iter().filter(finite).map(condensed).collect();
-        let Some((_, first)) = all.first() else { return Vec::new() };
-        let values: Vec<&[f64]> = all.iter().map(|(_, at)| &at.values[..]).collect();
-        let fits = harmonics(first.values.len(), cycles)
-            .and_then(|count| Harmonics::fitted_each(1.0, &first.phase, &values, count));
-        let apart = |((channel, at), cycle): ((&'a Channel<'a>, Condensed), Harmonics)| {
-            let (part, left) = Parts::of(&at, cycles, &cycle);
-            let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
-            (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
+        let size = Condensed::size(series.phase.len(), cycles);
+        let phase = means(series.phase, size);
+        let condensed = |channel: &'a Channel<'a>| {
+            (channel, Condensed { phase: phase.clone(), values: means(channel.samples, size) })
         };
-        all.into_iter().zip(fits.unwrap_or_default()).filter_map(apart).collect()
+        let all: Vec<_> = series.channels.iter().filter(finite).map(condensed).collect();
+        let values: Vec<&[f64]> = all.iter().map(|(_, at)| &at.values[..]).collect();
+        let fits = harmonics(phase.len(), cycles)
+            .and_then(|count| Harmonics::fitted_each(1.0, &phase, &values, count))
+            .unwrap_or_default();
+        let fitted = Harmonics::each_at(&fits, &phase);
+        let apart =
+            |((channel, at), (cycle, fitted)): ((&'a Channel<'a>, Condensed), (&Harmonics, Vec<f64>))| {
+                let (part, left) = Parts::of(&at, cycles, (cycle, fitted));
+                let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
+                (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
+            };
+        all.into_iter().zip(fits.iter().zip(fitted)).filter_map(apart).collect()
     }
 
     /// Whether it repeats at the frequency that is given for it.
@@ -122,14 +127,20 @@ pub(super) struct Condensed {
 
 impl Condensed {
     pub fn of(phase: &[f64], samples: &[f64], cycles: f64) -> Self {
-        let points = POINTS.max(POINTS_PER_CYCLE * cycles.min(1e6) as usize);
-        let size = phase.len().div_ceil(points.max(1)).max(1);
-        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
-        Self {
-            phase: phase.chunks(size).map(mean).collect(),
-            values: samples.chunks(size).map(mean).collect(),
-        }
+        let size = Self::size(phase.len(), cycles);
+        Self { phase: means(phase, size), values: means(samples, size) }
     }
+
+    /// How many of `count` samples become one.
+    fn size(count: usize, cycles: f64) -> usize {
+        let points = POINTS.max(POINTS_PER_CYCLE * cycles.min(1e6) as usize);
+        count.div_ceil(points.max(1)).max(1)
+    }
+}
+
+/// Means of so many values that follow one another.
+fn means(of: &[f64], size: usize) -> Vec<f64> {
+    of.chunks(size).map(|of| of.iter().sum::<f64>() / of.len() as f64).collect()
 }
 
 /// Findings of all channels.
@@ -180,11 +191,10 @@ fn harmonics(count: usize, cycles: f64) -> Option<usize> {
 }
 
 impl Parts {
-    /// Of a channel whose harmonics are `cycle`, and what those leave of it.
-    fn of(at: &Condensed, cycles: f64, cycle: &Harmonics) -> (Self, Vec<f64>) {
-        let (phase, values) = (&at.phase, &at.values);
+    /// Of a channel whose harmonics are `cycle`, which have the values `fitted`, and what those leave of it.
+    fn of(at: &Condensed, cycles: f64, (cycle, fitted): (&Harmonics, Vec<f64>)) -> (Self, Vec<f64>) {
+        let values = &at.values;
         let count = values.len();
-        let fitted: Vec<f64> = phase.iter().map(|p| cycle.at(*p)).collect();
         let left: Vec<f64> = values.iter().zip(&fitted).map(|(x, fit)| x - fit).collect();
         let mean = values.iter().sum::<f64>() / count as f64;
         let rest = variance(&left);

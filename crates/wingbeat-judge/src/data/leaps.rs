@@ -5,12 +5,12 @@ use super::noise::{OF_THIRD, deviation_beside, third};
 use super::outliers::place;
 use super::values::Extent;
 use super::{Channel, Finding, Series};
-use crate::limits::data::TURNS;
+use crate::limits::data::LEAPS;
 
 /// Third differences, taken evenly from the file, that tell the noise. *Choice.*
 const TOLD: usize = 512;
 /// Deviations of third differences from which one is a leap. *Choice.*
-const BEYOND: f64 = TURNS.value;
+const BEYOND: f64 = LEAPS.value;
 /// Part of the range and counts of the converter that a leap has at least. *Choices.*
 const LEAST: [f64; 2] = [0.02, 4.0];
 /// Leaps from which their order tells, and most that are looked at. *Choices.*
@@ -123,7 +123,7 @@ impl Leaps {
             self.of.len()
         );
         let found = || {
-            Finding::new("data.alternates", &TURNS, series.about(channel.name), self.over_noise, text)
+            Finding::new("data.alternates", &LEAPS, series.about(channel.name), self.over_noise, text)
                 .in_channel(channel.name)
         };
         told.then(|| if steady { found().noted() } else { found() })
