@@ -29,27 +29,39 @@ pub struct Extent {
 impl Extent {
     /// Of finite samples, in the unit of the channel; `None` where one is not.
     pub fn of(samples: &[f64]) -> Option<Self> {
-        let mut of = Self { low: f64::INFINITY, high: f64::NEG_INFINITY, count: f64::INFINITY };
-        let mut before = f64::NAN;
-        for x in samples {
-            if !x.is_finite() {
-                return None;
+        let first = *samples.first()?;
+        let (mut low, mut high) = ([first; LANES], [first; LANES]);
+        let (mut count, mut odd) = ([f64::INFINITY; LANES], [0.0 * first; LANES]);
+        // Each sample with the one before it, several at once.
+        let mut add = |before: &[f64; LANES], after: &[f64; LANES]| {
+            for k in 0..LANES {
+                let x = after[k];
+                let step = (x - before[k]).abs();
+                // Rounding of a decimal number is no step.
+                let step = if step > 1e-9 * x.abs() { step } else { f64::INFINITY };
+                low[k] = if x < low[k] { x } else { low[k] };
+                high[k] = if x > high[k] { x } else { high[k] };
+                count[k] = if step < count[k] { step } else { count[k] };
+                // Not a number once a sample is not finite.
+                odd[k] += 0.0 * x;
             }
-            of = Self { low: of.low.min(*x), high: of.high.max(*x), count: of.count };
-            let step = (x - before).abs();
-            // Rounding of a decimal number is no step.
-            if step > 1e-9 * x.abs() && step < of.count {
-                of.count = step;
-            }
-            before = *x;
-        }
-        (!samples.is_empty()).then_some(of)
+        };
+        let (before, after) = (samples.as_chunks().0, samples[1..].as_chunks());
+        before.iter().zip(after.0).for_each(|(before, after)| add(before, after));
+        let done = samples.len() - 1 - after.1.len();
+        after.1.iter().zip(&samples[done..]).for_each(|(x, before)| add(&[*before; LANES], &[*x; LANES]));
+        let least = |of: [f64; LANES]| of.into_iter().fold(f64::INFINITY, f64::min);
+        let of = Self { low: least(low), high: -least(high.map(|x| -x)), count: least(count) };
+        (odd == [0.0; LANES]).then_some(of)
     }
 
     pub fn range(self) -> f64 {
         self.high - self.low
     }
 }
+
+/// Samples that are looked at together: four numbers fill a register of AVX2.
+pub(super) const LANES: usize = 4;
 
 /// What is wrong with the values.
 pub fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) -> Vec<Finding> {
