@@ -76,20 +76,24 @@ fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
     let nose_up = settled(summary.pitch_mean_deg.map(|pitch| -pitch));
-    let height = summary.height_max_error_m.map(|e| own("height off orbit, most", number(1e3 * e), "mm"));
-    let mut rows = vec![
-        own("status", summary.status.name().into(), ""),
-        match summary.turn_roll_mean_deg {
-            Some(roll) => ("roll in the turn, mean".into(), of(|p| p.roll_deg), number(roll), "deg"),
-            None => ("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
-        },
+    // Half a loop has neither a mean roll nor an orbit.
+    let height = summary.height_max_error_m.filter(|_| summary.perch.is_none());
+    let height = height.map(|e| own("height off orbit, most", number(1e3 * e), "mm"));
+    let roll = match summary.turn_roll_mean_deg {
+        Some(roll) => Some(("roll in the turn, mean".into(), of(|p| p.roll_deg), number(roll), "deg")),
+        None if summary.perch.is_some() => None,
+        None => Some(("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg")),
+    };
+    let mut rows = vec![own("status", summary.status.name().into(), "")];
+    rows.extend(roll);
+    rows.extend([
         own("roll, rms error", settled(summary.roll_rms_error_deg), "deg"),
         ("nose up, mean".into(), of(|p| p.nose_up_deg), nose_up, "deg"),
         ("pitch, oscillation +-".into(), oscillation, settled(summary.pitch_half_amplitude_deg), "deg"),
         ("distance x".into(), of(|p| p.distance_x_m), number(summary.distance_x_m), "m"),
         ("distance y".into(), of(|p| p.distance_y_m), number(summary.distance_y_m.abs()), side),
         own("altitude change", number(summary.altitude_change_m), "m"),
-    ];
+    ]);
     rows.extend(height);
     if let Some(dive) = &summary.dive {
         let level = dive.level_after_s.map_or("-".into(), number);
