@@ -6,7 +6,7 @@ use std::path::Path;
 
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
-use kuva::render::render::Scene;
+use kuva::render::render::{Primitive, Scene};
 
 use crate::{Error, strokes, style};
 
@@ -30,7 +30,7 @@ pub struct Figure {
 
 impl Figure {
     pub(crate) fn new(name: &'static str, scene: Scene) -> Self {
-        Self { name, scene: strokes::cut(scene) }
+        Self { name, scene: own_names(name, strokes::cut(scene)) }
     }
 
     /// The same figure under another name.
@@ -59,6 +59,26 @@ impl Figure {
     pub fn svg(&self) -> String {
         SvgBackend::default().render_scene(&self.scene)
     }
+}
+
+/// The scene with the regions to which its curves are clipped named by the figure and their order: kuva counts those of all figures, in
+/// whichever order threads draw them.
+fn own_names(name: &str, mut scene: Scene) -> Scene {
+    let mut regions = scene.elements.iter_mut().filter_map(|element| match element {
+        Primitive::ClipStart { id, .. } => Some(id),
+        _ => None,
+    });
+    for number in 1.. {
+        let Some(id) = regions.next() else { break };
+        let own = format!("{name}-{number}");
+        // Where the region is described.
+        let (then, now) = (format!("id=\"{id}\""), format!("id=\"{own}\""));
+        if let Some(region) = scene.defs.iter_mut().find(|region| region.contains(&then)) {
+            *region = region.replace(&then, &now);
+        }
+        *id = own;
+    }
+    scene
 }
 
 /// Reads the letters of all figures on a thread of its own, so that they are there when the first is drawn.

@@ -137,6 +137,15 @@ fn every_figure_names_its_axes_and_curves() {
 }
 
 #[test]
+fn a_figure_is_the_same_whatever_was_drawn_before_it() {
+    let record = record();
+    let drawn = || [forces(&record).unwrap().svg(), commands(&record).unwrap().svg()];
+    let [forces, others] = drawn();
+    assert!(["<clipPath id=\"commands-1\"", "url(#commands-1)"].iter().all(|word| others.contains(word)));
+    assert_eq!([forces, others], drawn());
+}
+
+#[test]
 fn a_missing_column_is_named() {
     let record = Record::new(vec![Column::new("t", "s", "")], 0).unwrap();
     for (outcome, name) in [
