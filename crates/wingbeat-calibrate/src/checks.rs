@@ -126,7 +126,11 @@ fn check_case(structure: &Structure, (k, run): (usize, &Observed), values: &[f64
         return Ok(());
     }
     let target = &structure.model.cases[k - structure.model.targets.len()];
-    let predicted = target.predict(&structure.model.numbers(values))?;
+    let mut predicted = target.predict(&structure.model.numbers(values))?;
+    // What was not measured is no channel that another one could be.
+    for channel in &run.unmeasured {
+        (0..run.layout.width()).for_each(|part| predicted[run.layout.at(*channel, part)] = 0.0);
+    }
     let both = [run.mean.as_slice(), predicted.as_slice()];
     let what = match disagreement(run.layout, both, both) {
         None => return Ok(()),

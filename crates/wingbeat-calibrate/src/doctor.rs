@@ -3,7 +3,7 @@
 use crate::tethered::LOADS;
 use crate::{CaseTarget, Error, Layout, Observed, PHASES, Problem, Structure, phase_of};
 use nalgebra::DVector;
-use wingbeat::judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
+use wingbeat::judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined, reversed_among};
 use wingbeat::judge::limits::data::GAIN;
 use wingbeat::judge::{Limits, Warning};
 use wingbeat::rig::cell::CHANNELS;
@@ -26,6 +26,31 @@ pub fn findings(
     };
     examined(&series, &target.case.limits).into_iter().map(mended_in_compare).collect()
 }
+
+/// Which of the channels `of` of one of the `passes`, each by its file and the harmonics of its mean cycle, is that of most others reversed.
+/// Small ones, which may be noise, are left out.
+pub fn beside_other_passes(target: &CaseTarget, of: &[usize], passes: &[(&str, Vec<f64>)]) -> Vec<Finding> {
+    let layout = target.layout();
+    let of_channel =
+        |c: usize| passes.iter().map(|(file, mean)| (*file, values(layout, mean, c))).collect::<Vec<_>>();
+    let all: Vec<(usize, Vec<(&str, Vec<f64>)>)> = of.iter().map(|c| (*c, of_channel(*c))).collect();
+    let range = |of: &[(&str, Vec<f64>)]| {
+        let one = |of: &[f64]| {
+            of.iter().copied().fold(f64::MIN, f64::max) - of.iter().copied().fold(f64::MAX, f64::min)
+        };
+        of.iter().map(|(_, cycle)| one(cycle)).fold(0.0, f64::max)
+    };
+    let most = |unit: &str| {
+        let same = all.iter().filter(|(c, _)| CHANNELS[*c].1 == unit);
+        same.map(|(_, of)| range(of)).fold(0.0, f64::max)
+    };
+    let telling = all.iter().filter(|(c, of)| range(of) > LARGE * most(CHANNELS[*c].1));
+    let found = telling.flat_map(|(c, of)| reversed_among(LOADS[*c], of, &target.case.limits));
+    found.map(mended_in_compare).collect()
+}
+
+/// Part of the largest range of its unit from which a channel is compared between passes. *Choice.*
+const LARGE: f64 = 0.2;
 
 /// What of the mean cycle of `run` cannot be the one that the model predicts.
 fn beside(run: &Observed, predicted: &[f64], limits: &Limits) -> Vec<Finding> {

@@ -101,6 +101,7 @@ impl CaseTarget {
         let mut measured: Option<Vec<usize>> = None;
         let mut found = Vec::new();
         let mut seen: Vec<(&str, [Vec<f64>; 6])> = Vec::new();
+        let mut passes: Vec<(&str, Vec<f64>)> = Vec::new();
         for (file, record) in files {
             let wrong = |what: String| Error::data(file, what);
             let (of, channels) = self.channels(record).map_err(wrong)?;
@@ -135,7 +136,9 @@ impl CaseTarget {
                 .map(|cycle| project(&phase, &channels, TAU * (begin + cycle as f64), self.harmonics));
             let all: Vec<Option<Vec<f64>>> = all.collect();
             left_out += all.iter().filter(|cycle| cycle.is_none()).count();
+            let own = cycles.len();
             cycles.extend(all.into_iter().flatten());
+            passes.extend(mean_of(&cycles[own..]).map(|mean| (file.as_str(), mean)));
             for (k, phase) in phase.iter().enumerate() {
                 bins.add(*phase, channels.each_ref().map(|channel| channel[k]));
             }
@@ -147,6 +150,7 @@ impl CaseTarget {
             return Err(Error::data(&self.name, "no whole cycle in its files"));
         }
         let measured = measured.unwrap_or_default();
+        found.extend(doctor::beside_other_passes(self, &measured, &passes));
         let mut observed = Observed {
             name: self.name.clone(),
             layout: self.layout(),
@@ -184,4 +188,11 @@ impl CaseTarget {
         }
         Ok((of, channels))
     }
+}
+
+/// The mean of numbers of cycles; none of no cycle.
+fn mean_of(cycles: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let first = cycles.first()?;
+    let at = |i: usize| cycles.iter().map(|cycle| cycle[i]).sum::<f64>() / cycles.len() as f64;
+    Some((0..first.len()).map(at).collect())
 }

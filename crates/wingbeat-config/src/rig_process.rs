@@ -7,6 +7,7 @@ use super::rig_statement::statement;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use wingbeat_flight::simulate::{Column, Record};
+use wingbeat_judge::data::{Channel, Finding, Purpose, Series, of_few_counts};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::carrier::Carrier;
@@ -41,6 +42,8 @@ pub struct Processed {
     pub slope: [f64; 6],
     /// Samples with a channel at the end of its range.
     pub saturated: usize,
+    /// Channels of the cell that have too few counts in the window, as they were recorded.
+    pub coarse: Vec<Finding>,
     /// Samples left out because the box says that they are not to be trusted.
     pub serious: usize,
     /// The window sample by sample: t, cycle (turns of the stroke), each channel unfiltered (`raw_`) and as averaged.
@@ -153,6 +156,7 @@ impl RigRun {
         let own_motion = holds_motion(&record);
         let simulated = record.column("true_Fz").map(|_| record.clone());
         let (samples, outside) = self.samples(record, carrier, window.1)?;
+        let coarse = self.of_few_counts(&samples, window);
         let mut measured = match self.corrector(spec.steps).correct(samples)? {
             Ok(corrected) => corrected,
             Err(fault) => return Ok(Err(fault)),
@@ -196,6 +200,7 @@ impl RigRun {
             truth,
             still: None,
             saturated: outside.saturated,
+            coarse,
             serious: outside.serious,
         }))
     }
@@ -250,6 +255,23 @@ impl RigRun {
         let outside = self.outside(&samples, end)?;
         samples.leave_out(&outside.rows);
         Ok((samples, outside))
+    }
+
+    /// What of the channels in the `window` (s) has too few counts.
+    fn of_few_counts(&self, samples: &Samples, window: (f64, f64)) -> Vec<Finding> {
+        let rows = rows(&samples.time, window);
+        let time = &samples.time[rows.clone()];
+        let channels = CHANNELS.iter().zip(&samples.channels);
+        let series = Series {
+            what: "the file",
+            phase: time,
+            frequency_hz: None,
+            channels: channels
+                .map(|((name, unit), of)| Channel { name, unit, samples: &of[rows.clone()] })
+                .collect(),
+            purpose: Purpose::Loads,
+        };
+        of_few_counts(&series, &self.limits)
     }
 
     /// Samples at the end of the cell's range or with a bad status, up to `end` (s).

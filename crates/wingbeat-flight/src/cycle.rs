@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use wingbeat_math::Error;
+use wingbeat_math::{CubicSpline, Error};
 
 /// Where the phase of the stroke comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -162,8 +162,17 @@ pub struct CycleAverage {
     pub left_out: usize,
 }
 
+/// Samples of a cycle below which a straight line between two of them takes too much of a harmonic, and cycles from which a curve through
+/// all of them does better; fewer are points of a drawing. *Choices.*
+const SPARSE: f64 = 64.0;
+const FOR_CURVE: usize = 4;
+
 /// Averages `x`, in its unit, over the whole cycles of `phase` (rad) at `bins` phases, by linear interpolation. A cycle in
 /// which samples are missing (not-a-number) is left out.
+///
+/// A straight line between samples at N phases of a cycle leaves sinc^2(h / N) of harmonic h in the mean, 0.85 of the second one
+/// with nine samples. Below 64 samples a natural cubic spline stands in its place, which leaves (1 - f)^4 / ((1 - f)^4 + f^4) of it, f = h / N,
+/// 0.993 (M. Unser, IEEE Signal Process. Mag. 16(6) (1999) 22-38).
 ///
 /// # Errors
 /// Less than one whole cycle, or none without gaps.
@@ -196,11 +205,19 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
         cycles: whole.len(),
         left_out: cycles - whole.len(),
     };
+    let curve = if phase.len() < (SPARSE * (last - first) / TAU) as usize && whole.len() >= FOR_CURVE {
+        through(phase, x)
+    } else {
+        None
+    };
     for bin in 0..bins {
         let share = bin as f64 / bins as f64;
         // The first turn number at which this phase lies in the window.
         let turn = (begin - share).ceil();
-        let at = |cycle: &usize| sample(phase, x, TAU * (turn + share + *cycle as f64).min(last / TAU));
+        let at = |cycle: &usize| {
+            let p = TAU * (turn + share + *cycle as f64).min(last / TAU);
+            curve.as_ref().map_or_else(|| sample(phase, x, p), |curve| curve.at(p).x)
+        };
         for value in whole.iter().map(at) {
             average.mean[bin] += value / whole.len() as f64;
             average.low[bin] = average.low[bin].min(value);
@@ -218,6 +235,13 @@ fn is_whole(phase: &[f64], x: &[f64], begin: f64) -> bool {
     let to = phase.partition_point(|p| *p <= begin + TAU);
     let near = from.saturating_sub(1)..(to + 1).min(x.len());
     from < to && x[near].iter().all(|value| value.is_finite())
+}
+
+/// The curve through the samples that are there; none where their phases do not ascend.
+fn through(phase: &[f64], x: &[f64]) -> Option<CubicSpline> {
+    let there = || phase.iter().zip(x).filter(|(_, x)| x.is_finite());
+    let (phase, x): (Vec<f64>, Vec<f64>) = there().map(|(phase, x)| (*phase, *x)).unzip();
+    CubicSpline::natural(&phase, &x).ok()
 }
 
 /// `x` at the phase `p`.
@@ -275,6 +299,16 @@ pub fn compare(curve: &[f64], reference: &[f64]) -> Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nine_samples_of_a_cycle_keep_its_second_harmonic() {
+        let phase: Vec<f64> = (0..640).map(|k| TAU * f64::from(k) / 9.13).collect();
+        let x: Vec<f64> = phase.iter().map(|p| p.sin() + (2.0 * p).cos()).collect();
+        let mean = phase_average(&phase, &x, 36).unwrap().mean;
+        let of = |bin: usize| (TAU * bin as f64 / 36.0).sin() + (2.0 * TAU * bin as f64 / 36.0).cos();
+        let off = (0..36).map(|bin| (mean[bin] - of(bin)).abs()).fold(0.0, f64::max);
+        assert!(off < 0.02, "{off}");
+    }
 
     #[test]
     fn cycles_average_to_the_common_shape() {

@@ -43,7 +43,7 @@ mod values;
 pub use finding::Finding;
 pub use frequency::{Frequency, estimate};
 pub use lines::{Line, find_frequency};
-pub use reference::{Pair, compared};
+pub use reference::{Pair, compared, reversed_among};
 
 use crate::limits::Limits;
 use crate::unit;
@@ -148,6 +148,15 @@ pub fn examined(series: &Series, limits: &Limits) -> Vec<Finding> {
     }
     found.retain(|finding| finding.breaks(limits));
     alike(series, found)
+}
+
+/// Which channels of forces and moments, as their instrument gave them, have too few counts: once they are turned, moved or filtered they no
+/// longer tell.
+pub fn of_few_counts(series: &Series, limits: &Limits) -> Vec<Finding> {
+    let extents: Vec<Option<values::Extent>> =
+        series.channels.iter().map(|channel| values::Extent::of(channel.samples)).collect();
+    let found = values::coarse(series, &extents).into_iter();
+    found.filter(|finding| finding.breaks(limits)).collect()
 }
 
 /// One finding of a frequency that several channels have: it is that of the file.

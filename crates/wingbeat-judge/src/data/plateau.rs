@@ -133,7 +133,7 @@ pub(super) fn cut_off(
         let share = on.iter().filter(|on| **on).count() as f64 / places.len() as f64;
         // Of two bounds from below the larger one.
         let usual =
-            [elsewhere(places, &on), elsewhere(places, &ends)].into_iter().flatten().reduce(f64::max)?;
+            [elsewhere(places, &on, end), elsewhere(places, &ends, end)].into_iter().flatten().reduce(f64::max)?;
         let there = || places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of);
         let noise = median(&mut there().map(|of| of.noise).collect::<Vec<_>>());
         let below = QUIET.min(1.0 - SURE / there().map(|of| of.count).sum::<f64>().sqrt());
@@ -283,26 +283,37 @@ fn slopes(places: &[Place], on: &[bool]) -> [f64; 2] {
     [near, further]
 }
 
-/// The variance that the noise has where the mean cycle does not change, from the places away from the end, less its error: a crank that is
-/// unsteady adds one that grows with the square of the slope. None where the slope explains it.
-fn elsewhere(places: &[Place], on: &[bool]) -> Option<f64> {
+/// Standard errors from which the noise is known to grow with the load. *Choice*: by chance once in 16,000 channels.
+const GROWS: f64 = 4.0;
+
+/// The variance that the noise has where the mean cycle does not change and lies at `end`, from the places away from there, less its error: a
+/// crank that is unsteady adds one that grows with the square of the slope, and some cells have one that grows with the load. None where the
+/// slope explains it.
+fn elsewhere(places: &[Place], on: &[bool], end: f64) -> Option<f64> {
     let count = places.len();
     let beside = |k: usize| on[k] || on[(k + 1) % count] || on[(k + count - 1) % count];
     let slope = |k: usize| places[(k + 1) % count].mean - places[(k + count - 1) % count].mean;
-    let points: Vec<[f64; 2]> = (0..count)
+    let points: Vec<[f64; 3]> = (0..count)
         .filter(|k| !beside(*k))
-        .map(|k| [0.25 * slope(k).powi(2), places[k].noise.powi(2)])
+        .map(|k| [0.25 * slope(k).powi(2), places[k].noise.powi(2), places[k].mean])
         .collect();
     if points.len() < ELSEWHERE {
         return None;
     }
-    let mean = |of: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(&|p| p[0]), mean(&|p| p[1]));
+    let mean = |of: &dyn Fn(&[f64; 3]) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (x, y, level) = (mean(&|p| p[0]), mean(&|p| p[1]), mean(&|p| p[2]));
     let (xx, xy) = (mean(&|p| (p[0] - x).powi(2)), mean(&|p| (p[0] - x) * (p[1] - y)));
     let rise = if xx > 0.0 { (xy / xx).max(0.0) } else { 0.0 };
-    let left = mean(&|p| (p[1] - y - rise * (p[0] - x)).powi(2));
-    let error = (left * (1.0 + x * x / xx.max(f64::MIN_POSITIVE)) / (points.len() - 2) as f64).sqrt();
-    let least = y - rise * x - ERRORS * error;
+    let rest = |p: &[f64; 3]| p[1] - y - rise * (p[0] - x);
+    let left = mean(&|p| rest(p).powi(2));
+    let free = (points.len() - 2) as f64;
+    // What the slope leaves, by the load.
+    let (of_level, both) = (mean(&|p| (p[2] - level).powi(2)), mean(&|p| (p[2] - level) * rest(p)));
+    let grows = both / of_level.max(f64::MIN_POSITIVE);
+    let sure = grows * grows * of_level * free > GROWS * GROWS * (left - grows * both);
+    let by_load = if sure { grows * (end - level) } else { 0.0 };
+    let error = (left * (1.0 + x * x / xx.max(f64::MIN_POSITIVE)) / free).sqrt();
+    let least = y - rise * x + by_load - ERRORS * error;
     (rise * x < BY_SLOPE * y && least > 0.0).then_some(least)
 }
 

@@ -162,6 +162,25 @@ fn reversed(about: String, told: &Told) -> Finding {
     Finding::new("data.reversed", &REVERSED, about, told.now, text)
 }
 
+/// Which of the `passes` of one case, each by its file and its mean cycle of the channel `name` at the same even phases, are those of most
+/// others with the sign reversed: a plug that was turned between them. The others may be off by anything else.
+pub fn reversed_among(name: &str, passes: &[(&str, Vec<f64>)], limits: &Limits) -> Vec<Finding> {
+    let of = |k: usize| {
+        let others = passes.iter().enumerate().filter(|(other, _)| *other != k);
+        let mut all: Vec<f64> = others.map(|(_, pass)| correlation(&passes[k].1, &pass.1)).collect();
+        wingbeat_math::order::ascend(&mut all);
+        // The upper median: of an even number more than half lie at or below it.
+        let usual = *all.get(all.len() / 2)?;
+        let text = format!(
+            "has a correlation of {usual:.2} with the same channel of most other passes: its sign is reversed in some of them"
+        );
+        let about = format!("{name} of {}", passes[k].0);
+        let found = Finding::new("data.reversed", &REVERSED, about, usual, text).in_channel(name);
+        Some(found).filter(|found| found.breaks(limits))
+    };
+    (0..passes.len()).filter_map(of).collect()
+}
+
 /// Correlations by which all channels turned must fit at any lag, and fit better than as they are. *Choices*: models of attached flow and
 /// of stall fit by 0.95 and more as they are.
 const TURNED: [f64; 2] = [0.9, 0.2];

@@ -2,6 +2,7 @@
 
 use super::rectified::rectified;
 use super::{Cause, Channel, Finding, Series, plateau, same};
+use crate::unit;
 use crate::limits::Limits;
 use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STEPS, STUCK, TINY};
 
@@ -97,7 +98,7 @@ const TELLING: f64 = 0.05;
 const HALF: f64 = 0.5;
 
 /// Channels of few counts, but for what is only on or off.
-fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
+pub(super) fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
     let all = || series.channels.iter().zip(extents);
     let most = |unit: &str| {
         let same = all().filter(|(other, _)| other.unit == unit);
@@ -105,7 +106,9 @@ fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
     };
     let told = |(channel, extent): (&Channel, &Option<Extent>)| {
         let extent = (*extent)?;
-        let switch = channel.samples.iter().all(|x| *x == 0.0 || *x == 1.0);
+        // What triggers is on or off; a load of two values is one of whole units.
+        let switch = !unit::is_load(channel.name, channel.unit)
+            && channel.samples.iter().all(|x| *x == 0.0 || *x == 1.0);
         let counts = extent.range() / extent.count;
         // What is held stands at values of any size.
         let step = |x: &f64| (x - extent.low) / extent.count;
@@ -115,8 +118,14 @@ fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
             "spans {counts:.0} steps of {:.3e} {}: the range of the converter is far too wide",
             extent.count, channel.unit
         );
-        // One that others of its unit dwarf may flip a bit, and one alone of its unit leaves the others good.
-        let dwarfed = extent.range() < HALF * most(channel.unit);
+        // One that finer ones of its unit dwarf may flip a bit, and one alone of its unit leaves the others good.
+        let dwarfed = all().any(|(other, own)| {
+            own.is_some_and(|own| {
+                other.unit == channel.unit
+                    && extent.range() < HALF * own.range()
+                    && own.range() > FEW_COUNTS.value * own.count
+            })
+        });
         let fine = |(other, extent): (&Channel, &Option<Extent>)| {
             extent.is_some_and(|extent| {
                 other.unit != channel.unit && extent.range() > FEW_COUNTS.value * extent.count

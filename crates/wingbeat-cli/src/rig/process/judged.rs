@@ -40,7 +40,9 @@ fn harmonics(cycles: &[CycleAverage; 6]) -> Option<Vec<f64>> {
 /// What is wrong with the samples of a run in the `window` (s), by themselves and beside the model on the measured motion. What
 /// is told as a disagreement with the model too is only noted.
 pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &Limits) -> Vec<Finding> {
-    let mut found = of_samples(one, limits).unwrap_or_default();
+    let mut found: Vec<Finding> = one.averaged().map(|of| of.coarse.clone()).unwrap_or_default();
+    // Once they are turned, few counts are no longer told.
+    found.extend(of_samples(one, limits).unwrap_or_default().into_iter().filter(|of| of.id != "data.coarse"));
     found.extend(beside_model(one, limits).unwrap_or_default());
     found.extend(cut(one, window).filter(|finding| finding.breaks(limits)));
     // Noise has no frequency.
