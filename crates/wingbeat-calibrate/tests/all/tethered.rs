@@ -27,9 +27,14 @@ fn case(overrides: &[&str]) -> TetherCase {
 
 /// A file of samples of the case with other numbers: lift downwards in mN, drag and the nose-down moment, with noise.
 fn measured(file: &str, seed: u64) -> PathBuf {
+    measured_of(&[], file, seed)
+}
+
+/// The same of the case with `overrides`.
+fn measured_of(overrides: &[&str], file: &str, seed: u64) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("wingbeat-calibrate-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let tether = case(&[]).adjusted(&TRUTH).unwrap();
+    let tether = case(overrides).adjusted(&TRUTH).unwrap();
     let run = tether.run(|_| ControlFlow::Continue(()));
     let of = |name: &str| run.last_cycle(name).unwrap().to_vec();
     let (up, ahead, moment) = (of("force_z"), of("force_x"), of("moment_y"));
@@ -90,6 +95,32 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
     let flipped = text.replace("compare.scale.force_z=-1e-3", "compare.scale.force_z=1e-3");
     let flipped = calibrated(&flipped).prepared().map(drop).unwrap_err().to_string();
     assert!(flipped.contains("Fz is -Fz of the file") && flipped.contains("compare.scale"), "{flipped}");
+}
+
+#[test]
+fn the_moment_of_one_wing_is_not_the_one_that_was_not_measured() {
+    let data = measured_of(&["wing.side=left"], "left.csv", 9);
+    let left = cases(&data).replace("set = [", "set = [\"wing.side=left\", ");
+    let calibration = calibrated(&format!("name = \"left\"\nstarts = 1\n{left}{}", parameters()));
+    calibration.prepared().unwrap().check().unwrap();
+}
+
+#[test]
+fn a_moment_reversed_in_one_of_three_passes_is_suspect() {
+    let passes = [10, 11, 12].map(|seed| measured(&format!("pass{seed}.csv"), seed));
+    let text = std::fs::read_to_string(&passes[2]).unwrap();
+    let turned = |line: &str| match line.rsplit_once(',') {
+        Some((before, moment)) if moment != "My" => format!("{before},{}\n", -moment.parse::<f64>().unwrap()),
+        _ => format!("{line}\n"),
+    };
+    std::fs::write(&passes[2], text.lines().map(turned).collect::<String>()).unwrap();
+    let all = cases(&passes[0])
+        .replace(&format!("{:?}", passes[0]), &passes.each_ref().map(|pass| format!("{pass:?}")).join(", "));
+    let calibration = calibrated(&format!("name = \"plug\"\nstarts = 1\n{all}{}", parameters()));
+    let prepared = calibration.prepared().unwrap();
+    let serious: Vec<String> =
+        prepared.runs[0].found.iter().filter(|of| of.serious).map(|of| of.words().to_string()).collect();
+    assert!(serious.len() == 1 && serious[0].contains("pass12.csv"), "{serious:?}");
 }
 
 /// A file of samples of the case that `of` makes of time and force.

@@ -132,8 +132,10 @@ pub(super) fn cut_off(
         let on: Vec<bool> = near(end).collect();
         let share = on.iter().filter(|on| **on).count() as f64 / places.len() as f64;
         // Of two bounds from below the larger one.
-        let usual =
-            [elsewhere(places, &on, end), elsewhere(places, &ends, end)].into_iter().flatten().reduce(f64::max)?;
+        let usual = [elsewhere(places, &on, end), elsewhere(places, &ends, end)]
+            .into_iter()
+            .flatten()
+            .reduce(f64::max)?;
         let there = || places.iter().zip(&on).filter(|(_, on)| **on).map(|(of, _)| of);
         let noise = median(&mut there().map(|of| of.noise).collect::<Vec<_>>());
         let below = QUIET.min(1.0 - SURE / there().map(|of| of.count).sum::<f64>().sqrt());

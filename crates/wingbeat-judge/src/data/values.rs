@@ -2,7 +2,6 @@
 
 use super::rectified::rectified;
 use super::{Cause, Channel, Finding, Series, plateau, same};
-use crate::unit;
 use crate::limits::Limits;
 use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STEPS, STUCK, TINY};
 
@@ -106,9 +105,11 @@ pub(super) fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding
     };
     let told = |(channel, extent): (&Channel, &Option<Extent>)| {
         let extent = (*extent)?;
-        // What triggers is on or off; a load of two values is one of whole units.
-        let switch = !unit::is_load(channel.name, channel.unit)
-            && channel.samples.iter().all(|x| *x == 0.0 || *x == 1.0);
+        // What triggers is on or off, and beside others in whole units it is one of them.
+        let whole = |(other, of): (&Channel, &Option<Extent>)| {
+            other.name != channel.name && other.unit == channel.unit && of.is_some_and(|of| of.count == 1.0)
+        };
+        let switch = channel.samples.iter().all(|x| *x == 0.0 || *x == 1.0) && !all().any(whole);
         let counts = extent.range() / extent.count;
         // What is held stands at values of any size.
         let step = |x: &f64| (x - extent.low) / extent.count;

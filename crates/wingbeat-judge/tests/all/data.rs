@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use wingbeat_judge::data::{
     Channel, Finding, Line, Pair, Purpose, Series, compared, estimate, examined, find_frequency, not_finite,
+    of_few_counts, reversed_among,
 };
 use wingbeat_judge::{Judge, Limits, Status, limits};
 
@@ -505,6 +506,62 @@ fn a_quiet_top_of_a_wing_that_stalls_is_at_most_noted_and_a_clipped_one_is_serio
         let told = found(&clipped);
         assert!(told.iter().any(|finding| finding.id == "data.clipped" && finding.serious), "{told:?}");
     }
+}
+
+#[test]
+fn noise_that_grows_with_the_load_cuts_nothing_off() {
+    let load = Load { cycles: 60.0, ..Load::default() };
+    let top = |k: usize| 0.5 + 0.5 * (TAU * k as f64 / 200.0).sin();
+    // Quiet where the load is least, and flat there.
+    for (quiet, refused) in [(0.01, false), (0.06, true)] {
+        let mut noise = Noise(8);
+        let white: Vec<f64> = (0..24_000).map(|_| 1.73 * noise.next()).collect();
+        let grows = changed(&load, |k, _| {
+            let loud = quiet + (0.06 - quiet) * top(k);
+            let x = (2.0 * top(k) - 0.7 + loud * white[k]).max(if refused { -0.55 } else { -9.0 });
+            x + 0.006 * white[12_000 + k]
+        });
+        let told = found(&grows);
+        assert_eq!(told.iter().any(|finding| finding.id == "data.clipped"), refused, "{told:?}");
+    }
+}
+
+#[test]
+fn a_load_in_whole_units_is_refused_beside_one_that_is_no_finer() {
+    let at = |size: f64, k: usize| size * (TAU * k as f64 / 200.0).sin();
+    let phase: Vec<f64> = (0..2000).map(|k| f64::from(k) / 200.0).collect();
+    let whole = |size: f64| (0..2000).map(|k| (0.5 + at(size, k)).round()).collect::<Vec<f64>>();
+    let told = |size: f64| {
+        let (fx, fz) = (whole(0.4), whole(size));
+        let channels = [("Fx", &fx), ("Fz", &fz)];
+        let channels = channels.map(|(name, samples)| Channel { name, unit: "N", samples }).into();
+        let series = Series {
+            what: "taken.csv",
+            phase: &phase,
+            frequency_hz: None,
+            channels,
+            purpose: Purpose::Loads,
+        };
+        let found = of_few_counts(&series, &Limits::default());
+        found
+            .iter()
+            .filter(|finding| finding.channel == "Fx")
+            .map(|finding| finding.serious)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(told(2.0), [true]);
+    assert_eq!(told(6.0), [false]);
+}
+
+#[test]
+fn a_channel_reversed_in_one_of_three_passes_is_named_by_its_file() {
+    let load = Load::default();
+    let pass = |sign: f64, lag: usize| cycle(&load, lag).iter().map(|x| sign * x).collect::<Vec<f64>>();
+    let passes = [("a.csv", pass(1.0, 0)), ("b.csv", pass(1.1, 3)), ("c.csv", pass(-1.0, 0))];
+    let told = reversed_among("Ty", &passes, &Limits::default());
+    assert!(told.len() == 1 && told[0].serious && told[0].about.contains("c.csv"), "{told:?}");
+    assert!(reversed_among("Ty", &passes[..2], &Limits::default()).is_empty());
+    assert_eq!(reversed_among("Ty", &passes[1..], &Limits::default()).len(), 2);
 }
 
 #[test]
