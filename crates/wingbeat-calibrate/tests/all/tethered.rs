@@ -19,22 +19,27 @@ const TRUTH: [(&str, f64); 3] = [
 /// Cycles of a file.
 const CYCLES: usize = 12;
 
+const CASE: &str = "cases/flap_f2.toml";
+
 fn case(overrides: &[&str]) -> TetherCase {
+    case_of(CASE, overrides)
+}
+
+fn case_of(file: &str, overrides: &[&str]) -> TetherCase {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    TetherCase::load(&PathBuf::from(ROOT).join("cases/flap_f2.toml"), &overrides, &|_| Err("no table".into()))
-        .unwrap()
+    TetherCase::load(&PathBuf::from(ROOT).join(file), &overrides, &|_| Err("no table".into())).unwrap()
 }
 
 /// A file of samples of the case with other numbers: lift downwards in mN, drag and the nose-down moment, with noise.
 fn measured(file: &str, seed: u64) -> PathBuf {
-    measured_of(&[], file, seed)
+    measured_of(&case(&[]), file, seed)
 }
 
-/// The same of the case with `overrides`.
-fn measured_of(overrides: &[&str], file: &str, seed: u64) -> PathBuf {
+/// The same of another case.
+fn measured_of(case: &TetherCase, file: &str, seed: u64) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("wingbeat-calibrate-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let tether = case(overrides).adjusted(&TRUTH).unwrap();
+    let tether = case.adjusted(&TRUTH).unwrap();
     let run = tether.run(|_| ControlFlow::Continue(()));
     let of = |name: &str| run.last_cycle(name).unwrap().to_vec();
     let (up, ahead, moment) = (of("force_z"), of("force_x"), of("moment_y"));
@@ -99,9 +104,19 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
 
 #[test]
 fn the_moment_of_one_wing_is_not_the_one_that_was_not_measured() {
-    let data = measured_of(&["wing.side=left"], "left.csv", 9);
-    let left = cases(&data).replace("set = [", "set = [\"wing.side=left\", ");
-    let calibration = calibrated(&format!("name = \"left\"\nstarts = 1\n{left}{}", parameters()));
+    // A fin at the wall that heaves and pitches: both moments go with its force, and that about the wall is the larger one.
+    let fin = std::env::temp_dir().join(format!("wingbeat-fin-{}.toml", std::process::id()));
+    let text = "name = \"fin\"\nwing.side = \"left\"\n\
+                wing.planform = [{arc_m = 0.0, leading_edge_m = 0.03, trailing_edge_m = -0.05}, \
+                {arc_m = 0.25, leading_edge_m = -0.015, trailing_edge_m = -0.05}]\n\
+                body.heave_m.fourier.cos = [0.035]\nbody.nose_up_deg.fourier = {mean = 1.0, sin = [-14.0]}\n\
+                wind = {speed_m_s = 1.1, density_kg_m3 = 998.0}\naero = {preset = \"paper\", law = \"linear\", paper.nodes = 14}\n\
+                time = {frequency_hz = 1.7, cycles = 3, steps_per_cycle = 96}\nbody.pitch_axis_ahead_m = 0.02\n";
+    std::fs::write(&fin, text).unwrap();
+    let fin = fin.to_str().unwrap();
+    let data = measured_of(&case_of(fin, &[]), "fin.csv", 9);
+    let cases = cases(&data).replace(&format!("{ROOT}/{CASE}"), fin);
+    let calibration = calibrated(&format!("name = \"fin\"\nstarts = 1\n{cases}{}", parameters()));
     calibration.prepared().unwrap().check().unwrap();
 }
 
