@@ -15,8 +15,8 @@ const ALONE: f64 = 8.0;
 /// Samples in a row from which a value is held; fewer are a code, and fewer still where an instrument may have a dead band. *Choices.*
 const HELD: usize = 8;
 const CODE: usize = 4;
-/// Part of a channel's range by which it leaps to where it is held, or from there. *Choice.*
-const LEAPS: f64 = 0.2;
+/// Part of a channel's range by which it leaps to where it stands still, or from there. *Choice.*
+pub(super) const TO_REST: f64 = 0.2;
 /// Steps of the converter that are no leap. *Choice.*
 const STEPS: f64 = 4.0;
 /// Part of a channel's range by which a code is off the samples beside it. *Choice.*
@@ -352,7 +352,7 @@ fn even(stretches: &[(usize, usize)]) -> bool {
 fn held(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
     let samples = channel.samples;
     // Of few counts each is a leap.
-    let least = (LEAPS * extent.range()).max(STEPS * extent.count);
+    let least = (TO_REST * extent.range()).max(STEPS * extent.count);
     let leap = |k: usize| k > 0 && k < samples.len() && (samples[k] - samples[k - 1]).abs() > least;
     let (mut lost, mut kept, mut begin) = (Vec::new(), 0, 0);
     for run in samples.chunk_by(|a, b| a == b) {

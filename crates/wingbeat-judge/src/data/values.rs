@@ -166,12 +166,10 @@ fn in_steps(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
     series.channels.iter().zip(extents).filter_map(told).collect()
 }
 
-/// Samples in a row in which all channels stand still for it to be odd, and the part of a channel's range by which one of them leaps to
-/// where they stand. *Choices.*
+/// Samples in a row in which all channels stand still for it to be odd. *Choice.*
 const TOGETHER: usize = 8;
 /// Rests of one length above which they are a rate. *Choice.*
 const HELD: usize = 5;
-const LEAPS: f64 = 0.2;
 
 /// The finding that all loads stand still together, leaping there: a plug that is loose, a logger that waits.
 fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
@@ -188,7 +186,7 @@ fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
     let still = |k: usize| moving.iter().all(|(channel, _)| channel.samples[k] == channel.samples[k - 1]);
     let leaps = |k: usize| {
         let leap = |(channel, extent): &(&Channel, Extent)| {
-            (channel.samples[k] - channel.samples[k - 1]).abs() > LEAPS * extent.range()
+            (channel.samples[k] - channel.samples[k - 1]).abs() > same::TO_REST * extent.range()
         };
         k > 0 && moving.iter().any(leap)
     };
