@@ -120,11 +120,11 @@ pub fn folding() -> Result<Flapping, Error> {
 
 /// Lift in the last cycle of a wing that flaps and folds, N, means unless said.
 pub struct FoldedLift {
-    /// By Joukowski.
+    /// By Joukowski, N.
     pub joukowski: f64,
-    /// By Bernoulli with the suction of the leading edge, which lacks that of the side edges.
+    /// By Bernoulli with the suction of the leading edge, which lacks that of the side edges, N.
     pub bernoulli: f64,
-    /// Root mean square of the first about its mean.
+    /// Root mean square of the first about its mean, N.
     pub swing: f64,
 }
 
