@@ -7,7 +7,7 @@ pub mod draws;
 mod dryden;
 mod estimator;
 mod hover;
-mod laws;
+pub mod laws;
 mod path;
 mod reorientation;
 
