@@ -487,6 +487,7 @@ impl AeroSpec {
             wake_wash: self.full.wake_wash,
             doublet_wash: self.full.doublet_wash,
             folding_rates: self.full.folding_rates,
+            turning_impulse: self.full.turning_impulse,
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
             section: self.section(outline, density_kg_m3),

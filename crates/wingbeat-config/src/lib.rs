@@ -106,7 +106,7 @@ pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use sweep_verdict::SweepCounts;
-pub use tether::{SparSummary, TetherCase, TetherSummary};
+pub use tether::{SparSummary, StepChange, TetherCase, TetherSummary};
 pub use tether_compare::{CompareSpec, Compared, Comparison, mended_in_compare};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
 pub use tether_spec::{

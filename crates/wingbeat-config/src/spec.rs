@@ -235,6 +235,9 @@ pub struct FullAeroSpec {
     /// Rates of that downwash as the wing folds and the wake turns, in the force of the added mass: one state more per strip. Without
     /// them that force has a mean over a cycle, 4 to 5 % of the lift of Aerobat on its stand; without added mass there is none.
     pub folding_rates: bool,
+    /// Impulse of the bound circulation as a section turns about its chord and drifts along its span: a spanwise force and a couple.
+    /// Without it a wing that folds by 50 degrees lifts 26 % more than the free lattice, with it 1 % more.
+    pub turning_impulse: bool,
     /// Distance at which the downwash of a vortex on a strip is half faded, over the distance at which the
     /// two pass on the flat wing: 0.01 to 0.5.
     pub vortex_core: f64,
@@ -252,6 +255,7 @@ impl Default for FullAeroSpec {
             wake_wash: set.wake_wash,
             doublet_wash: set.doublet_wash,
             folding_rates: set.folding_rates,
+            turning_impulse: set.turning_impulse,
             vortex_core: set.vortex_core,
             force_tilt: set.force_tilt,
         }

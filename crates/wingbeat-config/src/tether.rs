@@ -126,7 +126,7 @@ impl TetherCase {
     pub fn summary(
         &self,
         run: &TetherRun,
-        step_change: Option<f64>,
+        step_change: Option<StepChange>,
         compared: Option<&Comparison>,
     ) -> TetherSummary {
         let law = self.tether.aero.law();
@@ -139,7 +139,8 @@ impl TetherCase {
             preset: self.spec.aero.preset.name(),
             lift_law: law.name(),
             stall_fraction: whole(Some(run.stall_fraction)),
-            step_change,
+            step_change: step_change.map(|change| change.mean),
+            step_change_of_peaks: step_change.map(|change| change.peak),
             separated_fraction: whole(Some(run.separated_fraction)),
             suction_lost_fraction: whole(Some(run.suction_lost_fraction)),
             membrane: self.skin(run),
@@ -159,7 +160,7 @@ impl TetherCase {
     pub(super) fn verdict(
         &self,
         run: &TetherRun,
-        step_change: Option<f64>,
+        step_change: Option<StepChange>,
         compared: Option<&Comparison>,
     ) -> Verdict {
         let mut judge = Judge::new(&self.limits);
@@ -174,9 +175,7 @@ impl TetherCase {
             Ending::Fault(fault) => judge.find(Status::Failed, fault.to_string()),
         }
         if run.ending == Ending::Complete {
-            if let Some(change) = step_change {
-                judge.hold(&tether::STEPS, change);
-            }
+            judge.hold_if(&tether::STEPS, step_change.map(|change| change.mean));
             Moved::new(&self.tether).hold(&mut judge);
             if run.steady.as_ref().is_some_and(|steady| !steady.found) {
                 judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
@@ -206,13 +205,16 @@ impl TetherCase {
                 "wind.ground_m",
             ))
             .chain(repeating(run, self.tether.clock.frequency_hz))
-            .chain(step_change.and_then(|change| self.coarse(change)))
+            .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .chain(run.steady.iter().flat_map(|steady| {
                 let still = self.tether.motion.is_still();
                 SparSummary::of(steady).warnings(&self.spec.time, still)
             }))
             .for_each(|warning| judge.warn(warning));
+        // Peaks of a rough table move with the steps: then the data are at fault.
+        let trusted = !self.found.iter().any(|finding| finding.serious);
+        judge.hold_if(&tether::PEAKS, step_change.map(|change| change.peak).filter(|_| trusted));
         let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
         found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
@@ -298,6 +300,8 @@ pub struct TetherSummary {
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,
+    /// The same of the least and the largest of a force or moment; compared with twice as many steps above 5 %.
+    pub step_change_of_peaks: Option<f64>,
     /// Mean lift over the last cycle, N.
     pub mean_lift_n: Option<f64>,
     /// Mean force against the wind over the last cycle, N.
@@ -401,9 +405,21 @@ const ROUNDED_OFF: f64 = 0.02;
 
 /// Change of the means with other steps above which there is a caution. *Choice.*
 pub(super) const STEP_CHANGE: f64 = 0.02;
+/// The same of the least and the largest loads: 25 times what the shipped cases reach. *Choice.*
+const PEAK_CHANGE: f64 = 0.05;
+
+/// How much the loads of the last cycle depend on the steps: the largest change with other steps, forces and moments each over the
+/// largest of their kind; NaN when the other run fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepChange {
+    /// Of a mean, dimensionless.
+    pub mean: f64,
+    /// Of a least or largest value, dimensionless.
+    pub peak: f64,
+}
 
 impl TetherCase {
-    /// How much the mean loads of `run` depend on its steps: their relative change against the run with half the steps per
+    /// How much the loads of `run` depend on its steps: their relative change against the run with half the steps per
     /// cycle and, where that is large, against the one with twice as many, which tells whether this one or that coarse one is
     /// at fault. None for a run that did not end. `simulate` makes the other runs.
     ///
@@ -413,37 +429,45 @@ impl TetherCase {
         &self,
         run: &TetherRun,
         mut simulate: impl FnMut(&Tether) -> Result<TetherRun, E>,
-    ) -> Result<Option<f64>, E> {
+    ) -> Result<Option<StepChange>, E> {
         if !matches!(run.ending, Ending::Complete) {
             return Ok(None);
         }
         let steps = self.tether.clock.steps_per_cycle;
         let mut against = |steps| Ok(change(&run.means, &simulate(&self.tether.stepped(steps))?.means));
         let coarse = against((steps / 2).max(2))?;
-        if coarse <= STEP_CHANGE || self.tether.stepped(2 * steps).check().is_err() {
+        let [mean_holds, peak_holds] = [coarse.mean <= STEP_CHANGE, coarse.peak <= PEAK_CHANGE];
+        if mean_holds && peak_holds || self.tether.stepped(2 * steps).check().is_err() {
             return Ok(Some(coarse));
         }
-        against(2 * steps).map(Some)
+        let fine = against(2 * steps)?;
+        let of = |holds: bool, part: fn(&StepChange) -> f64| if holds { part(&coarse) } else { part(&fine) };
+        let (mean, peak) = (of(mean_holds, |of| of.mean), of(peak_holds, |of| of.peak));
+        Ok(Some(StepChange { mean, peak }))
     }
 
-    /// The caution that the steps are too long.
-    fn coarse(&self, change: f64) -> Option<Warning> {
+    /// The cautions that the steps are too long for the means and for the peaks.
+    fn coarse(&self, change: StepChange) -> impl Iterator<Item = Warning> {
         let steps = self.spec.time.steps_per_cycle;
-        (!(change <= STEP_CHANGE)).then(|| {
-            let percent = if change.is_finite() { 100.0 * change } else { f64::INFINITY };
-            let text = format!(
-                "with other steps than time.steps_per_cycle = {steps} the mean loads change by {percent:.3e} % of \
-                 their range: take more steps per cycle"
-            );
-            Warning::new("tether.steps", text).size(change).key("time.steps_per_cycle")
-        })
+        let means = ("tether.steps", "mean loads", change.mean, STEP_CHANGE);
+        let peaks = ("tether.steps_of_peaks", "least and largest loads", change.peak, PEAK_CHANGE);
+        [means, peaks].into_iter().filter(|(_, _, change, most)| !(change <= most)).map(
+            move |(name, loads, change, _)| {
+                let percent = if change.is_finite() { 100.0 * change } else { f64::INFINITY };
+                let text = format!(
+                    "with other steps than time.steps_per_cycle = {steps} the {loads} change by {percent:.3e} % of \
+                     their range: take more steps per cycle"
+                );
+                Warning::new(name, text).size(change).key("time.steps_per_cycle")
+            },
+        )
     }
 }
 
-/// The largest relative change of a mean between two runs, forces and moments each by the largest of their kind, in the run
+/// The largest relative changes of the loads between two runs, forces and moments each by the largest of their kind, in the run
 /// where that is smaller: the other may have grown without bound.
-pub fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
-    let of = |kind: &str| {
+pub fn change(one: &[CycleMean], other: &[CycleMean]) -> StepChange {
+    let of = |kind: &str, apart: fn(&CycleMean, &CycleMean) -> f64| {
         let rows = |means: &[CycleMean]| -> Vec<CycleMean> {
             means.iter().filter(|row| row.name.starts_with(kind)).cloned().collect()
         };
@@ -451,15 +475,24 @@ pub fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
         let largest =
             |rows: &[CycleMean]| rows.iter().map(|r| r.low.abs().max(r.high.abs())).fold(0.0, f64::max);
         let scale = largest(&one).min(largest(&other));
-        let apart: Vec<f64> = one.iter().zip(&other).map(|(a, b)| (a.mean - b.mean).abs()).collect();
+        let apart: Vec<f64> = one.iter().zip(&other).map(|(a, b)| apart(a, b)).collect();
         match apart.iter().any(|apart| apart.is_nan()) {
             true => f64::NAN,
             false if scale > 0.0 => apart.into_iter().fold(0.0, f64::max) / scale,
             false => 0.0,
         }
     };
-    let (force, moment) = (of("force_wind_"), of("moment_"));
-    if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
+    let both = |apart: fn(&CycleMean, &CycleMean) -> f64| {
+        let (force, moment) = (of("force_wind_", apart), of("moment_", apart));
+        if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
+    };
+    let mean = both(|a, b| (a.mean - b.mean).abs());
+    // A value that is not a number must not be lost.
+    let peak = both(|a, b| {
+        let [low, high] = [(a.low - b.low).abs(), (a.high - b.high).abs()];
+        if low.is_nan() || high.is_nan() { f64::NAN } else { low.max(high) }
+    });
+    StepChange { mean, peak }
 }
 
 /// What the names of numbers begin with that a wing alone has not.

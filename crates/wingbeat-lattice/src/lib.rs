@@ -22,6 +22,7 @@ mod coupled;
 pub mod course;
 mod error;
 mod flown;
+mod impulse;
 mod influence;
 mod kernel;
 mod lattice;

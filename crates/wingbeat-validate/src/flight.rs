@@ -7,6 +7,7 @@ pub mod draws;
 mod dryden;
 mod estimator;
 mod hover;
+pub mod laws;
 mod path;
 mod reorientation;
 
@@ -106,6 +107,7 @@ pub const LONG: &[LongCase] = &[
         core_minutes: 4.0,
         run: |watch| draws::rows(&draws::FIGURE8, watch),
     },
+    LongCase { id: "flight.laws", core_minutes: 5.0, run: laws::rows },
 ];
 
 /// Largest difference of roll from what is asked, deg: of its mean at the end, and as root mean square all through the turn.

@@ -20,6 +20,7 @@ pub const CASES: &[Case] = &[
     Case { id: "lattice.span_efficiency", quick: true, run: span::efficiency },
     Case { id: "lattice.shedding.suction", quick: true, run: shedding::edge_suction },
     Case { id: "lattice.shedding.kept", quick: true, run: shedding::kept },
+    Case { id: "lattice.shedding.momentum", quick: false, run: shedding::momentum },
     Case { id: "lattice.shedding.measured", quick: false, run: shedding::measured },
     Case { id: "lattice.step", quick: false, run: small::step },
     Case { id: "lattice.plunge", quick: false, run: small::plunge },

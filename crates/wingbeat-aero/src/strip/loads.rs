@@ -71,7 +71,8 @@ impl<P: Scalar> StripModel<P> {
         };
         let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
         for i in 0..lanes::<S, N>(self.settings.strips) {
-            let total = forces.lift.at(i) + self.carried_air(i, flow, response) + forces.drag.at(i);
+            let carried = self.carried_air(i, flow, response) + self.turned_circulation(i, flow, response);
+            let total = forces.lift.at(i) + carried + forces.drag.at(i);
             let wrench = strips.wrench(i, total);
             force.set(i, wrench.force);
             moment.set(i, wrench.moment);
@@ -110,10 +111,10 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..self.settings.strips {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
-            let circulatory = wrench(plain.at(i));
+            let along_chord = wrench(plain.at(i));
             loads.strip[at] = StripLoads {
-                circulatory,
-                induced_drag: wrench(forces.lift.at(i)) + -circulatory,
+                circulatory: along_chord + wrench(self.turned_circulation(i, flow, response)),
+                induced_drag: wrench(forces.lift.at(i)) + -along_chord,
                 added_mass: wrench(self.carried_air(i, flow, response)),
                 profile_drag: wrench(forces.drag.at(i)),
             };
@@ -314,6 +315,38 @@ impl<P: Scalar> StripModel<P> {
             if let Some(camber) = &response.camber {
                 force.nose_up += camber.couple[i];
             }
+        }
+        force
+    }
+
+    /// Spanwise force of the impulse of the bound circulation as a section turns about its chord, and its couple as it drifts along
+    /// its span. The jump of potential that a circulation G spreads over the chord has the impulse rho dy b G n, which turns with the
+    /// normal. What turns towards the chord, -2 m w_l q, is part of Garrick's suction (`aero.pitch_suction`); this is what turns
+    /// towards the span, where the edges of the tips and the folds bear it. None unless `turning_impulse` is set.
+    ///
+    /// Equation: aero.strip.turned_circulation
+    /// `F = rho dy b G (e_span . dn/dt) e_span, couple v_span e_span x rho dy b G n, G = g lw`
+    /// Source: impulse of a vortex sheet: Saffman 1992, section 3.2; own derivation.
+    /// Test: `the_impulse_of_the_circulation_turns_with_the_section`.
+    #[inline(always)]
+    fn turned_circulation<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
+        &self,
+        i: usize,
+        flow: &Flow<K, G, N>,
+        response: &Response<'_, S, N>,
+    ) -> SectionForce<S> {
+        let mut force = SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO);
+        if self.settings.turning_impulse {
+            let strips = &flow.strips;
+            let circulation = response.lift_wash[i] * response.attached[i] * self.tables.lift_scale[i];
+            let impulse = circulation * (self.tables.chord[i] * 0.5);
+            force.across = impulse * strips.across.get(i).dot_over(strips.normal_rate.get(i));
+            force.about_chord = impulse * strips.drift[i];
         }
         force
     }

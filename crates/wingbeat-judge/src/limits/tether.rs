@@ -6,6 +6,10 @@ use crate::status::Status::{NotPeriodic, NotResolved, Outside};
 /// With half a range the loads say nothing. *Choice.*
 pub const STEPS: Limit = Limit::at_most("tether.step_change_fraction", 0.5, "", NotResolved)
     .on("largest change of a mean load with other steps per cycle, over the largest load,");
+/// With half a range the peaks say nothing either, however well the means hold. *Choice.*
+pub const PEAKS: Limit = Limit::at_most("tether.peak_change_fraction", 0.5, "", NotResolved).on(
+    "largest change of the least or largest of a load with other steps per cycle, over the largest load,",
+);
 /// Ten times what the shipped cases reach. *Choice.*
 pub const CYCLES: Limit = Limit::at_most("tether.cycle_change_fraction", 0.01, "", NotPeriodic)
     .on("largest change of a load from the last cycle but one, over the largest of its kind,");
@@ -47,5 +51,5 @@ pub const SLENDER: Limit = Limit::warn_below("tether.aspect_ratio", 1.0, "").on(
 );
 
 /// All of them.
-pub const ALL: [Limit; 11] =
-    [STEPS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER];
+pub const ALL: [Limit; 12] =
+    [STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER];

@@ -63,6 +63,30 @@ fn leading_edges_keep_the_critical_suction() {
 }
 
 #[test]
+fn forces_are_the_rate_of_the_impulse() {
+    const STEPS: usize = 30;
+    let step = 0.125;
+    for (critical, within) in [(None, 0.05), (Some(0.1), 0.08)] {
+        let own =
+            Settings { wake: WakeMotion::Free, critical_suction: critical, ..Settings::new(step, 1e-3) };
+        let settings = Settings { sheet_core_m: 0.1, ..own };
+        for halved in [true, false] {
+            let scene = Scene::new(&wing(4.0, 0.4, 0.0), panels(4, 8), halved).unwrap();
+            let mut lattice = Lattice::new(scene, settings).unwrap();
+            let steps: Vec<(f64, f64)> = (0..STEPS)
+                .map(|_| (lattice.step().unwrap().joukowski.force[2], lattice.impulse()[2]))
+                .collect();
+            let (from, to) = (4, STEPS - 1);
+            let inner: f64 = steps[from + 1..to].iter().map(|(force, _)| force).sum();
+            let given = step * (inner + 0.5 * (steps[from].0 + steps[to].0));
+            let largest = steps.iter().fold(0.0_f64, |most, (force, _)| most.max(force.abs()));
+            let off = (given + steps[to].1 - steps[from].1) / (largest * step * (to - from) as f64);
+            assert!(off.abs() < within, "{critical:?} {halved}: {off}");
+        }
+    }
+}
+
+#[test]
 fn bad_critical_suctions_are_refused() {
     for value in [-0.1, f64::NAN, f64::INFINITY] {
         let settings = Settings { critical_suction: Some(value), ..Settings::new(0.1, 1e-3) };

@@ -1,7 +1,7 @@
 //! Mean force of the carried air over a cycle: a rate of an impulse, it vanishes.
 
 use super::flapping::last_cycle;
-use crate::lattice::flapping::{self as flapping_lattice, CORE};
+use crate::lattice::flapping::{self as flapping_lattice, CORE, FoldedLift};
 use crate::{Error, Row};
 use std::path::Path;
 use wingbeat::aero::LiftLaw;
@@ -46,6 +46,14 @@ fn means((name, text): (&str, &str), law: LiftLaw, set: &[&str]) -> Result<(Vec3
 /// Cycles after which a cycle of the folding cases repeats the one before.
 const SETTLED: &str = "time.cycles=6";
 
+/// Amplitudes of E1's shoulder and elbow, deg.
+const E1: [f64; 2] = [30.0, 50.0];
+/// Those of wings that fold less, and in the downstroke.
+const OTHERS: [(&str, [f64; 2]); 2] = [("less", [20.0, 30.0]), ("downstroke", [-30.0, 50.0])];
+
+/// What a folding wing needs whose circulation has an impulse.
+const TURNED: &str = "aero.full.turning_impulse=true";
+
 /// Mean added-mass force over the mean lift in the last cycle of a case under `law`.
 fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
     let set: &[&str] = if case.0 == STAND.0 { &[] } else { &[SETTLED] };
@@ -63,7 +71,8 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
     let source = "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle";
     let (mut rows, mut found) = (Vec::new(), Vec::new());
     for (name, wake, core) in cases {
-        let [lattice, without] = flapping_lattice::deep_fold(wake, core)?;
+        let FoldedLift { joukowski: lattice, bernoulli: without, .. } =
+            flapping_lattice::deep_fold(E1, wake, core)?;
         found.push([lattice, without]);
         let metric = format!(
             "E1, mean lift {lift:.4} N over the lattice's with a {} wake of cores of {core} chords ({lattice:.4} N), less 1",
@@ -73,6 +82,7 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
         rows.push(Row::shown(&id, source, &metric, (lift / lattice - 1.0).abs(), ""));
     }
     let [_, [fixed, without], [free, _]] = found[..] else { return Ok(rows) };
+    rows.extend(turned_rows([free, fixed], source)?);
     let parts = [
         (
             "side_edges",
@@ -87,6 +97,40 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
         Row::shown(&format!("aero.full.deep_fold.{name}"), source, &metric, (part / fixed).abs(), "")
     }));
     Ok(rows)
+}
+
+/// E1 with the impulse of the circulation turning, beside the lattice's mean lift with a `free` and a prescribed (`fixed`) wake, N; other folds.
+fn turned_rows([free, fixed]: [f64; 2], source: &str) -> Result<Vec<Row>, Error> {
+    let (_, turned) = means(FOLDING[1], LiftLaw::Linear, &[TURNED])?;
+    let id = "aero.full.deep_fold.turned";
+    let metric = format!(
+        "the first with the impulse of the circulation turning ({turned:.4} N) over the lattice's with a free wake, less 1"
+    );
+    let error = |lattice: f64| (turned / lattice - 1.0).abs();
+    let mut rows = vec![Row::judged(id, source, &metric, error(free), 0.1, "")];
+    let metric =
+        format!("the same over the lattice's with a prescribed wake of cores of {CORE} chords, less 1");
+    rows.push(Row::shown(&format!("{id}.prescribed"), source, &metric, error(fixed), ""));
+    for (name, angles) in OTHERS {
+        rows.push(other_fold(name, angles, source)?);
+    }
+    Ok(rows)
+}
+
+/// The mean lift of another folding wing less that of the free lattice, over how far the lattice's swings.
+fn other_fold(name: &str, [flap, fold]: [f64; 2], source: &str) -> Result<Row, Error> {
+    let down = 0.5 * fold;
+    let shoulder = format!("wing.hinges[0].angle_deg={{fourier={{sin=[{flap:?}]}}}}");
+    let elbow = format!("wing.hinges[1].angle_deg={{fourier={{mean=-{down:?},cos=[-{down:?}]}}}}");
+    let lift = |set: &[&str]| Ok::<_, Error>(means(FOLDING[1], LiftLaw::Linear, set)?.1);
+    let (without, with) = (lift(&[&shoulder, &elbow])?, lift(&[&shoulder, &elbow, TURNED])?);
+    let FoldedLift { joukowski, swing, .. } =
+        flapping_lattice::deep_fold([flap, fold], WakeMotion::Free, CORE)?;
+    let metric = format!(
+        "flapping by {flap:.0}, folding by {fold:.0} deg: mean lift {with:.4} N with it, {without:.4} N without, less the free lattice's {joukowski:.4} N, over the rms swing of that"
+    );
+    let value = (with - joukowski).abs() / swing;
+    Ok(Row::shown(&format!("aero.full.deep_fold.turned.{name}"), source, &metric, value, ""))
 }
 
 /// The worst law of some cases.

@@ -118,17 +118,32 @@ pub fn folding() -> Result<Flapping, Error> {
     flapper(0.25, 30.0, Some((0.45, 50.0)))
 }
 
-/// Mean lift of E1 in its last cycle, N, with cores of `core` chords in the wake: by Joukowski, and by Bernoulli with the suction of the
-/// leading edge, which lacks that of the side edges.
-pub fn deep_fold(wake: WakeMotion, core: f64) -> Result<[f64; 2], Error> {
+/// Lift in the last cycle of a wing that flaps and folds, N, means unless said.
+pub struct FoldedLift {
+    /// By Joukowski, N.
+    pub joukowski: f64,
+    /// By Bernoulli with the suction of the leading edge, which lacks that of the side edges, N.
+    pub bernoulli: f64,
+    /// Root mean square of the first about its mean, N.
+    pub swing: f64,
+}
+
+/// Lift of a wing that flaps by `flap_deg` and folds down by `fold_deg` as E1 does, with cores of `core` chords in the wake.
+pub fn deep_fold([flap_deg, fold_deg]: [f64; 2], wake: WakeMotion, core: f64) -> Result<FoldedLift, Error> {
+    let wing = flapper(0.25, flap_deg, Some((0.45, fold_deg)))?;
     let panels = Panels { chordwise: 8, spanwise: 24, spacing: Spacing::Lan };
     let steps = 2 * STEPS;
     let settings = Settings { wake, ..Settings::new(1.0 / (FREQUENCY * steps as f64), core * CHORD) };
-    let mut lattice = Lattice::new(Scene::new(&folding()?, panels, true)?, settings)?;
+    let mut lattice = Lattice::new(Scene::new(&wing, panels, true)?, settings)?;
     let loads = (0..CYCLES * steps).map(|_| lattice.step()).collect::<Result<Vec<_>, _>>()?;
     let last = &loads[loads.len() - steps..];
-    let mean = |of: fn(&Loads) -> Vec3| last.iter().map(|l| lift_drag(of(l)).0).sum::<f64>() / steps as f64;
-    Ok([mean(|l| l.joukowski.force), mean(|l| l.bernoulli.force)])
+    let lifts = |of: fn(&Loads) -> Vec3| -> Vec<f64> { last.iter().map(|l| lift_drag(of(l)).0).collect() };
+    let mean = |lifts: &[f64]| lifts.iter().sum::<f64>() / steps as f64;
+    let own = lifts(|l| l.joukowski.force);
+    let joukowski = mean(&own);
+    let square = own.iter().map(|lift| (lift - joukowski).powi(2)).sum::<f64>() / steps as f64;
+    let bernoulli = mean(&lifts(|l| l.bernoulli.force));
+    Ok(FoldedLift { joukowski, bernoulli, swing: square.sqrt() })
 }
 
 /// Circulation of every strip and its wake.

@@ -187,6 +187,44 @@ fn pitched(panels: [usize; 2], critical: Option<f64>, wake: WakeMotion, end: f64
     Ok(Curve { value: lift.collect::<Result<_, _>>()?, at: travel })
 }
 
+/// Forces against the rate of the impulse of all vortices, by means over a quarter chord of travel behind the first pulse.
+pub fn momentum() -> Result<Vec<Row>, Error> {
+    const STEPS: usize = 35;
+    /// Steps of a quarter chord of travel, and the first that counts.
+    const WINDOW: [usize; 2] = [4, 5];
+    let mut rows = Vec::new();
+    for (name, critical) in [("attached", None), ("shed", Some(CRITICAL))] {
+        let own = settings([8, 12], critical, WakeMotion::Free);
+        let mut lattice = Lattice::new(scene(4.0, [8, 12], true, 1.0, ramp)?, own)?;
+        let (mut forces, mut impulses) = ([Vec::new(), Vec::new()], Vec::new());
+        for _ in 0..=STEPS {
+            let loads = lattice.step()?;
+            forces[0].push(loads.joukowski.force[2]);
+            forces[1].push(loads.bernoulli.force[2]);
+            impulses.push(lattice.impulse()[2]);
+        }
+        let [window, first] = WINDOW;
+        for (way, forces) in ["joukowski", "bernoulli"].into_iter().zip(&forces) {
+            let (mut error, mut scale, mut excess) = (0.0, 0.0, 0.0);
+            for k in first..=STEPS - window {
+                let inner: f64 = forces[k + 1..k + window].iter().sum();
+                let force = (inner + 0.5 * (forces[k] + forces[k + window])) / window as f64;
+                let rate = (impulses[k] - impulses[k + window]) / (window as f64 * own.step_s);
+                error += (force - rate).powi(2);
+                scale += rate * rate;
+                excess += (force - rate) * rate;
+            }
+            let metric = format!(
+                "AR 4 pitched fast, {name}, 8 x 12 panels, free wake: force by {way} against the rate of the impulse, rms over its rms; in the mean {:+.1} %",
+                100.0 * excess / scale
+            );
+            let id = format!("lattice.shedding.momentum.{name}.{way}");
+            rows.push(Row::shown(&id, "Saffman 1992, section 3.2", &metric, (error / scale).sqrt(), ""));
+        }
+    }
+    Ok(rows)
+}
+
 const MEASURED: &str = "Mancini et al. 2017, measured";
 
 /// The plate of AR 4 pitched to 45 degrees in one chord of travel.

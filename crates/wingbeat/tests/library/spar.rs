@@ -4,13 +4,16 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use wingbeat::judge::Status;
-use wingbeat::scenario::{Document, TetherCase};
+use wingbeat::scenario::{Document, StepChange, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::{STRAIN, Shape, TetherRun};
 
 fn none(_: &Path) -> Result<Record, String> {
     Err("no table".into())
 }
+
+/// No change with other steps.
+const SAME: StepChange = StepChange { mean: 0.0, peak: 0.0 };
 
 fn pazy(overrides: &[&str]) -> TetherCase {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/pazy.toml");
@@ -67,7 +70,7 @@ fn the_pazy_wing_stays_at_rest_in_the_wind() {
     let force = run.mean("spar_force_z").unwrap();
     let [lift, drag] = ["force_z", "force_x"].map(|name| run.mean(name).unwrap());
     assert!((force + lift).abs() < 1e-3 * lift.abs() && drag.is_finite(), "{force} {lift}");
-    let summary = case.summary(&run, Some(0.0), None);
+    let summary = case.summary(&run, Some(SAME), None);
     assert_ne!(summary.verdict.status, Status::NotPeriodic, "{:?}", run.periodicity);
     let spar = summary.spar.unwrap();
     assert!(spar.grid_change.unwrap() < 0.1 && spar.frequencies_hz[0] > 4.0 && spar.frequencies_hz[0] < 6.0);
@@ -163,7 +166,7 @@ fn a_wing_beyond_its_speed_of_flutter_is_outside() {
         let case = pazy(&[&coarse, more].concat());
         let steady = case.tether.spar.as_ref().unwrap().steady(&case.tether);
         let run = TetherRun { steady: Some(steady), ..run(&pazy(&coarse)) };
-        case.summary(&run, Some(0.0), None).verdict
+        case.summary(&run, Some(SAME), None).verdict
     };
     let still = verdict(&["wind.speed_m_s=100.0"]);
     assert_eq!(still.status, Status::Outside, "{still:?}");
@@ -189,7 +192,7 @@ fn a_station_without_mass_is_outside() {
             "limits.tether.spar_grid_fraction=1",
             &set,
         ]);
-        let verdict = case.summary(&run(&case), Some(0.0), None).verdict;
+        let verdict = case.summary(&run(&case), Some(SAME), None).verdict;
         assert_eq!(verdict.status, if outside { Status::Outside } else { Status::Ok }, "{key}: {verdict:?}");
         let told = verdict.reason.is_some_and(|reason| reason.contains("limits.tether.spar_mass_fraction"));
         assert_eq!(told, outside, "{key}");
@@ -203,11 +206,11 @@ fn a_coarse_spar_is_not_resolved() {
     if let Some(steady) = &mut run.steady {
         steady.grid_change = Some(0.3);
     }
-    assert_eq!(case.summary(&run, Some(0.0), None).verdict.status, Status::NotResolved);
+    assert_eq!(case.summary(&run, Some(SAME), None).verdict.status, Status::NotResolved);
     if let Some(steady) = &mut run.steady {
         (steady.found, steady.grid_change) = (false, None);
     }
-    assert_eq!(case.summary(&run, Some(0.0), None).verdict.status, Status::NotResolved);
+    assert_eq!(case.summary(&run, Some(SAME), None).verdict.status, Status::NotResolved);
 }
 
 /// A robot's link with a spar: the pieces weigh what the spar weighs, carry the surface, and raise its tip when they bend.

@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use wingbeat::math::Random;
-use wingbeat::scenario::{Convergence, ConvergenceRun, TetherCase};
+use wingbeat::judge::Status;
+use wingbeat::math::{Random, Vec3};
+use wingbeat::scenario::{Convergence, ConvergenceRun, Document, TetherCase};
 use wingbeat::simulate::{Ending, Record};
-use wingbeat::tether::TetherRun;
+use wingbeat::tether::{Tether, TetherRun};
 
 /// Aerodynamic presets.
 const PRESETS: [&str; 2] = ["paper", "full"];
@@ -47,6 +48,89 @@ fn a_sudden_start_ends_near_the_steady_lift() {
     let steady = 4.0283867 * alpha;
     assert!((lift[lift.len() - 1] / steady - 1.0).abs() < 0.02, "{}", lift[lift.len() - 1] / steady);
     assert!((lift[0] / (std::f64::consts::PI * alpha) - 1.0).abs() < 0.02, "{}", lift[0]);
+}
+
+/// A small wing that sweeps and turns its leading edge up and over.
+const REVERSAL: &str = r#"
+name = "reversal"
+[wing]
+planform = [
+  { arc_m = 0.0, leading_edge_m = 0.0003, trailing_edge_m = -0.0006 },
+  { arc_m = 0.0014, leading_edge_m = 0.0003, trailing_edge_m = -0.0009 },
+  { arc_m = 0.0029, leading_edge_m = 0.0, trailing_edge_m = -0.0003 },
+]
+[[wing.hinges]]
+name = "stroke"
+kind = "sweep"
+arc_m = 0.0
+angle_deg = { fourier = { mean = 5.0, cos = [62.0] } }
+[[wing.hinges]]
+name = "rotation"
+kind = "twist"
+arc_m = 0.0002
+angle_deg = { fourier = { mean = 90.0, sin = [42.0] } }
+[wind]
+speed_m_s = 1.0
+density_kg_m3 = 1.2
+[aero]
+preset = "full"
+law = "stall"
+[aero.full]
+strips = 10
+regularisation_m_s = 0.05
+[time]
+frequency_hz = 190.0
+cycles = 2
+steps_per_cycle = 240
+"#;
+
+#[test]
+fn peaks_that_move_with_the_steps_are_not_resolved() {
+    let document = Document::text("reversal", REVERSAL).unwrap();
+    let case = TetherCase::new(document, &|_| Err::<Record, String>("no table".into())).unwrap();
+    let simulate = |tether: &Tether| tether.run(|_| ControlFlow::Continue(()));
+    let run = simulate(&case.tether);
+    let change = case.step_change(&run, |other| Ok::<_, String>(simulate(other))).unwrap().unwrap();
+    assert!(change.mean < 0.05 && change.peak > 0.5, "{change:?}");
+    let summary = case.summary(&run, Some(change), None);
+    assert_eq!(summary.step_change_of_peaks, Some(change.peak));
+    assert_eq!(summary.verdict.status, Status::NotResolved);
+    assert!(summary.verdict.warnings.iter().any(|warning| warning.id == "tether.steps_of_peaks"));
+    let flap = self::case("flap_f2", &[]);
+    let run = simulate(&flap.tether);
+    let change = flap.step_change(&run, |other| Ok::<_, String>(simulate(other))).unwrap().unwrap();
+    assert!(change.peak < 0.005, "{change:?}");
+    assert_eq!(flap.summary(&run, Some(change), None).verdict.status, Status::Ok);
+}
+
+#[test]
+fn the_impulse_of_the_circulation_turns_with_the_section() {
+    let (degrees, frequency, speed) = (2.0_f64, 3.5, 1.5);
+    let flap = "wing.hinges[0].angle_deg={fourier={sin=[2.0]}}";
+    let [without, with] = [false, true].map(|turns| {
+        run("flap_f2", &[flap, "aero.law=linear", &format!("aero.full.turning_impulse={turns}")])
+    });
+    let column = |run: &TetherRun, name: &str| run.strips.values(name).unwrap().to_vec();
+    let vectors = |run: &TetherRun, name: &str| -> Vec<Vec3> {
+        let [x, y, z] = ["x", "y", "z"].map(|axis| column(run, &format!("{name}_{axis}")));
+        (0..x.len()).map(|k| Vec3::new(x[k], y[k], z[k])).collect()
+    };
+    let [off, on] = [&without, &with].map(|run| vectors(run, "force"));
+    let (circulatory, place) = (vectors(&without, "force_circulatory"), vectors(&without, "quarter_chord"));
+    let (t, chord) = (column(&without, "t"), column(&without, "chord"));
+    let (mut error, mut largest) = (0.0_f64, 0.0_f64);
+    for k in 0..t.len() {
+        let along = Vec3::new(0.0, place[k][1], place[k][2]).unit();
+        let normal = Vec3::new(0.0, -along[2], along[1]) * along[1].signum();
+        let omega = std::f64::consts::TAU * frequency;
+        let rate = degrees.to_radians() * omega * (omega * t[k]).cos();
+        // The lift is rho V G dy and the impulse rho b G dy.
+        let impulse = circulatory[k].dot(normal) / speed * 0.5 * chord[k];
+        let expected = along * (-impulse * rate);
+        error = error.max((on[k] - off[k] - expected).norm());
+        largest = largest.max(expected.norm());
+    }
+    assert!(largest > 1e-6 && error < 0.02 * largest, "{error} of {largest} N");
 }
 
 #[test]

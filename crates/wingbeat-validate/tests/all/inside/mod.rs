@@ -6,6 +6,7 @@ mod aero_surfaces;
 mod body_urdf;
 mod case;
 mod flight_draws;
+mod flight_laws;
 mod fsi_theodorsen;
 mod orbit_replay;
 mod page;

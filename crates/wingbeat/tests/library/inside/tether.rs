@@ -15,7 +15,11 @@ fn a_run_that_grew_without_bound_is_far_from_one_that_did_not() {
     let good = [row("force_wind_lift", 1.0, 2.0), row("moment_y", 0.1, 0.2)];
     let near = [row("force_wind_lift", 1.01, 2.0), row("moment_y", 0.1, 0.2)];
     let wild = [row("force_wind_lift", 3e32, 3e33), row("moment_y", 0.1, 0.2)];
-    assert!((change(&good, &near) - 0.005).abs() < 1e-12);
-    assert!(change(&wild, &good) > 1e30 && change(&good, &wild) > 1e30);
-    assert!(change(&good, &[row("force_wind_lift", f64::NAN, 2.0), row("moment_y", 0.1, 0.2)]).is_nan());
+    assert!((change(&good, &near).mean - 0.005).abs() < 1e-12);
+    assert!(change(&wild, &good).mean > 1e30 && change(&good, &wild).mean > 1e30);
+    assert!(change(&good, &[row("force_wind_lift", f64::NAN, 2.0), row("moment_y", 0.1, 0.2)]).mean.is_nan());
+    let spiked = [row("force_wind_lift", 1.0, 3.0), row("moment_y", 0.1, 0.2)];
+    let apart = change(&good, &spiked);
+    assert!((apart.mean, apart.peak) == (0.0, 0.5), "{apart:?}");
+    assert!(change(&good, &[row("force_wind_lift", 1.0, f64::NAN), row("moment_y", 0.1, 0.2)]).peak.is_nan());
 }
