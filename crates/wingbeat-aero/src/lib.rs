@@ -1,6 +1,10 @@
 //! Aerodynamics of a flapping, folding wing: planform, station, section laws,
 //! Wagner lags, lifting line, added mass. Knows no body: stations come in, loads go out.
 
+// Its derive writes nothing: schemas are made by tests alone.
+#[cfg(not(feature = "schema"))]
+extern crate wingbeat_no_schema as schemars;
+
 mod camber;
 mod compiled;
 mod law;

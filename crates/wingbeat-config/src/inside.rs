@@ -8,6 +8,7 @@ pub use crate::document::outline::drawing::{Point, read as read_drawing};
 pub use crate::document::outline::{MOST as MOST_STATIONS, OutlineFile};
 pub use crate::document::source::{brief, joined};
 pub use crate::document::tree::{path, steps};
+#[cfg(feature = "schema")]
 pub use crate::schema::plain;
 pub use crate::sound::rows;
 pub use crate::tether::change;

@@ -1,5 +1,9 @@
 //! TOML to checked objects: the only place where strings become things.
 
+// Its derive writes nothing: schemas are made by tests alone.
+#[cfg(not(feature = "schema"))]
+extern crate wingbeat_no_schema as schemars;
+
 mod build;
 mod calibration;
 mod chosen;
@@ -58,6 +62,7 @@ mod tether_spec;
 mod trim;
 mod verdict_limits;
 mod watched;
+mod written;
 
 pub use calibration::{
     CalibratedCaseSpec, CalibratedRunSpec, CalibrationSpec, DesignSpec, ParameterSpec, StructureOfModel,
@@ -93,7 +98,7 @@ pub use rig_simulated::{SimulatedRun, SimulatedSummary};
 pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, RigSpec};
 pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
 pub use rig_truth::RigTruthSpec;
-pub use schema::DocumentKind;
+pub use schema::{DocumentKind, Schemas};
 pub use search::{Search, SearchFound, SweepFound};
 pub use search_spec::{SearchGoal, SweepSearch};
 pub use shared::what_a_controller_knows;

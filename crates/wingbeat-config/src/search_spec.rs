@@ -1,7 +1,7 @@
 //! What `[search]` of a sweep says.
 
-use super::Summary;
-use schemars::generate::SchemaSettings;
+use super::measure::measures;
+use super::schema::Schemas;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use wingbeat_judge::limits::{flight, trim};
@@ -82,14 +82,15 @@ impl SweepSearch {
         for (i, goal) in self.goals.iter().enumerate() {
             goal.check().map_err(|e| e.within(&format!("goals[{i}]")))?;
         }
-        let told = told_of_a_flight();
+        let schemas = Schemas::kept();
+        let told = |key: &str| is_number(schemas.summary(), key) || measures().any(|own| own.key == key);
         for (i, goal) in self.goals.iter().enumerate() {
             let wrong = |allowed: &str| Error::invalid(format!("goals[{i}].key"), &goal.key, allowed);
             if self.goals[..i].iter().any(|other| other.key == goal.key) {
                 return Err(wrong("a key that no goal before has: low and high stand in one goal"));
             }
             let judged = flight::ALL.iter().chain(&trim::ALL).any(|limit| limit.id == goal.key);
-            if !judged && !is_number(&told, &goal.key) {
+            if !judged && !told(&goal.key) {
                 return Err(wrong("a number of summary.json of a flight, or the name of a limit of flights"));
             }
         }
@@ -132,12 +133,6 @@ impl SearchGoal {
             (_, high) => format!("at most {}", high.unwrap_or(f64::INFINITY)),
         }
     }
-}
-
-/// What `summary.json` of a flight can hold, as a schema.
-fn told_of_a_flight() -> Value {
-    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    settings.into_generator().into_root_schema_for::<Summary>().into()
 }
 
 /// Whether `key` names a number in what the schema describes; a table of any names has `additionalProperties`.

@@ -1,9 +1,9 @@
 //! What the controllers of a sweep's flights share.
 
-use super::Scenario;
 use super::chosen::{Chosen, Named};
 use super::perch::PerchSpec;
 use super::spec::{AeroSpec, AirSpec, FlightSpec, ScenarioSpec, StartSpec};
+use super::{Scenario, written};
 use serde::Serialize;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wingbeat_flight::guide::{MpcSpec, PathSpec, Prepared, Turn};
@@ -112,5 +112,5 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         path,
         perch,
     };
-    toml::to_string(&made_from).ok()
+    written::toml(&made_from).ok()
 }

@@ -1,7 +1,7 @@
 //! Flights of several scenarios at once, in the lanes of vector registers.
 
 use super::recorder::Recorder;
-use super::{ConfigError, Scenario, Summary};
+use super::{ConfigError, Scenario, Summary, written};
 use std::ops::ControlFlow;
 use wingbeat_flight::guide::HeldCommands;
 use wingbeat_flight::simulate::{Controller, Flight, Sample, Seat, fly_side_by_side};
@@ -37,7 +37,7 @@ impl Scenario {
         (*mass_kg, *com_m, *inertia_kg_m2, *drag_area_m2) = (1.0, [0.0; 3], [1.0; 3], [0.0; 3]);
         robot.gait.set_frequency_hz(1.0);
         robot.numbers.values_mut().for_each(|number| *number = 0.0);
-        Some([toml::to_string(&robot).ok()?, toml::to_string(self.spec.flown_aero()).ok()?])
+        Some([written::toml(&robot).ok()?, written::toml(self.spec.flown_aero()).ok()?])
     }
 
     /// Flies up to [`MOST`] scenarios that fit side by side; `watch` is asked at every sample and may stop them. The

@@ -43,6 +43,8 @@ pub trait Scalar:
     const NARROW: bool = false;
     /// True of numbers with derivatives of their own, where a product costs more than a quotient of values.
     const CARRIES: bool = false;
+    /// True of numbers that write down what is done with them: how fast that is does not matter, how often it is compiled does.
+    const RECORDED: bool = false;
 
     /// The value without derivatives.
     fn value(self) -> f64;

@@ -198,6 +198,7 @@ impl MulAssign<f64> for Traced {
 impl Scalar for Traced {
     const ZERO: Self = Self { value: 0.0, node: CONSTANT };
     const ONE: Self = Self { value: 1.0, node: CONSTANT };
+    const RECORDED: bool = true;
 
     fn value(self) -> f64 {
         self.value

@@ -1,5 +1,9 @@
 //! The test rig: arm, load cell, Net F/T, experiment, processing.
 
+// Its derive writes nothing: schemas are made by tests alone.
+#[cfg(not(feature = "schema"))]
+extern crate wingbeat_no_schema as schemars;
+
 pub mod arm;
 pub mod carrier;
 pub mod cell;

@@ -1,6 +1,10 @@
 //! The flying robot: body and aerodynamics meet here and nowhere else. Stations
 //! carry geometry down to the surfaces, loads come back up by name.
 
+// Its derive writes nothing: schemas are made by tests alone.
+#[cfg(not(feature = "schema"))]
+extern crate wingbeat_no_schema as schemars;
+
 mod air;
 mod beyond;
 pub mod body;
@@ -44,12 +48,14 @@ pub use perch::{Contact, Perch, PerchShape, Seen};
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
+pub use spec::is_of_rig;
 pub use spec::{
     BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
     GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, PanelSpec, RegulatorSpec,
     ResidualSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
-pub use spec::{file_or, file_or_numbers, is_of_rig, numbers_table};
+#[cfg(feature = "schema")]
+pub use spec::{file_or, file_or_numbers, numbers_table};
 pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;

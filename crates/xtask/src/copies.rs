@@ -13,17 +13,17 @@ struct Limit {
     most: usize,
 }
 
-/// Limits of the program with all formats, which has 16, 5, 13 and 141 copies. The aim is 12, 12 and 4 of the last three: serde makes one copy of the last for
+/// Limits of the program with all formats, which has 15, 5, 13 and 141 copies. The aim is 12, 12 and 4 of the last three: serde makes one copy of the last for
 /// each table that is read.
 const LIMITS: [Limit; 4] = [
-    Limit { name: "StripModel::evaluate_in", holds: ["5strip", "11evaluate_in17h"], most: 16 },
+    Limit { name: "StripModel::evaluate_in", holds: ["5strip", "11evaluate_in17h"], most: 15 },
     Limit { name: "Tableau::integrate", holds: ["11runge_kutta", "9integrate17h"], most: 12 },
     Limit { name: "Stepper::run", holds: ["Stepper$LT$", "3run17h"], most: 14 },
     Limit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 145 },
 ];
 
-/// Most code of the program with all formats, which has 18.7 MB, and some more without incremental builds. The aim is 16 MB.
-const MOST_CODE: f64 = 19.5;
+/// Most code of the program with all formats, which has 17.2 MB, and some more without incremental builds. The aim is 16 MB.
+const MOST_CODE: f64 = 18.0;
 
 /// Counts the copies in the program that was built.
 pub fn check() -> Tally {

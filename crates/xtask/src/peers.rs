@@ -76,7 +76,8 @@ fn mechanics(python: &Path) -> bool {
     let folder = tools::root().join("validation/multibody");
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
-        let bench = tools::cargo(&["bench", "--quiet", "--package", "wingbeat-validate", "--bench", "peers"]);
+        let bench =
+            tools::cargo(&["bench", "--quiet", "--package", "wingbeat-comparisons", "--bench", "peers"]);
         let tree = script(python, "pinocchio_tree.py", &[&folder.to_string_lossy()]);
         let (Some(bench), Some(tree)) = (times(bench), times(tree)) else { return false };
         ours.push(bench);
@@ -95,7 +96,7 @@ fn offline(python: &Path) -> bool {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let bench =
-            tools::cargo(&["bench", "--quiet", "--package", "wingbeat-validate", "--bench", "offline"]);
+            tools::cargo(&["bench", "--quiet", "--package", "wingbeat-comparisons", "--bench", "offline"]);
         let (Some(own), Some(other)) = (times(bench), times(script(python, "flapbody14_b.py", &[]))) else {
             return false;
         };

@@ -282,7 +282,9 @@ impl<P: Scalar> StripModel<P> {
             };
         }
         // Columns of plain numbers are as wide as there are strips, in whole registers; of others only their room is.
-        if const { size_of::<K>() < size_of::<G>() } {
+        if const { S::RECORDED } {
+            self.evaluate_in::<G, G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted)
+        } else if const { size_of::<K>() < size_of::<G>() } {
             // One copy of the code: what it spares matters less where there are many strips.
             match self.settings.strips {
                 0..=16 => self.evaluate_in::<K, G, S, 16>(sections, wind, x, dx, others, wanted),

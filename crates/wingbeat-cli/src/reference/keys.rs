@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 use wingbeat::scenario::{DocumentKind, unit};
 
-use super::{root, shipped};
+use super::{root, schemas, shipped};
 
 /// One key.
 pub struct Key {
@@ -32,7 +32,7 @@ const PART: &str = "/ResidualSpec";
 
 /// The keys of a kind of document.
 pub fn keys(kind: DocumentKind) -> Vec<Key> {
-    let schema = kind.schema();
+    let schema = schemas().of(kind);
     let mut walk = Walk { root: &schema, keys: Vec::new() };
     walk.table(&schema, "", None);
     with_files(walk.keys, kind)
@@ -40,7 +40,7 @@ pub fn keys(kind: DocumentKind) -> Vec<Key> {
 
 /// The same with the keys of the tables that name a file in place of an outline or an angle, behind what they stand for.
 fn with_files(keys: Vec<Key>, kind: DocumentKind) -> Vec<Key> {
-    let files = kind.schema_of_files();
+    let files = schemas().of_files(kind);
     let below = |definition: &str, path: &str| {
         let mut walk = Walk { root: &files, keys: Vec::new() };
         walk.table(&files["definitions"][definition], path, None);

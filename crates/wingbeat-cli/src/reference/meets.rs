@@ -3,7 +3,7 @@
 use serde_json::Value;
 use wingbeat::scenario::DocumentKind;
 
-use super::shipped;
+use super::{schemas, shipped};
 
 /// Why `value` does not meet `schema`, whose definitions are in `root`.
 fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
@@ -81,7 +81,7 @@ fn properties(root: &Value, schema: &Value, value: &Value) -> Option<String> {
 #[test]
 fn shipped_documents_meet_their_schema_and_misspelt_ones_do_not_by_this_reference() {
     for document in shipped::all() {
-        let (whole, file) = (document.kind.schema(), document.kind.schema_of_files());
+        let (whole, file) = (schemas().of(document.kind), schemas().of_files(document.kind));
         let written: toml::Table = document.text.parse().unwrap();
         for (schema, table) in [(whole, &document.table), (file, &written)] {
             let mut value = serde_json::to_value(table).unwrap();
@@ -90,9 +90,9 @@ fn shipped_documents_meet_their_schema_and_misspelt_ones_do_not_by_this_referenc
             assert!(fault(&schema, &schema, &value).is_some(), "{}", document.file);
         }
     }
-    let schema = DocumentKind::Scenario.schema();
+    let schema = schemas().of(DocumentKind::Scenario);
     let text = include_str!("../../documents/banking_turn.toml");
-    let file = DocumentKind::Scenario.schema_of_files();
+    let file = schemas().of_files(DocumentKind::Scenario);
     let based = serde_json::json!({ "base": "a.toml", "air": {}, "robot": { "base": "b.toml", "without": ["gait"] } });
     assert_eq!(fault(&file, &file, &based), None);
     assert!(fault(&schema, &schema, &based).is_some());

@@ -12,10 +12,19 @@ mod shipped;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use wingbeat::scenario::Schemas;
 
 /// The root of the workspace.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The schemas as the specs have them, made once.
+fn schemas() -> &'static Schemas {
+    static MADE: OnceLock<Schemas> = OnceLock::new();
+    MADE.get_or_init(Schemas::made)
 }
 
 /// The file `name` of docs holds `text`; it is written where that is asked for.

@@ -19,10 +19,10 @@ pub fn form(sources: &Sources, root: &Tree, complaints: &[Complaint]) -> ConfigE
 }
 
 fn one(sources: &Sources, root: &Tree, complaint: &Complaint) -> Wrong {
-    let path = complaint.path.as_deref().unwrap_or_default();
+    let path = complaint.path().unwrap_or_default();
     let (span, _) = deepest(root, path);
     let place = sources.place(span.start);
-    let problem = match &complaint.fault {
+    let problem = match complaint.fault() {
         Fault::Missing(name) => {
             return Wrong::new(place, tree::dotted(path, name), None, Problem::MissingKey);
         }

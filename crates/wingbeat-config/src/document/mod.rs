@@ -111,7 +111,7 @@ impl Document {
     /// # Errors
     /// A value that TOML cannot hold.
     pub fn value(name: &str, value: &impl Serialize) -> Result<Self, ConfigError> {
-        let toml = toml::to_string(value).map_err(|error| {
+        let toml = crate::written::toml(value).map_err(|error| {
             let what = format!("cannot be written as TOML: {error}");
             Wrong::new(Place::Value(name.into()), "", None, Problem::File(what))
         })?;

@@ -24,14 +24,9 @@ macro_rules! typed {
 /// Most complaints of one document.
 const MOST: usize = 100;
 
-/// What is wrong at a path.
+/// What is wrong at a path. Boxed, as every field of every table is read into it or its value.
 #[derive(Debug)]
-pub struct Complaint {
-    /// The path of the value at fault, or of the table in which the named key is.
-    pub path: Option<String>,
-    /// What is wrong there.
-    pub fault: Fault,
-}
+pub struct Complaint(Box<(Option<String>, Fault)>);
 
 /// What can be wrong with the form of a document.
 #[derive(Clone, Debug)]
@@ -80,8 +75,8 @@ struct Mended {
 impl Mended {
     /// False when it was mended already and that did not help.
     fn mend(&mut self, complaint: &Complaint) -> bool {
-        let path = complaint.path.clone().unwrap_or_default();
-        match &complaint.fault {
+        let path = complaint.path().unwrap_or_default().to_owned();
+        match complaint.fault() {
             Fault::Missing(name) => {
                 let names = self.added.entry(path).or_default();
                 let new = !names.contains(name);
@@ -98,18 +93,30 @@ impl std::error::Error for Complaint {}
 
 impl fmt::Display for Complaint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {:?}", self.path.as_deref().unwrap_or_default(), self.fault)
+        write!(f, "{}: {:?}", self.path().unwrap_or_default(), self.fault())
     }
 }
 
 impl Complaint {
     fn new(fault: Fault) -> Self {
-        Self { path: None, fault }
+        Self(Box::new((None, fault)))
+    }
+
+    /// The path of the value at fault, or of the table in which the named key is.
+    pub fn path(&self) -> Option<&str> {
+        self.0.0.as_deref()
+    }
+
+    /// What is wrong there.
+    pub fn fault(&self) -> &Fault {
+        &self.0.1
     }
 
     /// The path is that of the innermost value.
-    fn at(self, path: &str) -> Self {
-        Self { path: self.path.or_else(|| Some(path.into())), fault: self.fault }
+    #[inline(never)]
+    fn at(mut self, path: &str) -> Self {
+        self.0.0.get_or_insert_with(|| path.into());
+        self
     }
 }
 

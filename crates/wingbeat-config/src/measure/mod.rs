@@ -3,7 +3,6 @@
 //! One new file and its line in the list bring a quantity into `summary.json` and its schema, the printed table, the numbers that a search may
 //! ask of flights, and, where it says so, the rows of sweeps.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::summary::Settled;
@@ -71,24 +70,5 @@ impl Serialize for Measured {
             map.serialize_entry(measure.key, &value)?;
         }
         map.end()
-    }
-}
-
-impl JsonSchema for Measured {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Measured".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let number = |measure: &Measure| {
-            let schema = serde_json::json!({ "type": ["number", "null"], "description": measure.meaning });
-            (measure.key.to_owned(), schema)
-        };
-        let properties: serde_json::Map<_, _> = measures().map(number).collect();
-        json_schema!({ "type": "object", "properties": properties })
     }
 }

@@ -7,7 +7,7 @@ use crate::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
     WindSpec,
 };
-use crate::{CompareSpec, Scenario, TableSpec};
+use crate::{CompareSpec, Scenario, TableSpec, written};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -276,7 +276,7 @@ impl Scenario {
     ) -> Result<Vec<(&'static str, String)>, Error> {
         let broken = |what: String| Error::invalid("plan", what, "a case that TOML can hold");
         let Some(wing) = &self.spec.robot.wing else { return Ok(Vec::new()) };
-        let case = toml::to_string(&self.tethered(wing, flapping)).map_err(|e| broken(e.to_string()))?;
+        let case = written::toml(&self.tethered(wing, flapping)).map_err(|e| broken(e.to_string()))?;
         let columns: Vec<&[f64]> = std::iter::once("t".into())
             .chain(HINGES.map(|(name, _, _)| format!("{name}_left")))
             .map(|name| record.values(&name).ok_or_else(|| broken(name)))

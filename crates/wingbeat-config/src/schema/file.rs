@@ -1,10 +1,9 @@
 //! JSON Schemas of files: of documents that may be based on others, and may then leave out every key.
 
-use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
-use super::DocumentKind;
-use crate::document::{AIRFOIL_KEY, AirfoilFile, BASE, OUTLINE_KEY, OutlineFile, WITHOUT};
+use super::{DocumentKind, Schemas};
+use crate::document::{AIRFOIL_KEY, BASE, OUTLINE_KEY, WITHOUT};
 
 /// The keys in whose place a table may name a file, the type of what stands there else, and the definition of the table.
 const NAMED: [(&str, &str, &str); 2] =
@@ -13,11 +12,10 @@ const NAMED: [(&str, &str, &str); 2] =
 const DOCUMENTS: [&str; 6] =
     ["ScenarioSpec", "RobotSpec", "TetherSpec", "RigRunSpec", "RigSpec", "ArmConfig"];
 
-impl DocumentKind {
-    /// The JSON Schema of the files of such documents: [`schema`](Self::schema), where a document with the key `base`
-    /// need not give any key.
-    pub fn schema_of_files(self) -> Value {
-        let Value::Object(mut whole) = self.schema() else { return Value::Null };
+impl Schemas {
+    /// The schema of the files of a kind of document, as [`DocumentKind::schema_of_files`] says.
+    pub fn of_files(&self, kind: DocumentKind) -> Value {
+        let Value::Object(mut whole) = self.of(kind) else { return Value::Null };
         let definitions = whole.remove("definitions");
         let mut all = Map::new();
         for (name, definition) in definitions.iter().filter_map(Value::as_object).flatten() {
@@ -38,30 +36,23 @@ impl DocumentKind {
         file.insert("if".into(), has_base());
         file.insert("else".into(), reference(&of_whole("Document")));
         file.insert("definitions".into(), all.into());
-        with_files(file.into())
+        self.with_files(file.into())
     }
-}
 
-/// The schema of files, in which a table that names a file may stand for an outline or an angle.
-fn with_files(mut file: Value) -> Value {
-    for (key, kind, name) in NAMED {
-        if !takes_files(&mut file, key, kind, name) {
-            continue;
+    /// The schema of files, in which a table that names a file may stand for an outline or an angle.
+    fn with_files(&self, mut file: Value) -> Value {
+        for (key, kind, name) in NAMED {
+            if !takes_files(&mut file, key, kind, name) {
+                continue;
+            }
+            let Some(table) = self.tables.get(name) else { continue };
+            if let Some(all) = file["definitions"].as_object_mut() {
+                all.extend(self.below(table));
+                all.insert(name.into(), table.clone());
+            }
         }
-        let generator = SchemaSettings::draft07().with_transform(super::tidy).into_generator();
-        let table = match key {
-            OUTLINE_KEY => generator.into_root_schema_for::<OutlineFile>(),
-            _ => generator.into_root_schema_for::<AirfoilFile>(),
-        };
-        let Value::Object(mut table) = table.to_value() else { continue };
-        table.remove("$schema");
-        let parts = table.remove("definitions");
-        if let Some(all) = file["definitions"].as_object_mut() {
-            all.extend(parts.and_then(|parts| parts.as_object().cloned()).into_iter().flatten());
-            all.insert(name.into(), table.into());
-        }
+        file
     }
-    file
 }
 
 /// Lets each `key` below be a table; whether there is one.

@@ -17,7 +17,7 @@ use verdict::ignored_gusts;
 
 use super::fit;
 use super::recorder::Recorder;
-use super::{ConfigError, Scenario, ScenarioSpec, StartSpec};
+use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, written};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use wingbeat_flight::guide::{HeldCommands, OrbitWeights, gains_of};
@@ -304,7 +304,7 @@ impl Scenario {
     fn orbit_scenario(&self, cycle: &Cycle, orbit: &Orbit) -> Result<String, Error> {
         let mut spec = self.on_orbit(cycle, &orbit.point, orbit.end.duration);
         spec.name = format!("{}-orbit", self.spec.name);
-        toml::to_string(&spec).map_err(|e| Error::invalid("trim", e, "a scenario that TOML can hold"))
+        written::toml(&spec).map_err(|e| Error::invalid("trim", e, "a scenario that TOML can hold"))
     }
 
     /// The start of the orbit.

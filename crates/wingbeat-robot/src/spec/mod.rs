@@ -110,11 +110,13 @@ impl BodySpec {
 }
 
 /// The name of a file of numbers, or the numbers.
+#[cfg(feature = "schema")]
 pub fn file_or_numbers(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers_table(generator)] })
 }
 
 /// Numbers by name, with the verdict on their fit.
+#[cfg(feature = "schema")]
 pub fn numbers_table(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
     schemars::json_schema!({
         "type": "object",
@@ -124,6 +126,7 @@ pub fn numbers_table(generator: &mut schemars::SchemaGenerator) -> schemars::Sch
 }
 
 /// The name of a file that holds a `T`, or the `T` itself.
+#[cfg(feature = "schema")]
 pub fn file_or<T: schemars::JsonSchema>(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let table = generator.subschema_for::<T>();
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, table] })

@@ -1,7 +1,14 @@
 //! Schemas of the documents.
 
 use serde_json::{Value, json};
-use wingbeat::scenario::DocumentKind;
+use wingbeat::scenario::{DocumentKind, Schemas};
+
+#[test]
+fn the_schemas_that_the_program_prints_are_those_of_the_specs() {
+    let (kept, made) = (Schemas::kept(), Schemas::made());
+    assert!(kept == made, "the kept schemas are stale: run `cargo xtask reference`");
+    assert!(DocumentKind::ALL.iter().all(|kind| kept.of(*kind)["properties"].is_object()));
+}
 
 #[test]
 fn an_outline_may_be_stations_or_a_file() {

@@ -12,7 +12,7 @@ const REPEATS: usize = 7;
 
 /// Runs both sides in turn on every instance, prints the table and puts it into docs/performance.md.
 pub fn compare(python: &Path) -> bool {
-    let worker = ["build", "--release", "--package", "wingbeat-validate", "--example", "flapbody_worker"];
+    let worker = ["build", "--release", "--package", "wingbeat-comparisons", "--example", "flapbody_worker"];
     if !tools::succeeds(tools::cargo(&worker)) {
         return false;
     }

@@ -16,7 +16,7 @@ pub use turn::TurnSummary;
 use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec};
 use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
-use crate::{ConfigError, Document, Scenario, ScenarioSpec};
+use crate::{ConfigError, Document, Scenario, ScenarioSpec, written};
 use balance::{Balance, Gait};
 use begin::{FASTEST, flaps, frequency_key, let_flap, longest_chord, with_actuators, without_motor};
 use guess::Size;
@@ -232,14 +232,14 @@ impl RobotTrim {
         for link in tails {
             let mut table = toml::Table::new();
             table.insert("name".into(), link.name.clone().into());
-            put(&mut table, "axis", toml::Value::try_from(link.axis))?;
-            put(&mut table, "driven", toml::Value::try_from(&link.driven))?;
+            put(&mut table, "axis", written::tree(&link.axis))?;
+            put(&mut table, "driven", written::tree(&link.driven))?;
             links.push(toml::Value::Table(table));
         }
         if !links.is_empty() {
             own.insert("links".into(), toml::Value::Array(links));
         }
-        put(&mut own, "structure", toml::Value::try_from(&robot.structure))?;
+        put(&mut own, "structure", written::tree(&robot.structure))?;
         let mut whole = toml::Table::new();
         whole.insert("robot".into(), toml::Value::Table(own));
         Ok(Some(whole.to_string()))
@@ -296,7 +296,10 @@ impl RobotTrim {
         let found = spec.robot.gait.frequency_hz();
         alone.changed.insert(frequency_key(&spec), [Some(self.given_hz), Some(found)]);
         self.keeps_its_limits(&mut trimmed.summary);
-        let text = |what: &dyn erased::Text| what.toml().map_err(|e| scenario.explain(&e));
+        let text = |what: &dyn erased_serde::Serialize| {
+            let toml = written::toml(what);
+            toml.map_err(|e| scenario.explain(&Error::invalid("trim", e, "what TOML can hold")))
+        };
         trimmed.files.push(("trim.toml", text(&spec)?));
         trimmed.files.push(("robot.toml", text(&spec.robot)?));
         if self.ask.bank_deg != 0.0 && trimmed.summary.frequency_hz.is_some() {
@@ -536,24 +539,6 @@ impl RobotTrim {
             gait.violation = if searched.summary.kept > 0 { 0.0 } else { searched.summary.violation };
         }
         Ok(gait)
-    }
-}
-
-/// Texts of what is written.
-mod erased {
-    use serde::Serialize;
-    use wingbeat_math::Error;
-
-    /// What TOML can hold.
-    pub trait Text {
-        /// As TOML.
-        fn toml(&self) -> Result<String, Error>;
-    }
-
-    impl<T: Serialize> Text for T {
-        fn toml(&self) -> Result<String, Error> {
-            toml::to_string(self).map_err(|e| Error::invalid("trim", e, "what TOML can hold"))
-        }
     }
 }
 

@@ -10,7 +10,7 @@ pub use descent::Ended;
 pub use spec::{Goal, LimitsSpec, SearchSpec, VarySpec};
 
 use super::super::sweep::with_all;
-use super::super::{ConfigError, Document, Scenario};
+use super::super::{ConfigError, Document, Scenario, written};
 use super::{TrimProgress, Trimmed};
 use descent::{Descent, KEPT, Seen, descend};
 use gaits::{Gait, Gaits};
@@ -115,7 +115,7 @@ impl Searched {
     ) -> Result<Trimmed, ConfigError> {
         let Self { starts, best, summary: search } = self;
         let mut trimmed = best.trim(observe)?;
-        let robot = toml::to_string(&best.spec.robot)
+        let robot = written::toml(&best.spec.robot)
             .map_err(|error| best.explain(&Error::invalid("robot", error, "a robot that TOML can hold")))?;
         trimmed.files.push(("robot.toml", robot));
         trimmed.starts = Some(starts);

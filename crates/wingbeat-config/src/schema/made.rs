@@ -1,100 +1,84 @@
-//! JSON Schemas of the documents, from the specs that read them.
-
-mod file;
+//! Schemas made from the specs.
 
 use std::borrow::Cow;
 
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde_json::{Value, json};
-
-use super::chosen::{Chosen, Named};
-use super::rig_spec::RunList;
-use super::{CalibrationSpec, RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
+use serde_json::{Map, Value, json};
 use wingbeat_flight::guide::{AboutOrbitSpec, CommandsSpec, HoverSpec, MpcSpec, Turn};
 use wingbeat_rig::arm::ArmConfig;
 use wingbeat_robot::RobotSpec;
 
-/// What a document can be of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DocumentKind {
-    /// A flight.
-    Scenario,
-    /// A robot.
-    Robot,
-    /// A wing in prescribed motion.
-    Case,
-    /// Many flights of a scenario.
-    Sweep,
-    /// A run on the rig.
-    Run,
-    /// A list of runs on the rig.
-    Runs,
-    /// The rig: robot, arm, load cell.
-    Rig,
-    /// The arm of a rig.
-    Arm,
-    /// A fit to runs on the rig.
-    Calibration,
-}
+use super::{DocumentKind, Schemas};
+use crate::chosen::{Chosen, Named};
+use crate::document::{AirfoilFile, OutlineFile};
+use crate::measure::{Measure, Measured, measures};
+use crate::rig_spec::RunList;
+use crate::{CalibrationSpec, RigRunSpec, RigSpec, ScenarioSpec, Summary, SweepSpec, TetherSpec, largest};
 
-impl DocumentKind {
-    /// All kinds.
-    pub const ALL: [Self; 9] = [
-        Self::Scenario,
-        Self::Robot,
-        Self::Case,
-        Self::Sweep,
-        Self::Run,
-        Self::Runs,
-        Self::Rig,
-        Self::Arm,
-        Self::Calibration,
-    ];
-
-    /// The kind in one word.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scenario => "scenario",
-            Self::Robot => "robot",
-            Self::Case => "case",
-            Self::Sweep => "sweep",
-            Self::Run => "run",
-            Self::Runs => "runs",
-            Self::Rig => "rig",
-            Self::Arm => "arm",
-            Self::Calibration => "calibration",
+impl Schemas {
+    /// Makes all from the specs.
+    ///
+    /// # Panics
+    /// When two kinds have different definitions of one name.
+    pub fn made() -> Self {
+        let mut made =
+            Self { documents: Map::new(), definitions: Map::new(), tables: Map::new(), summary: summary() };
+        for kind in DocumentKind::ALL {
+            let mut schema = document(kind);
+            schema.insert("title".into(), kind.name().into());
+            let schema = made.without_definitions(schema);
+            made.documents.insert(kind.name().into(), schema);
         }
+        for (name, mut table) in [
+            ("OutlineFile", generator().into_root_schema_for::<OutlineFile>()),
+            ("AirfoilFile", generator().into_root_schema_for::<AirfoilFile>()),
+        ] {
+            table.remove("$schema");
+            let table = made.without_definitions(table);
+            made.tables.insert(name.into(), table);
+        }
+        made
     }
 
-    /// The kind called `name`.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
-    /// The JSON Schema (draft 7, which every editor knows) of such documents, once they are read: keys, meanings, types, defaults,
-    /// and ranges: those of the specs, else the largest magnitudes by unit. What depends on several keys at once is checked when a document is read.
-    pub fn schema(self) -> Value {
-        let settings = SchemaSettings::draft07().with_transform(tidy);
-        let generator = settings.into_generator();
-        let mut schema = match self {
-            Self::Scenario => generator.into_root_schema_for::<ScenarioSpec>(),
-            Self::Robot => generator.into_root_schema_for::<RobotSpec>(),
-            Self::Case => generator.into_root_schema_for::<TetherSpec>(),
-            Self::Sweep => generator.into_root_schema_for::<SweepSpec>(),
-            Self::Run => generator.into_root_schema_for::<RigRunSpec>(),
-            Self::Runs => generator.into_root_schema_for::<RunList>(),
-            Self::Rig => generator.into_root_schema_for::<RigSpec>(),
-            Self::Arm => generator.into_root_schema_for::<ArmConfig>(),
-            Self::Calibration => generator.into_root_schema_for::<CalibrationSpec>(),
-        };
-        schema.insert("title".into(), self.name().into());
+    /// The schema without its definitions, which are kept with those of all.
+    fn without_definitions(&mut self, mut schema: Schema) -> Value {
+        if let Some(Value::Object(definitions)) = schema.remove("definitions") {
+            for (name, definition) in definitions {
+                let known = self.definitions.get(&name).is_none_or(|known| *known == definition);
+                assert!(known, "two definitions are called {name}");
+                self.definitions.insert(name, definition);
+            }
+        }
         schema.to_value()
     }
 }
 
-pub(super) use wingbeat_robot::file_or;
+fn generator() -> SchemaGenerator {
+    SchemaSettings::draft07().with_transform(tidy).into_generator()
+}
+
+fn document(kind: DocumentKind) -> Schema {
+    let generator = generator();
+    match kind {
+        DocumentKind::Scenario => generator.into_root_schema_for::<ScenarioSpec>(),
+        DocumentKind::Robot => generator.into_root_schema_for::<RobotSpec>(),
+        DocumentKind::Case => generator.into_root_schema_for::<TetherSpec>(),
+        DocumentKind::Sweep => generator.into_root_schema_for::<SweepSpec>(),
+        DocumentKind::Run => generator.into_root_schema_for::<RigRunSpec>(),
+        DocumentKind::Runs => generator.into_root_schema_for::<RunList>(),
+        DocumentKind::Rig => generator.into_root_schema_for::<RigSpec>(),
+        DocumentKind::Arm => generator.into_root_schema_for::<ArmConfig>(),
+        DocumentKind::Calibration => generator.into_root_schema_for::<CalibrationSpec>(),
+    }
+}
+
+/// What `summary.json` of a flight can hold.
+fn summary() -> Value {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<Summary>().into()
+}
 
 impl JsonSchema for Named {
     fn schema_name() -> Cow<'static, str> {
@@ -109,6 +93,25 @@ impl JsonSchema for Named {
             "maxProperties": 1,
             "additionalProperties": { "type": "object" },
         })
+    }
+}
+
+impl JsonSchema for Measured {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Measured".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let number = |measure: &Measure| {
+            let schema = json!({ "type": ["number", "null"], "description": measure.meaning });
+            (measure.key.to_owned(), schema)
+        };
+        let properties: Map<_, _> = measures().map(number).collect();
+        json_schema!({ "type": "object", "properties": properties })
     }
 }
 
@@ -147,7 +150,7 @@ impl<T: JsonSchema + Beside> JsonSchema for Chosen<T> {
         let names: Vec<&str> = beside.iter().map(|(name, _)| *name).collect();
         let mut named = <Named as JsonSchema>::json_schema(generator);
         named.insert("propertyNames".into(), json!({ "not": { "enum": names } }));
-        let tables: serde_json::Map<String, Value> =
+        let tables: Map<String, Value> =
             beside.into_iter().map(|(name, schema)| (name.into(), schema.to_value())).collect();
         let kinds = json_schema!({ "type": "object", "properties": tables, "additionalProperties": false });
         json_schema!({ "anyOf": [shipped, kinds, named] })
