@@ -11,6 +11,7 @@ mod constants;
 mod cores;
 mod grid;
 mod influence;
+mod late;
 mod loads;
 mod membrane;
 mod motion;
@@ -21,6 +22,7 @@ mod tables;
 
 pub use constants::Lags;
 pub use grid::spacing;
+pub use late::ByStates;
 pub use membrane::MembraneScales;
 pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
 pub use settings::{LagSet, StripSettings};
@@ -36,6 +38,7 @@ use grid::Grid;
 use influence::{Column, Matrix, Targets, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
+use response::Whole;
 use tables::Tables;
 use wingbeat_math::{Error, Meets, Over, Scalar, Vec3, kept};
 use wingbeat_ocp::plant::Channel;
@@ -344,7 +347,8 @@ impl<P: Scalar> StripModel<P> {
             self.note_others(foreign.as_ref(), loads);
         }
         let mut camber = Camber::none();
-        let response = self.respond(flow, foreign.as_ref(), &x[..states], &mut dx[..states], &mut camber);
+        let (x, dx) = (&x[..states], &mut dx[..states]);
+        let response = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut Whole);
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
             self.couple(flow, sections, mass);
             if let (Some(rates), true) = (impulses, self.follows()) {

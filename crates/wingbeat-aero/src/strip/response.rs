@@ -61,6 +61,25 @@ pub(super) struct LeadingEdges<S: Scalar, const N: usize> {
     pub vortex: Column<S, N>,
 }
 
+/// How what the lags hold on each strip acts on all of them. None of it is given where it is carried through with all derivatives.
+pub(super) trait Spread<S: Scalar, const N: usize> {
+    /// What is left on the chord of the wash of what the lags hold, m/s.
+    #[inline(always)]
+    fn left(&mut self, _sums: &LagSums<S, N>) -> Option<Column<S, N>> {
+        None
+    }
+    /// The wash of the circulation that is seen, m2/s, far behind and at 3/4 chord, m/s.
+    #[inline(always)]
+    fn turned(&mut self, _seen: &Column<S, N>) -> Option<[Column<S, N>; 2]> {
+        None
+    }
+}
+
+/// With all derivatives.
+pub(super) struct Whole;
+
+impl<S: Scalar, const N: usize> Spread<S, N> for Whole {}
+
 impl<P: Scalar> StripModel<P> {
     /// Linear sums over the lags.
     #[inline(always)]
@@ -211,7 +230,7 @@ impl<P: Scalar> StripModel<P> {
 
     /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
     /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
-    fn held_left<
+    pub(super) fn held_left<
         K: Scalar + Meets<P>,
         G: Over<K> + Meets<P>,
         S: Over<G> + Over<K> + Meets<P>,
@@ -316,11 +335,15 @@ impl<P: Scalar> StripModel<P> {
         x: &'a [S],
         dx: &mut [S],
         camber: &'a mut Camber<'a, S, N>,
+        spread: &mut impl Spread<S, N>,
     ) -> Response<'a, S, N> {
         let lagged = self.lagged(x);
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
-        let held_left = self.held_left(flow, &sums);
+        let held_left = match spread.left(&sums) {
+            Some(left) => left,
+            None => self.held_left(flow, &sums),
+        };
         let mut wash = [S::ZERO; N];
         for i in 0..lanes::<S, N>(self.settings.strips) {
             let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
@@ -351,7 +374,7 @@ impl<P: Scalar> StripModel<P> {
         });
         // What the slope of a camber adds is borne by it, not by the leading edge.
         let flat = camber.map_or(&lift_wash[..], |camber| &camber.flat);
-        let turning_wash = self.turning_wash(flow, foreign, &sums, flat);
+        let turning_wash = self.turning_wash(flow, foreign, &sums, flat, spread);
         let law = self.settings.section.law.about();
         // The leading edge meets the flat chord's wash less what its own slope takes.
         let lags = matches!(law.attachment, Attachment::Lagging { .. });
@@ -374,7 +397,10 @@ impl<P: Scalar> StripModel<P> {
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
-            let held_rate_left = self.held_left(flow, &rates);
+            let held_rate_left = match spread.left(&rates) {
+                Some(left) => left,
+                None => self.held_left(flow, &rates),
+            };
             impulse = self.impulse(flow, &held_left);
             for i in 0..lanes::<S, N>(self.settings.strips) {
                 impulse_rate[i] = held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i];
@@ -516,13 +542,17 @@ impl<P: Scalar> StripModel<P> {
         foreign: Option<&Foreign<S, N>>,
         sums: &LagSums<S, N>,
         lift_wash: &[S],
+        spread: &mut impl Spread<S, N>,
     ) -> Column<S, N> {
         let n = self.settings.strips;
         let mut seen = [S::ZERO; N];
         for i in 0..lanes::<S, N>(self.settings.strips) {
             seen[i] = sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0);
         }
-        let (far, near) = (multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n));
+        let [far, near] = match spread.turned(&seen) {
+            Some(turned) => turned,
+            None => [multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n)],
+        };
         let mut wash = far;
         for i in 0..lanes::<S, N>(self.settings.strips) {
             wash[i] = lift_wash[i] + (far[i] - near[i]);
