@@ -35,7 +35,7 @@ use crate::{
 };
 use cores::Cores;
 use grid::Grid;
-use influence::{Column, Matrix, Targets, Wash, invert, lanes, multiply, plain};
+use influence::{Column, Matrix, Places, Targets, Trailing, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
 use response::Whole;
@@ -86,6 +86,8 @@ struct Room<K: Scalar, S: Scalar, const N: usize> {
     strips: usize,
     flow: Flow<K, S, N>,
     wakes: Wakes<K, S, N>,
+    places: Places<K, N>,
+    beside: [Trailing<K, S, N>; 2],
 }
 
 /// What is wanted beside the sum.
@@ -395,7 +397,7 @@ impl<P: Scalar> StripModel<P> {
         if room.strips != n {
             *room = Room { strips: n, ..Room::NEW };
         }
-        let Room { flow, wakes, .. } = room;
+        let Room { flow, wakes, places, beside, .. } = room;
         flow.added_mass = [[K::ZERO; 6]; 6];
         if const { plain::<S>() } {
             let mut edges = Edges::ZERO;
@@ -406,7 +408,7 @@ impl<P: Scalar> StripModel<P> {
             self.move_on(sections, wind, &mut flow.strips, wakes);
         }
         let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
-        Targets::new(&flow.strips, &self.cores).wash(wakes, n, &mut wash);
+        Targets::new(&flow.strips, &self.cores, places).wash(wakes, n, beside, &mut wash);
         if !self.settings.wake_wash {
             flow.remainder = [[S::ZERO; N]; N];
             flow.far = [[S::ZERO; N]; N];
@@ -439,7 +441,13 @@ fn lifted<K: Scalar, G: Over<K>>(matrix: &[[K; 6]; 6]) -> [[G; 6]; 6] {
 
 impl<K: Scalar, S: Over<K>, const N: usize> Room<K, S, N> {
     /// Nothing is written yet.
-    const NEW: Self = Self { strips: 0, flow: Flow::STILL, wakes: Wakes::ZERO };
+    const NEW: Self = Self {
+        strips: 0,
+        flow: Flow::STILL,
+        wakes: Wakes::ZERO,
+        places: Places::ZERO,
+        beside: [Trailing::ZERO; 2],
+    };
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Flow<K, S, N> {
