@@ -7,6 +7,7 @@ use super::joints::Displaced;
 use super::sections::Carriers;
 use super::{Joints, MAX_ELEMENTS};
 use crate::body::MAX_LINKS;
+use arrayvec::ArrayVec;
 use wingbeat_aero::{ByStates, Coupling, ImpulseRates, MAX_STRIPS};
 use wingbeat_math::linear::{solve_symmetric, solve_symmetric_leading};
 use wingbeat_math::{Dual, GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench, kept};
@@ -114,14 +115,19 @@ impl Robot {
     ) {
         let (l, own, elements) = (&self.layout, self.degrees(), self.elements.len());
         let inputs = self.response.commands();
+        let mut gains = ArrayVec::<(usize, usize, f64), { MAX_ELEMENTS * MAX_ELEMENTS }>::new();
+        for (i, k) in (0..elements).flat_map(|i| (0..inputs).map(move |k| (i, k))) {
+            let gain = self.response.command_gain(i, k);
+            if gain != 0.0 {
+                gains.push((i, k, gain));
+            }
+        }
         let mut put = |dx: &mut [f64], row: usize, rate: Late| {
             dx[row] = rate.re;
             known.fields[row * FIELDS..][..FIELDS].copy_from_slice(&rate.eps[..FIELDS]);
             let columns = &mut known.inputs[row * inputs..][..inputs];
-            for (i, by) in rate.eps[FIELDS..][..elements].iter().enumerate() {
-                for (k, column) in columns.iter_mut().enumerate() {
-                    *column += by * self.response.command_gain(i, k);
-                }
+            for (i, k, gain) in &gains {
+                columns[*k] += rate.eps[FIELDS + i] * gain;
             }
         };
         let velocity = attitude.times(Vec3::from_slice(accelerations));

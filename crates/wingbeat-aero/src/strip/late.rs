@@ -2,7 +2,7 @@
 //! washes alone, so that one pass carries the derivatives by the states of each strip and by those washes side by side, whatever the number
 //! of strips; the washes follow by products of the matrices at hand.
 
-use super::influence::{Column, Matrix, multiply};
+use super::influence::{Column, Matrix, multiply, sum};
 use super::membrane::Camber;
 use super::response::{LagSums, Spread};
 use super::{Flow, Room, StripModel};
@@ -82,28 +82,31 @@ impl Spread<Local, WIDE> for Cut<'_> {
     }
 }
 
-/// Derivatives of a number on each strip by the three washes there.
-#[derive(Clone, Copy)]
-struct ByWashes([Slopes; WASHES]);
+/// Derivatives of a number on each strip by the washes there, as many as act on it.
+struct ByWashes {
+    slopes: [Slopes; WASHES],
+    acting: ArrayVec<usize, WASHES>,
+}
 
 impl ByWashes {
     fn of(first: usize, n: usize, value: impl Fn(usize) -> Local) -> Self {
         let mut slopes = [[0.0; WIDE]; WASHES];
         for i in 0..n {
             let value = value(i);
-            for (slopes, slope) in slopes.iter_mut().zip(&value.eps[first..]) {
-                slopes[i] = *slope;
+            for k in 0..WASHES {
+                slopes[k][i] = value.eps[first + k];
             }
         }
-        Self(slopes)
+        let acts = |k: &usize| slopes[*k].iter().any(|slope| *slope != 0.0);
+        Self { acting: (0..WASHES).filter(acts).collect(), slopes }
     }
     /// The derivatives along a direction in which the washes change so.
     #[inline(always)]
-    fn along(&self, washes: &[Slopes]) -> Slopes {
+    fn along(&self, washes: &[Slopes; WASHES]) -> Slopes {
         let mut sum = [0.0; WIDE];
-        for (slopes, wash) in self.0.iter().zip(washes) {
+        for &k in &self.acting {
             for i in 0..WIDE {
-                sum[i] = slopes[i].mul_add(wash[i], sum[i]);
+                sum[i] = self.slopes[k][i].mul_add(washes[k][i], sum[i]);
             }
         }
         sum
@@ -206,7 +209,7 @@ impl StripModel {
             }
             washes[0][j] -= o;
             if cut.found == 2 {
-                let [mut d, mut o] = [delayed.along(&washes[..2]), open.along(&washes[..2])];
+                let [mut d, mut o] = [delayed.along(&washes), open.along(&washes)];
                 d[j] += cut.delayed[1][j].eps[block];
                 o[j] += cut.open[1][j].eps[block];
                 let (of_d, of_o) = (multiply(&of_delayed, &d, n), multiply(relief, &o, n));
@@ -217,13 +220,12 @@ impl StripModel {
             for (k, of_rates) in of_rates.iter().enumerate() {
                 let mut column = of_rates.along(&washes);
                 column[j] += rates[k * n + j].eps[block];
-                for (i, value) in column.iter().enumerate().take(n) {
-                    out.rates[(k * n + i) * states + s] = *value;
-                }
+                let rows = out.rates[k * n * states + s..].iter_mut().step_by(states);
+                rows.zip(&column[..n]).for_each(|(rate, value)| *rate = *value);
             }
             for (r, of_loads) in of_loads.iter().enumerate() {
                 let column = of_loads.along(&washes);
-                out.loads[r * states + s] = column[..n].iter().sum::<f64>() + load(j, r).eps[block];
+                out.loads[r * states + s] = sum(&column) + load(j, r).eps[block];
             }
         }
     }

@@ -125,9 +125,13 @@ impl Linearisation {
     ) -> Result<(), Fault> {
         let (n, m, states) = (x.len(), u.len(), of.states());
         let directions = states + of.inputs;
+        let late = plant.late_states();
+        for (value, late) in self.x[late..].iter_mut().zip(&x[late..]) {
+            *value = Early::constant(*late);
+        }
         for first in (0..directions.max(1)).step_by(Early::LANES) {
             let count = Early::LANES.min(directions - first);
-            seed(&mut self.x, x, first, |i| of.direction(i));
+            seed(&mut self.x[..late], x, first, |i| of.direction(i));
             seed(&mut self.u, u, first, |i| (i < of.inputs).then_some(states + i));
             if first < of.placing {
                 plant.rates_in_early(t, &self.x, &self.u, &mut self.dx)?;
@@ -218,7 +222,7 @@ fn scatter<const N: usize>(
     }
     for (row, rate) in matrix.chunks_exact_mut(width).zip(rates) {
         let lanes = &rate.eps[start - block.start..end - block.start];
-        row[to + start - run.start..][..lanes.len()].copy_from_slice(lanes);
+        row[to + start - run.start..].iter_mut().zip(lanes).for_each(|(to, lane)| *to = *lane);
     }
 }
 
