@@ -66,6 +66,9 @@ pub(super) struct Setting<G: Scalar> {
     drag: Wrench<G>,
 }
 
+/// Mass matrix of body and links, the wrench on the body of all but the air on the surfaces, and what led to them.
+type Instant<G> = ([[G; 6]; 6], Wrench<G>, Setting<G>);
+
 impl Plant for Robot {
     fn states(&self) -> &[Channel] {
         &self.states
@@ -265,7 +268,7 @@ impl<P: Scalar> Robot<P> {
         beyond: &[Wrench<f64>],
         dx: &mut [S],
         out: &mut Evaluation<G, S>,
-    ) -> Result<([[G; 6]; 6], Wrench<G>, Setting<G>), Fault> {
+    ) -> Result<Instant<G>, Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
         let Evaluation { joints, ratios, .. } = out;
