@@ -181,6 +181,12 @@ impl<G: Scalar> ImpulseRates<G> {
         Self { first_state: 0, rows: ArrayVec::new_const() }
     }
 
+    /// The states that follow impulses, by their places among those of all surfaces, and how much the rate of each, N, falls with every
+    /// acceleration: in N over the unit of the acceleration.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, &[G; MAX_DEGREES])> {
+        self.rows.iter().map(|row| (row.state, &row.by))
+    }
+
     /// Completes the rates `dx` of the states of all surfaces by the accelerations found, m/s2, rad/s2 and those of the
     /// coordinates.
     pub fn complete<S: Over<G>>(&self, accelerations: &[S], dx: &mut [S]) {

@@ -25,6 +25,8 @@ pub fn kept<T: 'static, R>(new: impl FnOnce() -> Box<T>, work: impl FnOnce(&mut 
 
 /// Elements that are copied at once.
 const BLOCK: usize = 4;
+/// Elements that are larger are copied one by one, bytes: a block of them is no faster, and has to be put together first.
+const LARGE: usize = 1024;
 
 /// Copies `values` behind those of `to`, which has room for them.
 #[inline(always)]
@@ -36,7 +38,14 @@ pub fn append<T: Copy, const N: usize>(to: &mut ArrayVec<T, N>, values: &[T]) {
 /// Puts `value` behind those of `to`, which has room for it, `count` times.
 #[inline(always)]
 pub fn append_copies<T: Copy, const N: usize>(to: &mut ArrayVec<T, N>, value: T, count: usize) {
-    let (block, end) = ([value; BLOCK], to.len() + count);
+    let end = to.len() + count;
+    if const { size_of::<T>() > LARGE } {
+        while to.len() < end {
+            append(to, std::slice::from_ref(&value));
+        }
+        return;
+    }
+    let block = [value; BLOCK];
     while to.len() < end {
         append(to, &block[..BLOCK.min(end - to.len())]);
     }
@@ -55,6 +64,13 @@ mod tests {
             assert_eq!(&room[..2], [1, 2]);
             assert!(room.len() == 2 + count && room[2..].iter().all(|value| *value == 7));
         }
+    }
+
+    #[test]
+    fn large_elements_are_copied_one_by_one() {
+        let mut room = ArrayVec::<[u8; 2 * LARGE], 3>::new();
+        append_copies(&mut room, [3; 2 * LARGE], 3);
+        assert!(room.len() == 3 && room.iter().flatten().all(|value| *value == 3));
     }
 
     #[test]

@@ -14,7 +14,7 @@ use wingbeat_math::linear::solve_symmetric_leading;
 use wingbeat_math::{
     Double4, GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Single8, Vec3, Wrench, append_copies, lift,
 };
-use wingbeat_ocp::plant::{Channel, Early, Fault, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
+use wingbeat_ocp::plant::{Channel, Early, Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
 /// not enter is in `G`.
@@ -55,16 +55,19 @@ impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
 }
 
 /// What of an instant does not know the air on the surfaces, in B.
-struct Setting<G: Scalar> {
+pub(super) struct Setting<G: Scalar> {
     /// R_WB.
-    attitude: Mat3<G>,
+    pub attitude: Mat3<G>,
     /// Velocity and acceleration of the air.
-    wind: Vec3<G>,
-    wind_dot: Vec3<G>,
-    gravity: Vec3<G>,
+    pub wind: Vec3<G>,
+    pub wind_dot: Vec3<G>,
+    pub gravity: Vec3<G>,
     /// Drag of the body.
     drag: Wrench<G>,
 }
+
+/// Mass matrix of body and links, the wrench on the body of all but the air on the surfaces, and what led to them.
+type Instant<G> = ([[G; 6]; 6], Wrench<G>, Setting<G>);
 
 impl Plant for Robot {
     fn states(&self) -> &[Channel] {
@@ -90,6 +93,17 @@ impl Plant for Robot {
             (None, None) => 3,
         };
         self.layout.position..self.layout.position + unfelt
+    }
+    fn known(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], known: &mut Known) -> Result<bool, Fault> {
+        self.known_columns(t, x, u, dx, known)
+    }
+    fn derived_states(&self) -> Range<usize> {
+        // Over a ground and at a perch the attitude is felt beside what the air and gravity are seen in it.
+        let derived = if self.perch.is_some() || self.ground.is_some() { 0 } else { 4 };
+        self.layout.attitude..self.layout.attitude + derived
+    }
+    fn derive(&self, x: &[f64], f: &[f64], known: &Known, a: &mut [f64]) {
+        self.turned_columns(x, f, known, a);
     }
     fn placing_states(&self) -> [Range<usize>; 2] {
         let (l, elements) = (&self.layout, self.elements.len());
@@ -218,24 +232,9 @@ impl<P: Scalar> Robot<P> {
     ) -> Result<(), Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
-        let Evaluation { joints, ratios, .. } = out;
-        self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
-        let Setting { attitude, wind, wind_dot, gravity, drag } = self.set_out((t, clock), x, u, dx, out);
+        let (ref mut mass, body, setting) = self.instant((t, clock), x, u, beyond, dx, out)?;
+        let Setting { attitude, wind, wind_dot, gravity, .. } = setting;
         let Evaluation { links, base, coordinates, second_rates, .. } = out;
-        let tree = &self.mechanism.tree;
-        let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links);
-        let mut body = tree.weight(gravity, first_moment) + drag + -bias;
-        if !self.thrusters.is_empty() {
-            body += self.thrust(structure);
-        }
-        for load in beyond {
-            body += of_numbers(load);
-        }
-        if let Some(perch) = &self.perch {
-            let position = Vec3::from_slice(&x[l.position..]);
-            let velocity = Vec3::from_slice(&x[l.velocity..]);
-            body += perch.load(&Pose { position, attitude, velocity, rate: base.rate });
-        }
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, wind_dot);
         carriers.ground = self.ground_below(attitude, x[l.position + 2]);
@@ -256,6 +255,41 @@ impl<P: Scalar> Robot<P> {
         self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
         (out.attitude, out.acceleration) = (attitude, acceleration);
         Ok(())
+    }
+
+    /// The mass matrix of body and links and the wrench on the body of all but the air on the surfaces, with what led to them; `dx` gets
+    /// the rates that follow from the state alone.
+    #[inline(always)]
+    pub(super) fn instant<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        (t, clock): (G, &Jet<G>),
+        x: &[G],
+        u: &[G],
+        beyond: &[Wrench<f64>],
+        dx: &mut [S],
+        out: &mut Evaluation<G, S>,
+    ) -> Result<Instant<G>, Fault> {
+        let l = &self.layout;
+        let structure = &x[l.structure..];
+        let Evaluation { joints, ratios, .. } = out;
+        self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
+        let setting = self.set_out((t, clock), x, u, dx, out);
+        let Evaluation { links, base, .. } = out;
+        let tree = &self.mechanism.tree;
+        let (mass, bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links);
+        let mut body = tree.weight(setting.gravity, first_moment) + setting.drag + -bias;
+        if !self.thrusters.is_empty() {
+            body += self.thrust(structure);
+        }
+        for load in beyond {
+            body += of_numbers(load);
+        }
+        if let Some(perch) = &self.perch {
+            let position = Vec3::from_slice(&x[l.position..]);
+            let velocity = Vec3::from_slice(&x[l.velocity..]);
+            body += perch.load(&Pose { position, attitude: setting.attitude, velocity, rate: base.rate });
+        }
+        Ok((mass, body, setting))
     }
 
     /// Puts the links of the joints in `out` beside them and the rates that follow from the state alone into `dx`.
@@ -446,7 +480,7 @@ const DRAG_WIDTH: f64 = 1e-3;
 
 /// Adds the leading 6 x 6 block.
 #[inline]
-fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S; 6]; 6]) {
+pub(super) fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S; 6]; 6]) {
     for i in 0..6 {
         for j in 0..6 {
             mass[i][j] += block[i][j];
@@ -460,7 +494,7 @@ pub(super) struct System<G: Scalar, S: Over<G>> {
     /// Forces on the coordinates that the states of the air do not enter.
     pub forces: [G; MAX_COORDINATES],
     /// Forces of the air on the coordinates.
-    of_air: [S; MAX_COORDINATES],
+    pub of_air: [S; MAX_COORDINATES],
 }
 
 impl<G: Scalar, S: Over<G>> System<G, S> {

@@ -17,6 +17,7 @@ mod drive;
 mod dryden;
 mod dynamics;
 mod joints;
+mod known;
 mod lanes;
 mod mechanism;
 mod mirror;

@@ -1,6 +1,6 @@
 //! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
 
-use super::influence::{Column, dot, lanes, multiply, multiply_transposed};
+use super::influence::{Column, column, dot, lanes, multiply, multiply_transposed, plain};
 use super::{Flow, StripModel};
 use crate::{ImpulseRates, ImpulseRow, Sections};
 use arrayvec::ArrayVec;
@@ -47,11 +47,18 @@ impl<P: Scalar> StripModel<P> {
         flow: &Flow<K, G, N>,
     ) -> [Drive<K>; N] {
         let strips = &flow.strips;
-        let mut drives = [[K::ZERO; 8]; N];
-        for i in 0..lanes::<K, N>(self.settings.strips) {
+        let drive = |i: usize| {
             let normal = strips.normal.get(i);
             let ([a, b, c], [d, e, f]) = (normal.0, strips.half.get(i).cross(normal).0);
-            drives[i] = [a, b, c, d, e, f, strips.wash_half[i].beneath(), strips.wash_half_rate[i].beneath()];
+            [a, b, c, d, e, f, strips.wash_half[i].beneath(), strips.wash_half_rate[i].beneath()]
+        };
+        if const { !plain::<K>() } {
+            let still = |i: usize| if i < self.settings.strips { drive(i) } else { [K::ZERO; 8] };
+            return std::array::from_fn(still);
+        }
+        let mut drives = [[K::ZERO; 8]; N];
+        for i in 0..N {
+            drives[i] = drive(i);
         }
         drives
     }
@@ -205,10 +212,7 @@ impl<P: Scalar> StripModel<P> {
         flow: &Flow<K, G, N>,
         v: &Column<G, N>,
     ) -> Column<G, N> {
-        let mut weighted = *v;
-        for i in 0..lanes::<G, N>(self.settings.strips) {
-            weighted[i] *= self.tables.mass[i];
-        }
+        let weighted: Column<G, N> = column(self.settings.strips, |i| v[i] * self.tables.mass[i]);
         multiply_transposed(&flow.relief, &weighted, self.settings.strips)
     }
 

@@ -30,11 +30,33 @@ pub(super) const fn plain<S>() -> bool {
     size_of::<S>() <= size_of::<f64>()
 }
 
+/// A column of so many `strips`, of which element `i` is `of(i)`. What is larger than plain numbers is written once, where a column set
+/// to zero first is written twice.
+#[inline(always)]
+pub(super) fn column<S: Scalar, const N: usize>(
+    strips: usize,
+    mut of: impl FnMut(usize) -> S,
+) -> Column<S, N> {
+    if const { plain::<S>() } {
+        let mut column = [S::ZERO; N];
+        for i in 0..N {
+            column[i] = of(i);
+        }
+        return column;
+    }
+    std::array::from_fn(|i| if i < strips { of(i) } else { S::ZERO })
+}
+
 /// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
 /// chord, so that their high powers stay far from the ends of the numbers.
 pub(super) struct Targets<'a, P: Scalar, K: Scalar, const N: usize> {
     cores: &'a Cores<P>,
     strips: usize,
+    at: &'a Places<K, N>,
+}
+
+/// Places of [`Targets`].
+pub(super) struct Places<K, const N: usize> {
     /// 3/4 and 1/4 chord points.
     control: Vectors<K, N>,
     bound: Vectors<K, N>,
@@ -42,6 +64,13 @@ pub(super) struct Targets<'a, P: Scalar, K: Scalar, const N: usize> {
     normal: Vectors<K, N>,
     control_moment: Vectors<K, N>,
     bound_moment: Vectors<K, N>,
+}
+
+impl<K: Scalar, const N: usize> Places<K, N> {
+    pub const ZERO: Self = {
+        let zero = Vectors::ZERO;
+        Self { control: zero, bound: zero, normal: zero, control_moment: zero, bound_moment: zero }
+    };
 }
 
 /// A straight line as direction and moment about the origin (Pluecker coordinates).
@@ -52,7 +81,7 @@ pub(super) struct Line<S: Scalar> {
 }
 
 /// Normal wash of the trailing vortex of one edge, of unit strength, on all strips.
-struct Trailing<K, S, const N: usize> {
+pub(super) struct Trailing<K, S, const N: usize> {
     /// Distance of the control points to the edge's bound point and trailing edge.
     to_bound: Column<K, N>,
     to_trailing: Column<K, N>,
@@ -65,7 +94,7 @@ struct Trailing<K, S, const N: usize> {
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Trailing<K, S, N> {
-    const ZERO: Self = {
+    pub const ZERO: Self = {
         let (still, zero) = ([K::ZERO; N], [S::ZERO; N]);
         Self { to_bound: still, to_trailing: still, leg: still, wake: zero, far: zero }
     };
@@ -193,11 +222,13 @@ pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
 }
 
 impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
-    pub fn new<S: Over<K>>(strips: &Strips<K, S, N>, cores: &'a Cores<P>) -> Self {
+    pub fn new<S: Over<K>>(
+        strips: &Strips<K, S, N>,
+        cores: &'a Cores<P>,
+        places: &'a mut Places<K, N>,
+    ) -> Self {
         let count = cores.strips.len();
-        let zero = Vectors::ZERO;
-        let (mut control, mut bound, mut normal) = (zero, zero, zero);
-        let (mut control_moment, mut bound_moment) = (zero, zero);
+        let Places { control, bound, normal, control_moment, bound_moment } = &mut *places;
         for i in 0..lanes::<K, N>(count) {
             let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
             let at = |points: &Vectors<K, N>| points.get(i).scaled(cores.scale);
@@ -208,7 +239,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
             control_moment.set(i, p.cross(n));
             bound_moment.set(i, q.cross(n));
         }
-        Self { cores, strips: count, control, bound, normal, control_moment, bound_moment }
+        Self { cores, strips: count, at: places }
     }
 
     /// Edge `j` as seen from here.
@@ -222,7 +253,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     /// The normal of strip `i` through its 3/4 chord point, over 4 pi.
     #[inline(always)]
     fn at_control(&self, i: usize) -> Line<K> {
-        Line { direction: self.normal.get(i), moment: self.control_moment.get(i) }
+        Line { direction: self.at.normal.get(i), moment: self.at.control_moment.get(i) }
     }
 
     /// Leg along the chord, semi-infinite vortex u x r / (4 pi |r| (|r| - u.r)) from the
@@ -249,16 +280,16 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
         let (u_trailing, u_bound) = (edge.trailing.dot_over(u), edge.bound.dot_over(u));
         let least = K::from(cores.least);
         for i in 0..lanes::<S, N>(self.strips) {
-            let (p, n) = (self.control.get(i), self.at_control(i));
+            let (p, n) = (self.at.control.get(i), self.at_control(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = (fused_square(ra, least).sqrt(), fused_square(rt, least).sqrt());
             let leg = faded_segment(leg.turn(&n), chord2, [a, b], cores.leg[i]);
             let behind_edge = (u_trailing + b - fused(u, p, S::ZERO)) * b;
             let wake_turn = wake.turn(&n);
-            let q = self.bound.get(i);
+            let q = self.at.bound.get(i);
             let r = q - edge.bound;
             let ahead = fused(u, q, -u_bound);
-            let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
+            let n = Line { direction: n.direction, moment: self.at.bound_moment.get(i) };
             let (far_turn, beside2) = (behind.turn(&n), fused_square(r, -ahead.squared()));
             out.to_bound[i] = a;
             out.to_trailing[i] = b;
@@ -303,7 +334,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
         let mut wash = [[K::ZERO; N]; 2];
         let mut by = [Vectors::<K, N>::ZERO; 2];
         for i in 0..lanes::<K, N>(self.strips) {
-            let (p, n) = (self.control.get(i), self.at_control(i));
+            let (p, n) = (self.at.control.get(i), self.at_control(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = (fused_square(ra, least).sqrt(), fused_square(rt, least).sqrt());
             (out.to_bound[i], out.to_trailing[i]) = (a, b);
@@ -312,9 +343,9 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
             let (f, slope) = faded((u_trailing + b - fused(u, p, K::ZERO)) * b, cores.wake[i]);
             wash[0][i] = turn * f;
             by[0].set(i, rt.cross(n.direction) * f - rt * (turn * slope * b));
-            let q = self.bound.get(i);
+            let q = self.at.bound.get(i);
             let (r, ahead) = (q - edge.bound, fused(u, q, -u_bound));
-            let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
+            let n = Line { direction: n.direction, moment: self.at.bound_moment.get(i) };
             let turn = behind.turn(&n);
             let (f, slope) = faded(fused_square(r, -ahead.squared()), cores.far[i]);
             wash[1][i] = turn * f;
@@ -331,9 +362,14 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     }
 
     /// Wash of the rings and horseshoes between the edges of the first `n` strips, and far behind.
-    pub fn wash<S: Over<K> + Meets<P>>(&self, wakes: &Wakes<K, S, N>, n: usize, out: &mut Wash<'_, K, S, N>) {
+    pub fn wash<S: Over<K> + Meets<P>>(
+        &self,
+        wakes: &Wakes<K, S, N>,
+        n: usize,
+        beside: &mut [Trailing<K, S, N>; 2],
+        out: &mut Wash<'_, K, S, N>,
+    ) {
         let cores = self.cores;
-        let mut beside = [Trailing::ZERO; 2];
         let mut edges = [self.edge(wakes, 0); 2];
         self.trailing(&edges[0], &cores.edges[0], &mut beside[0]);
         for j in 0..n {
@@ -404,6 +440,9 @@ pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
     v: &Column<S, N>,
     n: usize,
 ) -> Column<S, N> {
+    if const { !plain::<S>() } {
+        return column(n, |i| (0..n).fold(S::ZERO, |sum, j| v[j].fused(m[j][i], sum)));
+    }
     let mut sum = [S::ZERO; N];
     for j in 0..n {
         for i in 0..lanes::<S, N>(n) {
@@ -420,6 +459,9 @@ pub(super) fn multiply_transposed<K: Scalar, S: Over<K>, const N: usize>(
     v: &Column<S, N>,
     n: usize,
 ) -> Column<S, N> {
+    if const { !plain::<S>() } {
+        return column(n, |j| dot(&m[j], v));
+    }
     let mut sum = [S::ZERO; N];
     for j in 0..n {
         sum[j] = dot(&m[j], v);

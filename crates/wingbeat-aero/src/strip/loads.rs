@@ -1,6 +1,6 @@
 //! Forces and moments of the strips from their washes and impulses.
 
-use super::influence::{Column, lanes, sum};
+use super::influence::{Column, column, lanes, plain, sum};
 use super::motion::{Strips, Vectors};
 use super::response::{LeadingEdges, Response};
 use super::{Flow, StripModel};
@@ -69,24 +69,40 @@ impl<P: Scalar> StripModel<P> {
             lift: self.circulatory(strips, response, Directed::Turned),
             drag: self.profile_drag(strips, &response.attached, self.numbers.drag()),
         };
-        let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        let load = |i: usize| {
             let carried = self.carried_air(i, flow, response) + self.turned_circulation(i, flow, response);
-            let total = forces.lift.at(i) + carried + forces.drag.at(i);
-            let wrench = strips.wrench(i, total);
-            force.set(i, wrench.force);
-            moment.set(i, wrench.moment);
-        }
-        if let Some(out) = by_strip {
-            for (i, load) in out.iter_mut().enumerate().take(self.settings.strips) {
-                *load = Wrench { force: force.get(i), moment: moment.get(i) };
+            strips.wrench(i, forces.lift.at(i) + carried + forces.drag.at(i))
+        };
+        let total = if const { plain::<S>() } {
+            let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
+            for i in 0..N {
+                let wrench = load(i);
+                force.set(i, wrench.force);
+                moment.set(i, wrench.moment);
             }
-        }
+            if let Some(out) = by_strip {
+                for (i, load) in out.iter_mut().enumerate().take(self.settings.strips) {
+                    *load = Wrench { force: force.get(i), moment: moment.get(i) };
+                }
+            }
+            let total = |of: &Vectors<S, N>| Vec3([sum(&of.0[0]), sum(&of.0[1]), sum(&of.0[2])]);
+            Wrench { force: total(&force), moment: total(&moment) }
+        } else {
+            let mut total = Wrench::ZERO;
+            let mut out = by_strip.into_iter().flatten();
+            for i in 0..self.settings.strips.min(N) {
+                let wrench = load(i);
+                total += wrench;
+                if let Some(out) = out.next() {
+                    *out = wrench;
+                }
+            }
+            total
+        };
         if let Some(loads) = loads {
             self.break_down(flow, response, &forces, loads);
         }
-        let total = |of: &Vectors<S, N>| Vec3([sum(&of.0[0]), sum(&of.0[1]), sum(&of.0[2])]);
-        Wrench { force: total(&force), moment: total(&moment) }
+        total
     }
 
     /// Writes the loads by strip and source.
@@ -189,34 +205,35 @@ impl<P: Scalar> StripModel<P> {
         response: &Response<'_, S, N>,
         directed: Directed,
     ) -> InPlane<S, N> {
-        let (attached, delta2) = (&response.attached, self.floor * self.floor);
-        let (mut lift, mut pitching) = ([S::ZERO; N], [S::ZERO; N]);
-        let slope_share = self.tables.slope_share;
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
-            lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
-            if self.settings.section.pitch_suction {
-                let section = (self.tables.mass[i], slope_share, self.tables.chord[i] * 0.5);
-                pitching[i] = pitch_suction(section, strips.pitch[i], wash, lift_wash) * attached[i];
-            }
-        }
+        let (attached, delta2, n) = (&response.attached, self.floor * self.floor, self.settings.strips);
+        let lift: Column<S, N> =
+            column(n, |i| response.lift_wash[i] * attached[i] * self.tables.lift_scale[i]);
+        let (pitches, slope_share) = (self.settings.section.pitch_suction, self.tables.slope_share);
+        let pitching = |i: usize| {
+            let section = (self.tables.mass[i], slope_share, self.tables.chord[i] * 0.5);
+            pitch_suction(section, strips.pitch[i], response.wash[i], response.lift_wash[i]) * attached[i]
+        };
         let turned = directed == Directed::Turned && self.settings.force_tilt;
-        let mut wash = response.turning_wash;
-        if !turned {
-            for i in 0..lanes::<S, N>(self.settings.strips) {
-                wash[i] = S::from(strips.wash[i]);
-            }
-        }
-        let (mut force, mut shares) = (InPlane::ZERO, [S::ZERO; N]);
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            let along2 = strips.along[i].squared() + delta2;
-            let inverse = (wash[i].squared() + along2).sqrt().recip();
-            let suction = suction_share(inverse * strips.along[i]);
-            shares[i] = if response.edges.is_none() { suction * attached[i] } else { suction };
-            force.chordwise[i] = -((lift[i] * wash[i] + pitching[i]) * shares[i]);
-            force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;
-            force.ahead[i] = S::from(self.tables.chord[i] * 0.25);
-        }
+        let wash: Column<S, N> =
+            column(n, |i| if turned { response.turning_wash[i] } else { S::from(strips.wash[i]) });
+        let inverse: Column<S, N> =
+            column(n, |i| (wash[i].squared() + (strips.along[i].squared() + delta2)).sqrt().recip());
+        let shares: Column<S, N> = column(n, |i| {
+            let suction = suction_share(inverse[i] * strips.along[i]);
+            if response.edges.is_none() { suction * attached[i] } else { suction }
+        });
+        let mut force = InPlane {
+            chordwise: column(n, |i| {
+                let suction = lift[i] * wash[i];
+                let suction = if pitches { suction + pitching(i) } else { suction + S::ZERO };
+                -(suction * shares[i])
+            }),
+            normal: column(n, |i| {
+                let along2 = strips.along[i].squared() + delta2;
+                lift[i] * (strips.speed[i] * along2.sqrt()) * inverse[i]
+            }),
+            ahead: column(n, |i| S::from(self.tables.chord[i] * 0.25)),
+        };
         if let Some(edges) = &response.edges {
             self.cap_suction(strips, response, edges, &shares, &mut force);
             if let Some(camber) = &response.camber {

@@ -11,6 +11,7 @@ mod constants;
 mod cores;
 mod grid;
 mod influence;
+mod late;
 mod loads;
 mod membrane;
 mod motion;
@@ -21,6 +22,7 @@ mod tables;
 
 pub use constants::Lags;
 pub use grid::spacing;
+pub use late::ByStates;
 pub use membrane::MembraneScales;
 pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
 pub use settings::{LagSet, StripSettings};
@@ -33,9 +35,10 @@ use crate::{
 };
 use cores::Cores;
 use grid::Grid;
-use influence::{Column, Matrix, Targets, Wash, invert, lanes, multiply, plain};
+use influence::{Column, Matrix, Places, Targets, Trailing, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
+use response::Whole;
 use tables::Tables;
 use wingbeat_math::{Error, Meets, Over, Scalar, Vec3, kept};
 use wingbeat_ocp::plant::Channel;
@@ -83,6 +86,8 @@ struct Room<K: Scalar, S: Scalar, const N: usize> {
     strips: usize,
     flow: Flow<K, S, N>,
     wakes: Wakes<K, S, N>,
+    places: Places<K, N>,
+    beside: [Trailing<K, S, N>; 2],
 }
 
 /// What is wanted beside the sum.
@@ -346,7 +351,8 @@ impl<P: Scalar> StripModel<P> {
             self.note_others(foreign.as_ref(), loads);
         }
         let mut camber = Camber::none();
-        let response = self.respond(flow, foreign.as_ref(), &x[..states], &mut dx[..states], &mut camber);
+        let (x, dx) = (&x[..states], &mut dx[..states]);
+        let response = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut Whole);
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
             self.couple(flow, sections, mass);
             if let (Some(rates), true) = (impulses, self.follows()) {
@@ -393,7 +399,7 @@ impl<P: Scalar> StripModel<P> {
         if room.strips != n {
             *room = Room { strips: n, ..Room::NEW };
         }
-        let Room { flow, wakes, .. } = room;
+        let Room { flow, wakes, places, beside, .. } = room;
         flow.added_mass = [[K::ZERO; 6]; 6];
         if const { plain::<S>() } {
             let mut edges = Edges::ZERO;
@@ -404,7 +410,7 @@ impl<P: Scalar> StripModel<P> {
             self.move_on(sections, wind, &mut flow.strips, wakes);
         }
         let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
-        Targets::new(&flow.strips, &self.cores).wash(wakes, n, &mut wash);
+        Targets::new(&flow.strips, &self.cores, places).wash(wakes, n, beside, &mut wash);
         if !self.settings.wake_wash {
             flow.remainder = [[S::ZERO; N]; N];
             flow.far = [[S::ZERO; N]; N];
@@ -437,7 +443,13 @@ fn lifted<K: Scalar, G: Over<K>>(matrix: &[[K; 6]; 6]) -> [[G; 6]; 6] {
 
 impl<K: Scalar, S: Over<K>, const N: usize> Room<K, S, N> {
     /// Nothing is written yet.
-    const NEW: Self = Self { strips: 0, flow: Flow::STILL, wakes: Wakes::ZERO };
+    const NEW: Self = Self {
+        strips: 0,
+        flow: Flow::STILL,
+        wakes: Wakes::ZERO,
+        places: Places::ZERO,
+        beside: [Trailing::ZERO; 2],
+    };
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Flow<K, S, N> {

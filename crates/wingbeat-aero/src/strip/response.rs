@@ -1,7 +1,7 @@
 //! From lags and motion to washes, state rates and impulses.
 
 use super::constants::FOLLOWING_TIME;
-use super::influence::{Column, lanes, multiply};
+use super::influence::{Column, column, lanes, multiply, plain};
 use super::membrane::{Camber, SectionAirs};
 use super::motion::Strips;
 use super::mutual::Foreign;
@@ -61,14 +61,49 @@ pub(super) struct LeadingEdges<S: Scalar, const N: usize> {
     pub vortex: Column<S, N>,
 }
 
+/// How what the lags hold on each strip acts on all of them. None of it is given where it is carried through with all derivatives.
+pub(super) trait Spread<S: Scalar, const N: usize> {
+    /// What is left on the chord of the wash of what the lags hold, m/s.
+    #[inline(always)]
+    fn left(&mut self, _sums: &LagSums<S, N>) -> Option<Column<S, N>> {
+        None
+    }
+    /// The wash of the circulation that is seen, m2/s, far behind and at 3/4 chord, m/s.
+    #[inline(always)]
+    fn turned(&mut self, _seen: &Column<S, N>) -> Option<[Column<S, N>; 2]> {
+        None
+    }
+}
+
+/// With all derivatives.
+pub(super) struct Whole;
+
+impl<S: Scalar, const N: usize> Spread<S, N> for Whole {}
+
 impl<P: Scalar> StripModel<P> {
     /// Linear sums over the lags.
     #[inline(always)]
     pub(super) fn lagged<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S]) -> Lagged<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
+        let (wash, wake) = x.split_at(lags.rate.len() * n);
+        if const { !plain::<S>() } {
+            let weighted = |i: usize, jump: bool| {
+                (0..lags.rate.len()).fold(S::ZERO, |sum, k| {
+                    let lag = wash[k * n + i];
+                    sum + if jump { lag * self.tables.jump_weights[k] } else { lag * lags.circulation[k] }
+                })
+            };
+            let delayed = |i: usize| {
+                lags.wake.iter().enumerate().fold(S::ZERO, |sum, (k, weight)| sum + wake[k * n + i] * *weight)
+            };
+            return Lagged {
+                wash: column(n, |i| weighted(i, false)),
+                jump: column(n, |i| weighted(i, true)),
+                delayed: column(n, delayed),
+            };
+        }
         let zero = [S::ZERO; N];
         let mut sums = Lagged { wash: zero, jump: zero, delayed: zero };
-        let (wash, wake) = x.split_at(lags.rate.len() * n);
         for (k, block) in wash.chunks_exact(n).enumerate() {
             let (circulation, jump) = (lags.circulation[k], self.tables.jump_weights[k]);
             for i in 0..n.min(N) {
@@ -211,7 +246,7 @@ impl<P: Scalar> StripModel<P> {
 
     /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
     /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
-    fn held_left<
+    pub(super) fn held_left<
         K: Scalar + Meets<P>,
         G: Over<K> + Meets<P>,
         S: Over<G> + Over<K> + Meets<P>,
@@ -222,10 +257,8 @@ impl<P: Scalar> StripModel<P> {
         sums: &LagSums<S, N>,
     ) -> Column<S, N> {
         let n = self.settings.strips;
-        let mut open = [S::ZERO; N];
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            open[i] = (sums.jump[i] - sums.delayed[i]) * self.tables.inverse_doublet[i];
-        }
+        let open: Column<S, N> =
+            column(n, |i| (sums.jump[i] - sums.delayed[i]) * self.tables.inverse_doublet[i]);
         let mut held = multiply(&flow.remainder, &sums.delayed, n);
         for i in 0..lanes::<S, N>(self.settings.strips) {
             held[i] += open[i];
@@ -316,16 +349,19 @@ impl<P: Scalar> StripModel<P> {
         x: &'a [S],
         dx: &mut [S],
         camber: &'a mut Camber<'a, S, N>,
+        spread: &mut impl Spread<S, N>,
     ) -> Response<'a, S, N> {
         let lagged = self.lagged(x);
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
-        let held_left = self.held_left(flow, &sums);
-        let mut wash = [S::ZERO; N];
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        let held_left = match spread.left(&sums) {
+            Some(left) => left,
+            None => self.held_left(flow, &sums),
+        };
+        let mut wash: Column<S, N> = column(self.settings.strips, |i| {
             let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
-            wash[i] = held_left[i] + of_motion;
-        }
+            held_left[i] + of_motion
+        });
         if let Some(foreign) = foreign {
             // K d = 1 - A0 leaves A0^-1 of a wind that is the same along the chord.
             let left = multiply(&flow.relief, &foreign.at_control, self.settings.strips);
@@ -351,7 +387,7 @@ impl<P: Scalar> StripModel<P> {
         });
         // What the slope of a camber adds is borne by it, not by the leading edge.
         let flat = camber.map_or(&lift_wash[..], |camber| &camber.flat);
-        let turning_wash = self.turning_wash(flow, foreign, &sums, flat);
+        let turning_wash = self.turning_wash(flow, foreign, &sums, flat, spread);
         let law = self.settings.section.law.about();
         // The leading edge meets the flat chord's wash less what its own slope takes.
         let lags = matches!(law.attachment, Attachment::Lagging { .. });
@@ -371,18 +407,23 @@ impl<P: Scalar> StripModel<P> {
         }
         let edges =
             law.edge_vortex.then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
-        let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
-        if self.settings.section.added_mass {
+        let [impulse, impulse_rate] = if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
-            let held_rate_left = self.held_left(flow, &rates);
-            impulse = self.impulse(flow, &held_left);
-            for i in 0..lanes::<S, N>(self.settings.strips) {
-                impulse_rate[i] = held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i];
-            }
+            let held_rate_left = match spread.left(&rates) {
+                Some(left) => left,
+                None => self.held_left(flow, &rates),
+            };
+            let mut impulse = self.impulse(flow, &held_left);
+            let mut impulse_rate = column(self.settings.strips, |i| {
+                held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i]
+            });
             if self.follows() {
                 self.follow_impulse(x, dx, &mut impulse, &mut impulse_rate);
             }
-        }
+            [impulse, impulse_rate]
+        } else {
+            [[S::ZERO; N]; 2]
+        };
         Response {
             turning_wash,
             edges,
@@ -516,13 +557,15 @@ impl<P: Scalar> StripModel<P> {
         foreign: Option<&Foreign<S, N>>,
         sums: &LagSums<S, N>,
         lift_wash: &[S],
+        spread: &mut impl Spread<S, N>,
     ) -> Column<S, N> {
         let n = self.settings.strips;
-        let mut seen = [S::ZERO; N];
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            seen[i] = sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0);
-        }
-        let (far, near) = (multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n));
+        let seen: Column<S, N> =
+            column(n, |i| sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0));
+        let [far, near] = match spread.turned(&seen) {
+            Some(turned) => turned,
+            None => [multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n)],
+        };
         let mut wash = far;
         for i in 0..lanes::<S, N>(self.settings.strips) {
             wash[i] = lift_wash[i] + (far[i] - near[i]);

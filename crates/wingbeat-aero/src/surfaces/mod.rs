@@ -13,10 +13,10 @@
 //! a wing cut in two halves of eight strips a tenth of its lift; placed so that their last edges meet they lift like
 //! one wing within two per cent.
 
-use super::strip::{ARRIVAL_LAGS, Others, Source, Vortices};
+use super::strip::{ARRIVAL_LAGS, ByStates, Others, Source, Vortices};
 use super::{
     Aero, Coupling, Ground, LiftLaw, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections,
-    SurfaceNumbers, Wrench,
+    StripModel, SurfaceNumbers, Wrench,
 };
 use std::ops::Range;
 use wingbeat_math::Error;
@@ -417,6 +417,37 @@ impl<P: Scalar> Surfaces<P> {
             sum.add(surface.aero.sum::<K, G, S>(&own, wind, x, dx, others, coupling));
         }
         (sum.wrench, sum.added_mass)
+    }
+}
+
+impl Surfaces {
+    /// As [`evaluate_sum`](Self::evaluate_sum) with the derivatives by all states in `out`; none where these surfaces do not give them: where they
+    /// are several, over a ground, of preset `paper`, of membranes, or of more than 16 strips.
+    pub fn by_states(
+        &self,
+        sections: &impl Sections<f64>,
+        wind: Vec3,
+        x: &[f64],
+        dx: &mut [f64],
+        coupling: Coupling<'_, f64, f64>,
+        out: &mut ByStates,
+    ) -> Option<(Wrench<f64>, [[f64; 6]; 6])> {
+        let model = self.alone_by_states()?;
+        Some(model.by_states(&Following { all: sections, first: 0 }, wind, x, dx, coupling, out))
+    }
+
+    /// Whether [`by_states`](Self::by_states) gives derivatives.
+    pub fn know_by_states(&self) -> bool {
+        self.alone_by_states().is_some()
+    }
+
+    fn alone_by_states(&self) -> Option<&StripModel> {
+        match (&self.surfaces[..], self.grounded) {
+            ([Surface { aero: Aero::Strip(model), .. }], false) => {
+                Some(model).filter(|model| model.knows_by_states())
+            }
+            _ => None,
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! A local three-component attitude in place of the quaternion.
 
-use super::{Channel, Early, Fault, Late, MAX_STATES, Plant, Role};
+use super::{Channel, Early, Fault, Known, Late, MAX_STATES, Plant, Role};
 use arrayvec::ArrayVec;
 use std::ops::Range;
-use wingbeat_math::{Mat3, Over, Quat, Scalar, Vec3, append, append_copies, lift};
+use wingbeat_math::{Dual, Mat3, Over, Quat, Scalar, Vec3, append, append_copies, lift};
 
 /// The plant seen in a chart around a reference attitude: q_WB = q_ref exp(d),
 /// with the rotation vector d (rad, body axes) in place of the quaternion, so
@@ -150,6 +150,44 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
     fn placing_states(&self) -> [Range<usize>; 2] {
         let less = usize::from(self.plant.attitude().is_some());
         self.plant.placing_states().map(|run| run.start.saturating_sub(less)..run.end.saturating_sub(less))
+    }
+    fn known(
+        &self,
+        t: f64,
+        local: &[f64],
+        u: &[f64],
+        dx: &mut [f64],
+        known: &mut Known,
+    ) -> Result<bool, Fault> {
+        let mut knows = false;
+        self.localised(local, 0, dx, |x, dx| {
+            knows = self.plant.known(t, x, u, dx, known)?;
+            Ok(())
+        })?;
+        if let (Some(a), true) = (self.plant.attitude(), knows) {
+            known.leave_out(a, u.len());
+        }
+        Ok(knows)
+    }
+    fn derived_states(&self) -> Range<usize> {
+        let derived = self.plant.derived_states();
+        derived.start
+            ..derived.end.saturating_sub(usize::from(self.plant.attitude().is_some())).max(derived.start)
+    }
+    fn derive(&self, local: &[f64], f: &[f64], known: &Known, a: &mut [f64]) {
+        let Some(at) = self.plant.attitude() else {
+            return self.plant.derive(local, f, known, a);
+        };
+        let mut seeded = States::new();
+        for (i, value) in local[..at + 3].iter().enumerate() {
+            seeded.push(i.checked_sub(at).map_or(Dual::constant(*value), |k| Dual::<3>::variable(*value, k)));
+        }
+        known.turn(&self.rotation_matrix(&seeded), (local, f), at, a);
+        let rate = Vec3::constant(Vec3::from_slice(&local[known.rate..]));
+        let turning = rotation_vector_rate(Vec3::from_slice(&seeded[at..]), rate);
+        for (row, rate) in a[at * local.len()..].chunks_exact_mut(local.len()).zip(turning.0) {
+            row[at..at + 3].copy_from_slice(&rate.eps);
+        }
     }
     fn late_states(&self) -> usize {
         self.plant.late_states() - usize::from(self.plant.attitude().is_some())

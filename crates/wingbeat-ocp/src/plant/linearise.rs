@@ -1,6 +1,6 @@
 //! Exact linearisation of a plant by forward-mode duals.
 
-use super::{Fault, Plant};
+use super::{Fault, Known, Plant};
 use arrayvec::ArrayVec;
 use std::ops::Range;
 use wingbeat_math::Dual;
@@ -25,17 +25,21 @@ pub struct Linearisation {
     dx: Vec<Early>,
     late: Vec<Late>,
     late_dx: Vec<Late>,
+    known: Known,
 }
 
 /// States that follow one another.
 type Runs = ArrayVec<Range<usize>, 8>;
 
-/// The states whose directions the early passes carry; after them come all inputs.
+/// The states whose directions the early passes carry; after them come inputs.
+#[derive(Default)]
 struct Directions {
     /// In the order of the directions.
     runs: Runs,
     /// How many of them are by states that move places.
     placing: usize,
+    /// How many are by inputs: all or none.
+    inputs: usize,
 }
 
 impl Linearisation {
@@ -51,6 +55,7 @@ impl Linearisation {
             dx: vec![zero; states],
             late: vec![Dual::constant(0.0); states],
             late_dx: vec![Dual::constant(0.0); states],
+            known: Known::new(states, inputs),
         }
     }
 
@@ -60,8 +65,20 @@ impl Linearisation {
         for row in self.a.chunks_exact_mut(x.len()) {
             row[unfelt.clone()].fill(0.0);
         }
-        self.by_early(plant, t, x, u, &Directions::of(plant))?;
-        self.by_late(plant, t, x.split_at(plant.late_states()), u)
+        let known = self.by_known(plant, t, x, u, true)?;
+        self.by_early(plant, t, x, u, &Directions::of(plant, known))?;
+        if known && !plant.derived_states().is_empty() {
+            plant.derive(x, &self.f, &self.known, &mut self.a);
+        }
+        let (early, late) = x.split_at(plant.late_states());
+        if self.known.late.is_empty() {
+            return self.by_late(plant, t, (early, late), u);
+        }
+        let known = self.known.late.chunks_exact(late.len());
+        for (row, known) in self.a.chunks_exact_mut(x.len()).zip(known) {
+            row[early.len()..].copy_from_slice(known);
+        }
+        Ok(())
     }
 
     /// As [`evaluate`](Self::evaluate) for f and B alone; A stays as it was.
@@ -72,10 +89,31 @@ impl Linearisation {
         x: &[f64],
         u: &[f64],
     ) -> Result<(), Fault> {
-        self.by_early(plant, t, x, u, &Directions { runs: Runs::new(), placing: 0 })
+        if self.by_known(plant, t, x, u, false)? {
+            return Ok(());
+        }
+        self.by_early(plant, t, x, u, &Directions { inputs: u.len(), ..Directions::default() })
     }
 
-    /// f and derivatives by the given states and by all inputs. The first passes take the states that move places, and as many others
+    /// f and B, where the plant knows them; says whether it does.
+    fn by_known<P: Plant>(
+        &mut self,
+        plant: &P,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        late: bool,
+    ) -> Result<bool, Fault> {
+        self.known.wants_late = late;
+        self.known.late.clear();
+        let known = plant.known(t, x, u, &mut self.f, &mut self.known)?;
+        if known {
+            self.b.copy_from_slice(&self.known.inputs);
+        }
+        Ok(known)
+    }
+
+    /// f and derivatives by the given states and inputs. The first passes take the states that move places, and as many others
     /// as there is room for.
     fn by_early<P: Plant>(
         &mut self,
@@ -86,11 +124,15 @@ impl Linearisation {
         of: &Directions,
     ) -> Result<(), Fault> {
         let (n, m, states) = (x.len(), u.len(), of.states());
-        let directions = states + m;
+        let directions = states + of.inputs;
+        let late = plant.late_states();
+        for (value, late) in self.x[late..].iter_mut().zip(&x[late..]) {
+            *value = Early::constant(*late);
+        }
         for first in (0..directions.max(1)).step_by(Early::LANES) {
             let count = Early::LANES.min(directions - first);
-            seed(&mut self.x, x, first, |i| of.direction(i));
-            seed(&mut self.u, u, first, |i| Some(states + i));
+            seed(&mut self.x[..late], x, first, |i| of.direction(i));
+            seed(&mut self.u, u, first, |i| (i < of.inputs).then_some(states + i));
             if first < of.placing {
                 plant.rates_in_early(t, &self.x, &self.u, &mut self.dx)?;
             } else {
@@ -101,7 +143,9 @@ impl Linearisation {
                 scatter(&self.dx, &block, before..before + run.len(), &mut self.a, n, run.start);
                 before += run.len();
             }
-            scatter(&self.dx, &block, states..directions, &mut self.b, m, 0);
+            if of.inputs > 0 {
+                scatter(&self.dx, &block, states..directions, &mut self.b, m, 0);
+            }
         }
         for (f, rate) in self.f.iter_mut().zip(&self.dx) {
             *f = rate.re;
@@ -131,16 +175,19 @@ impl Linearisation {
 }
 
 impl Directions {
-    /// Those by all early states of `plant` that are felt.
-    fn of<P: Plant>(plant: &P) -> Self {
+    /// Those by all early states of `plant` that are felt, and by inputs; where some derivatives are `known`, only by those states that
+    /// they do not give.
+    fn of<P: Plant>(plant: &P, known: bool) -> Self {
         let (late, unfelt, placing) = (plant.late_states(), plant.unfelt_states(), plant.placing_states());
+        let derived = if known { plant.derived_states() } else { 0..0 };
         let (mut others, mut start) = (Runs::new(), 0);
-        for taken in [unfelt, placing[0].clone(), placing[1].clone(), late..late] {
+        for taken in [unfelt, derived, placing[0].clone(), placing[1].clone(), late..late] {
             others.push(start..taken.start.max(start));
             start = start.max(taken.end);
         }
         let count = placing.iter().map(Range::len).sum();
-        Self { runs: placing.into_iter().chain(others).collect(), placing: count }
+        let inputs = if known { 0 } else { plant.inputs().len() };
+        Self { runs: placing.into_iter().chain(others).collect(), placing: count, inputs }
     }
     /// Number of states among the directions.
     fn states(&self) -> usize {
@@ -175,7 +222,7 @@ fn scatter<const N: usize>(
     }
     for (row, rate) in matrix.chunks_exact_mut(width).zip(rates) {
         let lanes = &rate.eps[start - block.start..end - block.start];
-        row[to + start - run.start..][..lanes.len()].copy_from_slice(lanes);
+        row[to + start - run.start..].iter_mut().zip(lanes).for_each(|(to, lane)| *to = *lane);
     }
 }
 

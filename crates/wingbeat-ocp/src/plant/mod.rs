@@ -2,9 +2,11 @@
 //! inputs by name, its rates, and their exact derivatives. Nothing here knows a wing.
 
 mod chart;
+mod known;
 mod linearise;
 
 pub use chart::LocalChart;
+pub use known::Known;
 pub use linearise::{Early, Late, Linearisation};
 
 use std::ops::Range;
@@ -196,6 +198,30 @@ pub trait Plant: Sync {
     fn placing_states(&self) -> [Range<usize>; 2] {
         [0..0, 0..0]
     }
+
+    /// Writes the rates `dx` at (t, x, u) and what is known of their derivatives without carrying them through the evaluation. False
+    /// where nothing is.
+    ///
+    /// # Errors
+    /// Those of [`rates`](Self::rates).
+    fn known(
+        &self,
+        _t: f64,
+        _x: &[f64],
+        _u: &[f64],
+        _dx: &mut [f64],
+        _known: &mut Known,
+    ) -> Result<bool, Fault> {
+        Ok(false)
+    }
+    /// States after those that are not felt and before those that place, derivatives by which [`derive`](Self::derive) finds from others
+    /// where the plant [knows](Self::known) some.
+    fn derived_states(&self) -> Range<usize> {
+        0..0
+    }
+    /// Writes the columns of the [derived](Self::derived_states) states into A (n x n, row-major), which holds those of the velocity;
+    /// `f` are the rates at the state `x`.
+    fn derive(&self, _x: &[f64], _f: &[f64], _known: &Known, _a: &mut [f64]) {}
 
     /// Index of the first late state. Late states enter only the end of an evaluation, so that
     /// derivatives by them need not follow the rest; all of them come after the others.

@@ -39,6 +39,12 @@ impl<S: Scalar> Coordinates<S> {
         self.count
     }
 
+    /// Number of joints that were added.
+    #[inline]
+    pub fn shares(&self) -> usize {
+        self.shares.len()
+    }
+
     /// Lets the rate of `coordinate` turn `joint` of `tree` at `ratio` times itself, dimensionless.
     ///
     /// # Panics

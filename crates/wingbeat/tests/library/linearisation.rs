@@ -100,3 +100,43 @@ fn what_has_no_derivative_is_left_out_and_nothing_else() {
         assert!(largest < 1e-12, "{name} {overrides:?}: {largest:.1e}");
     }
 }
+
+/// Rates, their derivatives and a sample, in the rooms that this thread keeps.
+fn evaluated(scenario: &Scenario) -> Vec<u64> {
+    let (robot, x) = (scenario.robot(), scenario.start());
+    let u = vec![0.01; robot.inputs().len()];
+    let (mut linear, mut rates) = (Linearisation::new(x.len(), u.len()), x.clone());
+    robot.rates_in_numbers(0.13, &x, &u, &mut rates).unwrap();
+    linear.evaluate(robot, 0.13, &x, &u).unwrap();
+    let sample = robot.observe(0.13, &x, &u).unwrap();
+    let told = [sample.power, sample.energy, sample.air_power];
+    let all = rates.iter().chain(&linear.f).chain(&linear.a).chain(&linear.b);
+    all.chain(&told).chain(&sample.torques).map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn models_that_take_turns_in_the_rooms_of_a_thread_give_what_fresh_ones_give() {
+    let full = |strips: u32, law: &str| {
+        let overrides = ["preset=full", &format!("full.strips={strips}"), &format!("law={law}")];
+        ("banking_turn.toml", overrides.map(|text| format!("aero.{text}")).to_vec())
+    };
+    let others = ["aerobat_membrane.toml", "four_wings.toml", "bank15_20g.toml", "banking_turn.toml"];
+    let mut flown =
+        vec![full(16, "lev"), full(9, "linear"), full(16, "linear"), full(24, "stall"), full(12, "lev")];
+    flown.extend(others.map(|name| (name, Vec::new())));
+    let scenarios: Vec<Scenario> = flown
+        .iter()
+        .map(|(name, overrides)| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(name);
+            Scenario::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
+        })
+        .collect();
+    let fresh: Vec<Vec<u64>> = std::thread::scope(|scope| {
+        scenarios.iter().map(|scenario| scope.spawn(|| evaluated(scenario)).join().unwrap()).collect()
+    });
+    for _ in 0..2 {
+        for ((scenario, fresh), of) in scenarios.iter().zip(&fresh).zip(&flown) {
+            assert!(evaluated(scenario) == *fresh, "{of:?}");
+        }
+    }
+}

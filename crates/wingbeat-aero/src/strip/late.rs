@@ -1,0 +1,232 @@
+//! Derivatives of rates and loads by all states of the strips at once. What the lags hold acts on its own strip, and on all others by a few
+//! washes alone, so that one pass carries the derivatives by the states of each strip and by those washes side by side, whatever the number
+//! of strips; the washes follow by products of the matrices at hand.
+
+use super::influence::{Column, Matrix, multiply, sum};
+use super::membrane::Camber;
+use super::response::{LagSums, Spread};
+use super::{Flow, Room, StripModel};
+use crate::{Coupling, Sections, Wrench};
+use arrayvec::ArrayVec;
+use wingbeat_math::{Dual, Scalar, Vec3, append_copies, kept};
+
+/// Most derivatives that the pass carries: by the states of a strip and by three washes.
+const LANES: usize = 8;
+/// The washes: what is left on the chord, what the wakes turn, and the rate of the first.
+const WASHES: usize = 3;
+/// Lanes of columns, and most strips for which this is done.
+const WIDE: usize = 16;
+/// Most states.
+const MOST: usize = WIDE * (LANES - WASHES);
+
+type Local = Dual<LANES>;
+/// Derivatives of a number on each strip by one lane.
+type Slopes = Column<f64, WIDE>;
+
+/// Derivatives by all states of a surface.
+#[derive(Clone, Debug, Default)]
+pub struct ByStates {
+    /// Number n of states.
+    pub states: usize,
+    /// Of the rates of the states, n x n, row-major, in the unit of the row over that of the column, per s.
+    pub rates: Vec<f64>,
+    /// Of the force (N) and the moment (N m) about the body origin, in B, 6 x n, row-major, over the unit of the column.
+    pub loads: Vec<f64>,
+}
+
+/// What spreads over the strips, found in plain numbers; derivatives begin anew from it.
+struct Cut<'a> {
+    model: &'a StripModel,
+    flow: &'a Flow<f64, f64, WIDE>,
+    /// The first lane of the washes, and how many have been found.
+    first: usize,
+    found: usize,
+    /// What the washes were found of.
+    delayed: [Column<Local, WIDE>; 2],
+    open: [Column<Local, WIDE>; 2],
+    seen: Column<Local, WIDE>,
+}
+
+impl Cut<'_> {
+    fn fresh(&mut self, lane: usize, values: &Column<f64, WIDE>) -> Column<Local, WIDE> {
+        let mut column = [Local::ZERO; WIDE];
+        for i in 0..self.model.strips() {
+            column[i] = Local::variable(values[i], self.first + lane);
+        }
+        column
+    }
+}
+
+impl Spread<Local, WIDE> for Cut<'_> {
+    fn left(&mut self, sums: &LagSums<Local, WIDE>) -> Option<Column<Local, WIDE>> {
+        let values = |of: &Column<Local, WIDE>| of.map(|value| value.re);
+        let plain = LagSums {
+            circulation: values(&sums.circulation),
+            jump: values(&sums.jump),
+            delayed: values(&sums.delayed),
+        };
+        let left = self.model.held_left(self.flow, &plain);
+        let (turn, lane) = (self.found, [0, 2][self.found]);
+        self.found += 1;
+        self.delayed[turn] = sums.delayed;
+        for i in 0..self.model.strips() {
+            self.open[turn][i] = (sums.jump[i] - sums.delayed[i]) * self.model.tables.inverse_doublet[i];
+        }
+        Some(self.fresh(lane, &left))
+    }
+    fn turned(&mut self, seen: &Column<Local, WIDE>) -> Option<[Column<Local, WIDE>; 2]> {
+        self.seen = *seen;
+        let (values, n) = (seen.map(|value| value.re), self.model.strips());
+        let (far, near) = (multiply(&self.flow.far, &values, n), multiply(&self.flow.remainder, &values, n));
+        Some([self.fresh(1, &far), near.map(Local::constant)])
+    }
+}
+
+/// Derivatives of a number on each strip by the washes there, as many as act on it.
+struct ByWashes {
+    slopes: [Slopes; WASHES],
+    acting: ArrayVec<usize, WASHES>,
+}
+
+impl ByWashes {
+    fn of(first: usize, n: usize, value: impl Fn(usize) -> Local) -> Self {
+        let mut slopes = [[0.0; WIDE]; WASHES];
+        for i in 0..n {
+            let value = value(i);
+            for k in 0..WASHES {
+                slopes[k][i] = value.eps[first + k];
+            }
+        }
+        let acts = |k: &usize| slopes[*k].iter().any(|slope| *slope != 0.0);
+        Self { acting: (0..WASHES).filter(acts).collect(), slopes }
+    }
+    /// The derivatives along a direction in which the washes change so.
+    #[inline(always)]
+    fn along(&self, washes: &[Slopes; WASHES]) -> Slopes {
+        let mut sum = [0.0; WIDE];
+        for &k in &self.acting {
+            for i in 0..WIDE {
+                sum[i] = self.slopes[k][i].mul_add(washes[k][i], sum[i]);
+            }
+        }
+        sum
+    }
+}
+
+impl StripModel {
+    /// Whether [`by_states`](Self::by_states) takes this model: a membrane spreads over the strips too.
+    pub(crate) fn knows_by_states(&self) -> bool {
+        let n = self.settings.strips;
+        n <= WIDE && self.membrane.is_none() && self.states() + WASHES * n <= LANES * n
+    }
+
+    /// As an evaluation of one surface alone, with the derivatives by all of its states.
+    ///
+    /// Equation: aero.strip.by_states
+    /// `h = A0^-1 (R Y + o) - o, t = (T - R) s: df_i/dx_j = df_i/dx_i [i = j] + df_i/dh_i dh_i/dx_j + df_i/dt_i dt_i/dx_j`
+    /// Source: chain rule.
+    /// Test: `what_has_no_derivative_is_left_out_and_nothing_else`.
+    pub(crate) fn by_states(
+        &self,
+        sections: &dyn Sections<f64>,
+        wind: Vec3,
+        x: &[f64],
+        dx: &mut [f64],
+        coupling: Coupling<'_, f64, f64>,
+        out: &mut ByStates,
+    ) -> (Wrench<f64>, [[f64; 6]; 6]) {
+        kept(
+            || Box::new(Room::<f64, f64, WIDE>::NEW),
+            |room| {
+                self.flow(sections, wind, room);
+                self.couple(&room.flow, sections, coupling.mass);
+                if let (Some(rates), true) = (coupling.impulses, self.follows()) {
+                    self.follow(&room.flow, sections, rates);
+                }
+                (self.differentiate(&room.flow, x, dx, out), room.flow.added_mass)
+            },
+        )
+    }
+
+    /// Rates, loads and their derivatives in the air that `flow` tells.
+    fn differentiate(
+        &self,
+        flow: &Flow<f64, f64, WIDE>,
+        x: &[f64],
+        dx: &mut [f64],
+        out: &mut ByStates,
+    ) -> Wrench<f64> {
+        let (n, states) = (self.settings.strips, self.states());
+        let first = states / n;
+        let mut seeded = ArrayVec::<Local, MOST>::new();
+        for (s, value) in x[..states].iter().enumerate() {
+            seeded.push(Local::variable(*value, s / n));
+        }
+        let mut rates = ArrayVec::<Local, MOST>::new();
+        append_copies(&mut rates, Local::ZERO, states);
+        let mut strips = [Wrench::ZERO; WIDE];
+        let zero = [Local::ZERO; WIDE];
+        let mut cut =
+            Cut { model: self, flow, first, found: 0, delayed: [zero; 2], open: [zero; 2], seen: zero };
+        let mut camber = Camber::none();
+        let response = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut);
+        let total = self.load_strips(flow, &response, None, Some(&mut strips[..n]));
+        for (dx, rate) in dx.iter_mut().zip(&rates) {
+            *dx = rate.re;
+        }
+        out.states = states;
+        out.rates.resize(states * states, 0.0);
+        out.loads.resize(6 * states, 0.0);
+        self.assemble(&cut, &rates, &strips, out);
+        Wrench { force: total.force.each(|f| f.re), moment: total.moment.each(|m| m.re) }
+    }
+
+    /// Puts the derivatives together.
+    fn assemble(&self, cut: &Cut<'_>, rates: &[Local], strips: &[Wrench<Local>; WIDE], out: &mut ByStates) {
+        let (n, states, first) = (self.settings.strips, out.states, cut.first);
+        let Flow { relief, remainder, far, .. } = cut.flow;
+        let mut of_delayed: Matrix<f64, WIDE> = [[0.0; WIDE]; WIDE];
+        for j in 0..n {
+            of_delayed[j] = multiply(relief, &remainder[j], n);
+        }
+        let by = |value: &dyn Fn(usize) -> Local| ByWashes::of(first, n, value);
+        let [delayed, open] = [by(&|i| cut.delayed[1][i]), by(&|i| cut.open[1][i])];
+        let load = |i: usize, r: usize| {
+            let Wrench { force, moment } = &strips[i];
+            if r < 3 { force[r] } else { moment[r - 3] }
+        };
+        let of_loads: [ByWashes; 6] = std::array::from_fn(|r| by(&|i| load(i, r)));
+        let of_rates: ArrayVec<ByWashes, LANES> =
+            (0..first).map(|block| by(&|i| rates[block * n + i])).collect();
+        for s in 0..states {
+            let (block, j) = (s / n, s % n);
+            let [d, o] = [&cut.delayed[0], &cut.open[0]].map(|of| of[j].eps[block]);
+            let seen = cut.seen[j].eps[block];
+            let mut washes = [[0.0; WIDE]; WASHES];
+            for i in 0..WIDE {
+                washes[0][i] = of_delayed[j][i].mul_add(d, relief[j][i] * o);
+                washes[1][i] = (far[j][i] - remainder[j][i]) * seen;
+            }
+            washes[0][j] -= o;
+            if cut.found == 2 {
+                let [mut d, mut o] = [delayed.along(&washes), open.along(&washes)];
+                d[j] += cut.delayed[1][j].eps[block];
+                o[j] += cut.open[1][j].eps[block];
+                let (of_d, of_o) = (multiply(&of_delayed, &d, n), multiply(relief, &o, n));
+                for i in 0..WIDE {
+                    washes[2][i] = of_d[i] + (of_o[i] - o[i]);
+                }
+            }
+            for (k, of_rates) in of_rates.iter().enumerate() {
+                let mut column = of_rates.along(&washes);
+                column[j] += rates[k * n + j].eps[block];
+                let rows = out.rates[k * n * states + s..].iter_mut().step_by(states);
+                rows.zip(&column[..n]).for_each(|(rate, value)| *rate = *value);
+            }
+            for (r, of_loads) in of_loads.iter().enumerate() {
+                let column = of_loads.along(&washes);
+                out.loads[r * states + s] = sum(&column) + load(j, r).eps[block];
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Derivatives that follow from those which an evaluation carries.
+
+use wingbeat_math::{Dual, Mat3, Vec3};
+
+/// What a plant knows of its derivatives without carrying them through an evaluation: those by inputs that enter by accelerations
+/// alone, and those by the accelerations of gravity and of the air, with which those by the attitude follow from those by the
+/// velocity.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// df/du, n x m, row-major, in the unit of the row's state over that of the column's input, per s.
+    pub inputs: Vec<f64>,
+    /// Derivatives of f by the accelerations of gravity and of the air, both in B, n x 6, row-major: per m/s2.
+    pub fields: Vec<f64>,
+    /// Whether derivatives by late states are wanted.
+    pub wants_late: bool,
+    /// df/dx of the late states, n x their number, row-major, in the unit of the row's state over that of the column's, per s; empty where
+    /// they are not known.
+    pub late: Vec<f64>,
+    /// Velocity of the air in W, m/s.
+    pub wind: Vec3,
+    /// Accelerations of gravity and of the air in W, m/s2.
+    pub accelerations: [Vec3; 2],
+    /// Place of the position in the state.
+    pub position: usize,
+    /// Place of the velocity in the state.
+    pub velocity: usize,
+    /// Place of the angular rate in the state.
+    pub rate: usize,
+}
+
+impl Known {
+    /// Room for a plant of `states` states and `inputs` inputs.
+    pub fn new(states: usize, inputs: usize) -> Self {
+        Self {
+            // A plant that is seen in a chart has a state more.
+            inputs: Vec::with_capacity((states + 1) * inputs),
+            fields: Vec::with_capacity((states + 1) * 6),
+            wants_late: false,
+            late: Vec::with_capacity((states + 1) * states),
+            wind: Vec3::ZERO,
+            accelerations: [Vec3::ZERO; 2],
+            position: 0,
+            velocity: 0,
+            rate: 0,
+        }
+    }
+
+    /// Sets all derivatives of `states` states by `inputs` inputs and by `late` states to zero.
+    pub fn clear(&mut self, states: usize, inputs: usize, late: usize) {
+        for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6), (&mut self.late, late)] {
+            values.clear();
+            values.resize(states * width, 0.0);
+        }
+    }
+
+    /// Leaves out a row that is all zero, among states with so many `inputs`.
+    pub(super) fn leave_out(&mut self, row: usize, inputs: usize) {
+        let late = self.late.len() * 6 / self.fields.len();
+        for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6), (&mut self.late, late)] {
+            values.drain(row * width..(row + 1) * width);
+        }
+        for place in [&mut self.position, &mut self.velocity, &mut self.rate] {
+            *place -= usize::from(*place > row);
+        }
+    }
+
+    /// Writes the derivatives of the rates `f` at the state `x` by `K` coordinates c of the attitude into the columns from `at` on of
+    /// A (n x n, row-major), whose columns of the velocity are known; `rotation` is R_WB with its derivatives. The rates know the
+    /// attitude by R'(v - wind), by accelerations R'g of gravity and air, and by v' = R a, so that
+    /// df/dc = df/dv R (dR'/dc)(v - wind) / s + sum df/dg (dR'/dc) g, dv'/dc = that + (dR/dc) a, with R R' = s.
+    /// The rates of the attitude itself are left to the caller.
+    ///
+    /// Equation: ocp.turned_columns
+    /// `df/dc = df/dv R (dR'/dc)(v - wind)/s + sum df/dg (dR'/dc) g, dv'/dc = that + (dR/dc) a, R R' = s`
+    /// Source: chain rule.
+    /// Test: `what_has_no_derivative_is_left_out_and_nothing_else`.
+    pub fn turn<const K: usize>(
+        &self,
+        rotation: &Mat3<Dual<K>>,
+        (x, f): (&[f64], &[f64]),
+        at: usize,
+        a: &mut [f64],
+    ) {
+        let r = rotation.each(|entry| entry.re);
+        let inverse = r.column(0).norm_squared().recip();
+        let against = Vec3::from_slice(&x[self.velocity..]) - self.wind;
+        let acceleration = r.transpose_mul(Vec3::from_slice(&f[self.velocity..])) * inverse;
+        let changes: [_; K] = std::array::from_fn(|k| {
+            let change = rotation.each(|entry| entry.eps[k]);
+            let felt = self.accelerations.map(|field| change.transpose_mul(field));
+            (r * change.transpose_mul(against) * inverse, felt, change * acceleration)
+        });
+        let rows = a.chunks_exact_mut(x.len()).zip(self.fields.as_chunks::<6>().0).enumerate();
+        for (i, (row, fields)) in rows {
+            let [a, b, c, d, e, f] = *fields;
+            let by_velocity = Vec3::from_slice(&row[self.velocity..]);
+            let still = (self.position..self.position + 3).contains(&i);
+            for (value, (velocity, [gravity, air], _)) in row[at..].iter_mut().zip(&changes) {
+                let by =
+                    by_velocity.dot(*velocity) + Vec3([a, b, c]).dot(*gravity) + Vec3([d, e, f]).dot(*air);
+                *value = if still { 0.0 } else { by };
+            }
+        }
+        for (i, row) in a.chunks_exact_mut(x.len()).skip(self.velocity).take(3).enumerate() {
+            for (value, (.., turned)) in row[at..].iter_mut().zip(&changes) {
+                *value += turned[i];
+            }
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! Derivatives of the rates that the mass matrix knows: by inputs, which enter by the accelerations of structure elements alone, and
+//! by the accelerations of gravity and air.
+
+use super::Robot;
+use super::dynamics::{Evaluation, System, add};
+use super::joints::Displaced;
+use super::sections::Carriers;
+use super::{Joints, MAX_ELEMENTS};
+use crate::body::MAX_LINKS;
+use arrayvec::ArrayVec;
+use wingbeat_aero::{ByStates, Coupling, ImpulseRates, MAX_STRIPS};
+use wingbeat_math::linear::{solve_symmetric, solve_symmetric_leading};
+use wingbeat_math::{Dual, GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench, kept};
+use wingbeat_ocp::plant::{Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES};
+
+/// Derivatives carried by the solve: by the accelerations of gravity and air, then by those of the elements.
+const FIELDS: usize = 6;
+/// The accelerations of gravity along the axes of B, or of the air, as columns of the mass matrix.
+type Field = [[f64; 3]; MAX_DEGREES];
+
+impl Robot {
+    /// See [`Plant::known`](wingbeat_ocp::plant::Plant::known). Elements are taken for coordinates beyond those that the dynamics decide, of
+    /// which the accelerations are known: with the mass matrix M and its parts M_s of links and M_a of the air,
+    /// M da = M_s dg + M_a dg_air - M_y dy'', the fields g uniform accelerations in B.
+    ///
+    /// Equation: robot.known_columns
+    /// `M da = M_s dg + M_a dg_air - M_y dy'', followed impulses P' + B a free of it but for B dg_air - B_y dy''`
+    /// Source: virtual work; a uniform field is an acceleration of the frame.
+    /// Test: `what_has_no_derivative_is_left_out_and_nothing_else`.
+    pub(super) fn known_columns(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        dx: &mut [f64],
+        known: &mut Known,
+    ) -> Result<bool, Fault> {
+        let (own, elements) = (self.degrees(), self.elements.len());
+        let fit = own + elements <= MAX_COORDINATES && FIELDS + elements <= Late::LANES;
+        if !fit || self.response.commands() != u.len() {
+            return Ok(false);
+        }
+        kept(Box::<ByStates>::default, |by_states| self.known_in(by_states, t, x, u, dx, known))
+    }
+
+    fn known_in(
+        &self,
+        by_states: &mut ByStates,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        dx: &mut [f64],
+        known: &mut Known,
+    ) -> Result<bool, Fault> {
+        let (l, own) = (&self.layout, self.degrees());
+        let ((early, air), clock) = (x.split_at(l.aero), Jet::new(t, 1.0, 0.0));
+        let structure = &early[l.structure..];
+        let mut out = Evaluation::empty();
+        let (mass, mut net, setting) = self.instant((t, &clock), early, u, &[], dx, &mut out)?;
+        if !self.add_elements(&clock, structure, &mut out)? {
+            return Ok(false);
+        }
+        let Evaluation { links, base, coordinates, .. } = &out;
+        let mut carriers = Carriers::none(coordinates);
+        carriers.follow(base, &self.carriers, links, setting.wind_dot);
+        carriers.ground = self.ground_below(setting.attitude, early[l.position + 2]);
+        let mut system = System::<f64, f64>::new();
+        let System { mass: matrix, forces, .. } = &mut system;
+        self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, matrix, forces);
+        self.add_efforts(structure, 1.0, &mut system);
+        add(&mut system.mass, &mass);
+        let of_links: Field = system.mass.map(|[x, y, z, ..]| [x, y, z]);
+        let mut impulses = ImpulseRates::none();
+        let lacking = self.covering.aero.follow_impulses().then_some(&mut impulses);
+        let (wind, rates) = (setting.wind, &mut dx[l.aero..]);
+        // The forces of the air on coordinates come by links, of which derivatives by its states are not told.
+        let late = known.wants_late && own == 0 && self.covering.aero.know_by_states();
+        net += if late {
+            let mut strips = [Wrench::ZERO; MAX_STRIPS];
+            let coupling = Coupling { mass: &mut system.mass, strips: &mut strips, impulses: lacking };
+            let riding = self.covering.riding(&carriers);
+            let Some((load, added)) =
+                self.covering.aero.by_states(&riding, wind, air, rates, coupling, by_states)
+            else {
+                return Ok(false);
+            };
+            add(&mut system.mass, &added);
+            load
+        } else {
+            system.add_air::<f64, f64>(self, &carriers, (wind, lacking), air, rates)
+        };
+        let singular = Fault::MassMatrix { time: t };
+        let accelerations = system.responses(&net, &of_links, [own, self.elements.len()]).ok_or(singular)?;
+        known.clear(x.len(), u.len(), if late { air.len() } else { 0 });
+        self.put_columns(&accelerations, (&setting.attitude, &impulses), early, dx, known);
+        if late {
+            system.accelerate(by_states).ok_or(singular)?;
+            self.put_late(by_states, (&setting.attitude, &impulses), known);
+        }
+        let (wind, wind_dot) = self.wind.at(t);
+        (known.wind, known.accelerations) = (wind, [Vec3::new(0.0, 0.0, -GRAVITY), wind_dot]);
+        (known.position, known.velocity, known.rate) = (l.position, l.velocity, l.rate);
+        Ok(true)
+    }
+
+    /// Completes the rates, and writes their derivatives by inputs and by uniform accelerations, from the accelerations of the body and
+    /// the second rates of the coordinates.
+    fn put_columns(
+        &self,
+        accelerations: &[Late; MAX_DEGREES],
+        (attitude, impulses): (&Mat3, &ImpulseRates<f64>),
+        early: &[f64],
+        dx: &mut [f64],
+        known: &mut Known,
+    ) {
+        let (l, own, elements) = (&self.layout, self.degrees(), self.elements.len());
+        let inputs = self.response.commands();
+        let mut gains = ArrayVec::<(usize, usize, f64), { MAX_ELEMENTS * MAX_ELEMENTS }>::new();
+        for (i, k) in (0..elements).flat_map(|i| (0..inputs).map(move |k| (i, k))) {
+            let gain = self.response.command_gain(i, k);
+            if gain != 0.0 {
+                gains.push((i, k, gain));
+            }
+        }
+        let mut put = |dx: &mut [f64], row: usize, rate: Late| {
+            dx[row] = rate.re;
+            known.fields[row * FIELDS..][..FIELDS].copy_from_slice(&rate.eps[..FIELDS]);
+            let columns = &mut known.inputs[row * inputs..][..inputs];
+            for (i, k, gain) in &gains {
+                columns[*k] += rate.eps[FIELDS + i] * gain;
+            }
+        };
+        let velocity = attitude.times(Vec3::from_slice(accelerations));
+        (0..3).for_each(|i| put(dx, l.velocity + i, velocity[i]));
+        (0..3).for_each(|i| put(dx, l.rate + i, accelerations[3 + i]));
+        for i in 0..own {
+            dx[l.joints + i] = early[l.joints + own + i];
+            put(dx, l.joints + own + i, accelerations[6 + i]);
+        }
+        for i in 0..elements {
+            let mut rate = Late::constant(dx[l.structure + elements + i]);
+            rate.eps[FIELDS + i] = 1.0;
+            put(dx, l.structure + elements + i, rate);
+        }
+        for (state, by) in impulses.rows() {
+            let mut rate = Late::constant(dx[l.aero + state]);
+            rate.eps[3..6].copy_from_slice(&by[..3]);
+            for i in 0..elements {
+                rate.eps[FIELDS + i] = -by[6 + own + i];
+            }
+            let lacking = accelerations.iter().zip(by).take(6 + own);
+            put(
+                dx,
+                l.aero + state,
+                lacking.fold(rate, |rate, (acceleration, by)| rate - *acceleration * *by),
+            );
+        }
+    }
+
+    /// Writes the derivatives by the states of the air, of which `by_states` holds those of the accelerations in place of the loads.
+    fn put_late(
+        &self,
+        by_states: &ByStates,
+        (attitude, impulses): (&Mat3, &ImpulseRates<f64>),
+        known: &mut Known,
+    ) {
+        let (l, n) = (&self.layout, by_states.states);
+        let mut add = |row: usize, factor: f64, of: usize| {
+            let row = known.late[row * n..][..n].iter_mut();
+            row.zip(&by_states.loads[of * n..]).for_each(|(sum, value)| *sum = factor.mul_add(*value, *sum));
+        };
+        for i in 0..3 {
+            (0..3).for_each(|k| add(l.velocity + i, attitude.0[i][k], k));
+            add(l.rate + i, 1.0, 3 + i);
+        }
+        for (state, by) in impulses.rows() {
+            (0..6).for_each(|k| add(l.aero + state, -by[k], k));
+        }
+        let own = known.late[l.aero * n..].iter_mut();
+        own.zip(&by_states.rates).for_each(|(sum, value)| *sum += value);
+    }
+
+    /// See [`Plant::derive`](wingbeat_ocp::plant::Plant::derive).
+    pub(super) fn turned_columns(&self, x: &[f64], f: &[f64], known: &Known, a: &mut [f64]) {
+        let (l, n) = (&self.layout, x.len());
+        let q: [Dual<4>; 4] = std::array::from_fn(|k| Dual::variable(x[l.attitude + k], k));
+        let q = Quat::from_wxyz(&q);
+        known.turn(&q.matrix(), (x, f), l.attitude, a);
+        let mut rates = [Dual::constant(0.0); 4];
+        q.rate(Vec3::constant(Vec3::from_slice(&x[l.rate..]))).store_wxyz(&mut rates);
+        for (row, rate) in a[l.attitude * n..].chunks_exact_mut(n).zip(rates) {
+            row[l.attitude..][..4].copy_from_slice(&rate.eps);
+        }
+    }
+
+    /// Adds the elements behind the coordinates of `out`, each with the joints that its acceleration moves. False where there is no room.
+    fn add_elements(
+        &self,
+        clock: &Jet<f64>,
+        structure: &[f64],
+        out: &mut Evaluation<f64>,
+    ) -> Result<bool, Fault> {
+        let mut held = [Jet::ZERO; MAX_ELEMENTS];
+        for (held, y) in held.iter_mut().zip(&structure[..self.elements.len()]) {
+            held.x = *y;
+        }
+        let (tree, own) = (&self.mechanism.tree, self.degrees());
+        let mut shares = out.coordinates.shares();
+        let mut moved = Joints::new();
+        for (i, element) in self.elements.iter().enumerate() {
+            let mut add = |joint: usize, ratio: f64| {
+                let room = shares < MAX_LINKS;
+                if room {
+                    out.coordinates.add_joint(own + i, tree, joint, ratio, &out.links);
+                    shares += 1;
+                }
+                room
+            };
+            let of_joint = |moved: &Displaced| match moved {
+                Displaced::Joint(joint) => Some(*joint),
+                _ => None,
+            };
+            let room = if element.moves.iter().all(|moved| of_joint(moved).is_some()) {
+                element.moves.iter().filter_map(of_joint).all(|joint| add(joint, 1.0))
+            } else {
+                // Second rates are linear in those of the displacements, whose rates are zero here.
+                let still = Jet::new(clock.x, 0.0, 0.0);
+                held[i].dd = 1.0;
+                moved.clear();
+                self.driven(self.phase_of(&still, structure, &held), &held, &mut moved)?;
+                held[i].dd = 0.0;
+                moved
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, jet)| jet.dd != 0.0)
+                    .all(|(joint, jet)| add(joint, jet.dd))
+            };
+            if !room {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+impl System<f64, f64> {
+    /// Accelerations (m/s2 and rad/s2, B) of the body under the wrench `net` and second rates of `own` coordinates, with their
+    /// derivatives by uniform accelerations of gravity and of the air, along the axes of B, and by those of the `elements`, which follow
+    /// the coordinates; `of_links` are the columns of the mass matrix without the air. `None` when the matrix is not positive
+    /// definite.
+    fn responses(
+        &self,
+        net: &Wrench<f64>,
+        of_links: &Field,
+        [own, elements]: [usize; 2],
+    ) -> Option<[Late; MAX_DEGREES]> {
+        let mut rhs = [Late::constant(0.0); MAX_DEGREES];
+        for (i, value) in rhs.iter_mut().enumerate().take(6 + own) {
+            value.re = match i {
+                0..3 => net.force[i],
+                3..6 => net.moment[i - 3],
+                _ => self.of_air[i - 6] + self.forces[i - 6],
+            };
+            for c in 0..3 {
+                value.eps[c] = of_links[i][c];
+                value.eps[3 + c] = self.mass[i][c] - of_links[i][c];
+            }
+            for e in 0..elements {
+                value.eps[FIELDS + e] = -self.mass[i][6 + own + e];
+            }
+        }
+        solve_symmetric_leading(6 + own, &mut { self.mass }, rhs)
+    }
+
+    /// Turns the derivatives of loads by states into those of the accelerations of a body without coordinates.
+    fn accelerate(&self, by_states: &mut ByStates) -> Option<()> {
+        let n = by_states.states;
+        let leading = |i: usize| std::array::from_fn(|j| self.mass[i][j]);
+        let mass: [[f64; 6]; 6] = std::array::from_fn(leading);
+        for first in (0..n).step_by(Late::LANES) {
+            let width = Late::LANES.min(n - first);
+            let mut rhs = [Late::constant(0.0); 6];
+            for (i, value) in rhs.iter_mut().enumerate() {
+                value.eps[..width].copy_from_slice(&by_states.loads[i * n + first..][..width]);
+            }
+            for (i, value) in solve_symmetric(mass, rhs)?.iter().enumerate() {
+                by_states.loads[i * n + first..][..width].copy_from_slice(&value.eps[..width]);
+            }
+        }
+        Some(())
+    }
+}
