@@ -26,7 +26,9 @@ pub use law::{
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LagSpeed, LiftTilt, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;
-pub use loads::{Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, StripLoads};
+pub use loads::{
+    Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, MembraneWork, StripLoads,
+};
 pub use membrane::{MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_height, membrane_points};
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
@@ -239,7 +241,7 @@ impl<P: Scalar> Aero<P> {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        loads.strips = 0;
+        loads.clear();
         (loads.wrench, loads.added_mass) = self.append(&sections, wind, x, dx, None, loads);
     }
     /// Loads and state rates among `others`, of which preset `paper` knows nothing. Writes the loads by

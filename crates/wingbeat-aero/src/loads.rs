@@ -147,6 +147,19 @@ impl<S: Scalar> std::ops::AddAssign for ForceDetail<S> {
     }
 }
 
+/// Energy of the membranes of all strips: over a time `given` is the growth of `stored` and what is `lost`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MembraneWork<S: Scalar = f64> {
+    /// Power of the loads on the two shapes, of their inertia too, W.
+    pub given: S,
+    /// Energy of the strains, J.
+    pub stored: S,
+    /// Power that the membrane's own damping takes, W.
+    pub lost: S,
+    /// Momentum of their own mass by its rate against the chords, in B, N s.
+    pub momentum: Vec3<S>,
+}
+
 /// What coordinates beyond the six of the body take from a surface.
 #[derive(Debug)]
 pub struct Coupling<'a, G: Scalar, S: Scalar> {
@@ -234,6 +247,8 @@ pub struct Loads<S: Scalar> {
     pub quarter_chord: [Vec3<S>; MAX_STRIPS],
     /// Number of strips.
     pub strips: usize,
+    /// What the membranes get, hold and lose.
+    pub membrane: MembraneWork<S>,
     /// Parts of the forces of each strip, where they are asked for: nothing but a record needs them.
     pub detail: Option<[ForceDetail<S>; MAX_STRIPS]>,
 }
@@ -254,12 +269,18 @@ impl<S: Scalar> Default for Loads<S> {
             suction_lost: [S::ZERO; MAX_STRIPS],
             quarter_chord: [Vec3::ZERO; MAX_STRIPS],
             strips: 0,
+            membrane: MembraneWork::default(),
             detail: None,
         }
     }
 }
 
 impl<S: Scalar> Loads<S> {
+    /// No strips and no membranes yet.
+    pub(super) fn clear(&mut self) {
+        (self.strips, self.membrane) = (0, MembraneWork::default());
+    }
+
     /// Empty loads that are to tell the parts of the forces too, where they are large: on the heap.
     pub fn boxed() -> Box<Self> {
         let mut loads = Box::<Self>::default();

@@ -145,7 +145,7 @@ impl<P: Scalar> Robot<P> {
             let second_rates = self
                 .second_rates(&moving, &carriers, gravity, (wind, clock.d), (x, beyond), dx)
                 .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
-            self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[elements..structure]);
+            self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[..structure]);
             self.let_go(&mut joints, &mut links, &coordinates, &ratios, &second_rates);
         }
         let mut moving = Links::new();
@@ -258,8 +258,9 @@ impl<P: Scalar> Robot<P> {
         }
         if self.motor.is_some() {
             let turning = second_rates[self.degrees() - 1];
-            joints.iter_mut().zip(ratios).for_each(|(joint, ratio)| joint.dd += *ratio * turning);
+            joints.iter_mut().zip(&ratios.crank).for_each(|(joint, ratio)| joint.dd += *ratio * turning);
         }
+        self.let_loaded_go(joints, ratios, second_rates);
         for (i, link) in links.iter_mut().enumerate() {
             *link = link.accelerated(&coordinates.combined(i, second_rates));
         }

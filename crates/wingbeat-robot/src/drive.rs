@@ -9,8 +9,23 @@ use arrayvec::ArrayVec;
 use wingbeat_math::{Jet, Meets, Scalar};
 use wingbeat_ocp::plant::Fault;
 
-/// dq/dphase of every joint, the displacements of the structure held; empty at a constant rate.
-pub(super) type Ratios<S> = ArrayVec<S, MAX_LINKS>;
+/// How joints move with what the dynamics decide beside their own coordinates.
+pub(super) struct Ratios<S> {
+    /// dq/dphase of every joint, the displacements of the structure held; empty at a constant rate.
+    pub crank: ArrayVec<S, MAX_LINKS>,
+    /// dq/dy of the joints of every element with an inertia, one element after the other.
+    pub loaded: ArrayVec<S, MAX_LINKS>,
+    /// Efforts of the actuators of these elements, N m or N.
+    pub pushes: ArrayVec<S, MAX_ELEMENTS>,
+}
+
+impl<S> Ratios<S> {
+    /// None yet.
+    #[inline]
+    pub fn new() -> Self {
+        Self { crank: ArrayVec::new(), loaded: ArrayVec::new(), pushes: ArrayVec::new() }
+    }
+}
 
 impl<P: Scalar> Robot<P> {
     /// Coordinates that the dynamics decide: elastic and free joints, then the crank under a motor.
@@ -100,7 +115,7 @@ impl<P: Scalar> Robot<P> {
         &self,
         phase: S,
         displacements: &[Jet<S>],
-        ratios: &mut Ratios<S>,
+        ratios: &mut ArrayVec<S, MAX_LINKS>,
     ) -> Result<(), Fault> {
         let mut held = [Jet::ZERO; MAX_ELEMENTS];
         for (held, y) in held.iter_mut().zip(displacements) {
@@ -138,7 +153,7 @@ impl<P: Scalar> Robot<P> {
         for (joint, drive) in self.mechanism.drives.iter().enumerate() {
             if drive.cranked() {
                 let crank = self.mechanism.coordinates.len();
-                coordinates.add_joint(crank, &self.mechanism.tree, joint, ratios[joint], links);
+                coordinates.add_joint(crank, &self.mechanism.tree, joint, ratios.crank[joint], links);
             }
         }
     }
@@ -160,7 +175,7 @@ impl Robot {
         displacements: &[Jet; MAX_ELEMENTS],
         torques: &[f64],
     ) -> Result<[f64; 2], Fault> {
-        let (mut ratios, mut displaced) = (Ratios::new(), Joints::new());
+        let (mut ratios, mut displaced) = (ArrayVec::new(), Joints::new());
         self.ratios(phase.x, displacements, &mut ratios)?;
         self.driven(Jet::new(phase.x, 0.0, 0.0), displacements, &mut displaced)?;
         let drive: f64 = torques.iter().zip(&ratios).map(|(torque, ratio)| torque * ratio).sum();

@@ -29,7 +29,7 @@ pub(super) struct Evaluation<G: Scalar, S: Over<G> = G> {
     pub base: LinkMotion<G>,
     /// How elastic joints and crank move the links.
     pub coordinates: Coordinates<G>,
-    /// Ratios of the joints to a crank under a motor.
+    /// Ratios of the joints to a crank under a motor and to elements with an inertia.
     pub ratios: Ratios<G>,
     /// Acceleration of the body origin and angular acceleration, inertial, in B.
     pub acceleration: [S; 6],
@@ -252,7 +252,7 @@ impl<P: Scalar> Robot<P> {
 
         attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
         Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
-        self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
+        self.store_coordinate_rates(structure, second_rates, &mut dx[l.structure..l.aero]);
         (out.attitude, out.acceleration) = (attitude, acceleration);
         Ok(())
     }
@@ -391,6 +391,7 @@ impl<P: Scalar> Robot<P> {
         if self.motor.is_some() {
             self.add_crank(links, ratios, coordinates);
         }
+        self.add_loaded(links, ratios, coordinates);
     }
 
     /// Adds what the loads `beyond` on the links are along the coordinates.
@@ -425,15 +426,20 @@ impl<P: Scalar> Robot<P> {
         }
     }
 
-    /// Rates of the coordinates and their rates; `structure` as for [`Robot::joints`].
+    /// Rates of the coordinates and their rates, and of the rates of elements with an inertia, into `dx`, which holds those of the whole
+    /// `structure`, as for [`Robot::joints`].
     pub(super) fn store_coordinate_rates<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         structure: &[G],
         second_rates: &[S],
         dx: &mut [S],
     ) {
-        let count = self.degrees();
-        lift(&structure[2 * self.elements.len() + count..][..count], dx);
+        let (elements, count) = (self.elements.len(), self.degrees());
+        for (loaded, rate) in self.loaded.iter().zip(&second_rates[count..]) {
+            dx[elements + loaded.element] = *rate;
+        }
+        let dx = &mut dx[2 * elements..];
+        lift(&structure[2 * elements + count..][..count], dx);
         dx[count..].copy_from_slice(&second_rates[..count]);
     }
 

@@ -170,10 +170,10 @@ fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result
 
 impl<P: Scalar> Robot<P> {
     /// Joint coordinates with rates and accelerations on the time `clock`, of a gait that may run up
-    /// or stand still; the second rates of elastic joints and of the crank under a motor, which the
-    /// dynamics decide, are zero. `structure` holds the states of the elements, then those of elastic
+    /// or stand still; the second rates of elastic joints, of elements with an inertia and of the crank under a motor,
+    /// which the dynamics decide, are zero. `structure` holds the states of the elements, then those of elastic
     /// joints and crank; `dx` receives the rates of the elements' states, `joints` the coordinates,
-    /// `ratios` the crank's ratios where a motor turns it.
+    /// `ratios` those of crank and elements which the dynamics decide.
     #[inline(never)]
     pub(super) fn joints<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
@@ -187,11 +187,13 @@ impl<P: Scalar> Robot<P> {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         self.response.rates(&displacements, dx);
+        self.press(&mut displacements, ratios);
         let phase = self.phase_of(clock, structure, &displacements);
         self.driven(phase, &displacements, joints)?;
         if self.motor.is_some() {
-            self.ratios(phase.x, &displacements, ratios)?;
+            self.ratios(phase.x, &displacements, &mut ratios.crank)?;
         }
+        self.loaded_ratios(phase.x, &displacements, ratios)?;
         self.decided(structure, joints);
         Ok(())
     }

@@ -19,6 +19,7 @@ mod dynamics;
 mod joints;
 mod known;
 mod lanes;
+mod loaded;
 mod mechanism;
 mod mirror;
 mod numbers;
@@ -66,6 +67,7 @@ use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use arrayvec::ArrayVec;
 use clearance::Clearances;
 use joints::{CRANK, Displaced, Placed};
+use loaded::Loaded;
 use mechanism::Mechanism;
 use std::sync::Arc;
 use surface::Covering;
@@ -121,6 +123,8 @@ pub struct Robot<P: Scalar = f64> {
     /// How far each element is displaced at rest.
     strokes: Vec<[f64; 2]>,
     elements: Vec<Placed>,
+    /// Those of them that bear what their joints bear.
+    loaded: Vec<Loaded<P>>,
     thrusters: Vec<Thruster>,
     covering: Covering<P>,
     clearances: Clearances,
@@ -197,6 +201,7 @@ impl Robot {
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
             inputs,
+            loaded: Loaded::all(spec, &elements, &mechanism)?,
             thrusters: Thruster::all(&own.thrusters, own.structure.elements.len()),
             elements,
             covering,

@@ -62,6 +62,12 @@ impl Robot {
         for element in &self.elements {
             twin.push(self.twin(&element.moves)?);
         }
+        let inertia = |e: usize| self.loaded.iter().find(|of| of.element == e).map(|of| of.inertia);
+        if let Some(e) = (0..elements).find(|&e| inertia(e) != inertia(twin[e])) {
+            let allowed = "that of the same element of the other wing";
+            let given = format!("{:?}", inertia(e));
+            return Err(Error::invalid(format!("structure.elements[{e}].inertia"), given, allowed));
+        }
         let coordinates = &self.mechanism.coordinates;
         let image = |joint: &usize| {
             let twin = self.mechanism.twins[*joint];

@@ -1,5 +1,6 @@
 //! The physical numbers of a robot, which may carry derivatives.
 
+use super::loaded::INERTIA;
 use super::mechanism::SIDES;
 use super::{PlacementNumbers, Robot};
 use crate::CrankMotor;
@@ -104,6 +105,8 @@ pub struct Numbers<P: Scalar = f64> {
     pub linkage: Option<LinkageDimensions<P>>,
     /// Response of the structure's elements.
     pub response: Response<P>,
+    /// Inertias of the elements that bear what their joints bear, kg m2 or kg.
+    pub inertias: Vec<P>,
     /// Of the elastic and free joints, in the order of their coordinates.
     pub springs: Vec<SpringNumbers<P>>,
     /// Of the surfaces.
@@ -140,6 +143,9 @@ impl<P: Scalar> Parameters<P> for Numbers<P> {
             }),
             linkage: self.linkage.as_ref().map(|linkage| at.within("linkage", |at| linkage.walk(at))),
             response: at.within("structure", |at| self.response.walk(at)),
+            inertias: at.within("structure", |at| {
+                at.list(("elements", "loaded"), &self.inertias, |at, of| at.number("inertia", &INERTIA, *of))
+            }),
             springs: at.list(("links", "springs"), &self.springs, |at, spring| {
                 at.within("elastic", |at| spring.walk(at))
             }),
@@ -180,6 +186,7 @@ impl<P: Scalar> Robot<P> {
             series: self.mechanism.series().map(|(_, series, lag)| (series.clone(), lag)).collect(),
             linkage: self.mechanism.linkage.as_ref().map(|linkage| linkage.dimensions().clone()),
             response: self.response.clone(),
+            inertias: self.loaded.iter().map(|loaded| loaded.inertia).collect(),
             springs: self.mechanism.springs().map(|spring| spring.numbers).collect(),
             surfaces: self.covering.aero.surfaces().iter().map(|s| s.aero().numbers().clone()).collect(),
             placements: self.covering.placements.clone(),
@@ -211,6 +218,7 @@ impl Robot {
                 let name = within.strip_prefix("surfaces.")?;
                 self.covering.laid.iter().find(|laid| laid.name == name)?.panel(place)
             }
+            "loaded" => Some(self.elements.get(self.loaded.get(place)?.element)?.name.as_str()),
             "elements" => self.elements.get(place).map(|element| element.name.as_str()),
             "regulators" => {
                 let name = self.inputs.get(place)?.name.as_str();
@@ -262,6 +270,7 @@ impl Robot {
             strokes_per_cycle: self.strokes_per_cycle,
             motor: numbers.motor,
             response: numbers.response.clone(),
+            loaded: self.loaded.iter().zip(&numbers.inertias).map(|(of, m)| of.with(*m)).collect(),
             strokes: self.strokes.clone(),
             elements: self.elements.clone(),
             thrusters: self.thrusters.clone(),

@@ -32,11 +32,11 @@ pub struct Observation {
     pub regulator_power: f64,
     /// The motor, where one turns the crank.
     pub motor: Option<MotorWork>,
-    /// Kinetic energy plus potential energy above z = 0 and in the springs of elastic joints, J.
+    /// Kinetic energy plus potential energy above z = 0, in the springs of elastic joints and in membranes, J.
     pub energy: f64,
-    /// Power that the surfaces and the body take from the air, W.
+    /// Power that the surfaces, their membranes and the body take from the air, W; that of the membranes' own inertia is in it.
     pub air_power: f64,
-    /// Power that the dampers of elastic joints take, W.
+    /// Power that the dampers of elastic joints and membranes take, W.
     pub dissipation: f64,
     /// Aerodynamic loads summed over the strips of all surfaces, by source, in B about the body origin.
     pub air: StripLoads<f64>,
@@ -60,6 +60,8 @@ pub struct Observation {
     pub strips: Box<Loads<f64>>,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3,
+    /// Momentum of body and links, in W, kg m/s.
+    pub momentum: Vec3,
     /// Angular momentum of body and links about the centre of mass, in W, kg m2/s.
     pub angular_momentum: Vec3,
     /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
@@ -174,11 +176,14 @@ impl Robot {
                 - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, links)
                 + tree.potential_energy(g, links, datum)
-                + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>(),
+                + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>()
+                + strips.membrane.stored,
             air_power: super::carried::air_power(base, links, &external)
                 + body_drag.force.dot(e.base.velocity)
-                + body_drag.moment.dot(e.base.rate),
-            dissipation: springs().map(|(spring, joint, _)| spring.dissipation(joint.d)).sum(),
+                + body_drag.moment.dot(e.base.rate)
+                + strips.membrane.given,
+            dissipation: springs().map(|(spring, joint, _)| spring.dissipation(joint.d)).sum::<f64>()
+                + strips.membrane.lost,
             inertia: self.momentum_reaction(e.base.rate, links, body),
             joints: joints.iter().map(|j| j.x).collect(),
             torques: torques.to_vec(),
@@ -191,6 +196,7 @@ impl Robot {
             gravity: tree.gravity(g, links),
             strips,
             center_of_mass,
+            momentum: e.attitude * momentum.linear,
             angular_momentum: e.attitude * momentum.angular,
             outlines: self.outlines(&e.base, links),
             clearances: self.clearances.least(links).collect(),

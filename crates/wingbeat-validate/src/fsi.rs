@@ -1,6 +1,7 @@
 //! Elastic wings and the air that moves them.
 
 pub mod beam;
+mod element;
 mod energy;
 pub mod flapping;
 pub mod flight;
@@ -21,6 +22,7 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.divergence", quick: true, run: divergence },
     Case { id: "fsi.flutter", quick: false, run: flutter::rows },
     Case { id: "fsi.energy", quick: true, run: energy::rows },
+    Case { id: "fsi.element", quick: true, run: element::rows },
 ];
 
 /// Distance of the elastic axis behind the leading edge, chords.

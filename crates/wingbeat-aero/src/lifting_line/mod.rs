@@ -291,7 +291,7 @@ impl<P: Scalar> LiftingLine<P> {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        loads.strips = 0;
+        loads.clear();
         (loads.wrench, loads.added_mass) = self.append(sections, wind, x, dx, loads);
     }
 

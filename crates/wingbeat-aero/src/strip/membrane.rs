@@ -5,6 +5,7 @@
 //! and of the air that it carries within the membrane's own damping time, the second shape none: the frequency with that air has to lie
 //! far above that of the motion, which [`StripModel::membrane_scales`] tells.
 
+mod reaction;
 mod sheet;
 
 use super::{Flow, StripModel};
@@ -15,11 +16,12 @@ use sheet::{ARC, MODES};
 pub(super) use sheet::{Membrane, Shapes};
 use wingbeat_math::{Meets, Over, Scalar};
 
-/// What each strip carries for it: the heights over the chord, and the momentum that the parabola feels, as followed.
+/// What each strip carries for it: the heights over the chord, the momentum that the parabola feels and the rate of its height, as
+/// followed.
 pub(super) const STATES: [(&str, &str); BLOCKS] =
-    [("camber", ""), ("camber_forward", ""), ("camber_momentum", "N s")];
+    [("camber", ""), ("camber_forward", ""), ("camber_momentum", "N s"), ("camber_rate", "m/s")];
 /// Number of its states per strip.
-pub(super) const BLOCKS: usize = MODES + 1;
+pub(super) const BLOCKS: usize = MODES + 2;
 
 /// What the camber does on each strip; columns end with the last strip that is computed, and are empty without a membrane.
 pub(super) struct Camber<'x, S: Scalar, const N: usize> {
@@ -31,13 +33,21 @@ pub(super) struct Camber<'x, S: Scalar, const N: usize> {
     pub flat: ArrayVec<S, N>,
     /// What the slope at the leading edge takes of that wash there, m/s.
     pub nose: ArrayVec<S, N>,
+    /// Rate of the parabola's height as followed, m/s, and its rate, m/s2.
+    pub followed: [ArrayVec<S, N>; 2],
+    /// Impulse of the air by the slope of the second shape, N s, and its rate, N.
+    pub slope: [ArrayVec<S, N>; 2],
+    /// Power of the loads on the shapes, W; none where it is not wanted.
+    pub given: Option<S>,
 }
 
 impl<S: Scalar, const N: usize> Camber<'_, S, N> {
     /// That of a rigid surface. Columns are not filled and not moved: with derivatives they are large.
     #[inline(always)]
     pub fn none() -> Self {
-        Self { of_chord: [&[]; MODES], couple: ArrayVec::new(), flat: ArrayVec::new(), nose: ArrayVec::new() }
+        let empty = || [ArrayVec::new(), ArrayVec::new()];
+        let ([couple, flat], [nose, _]) = (empty(), empty());
+        Self { of_chord: [&[]; MODES], couple, flat, nose, followed: empty(), slope: empty(), given: None }
     }
 }
 
@@ -148,8 +158,13 @@ impl<P: Scalar> StripModel<P> {
         air: &SectionAir<G>,
         membrane: &Membrane<P>,
     ) -> [G; 2] {
-        let mass = self.membrane_mass(i, membrane) * (2.0 / 3.0);
+        let mass = self.film_mass(i, membrane);
         [air.impulse * 0.75 + air.wash_half * mass, air.turning * mass]
+    }
+
+    /// Mass of the membrane of strip `i` as both chord and parabola move it, (2/3) m, kg.
+    fn film_mass(&self, i: usize, membrane: &Membrane<P>) -> P {
+        self.membrane_mass(i, membrane) * (2.0 / 3.0)
     }
 
     /// Mass of the membrane of strip `i`, kg.
@@ -178,14 +193,14 @@ impl<P: Scalar> StripModel<P> {
     /// L = rho a0 b dy V a half on the parabola, with w_l - B1/4, and an eighth on the other, with w_l + B1/2 - B2, where
     /// B1 = -b q - 4 V h_1/c and B2 = -3 V h_2/c; the vortex like the lift; on the parabola 2/3 of what presses evenly, the plate's
     /// force in separated flow, and `inertia`: (3/4) P' of the air that the chord carries less (2/3) m a of the membrane's mass.
-    /// Left out, and named in docs/sections.md: the lift -3/4 pi rho b^2 h_1'' of the air that an accelerating camber carries, what is felt
-    /// of the second shape's rates, and the weight; w holds the wind, so that a gust moves the membrane's mass too.
+    /// What the rate h_1' makes of the second load is [`crossing`](Self::crossing). Left out, and named in docs/sections.md: what is felt of
+    /// the second shape's rates, and the weight; w holds the wind, so that a gust moves the membrane's mass too.
     ///
     /// Equation: aero.camber_load
-    /// `Q_1 = L (w_l + b q/4 + V h_1/c)/2 + F_vortex/2 + 2/3 F_plate + 3/4 P' - 2/3 m a, Q_2 = L (w_l - b q/2 - V (2 h_1 - 3 h_2)/c)/8 +
-    /// F_vortex/8`
+    /// `Q_1 = L (w_l + b q/4 + V h_1/c)/2 + F_vortex/2 + 2/3 F_plate + 3/4 P' - 2/3 m a, Q_2 = L (w_l - b q/2 - V (2 h_1 - 3 h_2)/c -
+    /// h_1'/2)/8 - pi rho b^2 dy V h_1'/(4 c) + F_vortex/8`
     /// Source: pressure of thin-aerofoil theory, 2 rho V [(w_l + B1/2) cot(t/2) - B1 sin t - B2 sin 2t] + 2 rho dphi/dt (Theodorsen
-    /// 1935; Glauert 1926), against the shapes; evenness of the plate's pressure a choice; the rate of B1 on h_2 left out.
+    /// 1935; Glauert 1926), against the shapes; evenness of the plate's pressure a choice; the rate of -b q in B1 on h_2 left out.
     /// Test: `a_sail_bulges_and_lifts_as_its_two_shapes_say`.
     fn camber_load<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
@@ -231,20 +246,22 @@ impl<P: Scalar> StripModel<P> {
         &Skin { membrane, airs, of_chord }: &Skin<'_, P, G, S>,
         attached: &[S],
         [wash, lift_wash, flat, nose, couple]: [&mut [S]; 5],
+        ([follows, slope], wanted): ([[&mut [S]; 2]; 2], bool),
         x: &[S],
         dx: &mut [S],
-    ) {
+    ) -> S {
         let (n, tables, at) = (self.settings.strips, &self.tables, self.camber_states());
         let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
         let (mut first, mut second) = (ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new());
         let mut resistances = [ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new()];
+        let mut crossings = ArrayVec::<S, MAX_STRIPS>::new();
         let (felt, per_time) = (at + MODES * n, membrane.damping.recip());
         for (i, air) in airs.iter().enumerate() {
             // The rate of the momentum as a state follows it: accelerations are not yet known here.
             let [momentum, turning] = self.camber_momentum(i, air, membrane);
             let wind = air.along.smooth_abs(self.floor);
-            let of_slope = of_chord[1][i] * (wind * (self.carried_mass(i) * 0.5));
-            dx[felt + i] = (x[felt + i] - momentum - of_slope) * -per_time;
+            slope[0][i] = of_chord[1][i] * (wind * (self.carried_mass(i) * 0.5));
+            dx[felt + i] = (x[felt + i] - momentum - slope[0][i]) * -per_time;
             let vortex = vortices.map_or(S::ZERO, |vortices| vortices[i]);
             let section = (lift_wash[i], attached[i], vortex, dx[felt + i] - turning);
             let load = self.camber_load(i, air, of_chord.map(|shape| shape[i]), section);
@@ -254,8 +271,18 @@ impl<P: Scalar> StripModel<P> {
             let of_air = attached[i] * (wind * scale);
             resistances[0].push(of_air + self.camber_mass(i, membrane) * per_time);
             resistances[1].push(of_air);
+            crossings.push(self.crossing(i, wind, attached[i]));
         }
-        membrane.rates(of_chord, resistances.each_ref().map(|of| &of[..]), &mut [&mut first, &mut second]);
+        let loads = wanted.then(|| [first.clone(), second.clone()]);
+        let resistances = resistances.each_ref().map(|of| &of[..]);
+        membrane.rates(of_chord, resistances, &crossings, &mut [&mut first, &mut second]);
+        let power = |[on_first, on_second]: [ArrayVec<S, MAX_STRIPS>; 2]| {
+            (0..n).fold(S::ZERO, |sum, i| {
+                let fore = on_second[i] + crossings[i] * first[i] - resistances[1][i] * second[i];
+                sum + (on_first[i] - resistances[0][i] * first[i]) * first[i] + fore * second[i]
+            })
+        };
+        let given = loads.map_or(S::ZERO, power);
         for (i, air) in airs.iter().enumerate() {
             let (fallen, wind) = (first[i] * -0.5, air.along.smooth_abs(self.floor));
             wash[i] += fallen;
@@ -263,6 +290,9 @@ impl<P: Scalar> StripModel<P> {
             nose[i] = of_chord[1][i] * wind;
             flat[i] = lift_wash[i] - of_chord[0][i] * (wind * 2.0) + nose[i];
             dx[felt + i] -= first[i] * (self.camber_mass(i, membrane) * per_time);
+            dx[felt + n + i] = (first[i] - x[felt + n + i]) * per_time;
+            (follows[0][i], follows[1][i]) = (x[felt + n + i], dx[felt + n + i]);
+            slope[1][i] = second[i] * (wind * (self.carried_mass(i) * 0.5 / tables.chord[i]));
             couple[i] = self.camber_moment(i, wind, attached[i], of_chord.map(|shape| shape[i]), first[i]);
             for (k, lag) in self.numbers.lags.iter().enumerate() {
                 dx[k * n + i] += fallen * (air.speed * (lag.rate * tables.turnover[i]));
@@ -271,6 +301,16 @@ impl<P: Scalar> StripModel<P> {
                 dx[at + m * n + i] = rate[i] * tables.chord[i].recip();
             }
         }
+        given
+    }
+
+    /// Load on the second shape of strip `i` per rate h_1', N s/m: the wash -h_1'/2 that lifts at once and B2 = h_1'/2 in aero.camber_load, and
+    /// the rate -4 V h_1'/c of B1, which bears on that shape with pi rho b^2 B1'/16 for each span.
+    fn crossing<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(&self, i: usize, wind: G, attached: S) -> S {
+        let tables = &self.tables;
+        let by_lift = tables.lift_scale[i] * (tables.at_once + 1.0) * (1.0 / 16.0);
+        let by_rate = wind * (self.carried_mass(i) * 0.25 / tables.chord[i]);
+        -(attached * (wind * by_lift)) - by_rate
     }
 
     /// What the membrane meets, if there is one, kept in `airs`.

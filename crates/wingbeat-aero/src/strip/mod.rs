@@ -238,7 +238,7 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        loads.strips = 0;
+        loads.clear();
         let wanted = Wanted { loads: Some(&mut *loads), coupling: None };
         (loads.wrench, loads.added_mass) =
             self.evaluate_among::<S, S, S>(&sections, wind, x, dx, None, wanted);
@@ -351,8 +351,12 @@ impl<P: Scalar> StripModel<P> {
             self.note_others(foreign.as_ref(), loads);
         }
         let mut camber = Camber::none();
+        camber.given = loads.as_ref().map(|_| S::ZERO);
         let (x, dx) = (&x[..states], &mut dx[..states]);
         let response = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut Whole);
+        if let Some(loads) = loads.as_deref_mut() {
+            self.note_membrane(flow, &response, (x, dx), loads);
+        }
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
             self.couple(flow, sections, mass);
             if let (Some(rates), true) = (impulses, self.follows()) {

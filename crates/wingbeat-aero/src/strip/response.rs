@@ -376,13 +376,19 @@ impl<P: Scalar> StripModel<P> {
         }
         let mut lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
         let camber = skin.map(|skin| {
-            let Camber { of_chord, couple, flat, nose } = &mut *camber;
+            let Camber { of_chord, couple, flat, nose, followed, slope, given } = &mut *camber;
             *of_chord = self.cambers(x);
             let count = lanes::<S, N>(self.settings.strips);
             append_copies(couple, S::ZERO, count);
             append_copies(flat, S::ZERO, count);
             append_copies(nose, S::ZERO, count);
-            self.bulge(&skin, &attached, [&mut wash, &mut lift_wash, flat, nose, couple], x, dx);
+            for column in followed.iter_mut().chain(slope.iter_mut()) {
+                append_copies(column, S::ZERO, count);
+            }
+            let washes = [&mut wash, &mut lift_wash, &mut flat[..], &mut nose[..], &mut couple[..]];
+            let moving = [followed, slope].map(|of| of.each_mut().map(|column| &mut column[..]));
+            let power = self.bulge(&skin, &attached, washes, (moving, given.is_some()), x, dx);
+            *given = given.map(|_| power);
             &*camber
         });
         // What the slope of a camber adds is borne by it, not by the leading edge.
@@ -417,6 +423,9 @@ impl<P: Scalar> StripModel<P> {
             let mut impulse_rate = column(self.settings.strips, |i| {
                 held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i]
             });
+            if let Some(camber) = camber {
+                self.push_back(flow, camber, [&mut impulse, &mut impulse_rate]);
+            }
             if self.follows() {
                 self.follow_impulse(x, dx, &mut impulse, &mut impulse_rate);
             }

@@ -312,7 +312,7 @@ impl<P: Scalar> Surfaces<P> {
         if let ([only], false) = (&self.surfaces[..], self.grounded) {
             return only.aero.evaluate(sections, wind, x, dx, loads);
         }
-        loads.strips = 0;
+        loads.clear();
         let vortices = self.vortices(&sections, wind, x, ground);
         let mut sum = Sum::ZERO;
         for surface in &self.surfaces {

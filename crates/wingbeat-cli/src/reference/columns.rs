@@ -293,6 +293,7 @@ pub const COLUMNS: &[Described] = &[
     column("camber_<n>", &[FLIGHT], ONE, "", "State of a membrane: height above mid chord over the chord of strip n."),
     column("camber_forward_<n>", &[FLIGHT], ONE, "", "State of a membrane: height over the chord of the shape of strip n that moves the bulge forward."),
     column("camber_momentum_<n>", &[FLIGHT], &["N s"], "", "State of a membrane: momentum of the air on strip n that the camber feels, as it is followed."),
+    column("camber_rate_<n>", &[FLIGHT], &["m/s"], "", "State of a membrane: rate of the height of its first shape on strip n, as it is followed."),
     column("separated_<n>", &[FLIGHT, GAIT], ONE, "", "State of law `lev`: separated share of the flow of strip n."),
     column("<surface>_separated_<n>", &[FLIGHT, GAIT], ONE, "", "The same of another surface."),
     column("lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "State of presets `paper` and `as_printed`: lag k of the wash at node n."),

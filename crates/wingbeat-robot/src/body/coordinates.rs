@@ -7,7 +7,7 @@ use super::motion::LinkMotion;
 use super::tree::Tree;
 use arrayvec::ArrayVec;
 use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench};
-use wingbeat_ocp::plant::MAX_DEGREES;
+use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
 
 /// What the rate of one coordinate does through one joint.
 #[derive(Clone, Copy, Debug)]
@@ -24,13 +24,15 @@ struct Share<S: Scalar> {
 pub struct Coordinates<S: Scalar = f64> {
     count: usize,
     shares: ArrayVec<Share<S>, MAX_LINKS>,
+    /// Efforts and inertias of coordinates beside those of the links.
+    own: ArrayVec<(usize, [S; 2]), MAX_COORDINATES>,
 }
 
 impl<S: Scalar> Coordinates<S> {
     /// No coordinate.
     #[inline]
     pub fn none() -> Self {
-        Self { count: 0, shares: ArrayVec::new() }
+        Self { count: 0, shares: ArrayVec::new(), own: ArrayVec::new() }
     }
 
     /// Number of coordinates.
@@ -61,6 +63,16 @@ impl<S: Scalar> Coordinates<S> {
         let field = BaseAcceleration { origin: origin * ratio, angular: angular * ratio };
         self.count = self.count.max(coordinate + 1);
         self.shares.push(Share { coordinate, links: tree.nodes[joint].carried, field });
+    }
+
+    /// Gives `coordinate` an inertia of its own beside that of the links, kg m2 of an angle, kg of a length, and an effort along it, N m
+    /// or N.
+    ///
+    /// # Panics
+    /// When there are more of them than coordinates.
+    pub fn add_own(&mut self, coordinate: usize, effort: S, inertia: S) {
+        self.count = self.count.max(coordinate + 1);
+        self.own.push((coordinate, [effort, inertia]));
     }
 
     /// Motion of `link` (None: the base) about the body origin per unit rate of `coordinate`, in B.
@@ -116,6 +128,10 @@ impl<P: Scalar> Tree<P> {
         mass: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
         forces: &mut [S],
     ) {
+        for &(coordinate, [effort, inertia]) in &coordinates.own {
+            forces[coordinate] += effort;
+            mass[6 + coordinate][6 + coordinate] += inertia;
+        }
         for (link, (node, motion)) in self.nodes.iter().zip(motions).enumerate() {
             let Some(inertia) = &node.inertia else { continue };
             let reaction = inertia.reaction(motion);

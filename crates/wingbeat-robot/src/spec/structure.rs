@@ -84,6 +84,11 @@ pub struct ElementSpec {
     /// Upper limit of the actuator, rad or m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
+    /// Inertia as what it moves meets it: of its actuator and of the gears between, kg m2 of joints that turn and of `scales`, kg of those
+    /// that slide and of link lengths. It then bears what its joints bear: m y'' is m times the response by itself plus the
+    /// load along y. Without it nothing pushes the element back.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<f64>,
     /// Natural frequency, Hz, in place of the structure's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
@@ -96,7 +101,11 @@ pub struct ElementSpec {
 }
 
 ranges!(StructureSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
-ranges!(ElementSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
+ranges!(ElementSpec {
+    inertia: Range::POSITIVE,
+    frequency_hz: Range::POSITIVE,
+    damping: Range::NOT_NEGATIVE
+});
 
 impl ElementSpec {
     /// Whether it changes the rate of the crank.

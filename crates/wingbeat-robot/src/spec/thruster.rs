@@ -51,6 +51,7 @@ impl ThrusterSpec {
             scales: Vec::new(),
             low: Some(0.0),
             high: Some(self.max_n),
+            inertia: None,
             frequency_hz: Some(1.0 / (PI * self.lag_s)),
             damping: Some(1.0),
             thruster: Some(thruster),

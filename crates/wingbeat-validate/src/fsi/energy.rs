@@ -1,11 +1,11 @@
-//! A flight of an elastic flapper: work of drives, dampers and air against kinetic, potential and elastic energy.
+//! A flight of an elastic flapper: work of drives, dampers and air against kinetic, potential and elastic energy, and its momentum.
 
 use wingbeat::aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, SectionSettings, StripModel, StripSettings,
 };
-use wingbeat::math::{Quat, RK4, Vec3, Workspace};
+use wingbeat::math::{GRAVITY, Quat, RK4, Vec3, Workspace};
 use wingbeat::plant::{Fault, Linearisation, Plant};
-use wingbeat::robot::{Air, Robot, SurfaceOutline, Wind};
+use wingbeat::robot::{Air, Observation, Robot, SurfaceOutline, Wind};
 use wingbeat::scenario::Document;
 
 use crate::aero_full::Preset;
@@ -18,12 +18,12 @@ const DURATION: f64 = 0.25;
 /// Step, s.
 const STEP: f64 = 4e-4;
 
-fn model(preset: Preset, law: LiftLaw, outline: SurfaceOutline) -> Result<Aero, Error> {
+fn model(preset: Preset, law: LiftLaw, density_kg_m3: f64, outline: SurfaceOutline) -> Result<Aero, Error> {
     let drag = outline.drag(law);
     let SurfaceOutline { planform, hinges, membrane, .. } = outline;
     if preset == Preset::Paper {
         let settings = LiftingLineSettings {
-            section: SectionSettings { density_kg_m3: DENSITY, law, drag, ..Default::default() },
+            section: SectionSettings { density_kg_m3, law, drag, ..Default::default() },
             ..Default::default()
         };
         return Ok(Aero::LiftingLine(LiftingLine::new(&planform, settings)?));
@@ -31,7 +31,7 @@ fn model(preset: Preset, law: LiftLaw, outline: SurfaceOutline) -> Result<Aero, 
     let settings = StripSettings {
         hinge_arcs_m: hinges,
         membrane,
-        section: SectionSettings { density_kg_m3: DENSITY, law, drag, ..Default::default() },
+        section: SectionSettings { density_kg_m3, law, drag, ..Default::default() },
         ..Default::default()
     };
     Ok(Aero::Strip(StripModel::new(&planform, settings)?))
@@ -40,47 +40,105 @@ fn model(preset: Preset, law: LiftLaw, outline: SurfaceOutline) -> Result<Aero, 
 /// A membrane of its wings: a film of 10 um, every number a choice.
 const SKIN: &str = "membrane = { thickness_m = 1e-5, modulus_pa = 1e8, density_kg_m3 = 1000.0, prestrain = 0.005, damping_s = 1e-3, ribs_m = [0.02, 0.13, 0.2] }\n";
 
-/// The flapper of `validation/fsi/flapper.toml` in a slight wind.
-fn flapper(preset: Preset, law: LiftLaw, skin: bool) -> Result<Robot, Error> {
-    let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/fsi/flapper.toml"));
-    let file = "fsi/flapper.toml";
-    let wing = "[[surfaces]]\nname = \"wing\"\n";
-    let text = if skin { text.replace(wing, &format!("{wing}{SKIN}")) } else { text.to_owned() };
-    let spec = Document::text(file, &text)
-        .and_then(|d| d.robot())
-        .map_err(|e| Error::reference(file, e.to_string()))?;
-    let models = spec.outlines()?.into_iter().map(|outline| model(preset, law, outline));
-    let air = Air { density: DENSITY, wind: Wind::steady(Vec3::new(0.1, -0.2, 0.05)) };
-    Ok(Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?)
+/// Elements of its wings that bear their loads, every number a choice.
+const ELEMENTS: &str = "[structure]\nfrequency_hz = 12.0\ndamping = 0.3\nelements = [\n\
+    { name = \"arm_left\", scales = [\"arm_left\"], low = -1.0, high = 1.0, inertia = 2e-6 },\n\
+    { name = \"arm_right\", scales = [\"arm_right\"], low = -1.0, high = 1.0, inertia = 2e-6 },\n\
+    { name = \"hand_left\", moves = [\"hand_left\"], low = -1.0, high = 1.0, inertia = 4e-7 },\n\
+    { name = \"hand_right\", moves = [\"hand_right\"], low = -1.0, high = 1.0, inertia = 4e-7 },\n]\n";
+
+/// A cycle of the flapper of `validation/fsi/flapper.toml` in a slight wind.
+struct Trial {
+    preset: Preset,
+    law: LiftLaw,
+    /// Whether its wings are membranes.
+    skin: bool,
+    /// Whether the elements bear their loads.
+    elements: bool,
+    /// Density of the air, kg/m3.
+    density: f64,
+    /// s.
+    step: f64,
 }
 
-/// Work done on the robot less the growth of its energy, over the largest work on the way.
-fn imbalance(preset: Preset, skin: bool) -> Result<f64, Error> {
-    let robot = flapper(preset, LiftLaw::Stall, skin)?;
-    let (l, n) = (*robot.layout(), robot.states().len());
-    let mut x = vec![0.0; n + 1];
-    Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);
-    Vec3::new(2.0, 0.1, -0.3).store(&mut x[l.velocity..]);
-    Vec3::new(0.4, -0.8, 0.5).store(&mut x[l.rate..]);
-    let coordinates = robot.start_coordinates();
-    x[l.joints..][..coordinates.len()].copy_from_slice(&coordinates);
-    // The last state is the work of drives, dampers and air.
-    let rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
-        robot.rates_in_numbers(t, &x[..n], &[], &mut dx[..n])?;
-        let seen = robot.observe(t, &x[..n], &[])?;
-        dx[n] = seen.power + seen.air_power - seen.dissipation;
-        Ok(())
-    };
-    let mut work = Workspace::new(n + 1, RK4.b.len());
-    let start = robot.observe(0.0, &x[..n], &[])?.energy;
-    let step = if skin { 0.25 * STEP } else { STEP };
-    let (steps, mut largest) = ((DURATION / step).round() as usize, 0.0_f64);
-    for i in 0..steps {
-        RK4.step(rates, i as f64 * step, step, &mut x, &mut work)?;
-        largest = largest.max(x[n].abs());
+/// A membrane's own time is short.
+const OF_SKIN: Trial = Trial { skin: true, step: 0.25 * STEP, ..OF_WING };
+const OF_WING: Trial = Trial {
+    preset: Preset::Full,
+    law: LiftLaw::Stall,
+    skin: false,
+    elements: false,
+    density: DENSITY,
+    step: STEP,
+};
+
+/// What a trial lacks: see [`Trial::run`].
+struct Lacking {
+    energy: f64,
+    membrane: f64,
+    momentum: f64,
+}
+
+impl Trial {
+    fn robot(&self) -> Result<Robot, Error> {
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/fsi/flapper.toml"));
+        let file = "fsi/flapper.toml";
+        let wing = "[[surfaces]]\nname = \"wing\"\n";
+        let text = if self.skin { text.replace(wing, &format!("{wing}{SKIN}")) } else { text.to_owned() };
+        let text = if self.elements { text + ELEMENTS } else { text };
+        let spec = Document::text(file, &text)
+            .and_then(|d| d.robot())
+            .map_err(|e| Error::reference(file, e.to_string()))?;
+        let of = |outline| model(self.preset, self.law, self.density, outline);
+        let models = spec.outlines()?.into_iter().map(of);
+        let air = Air { density: self.density, wind: Wind::steady(Vec3::new(0.1, -0.2, 0.05)) };
+        Ok(Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?)
     }
-    let end = robot.observe(DURATION, &x[..n], &[])?.energy;
-    Ok((x[n] - (end - start)).abs() / largest)
+
+    /// Over a cycle: work on the robot less the growth of its energy, over the largest work on the way; the same of the membrane alone,
+    /// over all work whatever its sense; and the largest change of the momentum of links and membrane but by the weight, over it.
+    fn run(&self) -> Result<Lacking, Error> {
+        let robot = self.robot()?;
+        let (l, n) = (*robot.layout(), robot.states().len());
+        let u = &[0.04, -0.03, 0.05, 0.02][..robot.inputs().len()];
+        let mut x = vec![0.0; n + 3];
+        Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);
+        Vec3::new(2.0, 0.1, -0.3).store(&mut x[l.velocity..]);
+        Vec3::new(0.4, -0.8, 0.5).store(&mut x[l.rate..]);
+        let coordinates = robot.start_coordinates();
+        x[l.joints..][..coordinates.len()].copy_from_slice(&coordinates);
+        // Behind the state: work of drives, dampers and air, work on the membrane less what it loses, and its size.
+        let rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
+            robot.rates_in_numbers(t, &x[..n], u, &mut dx[..n])?;
+            let seen = robot.observe(t, &x[..n], u)?;
+            let skin = &seen.strips.membrane;
+            dx[n] = seen.power + seen.air_power - seen.dissipation;
+            (dx[n + 1], dx[n + 2]) = (skin.given - skin.lost, skin.given.abs());
+            Ok(())
+        };
+        let mut work = Workspace::new(n + 3, RK4.b.len());
+        let momentum = |seen: &Observation, t: f64| {
+            let weight = Vec3::new(0.0, 0.0, -GRAVITY * robot.mass() * t);
+            seen.momentum + seen.attitude * seen.strips.membrane.momentum - weight
+        };
+        let start = robot.observe(0.0, &x[..n], u)?;
+        let before = momentum(&start, 0.0);
+        let steps = (DURATION / self.step).round() as usize;
+        let (mut largest, mut changed) = (0.0_f64, 0.0_f64);
+        for i in 0..steps {
+            RK4.step(rates, i as f64 * self.step, self.step, &mut x, &mut work)?;
+            largest = largest.max(x[n].abs());
+            let t = (i + 1) as f64 * self.step;
+            changed = changed.max((momentum(&robot.observe(t, &x[..n], u)?, t) - before).norm());
+        }
+        let end = robot.observe(DURATION, &x[..n], u)?;
+        let stored = end.strips.membrane.stored - start.strips.membrane.stored;
+        Ok(Lacking {
+            energy: (x[n] - (end.energy - start.energy)).abs() / largest,
+            membrane: (x[n + 1] - stored).abs() / x[n + 2],
+            momentum: changed / before.norm(),
+        })
+    }
 }
 
 /// The rows.
@@ -95,22 +153,43 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         } else {
             format!("fsi.energy.{}", preset.name())
         };
-        Ok(Row::judged(&id, "conservation of energy", &metric, imbalance(preset, false)?, 1e-8, ""))
+        let lacking = Trial { preset, ..OF_WING }.run()?.energy;
+        Ok(Row::judged(&id, "conservation of energy", &metric, lacking, 1e-8, ""))
     };
     [Preset::Paper, Preset::Full].into_iter().map(row).collect()
 }
 
-/// Energy of the links with a membrane for a wing. What the membrane stores and loses is the air's work on it, of which the links know
-/// nothing; `work_on_a_membrane_is_what_it_stores_and_loses` balances that.
+/// Momentum of wings of membrane without air.
+pub fn momentum_rows() -> Result<Vec<Row>, Error> {
+    let lacking = Trial { density: 1e-12, ..OF_SKIN }.run()?.momentum;
+    let metric = "largest change of the momentum of links and membrane but by the weight, over it, one cycle without air";
+    Ok(vec![Row::judged("fsi.membrane.momentum", "conservation of momentum", metric, lacking, 1e-10, "")])
+}
+
+/// Energy with a membrane for a wing.
 pub fn membrane_rows() -> Result<Vec<Row>, Error> {
-    let metric = "work of drives, dampers and air on the links - change of their energy (the membrane's own is not in it), over the peak work, one cycle, wings of membrane";
-    let value = imbalance(Preset::Full, true)?;
-    Ok(vec![Row::judged("fsi.membrane.energy", "conservation of energy", metric, value, 1e-8, "")])
+    let metric = "work of drives, dampers and air on links and membrane - change of their energy, over the peak work, one cycle, wings of membrane";
+    let lacking = OF_SKIN.run()?.energy;
+    Ok(vec![Row::judged("fsi.membrane.energy", "conservation of energy", metric, lacking, 1e-8, "")])
+}
+
+/// Energy of the membrane alone, by finer steps.
+pub fn work_rows() -> Result<Vec<Row>, Error> {
+    let metric = "work of the air on the membrane - what its tension stores and its damping takes, over all that work, one cycle of the wings";
+    let lacking = Trial { step: 0.4 * OF_SKIN.step, ..OF_SKIN }.run()?.membrane;
+    Ok(vec![Row::judged("fsi.membrane.work", "conservation of energy", metric, lacking, 1e-8, "")])
+}
+
+/// Energy of wings on elements that bear their loads.
+pub fn element_rows() -> Result<Vec<Row>, Error> {
+    let metric = "work of drives, actuators, dampers and air - change of energy, over the peak work, one cycle, wings on elements with an inertia";
+    let lacking = Trial { elements: true, ..OF_WING }.run()?.energy;
+    Ok(vec![Row::judged("fsi.element.energy", "conservation of energy", metric, lacking, 1e-8, "")])
 }
 
 /// Largest error of the exact derivatives of the rates by states against central differences, over the largest of their row.
 fn derivative_error(law: LiftLaw) -> Result<f64, Error> {
-    let robot = flapper(Preset::Full, law, true)?;
+    let robot = Trial { law, ..OF_SKIN }.robot()?;
     let (l, n) = (*robot.layout(), robot.states().len());
     let mut x: Vec<f64> = (0..n).map(|i| 0.02 * ((i * 37 % 23) as f64 / 23.0 - 0.4)).collect();
     Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);

@@ -22,6 +22,8 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.membrane.moving", quick: false, run: moving::rows },
     Case { id: "fsi.membrane.latex", quick: false, run: latex::rows },
     Case { id: "fsi.membrane.energy", quick: true, run: energy::membrane_rows },
+    Case { id: "fsi.membrane.work", quick: false, run: energy::work_rows },
+    Case { id: "fsi.membrane.momentum", quick: false, run: energy::momentum_rows },
     Case { id: "fsi.membrane.derivatives", quick: true, run: energy::derivative_rows },
 ];
 

@@ -25,6 +25,7 @@ mod inside;
 mod lanes;
 mod linearisation;
 mod linkage;
+mod loaded;
 mod manoeuvre;
 mod mechanism;
 mod multibody;

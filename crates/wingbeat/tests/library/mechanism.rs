@@ -47,15 +47,15 @@ elastic = { stiffness = 2e-3, damping = 1e-6 }
 "#;
 
 /// Wings of three links each, the outer one on an elastic twist hinge; a tail on a free hinge.
-const FLAPPER: &str = include_str!("../../../../validation/fsi/flapper.toml");
+pub(super) const FLAPPER: &str = include_str!("../../../../validation/fsi/flapper.toml");
 
 #[derive(Clone, Copy, PartialEq)]
-enum Preset {
+pub(super) enum Preset {
     Paper,
     Full,
 }
 
-fn robot(text: &str, preset: Preset, density: f64) -> Robot {
+pub(super) fn robot(text: &str, preset: Preset, density: f64) -> Robot {
     let spec = Document::text("robot", text).unwrap().robot().unwrap();
     let models = spec.outlines().unwrap().into_iter().map(|outline| match preset {
         Preset::Paper => {
@@ -90,7 +90,7 @@ fn robot(text: &str, preset: Preset, density: f64) -> Robot {
 }
 
 /// In flight with every part in motion.
-fn moving(robot: &Robot) -> Vec<f64> {
+pub(super) fn moving(robot: &Robot) -> Vec<f64> {
     let l = robot.layout();
     let mut x: Vec<f64> = (0..l.len).map(|i| 0.05 * (1.7 * i as f64).sin()).collect();
     Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);

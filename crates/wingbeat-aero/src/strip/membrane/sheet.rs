@@ -60,6 +60,12 @@ pub(in super::super) struct Membrane<P> {
     pub(super) ribs: Vec<f64>,
 }
 
+/// Integral of the smooth positive part of `x` from where it is none on: [x^2 + x r + w^2 asinh(x/w)]/4, r = sqrt(x^2 + w^2).
+fn positive_integral<S: Scalar>(x: S) -> S {
+    let (width, root) = (STRAIN_WIDTH, x.smooth_abs(STRAIN_WIDTH));
+    (x * x + x * root + ((x + root) * (1.0 / width)).ln() * (width * width)) * 0.25
+}
+
 /// Tension over stiffness from the stretch: what it is, never negative, and its size.
 fn tension<S: Scalar>(stretch: S) -> [S; 2] {
     [stretch.smooth_positive(STRAIN_WIDTH), stretch.smooth_abs(DAMPED_WIDTH)]
@@ -158,9 +164,10 @@ impl<P: Scalar> Membrane<P> {
     }
 
     /// Turns the loads in `rates`, N, into the rates of the heights, m/s, at the heights over chord `camber`; the loads fall by
-    /// `resistances` N s/m with the rate of each shape: (tau K + R) h' = Q - N with N = k T_x (h/c) dy - d/dy[s T_y c dh/dy] dy, k = 16/3 and 16/5, s = 8/15 and 8/105;
+    /// `resistances` N s/m with the rate of each shape, and that on the second grows by `crossings` N s/m with the rate of the first: (tau K + R) h' = Q - N with N = k T_x (h/c) dy - d/dy[s T_y c dh/dy] dy, k = 16/3 and 16/5, s = 8/15 and 8/105;
     /// T_x = E t/(1 - nu^2) (e_x + nu e_y), e_x = e_0 + (8/3)(h_1/c)^2 + (8/5)(h_2/c)^2, e_y the prestrain along the span + the mean of s h_y^2/2 between the
-    /// ribs, T_y = E t e_y + nu times the mean of T_x; T = E t e_x without ribs; no tension is negative.
+    /// ribs, none where it is negative, T_y = E t e_y + nu times the mean of T_x; T = E t e_x without ribs; no tension is negative. N is the
+    /// slope of [`stored`](Self::stored).
     /// K is the tangent of N with the sizes of the tensions, those along the span held.
     ///
     /// Equation: aero.membrane
@@ -173,6 +180,7 @@ impl<P: Scalar> Membrane<P> {
         &self,
         camber: Shapes<&[S]>,
         resistances: Shapes<&[S]>,
+        crossings: &[S],
         rates: &mut Shapes<&mut [S]>,
     ) {
         let mut along = Tensions::new();
@@ -180,8 +188,70 @@ impl<P: Scalar> Membrane<P> {
             let across = self.tensions(bay, camber, &mut along);
             for m in 0..MODES {
                 self.shape_rates((bay, m), (&along, across), (camber[m], resistances[m]), rates[m]);
+                if m == 0 {
+                    let [first, second] = rates;
+                    bay.strips().for_each(|i| second[i] += crossings[i] * first[i]);
+                }
             }
         }
+    }
+
+    /// Energy of the strains at the heights over chord `camber`, J, from none on: E t/(1 - nu^2) F(e_x + nu s(e_y)) c dy and E t F(e_y) of
+    /// the area of a bay, F the integral of the smooth positive part s.
+    ///
+    /// Equation: aero.membrane.stored
+    /// `sum E t/(1 - nu^2) F(e_x + nu s(e_y)) c dy + E t F(e_y) A, F' = s`
+    /// Source: plane stress, energy of a membrane that wrinkles across a slack direction (Pipkin 1986, IMA J. Appl. Math. 36); in a slack
+    /// span E t/(1 - nu^2) in place of E t, a choice.
+    /// Test: `the_forces_of_a_membrane_are_the_slopes_of_its_energy`.
+    pub(super) fn stored<S: Scalar + Meets<P>>(&self, camber: Shapes<&[S]>) -> S {
+        let mut sum = S::ZERO;
+        for bay in &self.bays {
+            let span = self.span_strain(bay, camber);
+            let narrowed = span.smooth_positive(STRAIN_WIDTH) * bay.poisson;
+            for i in bay.strips() {
+                let energy = positive_integral(self.stretch(camber, i) + narrowed);
+                sum += energy * (bay.stiffness * self.chord[i] * self.width[i]);
+            }
+            if !bay.inverse_area.is_zero() {
+                let uniaxial = bay.stiffness * (P::ONE - bay.poisson * bay.poisson);
+                sum += positive_integral(span) * (uniaxial / bay.inverse_area);
+            }
+        }
+        sum
+    }
+
+    /// Power h' tau K h' that the membrane's own damping takes at the heights over chord `camber` and their rates, 1/s, W.
+    pub(super) fn lost<S: Scalar + Meets<P>>(&self, camber: Shapes<&[S]>, rates: Shapes<&[S]>) -> S {
+        let (mut sum, mut along) = (S::ZERO, Tensions::new());
+        for bay in &self.bays {
+            let [_, held] = self.tensions(bay, camber, &mut along);
+            for m in 0..MODES {
+                for (k, i) in bay.strips().enumerate() {
+                    let slope = bay.stiffness * (self.width[i] * self.chord[i] * ARC[m]);
+                    let tangent = along[k][1] * (self.width[i] * self.chord[i] * ARC[m])
+                        + camber[m][i].squared() * (slope * ARC[m]);
+                    sum += tangent * rates[m][i].squared() * self.damping;
+                }
+                for (k, tie) in bay.ties.iter().enumerate() {
+                    let step = self.height(bay, rates[m], k + 1) - self.height(bay, rates[m], k);
+                    sum += held * step.squared() * (*tie * MEAN_SQUARE[m] * self.damping);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Strain of a bay along the span.
+    fn span_strain<S: Scalar + Meets<P>>(&self, bay: &Bay<P>, camber: Shapes<&[S]>) -> S {
+        let mut strain = <S as From<P>>::from(self.prestrain_span);
+        for (column, mean) in camber.iter().zip(MEAN_SQUARE) {
+            for (k, tie) in bay.ties.iter().enumerate() {
+                let step = self.height(bay, column, k + 1) - self.height(bay, column, k);
+                strain += step.squared() * (*tie * bay.inverse_area * (0.5 * mean));
+            }
+        }
+        strain
     }
 
     /// Mass of each strip, kg.
@@ -212,24 +282,19 @@ impl<P: Scalar> Membrane<P> {
         camber: Shapes<&[S]>,
         along: &mut Tensions<S>,
     ) -> [S; 2] {
-        let strips = bay.strips();
         along.clear();
-        let mut along_span = <S as From<P>>::from(self.prestrain_span);
-        for (column, mean) in camber.iter().zip(MEAN_SQUARE) {
-            for (k, tie) in bay.ties.iter().enumerate() {
-                let step = self.height(bay, column, k + 1) - self.height(bay, column, k);
-                along_span += step.squared() * (*tie * bay.inverse_area * (0.5 * mean));
-            }
-        }
+        let span = self.span_strain(bay, camber);
+        let taut = span.smooth_positive(STRAIN_WIDTH);
         let mut along_chord = S::ZERO;
-        for i in strips {
-            let strain = tension(self.stretch(camber, i) + along_span * bay.poisson);
+        for i in bay.strips() {
+            let strain = tension(self.stretch(camber, i) + taut * bay.poisson);
             along_chord += strain[0] * (self.chord[i] * self.width[i] * bay.inverse_area);
             along.push(strain.map(|t| t * bay.stiffness));
         }
-        // A slack strip wrinkles: across it the membrane narrows as it likes.
-        let across = along_span * (P::ONE - bay.poisson * bay.poisson) + along_chord * bay.poisson;
-        tension(across).map(|t| t * bay.stiffness)
+        // A slack strip wrinkles: across it the membrane narrows as it likes; s' is s over the root that is in it.
+        let narrowing = taut / (taut * 2.0 - span) * bay.poisson;
+        let across = taut * (P::ONE - bay.poisson * bay.poisson) + along_chord * narrowing;
+        [across, across.smooth_abs(DAMPED_WIDTH)].map(|t| t * bay.stiffness)
     }
 
     /// Turns the loads of the strips of a bay on the shape `m`, which `rates` holds, into the rates: a symmetric tridiagonal system,
@@ -361,7 +426,12 @@ mod tests {
             let mut camber = [[0.03; 5], [0.0; 5]];
             for _ in 0..20_000 {
                 let [mut first, mut second] = [[pressure * 0.02 * 2.0 / 3.0; 5], [0.0; 5]];
-                skin.rates([&camber[0], &camber[1]], [&[1e-3; 5]; 2], &mut [&mut first, &mut second]);
+                skin.rates(
+                    [&camber[0], &camber[1]],
+                    [&[1e-3; 5]; 2],
+                    &[0.0; 5],
+                    &mut [&mut first, &mut second],
+                );
                 (0..5).for_each(|i| camber[0][i] += 1e-4 * first[i] / 0.2);
             }
             // h = p c^2 / (8 T), T = E t (e_0 + (8/3)(h/c)^2).
@@ -371,24 +441,26 @@ mod tests {
         }
     }
 
-    /// Without own damping and under a unit resistance the rates are minus the forces, whose slopes are symmetric: they have a
-    /// potential, so that a cycle of heights costs nothing.
+    /// Without own damping and under a unit resistance the rates are minus the forces: taut, slack along the chord, along the span.
     #[test]
-    fn the_forces_of_a_membrane_have_a_potential() {
+    fn the_forces_of_a_membrane_are_the_slopes_of_its_energy() {
         type D = Dual<10>;
-        let skin = held(-0.004, true, 0.0);
-        let value = |k: usize| 0.02 + 0.013 * (k as f64 * 1.7).sin();
-        let camber: Shapes<[D; 5]> =
-            std::array::from_fn(|m| std::array::from_fn(|i| D::variable(value(5 * m + i), 5 * m + i)));
-        let mut rates = [[D::constant(0.0); 5]; MODES];
-        let [first, second] = &mut rates;
-        skin.rates([&camber[0], &camber[1]], [&[D::constant(1.0); 5]; 2], &mut [first, second]);
-        let slope = |a: usize, b: usize| rates[a / 5][a % 5].eps[b];
-        for (a, b) in (0..10).flat_map(|a| (0..a).map(move |b| (a, b))) {
-            let size = slope(a, a).abs().max(slope(b, b).abs());
-            // The rounded corner of the spanwise tension, of strain e, lacks (1e-4/2 e)^2 of symmetry.
-            let lacking = (slope(a, b) - slope(b, a)).abs() / size;
-            assert!(lacking < 1e-4, "{a} {b}: {lacking}");
+        for (prestrain, span) in [(0.02, 0.01), (-0.004, 0.01), (0.01, -0.002), (-0.004, -0.002)] {
+            let skin = Membrane { prestrain_span: span, ..held(prestrain, true, 0.0) };
+            let value = |k: usize| 0.02 + 0.013 * (k as f64 * 1.7).sin();
+            let camber: Shapes<[D; 5]> =
+                std::array::from_fn(|m| std::array::from_fn(|i| D::variable(value(5 * m + i), 5 * m + i)));
+            let mut rates = [[D::constant(0.0); 5]; MODES];
+            let [first, second] = &mut rates;
+            let (unit, none) = ([D::constant(1.0); 5], [D::constant(0.0); 5]);
+            skin.rates([&camber[0], &camber[1]], [&unit; 2], &none, &mut [first, second]);
+            // By the heights over the chord of 0.2 m.
+            let slopes = skin.stored([&camber[0], &camber[1]]).eps.map(|slope| slope / 0.2);
+            let size = slopes.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+            for (k, slope) in slopes.into_iter().enumerate() {
+                let lacking = (rates[k / 5][k % 5].re + slope).abs() / size;
+                assert!(lacking < 1e-11, "{prestrain} {span} {k}: {lacking}");
+            }
         }
     }
 
@@ -410,7 +482,8 @@ mod tests {
             let load = [0.02 + 0.05 * (40.0 * t).sin(), 0.02 * (80.0 * t).cos()];
             let h = [x[0], x[1]];
             let [mut first, mut second] = load.map(|load| [load; 5]);
-            skin.rates([&[h[0]; 5], &[h[1]; 5]], [&[resistance; 5]; 2], &mut [&mut first, &mut second]);
+            let heights: Shapes<&[f64]> = [&[h[0]; 5], &[h[1]; 5]];
+            skin.rates(heights, [&[resistance; 5]; 2], &[0.0; 5], &mut [&mut first, &mut second]);
             dx.fill(0.0);
             for (m, rate) in [first[2], second[2]].into_iter().enumerate() {
                 let taut = stretch(h).smooth_abs(DAMPED_WIDTH) + ARC[m] * h[m] * h[m];
