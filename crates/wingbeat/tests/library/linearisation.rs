@@ -6,12 +6,13 @@ use wingbeat::plant::{Early, Linearisation, LocalChart, MAX_STATES, Plant};
 use wingbeat::scenario::Scenario;
 
 /// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes, a ground, a perch.
-const FLOWN: [(&str, &[&str]); 16] = [
+const FLOWN: [(&str, &[&str]); 17] = [
     ("banking_turn.toml", &[]),
     ("banking_turn.toml", &["aero.law=stall", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.law=lev", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "aero.law=stall"]),
+    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.turning_impulse=true"]),
     ("as_printed_fourier.toml", &[]),
     ("banking_turn_beta.toml", &[]),
     ("cruise_linkage.toml", &[]),
