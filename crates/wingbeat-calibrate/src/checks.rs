@@ -126,13 +126,13 @@ fn check_case(structure: &Structure, (k, run): (usize, &Observed), values: &[f64
         return Ok(());
     }
     let target = &structure.model.cases[k - structure.model.targets.len()];
-    let mut predicted = target.predict(&structure.model.numbers(values))?;
+    let predicted = target.predict(&structure.model.numbers(values))?;
     // What was not measured is no channel that another one could be.
+    let mut among = predicted.clone();
     for channel in &run.unmeasured {
-        (0..run.layout.width()).for_each(|part| predicted[run.layout.at(*channel, part)] = 0.0);
+        (0..run.layout.width()).for_each(|part| among[run.layout.at(*channel, part)] = 0.0);
     }
-    let both = [run.mean.as_slice(), predicted.as_slice()];
-    let what = match disagreement(run.layout, both, both) {
+    let what = match disagreement(run.layout, [&run.mean, &predicted], [&run.mean, &among]) {
         None => return Ok(()),
         Some(found @ Disagreement::Axes(_)) => {
             format!(

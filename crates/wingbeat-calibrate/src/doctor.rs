@@ -28,12 +28,12 @@ pub fn findings(
 }
 
 /// Which of the channels `of` of one of the `passes`, each by its file and the harmonics of its mean cycle, is that of most others reversed.
-/// Small ones, which may be noise, are left out.
+/// Small ones, which may be noise, are left out. Harmonics are in the units of the channels.
 pub fn beside_other_passes(target: &CaseTarget, of: &[usize], passes: &[(&str, Vec<f64>)]) -> Vec<Finding> {
     let layout = target.layout();
     let of_channel =
         |c: usize| passes.iter().map(|(file, mean)| (*file, values(layout, mean, c))).collect::<Vec<_>>();
-    let all: Vec<(usize, Vec<(&str, Vec<f64>)>)> = of.iter().map(|c| (*c, of_channel(*c))).collect();
+    let all: Vec<_> = of.iter().map(|c| (*c, of_channel(*c))).collect();
     let range = |of: &[(&str, Vec<f64>)]| {
         let one = |of: &[f64]| {
             of.iter().copied().fold(f64::MIN, f64::max) - of.iter().copied().fold(f64::MAX, f64::min)

@@ -37,7 +37,8 @@ impl Robot {
     ) -> Result<bool, Fault> {
         let (own, elements) = (self.degrees(), self.elements.len());
         let fit = own + elements <= MAX_COORDINATES && FIELDS + elements <= Late::LANES;
-        if !fit || self.response.commands() != u.len() {
+        // Elements with an inertia have accelerations that the dynamics decide.
+        if !fit || !self.loaded.is_empty() || self.response.commands() != u.len() {
             return Ok(false);
         }
         kept(Box::<ByStates>::default, |by_states| self.known_in(by_states, t, x, u, dx, known))

@@ -163,7 +163,8 @@ fn reversed(about: String, told: &Told) -> Finding {
 }
 
 /// Which of the `passes` of one case, each by its file and its mean cycle of the channel `name` at the same even phases, are those of most
-/// others with the sign reversed: a plug that was turned between them. The others may be off by anything else.
+/// others with the sign reversed: a plug that was turned between them. The others may be off by anything else. Cycles are in the unit of the
+/// channel.
 pub fn reversed_among(name: &str, passes: &[(&str, Vec<f64>)], limits: &Limits) -> Vec<Finding> {
     let of = |k: usize| {
         let others = passes.iter().enumerate().filter(|(other, _)| *other != k);

@@ -199,8 +199,8 @@ pub trait Plant: Sync {
         [0..0, 0..0]
     }
 
-    /// Writes the rates `dx` at (t, x, u) and what is known of their derivatives without carrying them through the evaluation. False
-    /// where nothing is.
+    /// Writes the rates `dx` at (t, x, u), in the units of the states over s, and what is known of their derivatives without carrying them
+    /// through the evaluation. False where nothing is.
     ///
     /// # Errors
     /// Those of [`rates`](Self::rates).
@@ -220,7 +220,7 @@ pub trait Plant: Sync {
         0..0
     }
     /// Writes the columns of the [derived](Self::derived_states) states into A (n x n, row-major), which holds those of the velocity;
-    /// `f` are the rates at the state `x`.
+    /// `f` are the rates at the state `x`, all in the units of the states and s.
     fn derive(&self, _x: &[f64], _f: &[f64], _known: &Known, _a: &mut [f64]) {}
 
     /// Index of the first late state. Late states enter only the end of an evaluation, so that

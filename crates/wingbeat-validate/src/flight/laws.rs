@@ -58,7 +58,7 @@ pub fn rows(watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
     if flow.is_continue() {
         parallel::each(
             &jobs,
-            |_, (of, other)| flown(*of, *other),
+            |_, job| flown(job.0, job.1),
             |at, found| {
                 let (of, other) = jobs[at];
                 told[at] = found.map(|summary| rows_of(of, other, summary.as_ref()));
