@@ -95,7 +95,7 @@ def test_environments_are_pickled_with_their_state(vector):
 
 SWEEP = """
 import sys, time, wingbeat
-spec = {"name": "long", "scenario": str(wingbeat.shipped("scenarios/banking_turn.toml")), "sampling": "random", "runs": 20,
+spec = {"name": "long", "scenario": str(wingbeat.shipped("scenarios/banking_turn.toml")), "sampling": "random", "runs": 200,
         "draws": [{"key": "air.gust_m_s", "low": 0.0, "high": 0.5}],
         "hold": {"roll_within_deg": 5.0, "pitch_within_deg": 10.0}}
 print("ready", flush=True)
