@@ -1,8 +1,8 @@
 """The package as it is installed: types, time of import, what comes with it."""
 
 import inspect
-import re
 import os
+import re
 import subprocess
 import sys
 import tomllib
