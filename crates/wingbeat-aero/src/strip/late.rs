@@ -10,7 +10,7 @@ use crate::{Coupling, Sections, Wrench};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Dual, Scalar, Vec3, append_copies, kept};
 
-/// Most derivatives that the pass carries: by the states of a strip and by three washes.
+/// Most derivatives that the pass carries: by the states of a strip, five at most, and by three washes. *Choice*: two registers of AVX2.
 const LANES: usize = 8;
 /// The washes: what is left on the chord, what the wakes turn, and the rate of the first.
 const WASHES: usize = 3;
