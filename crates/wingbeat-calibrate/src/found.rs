@@ -169,10 +169,13 @@ impl Found {
     }
 
     /// Power of the residuals of the fitted runs over that of the noise in their means, by channel: 1 where nothing but
-    /// noise is left.
+    /// noise is left, NaN where no run measured it.
     pub fn residual_over_noise(&self) -> Vec<f64> {
         let channel = |channel: usize| {
             let (mut left, mut noise) = (0.0, 0.0);
+            if !self.fitted().any(|run| run.observed.is_measured(channel)) {
+                return f64::NAN;
+            }
             for run in self.fitted().filter(|run| run.observed.is_measured(channel)) {
                 left += rms(&run.observed, &run.after.cycle)[channel].powi(2);
                 noise += run.noise.iter().map(|by_channel| by_channel[channel]).sum::<f64>();

@@ -5,6 +5,7 @@ use crate::{Error, Layout, Observed, RigModel, RigTarget, RunRole};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use wingbeat::math::Vec3;
+use wingbeat::math::order::filled;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::robot::{RESIDUAL_FREQUENCY, ResidualSpec, Term};
 
@@ -313,7 +314,7 @@ impl LearnedResidual {
         };
         let told = || channels.iter().enumerate().filter(|(_, channel)| channel.is_told());
         let loads: BTreeMap<String, Vec<Vec<f64>>> =
-            told().map(|(number, channel)| (channel.name.clone(), rows(number))).collect();
+            filled(told().map(|(number, channel)| (channel.name.clone(), rows(number))));
         let predicted = |i: usize| {
             let mut with = vec![0.0; layout.len()];
             for (channel, _) in told() {

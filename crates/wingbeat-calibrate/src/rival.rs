@@ -7,6 +7,7 @@ use crate::{Error, Layout, Observed, Problem, RigTarget, RunRole, Solved, Struct
 use nalgebra::DMatrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use wingbeat::math::order::ascend_by;
 
 /// A structure of the model with what it leaves.
 #[derive(Clone, Debug, Serialize)]
@@ -137,7 +138,7 @@ impl NextRun {
             }
         };
         let mut all: Vec<Self> = ranked.into_iter().map(of).collect();
-        all.sort_by_key(|run| run.load_share > 1.0);
+        ascend_by(&mut all, |run| if run.load_share > 1.0 { 1.0 } else { 0.0 });
         Ok(all)
     }
 }

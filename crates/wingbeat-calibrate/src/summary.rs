@@ -6,25 +6,35 @@ use crate::{Fit, Label, LearnedChannel, LearnedResidual, NextRun, Rival, RunRole
 use serde::Serialize;
 use std::collections::BTreeMap;
 use wingbeat::judge::Verdict;
+use wingbeat::math::order::filled;
+
+/// Root mean square of those of the numbers that are measured; NaN of none.
+fn pooled(mut of: Vec<f64>) -> f64 {
+    of.retain(|x| !x.is_nan());
+    let count = of.len() as f64;
+    if of.is_empty() { f64::NAN } else { (of.iter().map(|x| x * x).sum::<f64>() / count).sqrt() }
+}
 
 impl Found {
+    /// Root mean square of what the model misses in a channel of the runs that were fitted, before and after the fit, N or
+    /// N m; NaN where no run measured it.
+    pub(crate) fn residuals(&self, channel: usize) -> [f64; 2] {
+        let before = self.fitted().map(|run| rms(&run.observed, &run.before)[channel]).collect();
+        let after = self.fitted().map(|run| rms(&run.observed, &run.after.cycle)[channel]).collect();
+        [pooled(before), pooled(after)]
+    }
+
     /// The contents of summary.json.
     pub fn summary(&self, files: &Files, verdict: &Verdict) -> CalibrationSummary {
         let (mut rmse, mut coverage, mut white, mut widths) =
             (BTreeMap::new(), BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
         for (channel, name) in self.channels().into_iter().enumerate() {
-            let mean = |mut of: Vec<f64>| {
-                of.retain(|x| !x.is_nan());
-                let count = of.len() as f64;
-                if of.is_empty() { f64::NAN } else { (of.iter().map(|x| x * x).sum::<f64>() / count).sqrt() }
-            };
-            let before = self.fitted().map(|run| rms(&run.observed, &run.before)[channel]).collect();
-            let after = self.fitted().map(|run| rms(&run.observed, &run.after.cycle)[channel]).collect();
+            let [before, after] = self.residuals(channel);
             let held = match self.held_out().next() {
                 Some(_) => self.held_out().map(|run| rms(&run.observed, &run.after.cycle)[channel]).collect(),
                 None => self.left_out.iter().map(|(_, rms)| rms[channel]).collect(),
             };
-            let rms = Rmse { before: mean(before), after: mean(after), held_out: mean(held) };
+            let rms = Rmse { before, after, held_out: pooled(held) };
             rmse.insert(name.clone(), rms);
             let judged: Vec<&FoundRun> = match self.held_out().next() {
                 Some(_) => self.held_out().collect(),
@@ -46,11 +56,11 @@ impl Found {
             widths.insert(name, share(&|run| run.after.half_widths()[channel]));
         }
         let names = self.channels();
-        let discrepancy = names.iter().cloned().zip(self.discrepancy.iter().copied()).collect();
+        let discrepancy = filled(names.iter().cloned().zip(self.discrepancy.iter().copied()));
         CalibrationSummary {
             verdict: verdict.clone(),
             parameters: (0..self.values.len()).map(|k| self.parameter(k)).collect(),
-            held: self.held.iter().cloned().collect(),
+            held: filled(self.held.iter().cloned()),
             rmse,
             coverage,
             coverage_white: white,
@@ -58,19 +68,15 @@ impl Found {
             chi_squared: self.chi_squared,
             discrepancy,
             residual_autocorrelation: self.residual_autocorrelation(),
-            residual_over_noise: names.iter().cloned().zip(self.residual_over_noise()).collect(),
+            residual_over_noise: filled(names.iter().cloned().zip(self.residual_over_noise())),
             correlations: self.correlations.clone(),
             singular_values: self.singular.0.clone(),
             starts: self.starts.clone(),
             runs: self.runs.iter().map(SummaryRun::of).collect(),
-            left_out: self
-                .left_out
-                .iter()
-                .map(|(run, rms)| {
-                    let by = names.iter().cloned().zip(rms.iter().copied()).collect();
-                    (self.runs[*run].observed.name.clone(), by)
-                })
-                .collect(),
+            left_out: filled(self.left_out.iter().map(|(run, rms)| {
+                let by = filled(names.iter().cloned().zip(rms.iter().copied()));
+                (self.runs[*run].observed.name.clone(), by)
+            })),
             structures: self.rivals.clone(),
             next_run: self.next.clone(),
             residual: self.residual.as_ref().map(|residual| SummaryResidual::of(residual, self)),
@@ -191,7 +197,7 @@ impl SummaryResidual {
             runs: residual.runs.iter().map(|(run, _)| found.runs[*run].observed.name.clone()).collect(),
             velocities_m_s: residual.runs.iter().map(|(_, velocity)| velocity.0).collect(),
             terms: residual.spec.terms.clone(),
-            channels: residual.channels.iter().map(channel).collect(),
+            channels: filled(residual.channels.iter().map(channel)),
         }
     }
 }

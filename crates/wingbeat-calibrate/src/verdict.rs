@@ -25,6 +25,10 @@ impl Found {
             judge.hold_about(&calibration::EXPLAINED, share, &format!("in the {name}"));
             judge.hold_about(&calibration::MODEL_ERROR, share, &format!("in the {name}"));
         }
+        if let Some((growth, name)) = self.most_grown() {
+            judge.hold_about(&calibration::WORSE, growth, &format!("of {name}"));
+            judge.hold_about(&calibration::WORSE_TOLD, growth, &format!("of {name}"));
+        }
         judge.hold(&calibration::CHI_SQUARED, self.chi_squared);
         judge.hold(&calibration::BEYOND_NOISE, self.chi_squared);
         for run in self.fitted() {
@@ -64,6 +68,15 @@ impl Found {
             channels => (*name, 0..channels),
         });
         groups.filter_map(of).collect()
+    }
+
+    /// The channel whose residuals are most times what they were before the fit, and how many times.
+    fn most_grown(&self) -> Option<(f64, String)> {
+        let grown = self.channels().into_iter().enumerate().map(|(channel, name)| {
+            let [before, after] = self.residuals(channel);
+            (after / before, name)
+        });
+        grown.filter(|(growth, _)| growth.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     fn judge_parameters(&self, judge: &mut Judge) {

@@ -106,7 +106,13 @@ pub fn report(found: &Found, verdict: &Verdict) -> String {
         );
     }
     let over = found.channels().into_iter().zip(found.residual_over_noise());
-    let over: Vec<String> = over.map(|(channel, ratio)| format!("{channel} {ratio:.2}")).collect();
+    let over =
+        over.map(
+            |(channel, ratio)| {
+                if ratio.is_nan() { format!("{channel} -") } else { format!("{channel} {ratio:.2}") }
+            },
+        );
+    let over: Vec<String> = over.collect();
     text += &format!(
         "power of the residuals over that of the noise, 1 where only noise is left: {}\n",
         over.join(", ")

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 use wingbeat_flight::simulate::Cost;
+use wingbeat_math::order::filled;
 use wingbeat_robot::WeightPart;
 
 /// Power of the joints, and what carried the weight, as means over whole cycles. Missing where nothing was averaged.
@@ -48,7 +49,7 @@ impl CostSummary {
             net_power_w,
             net_power_w_kg,
             weight_carried: Some(cost.carried()),
-            weight_shares: WeightPart::ALL.iter().map(|part| part.name()).zip(cost.shares).collect(),
+            weight_shares: filled(WeightPart::ALL.iter().map(|part| part.name()).zip(cost.shares)),
         }
     }
 

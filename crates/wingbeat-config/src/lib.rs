@@ -22,6 +22,7 @@ mod hovered;
 #[doc(hidden)]
 pub mod inside;
 mod lattice;
+#[cfg(feature = "learn")]
 pub mod learn;
 mod measure;
 mod mismatch;

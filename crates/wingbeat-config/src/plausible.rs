@@ -3,6 +3,7 @@
 use wingbeat_aero::Aero;
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::{membrane, range};
+use wingbeat_math::GRAVITY;
 use wingbeat_robot::Robot;
 
 /// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes against their links.
@@ -21,5 +22,6 @@ pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold(&range::GYRATION, gyration / span);
     judge.hold(&range::COMPACT, (least / central.mass).sqrt() / span);
     judge.hold(&range::CENTRE, largest(&mut heavy().map(|body| body.com.norm())) / span);
+    judge.hold(&range::LOADING, robot.mass() * GRAVITY / (span * span));
     judge.hold(&range::LINK, largest(&mut bodies[1..].iter().map(|body| body.mass)) / central.mass);
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_judge::{Judge, Status, Verdict, Warning, limits};
+use wingbeat_math::order::ascend_by;
 use wingbeat_math::{Error, Evolution};
 
 /// What a flight costs that was not flown whole, times 2 less the share that was: more than any miss that is worth a look.
@@ -81,7 +82,7 @@ impl Sweep {
     pub fn search_after(&self, rows: &[Vec<f64>]) -> Option<Result<Search<'_>, Error>> {
         let mut search = self.search()?;
         let mut sorted: Vec<&Vec<f64>> = rows.iter().collect();
-        sorted.sort_by(|a, b| a.first().unwrap_or(&0.0).total_cmp(b.first().unwrap_or(&0.0)));
+        ascend_by(&mut sorted, |row| *row.first().unwrap_or(&0.0));
         while !search.generation().is_empty() && sorted.len() >= search.generation().end {
             let own = &sorted[search.generation()];
             let strange =

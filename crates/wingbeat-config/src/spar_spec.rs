@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use wingbeat_aero::{Aero, Planform};
 use wingbeat_flight::tether::Spar;
+use wingbeat_math::order::ascend;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, GRAVITY, Mat3, Vec3, require};
 use wingbeat_structure::{Beam, Grid, Lump, Section, Station, Strain};
@@ -204,7 +205,7 @@ impl SparSpec {
             station.mass_kg_m / (0.25 * std::f64::consts::PI * density * (leading - trailing).powi(2))
         };
         let mut all: Vec<f64> = self.stations.iter().map(of).collect();
-        all.sort_by(f64::total_cmp);
+        ascend(&mut all);
         all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 

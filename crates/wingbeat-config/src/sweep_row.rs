@@ -7,13 +7,14 @@ use super::{ConfigError, Hold, ReadTable, Scenario, Summary, Sweep, SweepOf};
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{Column, Ending};
 use wingbeat_flight::tether::TetherRun;
-use wingbeat_judge::Status;
+use wingbeat_judge::Verdict;
 
 /// Columns of a flight beside its number and its draws, with their units.
-const FLIGHT: [(&str, &str); 18] = [
+const FLIGHT: [(&str, &str); 19] = [
     ("held", ""),
     ("completed", ""),
     ("status", ""),
+    ("warnings", ""),
     ("clear", ""),
     ("roll_max_error", "deg"),
     ("pitch_max_error", "deg"),
@@ -32,9 +33,10 @@ const FLIGHT: [(&str, &str); 18] = [
 ];
 
 /// Columns of a run of a tethered wing beside its number and its draws, with their units.
-const CASE: [(&str, &str); 10] = [
+const CASE: [(&str, &str); 11] = [
     ("completed", ""),
     ("status", ""),
+    ("warnings", ""),
     ("mean_lift", "N"),
     ("mean_thrust", "N"),
     ("peak_lift", "N"),
@@ -111,7 +113,7 @@ impl Sweep {
                 let of = |run: &usize| {
                     let case = self.case(*run, read)?;
                     let run = case.tether.run(|_| watch());
-                    Ok(Vec::from(of_case(&run, case.verdict(&run, None, None).status)))
+                    Ok(Vec::from(of_case(&run, &case.verdict(&run, None, None))))
                 };
                 (batch.iter().map(of).collect::<Result<_, ConfigError>>()?, batch.len())
             }
@@ -176,6 +178,7 @@ fn flight(summary: &Summary, hold: Hold) -> Vec<f64> {
         f64::from(u8::from(hold.met(summary))),
         f64::from(u8::from(completed)),
         f64::from(summary.status as u8),
+        summary.warnings.len() as f64,
         f64::from(u8::from(completed && hold.clear(summary))),
         of(summary.roll_max_error_deg),
         of(summary.pitch_max_error_deg),
@@ -196,14 +199,15 @@ fn flight(summary: &Summary, hold: Hold) -> Vec<f64> {
     fixed.into_iter().chain(measured.map(|(_, value)| of(value))).collect()
 }
 
-fn of_case(run: &TetherRun, status: Status) -> [f64; CASE.len()] {
+fn of_case(run: &TetherRun, verdict: &Verdict) -> [f64; CASE.len()] {
     let completed = run.ending == Ending::Complete;
     let row = |name: &str| run.means.iter().find(|row| row.name == name && completed);
     let mean = |name: &str| row(name).map_or(f64::NAN, |row| row.mean);
     let peak = |name: &str| row(name).map_or(f64::NAN, |row| row.high);
     [
         f64::from(u8::from(completed)),
-        f64::from(status as u8),
+        f64::from(verdict.status as u8),
+        verdict.warnings.len() as f64,
         mean("force_wind_lift"),
         mean("thrust"),
         peak("force_wind_lift"),

@@ -15,6 +15,8 @@ pub struct SweepCounts {
     pub completed: usize,
     /// Those of them whose own verdict lets them be used.
     pub usable: usize,
+    /// Completed runs that carry warnings.
+    pub warned: usize,
     /// Runs by the status of their own verdict.
     pub statuses: BTreeMap<&'static str, usize>,
 }
@@ -33,6 +35,11 @@ impl SweepCounts {
             runs: record.rows(),
             completed: column("completed").iter().filter(|done| **done == 1.0).count(),
             usable: Self::usable_rows(record).len(),
+            warned: column("warnings")
+                .iter()
+                .zip(column("completed"))
+                .filter(|(n, done)| **n > 0.0 && **done == 1.0)
+                .count(),
             statuses: BTreeMap::new(),
         };
         statuses.iter().for_each(|status| *counts.statuses.entry(status.name()).or_default() += 1);
@@ -72,6 +79,9 @@ impl Sweep {
         }
         judge.hold(&sweep::COMPLETED, share(counts.completed, counts.runs));
         judge.hold(&sweep::FAILED, share(counts.runs - counts.completed, counts.runs));
+        if counts.completed > 0 {
+            judge.hold(&sweep::WARNED, share(counts.warned, counts.completed));
+        }
         match self.of {
             SweepOf::Flights(_) => {
                 let held = record.values("held").unwrap_or_default();

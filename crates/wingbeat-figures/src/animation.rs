@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use wingbeat::math::order::{descend_by, filled};
 
 use kuva::backend::png::PngBackend;
 
@@ -242,12 +243,12 @@ fn palette(frames: &[Pixels]) -> Palette {
         *counts.entry(*shade).or_default() += 1;
     }
     let mut order: Vec<u16> = counts.keys().copied().collect();
-    order.sort_by_key(|shade| std::cmp::Reverse(counts[shade]));
+    descend_by(&mut order, |shade| counts[shade] as f64);
     let kept: Vec<u16> = order.iter().copied().take(PALETTE).collect();
     let distance =
         |a: u16, b: u16| -> u16 { parts(a).iter().zip(parts(b)).map(|(a, b)| a.abs_diff(b).pow(2)).sum() };
     let nearest = |shade: u16| (0..kept.len()).min_by_key(|&i| distance(kept[i], shade)).unwrap_or(0);
-    let places = order.iter().map(|&shade| (shade, nearest(shade) as u8 + 1)).collect();
+    let places = filled(order.iter().map(|&shade| (shade, nearest(shade) as u8 + 1)));
     let colours = kept.iter().flat_map(|&shade| parts(shade).map(|part| (part * SHADE) as u8));
     Palette { colours: [0; 3].into_iter().chain(colours).collect(), places }
 }

@@ -18,14 +18,20 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
     if sources.is_empty() {
         return Err(Error::Column("force_<source>_x".into()));
     }
-    let whole = cycle::last(record);
+    // By the phase of the gait, as loads and orbits are drawn; a record without one by its joints.
+    let turning = cycle::last(record);
+    let phased = if turning.is_some() { cycle::phased(record) } else { None };
+    let whole = phased.clone().map(|phased| phased.0).or(turning);
     let rows = whole.clone().unwrap_or(0..t.len());
     if rows.len() < 2 {
         return Err(Error::Rows { rows: rows.len(), needed: 2 });
     }
     let start = t[rows.start];
     let period = if whole.is_some() { t[rows.end - 1] - start } else { 1.0 };
-    let x: Vec<f64> = t[rows.clone()].iter().map(|t| (t - start) / period).collect();
+    let x: Vec<f64> = match &phased {
+        Some((_, cycles)) => cycles.clone(),
+        None => t[rows.clone()].iter().map(|t| (t - start) / period).collect(),
+    };
     let mut panels = Vec::new();
     for (axis, label) in AXES {
         let mut sum = vec![0.0; rows.len()];
@@ -40,7 +46,9 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
         curves.push(Curve::total("air, total", &x, sum));
         panels.push(Panel::new(label, curves));
     }
-    let x_label = if whole.is_some() {
+    let x_label = if phased.is_some() {
+        format!("phase [cycles], last whole cycle, from {start:.3} s to {:.3} s", start + period)
+    } else if whole.is_some() {
         format!("share of the last whole cycle, from {start:.2} s on and {period:.3} s long")
     } else {
         "time [s]".into()

@@ -1,6 +1,7 @@
 //! A periodic flight: wing and angle of attack over the cycle, multipliers in the unit circle, orbits along a parameter.
 
 use std::f64::consts::TAU;
+use wingbeat::math::order::ascend_by;
 
 use wingbeat::simulate::Record;
 
@@ -119,7 +120,7 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
         groups[at].2.push((re[row], im[row]));
     }
     // Those of no name last, which are many.
-    groups.sort_by_key(|group| group.0 == OTHERS);
+    ascend_by(&mut groups, |group| if group.0 == OTHERS { 1.0 } else { 0.0 });
     let circle =
         (0..CIRCLE).map(|i| (TAU * i as f64 / (CIRCLE - 1) as f64).sin_cos()).map(|(s, c)| (c, s)).collect();
     let largest = re.iter().zip(im).map(|(re, im)| re.hypot(*im)).fold(1.0, f64::max);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use wingbeat::math::order::filled;
 
 use parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, get_typed_column_reader};
@@ -241,13 +242,11 @@ fn append(column: &mut Column, reader: ColumnReader, rows: usize, gaps: bool) ->
 fn properties(record: &Record) -> WriterProperties {
     let described: Vec<arrow_schema::Described> =
         record.columns().iter().map(|column| (column.name.as_str(), metadata(column))).collect();
-    let json: serde_json::Map<String, serde_json::Value> = described
-        .iter()
-        .map(|(name, metadata)| {
+    let json: serde_json::Map<String, serde_json::Value> =
+        filled(described.iter().map(|(name, metadata)| {
             let pairs = metadata.iter().map(|(key, value)| ((*key).to_owned(), value.as_str().into()));
-            ((*name).to_owned(), serde_json::Value::Object(pairs.collect()))
-        })
-        .collect();
+            ((*name).to_owned(), serde_json::Value::Object(filled(pairs)))
+        }));
     let attributes = attributes(record);
     let pairs = vec![
         KeyValue::new(KEY.into(), serde_json::Value::Object(json).to_string()),
@@ -268,7 +267,7 @@ fn attributes(record: &Record) -> String {
     let by_column = |text: fn(&Column) -> &String| {
         let pairs = record.columns().iter().filter(|column| !text(column).is_empty());
         let pairs = pairs.map(|column| (column.name.clone(), text(column).as_str().into()));
-        serde_json::Value::Object(pairs.collect())
+        serde_json::Value::Object(filled(pairs))
     };
     let (units, frames) = (by_column(|column| &column.unit), by_column(|column| &column.frame));
     serde_json::json!({ "units": units, "frames": frames }).to_string()

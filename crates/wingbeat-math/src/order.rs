@@ -36,6 +36,14 @@ pub fn descend_by<T>(items: &mut [T], mut number: impl FnMut(&T) -> f64) {
     ascend_by(items, |item| -number(item));
 }
 
+/// A map or another collection of `entries`, put in one by one. What `collect` makes of an ordered map sorts a list first, by code
+/// that is compiled again for every kind of iterator.
+pub fn filled<M: Default + Extend<E>, E>(entries: impl IntoIterator<Item = E>) -> M {
+    let mut all = M::default();
+    all.extend(entries);
+    all
+}
+
 /// Places of the numbers, that of the least first.
 #[inline(never)]
 fn places(numbers: &[f64]) -> Vec<usize> {

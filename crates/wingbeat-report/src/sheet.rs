@@ -1,5 +1,6 @@
 //! The plots of several runs as one figure.
 
+use wingbeat::math::order::{ascend_by, descend_by};
 use wingbeat_figures::{Figure, MOST_PANELS, Quantity, overlaid};
 
 use crate::panels::{Curve, Panel, Role};
@@ -54,10 +55,8 @@ fn labels(panel: &Panel) -> Vec<&str> {
         |curve: &Curve| curve.values.iter().filter(|value| value.is_finite()).map(|v| v.abs()).sum::<f64>();
     let mut curves: Vec<&Curve> = panel.curves.iter().collect();
     if curves.len() > MOST_CURVES {
-        curves.sort_by(|a, b| {
-            let total = |curve: &Curve| curve.role == Role::Total;
-            total(b).cmp(&total(a)).then(size(b).total_cmp(&size(a)))
-        });
+        descend_by(&mut curves, |curve| size(curve));
+        ascend_by(&mut curves, |curve| if curve.role == Role::Total { 0.0 } else { 1.0 });
     }
     curves.into_iter().take(MOST_CURVES).map(|curve| curve.label.as_str()).collect()
 }

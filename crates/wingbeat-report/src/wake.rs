@@ -44,8 +44,13 @@ pub fn shots(folder: &Path) -> Result<Vec<Shot>, Error> {
 /// Pictures by time.
 pub fn in_order(shots: impl Iterator<Item = Result<Shot, Error>>) -> Result<Vec<Shot>, Error> {
     let mut shots = shots.collect::<Result<Vec<_>, _>>()?;
-    shots.sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| a.name.cmp(&b.name)));
+    sort(&mut shots);
     Ok(shots)
+}
+
+#[inline(never)]
+fn sort(shots: &mut [Shot]) {
+    shots.sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| a.name.cmp(&b.name)));
 }
 
 fn shot(path: &Path) -> Result<Shot, Error> {

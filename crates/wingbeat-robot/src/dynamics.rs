@@ -11,9 +11,9 @@ use arrayvec::ArrayVec;
 use std::ops::Range;
 use wingbeat_aero::{Ground, ImpulseRates};
 use wingbeat_math::linear::solve_symmetric_leading;
-use wingbeat_math::{
-    Double4, GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Single8, Vec3, Wrench, append_copies, lift,
-};
+#[cfg(feature = "lanes")]
+use wingbeat_math::{Double4, Single8};
+use wingbeat_math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, lift};
 use wingbeat_ocp::plant::{Channel, Early, Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
@@ -147,6 +147,7 @@ impl Plant for Robot {
     ) -> Result<(), Fault> {
         self.rates_by_late(t, early, late, u, dx)
     }
+    #[cfg(feature = "lanes")]
     fn rates_in_double4(
         &self,
         t: Double4,
@@ -156,6 +157,7 @@ impl Plant for Robot {
     ) -> Result<(), Fault> {
         self.state_rates(t, x, u, dx)
     }
+    #[cfg(feature = "lanes")]
     fn rates_in_single8(
         &self,
         t: Single8,

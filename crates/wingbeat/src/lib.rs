@@ -25,6 +25,7 @@
 
 pub use wingbeat_aero as aero;
 pub use wingbeat_config as scenario;
+#[cfg(feature = "learn")]
 pub use wingbeat_config::learn;
 pub use wingbeat_flight::{guide, orbit, simulate, tether};
 pub use wingbeat_judge as judge;

@@ -73,7 +73,7 @@ pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<Str
         "name = \"{name}\"\n{named}\n[air]\ndensity_kg_m3 = 1.225        # ISA, sea level\n\n\
          [aero]\npreset = \"full\"              # strips with unsteady loads and wash; or \"paper\", a lifting line\n\
          law = \"stall\"                # or \"linear\", \"lev\"\n\n[aero.full]\nstrips = {strips}                   # along the span\n\n\
-         [start]\nvelocity_m_s = [{speed:.1}, 0.0, 0.0]   # about where the area of all surfaces carries the weight at CL .6\n\
+         [start]\nvelocity_m_s = [{speed:.1}, 0.0, 0.0]   # about where the surfaces, as they stand at the start, carry the weight at CL .6\n\
          nose_up_deg = 3.0\n\n",
         strips = trim.as_ref().map_or(9, |trim| trim.scenario.spec.aero.full.strips),
     );

@@ -356,6 +356,7 @@ pub const COLUMNS: &[Described] = &[
     column("ends_apart", &[CANDIDATES], &["m"], "", "Largest distance between the end points (x and y) of its flights."),
     column("cost", &[CANDIDATES], ONE, "", "Sum of the squares of all misses over their `per`, 1e6 or more where a flight broke down; 0 meets all goals."),
     column("status", &[SWEEP, RUNS], ONE, "", "Verdict of the run, as its place in the list ok, not_judged, off_target, outside, suspect_data, not_periodic, not_resolved, not_found, failed, interrupted, from 0."),
+    column("warnings", &[SWEEP, RUNS], ONE, "", "Number of warnings that the run itself would print."),
     column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and the errors stayed within `hold`; on a landing, where it latched and no limit was missed."),
     column("completed", &[SWEEP], ONE, "", "1 where it was flown whole; else nothing else is said of it."),
     column("clear", &[SWEEP], ONE, "", "1 where it was flown whole and no clearance fell below `hold.clearance_m`, or the robot has none."),

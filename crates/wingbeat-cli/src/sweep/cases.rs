@@ -56,7 +56,7 @@ impl Outcome {
             }
         };
         // How a run ended is no measure.
-        let measures = SweepOf::Cases.measures()[2..].iter().copied().map(range).collect();
+        let measures = SweepOf::Cases.measures()[3..].iter().copied().map(range).collect();
         Self { runs: record.rows(), measures }
     }
 

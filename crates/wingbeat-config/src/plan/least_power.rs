@@ -18,6 +18,7 @@ use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{HingeKind, Side};
 use wingbeat_judge::{Judge, Status};
 use wingbeat_math::Error;
+use wingbeat_math::order::filled;
 use wingbeat_math::{Vec3, pitch_of_nose_up};
 use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_ocp::{Interpolant, OptimalControl, Optimum, Progress};
@@ -176,7 +177,7 @@ impl Scenario {
         match solution.resimulate(*problem, CHECK_STEPS) {
             Ok(errors) => {
                 let states = problem.setup().states.into_iter().map(|channel| channel.name);
-                summary.resimulation_error = states.zip(errors).collect();
+                summary.resimulation_error = filled(states.zip(errors));
             }
             Err(fault) => judge.find(Status::Failed, format!("re-simulated: {fault}")),
         }
@@ -357,7 +358,7 @@ fn upward(record: &Record, pitch: f64) -> BTreeMap<String, f64> {
         (source.name().to_owned(), cosine * of("z") - sine * of("x"))
     };
     let air = LoadSource::ALL.into_iter().filter(|source| !["gravity", "inertia"].contains(&source.name()));
-    air.map(up).collect()
+    filled(air.map(up))
 }
 
 fn numbers(flapping: &Flapping, means: Means) -> GaitNumbers {

@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 use wingbeat_flight::guide::{CommandsSpec, ReorientationSpec, RollIn};
 use wingbeat_flight::simulate::Record;
 use wingbeat_math::Error;
+use wingbeat_math::order::filled;
 use wingbeat_ocp::plant::Plant;
 use wingbeat_ocp::{OptimalControl, Progress};
 use wingbeat_robot::Robot;
@@ -54,7 +55,7 @@ impl Scenario {
         let commands = CommandsSpec {
             period_s: step,
             time_s: points.t.clone(),
-            commands: self.model.inputs().iter().enumerate().map(command).collect(),
+            commands: filled(self.model.inputs().iter().enumerate().map(command)),
         };
         let mut played = ScenarioSpec { plan: None, ..self.spec.clone() };
         played.name = format!("{}-flown", self.spec.name);

@@ -11,6 +11,7 @@ use wingbeat_flight::guide::{Playback, RollIn, RollInSpec, Turn};
 use wingbeat_flight::simulate::{Controller, Ending, Record, Sample, Schedule, Sensors, fly};
 use wingbeat_judge::{Judge, Status};
 use wingbeat_math::Error;
+use wingbeat_math::order::filled;
 use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_ocp::{Interpolant, Optimum, Progress};
@@ -135,7 +136,7 @@ impl Scenario {
         match problem.resimulated(solution, CHECK_STEPS) {
             Ok(errors) => {
                 let states = wingbeat_ocp::OptimalControl::setup(*problem).states.into_iter();
-                summary.resimulation_error = states.map(|channel| channel.name).zip(errors).collect();
+                summary.resimulation_error = filled(states.map(|channel| channel.name).zip(errors));
             }
             Err(fault) => judge.find(Status::Failed, format!("re-simulated: {fault}")),
         }

@@ -1,6 +1,7 @@
 //! JSON Schemas of files: of documents that may be based on others, and may then leave out every key.
 
 use serde_json::{Map, Value, json};
+use wingbeat_math::order::filled;
 
 use super::{DocumentKind, Schemas};
 use crate::document::{AIRFOIL_KEY, BASE, OUTLINE_KEY, WITHOUT};
@@ -31,7 +32,7 @@ impl Schemas {
             }
         }
         let mut file = based(part(&whole));
-        let whole: Map<_, _> = whole.into_iter().filter(|(key, _)| !key.starts_with('$')).collect();
+        let whole: Map<_, _> = filled(whole.into_iter().filter(|(key, _)| !key.starts_with('$')));
         all.insert(of_whole("Document"), whole.into());
         file.insert("if".into(), has_base());
         file.insert("else".into(), reference(&of_whole("Document")));
@@ -104,7 +105,7 @@ fn either(part: String, whole: String) -> Value {
 /// The schema of a table of which every key may be left out.
 fn part(schema: &Map<String, Value>) -> Map<String, Value> {
     let kept = schema.iter().filter(|(key, _)| *key != "required");
-    kept.map(|(key, value)| (key.clone(), part_of(key, value))).collect()
+    filled(kept.map(|(key, value)| (key.clone(), part_of(key, value))))
 }
 
 fn part_of(key: &str, value: &Value) -> Value {

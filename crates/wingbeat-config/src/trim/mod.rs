@@ -14,6 +14,7 @@ pub use search::{
 pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 use verdict::ignored_gusts;
+use wingbeat_math::order::filled;
 
 use super::fit;
 use super::recorder::Recorder;
@@ -321,8 +322,8 @@ impl Scenario {
             yaw_deg: 0.0,
             phase_rad: self.spec.start.phase_rad,
             rate_rad_s: Vec3::from_slice(&x[layout.rate..]).0,
-            states: states.map(|(channel, x)| (channel.name.clone(), *x)).collect(),
-            commands: commands.map(|(channel, u)| (channel.name.clone(), *u)).collect(),
+            states: filled(states.map(|(channel, x)| (channel.name.clone(), *x))),
+            commands: filled(commands.map(|(channel, u)| (channel.name.clone(), *u))),
         }
     }
 }

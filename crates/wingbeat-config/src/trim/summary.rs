@@ -11,6 +11,7 @@ use wingbeat_aero::Aero;
 use wingbeat_flight::orbit::{Cycle, Found, Measures, Mode, Modes};
 use wingbeat_judge::{Judged, Status, Warning};
 use wingbeat_math::GRAVITY;
+use wingbeat_math::order::filled;
 use wingbeat_ocp::plant::Plant;
 use wingbeat_robot::Robot;
 
@@ -182,7 +183,7 @@ impl TrimSummary {
         self.pitch_half_amplitude_deg = Some(0.5 * (high - low).to_degrees());
         self.heave_m = Some(measures.heave);
         let inputs = cycle.robot().inputs().iter().zip(&orbit.point.inputs);
-        self.commands = inputs.map(|(channel, value)| (channel.name.clone(), *value)).collect();
+        self.commands = filled(inputs.map(|(channel, value)| (channel.name.clone(), *value)));
         self.multipliers = modes.modes.iter().map(Multiplier::from).collect();
         self.largest_multiplier = Some(modes.largest());
         self.sector_coupling = (!cycle.coupled(&orbit.course)).then_some(modes.coupling);

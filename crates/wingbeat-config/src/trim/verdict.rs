@@ -17,7 +17,8 @@ impl TrimSummary {
             .as_ref()
             .zip(self.stroke_frequency_hz.or(self.frequency_hz))
             .map(|(trim, f)| (1.0 / (f * trim.step_s)).round());
-        let held: [(&'static Limit, Option<f64>); 9] = [
+        let alone = self.largest_multiplier.filter(|_| self.held_multiplier.is_none());
+        let held: [(&'static Limit, Option<f64>); 10] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
             (&trim::BEYOND_20, self.stall_fraction_20),
@@ -25,6 +26,7 @@ impl TrimSummary {
             (&trim::CLEARANCE, self.least_clearance_m),
             (&trim::SKIN, self.least_clearance_m),
             (&trim::MULTIPLIER, self.largest_multiplier),
+            (&trim::GROWS, alone),
             (&trim::RESIDUAL, self.residual),
             (&trim::STEPS, steps),
         ];

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read};
+use wingbeat::math::order::ascend_by;
 
 use flate2::Crc;
 use wingbeat::rig::cell::CHANNELS;
@@ -249,7 +250,7 @@ impl Recording {
         let mut topics: Vec<Topic> =
             self.topics.into_values().filter(|topic| !topic.logged.is_empty()).collect();
         // Wrenches come first: where a joint has the name of a force, the force keeps it.
-        topics.sort_by_key(|topic| topic.kind != Kind::Wrench);
+        ascend_by(&mut topics, |topic| if topic.kind == Kind::Wrench { 0.0 } else { 1.0 });
         let named = names_of(&topics);
         let wanted = |k: &usize| named[*k].iter().any(|name| table.wanted.wants(name));
         let wrenches = || (0..topics.len()).take_while(|k| topics[*k].kind == Kind::Wrench);

@@ -1,6 +1,7 @@
 //! Joint-angle lists of the Kinova Web App, in degrees from 0 to 360.
 
 use serde_json::{Value, json};
+use wingbeat::math::order::ascend_by;
 use wingbeat::rig::Trajectory;
 
 use super::ros_yaml::equal_step;
@@ -77,7 +78,7 @@ fn angles((index, pose): (usize, &Value)) -> Result<Vec<f64>, String> {
         let value = entry["value"].as_f64().ok_or_else(|| fail(&format!("joint {j} has no value")))?;
         pairs.push((entry["jointIdentifier"].as_u64().unwrap_or(j as u64), value));
     }
-    pairs.sort_by_key(|pair| pair.0);
+    ascend_by(&mut pairs, |pair| pair.0 as f64);
     Ok(pairs.iter().map(|(_, degrees)| (degrees - 360.0 * (degrees / 360.0).round()).to_radians()).collect())
 }
 

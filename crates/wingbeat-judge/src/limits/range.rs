@@ -21,9 +21,13 @@ pub const COMPACT: Limit = Limit::warn_below("range.gyration_of_body_over_span",
 /// Distance of a centre of mass from the joint that carries it, over the span. *Choice.*
 pub const CENTRE: Limit = Limit::warn_above("range.centre_over_span", 1.0, "")
     .on("a centre of mass far off (is it in m?): largest distance from the joint of a body over the span");
+/// Weight over the square of the span. A mute swan of 10 kg and 2.3 m carries 19 N/m2, a fruit fly 0.3; a mass in grams makes a
+/// robot of 20 g a thousand times too heavy. *Choice.*
+pub const LOADING: Limit = Limit::warn_above("range.span_loading_n_m2", 100.0, "N/m2")
+    .on("the robot is heavy for its wings (is its mass in kg?): weight over the square of the span");
 /// Mass of a link over that of the body that carries it. Shipped robots have 0.3 and less. *Choice.*
 pub const LINK: Limit = Limit::warn_above("range.link_over_body", 5.0, "")
     .on("a link that is heavy for its body (is it in kg?): largest mass of a link over that of the body");
 
 /// All of them.
-pub const ALL: [Limit; 6] = [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LINK];
+pub const ALL: [Limit; 7] = [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LOADING, LINK];

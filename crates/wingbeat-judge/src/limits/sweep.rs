@@ -12,6 +12,9 @@ pub const FAILED: Limit = Limit::warn_above("sweep.failed_fraction", 0.0, "")
 /// Runs that ended, and whose own verdict says that they cannot be used.
 pub const USABLE: Limit = Limit::warn_below("sweep.usable_fraction", 1.0, "")
     .on("share of the completed runs that their own verdict lets be used");
+/// Runs with warnings, which the tables of a sweep cannot repeat.
+pub const WARNED: Limit = Limit::warn_above("sweep.warned_fraction", 0.0, "")
+    .on("runs carry warnings, which each prints when it is made alone: share of the completed runs with any");
 /// Where none can be used, tables and figures are of what their own verdicts refuse.
 pub const SOME: Limit = Limit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");
@@ -24,4 +27,4 @@ pub const MISSED: Limit = Limit::at_most("sweep.search_missed_goals", 0.0, "", N
     .on("goals of a search that its best candidate misses, over all its flights");
 
 /// All of them.
-pub const ALL: [Limit; 6] = [COMPLETED, FAILED, USABLE, SOME, HELD, MISSED];
+pub const ALL: [Limit; 7] = [COMPLETED, FAILED, USABLE, WARNED, SOME, HELD, MISSED];

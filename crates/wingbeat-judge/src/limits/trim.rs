@@ -26,6 +26,10 @@ pub const SKIN: Limit = Limit::warn_below("trim.skin_clearance_m", 0.003, "m")
 /// Growth of a disturbance over a cycle. Instability is information, so the limit is one that only a document lowers.
 pub const MULTIPLIER: Limit = Limit::at_most("trim.multiplier", 100.0, "", OffTarget)
     .on("largest magnitude of a Floquet multiplier, that of the heading left out");
+/// Growth at which a small disturbance that no gains hold takes a flight from its orbit within some fifty cycles.
+pub const GROWS: Limit = Limit::warn_above("trim.growing_multiplier", 1.02, "").on(
+    "no gains hold this orbit, and a flight without a controller leaves it: growth of the worst disturbance over a cycle",
+);
 /// Conditions of the orbit, which Newton's method meets to 1e-11.
 pub const RESIDUAL: Limit = Limit::at_most("trim.residual", 1e-8, "", NotFound)
     .on("largest error of a condition of the orbit, in SI units");
@@ -35,5 +39,5 @@ pub const STEPS: Limit = Limit::warn_below("trim.steps_per_cycle", 40.0, "")
     .on("the steps of the integration are long (shorten trim.step_s): number of steps of a cycle");
 
 /// All of them.
-pub const ALL: [Limit; 9] =
-    [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, RESIDUAL, STEPS];
+pub const ALL: [Limit; 10] =
+    [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, GROWS, RESIDUAL, STEPS];

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use wingbeat::learn::{BankingTurn, Flock, Precision};
 use wingbeat::scenario::Scenario;
+use wingbeat_config::learn::{BankingTurn, Flock, Precision};
 
 fn flock(count: usize, threads: usize) -> Flock {
     exact(count, threads, Precision::Double)

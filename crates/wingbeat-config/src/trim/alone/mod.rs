@@ -27,6 +27,7 @@ use wingbeat_flight::orbit::{Found, Measures, Point, Section, measure, search, s
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Status, Warning};
 use wingbeat_math::Error;
+use wingbeat_math::order::{ascend_by, filled};
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::{LinkSide, Outline, RobotSpec};
 
@@ -197,7 +198,7 @@ impl RobotTrim {
         let named = Scenario::new(Document::value("trim", &spec)?)?;
         let mut free = numbers::free(named.model());
         // A rudder has no effect on level flight: what level flight takes comes first.
-        free.sort_by_key(|name| numbers::acts_across(&spec.robot, name));
+        ascend_by(&mut free, |name| f64::from(u8::from(numbers::acts_across(&spec.robot, name))));
         spec.trim = Some(asked(free));
         let document = Document::value("trim", &spec)?;
         let scenario = Scenario::new(document.clone())?;
@@ -262,7 +263,7 @@ impl RobotTrim {
             guessed_speed_m_s: self.size.speed(),
             guessed_frequency_hz: self.size.frequency(),
             assumed_actuators: self.assumed.clone(),
-            changed: self.left_out.iter().map(|(key, value)| (key.clone(), [Some(*value), None])).collect(),
+            changed: filled(self.left_out.iter().map(|(key, value)| (key.clone(), [Some(*value), None]))),
             ..AloneSummary::default()
         };
         let (mut found, mut stopped) = (None, false);
@@ -321,7 +322,9 @@ impl RobotTrim {
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Result<Option<ScenarioSpec>, ConfigError> {
         let mut candidates = self.scan(step, tried, observe);
-        candidates.sort_by(|a, b| a.order.0.total_cmp(&b.order.0).then(a.order.1.total_cmp(&b.order.1)));
+        // Equal ones keep the order of the second number.
+        ascend_by(&mut candidates, |candidate| candidate.order.1);
+        ascend_by(&mut candidates, |candidate| candidate.order.0);
         let mut best: Option<Gaited> = None;
         for searches in 0..SEARCHES + FURTHER {
             let powers: Vec<f64> = candidates.iter().map(|candidate| candidate.order.1).collect();

@@ -21,6 +21,7 @@ use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_judge::Status;
 use wingbeat_math::Error;
 use wingbeat_math::Random;
+use wingbeat_math::order::filled;
 
 /// Columns of a start before those of the varied numbers, with their units.
 const COLUMNS: [(&str, &str); 14] = [
@@ -346,7 +347,7 @@ impl GaitSearch<'_> {
             ended: Ended::ALL.get(column("ended")[best] as usize).map_or("", |ended| ended.words()),
             iterations: column("iterations")[best] as usize,
             violation: violation[best],
-            values: self.spec.vary.iter().zip(values).map(|(vary, v)| (vary.key.clone(), v)).collect(),
+            values: filled(self.spec.vary.iter().zip(values).map(|(vary, v)| (vary.key.clone(), v))),
         };
         Ok((Scenario::new(document).map_err(|error| error.to_string())?, summary))
     }
