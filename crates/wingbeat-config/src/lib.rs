@@ -61,6 +61,7 @@ mod tether_compare;
 mod tether_converge;
 mod tether_spec;
 mod trim;
+mod unheard;
 mod verdict_limits;
 mod watched;
 mod written;
@@ -469,6 +470,8 @@ impl Scenario {
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
+        let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
+        summary.warnings.extend(unheard::turning_impulse(self.spec.flown_aero(), surfaces));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
         summary.warnings.extend(self.spec.near_ground(summary.ground_distance_m));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })

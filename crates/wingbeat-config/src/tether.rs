@@ -5,6 +5,7 @@ use super::grounded::{mean_chord, near};
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
+use super::unheard::turning_impulse;
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -207,6 +208,7 @@ impl TetherCase {
             .chain(repeating(run, self.tether.clock.frequency_hz))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
+            .chain(turning_impulse(&self.spec.aero, [&self.tether.aero]))
             .chain(run.steady.iter().flat_map(|steady| {
                 let still = self.tether.motion.is_still();
                 SparSummary::of(steady).warnings(&self.spec.time, still)

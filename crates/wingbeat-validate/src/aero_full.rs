@@ -2,6 +2,7 @@
 //! lifting line, which are shown without a limit.
 
 mod flapping;
+mod folds;
 mod impulse;
 pub mod lattice;
 pub mod linear;
@@ -35,6 +36,7 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.full.plunge", quick: true, run: || small::plunge(Preset::Full) },
     Case { id: "aero.full.step", quick: true, run: || small::step(Preset::Full) },
     Case { id: "aero.full.other_wings", quick: true, run: || small::other_wings(Preset::Full) },
+    Case { id: "aero.full.folded_aerobat", quick: false, run: folds::folded_aerobat },
     Case { id: "aero.full.span_loading", quick: false, run: || small::span_loading(Preset::Full) },
     Case { id: "aero.full.trefftz", quick: true, run: mean::trefftz },
     Case { id: "aero.full.oracle", quick: true, run: flapping::oracle },

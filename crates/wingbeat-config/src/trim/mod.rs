@@ -13,10 +13,8 @@ pub use search::{
 };
 pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
-use verdict::ignored_gusts;
-use wingbeat_math::order::filled;
+use verdict::said_of;
 
-use super::fit;
 use super::recorder::Recorder;
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, written};
 use std::ops::ControlFlow;
@@ -27,6 +25,7 @@ use wingbeat_flight::orbit::{
 };
 use wingbeat_flight::simulate::{Column, Record, Sample};
 use wingbeat_math::Error;
+use wingbeat_math::order::filled;
 use wingbeat_math::{Quat, Vec3};
 use wingbeat_ocp::plant::{Fault, Plant};
 
@@ -260,7 +259,7 @@ impl Scenario {
     /// The summary of what is asked.
     fn asked(&self, cycle: &Cycle, spec: &TrimSpec, search: Duration) -> TrimSummary {
         TrimSummary {
-            warnings: ignored_gusts(&self.spec.air).into_iter().chain(fit::of_known(&self.spec)).collect(),
+            warnings: said_of(&self.spec, &self.model).collect(),
             speed_m_s: spec.speed_m_s,
             climb_m_s: spec.climb_m_s,
             bank_deg: spec.bank_deg,

@@ -2,7 +2,7 @@
 
 use super::summary::{TrimSummary, hover_wash};
 use crate::spec::{AirSpec, ScenarioSpec};
-use crate::{fit, plausible};
+use crate::{fit, plausible, unheard};
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Judge, Limit, Limits, Verdict, Warning};
 use wingbeat_math::Vec3;
@@ -41,10 +41,7 @@ impl TrimSummary {
         }
         let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
         judge_slow(&mut judge, self.speed_m_s, slow);
-        ignored_gusts(&spec.air)
-            .into_iter()
-            .chain(fit::of_known(spec))
-            .for_each(|warning| judge.warn(warning));
+        said_of(spec, robot).for_each(|warning| judge.warn(warning));
         self.take(judge.verdict());
     }
 
@@ -64,8 +61,15 @@ fn judge_slow(judge: &mut Judge, speed: f64, wash: Option<f64>) {
     judge.warn(Warning::new("trim.slower_than_wash", text).size(speed / wash).key("trim.speed_m_s"));
 }
 
+/// What the scenario says that a periodic flight of `robot` leaves out, and where its numbers are from.
+pub(super) fn said_of(spec: &ScenarioSpec, robot: &Robot) -> impl Iterator<Item = Warning> {
+    let surfaces = robot.surfaces().map(|(_, aero)| aero);
+    let unheard = unheard::turning_impulse(&spec.aero, surfaces);
+    ignored_gusts(&spec.air).into_iter().chain(fit::of_known(spec)).chain(unheard)
+}
+
 /// Gusts of the scenario, which no periodic flight can have; their size is the largest of what is left out, m/s.
-pub(super) fn ignored_gusts(air: &AirSpec) -> Option<Warning> {
+fn ignored_gusts(air: &AirSpec) -> Option<Warning> {
     let stated = (!air.gusts.is_empty()).then_some("air.gusts");
     let turbulent = air.dryden.as_ref().map(|_| "air.dryden");
     let key = if air.gust_m_s > 0.0 { Some("air.gust_m_s") } else { stated.or(turbulent) }?;

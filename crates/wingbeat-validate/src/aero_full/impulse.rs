@@ -68,7 +68,7 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
         ("prescribed.thin_cores", WakeMotion::Prescribed, CORE),
         ("free", WakeMotion::Free, CORE),
     ];
-    let source = "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle";
+    let source = "the project's own lattice, 8 x 24 panels a half, 48 steps a cycle";
     let (mut rows, mut found) = (Vec::new(), Vec::new());
     for (name, wake, core) in cases {
         let FoldedLift { joukowski: lattice, bernoulli: without, .. } =

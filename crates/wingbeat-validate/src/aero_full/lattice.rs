@@ -1,13 +1,16 @@
-//! A linear vortex lattice of a plunging rectangular wing with its harmonic wake: the span loading
-//! that the circulation tables do not hold.
+//! A linear vortex lattice of a wing in small motion with its harmonic wake: what the tables do not hold.
 
-use super::linear::Complex;
+use super::linear::{Complex, Motion};
 use crate::Error;
 use std::f64::consts::PI;
+use wingbeat::math::Vec3;
 use wingbeat::math::linear::{lu_factor, lu_solve};
 
-/// Length of the wake, chords.
+/// Length of the wake, mean chords.
 const WAKE: f64 = 40.0;
+
+/// Leading and trailing edge of a section, m, x forward and y to the left.
+pub(super) type ChordLine = [Vec3; 2];
 
 /// Loading at the control points of one half of the span, from the tip inwards.
 #[derive(Clone, Debug)]
@@ -18,73 +21,146 @@ pub struct Loading {
     pub force: Vec<Complex>,
 }
 
-/// A rectangular wing of unit chord in unit speed, panels even along the chord, Lan's
-/// stations along the span, vortices at 1/4 and flow tangent at 3/4 of each panel.
-struct Lattice {
-    chordwise: usize,
-    edges: Vec<f64>,
-    stations: Vec<f64>,
-    omega: f64,
+/// A wing that its left and right half mirror, flat between the edges of its strips, in a wind of 1 m/s from ahead; panels
+/// even along the chord, vortices at 1/4 and flow tangent at 3/4 of each panel.
+pub(super) struct Lattice {
+    /// Panels along a chord.
+    pub chordwise: usize,
+    /// The edges of the strips from the left tip to the right one, an odd number.
+    pub edges: Vec<ChordLine>,
+    /// Where between their edges the control sections of the strips of the left half lie, 0 to 1, from the tip inwards.
+    pub fractions: Vec<f64>,
+    /// Mean chord, m.
+    pub chord: f64,
+    /// Angular frequency, rad/s.
+    pub omega: f64,
+}
+
+/// The share `place` of the way from leading to trailing edge.
+fn along([leading, trailing]: ChordLine, place: f64) -> Vec3 {
+    leading + (trailing - leading) * place
+}
+
+/// The normal velocity n . v at `p` of a horseshoe of unit circulation that comes from behind to the first of its `ends`
+/// and leaves from the second: bound vortex n . (r1 x r2) (a + b) / (4 pi a b (a b + r1.r2)), legs
+/// n . (u x r) / (4 pi r (r - u.r)), u straight back.
+fn horseshoe([left, right]: [Vec3; 2], p: Vec3, n: Vec3) -> f64 {
+    let (from_left, from_right) = (p - left, p - right);
+    let (a, b) = (from_left.norm(), from_right.norm());
+    let bound = n.dot(from_left.cross(from_right)) * (a + b) / (a * b * (a * b + from_left.dot(from_right)));
+    let leg = |r: Vec3, length: f64| {
+        let beside2 = r[1] * r[1] + r[2] * r[2];
+        // r - u.r, without the difference where it cancels.
+        let less = if r[0] < 0.0 { beside2 / (length - r[0]) } else { length + r[0] };
+        (n[1] * r[2] - n[2] * r[1]) / (length * less)
+    };
+    (bound + leg(from_right, b) - leg(from_left, a)) / (4.0 * PI)
 }
 
 impl Lattice {
-    fn new(aspect: f64, chordwise: usize, spanwise: usize, omega: f64) -> Self {
+    /// A rectangle of unit chord and the aspect ratio `aspect` on Lan's stations.
+    fn rectangle(aspect: f64, chordwise: usize, spanwise: usize, omega: f64) -> Self {
         let step = PI / (spanwise + 1) as f64;
-        let place = |t: f64| -0.5 * aspect * (t * step).cos();
+        let place = |t: f64| 0.5 * aspect * (t * step).cos();
+        let line = |j: usize| [0.0, -1.0].map(|x| Vec3::new(x, place(j as f64 + 0.5), 0.0));
+        let fraction = |j: usize| {
+            let [a, b, control] = [0.5, 1.5, 1.0].map(|past| place(j as f64 + past));
+            (a - control) / (a - b)
+        };
         Self {
             chordwise,
-            edges: (0..=spanwise).map(|j| place(j as f64 + 0.5)).collect(),
-            stations: (1..=spanwise / 2).map(|j| place(j as f64)).collect(),
+            edges: (0..=spanwise).map(line).collect(),
+            fractions: (0..spanwise / 2).map(fraction).collect(),
+            chord: 1.0,
             omega,
         }
     }
 
-    /// Place of vortex `i` and, half a panel behind, of its control point.
-    fn vortex(&self, i: usize) -> f64 {
+    /// Place of vortex `i` over the chord; half a panel behind is its control point.
+    fn place(&self, i: usize) -> f64 {
         (i as f64 + 0.25) / self.chordwise as f64
     }
 
-    /// Upwash at (x, y) of a horseshoe between the edges of strip `j` and of its mirror image,
-    /// bound at `front`: w = [K(Y2) - K(Y1)] / 4 pi, K(Y) = (1 + sqrt(X^2 + Y^2)/X)/Y.
-    fn horseshoe(&self, j: usize, front: f64, x: f64, y: f64) -> f64 {
-        let run = x - front;
-        let half = |edge: f64| (1.0 + run.hypot(y - edge) / run) / (y - edge);
-        let last = self.edges.len() - 1;
-        let pair = |j: usize| half(self.edges[j + 1]) - half(self.edges[j]);
-        (pair(j) + pair(last - 1 - j)) / (4.0 * PI)
+    /// Control section of strip `j`.
+    fn station(&self, j: usize) -> ChordLine {
+        let [left, right] = [self.edges[j], self.edges[j + 1]];
+        [0, 1].map(|end| left[end] + (right[end] - left[end]) * self.fractions[j])
     }
 
-    /// Upwash of the wake that carries e^(-i omega x) behind the last ring. Its vortices stand at 1/4 of
-    /// the wake's panels like the wing's; a ring holds what left at the border between two.
-    fn wake(&self, j: usize, x: f64, y: f64) -> Complex {
-        let panel = 1.0 / self.chordwise as f64;
-        let mut start = self.vortex(self.chordwise);
-        let (first, mut at_start) = (start, self.horseshoe(j, start, x, y));
-        let mut sum = (0.0, 0.0);
-        while start < WAKE {
-            let length = (0.05 * (start - 1.5)).max(panel).min(0.1);
-            let at_end = self.horseshoe(j, start + length, x, y);
-            let phase = -self.omega * (start - first + 0.25 * panel + 0.75 * length);
-            let ring = at_start - at_end;
-            sum = (sum.0 + ring * phase.cos(), sum.1 + ring * phase.sin());
-            (start, at_start) = (start + length, at_end);
+    /// Length of a panel of strip `j`, m.
+    fn panel(&self, j: usize) -> f64 {
+        let [leading, trailing] = self.station(j);
+        (leading - trailing).norm() / self.chordwise as f64
+    }
+
+    /// Ends of vortex `i` of strip `j`, `behind` m further back.
+    fn ends(&self, j: usize, i: usize, behind: f64) -> [Vec3; 2] {
+        [j, j + 1].map(|edge| along(self.edges[edge], self.place(i)) - Vec3::new(behind, 0.0, 0.0))
+    }
+
+    fn normal(&self, j: usize) -> Vec3 {
+        let [[leading, trailing], [next, _]] = [self.edges[j], self.edges[j + 1]];
+        (trailing - leading).cross(next - leading).unit()
+    }
+
+    /// Normal velocity at `p` of the horseshoe of strip `j` and of its mirror image.
+    fn pair(&self, j: usize, i: usize, behind: f64, (p, n): (Vec3, Vec3)) -> f64 {
+        let ends = self.ends(j, i, behind);
+        let mirrored = |v: Vec3| Vec3::new(v[0], -v[1], v[2]);
+        horseshoe(ends, p, n) + horseshoe(ends, mirrored(p), mirrored(n))
+    }
+
+    /// How far behind the last row of the wing the rows of the wake lie, m.
+    fn wake_rows(&self) -> Vec<f64> {
+        let (mut rows, panel) = (vec![0.0], self.chord / self.chordwise as f64);
+        if self.omega == 0.0 {
+            rows.push(WAKE * self.chord);
         }
-        sum
+        let mut at = 0.0;
+        while self.omega != 0.0 && at < WAKE * self.chord {
+            at += (0.05 * (at + 0.25 * panel - 0.5 * self.chord)).min(0.1 * self.chord).max(panel);
+            rows.push(at);
+        }
+        rows
     }
 
-    /// Ring strengths for unit upwash, chordwise within each strip.
-    fn solve(&self) -> Result<Vec<Complex>, Error> {
-        let (nc, ns) = (self.chordwise, self.stations.len());
-        let n = nc * ns;
-        let (mut m, mut rhs) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n]);
-        for (row, value) in rhs.iter_mut().enumerate().take(n) {
-            let (y, x) = (self.stations[row / nc], self.vortex(row % nc) + 0.5 / nc as f64);
-            *value = -1.0;
+    /// Normal velocity of the wake that carries e^(-i omega x) behind the last ring. Its vortices stand at 1/4 of
+    /// the wake's panels like the wing's; a ring holds what left at the border between two.
+    fn wake(&self, j: usize, rows: &[f64], target: (Vec3, Vec3)) -> Complex {
+        let mut at_start = self.pair(j, self.chordwise, 0.0, target);
+        rows.windows(2).fold((0.0, 0.0), |sum, row| {
+            let at_end = self.pair(j, self.chordwise, row[1], target);
+            let phase = -self.omega * (row[0] + 0.25 * self.panel(j) + 0.75 * (row[1] - row[0]));
+            let ring = at_start - at_end;
+            at_start = at_end;
+            (sum.0 + ring * phase.cos(), sum.1 + ring * phase.sin())
+        })
+    }
+
+    /// Ring strengths, chordwise within each strip, for each of so many `columns` of which `wash` tells the upwash at a point.
+    fn solve(
+        &self,
+        columns: usize,
+        wash: impl Fn(usize, Vec3) -> Complex,
+    ) -> Result<Vec<Vec<Complex>>, Error> {
+        let (nc, ns) = (self.chordwise, self.fractions.len());
+        let (n, rows) = (nc * ns, self.wake_rows());
+        let (mut m, mut rhs) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * columns]);
+        for row in 0..n {
+            let (p, normal) = (
+                along(self.station(row / nc), self.place(row % nc) + 0.5 / nc as f64),
+                self.normal(row / nc),
+            );
+            for column in 0..columns {
+                let (re, im) = wash(column, p);
+                rhs[row * columns + column] = -normal[2] * re;
+                rhs[(n + row) * columns + column] = -normal[2] * im;
+            }
             for j in 0..ns {
                 for i in 0..nc {
-                    let ring =
-                        self.horseshoe(j, self.vortex(i), x, y) - self.horseshoe(j, self.vortex(i + 1), x, y);
-                    let tail = if i + 1 == nc { self.wake(j, x, y) } else { (0.0, 0.0) };
+                    let of = |i: usize| self.pair(j, i, 0.0, (p, normal));
+                    let ring = of(i) - of(i + 1);
+                    let tail = if i + 1 == nc { self.wake(j, &rows, (p, normal)) } else { (0.0, 0.0) };
                     let column = j * nc + i;
                     m[row * 2 * n + column] = ring + tail.0;
                     m[(n + row) * 2 * n + n + column] = ring + tail.0;
@@ -97,8 +173,37 @@ impl Lattice {
         if !lu_factor(&mut m, 2 * n, &mut pivots) {
             return Err(Error::NoAnswer("the lattice is singular".into()));
         }
-        lu_solve(&m, 2 * n, &pivots, &mut rhs, 1);
-        Ok((0..n).map(|i| (rhs[i], rhs[n + i])).collect())
+        lu_solve(&m, 2 * n, &pivots, &mut rhs, columns);
+        let ring = |i: usize, column: usize| (rhs[i * columns + column], rhs[(n + i) * columns + column]);
+        Ok((0..columns).map(|column| (0..n).map(|i| ring(i, column)).collect()).collect())
+    }
+
+    /// Force per span over dynamic pressure of each strip, m: 2 [Gamma + i omega sum(G dx)], Kutta-Joukowski of the bound
+    /// vortices and the rate of the jump.
+    fn force(&self, rings: &[Complex]) -> Vec<Complex> {
+        let of = |(j, strip): (usize, &[Complex])| {
+            let sum = strip.iter().fold((0.0, 0.0), |s, g| (s.0 + g.0, s.1 + g.1));
+            let (end, panel) = (strip[strip.len() - 1], self.omega * self.panel(j));
+            (2.0 * (end.0 - panel * sum.1), 2.0 * (end.1 + panel * sum.0))
+        };
+        rings.chunks_exact(self.chordwise).enumerate().map(of).collect()
+    }
+
+    /// Vertical force of the whole wing per unit of each small motion, N in air of 1 kg/m3.
+    ///
+    /// # Errors
+    /// [`Error::NoAnswer`] when the lattice is singular.
+    pub fn lift(&self, motions: &[Motion]) -> Result<Vec<Complex>, Error> {
+        let wash = |motion: usize, p: Vec3| match motions[motion] {
+            Motion::Plunge => (0.0, self.omega),
+            Motion::Pitch(axis) => (1.0, self.omega * (axis - p[0])),
+        };
+        let width = |j: usize| self.edges[j][0][1] - self.edges[j + 1][0][1];
+        let lift = |rings: Vec<Complex>| {
+            let strips = self.force(&rings).into_iter().enumerate();
+            strips.fold((0.0, 0.0), |sum, (j, f)| (sum.0 + f.0 * width(j), sum.1 + f.1 * width(j)))
+        };
+        Ok(self.solve(motions.len(), wash)?.into_iter().map(lift).collect())
     }
 }
 
@@ -108,19 +213,12 @@ impl Lattice {
 /// # Errors
 /// [`Error::NoAnswer`] when the lattice is singular.
 pub fn loading(aspect: f64, k: f64, chordwise: usize, spanwise: usize) -> Result<Loading, Error> {
-    let lattice = Lattice::new(aspect, chordwise, spanwise, 2.0 * k);
-    let rings = lattice.solve()?;
+    let lattice = Lattice::rectangle(aspect, chordwise, spanwise, 2.0 * k);
+    let rings = lattice.solve(1, |_, _| (1.0, 0.0))?.remove(0);
     let strips = rings.chunks_exact(chordwise);
-    let panel = lattice.omega / chordwise as f64;
-    // Force 2 [Gamma + i omega sum(G dx)]: Kutta-Joukowski of the bound vortices and the rate of the jump.
-    let force = |strip: &[Complex]| {
-        let sum = strip.iter().fold((0.0, 0.0), |s, g| (s.0 + g.0, s.1 + g.1));
-        let end = strip[chordwise - 1];
-        (2.0 * (end.0 - panel * sum.1), 2.0 * (end.1 + panel * sum.0))
-    };
     Ok(Loading {
-        circulation: strips.clone().map(|strip| strip[chordwise - 1]).collect(),
-        force: strips.map(force).collect(),
+        circulation: strips.map(|strip| strip[chordwise - 1]).collect(),
+        force: lattice.force(&rings),
     })
 }
 
@@ -136,17 +234,19 @@ pub fn downwash(
     chordwise: usize,
     spanwise: usize,
 ) -> Result<Vec<(f64, f64)>, Error> {
-    let lattice = Lattice::new(aspect, chordwise, spanwise, 0.0);
-    let rings = lattice.solve()?;
+    let lattice = Lattice::rectangle(aspect, chordwise, spanwise, 0.0);
+    let rings = lattice.solve(1, |_, _| (1.0, 0.0))?.remove(0);
     let upwash = |y: f64| -> f64 {
+        let target = (Vec3::new(-behind, y, 0.0), Vec3::new(0.0, 0.0, 1.0));
         let vortices = rings.iter().enumerate().map(|(column, ring)| {
             let (j, i) = (column / chordwise, column % chordwise);
             // A ring of the last row is open: its wake is a horseshoe.
-            let next = lattice.vortex(i + 1);
-            let rear = if i + 1 == chordwise { 0.0 } else { lattice.horseshoe(j, next, behind, y) };
-            ring.0 * (lattice.horseshoe(j, lattice.vortex(i), behind, y) - rear)
+            let rear = if i + 1 == chordwise { 0.0 } else { lattice.pair(j, i + 1, 0.0, target) };
+            ring.0 * (lattice.pair(j, i, 0.0, target) - rear)
         });
         vortices.sum()
     };
-    Ok(lattice.stations.iter().map(|&y| (y, -upwash(y))).collect())
+    let places = (0..lattice.fractions.len()).map(|j| lattice.station(j)[0][1]);
+    // In the order of the right half, which mirrors the left one.
+    Ok(places.map(|y| (-y, -upwash(y))).collect())
 }

@@ -199,7 +199,7 @@ pub fn span_loading(preset: Preset) -> Result<Vec<Row>, Error> {
 }
 
 /// Richardson's extrapolation of a first-order method from n and 2n panels.
-fn extrapolated(coarse: &[Complex], fine: &[Complex]) -> Vec<Complex> {
+pub(super) fn extrapolated(coarse: &[Complex], fine: &[Complex]) -> Vec<Complex> {
     coarse.iter().zip(fine).map(|(c, f)| (2.0 * f.0 - c.0, 2.0 * f.1 - c.1)).collect()
 }
 
@@ -270,7 +270,7 @@ pub fn other_points(preset: Preset) -> Result<Vec<Point>, Error> {
 }
 
 /// `plunge`, or `pitch` with the axis in mean chords behind the origin.
-fn motion_of(name: &str, still: &Still) -> Result<Motion, Error> {
+pub(super) fn motion_of(name: &str, still: &Still) -> Result<Motion, Error> {
     let Some(axis) = name.strip_prefix("pitch") else { return Ok(Motion::Plunge) };
     let behind: f64 = format!("0{axis}")
         .parse()

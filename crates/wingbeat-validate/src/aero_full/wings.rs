@@ -59,12 +59,17 @@ pub fn swept(aspect: f64, degrees: f64) -> Result<Still, Error> {
     Still::flat(planform(&rows)?, aspect, 1.0, 0.0)
 }
 
+/// Hinges at two arcs (m) that fold the panels outside of them to the dihedrals `inner` and `outer` (degrees).
+fn shoulder_and_elbow([shoulder, elbow]: [f64; 2], inner: f64, outer: f64) -> (Vec<Hinge>, Vec<Jet<f64>>) {
+    let hinge = |kind, arc_m| Hinge { kind, side: Side::Both, arc_m, to_arc_m: None, ahead_m: 0.0 };
+    let hinges = vec![hinge(HingeKind::Flap, shoulder), hinge(HingeKind::Fold, elbow)];
+    (hinges, [inner, outer - inner].map(|a| Jet::from(a.to_radians())).to_vec())
+}
+
 /// A rectangular wing of unit chord: each half at the dihedral `inner` up to the arc 1 m, then at
 /// `outer` (degrees).
 pub fn folded(aspect: f64, inner: f64, outer: f64) -> Result<Still, Error> {
-    let hinge = |kind, arc_m| Hinge { kind, side: Side::Both, arc_m, to_arc_m: None, ahead_m: 0.0 };
-    let hinges = vec![hinge(HingeKind::Flap, 0.0), hinge(HingeKind::Fold, 1.0)];
-    let angles = [inner, outer - inner].map(|a| Jet::from(a.to_radians())).to_vec();
+    let (hinges, angles) = shoulder_and_elbow([0.0, 1.0], inner, outer);
     let wing = Wing::new(rectangle(aspect, 1.0)?, hinges)?;
     Ok(Still { wing, angles, area: aspect, chord: 1.0, origin: 0.0 })
 }
@@ -109,4 +114,11 @@ fn aerobat() -> Result<Still, Error> {
         [2.07, 1.01, 0.81],
     ];
     Still::flat(planform(&rows)?, 5.639158, 1.364809, 0.0)
+}
+
+/// Aerobat's planform, folded at its shoulders and elbows to the dihedrals `inner` and `outer` (degrees).
+pub fn aerobat_folded(inner: f64, outer: f64) -> Result<Still, Error> {
+    let flat = aerobat()?;
+    let (hinges, angles) = shoulder_and_elbow([0.207, 0.707], inner, outer);
+    Ok(Still { wing: Wing::new(flat.wing.planform().clone(), hinges)?, angles, ..flat })
 }

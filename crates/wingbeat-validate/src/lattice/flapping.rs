@@ -132,16 +132,15 @@ pub struct FoldedLift {
 pub fn deep_fold([flap_deg, fold_deg]: [f64; 2], wake: WakeMotion, core: f64) -> Result<FoldedLift, Error> {
     let wing = flapper(0.25, flap_deg, Some((0.45, fold_deg)))?;
     let panels = Panels { chordwise: 8, spanwise: 24, spacing: Spacing::Lan };
-    let steps = 2 * STEPS;
-    let settings = Settings { wake, ..Settings::new(1.0 / (FREQUENCY * steps as f64), core * CHORD) };
+    let settings = Settings { wake, ..Settings::new(1.0 / (FREQUENCY * STEPS as f64), core * CHORD) };
     let mut lattice = Lattice::new(Scene::new(&wing, panels, true)?, settings)?;
-    let loads = (0..CYCLES * steps).map(|_| lattice.step()).collect::<Result<Vec<_>, _>>()?;
-    let last = &loads[loads.len() - steps..];
+    let loads = (0..CYCLES * STEPS).map(|_| lattice.step()).collect::<Result<Vec<_>, _>>()?;
+    let last = &loads[loads.len() - STEPS..];
     let lifts = |of: fn(&Loads) -> Vec3| -> Vec<f64> { last.iter().map(|l| lift_drag(of(l)).0).collect() };
-    let mean = |lifts: &[f64]| lifts.iter().sum::<f64>() / steps as f64;
+    let mean = |lifts: &[f64]| lifts.iter().sum::<f64>() / STEPS as f64;
     let own = lifts(|l| l.joukowski.force);
     let joukowski = mean(&own);
-    let square = own.iter().map(|lift| (lift - joukowski).powi(2)).sum::<f64>() / steps as f64;
+    let square = own.iter().map(|lift| (lift - joukowski).powi(2)).sum::<f64>() / STEPS as f64;
     let bernoulli = mean(&lifts(|l| l.bernoulli.force));
     Ok(FoldedLift { joukowski, bernoulli, swing: square.sqrt() })
 }

@@ -604,3 +604,18 @@ fn a_tethered_wing_feels_the_ground() {
         );
     }
 }
+
+#[test]
+fn a_preset_that_lacks_the_turning_impulse_says_so() {
+    let warned = |preset: &str, turns: bool| {
+        let set = [format!("aero.preset={preset}"), format!("aero.full.turning_impulse={turns}")];
+        let case = case("flap_f2", &set.each_ref().map(String::as_str));
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        let summary = case.summary(&run, None, None);
+        let found = summary.verdict.warnings.into_iter().find(|warning| warning.id == "aero.unheard");
+        found.map(|warning| warning.text)
+    };
+    let text = warned("paper", true).unwrap();
+    assert!(text.contains("aero.full.turning_impulse") && text.contains("`paper`"), "{text}");
+    assert_eq!([warned("paper", false), warned("full", true)], [None, None]);
+}

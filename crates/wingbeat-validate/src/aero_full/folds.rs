@@ -1,0 +1,122 @@
+//! Aerobat's planform, folded and held, in small motions up to k = 1, against a linear lattice.
+
+use super::Preset;
+use super::lattice::Lattice;
+use super::linear::{Complex, Motion, SmallMotion};
+use super::small::{extrapolated, motion_of};
+use super::wings::{self, Still};
+use crate::{Error, Row, reference_table};
+use wingbeat::tether::TetheredBody;
+
+/// Dihedral of the inner and of the outer panels, degrees.
+const FOLDS: [[f64; 2]; 5] = [[0.0, 0.0], [15.0, -45.0], [15.0, -60.0], [30.0, -20.0], [-15.0, -60.0]];
+/// Reduced frequencies by the mean chord.
+const KS: [f64; 5] = [0.1, 0.25, 0.5, 0.75, 1.0];
+/// Strips of the lattice.
+const STATIONS: usize = 32;
+const SOURCE: &str = "linear vortex lattice, 6 and 12 x 32 panels";
+
+/// Plunge, and pitch about four axes.
+fn motions(still: &Still) -> Result<Vec<Motion>, Error> {
+    ["plunge", "pitch0", "pitch.25", "pitch.5", "pitch.75"]
+        .map(|name| motion_of(name, still))
+        .into_iter()
+        .collect()
+}
+
+/// Vertical force of the lattice per unit of each motion, N, extrapolated from 6 and 12 panels.
+fn exact(still: &Still, k: f64) -> Result<Vec<Complex>, Error> {
+    let wing = Preset::Full.model_of(STATIONS, still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
+    let frame = TetheredBody::rest().frame();
+    let edge = |arc: &f64| {
+        let section = still.wing.section(*arc, &frame, &still.angles);
+        [section.le, section.te]
+    };
+    let between = wing.arcs().windows(2).zip(wing.strip_arcs()).take(STATIONS / 2);
+    let fractions: Vec<f64> = between.map(|(ends, arc)| (ends[0] - arc) / (ends[0] - ends[1])).collect();
+    let lift = |chordwise: usize| {
+        let lattice = Lattice {
+            chordwise,
+            edges: wing.arcs().iter().map(edge).collect(),
+            fractions: fractions.clone(),
+            chord: still.chord,
+            omega: 2.0 * k / still.chord,
+        };
+        lattice.lift(&motions(still)?)
+    };
+    Ok(extrapolated(&lift(6)?, &lift(12)?))
+}
+
+fn error(value: Complex, exact: Complex) -> f64 {
+    (value.0 - exact.0).hypot(value.1 - exact.1) / exact.0.hypot(exact.1)
+}
+
+/// Worst complex error of the force of `strips` strips over motions and frequencies.
+fn worst(preset: Preset, strips: usize, still: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
+    let model = preset.model_of(strips, still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
+    let mut worst: f64 = 0.0;
+    for (m, motion) in motions(still)?.into_iter().enumerate() {
+        let small = SmallMotion::new(&model, still, motion);
+        for (k, exact) in KS.iter().zip(exact) {
+            let value = small.response(2.0 * k / still.chord)?[0];
+            worst = worst.max(error(value, exact[m]));
+        }
+    }
+    Ok(worst)
+}
+
+/// Worst error of the lattice against the table of the flat wing.
+fn lattice_error(flat: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
+    let table = reference_table!("lifting_surface/other_wings.csv")?;
+    let (names, motions, ks) = (table.words("wing")?, table.words("motion")?, table.column("k")?);
+    let (re, im) = (table.column("Re_H")?, table.column("Im_H")?);
+    let named = ["plunge", "pitch0", "pitch.25", "pitch.5", "pitch.75"];
+    let mut worst: f64 = 0.0;
+    for i in (0..table.len()).filter(|&i| names[i] == "aerobat_flat") {
+        let Some(k) = KS.iter().position(|k| *k == ks[i]) else { continue };
+        let Some(m) = named.iter().position(|name| *name == motions[i]) else { continue };
+        let (scale, omega) = (0.5 * flat.area, 2.0 * ks[i] / flat.chord);
+        let plunge = (-omega * scale * im[i], omega * scale * re[i]);
+        let table = if m == 0 { plunge } else { (scale * re[i], scale * im[i]) };
+        worst = worst.max(error(exact[k][m], table));
+    }
+    Ok(worst)
+}
+
+/// Vertical force of Aerobat's planform at five folds in plunge and pitch, k <= 1, of 16 and of 32 strips.
+pub fn folded_aerobat() -> Result<Vec<Row>, Error> {
+    let wings = FOLDS.map(|[inner, outer]| wings::aerobat_folded(inner, outer));
+    let wings = wings.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let exact_at = |still: &Still| KS.iter().map(|k| exact(still, *k)).collect::<Result<Vec<_>, _>>();
+    let lattice = wings.iter().map(exact_at).collect::<Result<Vec<_>, _>>()?;
+    let row = |preset: Preset, strips: usize, id: &str| -> Result<Row, Error> {
+        let errors = wings.iter().zip(&lattice).map(|(still, exact)| worst(preset, strips, still, exact));
+        let errors = errors.collect::<Result<Vec<_>, _>>()?;
+        let said = FOLDS
+            .iter()
+            .zip(&errors)
+            .map(|([inner, outer], e)| format!("{inner:+}, {outer:+}: {:.1} %", 100.0 * e));
+        let lags = if preset == Preset::Full { "" } else { ", five lags" };
+        let said = said.collect::<Vec<_>>().join("; ");
+        let metric = format!(
+            "{strips} strips{lags}: worst complex error of force, plunge and pitch, k <= 1; panels at {said}"
+        );
+        Ok(Row::shown(id, SOURCE, &metric, errors.iter().copied().fold(0.0, f64::max), ""))
+    };
+    let check = "Aerobat, flat, k 0.1 to 1: worst error of the lattice against the table";
+    let id = "aero.full.folded_aerobat";
+    Ok(vec![
+        row(Preset::Full, 16, id)?,
+        row(Preset::Full, 32, &format!("{id}.strips_32"))?,
+        row(Preset::FiveLags, 16, &format!("{id}.five_lags"))?,
+        row(Preset::FiveLags, 32, &format!("{id}.five_lags_32"))?,
+        Row::judged(
+            &format!("{id}.lattice"),
+            "linear lifting surface (own lattice, Richardson)",
+            check,
+            lattice_error(&wings[0], &lattice[0])?,
+            0.01,
+            "",
+        ),
+    ])
+}
