@@ -270,18 +270,20 @@ pub(super) fn integrate(
         let ends = length >= left * (1.0 - SAME);
         // Two like steps in place of one and a rest.
         let h = if ends { left } else { length.min(0.5 * left) };
+        // A rest may be longer than the shortest step by rounding.
+        let divisible = h > shortest * (1.0 + 2.0 * SAME);
         if !known {
             way.pair.begin(of, t, x)?;
             known = true;
         }
         let (share, more) = match way.attempt(of, (t, h), x) {
             Ok(tried) => tried,
-            Err(_) if h > shortest => (f64::INFINITY, None),
+            Err(_) if divisible => (f64::INFINITY, None),
             Err(fault) => return Err(fault),
         };
         let change =
             if share.is_nan() { CHANGE[0] } else { (AIM * share.powf(-0.2)).clamp(CHANGE[0], CHANGE[1]) };
-        if !(share <= 1.0) && h > shortest {
+        if !(share <= 1.0) && divisible {
             way.taken.rejected += 1;
             length = (h * change).max(shortest);
             continue;
@@ -399,6 +401,19 @@ mod tests {
             assert_eq!(of.decided, [2.5, 5.0, 7.5, 10.0]);
             let worst = of.seen.iter().map(|(t, x)| (x - t.cos()).abs()).fold(0.0, f64::max);
             assert!(worst <= 10.0 * error, "{error}: {worst}");
+        }
+    }
+
+    #[test]
+    fn an_error_that_no_step_keeps_ends_and_is_told() {
+        for count in 1..=40 {
+            let mut of = Oscillator { every: 250, ..Oscillator::default() };
+            let reach = |_: f64, _: [&[f64]; 2]| Vec3::new(1.0, 0.0, 0.0);
+            let asked = Accuracy { error: 1e-9, reach: &reach, breaks: &[] };
+            let (whole, taken) =
+                integrate(&mut of, &asked, Steps::new(0.0, 1e-3, count), &mut [1.0, 0.0]).unwrap();
+            assert!(whole && of.seen.len() == count && taken.error > 1e-9, "{count}: {taken:?}");
+            assert!((64 * count..=64 * count + 2).contains(&taken.steps), "{count}: {taken:?}");
         }
     }
 
