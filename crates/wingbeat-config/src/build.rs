@@ -133,6 +133,10 @@ impl ScenarioSpec {
         self.robot.check().map_err(|e| e.within("robot"))?;
         self.air.check().map_err(|e| e.within("air"))?;
         self.flight.in_range().map_err(|e| e.within("flight"))?;
+        if let (Some(error), Some(_)) = (self.flight.error_m, &self.lattice) {
+            let allowed = "none beside [lattice], whose wake is shed in equal steps";
+            return Err(Error::invalid("flight.error_m", error, allowed).against(["lattice.step_s"]));
+        }
         require::finite("start.velocity_m_s", &self.start.velocity_m_s)?;
         self.aero.check().map_err(|e| e.within("aero"))?;
         if let Some(goal) = &self.goal {

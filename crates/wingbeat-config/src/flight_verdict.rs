@@ -188,6 +188,7 @@ impl Flown<'_> {
         if let Some(error) = self.summary.step_error_m {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
+            judge.hold_if(&flight::STEPS_ASKED, self.context.asked_error_m.map(|asked| error / asked));
         }
         judge.hold_if(&flight::GROUND, self.summary.ground_distance_m);
         // A perch turns the robot that hits it.

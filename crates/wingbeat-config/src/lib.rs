@@ -136,7 +136,9 @@ use std::path::Path;
 use step_error::StepError;
 use wingbeat_aero::Aero;
 use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
-use wingbeat_flight::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_until};
+use wingbeat_flight::simulate::{
+    Accuracy, Controller, Event, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_within,
+};
 use wingbeat_judge::{Limits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::{Quat, Vec3, pitch_of_nose_up};
@@ -434,7 +436,13 @@ impl Scenario {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut lattice = self.lattice()?;
         // The steps of the robot alone are not those of the flight in a lattice.
-        let mut error = lattice.is_none().then(|| StepError::new(&self.robot, schedule));
+        let asked_error = self.spec.flight.error_m;
+        let mut error =
+            (lattice.is_none() && asked_error.is_none()).then(|| StepError::new(&self.robot, schedule));
+        let end = schedule.step * schedule.steps as f64;
+        let reach = |t: f64, states: [&[f64]; 2]| step_error::reach(self.robot.layout(), end - t, states);
+        let breaks = self.spec.air.breaks();
+        let asked = asked_error.map(|error| Accuracy { error, reach: &reach, breaks: &breaks });
         let mut recorder =
             Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
         recorder.beside(self.spec.perch.as_ref());
@@ -454,7 +462,10 @@ impl Scenario {
             seen.map_or(f64::INFINITY, |(perch, seen)| perch.short_of_latching(&seen))
         };
         let (mut flight, coupling) = match &mut lattice {
-            None => (fly_until(robot, sensors, controller, schedule, &mut x, &latches, see), None),
+            None => {
+                let ends: (Event, _) = (&latches, asked.as_ref());
+                (fly_within(robot, sensors, controller, schedule, &mut x, ends, see), None)
+            }
             Some(flow) => {
                 let flow = flow.as_mut();
                 let (flight, coupling) = fly_in(robot, flow, sensors, controller, schedule, &mut x, see);
@@ -462,7 +473,8 @@ impl Scenario {
             }
         };
         recorder.complete(&mut flight);
-        let error = error.and_then(|error| error.at_end(flight.duration));
+        let measured = flight.taken.map(|taken| taken.error);
+        let error = error.and_then(|error| error.at_end(flight.duration)).or(measured);
         let mut recorded = recorder.finish();
         let cut = recorded.cut(&flight.ending);
         let mut summary = self.summarise(&recorded, &flight, schedule, error.filter(|_| !cut));
@@ -508,6 +520,7 @@ impl Scenario {
             means: recorded.means.as_ref(),
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
+            asked_error_m: self.spec.flight.error_m,
             turbulence: self.spec.turbulence(),
             perch: self.spec.perch.as_ref(),
             wind: Vec3(self.spec.air.wind_m_s),

@@ -96,8 +96,14 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         states: _,
         commands: _,
     } = start;
-    let FlightSpec { flapping, duration_s: _, step_s: _, record_every_s: _, record_strips_every_s: _ } =
-        flight;
+    let FlightSpec {
+        flapping,
+        duration_s: _,
+        step_s: _,
+        error_m: _,
+        record_every_s: _,
+        record_strips_every_s: _,
+    } = flight;
     let made_from = MadeFrom {
         density_kg_m3: *density_kg_m3,
         wind_m_s: *wind_m_s,

@@ -123,6 +123,14 @@ pub struct GustSpec {
 }
 
 impl AirSpec {
+    /// Times at which gusts start and end, in their order, s.
+    pub(super) fn breaks(&self) -> Vec<f64> {
+        let ends = |gust: &GustSpec| [gust.start_s, gust.start_s + gust.duration_s];
+        let mut times: Vec<f64> = self.gusts.iter().flat_map(ends).collect();
+        times.sort_by(f64::total_cmp);
+        times
+    }
+
     /// Checks ranges.
     pub(super) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
@@ -322,6 +330,9 @@ pub struct FlightSpec {
     pub duration_s: f64,
     /// Integration step, s.
     pub step_s: f64,
+    /// Error of the last position that all steps may make, m: they are as long as it allows, and `step_s` is the clock. Without it all are equal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_m: Option<f64>,
     /// Time between records, s.
     pub record_every_s: f64,
     /// Time between records of the loads of every strip, s: whole records; without it there are none.
@@ -365,6 +376,7 @@ ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
 ranges!(FlightSpec {
     duration_s: Range::POSITIVE,
     step_s: Range::POSITIVE,
+    error_m: Range::POSITIVE,
     record_every_s: Range::POSITIVE,
     record_strips_every_s: Range::POSITIVE,
 });

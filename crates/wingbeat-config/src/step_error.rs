@@ -1,8 +1,8 @@
 //! What the length of the steps does to a flight, estimated while it is flown.
 
-use wingbeat_flight::simulate::{Sample, Schedule, Stepper};
+use wingbeat_flight::simulate::{Sample, Schedule, Stepper, mean_error};
 use wingbeat_math::{Quat, Vec3};
-use wingbeat_robot::Robot;
+use wingbeat_robot::{Layout, Robot};
 
 /// Instants at which steps are halved, at most. *Choice*: a hundredth of the work of a flight of a second.
 const INSTANTS: usize = 100;
@@ -11,16 +11,46 @@ const INSTANTS: usize = 100;
 const ORDER: f64 = 1.0 - 1.0 / 16.0;
 /// Standard gravity, m/s2: what an error of the attitude does to the force that carries the robot.
 const GRAVITY: f64 = 9.81;
-/// Standard errors of the mean over the instants. *Choice.*
-const SURE: f64 = 2.0;
-
-/// Errors of position, velocity and attitude (a rotation in W) that the steps add, per second of flight, and the velocity there.
+/// Errors of position, velocity and attitude (a rotation in W).
 #[derive(Clone, Copy)]
-struct Rate {
-    t: f64,
+struct Off {
     position: Vec3,
     velocity: Vec3,
     attitude: Vec3,
+}
+
+/// Those of the state `wrong` in place of `right`, times a factor.
+fn apart(layout: &Layout, [wrong, right]: [&[f64]; 2], factor: f64) -> Off {
+    let apart = |at: usize| (Vec3::from_slice(&wrong[at..]) - Vec3::from_slice(&right[at..])) * factor;
+    let [from, to] = [right, wrong].map(|x| Quat::from_wxyz(&x[layout.attitude..]));
+    let between = to * from.conjugate();
+    // Of a unit quaternion the vector is half a small angle; its opposite is the same rotation.
+    let twice = if between.w < 0.0 { -2.0 } else { 2.0 };
+    Off {
+        position: apart(layout.position),
+        velocity: apart(layout.velocity),
+        attitude: between.v * (twice * factor),
+    }
+}
+
+/// What the state `wrong` in place of `right` does to the position `left` s later, m.
+pub fn reach(layout: &Layout, left: f64, [wrong, right]: [&[f64]; 2]) -> Vec3 {
+    reached(&apart(layout, [wrong, right], 1.0), Vec3::from_slice(&right[layout.velocity..]), left)
+}
+
+/// An error e of the position moves the position `left` s later by e, that of the velocity by e times the time, that of the attitude by the
+/// velocity `flown` and the force m g turned with it, e x v (T - t) + e x g (T - t)^2 / 2: an upper guess, as if the path followed the
+/// attitude at once.
+fn reached(off: &Off, flown: Vec3, left: f64) -> Vec3 {
+    let turned = off.attitude.cross(flown + Vec3::new(0.0, 0.0, GRAVITY) * (0.5 * left));
+    off.position + (off.velocity + turned) * left
+}
+
+/// Errors that the steps add, per second of flight, and the velocity there.
+#[derive(Clone, Copy)]
+struct Rate {
+    t: f64,
+    of: Off,
     flown: Vec3,
 }
 
@@ -72,41 +102,18 @@ impl<'a> StepError<'a> {
         let (short, long) = (after(0.5 * self.step, 2)?, after(self.step, 1)?);
         let layout = self.robot.layout();
         let per_second = 1.0 / (ORDER * self.step);
-        let apart = |at: usize| (Vec3::from_slice(&long[at..]) - Vec3::from_slice(&short[at..])) * per_second;
-        let [from, to] = [&short, &long].map(|x| Quat::from_wxyz(&x[layout.attitude..]));
-        let between = to * from.conjugate();
-        // Of a unit quaternion the vector is half a small angle; its opposite is the same rotation.
-        let twice = if between.w < 0.0 { -2.0 } else { 2.0 };
-        Some(Rate {
-            t: sample.t,
-            position: apart(layout.position),
-            velocity: apart(layout.velocity),
-            attitude: between.v * (twice * per_second),
-            flown: Vec3::from_slice(&sample.x[layout.velocity..]),
-        })
+        let of = apart(layout, [&long, &short], per_second);
+        Some(Rate { t: sample.t, of, flown: Vec3::from_slice(&sample.x[layout.velocity..]) })
     }
 
     /// The error of the position at the time `end`, m; infinite where a step cannot be taken, none without
     /// samples.
-    ///
-    /// An error e made at t moves the position at T by e, that of the velocity by e (T - t), that of the attitude by the flown velocity v
-    /// and the force m g turned with it, e x v (T - t) + e x g (T - t)^2 / 2: an upper guess, as if the path followed the attitude at
-    /// once. Errors of one stroke and the next cancel as vectors do; to their sum come two standard errors of what the instants in between
-    /// may add.
     pub fn at_end(&self, end: f64) -> Option<f64> {
         if self.failed {
             return Some(f64::INFINITY);
         }
-        let up = Vec3::new(0.0, 0.0, GRAVITY);
-        let reach = |rate: &Rate| {
-            let left = end - rate.t;
-            let turned = rate.attitude.cross(rate.flown + up * (0.5 * left));
-            rate.position + (rate.velocity + turned) * left
-        };
-        let count = self.rates.len() as f64;
+        let reach = |rate: &Rate| reached(&rate.of, rate.flown, end - rate.t);
         let all: Vec<Vec3> = self.rates.iter().map(reach).collect();
-        let mean = all.iter().fold(Vec3::ZERO, |sum, of| sum + *of) * (1.0 / count);
-        let spread = all.iter().map(|of| (*of - mean).norm().powi(2)).sum::<f64>() / count;
-        (!all.is_empty()).then(|| (mean.norm() + SURE * (spread / count).sqrt()) * end)
+        mean_error(&all, end)
     }
 }

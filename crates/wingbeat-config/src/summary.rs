@@ -140,6 +140,9 @@ pub struct Summary {
     /// Estimate of the error of the integration in the last position, m: what two steps differ from one of twice
     /// the length, over 15, at instants of the flight, summed up to its end. Feedback and growth are not in it.
     pub step_error_m: Option<f64>,
+    /// Steps that `flight.error_m` made it take.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps_taken: Option<usize>,
     /// What a reader must know.
     #[schemars(skip)]
     pub warnings: Vec<Warning>,
@@ -293,8 +296,9 @@ pub(super) struct Context<'a> {
     pub means: Option<&'a Means>,
     /// Time between updates of the controller, s.
     pub period_s: Option<f64>,
-    /// Estimate of the error of the steps, m.
+    /// Estimate of the error of the steps, m, and what was asked.
     pub step_error_m: Option<f64>,
+    pub asked_error_m: Option<f64>,
     /// The perch beside the flight.
     pub perch: Option<&'a PerchSpec>,
     /// Turbulence of the air, and its steady wind, m/s.
@@ -382,6 +386,7 @@ impl Summary {
             ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),
             step_error_m: context.step_error_m,
+            steps_taken: flight.taken.map(|taken| taken.steps),
             warnings: Vec::new(),
             controller: ControllerSummary::new(flight, context.period_s),
         };

@@ -132,7 +132,8 @@ impl Sweep {
         scenarios: &[Scenario],
         watch: &impl Fn() -> ControlFlow<()>,
     ) -> Result<(Vec<Summary>, usize), ConfigError> {
-        if !self.spec.lanes {
+        // Lanes take equal steps.
+        if !self.spec.lanes || scenarios.iter().any(|scenario| scenario.spec.flight.error_m.is_some()) {
             let fly = |scenario: &Scenario| {
                 let flown = scenario.fly(|_| watch()).map_err(|error| scenario.explain(&error));
                 flown.map(|run| run.summary)

@@ -1,5 +1,6 @@
 //! The flight of a plant: sensors, controller and clock around the stepper.
 
+use super::accuracy::{Accuracy, Taken};
 use super::coupled::Steers;
 use super::record::Column;
 use super::sensor::{Measurement, Sensors};
@@ -108,6 +109,8 @@ pub struct Flight {
     pub failures: usize,
     /// Updates that came late and kept the previous plan.
     pub late: usize,
+    /// The steps that were taken, where a stated error chose them.
+    pub taken: Option<Taken>,
 }
 
 /// Flies `plant` from `x` (state at t = 0, left at the final state) under
@@ -135,14 +138,33 @@ pub fn fly_until<P: Plant, C: Controller + ?Sized>(
     schedule: &Schedule,
     x: &mut [f64],
     event: Event,
+    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+) -> Flight {
+    fly_within(plant, sensors, controller, schedule, x, (event, None), observe)
+}
+
+/// As [`fly_until`], where an accuracy is asked in steps as long as it allows; updates and samples stay where they are.
+pub fn fly_within<P: Plant, C: Controller + ?Sized>(
+    plant: &P,
+    sensors: &mut Sensors,
+    controller: &mut C,
+    schedule: &Schedule,
+    x: &mut [f64],
+    (event, asked): (Event, Option<&Accuracy>),
     mut observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> Flight {
     let observe: Observer<C> = &mut observe;
     let mut pilot = Pilot { event, ..Pilot::new(plant, sensors, controller, schedule, observe) };
     let mut stepper = Stepper::new(plant, 0.0, x);
-    let ending = stepper.run(schedule.step, schedule.steps, &mut pilot);
+    let (ending, taken) = match asked {
+        None => (stepper.run(schedule.step, schedule.steps, &mut pilot), None),
+        Some(asked) => {
+            let (ending, taken) = stepper.run_within(schedule.step, schedule.steps, &mut pilot, asked);
+            (ending, Some(taken))
+        }
+    };
     x.copy_from_slice(stepper.state());
-    pilot.flight(ending, stepper.time())
+    Flight { taken, ..pilot.flight(ending, stepper.time()) }
 }
 
 /// Who sees the samples of a flight, whatever it does with them.
@@ -198,6 +220,7 @@ impl<'a, P, C: ?Sized, O> Pilot<'a, P, C, O> {
             updates: self.updates,
             failures: self.failures,
             late: self.late,
+            taken: None,
         }
     }
 }
@@ -208,6 +231,11 @@ where
 {
     fn decide(&mut self, k: usize, t: f64, x: &[f64]) {
         self.update(k, t, x);
+    }
+
+    fn next(&self, k: usize) -> usize {
+        let every = self.schedule.steps_per_update;
+        every.map_or(usize::MAX, |every| (k / every + 1) * every)
     }
 
     fn inputs(&self, t: f64, u: &mut [f64]) {

@@ -1,6 +1,7 @@
 //! Simulation: the stepper that advances every system, the flight of a plant
 //! under a controller behind sensors, the record of a run.
 
+mod accuracy;
 mod cost;
 mod coupled;
 mod estimator;
@@ -15,11 +16,12 @@ mod strips;
 mod system;
 mod together;
 
+pub use accuracy::{Accuracy, Reach, Taken, mean_error};
 pub use cost::Cost;
 pub use coupled::{Bears, Beyond, Steers, step_in};
 pub use coupled::{Coupling, Fineness, Flow, fly_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
-pub use fly::{AtRest, Controller, Event, Flight, Sample, Schedule, Update, fly, fly_until};
+pub use fly::{AtRest, Controller, Event, Flight, Sample, Schedule, Update, fly, fly_until, fly_within};
 pub use record::{Column, Record};
 pub use sensitive::{Sensitive, Varied, packed};
 pub use sensor::*;

@@ -1,5 +1,6 @@
 //! The one loop that advances time: a system's state, clock and inputs.
 
+use super::accuracy::{self, Accuracy, Clocked, Taken};
 use super::system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
 use std::ops::{ControlFlow, Deref};
 use wingbeat_math::{Dynamics, RK4, Steps, Workspace};
@@ -210,6 +211,34 @@ impl<R: Deref<Target: System>> Stepper<R> {
         steps: usize,
         driver: &mut dyn Driver<<R::Target as System>::Memory>,
     ) -> Ending {
+        self.driven(dt, steps, driver, &mut |run, todo, x, work| RK4.integrate(run, todo, x, work))
+    }
+
+    /// As [`run`](Self::run) in steps as long as `asked` allows; all ends of steps of `dt` seconds are seen, and those at which something is
+    /// decided are met. Says what steps were taken.
+    pub fn run_within(
+        &mut self,
+        dt: f64,
+        steps: usize,
+        driver: &mut dyn Driver<<R::Target as System>::Memory>,
+        asked: &Accuracy,
+    ) -> (Ending, Taken) {
+        let mut taken = Taken::default();
+        let ending = self.driven(dt, steps, driver, &mut |run, todo, x, _| {
+            let (whole, all) = accuracy::integrate(run, asked, todo, x)?;
+            taken = all;
+            Ok(whole)
+        });
+        (ending, taken)
+    }
+
+    fn driven(
+        &mut self,
+        dt: f64,
+        steps: usize,
+        driver: &mut dyn Driver<<R::Target as System>::Memory>,
+        integrate: Integrate<R::Target>,
+    ) -> Ending {
         self.count_steps(dt, 0);
         let began = self.clock.first;
         let Self { system, x, u, memory, clock, work } = self;
@@ -219,7 +248,7 @@ impl<R: Deref<Target: System>> Stepper<R> {
         let mut run = Run { system: &**system, memory, u, clock, began, driver, before };
         let end = run.boundary(x).and_then(|flow| match flow {
             ControlFlow::Break(()) => Ok(false),
-            ControlFlow::Continue(()) => RK4.integrate(&mut run, todo, x, work),
+            ControlFlow::Continue(()) => integrate(&mut run, todo, x, work),
         });
         match end {
             Ok(true) => Ending::Complete,
@@ -228,6 +257,10 @@ impl<R: Deref<Target: System>> Stepper<R> {
         }
     }
 }
+
+/// Takes steps of a run; says whether all were taken.
+type Integrate<'a, S> =
+    &'a mut dyn FnMut(&mut Run<'_, S>, Steps, &mut [f64], &mut Workspace<f64>) -> Result<bool, Fault>;
 
 /// A run as the integrator sees it.
 struct Run<'a, S: System + ?Sized> {
@@ -301,6 +334,15 @@ impl<S: System + ?Sized> Dynamics<f64, Fault> for Run<'_, S> {
         self.clock.first = k + 1;
         self.before.iter_mut().zip(&*x).for_each(|(before, x)| *before = *x);
         self.boundary(x)
+    }
+}
+
+impl<S: System + ?Sized> Clocked for Run<'_, S> {
+    fn next(&self, k: usize) -> usize {
+        self.driver.next(k - self.began).saturating_add(self.began)
+    }
+    fn settle(&mut self, t: f64, length: f64, x: &mut [f64]) -> Result<(), Fault> {
+        self.system.advance(t, length, x, self.u, self.memory)
     }
 }
 

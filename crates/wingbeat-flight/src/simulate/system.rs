@@ -125,6 +125,11 @@ pub trait Driver<M> {
     /// Decides what the inputs will be from this end of a step on, at the time `_t` (s) in the state `_x`.
     fn decide(&mut self, _k: usize, _t: f64, _x: &[f64]) {}
 
+    /// The next end of a step after `k` at which something is decided.
+    fn next(&self, k: usize) -> usize {
+        k + 1
+    }
+
     /// Writes the inputs at time `t`; what it leaves alone stays as it was.
     fn inputs(&self, t: f64, u: &mut [f64]);
 

@@ -46,6 +46,9 @@ pub const STEP_ERROR: Limit = Limit::warn_above("flight.step_error_m", 0.01, "m"
 /// Error of the integration's steps that leaves nothing of the flight.
 pub const STEPS_LOST: Limit = Limit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");
+/// Error of steps that were chosen by an error.
+pub const STEPS_ASKED: Limit = Limit::at_most("flight.error_asked_fraction", 1.0, "", NotResolved)
+    .on("flight.error_m cannot be kept by steps of flight.step_s / 64 or more: the error of the last position as it was measured, over flight.error_m");
 
 /// Angular momentum in a vacuum, which nothing can change but the error of the steps. The shipped turn of a 20 g robot leaves 2e-12.
 pub const MOMENTUM: Limit = Limit::at_most("flight.angular_momentum_kg_m2_s", 1e-9, "kg m2/s", NotResolved)
@@ -91,7 +94,7 @@ pub const DIVE_PITCH: Limit = Limit::at_most("flight.dive_pitch_deg", 10.0, "deg
     .on("largest error of the pitch in a dive");
 
 /// All of them.
-pub const ALL: [Limit; 27] = [
+pub const ALL: [Limit; 28] = [
     DIVE_HEIGHT,
     PERCH_CLEARANCE,
     DIVE_PLAN,
@@ -113,6 +116,7 @@ pub const ALL: [Limit; 27] = [
     FAILURES,
     STEP_ERROR,
     STEPS_LOST,
+    STEPS_ASKED,
     MOMENTUM,
     GROUND,
     TURBULENCE,

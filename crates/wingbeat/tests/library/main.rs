@@ -1,5 +1,6 @@
 //! What the library promises, module by module: one program, so that the generic code of the models is built once for all.
 
+mod accuracy;
 mod airs;
 mod allocation;
 mod alone;
