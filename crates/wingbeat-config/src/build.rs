@@ -112,12 +112,12 @@ impl ScenarioSpec {
         let table = self.controller_table();
         let gait = format!("robot.gait.{}", self.robot.gait.kind());
         let path = (format!("{table}.tracking.path"), "path".into());
+        // What a controller refuses of its robot stands in the robot's tables.
+        let of_robot = ["drive", "structure", "surfaces", "thrusters"]
+            .map(|key| (format!("{table}.{key}"), format!("robot.{key}")));
         let solver = self.solver.as_ref().map_or("solver".into(), |named| format!("solver.{}", named.name));
-        error.within(&table).renamed(&[
-            (format!("{table}.gait"), gait),
-            path,
-            (format!("{table}.solver"), solver),
-        ])
+        let own = [(format!("{table}.gait"), gait), path, (format!("{table}.solver"), solver)];
+        error.within(&table).renamed(&[own.as_slice(), &of_robot].concat())
     }
 
     /// Key of the table that the controller is made of.

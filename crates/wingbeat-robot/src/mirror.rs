@@ -65,8 +65,9 @@ impl Robot {
         let inertia = |e: usize| self.loaded.iter().find(|of| of.element == e).map(|of| of.inertia);
         if let Some(e) = (0..elements).find(|&e| inertia(e) != inertia(twin[e])) {
             let allowed = "that of the same element of the other wing";
-            let given = format!("{:?}", inertia(e));
-            return Err(Error::invalid(format!("structure.elements[{e}].inertia"), given, allowed));
+            let given = inertia(e).map_or("none".into(), |inertia| inertia.to_string());
+            let key = |e: usize| format!("structure.elements[{e}].inertia");
+            return Err(Error::invalid(key(e), given, allowed).against([key(twin[e])]));
         }
         let coordinates = &self.mechanism.coordinates;
         let image = |joint: &usize| {
@@ -104,7 +105,14 @@ impl Robot {
             |(i, j): (usize, usize)| alike(response.state_gain(i, j), response.state_gain(twin[i], state(j)));
         if let Some((i, j)) = (0..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))).find(|&ij| !same(ij)) {
             let allowed = "a response that is the same for both wings";
-            return Err(Error::invalid("structure.a", format!("row {}, column {j}", n + i), allowed));
+            // What couples elements stands in a matrix, the rest at the element too.
+            let number = if j < n { "frequency_hz" } else { "damping" };
+            let key = |e: usize| format!("structure.elements[{e}].{number}");
+            return Err(if j % n == i {
+                Error::invalid(key(i), "unlike its twin's", allowed).against([key(twin[i])])
+            } else {
+                Error::invalid("structure.a", format!("row {}, column {j}", n + i), allowed)
+            });
         }
         let image = |r: usize, s: usize| {
             (0..n).all(|e| alike(response.command_gain(e, r), response.command_gain(twin[e], s)))

@@ -176,6 +176,13 @@ fn a_fit_to_what_is_no_measurement_is_not_ok() {
     assert_eq!(verdict.status, Status::SuspectData, "{verdict:?}");
     let reason = verdict.reason.clone().unwrap();
     assert!(reason.contains("limits.calibration.explained_fraction"), "{reason}");
+    // The channel that the fit makes worst is judged by the residuals that the summary has.
+    let summary = serde_json::to_value(found.summary(&Files(Vec::new()), &verdict)).unwrap();
+    let rmse = summary["rmse"].as_object().unwrap().values();
+    let growth = rmse.filter_map(|rmse| Some(rmse["after"].as_f64()? / rmse["before"].as_f64()?));
+    let growth = growth.fold(f64::NAN, f64::max);
+    let judged = verdict.judged.iter().find(|judged| judged.id == "calibration.channel_growth").unwrap();
+    assert!((judged.value - growth).abs() < 1e-12, "{judged:?}, {growth}");
     let numbers = words::numbers(&found, &Files(Vec::new()), "commit", &verdict);
     let given: GivenNumbers = toml::from_str(&numbers).unwrap();
     assert_eq!(given.verdict.unwrap().status, "suspect_data");

@@ -12,7 +12,7 @@ pub const MODEL_ERROR: Limit = Limit::warn_below("calibration.model_error_explai
     .on("the model misses much of the loads: share of the measured variation over the cycle that the fit explains");
 /// A channel that the fit makes worse while it mends others: the model has no part for what those others show.
 pub const WORSE: Limit = Limit::at_most("calibration.channel_growth", 2.0, "", OffTarget)
-    .on("residuals of a channel after the fit over those before it, largest of all channels:");
+    .on("residuals of a channel after the fit over those before it, largest of all channels");
 /// Growth of the residuals of a channel, of which a reader must know.
 pub const WORSE_TOLD: Limit = Limit::warn_above("calibration.channel_growth_told", 1.1, "")
     .on("the fit makes a channel worse than it was: its residuals after the fit over those before it");
