@@ -9,9 +9,14 @@ use crate::scratch;
 
 /// A copy of the program in `folder`, where no other program stands.
 fn copied(folder: &Path) -> PathBuf {
-    let program = folder.join("wingbeat");
-    fs::copy(env!("CARGO_BIN_EXE_wingbeat"), &program).unwrap();
-    program
+    placed(Path::new(env!("CARGO_BIN_EXE_wingbeat")), folder.join("wingbeat"))
+}
+
+/// A copy of a program that may be run at once. It is another process that writes it: a file that this one has open for writing
+/// would be open, and so busy, in whatever the tests beside it start.
+fn placed(from: &Path, to: PathBuf) -> PathBuf {
+    assert!(Command::new("cp").arg(from).arg(&to).status().unwrap().success());
+    to
 }
 
 #[test]
@@ -27,9 +32,10 @@ fn a_program_alone_says_how_the_comparisons_are_had() {
 #[test]
 fn arguments_and_exit_code_pass_unchanged() {
     let folder = scratch("validate-beside");
-    let beside = folder.join("wingbeat-validate");
-    fs::write(&beside, "#!/bin/sh\necho \"$$ $*\"\nexit 7\n").unwrap();
-    fs::set_permissions(&beside, fs::Permissions::from_mode(0o755)).unwrap();
+    let script = folder.join("script");
+    fs::write(&script, "#!/bin/sh\necho \"$$ $*\"\nexit 7\n").unwrap();
+    fs::set_permissions(&script, fs::Permissions::from_mode(0o755)).unwrap();
+    placed(&script, folder.join("wingbeat-validate"));
     let mut command = Command::new(copied(&folder));
     let arguments = ["validate", "--only", "linkage", "--quick", "--quiet", "--json", "a file.json"];
     let child = command.args(arguments).stdout(std::process::Stdio::piped()).spawn().unwrap();
