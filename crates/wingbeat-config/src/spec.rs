@@ -17,6 +17,7 @@ use wingbeat_aero::{
 use wingbeat_flight::guide::{MpcSpec, PathSpec, Turn};
 use wingbeat_flight::simulate::SensorSpec;
 use wingbeat_math::Error;
+use wingbeat_math::order::ascend;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
 use wingbeat_robot::RobotSpec;
@@ -127,7 +128,7 @@ impl AirSpec {
     pub(super) fn breaks(&self) -> Vec<f64> {
         let ends = |gust: &GustSpec| [gust.start_s, gust.start_s + gust.duration_s];
         let mut times: Vec<f64> = self.gusts.iter().flat_map(ends).collect();
-        times.sort_by(f64::total_cmp);
+        ascend(&mut times);
         times
     }
 

@@ -137,8 +137,8 @@ pub struct Summary {
     /// Largest change of the angular momentum about the centre of mass, kg m2/s, in a vacuum, where nothing can change it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_momentum_change_kg_m2_s: Option<f64>,
-    /// Estimate of the error of the integration in the last position, m: what two steps differ from one of twice
-    /// the length, over 15, at instants of the flight, summed up to its end. Feedback and growth are not in it.
+    /// Estimate of the error of the integration in the last position, m: what a step differs from two of half
+    /// its length, at instants of the flight, summed up to its end. Feedback and growth are not in it.
     pub step_error_m: Option<f64>,
     /// Steps that `flight.error_m` made it take.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -141,12 +141,12 @@ impl Scenario {
         };
         let (measures, modes) = measured;
         summary.found(&cycle, &found, &measures, &modes);
-        summary.judge(cycle.robot(), &self.spec, &self.limits);
-        let family =
-            family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
         let gains = gains_of(&cycle, &found.orbit, &OrbitWeights::default()).map_err(broken)?;
         summary.held_multiplier = gains.as_ref().map(|held| held.multiplier);
+        summary.judge(cycle.robot(), &self.spec, &self.limits);
+        let family =
+            family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let gains = gains.map(|held| ("gains.csv", held.table));
         Ok(Trimmed {
             record: Some(self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?),

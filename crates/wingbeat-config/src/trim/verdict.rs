@@ -17,7 +17,7 @@ impl TrimSummary {
             .as_ref()
             .zip(self.stroke_frequency_hz.or(self.frequency_hz))
             .map(|(trim, f)| (1.0 / (f * trim.step_s)).round());
-        let alone = self.largest_multiplier.filter(|_| self.held_multiplier.is_none());
+        let growth = self.held_multiplier.or(self.largest_multiplier);
         let held: [(&'static Limit, Option<f64>); 10] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
@@ -26,7 +26,7 @@ impl TrimSummary {
             (&trim::CLEARANCE, self.least_clearance_m),
             (&trim::SKIN, self.least_clearance_m),
             (&trim::MULTIPLIER, self.largest_multiplier),
-            (&trim::GROWS, alone),
+            (&trim::GROWS, growth),
             (&trim::RESIDUAL, self.residual),
             (&trim::STEPS, steps),
         ];

@@ -10,12 +10,13 @@ pub const EXPLAINED: Limit = Limit::at_least("calibration.explained_fraction", 0
 /// An honest error of the model, of which a reader must know: residuals of a third of the loads.
 pub const MODEL_ERROR: Limit = Limit::warn_below("calibration.model_error_explained_fraction", 0.9, "")
     .on("the model misses much of the loads: share of the measured variation over the cycle that the fit explains");
-/// A channel that the fit makes worse while it mends others: the model has no part for what those others show.
-pub const WORSE: Limit = Limit::at_most("calibration.channel_growth", 2.0, "", OffTarget)
-    .on("residuals of a channel after the fit over those before it, largest of all channels");
+/// Rms residual of a channel after the fit over that before it, largest of all channels: one that the fit makes worse while it mends
+/// others says that the model lacks what those others show.
+pub const WORSE: Limit =
+    Limit::at_most("calibration.channel_growth", 2.0, "", OffTarget).on("growth of the residuals by the fit");
 /// Growth of the residuals of a channel, of which a reader must know.
 pub const WORSE_TOLD: Limit = Limit::warn_above("calibration.channel_growth_told", 1.1, "")
-    .on("the fit makes a channel worse than it was: its residuals after the fit over those before it");
+    .on("the fit makes a channel worse than it was: growth of the residuals");
 /// Misfit over the noise of the cycles. With a misfit of 10 % of the loads this limit is a noise of 1e-7 of them, which no load
 /// cell resolves: cycles that repeat so well are not measured.
 pub const CHI_SQUARED: Limit = Limit::at_most("calibration.chi_squared", 1e12, "", SuspectData).on(

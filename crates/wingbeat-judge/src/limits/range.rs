@@ -21,8 +21,7 @@ pub const COMPACT: Limit = Limit::warn_below("range.gyration_of_body_over_span",
 /// Distance of a centre of mass from the joint that carries it, over the span. *Choice.*
 pub const CENTRE: Limit = Limit::warn_above("range.centre_over_span", 1.0, "")
     .on("a centre of mass far off (is it in m?): largest distance from the joint of a body over the span");
-/// Weight over the square of the span. A mute swan of 10 kg and 2.3 m carries 19 N/m2, a fruit fly 0.3; a mass in grams makes a
-/// robot of 20 g a thousand times too heavy. *Choice.*
+/// Weight over the square of the span: 19 N/m2 of 10 kg on 2.3 m, a heavy bird, and 2180 of 20 kg in place of 20 g on 0.3 m. *Choice.*
 pub const LOADING: Limit = Limit::warn_above("range.span_loading_n_m2", 100.0, "N/m2")
     .on("the robot is heavy for its wings (is its mass in kg?): weight over the square of the span");
 /// Mass of a link over that of the body that carries it. Shipped robots have 0.3 and less. *Choice.*

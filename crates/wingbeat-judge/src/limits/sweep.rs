@@ -14,7 +14,7 @@ pub const USABLE: Limit = Limit::warn_below("sweep.usable_fraction", 1.0, "")
     .on("share of the completed runs that their own verdict lets be used");
 /// Runs with warnings, which the tables of a sweep cannot repeat.
 pub const WARNED: Limit = Limit::warn_above("sweep.warned_fraction", 0.0, "")
-    .on("runs carry warnings, which each prints when it is made alone: share of the completed runs with any");
+    .on("a run made alone prints its own warnings: share of the completed runs that carry any");
 /// Where none can be used, tables and figures are of what their own verdicts refuse.
 pub const SOME: Limit = Limit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");

@@ -259,6 +259,17 @@ fn a_hover_is_outside_of_what_the_wake_can_do() {
     assert!(told.text.starts_with(&format!("0.20 m/s is slower than the wash of {wash:.2} m/s")), "{told:?}");
 }
 
+/// Twenty kilograms in place of grams are told.
+#[test]
+fn a_mass_in_grams_is_told() {
+    let told = |overrides: &[&str]| {
+        let scenario = scenario("banking_turn", &[&["flight.duration_s=0.01"], overrides].concat());
+        let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
+        run.summary.warnings.iter().any(|warning| warning.id == "range.span_loading_n_m2")
+    };
+    assert!(!told(&[]) && told(&["robot.body.mass_kg=20"]));
+}
+
 /// What no flyer can do is not `ok`; what flies stays so, and what a periodic flight leaves out is said.
 #[test]
 fn an_orbit_is_judged() {
@@ -269,6 +280,9 @@ fn an_orbit_is_judged() {
     let well = trim(&[coarse]);
     assert!(well.status == Status::Ok && well.reason.is_none() && well.warnings.is_empty(), "{well:?}");
     assert!(well.judged.iter().all(|judged| judged.met) && well.judged.len() == 15);
+
+    // What a cycle multiplies is no warning where gains hold it.
+    assert!(well.largest_multiplier.unwrap() > 1.0 && well.held_multiplier.unwrap() < 1.0, "{well:?}");
 
     let rocket = trim(&["trim.climb_m_s=50"]);
     let reason = rocket.reason.unwrap();
