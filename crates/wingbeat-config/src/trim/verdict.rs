@@ -17,7 +17,9 @@ impl TrimSummary {
             .as_ref()
             .zip(self.stroke_frequency_hz.or(self.frequency_hz))
             .map(|(trim, f)| (1.0 / (f * trim.step_s)).round());
-        let growth = self.held_multiplier.or(self.largest_multiplier);
+        // An orbit is flown by itself or by its gains, whichever holds it.
+        let growth =
+            self.largest_multiplier.map(|alone| self.held_multiplier.map_or(alone, |held| held.min(alone)));
         let held: [(&'static Limit, Option<f64>); 10] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),

@@ -27,9 +27,8 @@ pub const SKIN: Limit = Limit::warn_below("trim.skin_clearance_m", 0.003, "m")
 pub const MULTIPLIER: Limit = Limit::at_most("trim.multiplier", 100.0, "", OffTarget)
     .on("largest magnitude of a Floquet multiplier, that of the heading left out");
 /// Growth at which a small disturbance that no gains hold takes a flight from its orbit within some fifty cycles.
-pub const GROWS: Limit = Limit::warn_above("trim.growing_multiplier", 1.02, "").on(
-    "no gains hold this orbit, and a flight without a controller leaves it: growth of the worst disturbance over a cycle",
-);
+pub const GROWS: Limit = Limit::warn_above("trim.growing_multiplier", 1.02, "")
+    .on("neither the orbit itself nor its gains hold a flight: growth of the worst disturbance over a cycle");
 /// Conditions of the orbit, which Newton's method meets to 1e-11.
 pub const RESIDUAL: Limit = Limit::at_most("trim.residual", 1e-8, "", NotFound)
     .on("largest error of a condition of the orbit, in SI units");
