@@ -1,7 +1,7 @@
 //! What the length of the steps does to a flight, estimated while it is flown.
 
 use wingbeat_flight::simulate::{Sample, Schedule, Stepper, mean_error};
-use wingbeat_math::{Quat, Vec3};
+use wingbeat_math::{GRAVITY, Quat, Vec3};
 use wingbeat_robot::{Layout, Robot};
 
 /// Instants at which steps are halved, at most. *Choice*: a hundredth of the work of a flight of a second.
@@ -9,8 +9,7 @@ const INSTANTS: usize = 100;
 /// Of a method of fourth order the error of a step is its distance from two steps of half its length over 1 - 2^-4 (Hairer, Norsett &
 /// Wanner 1993, II.4). Near the limit of stability a step of twice the length is far worse than the order says, so none is taken.
 const ORDER: f64 = 1.0 - 1.0 / 16.0;
-/// Standard gravity, m/s2: what an error of the attitude does to the force that carries the robot.
-const GRAVITY: f64 = 9.81;
+
 /// Errors of position, velocity and attitude (a rotation in W).
 #[derive(Clone, Copy)]
 struct Off {

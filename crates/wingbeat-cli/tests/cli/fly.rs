@@ -113,6 +113,30 @@ fn bad_input_is_one_message_with_exit_code_2_and_no_folder() {
     }
 }
 
+/// Documents of other kinds than the verb reads, and what the one message says.
+const OTHERS: [[&str; 3]; 6] = [
+    ["fly", "cases/pitch.toml", "this is a case, which is read by `wingbeat tether`"],
+    ["fly", "robots/cruise_20g.toml", "this is a robot, which is read by `wingbeat trim`"],
+    ["fly", "rigs/runs/bench.toml", "this is a run, which is read by `wingbeat rig simulate`"],
+    ["trim", "cases/pitch.toml", "this is a case, which is read by `wingbeat tether`"],
+    ["tether", "scenarios/glide.toml", "this is a scenario, which is read by `wingbeat fly`"],
+    ["calibrate", "scenarios/glide.toml", "this is a scenario, which is read by `wingbeat fly`"],
+];
+
+#[test]
+fn a_document_of_another_kind_is_told_with_what_reads_it() {
+    let folder = scratch("fly-others");
+    for [verb, file, words] in OTHERS {
+        let path = root().join(file);
+        let output = wingbeat(&folder, &[verb, path.to_str().unwrap()]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+        assert!(message.contains(file) && message.contains(words), "{verb} {file}: {message}");
+        assert!(entries(&folder).is_empty(), "{:?}", entries(&folder));
+    }
+}
+
 /// Copies scenario and robot of the banking turn, with `from` replaced by `to` in `file`.
 fn edited(folder: &Path, file: &str, from: &str, to: &str) {
     for path in ["scenarios/banking_turn.toml", "robots/aerobat_paper.toml"] {

@@ -8,14 +8,34 @@ use toml::de::DeValue;
 use super::error::Other;
 use super::read::{Complaint, Fault};
 use super::source::Sources;
-use super::{ConfigError, Problem, Wrong, tree};
+use super::{ConfigError, Place, Problem, Wrong, tree};
+use crate::DocumentKind;
 use wingbeat_math::Error;
 
 type Tree<'i> = Spanned<DeValue<'i>>;
 
 /// What is wrong with the form of a document, with the places.
 pub fn form(sources: &Sources, root: &Tree, complaints: &[Complaint]) -> ConfigError {
+    if let Some(kind) = another(sources, root, complaints) {
+        let what = format!("this is a {}, which is read by {}", kind.name(), kind.readers());
+        let place = sources.place(root.span().start);
+        return Wrong::new(place, "", None, Problem::File(what)).into();
+    }
     complaints.iter().map(|complaint| one(sources, root, complaint)).collect()
+}
+
+/// The kind that a document is of by its keys, where it is not of the kind that was asked for: keys of its own are unknown at its top,
+/// others missing.
+fn another(sources: &Sources, root: &Tree, complaints: &[Complaint]) -> Option<DocumentKind> {
+    let unknown = |complaint: &Complaint| {
+        complaint.path().is_none_or(str::is_empty) && matches!(complaint.fault(), Fault::Unknown(..))
+    };
+    let unlike = complaints.iter().any(unknown)
+        && complaints.iter().any(|complaint| matches!(complaint.fault(), Fault::Missing(_)));
+    let table = root.get_ref().as_table().filter(|_| unlike)?;
+    let overrides = |start| matches!(sources.place(start), Place::Override(_));
+    let mut written = table.keys().filter(|key| !overrides(key.span().start)).map(|key| &**key.get_ref());
+    DocumentKind::with_keys(&|key| table.contains_key(key), &mut written)
 }
 
 fn one(sources: &Sources, root: &Tree, complaint: &Complaint) -> Wrong {

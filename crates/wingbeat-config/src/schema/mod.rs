@@ -65,6 +65,37 @@ impl DocumentKind {
         }
     }
 
+    /// What reads such a document, in words.
+    pub fn readers(self) -> &'static str {
+        match self {
+            Self::Scenario => "`wingbeat fly`",
+            Self::Robot => "`wingbeat trim` and by the key `robot` of a scenario",
+            Self::Case => "`wingbeat tether`",
+            Self::Sweep => "`wingbeat sweep`",
+            Self::Run | Self::Runs => "`wingbeat rig simulate`",
+            Self::Rig => "the key `rig` of a run",
+            Self::Arm => "the key `arm` of a rig",
+            Self::Calibration => "`wingbeat calibrate`",
+        }
+    }
+
+    /// The kind of a document with these `keys`, of which it has those that `has` tells: all are known to it, and none is missing.
+    pub(crate) fn with_keys<'a>(
+        has: &dyn Fn(&str) -> bool,
+        keys: &mut dyn Iterator<Item = &'a str>,
+    ) -> Option<Self> {
+        let keys: Vec<&str> = keys.collect();
+        let kept = Schemas::kept();
+        Self::ALL.into_iter().find(|kind| {
+            let schema = kept.documents.get(kind.name());
+            let part = |name: &str| schema.and_then(|schema| schema.get(name));
+            let known = part("properties").and_then(Value::as_object);
+            let needed = part("required").and_then(Value::as_array);
+            keys.iter().all(|key| known.is_some_and(|known| known.contains_key(*key)))
+                && needed.is_some_and(|needed| needed.iter().filter_map(Value::as_str).all(has))
+        })
+    }
+
     /// The kind called `name`.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)

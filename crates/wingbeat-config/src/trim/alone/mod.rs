@@ -340,11 +340,14 @@ impl RobotTrim {
     /// That no orbit was found, and why.
     fn nothing(&self, alone: AloneSummary, stopped: bool) -> Trimmed {
         let spec = &self.scenario.spec;
-        let why: Vec<String> = (alone.tried.iter())
-            .map(|tried| {
-                format!("at {:.2} m/s {}", tried.speed_m_s, tried.reason.as_deref().unwrap_or("none"))
-            })
-            .collect();
+        // A finer step that finds no more says the same of each speed.
+        let mut why: Vec<String> = Vec::new();
+        for tried in &alone.tried {
+            let told = format!("at {:.2} m/s {}", tried.speed_m_s, tried.reason.as_deref().unwrap_or("none"));
+            if !why.contains(&told) {
+                why.push(told);
+            }
+        }
         let mut summary = TrimSummary {
             speed_m_s: self.size.speed(),
             aero_preset: spec.aero.preset.name().into(),
