@@ -41,7 +41,7 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
             if LoadSource::ALL.iter().any(|known| known.name() == *source && known.is_of_air()) {
                 sum.iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
             }
-            curves.push(Curve::new(source.replace('_', " "), &x, y.to_vec(), index));
+            curves.push(Curve::new(spoken(source), &x, y.to_vec(), index));
         }
         curves.push(Curve::total("air, total", &x, sum));
         panels.push(Panel::new(label, curves));
@@ -54,6 +54,14 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
         "time [s]".into()
     };
     Ok(Figure::new("forces", stacked(panels, &x_label, style::PANEL)))
+}
+
+/// A source as the legend names it: the profile drag is that of attached flow, `cd0`, and of separated flow, `cd90`.
+fn spoken(source: &str) -> String {
+    match source {
+        _ if source == LoadSource::ProfileDrag.name() => "profile (cd0, cd90)".into(),
+        _ => source.replace('_', " "),
+    }
 }
 
 /// Names of the sources, in the order of the record.

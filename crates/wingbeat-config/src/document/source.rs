@@ -104,14 +104,19 @@ impl Sources {
         let toml = text.clone();
         let at = self.root.iter().chain(at).cloned().collect();
         self.add(origin, text, &toml, at, Joins::Instead)?;
-        self.tree().map(drop)
+        self.last_is_toml()
     }
 
     /// Takes the value `toml`, `v=...`, whose lines are those of `file`, in the place `at`.
     pub fn read_table(&mut self, file: &Path, toml: &str, at: &[String]) -> Result<(), ConfigError> {
         let at = self.root.iter().chain(at).cloned().collect();
         self.add(Origin::Table(file.into()), toml.into(), toml, at, Joins::Instead)?;
-        self.tree().map(drop)
+        self.last_is_toml()
+    }
+
+    /// Refuses a last text that is not TOML; what clashes with other texts is told where all are read as one tree.
+    fn last_is_toml(&self) -> Result<(), ConfigError> {
+        self.texts.last().map_or(Ok(()), |last| self.parsed(last).map(drop))
     }
 
     /// Takes the texts of `other`, with the place `at` for their root.

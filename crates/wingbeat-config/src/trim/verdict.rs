@@ -20,7 +20,10 @@ impl TrimSummary {
         // An orbit is flown by itself or by its gains, whichever holds it.
         let growth =
             self.largest_multiplier.map(|alone| self.held_multiplier.map_or(alone, |held| held.min(alone)));
-        let held: [(&'static Limit, Option<f64>); 10] = [
+        // Of an orbit that holds itself the gains must not make more of a disturbance.
+        let upset =
+            self.largest_multiplier.filter(|alone| *alone <= trim::GROWS.value).and(self.held_multiplier);
+        let held: [(&'static Limit, Option<f64>); 11] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
             (&trim::BEYOND_20, self.stall_fraction_20),
@@ -29,6 +32,7 @@ impl TrimSummary {
             (&trim::SKIN, self.least_clearance_m),
             (&trim::MULTIPLIER, self.largest_multiplier),
             (&trim::GROWS, growth),
+            (&trim::GAINS_GROW, upset),
             (&trim::RESIDUAL, self.residual),
             (&trim::STEPS, steps),
         ];

@@ -29,6 +29,9 @@ pub const MULTIPLIER: Limit = Limit::at_most("trim.multiplier", 100.0, "", OffTa
 /// Growth at which a small disturbance that no gains hold takes a flight from its orbit within some fifty cycles.
 pub const GROWS: Limit = Limit::warn_above("trim.growing_multiplier", 1.02, "")
     .on("neither the orbit itself nor its gains hold a flight: growth of the worst disturbance over a cycle");
+/// The same growth under gains that are worse than none.
+pub const GAINS_GROW: Limit = Limit::warn_above("trim.gains_multiplier", 1.02, "")
+    .on("the orbit holds itself and its gains upset it: growth of the worst disturbance over a cycle under gains.csv");
 /// Conditions of the orbit, which Newton's method meets to 1e-11.
 pub const RESIDUAL: Limit = Limit::at_most("trim.residual", 1e-8, "", NotFound)
     .on("largest error of a condition of the orbit, in SI units");
@@ -38,5 +41,6 @@ pub const STEPS: Limit = Limit::warn_below("trim.steps_per_cycle", 40.0, "")
     .on("the steps of the integration are long (shorten trim.step_s): number of steps of a cycle");
 
 /// All of them.
-pub const ALL: [Limit; 10] =
-    [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, GROWS, RESIDUAL, STEPS];
+pub const ALL: [Limit; 11] = [
+    HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, GROWS, GAINS_GROW, RESIDUAL, STEPS,
+];

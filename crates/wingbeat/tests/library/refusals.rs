@@ -285,21 +285,24 @@ fn verdict(leaf: &Leaf, value: &str) -> Option<String> {
     (!(named && told)).then(|| format!("{given}: {error}"))
 }
 
+/// Of every key a third of the values, other ones than of its neighbours.
 #[test]
 fn each_key_is_accepted_or_refused_by_its_name() {
-    accepted_or_refused(&leaves(false));
+    accepted_or_refused(&leaves(false), 3);
 }
 
 #[test]
 #[ignore = "long: cargo xtask long tests"]
 fn each_number_is_accepted_or_refused_by_its_key() {
-    accepted_or_refused(&leaves(true));
+    accepted_or_refused(&leaves(true), 1);
 }
 
-fn accepted_or_refused(leaves: &[Leaf]) {
+/// Sets each number to one in `share` of the values.
+fn accepted_or_refused(leaves: &[Leaf], share: usize) {
     let values: Vec<&str> = NUMBERS.into_iter().chain(NEVER).collect();
-    let verdicts = parallel::map(leaves, |_, leaf| {
-        values.iter().filter_map(|value| verdict(leaf, value)).collect::<Vec<_>>()
+    let verdicts = parallel::map(leaves, |place, leaf| {
+        let tried = (place % share..values.len()).step_by(share);
+        tried.filter_map(|k| verdict(leaf, values[k])).collect::<Vec<_>>()
     });
     let wrong: Vec<String> = verdicts.into_iter().flatten().collect();
     assert!(wrong.is_empty(), "{} of {} numbers:\n{}", wrong.len(), leaves.len(), wrong.join("\n"));

@@ -145,10 +145,10 @@ fn rows_keep_to_themselves(name: &str, overrides: &[&str]) -> f64 {
 #[test]
 fn rows_in_lanes_do_not_know_their_neighbours() {
     // Under a regulator about an orbit, with gusts and every factor of the mismatch drawn.
-    let orbit = ["scenario.flight.duration_s=0.4"];
+    let orbit = ["scenario.flight.duration_s=0.2"];
     assert!(rows_keep_to_themselves("bank15_20g.toml", &orbit) < 1e-9);
     // Under the predictive controller, whose plans stop iterating where they are good enough.
-    let turn = ["scenario.flight.duration_s=0.1"];
+    let turn = ["scenario.flight.duration_s=0.05"];
     assert!(rows_keep_to_themselves("banking_turn_robustness.toml", &turn) < 1e-9);
 }
 

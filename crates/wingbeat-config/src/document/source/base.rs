@@ -48,7 +48,7 @@ impl Sources {
             joins = Joins::Base;
             next = self.base_of_last()?;
         }
-        self.tree().map(drop)
+        if chain.is_empty() { Ok(()) } else { self.tree().map(drop) }
     }
 
     /// The base that the last text names.

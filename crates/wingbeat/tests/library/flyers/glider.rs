@@ -11,14 +11,14 @@ use wingbeat::simulate::Stepper;
 #[test]
 fn the_elevator_sets_the_speed() {
     let glide = |angle: f64| fly(shipped("glider", &[format!("robot.links[0].driven.mean_rad={angle}")]));
-    let glides = [0.06, 0.075, 0.095].map(glide);
+    let glides = [0.06, 0.095].map(glide);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let speed = |flown: &Flown| {
         let v = ["v_WB_W_x", "v_WB_W_z"].map(|name| flown.column(name));
         mean(&(v[0].len() / 2..v[0].len()).map(|i| v[0][i].hypot(v[1][i])).collect::<Vec<_>>())
     };
-    let speeds = [&glides[0], &glides[1], &glides[2]].map(speed);
-    assert!(speeds[0] > speeds[1] + 0.3 && speeds[1] > speeds[2] + 0.3, "{speeds:?} m/s");
+    let speeds = [&glides[0], &glides[1]].map(speed);
+    assert!(speeds[0] > speeds[1] + 0.6, "{speeds:?} m/s");
     for flown in &glides {
         flown.assert_symmetric();
         flown.assert_momentum_balance(1.0, 19.0);
