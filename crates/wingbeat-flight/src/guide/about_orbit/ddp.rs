@@ -60,9 +60,20 @@ pub(super) struct Flown {
 /// Changes of the commands of every part, and feedback.
 type Policy = Vec<(DVector<f64>, DMatrix<f64>)>;
 
-/// Improves the flight by `commands` step by step, at most `iterations` times and until one saves less than the share `saved`: the model
-/// about the present plan is linear, the cost quadratic, and backwards in time every part has its best command within the limits and its
-/// feedback. `damped` is the cost of the commands that the damping is over.
+/// When a plan is taken to be at its least.
+#[derive(Clone, Copy)]
+pub(super) struct Until {
+    /// After so many iterations at the most.
+    pub iterations: usize,
+    /// After `on_end` iterations on end of which each saves less than this share of the cost. One alone says little: only a small part
+    /// of its step may have been good.
+    pub saved: f64,
+    pub on_end: usize,
+}
+
+/// Improves the flight by `commands` step by step `until` little is saved: the model about the present plan is linear, the cost
+/// quadratic, and backwards in time every part has its best command within the limits and its feedback. `damped` is the cost of the
+/// commands that the damping is over.
 ///
 /// # Errors
 /// The [`Fault`] of a model that breaks down.
@@ -70,12 +81,13 @@ pub(super) fn solve(
     of: &dyn Parts,
     begin: &[f64],
     commands: Vec<DVector<f64>>,
-    (iterations, saved, damped): (usize, f64, f64),
+    until: Until,
+    damped: f64,
 ) -> Result<Flown, Fault> {
     let none = Fault::NotFinite { state: 0, time: 0.0 };
     let mut best = roll(of, begin, &mut |k, _| commands[k].clone()).ok_or(none)?;
-    let mut damping = DAMPING[0];
-    for _ in 0..iterations {
+    let (mut damping, mut little) = (DAMPING[0], 0);
+    for _ in 0..until.iterations {
         let linear = |k: usize, v: &DVector<f64>| of.linear(k, &best.nodes[k], v);
         let all: Vec<_> = parallel::map(&best.commands, linear).into_iter().collect::<Result<_, _>>()?;
         let better = loop {
@@ -93,7 +105,8 @@ pub(super) fn solve(
         damping = (damping / 5.0).max(DAMPING[0]);
         let less = (best.cost - better.cost) / better.cost;
         best = Flown { saved: less, ..better };
-        if less < saved {
+        little = if less < until.saved { little + 1 } else { 0 };
+        if little == until.on_end {
             break;
         }
     }

@@ -1,7 +1,7 @@
 //! A dive: from a level orbit the nose goes down and the robot pulls out to the same orbit below, by commands that are planned on the
 //! whole model before the flight, and feedback about the plan.
 
-use super::ddp::{self, Commanded, Flown, Parts, Quadratic};
+use super::ddp::{self, Commanded, Flown, Parts, Quadratic, Until};
 use super::family::Asked;
 use super::feedback::{DEVIATIONS, Feedback, INTEGRAL, back, costs_of, effort, measured, with_integral};
 use super::spec::OrbitWeights;
@@ -273,7 +273,13 @@ impl<'a> Problem<'a> {
     /// From the level flight on.
     fn solve(&self) -> Result<Flown, Fault> {
         let still = vec![DVector::zeros(self.commanded.low.len()); self.commanded.parts];
-        ddp::solve(self, self.level.begin, still, (ITERATIONS, SAVED, EFFORT))
+        ddp::solve(
+            self,
+            self.level.begin,
+            still,
+            Until { iterations: ITERATIONS, saved: SAVED, on_end: 1 },
+            EFFORT,
+        )
     }
 
     /// How deviations grow over every part.

@@ -1,6 +1,6 @@
 //! The plan of a landing on the whole model, and the feedback about it.
 
-use super::super::ddp::{self, Commanded, Flown, Parts, Quadratic};
+use super::super::ddp::{self, Commanded, Flown, Parts, Quadratic, Until};
 use super::super::feedback::{back, effort};
 use super::{Approach, LandingSpec, Planned};
 use crate::orbit::{Direction, Section, alone, fly_held};
@@ -24,8 +24,9 @@ const ROOM: [f64; 2] = [0.02, 0.02];
 const LOOKS: usize = 5;
 /// Steps by which the plan is led from level flight to the landing.
 const STAGES: usize = 3;
-/// Share of the cost that an iteration must save for another one.
+/// Share of the cost that one of so many iterations on end must save for another one; on the way to the landing each must. *Choices.*
 const SAVED: f64 = 1e-3;
+const ON_END: usize = 3;
 /// Deviations that cost as much as each other in the feedback: of place, m, attitude, rad, velocity, m/s, and rate, rad/s, on the way and
 /// at the end; and what a full command costs over a part. *Fitted* to flights in gusts and air that the plan does not know.
 const ON_THE_WAY: [f64; 4] = [0.03, 30.0 * PI / 180.0, 0.6, 20.0];
@@ -181,13 +182,14 @@ impl<'a> Problem<'a> {
             let last = stage == STAGES;
             let height = if last { self.approach.perch.place()[2] } else { f64::NAN };
             self.asked = [left * vx, left * vz, left * pitch - (1.0 - left) * PI, 0.0, height, f64::NAN];
-            let found = ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))?;
+            let until = Until { iterations, saved: SAVED, on_end: if last { ON_END } else { 1 } };
+            let found = ddp::solve(self, begin, commands, until, EFFORT)?;
             commands = found.commands.clone();
             flown = Some(found);
         }
         let flown = flown.ok_or(Fault::NotFinite { state: 0, time: 0.0 })?;
         self.ends_at(self.ends(&flown.nodes[self.commanded.parts])[5]);
-        ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))
+        ddp::solve(self, begin, commands, Until { iterations, saved: SAVED, on_end: ON_END }, EFFORT)
     }
 
     /// Asks for the landing with the claw at the perch, which stands `along` m along the way.
@@ -222,7 +224,7 @@ impl<'a> Problem<'a> {
             commands.push(v);
         }
         self.ends_at(near.end[0][0]);
-        ddp::solve(self, begin, commands, (iterations, SAVED, EFFORT))
+        ddp::solve(self, begin, commands, Until { iterations, saved: SAVED, on_end: ON_END }, EFFORT)
     }
 
     /// All commands for those `beside` the orbit's.
