@@ -1,7 +1,7 @@
 //! The run that a calibration asks for: its promise against what it brings, and against runs at random.
 
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::design::largest;
@@ -34,7 +34,7 @@ const DESIGN: &str = "{ run = \"RIGS/identification/faster_wind.toml\", set = [\
         \"[[0.0, -10.0]]\", \"[[30.0, -10.0]]\", \"[[-30.0, -25.0]]\", \"[[0.0, -25.0]]\", \"[[30.0, -25.0]]\"] } ] }";
 
 /// Standard error promised and found; that of the designed run against the median of random ones.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut random = Random::stream(23, 0);
     let candidates: Vec<String> =
         (0..RANDOM).map(|k| candidate(&mut random).replace("NAME", &format!("c{k}"))).collect();
@@ -102,8 +102,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         best.name
     );
     Ok(vec![
-        Row::judged("calibrate.next_run", source, &promise, (ratio - 1.0).abs(), 0.3, ""),
-        Row::judged(
+        ComparisonRow::judged("calibrate.next_run", source, &promise, (ratio - 1.0).abs(), 0.3, ""),
+        ComparisonRow::judged(
             "calibrate.next_run.gain",
             source,
             &format!(

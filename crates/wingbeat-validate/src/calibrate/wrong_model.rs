@@ -1,7 +1,7 @@
 //! A model that is not the one that made the runs, from twenty starts, held against runs unlike those it was fitted to.
 
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::{
@@ -92,7 +92,7 @@ fn exact(solved: &Solved, runs: usize) -> [f64; 3] {
 }
 
 /// Errors before and after, and the coverage of the band, in the runs held out.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let calibration = shipped("seven_runs.toml", &["structures=[]", "starts=1"])?;
     let (mut own, targets) = (structure(&calibration)?, truth(&calibration)?);
     let runs = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
@@ -166,13 +166,19 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             100.0 * inside,
             100.0 * plain
         );
-        rows.push(Row::shown(&format!("calibrate.wrong_model.{name}"), source, &metric, is / was, ""));
+        rows.push(ComparisonRow::shown(
+            &format!("calibrate.wrong_model.{name}"),
+            source,
+            &metric,
+            is / was,
+            "",
+        ));
     }
     let id = |end: &str| format!("calibrate.wrong_model.{end}");
     let asked = ["90 to 99 % of every channel", "at most 2.5 rms wide in every channel", "both"];
     for (k, (asked, share)) in asked.iter().zip(by_luck).enumerate() {
         let metric = format!("{ERRORS} draws of errors as large as the band says: {asked}");
-        rows.push(Row::shown(&id(&format!("exact_{k}")), source, &metric, share, ""));
+        rows.push(ComparisonRow::shown(&id(&format!("exact_{k}")), source, &metric, share, ""));
     }
     let judged = [
         ("halved", "Fz, Ty, Tz: largest median error after over before", halved, 0.5),
@@ -182,7 +188,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         ("white", "largest share in the band of independent samples", most_white, 0.6),
     ];
     for (end, metric, value, limit) in judged {
-        rows.push(Row::judged(&id(end), source, metric, value, limit, ""));
+        rows.push(ComparisonRow::judged(&id(end), source, metric, value, limit, ""));
     }
     Ok(rows)
 }

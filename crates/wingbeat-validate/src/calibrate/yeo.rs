@@ -2,7 +2,7 @@
 
 use super::no_answer;
 use crate::aero_full::yeo::lifts;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -18,9 +18,9 @@ const NOISE: f64 = 0.02;
 /// Step of a central difference, in parts of a number.
 const STEP: f64 = 1e-3;
 /// Where a number stands among those of a surface.
-type Place = fn(&mut SurfaceNumbers) -> &mut f64;
+type TapNumber = fn(&mut SurfaceNumbers) -> &mut f64;
 /// What is fitted, with its place among the numbers of a surface.
-const NUMBERS: [(&str, Place); 4] = [
+const NUMBERS: [(&str, TapNumber); 4] = [
     ("section_slope", |numbers| &mut numbers.section_slope),
     ("added_mass_scale", |numbers| &mut numbers.added_mass_scale),
     ("critical_suction", |numbers| &mut numbers.critical_suction),
@@ -73,7 +73,7 @@ impl Model for Taps {
 }
 
 /// Values, labels and the closest pair: shown, for there is no truth.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let nominal = std::cell::Cell::new(None);
     lifts(|numbers| nominal.set(Some(numbers.clone())))?;
     let mut numbers = nominal.take().ok_or_else(|| no_answer("no numbers"))?;
@@ -132,7 +132,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             errors[k],
             profiles[k].label.word()
         );
-        rows.push(Row::shown(
+        rows.push(ComparisonRow::shown(
             &format!("calibrate.yeo.{}", parameter.name),
             source,
             &metric,
@@ -150,8 +150,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         }
     }
     let metric = format!("closest pair, {} and {}: correlation", closest.1, closest.2);
-    rows.push(Row::shown("calibrate.yeo.closest", source, &metric, closest.0, ""));
+    rows.push(ComparisonRow::shown("calibrate.yeo.closest", source, &metric, closest.0, ""));
     let metric = "chi squared over freedom: above 1 the model is wrong beyond 2 %";
-    rows.push(Row::shown("calibrate.yeo.chi_squared", source, metric, solved.chi_squared, ""));
+    rows.push(ComparisonRow::shown("calibrate.yeo.chi_squared", source, metric, solved.chi_squared, ""));
     Ok(rows)
 }

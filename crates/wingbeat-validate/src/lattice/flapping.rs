@@ -1,7 +1,7 @@
 //! Large flapping: against PteraSoftware, between the two ways to the forces, and the circulation.
 
 use super::wings::{flapper, lift_drag};
-use crate::{Error, Row, Table, reference_table};
+use crate::{ComparisonRow, Error, ReferenceTable, reference_table};
 use wingbeat::math::Vec3;
 use wingbeat_lattice::{Conventions, Flapping, Lattice, Loads, Panels, Scene, Settings, Spacing, WakeMotion};
 
@@ -66,7 +66,12 @@ fn apart(value: &[f64], exact: &[f64], cycle: usize) -> f64 {
 }
 
 /// Lift and drag of PteraSoftware beside the lattice with its conventions, and with our own.
-fn against(id: &str, wing: &Flapping, wake: WakeMotion, table: &Table) -> Result<Vec<Row>, Error> {
+fn against(
+    id: &str,
+    wing: &Flapping,
+    wake: WakeMotion,
+    table: &ReferenceTable,
+) -> Result<Vec<ComparisonRow>, Error> {
     let exact = [table.column("lift_N")?, table.column("drag_N")?];
     let name = if wake == WakeMotion::Free { "free" } else { "prescribed" };
     let mut rows = Vec::new();
@@ -81,11 +86,11 @@ fn against(id: &str, wing: &Flapping, wake: WakeMotion, table: &Table) -> Result
             rows.push(match conventions {
                 Conventions::PteraSoftware => {
                     let metric = format!("its conventions: rms error of {of} over its rms");
-                    Row::judged(&format!("{id}.{name}.{of}"), &source, &metric, error, 0.03, "")
+                    ComparisonRow::judged(&format!("{id}.{name}.{of}"), &source, &metric, error, 0.03, "")
                 }
                 Conventions::Own => {
                     let metric = format!("our own conventions: rms difference of {of} over its rms");
-                    Row::shown(&format!("{id}.{name}.own_{of}"), &source, &metric, error, "")
+                    ComparisonRow::shown(&format!("{id}.{name}.own_{of}"), &source, &metric, error, "")
                 }
             });
         }
@@ -94,7 +99,7 @@ fn against(id: &str, wing: &Flapping, wake: WakeMotion, table: &Table) -> Result
 }
 
 /// Small flapping.
-pub fn f1() -> Result<Vec<Row>, Error> {
+pub fn f1() -> Result<Vec<ComparisonRow>, Error> {
     let wing = flapper(0.2, 5.0, None)?;
     let free = reference_table!("uvlm/flap_F1_R0.20_phi5_a5_free.csv")?;
     let prescribed = reference_table!("uvlm/flap_F1_R0.20_phi5_a5_prescribed.csv")?;
@@ -104,7 +109,7 @@ pub fn f1() -> Result<Vec<Row>, Error> {
 }
 
 /// Large flapping.
-pub fn f2() -> Result<Vec<Row>, Error> {
+pub fn f2() -> Result<Vec<ComparisonRow>, Error> {
     let wing = flapper(0.2, 35.0, None)?;
     let free = reference_table!("uvlm/flap_F2_R0.20_phi35_a5_free.csv")?;
     let prescribed = reference_table!("uvlm/flap_F2_R0.20_phi35_a5_prescribed.csv")?;
@@ -146,13 +151,13 @@ pub fn deep_fold([flap_deg, fold_deg]: [f64; 2], wake: WakeMotion, core: f64) ->
 }
 
 /// Circulation of every strip and its wake.
-pub fn kelvin() -> Result<Vec<Row>, Error> {
+pub fn kelvin() -> Result<Vec<ComparisonRow>, Error> {
     let wing = folding()?;
     let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Lan };
     let (_, lattice) = run(&wing, panels, STEPS, WakeMotion::Prescribed, Conventions::Own)?;
     let metric = "flap_fold: largest circulation around a strip and its wake over that of the largest ring";
     let error = lattice.circulation_error();
-    Ok(vec![Row::judged("lattice.kelvin", "Kelvin 1869", metric, error, 1e-12, "")])
+    Ok(vec![ComparisonRow::judged("lattice.kelvin", "Kelvin 1869", metric, error, 1e-12, "")])
 }
 
 /// Forces over two cycles: along the normals, by Bernoulli and Joukowski, and forward, suction added to Bernoulli.
@@ -177,11 +182,11 @@ fn both_ways(chordwise: usize, steps: usize) -> Result<[[Vec<f64>; 2]; 2], Error
 }
 
 /// Joukowski against Bernoulli, which acts along the normals alone.
-pub fn force_methods_agree() -> Result<Vec<Row>, Error> {
+pub fn force_methods_agree() -> Result<Vec<ComparisonRow>, Error> {
     let steps = 80;
     let ([normal, forward], [_, fine]) = (both_ways(8, steps)?, both_ways(16, 2 * steps)?);
     let row = |id: &str, metric: &str, [a, b]: &[Vec<f64>; 2]| {
-        Row::judged(id, "Joukowski against Bernoulli", metric, apart(a, b, steps), 0.02, "")
+        ComparisonRow::judged(id, "Joukowski against Bernoulli", metric, apart(a, b, steps), 0.02, "")
     };
     let limit = [0, 1].map(|way| {
         let at_same_time = fine[way].iter().step_by(2);
@@ -197,7 +202,7 @@ pub fn force_methods_agree() -> Result<Vec<Row>, Error> {
             "F2, 8 x 20 panels: rms difference of the force along the normals",
             &normal,
         ),
-        Row::shown(
+        ComparisonRow::shown(
             "lattice.force_methods_agree.forward",
             "Joukowski against Bernoulli",
             &metric,

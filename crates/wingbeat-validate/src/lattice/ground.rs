@@ -1,6 +1,6 @@
 //! Wings over a ground.
 
-use super::span::{Outline, SPAN, elliptic, laid};
+use super::span::{HalfWingOutline, SPAN, elliptic, laid};
 use super::wings::{CHORD, lan, rectangle};
 use crate::Error;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ fn pitched(wing: Flapping, incidence: f64, height: Option<f64>) -> Flapping {
 
 /// Drag of the wake over the lift squared of an elliptic wing of AR 8, `height` spans high.
 pub(crate) fn elliptic_over(height: Option<f64>) -> Result<f64, Error> {
-    let outline: Outline = elliptic;
+    let outline: HalfWingOutline = elliptic;
     let [lift, drag] = steady(&pitched(laid(outline)?, 1e-3, height.map(|height| height * SPAN)))?;
     Ok(drag / (lift * lift))
 }

@@ -30,7 +30,7 @@ const JUMP: f64 = 1e-3;
 
 /// How fine a lattice is.
 #[derive(Clone, Copy, Debug)]
-pub struct Fineness {
+pub struct LatticeFineness {
     /// Panels along the chord; the way of the trailing edges in a step, rms, is one of them.
     pub chordwise: usize,
     /// Strips along the whole span.
@@ -51,7 +51,7 @@ pub enum Twisted {
 }
 
 /// A cycle of an orbit at even times.
-pub struct Motion {
+pub struct OrbitMotion {
     name: &'static str,
     scenario: Scenario,
     robot: Robot,
@@ -65,7 +65,7 @@ pub struct Motion {
 
 /// What wings bear at an instant, and what the joints give to the air for it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Instant {
+pub struct InstantLoads {
     /// Upward force over the weight.
     pub up: f64,
     /// Forward force over the weight.
@@ -78,7 +78,7 @@ pub struct Instant {
 
 /// Means over a cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Means {
+pub struct CycleMeans {
     /// Upward force over the weight.
     pub up: f64,
     /// Forward force over the weight.
@@ -89,10 +89,10 @@ pub struct Means {
     pub power: f64,
 }
 
-impl Means {
+impl CycleMeans {
     /// Those of a cycle.
-    pub fn of(cycle: &[Instant]) -> Self {
-        let mean = |of: &dyn Fn(&Instant) -> f64| cycle.iter().map(of).sum::<f64>() / cycle.len() as f64;
+    pub fn of(cycle: &[InstantLoads]) -> Self {
+        let mean = |of: &dyn Fn(&InstantLoads) -> f64| cycle.iter().map(of).sum::<f64>() / cycle.len() as f64;
         Self {
             up: mean(&|i| i.up),
             forward: mean(&|i| i.forward),
@@ -106,7 +106,7 @@ fn refused(error: ConfigError) -> Error {
     Error::reference("orbit", error.to_string())
 }
 
-impl Motion {
+impl OrbitMotion {
     /// That of a shipped scenario.
     pub fn of(shipped: Shipped) -> Result<Self, Error> {
         let scenario = scenario(shipped, &[STEP])?;
@@ -185,10 +185,10 @@ impl Motion {
     }
 
     /// The instant at which the wings bear `wrench` (in B about the body's origin) and take `taken` W from the air, the body at `k`.
-    fn instant(&self, body: &BodyMotion, wrench: &Wrench<f64>, taken: f64) -> Instant {
+    fn instant(&self, body: &BodyMotion, wrench: &Wrench<f64>, taken: f64) -> InstantLoads {
         let force = body.attitude * wrench.force;
         let rigid = force.dot(body.velocity) + wrench.moment.dot(body.rate);
-        Instant {
+        InstantLoads {
             up: force[2] / self.weight(),
             forward: force[0] / self.weight(),
             body_up: 0.0,
@@ -263,7 +263,7 @@ impl Motion {
     }
 
     /// The last cycle under the strips of `robot`.
-    pub fn strips(&self, robot: &Robot) -> Result<Vec<Instant>, Error> {
+    pub fn strips(&self, robot: &Robot) -> Result<Vec<InstantLoads>, Error> {
         let mut x = self.carried_start(robot);
         let at = |t: f64| {
             let k = (t / self.step()).round() as usize;
@@ -285,7 +285,7 @@ impl Motion {
                 let drag = body.attitude * loads.body_drag.force;
                 let instant =
                     self.instant(&body, &loads.air.total(), loads.air_power - drag.dot(body.velocity));
-                seen.push(Instant { body_up: drag[2] / self.weight(), ..instant });
+                seen.push(InstantLoads { body_up: drag[2] / self.weight(), ..instant });
             }
             RK4.step(&mut rates, k as f64 * step, step, &mut x, &mut work)?;
         }
@@ -311,8 +311,8 @@ impl Motion {
     }
 
     /// The last two cycles in the lattice.
-    pub fn lattice(&self, fineness: Fineness) -> Result<[Vec<Instant>; 2], Error> {
-        let Fineness { chordwise, spanwise, core, twisted } = fineness;
+    pub fn lattice(&self, fineness: LatticeFineness) -> Result<[Vec<InstantLoads>; 2], Error> {
+        let LatticeFineness { chordwise, spanwise, core, twisted } = fineness;
         let outlines = self.scenario.spec.robot.outlines()?;
         let planform = &outlines[0].planform;
         let chord = planform.area() / (2.0 * planform.half_span());
@@ -329,7 +329,7 @@ impl Motion {
         let way = scene.edge_speed(self.duration) * self.duration;
         let steps = (way * chordwise as f64 / chord).round() as usize;
         let mut lattice = Lattice::new(scene, Settings::new(self.duration / steps as f64, core * chord))?;
-        let mut cycles: [Vec<Instant>; 2] = Default::default();
+        let mut cycles: [Vec<InstantLoads>; 2] = Default::default();
         for _ in 0..LATTICE_CYCLES {
             cycles.rotate_left(1);
             cycles[1].clear();
@@ -393,7 +393,7 @@ impl Motion {
     }
 
     /// What the wings bear under `loads`.
-    fn borne(&self, flight: &Flight, loads: &Loads) -> Instant {
+    fn borne(&self, flight: &Flight, loads: &Loads) -> InstantLoads {
         let at = self.robot.stance(loads.time, &flight.state(loads.time));
         let body = BodyMotion { rate: at.rate, ..BodyMotion::steady(at.attitude, at.velocity) };
         let Wrench { force, moment } = loads.joukowski;
