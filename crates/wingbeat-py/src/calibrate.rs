@@ -1,19 +1,23 @@
 //! Calibrations.
 
-use crate::document::Document;
-use crate::table::{Named, columns};
+use crate::document::PyDocument;
+use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use wingbeat_calibrate::{Calibration, Files, words};
 
 /// What the runs tell, as text; the record of cycles, numbers and learned wrench as TOML, the report and the summary as JSON: none of it
 /// of the information alone.
-type Fitted<'py> = (String, Option<(Vec<Named<'py>>, (String, String), String, String)>);
+type FittedTexts<'py> = (String, Option<(Vec<NamedColumn<'py>>, (String, String), String, String)>);
 
 /// Fits the numbers of a calibration file, or says what its runs tell of them.
 #[pyfunction]
 #[pyo3(signature = (document, information=false))]
-pub fn calibrate<'py>(py: Python<'py>, document: &Document, information: bool) -> PyResult<Fitted<'py>> {
+pub fn calibrate<'py>(
+    py: Python<'py>,
+    document: &PyDocument,
+    information: bool,
+) -> PyResult<FittedTexts<'py>> {
     let calibration = Calibration::new(document.0.clone()).map_err(refused)?;
     let files = Files::of(&calibration).map_err(refused)?;
     let done = wait::work(py, move |stop| {

@@ -1,7 +1,7 @@
 //! Runs of a sweep, one by one.
 
-use crate::document::Document;
-use crate::table::{Named, columns};
+use crate::document::PyDocument;
+use crate::table::{NamedColumn, columns};
 use crate::tether::read;
 use crate::{refused, wait};
 use pyo3::prelude::*;
@@ -11,16 +11,16 @@ use wingbeat::scenario::Search;
 use wingbeat::simulate::Record;
 
 /// A checked sweep.
-#[pyclass(frozen, module = "wingbeat._wingbeat")]
-pub struct Sweep {
+#[pyclass(frozen, name = "Sweep", module = "wingbeat._wingbeat")]
+pub struct PySweep {
     sweep: Arc<wingbeat::scenario::Sweep>,
     stop: wait::Stop,
 }
 
 #[pymethods]
-impl Sweep {
+impl PySweep {
     #[new]
-    fn new(document: &Document) -> PyResult<Self> {
+    fn new(document: &PyDocument) -> PyResult<Self> {
         let sweep = wingbeat::scenario::Sweep::new(document.0.clone(), &read).map_err(refused)?;
         Ok(Self { sweep: Arc::new(sweep), stop: wait::Stop::default() })
     }
@@ -121,12 +121,12 @@ impl Sweep {
     }
 
     /// Rows as columns.
-    fn table<'py>(&self, py: Python<'py>, rows: Vec<Vec<f64>>) -> PyResult<Vec<Named<'py>>> {
+    fn table<'py>(&self, py: Python<'py>, rows: Vec<Vec<f64>>) -> PyResult<Vec<NamedColumn<'py>>> {
         Ok(columns(py, self.record(&rows)?))
     }
 }
 
-impl Sweep {
+impl PySweep {
     /// Whether a row is one of this sweep.
     fn has(&self, row: &[f64]) -> bool {
         self.sweep.search().map_or_else(|| self.sweep.has_row(row), |search| search.has_row(row))

@@ -4,7 +4,7 @@ use wingbeat::rig::cell::CHANNELS;
 use wingbeat::scenario::spoken;
 use wingbeat_calibrate::{Found, FoundRun, Layout, PHASES, phase_of};
 use wingbeat_figures::calibration::{
-    Overlay, ProfileCurve, Spectrum, correlations, information, overlay, profiles, residual_spectra,
+    Overlay, ProfileCurve, ResidualSpectrum, correlations, information, overlay, profiles, residual_spectra,
 };
 use wingbeat_figures::write as write_figure;
 
@@ -69,7 +69,7 @@ fn profile_curves(found: &Found) -> Vec<ProfileCurve> {
     (0..found.parameters.len()).map(curve).collect()
 }
 
-fn spectra(found: &Found) -> Vec<Spectrum> {
+fn spectra(found: &Found) -> Vec<ResidualSpectrum> {
     let runs: Vec<&FoundRun> = found.fitted().collect();
     let layout: Layout = runs[0].observed.layout;
     let channel = |channel: usize| {
@@ -90,7 +90,7 @@ fn spectra(found: &Found) -> Vec<Spectrum> {
             };
             parts.map(one).sum()
         };
-        Spectrum {
+        ResidualSpectrum {
             title: title(channel),
             before: rms(&|run, k| apart(run, &run.before, k)),
             after: rms(&|run, k| apart(run, &run.after.cycle, k)),

@@ -18,8 +18,8 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use crate::watch::{Convergence, Point};
-use kept::Kept;
+use crate::watch::{ConvergenceWatch, SearchIteration};
+use kept::KeptFits;
 
 /// Parameters whose values are shown on the page of a fit under way.
 const SHOWN: usize = 24;
@@ -44,8 +44,12 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     let identity = files.identity(&calibration.resolved);
     let folder =
         RunFolder::resume(options.out.as_deref(), &name, options.force, ("calibration.toml", &identity))?;
-    let watch =
-        Convergence::begin(&arguments.live, &calibration.spec.name, "fit under way", &calibration.resolved)?;
+    let watch = ConvergenceWatch::begin(
+        &arguments.live,
+        &calibration.spec.name,
+        "fit under way",
+        &calibration.resolved,
+    )?;
     match found(&calibration, &folder, &interrupt, arguments, &watch) {
         Ok(Some(found)) => {
             let verdict = found.verdict(calibration.limits());
@@ -65,13 +69,16 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
         }
         Err(Error::Calibration(Failure::Other(fault @ wingbeat_calibrate::Error::Model { .. }))) => {
             let reason = fault.to_string();
-            folder.write_json("summary.json", &Failed { status: Status::Failed.name(), reason: &reason })?;
-            Kept::remove(&folder)?;
+            folder.write_json(
+                "summary.json",
+                &FailedCalibration { status: Status::Failed.name(), reason: &reason },
+            )?;
+            KeptFits::remove(&folder)?;
             let path = folder.finish(&Manifest::new(calibration.spec.seed, start.elapsed()))?;
             Err(Error::Failed { status: Status::Failed.name().into(), reason, folder: path })
         }
-        Err(Error::Interrupted) if Kept::open(&folder).count() > 0 => {
-            let (done, all) = (Kept::open(&folder).count(), calibration.spec.starts);
+        Err(Error::Interrupted) if KeptFits::open(&folder).count() > 0 => {
+            let (done, all) = (KeptFits::open(&folder).count(), calibration.spec.starts);
             Err(Error::Paused { done, all })
         }
         Err(error) => {
@@ -83,7 +90,7 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
 
 /// summary.json of a calibration whose model has no answer.
 #[derive(Serialize)]
-struct Failed<'a> {
+struct FailedCalibration<'a> {
     status: &'a str,
     reason: &'a str,
 }
@@ -94,7 +101,7 @@ fn found(
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
-    watch: &Convergence,
+    watch: &ConvergenceWatch,
 ) -> Result<Option<Found>, Error> {
     let prepared = calibration.prepared()?;
     interrupt.check()?;
@@ -113,7 +120,7 @@ fn searched(
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
-    watch: &Convergence,
+    watch: &ConvergenceWatch,
 ) -> Result<Option<Found>, Error> {
     let quiet = arguments.run.quiet;
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
@@ -122,16 +129,16 @@ fn searched(
         let on_data = prepared.verdict();
         return Error::unless_sound(on_data.status, on_data.reason.as_deref()).map(|()| None);
     }
-    watched(prepared, &mut Kept::open(folder), interrupt, quiet, watch).map(Some)
+    watched(prepared, &mut KeptFits::open(folder), interrupt, quiet, watch).map(Some)
 }
 
 /// The fit, with cost, parameters and time on a bar.
 fn watched(
     prepared: &Prepared<'_>,
-    kept: &mut Kept,
+    kept: &mut KeptFits,
     interrupt: &Interrupt,
     quiet: bool,
-    live: &Convergence,
+    live: &ConvergenceWatch,
 ) -> Result<Found, Error> {
     let starts = prepared.plan().starts;
     let bar = progress::bar(
@@ -154,11 +161,11 @@ fn watched(
 }
 
 /// A step of a fit as it is shown.
-fn point(at: &Progress, prepared: &Prepared<'_>) -> Point {
+fn point(at: &Progress, prepared: &Prepared<'_>) -> SearchIteration {
     let mut values = vec![("decimal logarithm of the sum of squares".into(), "", at.cost.log10())];
     let parameters = prepared.structure.parameters.iter().zip(at.values);
     values.extend(parameters.take(SHOWN).map(|(parameter, value)| (parameter.name.clone(), "", *value)));
-    Point { series: format!("start {}", at.start + 1), values }
+    SearchIteration { series: format!("start {}", at.start + 1), values }
 }
 
 /// Everything into the folder.
@@ -171,6 +178,6 @@ fn write(folder: &RunFolder, (found, verdict): (&Found, &Verdict), files: &Files
     folder.write("report.md", &words::report(found, verdict))?;
     folder.write("information.csv", &words::information_csv(found))?;
     write_parquet(&folder.file("record.parquet"), &found.record().map_err(Failure::from)?)?;
-    Kept::remove(folder)?;
+    KeptFits::remove(folder)?;
     draw::draw(folder, found)
 }

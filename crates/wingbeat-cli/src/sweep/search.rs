@@ -7,7 +7,7 @@ use wingbeat::parallel;
 use wingbeat::scenario::{Search, Sweep, SweepFound};
 use wingbeat::simulate::Record;
 
-use super::log::Log;
+use super::log::SweepLog;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::outcome::overridden;
@@ -17,7 +17,7 @@ use crate::run_folder::RunFolder;
 /// Flies the candidates that are not in the log, generation by generation.
 pub fn candidates<'a>(
     sweep: &'a Sweep,
-    log: &mut Log,
+    log: &mut SweepLog,
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<Search<'a>, Error> {
@@ -66,7 +66,7 @@ pub fn candidates<'a>(
 }
 
 /// Puts a row into the log; false where the candidate was stopped.
-fn kept(log: &mut Log, row: Option<Vec<f64>>) -> Result<bool, Error> {
+fn kept(log: &mut SweepLog, row: Option<Vec<f64>>) -> Result<bool, Error> {
     row.as_deref().map(|row| log.append(row)).transpose().map(|kept| kept.is_some())
 }
 

@@ -10,13 +10,13 @@ use wingbeat_io::samples::read_measured;
 use crate::error::Error;
 
 /// A measured file whose channels and times fit the case.
-pub struct Measured<'a> {
+pub struct MeasuredFile<'a> {
     path: &'a Path,
     record: Record,
     channels: Vec<(String, String)>,
 }
 
-impl<'a> Measured<'a> {
+impl<'a> MeasuredFile<'a> {
     /// Reads and checks a file, before the wing moves.
     pub fn open(path: &'a Path, case: &TetherCase) -> Result<Self, Error> {
         let record = read_measured(path)?;

@@ -1,7 +1,7 @@
 //! The figures of a wake.
 
 use wingbeat::math::Vec3;
-use wingbeat_figures::{Cut, WakeSheet, around, frontal_planes, wake, wake_phases};
+use wingbeat_figures::{PlaneCut, WakeSheet, around, frontal_planes, wake, wake_phases};
 use wingbeat_lattice::course::{PHASES, Shot, Watch};
 
 use crate::error::Error;
@@ -28,7 +28,7 @@ pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
     let cuts = (0..most).flat_map(|phase| {
         whole.clone().filter_map(move |(watch, shots)| shots.get(phase).map(|shot| cut(shot, watch)))
     });
-    let cuts: Vec<Cut> = cuts.collect();
+    let cuts: Vec<PlaneCut> = cuts.collect();
     let chord = watches.first().map_or(1.0, |watch| watch.course.chord);
     let notes = notes(watches);
     let in_space = phases(watches);
@@ -104,7 +104,7 @@ fn outline(leading: &[Vec3], trailing: &[Vec3], at: impl Fn(Vec3) -> [f64; 3]) -
 }
 
 /// What crosses the plane across the flight behind the wing.
-fn cut(shot: &Shot, watch: &Watch<'_>) -> Cut {
+fn cut(shot: &Shot, watch: &Watch<'_>) -> PlaneCut {
     let (course, axes) = (watch.course, watch.course.axes);
     let rearmost = shot.edges.iter().flatten().map(|p| p.dot(axes.flight)).fold(f64::INFINITY, f64::min);
     let plane = axes.flight * (rearmost - BEHIND * course.chord);
@@ -117,7 +117,7 @@ fn cut(shot: &Shot, watch: &Watch<'_>) -> Cut {
         "" => format!("{}, phase {:.2}", shot.name, shot.phase),
         _ => format!("{}: {}", course.title, shot.name),
     };
-    Cut {
+    PlaneCut {
         title,
         vortices: crossings.into_iter().map(|(place, circulation)| (in_plane(place), circulation)).collect(),
         outline: shot.edges.iter().map(|edge| edge.iter().map(|p| in_plane(*p)).collect()).collect(),

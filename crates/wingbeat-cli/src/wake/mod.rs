@@ -13,7 +13,7 @@ use wingbeat_io::{read_parquet_columns, shortest, write_parquet};
 use wingbeat_lattice::RecordError;
 use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary, Watch};
 
-use crate::args::Wake;
+use crate::args::WakeArguments;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
@@ -21,20 +21,20 @@ use crate::outcome::overridden;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use crate::tether::Tables;
+use crate::tether::CaseTables;
 
 /// Where the motion comes from.
-enum Source {
-    Case(Box<TetherCase>, Tables),
+enum MotionSource {
+    Case(Box<TetherCase>, CaseTables),
     Flight(Box<Recorded>),
 }
 
 /// Steps the lattice of a case or along a flight and writes its run folder.
-pub fn wake(arguments: &Wake) -> Result<(), Error> {
+pub fn wake(arguments: &WakeArguments) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let source = Source::open(arguments)?;
+    let source = MotionSource::open(arguments)?;
     let asked = asked(arguments);
     let courses = source.courses(&asked, &interrupt)?;
     let folder = RunFolder::create(options.out.as_deref(), &source.run_name()?, options.force)?;
@@ -66,9 +66,9 @@ pub fn wake(arguments: &Wake) -> Result<(), Error> {
     printed
 }
 
-impl Source {
+impl MotionSource {
     /// A run folder of a flight, or else a case.
-    fn open(arguments: &Wake) -> Result<Self, Error> {
+    fn open(arguments: &WakeArguments) -> Result<Self, Error> {
         let path = &arguments.case;
         if path.is_dir() && path.join("scenario.toml").is_file() {
             if !arguments.run.overrides.is_empty() {
@@ -89,7 +89,7 @@ impl Source {
         // The run folder of a tether holds its case.
         let inside = path.join("case.toml");
         let path = if path.is_dir() && inside.is_file() { &inside } else { path };
-        let tables = Tables::default();
+        let tables = CaseTables::default();
         let case = TetherCase::load(path, &arguments.run.overrides, &|path| tables.read(path))?;
         Ok(Self::Case(Box::new(case), tables))
     }
@@ -162,7 +162,7 @@ pub fn refused(error: wingbeat_lattice::Error) -> Error {
 }
 
 /// What the command line asks.
-fn asked(arguments: &Wake) -> Asked {
+fn asked(arguments: &WakeArguments) -> Asked {
     Asked {
         at: arguments.at.clone(),
         cycles: arguments.cycles,

@@ -10,12 +10,12 @@ use wingbeat::rig::process::{Comparison, Steps};
 use wingbeat::scenario::{Evaluated, ProcessedRun, Together, Weighed};
 use wingbeat_io::samples::Import;
 
-use super::Origin;
+use super::ProcessedFile;
 use super::judged::{findings, judged};
 
 /// The contents of summary.json.
 #[derive(Serialize)]
-pub struct Summary {
+pub struct ProcessSummary {
     /// What the samples are, what that rests on, and what to beware of.
     #[serde(flatten)]
     pub verdict: Verdict,
@@ -68,9 +68,9 @@ struct Ranges {
     simulation: Option<[f64; 2]>,
 }
 
-impl Summary {
+impl ProcessSummary {
     /// The numbers of `runs`, read from `files`.
-    pub fn new(runs: &[ProcessedRun], files: &[Origin], together: Option<&Together>) -> Self {
+    pub fn new(runs: &[ProcessedRun], files: &[ProcessedFile], together: Option<&Together>) -> Self {
         let named = |c: [Comparison; 6]| CHANNELS.iter().map(|(name, _)| *name).zip(c).collect();
         let name = |one: &ProcessedRun| one.name().to_owned();
         let reference = together.and_then(|t| runs.iter().find(|one| one.name() == t.reference));
@@ -101,7 +101,7 @@ impl Summary {
 }
 
 /// The verdict on the samples of all runs.
-fn verdict(runs: &[ProcessedRun], files: &[Origin]) -> Verdict {
+fn verdict(runs: &[ProcessedRun], files: &[ProcessedFile]) -> Verdict {
     let judged = runs.iter().zip(files).map(|(one, file)| {
         let mut judge = Judge::new(&one.run.limits);
         findings(one, file.window, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
@@ -128,7 +128,7 @@ fn ranges(together: &Together) -> BTreeMap<&'static str, Ranges> {
 }
 
 impl RunNumbers {
-    fn of(run: &ProcessedRun, origin: &Origin) -> Self {
+    fn of(run: &ProcessedRun, origin: &ProcessedFile) -> Self {
         let processed = run.averaged();
         Self {
             file: origin.file.clone(),
@@ -145,7 +145,7 @@ impl RunNumbers {
     }
 }
 
-impl Summary {
+impl ProcessSummary {
     /// Runs whose samples are of a simulated load cell.
     pub fn simulated(&self) -> &[String] {
         &self.simulated
