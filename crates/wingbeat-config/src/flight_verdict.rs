@@ -5,7 +5,7 @@ use super::spec::GoalSpec;
 use super::summary::{Context, Crossing, Summary};
 use wingbeat_flight::simulate::{Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, range, trim, wake};
-use wingbeat_judge::{Judge, Limit, Limits, Status, Verdict, Warning};
+use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
 
@@ -28,7 +28,7 @@ const WHOLE_CYCLES: f64 = 1.0;
 
 impl Flown<'_> {
     /// Judges by the goal, the task and the limits.
-    pub fn judged(&self, limits: &Limits) -> Found {
+    pub fn judged(&self, limits: &RunLimits) -> Found {
         let mut judge = Judge::new(limits);
         let mut not_judged = Vec::new();
         match self.broken() {
@@ -87,7 +87,7 @@ impl Flown<'_> {
     }
 
     /// What the goal asks: limit, bound, value where there is one, and why there may be none.
-    fn asked(&self, goal: &GoalSpec) -> Vec<(&'static Limit, f64, Option<f64>, &'static str)> {
+    fn asked(&self, goal: &GoalSpec) -> Vec<(&'static JudgedLimit, f64, Option<f64>, &'static str)> {
         const UNSETTLED: &str = "the flight ended before the goal's settling time";
         let reference = self.context.manoeuvre.is_some();
         let angle = |value: Option<f64>| value.filter(|_| reference);

@@ -139,7 +139,7 @@ use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
 use wingbeat_flight::simulate::{
     Accuracy, Controller, Event, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_within,
 };
-use wingbeat_judge::{Limits, Warning};
+use wingbeat_judge::{RunLimits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::{Quat, Vec3, pitch_of_nose_up};
 use wingbeat_ocp::plant::{Channel, Plant};
@@ -165,7 +165,7 @@ pub struct Scenario {
     schedule: Schedule,
     samples_per_strips: Option<usize>,
     /// What its verdict rests on.
-    limits: Limits,
+    limits: RunLimits,
     /// What its controller shares with others.
     prepared: Option<Prepared>,
 }
@@ -271,7 +271,7 @@ impl Scenario {
     }
 
     /// Limits of the verdicts on its runs.
-    pub fn limits(&self) -> &Limits {
+    pub fn limits(&self) -> &RunLimits {
         &self.limits
     }
 

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::Coordinate;
-use wingbeat_judge::Limits;
-use wingbeat_judge::data::{Channel, Finding, Purpose, Series, estimate, examined};
+use wingbeat_judge::RunLimits;
+use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, estimate, examined};
 use wingbeat_judge::limits::data::LEFT;
 use wingbeat_math::CubicSpline;
 use wingbeat_math::Error;
@@ -116,7 +116,7 @@ impl CoordinateSpec {
         frequency_hz: f64,
         folder: &dyn Fn() -> PathBuf,
         read: ReadTable,
-        limits: &Limits,
+        limits: &RunLimits,
     ) -> Result<Built, Error> {
         Ok(match self {
             Self::Constant(value) => Built::whole(Coordinate::Constant(*value)),
@@ -173,7 +173,7 @@ impl TableSpec {
         frequency_hz: f64,
         folder: &Path,
         read: ReadTable,
-        limits: &Limits,
+        limits: &RunLimits,
     ) -> Result<Built, Error> {
         self.check()?;
         let path = folder.join(&self.file);
@@ -217,14 +217,14 @@ impl TableSpec {
 
     /// What is wrong with a table, at times `t` (s) of the case. Harmonics take away noise, and ask for no order. Of one that need
     /// not repeat it is another frequency or noise, where it does repeat.
-    fn found(&self, (frequency_hz, limits): (f64, &Limits), t: &[f64], y: &[f64]) -> Vec<Finding> {
+    fn found(&self, (frequency_hz, limits): (f64, &RunLimits), t: &[f64], y: &[f64]) -> Vec<Finding> {
         let phase: Vec<f64> = t.iter().map(|t| t * frequency_hz).collect();
         let own = self.frequency_hz.unwrap_or(frequency_hz);
         let series = Series {
             what: &self.file.display().to_string(),
             phase: &phase,
             frequency_hz: (self.by == TableBy::Time).then_some(own),
-            channels: vec![Channel { name: &self.column, unit: "(unit of the key)", samples: y }],
+            channels: vec![MeasuredChannel { name: &self.column, unit: "(unit of the key)", samples: y }],
             purpose: Purpose::Motion,
         };
         let mended = |id: &str| match id {

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
-use wingbeat_rig::carrier::Carrier;
+use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::cell::CHANNELS;
 use wingbeat_rig::process::{Comparison, CycleAverage, compare};
 
@@ -62,7 +62,7 @@ impl RigRun {
     pub fn evaluate(
         &self,
         record: Record,
-        carrier: &Carrier,
+        carrier: &ToolCarrier,
         window: (f64, f64),
     ) -> Result<Result<Evaluated, Fault>, Error> {
         if self.is_weighing() {

@@ -18,7 +18,7 @@ use super::spec::GoalSpec;
 use serde::Serialize;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
-use wingbeat_judge::{Judged, Limits, Status, Warning};
+use wingbeat_judge::{Judged, RunLimits, Status, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Channel;
 use wingbeat_robot::{Dryden, Robot};
@@ -284,7 +284,7 @@ fn half_range_deg(angles: &[f64]) -> Option<f64> {
 pub(super) struct Context<'a> {
     pub manoeuvre: Option<&'a dyn Manoeuvre>,
     pub goal: Option<&'a GoalSpec>,
-    pub limits: Limits,
+    pub limits: RunLimits,
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],
     pub robot: &'a Robot,

@@ -7,7 +7,7 @@ use super::sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 use super::{PaperResults, ReadTable, Scenario, TetherCase};
 use std::path::Path;
 use std::sync::Arc;
-use wingbeat_judge::{Limits, Warning};
+use wingbeat_judge::{RunLimits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 
@@ -25,7 +25,7 @@ pub struct Sweep {
     /// Part of its range by draw and run, of a Latin hypercube.
     parts: Vec<Vec<usize>>,
     pub(super) shared: Arc<Shared>,
-    pub(super) limits: Limits,
+    pub(super) limits: RunLimits,
 }
 
 /// What a sweep runs.

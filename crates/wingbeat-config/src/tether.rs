@@ -17,7 +17,7 @@ use wingbeat_flight::tether::{
 };
 use wingbeat_judge::data::Finding;
 use wingbeat_judge::limits::tether;
-use wingbeat_judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat_judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::{Declared, Named, Parameters, Vec3};
@@ -42,7 +42,7 @@ pub struct TetherCase {
     /// What is wrong with the tables.
     pub found: Vec<Finding>,
     /// What the verdict is held against.
-    pub limits: Limits,
+    pub limits: RunLimits,
     pub(super) document: Document,
 }
 
@@ -576,7 +576,7 @@ impl TetherCase {
 }
 
 impl TetherSpec {
-    fn build(&self, folder: Folder, read: ReadTable, limits: &Limits) -> Result<(Tether, Tables), Error> {
+    fn build(&self, folder: Folder, read: ReadTable, limits: &RunLimits) -> Result<(Tether, Tables), Error> {
         self.check()?;
         let (motion, tables) = self.motion(folder, read, limits)?;
         let clock = self.time.clock();
@@ -652,7 +652,7 @@ impl TetherSpec {
         renumbered(&aero, &given)
     }
 
-    fn motion(&self, folder: Folder, read: ReadTable, limits: &Limits) -> Result<(Motion, Tables), Error> {
+    fn motion(&self, folder: Folder, read: ReadTable, limits: &RunLimits) -> Result<(Motion, Tables), Error> {
         let frequency = self.time.frequency_hz;
         let degree = 1.0_f64.to_radians();
         let body = &self.body;

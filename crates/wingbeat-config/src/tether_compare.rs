@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_flight::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit, smooth};
-use wingbeat_judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
+use wingbeat_judge::data::{CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 
@@ -242,7 +242,7 @@ impl TetherCase {
             channels: channels
                 .iter()
                 .zip(&samples)
-                .map(|((ours, theirs), samples)| Channel { name: theirs, unit: unit(ours), samples })
+                .map(|((ours, theirs), samples)| MeasuredChannel { name: theirs, unit: unit(ours), samples })
                 .collect(),
             purpose: Purpose::Datum,
         };
@@ -253,7 +253,7 @@ impl TetherCase {
             let mut pairs = Vec::new();
             for (ours, theirs) in channels {
                 let (measured, computed) = (of("measured", ours), of("computed", ours));
-                pairs.push(Pair { name: theirs, unit: unit(ours), measured, computed });
+                pairs.push(CyclePair { name: theirs, unit: unit(ours), measured, computed });
             }
             let beside = compared(MEASURED, &pairs, &self.limits).into_iter();
             // The gain is only a warning by its own limit; another unit is no gain.

@@ -1,7 +1,7 @@
 //! A planned motion of an arm, joint by joint, against its limits.
 
 use kuva::plot::annotations::ReferenceLine;
-use wingbeat::rig::Trajectory;
+use wingbeat::rig::JointTrajectory;
 use wingbeat::rig::arm::{LimitProfile, SerialArm};
 
 use crate::panel::{FigurePanel, PanelCurve, stacked_with};
@@ -14,7 +14,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// dashed lines at the ends of the steady turn.
 pub fn joint_histories(
     arm: &SerialArm,
-    motion: &Trajectory,
+    motion: &JointTrajectory,
     profile: &LimitProfile,
     measured: (f64, f64),
 ) -> Figure {
@@ -54,7 +54,7 @@ pub fn joint_histories(
 }
 
 /// Speed of the tool, by the rates of the joints.
-fn tool_speed(arm: &SerialArm, motion: &Trajectory, t: &[f64]) -> PanelCurve {
+fn tool_speed(arm: &SerialArm, motion: &JointTrajectory, t: &[f64]) -> PanelCurve {
     let speed =
         |&t: &f64| arm.tool_pose(&motion.at(t)).origin.0.map(|p| p.d.powi(2)).iter().sum::<f64>().sqrt();
     PanelCurve::new("tool", t, t.iter().map(speed).collect(), 0)

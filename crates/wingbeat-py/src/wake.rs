@@ -6,7 +6,7 @@ use crate::table::{Given, NamedColumn, columns, record};
 use crate::tether::read;
 use crate::{refused, wait, whole};
 use pyo3::prelude::*;
-use wingbeat::judge::Limits;
+use wingbeat::judge::RunLimits;
 use wingbeat::scenario::TetherCase;
 use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
 
@@ -85,7 +85,7 @@ fn asked(settings: WakeSettings) -> PyResult<Asked> {
 type StretchFiles = (String, wingbeat::simulate::Record, Vec<(String, String)>);
 
 fn step(
-    (name, limits): (&str, &Limits),
+    (name, limits): (&str, &RunLimits),
     courses: &[Course],
     asked: &Asked,
     stop: &wait::Stop,

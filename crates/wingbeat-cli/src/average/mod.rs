@@ -5,13 +5,15 @@ mod rest;
 use std::time::Instant;
 
 use serde::Serialize;
-use wingbeat::judge::data::{self, Channel, Finding, Line, Purpose, Series, examined, find_frequency};
+use wingbeat::judge::data::{
+    self, Finding, MeasuredChannel, Purpose, Series, SpectralLine, examined, find_frequency,
+};
 use wingbeat::judge::limits::data::{LINE, OF_LINE};
-use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_figures::DEVIATION;
-use wingbeat_io::samples::{Asked, Plain, read_channels};
+use wingbeat_io::samples::{ChannelRequest, Plain, read_channels};
 use wingbeat_io::write_csv;
 
 use crate::args::Average;
@@ -41,7 +43,7 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     let name = named_after(&arguments.file, arguments.out.as_deref())?;
     let folder = RunFolder::create(arguments.out.as_deref(), &name, arguments.force)?;
     let bar = progress::bar(Some(2), "averaging {bar:30} {pos} of {len} steps", arguments.quiet);
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let told = match arguments.frequency {
         Some(frequency) => FrequencySource::Given(frequency),
         None => FrequencySource::Found(find_frequency(&plain.time, &channels(&plain), limits.of(&LINE).0)),
@@ -74,7 +76,7 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
 const FASTEST: f64 = 1e9;
 
 /// What the command line asks of the file.
-fn asked(arguments: &Average) -> Result<Asked, Error> {
+fn asked(arguments: &Average) -> Result<ChannelRequest, Error> {
     for (key, value) in [("--rate", arguments.rate), ("--frequency", arguments.frequency)] {
         if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= FASTEST)) {
             return Err(Error::Input(format!("{key} {value:?}: allowed is above 0, at most {FASTEST:e} Hz")));
@@ -86,7 +88,7 @@ fn asked(arguments: &Average) -> Result<Asked, Error> {
         return Err(Error::Input(format!("--bins {bins}: allowed is a whole number from {least} to {most}")));
     }
     let (columns, units) = (arguments.columns.clone(), arguments.units.clone());
-    Ok(Asked { rate: arguments.rate, columns, units })
+    Ok(ChannelRequest { rate: arguments.rate, columns, units })
 }
 
 /// Units of what an encoder counts.
@@ -113,12 +115,12 @@ fn leave_out_counters(plain: &mut Plain) {
     }
 }
 
-fn channels(plain: &Plain) -> Vec<Channel<'_>> {
+fn channels(plain: &Plain) -> Vec<MeasuredChannel<'_>> {
     plain.channels.iter().map(|column| channel(column, &column.values)).collect()
 }
 
-fn channel<'a>(column: &'a Column, samples: &'a [f64]) -> Channel<'a> {
-    Channel { name: &column.name, unit: &column.unit, samples }
+fn channel<'a>(column: &'a Column, samples: &'a [f64]) -> MeasuredChannel<'a> {
+    MeasuredChannel { name: &column.name, unit: &column.unit, samples }
 }
 
 /// Where the frequency comes from.
@@ -126,7 +128,7 @@ enum FrequencySource {
     /// The command line, Hz.
     Given(f64),
     /// The data.
-    Found(Line),
+    Found(SpectralLine),
 }
 
 impl FrequencySource {
@@ -262,7 +264,7 @@ impl AverageSummary {
         plain: &Plain,
         (told, rest): (&FrequencySource, Option<RestSummary>),
         averages: Option<&[Of]>,
-        limits: &Limits,
+        limits: &RunLimits,
     ) -> Self {
         let line = match told {
             FrequencySource::Found(line) => Some(line),
@@ -325,7 +327,7 @@ fn verdict(
     arguments: &Average,
     plain: &Plain,
     (told, rest): (&FrequencySource, Option<&RestSummary>),
-    limits: &Limits,
+    limits: &RunLimits,
 ) -> Verdict {
     let mut judge = Judge::new(limits);
     if let Some(rest) = rest {
@@ -334,7 +336,7 @@ fn verdict(
     if let FrequencySource::Found(line) = told {
         judge.hold(&LINE, line.over_noise);
     }
-    if let FrequencySource::Found(Line { frequency: None, over_noise, .. }) = told {
+    if let FrequencySource::Found(SpectralLine { frequency: None, over_noise, .. }) = told {
         let text = format!(
             "{}: no channel has a load that repeats: noise, or less than four cycles; give the frequency with \
              --frequency HZ if you know it",
@@ -347,7 +349,7 @@ fn verdict(
             judge.find(Status::NotFound, lines);
         }
     }
-    if let FrequencySource::Found(Line { frequency: Some(_), strongest, .. }) = told
+    if let FrequencySource::Found(SpectralLine { frequency: Some(_), strongest, .. }) = told
         && plain.rate < FEWEST * strongest
     {
         let size = plain.rate / strongest;

@@ -8,7 +8,10 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::{Calibration, Failure, Files, Found, Prepared, Progress, words};
+use wingbeat_calibrate::{
+    CalibrationFailure, CalibrationFile, CalibrationResult, FitProgress, PreparedCalibration, SampleFiles,
+    words,
+};
 use wingbeat_io::{urdf_as_toml, write_parquet};
 
 use crate::args;
@@ -33,13 +36,13 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
     let document = Document::file(&arguments.calibration)?.overridden(&options.all_overrides());
-    let calibration = Calibration::new(document)?;
+    let calibration = CalibrationFile::new(document)?;
     if arguments.names {
         let named = calibration.named_numbers(&urdf_as_toml)?;
         let line = |(name, value): &(String, f64)| format!("{name} = {}\n", wingbeat_io::shortest(*value));
         return say::say(&named.iter().map(line).collect::<String>());
     }
-    let files = Files::of(&calibration).map_err(Failure::from)?;
+    let files = SampleFiles::of(&calibration).map_err(CalibrationFailure::from)?;
     let name = calibration.spec.run_name()?;
     let identity = files.identity(&calibration.resolved);
     let folder =
@@ -67,7 +70,9 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
             folder.discard();
             Ok(())
         }
-        Err(Error::Calibration(Failure::Other(fault @ wingbeat_calibrate::Error::Model { .. }))) => {
+        Err(Error::Calibration(CalibrationFailure::Other(
+            fault @ wingbeat_calibrate::Error::Model { .. },
+        ))) => {
             let reason = fault.to_string();
             folder.write_json(
                 "summary.json",
@@ -97,12 +102,12 @@ struct FailedCalibration<'a> {
 
 /// All that is to be told; nothing where only the information was asked for.
 fn found(
-    calibration: &Calibration,
+    calibration: &CalibrationFile,
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
     watch: &ConvergenceWatch,
-) -> Result<Option<Found>, Error> {
+) -> Result<Option<CalibrationResult>, Error> {
     let prepared = calibration.prepared()?;
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
@@ -116,12 +121,12 @@ fn found(
 
 /// The fit, or the information of the data alone.
 fn searched(
-    prepared: &Prepared<'_>,
+    prepared: &PreparedCalibration<'_>,
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
     watch: &ConvergenceWatch,
-) -> Result<Option<Found>, Error> {
+) -> Result<Option<CalibrationResult>, Error> {
     let quiet = arguments.run.quiet;
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
     prepared.check()?;
@@ -134,19 +139,19 @@ fn searched(
 
 /// The fit, with cost, parameters and time on a bar.
 fn watched(
-    prepared: &Prepared<'_>,
+    prepared: &PreparedCalibration<'_>,
     kept: &mut KeptFits,
     interrupt: &Interrupt,
     quiet: bool,
     live: &ConvergenceWatch,
-) -> Result<Found, Error> {
+) -> Result<CalibrationResult, Error> {
     let starts = prepared.plan().starts;
     let bar = progress::bar(
         Some(starts as u64),
         "fitting {bar:20} start {pos} of {len}, {eta} left  {wide_msg}",
         quiet,
     );
-    let mut watch = |at: &Progress| {
+    let mut watch = |at: &FitProgress| {
         live.see(|| point(at, prepared));
         bar.set_position(at.start.min(starts) as u64);
         let values: Vec<String> = at.values.iter().map(|value| format!("{value:.4}")).collect();
@@ -161,7 +166,7 @@ fn watched(
 }
 
 /// A step of a fit as it is shown.
-fn point(at: &Progress, prepared: &Prepared<'_>) -> SearchIteration {
+fn point(at: &FitProgress, prepared: &PreparedCalibration<'_>) -> SearchIteration {
     let mut values = vec![("decimal logarithm of the sum of squares".into(), "", at.cost.log10())];
     let parameters = prepared.structure.parameters.iter().zip(at.values);
     values.extend(parameters.take(SHOWN).map(|(parameter, value)| (parameter.name.clone(), "", *value)));
@@ -169,7 +174,11 @@ fn point(at: &Progress, prepared: &Prepared<'_>) -> SearchIteration {
 }
 
 /// Everything into the folder.
-fn write(folder: &RunFolder, (found, verdict): (&Found, &Verdict), files: &Files) -> Result<(), Error> {
+fn write(
+    folder: &RunFolder,
+    (found, verdict): (&CalibrationResult, &Verdict),
+    files: &SampleFiles,
+) -> Result<(), Error> {
     folder.write_json("summary.json", &found.summary(files, verdict))?;
     folder.write("numbers.toml", &words::numbers(found, files, wingbeat_program::COMMIT, verdict))?;
     if let Some(residual) = words::residual(found, files, wingbeat_program::COMMIT) {
@@ -177,7 +186,7 @@ fn write(folder: &RunFolder, (found, verdict): (&Found, &Verdict), files: &Files
     }
     folder.write("report.md", &words::report(found, verdict))?;
     folder.write("information.csv", &words::information_csv(found))?;
-    write_parquet(&folder.file("record.parquet"), &found.record().map_err(Failure::from)?)?;
+    write_parquet(&folder.file("record.parquet"), &found.record().map_err(CalibrationFailure::from)?)?;
     KeptFits::remove(folder)?;
     draw::draw(folder, found)
 }

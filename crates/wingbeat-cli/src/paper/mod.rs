@@ -11,7 +11,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
 use wingbeat::judge::limits::paper as limits;
-use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat::scenario::{PaperResults, RunName};
 
 use crate::args::{Fly, Page, PaperArguments, RigProcess, RigRuns, RigSimulate, RunArguments};
@@ -94,7 +94,7 @@ pub fn paper(arguments: &PaperArguments) -> Result<(), Error> {
 
 /// Holds the sheet against its limits.
 fn judged(missing: usize, steps: &[PaperStep]) -> Verdict {
-    let limits_of = Limits::default();
+    let limits_of = RunLimits::default();
     let mut judge = Judge::new(&limits_of);
     judge.hold(&limits::MISSING, missing as f64);
     let failed = steps.iter().filter(|step| step.status == Status::Failed.name()).count();

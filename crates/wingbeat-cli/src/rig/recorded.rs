@@ -9,7 +9,7 @@ use wingbeat::rig::netft::{APART_S, Account, BOX_RATE, Scale};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_io::ParquetWriter;
 use wingbeat_judge::limits::recording;
-use wingbeat_judge::{Judge, Limits, Status, Verdict};
+use wingbeat_judge::{Judge, RunLimits, Status, Verdict};
 use wingbeat_netft::{Config, Ending, ROW_BYTES, Report, Row, Timeline, logs, read_log};
 
 use super::faults::{self, Signs};
@@ -177,7 +177,7 @@ pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Rec
 
 /// The verdict on a recording: its counts, the clock and its loads.
 fn verdict(report: &Report, account: &Account, by_clock: &ByClock, signs: &Signs) -> Verdict {
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);
     by_clock.judge(report, &mut judge);
     faults::judge(account, &mut judge);
@@ -322,7 +322,7 @@ mod tests {
         let mut account = Account::default();
         account.received = records;
         let report = report(rate, tail);
-        let limits = Limits::default();
+        let limits = RunLimits::default();
         let mut judge = Judge::new(&limits);
         ByClock::of(&report, &account, Some(7000.0), seconds, true).judge(&report, &mut judge);
         judge.verdict().status

@@ -30,6 +30,7 @@ struct SimulationSummary {
 
 /// What of it processing reads.
 #[derive(Debug, Deserialize)]
+#[serde(expecting = "struct Measured")]
 pub struct MeasuredWindow {
     /// Begin and end of what is averaged, s.
     pub window_s: (f64, f64),

@@ -7,7 +7,7 @@ pub use draw::{notes, phases};
 use std::path::Path;
 use std::time::Instant;
 
-use wingbeat::judge::{Limits, Verdict};
+use wingbeat::judge::{RunLimits, Verdict};
 use wingbeat::scenario::{Scenario, TetherCase};
 use wingbeat_io::{read_parquet_columns, shortest, write_parquet};
 use wingbeat_lattice::RecordError;
@@ -111,7 +111,7 @@ impl MotionSource {
     }
 
     /// Limits of the document that the motion came from.
-    fn limits(&self) -> &Limits {
+    fn limits(&self) -> &RunLimits {
         match self {
             Self::Case(case, _) => &case.limits,
             Self::Flight(run) => run.scenario().limits(),

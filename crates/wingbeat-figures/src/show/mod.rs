@@ -6,7 +6,7 @@ use wingbeat::body::JointKind;
 use wingbeat::math::Vec3;
 use wingbeat::rig::Pose;
 use wingbeat::rig::arm::SerialArm;
-use wingbeat::rig::carrier::Mount;
+use wingbeat::rig::carrier::CellMount;
 use wingbeat::robot::Skeleton;
 
 use crate::style;
@@ -157,7 +157,7 @@ impl Drawing {
     }
 
     /// The robot on its mount, whose tool frame is at `tool`: cell, sting and body; the pose of the body.
-    pub fn mounted(&mut self, robot: &Skeleton, mount: &Mount, tool: &Pose, labelled: bool) -> Pose {
+    pub fn mounted(&mut self, robot: &Skeleton, mount: &CellMount, tool: &Pose, labelled: bool) -> Pose {
         let cell = *tool * mount.cell;
         let body = cell * mount.body;
         let sting = vec![tool.origin.0, cell.origin.0, body.origin.0];

@@ -3,7 +3,7 @@
 use super::{Asked, Strongest, Watch};
 use serde::Serialize;
 use wingbeat::judge::limits::wake;
-use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 
 /// Ratio of downstroke to upstroke.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -177,7 +177,7 @@ fn far(watch: &Watch<'_>) -> Option<[f64; 2]> {
 }
 
 /// The verdict on a course.
-fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
+fn judged(watch: &Watch<'_>, asked: &Asked, limits: &RunLimits) -> Verdict {
     let mut judge = Judge::new(limits);
     match &watch.failed {
         Some(reason) if watch.ended => judge.find(Status::Interrupted, reason),
@@ -215,7 +215,7 @@ fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
 
 impl WakeSummary {
     /// Of stepped courses, held against `limits`.
-    pub fn new(name: &str, asked: &Asked, watches: &[Watch<'_>], limits: &Limits) -> Self {
+    pub fn new(name: &str, asked: &Asked, watches: &[Watch<'_>], limits: &RunLimits) -> Self {
         let judged: Vec<(&str, Verdict)> = watches
             .iter()
             .map(|watch| match watch.course.name.as_str() {

@@ -3,7 +3,7 @@
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
 use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
-use wingbeat_calibrate::{NORMAL_95, Plan, Progress, solve, student_95};
+use wingbeat_calibrate::{FitPlan, FitProgress, NORMAL_95, solve, student_95};
 
 /// Seeds of the noise.
 const SEEDS: usize = 50;
@@ -25,13 +25,13 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     for parameter in &mut own.parameters {
         parameter.start = (parameter.start + 0.05 * parameter.scale()).clamp(parameter.low, parameter.high);
     }
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
     let count = true_values.len();
     let (mut inside, mut inside_white) = (vec![0_usize; count], 0_u32);
     let (mut values, mut errors) = (vec![Vec::new(); count], vec![0.0; count]);
     for seed in 0..SEEDS {
         let runs = measured(&calibration, &targets, &clean, seed as u64)?;
-        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
         let solved = solve(&own.model, &runs, &own.parameters, &plan, &mut (), watch).map_err(no_answer)?;
         let (clustered, white) = (solved.errors(), solved.white_errors());
         for k in 0..count {

@@ -7,12 +7,12 @@ use nalgebra::DMatrix;
 use std::ops::ControlFlow;
 use wingbeat::aero::SurfaceNumbers;
 use wingbeat_calibrate::{
-    Error as Fault, Information, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress,
-    RunRole, solve_problem,
+    CycleModel, Error as Fault, FitPlan, FitProblem, FitProgress, FittedParameter, HarmonicLayout,
+    Information, LinearisedRuns, ObservedCycles, RunRole, solve_problem,
 };
 
 /// One number a point: its mean thrust coefficient.
-const LAYOUT: Layout = Layout { channels: 1, harmonics: 0 };
+const LAYOUT: HarmonicLayout = HarmonicLayout { channels: 1, harmonics: 0 };
 /// Step of a central difference, in parts of a number's size.
 const STEP: f64 = 2e-3;
 /// Where a number stands among those of a surface.
@@ -28,7 +28,7 @@ const NUMBERS: [(&str, SurfaceNumber, f64, [f64; 2]); 4] = [
 /// The strip model at the points.
 struct ThrustPoints(Vec<Thrust>);
 
-impl Model for ThrustPoints {
+impl CycleModel for ThrustPoints {
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Fault> {
         let Thrust { theta_deg, psi_deg, .. } = self.0[run];
         let change = |numbers: &mut SurfaceNumbers| {
@@ -68,7 +68,7 @@ fn mean_error(model: &ThrustPoints, values: &[f64]) -> Result<f64, Error> {
 /// Values, labels and the closest pair: shown, for there is no truth.
 pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let model = ThrustPoints(scherer_points(ComparedPreset::Full)?);
-    let run = |point: &Thrust| Observed {
+    let run = |point: &Thrust| ObservedCycles {
         name: format!("pitch {} deg, phase {} deg", point.theta_deg, point.psi_deg),
         layout: LAYOUT,
         cycles: vec![vec![point.measured]],
@@ -84,14 +84,14 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
         unmeasured: Vec::new(),
         common: Default::default(),
     };
-    let runs: Vec<Observed> = model.0.iter().map(run).collect();
+    let runs: Vec<ObservedCycles> = model.0.iter().map(run).collect();
     // The two points measured twice scatter by 0.012, as long as the bars are: a bar counts as one deviation.
     let noise = |point: &Thrust| {
         let deviation = 0.5 * (point.bars.0 + point.bars.1);
         vec![DMatrix::from_element(1, 1, deviation * deviation)]
     };
     let noise: Vec<_> = model.0.iter().map(noise).collect();
-    let parameters = NUMBERS.map(|(name, _, start, [low, high])| Parameter {
+    let parameters = NUMBERS.map(|(name, _, start, [low, high])| FittedParameter {
         name: name.into(),
         start,
         low,
@@ -100,11 +100,11 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
         stage: 1,
     });
     let start: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
-    let problem = Problem::with_noise(&model, &runs, &parameters, noise).map_err(no_answer)?;
-    let at = Linear::at(&problem, &problem.fitted(), &start).map_err(no_answer)?;
+    let problem = FitProblem::with_noise(&model, &runs, &parameters, noise).map_err(no_answer)?;
+    let at = LinearisedRuns::at(&problem, &problem.fitted(), &start).map_err(no_answer)?;
     let together = Information::of(&problem, &at, &start).together;
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let solved = solve_problem(problem, &plan, &mut (), watch).map_err(no_answer)?;
     let (errors, profiles) = (solved.errors(), solved.profiles().map_err(no_answer)?);
     let source = "Scherer 1968, measured; a bar is one deviation, a choice";

@@ -1,7 +1,7 @@
 //! Kinematics of the Kinova Gen3.
 
 use wingbeat::math::{Quat, Random, Vec3};
-use wingbeat::rig::arm::{ArmConfig, InverseKinematics, SerialArm, Status};
+use wingbeat::rig::arm::{ArmConfig, InverseKinematics, InverseStatus, SerialArm};
 use wingbeat::rig::rotation_vector;
 
 use crate::{ComparisonRow, Error, reference_table};
@@ -46,7 +46,7 @@ pub fn inverse_kinematics() -> Result<Vec<ComparisonRow>, Error> {
     for _ in 0..POSES {
         let goal = arm.tool_pose(&random_pose(&arm, &mut random));
         let solution = solver.solve(&arm, &goal, &[0.3, 0.4, -0.9, 0.0, -0.7, 0.0]);
-        if solution.status != Status::Solved || arm.beyond_limits(&solution.q, 0.0).is_some() {
+        if solution.status != InverseStatus::Solved || arm.beyond_limits(&solution.q, 0.0).is_some() {
             missed += 1;
             continue;
         }

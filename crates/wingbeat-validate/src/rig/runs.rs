@@ -5,10 +5,10 @@ use std::path::Path;
 
 use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3, Wrench};
 use wingbeat::rig::arm::LimitProfile;
-use wingbeat::rig::carrier::{Carrier, carried_frames};
+use wingbeat::rig::carrier::{ToolCarrier, carried_frames};
 use wingbeat::rig::cell::{CHANNELS, six};
 use wingbeat::rig::process::{Butterworth, Comparison};
-use wingbeat::rig::{FrameMotion, Pose, Trajectory};
+use wingbeat::rig::{FrameMotion, JointTrajectory, Pose};
 use wingbeat::robot::BodyMotion;
 use wingbeat::scenario::{Processed, RigRun};
 
@@ -56,7 +56,7 @@ pub fn limits_respected() -> Result<Vec<ComparisonRow>, Error> {
 }
 
 /// Largest share of a limit that the positions of `trajectory` take, by differences.
-fn largest_share(trajectory: &Trajectory, limits: &LimitProfile) -> f64 {
+fn largest_share(trajectory: &JointTrajectory, limits: &LimitProfile) -> f64 {
     let (velocity, acceleration) = trajectory.differenced().peaks();
     let jerk = trajectory.peak_jerk();
     [(velocity, &limits.velocity), (acceleration, &limits.acceleration), (jerk, &limits.jerk)]
@@ -144,7 +144,7 @@ pub fn newton_euler() -> Result<Vec<ComparisonRow>, Error> {
 }
 
 /// |cell wrench + weight - rate of momentum| at `t`: force and moment about the base's origin.
-fn imbalance(run: &RigRun, carrier: &Carrier, t: f64) -> Result<(f64, f64), Error> {
+fn imbalance(run: &RigRun, carrier: &ToolCarrier, t: f64) -> Result<(f64, f64), Error> {
     let clock = |t: f64| Jet::new(t, 1.0, 0.0);
     let (cell, body) = carried_frames(&carrier.tool(t), &run.mount);
     let x = vec![0.0; run.robot.carried_states()];
@@ -170,7 +170,7 @@ fn imbalance(run: &RigRun, carrier: &Carrier, t: f64) -> Result<(f64, f64), Erro
 }
 
 /// Linear and angular momentum of robot and mount about the base's origin, in W.
-fn momentum(run: &RigRun, carrier: &Carrier, clock: &Jet, t: f64) -> Result<[Vec3; 2], Error> {
+fn momentum(run: &RigRun, carrier: &ToolCarrier, clock: &Jet, t: f64) -> Result<[Vec3; 2], Error> {
     let (cell, body) = carried_frames(&carrier.tool(t), &run.mount);
     let robot = run.robot.carried_momentum(clock, &BodyMotion::from(&body), body.pose.origin)?;
     let r = body.pose.rotation;
