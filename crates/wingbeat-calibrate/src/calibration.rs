@@ -11,8 +11,8 @@ use wingbeat::judge::RunLimits;
 use wingbeat::math::Named;
 use wingbeat::parallel;
 use wingbeat::scenario::{
-    CalibratedRunSpec, CalibrationSpec, ConfigError, Document, Place, Problem, RigRun, StructureOfModel,
-    TetherCase, Translate, Wrong, nearest_names,
+    CalibratedRunSpec, CalibrationSpec, ConfigError, Document, KeyProblem, RigRun, StructureOfModel,
+    TetherCase, Translate, ValuePlace, Wrong, nearest_names,
 };
 
 /// Names that a refusal of an unknown one proposes.
@@ -84,8 +84,8 @@ impl CalibrationFile {
 
     /// What is wrong with the file of samples at `key`, beside the line that names it.
     pub(crate) fn wrong_file(&self, key: &str, what: impl std::fmt::Display) -> ConfigError {
-        let (value, place) = self.document.written(key).unwrap_or((String::new(), Place::Nowhere));
-        let problem = Problem::File(what.to_string());
+        let (value, place) = self.document.written(key).unwrap_or((String::new(), ValuePlace::Nowhere));
+        let problem = KeyProblem::File(what.to_string());
         Wrong { place, key: key.into(), value: Some(value), problem, against: Vec::new() }.into()
     }
 
@@ -119,7 +119,7 @@ impl CalibrationFile {
         };
         let one = |wrong: &Wrong| {
             let mut wrong = wrong.clone();
-            if let Place::Override(text) = &wrong.place
+            if let ValuePlace::Override(text) = &wrong.place
                 && let Some(place) = place(text)
             {
                 wrong.place = place;

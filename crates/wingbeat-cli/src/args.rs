@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use wingbeat::scenario::DocumentKind;
-use wingbeat_lattice::course::Asked;
+use wingbeat_lattice::course::CourseRequest;
 
 use crate::watch::WatchArguments;
 
@@ -117,10 +117,10 @@ pub struct WakeArguments {
     #[arg(long)]
     pub model: bool,
     /// Panels along the chord
-    #[arg(long, value_name = "N", default_value_t = Asked::default().chordwise)]
+    #[arg(long, value_name = "N", default_value_t = CourseRequest::default().chordwise)]
     pub chordwise: usize,
     /// Panels along the span
-    #[arg(long, value_name = "N", default_value_t = Asked::default().spanwise)]
+    #[arg(long, value_name = "N", default_value_t = CourseRequest::default().spanwise)]
     pub spanwise: usize,
     /// Steps per cycle; by default the wind moves by a panel's chord a step, 24 to 400 steps
     #[arg(long, value_name = "N")]
@@ -129,7 +129,7 @@ pub struct WakeArguments {
     #[arg(long)]
     pub prescribed: bool,
     /// Radius of the cores of the wake's vortices, mean chords
-    #[arg(long, value_name = "SHARE", default_value_t = Asked::default().core)]
+    #[arg(long, value_name = "SHARE", default_value_t = CourseRequest::default().core)]
     pub core: f64,
     /// Largest suction parameter of the leading edges (dimensionless, about 0.11 for flat plates): what is above is shed there;
     /// without it the flow stays attached

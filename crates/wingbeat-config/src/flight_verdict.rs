@@ -2,7 +2,7 @@
 
 use super::plausible;
 use super::spec::GoalSpec;
-use super::summary::{Context, Crossing, Summary};
+use super::summary::{Context, PartClearance, Summary};
 use wingbeat_flight::simulate::{Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, range, trim, wake};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
@@ -15,7 +15,7 @@ pub(super) struct Flown<'a> {
     pub record: &'a Record,
     pub flight: &'a Flight,
     pub context: &'a Context<'a>,
-    pub crossing: Option<&'a Crossing>,
+    pub crossing: Option<&'a PartClearance>,
     /// First row that counts as settled.
     pub first: usize,
 }

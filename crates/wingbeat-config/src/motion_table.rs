@@ -94,7 +94,7 @@ pub struct Smoothed {
 }
 
 /// A coordinate as it is run.
-pub(super) struct Built {
+pub(super) struct BuiltCoordinate {
     /// The coordinate in its own unit.
     pub coordinate: Coordinate,
     /// What smoothing left of its table.
@@ -103,7 +103,7 @@ pub(super) struct Built {
     pub found: Vec<Finding>,
 }
 
-impl Built {
+impl BuiltCoordinate {
     fn whole(coordinate: Coordinate) -> Self {
         Self { coordinate, smoothed: None, found: Vec::new() }
     }
@@ -117,12 +117,12 @@ impl CoordinateSpec {
         folder: &dyn Fn() -> PathBuf,
         read: ReadTable,
         limits: &RunLimits,
-    ) -> Result<Built, Error> {
+    ) -> Result<BuiltCoordinate, Error> {
         Ok(match self {
-            Self::Constant(value) => Built::whole(Coordinate::Constant(*value)),
+            Self::Constant(value) => BuiltCoordinate::whole(Coordinate::Constant(*value)),
             Self::Fourier(f) => {
                 let (cos, sin) = (f.cos.clone(), f.sin.clone());
-                Built::whole(Coordinate::Fourier { frequency_hz, mean: f.mean, cos, sin })
+                BuiltCoordinate::whole(Coordinate::Fourier { frequency_hz, mean: f.mean, cos, sin })
             }
             Self::Table(table) => {
                 table.build(frequency_hz, &folder(), read, limits).map_err(|e| e.within("table"))?
@@ -174,7 +174,7 @@ impl TableSpec {
         folder: &Path,
         read: ReadTable,
         limits: &RunLimits,
-    ) -> Result<Built, Error> {
+    ) -> Result<BuiltCoordinate, Error> {
         self.check()?;
         let path = folder.join(&self.file);
         let record = read(&path).map_err(|what| Error::invalid("file", path.display(), what))?;
@@ -192,7 +192,7 @@ impl TableSpec {
                 Error::invalid("harmonics", count, allowed).against(["file"])
             })?;
             found.extend(self.left(&left, share).filter(|finding| finding.breaks(limits)));
-            return Ok(Built { coordinate, smoothed: Some(left), found });
+            return Ok(BuiltCoordinate { coordinate, smoothed: Some(left), found });
         }
         let spline = match self.repeats() {
             true => closed(&t, &y, 1.0 / frequency_hz),
@@ -201,7 +201,7 @@ impl TableSpec {
         let other = found.iter().find(|finding| finding.id == "data.frequency").map(Finding::words);
         let other = other.map_or(String::new(), |words| format!("; {words}"));
         let refused = |error: Error| Error::invalid("file", path.display(), format!("{error}{other}"));
-        Ok(Built { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
+        Ok(BuiltCoordinate { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
     }
 
     /// That harmonics leave `share` of the motion.

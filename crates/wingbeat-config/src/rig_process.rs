@@ -54,7 +54,7 @@ pub struct Processed {
 
 /// What static tilts say of the load on the cell.
 #[derive(Clone, Debug, Serialize)]
-pub struct Weighed {
+pub struct TiltWeighing {
     /// All that the cell carries.
     pub load: Weighing,
     /// The mount alone: the load less the weight of the robot by its model.
@@ -209,7 +209,7 @@ impl RigRun {
     ///
     /// # Errors
     /// Missing columns, attitudes without samples or that do not part mass from offsets.
-    pub fn weigh(&self, record: Record, carrier: &ToolCarrier) -> Result<Result<Weighed, Fault>, Error> {
+    pub fn weigh(&self, record: Record, carrier: &ToolCarrier) -> Result<Result<TiltWeighing, Fault>, Error> {
         let Some(hold) = &self.spec.hold else {
             return Err(Error::invalid("hold", "absent", "[hold] with the attitudes"));
         };
@@ -237,7 +237,7 @@ impl RigRun {
             mount.push(Tilt { wrench: six(&(wrench(all) + -robot)), ..tilt });
         }
         let drift = self.spec.process.steps.drift;
-        Ok(Ok(Weighed { load: weigh(&load, drift, LEVER)?, mount: weigh(&mount, drift, LEVER)? }))
+        Ok(Ok(TiltWeighing { load: weigh(&load, drift, LEVER)?, mount: weigh(&mount, drift, LEVER)? }))
     }
 
     /// The samples of a record, without those that are not to be used.

@@ -329,7 +329,7 @@ impl Summary {
         };
         let roll_errors = settled.errors("roll", context, |reference| reference.roll);
         let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
-        let crossing = Crossing::new(record, context.clearances);
+        let crossing = PartClearance::new(record, context.clearances);
         let estimated = Estimated::new(record, settled.first);
         let velocity = mean_velocity(record, settled.first, Vec3::ZERO);
         let mut summary = Self {
@@ -433,7 +433,7 @@ pub(super) fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
 }
 
 /// How close the parts of a robot come over a record.
-pub(super) struct Crossing {
+pub(super) struct PartClearance {
     /// Least of all clearances, m.
     pub least_m: f64,
     /// Share of the rows in which one is below zero.
@@ -442,7 +442,7 @@ pub(super) struct Crossing {
     name: String,
 }
 
-impl Crossing {
+impl PartClearance {
     /// Of the columns `clearances`; none where there are no rows or columns.
     pub fn new(record: &Record, clearances: &[Channel]) -> Option<Self> {
         Self::since(record, clearances, f64::NEG_INFINITY)

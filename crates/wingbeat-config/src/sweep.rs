@@ -1,6 +1,6 @@
 //! Many runs of one scenario or case with keys drawn at random or from a grid.
 
-use super::document::{ConfigError, Document, Place, Problem, Wrong};
+use super::document::{ConfigError, Document, KeyProblem, ValuePlace, Wrong};
 use super::fit;
 use super::shared::Shared;
 use super::sweep_spec::{Draw, Hold, Sampling, SweepSpec};
@@ -220,16 +220,16 @@ impl Sweep {
 
     /// An error about a drawn value as one about the end of the draw, or about the key that it is drawn for.
     fn blamed(&self, error: ConfigError, draw: &Draw, value: f64, (place, end): (&str, &str)) -> ConfigError {
-        let of = |here: &Place| {
+        let of = |here: &ValuePlace| {
             let by_draw = |one: &&Wrong| one.place == *here || one.against.iter().any(|o| o.place == *here);
             error.all().iter().find(by_draw)
         };
-        let places = overrides(draw, value).into_iter().map(Place::Override).enumerate();
+        let places = overrides(draw, value).into_iter().map(ValuePlace::Override).enumerate();
         let Some((k, wrong)) = places.filter_map(|(k, here)| Some((k, of(&here)?))).next() else {
             return error;
         };
         let key = match (k, &wrong.problem) {
-            (0, Problem::Value(_)) => format!("{place}.{end}"),
+            (0, KeyProblem::Value(_)) => format!("{place}.{end}"),
             (0, _) => format!("{place}.key"),
             (k, _) => format!("{place}.also[{}]", k - 1),
         };

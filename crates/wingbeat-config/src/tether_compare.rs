@@ -77,7 +77,7 @@ pub struct Compared {
 
 /// A comparison with a file.
 #[derive(Clone, Debug)]
-pub struct Comparison {
+pub struct MeasuredComparison {
     /// One per channel.
     pub channels: Vec<Compared>,
     /// What is wrong with the measured data, by themselves and beside the loads of the case.
@@ -188,7 +188,7 @@ impl TetherCase {
         run: &TetherRun,
         measured: &Record,
         channels: &[(String, String)],
-    ) -> Result<Comparison, Error> {
+    ) -> Result<MeasuredComparison, Error> {
         let phase = self.measured_phase(measured)?;
         let even: Vec<f64> = (0..PHASES).map(|i| i as f64 / PHASES as f64).collect();
         let mut columns = vec![Column { values: even.clone(), ..Column::new("phase", "cycles", "") }];
@@ -219,7 +219,7 @@ impl TetherCase {
         }
         let cycle = Record::new(columns, PHASES)?;
         let found = self.suspected(run, measured, (channels, &phase), &cycle);
-        Ok(Comparison { channels: compared, found, cycle })
+        Ok(MeasuredComparison { channels: compared, found, cycle })
     }
 
     /// What is wrong with the measured channels, and what of their `cycle` cannot be that of the case. Lag and gain are what the

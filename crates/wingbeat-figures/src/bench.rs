@@ -1,6 +1,6 @@
 //! How a tethered wing's numbers converge, and how they compare with measured ones.
 
-use wingbeat::scenario::{Comparison, Convergence, ConvergenceRun, QUANTITIES};
+use wingbeat::scenario::{Convergence, ConvergenceRun, MeasuredComparison, QUANTITIES};
 
 use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
 use crate::panel::{FigurePanel, PanelCurve, stacked};
@@ -38,7 +38,7 @@ pub(crate) fn title(key: &str) -> String {
 }
 
 /// Measured cycle, mean with the range of its cycles, over the computed one, as it is and fitted.
-pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
+pub fn comparison(comparison: &MeasuredComparison) -> Result<Figure, Error> {
     let phase = needed(&comparison.cycle, "phase")?;
     let mut panels = Vec::new();
     for channel in &comparison.channels {

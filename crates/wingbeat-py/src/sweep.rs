@@ -7,7 +7,7 @@ use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::collections::HashSet;
 use std::sync::Arc;
-use wingbeat::scenario::Search;
+use wingbeat::scenario::CandidateSearch;
 use wingbeat::simulate::Record;
 
 /// A checked sweep.
@@ -146,7 +146,7 @@ impl PySweep {
     }
 
     /// The search that follows on `rows`.
-    fn after(&self, rows: &[Vec<f64>]) -> PyResult<Search<'_>> {
+    fn after(&self, rows: &[Vec<f64>]) -> PyResult<CandidateSearch<'_>> {
         let search = self.sweep.search_after(rows);
         search.ok_or_else(|| refused("search: none is asked"))?.map_err(refused)
     }

@@ -5,7 +5,7 @@ use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
-use wingbeat::scenario::{Comparison, Convergence, TetherCase};
+use wingbeat::scenario::{Convergence, MeasuredComparison, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::TetherRun;
 
@@ -33,7 +33,7 @@ impl MeasuredTable {
         Ok(Self { path, record, channels })
     }
 
-    fn compare(&self, case: &TetherCase, run: &TetherRun) -> Result<Comparison, String> {
+    fn compare(&self, case: &TetherCase, run: &TetherRun) -> Result<MeasuredComparison, String> {
         let compared = case.compare(run, &self.record, &self.channels);
         compared.map_err(|error| format!("{}: {error}", self.path.display()))
     }
@@ -68,7 +68,7 @@ pub fn tether<'py>(
             put("converge", serde_json::to_value(table))?;
         }
         let mut cycle = None;
-        if let Some(Comparison { channels, cycle: compared, .. }) = compared {
+        if let Some(MeasuredComparison { channels, cycle: compared, .. }) = compared {
             put("compare", serde_json::to_value(channels))?;
             cycle = Some(compared);
         }

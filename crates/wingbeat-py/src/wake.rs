@@ -8,7 +8,7 @@ use crate::{refused, wait, whole};
 use pyo3::prelude::*;
 use wingbeat::judge::RunLimits;
 use wingbeat::scenario::TetherCase;
-use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
+use wingbeat_lattice::course::{self, CourseRequest, LatticeCourse, RecordedFlight, WakeSummary};
 
 /// Name of a stretch, its record, and its phases as VTK by name.
 type StretchTables<'py> = (String, Vec<NamedColumn<'py>>, Vec<(String, String)>);
@@ -56,19 +56,19 @@ pub fn wake_flight<'py>(
     let asked = asked(settings)?;
     let stepped = wait::work(py, move |stop| {
         let (name, limits) = (scenario.spec.name.clone(), scenario.limits().clone());
-        let courses = Recorded::new(scenario, flown)?.courses(&asked)?;
+        let courses = RecordedFlight::new(scenario, flown)?.courses(&asked)?;
         step((&name, &limits), &courses, &asked, stop)
     })?;
     told(py, stepped.map_err(refused)?)
 }
 
-fn asked(settings: WakeSettings) -> PyResult<Asked> {
+fn asked(settings: WakeSettings) -> PyResult<CourseRequest> {
     let (at, cycles, model, chordwise, spanwise, steps, prescribed, core, critical_suction) = settings;
     let count = |key: &str, given: Option<Bound<PyAny>>| {
         given.map(|given| whole(key, &given, "1 or more")).transpose()
     };
-    let usual = Asked::default();
-    Ok(Asked {
+    let usual = CourseRequest::default();
+    Ok(CourseRequest {
         at,
         cycles: count("cycles", cycles)?,
         model,
@@ -86,8 +86,8 @@ type StretchFiles = (String, wingbeat::simulate::Record, Vec<(String, String)>);
 
 fn step(
     (name, limits): (&str, &RunLimits),
-    courses: &[Course],
-    asked: &Asked,
+    courses: &[LatticeCourse],
+    asked: &CourseRequest,
     stop: &wait::Stop,
 ) -> Result<(Vec<StretchFiles>, WakeSummary), wingbeat_lattice::Error> {
     let stepped = courses.iter().map(|course| course.step(asked, &mut |_| stop.flow()));

@@ -6,7 +6,7 @@ use wingbeat::rig::plan::Refusal;
 use wingbeat::scenario::{Document, PaperResults, RigRun};
 use wingbeat_figures::{CellOrigin, Figure};
 use wingbeat_io::{read_parquet, urdf_as_toml};
-use wingbeat_lattice::course::{Asked, WakeSummary};
+use wingbeat_lattice::course::{CourseRequest, WakeSummary};
 
 use super::shipped;
 use super::statements::{Arm, RigForces};
@@ -151,7 +151,7 @@ impl PaperFigures {
             Some(wingbeat_figures::states_wide(&record, goal)),
         )?;
         self.put("path", wingbeat_figures::path(&record, paper.as_ref()), None)?;
-        let asked = Asked { prescribed: true, ..Asked::default() };
+        let asked = CourseRequest { prescribed: true, ..CourseRequest::default() };
         let mut courses = flown.courses(&asked).map_err(wake::refused)?;
         // The last beats, which are in the turn.
         let Some(course) = courses.pop() else { return Ok((None, paper)) };

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{Search, Sweep, SweepFound};
+use wingbeat::scenario::{CandidateSearch, Sweep, SweepFound};
 use wingbeat::simulate::Record;
 
 use super::log::SweepLog;
@@ -20,7 +20,7 @@ pub fn candidates<'a>(
     log: &mut SweepLog,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<Search<'a>, Error> {
+) -> Result<CandidateSearch<'a>, Error> {
     let Some(mut search) = sweep.search() else { return Err(Error::Input("search: none is given".into())) };
     let all = sweep.runs();
     let bar = progress::bar(Some(all as u64), "searching {bar:30} {pos} of {len} candidates  {msg}", quiet);
@@ -74,7 +74,7 @@ fn kept(log: &mut SweepLog, row: Option<Vec<f64>>) -> Result<bool, Error> {
 pub fn summary(
     folder: &RunFolder,
     sweep: &Sweep,
-    search: &Search<'_>,
+    search: &CandidateSearch<'_>,
     record: &Record,
 ) -> Result<(Verdict, String), Error> {
     let summary =

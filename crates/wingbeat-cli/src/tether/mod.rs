@@ -9,7 +9,7 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::judge::Verdict;
 use wingbeat::scenario::{
-    Compared, Comparison, Convergence, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
+    Compared, Convergence, MeasuredComparison, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
 };
 use wingbeat::simulate::Ending;
 use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
@@ -92,7 +92,7 @@ struct TetherOutcome {
     run: TetherRun,
     summary: TetherSummary,
     convergence: Option<Convergence>,
-    comparison: Option<Comparison>,
+    comparison: Option<MeasuredComparison>,
 }
 
 /// `summary.json`.

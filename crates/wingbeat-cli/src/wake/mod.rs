@@ -11,7 +11,9 @@ use wingbeat::judge::{RunLimits, Verdict};
 use wingbeat::scenario::{Scenario, TetherCase};
 use wingbeat_io::{read_parquet_columns, shortest, write_parquet};
 use wingbeat_lattice::RecordError;
-use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary, Watch};
+use wingbeat_lattice::course::{
+    self, CourseRequest, CourseWatch, LatticeCourse, RecordedFlight, WakeSummary,
+};
 
 use crate::args::WakeArguments;
 use crate::error::Error;
@@ -26,7 +28,7 @@ use crate::tether::CaseTables;
 /// Where the motion comes from.
 enum MotionSource {
     Case(Box<TetherCase>, CaseTables),
-    Flight(Box<Recorded>),
+    Flight(Box<RecordedFlight>),
 }
 
 /// Steps the lattice of a case or along a flight and writes its run folder.
@@ -94,7 +96,7 @@ impl MotionSource {
         Ok(Self::Case(Box::new(case), tables))
     }
 
-    fn courses(&self, asked: &Asked, interrupt: &Interrupt) -> Result<Vec<Course>, Error> {
+    fn courses(&self, asked: &CourseRequest, interrupt: &Interrupt) -> Result<Vec<LatticeCourse>, Error> {
         let courses = match self {
             Self::Case(case, _) => course::case(asked, case, &|| interrupt.flow()).map(|course| vec![course]),
             Self::Flight(run) => run.courses(asked),
@@ -162,8 +164,8 @@ pub fn refused(error: wingbeat_lattice::Error) -> Error {
 }
 
 /// What the command line asks.
-fn asked(arguments: &WakeArguments) -> Asked {
-    Asked {
+fn asked(arguments: &WakeArguments) -> CourseRequest {
+    CourseRequest {
         at: arguments.at.clone(),
         cycles: arguments.cycles,
         model: arguments.model,
@@ -177,20 +179,20 @@ fn asked(arguments: &WakeArguments) -> Asked {
 }
 
 /// Scenario and record of the run folder `folder`.
-pub fn recorded(folder: &Path) -> Result<Recorded, Error> {
+pub fn recorded(folder: &Path) -> Result<RecordedFlight, Error> {
     wingbeat_io::unchanged(&folder.join("scenario.toml"))?;
     let scenario = Scenario::load(&folder.join("scenario.toml"), &[])?;
-    let record = read_parquet_columns(&folder.join("record.parquet"), &Recorded::columns(&scenario))?;
-    Recorded::new(scenario, record).map_err(refused)
+    let record = read_parquet_columns(&folder.join("record.parquet"), &RecordedFlight::columns(&scenario))?;
+    RecordedFlight::new(scenario, record).map_err(refused)
 }
 
 /// Steps a course; a lattice that fails ends it with what there is.
 fn step<'a>(
-    course: &'a Course,
-    asked: &Asked,
+    course: &'a LatticeCourse,
+    asked: &CourseRequest,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<Watch<'a>, Error> {
+) -> Result<CourseWatch<'a>, Error> {
     let template = format!("{} {{bar:30}} {{percent:>3}} %  ({{eta}} left)", course.title);
     let bar = progress::bar(Some(course.clock.total() as u64), &template, quiet);
     let watch = course.step(asked, &mut |done| {

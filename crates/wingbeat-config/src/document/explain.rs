@@ -6,41 +6,41 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::error::Other;
-use super::read::{Complaint, Fault};
+use super::read::{Complaint, FormFault};
 use super::source::Sources;
-use super::{ConfigError, Problem, Wrong, tree};
+use super::{ConfigError, KeyProblem, Wrong, tree};
 use wingbeat_math::Error;
 
-type Tree<'i> = Spanned<DeValue<'i>>;
+type ValueTree<'i> = Spanned<DeValue<'i>>;
 
 /// What is wrong with the form of a document, with the places.
-pub fn form(sources: &Sources, root: &Tree, complaints: &[Complaint]) -> ConfigError {
+pub fn form(sources: &Sources, root: &ValueTree, complaints: &[Complaint]) -> ConfigError {
     complaints.iter().map(|complaint| one(sources, root, complaint)).collect()
 }
 
-fn one(sources: &Sources, root: &Tree, complaint: &Complaint) -> Wrong {
+fn one(sources: &Sources, root: &ValueTree, complaint: &Complaint) -> Wrong {
     let path = complaint.path().unwrap_or_default();
     let (span, _) = deepest(root, path);
     let place = sources.place(span.start);
     let problem = match complaint.fault() {
-        Fault::Missing(name) => {
-            return Wrong::new(place, tree::dotted(path, name), None, Problem::MissingKey);
+        FormFault::Missing(name) => {
+            return Wrong::new(place, tree::dotted(path, name), None, KeyProblem::MissingKey);
         }
-        Fault::Unknown(name, allowed) => {
+        FormFault::Unknown(name, allowed) => {
             let key = tree::dotted(path, name);
             let (span, _) = deepest(root, &key);
             let value = Some(sources.text(&span)).filter(|text| !text.starts_with('['));
-            let problem = Problem::UnknownKey { allowed: allowed.clone() };
+            let problem = KeyProblem::UnknownKey { allowed: allowed.clone() };
             return Wrong::new(sources.place(span.start), key, value, problem);
         }
-        Fault::Name(allowed) => Problem::UnknownName { allowed: allowed.clone() },
-        Fault::Value(allowed) => Problem::Value(allowed.clone()),
+        FormFault::Name(allowed) => KeyProblem::UnknownName { allowed: allowed.clone() },
+        FormFault::Value(allowed) => KeyProblem::Value(allowed.clone()),
     };
     Wrong::new(place, path, Some(sources.text(&span)), problem)
 }
 
 /// What a builder says of a value, with the place where it was given.
-pub fn value(sources: &Sources, root: &Tree, error: &Error) -> ConfigError {
+pub fn value(sources: &Sources, root: &ValueTree, error: &Error) -> ConfigError {
     let Error::Invalid { key, value, allowed, against } = error;
     let (span, whole) = deepest(root, key);
     let written = sources.text(&span);
@@ -48,7 +48,7 @@ pub fn value(sources: &Sources, root: &Tree, error: &Error) -> ConfigError {
     let same =
         number(&written).is_some_and(|a| number(value).is_some_and(|b| (a - b).abs() <= 1e-9 * a.abs()));
     let value = if whole && same { written } else { value.clone() };
-    let problem = Problem::Value(allowed.clone());
+    let problem = KeyProblem::Value(allowed.clone());
     let error = Wrong::new(sources.place(span.start), key, Some(value), problem);
     let others = against.iter().filter_map(|key| {
         let (span, whole) = deepest(root, key);
@@ -60,7 +60,7 @@ pub fn value(sources: &Sources, root: &Tree, error: &Error) -> ConfigError {
 }
 
 /// The span of the value at `path`, and true; or of the innermost one on the way there, and false.
-fn deepest(root: &Tree, path: &str) -> (Range<usize>, bool) {
+fn deepest(root: &ValueTree, path: &str) -> (Range<usize>, bool) {
     let mut value = root;
     for step in tree::steps(path) {
         match tree::child(value.get_ref(), &step) {

@@ -9,7 +9,7 @@ use wingbeat::math::Vec3;
 use wingbeat::scenario::{ConfigError, Document, TetherCase};
 use wingbeat::simulate::Record;
 use wingbeat_lattice::WakeMotion;
-use wingbeat_lattice::course::Asked;
+use wingbeat_lattice::course::CourseRequest;
 
 macro_rules! shipped {
     ($name:literal) => {
@@ -64,7 +64,7 @@ fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
 pub fn deep_fold() -> Result<Vec<ComparisonRow>, Error> {
     let (_, lift) = means(FOLDING[1], LiftLaw::Linear, &[])?;
     let cases = [
-        ("prescribed", WakeMotion::Prescribed, Asked::default().core),
+        ("prescribed", WakeMotion::Prescribed, CourseRequest::default().core),
         ("prescribed.thin_cores", WakeMotion::Prescribed, CORE),
         ("free", WakeMotion::Free, CORE),
     ];

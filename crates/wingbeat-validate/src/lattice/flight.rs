@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use wingbeat::scenario::{Document, Scenario};
 use wingbeat::simulate::Record;
-use wingbeat_lattice::{Flight, Lattice, Panels, Scene, Settings, Spacing};
+use wingbeat_lattice::{FlightStretch, Lattice, LatticeSettings, Panels, Scene, Spacing};
 
 /// Largest error of mean and amplitude.
 const LIMIT: f64 = 0.03;
@@ -90,13 +90,13 @@ fn forces(flown: &LatticeFlight, chordwise: usize) -> Result<([Vec<f64>; 2], usi
     let planform = &outlines[0].planform;
     let chord = planform.area() / (2.0 * planform.half_span());
     let to = from + *cycles as f64 / frequency;
-    let flight = Arc::new(Flight::new(scenario.robot(), &run.record, *from, to)?);
+    let flight = Arc::new(FlightStretch::new(scenario.robot(), &run.record, *from, to)?);
     let panels = Panels { chordwise, spanwise: 24, spacing: Spacing::Lan };
     let density = scenario.spec.air.density_kg_m3;
     let (scene, _) = Scene::flown(&flight, &outlines, *from, density, panels)?;
     let steps = (speed / frequency * chordwise as f64 / chord).round() as usize;
     let step = 1.0 / (frequency * steps as f64);
-    let mut lattice = Lattice::new(scene, Settings::new(step, CORE * chord))?;
+    let mut lattice = Lattice::new(scene, LatticeSettings::new(step, CORE * chord))?;
     let mut up: [Vec<f64>; 2] = Default::default();
     let mut mean_speed = 0.0;
     for k in 0..cycles * steps {

@@ -7,7 +7,9 @@ use crate::{ComparisonRow, Error, reference_table};
 use std::sync::Arc;
 use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::Vec3;
-use wingbeat_lattice::{Lattice, Layout, Scene, Sections, Settings, Spacing, Surface, WakeMotion};
+use wingbeat_lattice::{
+    Lattice, LatticeSettings, LatticeSurface, MovingSections, PanelLayout, Scene, Spacing, WakeMotion,
+};
 
 /// Critical suction of a flat plate (Ramesh et al. 2014 and the runs of their program). *Choice*, not fitted to the plate below.
 const CRITICAL: f64 = 0.11;
@@ -26,7 +28,7 @@ struct PitchedPlate<F> {
     angle: F,
 }
 
-impl<F: Fn(f64) -> (f64, f64) + Send + Sync> Sections for PitchedPlate<F> {
+impl<F: Fn(f64) -> (f64, f64) + Send + Sync> MovingSections for PitchedPlate<F> {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let ((sin, cos), rate) = ((self.angle)(t).0.sin_cos(), (self.angle)(t).1);
         out.clear();
@@ -61,13 +63,13 @@ fn scene<F: Fn(f64) -> (f64, f64) + Send + Sync + 'static>(
     let planform = Planform::new(&[station(0.0), station(0.5 * aspect)])?;
     let spacing = if spanwise == 1 { Spacing::Uniform } else { Spacing::Lan };
     let middle: &[f64] = if halved { &[0.0] } else { &[] };
-    let whole = Layout::of(&planform, middle, chordwise, spanwise, spacing)?;
+    let whole = PanelLayout::of(&planform, middle, chordwise, spanwise, spacing)?;
     let layout =
         whole.iter().find_map(|layout| if halved { layout.left_half() } else { Some(layout.clone()) });
     let layout = layout.ok_or_else(|| Error::NoAnswer("no panels".into()))?;
     let sections = Arc::new(PitchedPlate { velocity: Vec3::new(1.0 - carried, 0.0, 0.0), angle });
     Ok(Scene {
-        surfaces: vec![Surface { layout, sections }],
+        surfaces: vec![LatticeSurface { layout, sections }],
         wind: Vec3::new(-carried, 0.0, 0.0),
         density_kg_m3: 1.0,
         symmetric: halved,
@@ -83,15 +85,18 @@ pub fn edge_suction() -> Result<Vec<ComparisonRow>, Error> {
     for chordwise in [4, 8, 16] {
         for (angle, rate) in [(1e-3, 0.0), (0.0, 1e-3), (1e-3, 1e-3)] {
             let scene = scene(1e4, [chordwise, 1], false, 1.0, move |_| (angle, rate))?;
-            let mut lattice =
-                Lattice::new(scene, Settings { critical_suction: Some(LARGE), ..Settings::new(1e6, 1e-6) })?;
+            let mut lattice = Lattice::new(
+                scene,
+                LatticeSettings { critical_suction: Some(LARGE), ..LatticeSettings::new(1e6, 1e-6) },
+            )?;
             lattice.step()?;
             lattice.step()?;
             steady = steady.max((lattice.suction()[0] / (angle + 0.5 * rate) - 1.0).abs());
         }
     }
     let scene = scene(1e3, [32, 1], false, 1.0, |_| (1e-3, 0.0))?;
-    let settings = Settings { critical_suction: Some(LARGE), ..Settings::new(1.0 / 32.0, 1e-6) };
+    let settings =
+        LatticeSettings { critical_suction: Some(LARGE), ..LatticeSettings::new(1.0 / 32.0, 1e-6) };
     let mut lattice = Lattice::new(scene, settings)?;
     let mut history = Vec::new();
     for _ in 0..=320 {
@@ -121,16 +126,17 @@ pub fn edge_suction() -> Result<Vec<ComparisonRow>, Error> {
 }
 
 /// Settings of the pitched plate.
-fn settings(panels: [usize; 2], critical_suction: Option<f64>, wake: WakeMotion) -> Settings {
-    let own = Settings::new(0.5 / panels[0] as f64, CORE);
-    Settings { wake, critical_suction, sheet_core_m: SHEET_CORE, ..own }
+fn settings(panels: [usize; 2], critical_suction: Option<f64>, wake: WakeMotion) -> LatticeSettings {
+    let own = LatticeSettings::new(0.5 / panels[0] as f64, CORE);
+    LatticeSettings { wake, critical_suction, sheet_core_m: SHEET_CORE, ..own }
 }
 
 /// Kelvin's theorem and the suction kept on a folding wing; a plate whole and by halves, carried by the wind and through still air.
 pub fn kept() -> Result<Vec<ComparisonRow>, Error> {
     let wing = flapping::folding()?;
-    let own = Settings::new(1.0 / (3.5 * 32.0), 0.004);
-    let settings_of = |wake| Settings { wake, critical_suction: Some(CRITICAL), sheet_core_m: 0.008, ..own };
+    let own = LatticeSettings::new(1.0 / (3.5 * 32.0), 0.004);
+    let settings_of =
+        |wake| LatticeSettings { wake, critical_suction: Some(CRITICAL), sheet_core_m: 0.008, ..own };
     let mut lattice = Lattice::new(Scene::new(&wing, lan(6, 16), true)?, settings_of(WakeMotion::Free))?;
     let (mut kelvin, mut suction) = (0.0_f64, 0.0_f64);
     for _ in 0..40 {

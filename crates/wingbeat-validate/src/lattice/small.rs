@@ -179,7 +179,7 @@ pub fn pitching(
     let run = loads(&wing, lan(chordwise, spanwise), Some(step), steps)?;
     let last = &run[run.len() - cycle as usize..];
     let scale = (cycle * aspect * CHORD * CHORD * theta * theta).recip();
-    let mean = |of: fn(&wingbeat_lattice::Loads) -> f64| last.iter().map(of).sum::<f64>() * scale;
+    let mean = |of: fn(&wingbeat_lattice::LatticeLoads) -> f64| last.iter().map(of).sum::<f64>() * scale;
     Ok([mean(|l| l.joukowski.force[0]), mean(|l| l.bernoulli.force[0])])
 }
 

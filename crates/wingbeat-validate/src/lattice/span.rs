@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use wingbeat::aero::{Planform, PlanformStation};
 use wingbeat::math::Vec3;
 use wingbeat::tether::Wing;
-use wingbeat_lattice::{Flapping, Lattice, Scene, Settings};
+use wingbeat_lattice::{FlappingWing, Lattice, LatticeSettings, Scene};
 
 /// Span, m; the area is that of the aspect ratio 8.
 pub(super) const SPAN: f64 = 8.0;
@@ -36,7 +36,7 @@ fn swept(at: f64) -> (f64, f64) {
 }
 
 /// The wing of an outline, at rest in a wind of 1 m/s from ahead.
-pub(super) fn laid(outline: HalfWingOutline) -> Result<Flapping, Error> {
+pub(super) fn laid(outline: HalfWingOutline) -> Result<FlappingWing, Error> {
     let station = |k: usize| {
         // Close together at the tip, where a curved outline turns.
         let at = (0.5 * PI * k as f64 / STATIONS as f64).sin();
@@ -54,7 +54,8 @@ fn forces(outline: HalfWingOutline) -> Result<[f64; 3], Error> {
     let mut wing = laid(outline)?;
     wing.wind = Vec3::new(-INCIDENCE.cos(), 0.0, INCIDENCE.sin());
     // A step so long that the last rings are horseshoes.
-    let settings = Settings { longest_distance_m: f64::INFINITY, ..Settings::new(1e4 * CHORD, 1e-3) };
+    let settings =
+        LatticeSettings { longest_distance_m: f64::INFINITY, ..LatticeSettings::new(1e4 * CHORD, 1e-3) };
     let mut lattice = Lattice::new(Scene::new(&wing, lan(6, 24), true)?, settings)?;
     lattice.step()?;
     let force = lattice.step()?.joukowski.force;

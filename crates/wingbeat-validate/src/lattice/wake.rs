@@ -5,7 +5,7 @@ use super::wings::flapper;
 use crate::{ComparisonRow, Error};
 use wingbeat::math::Vec3;
 use wingbeat_figures::{PlaneCut, half_circulations};
-use wingbeat_lattice::{Lattice, Picture, WakeMotion};
+use wingbeat_lattice::{Lattice, VortexPicture, WakeMotion};
 
 /// Distance of the plane behind the rearmost trailing edge, and radius of the spots drawn for vortices, chords: those of the figures.
 const BEHIND: f64 = 0.5;
@@ -39,7 +39,7 @@ pub fn plane_circulation() -> Result<Vec<ComparisonRow>, Error> {
     let edges = lattice.meshes().iter().flat_map(|mesh| &mesh.edges);
     let rearmost = edges.map(|edge| edge.te[0]).fold(f64::INFINITY, f64::min);
     let x = rearmost - BEHIND * CHORD;
-    let picture = Picture::new(&lattice, 0.0);
+    let picture = VortexPicture::new(&lattice, 0.0);
     let crossings = picture.crossings(Vec3::new(x, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
     let vortices: Vec<_> = crossings.iter().map(|(place, g)| ([place[1], place[2]], *g)).collect();
     let through: f64 = vortices.iter().filter(|(place, _)| place[0] > 0.0).map(|(_, g)| g).sum();

@@ -9,7 +9,10 @@ use wingbeat::plant::{Fault, Plant};
 use wingbeat::robot::{BodyMotion, DrivenSpec, Robot};
 use wingbeat::scenario::{ConfigError, Document, Scenario, ScenarioSpec};
 use wingbeat::simulate::{Column, Record};
-use wingbeat_lattice::{Flight, Lattice, Layout, Loads, Panels, Scene, Sections, Settings, Spacing, Surface};
+use wingbeat_lattice::{
+    FlightStretch, Lattice, LatticeLoads, LatticeSettings, LatticeSurface, MovingSections, PanelLayout,
+    Panels, Scene, Spacing,
+};
 
 use super::found;
 use crate::Error;
@@ -328,7 +331,8 @@ impl OrbitMotion {
         scene.surfaces = surfaces;
         let way = scene.edge_speed(self.duration) * self.duration;
         let steps = (way * chordwise as f64 / chord).round() as usize;
-        let mut lattice = Lattice::new(scene, Settings::new(self.duration / steps as f64, core * chord))?;
+        let mut lattice =
+            Lattice::new(scene, LatticeSettings::new(self.duration / steps as f64, core * chord))?;
         let mut cycles: [Vec<InstantLoads>; 2] = Default::default();
         for _ in 0..LATTICE_CYCLES {
             cycles.rotate_left(1);
@@ -388,12 +392,12 @@ impl OrbitMotion {
     }
 
     /// The cycles as a flight.
-    fn flight(&self) -> Result<Flight, Error> {
-        Ok(Flight::new(&self.robot, &self.record()?, 0.0, LATTICE_CYCLES as f64 * self.duration)?)
+    fn flight(&self) -> Result<FlightStretch, Error> {
+        Ok(FlightStretch::new(&self.robot, &self.record()?, 0.0, LATTICE_CYCLES as f64 * self.duration)?)
     }
 
     /// What the wings bear under `loads`.
-    fn borne(&self, flight: &Flight, loads: &Loads) -> InstantLoads {
+    fn borne(&self, flight: &FlightStretch, loads: &LatticeLoads) -> InstantLoads {
         let at = self.robot.stance(loads.time, &flight.state(loads.time));
         let body = BodyMotion { rate: at.rate, ..BodyMotion::steady(at.attitude, at.velocity) };
         let Wrench { force, moment } = loads.joukowski;
@@ -416,23 +420,23 @@ pub fn pierces([a, b]: [Vec3; 2], [p, q, r]: [Vec3; 3]) -> bool {
 
 impl Twisted {
     /// The pieces of `surface`, which twists at `hinges`.
-    fn surfaces(self, surface: Surface, hinges: &[f64]) -> Vec<Surface> {
+    fn surfaces(self, surface: LatticeSurface, hinges: &[f64]) -> Vec<LatticeSurface> {
         let Self::Joined(width) = self else { return slit(surface, hinges) };
-        let Surface { layout, sections } = surface;
+        let LatticeSurface { layout, sections } = surface;
         let sections = Joined { sections, hinges: hinges.to_vec(), half_width: 0.5 * width };
-        vec![Surface { layout, sections: Arc::new(sections) }]
+        vec![LatticeSurface { layout, sections: Arc::new(sections) }]
     }
 }
 
 /// The pieces of `surface` between `hinges` on both sides.
-fn slit(surface: Surface, hinges: &[f64]) -> Vec<Surface> {
-    let Layout { chordwise, arcs, fractions } = &surface.layout;
+fn slit(surface: LatticeSurface, hinges: &[f64]) -> Vec<LatticeSurface> {
+    let PanelLayout { chordwise, arcs, fractions } = &surface.layout;
     let on_hinge = |arc: f64| hinges.iter().any(|hinge| (arc.abs() - hinge).abs() < BESIDE);
     let mut ends: Vec<usize> = (1..arcs.len() - 1).filter(|i| on_hinge(arcs[*i])).collect();
     ends.insert(0, 0);
     ends.push(arcs.len() - 1);
     let piece = |pair: &[usize]| {
-        let mut layout = Layout {
+        let mut layout = PanelLayout {
             chordwise: *chordwise,
             arcs: arcs[pair[0]..=pair[1]].to_vec(),
             fractions: fractions[pair[0]..pair[1]].to_vec(),
@@ -442,7 +446,7 @@ fn slit(surface: Surface, hinges: &[f64]) -> Vec<Surface> {
         for arc in layout.arcs.iter_mut().filter(|arc| on_hinge(**arc)) {
             *arc += BESIDE * (middle - *arc).signum();
         }
-        Surface { layout, sections: surface.sections.clone() }
+        LatticeSurface { layout, sections: surface.sections.clone() }
     };
     ends.windows(2).map(piece).collect()
 }
@@ -450,12 +454,12 @@ fn slit(surface: Surface, hinges: &[f64]) -> Vec<Surface> {
 /// Sections that go over from one link to the next within a width about each hinge, linearly: wings twist at their hinges, and a slit is no
 /// wing.
 struct Joined {
-    sections: Arc<dyn Sections>,
+    sections: Arc<dyn MovingSections>,
     hinges: Vec<f64>,
     half_width: f64,
 }
 
-impl Sections for Joined {
+impl MovingSections for Joined {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let hinge = |arc: f64| {
             let near = |hinge: &&f64| (arc.abs() - **hinge).abs() < self.half_width;

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{ProcessedRun, RunName, Together, subtract_still_air, together};
+use wingbeat::scenario::{CombinedRuns, ProcessedRun, RunName, subtract_still_air, together};
 use wingbeat_figures::{CellOrigin, Figure};
 use wingbeat_io::samples::Import;
 use wingbeat_io::write_parquet;
@@ -48,7 +48,7 @@ pub fn process(arguments: &RigProcess) -> Result<(), Error> {
         write(&folder, run)?;
     }
     folder.write_json("summary.json", &summary)?;
-    if let Some(Together { envelope, .. }) = &together {
+    if let Some(CombinedRuns { envelope, .. }) = &together {
         write_parquet(&folder.file("envelope.parquet"), envelope)?;
         let simulated = summary.simulated().len();
         let all = runs.iter().filter(|run| run.averaged().is_some()).count();

@@ -7,7 +7,7 @@ use serde::Serialize;
 use wingbeat::judge::{Judge, Verdict};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{Comparison, Steps};
-use wingbeat::scenario::{Evaluated, ProcessedRun, Together, Weighed};
+use wingbeat::scenario::{CombinedRuns, Evaluated, ProcessedRun, TiltWeighing};
 use wingbeat_io::samples::Import;
 
 use super::ProcessedFile;
@@ -40,7 +40,7 @@ pub struct ProcessSummary {
     /// How each run was read and processed.
     runs: BTreeMap<String, RunNumbers>,
     /// Mass, centre and offsets from static tilts.
-    static_tilts: BTreeMap<String, Weighed>,
+    static_tilts: BTreeMap<String, TiltWeighing>,
 }
 
 /// How a run was read and processed.
@@ -70,7 +70,7 @@ struct Ranges {
 
 impl ProcessSummary {
     /// The numbers of `runs`, read from `files`.
-    pub fn new(runs: &[ProcessedRun], files: &[ProcessedFile], together: Option<&Together>) -> Self {
+    pub fn new(runs: &[ProcessedRun], files: &[ProcessedFile], together: Option<&CombinedRuns>) -> Self {
         let named = |c: [Comparison; 6]| CHANNELS.iter().map(|(name, _)| *name).zip(c).collect();
         let name = |one: &ProcessedRun| one.name().to_owned();
         let reference = together.and_then(|t| runs.iter().find(|one| one.name() == t.reference));
@@ -114,7 +114,7 @@ fn verdict(runs: &[ProcessedRun], files: &[ProcessedFile]) -> Verdict {
 }
 
 /// What the envelope covers.
-fn ranges(together: &Together) -> BTreeMap<&'static str, Ranges> {
+fn ranges(together: &CombinedRuns) -> BTreeMap<&'static str, Ranges> {
     let of = |prefix: &str, name: &str| {
         let values = together.envelope.values(&format!("{prefix}{name}"))?;
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -246,7 +246,7 @@ fn ratio(of: f64) -> String {
     if of.abs() < 1e4 { format!("{of:.3}") } else { "-".into() }
 }
 
-fn weighing(name: &str, weighed: &Weighed) -> String {
+fn weighing(name: &str, weighed: &TiltWeighing) -> String {
     let mut text = format!(
         "{name}: {} attitudes, least squares (plus-minus one standard deviation)\n",
         weighed.load.tilts

@@ -8,7 +8,9 @@ use std::sync::Arc;
 use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::{Jet, Mat3, Scalar, Vec3};
 use wingbeat::structure::{Beam, Place, Setting, Swung, frequencies, linear, turning};
-use wingbeat_lattice::{Lattice, Layout, Scene, Sections, Settings, Spacing, Surface};
+use wingbeat_lattice::{
+    Lattice, LatticeSettings, LatticeSurface, MovingSections, PanelLayout, Scene, Spacing,
+};
 
 /// Largest strain coordinate of a pulse, 1/m: loads are linear to its square.
 const SMALL: f64 = 1e-5;
@@ -52,7 +54,7 @@ fn setting() -> Setting {
     Setting { root: root(), ..Setting::default() }
 }
 
-impl Sections for Pulsed {
+impl MovingSections for Pulsed {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let [q, v, a] = Self::at(t).map(|f| self.shape.iter().map(|x| SMALL * f * x).collect::<Vec<f64>>());
         let places = self.beam.motion(&setting(), &q, &v, &a);
@@ -94,8 +96,8 @@ fn answer(panels: HalfWingPanels, which: usize) -> Result<(Vec<f64>, PulseRespon
     };
     let planform = Planform::new(&[station(0.0), station(SPAN)])?;
     let failed = |error: wingbeat_lattice::Error| Error::NoAnswer(error.to_string());
-    let layout = Layout::of(&planform, &[0.0], panels.chordwise, 2 * panels.half, Spacing::Uniform);
-    let layout = layout.map_err(failed)?.first().and_then(Layout::left_half);
+    let layout = PanelLayout::of(&planform, &[0.0], panels.chordwise, 2 * panels.half, Spacing::Uniform);
+    let layout = layout.map_err(failed)?.first().and_then(PanelLayout::left_half);
     let layout = layout.ok_or_else(|| Error::NoAnswer("half a lattice".into()))?;
     let middles: Vec<f64> = layout.arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let inner = layout.arcs.iter().chain(&middles).copied().filter(|arc| *arc > 0.0 && *arc < SPAN);
@@ -103,12 +105,13 @@ fn answer(panels: HalfWingPanels, which: usize) -> Result<(Vec<f64>, PulseRespon
     let modes = frequencies(&linear(&beam, &Setting::default(), &vec![0.0; beam.coordinates()]));
     let squares = modes.iter().take(MODES).map(|mode| mode.0 * mode.0).collect();
     let moved = Pulsed { beam: beam.clone(), shape: modes[which].1.clone() };
-    let surface = Surface { layout, sections: Arc::new(moved) };
+    let surface = LatticeSurface { layout, sections: Arc::new(moved) };
     let wind = Vec3::new(-1.0, 0.0, 0.0);
     let scene = Scene { surfaces: vec![surface], wind, density_kg_m3: 1.0, symmetric: true, ground: None };
     // A panel a step.
     let step = 2.0 * SEMI_CHORD / panels.chordwise as f64;
-    let mut lattice = Lattice::new(scene, Settings::new(step, 0.02 * 2.0 * SEMI_CHORD)).map_err(failed)?;
+    let mut lattice =
+        Lattice::new(scene, LatticeSettings::new(step, 0.02 * 2.0 * SEMI_CHORD)).map_err(failed)?;
     let own: Vec<Vec<[Vec3; 2]>> = modes.iter().take(MODES).map(|mode| fields(&beam, &mode.1)).collect();
     let at: Vec<usize> = middles.iter().map(|arc| beam.nearest(*arc)).collect();
     let steps = ((BEFORE + BEHIND) * panels.chordwise as f64).round() as usize;
