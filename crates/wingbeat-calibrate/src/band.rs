@@ -1,9 +1,9 @@
 //! Runs as predicted, with bands.
 
 use crate::fit::step;
-use crate::solve::{PHASES, Solved, phase_of};
+use crate::solve::{PHASES, SolvedCalibration, phase_of};
 use crate::uncertainty::NORMAL_95;
-use crate::{Error, Layout, Observed};
+use crate::{Error, HarmonicLayout, ObservedCycles};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug)]
 pub struct Predicted {
     /// How its numbers lie.
-    pub layout: Layout,
+    pub layout: HarmonicLayout,
     /// Numbers of the cycle, in the units of the channels (N and N m).
     pub cycle: Vec<f64>,
     /// Standard deviation by channel and phase of one measured cycle, in the units of the channels: estimates, noise, what the
@@ -23,7 +23,7 @@ pub struct Predicted {
 
 impl Predicted {
     /// Share of the measured cycles' values within 95 % of `deviations`, by channel.
-    pub fn coverage(&self, observed: &Observed, deviations: &[Vec<f64>]) -> Vec<f64> {
+    pub fn coverage(&self, observed: &ObservedCycles, deviations: &[Vec<f64>]) -> Vec<f64> {
         let channel = |channel: usize| {
             let inside = |cycle: &Vec<f64>| {
                 let within = |k: &usize| {
@@ -85,12 +85,12 @@ fn smoothed(squares: &[f64]) -> Vec<f64> {
 }
 
 /// 1, cos, sin, cos 2, ... of a phase.
-fn waves(layout: Layout, phase: f64) -> Vec<f64> {
-    (0..layout.width()).map(|part| Layout::wave(part, phase)).collect()
+fn waves(layout: HarmonicLayout, phase: f64) -> Vec<f64> {
+    (0..layout.width()).map(|part| HarmonicLayout::wave(part, phase)).collect()
 }
 
 /// Rows of a Jacobian at a phase of a channel.
-fn at_phase(layout: Layout, jacobian: &DMatrix<f64>, channel: usize, wave: &[f64]) -> DVector<f64> {
+fn at_phase(layout: HarmonicLayout, jacobian: &DMatrix<f64>, channel: usize, wave: &[f64]) -> DVector<f64> {
     DVector::from_fn(jacobian.ncols(), |k, _| {
         (0..layout.width()).map(|part| wave[part] * jacobian[(layout.at(channel, part), k)]).sum()
     })
@@ -100,7 +100,7 @@ fn square(by: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
     (by.transpose() * covariance * by)[(0, 0)]
 }
 
-impl Solved<'_> {
+impl SolvedCalibration<'_> {
     /// The run `run` as predicted, with the deviations of a band.
     ///
     /// What the model cannot say, d at the fitted runs, moves the estimates by e; r = d + J e is what is left there. At a run with loads
@@ -132,7 +132,7 @@ impl Solved<'_> {
             let tare = observed.common.pass.as_ref().filter(|_| !observed.common.groups.is_empty());
             let noise = |wave: &[f64]| -> f64 {
                 let one = |part: usize| {
-                    let k = Layout::harmonic(part);
+                    let k = HarmonicLayout::harmonic(part);
                     let row = |of: &DMatrix<f64>| -> f64 {
                         let number =
                             |q: usize| wave[q] * of[(layout.at(channel, part), layout.at(channel, q))];
@@ -174,7 +174,7 @@ impl Solved<'_> {
 
     /// What is left in the fitted runs of `layout`, each left out by one step on the Jacobian of the fit; none where the model says
     /// all.
-    fn unsaid(&self, layout: Layout) -> Option<Unsaid> {
+    fn unsaid(&self, layout: HarmonicLayout) -> Option<Unsaid> {
         if self.problem.discrepancy.iter().all(|share| *share == 0.0) {
             return None;
         }

@@ -1,15 +1,18 @@
 //! A calibration file, ready to be solved.
 
-use crate::measured::{Pass, observed};
+use crate::measured::{MeasuredPass, observed};
 use crate::truth::clean;
-use crate::{CaseTarget, Error, Model, Observed, Parameter, Plan, RigModel, RigTarget, RunRole, data};
+use crate::{
+    CaseTarget, CycleModel, Error, FitPlan, FittedParameter, ObservedCycles, RigModel, RigTarget, RunRole,
+    data,
+};
 use std::path::Path;
-use wingbeat::judge::Limits;
+use wingbeat::judge::RunLimits;
 use wingbeat::math::Named;
 use wingbeat::parallel;
 use wingbeat::scenario::{
-    CalibratedRunSpec, CalibrationSpec, ConfigError, Document, Place, Problem, RigRun, StructureOfModel,
-    TetherCase, Translate, Wrong, nearest_names,
+    CalibratedRunSpec, CalibrationSpec, ConfigError, Document, KeyProblem, RigRun, StructureOfModel,
+    TetherCase, Translate, ValuePlace, Wrong, nearest_names,
 };
 
 /// Names that a refusal of an unknown one proposes.
@@ -18,24 +21,24 @@ const PROPOSED: usize = 4;
 const OF_RIG: &str = "rig.";
 
 /// A checked calibration file.
-pub struct Calibration {
+pub struct CalibrationFile {
     /// What the file says.
     pub spec: CalibrationSpec,
     /// The file as merged.
     pub resolved: String,
     document: Document,
-    limits: Limits,
+    limits: RunLimits,
 }
 
 /// Runs of one structure of the model.
-pub struct Structure {
+pub struct ModelStructure {
     /// The model.
     pub model: RigModel,
     /// What is fitted.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<FittedParameter>,
 }
 
-impl Calibration {
+impl CalibrationFile {
     /// Checks a calibration file.
     ///
     /// # Errors
@@ -49,7 +52,7 @@ impl Calibration {
     }
 
     /// What its verdict rests on.
-    pub fn limits(&self) -> &Limits {
+    pub fn limits(&self) -> &RunLimits {
         &self.limits
     }
 
@@ -81,8 +84,8 @@ impl Calibration {
 
     /// What is wrong with the file of samples at `key`, beside the line that names it.
     pub(crate) fn wrong_file(&self, key: &str, what: impl std::fmt::Display) -> ConfigError {
-        let (value, place) = self.document.written(key).unwrap_or((String::new(), Place::Nowhere));
-        let problem = Problem::File(what.to_string());
+        let (value, place) = self.document.written(key).unwrap_or((String::new(), ValuePlace::Nowhere));
+        let problem = KeyProblem::File(what.to_string());
         Wrong { place, key: key.into(), value: Some(value), problem, against: Vec::new() }.into()
     }
 
@@ -116,7 +119,7 @@ impl Calibration {
         };
         let one = |wrong: &Wrong| {
             let mut wrong = wrong.clone();
-            if let Place::Override(text) = &wrong.place
+            if let ValuePlace::Override(text) = &wrong.place
                 && let Some(place) = place(text)
             {
                 wrong.place = place;
@@ -127,9 +130,9 @@ impl Calibration {
     }
 
     /// The plan of its fit.
-    pub fn plan(&self) -> Plan {
+    pub fn plan(&self) -> FitPlan {
         let spec = &self.spec;
-        Plan {
+        FitPlan {
             starts: spec.starts,
             spread: spec.start_spread,
             seed: spec.seed,
@@ -237,7 +240,11 @@ impl Calibration {
     ///
     /// # Errors
     /// Bad runs; parameters that the model has not.
-    pub fn structure(&self, other: &[String], translate: Translate) -> Result<Structure, Failure> {
+    pub fn structure(
+        &self,
+        other: &[String],
+        translate: Translate,
+    ) -> Result<ModelStructure, CalibrationFailure> {
         let structures = (0..self.spec.structures.len()).map(|k| format!("structures[{k}].set"));
         let model = self.model();
         let set = Overrides {
@@ -257,7 +264,10 @@ impl Calibration {
     ///
     /// # Errors
     /// Bad runs.
-    pub fn candidates(&self, translate: Translate) -> Result<(Structure, Vec<String>), Failure> {
+    pub fn candidates(
+        &self,
+        translate: Translate,
+    ) -> Result<(ModelStructure, Vec<String>), CalibrationFailure> {
         let spec = &self.spec;
         let model = self.model();
         let runs = self.runs(("candidates", &spec.candidates), &model, translate)?;
@@ -283,7 +293,11 @@ impl Calibration {
         }
     }
 
-    fn built(&self, targets: Vec<RigTarget>, cases: Vec<CaseTarget>) -> Result<Structure, Failure> {
+    fn built(
+        &self,
+        targets: Vec<RigTarget>,
+        cases: Vec<CaseTarget>,
+    ) -> Result<ModelStructure, CalibrationFailure> {
         let known = known(&targets, &cases);
         let (mut parameters, mut names, mut held) = (Vec::new(), Vec::new(), Vec::new());
         for (k, spec) in self.spec.parameters.iter().enumerate() {
@@ -318,7 +332,7 @@ impl Calibration {
                 continue;
             }
             names.push(spec.name.clone());
-            parameters.push(Parameter {
+            parameters.push(FittedParameter {
                 name: spec.name.clone(),
                 start,
                 low,
@@ -330,7 +344,7 @@ impl Calibration {
         let model = RigModel { targets, cases, names, held };
         let starts: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
         model.check(&starts).map_err(|error| self.at_starts(error))?;
-        Ok(Structure { model, parameters })
+        Ok(ModelStructure { model, parameters })
     }
 
     /// What the library refuses of the numbers at which the fit starts, with the keys of the parameters that gave them.
@@ -349,16 +363,16 @@ impl Calibration {
     /// Samples that cannot be used.
     pub fn observed(
         &self,
-        structure: &Structure,
+        structure: &ModelStructure,
         translate: Translate,
-        read: &(dyn Fn(&Path, &RigRun) -> Result<Pass, Error> + Sync),
-    ) -> Result<Vec<Observed>, Failure> {
+        read: &(dyn Fn(&Path, &RigRun) -> Result<MeasuredPass, Error> + Sync),
+    ) -> Result<Vec<ObservedCycles>, CalibrationFailure> {
         let passes = self.passes(structure, translate, read)?;
-        let one = |k: usize, passes: &Vec<Pass>| {
+        let one = |k: usize, passes: &Vec<MeasuredPass>| {
             let target = &structure.model.targets[k];
             observed(target, passes, RunRole::of(&self.spec.runs[k]), self.spec.robust)
         };
-        let all: Result<Vec<Observed>, Error> = parallel::map(&passes, one).into_iter().collect();
+        let all: Result<Vec<ObservedCycles>, Error> = parallel::map(&passes, one).into_iter().collect();
         let mut all = all?;
         for (k, (spec, target)) in self.spec.cases.iter().zip(&structure.model.cases).enumerate() {
             let read = |(i, file): (usize, &std::path::PathBuf)| {
@@ -378,7 +392,7 @@ impl Calibration {
     ///
     /// # Errors
     /// Bad runs.
-    pub fn truth(&self, translate: Translate) -> Result<Vec<RigTarget>, Failure> {
+    pub fn truth(&self, translate: Translate) -> Result<Vec<RigTarget>, CalibrationFailure> {
         let Some(truth) = &self.spec.truth else { return Ok(Vec::new()) };
         let set =
             Overrides { texts: self.overrides("truth.set", &truth.set), keys: vec!["truth.set".into()] };
@@ -388,14 +402,14 @@ impl Calibration {
 
     fn passes(
         &self,
-        structure: &Structure,
+        structure: &ModelStructure,
         translate: Translate,
-        read: &(dyn Fn(&Path, &RigRun) -> Result<Pass, Error> + Sync),
-    ) -> Result<Vec<Vec<Pass>>, Failure> {
+        read: &(dyn Fn(&Path, &RigRun) -> Result<MeasuredPass, Error> + Sync),
+    ) -> Result<Vec<Vec<MeasuredPass>>, CalibrationFailure> {
         let targets = self.truth(translate)?;
         let made = self.spec.truth.as_ref().map(|truth| (truth, targets));
         let indices: Vec<usize> = (0..self.spec.runs.len()).collect();
-        let all: Result<Vec<Vec<Pass>>, Error> = parallel::map(&indices, |_, k| {
+        let all: Result<Vec<Vec<MeasuredPass>>, Error> = parallel::map(&indices, |_, k| {
             let spec = &self.spec.runs[*k];
             if let (true, Some((truth, targets))) = (spec.data.is_empty(), &made) {
                 let target = &targets[*k];
@@ -419,7 +433,7 @@ impl Calibration {
     ///
     /// # Errors
     /// Bad runs.
-    pub fn named_numbers(&self, translate: Translate) -> Result<Vec<(String, f64)>, Failure> {
+    pub fn named_numbers(&self, translate: Translate) -> Result<Vec<(String, f64)>, CalibrationFailure> {
         let model = self.model();
         let runs = self.runs(("runs", &self.spec.runs), &model, translate)?;
         let all = known(&self.targets(runs)?, &self.cases(&model)?);
@@ -461,7 +475,7 @@ fn known(targets: &[RigTarget], cases: &[CaseTarget]) -> Vec<Named> {
 
 /// Why a calibration file cannot be solved.
 #[derive(Debug, thiserror::Error)]
-pub enum Failure {
+pub enum CalibrationFailure {
     /// The file, or one it names.
     #[error(transparent)]
     Config(#[from] ConfigError),

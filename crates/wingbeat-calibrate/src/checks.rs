@@ -1,7 +1,7 @@
 //! Whether runs can be those that their files say, before they are fitted.
 
-use crate::measured::{Axes, Shift, axes, shift};
-use crate::{Error, Layout, Observed, Structure};
+use crate::measured::{CellAxes, PhaseShift, axes, shift};
+use crate::{Error, HarmonicLayout, ModelStructure, ObservedCycles};
 use wingbeat::rig::cell::CHANNELS;
 
 /// Largest shift of phase between measurement and model that is taken without a word, rad.
@@ -18,15 +18,15 @@ const GAINED: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Disagreement {
     /// Channels that would agree much better if they were others, or had the other sign, with the factor on each.
-    Axes(Axes),
+    Axes(CellAxes),
     /// A cycle behind (or, negative, ahead of) the model's by more than 5 deg.
-    Phase(Shift),
+    Phase(PhaseShift),
 }
 
 /// What of the cycle `measured` does not agree with `model`; `in_cell` are both in the frame of the cell, in the units of the
 /// channels. Axes that are swapped or flipped are told before a phase: with them it means nothing.
 pub fn disagreement(
-    layout: Layout,
+    layout: HarmonicLayout,
     [measured, model]: [&[f64]; 2],
     in_cell: [&[f64]; 2],
 ) -> Option<Disagreement> {
@@ -73,7 +73,7 @@ impl Disagreement {
 }
 
 /// Channels that are not what they should be, with the column of the file that would be right.
-fn wrong(found: &Axes) -> impl Iterator<Item = (usize, String)> {
+fn wrong(found: &CellAxes) -> impl Iterator<Item = (usize, String)> {
     let changed = found.iter().enumerate().filter(|(i, (from, sign))| from != i || *sign < 0.0);
     changed.map(|(i, (from, sign))| {
         let sign = if *sign < 0.0 { "-" } else { "" };
@@ -86,7 +86,11 @@ fn wrong(found: &Axes) -> impl Iterator<Item = (usize, String)> {
 ///
 /// # Errors
 /// [`Error::Data`] with the run and the proposal; a model without an answer.
-pub fn checked(structure: &Structure, runs: &[Observed], values: &[f64]) -> Result<Vec<String>, Error> {
+pub fn checked(
+    structure: &ModelStructure,
+    runs: &[ObservedCycles],
+    values: &[f64],
+) -> Result<Vec<String>, Error> {
     let mut odd = Vec::new();
     let fits_phase = structure.parameters.iter().any(|parameter| parameter.name == PHASE);
     for (k, run) in runs.iter().enumerate() {
@@ -121,7 +125,11 @@ pub fn checked(structure: &Structure, runs: &[Observed], values: &[f64]) -> Resu
 
 /// Refuses a case whose channels are swapped or flipped, or whose phase is off; of samples that are wrong by themselves neither means
 /// anything, and the verdict says what they are.
-fn check_case(structure: &Structure, (k, run): (usize, &Observed), values: &[f64]) -> Result<(), Error> {
+fn check_case(
+    structure: &ModelStructure,
+    (k, run): (usize, &ObservedCycles),
+    values: &[f64],
+) -> Result<(), Error> {
     if run.found.iter().any(|finding| finding.serious) {
         return Ok(());
     }

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use crate::measured::Pass;
-use crate::{Calibration, Error};
+use crate::measured::MeasuredPass;
+use crate::{CalibrationFile, Error};
 use serde::Serialize;
 use wingbeat::scenario::RigRun;
 use wingbeat::simulate::Record;
@@ -19,14 +19,14 @@ pub struct DataFile {
 }
 
 /// The files of samples of a calibration.
-pub struct Files(pub Vec<DataFile>);
+pub struct SampleFiles(pub Vec<DataFile>);
 
-impl Files {
+impl SampleFiles {
     /// Those that the calibration names.
     ///
     /// # Errors
     /// Files that cannot be read, and one named twice.
-    pub fn of(calibration: &Calibration) -> Result<Self, Error> {
+    pub fn of(calibration: &CalibrationFile) -> Result<Self, Error> {
         let mut files: Vec<DataFile> = Vec::new();
         let given = calibration.spec.runs.iter().map(|run| &run.data);
         let given = given.chain(calibration.spec.cases.iter().map(|case| &case.data)).flatten();
@@ -62,7 +62,7 @@ fn fnv1a64(bytes: &[u8]) -> u64 {
 ///
 /// # Errors
 /// Files that hold no samples as the run says.
-pub fn read(path: &Path, run: &RigRun) -> Result<Pass, Error> {
+pub fn read(path: &Path, run: &RigRun) -> Result<MeasuredPass, Error> {
     let name = path.display().to_string();
     // What the reader says of the command line holds for the run's overrides.
     let wrong = |error: wingbeat_io::Error| {
@@ -71,7 +71,7 @@ pub fn read(path: &Path, run: &RigRun) -> Result<Pass, Error> {
     };
     let input = &run.spec.process.input;
     let table = wingbeat_io::samples::read_samples(path, input).map_err(wrong)?;
-    Pass::of(&name, table.import(input).map_err(wrong)?.record)
+    MeasuredPass::of(&name, table.import(input).map_err(wrong)?.record)
 }
 
 /// The columns of a CSV file; the text says what is wrong with it.

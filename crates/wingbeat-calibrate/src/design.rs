@@ -1,13 +1,13 @@
 //! Which run to make next.
 
-use crate::problem::Problem;
-use crate::solve::Solved;
+use crate::problem::FitProblem;
+use crate::solve::SolvedCalibration;
 use crate::uncertainty::inverse;
-use crate::{Error, Parameter};
+use crate::{Error, FittedParameter};
 
 /// What a candidate would do.
 #[derive(Clone, Debug)]
-pub struct Candidate {
+pub struct RunCandidate {
     /// Number among the candidates.
     pub index: usize,
     /// The parameter whose standard error is the largest part of its size now.
@@ -17,7 +17,7 @@ pub struct Candidate {
 }
 
 /// The largest standard error in parts of the parameters' sizes.
-pub fn largest(errors: &[f64], parameters: &[Parameter]) -> (usize, f64) {
+pub fn largest(errors: &[f64], parameters: &[FittedParameter]) -> (usize, f64) {
     let share = errors.iter().zip(parameters).map(|(error, parameter)| error / parameter.scale().abs());
     share.enumerate().fold((0, 0.0), |most, next| if next.1 > most.1 { next } else { most })
 }
@@ -33,7 +33,7 @@ pub fn largest(errors: &[f64], parameters: &[Parameter]) -> (usize, f64) {
 ///
 /// # Errors
 /// A model without an answer.
-pub fn rank(solved: &Solved, candidates: &Problem) -> Result<Vec<Candidate>, Error> {
+pub fn rank(solved: &SolvedCalibration, candidates: &FitProblem) -> Result<Vec<RunCandidate>, Error> {
     let parameters = solved.problem.parameters;
     let (square, _) = solved.at.normal(parameters, &solved.values, &[]);
     let now = inverse(&square);
@@ -46,14 +46,14 @@ pub fn rank(solved: &Solved, candidates: &Problem) -> Result<Vec<Candidate>, Err
     let (parameter, _) = largest(&clustered, parameters);
     let of: Vec<usize> = (0..candidates.runs.len()).collect();
     let jacobians = candidates.jacobians(&of, &solved.values)?;
-    let mut ranked: Vec<Candidate> = of
+    let mut ranked: Vec<RunCandidate> = of
         .iter()
         .zip(&jacobians)
         .map(|(run, jacobian)| {
             let j = candidates.whiten_columns(*run, jacobian);
             let after = inverse(&(&square + j.transpose() * &j));
             let errors = (0..parameters.len()).map(|k| scale[k] * after[(k, k)].max(0.0).sqrt()).collect();
-            Candidate { index: *run, parameter, errors }
+            RunCandidate { index: *run, parameter, errors }
         })
         .collect();
     wingbeat::math::order::ascend_by(&mut ranked, |item| item.errors[parameter]);

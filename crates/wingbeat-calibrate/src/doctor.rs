@@ -1,11 +1,15 @@
 //! What the measured loads of a case say of themselves and beside the model, before they are fitted.
 
 use crate::tethered::LOADS;
-use crate::{CaseTarget, Error, Layout, Observed, PHASES, Problem, Structure, phase_of};
+use crate::{
+    CaseTarget, Error, FitProblem, HarmonicLayout, ModelStructure, ObservedCycles, PHASES, phase_of,
+};
 use nalgebra::DVector;
-use wingbeat::judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined, reversed_among};
+use wingbeat::judge::data::{
+    CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined, reversed_among,
+};
 use wingbeat::judge::limits::data::GAIN;
-use wingbeat::judge::{Limits, Warning};
+use wingbeat::judge::{RunLimits, Warning};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::scenario::mended_in_compare;
 
@@ -16,7 +20,8 @@ pub fn findings(
     phase: &[f64],
     (of, channels): (&[usize], &[Vec<f64>; 6]),
 ) -> Vec<Finding> {
-    let channel = |i: &usize| Channel { name: LOADS[*i], unit: CHANNELS[*i].1, samples: &channels[*i] };
+    let channel =
+        |i: &usize| MeasuredChannel { name: LOADS[*i], unit: CHANNELS[*i].1, samples: &channels[*i] };
     let series = Series {
         what: file,
         phase,
@@ -53,14 +58,14 @@ pub fn beside_other_passes(target: &CaseTarget, of: &[usize], passes: &[(&str, V
 const LARGE: f64 = 0.2;
 
 /// What of the mean cycle of `run` cannot be the one that the model predicts.
-fn beside(run: &Observed, predicted: &[f64], limits: &Limits) -> Vec<Finding> {
+fn beside(run: &ObservedCycles, predicted: &[f64], limits: &RunLimits) -> Vec<Finding> {
     let layout = run.layout;
     let cycles: Vec<[Vec<f64>; 2]> = (0..layout.channels)
         .map(|c| [run.mean.as_slice(), predicted].map(|of| values(layout, of, c)))
         .collect();
-    let pairs: Vec<Pair> = (0..layout.channels)
+    let pairs: Vec<CyclePair> = (0..layout.channels)
         .filter(|channel| run.is_measured(*channel))
-        .map(|c| Pair {
+        .map(|c| CyclePair {
             name: LOADS[c],
             unit: CHANNELS[c].1,
             measured: &cycles[c][0],
@@ -76,10 +81,10 @@ fn beside(run: &Observed, predicted: &[f64], limits: &Limits) -> Vec<Finding> {
 /// # Errors
 /// A case of which no channel moves.
 pub fn telling(
-    structure: &Structure,
-    runs: &[Observed],
+    structure: &ModelStructure,
+    runs: &[ObservedCycles],
     found: &[Vec<Finding>],
-) -> Result<Option<Vec<Observed>>, Error> {
+) -> Result<Option<Vec<ObservedCycles>>, Error> {
     let first = structure.model.targets.len();
     let mut telling = runs.to_vec();
     for (run, found) in telling[first..].iter_mut().zip(found) {
@@ -108,10 +113,10 @@ const BELIEVED: f64 = 3.0;
 /// # Errors
 /// A model without an answer.
 pub fn gains(
-    structure: &Structure,
-    problem: &Problem,
+    structure: &ModelStructure,
+    problem: &FitProblem,
     values: &[f64],
-    limits: &Limits,
+    limits: &RunLimits,
 ) -> Result<(Vec<Finding>, Option<Warning>), Error> {
     let model = &structure.model;
     let fitted = structure.parameters.iter().find(|p| p.name.ends_with("mass_kg") && p.prior.is_none());
@@ -145,7 +150,7 @@ pub fn gains(
 
 /// The factor on the forces `predicted` of run `run` that is nearest to those measured, and its standard error, by generalised least
 /// squares within each channel; none where no weight turns.
-fn weighing(problem: &Problem, run: usize, predicted: &[f64]) -> Option<[f64; 2]> {
+fn weighing(problem: &FitProblem, run: usize, predicted: &[f64]) -> Option<[f64; 2]> {
     let observed = &problem.runs[run];
     let layout = observed.layout;
     let (mut both, mut own) = (0.0, 0.0);
@@ -165,12 +170,12 @@ fn weighing(problem: &Problem, run: usize, predicted: &[f64]) -> Option<[f64; 2]
 /// # Errors
 /// A model without an answer.
 pub fn suspected(
-    structure: &Structure,
-    runs: &[Observed],
+    structure: &ModelStructure,
+    runs: &[ObservedCycles],
     values: &[f64],
 ) -> Result<Vec<Vec<Finding>>, Error> {
     let model = &structure.model;
-    let of = |(case, run): (&CaseTarget, &Observed)| {
+    let of = |(case, run): (&CaseTarget, &ObservedCycles)| {
         let predicted = case.predict(&model.numbers(values))?;
         let beside = beside(run, &predicted, &case.case.limits);
         Ok(run.found.iter().cloned().chain(beside).collect())
@@ -178,6 +183,6 @@ pub fn suspected(
     model.cases.iter().zip(&runs[model.targets.len()..]).map(of).collect()
 }
 
-fn values(layout: Layout, cycle: &[f64], channel: usize) -> Vec<f64> {
+fn values(layout: HarmonicLayout, cycle: &[f64], channel: usize) -> Vec<f64> {
     (0..PHASES).map(|k| layout.value(cycle, channel, phase_of(k))).collect()
 }

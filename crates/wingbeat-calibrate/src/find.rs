@@ -1,10 +1,11 @@
 //! From a calibration file to what was found.
 
-use crate::found::Found;
+use crate::found::CalibrationResult;
 use crate::residual::Stands;
 use crate::{
-    Calibration, Failure, Information, Keep, Linear, NextRun, Observed, Plan, Problem, Progress, Rival,
-    Solved, Structure, Watch, checked, data, doctor, solve,
+    CalibrationFailure, CalibrationFile, FitPlan, FitProblem, FitProgress, FitWatch, Information, Keep,
+    LinearisedRuns, ModelStructure, NextRun, ObservedCycles, Rival, SolvedCalibration, checked, data, doctor,
+    solve,
 };
 use wingbeat::judge::data::Finding;
 use wingbeat::judge::{Judge, Verdict, Warning};
@@ -16,12 +17,12 @@ const LEAST: f64 = 1e-3;
 const PASSES: usize = 7;
 
 /// A calibration whose samples were read: what is known before the fit.
-pub struct Prepared<'a> {
-    calibration: &'a Calibration,
+pub struct PreparedCalibration<'a> {
+    calibration: &'a CalibrationFile,
     /// The model and what is fitted.
-    pub structure: Structure,
+    pub structure: ModelStructure,
     /// What was measured.
-    pub runs: Vec<Observed>,
+    pub runs: Vec<ObservedCycles>,
     /// What the runs tell of the parameters.
     pub information: Information,
     /// What is odd of the samples.
@@ -32,12 +33,12 @@ pub struct Prepared<'a> {
     pub unchecked: Option<Warning>,
 }
 
-impl Calibration {
+impl CalibrationFile {
     /// Reads or makes the samples, and says what they tell.
     ///
     /// # Errors
     /// Bad runs, samples that cannot be used, a model without an answer.
-    pub fn prepared(&self) -> Result<Prepared<'_>, Failure> {
+    pub fn prepared(&self) -> Result<PreparedCalibration<'_>, CalibrationFailure> {
         let structure = self.structure(&[], &urdf_as_toml)?;
         let runs = self.observed(&structure, &urdf_as_toml, &data::read)?;
         let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
@@ -47,19 +48,27 @@ impl Calibration {
         let stands = Stands::of(&structure.model, &runs)?;
         cautions.extend(stands.iter().flat_map(Stands::cautions));
         let of_runs = telling.as_deref().unwrap_or(&runs);
-        let problem = Problem::new(&structure.model, of_runs, &structure.parameters)?;
+        let problem = FitProblem::new(&structure.model, of_runs, &structure.parameters)?;
         let (weighed, unchecked) = doctor::gains(&structure, &problem, &values, self.limits())?;
         let found = by_case.into_iter().flatten().chain(weighed).collect();
-        let at = Linear::at(&problem, &problem.fitted(), &values)?;
+        let at = LinearisedRuns::at(&problem, &problem.fitted(), &values)?;
         self.check_stages(&problem, &at)?;
         let information = Information::of(&problem, &at, &values);
-        Ok(Prepared { calibration: self, structure, runs, information, cautions, found, unchecked })
+        Ok(PreparedCalibration {
+            calibration: self,
+            structure,
+            runs,
+            information,
+            cautions,
+            found,
+            unchecked,
+        })
     }
 }
 
-impl Calibration {
+impl CalibrationFile {
     /// Refuses numbers of a stage that is fitted to runs with still wings alone, on which those do not depend.
-    fn check_stages(&self, problem: &Problem, at: &Linear) -> Result<(), Failure> {
+    fn check_stages(&self, problem: &FitProblem, at: &LinearisedRuns) -> Result<(), CalibrationFailure> {
         let is_still = |run: usize| problem.model.target(run).is_some_and(|target| target.tilts().is_some());
         let still: Vec<_> = at.of.iter().zip(&at.jacobians).filter(|(run, _)| is_still(**run)).collect();
         let last = problem.parameters.iter().map(|parameter| parameter.stage).max().unwrap_or(1);
@@ -80,13 +89,13 @@ impl Calibration {
     }
 }
 
-impl Prepared<'_> {
+impl PreparedCalibration<'_> {
     /// Refuses what the runs cannot tell.
     ///
     /// # Errors
     /// The names of the parameters.
-    pub fn check(&self) -> Result<(), Failure> {
-        let problem = Problem::new(&self.structure.model, &self.runs, &self.structure.parameters)?;
+    pub fn check(&self) -> Result<(), CalibrationFailure> {
+        let problem = FitProblem::new(&self.structure.model, &self.runs, &self.structure.parameters)?;
         Ok(self.information.check(&problem)?)
     }
 
@@ -99,7 +108,7 @@ impl Prepared<'_> {
     }
 
     /// The plan of the fit.
-    pub fn plan(&self) -> Plan {
+    pub fn plan(&self) -> FitPlan {
         self.calibration.plan()
     }
 
@@ -108,12 +117,17 @@ impl Prepared<'_> {
     ///
     /// # Errors
     /// [`Error::Stopped`](crate::Error::Stopped) where `watch` ended it; a model without an answer.
-    pub fn fit(&self, keep: &mut dyn Keep, watch: &mut Watch) -> Result<Found, Failure> {
+    pub fn fit(
+        &self,
+        keep: &mut dyn Keep,
+        watch: &mut FitWatch,
+    ) -> Result<CalibrationResult, CalibrationFailure> {
         let (structure, calibration) = (&self.structure, self.calibration);
         let solved =
             solve(&structure.model, &self.runs, &structure.parameters, &self.plan(), keep, &mut *watch)?;
         let (information, cautions) = (self.information.clone(), self.cautions.clone());
-        let mut found = Found::of(calibration, structure, &self.runs, &solved, information, cautions)?;
+        let mut found =
+            CalibrationResult::of(calibration, structure, &self.runs, &solved, information, cautions)?;
         found.findings.clone_from(&self.found);
         found.unchecked.clone_from(&self.unchecked);
         for rival in calibration.structures() {
@@ -134,15 +148,15 @@ impl Prepared<'_> {
         &self,
         name: &str,
         set: &[String],
-        solved: &Solved,
-        watch: &mut Watch,
-    ) -> Result<Rival, Failure> {
+        solved: &SolvedCalibration,
+        watch: &mut FitWatch,
+    ) -> Result<Rival, CalibrationFailure> {
         let mut structure = self.calibration.structure(set, &urdf_as_toml)?;
         for (parameter, value) in structure.parameters.iter_mut().zip(&solved.values) {
             parameter.start = *value;
         }
-        let plan = Plan { starts: 1, ..self.plan() };
-        let mut told = |at: &Progress| watch(at);
+        let plan = FitPlan { starts: 1, ..self.plan() };
+        let mut told = |at: &FitProgress| watch(at);
         let fitted = solve(&structure.model, &self.runs, &structure.parameters, &plan, &mut (), &mut told)?;
         Ok(Rival::of(name, &self.runs, &fitted)?)
     }

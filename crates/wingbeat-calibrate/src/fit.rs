@@ -1,7 +1,7 @@
 //! Levenberg-Marquardt with priors and bounds, in stages, from several starts.
 
-use crate::problem::{Problem, Whitened, priors};
-use crate::{Error, Parameter};
+use crate::problem::{FitProblem, Whitened, priors};
+use crate::{Error, FittedParameter};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -24,7 +24,7 @@ const JOINED: [f64; 2] = [1e-2, 2e-2];
 /// How a fit ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Ended {
+pub enum FitEnding {
     /// No step lowers the cost.
     Converged,
     /// The steps are used up.
@@ -35,7 +35,7 @@ pub enum Ended {
 
 /// A fit under way, for who watches.
 #[derive(Clone, Debug)]
-pub struct Progress<'a> {
+pub struct FitProgress<'a> {
     /// Which start, from 0.
     pub start: usize,
     /// Which stage, from 1.
@@ -49,7 +49,7 @@ pub struct Progress<'a> {
 }
 
 /// Who watches; may stop the fit.
-pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
+pub type FitWatch<'a> = dyn FnMut(&FitProgress) -> ControlFlow<()> + 'a;
 
 /// Where a fit ended.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -59,7 +59,7 @@ pub struct Fit {
     /// Sum of squares of deviations there, dimensionless.
     pub cost: f64,
     /// How it ended.
-    pub ended: Ended,
+    pub ended: FitEnding,
     /// Steps taken.
     pub steps: usize,
 }
@@ -82,7 +82,7 @@ impl Keep for () {
 
 /// Residuals and Jacobian of several runs, in deviations, at some values.
 #[derive(Clone, Debug)]
-pub struct Linear {
+pub struct LinearisedRuns {
     /// The runs.
     pub of: Vec<usize>,
     /// Model less measurement.
@@ -91,12 +91,12 @@ pub struct Linear {
     pub jacobians: Vec<DMatrix<f64>>,
 }
 
-impl Linear {
+impl LinearisedRuns {
     /// Of the runs `of` at `values`, in the units of the parameters.
     ///
     /// # Errors
     /// A model without an answer.
-    pub fn at(problem: &Problem, of: &[usize], values: &[f64]) -> Result<Self, Error> {
+    pub fn at(problem: &FitProblem, of: &[usize], values: &[f64]) -> Result<Self, Error> {
         let residuals = problem.residuals(of, &problem.predictions(of, values)?);
         let plain = problem.jacobians(of, values)?;
         let jacobians = of.iter().zip(&plain).map(|(run, j)| problem.whiten_columns(*run, j)).collect();
@@ -104,7 +104,7 @@ impl Linear {
     }
 
     /// By how much the step between the values would lower the cost, were the model linear.
-    fn gain(&self, parameters: &[Parameter], (from, to): (&[f64], &[f64]), cost: f64) -> f64 {
+    fn gain(&self, parameters: &[FittedParameter], (from, to): (&[f64], &[f64]), cost: f64) -> f64 {
         let moved = DVector::from_fn(from.len(), |k, _| to[k] - from[k]);
         let then: f64 =
             self.residuals.iter().zip(&self.jacobians).map(|(r, j)| (r + j * &moved).norm_squared()).sum();
@@ -113,7 +113,7 @@ impl Linear {
 
     /// Moves to other values where the residuals are known; the Jacobian follows by the least change that explains them, the
     /// parameters in parts of their sizes (Broyden 1965).
-    fn follow(&mut self, parameters: &[Parameter], (from, to): (&[f64], &[f64]), residuals: Whitened) {
+    fn follow(&mut self, parameters: &[FittedParameter], (from, to): (&[f64], &[f64]), residuals: Whitened) {
         let moved = DVector::from_fn(from.len(), |k, _| to[k] - from[k]);
         let weighed = DVector::from_fn(from.len(), |k, _| moved[k] / parameters[k].scale().powi(2));
         let size = moved.dot(&weighed).max(f64::MIN_POSITIVE);
@@ -127,7 +127,7 @@ impl Linear {
     /// J'J and J'r with the priors at `values`, over the units of the parameters, without the runs of `leave`.
     pub fn normal(
         &self,
-        parameters: &[Parameter],
+        parameters: &[FittedParameter],
         values: &[f64],
         leave: &[usize],
     ) -> (DMatrix<f64>, DVector<f64>) {
@@ -154,7 +154,7 @@ impl Linear {
 pub fn step(
     (square, gradient): &(DMatrix<f64>, DVector<f64>),
     damping: f64,
-    parameters: &[Parameter],
+    parameters: &[FittedParameter],
     values: &[f64],
     free: &[usize],
 ) -> Vec<f64> {
@@ -180,7 +180,7 @@ pub fn step(
         let Some(solved) = scaled_solve(&a, &g) else { return next };
         let wanted = |i: usize| values[free[i]] - solved[i];
         let inside = |i: &usize| {
-            let Parameter { low, high, .. } = parameters[free[*i]];
+            let FittedParameter { low, high, .. } = parameters[free[*i]];
             (low..=high).contains(&wanted(*i))
         };
         let (within, beyond): (Vec<usize>, Vec<usize>) = (0..n).partition(inside);
@@ -189,7 +189,7 @@ pub fn step(
             return next;
         }
         for i in beyond {
-            let Parameter { low, high, .. } = parameters[free[i]];
+            let FittedParameter { low, high, .. } = parameters[free[i]];
             next[free[i]] = wanted(i).clamp(low, high);
         }
         free = within.into_iter().map(|i| free[i]).collect();
@@ -218,11 +218,11 @@ pub fn scaled_solve(a: &DMatrix<f64>, g: &DVector<f64>) -> Option<DVector<f64>> 
 /// # Errors
 /// A model without an answer at the start; [`Error::Stopped`].
 pub fn fit(
-    problem: &Problem,
+    problem: &FitProblem,
     start: &[f64],
     number: usize,
     known: Option<&Fit>,
-    watch: &mut Watch,
+    watch: &mut FitWatch,
 ) -> Result<Fit, Error> {
     let parameters = problem.parameters;
     let mut stages: Vec<usize> = parameters.iter().map(|parameter| parameter.stage).collect();
@@ -246,26 +246,26 @@ pub fn fit(
 }
 
 fn fit_free(
-    problem: &Problem,
+    problem: &FitProblem,
     of: &[usize],
     (start, known): (&[f64], Option<&Fit>),
     free: &[usize],
     (number, stage): (usize, usize),
-    watch: &mut Watch,
+    watch: &mut FitWatch,
 ) -> Result<Fit, Error> {
     let mut values = start.to_vec();
-    let mut now = Linear::at(problem, of, &values)?;
+    let mut now = LinearisedRuns::at(problem, of, &values)?;
     // Whether the Jacobian is that of the values; in between it follows by Broyden's updates.
     let mut exact = true;
     let mut cost = problem.cost(&now.residuals, &values);
     let mut damping = 1e-3;
     for taken in 0..STEPS {
-        let progress = Progress { start: number, stage, step: taken, cost, values: &values };
+        let progress = FitProgress { start: number, stage, step: taken, cost, values: &values };
         if watch(&progress).is_break() {
             return Err(Error::Stopped);
         }
         if let Some(known) = known.filter(|known| joined(problem.parameters, (&values, cost), known)) {
-            return Ok(Fit { ended: Ended::Joined, steps: taken, ..known.clone() });
+            return Ok(Fit { ended: FitEnding::Joined, steps: taken, ..known.clone() });
         }
         let normal = now.normal(problem.parameters, &values, &[]);
         let most = if exact { MOST_DAMPING } else { FOLLOWED_DAMPING };
@@ -282,12 +282,12 @@ fn fit_free(
                 None => damping *= 8.0,
             }
         };
-        let converged = Fit { values: values.clone(), cost, ended: Ended::Converged, steps: taken };
+        let converged = Fit { values: values.clone(), cost, ended: FitEnding::Converged, steps: taken };
         let Some((next, lower, residuals)) = better else {
             if exact {
                 return Ok(converged);
             }
-            (now, exact, damping) = (Linear::at(problem, of, &values)?, true, 1e-3);
+            (now, exact, damping) = (LinearisedRuns::at(problem, of, &values)?, true, 1e-3);
             continue;
         };
         let gained = (cost - lower) / cost.max(f64::MIN_POSITIVE);
@@ -299,17 +299,17 @@ fn fit_free(
         let told = now.gain(problem.parameters, (&values, &next), cost);
         exact = gained < ENOUGH || (cost - lower) < FOLLOWED * told;
         if exact {
-            now = Linear::at(problem, of, &next)?;
+            now = LinearisedRuns::at(problem, of, &next)?;
         } else {
             now.follow(problem.parameters, (&values, &next), residuals);
         }
         (values, cost) = (next, lower);
     }
-    Ok(Fit { values, cost, ended: Ended::Steps, steps: STEPS })
+    Ok(Fit { values, cost, ended: FitEnding::Steps, steps: STEPS })
 }
 
 /// Whether a fit at these values and this cost has come to where `known` ended.
-fn joined(parameters: &[Parameter], (values, cost): (&[f64], f64), known: &Fit) -> bool {
+fn joined(parameters: &[FittedParameter], (values, cost): (&[f64], f64), known: &Fit) -> bool {
     let near = |(k, value): (usize, &f64)| {
         (value - known.values[k]).abs() <= JOINED[1] * parameters[k].scale().abs()
     };

@@ -1,8 +1,9 @@
 //! What a calibration found, as numbers.
 
 use crate::{
-    Calibration, Error, Fit, Information, Label, Layout, LearnedResidual, NORMAL_95, NextRun, Observed,
-    PHASES, Parameter, Predicted, Profile, Rival, RunRole, Solved, Structure, channel_name, phase_of, rms,
+    CalibrationFile, Error, Fit, FittedParameter, HarmonicLayout, Information, Label, LearnedResidual,
+    ModelStructure, NORMAL_95, NextRun, ObservedCycles, PHASES, Predicted, Profile, Rival, RunRole,
+    SolvedCalibration, channel_name, phase_of, rms,
 };
 use wingbeat::judge::Warning;
 use wingbeat::judge::data::Finding;
@@ -14,7 +15,7 @@ const LEAST_NOISE: f64 = 1e-24;
 /// A run with what was measured and predicted.
 pub struct FoundRun {
     /// What was measured.
-    pub observed: Observed,
+    pub observed: ObservedCycles,
     /// Predicted with the values that the fit began with, in the units of the channels (N and N m).
     pub before: Vec<f64>,
     /// Predicted with the fit.
@@ -24,13 +25,13 @@ pub struct FoundRun {
 }
 
 /// All that was found.
-pub struct Found {
+pub struct CalibrationResult {
     /// Name.
     pub name: String,
     /// The model's overrides.
     pub model: Vec<String>,
     /// What was fitted.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<FittedParameter>,
     /// Names and values of what was held, in their declared units.
     pub held: Vec<(String, f64)>,
     /// Values, in the units of the parameters.
@@ -73,13 +74,13 @@ pub struct Found {
     pub unchecked: Option<Warning>,
 }
 
-impl Found {
+impl CalibrationResult {
     /// Of what was solved.
     pub fn of(
-        calibration: &Calibration,
-        structure: &Structure,
-        runs: &[Observed],
-        solved: &Solved,
+        calibration: &CalibrationFile,
+        structure: &ModelStructure,
+        runs: &[ObservedCycles],
+        solved: &SolvedCalibration,
         information: Information,
         cautions: Vec<String>,
     ) -> Result<Self, Error> {
@@ -202,7 +203,7 @@ impl Found {
             let turn = std::f64::consts::TAU / layout.width() as f64;
             for channel in (0..layout.channels).filter(|channel| run.observed.is_measured(*channel)) {
                 for part in 0..layout.width() {
-                    let (at, k) = (layout.at(channel, part), Layout::harmonic(part));
+                    let (at, k) = (layout.at(channel, part), HarmonicLayout::harmonic(part));
                     let left = run.observed.mean[at] - run.after.cycle[at];
                     let square = left * left / (run.noise[k][channel] + LEAST_NOISE);
                     next += square * (turn * k as f64).cos();

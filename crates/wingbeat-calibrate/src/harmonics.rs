@@ -4,14 +4,14 @@ use std::f64::consts::TAU;
 
 /// How the numbers of a cycle lie: channel after channel its mean, then cosine and sine of each harmonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layout {
+pub struct HarmonicLayout {
     /// Number of channels.
     pub channels: usize,
     /// Number of harmonics beside the mean.
     pub harmonics: usize,
 }
 
-impl Layout {
+impl HarmonicLayout {
     /// Numbers per channel.
     pub fn width(self) -> usize {
         1 + 2 * self.harmonics
@@ -83,7 +83,7 @@ impl Layout {
 /// Source: Fourier.
 /// Test: `harmonics_of_a_sum_of_harmonics_come_back`.
 pub fn project(phase: &[f64], channels: &[Vec<f64>; 6], begin: f64, harmonics: usize) -> Option<Vec<f64>> {
-    let layout = Layout { channels: 6, harmonics };
+    let layout = HarmonicLayout { channels: 6, harmonics };
     let end = begin + TAU;
     let first = phase.partition_point(|p| *p <= begin);
     let last = phase.partition_point(|p| *p < end);
@@ -136,7 +136,7 @@ mod tests {
         for (i, channel) in channels.iter_mut().enumerate() {
             *channel = phase.iter().map(|p| (1.0 + i as f64) * x(*p)).collect();
         }
-        let layout = Layout { channels: 6, harmonics: 4 };
+        let layout = HarmonicLayout { channels: 6, harmonics: 4 };
         let cycle = project(&phase, &channels, 0.3, 4).unwrap();
         let of = |part: usize| cycle[layout.at(1, part)] / 2.0;
         for (part, expected) in [(0, 0.7), (1, 0.3), (2, 0.0), (3, 0.0), (4, -0.2), (5, 0.05), (7, 0.0)] {

@@ -1,9 +1,9 @@
 //! Which run and channel informs which parameter, before anything is fitted.
 
-use crate::fit::Linear;
-use crate::problem::Problem;
+use crate::fit::LinearisedRuns;
+use crate::problem::FitProblem;
 use crate::uncertainty::{correlations, inverse};
-use crate::{Error, Layout};
+use crate::{Error, HarmonicLayout};
 use nalgebra::{DMatrix, DVector};
 
 /// Correlation from which a pair is shown as hard to part. *Choice.*
@@ -40,7 +40,7 @@ pub struct Information {
 
 impl Information {
     /// Of the linearisation `at` about `values`, in the units of the parameters.
-    pub fn of(problem: &Problem, at: &Linear, values: &[f64]) -> Self {
+    pub fn of(problem: &FitProblem, at: &LinearisedRuns, values: &[f64]) -> Self {
         let parameters = problem.parameters;
         let n = parameters.len();
         let sizes: Vec<f64> = parameters.iter().map(|parameter| parameter.scale().abs()).collect();
@@ -89,7 +89,7 @@ impl Information {
     ///
     /// # Errors
     /// [`Error::Uninformed`] with groups, single parameters, and what could be done.
-    pub fn check(&self, problem: &Problem) -> Result<(), Error> {
+    pub fn check(&self, problem: &FitProblem) -> Result<(), Error> {
         let name = |k: &usize| problem.parameters[*k].name.as_str();
         let mut told = Vec::new();
         for group in &self.inseparable {
@@ -118,7 +118,7 @@ impl Information {
 }
 
 /// The combination that a group tells: powers of a product, as relative changes add up.
-fn product(group: &[(usize, f64)], problem: &Problem) -> String {
+fn product(group: &[(usize, f64)], problem: &FitProblem) -> String {
     // The direction of no information is d; what is told is any product whose powers are normal to it.
     let [(a, x), (b, y)] = group else { return "some combinations of them".into() };
     let (a, b) = (&problem.parameters[*a].name, &problem.parameters[*b].name);
@@ -168,7 +168,7 @@ fn told(square: &DMatrix<f64>, sizes: &[f64]) -> (Vec<f64>, Vec<Vec<(usize, f64)
 }
 
 /// The fewest runs, taken one by one for what they add, with which all parameters are told; none if all together do not.
-fn suffice(problem: &Problem, at: &Linear, values: &[f64], sizes: &[f64]) -> Option<Vec<usize>> {
+fn suffice(problem: &FitProblem, at: &LinearisedRuns, values: &[f64], sizes: &[f64]) -> Option<Vec<usize>> {
     let worst = |taken: &[usize]| {
         let leave: Vec<usize> = at.of.iter().copied().filter(|run| !taken.contains(run)).collect();
         let (square, _) = at.normal(problem.parameters, values, &leave);
@@ -192,7 +192,7 @@ fn suffice(problem: &Problem, at: &Linear, values: &[f64], sizes: &[f64]) -> Opt
 }
 
 /// What a channel is called.
-pub fn channel_name(layout: Layout, channel: usize) -> String {
+pub fn channel_name(layout: HarmonicLayout, channel: usize) -> String {
     if layout.channels == 6 {
         wingbeat::rig::cell::CHANNELS[channel].0.into()
     } else {

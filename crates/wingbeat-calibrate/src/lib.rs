@@ -1,10 +1,10 @@
 //! Numbers of robot and rig from runs on the load cell, with what is known of them.
 //!
-//! A [`Model`] predicts the cycles of runs and their derivatives by the [`Parameter`]s; [`Observed`] holds what was measured.
+//! A [`CycleModel`] predicts the cycles of runs and their derivatives by the [`FittedParameter`]s; [`ObservedCycles`] holds what was measured.
 //! [`solve`] fits them by Levenberg-Marquardt, weighed by the scatter of the cycles and by what the model cannot say;
-//! [`Solved`] tells standard errors, profiles, bands and the error in runs left out. [`RigModel`] is the model of runs on the
-//! rig; [`Information`] says before any fit what the runs can tell. [`Calibration::prepared`] and [`Prepared::fit`] go all the way from a
-//! file to [`Found`].
+//! [`SolvedCalibration`] tells standard errors, profiles, bands and the error in runs left out. [`RigModel`] is the model of runs on the
+//! rig; [`Information`] says before any fit what the runs can tell. [`CalibrationFile::prepared`] and [`PreparedCalibration::fit`] go all the way from a
+//! file to [`CalibrationResult`].
 
 mod band;
 mod bins;
@@ -36,21 +36,21 @@ mod verdict;
 pub mod words;
 
 pub use band::Predicted;
-pub use calibration::{Calibration, Failure, Structure};
+pub use calibration::{CalibrationFailure, CalibrationFile, ModelStructure};
 pub use checks::{Disagreement, checked, disagreement};
-pub use data::{DataFile, Files, read};
+pub use data::{DataFile, SampleFiles, read};
 pub use error::Error;
-pub use find::Prepared;
-pub use fit::{Ended, Fit, Keep, Linear, Progress, Watch};
-pub use found::{Found, FoundRun, columns};
-pub use harmonics::{Layout, project};
+pub use find::PreparedCalibration;
+pub use fit::{Fit, FitEnding, FitProgress, FitWatch, Keep, LinearisedRuns};
+pub use found::{CalibrationResult, FoundRun, columns};
+pub use harmonics::{HarmonicLayout, project};
 pub use information::{CLOSE, Information, channel_name};
-pub use observed::{Common, Observed, RunRole, scatter};
-pub use problem::{Model, Parameter, Problem, Whitened};
+pub use observed::{Common, ObservedCycles, RunRole, scatter};
+pub use problem::{CycleModel, FitProblem, FittedParameter, Whitened};
 pub use residual::{LearnedChannel, LearnedResidual};
 pub use rig::{RigModel, RigTarget, in_cell, respond};
 pub use rival::{NextRun, Rival, expected_noise};
-pub use solve::{PHASES, Plan, Solved, Start, phase_of, rms, solve, solve_problem, starts};
+pub use solve::{FitPlan, FitStart, PHASES, SolvedCalibration, phase_of, rms, solve, solve_problem, starts};
 pub use summary::CalibrationSummary;
 pub use tethered::CaseTarget;
 pub use tilts::Tilts;

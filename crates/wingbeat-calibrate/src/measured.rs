@@ -4,7 +4,7 @@ use crate::bins::Bins;
 use crate::observed::{Common, RunRole};
 use crate::rig::RigTarget;
 use crate::tare::{Rest, Tare, clock, rest, share};
-use crate::{Error, Layout, Observed, Tilts, project};
+use crate::{Error, HarmonicLayout, ObservedCycles, Tilts, project};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use wingbeat::rig::cell::CHANNELS;
@@ -16,7 +16,7 @@ pub const FREQUENCY_TOLERANCE: f64 = 0.01;
 
 /// Samples of one pass of a run.
 #[derive(Clone, Debug)]
-pub struct Pass {
+pub struct MeasuredPass {
     /// Where they come from.
     pub file: String,
     /// Time, s; the run begins at 0.
@@ -27,7 +27,7 @@ pub struct Pass {
     pub channels: [Vec<f64>; 6],
 }
 
-impl Pass {
+impl MeasuredPass {
     /// The columns t, Fx .. Tz and phase of a record.
     ///
     /// # Errors
@@ -53,9 +53,14 @@ struct Cycles {
 ///
 /// # Errors
 /// Samples that cannot be those of the run, with what would be right.
-pub fn observed(target: &RigTarget, passes: &[Pass], role: RunRole, robust: bool) -> Result<Observed, Error> {
+pub fn observed(
+    target: &RigTarget,
+    passes: &[MeasuredPass],
+    role: RunRole,
+    robust: bool,
+) -> Result<ObservedCycles, Error> {
     for (k, pass) in passes.iter().enumerate() {
-        let same = |other: &&Pass| other.channels == pass.channels;
+        let same = |other: &&MeasuredPass| other.channels == pass.channels;
         if let Some(other) = passes[..k].iter().find(same) {
             let what = format!("holds the very samples of {}: one pass counts once", other.file);
             return Err(Error::data(&pass.file, what));
@@ -77,7 +82,7 @@ pub fn observed(target: &RigTarget, passes: &[Pass], role: RunRole, robust: bool
         let what = "no whole cycle without missing or saturated samples in the window";
         return Err(Error::data(&target.name, what));
     }
-    let mut observed = Observed {
+    let mut observed = ObservedCycles {
         name: target.name.clone(),
         layout: target.layout(),
         cycles,
@@ -101,7 +106,7 @@ pub fn observed(target: &RigTarget, passes: &[Pass], role: RunRole, robust: bool
     Ok(observed)
 }
 
-fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles, Error> {
+fn cycles_of(target: &RigTarget, pass: &MeasuredPass, bins: &mut Bins) -> Result<Cycles, Error> {
     let rows = window(target, pass)?;
     let range = target.run.spec.rig.cell.calibration.range();
     let oddities = clipped(pass, rows.clone(), &range);
@@ -118,7 +123,7 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
         let body = if is_usable(pass, &range, k) { target.in_body(raw) } else { [f64::NAN; 6] };
         channels.iter_mut().zip(body).for_each(|(channel, x)| channel.push(x));
     }
-    let read = Read { target, pass, rows, from, channels, rest, oddities };
+    let read = TaredPass { target, pass, rows, from, channels, rest, oddities };
     match target.tilts() {
         Some(tilts) => Ok(read.tilted(tilts, bins)),
         None => read.flapped(bins),
@@ -126,7 +131,7 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
 }
 
 /// The samples of `pass` over which the run is averaged.
-fn window(target: &RigTarget, pass: &Pass) -> Result<Range<usize>, Error> {
+fn window(target: &RigTarget, pass: &MeasuredPass) -> Result<Range<usize>, Error> {
     let (begin, end) = target.window();
     let from = pass.time.partition_point(|t| *t < begin - 1e-9);
     let to = pass.time.partition_point(|t| *t <= end + 1e-9);
@@ -142,14 +147,14 @@ fn window(target: &RigTarget, pass: &Pass) -> Result<Range<usize>, Error> {
     Ok(from..to)
 }
 
-fn is_usable(pass: &Pass, range: &[f64; 6], k: usize) -> bool {
+fn is_usable(pass: &MeasuredPass, range: &[f64; 6], k: usize) -> bool {
     (0..6).all(|i| pass.channels[i][k].is_finite() && pass.channels[i][k].abs() < range[i] * (1.0 - 1e-9))
 }
 
 /// A pass less its tare, in the body's axes.
-struct Read<'a> {
+struct TaredPass<'a> {
     target: &'a RigTarget,
-    pass: &'a Pass,
+    pass: &'a MeasuredPass,
     /// Samples over which the run is averaged.
     rows: Range<usize>,
     /// The sample with which `channels` begin.
@@ -160,7 +165,7 @@ struct Read<'a> {
     oddities: Vec<String>,
 }
 
-impl Read<'_> {
+impl TaredPass<'_> {
     /// The parts of a pass through attitudes.
     fn tilted(mut self, tilts: Tilts, bins: &mut Bins) -> Cycles {
         let time = &self.pass.time[self.from..][..self.channels[0].len()];
@@ -241,7 +246,7 @@ impl Read<'_> {
 }
 
 /// What of the samples `rows` cannot be used, by channel.
-fn unusable(target: &RigTarget, pass: &Pass, rows: Range<usize>) -> String {
+fn unusable(target: &RigTarget, pass: &MeasuredPass, rows: Range<usize>) -> String {
     let calibration = target.run.spec.rig.cell.calibration;
     let range = calibration.range();
     let mut told = Vec::new();
@@ -267,7 +272,7 @@ fn unusable(target: &RigTarget, pass: &Pass, rows: Range<usize>) -> String {
 const CLIPPED: f64 = 0.03;
 
 /// Channels that stand at their highest or lowest value within the range for longer than noise lets them.
-fn clipped(pass: &Pass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
+fn clipped(pass: &MeasuredPass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
     let mut told = Vec::new();
     for (i, (name, unit)) in CHANNELS.iter().enumerate() {
         let values = || rows.clone().map(|k| pass.channels[i][k]).filter(|x| x.is_finite());
@@ -288,7 +293,7 @@ fn clipped(pass: &Pass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
 /// Phase of the samples `from ..` on, `count` of them.
 fn phases(
     target: &RigTarget,
-    pass: &Pass,
+    pass: &MeasuredPass,
     force: &[f64],
     from: usize,
     count: usize,
@@ -316,7 +321,7 @@ fn phases(
 
 /// A shift of phase between measurement and model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
+pub struct PhaseShift {
     /// By how much the measured cycle is behind the model's, rad.
     pub by: f64,
     /// Correlation of the harmonics as they are and when shifted.
@@ -327,7 +332,7 @@ pub struct Shift {
 
 /// Correlation of two cycles without their means, channels in parts of their measured amplitude, with the measured one
 /// moved ahead by `shift` rad.
-fn correlation(layout: Layout, measured: &[f64], model: &[f64], shift: f64) -> f64 {
+fn correlation(layout: HarmonicLayout, measured: &[f64], model: &[f64], shift: f64) -> f64 {
     let mut sums = [0.0; 3];
     for channel in 0..layout.channels {
         let weight = layout.mean_square(measured, channel).max(f64::MIN_POSITIVE).recip();
@@ -344,16 +349,16 @@ fn correlation(layout: Layout, measured: &[f64], model: &[f64], shift: f64) -> f
 }
 
 /// The shift at which measurement and model agree best, both in the units of the channels.
-pub fn shift(layout: Layout, measured: &[f64], model: &[f64]) -> Shift {
+pub fn shift(layout: HarmonicLayout, measured: &[f64], model: &[f64]) -> PhaseShift {
     let at = |by: f64| correlation(layout, measured, model, by);
     let steps = (-720..720).map(|k| f64::from(k) * 0.25_f64.to_radians());
     let by = steps.max_by(|a, b| at(*a).total_cmp(&at(*b))).unwrap_or(0.0);
     let own_loss = 1.0 - correlation(layout, measured, measured, by);
-    Shift { by, correlation: [at(0.0), at(by)], own_loss }
+    PhaseShift { by, correlation: [at(0.0), at(by)], own_loss }
 }
 
 /// Axes of the cell that were swapped or flipped: for each channel the measured one that it should be, and its sign.
-pub type Axes = [(usize, f64); 6];
+pub type CellAxes = [(usize, f64); 6];
 
 /// What a changed axis must bring at least, in parts of the whole agreement. *Choice*: quiet axes say nothing.
 const TELLING: f64 = 0.03;
@@ -362,14 +367,14 @@ const CONVINCING: f64 = 0.4;
 
 /// Axes with which the measured cycle, in the units of the channels, agrees with the model much better than as they are; none
 /// where they are right. Forces and moments are turned apart from each other: a plug may be wrong, as may a sign in a file.
-pub fn axes(layout: Layout, measured: &[f64], model: &[f64]) -> Option<Axes> {
+pub fn axes(layout: HarmonicLayout, measured: &[f64], model: &[f64]) -> Option<CellAxes> {
     if layout.channels != 6 {
         return None;
     }
     let product = |a: &[f64], i: usize, b: &[f64], j: usize| -> f64 {
         (1..layout.width()).map(|part| a[layout.at(i, part)] * b[layout.at(j, part)]).sum()
     };
-    let mut found: Axes = std::array::from_fn(|i| (i, 1.0));
+    let mut found: CellAxes = std::array::from_fn(|i| (i, 1.0));
     let mut convinced = false;
     for three in [0, 3] {
         let size = |of: &[f64]| (three..three + 3).map(|i| product(of, i, of, i)).sum::<f64>();

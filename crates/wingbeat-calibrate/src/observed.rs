@@ -1,6 +1,6 @@
 //! What was measured in a run: its cycles, their mean and their scatter.
 
-use crate::Layout;
+use crate::HarmonicLayout;
 use nalgebra::DMatrix;
 use wingbeat::judge::data::Finding;
 use wingbeat::scenario::{CalibratedCaseSpec, CalibratedRunSpec};
@@ -42,11 +42,11 @@ impl RunRole {
 
 /// The cycles of a run.
 #[derive(Clone, Debug)]
-pub struct Observed {
+pub struct ObservedCycles {
     /// Name of the run.
     pub name: String,
     /// How the numbers lie.
-    pub layout: Layout,
+    pub layout: HarmonicLayout,
     /// Numbers of each cycle, in the units of the channels (N and N m).
     pub cycles: Vec<Vec<f64>>,
     /// Weight of each cycle, dimensionless: 1 for an ordinary one.
@@ -88,7 +88,7 @@ pub struct Common {
     pub tare_freedom: f64,
 }
 
-impl Observed {
+impl ObservedCycles {
     /// Weighs the cycles, `robust` or all alike, and takes their mean.
     pub fn weigh(&mut self, robust: bool) {
         self.weights = vec![1.0; self.cycles.len()];
@@ -190,7 +190,7 @@ impl Observed {
 /// `S_k = D R_k D, D the scatter of the run by channel, R_k of all runs in parts of it`
 /// Source: own.
 /// Test: `each_run_scatters_by_its_own_size`.
-pub fn scatter(runs: &[&Observed]) -> Option<Vec<Vec<DMatrix<f64>>>> {
+pub fn scatter(runs: &[&ObservedCycles]) -> Option<Vec<Vec<DMatrix<f64>>>> {
     let layout = runs.first()?.layout;
     let freedom: f64 = runs.iter().map(|run| run.freedom()).sum();
     if freedom < (layout.channels - runs[0].unmeasured.len() + SPARE) as f64 {
@@ -213,7 +213,7 @@ pub fn scatter(runs: &[&Observed]) -> Option<Vec<Vec<DMatrix<f64>>>> {
                 deviation[layout.at(channel, part)] / size[channel].max(f64::MIN_POSITIVE)
             };
             for part in 0..layout.width() {
-                let harmonic = Layout::harmonic(part);
+                let harmonic = HarmonicLayout::harmonic(part);
                 let count = if part == 0 { freedom } else { 2.0 * freedom };
                 for a in 0..layout.channels {
                     for b in 0..layout.channels {

@@ -1,13 +1,13 @@
 //! What is fitted to what, and how its differences weigh.
 
 use crate::observed::{SPARE, scatter};
-use crate::{Error, Layout, Observed, RigTarget, RunRole};
+use crate::{Error, HarmonicLayout, ObservedCycles, RigTarget, RunRole};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use wingbeat::parallel;
 
 /// What predicts the cycles of runs.
-pub trait Model: Sync {
+pub trait CycleModel: Sync {
     /// Numbers of the cycle of run `run` in the units of its channels (N and N m), with the parameters at `values`, in theirs.
     ///
     /// # Errors
@@ -44,7 +44,7 @@ pub trait Model: Sync {
 
 /// A number to be fitted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
+pub struct FittedParameter {
     /// Name.
     pub name: String,
     /// Where the fit begins, in its unit.
@@ -59,7 +59,7 @@ pub struct Parameter {
     pub stage: usize,
 }
 
-impl Parameter {
+impl FittedParameter {
     /// Its size, in its unit: that of its start, or of its prior, or of its range.
     pub fn scale(&self) -> f64 {
         let prior = self.prior.map_or(0.0, |[_, deviation]| deviation);
@@ -76,13 +76,13 @@ impl Parameter {
 pub type Whitened = Vec<DVector<f64>>;
 
 /// Runs, parameters, and the covariance of what is left.
-pub struct Problem<'a> {
+pub struct FitProblem<'a> {
     /// The model.
-    pub model: &'a dyn Model,
+    pub model: &'a dyn CycleModel,
     /// All runs; those held out do not weigh.
-    pub runs: &'a [Observed],
+    pub runs: &'a [ObservedCycles],
     /// What is fitted.
-    pub parameters: &'a [Parameter],
+    pub parameters: &'a [FittedParameter],
     /// Lower Cholesky factors of the covariance of each run's mean.
     factors: Vec<Factor>,
     /// Covariance from cycle to cycle by harmonic, of each run, in the units of the channels, squared.
@@ -106,24 +106,25 @@ enum Factor {
 /// Share of a cycle's amplitude that every harmonic counts at least, where the discrepancy is in parts of it. *Choice.*
 const LEAST_AMPLITUDE: f64 = 0.1;
 
-impl<'a> Problem<'a> {
+impl<'a> FitProblem<'a> {
     /// A problem whose noise is the scatter of the cycles, of one shape over the runs of one layout.
     ///
     /// # Errors
     /// Too few cycles to tell their scatter.
     pub fn new(
-        model: &'a dyn Model,
-        runs: &'a [Observed],
-        parameters: &'a [Parameter],
+        model: &'a dyn CycleModel,
+        runs: &'a [ObservedCycles],
+        parameters: &'a [FittedParameter],
     ) -> Result<Self, Error> {
         let (mut noise, mut freedom) = (vec![Vec::new(); runs.len()], vec![0.0; runs.len()]);
         for (k, run) in runs.iter().enumerate() {
             if !noise[k].is_empty() {
                 continue;
             }
-            let same = |other: &Observed| (other.layout, &other.unmeasured) == (run.layout, &run.unmeasured);
+            let same =
+                |other: &ObservedCycles| (other.layout, &other.unmeasured) == (run.layout, &run.unmeasured);
             let alike: Vec<usize> = (0..runs.len()).filter(|other| same(&runs[*other])).collect();
-            let of: Vec<&Observed> = alike.iter().map(|other| &runs[*other]).collect();
+            let of: Vec<&ObservedCycles> = alike.iter().map(|other| &runs[*other]).collect();
             let scatters = scatter(&of).ok_or_else(|| {
                 let given: usize = of.iter().map(|run| run.cycles.len()).sum();
                 let needed = of.len() + run.layout.channels - run.unmeasured.len() + SPARE;
@@ -148,9 +149,9 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// A covariance that is not positive definite.
     pub fn with_noise(
-        model: &'a dyn Model,
-        runs: &'a [Observed],
-        parameters: &'a [Parameter],
+        model: &'a dyn CycleModel,
+        runs: &'a [ObservedCycles],
+        parameters: &'a [FittedParameter],
         noise: Vec<Vec<DMatrix<f64>>>,
     ) -> Result<Self, Error> {
         let channels = runs.first().map_or(0, |run| run.layout.channels);
@@ -226,7 +227,7 @@ impl<'a> Problem<'a> {
             for a in 0..layout.channels {
                 for b in 0..layout.channels {
                     whole[(layout.at(a, part), layout.at(b, part))] +=
-                        covariances[Layout::harmonic(part)][(a, b)];
+                        covariances[HarmonicLayout::harmonic(part)][(a, b)];
                 }
             }
         }
@@ -241,14 +242,14 @@ impl<'a> Problem<'a> {
         let layout = observed.layout;
         DMatrix::from_fn(layout.width(), layout.width(), |p, q| {
             let (i, j) = (layout.at(channel, p), layout.at(channel, q));
-            let own = if p == q { covariances[Layout::harmonic(p)][(channel, channel)] } else { 0.0 };
+            let own = if p == q { covariances[HarmonicLayout::harmonic(p)][(channel, channel)] } else { 0.0 };
             own + observed.common.mean.as_ref().map_or(0.0, |of| of[(i, j)])
         })
     }
 
     /// The discrepancy by which channel `channel` is weighed: the rms of those of its group. Were each channel weighed by its own,
     /// a fit would give up the large loads that it says badly for quiet channels that it says well.
-    fn working(&self, layout: Layout, channel: usize) -> f64 {
+    fn working(&self, layout: HarmonicLayout, channel: usize) -> f64 {
         let group = group(layout, channel);
         let squares = group.clone().map(|of| self.discrepancy.get(of).copied().unwrap_or(0.0).powi(2));
         (squares.sum::<f64>() / group.len() as f64).sqrt()
@@ -372,21 +373,21 @@ impl<'a> Problem<'a> {
 
 /// What `f` makes of the channels of every part of a cycle; it is told the part's harmonic.
 fn by_part(
-    layout: Layout,
+    layout: HarmonicLayout,
     cycle: &DVector<f64>,
     f: impl Fn(usize, DVector<f64>) -> DVector<f64>,
 ) -> DVector<f64> {
     let mut made = DVector::zeros(layout.len());
     for part in 0..layout.width() {
         let own = DVector::from_fn(layout.channels, |channel, _| cycle[layout.at(channel, part)]);
-        let own = f(Layout::harmonic(part), own);
+        let own = f(HarmonicLayout::harmonic(part), own);
         (0..layout.channels).for_each(|channel| made[layout.at(channel, part)] = own[channel]);
     }
     made
 }
 
 /// The channels that are one vector with channel `channel`: the forces or the moments of six.
-pub fn group(layout: Layout, channel: usize) -> Range<usize> {
+pub fn group(layout: HarmonicLayout, channel: usize) -> Range<usize> {
     match (layout.channels, channel) {
         (6, 0..3) => 0..3,
         (6, _) => 3..6,
@@ -395,8 +396,8 @@ pub fn group(layout: Layout, channel: usize) -> Range<usize> {
 }
 
 /// Sum of squares, dimensionless, of the differences from the priors.
-pub fn priors(parameters: &[Parameter], values: &[f64]) -> f64 {
-    let prior = |(parameter, value): (&Parameter, &f64)| {
+pub fn priors(parameters: &[FittedParameter], values: &[f64]) -> f64 {
+    let prior = |(parameter, value): (&FittedParameter, &f64)| {
         parameter.prior.map_or(0.0, |[mean, deviation]| ((value - mean) / deviation).powi(2))
     };
     parameters.iter().zip(values).map(prior).sum()

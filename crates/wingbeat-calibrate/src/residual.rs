@@ -1,7 +1,7 @@
 //! What a fitted model leaves of the loads of runs, learned by phase of the gait and velocity against the air.
 
 use crate::rig::{beyond_cell, in_wind, respond};
-use crate::{Error, Layout, Observed, RigModel, RigTarget, RunRole};
+use crate::{Error, HarmonicLayout, ObservedCycles, RigModel, RigTarget, RunRole};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use wingbeat::math::Vec3;
@@ -160,13 +160,13 @@ fn range(velocities: &[Vec3]) -> [[f64; 3]; 2] {
 }
 
 /// Rms over cycles of a channel.
-fn rms_of(layout: Layout, cycles: &[Vec<f64>], channel: usize) -> f64 {
+fn rms_of(layout: HarmonicLayout, cycles: &[Vec<f64>], channel: usize) -> f64 {
     let squares = cycles.iter().map(|cycle| layout.mean_square(cycle, channel));
     (squares.sum::<f64>() / cycles.len() as f64).sqrt()
 }
 
 /// The cycle in a phase that is `lag` ahead: sum c_k cos k p + s_k sin k p written in q = p + lag.
-fn turned(layout: Layout, cycle: &mut [f64], lag: f64) {
+fn turned(layout: HarmonicLayout, cycle: &mut [f64], lag: f64) {
     for channel in 0..layout.channels {
         for k in 1..=layout.harmonics {
             let (sin, cos) = (k as f64 * lag).sin_cos();
@@ -181,7 +181,7 @@ pub(crate) struct Stands<'a> {
     /// Their numbers.
     own: Vec<usize>,
     targets: Vec<&'a RigTarget>,
-    layout: Layout,
+    layout: HarmonicLayout,
     frequency: f64,
     place: Vec3,
     /// Of `place` against the air, in B.
@@ -194,7 +194,7 @@ impl<'a> Stands<'a> {
     ///
     /// # Errors
     /// Runs that do not belong together, or do not tell it.
-    pub fn of(model: &'a RigModel, runs: &[Observed]) -> Result<Option<Self>, Error> {
+    pub fn of(model: &'a RigModel, runs: &[ObservedCycles]) -> Result<Option<Self>, Error> {
         let own: Vec<usize> = (0..runs.len()).filter(|run| runs[*run].role == RunRole::Residual).collect();
         let Some(first) = own.first().copied() else { return Ok(None) };
         let targets: Vec<&RigTarget> = own.iter().map(|run| &model.targets[*run]).collect();
@@ -268,7 +268,7 @@ impl LearnedResidual {
     /// Runs that do not tell it.
     pub fn of(
         model: &RigModel,
-        runs: &[Observed],
+        runs: &[ObservedCycles],
         values: &[f64],
         said: &dyn Fn(usize) -> Result<Vec<f64>, Error>,
     ) -> Result<Option<Self>, Error> {
@@ -375,7 +375,7 @@ mod tests {
 
     #[test]
     fn a_turned_cycle_is_the_same_in_the_other_phase() {
-        let layout = Layout { channels: 1, harmonics: 3 };
+        let layout = HarmonicLayout { channels: 1, harmonics: 3 };
         let cycle = vec![0.3, 0.5, -0.2, 0.1, 0.4, -0.3, 0.2];
         let mut other = cycle.clone();
         turned(layout, &mut other, 0.7);

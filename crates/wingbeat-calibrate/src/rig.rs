@@ -1,11 +1,11 @@
 //! Runs on the rig as a model of cycles.
 
 use crate::tilts::{INSTANTS, Tilts};
-use crate::{CaseTarget, Error, Layout, Model, PHASES, phase_of, project};
+use crate::{CaseTarget, CycleModel, Error, HarmonicLayout, PHASES, phase_of, project};
 use std::f64::consts::TAU;
 use wingbeat::math::Vec3;
 use wingbeat::plant::Fault;
-use wingbeat::rig::carrier::{Carrier, Mount, carried_frames};
+use wingbeat::rig::carrier::{CellMount, ToolCarrier, carried_frames};
 use wingbeat::rig::cell::{CellSpec, six, wrench};
 use wingbeat::rig::{Instants, Wrenches};
 use wingbeat::scenario::RigRun;
@@ -21,13 +21,13 @@ pub struct RigTarget {
     pub run: RigRun,
     /// What the report calls it.
     pub name: String,
-    carrier: Carrier,
+    carrier: ToolCarrier,
     window: (f64, f64),
     instants: Instants,
     harmonics: usize,
     cycles: usize,
     steps_per_cycle: usize,
-    drawn: Mount,
+    drawn: CellMount,
     tilts: Option<Tilts>,
 }
 
@@ -90,7 +90,7 @@ impl RigTarget {
     }
 
     /// Static tilts.
-    fn weighing(run: RigRun, name: &str, carrier: Carrier) -> Result<Self, Error> {
+    fn weighing(run: RigRun, name: &str, carrier: ToolCarrier) -> Result<Self, Error> {
         let held = run.spec.hold.as_ref().map(|hold| (hold.tilts_deg.len(), hold.each_s));
         let (count, each_s) = held.unwrap_or((0, 0.0));
         if count < 3 {
@@ -126,7 +126,7 @@ impl RigTarget {
     }
 
     /// What carries the robot.
-    pub fn carrier(&self) -> &Carrier {
+    pub fn carrier(&self) -> &ToolCarrier {
         &self.carrier
     }
     /// Velocity of the body's point `place`, the mount as drawn, against the mean wind at `t`, m/s in B.
@@ -143,8 +143,8 @@ impl RigTarget {
         self.cycles
     }
     /// How its numbers lie.
-    pub fn layout(&self) -> Layout {
-        Layout { channels: 6, harmonics: self.harmonics }
+    pub fn layout(&self) -> HarmonicLayout {
+        HarmonicLayout { channels: 6, harmonics: self.harmonics }
     }
     /// Whether the rest before the run is taken away.
     pub fn tared(&self) -> bool {
@@ -260,7 +260,7 @@ impl RigTarget {
 
 /// Numbers of a cycle of wrenches, N and N m, about the body's origin in B as those of the wrenches on the cell of `mount` in
 /// C.
-pub fn in_cell(mount: &Mount, layout: Layout, cycle: &[f64]) -> Vec<f64> {
+pub fn in_cell(mount: &CellMount, layout: HarmonicLayout, cycle: &[f64]) -> Vec<f64> {
     let mut turned = vec![0.0; cycle.len()];
     for part in 0..layout.width() {
         let own = std::array::from_fn(|channel| cycle[layout.at(channel, part)]);
@@ -282,12 +282,12 @@ pub fn in_wind(run: &RigRun) -> bool {
 /// `1/(1 - r^2 + 2 i z r), r = k f/f_0; (1 - p)/(1 - p e^(-iwT)); e^(iwT/2)`
 /// Source: linear oscillator, recursive filter, held load.
 /// Test: `the_cell_answers_harmonics_as_it_does_samples`.
-pub fn respond(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64]) {
+pub fn respond(cell: &CellSpec, frequency: f64, layout: HarmonicLayout, cycle: &mut [f64]) {
     each_harmonic(layout, cycle, |k| response(cell, frequency, k));
 }
 
 /// The load before the cell, in the units of the channels, of which it shows these harmonics: [`respond`] undone.
-pub fn beyond_cell(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64]) {
+pub fn beyond_cell(cell: &CellSpec, frequency: f64, layout: HarmonicLayout, cycle: &mut [f64]) {
     each_harmonic(layout, cycle, |k| inverse(response(cell, frequency, k)));
 }
 
@@ -307,7 +307,7 @@ fn response(cell: &CellSpec, frequency: f64, k: usize) -> [f64; 2] {
 }
 
 /// Multiplies the harmonics of all channels.
-fn each_harmonic(layout: Layout, cycle: &mut [f64], factor: impl Fn(usize) -> [f64; 2]) {
+fn each_harmonic(layout: HarmonicLayout, cycle: &mut [f64], factor: impl Fn(usize) -> [f64; 2]) {
     for k in 1..=layout.harmonics {
         let factor = factor(k);
         for channel in 0..layout.channels {
@@ -350,7 +350,7 @@ impl RigModel {
     }
 }
 
-impl Model for RigModel {
+impl CycleModel for RigModel {
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error> {
         match self.targets.get(run) {
             Some(target) => target.predict(&self.numbers(values)),

@@ -1,9 +1,12 @@
 //! Other structures of the model, and other runs, beside those that were fitted.
 
-use crate::design::{Candidate, largest, rank};
+use crate::design::{RunCandidate, largest, rank};
 use crate::observed::{Common, sized};
 use crate::problem::group;
-use crate::{Error, Layout, Observed, Problem, RigTarget, RunRole, Solved, Structure, channel_name, rms};
+use crate::{
+    Error, FitProblem, HarmonicLayout, ModelStructure, ObservedCycles, RigTarget, RunRole, SolvedCalibration,
+    channel_name, rms,
+};
 use nalgebra::DMatrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -29,7 +32,7 @@ pub struct Rival {
 }
 
 /// Mean over runs of the rms by channel, and that in parts of the measured rms.
-fn shares(runs: &[Observed], of: &[(usize, Vec<f64>)]) -> (BTreeMap<String, f64>, f64) {
+fn shares(runs: &[ObservedCycles], of: &[(usize, Vec<f64>)]) -> (BTreeMap<String, f64>, f64) {
     let Some((first, _)) = of.first() else { return (BTreeMap::new(), f64::NAN) };
     let layout = runs[*first].layout;
     let (mut by_channel, mut share) = (BTreeMap::new(), 0.0);
@@ -52,7 +55,7 @@ fn shares(runs: &[Observed], of: &[(usize, Vec<f64>)]) -> (BTreeMap<String, f64>
 
 impl Rival {
     /// Of a fitted structure.
-    pub fn of(name: &str, runs: &[Observed], solved: &Solved) -> Result<Self, Error> {
+    pub fn of(name: &str, runs: &[ObservedCycles], solved: &SolvedCalibration) -> Result<Self, Error> {
         let (left_out_rms, left_out_share) = shares(runs, &solved.left_out()?);
         let mut held = Vec::new();
         for run in (0..runs.len()).filter(|run| runs[*run].role == RunRole::HeldOut) {
@@ -94,7 +97,11 @@ impl NextRun {
     ///
     /// # Errors
     /// A model without an answer.
-    pub fn all(candidates: &Structure, solved: &Solved, passes: usize) -> Result<Vec<Self>, Error> {
+    pub fn all(
+        candidates: &ModelStructure,
+        solved: &SolvedCalibration,
+        passes: usize,
+    ) -> Result<Vec<Self>, Error> {
         let values = &solved.values;
         let template = &solved.problem.runs[solved.at.of[0]];
         let observed = candidates.model.targets.iter().map(|target| {
@@ -107,7 +114,7 @@ impl NextRun {
             } else {
                 Common::default()
             };
-            Ok(Observed {
+            Ok(ObservedCycles {
                 common,
                 unmeasured: Vec::new(),
                 name: target.name.clone(),
@@ -120,13 +127,13 @@ impl NextRun {
                 ..template.clone()
             })
         });
-        let observed = observed.collect::<Result<Vec<Observed>, Error>>()?;
+        let observed = observed.collect::<Result<Vec<ObservedCycles>, Error>>()?;
         let noise = expected_noise(solved, &candidates.model.targets, &observed);
         let parameters = solved.problem.parameters;
-        let problem = Problem::with_noise(&candidates.model, &observed, parameters, noise)?;
+        let problem = FitProblem::with_noise(&candidates.model, &observed, parameters, noise)?;
         let ranked = rank(solved, &problem)?;
         let (worst, _) = largest(&solved.errors(), parameters);
-        let of = |candidate: Candidate| {
+        let of = |candidate: RunCandidate| {
             let (target, observed) = (&candidates.model.targets[candidate.index], &observed[candidate.index]);
             Self {
                 name: observed.name.clone(),
@@ -154,9 +161,9 @@ const LEAST_LOAD: f64 = 0.1;
 /// Source: own; in proportion: choice.
 /// Test: `the_noise_of_a_run_to_come_is_that_of_its_samples`.
 pub fn expected_noise(
-    solved: &Solved,
+    solved: &SolvedCalibration,
     targets: &[RigTarget],
-    candidates: &[Observed],
+    candidates: &[ObservedCycles],
 ) -> Vec<Vec<DMatrix<f64>>> {
     let first = solved.at.of[0];
     let (made, noise) = (&solved.problem.runs[first], &solved.problem.noise[first]);
@@ -167,10 +174,12 @@ pub fn expected_noise(
     let own = loads(made);
     let cell = made_target.cell_noise();
     let scatter = |channel: usize| -> f64 {
-        let part = |part: usize| Layout::share(part) * noise[Layout::harmonic(part)][(channel, channel)];
+        let part = |part: usize| {
+            HarmonicLayout::share(part) * noise[HarmonicLayout::harmonic(part)][(channel, channel)]
+        };
         (0..layout.width()).map(part).sum()
     };
-    let one = |(target, candidate): (&RigTarget, &Observed)| {
+    let one = |(target, candidate): (&RigTarget, &ObservedCycles)| {
         let (then, floor) = (loads(candidate), target.cell_noise());
         let by = |channel: usize| {
             let now = scatter(channel).max(f64::MIN_POSITIVE);
@@ -184,7 +193,7 @@ pub fn expected_noise(
 }
 
 /// Mean square about the mean of each channel of a run, and a share of that of the whole force or moment.
-fn loads(run: &Observed) -> Vec<f64> {
+fn loads(run: &ObservedCycles) -> Vec<f64> {
     let layout = run.layout;
     let own =
         |channel: usize| layout.mean_square(&run.mean, channel) - run.mean[layout.at(channel, 0)].powi(2);

@@ -1,9 +1,9 @@
 //! A calibration from runs to what is known.
 
-use crate::fit::{Fit, Keep, Linear, Watch, fit, step};
-use crate::problem::Problem;
+use crate::fit::{Fit, FitWatch, Keep, LinearisedRuns, fit, step};
+use crate::problem::FitProblem;
 use crate::uncertainty::{Covariances, Profile, covariances, inverse, profiles};
-use crate::{Error, Layout, Model, Observed, Parameter};
+use crate::{CycleModel, Error, FittedParameter, HarmonicLayout, ObservedCycles};
 use nalgebra::DMatrix;
 use wingbeat::math::Random;
 
@@ -18,7 +18,7 @@ pub const PHASES: usize = 200;
 
 /// What to do.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct FitPlan {
     /// Number of starts.
     pub starts: usize,
     /// Share by which starts differ.
@@ -31,7 +31,7 @@ pub struct Plan {
 
 /// A start and where it led.
 #[derive(Clone, Debug)]
-pub struct Start {
+pub struct FitStart {
     /// Values it began with, in the units of the parameters.
     pub from: Vec<f64>,
     /// Where it ended; none where the model had no answer.
@@ -39,27 +39,27 @@ pub struct Start {
 }
 
 /// What a calibration found.
-pub struct Solved<'a> {
+pub struct SolvedCalibration<'a> {
     /// Runs, parameters and weights.
-    pub problem: Problem<'a>,
+    pub problem: FitProblem<'a>,
     /// Values, in the units of the parameters.
     pub values: Vec<f64>,
     /// The starts.
-    pub starts: Vec<Start>,
+    pub starts: Vec<FitStart>,
     /// Sum of squares over freedom, a ratio, with the noise of the cycles alone.
     pub chi_squared: f64,
     /// Residuals and Jacobian at the values, of the fitted runs.
-    pub at: Linear,
+    pub at: LinearisedRuns,
     /// Covariances.
     pub covariances: Covariances,
 }
 
 /// The starts of a fit, in the units of the parameters: that of the parameters, then others drawn evenly within `spread` of it.
-pub fn starts(parameters: &[Parameter], plan: &Plan) -> Vec<Vec<f64>> {
+pub fn starts(parameters: &[FittedParameter], plan: &FitPlan) -> Vec<Vec<f64>> {
     let mut random = Random::stream(plan.seed, u64::from(u32::MAX));
     let first: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
     let other = |_| {
-        let drawn = |parameter: &Parameter| {
+        let drawn = |parameter: &FittedParameter| {
             let by = random.between(-plan.spread, plan.spread);
             (parameter.start + by * parameter.scale()).clamp(parameter.low, parameter.high)
         };
@@ -74,14 +74,14 @@ pub fn starts(parameters: &[Parameter], plan: &Plan) -> Vec<Vec<f64>> {
 /// # Errors
 /// A model without an answer at every start; [`Error::Stopped`].
 pub fn solve<'a>(
-    model: &'a dyn Model,
-    runs: &'a [Observed],
-    parameters: &'a [Parameter],
-    plan: &Plan,
+    model: &'a dyn CycleModel,
+    runs: &'a [ObservedCycles],
+    parameters: &'a [FittedParameter],
+    plan: &FitPlan,
     keep: &mut dyn Keep,
-    watch: &mut Watch,
-) -> Result<Solved<'a>, Error> {
-    let problem = Problem::new(model, runs, parameters)?;
+    watch: &mut FitWatch,
+) -> Result<SolvedCalibration<'a>, Error> {
+    let problem = FitProblem::new(model, runs, parameters)?;
     solve_problem(problem, plan, keep, watch)
 }
 
@@ -90,11 +90,11 @@ pub fn solve<'a>(
 /// # Errors
 /// Those of [`solve`].
 pub fn solve_problem<'a>(
-    mut problem: Problem<'a>,
-    plan: &Plan,
+    mut problem: FitProblem<'a>,
+    plan: &FitPlan,
     keep: &mut dyn Keep,
-    watch: &mut Watch,
-) -> Result<Solved<'a>, Error> {
+    watch: &mut FitWatch,
+) -> Result<SolvedCalibration<'a>, Error> {
     let parameters = problem.parameters;
     let mut made = Vec::new();
     let mut best: Option<Fit> = None;
@@ -117,7 +117,7 @@ pub fn solve_problem<'a>(
         {
             best = Some(found.clone());
         }
-        made.push(Start { from, fit: found });
+        made.push(FitStart { from, fit: found });
     }
     let Some(best) = best else {
         return Err(last.unwrap_or_else(|| Error::Uninformed("no start".into())));
@@ -125,7 +125,7 @@ pub fn solve_problem<'a>(
     let mut values = best.values;
     let of = problem.fitted();
     let freedom = freedom(&problem, &of);
-    let mut at = Linear::at(&problem, &of, &values)?;
+    let mut at = LinearisedRuns::at(&problem, &of, &values)?;
     let chi_squared = problem.cost(&at.residuals, &values) / freedom;
     if plan.discrepancy && chi_squared > 1.0 + WRONG * (2.0 / freedom).sqrt() {
         for _ in 0..ROUNDS {
@@ -134,14 +134,14 @@ pub fn solve_problem<'a>(
             problem.weigh(discrepancy)?;
             values = fit(&problem, &values, made.len(), None, watch)?.values;
         }
-        at = Linear::at(&problem, &of, &values)?;
+        at = LinearisedRuns::at(&problem, &of, &values)?;
     }
     let covariances = covariances(&problem, &at, &values);
-    Ok(Solved { problem, values, starts: made, chi_squared, at, covariances })
+    Ok(SolvedCalibration { problem, values, starts: made, chi_squared, at, covariances })
 }
 
 /// Numbers measured less parameters fitted.
-fn freedom(problem: &Problem, of: &[usize]) -> f64 {
+fn freedom(problem: &FitProblem, of: &[usize]) -> f64 {
     let measured = |run: &usize| {
         let (layout, left) = (problem.runs[*run].layout, problem.runs[*run].unmeasured.len());
         (layout.channels - left) * layout.width()
@@ -157,7 +157,7 @@ fn freedom(problem: &Problem, of: &[usize]) -> f64 {
 /// `delta^2 = sum (residual^2 - noise) / sum amplitude^2 per channel, n/(n - p)`
 /// Source: moments; form a choice.
 /// Test: `a_model_that_is_wrong_is_told_by_how_much`.
-fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
+fn unsaid(problem: &FitProblem, values: &[f64]) -> Result<Vec<f64>, Error> {
     let of = problem.fitted();
     let predictions = problem.predictions(&of, values)?;
     let channels = problem.runs[of[0]].layout.channels;
@@ -174,11 +174,11 @@ fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
                 continue;
             }
             for part in 0..layout.width() {
-                let (i, k) = (layout.at(channel, part), Layout::harmonic(part));
+                let (i, k) = (layout.at(channel, part), HarmonicLayout::harmonic(part));
                 let scatter = problem.noise[*run][k][(channel, channel)] / observed.effective();
                 let noise = scatter + observed.tare_variance(i);
-                beyond += Layout::share(part) * ((predicted[i] - observed.mean[i]).powi(2) - noise);
-                size += Layout::share(part) * squares[channel][k];
+                beyond += HarmonicLayout::share(part) * ((predicted[i] - observed.mean[i]).powi(2) - noise);
+                size += HarmonicLayout::share(part) * squares[channel][k];
             }
         }
         (correction * beyond.max(0.0) / size.max(f64::MIN_POSITIVE)).sqrt()
@@ -186,7 +186,7 @@ fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
     Ok((0..channels).map(channel).collect())
 }
 
-impl Solved<'_> {
+impl SolvedCalibration<'_> {
     /// Standard errors with cycles as clusters, in the units of the parameters.
     pub fn errors(&self) -> Vec<f64> {
         (0..self.values.len()).map(|k| self.covariances.clustered[(k, k)].max(0.0).sqrt()).collect()
@@ -217,7 +217,7 @@ impl Solved<'_> {
         let once = step(&normal, 0.0, parameters, &self.values, &free);
         let predictions = self.problem.predictions(&self.at.of, &once)?;
         let residuals = self.problem.residuals(&self.at.of, &predictions);
-        let moved = Linear { residuals, ..self.at.clone() };
+        let moved = LinearisedRuns { residuals, ..self.at.clone() };
         let normal = moved.normal(parameters, &once, &[run]);
         Ok(step(&normal, 0.0, parameters, &once, &free))
     }
@@ -256,7 +256,7 @@ pub fn phase_of(k: usize) -> f64 {
 
 /// Root mean square over the cycle of what is predicted less what was measured, by channel, in its unit; NaN of one that was
 /// not measured.
-pub fn rms(observed: &Observed, predicted: &[f64]) -> Vec<f64> {
+pub fn rms(observed: &ObservedCycles, predicted: &[f64]) -> Vec<f64> {
     let apart: Vec<f64> = predicted.iter().zip(&observed.mean).map(|(model, mean)| model - mean).collect();
     let one = |channel: usize| match observed.is_measured(channel) {
         true => observed.layout.mean_square(&apart, channel).sqrt(),

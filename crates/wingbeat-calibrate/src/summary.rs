@@ -1,7 +1,7 @@
 //! `summary.json`.
 
-use crate::data::{DataFile, Files};
-use crate::found::{Found, FoundRun};
+use crate::data::{DataFile, SampleFiles};
+use crate::found::{CalibrationResult, FoundRun};
 use crate::{Fit, Label, LearnedChannel, LearnedResidual, NextRun, Rival, RunRole, rms, student_95};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ fn pooled(mut of: Vec<f64>) -> f64 {
     if of.is_empty() { f64::NAN } else { (of.iter().map(|x| x * x).sum::<f64>() / count).sqrt() }
 }
 
-impl Found {
+impl CalibrationResult {
     /// Root mean square of what the model misses in a channel of the runs that were fitted, before and after the fit, N or
     /// N m; NaN where no run measured it.
     pub(crate) fn residuals(&self, channel: usize) -> [f64; 2] {
@@ -25,7 +25,7 @@ impl Found {
     }
 
     /// The contents of summary.json.
-    pub fn summary(&self, files: &Files, verdict: &Verdict) -> CalibrationSummary {
+    pub fn summary(&self, files: &SampleFiles, verdict: &Verdict) -> CalibrationSummary {
         let (mut rmse, mut coverage, mut white, mut widths) =
             (BTreeMap::new(), BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
         for (channel, name) in self.channels().into_iter().enumerate() {
@@ -188,7 +188,7 @@ struct SummaryLearned {
 }
 
 impl SummaryResidual {
-    fn of(residual: &LearnedResidual, found: &Found) -> Self {
+    fn of(residual: &LearnedResidual, found: &CalibrationResult) -> Self {
         let channel = |channel: &LearnedChannel| {
             let own = SummaryLearned { left: channel.left, missed: channel.missed, told: channel.is_told() };
             (channel.name.clone(), own)

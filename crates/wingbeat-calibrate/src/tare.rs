@@ -1,8 +1,8 @@
 //! The rest before a run: the line that is taken away, and what its noise puts into the cycles.
 
-use crate::measured::Pass;
+use crate::measured::MeasuredPass;
 use crate::rig::{RigTarget, SETTLING};
-use crate::{Error, Layout, Observed};
+use crate::{Error, HarmonicLayout, ObservedCycles};
 use nalgebra::{DMatrix, DVector};
 use wingbeat::rig::process::tare_line;
 
@@ -32,7 +32,7 @@ pub struct Tare {
 const BATCHES: usize = 24;
 
 /// Offset and slope of each channel over the rest, as it is read; none where the run takes no tare.
-pub fn rest(target: &RigTarget, pass: &Pass) -> Result<Option<Rest>, Error> {
+pub fn rest(target: &RigTarget, pass: &MeasuredPass) -> Result<Option<Rest>, Error> {
     if !target.tared() {
         return Ok(None);
     }
@@ -90,7 +90,7 @@ impl Rest {
     /// of the rest, M from cell to body`
     /// Source: generalised least squares, Aitken 1936; batch means.
     /// Test: `standard_errors_of_what_tilts_tell_are_those_of_many_seeds`.
-    pub fn tare(&self, target: &RigTarget, layout: Layout, clock: &[f64]) -> Tare {
+    pub fn tare(&self, target: &RigTarget, layout: HarmonicLayout, clock: &[f64]) -> Tare {
         let turn = DMatrix::from_columns(
             &(0..6)
                 .map(|i| {
@@ -117,9 +117,9 @@ impl Rest {
 
 /// Mean and harmonics of the time, s, over cycles that begin at the phase `begin.0` and have the frequency `begin.1`, about
 /// `middle`: a sawtooth, whose sines about that phase are -1/(pi k f).
-pub fn clock(layout: Layout, (begin, frequency): (f64, f64), middle: f64) -> Vec<f64> {
+pub fn clock(layout: HarmonicLayout, (begin, frequency): (f64, f64), middle: f64) -> Vec<f64> {
     let part = |part: usize| {
-        let k = Layout::harmonic(part) as f64;
+        let k = HarmonicLayout::harmonic(part) as f64;
         let size = -1.0 / (std::f64::consts::PI * k * frequency);
         match part {
             0 => middle,
@@ -133,7 +133,7 @@ pub fn clock(layout: Layout, (begin, frequency): (f64, f64), middle: f64) -> Vec
 /// Sets what the cycles have in common: `of` says of which pass each is, `tares` what the tare of each pass puts into its cycles.
 /// The passes' tares are independent: of a mean with the weights w the covariance is the sum over the passes of (sum w / sum of all w)^2
 /// times theirs.
-pub fn share(observed: &mut Observed, of: &[usize], tares: &[Option<Tare>]) {
+pub fn share(observed: &mut ObservedCycles, of: &[usize], tares: &[Option<Tare>]) {
     let total: f64 = observed.weights.iter().sum();
     let size = observed.layout.len();
     let (mut mean, mut pass, mut known) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size), 0.0);

@@ -2,7 +2,7 @@
 
 use crate::bins::Bins;
 use crate::observed::{Common, RunRole};
-use crate::{Error, Layout, Observed, doctor, project};
+use crate::{Error, HarmonicLayout, ObservedCycles, doctor, project};
 use std::f64::consts::TAU;
 use wingbeat::plant::Fault;
 use wingbeat::scenario::{ConfigError, TetherCase};
@@ -46,8 +46,8 @@ impl CaseTarget {
     }
 
     /// How its numbers lie.
-    pub fn layout(&self) -> Layout {
-        Layout { channels: LOADS.len(), harmonics: self.harmonics }
+    pub fn layout(&self) -> HarmonicLayout {
+        HarmonicLayout { channels: LOADS.len(), harmonics: self.harmonics }
     }
 
     /// Those of the numbers that the wing has.
@@ -95,7 +95,7 @@ impl CaseTarget {
         files: &[(String, Record)],
         role: RunRole,
         robust: bool,
-    ) -> Result<Observed, Error> {
+    ) -> Result<ObservedCycles, Error> {
         let mut bins = Bins::new();
         let (mut cycles, mut left_out, mut samples, mut turns) = (Vec::new(), 0, 0.0, 0.0);
         let mut measured: Option<Vec<usize>> = None;
@@ -151,7 +151,7 @@ impl CaseTarget {
         }
         let measured = measured.unwrap_or_default();
         found.extend(doctor::beside_other_passes(self, &measured, &passes));
-        let mut observed = Observed {
+        let mut observed = ObservedCycles {
             name: self.name.clone(),
             layout: self.layout(),
             cycles,

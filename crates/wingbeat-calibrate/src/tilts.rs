@@ -3,7 +3,7 @@
 //! A cycle is one pass through the attitudes and its phase their number: its harmonics are those of the loads in the n attitudes, which
 //! (n - 1)/2 of them and the mean give back where n is odd.
 
-use crate::Layout;
+use crate::HarmonicLayout;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -25,8 +25,8 @@ pub struct Tilts {
 
 impl Tilts {
     /// How the numbers of a cycle lie.
-    pub fn layout(self) -> Layout {
-        Layout { channels: 6, harmonics: (self.count - 1) / 2 }
+    pub fn layout(self) -> HarmonicLayout {
+        HarmonicLayout { channels: 6, harmonics: (self.count - 1) / 2 }
     }
 
     /// Begin and end of what is used of attitude `k`, s.

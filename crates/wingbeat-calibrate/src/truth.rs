@@ -1,7 +1,7 @@
 //! Samples of a robot that is known, in place of measured ones.
 
 use crate::Error;
-use crate::measured::Pass;
+use crate::measured::MeasuredPass;
 use crate::rig::{RigTarget, of_six};
 use std::f64::consts::TAU;
 use wingbeat::math::Random;
@@ -48,14 +48,14 @@ impl Clean {
         truth: &TruthSpec,
         seed: u64,
         number: usize,
-    ) -> Result<Pass, Error> {
+    ) -> Result<MeasuredPass, Error> {
         let rig = &target.run.spec.rig;
         let mut random = Random::stream(seed, 2 * number as u64);
         let first = self.rows.first().copied().unwrap_or_default();
         let mut cell =
             LoadCell::new(&rig.cell, &of_six(first), seed.wrapping_mul(1_000_003) + number as u64)?;
         let mut unrest = Unrest::new(self.step, truth.unrest_time_s);
-        let mut pass = Pass {
+        let mut pass = MeasuredPass {
             file: format!("{} pass {}", target.name, number + 1),
             time: Vec::with_capacity(self.rows.len()),
             phase: Vec::with_capacity(self.rows.len()),

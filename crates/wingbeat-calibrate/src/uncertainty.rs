@@ -1,8 +1,8 @@
 //! How well a fit knows its parameters.
 
-use crate::fit::{Linear, scaled_solve, step};
-use crate::problem::Problem;
-use crate::{Error, Layout, Parameter};
+use crate::fit::{LinearisedRuns, scaled_solve, step};
+use crate::problem::FitProblem;
+use crate::{Error, FittedParameter, HarmonicLayout};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use wingbeat::parallel;
@@ -101,7 +101,7 @@ fn estimated_weights(freedom: f64, spare: f64) -> f64 {
 /// `B^-1 (sum over cycles g g' + J'C^-1 T C^-1 J) B^-1, B = J'C^-1 J + prior`
 /// Source: Liang & Zeger 1986.
 /// Test: `clustered_errors_are_those_of_many_fits`.
-pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariances {
+pub fn covariances(problem: &FitProblem, at: &LinearisedRuns, values: &[f64]) -> Covariances {
     let parameters = problem.parameters;
     let n = parameters.len();
     let (square, _) = at.normal(parameters, values, &[]);
@@ -139,7 +139,7 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
         // One cycle does not scatter: its noise is what is known of it.
         if observed.freedom() < 1.0 {
             for part in 0..layout.width() {
-                let noise = problem.noise[*run][Layout::harmonic(part)].clone();
+                let noise = problem.noise[*run][HarmonicLayout::harmonic(part)].clone();
                 for column in noise
                     .cholesky()
                     .iter()
@@ -159,7 +159,7 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
         if let Some(factor) = noise.select_rows(&noisy).select_columns(&noisy).cholesky() {
             let samples = observed.samples_per_cycle * count;
             for part in 0..layout.width() {
-                let variance = Layout::share(part).recip() / samples;
+                let variance = HarmonicLayout::share(part).recip() / samples;
                 for column in factor.l().column_iter() {
                     let mut unit = vec![0.0; layout.len()];
                     let of = noisy.iter().zip(column.iter());
@@ -188,9 +188,9 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
 }
 
 /// What the discrepancy does to the gradient, the same error in all runs of one layout: per channel and part one vector summed over runs.
-fn unsaid(problem: &Problem, at: &Linear, n: usize) -> DMatrix<f64> {
+fn unsaid(problem: &FitProblem, at: &LinearisedRuns, n: usize) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(n, n);
-    let mut layouts: Vec<Layout> = at.of.iter().map(|run| problem.runs[*run].layout).collect();
+    let mut layouts: Vec<HarmonicLayout> = at.of.iter().map(|run| problem.runs[*run].layout).collect();
     layouts.dedup();
     for (number, layout) in layouts.iter().enumerate() {
         if layouts[..number].contains(layout) {
@@ -209,7 +209,8 @@ fn unsaid(problem: &Problem, at: &Linear, n: usize) -> DMatrix<f64> {
                     }
                     let squares = problem.amplitudes(*run);
                     let mut unit = vec![0.0; layout.len()];
-                    unit[layout.at(channel, part)] = share * squares[channel][Layout::harmonic(part)].sqrt();
+                    unit[layout.at(channel, part)] =
+                        share * squares[channel][HarmonicLayout::harmonic(part)].sqrt();
                     g += j.transpose() * problem.whiten(*run, &unit);
                 }
                 sum += &g * g.transpose();
@@ -219,7 +220,7 @@ fn unsaid(problem: &Problem, at: &Linear, n: usize) -> DMatrix<f64> {
     sum
 }
 
-fn scaled_by_size(jacobian: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> {
+fn scaled_by_size(jacobian: &DMatrix<f64>, parameters: &[FittedParameter]) -> DMatrix<f64> {
     DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, k| jacobian[(i, k)] * parameters[k].scale())
 }
 
@@ -285,8 +286,8 @@ pub struct Profile {
 /// # Errors
 /// A model without an answer at the fit.
 pub fn profiles(
-    problem: &Problem,
-    at: &Linear,
+    problem: &FitProblem,
+    at: &LinearisedRuns,
     values: &[f64],
     errors: &[f64],
 ) -> Result<Vec<Profile>, Error> {
@@ -316,7 +317,7 @@ pub fn profiles(
     Ok(profiles)
 }
 
-fn profile(parameter: &Parameter, value: f64, curve: Vec<(f64, f64)>) -> Profile {
+fn profile(parameter: &FittedParameter, value: f64, curve: Vec<(f64, f64)>) -> Profile {
     let crossing = |side: f64| {
         let mut outwards: Vec<(f64, f64)> =
             curve.iter().copied().filter(|(x, _)| side * (x - value) >= 0.0).collect();
@@ -341,7 +342,7 @@ fn profile(parameter: &Parameter, value: f64, curve: Vec<(f64, f64)>) -> Profile
 
 /// Values at which the profile of parameter `k` is taken: to 3 standard errors on both sides, within the bounds.
 fn abscissae(
-    problem: &Problem,
+    problem: &FitProblem,
     values: &[f64],
     errors: &[f64],
     k: usize,
@@ -362,8 +363,8 @@ fn abscissae(
 /// The cost with parameter `k` at `x`; none where the model has no answer. `told` are the cost at the fit and what the linear model says
 /// of it at `x`.
 fn along(
-    problem: &Problem,
-    at: &Linear,
+    problem: &FitProblem,
+    at: &LinearisedRuns,
     (square, gradient): &(DMatrix<f64>, DVector<f64>),
     values: &[f64],
     (k, x): (usize, f64),
@@ -388,7 +389,7 @@ fn along(
         if (cost - told.end).abs() <= TOLD * (told.end - told.start) {
             break;
         }
-        g = Linear { of: at.of.clone(), residuals, jacobians: at.jacobians.clone() }
+        g = LinearisedRuns { of: at.of.clone(), residuals, jacobians: at.jacobians.clone() }
             .normal(problem.parameters, &next, &[])
             .1;
         now = next;

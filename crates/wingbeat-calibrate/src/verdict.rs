@@ -1,12 +1,12 @@
 //! The verdict on a fit.
 
-use crate::found::{Found, FoundRun};
-use crate::measured::{Shift, shift};
+use crate::found::{CalibrationResult, FoundRun};
+use crate::measured::{PhaseShift, shift};
 use crate::problem::group;
-use crate::{Label, Layout};
+use crate::{HarmonicLayout, Label};
 use std::ops::Range;
 use wingbeat::judge::limits::calibration;
-use wingbeat::judge::{Judge, Limits, Verdict, Warning};
+use wingbeat::judge::{Judge, RunLimits, Verdict, Warning};
 
 /// Smallest correlation, once shifted, at which a shift means something. *Choice.*
 const ALIKE: f64 = 0.8;
@@ -15,9 +15,9 @@ const GAINED: f64 = 0.5;
 /// Relative scatter of the cycles below which they repeat to the last digits of their file. *Choice.*
 const REPEATS: f64 = 1e-12;
 
-impl Found {
+impl CalibrationResult {
     /// Judges the fit by `limits`; findings about the data come first.
-    pub fn verdict(&self, limits: &Limits) -> Verdict {
+    pub fn verdict(&self, limits: &RunLimits) -> Verdict {
         let mut judge = Judge::new(limits);
         self.findings.iter().cloned().for_each(|finding| finding.put(&mut judge));
         self.unchecked.iter().cloned().for_each(|warning| judge.warn(warning));
@@ -127,7 +127,7 @@ impl FoundRun {
         if self.observed.frequency_hz <= 0.0 {
             return None;
         }
-        let Shift { by, correlation: [now, then], own_loss } =
+        let PhaseShift { by, correlation: [now, then], own_loss } =
             shift(self.observed.layout, &self.observed.mean, &self.after.cycle);
         let believed = then > ALIKE && then - now >= GAINED * own_loss;
         believed.then_some(by)
@@ -135,6 +135,8 @@ impl FoundRun {
 }
 
 /// Mean square of a channel over the cycle about its mean.
-fn variation(layout: Layout, cycle: &[f64], channel: usize) -> f64 {
-    (1..layout.width()).map(|part| Layout::share(part) * cycle[layout.at(channel, part)].powi(2)).sum()
+fn variation(layout: HarmonicLayout, cycle: &[f64], channel: usize) -> f64 {
+    (1..layout.width())
+        .map(|part| HarmonicLayout::share(part) * cycle[layout.at(channel, part)].powi(2))
+        .sum()
 }

@@ -1,12 +1,12 @@
 //! What a calibration found, in words.
 
-use crate::data::Files;
-use crate::found::Found;
-use crate::{Information, Parameter, RunRole, rms};
+use crate::data::SampleFiles;
+use crate::found::CalibrationResult;
+use crate::{FittedParameter, Information, RunRole, rms};
 use wingbeat::judge::Verdict;
 
 /// The information table as text: what the runs tell of the parameters before they are fitted.
-pub fn information(of: &Information, parameters: &[Parameter]) -> String {
+pub fn information(of: &Information, parameters: &[FittedParameter]) -> String {
     let name = |k: usize| parameters[k].name.as_str();
     let mut text = format!(
         "relative standard error at the start values; fitted: all runs, other parameters fitted too; known: others known; best alone: \
@@ -42,7 +42,7 @@ pub fn information(of: &Information, parameters: &[Parameter]) -> String {
 }
 
 /// The same as CSV: run, channel, then a column per parameter.
-pub fn information_csv(found: &Found) -> String {
+pub fn information_csv(found: &CalibrationResult) -> String {
     let of = &found.information;
     let names: Vec<&str> = found.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let mut text = format!("run,channel,{}\n", names.join(","));
@@ -55,7 +55,7 @@ pub fn information_csv(found: &Found) -> String {
 }
 
 /// The report.
-pub fn report(found: &Found, verdict: &Verdict) -> String {
+pub fn report(found: &CalibrationResult, verdict: &Verdict) -> String {
     let model = if found.model.is_empty() { String::new() } else { format!(": {}", found.model.join(", ")) };
     let mut text = format!("calibration {}{model}\n\n", found.name);
     text += &format!("status: {}\n", verdict.status);
@@ -145,7 +145,7 @@ pub fn report(found: &Found, verdict: &Verdict) -> String {
 const NAMED: usize = 12;
 
 /// The candidates for a next run, the best first.
-fn next_run(found: &Found) -> String {
+fn next_run(found: &CalibrationResult) -> String {
     let Some(best) = found.next.first() else { return String::new() };
     let too_much = |share: f64| match share > 1.0 {
         true => format!(", but its load is {share:.1} times the cell's range"),
@@ -170,7 +170,7 @@ fn next_run(found: &Found) -> String {
 }
 
 /// Rms by run and channel, before and after, with the coverage of the band.
-fn runs(found: &Found) -> String {
+fn runs(found: &CalibrationResult) -> String {
     let channels = found.channels();
     let mut text = format!("{:<34}", "rms before -> after");
     channels.iter().for_each(|channel| text += &format!("{channel:>20}"));
@@ -208,7 +208,7 @@ fn runs(found: &Found) -> String {
     text
 }
 
-fn structures(found: &Found) -> String {
+fn structures(found: &CalibrationResult) -> String {
     if found.rivals.len() < 2 {
         return String::new();
     }
@@ -231,7 +231,7 @@ fn structures(found: &Found) -> String {
 }
 
 /// What the learned wrench says of the runs that it is learned from.
-fn learned(found: &Found) -> String {
+fn learned(found: &CalibrationResult) -> String {
     let Some(residual) = &found.residual else { return String::new() };
     let mut text = format!(
         "\nwhat the model leaves of {} runs, learned by phase and velocity ({}):\n{:<34}{:>14}{:>14}\n",
@@ -251,7 +251,7 @@ fn learned(found: &Found) -> String {
 }
 
 /// Where a file of the run folder is from: `commit` is that of the program, `key` the key that names the file.
-fn origin(found: &Found, files: &Files, (commit, what, key): (&str, &str, &str)) -> String {
+fn origin(found: &CalibrationResult, files: &SampleFiles, (commit, what, key): (&str, &str, &str)) -> String {
     let mut text = format!(
         "# {what}: wingbeat {} ({commit}), calibration {}.\n\
          # Of the model {}. In a scenario: --set robot.{key}=FILE; on the rig: --set rig.robot.{key}=FILE.\n",
@@ -269,7 +269,7 @@ fn origin(found: &Found, files: &Files, (commit, what, key): (&str, &str, &str))
 }
 
 /// The learned wrench as a file that `robot.residual` names, none where no channel is told; `commit` is that of the program.
-pub fn residual(found: &Found, files: &Files, commit: &str) -> Option<String> {
+pub fn residual(found: &CalibrationResult, files: &SampleFiles, commit: &str) -> Option<String> {
     let spec = &found.residual.as_ref().filter(|residual| !residual.spec.loads.is_empty())?.spec;
     let mut text = origin(found, files, (commit, "What the model leaves of measured loads", "residual"));
     text += "# It belongs to the numbers of numbers.toml: give both.\n";
@@ -292,7 +292,7 @@ pub fn residual(found: &Found, files: &Files, commit: &str) -> Option<String> {
 }
 
 /// The numbers as a file that `robot.numbers` names; `commit` is that of the program.
-pub fn numbers(found: &Found, files: &Files, commit: &str, verdict: &Verdict) -> String {
+pub fn numbers(found: &CalibrationResult, files: &SampleFiles, commit: &str, verdict: &Verdict) -> String {
     let mut text = origin(found, files, (commit, "Numbers of robot and rig, calibrated", "numbers"));
     text += &format!(
         "verdict = {{ status = {:?}, reason = {:?}, written = \"wingbeat {} ({commit})\" }}\n",

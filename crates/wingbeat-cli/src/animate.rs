@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use wingbeat_figures::animation::Animation;
-use wingbeat_report::animate::{Asked, Film, Seen};
-use wingbeat_report::run::{Run, read};
+use wingbeat_report::animate::{AnimationSettings, Film, Viewpoint};
+use wingbeat_report::run::{ShownRun, read};
 
 use crate::args::{Animate, AnimatedView};
 use crate::error::Error;
@@ -54,7 +54,7 @@ pub fn animate(arguments: &Animate) -> Result<(), Error> {
 }
 
 /// The run of a folder that holds one; of the rig the first that moves.
-pub fn only(runs: Vec<Run>) -> Result<Run, Error> {
+pub fn only(runs: Vec<ShownRun>) -> Result<ShownRun, Error> {
     let moves = runs.iter().position(|run| run.motion.is_some()).unwrap_or(0);
     runs.into_iter().nth(moves).ok_or_else(|| Error::Input("no run".into()))
 }
@@ -80,13 +80,13 @@ fn is_file(out: &Path) -> Result<bool, Error> {
     }
 }
 
-fn asked(arguments: &Animate) -> Result<Asked, Error> {
-    let asked = Asked {
+fn asked(arguments: &Animate) -> Result<AnimationSettings, Error> {
+    let asked = AnimationSettings {
         seen: match arguments.view {
-            AnimatedView::Whole => Seen::Whole,
-            AnimatedView::Behind => Seen::Behind,
-            AnimatedView::Side => Seen::Side,
-            AnimatedView::Above => Seen::Above,
+            AnimatedView::Whole => Viewpoint::Whole,
+            AnimatedView::Behind => Viewpoint::Behind,
+            AnimatedView::Side => Viewpoint::Side,
+            AnimatedView::Above => Viewpoint::Above,
         },
         speed: arguments.speed,
         rate: arguments.rate,

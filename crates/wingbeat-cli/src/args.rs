@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use wingbeat::scenario::DocumentKind;
-use wingbeat_lattice::course::Asked;
+use wingbeat_lattice::course::CourseRequest;
 
-use crate::watch::Live;
+use crate::watch::WatchArguments;
 
 /// Simulation, calibration and control of dynamic-morphing flapping flight.
 #[derive(Debug, Parser)]
 #[command(name = "wingbeat", version, about, max_term_width = 100, after_help = EXIT_CODES)]
-pub struct Arguments {
+pub struct CommandLine {
     #[command(subcommand)]
-    pub command: crate::Command,
+    pub command: crate::ProgramCommand,
 }
 
 const EXIT_CODES: &str = "\
@@ -35,11 +35,11 @@ pub struct Fly {
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
     #[command(flatten)]
     pub page: Page,
     #[command(flatten)]
-    pub live: Live,
+    pub live: WatchArguments,
 }
 
 /// Run a scenario or a case many times with keys drawn at random or from a grid, on all cores
@@ -54,12 +54,12 @@ pub struct Fly {
 /// cost of every candidate, best.toml the scenario of the best, for `fly`. It ends `ok` where one candidate meets all goals, else
 /// `not_found` with a warning `search.missed` for each goal missed.
 #[derive(Debug, Args)]
-pub struct Sweep {
+pub struct SweepArguments {
     /// The sweep: scenario and what counts as held, or case; draws
     #[arg(value_name = "SWEEP.toml")]
     pub sweep: PathBuf,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
     #[command(flatten)]
     pub page: Page,
 }
@@ -70,7 +70,7 @@ pub struct Sweep {
 /// figures; with --converge also converge.csv, with --compare compare.csv. It appears when the run is whole. What the
 /// numbers mean: docs/tether.md.
 #[derive(Debug, Args)]
-pub struct Tether {
+pub struct TetherArguments {
     /// The case
     #[arg(value_name = "CASE.toml")]
     pub case: PathBuf,
@@ -82,7 +82,7 @@ pub struct Tether {
     #[arg(long, value_name = "MEASURED.csv")]
     pub compare: Option<PathBuf>,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
     #[command(flatten)]
     pub page: Page,
 }
@@ -103,7 +103,7 @@ pub struct Tether {
 /// strips and time steps that the strip model has past its stall angle, and `strongest` the strongest ring at each phase drawn, and
 /// when it was shed.
 #[derive(Debug, Args)]
-pub struct Wake {
+pub struct WakeArguments {
     /// The case, as `tether` takes it, or the run folder of `fly`
     #[arg(value_name = "CASE.toml|RUN")]
     pub case: PathBuf,
@@ -117,10 +117,10 @@ pub struct Wake {
     #[arg(long)]
     pub model: bool,
     /// Panels along the chord
-    #[arg(long, value_name = "N", default_value_t = Asked::default().chordwise)]
+    #[arg(long, value_name = "N", default_value_t = CourseRequest::default().chordwise)]
     pub chordwise: usize,
     /// Panels along the span
-    #[arg(long, value_name = "N", default_value_t = Asked::default().spanwise)]
+    #[arg(long, value_name = "N", default_value_t = CourseRequest::default().spanwise)]
     pub spanwise: usize,
     /// Steps per cycle; by default the wind moves by a panel's chord a step, 24 to 400 steps
     #[arg(long, value_name = "N")]
@@ -129,14 +129,14 @@ pub struct Wake {
     #[arg(long)]
     pub prescribed: bool,
     /// Radius of the cores of the wake's vortices, mean chords
-    #[arg(long, value_name = "SHARE", default_value_t = Asked::default().core)]
+    #[arg(long, value_name = "SHARE", default_value_t = CourseRequest::default().core)]
     pub core: f64,
     /// Largest suction parameter of the leading edges (dimensionless, about 0.11 for flat plates): what is above is shed there;
     /// without it the flow stays attached
     #[arg(long, value_name = "A0")]
     pub critical_suction: Option<f64>,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
     #[command(flatten)]
     pub page: Page,
 }
@@ -149,12 +149,12 @@ pub struct Wake {
 /// stand in the scenario's wind, figures, and tether.toml with joints.csv: the motion of the wing, for `tether`. Ctrl-C
 /// keeps the best plan so far, which is not flown.
 #[derive(Debug, Args)]
-pub struct Plan {
+pub struct PlanArguments {
     /// The scenario
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
     #[command(flatten)]
     pub page: Page,
 }
@@ -179,11 +179,11 @@ pub struct Calibrate {
     #[arg(long, conflicts_with_all = ["information", "watch"])]
     pub names: bool,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
     #[command(flatten)]
     pub page: Page,
     #[command(flatten)]
-    pub live: Live,
+    pub live: WatchArguments,
 }
 
 /// Find the periodic flight that a scenario's `[trim]` asks for, and its stability
@@ -212,11 +212,11 @@ pub struct Trim {
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub bank: Option<f64>,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
     #[command(flatten)]
     pub page: Page,
     #[command(flatten)]
-    pub live: Live,
+    pub live: WatchArguments,
 }
 
 /// Average measured loads over the cycles of the wings, from a file of the load cell alone
@@ -280,7 +280,7 @@ pub struct Show {
     #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub joints_deg: Option<Vec<f64>>,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
 }
 
 /// Draw the figures of the paper by our numbers, with one sheet of what it says and what came out here
@@ -289,7 +289,7 @@ pub struct Show {
 /// of the turn and draws set-up, arm, forces and moments, wake, states and path. The folder holds sheet.html with all of them inside,
 /// figures, summary.json with every statement and its verdict, manifest.json, and the run folders turn, clear, rig and forces.
 #[derive(Debug, Args)]
-pub struct Paper {
+pub struct PaperArguments {
     /// The folder with the shipped scenarios, robots and rigs
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub from: PathBuf,
@@ -313,7 +313,7 @@ pub struct Paper {
 /// once. Without --out the page of one run becomes report.html in its folder, as every run writes it, and that of several runs
 /// report.html in the present folder. More in docs/report.md.
 #[derive(Debug, Args)]
-pub struct Report {
+pub struct ReportArguments {
     /// Run folders
     #[arg(value_name = "RUN", required = true)]
     pub runs: Vec<PathBuf>,
@@ -434,7 +434,7 @@ pub struct Page {
 
 /// What all commands that make a run folder take.
 #[derive(Debug, Args)]
-pub struct Run {
+pub struct RunArguments {
     /// Folder of the run; without it runs/NAME, or runs/NAME-2 and so on when that is taken
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -452,7 +452,7 @@ pub struct Run {
     pub quiet: bool,
 }
 
-impl Run {
+impl RunArguments {
     /// The overrides, with the seed as one of them.
     pub fn all_overrides(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));
@@ -504,7 +504,7 @@ pub struct RigRuns {
     #[arg(value_name = "RUN.toml")]
     pub file: PathBuf,
     #[command(flatten)]
-    pub run: Run,
+    pub run: RunArguments,
 }
 
 /// Correct, filter and phase-average recorded runs, and draw forces and moments

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use wingbeat::simulate::Record;
 use wingbeat_io::{read_csv, read_parquet};
 use wingbeat_report::export::{Format, SERIES, of_run, series, vtk, vtk_fits};
-use wingbeat_report::motion::Motion;
-use wingbeat_report::run::{Run, read};
+use wingbeat_report::motion::RunMotion;
+use wingbeat_report::run::{ShownRun, read};
 
 use crate::animate::only;
 use crate::args::Export;
@@ -54,7 +54,7 @@ pub fn export(arguments: &Export) -> Result<(), Error> {
 }
 
 /// The record of a run as it was written; of the rig each run has a folder inside.
-fn record(folder: &Path, run: &Run) -> Result<Record, Error> {
+fn record(folder: &Path, run: &ShownRun) -> Result<Record, Error> {
     let inside = run.name.split_once('/').map(|(_, name)| folder.join(name));
     let folder = inside.as_deref().filter(|inside| inside.is_dir()).unwrap_or(folder);
     let parquet = folder.join("record.parquet");
@@ -71,7 +71,7 @@ fn record(folder: &Path, run: &Run) -> Result<Record, Error> {
 }
 
 /// Writes the frames and their list.
-fn frames(folder: &Path, motion: &Motion, interrupt: &Interrupt) -> Result<(), Error> {
+fn frames(folder: &Path, motion: &RunMotion, interrupt: &Interrupt) -> Result<(), Error> {
     let mut files = Vec::new();
     for i in 0..motion.frames() {
         interrupt.check()?;

@@ -7,7 +7,7 @@ use indicatif::{HumanDuration, ProgressBar};
 use wingbeat::parallel;
 use wingbeat::scenario::{Document, Run, Scenario};
 use wingbeat::simulate::Record;
-use wingbeat_figures::{Asked, Draw, of_flight};
+use wingbeat_figures::{FigureMaker, FigureTargets, of_flight};
 use wingbeat_io::write_parquet;
 
 use crate::args::Fly;
@@ -46,9 +46,9 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     if let Some(strips) = &run.strips {
         write_parquet(&folder.file("strips.parquet"), strips)?;
     }
-    let asked = Asked { goal: scenario.spec.goal.as_ref(), paper: scenario.spec.paper.as_ref() };
+    let asked = FigureTargets { goal: scenario.spec.goal.as_ref(), paper: scenario.spec.paper.as_ref() };
     draw(&folder, &run.record, asked, &of_flight(&run.record), &interrupt)?;
-    let flown = wingbeat_report::run::Flown { scenario: &scenario, record: &run.record };
+    let flown = wingbeat_report::run::FlownScenario { scenario: &scenario, record: &run.record };
     report::beside(&folder, &scenario.spec.name, Some(flown), !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
@@ -94,8 +94,8 @@ fn progress(duration: f64, quiet: bool) -> ProgressBar {
 pub fn draw(
     folder: &RunFolder,
     record: &Record,
-    asked: Asked,
-    draws: &[Draw],
+    asked: FigureTargets,
+    draws: &[FigureMaker],
     interrupt: &Interrupt,
 ) -> Result<(), Error> {
     let figures = folder.folder("figures")?;

@@ -31,7 +31,7 @@ use clap::Parser;
 use wingbeat::scenario::DocumentKind;
 use wingbeat_program::{error, interrupt, manifest, progress, run_folder, say};
 
-use args::Arguments;
+use args::CommandLine;
 
 /// The schema of a kind of document, which `schema` prints.
 fn schema(of: &args::Schema) -> Result<(), error::Error> {
@@ -47,11 +47,11 @@ fn schema_text(kind: DocumentKind) -> String {
 macro_rules! verbs {
     ($($(#[$said:meta])* $verb:ident($arguments:path) => $does:path,)+) => {
         #[derive(Debug, clap::Subcommand)]
-        pub(crate) enum Command {
+        pub(crate) enum ProgramCommand {
             $($(#[$said])* $verb($arguments),)+
         }
 
-        impl Command {
+        impl ProgramCommand {
             /// Does what was asked.
             fn run(&self) -> Result<(), error::Error> {
                 match self {
@@ -65,18 +65,18 @@ macro_rules! verbs {
 // A verb is a file of its own, its name among the modules above, and its line here.
 verbs! {
     Fly(args::Fly) => fly::fly,
-    Sweep(args::Sweep) => sweep::sweep,
-    Tether(args::Tether) => tether::tether,
-    Wake(args::Wake) => wake::wake,
-    Plan(args::Plan) => plan::plan,
+    Sweep(args::SweepArguments) => sweep::sweep,
+    Tether(args::TetherArguments) => tether::tether,
+    Wake(args::WakeArguments) => wake::wake,
+    Plan(args::PlanArguments) => plan::plan,
     Calibrate(args::Calibrate) => calibrate::calibrate,
     Trim(args::Trim) => trim::trim,
     #[command(subcommand)]
     Rig(args::Rig) => rig::rig,
     Average(args::Average) => average::average,
-    Paper(args::Paper) => paper::paper,
+    Paper(args::PaperArguments) => paper::paper,
     Show(args::Show) => show::show,
-    Report(args::Report) => report::report,
+    Report(args::ReportArguments) => report::report,
     Animate(args::Animate) => animate::animate,
     Export(args::Export) => export::export,
     Validate(wingbeat_program::comparisons::Comparisons) => validate::validate,
@@ -86,5 +86,5 @@ verbs! {
 }
 
 fn main() -> ExitCode {
-    wingbeat_program::run(|| Arguments::parse().command.run())
+    wingbeat_program::run(|| CommandLine::parse().command.run())
 }

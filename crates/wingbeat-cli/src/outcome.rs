@@ -6,7 +6,7 @@ use wingbeat::judge::{Judged, limits};
 use wingbeat::scenario::{CostLine, LawState, PaperResults, Summary};
 
 /// A line: what, the paper's number, this run's, and its unit or a remark.
-type Line = (Cow<'static, str>, Option<String>, String, &'static str);
+type PaperLine = (Cow<'static, str>, Option<String>, String, &'static str);
 
 /// The table *paper / this run*, with the cautions below; *this run* alone where nothing is published of the case.
 pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
@@ -35,7 +35,7 @@ pub fn overridden(judged: &[Judged]) -> String {
 }
 
 /// The mean of a state of a lift law; one without a unit is a share.
-fn law_state(state: &LawState) -> Line {
+fn law_state(state: &LawState) -> PaperLine {
     let (value, unit) = match state.unit {
         "" => (format!("{:.1}", 100.0 * state.mean), "%"),
         unit => (format!("{:.2}", state.mean), unit),
@@ -57,11 +57,11 @@ fn share(value: f64) -> String {
 }
 
 /// A line of which the paper says nothing.
-fn own(name: &'static str, value: String, unit: &'static str) -> Line {
+fn own(name: &'static str, value: String, unit: &'static str) -> PaperLine {
     (name.into(), None, value, unit)
 }
 
-fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
+fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<PaperLine> {
     let mut rows = course(summary, paper);
     rows.extend(air(summary));
     rows.extend(cost(summary));
@@ -71,7 +71,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
 }
 
 /// Attitude and path.
-fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
+fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<PaperLine> {
     let of = |take: fn(&PaperResults) -> f64| paper.map(take).map(number);
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
@@ -119,7 +119,7 @@ fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
 }
 
 /// Flow and clearance.
-fn air(summary: &Summary) -> Vec<Line> {
+fn air(summary: &Summary) -> Vec<PaperLine> {
     let shared = |value: Option<f64>| value.map_or("-".into(), share);
     let mut rows = Vec::new();
     if let Some(lattice) = &summary.lattice {
@@ -145,7 +145,7 @@ fn air(summary: &Summary) -> Vec<Line> {
 }
 
 /// Power and what carries the weight.
-fn cost(summary: &Summary) -> Vec<Line> {
+fn cost(summary: &Summary) -> Vec<PaperLine> {
     let of_cost = |(name, value, unit): CostLine| own(name, value, unit);
     let measured = summary.measured.iter().filter(|(measure, value)| measure.always || value.is_some());
     let lines = measured.filter_map(|(measure, value)| {
@@ -157,7 +157,7 @@ fn cost(summary: &Summary) -> Vec<Line> {
 }
 
 /// How far estimate, hover and path are off.
-fn errors(summary: &Summary) -> Vec<Line> {
+fn errors(summary: &Summary) -> Vec<PaperLine> {
     let mut rows = Vec::new();
     if let Some(estimate) = &summary.estimate {
         rows.extend([
@@ -185,7 +185,7 @@ fn errors(summary: &Summary) -> Vec<Line> {
 }
 
 /// Commands and updates.
-fn controller(summary: &Summary) -> Vec<Line> {
+fn controller(summary: &Summary) -> Vec<PaperLine> {
     let controller = &summary.controller;
     let mut rows = vec![
         own("inputs at a limit", share(summary.input_saturation_fraction), "%"),

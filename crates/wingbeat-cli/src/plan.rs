@@ -8,10 +8,10 @@ use wingbeat::judge::{Status, Verdict};
 use wingbeat::ocp::Progress;
 use wingbeat::ocp::interior_point::Iteration;
 use wingbeat::scenario::{GaitNumbers, LeastPowerSummary, PlanSummary, RollInSummary, Scenario};
-use wingbeat_figures::{Asked, Draw, FLIGHT, GAIT};
+use wingbeat_figures::{FLIGHT, FigureMaker, FigureTargets, GAIT};
 use wingbeat_io::write_parquet;
 
-use crate::args::Plan;
+use crate::args::PlanArguments;
 use crate::error::Error;
 use crate::fly::draw;
 use crate::interrupt::Interrupt;
@@ -21,7 +21,7 @@ use crate::run_folder::RunFolder;
 use crate::say;
 
 /// Plans the scenario's manoeuvre and writes its run folder.
-pub fn plan(arguments: &Plan) -> Result<(), Error> {
+pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
@@ -62,7 +62,7 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     let mut drawn = Ok(());
     if let Some(record) = &planned.record {
         write_parquet(&folder.file("record.parquet"), record)?;
-        drawn = draw(&folder, record, Asked::default(), figures(&planned.summary), &interrupt);
+        drawn = draw(&folder, record, FigureTargets::default(), figures(&planned.summary), &interrupt);
     }
     let cut = match drawn {
         Err(Error::Interrupted) => true,
@@ -90,7 +90,7 @@ fn progress(quiet: bool) -> ProgressBar {
     bar
 }
 
-fn figures(summary: &PlanSummary) -> &'static [Draw] {
+fn figures(summary: &PlanSummary) -> &'static [FigureMaker] {
     match summary {
         PlanSummary::RollIn(_) => &FLIGHT,
         PlanSummary::LeastPower(_) => &GAIT,
@@ -122,7 +122,7 @@ fn table(summary: &PlanSummary) -> String {
     text
 }
 
-type Lines = Vec<(&'static str, String)>;
+type SummaryLines = Vec<(&'static str, String)>;
 
 /// Power of drive and actuators on the joints.
 fn powers(summary: &RollInSummary) -> String {
@@ -135,7 +135,7 @@ fn powers(summary: &RollInSummary) -> String {
     )
 }
 
-fn roll_in(summary: &RollInSummary) -> Lines {
+fn roll_in(summary: &RollInSummary) -> SummaryLines {
     let angles = |a: Option<[f64; 3]>| {
         a.map_or("-".into(), |a| format!("{:.2} / {:.2} / {:.2} deg", a[0], a[1], a[2]))
     };
@@ -158,7 +158,7 @@ fn roll_in(summary: &RollInSummary) -> Lines {
     lines
 }
 
-fn least_power(summary: &LeastPowerSummary) -> Lines {
+fn least_power(summary: &LeastPowerSummary) -> SummaryLines {
     let gait = |gait: &GaitNumbers| {
         let m = &gait.means;
         format!(

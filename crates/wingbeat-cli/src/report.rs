@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use wingbeat_report::files::Files;
 use wingbeat_report::page::{Without, page};
-use wingbeat_report::run::{Flown, Run, of, one_axis, read};
+use wingbeat_report::run::{FlownScenario, ShownRun, of, one_axis, read};
 use wingbeat_report::sheet::sheet;
 
-use crate::args::Report;
+use crate::args::ReportArguments;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::run_folder::{RunFolder, add_file, replace};
@@ -20,7 +20,7 @@ const PAGE: &str = "report.html";
 const MOST_RUNS: usize = 16;
 
 /// Writes the page of runs that are there.
-pub fn report(arguments: &Report) -> Result<(), Error> {
+pub fn report(arguments: &ReportArguments) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     if arguments.runs.len() > MOST_RUNS {
         let given = arguments.runs.len();
@@ -51,7 +51,7 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
         (None, _) => written(Path::new(PAGE), &text, false)?,
     };
     say::unless(arguments.quiet, || {
-        let status = |run: &Run| {
+        let status = |run: &ShownRun| {
             let status = run.summary["status"].as_str().unwrap_or("no status");
             format!("{}: {}, {status}\n", run.name, run.kind)
         };
@@ -60,7 +60,7 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
 }
 
 /// Writes the plots of the runs as one figure.
-fn drawn(file: &Path, runs: &[Run], arguments: &Report) -> Result<(), Error> {
+fn drawn(file: &Path, runs: &[ShownRun], arguments: &ReportArguments) -> Result<(), Error> {
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     let vector = match ending.as_deref() {
         Some("png") => false,
@@ -112,7 +112,12 @@ pub fn refused(error: wingbeat_report::Error) -> Error {
 ///
 /// # Errors
 /// What the system refuses: the disk is full.
-pub fn beside(folder: &RunFolder, name: &str, flown: Option<Flown>, wanted: bool) -> Result<(), Error> {
+pub fn beside(
+    folder: &RunFolder,
+    name: &str,
+    flown: Option<FlownScenario>,
+    wanted: bool,
+) -> Result<(), Error> {
     if !wanted {
         return Ok(());
     }

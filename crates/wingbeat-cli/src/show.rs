@@ -18,7 +18,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::{RunFolder, named_after};
 use crate::say;
-use crate::tether::Tables;
+use crate::tether::CaseTables;
 
 /// A scenario around a robot that is only looked at.
 pub const AROUND: &str = "name = \"show\"\n[air]\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, 0.0, 0.0]\n[aero]\nlaw = \"linear\"\n\
@@ -107,7 +107,7 @@ fn finite_phase(phase: f64) -> Result<(), Error> {
 
 /// The wing of a case at the phase asked for, in W.
 fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
-    let tables = Tables::default();
+    let tables = CaseTables::default();
     let case = TetherCase::new(document, &|path| tables.read(path))?;
     let (tether, frequency) = (&case.tether, case.spec.time.frequency_hz);
     let phase = arguments.phase.unwrap_or(0.0);

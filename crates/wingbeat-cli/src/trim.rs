@@ -7,7 +7,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use wingbeat::scenario::{AloneSummary, Document, RobotTrim, Scenario, TrimProgress, TrimSummary, Trimmed};
 use wingbeat::simulate::Record;
-use wingbeat_figures::{Draw, family, multipliers, orbit};
+use wingbeat_figures::{FigureMaker, family, multipliers, orbit};
 use wingbeat_io::write_parquet;
 
 use crate::args::Trim;
@@ -17,7 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
 use crate::say;
-use crate::watch::{Convergence, Point};
+use crate::watch::{ConvergenceWatch, SearchIteration};
 
 /// Finds the scenario's periodic flight and writes its run folder.
 pub fn trim(arguments: &Trim) -> Result<(), Error> {
@@ -39,8 +39,12 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
         Some(_) => RunFolder::resume(out, name, options.force, ("scenario.toml", &scenario.resolved))?,
         None => RunFolder::create(out, name, options.force)?,
     };
-    let watch =
-        Convergence::begin(&arguments.live, &scenario.spec.name, "search under way", &scenario.resolved)?;
+    let watch = ConvergenceWatch::begin(
+        &arguments.live,
+        &scenario.spec.name,
+        "search under way",
+        &scenario.resolved,
+    )?;
     let searched = match &search {
         Some(search) => Some(search::searched(search, &folder, &interrupt, options.quiet, &watch)?),
         None => None,
@@ -77,7 +81,7 @@ fn alone(arguments: &Trim, document: Document, interrupt: &Interrupt, start: Ins
     let scenario = &asked.scenario;
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     let watch =
-        Convergence::begin(&arguments.live, &scenario.spec.name, "trim under way", &scenario.resolved)?;
+        ConvergenceWatch::begin(&arguments.live, &scenario.spec.name, "trim under way", &scenario.resolved)?;
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(None, target);
     let trimmed = asked.trim(&mut |at| {
@@ -125,14 +129,14 @@ fn written(
             write_parquet(&folder.file(name), record)?;
         }
     }
-    let draws: [(&Option<Record>, Draw); 3] = [
+    let draws: [(&Option<Record>, FigureMaker); 3] = [
         (&trimmed.record, |record, _| orbit(record)),
         (&trimmed.multipliers, |record, _| multipliers(record)),
         (&trimmed.family, |record, _| family(record)),
     ];
     for (record, figure) in &draws {
         if let Some(record) = record {
-            draw(&folder, record, wingbeat_figures::Asked::default(), &[*figure], interrupt)?;
+            draw(&folder, record, wingbeat_figures::FigureTargets::default(), &[*figure], interrupt)?;
         }
     }
     for (name, text) in &trimmed.files {
@@ -150,9 +154,9 @@ fn written(
 }
 
 /// The residual of an orbit as it is shown.
-fn orbit_point(orbits: usize, residual: f64) -> Point {
+fn orbit_point(orbits: usize, residual: f64) -> SearchIteration {
     let values = vec![("decimal logarithm of the residual".into(), "", residual.log10())];
-    Point { series: format!("orbit {}", orbits + 1), values }
+    SearchIteration { series: format!("orbit {}", orbits + 1), values }
 }
 
 fn table(summary: &TrimSummary) -> String {

@@ -2,10 +2,10 @@
 
 use super::plausible;
 use super::spec::GoalSpec;
-use super::summary::{Context, Crossing, Summary};
+use super::summary::{Context, PartClearance, Summary};
 use wingbeat_flight::simulate::{Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, range, trim, wake};
-use wingbeat_judge::{Judge, Limit, Limits, Status, Verdict, Warning};
+use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
 
@@ -15,7 +15,7 @@ pub(super) struct Flown<'a> {
     pub record: &'a Record,
     pub flight: &'a Flight,
     pub context: &'a Context<'a>,
-    pub crossing: Option<&'a Crossing>,
+    pub crossing: Option<&'a PartClearance>,
     /// First row that counts as settled.
     pub first: usize,
 }
@@ -28,7 +28,7 @@ const WHOLE_CYCLES: f64 = 1.0;
 
 impl Flown<'_> {
     /// Judges by the goal, the task and the limits.
-    pub fn judged(&self, limits: &Limits) -> Found {
+    pub fn judged(&self, limits: &RunLimits) -> Found {
         let mut judge = Judge::new(limits);
         let mut not_judged = Vec::new();
         match self.broken() {
@@ -87,7 +87,7 @@ impl Flown<'_> {
     }
 
     /// What the goal asks: limit, bound, value where there is one, and why there may be none.
-    fn asked(&self, goal: &GoalSpec) -> Vec<(&'static Limit, f64, Option<f64>, &'static str)> {
+    fn asked(&self, goal: &GoalSpec) -> Vec<(&'static JudgedLimit, f64, Option<f64>, &'static str)> {
         const UNSETTLED: &str = "the flight ended before the goal's settling time";
         let reference = self.context.manoeuvre.is_some();
         let angle = |value: Option<f64>| value.filter(|_| reference);

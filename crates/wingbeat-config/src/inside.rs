@@ -4,7 +4,7 @@
 
 pub use crate::document::airfoil::AirfoilFile;
 pub use crate::document::limits::{LARGEST, largest, text_of, unit};
-pub use crate::document::outline::drawing::{Point, read as read_drawing};
+pub use crate::document::outline::drawing::{DrawingPoint, read as read_drawing};
 pub use crate::document::outline::{MOST as MOST_STATIONS, OutlineFile};
 pub use crate::document::source::{brief, joined};
 pub use crate::document::tree::{path, steps};

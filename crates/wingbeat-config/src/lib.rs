@@ -73,7 +73,7 @@ pub use calibration::{
 pub use chosen::{Chosen, Named};
 pub use cost::{CostLine, CostSummary};
 pub use document::{
-    ConfigError, Document, Migrated, Other, Place, Problem, Translate, Wrong, largest, migrated,
+    ConfigError, Document, KeyProblem, Migrated, Other, Translate, ValuePlace, Wrong, largest, migrated,
     nearest_names, spoken, text_of, unit,
 };
 pub use doors::Doors;
@@ -95,13 +95,13 @@ pub use plan::{
 };
 pub use rig::RigRun;
 pub use rig_model::Modelled;
-pub use rig_process::{Processed, Weighed};
+pub use rig_process::{Processed, TiltWeighing};
 pub use rig_simulated::{SimulatedRun, SimulatedSummary};
 pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, RigSpec};
-pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
+pub use rig_together::{CombinedRuns, Evaluated, ProcessedRun, WindowedRun, subtract_still_air, together};
 pub use rig_truth::RigTruthSpec;
 pub use schema::{DocumentKind, Schemas};
-pub use search::{Search, SearchFound, SweepFound};
+pub use search::{CandidateSearch, SearchFound, SweepFound};
 pub use search_spec::{SearchGoal, SweepSearch};
 pub use shared::what_a_controller_knows;
 pub use spar_spec::{SparMassSpec, SparSpec, SparStationSpec};
@@ -114,8 +114,8 @@ pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use sweep_verdict::SweepCounts;
 pub use tether::{SparSummary, StepChange, TetherCase, TetherSummary};
-pub use tether_compare::{CompareSpec, Compared, Comparison, mended_in_compare};
-pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
+pub use tether_compare::{CompareSpec, Compared, MeasuredComparison, mended_in_compare};
+pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, QuantitySpread};
 pub use tether_spec::{
     ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
     TetheredBodySpec, TetheredWingSpec, WindSpec,
@@ -139,7 +139,7 @@ use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
 use wingbeat_flight::simulate::{
     Accuracy, Controller, Event, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_within,
 };
-use wingbeat_judge::{Limits, Warning};
+use wingbeat_judge::{RunLimits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::{Quat, Vec3, pitch_of_nose_up};
 use wingbeat_ocp::plant::{Channel, Plant};
@@ -165,7 +165,7 @@ pub struct Scenario {
     schedule: Schedule,
     samples_per_strips: Option<usize>,
     /// What its verdict rests on.
-    limits: Limits,
+    limits: RunLimits,
     /// What its controller shares with others.
     prepared: Option<Prepared>,
 }
@@ -271,7 +271,7 @@ impl Scenario {
     }
 
     /// Limits of the verdicts on its runs.
-    pub fn limits(&self) -> &Limits {
+    pub fn limits(&self) -> &RunLimits {
         &self.limits
     }
 

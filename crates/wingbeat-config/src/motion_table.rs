@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::Coordinate;
-use wingbeat_judge::Limits;
-use wingbeat_judge::data::{Channel, Finding, Purpose, Series, estimate, examined};
+use wingbeat_judge::RunLimits;
+use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, estimate, examined};
 use wingbeat_judge::limits::data::LEFT;
 use wingbeat_math::CubicSpline;
 use wingbeat_math::Error;
@@ -94,7 +94,7 @@ pub struct Smoothed {
 }
 
 /// A coordinate as it is run.
-pub(super) struct Built {
+pub(super) struct BuiltCoordinate {
     /// The coordinate in its own unit.
     pub coordinate: Coordinate,
     /// What smoothing left of its table.
@@ -103,7 +103,7 @@ pub(super) struct Built {
     pub found: Vec<Finding>,
 }
 
-impl Built {
+impl BuiltCoordinate {
     fn whole(coordinate: Coordinate) -> Self {
         Self { coordinate, smoothed: None, found: Vec::new() }
     }
@@ -116,13 +116,13 @@ impl CoordinateSpec {
         frequency_hz: f64,
         folder: &dyn Fn() -> PathBuf,
         read: ReadTable,
-        limits: &Limits,
-    ) -> Result<Built, Error> {
+        limits: &RunLimits,
+    ) -> Result<BuiltCoordinate, Error> {
         Ok(match self {
-            Self::Constant(value) => Built::whole(Coordinate::Constant(*value)),
+            Self::Constant(value) => BuiltCoordinate::whole(Coordinate::Constant(*value)),
             Self::Fourier(f) => {
                 let (cos, sin) = (f.cos.clone(), f.sin.clone());
-                Built::whole(Coordinate::Fourier { frequency_hz, mean: f.mean, cos, sin })
+                BuiltCoordinate::whole(Coordinate::Fourier { frequency_hz, mean: f.mean, cos, sin })
             }
             Self::Table(table) => {
                 table.build(frequency_hz, &folder(), read, limits).map_err(|e| e.within("table"))?
@@ -173,8 +173,8 @@ impl TableSpec {
         frequency_hz: f64,
         folder: &Path,
         read: ReadTable,
-        limits: &Limits,
-    ) -> Result<Built, Error> {
+        limits: &RunLimits,
+    ) -> Result<BuiltCoordinate, Error> {
         self.check()?;
         let path = folder.join(&self.file);
         let record = read(&path).map_err(|what| Error::invalid("file", path.display(), what))?;
@@ -192,7 +192,7 @@ impl TableSpec {
                 Error::invalid("harmonics", count, allowed).against(["file"])
             })?;
             found.extend(self.left(&left, share).filter(|finding| finding.breaks(limits)));
-            return Ok(Built { coordinate, smoothed: Some(left), found });
+            return Ok(BuiltCoordinate { coordinate, smoothed: Some(left), found });
         }
         let spline = match self.repeats() {
             true => closed(&t, &y, 1.0 / frequency_hz),
@@ -201,7 +201,7 @@ impl TableSpec {
         let other = found.iter().find(|finding| finding.id == "data.frequency").map(Finding::words);
         let other = other.map_or(String::new(), |words| format!("; {words}"));
         let refused = |error: Error| Error::invalid("file", path.display(), format!("{error}{other}"));
-        Ok(Built { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
+        Ok(BuiltCoordinate { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
     }
 
     /// That harmonics leave `share` of the motion.
@@ -217,14 +217,14 @@ impl TableSpec {
 
     /// What is wrong with a table, at times `t` (s) of the case. Harmonics take away noise, and ask for no order. Of one that need
     /// not repeat it is another frequency or noise, where it does repeat.
-    fn found(&self, (frequency_hz, limits): (f64, &Limits), t: &[f64], y: &[f64]) -> Vec<Finding> {
+    fn found(&self, (frequency_hz, limits): (f64, &RunLimits), t: &[f64], y: &[f64]) -> Vec<Finding> {
         let phase: Vec<f64> = t.iter().map(|t| t * frequency_hz).collect();
         let own = self.frequency_hz.unwrap_or(frequency_hz);
         let series = Series {
             what: &self.file.display().to_string(),
             phase: &phase,
             frequency_hz: (self.by == TableBy::Time).then_some(own),
-            channels: vec![Channel { name: &self.column, unit: "(unit of the key)", samples: y }],
+            channels: vec![MeasuredChannel { name: &self.column, unit: "(unit of the key)", samples: y }],
             purpose: Purpose::Motion,
         };
         let mended = |id: &str| match id {

@@ -4,14 +4,14 @@ use super::rig_simulated::LOOKS;
 use super::rig_spec::{HoldSpec, RigRunSpec, RunList};
 use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate, fit};
 use std::path::Path;
-use wingbeat_judge::{Limits, Warning};
+use wingbeat_judge::{RunLimits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Named, Vec3};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::arm::{LimitProfile, Payload, SerialArm};
-use wingbeat_rig::carrier::{Carrier, Mount};
-use wingbeat_rig::plan::{Approach, Envelope, Margins, Plan, Refusal, TurnSpec, Workspace};
-use wingbeat_rig::{Deviations, Experiment, Outcome, Pose, RigNumbers};
+use wingbeat_rig::carrier::{CellMount, ToolCarrier};
+use wingbeat_rig::plan::{ArmApproach, Envelope, Margins, PlacementWorkspace, Refusal, TurnPlan, TurnSpec};
+use wingbeat_rig::{BenchDeviations, Experiment, Outcome, Pose, RigNumbers};
 use wingbeat_robot::Robot;
 
 /// A checked run.
@@ -29,13 +29,13 @@ pub struct RigRun {
     /// Its limits.
     pub profile: LimitProfile,
     /// Cell and mount as they are.
-    pub mount: Mount,
+    pub mount: CellMount,
     /// Cell and mount as drawn.
-    drawn: Mount,
+    drawn: CellMount,
     /// How the rig differs from that.
     numbers: RigNumbers,
     /// Limits of its verdicts.
-    pub limits: Limits,
+    pub limits: RunLimits,
     /// What makes the air of a lattice.
     lattice: Option<MakeLattice>,
 }
@@ -137,7 +137,7 @@ impl RigRun {
             None => (&spec.rig.profile, "rig.profile"),
         };
         let body = spec.rig.mount.link.body();
-        let drawn = Mount {
+        let drawn = CellMount {
             cell: spec.rig.mount.cell.pose(),
             body: spec.rig.mount.body.pose(),
             mass: body.mass,
@@ -173,7 +173,7 @@ impl RigRun {
     }
 
     /// Cell and mount as the rig's file draws them, without the numbers that say how they are.
-    pub fn mount_as_drawn(&self) -> Mount {
+    pub fn mount_as_drawn(&self) -> CellMount {
         self.drawn
     }
 
@@ -194,7 +194,7 @@ impl RigRun {
     ///
     /// # Errors
     /// A run without a turn, or bad numbers in it.
-    pub fn plan(&self) -> Result<Result<Plan, Refusal>, Error> {
+    pub fn plan(&self) -> Result<Result<TurnPlan, Refusal>, Error> {
         let Some(turn) = &self.spec.turn else {
             return Err(Error::invalid("turn", "absent", "a [turn] to plan"));
         };
@@ -207,7 +207,7 @@ impl RigRun {
     ///
     /// # Errors
     /// A pose outside the joint limits.
-    pub fn approach(&self, from: &[f64], plan: &Plan) -> Result<Result<Approach, Refusal>, Error> {
+    pub fn approach(&self, from: &[f64], plan: &TurnPlan) -> Result<Result<ArmApproach, Refusal>, Error> {
         let (payload, envelope) = (self.payload(), self.envelope());
         let Some(start) = plan.trajectory.position.first() else {
             return Err(Error::invalid("plan", "no points", "a plan with points"));
@@ -256,9 +256,9 @@ impl RigRun {
         Err(Error::invalid("rig.envelope.half_span_m", half_span, allowed).against(["rig.clearance_m"]))
     }
 
-    fn workspace<'a>(&'a self, payload: &'a Payload, envelope: &'a Envelope) -> Workspace<'a> {
+    fn workspace<'a>(&'a self, payload: &'a Payload, envelope: &'a Envelope) -> PlacementWorkspace<'a> {
         let rig = &self.spec.rig;
-        Workspace {
+        PlacementWorkspace {
             arm: &self.arm,
             profile: &self.profile,
             payload,
@@ -270,13 +270,13 @@ impl RigRun {
     }
 
     /// What carries the robot in this run; a turn needs its `plan`.
-    pub fn carrier(&self, plan: Option<&Plan>) -> Carrier {
+    pub fn carrier(&self, plan: Option<&TurnPlan>) -> ToolCarrier {
         match (&self.spec.hold, plan) {
             (None, Some(plan)) => {
-                Carrier::Arm { arm: Box::new(self.arm.clone()), trajectory: plan.trajectory.clone() }
+                ToolCarrier::Arm { arm: Box::new(self.arm.clone()), trajectory: plan.trajectory.clone() }
             }
-            (Some(hold), _) => Carrier::Stand { holds: self.holds(hold) },
-            (None, None) => Carrier::Stand { holds: vec![(0.0, Pose::IDENTITY)] },
+            (Some(hold), _) => ToolCarrier::Stand { holds: self.holds(hold) },
+            (None, None) => ToolCarrier::Stand { holds: vec![(0.0, Pose::IDENTITY)] },
         }
     }
 
@@ -290,12 +290,12 @@ impl RigRun {
     }
 
     /// Duration after the rest, s.
-    pub fn duration(&self, carrier: &Carrier) -> f64 {
+    pub fn duration(&self, carrier: &ToolCarrier) -> f64 {
         carrier.duration() + self.spec.hold.as_ref().map_or(0.0, |hold| hold.each_s)
     }
 
     /// Begin and end of what is averaged, s.
-    pub fn window(&self, plan: Option<&Plan>, carrier: &Carrier) -> (f64, f64) {
+    pub fn window(&self, plan: Option<&TurnPlan>, carrier: &ToolCarrier) -> (f64, f64) {
         match plan {
             Some(plan) => plan.measured,
             None => (self.spec.rig.spin_up_s, self.duration(carrier)),
@@ -308,7 +308,7 @@ impl RigRun {
     /// Bad numbers; a fault of the model comes back with its time.
     pub fn simulate(
         &self,
-        carrier: &Carrier,
+        carrier: &ToolCarrier,
         seed: u64,
         progress: impl FnMut(f64),
     ) -> Result<Result<Outcome, Fault>, Error> {
@@ -343,7 +343,7 @@ impl RigRun {
         &'a self,
         robot: &'a Robot,
         numbers: RigNumbers,
-        carrier: &'a Carrier,
+        carrier: &'a ToolCarrier,
         seed: u64,
     ) -> Experiment<'a> {
         Experiment {
@@ -357,7 +357,7 @@ impl RigRun {
             duration: self.duration(carrier),
             flapping: self.frequency() > 0.0,
             spin_up: self.spec.rig.spin_up_s,
-            deviations: Deviations::default(),
+            deviations: BenchDeviations::default(),
         }
     }
 

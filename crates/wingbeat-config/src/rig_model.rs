@@ -7,7 +7,7 @@ use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::Instants;
-use wingbeat_rig::carrier::Carrier;
+use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::process::{
     Comparison, CycleAverage, PhaseSource, Samples, Steps, compare, phase_of, tare_line,
 };
@@ -59,7 +59,7 @@ impl RigRun {
     pub(super) fn modelled(
         &self,
         strokes: &Strokes,
-        carrier: &Carrier,
+        carrier: &ToolCarrier,
     ) -> Result<Result<Modelled, Fault>, Error> {
         let (begin, end) = strokes.window;
         let rows = super::rig_process::rows(strokes.time, strokes.window);

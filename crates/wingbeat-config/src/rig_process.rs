@@ -7,10 +7,10 @@ use super::rig_statement::statement;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use wingbeat_flight::simulate::{Column, Record};
-use wingbeat_judge::data::{Channel, Finding, Purpose, Series, of_few_counts};
+use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, of_few_counts};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
-use wingbeat_rig::carrier::Carrier;
+use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::cell::{CHANNELS, six, wrench};
 use wingbeat_rig::netft::{StatusClass, classify};
 use wingbeat_rig::process::{
@@ -54,7 +54,7 @@ pub struct Processed {
 
 /// What static tilts say of the load on the cell.
 #[derive(Clone, Debug, Serialize)]
-pub struct Weighed {
+pub struct TiltWeighing {
     /// All that the cell carries.
     pub load: Weighing,
     /// The mount alone: the load less the weight of the robot by its model.
@@ -145,13 +145,13 @@ impl RigRun {
     pub fn process(
         &self,
         record: Record,
-        carrier: &Carrier,
+        carrier: &ToolCarrier,
         window: (f64, f64),
     ) -> Result<Result<Processed, Fault>, Error> {
         let spec = &self.spec.process;
         let recorded = recorded_motion(&record, &self.arm, window.1 + AFTER_S);
         let recorded =
-            recorded.map(|trajectory| Carrier::Arm { arm: Box::new(self.arm.clone()), trajectory });
+            recorded.map(|trajectory| ToolCarrier::Arm { arm: Box::new(self.arm.clone()), trajectory });
         let carrier = recorded.as_ref().unwrap_or(carrier);
         let own_motion = holds_motion(&record);
         let simulated = record.column("true_Fz").map(|_| record.clone());
@@ -209,7 +209,7 @@ impl RigRun {
     ///
     /// # Errors
     /// Missing columns, attitudes without samples or that do not part mass from offsets.
-    pub fn weigh(&self, record: Record, carrier: &Carrier) -> Result<Result<Weighed, Fault>, Error> {
+    pub fn weigh(&self, record: Record, carrier: &ToolCarrier) -> Result<Result<TiltWeighing, Fault>, Error> {
         let Some(hold) = &self.spec.hold else {
             return Err(Error::invalid("hold", "absent", "[hold] with the attitudes"));
         };
@@ -237,14 +237,14 @@ impl RigRun {
             mount.push(Tilt { wrench: six(&(wrench(all) + -robot)), ..tilt });
         }
         let drift = self.spec.process.steps.drift;
-        Ok(Ok(Weighed { load: weigh(&load, drift, LEVER)?, mount: weigh(&mount, drift, LEVER)? }))
+        Ok(Ok(TiltWeighing { load: weigh(&load, drift, LEVER)?, mount: weigh(&mount, drift, LEVER)? }))
     }
 
     /// The samples of a record, without those that are not to be used.
     fn samples<'a>(
         &self,
         record: Record,
-        carrier: &'a Carrier,
+        carrier: &'a ToolCarrier,
         end: f64,
     ) -> Result<(Samples<'a>, Outside), Error> {
         let own_motion = holds_motion(&record);
@@ -267,7 +267,7 @@ impl RigRun {
             phase: time,
             frequency_hz: None,
             channels: channels
-                .map(|((name, unit), of)| Channel { name, unit, samples: &of[rows.clone()] })
+                .map(|((name, unit), of)| MeasuredChannel { name, unit, samples: &of[rows.clone()] })
                 .collect(),
             purpose: Purpose::Loads,
         };

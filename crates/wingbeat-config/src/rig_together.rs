@@ -2,12 +2,12 @@
 
 use super::ConfigError;
 use super::rig::RigRun;
-use super::rig_process::{Processed, Weighed};
+use super::rig_process::{Processed, TiltWeighing};
 use std::collections::BTreeMap;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
-use wingbeat_rig::carrier::Carrier;
+use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::cell::CHANNELS;
 use wingbeat_rig::process::{Comparison, CycleAverage, compare};
 
@@ -24,11 +24,11 @@ pub enum Evaluated {
     /// Phase averages.
     Averaged(Box<Processed>),
     /// Mass, centre, offsets of static tilts.
-    Weighed(Box<Weighed>),
+    Weighed(Box<TiltWeighing>),
 }
 
 /// What processing a run gave, with begin and end (s) of what was averaged.
-pub type Windowed = (Evaluated, (f64, f64));
+pub type WindowedRun = (Evaluated, (f64, f64));
 
 /// A run and what processing it gave.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ pub struct ProcessedRun {
 
 /// What several runs say together.
 #[derive(Clone, Debug)]
-pub struct Together {
+pub struct CombinedRuns {
     /// Name of the run whose simulation, or else mean, stands beside the envelope.
     pub reference: String,
     /// True when the model has an answer on the measured motion of that run.
@@ -62,7 +62,7 @@ impl RigRun {
     pub fn evaluate(
         &self,
         record: Record,
-        carrier: &Carrier,
+        carrier: &ToolCarrier,
         window: (f64, f64),
     ) -> Result<Result<Evaluated, Fault>, Error> {
         if self.is_weighing() {
@@ -85,7 +85,7 @@ impl RigRun {
         &self,
         record: Record,
         measured: Option<(f64, f64)>,
-    ) -> Result<Result<Windowed, String>, Error> {
+    ) -> Result<Result<WindowedRun, String>, Error> {
         let plan = match (&self.spec.turn, measured) {
             (Some(_), None) => match self.plan()? {
                 Ok(plan) => Some(plan),
@@ -184,7 +184,7 @@ pub fn subtract_still_air(runs: &mut [ProcessedRun]) -> Result<(), ConfigError> 
 ///
 /// # Errors
 /// [`Error::Invalid`] when the runs have averages of different numbers of phases.
-pub fn together(runs: &[ProcessedRun]) -> Result<Option<Together>, Error> {
+pub fn together(runs: &[ProcessedRun]) -> Result<Option<CombinedRuns>, Error> {
     let averaged: Vec<_> = runs.iter().filter_map(|one| Some((one, one.averaged()?))).collect();
     let turns: Vec<_> = averaged.iter().filter(|(one, _)| one.run.spec.turn.is_some()).copied().collect();
     let band = if turns.is_empty() && averaged.len() == 1 { averaged } else { turns };
@@ -195,7 +195,7 @@ pub fn together(runs: &[ProcessedRun]) -> Result<Option<Together>, Error> {
         let allowed = format!("{bins}, as in {}: {} is averaged with it", reference.name(), other.name());
         return Err(Error::invalid("process.bins", p.cycles[0].mean.len(), allowed));
     }
-    let Some(drawn) = Drawn::of(band.iter().map(|(_, p)| *p), black) else { return Ok(None) };
+    let Some(drawn) = DrawnStrokes::of(band.iter().map(|(_, p)| *p), black) else { return Ok(None) };
     let frequency = black.model.as_ref().map_or(reference.run.frequency(), |model| model.frequency_hz);
     let mut columns = vec![Column::new("t", "s", "")];
     columns[0].values = drawn.points.iter().map(|turn| turn / frequency).collect();
@@ -214,7 +214,7 @@ pub fn together(runs: &[ProcessedRun]) -> Result<Option<Together>, Error> {
             columns.push(Column { values, ..column });
         }
     }
-    Ok(Some(Together {
+    Ok(Some(CombinedRuns {
         reference: reference.name().into(),
         simulated: drawn.model.is_some(),
         turns: drawn.turns,
@@ -224,7 +224,7 @@ pub fn together(runs: &[ProcessedRun]) -> Result<Option<Together>, Error> {
 }
 
 /// What is drawn of several runs: strokes that follow each other, from the phase at which the window of one run begins.
-struct Drawn<'a> {
+struct DrawnStrokes<'a> {
     runs: Vec<(Strand<'a>, &'a Processed)>,
     model: Option<Strand<'a>>,
     still: Option<&'a [CycleAverage; 6]>,
@@ -236,7 +236,7 @@ struct Drawn<'a> {
     bins: usize,
 }
 
-impl<'a> Drawn<'a> {
+impl<'a> DrawnStrokes<'a> {
     fn of(runs: impl Iterator<Item = &'a Processed>, black: &'a Processed) -> Option<Self> {
         let runs: Vec<_> = runs.filter_map(|p| Some((Strand::of(&p.trace)?, p))).collect();
         let model = black.model.as_ref().and_then(|model| Strand::of(&model.trace));

@@ -8,8 +8,8 @@ use wingbeat_math::Error;
 use wingbeat_math::Random;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_ocp::plant::Fault;
-use wingbeat_rig::carrier::Carrier;
-use wingbeat_rig::{Deviations, Experiment, Instants, Outcome, Wave, rms_about_mean};
+use wingbeat_rig::carrier::ToolCarrier;
+use wingbeat_rig::{BenchDeviations, Experiment, Instants, Outcome, Sinusoid, rms_about_mean};
 
 /// A bench that is simulated in place of the one that the files draw: a truth unlike the model that processing draws beside
 /// it. What is a share is drawn for each run by its seed.
@@ -72,7 +72,7 @@ impl RigRun {
     /// Bad numbers, overrides of the truth that no run takes; a fault of the model comes back with its time.
     pub(super) fn simulate_truth(
         &self,
-        carrier: &Carrier,
+        carrier: &ToolCarrier,
         window: (f64, f64),
         seed: u64,
         progress: impl FnMut(f64),
@@ -97,9 +97,9 @@ impl RigRun {
         let (robot, numbers) = other.adjusted(&ripple)?;
         let tracked = truth.tracked(carrier, &mut random);
         let mut experiment = other.experiment(&robot, numbers, &tracked, seed);
-        experiment.deviations = Deviations {
+        experiment.deviations = BenchDeviations {
             pace: match frequency > 0.0 {
-                true => Deviations::paces(truth.pace_share, frequency, &mut random),
+                true => BenchDeviations::paces(truth.pace_share, frequency, &mut random),
                 false => Vec::new(),
             },
             encoder_rad: truth.encoder_offset_rad,
@@ -127,17 +127,17 @@ fn size_of_loads(experiment: &Experiment, (begin, end): (f64, f64)) -> Result<[f
 
 impl RigTruthSpec {
     /// The carrier as its arm moves; a stand stands.
-    fn tracked(&self, carrier: &Carrier, random: &mut Random) -> Carrier {
+    fn tracked(&self, carrier: &ToolCarrier, random: &mut Random) -> ToolCarrier {
         match carrier {
-            Carrier::Stand { .. } => carrier.clone(),
-            Carrier::Arm { arm, trajectory } => {
-                let wave = |_| Wave {
+            ToolCarrier::Stand { .. } => carrier.clone(),
+            ToolCarrier::Arm { arm, trajectory } => {
+                let wave = |_| Sinusoid {
                     amplitude: self.tracking_rad * random.unit(),
                     rate: TAU * random.between(ERRORS_HZ[0], ERRORS_HZ[1]),
                     phase: random.between(0.0, TAU),
                 };
-                let errors: Vec<Wave> = (0..arm.dof()).map(wave).collect();
-                Carrier::Arm {
+                let errors: Vec<Sinusoid> = (0..arm.dof()).map(wave).collect();
+                ToolCarrier::Arm {
                     arm: arm.clone(),
                     trajectory: trajectory.tracked(self.tracking_lag_s, &errors),
                 }

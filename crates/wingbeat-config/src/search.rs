@@ -16,7 +16,7 @@ const BROKEN: f64 = 1e6;
 const OWN: [(&str, &str); 2] = [("ends_apart", "m"), ("cost", "")];
 
 /// A search under way.
-pub struct Search<'a> {
+pub struct CandidateSearch<'a> {
     sweep: &'a Sweep,
     spec: &'a SweepSearch,
     evolution: Evolution,
@@ -79,7 +79,7 @@ impl Sweep {
     ///
     /// # Errors
     /// A row that is not of this search.
-    pub fn search_after(&self, rows: &[Vec<f64>]) -> Option<Result<Search<'_>, Error>> {
+    pub fn search_after(&self, rows: &[Vec<f64>]) -> Option<Result<CandidateSearch<'_>, Error>> {
         let mut search = self.search()?;
         let mut sorted: Vec<&Vec<f64>> = rows.iter().collect();
         ascend_by(&mut sorted, |row| *row.first().unwrap_or(&0.0));
@@ -96,7 +96,7 @@ impl Sweep {
     }
 
     /// The search that the sweep asks for; none where it draws.
-    pub fn search(&self) -> Option<Search<'_>> {
+    pub fn search(&self) -> Option<CandidateSearch<'_>> {
         let spec = self.spec.search.as_ref()?;
         let share = |draw: &super::Draw| {
             let [low, high] = draw.ends();
@@ -104,7 +104,7 @@ impl Sweep {
         };
         let mean = self.spec.draws.iter().map(share).collect();
         let evolution = Evolution::new(mean, spec.spread, spec.population, self.spec.seed);
-        Some(Search { sweep: self, spec, evolution, told: 0 })
+        Some(CandidateSearch { sweep: self, spec, evolution, told: 0 })
     }
 
     /// Holds what a search found against its limits, and says what the best candidate misses.
@@ -141,7 +141,7 @@ impl Sweep {
     }
 }
 
-impl<'a> Search<'a> {
+impl<'a> CandidateSearch<'a> {
     /// Columns of a row: number, values, the goals of each flight, and the candidate's own.
     pub fn columns(&self) -> Vec<Column> {
         let draws = self.sweep.spec.draws.iter().map(|draw| Column::new(draw.key.clone(), "", ""));

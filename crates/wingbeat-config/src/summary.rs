@@ -18,7 +18,7 @@ use super::spec::GoalSpec;
 use serde::Serialize;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
-use wingbeat_judge::{Judged, Limits, Status, Warning};
+use wingbeat_judge::{Judged, RunLimits, Status, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Channel;
 use wingbeat_robot::{Dryden, Robot};
@@ -284,7 +284,7 @@ fn half_range_deg(angles: &[f64]) -> Option<f64> {
 pub(super) struct Context<'a> {
     pub manoeuvre: Option<&'a dyn Manoeuvre>,
     pub goal: Option<&'a GoalSpec>,
-    pub limits: Limits,
+    pub limits: RunLimits,
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],
     pub robot: &'a Robot,
@@ -329,7 +329,7 @@ impl Summary {
         };
         let roll_errors = settled.errors("roll", context, |reference| reference.roll);
         let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
-        let crossing = Crossing::new(record, context.clearances);
+        let crossing = PartClearance::new(record, context.clearances);
         let estimated = Estimated::new(record, settled.first);
         let velocity = mean_velocity(record, settled.first, Vec3::ZERO);
         let mut summary = Self {
@@ -433,7 +433,7 @@ pub(super) fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
 }
 
 /// How close the parts of a robot come over a record.
-pub(super) struct Crossing {
+pub(super) struct PartClearance {
     /// Least of all clearances, m.
     pub least_m: f64,
     /// Share of the rows in which one is below zero.
@@ -442,7 +442,7 @@ pub(super) struct Crossing {
     name: String,
 }
 
-impl Crossing {
+impl PartClearance {
     /// Of the columns `clearances`; none where there are no rows or columns.
     pub fn new(record: &Record, clearances: &[Channel]) -> Option<Self> {
         Self::since(record, clearances, f64::NEG_INFINITY)

@@ -1,13 +1,13 @@
 //! Many runs of one scenario or case with keys drawn at random or from a grid.
 
-use super::document::{ConfigError, Document, Place, Problem, Wrong};
+use super::document::{ConfigError, Document, KeyProblem, ValuePlace, Wrong};
 use super::fit;
 use super::shared::Shared;
 use super::sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 use super::{PaperResults, ReadTable, Scenario, TetherCase};
 use std::path::Path;
 use std::sync::Arc;
-use wingbeat_judge::{Limits, Warning};
+use wingbeat_judge::{RunLimits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 
@@ -25,7 +25,7 @@ pub struct Sweep {
     /// Part of its range by draw and run, of a Latin hypercube.
     parts: Vec<Vec<usize>>,
     pub(super) shared: Arc<Shared>,
-    pub(super) limits: Limits,
+    pub(super) limits: RunLimits,
 }
 
 /// What a sweep runs.
@@ -220,16 +220,16 @@ impl Sweep {
 
     /// An error about a drawn value as one about the end of the draw, or about the key that it is drawn for.
     fn blamed(&self, error: ConfigError, draw: &Draw, value: f64, (place, end): (&str, &str)) -> ConfigError {
-        let of = |here: &Place| {
+        let of = |here: &ValuePlace| {
             let by_draw = |one: &&Wrong| one.place == *here || one.against.iter().any(|o| o.place == *here);
             error.all().iter().find(by_draw)
         };
-        let places = overrides(draw, value).into_iter().map(Place::Override).enumerate();
+        let places = overrides(draw, value).into_iter().map(ValuePlace::Override).enumerate();
         let Some((k, wrong)) = places.filter_map(|(k, here)| Some((k, of(&here)?))).next() else {
             return error;
         };
         let key = match (k, &wrong.problem) {
-            (0, Problem::Value(_)) => format!("{place}.{end}"),
+            (0, KeyProblem::Value(_)) => format!("{place}.{end}"),
             (0, _) => format!("{place}.key"),
             (k, _) => format!("{place}.also[{}]", k - 1),
         };

@@ -6,7 +6,7 @@ use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::unheard::turning_impulse;
-use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
+use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use wingbeat_aero::{Aero, CD0, Planform, Preset};
@@ -17,7 +17,7 @@ use wingbeat_flight::tether::{
 };
 use wingbeat_judge::data::Finding;
 use wingbeat_judge::limits::tether;
-use wingbeat_judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat_judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::{Declared, Named, Parameters, Vec3};
@@ -42,7 +42,7 @@ pub struct TetherCase {
     /// What is wrong with the tables.
     pub found: Vec<Finding>,
     /// What the verdict is held against.
-    pub limits: Limits,
+    pub limits: RunLimits,
     pub(super) document: Document,
 }
 
@@ -94,7 +94,7 @@ impl TetherCase {
         let resolved = document.resolved()?;
         let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
         let built = spec.build(&|key| document.folder(key), read, &limits);
-        let (tether, Tables { smoothed, found }) = built.map_err(|error| document.explain(&error))?;
+        let (tether, MotionTables { smoothed, found }) = built.map_err(|error| document.explain(&error))?;
         Ok(Self { spec, resolved, tether, smoothed, found, limits, document })
     }
 
@@ -128,7 +128,7 @@ impl TetherCase {
         &self,
         run: &TetherRun,
         step_change: Option<StepChange>,
-        compared: Option<&Comparison>,
+        compared: Option<&MeasuredComparison>,
     ) -> TetherSummary {
         let law = self.tether.aero.law();
         // Of a run that broke down there is no last cycle to take means of.
@@ -162,7 +162,7 @@ impl TetherCase {
         &self,
         run: &TetherRun,
         step_change: Option<StepChange>,
-        compared: Option<&Comparison>,
+        compared: Option<&MeasuredComparison>,
     ) -> Verdict {
         let mut judge = Judge::new(&self.limits);
         match run.ending {
@@ -273,7 +273,7 @@ impl TetherCase {
 
 /// What the tables of a motion say.
 #[derive(Default)]
-struct Tables {
+struct MotionTables {
     smoothed: Vec<Smoothed>,
     found: Vec<Finding>,
 }
@@ -576,7 +576,12 @@ impl TetherCase {
 }
 
 impl TetherSpec {
-    fn build(&self, folder: Folder, read: ReadTable, limits: &Limits) -> Result<(Tether, Tables), Error> {
+    fn build(
+        &self,
+        folder: Folder,
+        read: ReadTable,
+        limits: &RunLimits,
+    ) -> Result<(Tether, MotionTables), Error> {
         self.check()?;
         let (motion, tables) = self.motion(folder, read, limits)?;
         let clock = self.time.clock();
@@ -652,11 +657,16 @@ impl TetherSpec {
         renumbered(&aero, &given)
     }
 
-    fn motion(&self, folder: Folder, read: ReadTable, limits: &Limits) -> Result<(Motion, Tables), Error> {
+    fn motion(
+        &self,
+        folder: Folder,
+        read: ReadTable,
+        limits: &RunLimits,
+    ) -> Result<(Motion, MotionTables), Error> {
         let frequency = self.time.frequency_hz;
         let degree = 1.0_f64.to_radians();
         let body = &self.body;
-        let mut tables = Tables::default();
+        let mut tables = MotionTables::default();
         let mut build = |spec: &super::CoordinateSpec, key: &str, factor| {
             let folder = || folder(&format!("{key}.table.file"));
             let built = spec.build(frequency, &folder, read, limits).map_err(|e| e.within(key))?;

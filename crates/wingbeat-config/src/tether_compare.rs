@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_flight::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit, smooth};
-use wingbeat_judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
+use wingbeat_judge::data::{CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 
@@ -77,7 +77,7 @@ pub struct Compared {
 
 /// A comparison with a file.
 #[derive(Clone, Debug)]
-pub struct Comparison {
+pub struct MeasuredComparison {
     /// One per channel.
     pub channels: Vec<Compared>,
     /// What is wrong with the measured data, by themselves and beside the loads of the case.
@@ -188,7 +188,7 @@ impl TetherCase {
         run: &TetherRun,
         measured: &Record,
         channels: &[(String, String)],
-    ) -> Result<Comparison, Error> {
+    ) -> Result<MeasuredComparison, Error> {
         let phase = self.measured_phase(measured)?;
         let even: Vec<f64> = (0..PHASES).map(|i| i as f64 / PHASES as f64).collect();
         let mut columns = vec![Column { values: even.clone(), ..Column::new("phase", "cycles", "") }];
@@ -219,7 +219,7 @@ impl TetherCase {
         }
         let cycle = Record::new(columns, PHASES)?;
         let found = self.suspected(run, measured, (channels, &phase), &cycle);
-        Ok(Comparison { channels: compared, found, cycle })
+        Ok(MeasuredComparison { channels: compared, found, cycle })
     }
 
     /// What is wrong with the measured channels, and what of their `cycle` cannot be that of the case. Lag and gain are what the
@@ -242,7 +242,7 @@ impl TetherCase {
             channels: channels
                 .iter()
                 .zip(&samples)
-                .map(|((ours, theirs), samples)| Channel { name: theirs, unit: unit(ours), samples })
+                .map(|((ours, theirs), samples)| MeasuredChannel { name: theirs, unit: unit(ours), samples })
                 .collect(),
             purpose: Purpose::Datum,
         };
@@ -253,7 +253,7 @@ impl TetherCase {
             let mut pairs = Vec::new();
             for (ours, theirs) in channels {
                 let (measured, computed) = (of("measured", ours), of("computed", ours));
-                pairs.push(Pair { name: theirs, unit: unit(ours), measured, computed });
+                pairs.push(CyclePair { name: theirs, unit: unit(ours), measured, computed });
             }
             let beside = compared(MEASURED, &pairs, &self.limits).into_iter();
             // The gain is only a warning by its own limit; another unit is no gain.

@@ -78,7 +78,7 @@ impl ConvergenceRun {
 
 /// How one quantity converges.
 #[derive(Clone, Debug, Serialize)]
-pub struct Spread {
+pub struct QuantitySpread {
     /// Its name, with the unit at its end.
     pub quantity: &'static str,
     /// Its value with most strips and steps, in the unit of the quantity.
@@ -105,7 +105,7 @@ pub struct Convergence {
     #[serde(flatten)]
     pub levels: Levels,
     /// Orders and spread by quantity.
-    pub quantities: Vec<Spread>,
+    pub quantities: Vec<QuantitySpread>,
     /// The runs, strips slowest.
     pub cells: Vec<ConvergenceRun>,
 }
@@ -211,7 +211,7 @@ impl Convergence {
             let scale = cells[cells.len() - 1].scales[usize::from(k == QUANTITIES.len() - 1)];
             let by_strips = std::array::from_fn(|i| value(i, fine, k));
             let by_steps = std::array::from_fn(|i| value(fine, i, k));
-            Spread {
+            QuantitySpread {
                 quantity: QUANTITIES[k],
                 finest: value(fine, fine, k),
                 order_strips: observed_order(levels.strips, by_strips, scale),
@@ -223,7 +223,7 @@ impl Convergence {
                 ),
             }
         };
-        let quantities: Vec<Spread> = (0..QUANTITIES.len()).map(of).collect();
+        let quantities: Vec<QuantitySpread> = (0..QUANTITIES.len()).map(of).collect();
         let worst = quantities.iter().max_by(|a, b| a.spread.total_cmp(&b.spread));
         let (spread, name) = worst.map_or((f64::NAN, ""), |worst| (worst.spread, worst.quantity));
         let converged = spread <= STEP_CHANGE;

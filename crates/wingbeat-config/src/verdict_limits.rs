@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use wingbeat_judge::Limits;
+use wingbeat_judge::RunLimits;
 use wingbeat_math::Error;
 
 /// Limits by kind of result and quantity, in place of those of the table: `flight.altitude_m = 3.0`.
@@ -20,10 +20,10 @@ impl VerdictLimits {
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key `limits.KIND.QUANTITY` for a limit that the table does not have.
-    pub fn limits(&self) -> Result<Limits, Error> {
+    pub fn limits(&self) -> Result<RunLimits, Error> {
         let all =
             self.0.iter().flat_map(|(kind, of)| of.iter().map(move |(name, value)| (kind, name, value)));
-        all.into_iter().try_fold(Limits::default(), |limits, (kind, name, &value)| {
+        all.into_iter().try_fold(RunLimits::default(), |limits, (kind, name, &value)| {
             let id = format!("{kind}.{name}");
             let unknown = |known: String| {
                 Error::invalid(format!("limits.{id}"), value, format!("one of the limits {known}"))

@@ -10,7 +10,7 @@ use wingbeat::math::order::{descend_by, filled};
 
 use kuva::backend::png::PngBackend;
 
-use crate::space::{Bounds, Camera, Pane, Point, Space};
+use crate::space::{Bounds, Camera, Pane, Space, WorldPoint};
 use crate::{Error, style};
 
 /// Steps between neighbouring shades of a colour.
@@ -21,7 +21,7 @@ const PALETTE: usize = 255;
 /// An area of a picture.
 pub struct Area {
     /// Its corners.
-    pub corners: Vec<Point>,
+    pub corners: Vec<WorldPoint>,
     /// Its colour, `#rrggbb`.
     pub colour: String,
     /// Share of its colour that covers what is behind.
@@ -31,9 +31,9 @@ pub struct Area {
 }
 
 /// A line of a picture.
-pub struct Line {
+pub struct PictureLine {
     /// Its points.
-    pub points: Vec<Point>,
+    pub points: Vec<WorldPoint>,
     /// Its colour.
     pub colour: String,
     /// Its weight, px.
@@ -41,7 +41,7 @@ pub struct Line {
 }
 
 /// A part of space in a pane of a picture.
-pub struct View {
+pub struct PictureView {
     /// From where it is seen.
     pub camera: Camera,
     /// What of space it shows.
@@ -53,9 +53,9 @@ pub struct View {
     /// Areas, sorted by depth.
     pub areas: Vec<Area>,
     /// Lines, likewise.
-    pub lines: Vec<Line>,
+    pub lines: Vec<PictureLine>,
     /// Words at points.
-    pub words: Vec<(Point, String)>,
+    pub words: Vec<(WorldPoint, String)>,
 }
 
 /// A picture.
@@ -65,7 +65,7 @@ pub struct Picture {
     /// Height, px.
     pub height: f64,
     /// What it shows, one over the other.
-    pub views: Vec<View>,
+    pub views: Vec<PictureView>,
     /// Words in its upper left corner.
     pub title: String,
 }
@@ -103,7 +103,7 @@ impl Animation {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, path: &Path, delay_s: f64) -> Result<(), Error> {
-        let written = || -> Result<(), Failed> {
+        let written = || -> Result<(), WriteFailure> {
             if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
                 fs::create_dir_all(folder)?;
             }
@@ -151,7 +151,7 @@ impl Animation {
         Ok(())
     }
 
-    fn animated<'a>(&self, out: Box<dyn Write + 'a>, delay_s: f64) -> Result<(), Failed> {
+    fn animated<'a>(&self, out: Box<dyn Write + 'a>, delay_s: f64) -> Result<(), WriteFailure> {
         let Some(first) = self.frames.first() else { return Err("no frames".into()) };
         let palette = palette(&self.frames);
         let mut encoder = encoder(out, first, &palette);
@@ -186,9 +186,9 @@ impl Animation {
 }
 
 /// Why a picture could not be written.
-type Failed = Box<dyn std::error::Error>;
+type WriteFailure = Box<dyn std::error::Error>;
 
-fn told(path: &Path, error: Failed) -> Error {
+fn told(path: &Path, error: WriteFailure) -> Error {
     match error.downcast::<std::io::Error>() {
         Ok(source) => Error::File { path: path.into(), source: *source },
         Err(error) => Error::Picture(error.to_string()),
@@ -197,7 +197,7 @@ fn told(path: &Path, error: Failed) -> Error {
 
 impl Pixels {
     /// Writes a PNG.
-    fn still(&self, palette: &Palette, out: &mut Vec<u8>) -> Result<(), Failed> {
+    fn still(&self, palette: &Palette, out: &mut Vec<u8>) -> Result<(), WriteFailure> {
         let mut encoder = encoder(Box::new(out), self, palette);
         encoder.set_compression(png::Compression::Balanced);
         let indices: Vec<u8> = self.shades.iter().map(|shade| palette.place(*shade)).collect();
@@ -275,7 +275,7 @@ pub fn rgb(picture: &Picture) -> Result<Vec<u8>, Error> {
 }
 
 /// Draws a picture in few shades.
-fn pixels(picture: &Picture) -> Result<Pixels, Failed> {
+fn pixels(picture: &Picture) -> Result<Pixels, WriteFailure> {
     let ((width, height), rgba) = drawn(picture)?;
     let bits = |value: u8| (u16::from(value) + SHADE / 2) / SHADE;
     let shades = rgba.chunks_exact(4);
@@ -284,7 +284,7 @@ fn pixels(picture: &Picture) -> Result<Pixels, Failed> {
 }
 
 /// Draws a picture: its size and its pixels.
-fn drawn(picture: &Picture) -> Result<((u32, u32), Vec<u8>), Failed> {
+fn drawn(picture: &Picture) -> Result<((u32, u32), Vec<u8>), WriteFailure> {
     let mut scene = style::scene(picture.width, picture.height);
     for view in &picture.views {
         if let Some(Pane { x, y, width, height }) = view.framed {
@@ -321,7 +321,7 @@ mod tests {
     fn frame(x: f64) -> Picture {
         let corners = vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0]];
         let area = Area { corners, colour: "#0072b2".into(), opacity: 1.0, edge: None };
-        let view = View {
+        let view = PictureView {
             camera: Camera::orthographic(-90.0, 90.0),
             bounds: Bounds { low: [0.0; 3], high: [3.0, 1.0, 0.1] },
             pane: Pane { x: 0.0, y: 0.0, width: 200.0, height: 120.0 },

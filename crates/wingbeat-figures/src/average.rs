@@ -2,7 +2,7 @@
 
 use wingbeat::simulate::{Column, Record};
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -24,8 +24,8 @@ pub fn averaged(cycles: &Record, count: usize) -> Result<Figure, Error> {
         let edges = phase.iter().zip(&mean).zip(&deviation).map(|((p, m), d)| (*p, m - d, m + d)).collect();
         let name = style::letter(name);
         let title = if unit.is_empty() { name } else { format!("{name} [{unit}]") };
-        let panel = Panel::new(title, vec![Curve::new("mean", &phase, mean, 0)]);
-        panels.push(Panel { bands: vec![edges], narrow: true, ..panel });
+        let panel = FigurePanel::new(title, vec![PanelCurve::new("mean", &phase, mean, 0)]);
+        panels.push(FigurePanel { bands: vec![edges], narrow: true, ..panel });
     }
     if panels.is_empty() {
         return Err(Error::Column(format!("*{DEVIATION}")));

@@ -1,9 +1,9 @@
 //! How a tethered wing's numbers converge, and how they compare with measured ones.
 
-use wingbeat::scenario::{Comparison, Convergence, ConvergenceRun, QUANTITIES};
+use wingbeat::scenario::{Convergence, ConvergenceRun, MeasuredComparison, QUANTITIES};
 
-use crate::chart::{Axis, Chart, Look, Series, grid};
-use crate::panel::{Curve, Panel, stacked};
+use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -18,12 +18,12 @@ pub fn convergence(table: &Convergence) -> Figure {
             let runs = table.cells.iter().filter(|run| run.steps_per_cycle == steps);
             let point = |run: &ConvergenceRun| (run.strips as f64, run.values()[k]);
             let points = runs.map(point).filter(|point| point.1.is_finite()).collect();
-            Series::new(format!("{steps} steps per cycle"), points, looks[i], i)
+            ChartSeries::new(format!("{steps} steps per cycle"), points, looks[i], i)
         };
         Chart {
             title: String::new(),
-            x: Axis::new("strips"),
-            y: Axis::new(title(QUANTITIES[k])),
+            x: ChartAxis::new("strips"),
+            y: ChartAxis::new(title(QUANTITIES[k])),
             series: table.levels.steps_per_cycle.into_iter().enumerate().map(of_steps).collect(),
             passes: None,
         }
@@ -38,18 +38,21 @@ pub(crate) fn title(key: &str) -> String {
 }
 
 /// Measured cycle, mean with the range of its cycles, over the computed one, as it is and fitted.
-pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
+pub fn comparison(comparison: &MeasuredComparison) -> Result<Figure, Error> {
     let phase = needed(&comparison.cycle, "phase")?;
     let mut panels = Vec::new();
     for channel in &comparison.channels {
         let column = |kind: &str| needed(&comparison.cycle, &format!("{kind}_{}", channel.computed));
         let (low, high) = (column("low")?, column("high")?);
         let band = (0..phase.len()).map(|i| (phase[i], low[i], high[i])).collect();
-        let fitted = Curve::new("fitted", phase, column("fitted")?.to_vec(), 0).whole();
+        let fitted = PanelCurve::new("fitted", phase, column("fitted")?.to_vec(), 0).whole();
         let curves = vec![
-            Curve::total("measured", phase, column("measured")?.to_vec()),
-            Curve { dashes: Some("6 4"), ..Curve::new("computed", phase, column("computed")?.to_vec(), 1) },
-            Curve { weight: style::CURVE, ..fitted },
+            PanelCurve::total("measured", phase, column("measured")?.to_vec()),
+            PanelCurve {
+                dashes: Some("6 4"),
+                ..PanelCurve::new("computed", phase, column("computed")?.to_vec(), 1)
+            },
+            PanelCurve { weight: style::CURVE, ..fitted },
         ];
         let computed = comparison.cycle.column(&format!("computed_{}", channel.computed));
         let unit = computed.map(|column| column.unit.as_str()).filter(|unit| !unit.is_empty());
@@ -61,7 +64,7 @@ pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
             channel.fit.lag_cycles,
             channel.fit.gain
         );
-        panels.push(Panel { bands: vec![band], ..Panel::new(title, curves) });
+        panels.push(FigurePanel { bands: vec![band], ..FigurePanel::new(title, curves) });
     }
     Ok(Figure::new(
         "compare",

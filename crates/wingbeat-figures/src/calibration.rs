@@ -4,8 +4,8 @@ use kuva::plot::colormap::ColorMap;
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use crate::chart::{Axis, Chart, Look, Series, grid};
-use crate::panel::{Curve, Panel, stacked};
+use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::style;
 use crate::write::Figure;
 
@@ -56,14 +56,14 @@ pub fn overlay(channels: Vec<Overlay>) -> Figure {
             let bands = vec![band.collect()];
             let with_residual = channel.with_residual.as_deref().map(closed);
             let mut curves = vec![
-                Curve::new("before", &phase, closed(&channel.before), 1),
-                Curve::new("after", &phase, closed(&channel.after), 0).whole(),
-                Curve::reference("measured", &phase, closed(&channel.measured)),
+                PanelCurve::new("before", &phase, closed(&channel.before), 1),
+                PanelCurve::new("after", &phase, closed(&channel.after), 0).whole(),
+                PanelCurve::reference("measured", &phase, closed(&channel.measured)),
             ];
-            curves.extend(with_residual.map(|values| Curve::new("with residual", &phase, values, 2)));
+            curves.extend(with_residual.map(|values| PanelCurve::new("with residual", &phase, values, 2)));
             let (name, unit) = channel.title.split_once(' ').unwrap_or((&channel.title, ""));
             let title = format!("{} {unit}", style::letter(name));
-            Panel { bands, ..Panel::new(title.trim_end(), curves) }
+            FigurePanel { bands, ..FigurePanel::new(title.trim_end(), curves) }
         })
         .collect();
     let across = "phase of the cycle [cycles]; shaded: 95 % of measured cycles, as predicted";
@@ -91,17 +91,17 @@ pub fn profiles(curves: Vec<ProfileCurve>) -> Figure {
             (value + deviations * error, deviations * deviations)
         };
         let mut series =
-            vec![Series::new("other parameters fitted again", curve.points.clone(), Look::Line, 0)];
+            vec![ChartSeries::new("other parameters fitted again", curve.points.clone(), Look::Line, 0)];
         if error > 0.0 && error.is_finite() {
             let (low, high) =
                 curve.points.iter().fold((value, value), |(low, high), (x, _)| (low.min(*x), high.max(*x)));
             let by_error = (-30..=30).map(parabola).filter(|(x, _)| (low..=high).contains(x)).collect();
-            series.push(Series::new("parabola of the standard error", by_error, Look::Dashed, 1));
+            series.push(ChartSeries::new("parabola of the standard error", by_error, Look::Dashed, 1));
         }
         Chart {
             title: curve.title,
-            x: Axis::new(curve.name),
-            y: Axis::new("rise of chi-squared; grey: 95 %").over(0.0, 12.0),
+            x: ChartAxis::new(curve.name),
+            y: ChartAxis::new("rise of chi-squared; grey: 95 %").over(0.0, 12.0),
             series,
             passes: Some((0.0, 3.84)),
         }
@@ -110,7 +110,7 @@ pub fn profiles(curves: Vec<ProfileCurve>) -> Figure {
 }
 
 /// One channel's residuals by harmonic: amplitudes before and after the fit, and of the noise of the mean.
-pub struct Spectrum {
+pub struct ResidualSpectrum {
     /// Channel with its unit in brackets.
     pub title: String,
     /// Rms over the runs before the fit, by harmonic from 0, in the unit of the channel.
@@ -122,19 +122,19 @@ pub struct Spectrum {
 }
 
 /// Residuals by harmonic beside the noise.
-pub fn residual_spectra(channels: Vec<Spectrum>) -> Figure {
-    let chart = |channel: Spectrum| {
+pub fn residual_spectra(channels: Vec<ResidualSpectrum>) -> Figure {
+    let chart = |channel: ResidualSpectrum| {
         let points = |of: &[f64]| {
             of.iter().enumerate().map(|(k, y)| (k as f64, y.max(1e-12))).collect::<Vec<(f64, f64)>>()
         };
         Chart {
             title: channel.title,
-            x: Axis::new("harmonic of the cycle"),
-            y: Axis::log("amplitude"),
+            x: ChartAxis::new("harmonic of the cycle"),
+            y: ChartAxis::log("amplitude"),
             series: vec![
-                Series::new("before", points(&channel.before), Look::Dashed, 1),
-                Series::new("after", points(&channel.after), Look::Line, 0),
-                Series::reference("noise of the mean", points(&channel.noise)),
+                ChartSeries::new("before", points(&channel.before), Look::Dashed, 1),
+                ChartSeries::new("after", points(&channel.after), Look::Line, 0),
+                ChartSeries::reference("noise of the mean", points(&channel.noise)),
             ],
             passes: None,
         }
@@ -143,7 +143,7 @@ pub fn residual_spectra(channels: Vec<Spectrum>) -> Figure {
 }
 
 /// Numbers by row and column as shaded cells.
-pub struct Cells {
+pub struct ShadedCells {
     /// Name of the files.
     pub name: &'static str,
     /// What the numbers are.
@@ -162,7 +162,7 @@ pub struct Cells {
 
 /// Correlations, from -1 to 1.
 pub fn correlations(names: &[String], values: Vec<Vec<f64>>) -> Figure {
-    cells(&Cells {
+    cells(&ShadedCells {
         name: "correlations",
         title: "correlations of the estimates".into(),
         rows: names.to_vec(),
@@ -175,7 +175,7 @@ pub fn correlations(names: &[String], values: Vec<Vec<f64>>) -> Figure {
 
 /// Standard error of each parameter from each run and channel alone, in parts of its size.
 pub fn information(rows: Vec<String>, columns: Vec<String>, values: Vec<Vec<f64>>) -> Figure {
-    cells(&Cells {
+    cells(&ShadedCells {
         name: "information",
         title: "standard error in parts of the parameter's size, from one channel of one run alone".into(),
         rows,
@@ -188,7 +188,7 @@ pub fn information(rows: Vec<String>, columns: Vec<String>, values: Vec<Vec<f64>
 }
 
 /// A table of shaded cells, dark where the share is large.
-pub fn cells(of: &Cells) -> Figure {
+pub fn cells(of: &ShadedCells) -> Figure {
     let longest = |names: &[String]| names.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
     let left = PADDING + LETTER * longest(&of.rows) + PADDING;
     let head = HEAD.min(40.0 + 0.8 * LETTER * longest(&of.columns));

@@ -13,7 +13,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use crate::panel::MOST_NAMED;
-use crate::scale::Scale;
+use crate::scale::TickScale;
 use crate::style;
 use crate::write::Figure;
 
@@ -59,7 +59,7 @@ pub enum Look {
 
 /// Points with their name in the legend.
 #[derive(Clone, Debug)]
-pub struct Series {
+pub struct ChartSeries {
     /// Name in the legend; none when empty. Series of one name and look stand there once.
     pub name: String,
     /// (x, y) in drawing order, in the units of the axes.
@@ -72,7 +72,7 @@ pub struct Series {
     pub colour: String,
 }
 
-impl Series {
+impl ChartSeries {
     /// Points, in the units of the axes, in the colour number `index` of the house.
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>, look: Look, index: usize) -> Self {
         Self { name: name.into(), points, bars: Vec::new(), look, colour: style::colour(index).into() }
@@ -87,7 +87,7 @@ impl Series {
 
 /// An axis: label with unit, range when it is given, logarithmic or not.
 #[derive(Clone, Debug, Default)]
-pub struct Axis {
+pub struct ChartAxis {
     /// Quantity and unit.
     pub label: String,
     /// Range, in the unit of the label; without it that of the series.
@@ -96,7 +96,7 @@ pub struct Axis {
     pub log: bool,
 }
 
-impl Axis {
+impl ChartAxis {
     /// A linear axis over the range of the series.
     pub fn new(label: impl Into<String>) -> Self {
         Self { label: label.into(), ..Self::default() }
@@ -119,11 +119,11 @@ pub struct Chart {
     /// What this panel shows; empty when the quantity upwards says it.
     pub title: String,
     /// Axis to the right.
-    pub x: Axis,
+    pub x: ChartAxis,
     /// Axis upwards; its label stands above the panel.
-    pub y: Axis,
+    pub y: ChartAxis,
     /// Curves and marks, the first below.
-    pub series: Vec<Series>,
+    pub series: Vec<ChartSeries>,
     /// Shaded ground: the range of y that passes, in its unit.
     pub passes: Option<(f64, f64)>,
 }
@@ -168,7 +168,8 @@ fn caption(scene: &mut Scene, chart: &Chart, (x, y): (f64, f64), letter: Option<
         start += 16.0;
     }
     let (low, high) = up(chart);
-    let label = if chart.y.log { chart.y.label.clone() } else { Scale::new(low, high).label(&chart.y.label) };
+    let label =
+        if chart.y.log { chart.y.label.clone() } else { TickScale::new(low, high).label(&chart.y.label) };
     let title = if chart.title.is_empty() { label } else { format!("{}: {label}", chart.title) };
     scene.elements.push(style::words(start, above, title, TextAnchor::Start, false));
 }
@@ -188,17 +189,17 @@ fn drawn(chart: &Chart, labelled: bool) -> (Vec<Plot>, Layout) {
     if chart.x.log {
         layout = layout.with_log_x();
     } else {
-        layout = Scale::new(left, right).right(layout);
+        layout = TickScale::new(left, right).right(layout);
     }
     if chart.y.log {
         let step = ((high - low) / 5.0).ceil();
         let format = TickFormat::Custom(Arc::new(style::decade));
         layout = layout.with_y_tick_step(step).with_y_tick_format(format);
     } else {
-        layout = Scale::new(low, high).upwards(layout);
+        layout = TickScale::new(low, high).upwards(layout);
     }
     if labelled {
-        let scale = Scale::new(left, right);
+        let scale = TickScale::new(left, right);
         let label = if chart.x.log { chart.x.label.clone() } else { scale.label(&chart.x.label) };
         layout = layout.with_x_label(label);
     }
@@ -225,11 +226,11 @@ fn up(chart: &Chart) -> (f64, f64) {
 }
 
 /// Height of `value` on the axis: its decades on a logarithmic one.
-fn upwards(axis: &Axis, value: f64) -> f64 {
+fn upwards(axis: &ChartAxis, value: f64) -> f64 {
     if axis.log { value.log10() } else { value }
 }
 
-fn plot(series: &Series, y: &Axis) -> Plot {
+fn plot(series: &ChartSeries, y: &ChartAxis) -> Plot {
     let points: Vec<(f64, f64)> = series.points.iter().map(|point| (point.0, upwards(y, point.1))).collect();
     let marks = |shape| {
         let mut marks = ScatterPlot::new()
@@ -258,7 +259,11 @@ fn plot(series: &Series, y: &Axis) -> Plot {
 }
 
 /// The range of `axis`: as given, or else that of the series with a margin.
-fn range(chart: &Chart, axis: &Axis, of: impl Fn(&(f64, f64), (f64, f64)) -> [f64; 2] + Copy) -> (f64, f64) {
+fn range(
+    chart: &Chart,
+    axis: &ChartAxis,
+    of: impl Fn(&(f64, f64), (f64, f64)) -> [f64; 2] + Copy,
+) -> (f64, f64) {
     if let Some(given) = axis.range {
         return given;
     }
@@ -268,14 +273,14 @@ fn range(chart: &Chart, axis: &Axis, of: impl Fn(&(f64, f64), (f64, f64)) -> [f6
     });
     let scaled = ends.map(|value| if axis.log { value.log10() } else { value });
     let (low, high) = style::span(scaled);
-    let Scale { low, high, .. } = Scale::padded(low, high, 0.05);
+    let TickScale { low, high, .. } = TickScale::padded(low, high, 0.05);
     let back = |value: f64| if axis.log { 10_f64.powf(value) } else { value };
     (back(low), back(high))
 }
 
 /// Below the panels a sample and the name of every kind of series, in as many lines as they need.
 fn legend(scene: &mut Scene, charts: &[Chart]) {
-    let mut kinds: Vec<&Series> = Vec::new();
+    let mut kinds: Vec<&ChartSeries> = Vec::new();
     for series in charts.iter().flat_map(|chart| &chart.series).filter(|series| !series.name.is_empty()) {
         if kinds.iter().all(|known| known.name != series.name || known.look != series.look) {
             kinds.push(series);
@@ -283,8 +288,8 @@ fn legend(scene: &mut Scene, charts: &[Chart]) {
     }
     let more = if kinds.len() > MOST_NAMED { kinds.len() - (MOST_NAMED - 1) } else { 0 };
     kinds.truncate(kinds.len() - more);
-    let room = |series: &Series| SAMPLE + 8.0 + 6.9 * series.name.chars().count() as f64 + APART;
-    let mut lines: Vec<(f64, Vec<&Series>)> = Vec::new();
+    let room = |series: &ChartSeries| SAMPLE + 8.0 + 6.9 * series.name.chars().count() as f64 + APART;
+    let mut lines: Vec<(f64, Vec<&ChartSeries>)> = Vec::new();
     for series in kinds {
         let width = room(series);
         match lines.last_mut() {
@@ -313,7 +318,7 @@ fn legend(scene: &mut Scene, charts: &[Chart]) {
 }
 
 /// A short line or a mark as the series has them.
-fn sample(scene: &mut Scene, series: &Series, x: f64, y: f64) {
+fn sample(scene: &mut Scene, series: &ChartSeries, x: f64, y: f64) {
     let colour = series.colour.as_str();
     let line = |dashes: Option<&str>| style::sample((x, y), (x + SAMPLE, y), colour, style::CURVE, dashes);
     let (left, right) = (x + 0.5 * SAMPLE - MARK, x + 0.5 * SAMPLE + MARK);

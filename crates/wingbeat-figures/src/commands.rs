@@ -2,7 +2,7 @@
 
 use wingbeat::simulate::{Column, Record};
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -15,7 +15,7 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
     if commands.is_empty() {
         return Err(Error::Column("command_<element>".into()));
     }
-    let mut panels: Vec<Panel> = Vec::new();
+    let mut panels: Vec<FigurePanel> = Vec::new();
     for command in commands {
         let element = command.name.trim_start_matches("command_");
         let (group, side) = pair(element);
@@ -24,22 +24,22 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
         let names = ["displacement", "rate"].map(|what| format!("{what}_{element}"));
         let follows = |column: &&Column| names.contains(&column.name) && column.unit == command.unit;
         if let Some(response) = record.columns().iter().find(follows) {
-            let follows = Curve::new(format!("{side}, response"), t, response.values.clone(), index);
-            panel.curves.push(Curve { colour: style::tint(index), weight: style::BROAD, ..follows });
+            let follows = PanelCurve::new(format!("{side}, response"), t, response.values.clone(), index);
+            panel.curves.push(PanelCurve { colour: style::tint(index), weight: style::BROAD, ..follows });
         }
         let name = if side == "command" { side.into() } else { format!("{side}, command") };
-        let commanded = Curve::new(name, t, command.values.clone(), index);
-        panel.curves.push(Curve { weight: style::FINE, ..commanded });
+        let commanded = PanelCurve::new(name, t, command.values.clone(), index);
+        panel.curves.push(PanelCurve { weight: style::FINE, ..commanded });
     }
     Ok(Figure::new("commands", stacked(panels, "time [s]", 0.9 * style::PANEL)))
 }
 
 /// The panel called `title` with the command's limits; a new one when there is none.
-fn panel_of<'a>(panels: &'a mut Vec<Panel>, title: &str, command: &Column) -> &'a mut Panel {
+fn panel_of<'a>(panels: &'a mut Vec<FigurePanel>, title: &str, command: &Column) -> &'a mut FigurePanel {
     let limits = (command.low.is_finite() && command.high.is_finite()).then_some((command.low, command.high));
     let found = panels.iter().position(|panel| panel.title == title && panel.limits == limits);
     let index = found.unwrap_or_else(|| {
-        panels.push(Panel { limits, ..Panel::new(title, Vec::new()) });
+        panels.push(FigurePanel { limits, ..FigurePanel::new(title, Vec::new()) });
         panels.len() - 1
     });
     &mut panels[index]

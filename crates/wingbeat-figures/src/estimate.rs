@@ -2,7 +2,7 @@
 
 use wingbeat::simulate::Record;
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -39,10 +39,13 @@ pub fn estimate(record: &Record) -> Result<Figure, Error> {
     let mut panels = Vec::new();
     for (name, title, factor) in [("roll", "roll [°]", PANELS[1].2), ("height", "height [m]", 1.0)] {
         let scaled = |values: Vec<f64>| values.iter().map(|v| factor * v).collect::<Vec<f64>>();
-        let believed = Curve::new("estimate", &at, scaled(pick(&format!("estimate_{name}"))?), 1).whole();
-        let true_one =
-            Curve { weight: style::BROAD, ..Curve::new("true", &at, scaled(truth(name)?), 0).whole() };
-        panels.push(Panel::new(title, vec![true_one, believed]));
+        let believed =
+            PanelCurve::new("estimate", &at, scaled(pick(&format!("estimate_{name}"))?), 1).whole();
+        let true_one = PanelCurve {
+            weight: style::BROAD,
+            ..PanelCurve::new("true", &at, scaled(truth(name)?), 0).whole()
+        };
+        panels.push(FigurePanel::new(title, vec![true_one, believed]));
     }
     for (name, title, factor) in PANELS {
         let (estimates, truth) = (pick(&format!("estimate_{name}"))?, truth(name)?);
@@ -50,8 +53,8 @@ pub fn estimate(record: &Record) -> Result<Figure, Error> {
         let error = estimates.iter().zip(&truth).map(|(e, t)| factor * (e - t)).collect();
         let band =
             at.iter().zip(&deviation).map(|(t, d)| (*t, -3.0 * factor * d, 3.0 * factor * d)).collect();
-        let curve = Curve::new("estimate less true", &at, error, 1).whole();
-        panels.push(Panel { bands: vec![band], ..Panel::new(title, vec![curve]) });
+        let curve = PanelCurve::new("estimate less true", &at, error, 1).whole();
+        panels.push(FigurePanel { bands: vec![band], ..FigurePanel::new(title, vec![curve]) });
     }
     if let Some(panel) = panels.get_mut(2) {
         panel.title += "; shaded: three standard deviations of the filter";

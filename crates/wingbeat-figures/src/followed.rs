@@ -2,8 +2,8 @@
 
 use wingbeat::simulate::Record;
 
-use crate::chart::{Axis, Chart, Look, Series, grid};
-use crate::panel::{Curve, Panel, stacked};
+use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -42,11 +42,11 @@ pub fn ground(record: &Record) -> Result<Figure, Error> {
     let (across, up) = (around(across, wide), around(up, height - BESIDE.1));
     let chart = Chart {
         title: String::new(),
-        x: Axis::new("x [m]").over(across.0, across.1),
-        y: Axis::new("y [m], to the left").over(up.0, up.1),
+        x: ChartAxis::new("x [m]").over(across.0, across.1),
+        y: ChartAxis::new("y [m], to the left").over(up.0, up.1),
         series: vec![
-            Series { colour: style::INK.into(), ..Series::new("path", path, Look::Dashed, 0) },
-            Series::new("flown", track, Look::Line, 0),
+            ChartSeries { colour: style::INK.into(), ..ChartSeries::new("path", path, Look::Dashed, 0) },
+            ChartSeries::new("flown", track, Look::Line, 0),
         ],
         passes: None,
     };
@@ -62,16 +62,16 @@ pub fn tracking(record: &Record) -> Result<Figure, Error> {
         Ok(needed(record, name)?.iter().map(|value| factor * value).collect())
     };
     let degrees = 180.0 / std::f64::consts::PI;
-    let one = |title: &str, name: &str| -> Result<Panel, Error> {
-        Ok(Panel::new(title, vec![Curve::new("", t, scaled(name, 1.0)?, 0).whole()]))
+    let one = |title: &str, name: &str| -> Result<FigurePanel, Error> {
+        Ok(FigurePanel::new(title, vec![PanelCurve::new("", t, scaled(name, 1.0)?, 0).whole()]))
     };
-    let roll = Curve::new("roll", t, scaled("roll", degrees)?, 0).whole();
-    let asked = Curve::reference("asked", t, scaled("path_bank", degrees)?);
+    let roll = PanelCurve::new("roll", t, scaled("roll", degrees)?, 0).whole();
+    let asked = PanelCurve::reference("asked", t, scaled("path_bank", degrees)?);
     let panels = vec![
         one("across the path, left + [m]", "path_cross")?,
         one("along the path, ahead + [m]", "path_along")?,
         one("height less the path's [m]", "orbit_height_error")?,
-        Panel::new("bank [°]", vec![roll, asked]),
+        FigurePanel::new("bank [°]", vec![roll, asked]),
     ];
     Ok(Figure::new("tracking", stacked(panels, "time [s]", style::PANEL)))
 }

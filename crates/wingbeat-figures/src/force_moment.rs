@@ -8,8 +8,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::TextAnchor;
 use wingbeat::simulate::Record;
 
-use crate::processing::Cell;
-use crate::scale::Scale;
+use crate::processing::CellOrigin;
+use crate::scale::TickScale;
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -33,7 +33,7 @@ const HEIGHT: f64 = 190.0;
 
 /// Six panels over the time of the record: the band between `low_<channel>` and
 /// `high_<channel>` of all runs in red, a curve where there is one run, `simulation_<channel>`, where there is one, in black, in the body frame.
-pub fn force_moment(record: &Record, cell: Cell) -> Result<Figure, Error> {
+pub fn force_moment(record: &Record, cell: CellOrigin) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let simulated = record.column("simulation_Fz").is_some();
     let (mut plots, mut layouts) = (Vec::new(), Vec::new());
@@ -96,8 +96,8 @@ fn drawn(
     plots.extend(line.map(|line| curve(line, "#000000", style::CURVE)));
     let values = || low.iter().chain(high).chain(line.unwrap_or(&[])).copied();
     let (bottom, top) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
-    let up = Scale::padded(bottom, top, 0.08);
-    let across = Scale::new(t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(1.0));
+    let up = TickScale::padded(bottom, top, 0.08);
+    let across = TickScale::new(t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(1.0));
     let axes = up.upwards(across.right(style::axes(Layout::auto_from_plots(&plots))));
     let axes = if last { axes.with_x_label(across.label("time [s]")) } else { axes };
     let layout = axes

@@ -3,7 +3,7 @@
 use wingbeat::aero::LoadSource;
 use wingbeat::simulate::Record;
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, cycle, needed, style};
 
@@ -41,10 +41,10 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
             if LoadSource::ALL.iter().any(|known| known.name() == *source && known.is_of_air()) {
                 sum.iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
             }
-            curves.push(Curve::new(spoken(source), &x, y.to_vec(), index));
+            curves.push(PanelCurve::new(spoken(source), &x, y.to_vec(), index));
         }
-        curves.push(Curve::total("air, total", &x, sum));
-        panels.push(Panel::new(label, curves));
+        curves.push(PanelCurve::total("air, total", &x, sum));
+        panels.push(FigurePanel::new(label, curves));
     }
     let x_label = if phased.is_some() {
         format!("phase [cycles], last whole cycle, from {start:.3} s to {:.3} s", start + period)

@@ -2,7 +2,7 @@
 
 use wingbeat::simulate::Record;
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, own_joints, style};
 
@@ -16,55 +16,55 @@ pub fn gait(record: &Record) -> Result<Figure, Error> {
     }
     let period = t[t.len() - 1] - t[0];
     let x: Vec<f64> = t.iter().map(|now| (now - t[0]) / period).collect();
-    let cycle = Cycle { record, x };
+    let cycle = GaitCycle { record, x };
     let mut angles = Vec::new();
     let turning = own_joints::left(record).filter(|(joint, _)| joint.turns);
     for (index, (joint, column)) in turning.enumerate() {
         angles.extend(cycle.pair(&joint.name, &column.name, joint.scale(), index)?);
     }
     let panels = vec![
-        Panel::new("joint angles [°], up, forward, nose up", angles),
-        Panel::new("drive power [W]", cycle.with_means("drive_power", 0)?),
-        Panel::new("power to the air [W]", cycle.with_means("power_to_air", 1)?),
-        Panel::new("upward force of the air [N]", cycle.with_means("force_up", 2)?),
-        Panel::new("forward force of the air [N]", cycle.with_means("force_forward", 4)?),
+        FigurePanel::new("joint angles [°], up, forward, nose up", angles),
+        FigurePanel::new("drive power [W]", cycle.with_means("drive_power", 0)?),
+        FigurePanel::new("power to the air [W]", cycle.with_means("power_to_air", 1)?),
+        FigurePanel::new("upward force of the air [N]", cycle.with_means("force_up", 2)?),
+        FigurePanel::new("forward force of the air [N]", cycle.with_means("force_forward", 4)?),
     ];
     let label = format!("share of the cycle of {period:.4} s");
     Ok(Figure::new("gait", stacked(panels, &label, style::PANEL)))
 }
 
-struct Cycle<'a> {
+struct GaitCycle<'a> {
     record: &'a Record,
     x: Vec<f64>,
 }
 
-impl Cycle<'_> {
+impl GaitCycle<'_> {
     /// A column, and the own gait's paler beneath.
-    fn pair(&self, name: &str, column: &str, factor: f64, index: usize) -> Result<Vec<Curve>, Error> {
+    fn pair(&self, name: &str, column: &str, factor: f64, index: usize) -> Result<Vec<PanelCurve>, Error> {
         let scaled = |values: &[f64]| values.iter().map(|v| factor * v).collect::<Vec<f64>>();
         let own = self.record.values(&format!("own_{column}")).map(|own| {
-            let curve = Curve::new(format!("{name}, own gait"), &self.x, scaled(own), index);
-            Curve { colour: style::tint(index), ..curve }
+            let curve = PanelCurve::new(format!("{name}, own gait"), &self.x, scaled(own), index);
+            PanelCurve { colour: style::tint(index), ..curve }
         });
-        let plan = Curve::new(name, &self.x, scaled(needed(self.record, column)?), index);
+        let plan = PanelCurve::new(name, &self.x, scaled(needed(self.record, column)?), index);
         Ok(own.into_iter().chain([plan]).collect())
     }
 
     /// The same with fine lines at the means.
-    fn with_means(&self, column: &str, index: usize) -> Result<Vec<Curve>, Error> {
+    fn with_means(&self, column: &str, index: usize) -> Result<Vec<PanelCurve>, Error> {
         let curves = self.pair("plan", column, 1.0, index)?;
         let means = curves.iter().map(|curve| {
             let inner = &curve.y[..curve.y.len() - 1];
             let mean = inner.iter().sum::<f64>() / inner.len() as f64;
             let name = format!("{} mean {mean:.4}", if curve.name == "plan" { "plan," } else { "own gait," });
             let ends = [self.x[0], self.x[self.x.len() - 1]];
-            Curve {
+            PanelCurve {
                 colour: curve.colour.clone(),
                 weight: style::FINE,
-                ..Curve::new(name, &ends, vec![mean; 2], 0)
+                ..PanelCurve::new(name, &ends, vec![mean; 2], 0)
             }
         });
-        let means: Vec<Curve> = means.collect();
+        let means: Vec<PanelCurve> = means.collect();
         Ok(curves.into_iter().chain(means).collect())
     }
 }

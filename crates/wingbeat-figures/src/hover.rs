@@ -2,7 +2,7 @@
 
 use wingbeat::simulate::Record;
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -14,32 +14,33 @@ pub fn hover(record: &Record) -> Result<Figure, Error> {
     let scaled = |name: &str, factor: f64| -> Result<Vec<f64>, Error> {
         Ok(needed(record, name)?.iter().map(|value| factor * value).collect())
     };
-    let three = |prefix: &str, factor: f64| -> Result<Vec<Curve>, Error> {
+    let three = |prefix: &str, factor: f64| -> Result<Vec<PanelCurve>, Error> {
         let axes = ["x", "y", "z"].into_iter().enumerate();
-        axes.map(|(i, axis)| Ok(Curve::new(axis, t, scaled(&format!("{prefix}_{axis}"), factor)?, i)))
+        axes.map(|(i, axis)| Ok(PanelCurve::new(axis, t, scaled(&format!("{prefix}_{axis}"), factor)?, i)))
             .collect()
     };
     let degrees = 180.0 / std::f64::consts::PI;
     let angles = [("roll", "roll", degrees), ("pitch", "nose up", -degrees), ("yaw", "yaw", degrees)]
         .into_iter()
         .enumerate();
-    let angles = angles.map(|(i, (column, name, scale))| Ok(Curve::new(name, t, scaled(column, scale)?, i)));
+    let angles =
+        angles.map(|(i, (column, name, scale))| Ok(PanelCurve::new(name, t, scaled(column, scale)?, i)));
     let mut up = vec![0.0; t.len()];
     for source in wingbeat::aero::LoadSource::ALL.iter().filter(|source| source.is_of_air()) {
         let force = needed(record, &format!("force_{}_z", source.name()))?;
         up.iter_mut().zip(force).for_each(|(sum, force)| *sum += force);
     }
-    let air = Curve {
+    let air = PanelCurve {
         colour: style::tint(2),
         weight: style::FINE,
-        ..Curve::new("z, true, in B", t, up, 2).whole()
+        ..PanelCurve::new("z, true, in B", t, up, 2).whole()
     };
     let mut forces = vec![air];
     forces.extend(three("hover_force", 1.0)?);
     let panels = vec![
-        Panel::new("distance from the place [mm]", three("hover_error", 1e3)?),
-        Panel::new("rotation [°]", angles.collect::<Result<_, Error>>()?),
-        Panel::new("force of the air, as its observer has it [N]", forces),
+        FigurePanel::new("distance from the place [mm]", three("hover_error", 1e3)?),
+        FigurePanel::new("rotation [°]", angles.collect::<Result<_, Error>>()?),
+        FigurePanel::new("force of the air, as its observer has it [N]", forces),
     ];
     Ok(Figure::new("hover", stacked(panels, "time [s]", style::PANEL)))
 }

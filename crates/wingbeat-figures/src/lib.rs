@@ -53,16 +53,16 @@ pub use hover::hover;
 pub use joints::joint_histories;
 pub use map::map;
 pub use orbit::{family, multipliers, orbit};
-pub use overlaid::{MOST_PANELS, Quantity, overlaid};
+pub use overlaid::{MOST_PANELS, OverlaidQuantity, overlaid};
 pub use path::path;
-pub use processing::{Cell, cycles, filtered};
+pub use processing::{CellOrigin, cycles, filtered};
 pub use robustness::robustness;
 pub use search::convergence_of_search;
 pub use show::Drawing;
 pub use starts::starts;
 pub use states::{states, states_wide};
 pub use tether::{bent_wing, cycle_loads, span_loading};
-pub use wake::{Cut, Sheet as WakeSheet, around, frontal_planes, half_circulations, wake, wake_phases};
+pub use wake::{PlaneCut, WakeSheet, around, frontal_planes, half_circulations, wake, wake_phases};
 pub use write::{Figure, prepare, write, write_for_screen, write_slide};
 
 use wingbeat::scenario::{GoalSpec, PaperResults};
@@ -70,7 +70,7 @@ use wingbeat::simulate::Record;
 
 /// What a scenario asks and what is published of it, where it says.
 #[derive(Clone, Copy, Default)]
-pub struct Asked<'a> {
+pub struct FigureTargets<'a> {
     /// What counts as held.
     pub goal: Option<&'a GoalSpec>,
     /// Published numbers.
@@ -78,10 +78,10 @@ pub struct Asked<'a> {
 }
 
 /// What draws a figure of a record.
-pub type Draw = fn(&Record, Asked) -> Result<Figure, Error>;
+pub type FigureMaker = fn(&Record, FigureTargets) -> Result<Figure, Error>;
 
 /// The figures of a flight.
-pub const FLIGHT: [Draw; 4] = [
+pub const FLIGHT: [FigureMaker; 4] = [
     |record, asked| states(record, asked.goal),
     |record, asked| path(record, asked.paper),
     |record, _| commands(record),
@@ -90,7 +90,7 @@ pub const FLIGHT: [Draw; 4] = [
 
 // A figure of a flight is a file of its own, its name among the modules above, and its line here.
 /// Figures of flights in their order, each with what the name of a column begins with that a record must have for it.
-const OF_FLIGHTS: &[(&str, Draw)] = &[
+const OF_FLIGHTS: &[(&str, FigureMaker)] = &[
     ("", FLIGHT[0]),
     ("", FLIGHT[1]),
     ("command_", FLIGHT[2]),
@@ -103,13 +103,13 @@ const OF_FLIGHTS: &[(&str, Draw)] = &[
 
 /// The figures of the flight that `record` is of: without commands where there is nothing to command, with an estimator
 /// what it knew, along a path how it was followed, in a hover how still it was.
-pub fn of_flight(record: &Record) -> Vec<Draw> {
+pub fn of_flight(record: &Record) -> Vec<FigureMaker> {
     let has = |begin: &str| record.columns().iter().any(|column| column.name.starts_with(begin));
     OF_FLIGHTS.iter().filter(|(begin, _)| has(begin)).map(|(_, draw)| *draw).collect()
 }
 
 /// The figures of a planned gait.
-pub const GAIT: [Draw; 3] =
+pub const GAIT: [FigureMaker; 3] =
     [|record, _| gait(record), |record, _| commands(record), |record, _| forces(record)];
 
 /// The numbers of a column that a figure needs.

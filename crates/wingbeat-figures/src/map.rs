@@ -10,8 +10,8 @@ use kuva::render::render::{Primitive, Scene, TextAnchor};
 use wingbeat::scenario::spoken;
 use wingbeat::simulate::Record;
 
-use crate::chart::{Axis, Chart, Look, Series, grid};
-use crate::scale::Scale;
+use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
+use crate::scale::TickScale;
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -35,9 +35,9 @@ pub fn map(record: &Record, keys: &[&str], measures: &[&str], whole: bool) -> Re
         return Err(Error::Many { rows: record.rows(), most: MOST_RUNS });
     }
     let &[x, y, ..] = keys else { return over_one(record, keys, measures) };
-    let (x, y) = (Drawn::of(record, x)?, Drawn::of(record, y)?);
+    let (x, y) = (DrawnValues::of(record, x)?, DrawnValues::of(record, y)?);
     let cells = whole && keys.len() == 2 && x.places.len() > 1 && y.places.len() > 1;
-    let maps = measures.iter().map(|name| Measured::of(record, name)).collect::<Result<Vec<_>, _>>()?;
+    let maps = measures.iter().map(|name| RangedMeasure::of(record, name)).collect::<Result<Vec<_>, _>>()?;
     let layout = || frame(&x, &y);
     let (plots, layouts): (Vec<_>, Vec<_>) =
         maps.iter().map(|measured| (measured.points(&x, &y, cells), layout())).unzip();
@@ -71,9 +71,9 @@ fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure,
         let unit = record.column(name).map_or("", |column| column.unit.as_str());
         Ok(Chart {
             title: String::new(),
-            x: Axis::new(spoken(key)),
-            y: Axis::new(labelled(name, unit)),
-            series: vec![Series::new("", points, Look::Circles, 0)],
+            x: ChartAxis::new(spoken(key)),
+            y: ChartAxis::new(labelled(name, unit)),
+            series: vec![ChartSeries::new("", points, Look::Circles, 0)],
             passes: None,
         })
     };
@@ -86,15 +86,15 @@ fn labelled(name: &str, unit: &str) -> String {
 }
 
 /// Values drawn for one key.
-struct Drawn<'a> {
+struct DrawnValues<'a> {
     name: String,
     values: &'a [f64],
     /// Those that are different, ascending.
     places: Vec<f64>,
-    scale: Scale,
+    scale: TickScale,
 }
 
-impl<'a> Drawn<'a> {
+impl<'a> DrawnValues<'a> {
     fn of(record: &'a Record, key: &'a str) -> Result<Self, Error> {
         let values = needed(record, key)?;
         let mut places = values.to_vec();
@@ -104,7 +104,7 @@ impl<'a> Drawn<'a> {
         // Half a cell of a grid lies beyond its ends.
         let margin = 0.5 * (high - low) / (places.len().max(2) - 1) as f64;
         let margin = margin.max(0.04 * (high - low));
-        Ok(Self { name: spoken(key), values, places, scale: Scale::new(low - margin, high + margin) })
+        Ok(Self { name: spoken(key), values, places, scale: TickScale::new(low - margin, high + margin) })
     }
 
     /// The share of the axis at `value`.
@@ -122,7 +122,7 @@ impl<'a> Drawn<'a> {
     }
 }
 
-fn frame(x: &Drawn, y: &Drawn) -> Layout {
+fn frame(x: &DrawnValues, y: &DrawnValues) -> Layout {
     let plots: Vec<Plot> = Vec::new();
     let layout = style::axes(Layout::auto_from_plots(&plots)).with_force_margins(ROOM[0], ROOM[1]);
     let layout = y.scale.upwards(x.scale.right(layout.with_force_margins_y(ROOM[2], ROOM[3])));
@@ -130,18 +130,18 @@ fn frame(x: &Drawn, y: &Drawn) -> Layout {
 }
 
 /// A measure with its range.
-struct Measured<'a> {
+struct RangedMeasure<'a> {
     values: &'a [f64],
     label: String,
-    scale: Scale,
+    scale: TickScale,
 }
 
-impl<'a> Measured<'a> {
+impl<'a> RangedMeasure<'a> {
     fn of(record: &'a Record, name: &str) -> Result<Self, Error> {
         let values = needed(record, name)?;
         let unit = record.column(name).map_or("", |column| column.unit.as_str());
         let (low, high) = style::span(values.iter().copied());
-        Ok(Self { values, label: labelled(name, unit), scale: Scale::new(low, high) })
+        Ok(Self { values, label: labelled(name, unit), scale: TickScale::new(low, high) })
     }
 
     fn colour(&self, value: f64) -> String {
@@ -150,7 +150,7 @@ impl<'a> Measured<'a> {
     }
 
     /// The runs as points; unseen where `hidden`.
-    fn points(&self, x: &Drawn, y: &Drawn, hidden: bool) -> Vec<Plot> {
+    fn points(&self, x: &DrawnValues, y: &DrawnValues, hidden: bool) -> Vec<Plot> {
         let there = || (0..self.values.len()).filter(|run| self.values[*run].is_finite());
         let points: Vec<(f64, f64)> = there().map(|run| (x.values[run], y.values[run])).collect();
         let colours: Vec<String> = there().map(|run| self.colour(self.values[run])).collect();
@@ -159,7 +159,7 @@ impl<'a> Measured<'a> {
     }
 
     /// A cell for every run; those that failed stay white.
-    fn fill(&self, scene: &mut Scene, (left, top): (f64, f64), x: &Drawn, y: &Drawn) {
+    fn fill(&self, scene: &mut Scene, (left, top): (f64, f64), x: &DrawnValues, y: &DrawnValues) {
         let (wide, high) = (PANEL.0 - ROOM[0] - ROOM[1], PANEL.1 - ROOM[2] - ROOM[3]);
         for run in (0..self.values.len()).filter(|run| self.values[*run].is_finite()) {
             let ((from, to), (low, up)) = (x.cell(x.values[run]), y.cell(y.values[run]));

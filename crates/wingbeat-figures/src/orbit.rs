@@ -5,8 +5,8 @@ use wingbeat::math::order::ascend_by;
 
 use wingbeat::simulate::Record;
 
-use crate::chart::{Axis, Chart, Look, Series, grid};
-use crate::panel::{Curve, Panel, stacked};
+use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, own_joints, style};
 
@@ -35,9 +35,10 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
     let period = t[t.len() - 1] - t[0];
     let x: Vec<f64> = t.iter().map(|now| (now - t[0]) / period).collect();
     let scaled = |values: &[f64], factor: f64| values.iter().map(|v| factor * v).collect::<Vec<f64>>();
-    let curve =
-        |name: String, values: &[f64], factor: f64, i: usize| Curve::new(name, &x, scaled(values, factor), i);
-    let joints = |turns: bool| -> Vec<Curve> {
+    let curve = |name: String, values: &[f64], factor: f64, i: usize| {
+        PanelCurve::new(name, &x, scaled(values, factor), i)
+    };
+    let joints = |turns: bool| -> Vec<PanelCurve> {
         let joints = own_joints::left(record).filter(|(joint, _)| joint.turns == turns).enumerate();
         joints
             .map(|(i, (joint, column))| curve(joint.name.clone(), &column.values, joint.scale(), i))
@@ -51,36 +52,39 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
         left.map(|(i, values)| curve(format!("strip {} from the left tip", i + 1), values, DEGREES, i));
     let clearances =
         record.columns().iter().filter(|column| column.name.starts_with("clearance_")).enumerate();
-    let clear: Vec<Curve> = clearances
+    let clear: Vec<PanelCurve> = clearances
         .map(|(i, column)| {
             curve(column.name.trim_start_matches("clearance_").replace('_', " "), &column.values, 1e3, i)
         })
         .collect();
     let mut panels = vec![
-        Panel::new("joint angles [°], up, forward, nose up", turning),
-        Panel {
+        FigurePanel::new("joint angles [°], up, forward, nose up", turning),
+        FigurePanel {
             levels: LEVELS.to_vec(),
-            ..Panel::new("angle of attack [°], lines at 0, 12 and 20", incidences.collect())
+            ..FigurePanel::new("angle of attack [°], lines at 0, 12 and 20", incidences.collect())
         },
-        Panel::new("pitch [°], nose up", vec![curve("pitch".into(), needed(record, "pitch")?, -DEGREES, 0)]),
-        Panel::new(
+        FigurePanel::new(
+            "pitch [°], nose up",
+            vec![curve("pitch".into(), needed(record, "pitch")?, -DEGREES, 0)],
+        ),
+        FigurePanel::new(
             "joint power [W]",
             vec![curve("all driven joints".into(), needed(record, "joint_power")?, 1.0, 1)],
         ),
     ];
     if !sliding.is_empty() {
-        panels.insert(1, Panel::new("joint travel [mm]", sliding));
+        panels.insert(1, FigurePanel::new("joint travel [mm]", sliding));
     }
     panels.retain(|panel| !panel.curves.is_empty());
     if !clear.is_empty() {
-        panels.push(Panel::new("clearance [mm]", clear));
+        panels.push(FigurePanel::new("clearance [mm]", clear));
     }
     let label = format!("share of the cycle of {period:.4} s");
     Ok(Figure::new("orbit", stacked(panels, &label, style::PANEL)))
 }
 
 /// Modes of one name: it, whether they are longitudinal, and where their multipliers are.
-type Group<'a> = (&'a str, bool, Vec<(f64, f64)>);
+type ModeGroup<'a> = (&'a str, bool, Vec<(f64, f64)>);
 
 /// Floquet multipliers in the unit circle: longitudinal ones as circles, lateral ones as crosses; those of half the unit's size
 /// and more by the coordinate with the largest share in their mode.
@@ -106,7 +110,7 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
     // The largest first: those beyond the first few kinds have no name.
     let mut rows: Vec<usize> = (0..record.rows()).collect();
     wingbeat::math::order::descend_by(&mut rows, |item| re[*item].hypot(im[*item]));
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<ModeGroup> = Vec::new();
     for row in rows {
         let (own, longitudinal) = (own(row), lateral[row] == 0.0);
         let known = groups.iter().any(|group| (group.0, group.1) == (own, longitudinal));
@@ -125,15 +129,16 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
         (0..CIRCLE).map(|i| (TAU * i as f64 / (CIRCLE - 1) as f64).sin_cos()).map(|(s, c)| (c, s)).collect();
     let largest = re.iter().zip(im).map(|(re, im)| re.hypot(*im)).fold(1.0, f64::max);
     let reach = 1.1 * largest;
-    let circle = Series { colour: style::INK.into(), ..Series::new("unit circle", circle, Look::Line, 0) };
+    let circle =
+        ChartSeries { colour: style::INK.into(), ..ChartSeries::new("unit circle", circle, Look::Line, 0) };
     let named = groups.iter().filter(|group| group.0 != OTHERS).count();
     let modes = groups.into_iter().enumerate().map(|(i, (name, longitudinal, points))| {
-        Series::new(name, points, if longitudinal { Look::Circles } else { Look::Crosses }, i.min(named))
+        ChartSeries::new(name, points, if longitudinal { Look::Circles } else { Look::Crosses }, i.min(named))
     });
     let chart = Chart {
         title: String::new(),
-        x: Axis::new("real part of the multiplier; o longitudinal, × lateral").over(-reach, reach),
-        y: Axis::new("imaginary part").over(-reach, reach),
+        x: ChartAxis::new("real part of the multiplier; o longitudinal, × lateral").over(-reach, reach),
+        y: ChartAxis::new("imaginary part").over(-reach, reach),
         series: std::iter::once(circle).chain(modes).collect(),
         passes: None,
     };
@@ -160,40 +165,40 @@ pub fn family(record: &Record) -> Result<Figure, Error> {
     let points = |name: &str| -> Result<Vec<(f64, f64)>, Error> {
         Ok(along.0.iter().copied().zip(needed(record, name)?.iter().copied()).collect())
     };
-    let chart = |label: &str, series: Vec<Series>| Chart {
+    let chart = |label: &str, series: Vec<ChartSeries>| Chart {
         title: String::new(),
-        x: Axis::new(along.1),
-        y: Axis::new(label),
+        x: ChartAxis::new(along.1),
+        y: ChartAxis::new(label),
         series,
         passes: None,
     };
     let one = |name: &str, label: &str| -> Result<Chart, Error> {
-        Ok(chart(label, vec![Series::new("", points(name)?, Look::Line, 0)]))
+        Ok(chart(label, vec![ChartSeries::new("", points(name)?, Look::Line, 0)]))
     };
     let mut charts = vec![one("power_w_kg", "power [W/kg]")?, one("frequency_hz", "frequency [Hz]")?];
     charts.push(chart(
         "share of U²c beyond an angle of attack",
         vec![
-            Series::new("beyond 12°", points("stall_fraction_12")?, Look::Line, 0),
-            Series::new("beyond 20°", points("stall_fraction_20")?, Look::Dashed, 1),
+            ChartSeries::new("beyond 12°", points("stall_fraction_12")?, Look::Line, 0),
+            ChartSeries::new("beyond 20°", points("stall_fraction_20")?, Look::Dashed, 1),
         ],
     ));
     charts.push(one("largest_multiplier", "largest multiplier but the heading's")?);
     let clear = record.values("least_clearance_m").filter(|values| values.iter().any(|v| v.is_finite()));
     if let Some(values) = clear {
         let points = along.0.iter().copied().zip(values.iter().map(|v| 1e3 * v)).collect();
-        charts.push(chart("least clearance [mm]", vec![Series::new("", points, Look::Line, 0)]));
+        charts.push(chart("least clearance [mm]", vec![ChartSeries::new("", points, Look::Line, 0)]));
     }
     let commands = record
         .columns()
         .iter()
         .filter(|column| column.name.starts_with("command_") && column.values.iter().any(|v| v.abs() > 1e-9));
-    let commands: Vec<Series> = commands
+    let commands: Vec<ChartSeries> = commands
         .enumerate()
         .map(|(i, column)| {
             let name = column.name.trim_start_matches("command_").replace('_', " ");
             let points = along.0.iter().copied().zip(column.values.iter().copied()).collect();
-            Series::new(name, points, if i % 2 == 0 { Look::Line } else { Look::Dashed }, 2 + i)
+            ChartSeries::new(name, points, if i % 2 == 0 { Look::Line } else { Look::Dashed }, 2 + i)
         })
         .collect();
     if !commands.is_empty() {

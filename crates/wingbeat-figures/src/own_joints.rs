@@ -10,7 +10,7 @@ const MILLIMETRES: f64 = 1e3;
 const MOVES: f64 = 0.3;
 
 /// A joint of a robot, or both of a pair.
-pub struct Joint<'a> {
+pub struct RecordJoint<'a> {
     /// Its name without a side.
     pub name: String,
     /// Whether it turns; else it slides.
@@ -21,7 +21,7 @@ pub struct Joint<'a> {
     free: bool,
 }
 
-impl Joint<'_> {
+impl RecordJoint<'_> {
     /// From SI to what is drawn: degrees or millimetres.
     pub fn scale(&self) -> f64 {
         if self.turns { DEGREES } else { MILLIMETRES }
@@ -45,8 +45,8 @@ impl Joint<'_> {
 }
 
 /// All joints, in the order of the record: the columns that have one of their effort, `torque_<joint>`.
-pub fn all(record: &Record) -> Vec<Joint<'_>> {
-    let mut joints: Vec<Joint> = Vec::new();
+pub fn all(record: &Record) -> Vec<RecordJoint<'_>> {
+    let mut joints: Vec<RecordJoint> = Vec::new();
     let is_joint = |column: &&Column| record.values(&format!("torque_{}", column.name)).is_some();
     for column in record.columns().iter().filter(is_joint) {
         let (name, side) = pair(&column.name);
@@ -55,17 +55,17 @@ pub fn all(record: &Record) -> Vec<Joint<'_>> {
         let side = if side == "command" { name.clone() } else { side.to_owned() };
         match joints.iter_mut().find(|joint| joint.name == name) {
             Some(joint) => joint.sides.push((side, column)),
-            None => joints.push(Joint { name, turns, sides: vec![(side, column)], free }),
+            None => joints.push(RecordJoint { name, turns, sides: vec![(side, column)], free }),
         }
     }
     joints
 }
 
 /// Those that are worth a panel: of the driven ones those that move much, and all whose motion the dynamics decide.
-pub fn moving(record: &Record) -> Vec<Joint<'_>> {
+pub fn moving(record: &Record) -> Vec<RecordJoint<'_>> {
     let mut joints = all(record);
     let most = |turns: bool| {
-        joints.iter().filter(|j| j.turns == turns).map(Joint::range).fold(f64::MIN_POSITIVE, f64::max)
+        joints.iter().filter(|j| j.turns == turns).map(RecordJoint::range).fold(f64::MIN_POSITIVE, f64::max)
     };
     let most = [most(false), most(true)];
     joints.retain(|joint| joint.free || joint.range() >= MOVES * most[usize::from(joint.turns)]);
@@ -73,7 +73,7 @@ pub fn moving(record: &Record) -> Vec<Joint<'_>> {
 }
 
 /// The joints of the left side and of the middle, each with its column.
-pub fn left(record: &Record) -> impl Iterator<Item = (Joint<'_>, &Column)> {
+pub fn left(record: &Record) -> impl Iterator<Item = (RecordJoint<'_>, &Column)> {
     all(record).into_iter().filter_map(|joint| {
         let (_, column) = joint.sides.iter().find(|(side, _)| side != "right")?;
         let column = *column;
@@ -106,8 +106,9 @@ mod tests {
             ("slider", "m", 0.02),
         ];
         let record = record(&joints, &["feather_left"]);
-        let names =
-            |joints: &[Joint]| joints.iter().map(|j| (j.name.clone(), j.sides.len())).collect::<Vec<_>>();
+        let names = |joints: &[RecordJoint]| {
+            joints.iter().map(|j| (j.name.clone(), j.sides.len())).collect::<Vec<_>>()
+        };
         let own = |name: &str, sides| (name.to_owned(), sides);
         let every = [own("arm", 2), own("hand", 2), own("feather", 1), own("slider", 1)];
         assert_eq!(names(&all(&record)), every);
@@ -115,7 +116,7 @@ mod tests {
         assert_eq!(names(&moving(&record)), [own("arm", 2), own("feather", 1), own("slider", 1)]);
         let left: Vec<String> = left(&record).map(|(_, column)| column.name.clone()).collect();
         assert_eq!(left, ["arm_left", "hand_left", "feather_left", "slider"]);
-        let titles: Vec<String> = moving(&record).iter().map(Joint::title).collect();
+        let titles: Vec<String> = moving(&record).iter().map(RecordJoint::title).collect();
         assert_eq!(titles, ["arm angle [°]", "feather angle [°]", "slider travel [mm]"]);
     }
 

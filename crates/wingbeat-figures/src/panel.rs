@@ -11,7 +11,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use crate::scale::Scale;
+use crate::scale::TickScale;
 use crate::style;
 
 /// Most points of a curve: four of each pixel's width.
@@ -40,7 +40,7 @@ pub const MOST_NAMED: usize = 8;
 const ROUNDING: f64 = 1e-9;
 
 /// A curve with its name in the legend.
-pub struct Curve {
+pub struct PanelCurve {
     pub name: String,
     pub x: Vec<f64>,
     pub y: Vec<f64>,
@@ -51,7 +51,7 @@ pub struct Curve {
     pub dashes: Option<&'static str>,
 }
 
-impl Curve {
+impl PanelCurve {
     /// A curve, in the units of the axes, of ordinary weight in the colour and the strokes number `index`; of one of many
     /// points, what would be seen.
     pub fn new(name: impl Into<String>, x: &[f64], y: Vec<f64>, index: usize) -> Self {
@@ -108,10 +108,10 @@ pub fn seen(y: &[f64], most: usize) -> Vec<usize> {
 
 /// Curves over a common axis.
 #[derive(Default)]
-pub struct Panel {
+pub struct FigurePanel {
     /// What is drawn, with its unit in brackets.
     pub title: String,
-    pub curves: Vec<Curve>,
+    pub curves: Vec<PanelCurve>,
     /// What the curves may not leave, in the unit of the title; shaded outside.
     pub limits: Option<(f64, f64)>,
     /// Where curves should lie: (x, low, high) along x, in the units of the axes, shaded inside.
@@ -122,25 +122,25 @@ pub struct Panel {
     pub levels: Vec<f64>,
 }
 
-impl Panel {
+impl FigurePanel {
     /// Curves with a thin line at zero.
-    pub fn new(title: impl Into<String>, curves: Vec<Curve>) -> Self {
+    pub fn new(title: impl Into<String>, curves: Vec<PanelCurve>) -> Self {
         Self { title: title.into(), curves, levels: vec![0.0], ..Self::default() }
     }
 }
 
 /// The panels one below another over the axis `x_label`, which spans all curves; `height` is that of a panel, px.
-pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
+pub fn stacked(panels: Vec<FigurePanel>, x_label: &str, height: f64) -> Scene {
     stacked_with(panels, x_label, height, &[])
 }
 
 /// As [`stacked`], with `marks` in every panel.
-pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
+pub fn stacked_with(panels: Vec<FigurePanel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
     stacked_from(panels, x_label, height, marks, b'a')
 }
 
 /// The panels in two stacks beside one another; `height` is that of a panel, px.
-pub fn two_stacks(mut panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
+pub fn two_stacks(mut panels: Vec<FigurePanel>, x_label: &str, height: f64) -> Scene {
     let right = panels.split_off(panels.len().div_ceil(2));
     let letter = b'a' + panels.len() as u8;
     let left = stacked_from(panels, x_label, height, &[], b'a');
@@ -153,7 +153,7 @@ pub fn two_stacks(mut panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
 
 /// As [`stacked_with`], the first panel called `letter`.
 fn stacked_from(
-    mut panels: Vec<Panel>,
+    mut panels: Vec<FigurePanel>,
     x_label: &str,
     height: f64,
     marks: &[ReferenceLine],
@@ -162,7 +162,7 @@ fn stacked_from(
     quieten(&mut panels);
     let count = panels.len();
     let (left, right) = x_range(&panels);
-    let across = Scale::new(left, right);
+    let across = TickScale::new(left, right);
     let legend = legend_width(&panels);
     let titles: Vec<String> = panels.iter().map(|panel| upwards(panel).label(&panel.title)).collect();
     let top = |row: usize| PADDING + height * row as f64;
@@ -207,9 +207,10 @@ fn stacked_from(
 }
 
 /// Draws as zero what is rounding beside the other curves of its unit, the words in brackets in the title of its panel.
-fn quieten(panels: &mut [Panel]) {
-    let unit = |panel: &Panel| panel.title.split_once('[').map_or("", |(_, unit)| unit).to_owned();
-    let size = |curve: &Curve| curve.y.iter().map(|y| y.abs()).filter(|y| y.is_finite()).fold(0.0, f64::max);
+fn quieten(panels: &mut [FigurePanel]) {
+    let unit = |panel: &FigurePanel| panel.title.split_once('[').map_or("", |(_, unit)| unit).to_owned();
+    let size =
+        |curve: &PanelCurve| curve.y.iter().map(|y| y.abs()).filter(|y| y.is_finite()).fold(0.0, f64::max);
     let units: Vec<String> = panels.iter().map(unit).collect();
     let sizes: Vec<f64> =
         panels.iter().map(|panel| panel.curves.iter().map(size).fold(0.0, f64::max)).collect();
@@ -222,9 +223,9 @@ fn quieten(panels: &mut [Panel]) {
     }
 }
 
-fn drawn(panel: Panel, across: Scale, legend: f64) -> (Vec<Plot>, Layout) {
+fn drawn(panel: FigurePanel, across: TickScale, legend: f64) -> (Vec<Plot>, Layout) {
     let scale = upwards(&panel);
-    let Scale { low, high, .. } = scale;
+    let TickScale { low, high, .. } = scale;
     let plots: Vec<Plot> = panel
         .bands
         .into_iter()
@@ -259,7 +260,7 @@ fn unlabelled(layout: Layout) -> Layout {
     layout.with_x_tick_format(nothing).with_force_margins_y(HEAD, GAP)
 }
 
-fn plot(curve: Curve) -> Plot {
+fn plot(curve: PanelCurve) -> Plot {
     let points: Vec<(f64, f64)> = curve.x.iter().copied().zip(curve.y).collect();
     let mut line = LinePlot::new().with_data(points).with_color(curve.colour).with_stroke_width(curve.weight);
     if let Some(dashes) = curve.dashes {
@@ -269,15 +270,15 @@ fn plot(curve: Curve) -> Plot {
 }
 
 /// A sample and the name of each curve that has one, from the middle of the first sample's left end `(x, y)` down.
-fn named(curves: &[Curve], (x, y): (f64, f64)) -> Vec<Primitive> {
-    let named: Vec<&Curve> = curves.iter().filter(|curve| !curve.name.is_empty()).collect();
+fn named(curves: &[PanelCurve], (x, y): (f64, f64)) -> Vec<Primitive> {
+    let named: Vec<&PanelCurve> = curves.iter().filter(|curve| !curve.name.is_empty()).collect();
     let shown = if named.len() > MOST_NAMED { MOST_NAMED - 1 } else { named.len() };
     let left = (named.len() > shown).then(|| {
         let words = format!("and {} more", named.len() - shown);
         style::words(x + SAMPLE + BESIDE, y + LINE * shown as f64 + 4.5, words, TextAnchor::Start, false)
     });
     let named = named.into_iter().take(shown).enumerate();
-    let entry = |(row, curve): (usize, &Curve)| {
+    let entry = |(row, curve): (usize, &PanelCurve)| {
         let y = y + LINE * row as f64;
         let sample = style::sample((x, y), (x + SAMPLE, y), &curve.colour, curve.weight, curve.dashes);
         let name = style::words(x + SAMPLE + BESIDE, y + 4.5, &curve.name, TextAnchor::Start, false);
@@ -293,22 +294,22 @@ fn band(edges: Vec<(f64, f64, f64)>, narrow: bool) -> Plot {
     BandPlot::new(edges.iter().map(|edge| edge.0), low, high).with_color(color).with_opacity(opacity).into()
 }
 
-fn x_range(panels: &[Panel]) -> (f64, f64) {
+fn x_range(panels: &[FigurePanel]) -> (f64, f64) {
     style::span(panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| curve.x.iter().copied()))
 }
 
 /// The axis of the curves, their limits and bands with a margin.
-fn upwards(panel: &Panel) -> Scale {
+fn upwards(panel: &FigurePanel) -> TickScale {
     let limits = panel.limits.into_iter().flat_map(|(low, high)| [low, high]);
     let bands = panel.bands.iter().flatten().flat_map(|edge| [edge.1, edge.2]);
     let levels = panel.levels.iter().copied();
     let values = panel.curves.iter().flat_map(|curve| curve.y.iter().copied());
     let (low, high) = style::span(values.chain(limits).chain(bands).chain(levels));
-    Scale::padded(low, high, 0.07)
+    TickScale::padded(low, high, 0.07)
 }
 
 /// Room to the right for the longest name.
-fn legend_width(panels: &[Panel]) -> f64 {
+fn legend_width(panels: &[FigurePanel]) -> f64 {
     let names = panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.name.chars().count());
     SAMPLE + 3.0 * BESIDE + 7.4 * names.max().unwrap_or(0) as f64
 }

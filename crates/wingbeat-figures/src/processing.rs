@@ -6,7 +6,7 @@ use kuva::plot::annotations::ReferenceLine;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
 
-use crate::panel::{Curve, Panel, seen, stacked, stacked_with};
+use crate::panel::{FigurePanel, PanelCurve, seen, stacked, stacked_with};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -23,7 +23,7 @@ const STROKES: usize = 700;
 
 /// What the samples of a figure are of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cell {
+pub enum CellOrigin {
     /// A load cell.
     Measured,
     /// A simulated load cell.
@@ -32,7 +32,7 @@ pub enum Cell {
     Both,
 }
 
-impl Cell {
+impl CellOrigin {
     /// That of runs of which `simulated` are simulated and `measured` are not.
     pub fn of(simulated: usize, measured: usize) -> Self {
         match (simulated, measured) {
@@ -58,7 +58,7 @@ fn title(name: &str, unit: &str) -> String {
 }
 
 /// Each channel before (`raw_<channel>`) and after the filter over `t`; a line where each cycle begins.
-pub fn filtered(trace: &Record, cell: Cell) -> Result<Figure, Error> {
+pub fn filtered(trace: &Record, cell: CellOrigin) -> Result<Figure, Error> {
     let (t, cycle) = (needed(trace, "t")?, needed(trace, "cycle")?);
     if t.len() < 2 {
         return Err(Error::Rows { rows: t.len(), needed: 2 });
@@ -66,13 +66,13 @@ pub fn filtered(trace: &Record, cell: Cell) -> Result<Figure, Error> {
     let mut panels = Vec::new();
     for (name, unit) in CHANNELS {
         let values = |name: &str| -> Result<Vec<f64>, Error> { Ok(needed(trace, name)?.to_vec()) };
-        let raw = Curve {
+        let raw = PanelCurve {
             colour: style::tint(0),
             weight: style::FINE,
-            ..Curve::new("unfiltered", t, values(&format!("raw_{name}"))?, 0)
+            ..PanelCurve::new("unfiltered", t, values(&format!("raw_{name}"))?, 0)
         };
-        let filtered = Curve::new("filtered", t, values(name)?, 1).whole();
-        panels.push(Panel::new(title(name, unit), vec![raw, filtered]));
+        let filtered = PanelCurve::new("filtered", t, values(name)?, 1).whole();
+        panels.push(FigurePanel::new(title(name, unit), vec![raw, filtered]));
     }
     let marks = (1..t.len()).filter(|k| cycle[*k].floor() > cycle[k - 1].floor()).map(|k| t[k]);
     let marks: Vec<f64> = std::iter::once(t[0]).chain(marks).collect();
@@ -89,15 +89,15 @@ pub fn filtered(trace: &Record, cell: Cell) -> Result<Figure, Error> {
 
 /// Each channel against the phase of the stroke: every sweep of `trace`, or what all of them cover where there are
 /// many, and the mean of `average`; what `still_<channel>` says is taken away from both.
-pub fn cycles(trace: &Record, average: &Record, cell: Cell) -> Result<Figure, Error> {
+pub fn cycles(trace: &Record, average: &Record, cell: CellOrigin) -> Result<Figure, Error> {
     let (cycle, phase) = (needed(trace, "cycle")?, needed(average, "cycle")?);
     let mut panels = Vec::new();
     for (name, unit) in CHANNELS {
         let still = average.values(&format!("still_{name}"));
         let mut curves = sweeps(cycle, &less(needed(trace, name)?, cycle, still));
         let mean = needed(average, name)?.to_vec();
-        curves.push(Curve::new("mean", phase, mean, 1).whole());
-        panels.push(Panel::new(title(name, unit), curves));
+        curves.push(PanelCurve::new("mean", phase, mean, 1).whole());
+        panels.push(FigurePanel::new(title(name, unit), curves));
     }
     let x = format!("phase of the cycle, turns; {}", cell.name());
     Ok(Figure::new("cycles", stacked(panels, &x, HEIGHT)))
@@ -115,8 +115,8 @@ fn less<'a>(values: &'a [f64], cycle: &[f64], still: Option<&[f64]>) -> Cow<'a, 
 }
 
 /// Every cycle by itself while they are few, else one curve up and down between the lowest and the highest of all.
-fn sweeps(cycle: &[f64], values: &[f64]) -> Vec<Curve> {
-    let light = |curve| Curve { colour: style::tint(0), weight: style::FINE, ..curve };
+fn sweeps(cycle: &[f64], values: &[f64]) -> Vec<PanelCurve> {
+    let light = |curve| PanelCurve { colour: style::tint(0), weight: style::FINE, ..curve };
     let each = || cycle.chunk_by(|a, b| a.floor() == b.floor());
     let points = MOST_SWEPT / each().count().max(1);
     if points < FEWEST_SWEPT {
@@ -130,13 +130,13 @@ fn sweeps(cycle: &[f64], values: &[f64]) -> Vec<Curve> {
         from += sweep.len();
         let kept = seen(y, points);
         let x: Vec<f64> = kept.iter().map(|k| sweep[*k] - sweep[*k].floor()).collect();
-        curves.push(light(Curve::new(name, &x, kept.iter().map(|k| y[*k]).collect(), 0)));
+        curves.push(light(PanelCurve::new(name, &x, kept.iter().map(|k| y[*k]).collect(), 0)));
     }
     curves
 }
 
 /// The range of all cycles, phase by phase, as strokes.
-fn covered(cycle: &[f64], values: &[f64]) -> Curve {
+fn covered(cycle: &[f64], values: &[f64]) -> PanelCurve {
     let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); STROKES];
     for (cycle, value) in cycle.iter().zip(values).filter(|(cycle, value)| (**cycle + **value).is_finite()) {
         let part = ((cycle - cycle.floor()) * STROKES as f64) as usize;
@@ -149,7 +149,7 @@ fn covered(cycle: &[f64], values: &[f64]) -> Curve {
         // Up and down in turn, so that one line draws all strokes.
         y.extend(if k % 2 == 0 { [low, high] } else { [high, low] });
     }
-    Curve::new("all cycles, lowest to highest", &x, y, 0)
+    PanelCurve::new("all cycles, lowest to highest", &x, y, 0)
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ const PREFIXES: [(i32, &str); 7] =
 /// A range of values with a step of 1, 2 or 5 times a power of ten, and the power of a thousand in which its numbers are short.
 /// Its ends and values are in the caller's unit, that of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub struct TickScale {
     /// Lower end.
     pub low: f64,
     /// Upper end.
@@ -33,7 +33,7 @@ pub struct Scale {
     decimals: usize,
 }
 
-impl Scale {
+impl TickScale {
     /// Of the range itself.
     pub fn new(low: f64, high: f64) -> Self {
         let (low, high) = if flat(low, high) { around(low, high) } else { (low, high) };
@@ -113,7 +113,7 @@ fn around(low: f64, high: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    fn ticks(scale: &Scale) -> Vec<f64> {
+    fn ticks(scale: &TickScale) -> Vec<f64> {
         let (first, last) =
             ((scale.low / scale.step).ceil() as i64, (scale.high / scale.step).floor() as i64);
         (first..=last).map(|k| k as f64 * scale.step).collect()
@@ -125,7 +125,7 @@ mod tests {
             for (low, high) in [(0.0, 1.0), (-0.4, 0.4), (0.97, 1.03), (-7.3, -1.1), (2.0, 2.0), (1.0, 1.001)]
             {
                 let ten = 10_f64.powi(decade);
-                let scale = Scale::padded(low * ten, high * ten, 0.07);
+                let scale = TickScale::padded(low * ten, high * ten, 0.07);
                 let ticks = ticks(&scale);
                 assert!((3..=9).contains(&ticks.len()), "{scale:?}: {ticks:?}");
                 let labels: Vec<String> = ticks.iter().map(|tick| scale.number(*tick)).collect();
@@ -140,21 +140,21 @@ mod tests {
 
     #[test]
     fn units_take_prefixes() {
-        let small = Scale::new(-0.004, 0.004);
+        let small = TickScale::new(-0.004, 0.004);
         assert_eq!((small.label("heave [m]"), small.number(-0.002)), ("heave [mm]".into(), "−2".into()));
-        assert_eq!(Scale::new(0.0, 2e-6).label("circulation [m2/s]"), "circulation [10⁻⁶ m2/s]");
-        assert_eq!(Scale::new(0.0, 3e5).label("power [W], electrical"), "power [kW], electrical");
-        assert_eq!(Scale::new(-0.3, 0.3).label("force [N]"), "force [N]");
-        assert_eq!(Scale::new(0.0, 1e-7).label("error"), "error [10⁻⁹]");
+        assert_eq!(TickScale::new(0.0, 2e-6).label("circulation [m2/s]"), "circulation [10⁻⁶ m2/s]");
+        assert_eq!(TickScale::new(0.0, 3e5).label("power [W], electrical"), "power [kW], electrical");
+        assert_eq!(TickScale::new(-0.3, 0.3).label("force [N]"), "force [N]");
+        assert_eq!(TickScale::new(0.0, 1e-7).label("error"), "error [10⁻⁹]");
     }
 
     #[test]
     fn values_that_are_all_alike_have_a_range() {
-        let zero = Scale::padded(0.0, 0.0, 0.07);
+        let zero = TickScale::padded(0.0, 0.0, 0.07);
         assert_eq!((zero.low, zero.high), (-1.0, 1.0));
-        let rounding = Scale::padded(-4e-18, 3e-18, 0.07);
+        let rounding = TickScale::padded(-4e-18, 3e-18, 0.07);
         assert_eq!((rounding.low, rounding.high), (-1.0, 1.0));
-        let five = Scale::padded(5.0, 5.0, 0.07);
+        let five = TickScale::padded(5.0, 5.0, 0.07);
         assert!(five.low < 5.0 && five.high > 5.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use wingbeat::simulate::Record;
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -23,9 +23,10 @@ pub fn convergence_of_search(record: &Record) -> Result<Figure, Error> {
         least = least.min(*cost);
         power(least)
     });
-    let best = Curve { weight: style::BROAD, ..Curve::new("least so far", run, best.collect(), 1) }.whole();
-    let each = Curve::new("candidate", run, cost.iter().map(|cost| power(*cost)).collect(), 0);
+    let best = PanelCurve { weight: style::BROAD, ..PanelCurve::new("least so far", run, best.collect(), 1) }
+        .whole();
+    let each = PanelCurve::new("candidate", run, cost.iter().map(|cost| power(*cost)).collect(), 0);
     let title = format!("cost, power of ten; {LEAST} and less is drawn as {LEAST}");
-    let panel = Panel { levels: Vec::new(), ..Panel::new(title, vec![each, best]) };
+    let panel = FigurePanel { levels: Vec::new(), ..FigurePanel::new(title, vec![each, best]) };
     Ok(Figure::new("search", stacked(vec![panel], "candidate", 1.6 * style::PANEL)))
 }

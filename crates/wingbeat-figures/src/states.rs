@@ -4,8 +4,8 @@ use wingbeat::math::unwrapped;
 use wingbeat::scenario::GoalSpec;
 use wingbeat::simulate::{Column, Record};
 
-use crate::own_joints::{Joint, moving};
-use crate::panel::{Curve, Panel, stacked, two_stacks};
+use crate::own_joints::{RecordJoint, moving};
+use crate::panel::{FigurePanel, PanelCurve, stacked, two_stacks};
 use crate::write::Figure;
 use crate::{Error, needed, style, weight};
 
@@ -34,19 +34,19 @@ pub fn states_wide(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, E
     Ok(Figure::new("states", two_stacks(panels, "time [s]", height)))
 }
 
-fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<Panel>, Error> {
+fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<FigurePanel>, Error> {
     let t = needed(record, "t")?;
-    let mut attitude = Panel::new("roll and pitch [°]", Vec::new());
+    let mut attitude = FigurePanel::new("roll and pitch [°]", Vec::new());
     let within = |of: fn(&GoalSpec) -> f64| goal.map(|goal| (goal.settle_s, of(goal)));
     let asked = [within(|goal| goal.roll_within_deg), within(|goal| goal.pitch_within_deg)];
     let followed = [("roll", "roll (right wing down +)", DEGREES), ("pitch", "pitch (nose up +)", -DEGREES)];
     let mut references = Vec::new();
     for (index, ((angle, name, scale), goal)) in followed.into_iter().zip(asked).enumerate() {
-        attitude.curves.push(Curve::new(name, t, scaled(record, angle, scale)?, index));
+        attitude.curves.push(PanelCurve::new(name, t, scaled(record, angle, scale)?, index));
         if let Ok(reference) = scaled(record, &format!("{angle}_reference"), scale) {
             attitude.bands.extend(goal.and_then(|goal| band(t, &reference, goal)));
             let name = if index == 0 { "references" } else { "" };
-            references.push(Curve::reference(name, t, reference));
+            references.push(PanelCurve::reference(name, t, reference));
         }
     }
     attitude.curves.extend(references);
@@ -54,14 +54,15 @@ fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<Panel>, Error>
         attitude.title = "roll and pitch [°]; shaded: rms errors within the goal".into();
     }
     let yaw = unwrapped(needed(record, "yaw")?.to_vec()).iter().map(|angle| angle * DEGREES).collect();
-    let heading = Curve::new("yaw (left +)", t, yaw, 2);
+    let heading = PanelCurve::new("yaw (left +)", t, yaw, 2);
     let places = [("p_WB_x", "x"), ("p_WB_y", "y (left +)"), ("p_WB_z", "z (up +)")];
     let places = places.iter().enumerate();
-    let places = places.map(|(i, (column, name))| Ok(Curve::new(*name, t, scaled(record, column, 1.0)?, i)));
+    let places =
+        places.map(|(i, (column, name))| Ok(PanelCurve::new(*name, t, scaled(record, column, 1.0)?, i)));
     let mut panels = vec![
         attitude,
-        Panel::new("heading [°]", vec![heading]),
-        Panel::new("position [m]", places.collect::<Result<_, Error>>()?),
+        FigurePanel::new("heading [°]", vec![heading]),
+        FigurePanel::new("position [m]", places.collect::<Result<_, Error>>()?),
     ];
     panels.extend(weight::panel(record));
     panels.extend(moving(record).iter().map(|joint| panel(joint, t)));
@@ -69,15 +70,15 @@ fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<Panel>, Error>
 }
 
 /// The joint over time; of a pair the left one broad, which the right one may cover.
-fn panel(joint: &Joint, t: &[f64]) -> Panel {
+fn panel(joint: &RecordJoint, t: &[f64]) -> FigurePanel {
     let curve = |(number, (side, column)): (usize, &(String, &Column))| {
         let values = column.values.iter().map(|value| joint.scale() * value).collect();
         let covered = number == 0 && joint.sides.len() > 1;
         let weight = if covered { style::BROAD } else { style::CURVE };
         let index = style::SIDES.iter().find(|(name, _)| name == side).map_or(0, |(_, index)| *index);
-        Curve { weight, ..Curve::new(side, t, values, index) }
+        PanelCurve { weight, ..PanelCurve::new(side, t, values, index) }
     };
-    Panel::new(joint.title(), joint.sides.iter().enumerate().map(curve).collect())
+    FigurePanel::new(joint.title(), joint.sides.iter().enumerate().map(curve).collect())
 }
 
 fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {

@@ -11,7 +11,7 @@ const SHORTEST: f64 = 0.5;
 /// Most strokes of a line, which is whole where it would take more.
 const MOST: f64 = 20_000.0;
 
-type Point = (f64, f64);
+type PaperPoint = (f64, f64);
 
 /// Every broken line of the scene as one path of its strokes.
 pub fn cut(mut scene: Scene) -> Scene {
@@ -36,7 +36,7 @@ fn one(element: Primitive) -> Primitive {
     }
 }
 
-fn path(points: &[Point], dashes: &str, stroke: Color, stroke_width: f64) -> Primitive {
+fn path(points: &[PaperPoint], dashes: &str, stroke: Color, stroke_width: f64) -> Primitive {
     // A broad line keeps its gaps open.
     let broad = (stroke_width / style::CURVE).max(1.0);
     let pattern: Vec<f64> = lengths(dashes).iter().map(|length| broad * length).collect();
@@ -57,17 +57,17 @@ fn lengths(dashes: &str) -> Vec<f64> {
     if once.len() % 2 == 1 { once.repeat(2) } else { once }
 }
 
-fn is_finite(point: &Point) -> bool {
+fn is_finite(point: &PaperPoint) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
 /// The strokes of a broken line through `points`, which points that are not finite part.
-fn strokes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
+fn strokes(points: &[PaperPoint], pattern: &[f64]) -> Vec<Vec<PaperPoint>> {
     points.split(|point| !is_finite(point)).flat_map(|piece| strokes_of_piece(piece, pattern)).collect()
 }
 
 /// Those of a piece; the pattern runs on from point to point.
-fn strokes_of_piece(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
+fn strokes_of_piece(points: &[PaperPoint], pattern: &[f64]) -> Vec<Vec<PaperPoint>> {
     let Some(first) = points.first() else { return Vec::new() };
     let period: f64 = pattern.iter().sum();
     let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
@@ -100,12 +100,12 @@ fn strokes_of_piece(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     all
 }
 
-fn distance(a: Point, b: Point) -> f64 {
+fn distance(a: PaperPoint, b: PaperPoint) -> f64 {
     (b.0 - a.0).hypot(b.1 - a.1)
 }
 
-fn text(stroke: &[Point]) -> String {
-    let point = |(x, y): &Point| format!("{x:.2} {y:.2}");
+fn text(stroke: &[PaperPoint]) -> String {
+    let point = |(x, y): &PaperPoint| format!("{x:.2} {y:.2}");
     format!("M{}", stroke.iter().map(point).collect::<Vec<_>>().join("L"))
 }
 
@@ -113,13 +113,13 @@ fn text(stroke: &[Point]) -> String {
 mod tests {
     use super::*;
 
-    fn length(stroke: &[Point]) -> f64 {
+    fn length(stroke: &[PaperPoint]) -> f64 {
         stroke.windows(2).map(|pair| distance(pair[0], pair[1])).sum()
     }
 
     #[test]
     fn the_pattern_runs_on_over_short_pieces() {
-        let points: Vec<Point> = (0..=990).map(|k| (0.1 * f64::from(k), 0.0)).collect();
+        let points: Vec<PaperPoint> = (0..=990).map(|k| (0.1 * f64::from(k), 0.0)).collect();
         let cut = strokes(&points, &lengths("10 3 2 3"));
         assert_eq!(cut.len(), 11);
         for (k, stroke) in cut[..10].iter().enumerate() {

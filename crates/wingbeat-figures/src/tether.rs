@@ -6,7 +6,7 @@ use wingbeat::aero::{Circulation, LoadSource};
 use wingbeat::simulate::Record;
 use wingbeat::tether::{Spar, Steady};
 
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -23,7 +23,7 @@ pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
         cycle.curve("drag", "force_wind_drag", 1.0, 1)?,
     ];
     let mut panels = vec![
-        Panel::new("force in wind axes [N]", wind),
+        FigurePanel::new("force in wind axes [N]", wind),
         cycle.by_source("z", "upward force by source, body axes [N]")?,
         cycle.by_source("x", "forward force by source, body axes [N]")?,
         cycle.moment()?,
@@ -50,12 +50,12 @@ impl<'a> LastCycle<'a> {
         Ok(Self { record, rows, phase, period })
     }
 
-    fn curve(&self, name: &str, column: &str, scale: f64, index: usize) -> Result<Curve, Error> {
+    fn curve(&self, name: &str, column: &str, scale: f64, index: usize) -> Result<PanelCurve, Error> {
         let values = &needed(self.record, column)?[self.rows.clone()];
-        Ok(Curve::new(name, &self.phase, values.iter().map(|y| scale * y).collect(), index))
+        Ok(PanelCurve::new(name, &self.phase, values.iter().map(|y| scale * y).collect(), index))
     }
 
-    fn by_source(&self, axis: &str, title: &str) -> Result<Panel, Error> {
+    fn by_source(&self, axis: &str, title: &str) -> Result<FigurePanel, Error> {
         let mut curves = Vec::new();
         for (index, source) in LoadSource::STRIP.map(LoadSource::name).iter().enumerate() {
             curves.push(self.curve(
@@ -74,18 +74,18 @@ impl<'a> LastCycle<'a> {
             }
         }
         let total = self.curve("", &format!("force_{axis}"), 1.0, 0)?;
-        curves.push(Curve::total("total", &self.phase, total.y));
-        Ok(Panel::new(title, curves))
+        curves.push(PanelCurve::total("total", &self.phase, total.y));
+        Ok(FigurePanel::new(title, curves))
     }
 
     /// Nose up: about the span, against the record's `moment_y`.
-    fn moment(&self) -> Result<Panel, Error> {
+    fn moment(&self) -> Result<FigurePanel, Error> {
         let moment = self.curve("nose up", "moment_y", -1.0, 0)?;
-        Ok(Panel::new("moment about the span, nose up, body axes [N m]", vec![moment]))
+        Ok(FigurePanel::new("moment about the span, nose up, body axes [N m]", vec![moment]))
     }
 
     /// Body and hinges, as far as they leave zero.
-    fn motion(&self) -> Result<Vec<Panel>, Error> {
+    fn motion(&self) -> Result<Vec<FigurePanel>, Error> {
         let body = vec![self.curve("heave", "heave", 1.0, 0)?, self.curve("surge", "surge", 1.0, 1)?];
         let mut angles =
             vec![self.curve("nose up", "nose_up", DEGREES, 0)?, self.curve("roll", "roll", DEGREES, 1)?];
@@ -97,7 +97,7 @@ impl<'a> LastCycle<'a> {
         for (title, mut curves) in [("body [m]", body), ("angles [°]", angles)] {
             curves.retain(|curve| curve.y.iter().any(|y| *y != 0.0));
             if !curves.is_empty() {
-                panels.push(Panel::new(title, curves));
+                panels.push(FigurePanel::new(title, curves));
             }
         }
         Ok(panels)
@@ -110,7 +110,7 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;
     let by_instant: Vec<f64> = phase.iter().copied().step_by(count).collect();
     let cycle = last_cycle(&by_instant)?;
-    let at_phases = |column: &str, title: &str, scale: &dyn Fn(usize) -> f64| -> Result<Panel, Error> {
+    let at_phases = |column: &str, title: &str, scale: &dyn Fn(usize) -> f64| -> Result<FigurePanel, Error> {
         let values = needed(strips, column)?;
         let mut curves = Vec::new();
         for (index, wanted) in PHASES.into_iter().enumerate() {
@@ -119,9 +119,9 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
             let nearest = instants.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(cycle.start);
             let rows = nearest * count..(nearest + 1) * count;
             let y = rows.clone().map(|row| scale(row) * values[row]).collect();
-            curves.push(Curve::new(format!("phase {wanted}"), &arc[rows], y, index));
+            curves.push(PanelCurve::new(format!("phase {wanted}"), &arc[rows], y, index));
         }
-        Ok(Panel::new(title, curves))
+        Ok(FigurePanel::new(title, curves))
     };
     let mut panels = Vec::new();
     let circulation = Circulation::Bound.name();
@@ -148,13 +148,19 @@ pub fn bent_wing(spar: &Spar, steady: &Steady) -> Figure {
     let column = |k: usize, scale: f64| line.iter().map(|at| scale * at[k]).collect::<Vec<f64>>();
     let outboard = column(0, 1.0);
     let arcs = spar.beam.arcs();
-    let unbent = Curve::new("unbent", &arcs, vec![0.0; arcs.len()], 0);
+    let unbent = PanelCurve::new("unbent", &arcs, vec![0.0; arcs.len()], 0);
     let panels = vec![
-        Panel::new("up [m]", vec![unbent, Curve::new("at rest in the wind", &outboard, column(2, 1.0), 1)]),
-        Panel::new("ahead [m]", vec![Curve::new("at rest in the wind", &outboard, column(1, -1.0), 1)]),
-        Panel::new(
+        FigurePanel::new(
+            "up [m]",
+            vec![unbent, PanelCurve::new("at rest in the wind", &outboard, column(2, 1.0), 1)],
+        ),
+        FigurePanel::new(
+            "ahead [m]",
+            vec![PanelCurve::new("at rest in the wind", &outboard, column(1, -1.0), 1)],
+        ),
+        FigurePanel::new(
             "twist, nose up [°]",
-            vec![Curve::new("at rest in the wind", &outboard, column(3, DEGREES), 1)],
+            vec![PanelCurve::new("at rest in the wind", &outboard, column(3, DEGREES), 1)],
         ),
     ];
     Figure::new("spar", stacked(panels, "outboard of the spar's root [m]", style::PANEL))

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use wingbeat::robot::WeightPart;
 use wingbeat::simulate::{Cost, Record};
 
-use crate::panel::{Curve, Panel};
+use crate::panel::{FigurePanel, PanelCurve};
 
 /// Share of the weight that a part must reach somewhere to have a curve.
 const SHOWN: f64 = 0.01;
@@ -17,10 +17,10 @@ const POINTS: usize = 240;
 
 /// The shares of the weight by part with their sum, as means over the stroke about each instant, where one lies within the record; at
 /// each instant where the record holds no whole stroke. None without the columns.
-pub fn panel(record: &Record) -> Option<Panel> {
+pub fn panel(record: &Record) -> Option<FigurePanel> {
     let (t, phase) = (record.values("t")?, record.values("phase")?);
     let windows = windows(phase);
-    let windows: Vec<&Window> = windows.iter().step_by(windows.len().div_ceil(POINTS).max(1)).collect();
+    let windows: Vec<&StrokeWindow> = windows.iter().step_by(windows.len().div_ceil(POINTS).max(1)).collect();
     let share = |part: WeightPart| Some((part, averaged(record.values(&Cost::column(part))?, &windows)));
     let shares: Vec<(WeightPart, Vec<f64>)> =
         WeightPart::ALL.into_iter().map(share).collect::<Option<_>>()?;
@@ -28,27 +28,27 @@ pub fn panel(record: &Record) -> Option<Panel> {
         if windows.is_empty() { t.to_vec() } else { windows.iter().map(|w| t[w.row]).collect() };
     let total = (0..t.len()).map(|k| shares.iter().map(|(_, share)| share[k]).sum()).collect();
     let seen = |share: &Vec<f64>| share.iter().any(|share| share.abs() >= SHOWN);
-    let mut curves: Vec<Curve> = shares
+    let mut curves: Vec<PanelCurve> = shares
         .into_iter()
         .filter(|(_, share)| seen(share))
         .enumerate()
-        .map(|(index, (part, share))| Curve::new(part.words(), &t, share, index))
+        .map(|(index, (part, share))| PanelCurve::new(part.words(), &t, share, index))
         .collect();
-    curves.push(Curve::total("sum", &t, total));
+    curves.push(PanelCurve::total("sum", &t, total));
     let title =
         if windows.is_empty() { "share of the weight" } else { "share of the weight, mean over a cycle" };
-    Some(Panel { levels: vec![0.0, 1.0], ..Panel::new(title, curves) })
+    Some(FigurePanel { levels: vec![0.0, 1.0], ..FigurePanel::new(title, curves) })
 }
 
 /// The rows of the stroke about a row.
-struct Window {
+struct StrokeWindow {
     row: usize,
     from: usize,
     to: usize,
 }
 
 /// The strokes about the rows about which a whole one lies within the record.
-fn windows(phase: &[f64]) -> Vec<Window> {
+fn windows(phase: &[f64]) -> Vec<StrokeWindow> {
     let (Some(first), Some(last)) = (phase.first(), phase.last()) else { return Vec::new() };
     let (mut from, mut to) = (0, 0);
     let about = |(row, at): (usize, &f64)| {
@@ -63,13 +63,13 @@ fn windows(phase: &[f64]) -> Vec<Window> {
         while to < phase.len() && phase[to] < end {
             to += 1;
         }
-        Some(Window { row, from, to })
+        Some(StrokeWindow { row, from, to })
     };
     phase.iter().enumerate().filter_map(about).collect()
 }
 
 /// Means over the windows, by sums from the begin; where there are none the values.
-fn averaged(values: &[f64], windows: &[&Window]) -> Vec<f64> {
+fn averaged(values: &[f64], windows: &[&StrokeWindow]) -> Vec<f64> {
     if windows.is_empty() {
         return values.to_vec();
     }

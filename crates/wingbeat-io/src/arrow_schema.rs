@@ -8,7 +8,7 @@ use flatbuffers::{FlatBufferBuilder, ForwardsUOffset, Vector, WIPOffset};
 pub const KEY: &str = "ARROW:schema";
 
 /// Name and metadata of a column.
-pub type Described<'a> = (&'a str, Vec<(&'static str, String)>);
+pub type ColumnMetadata<'a> = (&'a str, Vec<(&'static str, String)>);
 
 /// Slots of Message.fbs and Schema.fbs (Apache Arrow columnar format 1.5): field i of a table is at 4 + 2 i.
 mod slot {
@@ -34,10 +34,10 @@ const SCHEMA: u8 = 1;
 const VERSION_5: i16 = 4;
 
 /// An offset to a table whose fields were pushed one by one.
-struct Table;
+struct TableOffset;
 
 /// The columns, all of 64-bit floats without gaps, and the metadata of all, as an encapsulated IPC message in base 64.
-pub fn encoded(columns: &[Described], all: &[(&str, &str)]) -> String {
+pub fn encoded(columns: &[ColumnMetadata], all: &[(&str, &str)]) -> String {
     let mut builder = FlatBufferBuilder::new();
     let fields: Vec<_> = columns.iter().map(|column| field(&mut builder, column)).collect();
     let fields = vector(&mut builder, &fields);
@@ -62,7 +62,7 @@ pub fn encoded(columns: &[Described], all: &[(&str, &str)]) -> String {
     BASE64_STANDARD.encode(bytes)
 }
 
-fn field(builder: &mut FlatBufferBuilder, (name, metadata): &Described) -> WIPOffset<Table> {
+fn field(builder: &mut FlatBufferBuilder, (name, metadata): &ColumnMetadata) -> WIPOffset<TableOffset> {
     let name = builder.create_string(name);
     let pairs: Vec<_> = metadata.iter().map(|(key, value)| key_value(builder, key, value)).collect();
     let (pairs, children) = (vector(builder, &pairs), vector(builder, &[]));
@@ -78,7 +78,7 @@ fn field(builder: &mut FlatBufferBuilder, (name, metadata): &Described) -> WIPOf
     WIPOffset::new(builder.end_table(table).value())
 }
 
-fn key_value(builder: &mut FlatBufferBuilder, key: &str, value: &str) -> WIPOffset<Table> {
+fn key_value(builder: &mut FlatBufferBuilder, key: &str, value: &str) -> WIPOffset<TableOffset> {
     let (key, value) = (builder.create_string(key), builder.create_string(value));
     let table = builder.start_table();
     builder.push_slot_always(slot::KEY_VALUE[0], key);
@@ -88,8 +88,8 @@ fn key_value(builder: &mut FlatBufferBuilder, key: &str, value: &str) -> WIPOffs
 
 fn vector<'a>(
     builder: &mut FlatBufferBuilder<'a>,
-    tables: &[WIPOffset<Table>],
-) -> WIPOffset<Vector<'a, ForwardsUOffset<Table>>> {
+    tables: &[WIPOffset<TableOffset>],
+) -> WIPOffset<Vector<'a, ForwardsUOffset<TableOffset>>> {
     builder.create_vector(tables)
 }
 

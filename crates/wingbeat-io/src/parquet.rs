@@ -80,13 +80,13 @@ pub fn read_parquet_columns(path: &Path, names: &[&str]) -> Result<Record, Error
 }
 
 /// The columns asked for, and the names of all.
-pub struct Read {
+pub struct ParquetColumns {
     pub columns: Vec<Column>,
     pub names: Vec<String>,
 }
 
 /// Reads the columns that are `wanted`.
-pub fn read_some(path: &Path, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Read, Error> {
+pub fn read_some(path: &Path, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<ParquetColumns, Error> {
     let file = regular(path)?;
     // The decoder panics on some pages that are not what the file's metadata says.
     decoded(path, || read(file, wanted).map_err(|error| Error::format(path, error)))
@@ -122,7 +122,7 @@ fn append_group(writer: &mut SerializedFileWriter<File>, record: &Record) -> Res
     group.close().map(drop)
 }
 
-fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetError> {
+fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<ParquetColumns, ParquetError> {
     let size = file.metadata()?.len();
     if let Some(length) = thrift::footer_length(&mut file)?.filter(|length| *length > thrift::LARGEST_FOOTER)
     {
@@ -167,7 +167,7 @@ fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetEr
             append(column, group.get_column_reader(*index)?, rows, gaps)?;
         }
     }
-    Ok(Read { columns, names })
+    Ok(ParquetColumns { columns, names })
 }
 
 /// Refuses column chunks that are damaged, or together longer than the file.
@@ -240,7 +240,7 @@ fn append(column: &mut Column, reader: ColumnReader, rows: usize, gaps: bool) ->
 
 /// Neighbouring samples differ little: splitting their bytes into streams packs them well.
 fn properties(record: &Record) -> WriterProperties {
-    let described: Vec<arrow_schema::Described> =
+    let described: Vec<arrow_schema::ColumnMetadata> =
         record.columns().iter().map(|column| (column.name.as_str(), metadata(column))).collect();
     let json: serde_json::Map<String, serde_json::Value> =
         filled(described.iter().map(|(name, metadata)| {

@@ -44,13 +44,13 @@ const LARGEST: u64 = 64 << 20;
 const MOST: usize = 1 << 24;
 
 /// A column as it fills.
-struct Cells {
+struct FillingColumn {
     column: Column,
     /// Line and text of the first cell that is no finite number.
     word: Option<(u64, String)>,
 }
 
-impl Cells {
+impl FillingColumn {
     fn take(&mut self, cell: &str, line: u64) {
         match cell.parse().ok().filter(|number: &f64| number.is_finite()) {
             Some(number) => self.column.values.push(number),
@@ -87,8 +87,8 @@ pub fn read_csv(path: &Path) -> Result<Record, Error> {
         let count = header.len();
         return Err(Error::format(path, format!("{count} columns; read are at most {MOST_COLUMNS}")));
     }
-    let empty = |name| Cells { column: Column::new(name, "", ""), word: None };
-    let mut columns: Vec<Cells> = header.iter().map(empty).collect();
+    let empty = |name| FillingColumn { column: Column::new(name, "", ""), word: None };
+    let mut columns: Vec<FillingColumn> = header.iter().map(empty).collect();
     for (rows, row) in reader.records().enumerate() {
         let row = row.map_err(format)?;
         if (rows + 1) * columns.len() > MOST {
@@ -97,7 +97,7 @@ pub fn read_csv(path: &Path) -> Result<Record, Error> {
         let line = row.position().map_or(0, csv::Position::line);
         columns.iter_mut().zip(&row).for_each(|(column, cell)| column.take(cell, line));
     }
-    let words = !columns.iter().all(Cells::is_words);
+    let words = !columns.iter().all(FillingColumn::is_words);
     columns.retain(|column| !(words && column.is_words()));
     if let Some((line, name, cell)) = first_word(&columns) {
         return Err(Error::format(path, format!("line {line}, column {name}: `{cell}` is not a number")));
@@ -107,7 +107,7 @@ pub fn read_csv(path: &Path) -> Result<Record, Error> {
 }
 
 /// The first cell among `columns` that is no number: its line, its column and its text.
-fn first_word(columns: &[Cells]) -> Option<(u64, &str, &str)> {
+fn first_word(columns: &[FillingColumn]) -> Option<(u64, &str, &str)> {
     let words = columns.iter().filter_map(|c| Some((&c.column.name, c.word.as_ref()?)));
     words.map(|(name, (line, cell))| (*line, name.as_str(), cell.as_str())).min_by_key(|(line, ..)| *line)
 }

@@ -20,7 +20,7 @@ const COMPRESSED_SIZE: i64 = 3;
 
 /// Why a struct cannot be passed over.
 #[derive(Debug, PartialEq)]
-enum Stop {
+enum StructFault {
     /// More elements than bytes.
     Endless,
     /// The bytes end before the struct.
@@ -48,7 +48,7 @@ pub fn footer_ends(file: &mut File) -> io::Result<bool> {
     let tail = file.metadata()?.len() - TAIL;
     let Some(start) = tail.checked_sub(length) else { return Ok(true) };
     let bytes = part(file, start, tail - start)?;
-    Ok(Walk::new(&bytes).header() != Err(Stop::Endless))
+    Ok(ThriftRemainder::new(&bytes).header() != Err(StructFault::Endless))
 }
 
 /// Whether the headers of the pages in `length` bytes of `file` from `start` on can be, and are no more than `most`.
@@ -58,7 +58,7 @@ pub fn pages_end(file: &mut File, start: u64, length: u64, most: u64) -> io::Res
     let mut window = FIRST_PART;
     while at < end {
         let rest = usize::try_from(at - from).ok().and_then(|used| bytes.get(used..)).unwrap_or_default();
-        let mut walk = Walk::new(rest);
+        let mut walk = ThriftRemainder::new(rest);
         match walk.header() {
             Ok(data) => {
                 at = at.saturating_add((rest.len() - walk.bytes.len()) as u64).saturating_add(data);
@@ -67,8 +67,8 @@ pub fn pages_end(file: &mut File, start: u64, length: u64, most: u64) -> io::Res
                     return Ok(false);
                 }
             }
-            Err(Stop::Broken) => return Ok(false),
-            Err(stop) if rest.len() as u64 == end - at => return Ok(stop == Stop::Cut),
+            Err(StructFault::Broken) => return Ok(false),
+            Err(stop) if rest.len() as u64 == end - at => return Ok(stop == StructFault::Cut),
             Err(_) => {
                 if window > LARGEST_HEADER {
                     return Ok(false);
@@ -95,28 +95,28 @@ fn fill(bytes: &mut Vec<u8>, file: &mut File, start: u64, length: u64) -> io::Re
 }
 
 /// What is left to be passed over.
-struct Walk<'a> {
+struct ThriftRemainder<'a> {
     bytes: &'a [u8],
     /// Elements of lists, sets and maps that may still come.
     elements: u64,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> ThriftRemainder<'a> {
     fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, elements: bytes.len() as u64 }
     }
 
     /// Passes over a page header; the number in its field [`COMPRESSED_SIZE`]. A struct without it, type or
     /// uncompressed size is broken.
-    fn header(&mut self) -> Result<u64, Stop> {
+    fn header(&mut self) -> Result<u64, StructFault> {
         let (mut field, mut numbers) = (0, [None; COMPRESSED_SIZE as usize]);
         loop {
             let (delta, kind) = nibbles(self.byte()?);
             field = if delta > 0 { i64::saturating_add(field, i64::from(delta)) } else { field };
             match (kind, delta) {
                 (0, _) => {
-                    let size = numbers.iter().try_fold(0, |_, number| *number).ok_or(Stop::Broken)?;
-                    return u64::try_from(size).map_err(|_| Stop::Broken);
+                    let size = numbers.iter().try_fold(0, |_, number| *number).ok_or(StructFault::Broken)?;
+                    return u64::try_from(size).map_err(|_| StructFault::Broken);
                 }
                 (_, 0) => field = self.signed()?,
                 _ => {}
@@ -128,8 +128,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn skip(&mut self, kind: u8, depth: usize) -> Result<(), Stop> {
-        let depth = depth.checked_sub(1).ok_or(Stop::Broken)?;
+    fn skip(&mut self, kind: u8, depth: usize) -> Result<(), StructFault> {
+        let depth = depth.checked_sub(1).ok_or(StructFault::Broken)?;
         match kind {
             1 | 2 => Ok(()),
             3 => self.byte().map(drop),
@@ -157,30 +157,30 @@ impl<'a> Walk<'a> {
                 self.skip(kind, depth)?;
             },
             13 => self.pass(16),
-            _ => Err(Stop::Broken),
+            _ => Err(StructFault::Broken),
         }
     }
 
     /// Passes over `count` elements of `kinds` each.
-    fn each(&mut self, count: u64, kinds: &[u8], depth: usize) -> Result<(), Stop> {
-        self.elements = self.elements.checked_sub(count).ok_or(Stop::Endless)?;
+    fn each(&mut self, count: u64, kinds: &[u8], depth: usize) -> Result<(), StructFault> {
+        self.elements = self.elements.checked_sub(count).ok_or(StructFault::Endless)?;
         (0..count).try_for_each(|_| kinds.iter().try_for_each(|kind| self.skip(*kind, depth)))
     }
 
-    fn byte(&mut self) -> Result<u8, Stop> {
-        let (first, rest) = self.bytes.split_first().ok_or(Stop::Cut)?;
+    fn byte(&mut self) -> Result<u8, StructFault> {
+        let (first, rest) = self.bytes.split_first().ok_or(StructFault::Cut)?;
         self.bytes = rest;
         Ok(*first)
     }
 
-    fn pass(&mut self, length: u64) -> Result<(), Stop> {
-        let length = usize::try_from(length).map_err(|_| Stop::Broken)?;
-        self.bytes = self.bytes.get(length..).ok_or(Stop::Cut)?;
+    fn pass(&mut self, length: u64) -> Result<(), StructFault> {
+        let length = usize::try_from(length).map_err(|_| StructFault::Broken)?;
+        self.bytes = self.bytes.get(length..).ok_or(StructFault::Cut)?;
         Ok(())
     }
 
     /// Seven bits a byte, the lowest first.
-    fn number(&mut self) -> Result<u64, Stop> {
+    fn number(&mut self) -> Result<u64, StructFault> {
         let mut number = 0;
         for shift in (0..64).step_by(7) {
             let byte = self.byte()?;
@@ -189,11 +189,11 @@ impl<'a> Walk<'a> {
                 return Ok(number);
             }
         }
-        Err(Stop::Broken)
+        Err(StructFault::Broken)
     }
 
     /// A number whose lowest bit is its sign.
-    fn signed(&mut self) -> Result<i64, Stop> {
+    fn signed(&mut self) -> Result<i64, StructFault> {
         let number = self.number()?;
         Ok((number >> 1) as i64 ^ -((number & 1) as i64))
     }
@@ -211,29 +211,41 @@ mod tests {
     fn a_header_says_how_long_its_page_is() {
         // Fields 1 (i32, 0), 2 (i32, 100), 3 (i32, 300), 5 (struct with an i64), stop; then the page.
         let bytes = [0x15, 0, 0x15, 200, 1, 0x15, 216, 4, 0x2c, 0x16, 2, 0, 0, 99];
-        let mut walk = Walk::new(&bytes);
+        let mut walk = ThriftRemainder::new(&bytes);
         assert_eq!((walk.header(), walk.bytes), (Ok(300), &[99][..]));
     }
 
     #[test]
     fn lists_of_more_than_there_is_are_refused() {
         // Field 1: a list of 2^31 - 1 truth values, of bytes, a map, a list of such lists.
-        assert_eq!(Walk::new(&[0x19, 0xf1, 255, 255, 255, 255, 7, 0]).header(), Err(Stop::Endless));
-        assert_eq!(Walk::new(&[0x19, 0xf3, 255, 255, 255, 255, 7, 0]).header(), Err(Stop::Endless));
-        assert_eq!(Walk::new(&[0x1b, 255, 255, 255, 255, 7, 0x11, 0]).header(), Err(Stop::Endless));
-        assert_eq!(Walk::new(&[0x19, 0x29, 0xa1, 0xa1, 0, 0, 0, 0]).header(), Err(Stop::Endless));
+        assert_eq!(
+            ThriftRemainder::new(&[0x19, 0xf1, 255, 255, 255, 255, 7, 0]).header(),
+            Err(StructFault::Endless)
+        );
+        assert_eq!(
+            ThriftRemainder::new(&[0x19, 0xf3, 255, 255, 255, 255, 7, 0]).header(),
+            Err(StructFault::Endless)
+        );
+        assert_eq!(
+            ThriftRemainder::new(&[0x1b, 255, 255, 255, 255, 7, 0x11, 0]).header(),
+            Err(StructFault::Endless)
+        );
+        assert_eq!(
+            ThriftRemainder::new(&[0x19, 0x29, 0xa1, 0xa1, 0, 0, 0, 0]).header(),
+            Err(StructFault::Endless)
+        );
         let page = [0x15, 0, 0x15, 0, 0x15, 8, 0x19, 0x31, 0];
-        assert_eq!(Walk::new(&page).header(), Ok(4));
+        assert_eq!(ThriftRemainder::new(&page).header(), Ok(4));
     }
 
     #[test]
     fn what_is_cut_or_broken_is_told_apart() {
         for bytes in [&[][..], &[0x15], &[0x18, 200, 1], &[0x19, 0x1c]] {
-            assert_eq!(Walk::new(bytes).header(), Err(Stop::Cut), "{bytes:?}");
+            assert_eq!(ThriftRemainder::new(bytes).header(), Err(StructFault::Cut), "{bytes:?}");
         }
         // The last two: no field, no compressed size.
         for bytes in [&[0x1e][..], &[0x1c; 4096], &[0], &[0x15, 0, 0x15, 0, 0]] {
-            assert_eq!(Walk::new(bytes).header(), Err(Stop::Broken), "{bytes:?}");
+            assert_eq!(ThriftRemainder::new(bytes).header(), Err(StructFault::Broken), "{bytes:?}");
         }
     }
 }

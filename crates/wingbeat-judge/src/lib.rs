@@ -1,12 +1,12 @@
 //! Whether a result can be used: one list of statuses, one table of limits, one kind of verdict.
 //!
-//! A verb makes a [`Judge`] with the [`Limits`] of its document, holds each of its quantities against a [`Limit`], and
+//! A verb makes a [`Judge`] with the [`RunLimits`] of its document, holds each of its quantities against a [`JudgedLimit`], and
 //! writes the [`Verdict`] into its summary:
 //!
 //! ```
-//! use wingbeat_judge::{Judge, Limits, Status, limits::flight};
+//! use wingbeat_judge::{Judge, RunLimits, Status, limits::flight};
 //!
-//! let limits = Limits::default().with("flight.altitude_m", 3.0)?;
+//! let limits = RunLimits::default().with("flight.altitude_m", 3.0)?;
 //! let mut judge = Judge::new(&limits);
 //! judge.hold(&flight::SATURATION, 0.1);
 //! judge.hold(&flight::ALTITUDE, 6.6);
@@ -27,6 +27,6 @@ mod status;
 pub mod unit;
 mod verdict;
 
-pub use limits::{Limit, Limits, Sense, UnknownLimit};
+pub use limits::{JudgedLimit, RunLimits, Sense, UnknownLimit};
 pub use status::Status;
 pub use verdict::{Judge, Judged, Verdict, Warning};

@@ -2,7 +2,7 @@
 
 /// What a channel measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum ChannelQuantity {
     /// SI unit N.
     Force,
     /// SI unit N m.
@@ -51,7 +51,7 @@ const TIME: [(&str, f64); 3] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6)];
 const ANGLE: [(&str, f64); 3] =
     [("rad", 1.0), ("deg", std::f64::consts::PI / 180.0), ("turn", std::f64::consts::TAU)];
 
-impl Quantity {
+impl ChannelQuantity {
     /// Every quantity.
     pub const ALL: [Self; 4] = [Self::Force, Self::Moment, Self::Time, Self::Angle];
 
@@ -79,13 +79,13 @@ impl Quantity {
 /// Whether a channel is a force or a moment: by its unit, where that is known, else by its name, `Fx` to `Tz`. Where no channel of a file is
 /// one, all may be.
 pub fn is_load(name: &str, unit: &str) -> bool {
-    let of = |quantity: Quantity| quantity.factor(unit).is_some();
+    let of = |quantity: ChannelQuantity| quantity.factor(unit).is_some();
     let component = || {
         let name: Vec<char> = name.chars().map(|c| c.to_ascii_lowercase()).collect();
         matches!(name[..], ['f' | 'm' | 't', 'x'..='z'])
     };
-    match Quantity::ALL.into_iter().find(|quantity| of(*quantity)) {
-        Some(known) => matches!(known, Quantity::Force | Quantity::Moment),
+    match ChannelQuantity::ALL.into_iter().find(|quantity| of(*quantity)) {
+        Some(known) => matches!(known, ChannelQuantity::Force | ChannelQuantity::Moment),
         None => component(),
     }
 }

@@ -1,6 +1,6 @@
 //! The verdict on one result, and how it comes about.
 
-use crate::limits::{Limit, Limits, Sense, asked};
+use crate::limits::{JudgedLimit, RunLimits, Sense, asked};
 use crate::status::Status;
 use serde::Serialize;
 
@@ -114,7 +114,7 @@ impl Verdict {
 /// Collects findings and gives the verdict.
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {
-    limits: &'a Limits,
+    limits: &'a RunLimits,
     status: Status,
     reasons: Vec<(Status, String)>,
     judged: Vec<Judged>,
@@ -123,36 +123,36 @@ pub struct Judge<'a> {
 
 impl<'a> Judge<'a> {
     /// Nothing found yet.
-    pub fn new(limits: &'a Limits) -> Self {
+    pub fn new(limits: &'a RunLimits) -> Self {
         Self { limits, status: Status::Ok, reasons: Vec::new(), judged: Vec::new(), warnings: Vec::new() }
     }
 
     /// Holds `value`, in the unit of the limit, against `limit`; true when it is allowed.
-    pub fn hold(&mut self, limit: &'static Limit, value: f64) -> bool {
+    pub fn hold(&mut self, limit: &'static JudgedLimit, value: f64) -> bool {
         self.hold_about(limit, value, "")
     }
 
     /// The same where words say of what, and what helps: "of channel fx; set `[tare]`".
-    pub fn hold_about(&mut self, limit: &'static Limit, value: f64, about: &str) -> bool {
+    pub fn hold_about(&mut self, limit: &'static JudgedLimit, value: f64, about: &str) -> bool {
         let (bound, overridden) = self.limits.of(limit);
         self.take(limit, (bound, overridden), value, about)
     }
 
     /// Holds `value`, in the unit of the limit, against `limit` where there is one.
-    pub fn hold_if(&mut self, limit: &'static Limit, value: Option<f64>) {
+    pub fn hold_if(&mut self, limit: &'static JudgedLimit, value: Option<f64>) {
         if let Some(value) = value {
             self.hold(limit, value);
         }
     }
 
     /// Holds `value`, in the unit of the limit, against `bound`, which the document's task states; `limit` says the rest.
-    pub fn hold_to(&mut self, limit: &'static Limit, bound: f64, value: f64) -> bool {
+    pub fn hold_to(&mut self, limit: &'static JudgedLimit, bound: f64, value: f64) -> bool {
         self.take(limit, (bound, false), value, "")
     }
 
     fn take(
         &mut self,
-        limit: &'static Limit,
+        limit: &'static JudgedLimit,
         (bound, overridden): (f64, bool),
         value: f64,
         about: &str,
@@ -203,7 +203,7 @@ impl<'a> Judge<'a> {
 }
 
 /// What is off, its value, what is allowed.
-fn words(limit: &Limit, value: f64, bound: f64, about: &str) -> String {
+fn words(limit: &JudgedLimit, value: f64, bound: f64, about: &str) -> String {
     let unit = if limit.unit.is_empty() { String::new() } else { format!(" {}", limit.unit) };
     let side = match limit.sense {
         Sense::AtMost => "at most",

@@ -8,7 +8,9 @@ use std::hint::black_box;
 use std::path::Path;
 use wingbeat::math::Vec3;
 use wingbeat::scenario::TetherCase;
-use wingbeat_lattice::{Flapping, Lattice, Loads, Panels, Scene, Settings, Spacing, WakeMotion};
+use wingbeat_lattice::{
+    FlappingWing, Lattice, LatticeLoads, LatticeSettings, Panels, Scene, Spacing, WakeMotion,
+};
 
 /// Steps of a cycle, cycles, frequency (Hz) and chord (m) of the case.
 const STEPS: usize = 48;
@@ -23,20 +25,20 @@ const FAST: usize = 1000;
 const STRIPS: usize = 100;
 const SAMPLES: usize = 2000;
 
-fn case() -> Flapping {
+fn case() -> FlappingWing {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
     let none = |file: &Path| Err(format!("{} is not read here", file.display()));
     let case = TetherCase::load(&path, &[], &none).unwrap_or_else(|error| panic!("{error}"));
-    Flapping::try_from(&case.tether).unwrap_or_else(|error| panic!("{error}"))
+    FlappingWing::try_from(&case.tether).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn settings(wake: WakeMotion, fast_from: usize, steps: usize) -> Settings {
-    let own = Settings::new(1.0 / (FREQUENCY * steps as f64), 0.03 * CHORD);
-    Settings { wake, fast_from, ..own }
+fn settings(wake: WakeMotion, fast_from: usize, steps: usize) -> LatticeSettings {
+    let own = LatticeSettings::new(1.0 / (FREQUENCY * steps as f64), 0.03 * CHORD);
+    LatticeSettings { wake, fast_from, ..own }
 }
 
 /// Loads of the case with panels `fine` times as many along the chord and the span, and as many steps.
-fn run(wake: WakeMotion, halved: bool, fast_from: usize, fine: usize) -> Vec<Loads> {
+fn run(wake: WakeMotion, halved: bool, fast_from: usize, fine: usize) -> Vec<LatticeLoads> {
     let panels = Panels { chordwise: 4 * fine, spanwise: 20 * fine, spacing: Spacing::Uniform };
     let scene = Scene::new(&case(), panels, halved).unwrap_or_else(|error| panic!("{error}"));
     let settings = settings(wake, fast_from, fine * STEPS);
@@ -70,9 +72,9 @@ fn memory() -> Option<f64> {
 }
 
 /// Rms difference of lift over the last cycle over its rms, every `other`-th of `b`.
-fn apart(a: &[Loads], b: &[Loads], other: usize) -> f64 {
+fn apart(a: &[LatticeLoads], b: &[LatticeLoads], other: usize) -> f64 {
     let last = (CYCLES - 1) * STEPS;
-    let lift = |loads: &Loads| loads.joukowski.force[2];
+    let lift = |loads: &LatticeLoads| loads.joukowski.force[2];
     let pairs = a[last..].iter().map(lift).zip(b[last * other..].iter().step_by(other).map(lift));
     let (far, size) = pairs.fold((0.0, 0.0), |(far, size), (a, b)| (far + (a - b).powi(2), size + b * b));
     (far / size).sqrt()

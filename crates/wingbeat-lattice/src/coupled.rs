@@ -2,10 +2,10 @@
 
 use crate::course::{CROSSING, FAST_FROM, MOST_RINGS};
 use crate::flown::laid;
-use crate::layout::{Layout, Spacing};
+use crate::layout::{PanelLayout, Spacing};
 use crate::mesh::Mesh;
-use crate::motion::{Panels, Scene, Sections, Surface};
-use crate::settings::{Settings, WakeMotion};
+use crate::motion::{LatticeSurface, MovingSections, Panels, Scene};
+use crate::settings::{LatticeSettings, WakeMotion};
 use crate::{Error, Lattice};
 use std::sync::{Arc, Mutex, PoisonError};
 use wingbeat::aero::SectionMotion;
@@ -29,7 +29,7 @@ use wingbeat::simulate::{Fineness, Flow};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn doors() -> Doors {
-    Doors::shipped().lattice(|task| match Beside::new(&task) {
+    Doors::shipped().lattice(|task| match CoupledLattice::new(&task) {
         Ok(beside) => Ok(Box::new(beside)),
         Err(error) => Err(refused(error, task.spec)),
     })
@@ -68,16 +68,16 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
 }
 
 /// How the robot is whose surfaces are asked for.
-type Pose = Arc<Mutex<Stance>>;
+type SharedStance = Arc<Mutex<Stance>>;
 
 /// A surface of a robot in the state that is being tried.
 struct Posed {
     robot: Arc<Robot>,
     surface: usize,
-    pose: Pose,
+    pose: SharedStance,
 }
 
-impl Sections for Posed {
+impl MovingSections for Posed {
     fn sections(&self, _: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let pose = self.pose.lock().unwrap_or_else(PoisonError::into_inner);
         if self.robot.chord_lines(&pose, self.surface, arcs, out).is_err() {
@@ -90,27 +90,27 @@ impl Sections for Posed {
 }
 
 /// A lattice on the surfaces of a robot, stepped beside its flight.
-pub struct Beside {
+pub struct CoupledLattice {
     robot: Arc<Robot>,
     lattice: Lattice,
-    layouts: Vec<(usize, Layout)>,
-    pose: Pose,
+    layouts: Vec<(usize, PanelLayout)>,
+    pose: SharedStance,
     every: usize,
     chord: f64,
     /// What was asked for last at this instant, with its loads.
     last: Option<(Stance, Vec<Wrench<f64>>)>,
-    way: Way,
+    way: EdgeTravel,
 }
 
 /// Ways of trailing edges through the air in steps in which they moved.
 #[derive(Default)]
-struct Way {
+struct EdgeTravel {
     edges: usize,
     /// Sums of squares, m2 and chords of a panel.
     squares: [f64; 2],
 }
 
-impl Way {
+impl EdgeTravel {
     /// Goes on by those of `meshes` in a step of `step` s.
     fn go(&mut self, meshes: &[Mesh], wind: Vec3, step: f64) {
         for (mesh, edge) in meshes.iter().flat_map(|mesh| mesh.edges.iter().map(move |edge| (mesh, edge))) {
@@ -129,7 +129,7 @@ fn mean_chord(outline: &SurfaceOutline) -> f64 {
     outline.planform.area() / (2.0 * outline.planform.half_span())
 }
 
-impl Beside {
+impl CoupledLattice {
     /// The lattice that `task` asks for.
     ///
     /// # Errors
@@ -153,9 +153,9 @@ impl Beside {
         let coordinates = robot.start_coordinates();
         x[robot.layout().joints..][..coordinates.len()].copy_from_slice(&coordinates);
         let pose = Arc::new(Mutex::new(robot.stance(0.0, &x)));
-        let surface = |(number, layout): &(usize, Layout)| {
+        let surface = |(number, layout): &(usize, PanelLayout)| {
             let posed = Posed { robot: robot.clone(), surface: *number, pose: pose.clone() };
-            Surface { layout: layout.clone(), sections: Arc::new(posed) }
+            LatticeSurface { layout: layout.clone(), sections: Arc::new(posed) }
         };
         let scene = Scene {
             surfaces: layouts.iter().map(surface).collect(),
@@ -165,16 +165,25 @@ impl Beside {
             ground: robot.ground(),
         };
         let wake = if spec.free_wake { WakeMotion::Free } else { WakeMotion::Prescribed };
-        let own = Settings::new(spec.step_s, spec.core_chords * chord);
+        let own = LatticeSettings::new(spec.step_s, spec.core_chords * chord);
         let crossing = if spec.crossing { CROSSING } else { 0.0 };
         let own = own.shedding(spec.critical_suction, chord);
-        let settings = Settings { wake, longest_age_s, crossing, fast_from: FAST_FROM, ..own };
+        let settings = LatticeSettings { wake, longest_age_s, crossing, fast_from: FAST_FROM, ..own };
         let lattice = Lattice::new(scene, settings)?;
-        Ok(Self { robot, lattice, layouts, pose, every: *every, chord, last: None, way: Way::default() })
+        Ok(Self {
+            robot,
+            lattice,
+            layouts,
+            pose,
+            every: *every,
+            chord,
+            last: None,
+            way: EdgeTravel::default(),
+        })
     }
 }
 
-impl Flow for Beside {
+impl Flow for CoupledLattice {
     fn every(&self) -> usize {
         self.every
     }

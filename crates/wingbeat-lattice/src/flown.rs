@@ -1,7 +1,7 @@
 //! Surfaces of a robot in the motion of a recorded flight.
 
-use crate::layout::Layout;
-use crate::motion::{Panels, Scene, Sections, Surface, require_flat};
+use crate::layout::PanelLayout;
+use crate::motion::{LatticeSurface, MovingSections, Panels, Scene, require_flat};
 use crate::{Error, RecordError};
 use std::sync::Arc;
 use wingbeat::aero::{Circulation, SectionMotion};
@@ -13,7 +13,7 @@ use wingbeat::simulate::Record;
 
 /// A stretch of a recorded flight. Between two rows the states are the cubic through both with the rates that the robot has there.
 #[derive(Clone, Debug)]
-pub struct Flight {
+pub struct FlightStretch {
     robot: Robot,
     times: Vec<f64>,
     states: Vec<Vec<f64>>,
@@ -21,7 +21,7 @@ pub struct Flight {
     inputs: Vec<Vec<f64>>,
 }
 
-impl Flight {
+impl FlightStretch {
     /// The flight of `robot` in `record` from `from_s` to `to_s`.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ impl Flight {
     ///
     /// # Errors
     /// A model whose circulation is a sum of lags.
-    pub fn circulations(&self, t: f64, layouts: &[(usize, Layout)]) -> Result<Option<Vec<f64>>, Error> {
+    pub fn circulations(&self, t: f64, layouts: &[(usize, PanelLayout)]) -> Result<Option<Vec<f64>>, Error> {
         if let Some((name, _)) = self.robot.surfaces().find(|(_, a)| a.circulation() == Circulation::LagSum) {
             return Err(RecordError::LagSum { surface: name.into() }.into());
         }
@@ -115,7 +115,7 @@ impl Flight {
             tables.push(table.into_iter().unzip::<f64, f64, Vec<f64>, Vec<f64>>());
             first += aero.strips();
         }
-        let on = |(surface, layout): &(usize, Layout)| {
+        let on = |(surface, layout): &(usize, PanelLayout)| {
             let (arcs, values) = &tables[*surface];
             let middles = layout.arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
             middles.map(|arc| piecewise_linear(arcs, values, arc)).collect::<Vec<f64>>()
@@ -125,13 +125,13 @@ impl Flight {
 }
 
 /// A surface of the robot in flight; its clock begins at `from_s`.
-struct Flown {
-    flight: Arc<Flight>,
+struct FlownSurface {
+    flight: Arc<FlightStretch>,
     surface: usize,
     from_s: f64,
 }
 
-impl Sections for Flown {
+impl MovingSections for FlownSurface {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let (t, robot) = (t + self.from_s, &self.flight.robot);
         if robot.chord_lines(&robot.stance(t, &self.flight.state(t)), self.surface, arcs, out).is_err() {
@@ -148,7 +148,7 @@ pub(crate) fn laid(
     robot: &Robot,
     outlines: &[SurfaceOutline],
     panels: Panels,
-) -> Result<Vec<(usize, Layout)>, Error> {
+) -> Result<Vec<(usize, PanelLayout)>, Error> {
     let mut layouts = Vec::new();
     let first = outlines.first().map_or(1.0, |outline| outline.planform.half_span());
     for (number, (outline, (_, aero))) in outlines.iter().zip(robot.surfaces()).enumerate() {
@@ -162,7 +162,7 @@ pub(crate) fn laid(
             _ => ((panels.spanwise as f64 * share).round() as usize).max(least),
         };
         let Panels { chordwise, spacing, .. } = panels;
-        let pieces = Layout::of(&outline.planform, &outline.hinges, chordwise, strips, spacing)?;
+        let pieces = PanelLayout::of(&outline.planform, &outline.hinges, chordwise, strips, spacing)?;
         layouts.extend(pieces.into_iter().map(|piece| (number, piece)));
     }
     Ok(layouts)
@@ -175,16 +175,16 @@ impl Scene {
     /// # Errors
     /// Sections that lift at no incidence, panels that cannot be laid out.
     pub fn flown(
-        flight: &Arc<Flight>,
+        flight: &Arc<FlightStretch>,
         outlines: &[SurfaceOutline],
         from_s: f64,
         density_kg_m3: f64,
         panels: Panels,
-    ) -> Result<(Self, Vec<(usize, Layout)>), Error> {
+    ) -> Result<(Self, Vec<(usize, PanelLayout)>), Error> {
         let layouts = laid(&flight.robot, outlines, panels)?;
-        let surface = |(number, layout): &(usize, Layout)| Surface {
+        let surface = |(number, layout): &(usize, PanelLayout)| LatticeSurface {
             layout: layout.clone(),
-            sections: Arc::new(Flown { flight: flight.clone(), surface: *number, from_s }),
+            sections: Arc::new(FlownSurface { flight: flight.clone(), surface: *number, from_s }),
         };
         let surfaces = layouts.iter().map(surface).collect();
         let wind = flight.robot.mean_wind();

@@ -1,7 +1,7 @@
 //! The impulse of all vortices, an independent way to the force.
 
 use crate::influence::mirrored;
-use crate::kernel::Grid;
+use crate::kernel::VortexGrid;
 use crate::lattice::Lattice;
 use wingbeat::math::Vec3;
 
@@ -24,7 +24,7 @@ impl Lattice {
 }
 
 /// Half the sum of circulation times place times length over the segments of a grid, m4/s.
-fn impulse(grid: &Grid) -> Vec3 {
+fn impulse(grid: &VortexGrid) -> Vec3 {
     let n = grid.columns;
     let of = |(pair, circulation): ([usize; 2], f64)| {
         let [a, b] = pair.map(|at| grid.points[at]);

@@ -1,22 +1,22 @@
 //! What rings and wakes induce, mirror images included.
 
 use crate::kernel::{
-    Crossing, Grid, LANES, Place, Points, Seen, Segment, add_rounded, add_velocities, own, rounded,
-    unit_washes,
+    Crossing, FieldPoints, LANES, PointLocation, SeenVertex, Segment, VortexGrid, add_rounded,
+    add_velocities, own, rounded, unit_washes,
 };
 use crate::mesh::{Control, Mesh};
 use crate::motion::Scene;
-use crate::tree::Tree;
+use crate::tree::PatchTree;
 use wide::f64x4;
 use wingbeat::math::Vec3;
 use wingbeat::parallel;
 
 /// Grids that induce velocities.
-pub struct Sources<'a> {
+pub struct InducingGrids<'a> {
     /// Bound rings, with the number of their surface.
-    pub bound: Vec<(usize, &'a Grid)>,
+    pub bound: Vec<(usize, &'a VortexGrid)>,
     /// Vortices with cores: wakes and the ends of the last rings.
-    pub cored: Vec<&'a Grid>,
+    pub cored: Vec<&'a VortexGrid>,
 }
 
 /// Planes of symmetry of the flow: y = 0, and a ground or ceiling.
@@ -75,11 +75,11 @@ impl Image {
         Vec3([x, y, if self.ground.is_some() { -z } else { z }])
     }
     /// Of a place: the image at a ground is another wing, with which none crosses.
-    fn place(self, place: Place) -> Place {
+    fn place(self, place: PointLocation) -> PointLocation {
         match place {
-            Place::On(_, arc) if self.ground.is_some() => Place::On(usize::MAX, arc),
-            Place::On(surface, arc) => Place::On(surface, -arc),
-            Place::Wake => Place::Wake,
+            PointLocation::On(_, arc) if self.ground.is_some() => PointLocation::On(usize::MAX, arc),
+            PointLocation::On(surface, arc) => PointLocation::On(surface, -arc),
+            PointLocation::Wake => PointLocation::Wake,
         }
     }
 }
@@ -100,22 +100,22 @@ pub struct Influence {
 const SHARED: usize = 200;
 
 /// A control point, the normal there, and where it lies.
-type Aimed = (Vec3, Vec3, Place);
+type Aimed = (Vec3, Vec3, PointLocation);
 
 /// Rows of rings on a surface.
 struct Rings<'a> {
     /// How many; the last reach to the ends.
     rows: usize,
-    bound: &'a Grid,
+    bound: &'a VortexGrid,
     /// The ends of the last rings.
-    ends: &'a Grid,
+    ends: &'a VortexGrid,
 }
 
 /// Four control points, or their mirror images.
 struct SeenFrom {
     at: [f64x4; 3],
     normal: [f64x4; 3],
-    places: [Place; LANES],
+    places: [PointLocation; LANES],
 }
 
 /// The mirror image at the plane y = 0, in the unit of the vector.
@@ -133,18 +133,23 @@ impl Influence {
 
     /// Induced velocities at `points`, which lie at `places`, m/s. What the mirror image of the sources induces at p is the mirror
     /// image of what they induce at the mirror image of p.
-    pub fn velocities(&self, points: &[Vec3], places: &[Place], sources: &Sources<'_>) -> Vec<Vec3> {
+    pub fn velocities(
+        &self,
+        points: &[Vec3],
+        places: &[PointLocation],
+        sources: &InducingGrids<'_>,
+    ) -> Vec<Vec3> {
         let count = points.len();
         let images = self.mirrors.images();
         let image = images.clone().flat_map(|image| points.iter().map(move |p| image.point(*p)));
         let all: Vec<Vec3> = points.iter().copied().chain(image).collect();
-        let mut lanes = Points::default();
+        let mut lanes = FieldPoints::default();
         lanes.set(all.iter().copied());
         let mut velocities = vec![Vec3::ZERO; all.len()];
         match &self.crossing {
             Some(crossing) => {
                 let image = images.clone().flat_map(|image| places.iter().map(move |p| image.place(*p)));
-                let places: Vec<Place> = places.iter().copied().chain(image).collect();
+                let places: Vec<PointLocation> = places.iter().copied().chain(image).collect();
                 for (surface, grid) in &sources.bound {
                     add_rounded(grid, *surface, crossing, &lanes, &places, &mut velocities);
                 }
@@ -161,7 +166,7 @@ impl Influence {
         for grid in &sources.cored {
             // A single row has no cells to be halved.
             match grid.rows() > 1 && grid.segments() >= self.fast_from {
-                true => Tree::new(grid).add_velocities(&all, &mut velocities),
+                true => PatchTree::new(grid).add_velocities(&all, &mut velocities),
                 false => add_velocities::<true>(grid, &lanes, &mut velocities),
             }
         }
@@ -197,7 +202,7 @@ impl Influence {
     fn columns(&self, meshes: &[Mesh], of: fn(&Mesh) -> Rings<'_>) -> Vec<f64> {
         let rings: Vec<Rings<'_>> = meshes.iter().map(of).collect();
         let of = |(surface, mesh): (usize, &Mesh)| {
-            let place = move |c: &Control| Place::On(surface, c.arc);
+            let place = move |c: &Control| PointLocation::On(surface, c.arc);
             mesh.controls.iter().map(move |c| (c.at, c.normal, place(c))).collect::<Vec<Aimed>>()
         };
         let controls: Vec<Aimed> = meshes.iter().enumerate().flat_map(of).collect();
@@ -216,7 +221,7 @@ impl Influence {
             let vectors: [Vec3; LANES] = std::array::from_fn(|lane| of(&controls[lane.min(last)]));
             std::array::from_fn(|k| f64x4::from(vectors.map(|v| v[k])))
         };
-        let places: [Place; LANES] = std::array::from_fn(|lane| controls[lane.min(last)].2);
+        let places: [PointLocation; LANES] = std::array::from_fn(|lane| controls[lane.min(last)].2);
         let own = SeenFrom { at: lanes(&|c| c.0), normal: lanes(&|c| c.1), places };
         let image = |image: Image| SeenFrom {
             at: lanes(&|c| image.point(c.0)),
@@ -235,7 +240,7 @@ impl Influence {
         let rows = of.bound.rows();
         let mut across = vec![f64x4::ZERO; rows * n];
         let mut along = vec![f64x4::ZERO; (rows - 1) * (n + 1)];
-        let mut seen: Vec<Seen> = Vec::with_capacity(n + 1);
+        let mut seen: Vec<SeenVertex> = Vec::with_capacity(n + 1);
         let bound = of.bound;
         for SeenFrom { at, normal, places } in seen_from {
             let sums = [&mut across[..], &mut along[..]];

@@ -72,12 +72,12 @@ pub fn softened_segment(p: Vec3, a: Vec3, b: Vec3, core: f64) -> Vec3 {
 
 /// Points at which velocities are wanted, in lanes; those that fill up the last block repeat the last point.
 #[derive(Clone, Debug, Default)]
-pub struct Points {
+pub struct FieldPoints {
     count: usize,
     blocks: Vec<[f64x4; 3]>,
 }
 
-impl Points {
+impl FieldPoints {
     /// Takes the place of the points held, m.
     pub fn set(&mut self, points: impl ExactSizeIterator<Item = Vec3>) {
         self.count = points.len();
@@ -112,7 +112,7 @@ impl Points {
 
 /// A grid of vertices joined by vortex segments: across, from column to column, and along, from row to row.
 #[derive(Clone, Debug, Default)]
-pub struct Grid {
+pub struct VortexGrid {
     /// Vertices of a row.
     pub columns: usize,
     /// Vertices by row, m.
@@ -129,7 +129,7 @@ pub struct Grid {
     pub arcs: Vec<f64>,
 }
 
-impl Grid {
+impl VortexGrid {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.points.len().checked_div(self.columns).unwrap_or(0)
@@ -142,11 +142,11 @@ impl Grid {
 }
 
 /// A vertex as seen from four points: where they lie from it, and how far.
-pub type Seen = ([f64x4; 3], f64x4);
+pub type SeenVertex = ([f64x4; 3], f64x4);
 
 /// `point` as seen from the points `p`, m.
 #[inline(always)]
-pub fn see(p: &[f64x4; 3], point: Vec3) -> Seen {
+pub fn see(p: &[f64x4; 3], point: Vec3) -> SeenVertex {
     let r: [f64x4; 3] = std::array::from_fn(|k| p[k] - f64x4::splat(point[k]));
     (r, r[0].mul_add(r[0], r[1].mul_add(r[1], r[2] * r[2])).sqrt())
 }
@@ -169,7 +169,7 @@ fn dot(r1: &[f64x4; 3], r2: &[f64x4; 3]) -> f64x4 {
 
 /// Velocity at four points per 4 pi of circulation of the segment between two vertices, without a core.
 #[inline(always)]
-fn bare((r1, x): &Seen, (r2, y): &Seen) -> [f64x4; 3] {
+fn bare((r1, x): &SeenVertex, (r2, y): &SeenVertex) -> [f64x4; 3] {
     let (across, dot) = (crossed(r1, r2), dot(r1, r2));
     let square = across[0].mul_add(across[0], across[1].mul_add(across[1], across[2] * across[2]));
     let (product, sum) = (*x * *y, *x + *y);
@@ -184,7 +184,7 @@ fn bare((r1, x): &Seen, (r2, y): &Seen) -> [f64x4; 3] {
 /// |r1 x r2|^2 = (r1 r2 - r1.r2)(r1 r2 + r1.r2), the factor is (r1 + r2) e / (r1 r2 (e (r1 r2 + r1.r2) + core)), e = r1 r2 - r1.r2,
 /// in which the rounding of e falls out as the core does. The denominator is never zero.
 #[inline(always)]
-fn cored((r1, x): &Seen, (r2, y): &Seen, core: f64x4) -> ([f64x4; 3], f64x4, f64x4) {
+fn cored((r1, x): &SeenVertex, (r2, y): &SeenVertex, core: f64x4) -> ([f64x4; 3], f64x4, f64x4) {
     let (across, dot) = (crossed(r1, r2), dot(r1, r2));
     let product = *x * *y;
     let excess = (product - dot).max(f64x4::ZERO);
@@ -195,7 +195,7 @@ fn cored((r1, x): &Seen, (r2, y): &Seen, core: f64x4) -> ([f64x4; 3], f64x4, f64
 /// Velocity at four points per 4 pi of circulation, 1/m, of the segment between two vertices, with the squared core times
 /// squared length (m4).
 #[inline(always)]
-pub fn between<const CORE: bool>(a: &Seen, b: &Seen, core: f64x4) -> [f64x4; 3] {
+pub fn between<const CORE: bool>(a: &SeenVertex, b: &SeenVertex, core: f64x4) -> [f64x4; 3] {
     if !CORE {
         return bare(a, b);
     }
@@ -214,7 +214,7 @@ pub struct Window {
     pub columns: [usize; 2],
 }
 
-impl Grid {
+impl VortexGrid {
     /// All of the grid.
     pub fn whole(&self) -> Window {
         Window { rows: [0, self.rows().saturating_sub(1)], columns: [0, self.columns.saturating_sub(1)] }
@@ -222,10 +222,10 @@ impl Grid {
 }
 
 /// Adds to `velocities` what `grid` induces at `points`, m/s, on all cores where there is much to do.
-pub fn add_velocities<const CORE: bool>(grid: &Grid, points: &Points, velocities: &mut [Vec3]) {
+pub fn add_velocities<const CORE: bool>(grid: &VortexGrid, points: &FieldPoints, velocities: &mut [Vec3]) {
     let (blocks, window) = (points.blocks(), grid.whole());
     let some = |blocks: &[[f64x4; 3]]| {
-        let (mut room, mut sums) = (Room::default(), vec![[f64x4::ZERO; 3]; blocks.len()]);
+        let (mut room, mut sums) = (VertexRoom::default(), vec![[f64x4::ZERO; 3]; blocks.len()]);
         if CORE {
             add_all(grid, &[window], blocks, &mut room, &mut sums);
         } else {
@@ -250,19 +250,19 @@ pub fn add_velocities<const CORE: bool>(grid: &Grid, points: &Points, velocities
 
 /// Room for rows of vertices as seen from points.
 #[derive(Default)]
-pub struct Room {
-    four: Vec<Seen>,
+pub struct VertexRoom {
+    four: Vec<SeenVertex>,
     #[cfg(target_arch = "x86_64")]
-    eight: Vec<crate::wider::Seen>,
+    eight: Vec<crate::wider::WideVertex>,
 }
 
 /// Adds to `sums` the velocities times 4 pi (m/s) at the points of `blocks` that parts of a grid of vortices with cores induce.
 /// Eight points at once where the processor can, else four, to the same bits.
 pub fn add_all(
-    grid: &Grid,
+    grid: &VortexGrid,
     windows: &[Window],
     blocks: &[[f64x4; 3]],
-    room: &mut Room,
+    room: &mut VertexRoom,
     sums: &mut [[f64x4; 3]],
 ) {
     let mut begin = 0;
@@ -297,10 +297,10 @@ pub fn add_block(out: &mut [Vec3], velocity: [f64x4; 3]) {
 
 /// Adds the velocity times 4 pi (m/s) at four points that a part of a grid induces; `seen` is room for a row of vertices.
 pub fn add_induced<const CORE: bool>(
-    grid: &Grid,
+    grid: &VortexGrid,
     window: &Window,
     p: &[f64x4; 3],
-    seen: &mut Vec<Seen>,
+    seen: &mut Vec<SeenVertex>,
     sum: &mut [f64x4; 3],
 ) {
     let n = grid.columns;
@@ -309,7 +309,7 @@ pub fn add_induced<const CORE: bool>(
     // What lies on the far edges of a part is another's.
     let last_along = if last + 1 < n { 0.0 } else { 1.0 };
     let splat = f64x4::splat;
-    let add = |a: &Seen, b: &Seen, core: f64, strength: f64, sum: &mut [f64x4; 3]| {
+    let add = |a: &SeenVertex, b: &SeenVertex, core: f64, strength: f64, sum: &mut [f64x4; 3]| {
         let unit = between::<CORE>(a, b, splat(core));
         (0..3).for_each(|k| sum[k] = unit[k].mul_add(splat(strength), sum[k]));
     };
@@ -361,7 +361,7 @@ pub fn add_induced<const CORE: bool>(
 
 /// Where a point lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum PointLocation {
     /// On the surface of this number at an arc coordinate, m.
     On(usize, f64),
     /// In the wake.
@@ -387,17 +387,19 @@ impl Crossing {
     /// `core = share max(0, abs(s_i - s_j) - near) of a bound vortex at the arc s_j felt at s_i`
     /// Source: choice: strips far apart along a wing that meet are no neighbours.
     /// Test: `wings_that_pass_through_each_other_are_finite`.
-    pub fn square(&self, place: Place, surface: usize, arc: f64) -> f64 {
+    pub fn square(&self, place: PointLocation, surface: usize, arc: f64) -> f64 {
         let radius = match place {
-            Place::On(own, at) if own == surface => self.share * ((at - arc).abs() - self.near).max(0.0),
-            Place::On(..) => 0.0,
-            Place::Wake => self.wake,
+            PointLocation::On(own, at) if own == surface => {
+                self.share * ((at - arc).abs() - self.near).max(0.0)
+            }
+            PointLocation::On(..) => 0.0,
+            PointLocation::Wake => self.wake,
         };
         radius * radius
     }
 
     /// The squared cores (m2) at four points of the vortices along at the columns `arcs`, and of those across between them.
-    pub fn squares(&self, places: [Place; LANES], surface: usize, arcs: &[f64]) -> [Vec<f64x4>; 2] {
+    pub fn squares(&self, places: [PointLocation; LANES], surface: usize, arcs: &[f64]) -> [Vec<f64x4>; 2] {
         let at = |arc: f64| f64x4::from(places.map(|place| self.square(place, surface, arc)));
         let middles = arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
         [arcs.iter().map(|arc| at(*arc)).collect(), middles.map(at).collect()]
@@ -407,7 +409,7 @@ impl Crossing {
 /// Velocity at four points per 4 pi of circulation, 1/m, of the segment between two vertices, with the squared core times
 /// squared length, which may be zero; nothing on the segment's line.
 #[inline(always)]
-pub fn rounded(a: &Seen, b: &Seen, core: f64x4) -> [f64x4; 3] {
+pub fn rounded(a: &SeenVertex, b: &SeenVertex, core: f64x4) -> [f64x4; 3] {
     let (across, numerator, denominator) = cored(a, b, core);
     let square = across[0].mul_add(across[0], across[1].mul_add(across[1], across[2] * across[2]));
     let product = a.1 * b.1;
@@ -426,10 +428,10 @@ pub enum Segment {
 /// Every segment of a grid, with its two vertices as seen from the four points `p` (m); `seen` is room for a row of vertices.
 #[inline(always)]
 pub fn each_segment(
-    grid: &Grid,
+    grid: &VortexGrid,
     p: &[f64x4; 3],
-    seen: &mut Vec<Seen>,
-    mut with: impl FnMut(Segment, &Seen, &Seen),
+    seen: &mut Vec<SeenVertex>,
+    mut with: impl FnMut(Segment, &SeenVertex, &SeenVertex),
 ) {
     let n = grid.columns;
     seen.clear();
@@ -452,11 +454,11 @@ pub fn each_segment(
 /// Adds to `velocities` what the bound `grid` of the surface number `surface` induces at `points`, which lie at `places`, m/s. Its
 /// cores are the squared lengths of its segments.
 pub fn add_rounded(
-    grid: &Grid,
+    grid: &VortexGrid,
     surface: usize,
     crossing: &Crossing,
-    points: &Points,
-    places: &[Place],
+    points: &FieldPoints,
+    places: &[PointLocation],
     velocities: &mut [Vec3],
 ) {
     let mut seen = Vec::with_capacity(grid.columns);
@@ -478,15 +480,15 @@ pub fn add_rounded(
 }
 
 /// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation (1/m). `across` and
-/// `along` are as in [`Grid`]; `unit` is what a segment between two vertices induces per 4 pi.
+/// `along` are as in [`VortexGrid`]; `unit` is what a segment between two vertices induces per 4 pi.
 #[inline(always)]
 pub fn unit_washes(
-    grid: &Grid,
+    grid: &VortexGrid,
     p: &[f64x4; 3],
     normal: &[f64x4; 3],
     [across, along]: [&mut [f64x4]; 2],
-    seen: &mut Vec<Seen>,
-    unit: impl Fn(Segment, &Seen, &Seen) -> [f64x4; 3],
+    seen: &mut Vec<SeenVertex>,
+    unit: impl Fn(Segment, &SeenVertex, &SeenVertex) -> [f64x4; 3],
 ) {
     each_segment(grid, p, seen, |segment, a, b| {
         let v = unit(segment, a, b);
@@ -501,7 +503,12 @@ pub fn unit_washes(
 
 /// What a segment induces per 4 pi of circulation, 1/m, with the grid's own cores.
 #[inline(always)]
-pub fn own<const CORE: bool>(grid: &Grid, segment: Segment, a: &Seen, b: &Seen) -> [f64x4; 3] {
+pub fn own<const CORE: bool>(
+    grid: &VortexGrid,
+    segment: Segment,
+    a: &SeenVertex,
+    b: &SeenVertex,
+) -> [f64x4; 3] {
     let core = match segment {
         Segment::Across(at, _) => grid.core_across[at],
         Segment::Along(at, _) => grid.core_along[at],
@@ -518,9 +525,9 @@ mod tests {
         Vec3(std::array::from_fn(|_| random.normal()))
     }
 
-    fn grid(random: &mut Random, rows: usize, columns: usize, soft: f64) -> Grid {
+    fn grid(random: &mut Random, rows: usize, columns: usize, soft: f64) -> VortexGrid {
         let (across, along) = (rows * (columns - 1), (rows - 1) * columns);
-        Grid {
+        VortexGrid {
             columns,
             points: (0..rows * columns).map(|_| drawn(random)).collect(),
             across: (0..across).map(|_| random.normal()).collect(),
@@ -532,7 +539,7 @@ mod tests {
     }
 
     /// The grid segment by segment.
-    fn slowly(grid: &Grid, p: Vec3, unit: impl Fn(Vec3, Vec3, Vec3, f64) -> Vec3) -> Vec3 {
+    fn slowly(grid: &VortexGrid, p: Vec3, unit: impl Fn(Vec3, Vec3, Vec3, f64) -> Vec3) -> Vec3 {
         let n = grid.columns;
         let mut sum = Vec3::ZERO;
         for r in 0..grid.rows() {
@@ -564,7 +571,7 @@ mod tests {
             Window { rows: [3, 3], columns: [5, 5] },
         ];
         let (mut all, mut four) = (vec![[f64x4::ZERO; 3]; 5], vec![[f64x4::ZERO; 3]; 5]);
-        add_all(&grid, &windows, &blocks, &mut Room::default(), &mut all);
+        add_all(&grid, &windows, &blocks, &mut VertexRoom::default(), &mut all);
         for (block, sum) in blocks.iter().zip(&mut four) {
             windows.iter().for_each(|w| add_induced::<true>(&grid, w, block, &mut Vec::new(), sum));
         }
@@ -580,7 +587,7 @@ mod tests {
             let grid = grid(&mut random, rows, columns, soft);
             for count in [1, 4, 7] {
                 let at: Vec<Vec3> = (0..count).map(|_| drawn(&mut random)).collect();
-                let mut points = Points::default();
+                let mut points = FieldPoints::default();
                 points.set(at.iter().copied());
                 let (mut bare, mut cored) = (vec![Vec3::ZERO; count], vec![Vec3::ZERO; count]);
                 add_velocities::<false>(&grid, &points, &mut bare);
@@ -633,7 +640,7 @@ mod tests {
         let mut random = Random::new(9);
         let grid = grid(&mut random, 60, 30, 1e-4);
         let at: Vec<Vec3> = (0..700).map(|_| drawn(&mut random)).collect();
-        let (mut points, mut all) = (Points::default(), vec![Vec3::ZERO; 700]);
+        let (mut points, mut all) = (FieldPoints::default(), vec![Vec3::ZERO; 700]);
         points.set(at.iter().copied());
         assert!(at.len() * grid.segments() > SHARED);
         add_velocities::<true>(&grid, &points, &mut all);

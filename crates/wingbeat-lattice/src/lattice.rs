@@ -1,13 +1,13 @@
 //! The lattice stepped in time.
 
 use crate::Error;
-use crate::influence::{Influence, Mirrors, Sources};
-use crate::kernel::{Crossing, Place};
-use crate::loads::{Air, Loads};
+use crate::influence::{InducingGrids, Influence, Mirrors};
+use crate::kernel::{Crossing, PointLocation};
+use crate::loads::{LatticeLoads, SurfaceAir};
 use crate::mesh::Mesh;
 use crate::motion::Scene;
-use crate::settings::{Settings, WakeMotion};
-use crate::shedding::{Factors, Shedding};
+use crate::settings::{LatticeSettings, WakeMotion};
+use crate::shedding::{RingFactors, Shedding};
 use crate::spread;
 use crate::wake::Wake;
 use wingbeat::math::Vec3;
@@ -16,7 +16,7 @@ use wingbeat::math::linear::{lu_factor, lu_solve};
 /// Surfaces with their wakes, stepped from rest.
 pub struct Lattice {
     scene: Scene,
-    settings: Settings,
+    settings: LatticeSettings,
     meshes: Vec<Mesh>,
     wakes: Vec<Wake>,
     influence: Influence,
@@ -67,7 +67,7 @@ impl Lattice {
     /// # Errors
     /// Settings that are not allowed, a wind that is not finite, panels whose edges are not one more than strips, or more than
     /// 4000 of them.
-    pub fn new(scene: Scene, settings: Settings) -> Result<Self, Error> {
+    pub fn new(scene: Scene, settings: LatticeSettings) -> Result<Self, Error> {
         settings.check()?;
         check(&scene)?;
         let wake_core = settings.core.radius_m;
@@ -97,7 +97,7 @@ impl Lattice {
     ///
     /// # Errors
     /// Circulations that are not determined, or numbers that are not finite.
-    pub fn step(&mut self) -> Result<Loads, Error> {
+    pub fn step(&mut self) -> Result<LatticeLoads, Error> {
         let t = self.time();
         self.leave(t)?;
         let loads = self.arrive(t)?;
@@ -110,7 +110,7 @@ impl Lattice {
     ///
     /// # Errors
     /// Circulations that are not determined, or numbers that are not finite.
-    pub fn attempt(&mut self) -> Result<Loads, Error> {
+    pub fn attempt(&mut self) -> Result<LatticeLoads, Error> {
         let t = self.time();
         match &self.arriving {
             Some([wakes, sheets]) => {
@@ -143,7 +143,7 @@ impl Lattice {
     }
 
     /// The loads of the instant `t` s, to which the wakes have come.
-    fn arrive(&mut self, t: f64) -> Result<Loads, Error> {
+    fn arrive(&mut self, t: f64) -> Result<LatticeLoads, Error> {
         self.join(t)?;
         let (points, places) = self.places();
         let mut air = self.influence.velocities(&points, &places, &self.sources(false, true));
@@ -171,8 +171,9 @@ impl Lattice {
         let rates = self.rates(&self.rings);
         let jump_rates = self.shedding.as_ref().map_or_else(Vec::new, |own| self.rates(&own.jumps));
         let density = self.scene.density_kg_m3;
-        let air = Air { velocities: &air, rates: &rates, jump_rates: &jump_rates, density };
-        let loads = Loads::new(t, &self.meshes, &self.rings[0], &air, &self.scene, self.settings.emulates());
+        let air = SurfaceAir { velocities: &air, rates: &rates, jump_rates: &jump_rates, density };
+        let loads =
+            LatticeLoads::new(t, &self.meshes, &self.rings[0], &air, &self.scene, self.settings.emulates());
         if !loads.is_finite() {
             return Err(Error::NotFinite { time: t, what: "load" });
         }
@@ -270,7 +271,7 @@ impl Lattice {
         let mut velocities = match self.settings.wake {
             WakeMotion::Prescribed => vec![Vec3::ZERO; points.len()],
             WakeMotion::Free => {
-                let places = vec![Place::Wake; points.len()];
+                let places = vec![PointLocation::Wake; points.len()];
                 let softened =
                     self.shedding.as_ref().map(|_| self.influence.softened(self.settings.sheet_core_m));
                 let influence = softened.as_ref().unwrap_or(&self.influence);
@@ -300,13 +301,13 @@ impl Lattice {
     }
 
     /// What induces velocities: bound rings with the ends of the last ones, wakes.
-    fn sources(&self, bound: bool, wake: bool) -> Sources<'_> {
+    fn sources(&self, bound: bool, wake: bool) -> InducingGrids<'_> {
         let meshes = self.meshes.iter().filter(|_| bound);
         let wakes = self.wakes.iter().chain(self.sheets()).filter(|_| wake).map(|wake| &wake.grid);
         let sheds = self.shedding.is_some();
         let noses = self.meshes.iter().enumerate().filter(|_| bound && sheds);
         let heads = noses.clone().map(|(_, mesh)| &mesh.heads);
-        Sources {
+        InducingGrids {
             bound: meshes
                 .clone()
                 .map(|mesh| &mesh.bound)
@@ -319,7 +320,7 @@ impl Lattice {
 
     /// Where velocities are wanted: of every surface its control points, bound vortices and legs, with other conventions also the
     /// ends of the last rings. Beside the points stands where they lie.
-    fn places(&self) -> (Vec<Vec3>, Vec<Place>) {
+    fn places(&self) -> (Vec<Vec3>, Vec<PointLocation>) {
         let ends = self.settings.emulates();
         let of = |mesh: &Mesh| {
             let mut places: Vec<Vec3> = mesh.controls.iter().map(|c| c.at).collect();
@@ -329,8 +330,10 @@ impl Lattice {
         };
         let points = self.meshes.iter().flat_map(of).collect();
         let of = |(surface, mesh): (usize, &Mesh)| {
-            let on: Vec<Place> = mesh.places().map(|arc| Place::On(surface, arc)).collect();
-            on.into_iter().chain(mesh.ends().filter(|_| ends).map(|_| Place::Wake)).collect::<Vec<_>>()
+            let on: Vec<PointLocation> = mesh.places().map(|arc| PointLocation::On(surface, arc)).collect();
+            on.into_iter()
+                .chain(mesh.ends().filter(|_| ends).map(|_| PointLocation::Wake))
+                .collect::<Vec<_>>()
         };
         (points, self.meshes.iter().enumerate().flat_map(of).collect())
     }
@@ -358,7 +361,7 @@ impl Lattice {
         }
         lu_solve(&matrix, n, &pivots, &mut right, 1);
         if let (Some(shedding), Some(noses)) = (&mut self.shedding, noses) {
-            let factors = Factors { matrix: &matrix, pivots: &pivots };
+            let factors = RingFactors { matrix: &matrix, pivots: &pivots };
             shedding.shed(&self.meshes, self.scene.wind, &factors, noses, &mut right);
             shedding.put(&mut self.meshes);
         }
@@ -413,7 +416,7 @@ impl Lattice {
         self.shedding.as_ref().map_or(0.0, |shedding| shedding.farthest)
     }
     /// What it is stepped with.
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &LatticeSettings {
         &self.settings
     }
     /// What is stepped.
@@ -426,7 +429,7 @@ impl Lattice {
     }
     /// Velocities of the air at `points`, m/s.
     pub fn velocities(&self, points: &[Vec3]) -> Vec<Vec3> {
-        let places = vec![Place::Wake; points.len()];
+        let places = vec![PointLocation::Wake; points.len()];
         let mut air = self.influence.velocities(points, &places, &self.sources(true, true));
         air.iter_mut().for_each(|v| *v += self.scene.wind);
         air

@@ -16,7 +16,7 @@ pub enum Spacing {
 /// Panels of one piece of wing: strips between arc coordinates, each divided evenly along its chord, so that vortices at 1/4 and
 /// control points at 3/4 of the panels stand evenly.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Layout {
+pub struct PanelLayout {
     /// Panels along the chord.
     pub chordwise: usize,
     /// Arc coordinates of the strips' edges from left to right, m (left positive).
@@ -28,7 +28,7 @@ pub struct Layout {
 /// Share of the half span below which two arcs are one.
 const SAME: f64 = 1e-9;
 
-impl Layout {
+impl PanelLayout {
     /// The pieces of `planform` between gaps, from left to right, `spanwise` strips in all; an edge lies on each of
     /// `hinge_arcs` (arc lengths from the root, m).
     ///
@@ -111,16 +111,16 @@ fn uniform(planform: &Planform, hinge_arcs: &[f64], spanwise: usize) -> Result<(
 }
 
 /// The stretches of strips that are covered.
-fn pieces(planform: &Planform, arcs: &[f64], fractions: &[f64], chordwise: usize) -> Vec<Layout> {
+fn pieces(planform: &Planform, arcs: &[f64], fractions: &[f64], chordwise: usize) -> Vec<PanelLayout> {
     let mut pieces = Vec::new();
-    let mut open: Option<Layout> = None;
+    let mut open: Option<PanelLayout> = None;
     for (j, fraction) in fractions.iter().enumerate() {
         if !planform.covers(0.5 * (arcs[j] + arcs[j + 1])) {
             pieces.extend(open.take());
             continue;
         }
         let piece =
-            open.get_or_insert_with(|| Layout { chordwise, arcs: vec![arcs[j]], fractions: Vec::new() });
+            open.get_or_insert_with(|| PanelLayout { chordwise, arcs: vec![arcs[j]], fractions: Vec::new() });
         piece.arcs.push(arcs[j + 1]);
         piece.fractions.push(*fraction);
     }
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn edges_lie_on_hinges_and_mirror_each_other() {
         for spacing in [Spacing::Lan, Spacing::Uniform] {
-            let pieces = Layout::of(&rectangle(2.0), &[0.0, 0.9], 4, 12, spacing).unwrap();
+            let pieces = PanelLayout::of(&rectangle(2.0), &[0.0, 0.9], 4, 12, spacing).unwrap();
             let [piece] = &pieces[..] else { panic!("{} pieces", pieces.len()) };
             assert_eq!((piece.strips(), piece.panels()), (12, 48));
             for hinge in [0.9, 0.0, -0.9] {
@@ -159,17 +159,17 @@ mod tests {
     fn gaps_part_the_wing_and_bad_counts_are_refused() {
         let parted = rectangle(2.0).with_gaps(&[Gap { from_arc_m: 0.0, to_arc_m: 0.3 }]).unwrap();
         for spacing in [Spacing::Lan, Spacing::Uniform] {
-            let pieces = Layout::of(&parted, &[], 2, 13, spacing).unwrap();
+            let pieces = PanelLayout::of(&parted, &[], 2, 13, spacing).unwrap();
             assert_eq!(pieces.len(), 2, "{spacing:?} {pieces:?}");
             assert!(pieces[0].arcs.iter().all(|arc| *arc > 0.29));
             assert!(pieces[0].left_half().is_some() && pieces[1].left_half().is_none());
         }
         let refused = |chordwise, spanwise, spacing| {
-            Layout::of(&rectangle(2.0), &[0.5], chordwise, spanwise, spacing).unwrap_err().to_string()
+            PanelLayout::of(&rectangle(2.0), &[0.5], chordwise, spanwise, spacing).unwrap_err().to_string()
         };
         assert_eq!(refused(0, 8, Spacing::Lan), "chordwise = 0: allowed is 1 or more");
         let text = "spanwise = 2: allowed is 3 or more: one for every piece between tips and hinges";
         assert_eq!(refused(4, 2, Spacing::Uniform), text);
-        assert!(Layout::of(&rectangle(2.0), &[], 1, 1, Spacing::Lan).unwrap()[0].left_half().is_none());
+        assert!(PanelLayout::of(&rectangle(2.0), &[], 1, 1, Spacing::Lan).unwrap()[0].left_half().is_none());
     }
 }

@@ -5,14 +5,14 @@
 //!
 //! ```
 //! use wingbeat::scenario::{Document, TetherCase};
-//! use wingbeat_lattice::{Flapping, Lattice, Panels, Scene, Settings, Spacing};
+//! use wingbeat_lattice::{FlappingWing, Lattice, Panels, Scene, LatticeSettings, Spacing};
 //!
 //! let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/flap_f1.toml");
 //! let no_tables = &|_: &std::path::Path| Err("no tables here".to_owned());
 //! let case = TetherCase::new(Document::file(path.as_ref())?, no_tables)?;
 //! let panels = Panels { chordwise: 4, spanwise: 12, spacing: Spacing::Lan };
-//! let scene = Scene::new(&Flapping::try_from(&case.tether)?, panels, true)?;
-//! let mut lattice = Lattice::new(scene, Settings::new(0.01, 0.002))?;
+//! let scene = Scene::new(&FlappingWing::try_from(&case.tether)?, panels, true)?;
+//! let mut lattice = Lattice::new(scene, LatticeSettings::new(0.01, 0.002))?;
 //! let lift: Vec<f64> = (0..10).map(|_| Ok(lattice.step()?.joukowski.force[2])).collect::<Result<_, wingbeat_lattice::Error>>()?;
 //! assert!(lattice.circulation_error() < 1e-12 && lift.iter().all(|lift| lift.is_finite()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -41,15 +41,15 @@ mod wake;
 #[cfg(target_arch = "x86_64")]
 mod wider;
 
-pub use coupled::{Beside, doors};
+pub use coupled::{CoupledLattice, doors};
 pub use error::{Error, LayoutError, RecordError};
-pub use flown::Flight;
-pub use kernel::{Grid, cored_segment, segment};
+pub use flown::FlightStretch;
+pub use kernel::{VortexGrid, cored_segment, segment};
 pub use lattice::Lattice;
-pub use layout::{Layout, Spacing};
-pub use loads::{Loads, PanelLoads};
-pub use mesh::{Control, Element, Mesh};
-pub use motion::{Flapping, Panels, Scene, Sections, Surface};
-pub use picture::{Picture, Quad};
-pub use settings::{Conventions, Core, Settings, WakeMotion};
+pub use layout::{PanelLayout, Spacing};
+pub use loads::{LatticeLoads, PanelLoads};
+pub use mesh::{Control, Mesh, VortexElement};
+pub use motion::{FlappingWing, LatticeSurface, MovingSections, Panels, Scene};
+pub use picture::{Quad, VortexPicture};
+pub use settings::{Conventions, Core, LatticeSettings, WakeMotion};
 pub use wake::Wake;

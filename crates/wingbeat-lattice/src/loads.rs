@@ -1,12 +1,12 @@
 //! Forces on the panels, by Joukowski and by Bernoulli.
 
 use crate::influence::mirrored;
-use crate::mesh::{Element, Mesh};
+use crate::mesh::{Mesh, VortexElement};
 use crate::motion::Scene;
 use wingbeat::math::{Vec3, Wrench};
 
 /// What the loads need of the air.
-pub struct Air<'a> {
+pub struct SurfaceAir<'a> {
     /// Velocities at the control points, bound vortices and legs of every surface, and with other conventions at the ends of the
     /// last rings, m/s.
     pub velocities: &'a [Vec3],
@@ -33,7 +33,7 @@ pub struct PanelLoads {
 
 /// Loads of an instant, resolved in W, about W's origin, the mirror image of a half included.
 #[derive(Clone, Debug, Default)]
-pub struct Loads {
+pub struct LatticeLoads {
     /// Time, s.
     pub time: f64,
     /// By surface.
@@ -49,7 +49,7 @@ pub struct Loads {
 }
 
 /// A surface with what acts on it.
-struct Loaded<'a> {
+struct LoadedSurface<'a> {
     mesh: &'a Mesh,
     rings: &'a [f64],
     rates: &'a [f64],
@@ -66,13 +66,13 @@ struct Loaded<'a> {
     undone: bool,
 }
 
-impl Loads {
+impl LatticeLoads {
     /// The loads of all surfaces with the circulations `rings`.
     pub(crate) fn new(
         time: f64,
         meshes: &[Mesh],
         mut rings: &[f64],
-        air: &Air<'_>,
+        air: &SurfaceAir<'_>,
         scene: &Scene,
         emulates: bool,
     ) -> Self {
@@ -86,7 +86,7 @@ impl Loads {
                 at.iter().zip(own).map(|(air, own)| *air - own).collect()
             };
             let mut next = |count: usize| take(&mut velocities, count);
-            let loaded = Loaded {
+            let loaded = LoadedSurface {
                 mesh,
                 rings: own_rings,
                 rates: own_rates,
@@ -132,7 +132,7 @@ fn with_image(w: Wrench<f64>) -> Wrench<f64> {
     Wrench { force: w.force + mirrored(w.force), moment: w.moment - mirrored(w.moment) }
 }
 
-impl Loaded<'_> {
+impl LoadedSurface<'_> {
     fn ring(&self, i: usize, j: usize) -> f64 {
         self.rings[i * self.mesh.strips + j]
     }
@@ -198,7 +198,7 @@ impl Loaded<'_> {
     }
 
     /// Force of the air of the relative velocity `v` on a vortex: rho Gamma v x l.
-    fn on_vortex(&self, element: &Element, v: Vec3, circulation: f64) -> Wrench<f64> {
+    fn on_vortex(&self, element: &VortexElement, v: Vec3, circulation: f64) -> Wrench<f64> {
         Wrench::at(element.at, v.cross(element.along) * (self.density * circulation))
     }
 

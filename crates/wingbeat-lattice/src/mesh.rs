@@ -1,7 +1,7 @@
 //! Panels and vortex rings of a surface at one instant.
 
-use crate::kernel::Grid;
-use crate::motion::Surface;
+use crate::kernel::VortexGrid;
+use crate::motion::LatticeSurface;
 use std::f64::consts::PI;
 use wingbeat::aero::SectionMotion;
 use wingbeat::math::Vec3;
@@ -20,7 +20,7 @@ const AHEAD: f64 = 0.2;
 
 /// A vortex or a leg of one: where a force acts on it.
 #[derive(Clone, Copy, Debug)]
-pub struct Element {
+pub struct VortexElement {
     /// Its middle, m.
     pub at: Vec3,
     /// Velocity of its middle, m/s.
@@ -55,22 +55,22 @@ pub struct Mesh {
     pub edges: Vec<SectionMotion<f64>>,
     /// Vortex rings: a row of vertices per row of panels, the trailing edge, where the last rings bend, and their ends. With a
     /// peer's conventions the last rings are flat.
-    pub bound: Grid,
+    pub bound: VortexGrid,
     /// The ends of the last rings, where the wake begins.
-    pub trailing: Grid,
+    pub trailing: VortexGrid,
     /// Control points.
     pub controls: Vec<Control>,
     /// Bound vortices, from left to right, by panel.
-    pub fronts: Vec<Element>,
+    pub fronts: Vec<VortexElement>,
     /// Legs of the rings on the wing, from front to rear, by row, one more than strips in each.
-    pub legs: Vec<Element>,
+    pub legs: Vec<VortexElement>,
     /// Circulations that the last rings had a step ago, m2/s.
     pub shed: Vec<f64>,
     /// Where the leading edge sheds, vortex rings between the first bound vortices and the sheet that leaves it: vertices at these,
     /// at the leading edge, and at the sheet. Their share of the first bound vortices stands on [`bound`](Self::bound).
-    pub nose: Grid,
+    pub nose: VortexGrid,
     /// Their ends, where the sheet begins.
-    pub heads: Grid,
+    pub heads: VortexGrid,
     /// Jump of the potential across the sheet at the leading edge, which is all that has left it, by strip, m2/s.
     pub jumps: Vec<f64>,
     pub(crate) fractions: Vec<f64>,
@@ -91,7 +91,7 @@ fn at(section: &SectionMotion<f64>, x: f64) -> (Vec3, Vec3) {
 impl Mesh {
     /// The mesh of `surface`; bound vortices have cores of the radius `core` m, 0 for none, the wake begins with `wake_core` m. Where
     /// `rounded`, the cores of bound vortices depend on where they are felt; `sheds` says whether the leading edge does.
-    pub fn new(surface: &Surface, core: f64, wake_core: f64, rounded: bool, sheds: bool) -> Self {
+    pub fn new(surface: &LatticeSurface, core: f64, wake_core: f64, rounded: bool, sheds: bool) -> Self {
         let layout = &surface.layout;
         Self {
             chordwise: layout.chordwise,
@@ -110,7 +110,7 @@ impl Mesh {
 
     /// Moves the mesh to where `surface` is at `t` s, in the wind `wind` m/s, `step` s before the next instant. With `chased`
     /// velocities are those that led from the edges before to these.
-    pub fn update(&mut self, surface: &Surface, t: f64, wind: Vec3, step: f64, chased: bool) {
+    pub fn update(&mut self, surface: &LatticeSurface, t: f64, wind: Vec3, step: f64, chased: bool) {
         let before = chased.then(|| std::mem::take(&mut self.edges));
         surface.sections.sections(t, &self.arcs, &mut self.edges);
         if let Some(before) = before {
@@ -220,7 +220,7 @@ impl Mesh {
     /// 2 V (A0 cot(t/2) + A1 sin t + ...), V the speed of the undisturbed air square to the edge, and that of all is pi c V (A0 + A1/2).
     /// On m even panels with vortices at 1/4 the first has 2 sqrt(pi) V dx r (A0 + A1/(2 m)), r = G(m + 1/2)/G(m) with Euler's function,
     /// exactly where the wash is a straight line along the chord (of A0 by the inverse of Cauchy's matrix; of A1 found on 4, 8 and 16
-    /// panels); for many panels r is sqrt(m), as [`suction`](crate::Loads) has it.
+    /// panels); for many panels r is sqrt(m), as [`suction`](crate::LatticeLoads) has it.
     ///
     /// Equation: lattice.edge_suction
     /// `G_0 = 2 sqrt(pi) V dx r (A0 + A1/(2 m)), r = G(m + 1/2)/G(m) with Euler's function, of m panels; sum of G = pi c V (A0 + A1/2)`
@@ -269,7 +269,7 @@ impl Mesh {
 
     fn place_elements(&mut self) {
         let m = self.chordwise as f64;
-        let element = |a: (Vec3, Vec3), b: (Vec3, Vec3), fraction: f64| Element {
+        let element = |a: (Vec3, Vec3), b: (Vec3, Vec3), fraction: f64| VortexElement {
             at: a.0 + (b.0 - a.0) * fraction,
             velocity: a.1 + (b.1 - a.1) * fraction,
             along: b.0 - a.0,
@@ -301,9 +301,9 @@ impl Mesh {
     }
 
     /// The ends of the last rings, from left to right, as they move with the trailing edge.
-    pub fn ends(&self) -> impl Iterator<Item = Element> {
+    pub fn ends(&self) -> impl Iterator<Item = VortexElement> {
         let pairs = self.trailing.points.windows(2).zip(self.edges.windows(2));
-        pairs.map(|(ends, edges)| Element {
+        pairs.map(|(ends, edges)| VortexElement {
             at: (ends[0] + ends[1]) * 0.5,
             velocity: (edges[0].v_te + edges[1].v_te) * 0.5,
             along: ends[1] - ends[0],
@@ -358,7 +358,7 @@ impl Mesh {
     }
 }
 
-impl Grid {
+impl VortexGrid {
     /// Sets the cores from the squared radii (m2) of the segments across and along, by row and column.
     pub fn soften(&mut self, across: impl Fn(usize, usize) -> f64, along: impl Fn(usize, usize) -> f64) {
         let n = self.columns;

@@ -1,14 +1,14 @@
 //! Wings that move as prescribed.
 
 use crate::Error;
-use crate::layout::{Layout, Spacing};
+use crate::layout::{PanelLayout, Spacing};
 use std::sync::Arc;
 use wingbeat::aero::{Aero, SectionMotion};
 use wingbeat::math::Vec3;
 use wingbeat::tether::{Coordinate, Motion, Side, Tether, Wing};
 
 /// Where the sections of a wing are at any time, in W.
-pub trait Sections: Send + Sync {
+pub trait MovingSections: Send + Sync {
     /// Puts the motion of the sections at the arc coordinates `arcs` (m, left positive) at `t` s in place of what `out` holds.
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>);
 }
@@ -20,7 +20,7 @@ struct Tethered {
     motion: Motion,
 }
 
-impl Sections for Tethered {
+impl MovingSections for Tethered {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let (body, angles) = (self.motion.body(t).frame(), self.motion.angles(t));
         out.clear();
@@ -30,18 +30,18 @@ impl Sections for Tethered {
 
 /// A piece of wing with its panels.
 #[derive(Clone)]
-pub struct Surface {
+pub struct LatticeSurface {
     /// Its panels.
-    pub layout: Layout,
+    pub layout: PanelLayout,
     /// Its motion.
-    pub sections: Arc<dyn Sections>,
+    pub sections: Arc<dyn MovingSections>,
 }
 
 /// Surfaces in a wind.
 #[derive(Clone)]
 pub struct Scene {
     /// The pieces of wing.
-    pub surfaces: Vec<Surface>,
+    pub surfaces: Vec<LatticeSurface>,
     /// Velocity of the air in W, m/s.
     pub wind: Vec3,
     /// Density of the air, kg/m3.
@@ -65,7 +65,7 @@ pub struct Panels {
 
 /// A hinged wing in prescribed motion in a wind.
 #[derive(Clone, Debug)]
-pub struct Flapping {
+pub struct FlappingWing {
     /// Its geometry.
     pub wing: Wing,
     /// Its motion, an angle for each hinge.
@@ -97,7 +97,7 @@ pub(crate) fn require_flat(aero: &Aero) -> Result<(), Error> {
     }
 }
 
-impl TryFrom<&Tether> for Flapping {
+impl TryFrom<&Tether> for FlappingWing {
     type Error = Error;
 
     /// The wing, motion and wind of a case.
@@ -144,8 +144,8 @@ impl Scene {
     ///
     /// # Errors
     /// Panels that cannot be laid out.
-    pub fn new(flapping: &Flapping, panels: Panels, halved: bool) -> Result<Self, Error> {
-        let Flapping { wing, motion, wind, density_kg_m3, ground } = flapping;
+    pub fn new(flapping: &FlappingWing, panels: Panels, halved: bool) -> Result<Self, Error> {
+        let FlappingWing { wing, motion, wind, density_kg_m3, ground } = flapping;
         let symmetric = halved && panels.spanwise.is_multiple_of(2) && flapping.is_symmetric();
         let hinges = wing.hinges().iter().flat_map(|h| std::iter::once(h.arc_m).chain(h.to_arc_m));
         let inner = |arc: &f64| *arc < wing.planform().half_span();
@@ -153,19 +153,20 @@ impl Scene {
         wingbeat::math::order::ascend(&mut arcs);
         arcs.dedup();
         let Panels { chordwise, spanwise, spacing } = panels;
-        let whole = Layout::of(wing.planform(), &arcs, chordwise, spanwise, spacing)?;
-        let left: Vec<Layout> = whole.iter().filter_map(Layout::left_half).collect();
-        let strips = |layouts: &[Layout]| layouts.iter().map(Layout::strips).sum::<usize>();
+        let whole = PanelLayout::of(wing.planform(), &arcs, chordwise, spanwise, spacing)?;
+        let left: Vec<PanelLayout> = whole.iter().filter_map(PanelLayout::left_half).collect();
+        let strips = |layouts: &[PanelLayout]| layouts.iter().map(PanelLayout::strips).sum::<usize>();
         let symmetric = symmetric && 2 * strips(&left) == strips(&whole);
-        let sections: Arc<dyn Sections> = Arc::new(Tethered { wing: wing.clone(), motion: motion.clone() });
-        let surface = |layout| Surface { layout, sections: sections.clone() };
+        let sections: Arc<dyn MovingSections> =
+            Arc::new(Tethered { wing: wing.clone(), motion: motion.clone() });
+        let surface = |layout| LatticeSurface { layout, sections: sections.clone() };
         let layouts = if symmetric { left } else { whole };
         let surfaces = layouts.into_iter().map(surface).collect();
         Ok(Self { surfaces, wind: *wind, density_kg_m3: *density_kg_m3, symmetric, ground: *ground })
     }
 }
 
-impl Flapping {
+impl FlappingWing {
     /// Whether left and right move alike in a wind without side.
     fn is_symmetric(&self) -> bool {
         let level = matches!(self.motion.roll, Coordinate::Constant(roll) if roll == 0.0);

@@ -140,7 +140,7 @@ pub fn coefficients(moments: &Moments) -> Coefficients {
 }
 
 /// Terms of a degree, with the last exponent 0 and 1, by the second exponent.
-type Terms = [[f64x4; DEGREE + 1]; 2];
+type DegreeTerms = [[f64x4; DEGREE + 1]; 2];
 
 /// Velocity times 4 pi (m/s) at four points that lie `d` (m) from the centre: n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) -
 /// (n - 1) sum_i a_(k - 2 e_i), n the degree of k.
@@ -157,7 +157,7 @@ pub fn velocity(coefficients: &Coefficients, d: &[f64x4; 3]) -> [f64x4; 3] {
     let none = [[f64x4::ZERO; DEGREE + 1]; 2];
     let mut zeroth = none;
     zeroth[0][0] = inverse.sqrt();
-    let mut add = |one: &Terms, two: &Terms, degree: usize| -> Terms {
+    let mut add = |one: &DegreeTerms, two: &DegreeTerms, degree: usize| -> DegreeTerms {
         // Called with every degree as a constant, so that its loops are unrolled.
         let share = (degree as f64).recip();
         let (first, second) = (f64x4::splat(2.0 - share), inverse * f64x4::splat(1.0 - share));

@@ -16,7 +16,7 @@ pub struct Quad {
 
 /// Wings and wakes at an instant, mirror images included.
 #[derive(Clone, Debug, Default)]
-pub struct Picture {
+pub struct VortexPicture {
     /// Time, s.
     pub time: f64,
     /// Panels of the wings.
@@ -29,7 +29,7 @@ pub struct Picture {
     pub filaments: Vec<([Vec3; 2], f64)>,
 }
 
-impl Picture {
+impl VortexPicture {
     /// The lattice at its last instant, `time` s.
     pub fn new(lattice: &Lattice, time: f64) -> Self {
         let mut picture = Self { time, ..Self::default() };
@@ -143,7 +143,7 @@ mod tests {
             ([Vec3::new(3.0, 0.0, 1.0), Vec3::new(-1.0, 0.0, 1.0)], 5.0),
             ([Vec3::new(1.0, 0.0, 0.0), Vec3::new(2.0, 0.0, 0.0)], 7.0),
         ];
-        let picture = Picture { filaments, ..Picture::default() };
+        let picture = VortexPicture { filaments, ..VortexPicture::default() };
         let found = picture.crossings(Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0));
         assert_eq!(found, [(Vec3::new(0.0, 1.5, 0.0), 2.0), (Vec3::new(0.0, 0.0, 1.0), -5.0)]);
     }
@@ -152,7 +152,7 @@ mod tests {
     fn vtk_has_as_much_as_it_says() {
         let corner = Vec3::new(0.0, 1.0, 2.5);
         let quad = Quad { corners: [corner; 4], circulation: -0.5 };
-        let picture = Picture { wing: vec![quad], wake: vec![quad; 2], ..Picture::default() };
+        let picture = VortexPicture { wing: vec![quad], wake: vec![quad; 2], ..VortexPicture::default() };
         let text = picture.vtk();
         assert!(text.contains("POINTS 12 double\n0 1 2.5\n") && text.contains("POLYGONS 3 15\n4 0 1 2 3\n"));
         assert_eq!(text.matches("\n-0.5").count(), 3);

@@ -56,7 +56,7 @@ pub enum Conventions {
 
 /// What a lattice is stepped with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct LatticeSettings {
     /// Step, s. The wake resolves best when the way of a step is a panel's chord.
     pub step_s: f64,
     /// How the wake moves.
@@ -80,7 +80,7 @@ pub struct Settings {
     pub sheet_core_m: f64,
 }
 
-impl Settings {
+impl LatticeSettings {
     /// Steps of `step_s` s with a prescribed wake without end, whose vortices have cores of `core_m` m.
     pub fn new(step_s: f64, core_m: f64) -> Self {
         Self {

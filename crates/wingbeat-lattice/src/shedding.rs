@@ -27,7 +27,7 @@ pub struct Shedding {
 }
 
 /// A factorised matrix of the rings.
-pub struct Factors<'a> {
+pub struct RingFactors<'a> {
     /// From [`lu_factor`]: wash over circulation, 1/m.
     pub matrix: &'a [f64],
     /// Beside it.
@@ -35,10 +35,10 @@ pub struct Factors<'a> {
 }
 
 /// The first and the last panel of a strip, and the shares of their rings in its suction parameter.
-type Edge = [(usize, f64); 2];
+type EdgePanels = [(usize, f64); 2];
 
 /// Those of all strips, by surface.
-fn edges(meshes: &[Mesh], wind: Vec3) -> Vec<Edge> {
+fn edges(meshes: &[Mesh], wind: Vec3) -> Vec<EdgePanels> {
     let mut first = 0;
     let of = |mesh: &Mesh| {
         let last = first + mesh.panels() - mesh.strips;
@@ -46,7 +46,7 @@ fn edges(meshes: &[Mesh], wind: Vec3) -> Vec<Edge> {
             let [of_first, of_all] = mesh.suction_per_circulation(j, wind);
             [(first + j, of_first), (last + j, of_all)]
         };
-        let own: Vec<Edge> = (0..mesh.strips).map(edge).collect();
+        let own: Vec<EdgePanels> = (0..mesh.strips).map(edge).collect();
         first += mesh.panels();
         own
     };
@@ -98,7 +98,7 @@ impl Shedding {
         &mut self,
         meshes: &[Mesh],
         wind: Vec3,
-        factors: &Factors<'_>,
+        factors: &RingFactors<'_>,
         mut columns: Vec<f64>,
         rings: &mut [f64],
     ) {
@@ -106,8 +106,9 @@ impl Shedding {
         let strips = edges.len();
         let held = self.jumps[1].clone();
         // The first bound vortex, and all of them, have a ring's circulation less the jump.
-        let suction =
-            |edge: &Edge, jump: f64| edge.iter().map(|(at, share)| (rings[*at] - jump) * share).sum::<f64>();
+        let suction = |edge: &EdgePanels, jump: f64| {
+            edge.iter().map(|(at, share)| (rings[*at] - jump) * share).sum::<f64>()
+        };
         let before: Vec<f64> = edges.iter().zip(&held).map(|(edge, jump)| suction(edge, *jump)).collect();
         let beyond = |suction: f64| (suction.abs() > self.critical).then(|| suction.signum() * self.critical);
         let mut wanted: Vec<Option<f64>> = before.iter().map(|suction| beyond(*suction)).collect();

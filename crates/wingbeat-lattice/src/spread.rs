@@ -5,8 +5,8 @@
 //! taken as the mean over the strip. In that mean two vortices of one row that meet at a kink would pull without bound at their common
 //! end; the sheet whose row they are spreads their circulation over the width of the panel.
 
-use crate::influence::{Influence, Sources, mirrored};
-use crate::kernel::{Grid, Place, segment, softened_segment};
+use crate::influence::{InducingGrids, Influence, mirrored};
+use crate::kernel::{PointLocation, VortexGrid, segment, softened_segment};
 use crate::mesh::Mesh;
 use crate::wake::Wake;
 use wingbeat::math::Vec3;
@@ -49,15 +49,15 @@ const CORE: f64 = 0.148;
 /// Source: own derivation: mean of ln r over a flat plate's loading.
 /// Test: `steady_wings_have_the_drag_of_their_wake`.
 pub fn changes(meshes: &[Mesh], influence: &Influence) -> Vec<Vec<Vec3>> {
-    let across: Vec<Grid> = meshes.iter().map(across).collect();
-    let sources = Sources { bound: across.iter().enumerate().collect(), cored: Vec::new() };
+    let across: Vec<VortexGrid> = meshes.iter().map(across).collect();
+    let sources = InducingGrids { bound: across.iter().enumerate().collect(), cored: Vec::new() };
     let (mut points, mut places) = (Vec::new(), Vec::new());
     for (surface, mesh) in meshes.iter().enumerate() {
         for (k, front) in mesh.fronts.iter().enumerate() {
             let j = k % mesh.strips;
             for f in fractions(mesh, j) {
                 points.push(front.at + front.along * (f - mesh.fractions[j]));
-                places.push(Place::On(surface, mesh.arcs[j] + (mesh.arcs[j + 1] - mesh.arcs[j]) * f));
+                places.push(PointLocation::On(surface, mesh.arcs[j] + (mesh.arcs[j + 1] - mesh.arcs[j]) * f));
             }
         }
     }
@@ -89,10 +89,10 @@ fn fractions(mesh: &Mesh, j: usize) -> impl Iterator<Item = f64> {
 /// that are d apart induce at the legs coth(pi a/d) times what the sheet does for which they stand, and their mean over d is that
 /// of the sheet. So it is with the corner that each filament has at the edge, which would pull itself.
 pub fn changes_by_sheets(meshes: &[Mesh], sheets: &[Wake], influence: &Influence) -> Vec<Vec<Vec3>> {
-    let rising: Vec<Grid> = meshes.iter().map(rising).collect();
+    let rising: Vec<VortexGrid> = meshes.iter().map(rising).collect();
     let heads = meshes.iter().map(|mesh| &mesh.heads);
     let cored = heads.chain(sheets.iter().map(|sheet| &sheet.grid)).collect();
-    let sources = Sources { bound: rising.iter().enumerate().collect(), cored };
+    let sources = InducingGrids { bound: rising.iter().enumerate().collect(), cored };
     let (mut points, mut places) = (Vec::new(), Vec::new());
     for (surface, mesh) in meshes.iter().enumerate() {
         for leg in first_legs(mesh) {
@@ -100,7 +100,7 @@ pub fn changes_by_sheets(meshes: &[Mesh], sheets: &[Wake], influence: &Influence
                 let (from, to) = (mesh.legs[leg].at, mesh.legs[f.toward(leg)].at);
                 points.push(from + (to - from) * f.way);
                 let [from, to] = [leg, f.toward(leg)].map(|leg| mesh.arcs[leg % mesh.arcs.len()]);
-                places.push(Place::On(surface, from + (to - from) * f.way));
+                places.push(PointLocation::On(surface, from + (to - from) * f.way));
             }
         }
     }
@@ -124,20 +124,20 @@ fn first_legs(mesh: &Mesh) -> impl Iterator<Item = usize> {
 }
 
 /// A place between a leg and one beside it.
-struct Beside {
+struct NeighbourLeg {
     right: bool,
     /// Share of the way to that leg.
     way: f64,
 }
 
-impl Beside {
+impl NeighbourLeg {
     fn toward(&self, leg: usize) -> usize {
         if self.right { leg + 1 } else { leg - usize::from(self.way > 0.0) }
     }
 }
 
 /// Places about the leg `side` of a row with their weights in the mean less what is at the leg.
-fn halves(mesh: &Mesh, side: usize) -> impl Iterator<Item = (Beside, f64)> {
+fn halves(mesh: &Mesh, side: usize) -> impl Iterator<Item = (NeighbourLeg, f64)> {
     let arcs = &mesh.arcs;
     let width = |right: bool| {
         let to = if right { side.checked_add(1) } else { side.checked_sub(1) };
@@ -145,19 +145,19 @@ fn halves(mesh: &Mesh, side: usize) -> impl Iterator<Item = (Beside, f64)> {
     };
     let widths = [width(false), width(true)];
     let all = widths[0] + widths[1];
-    let at_leg = std::iter::once((Beside { right: false, way: 0.0 }, -1.0));
+    let at_leg = std::iter::once((NeighbourLeg { right: false, way: 0.0 }, -1.0));
     let of = move |right: bool| {
         let share = widths[usize::from(right)] / all;
         let within = FEW.into_iter().filter(move |_| share > 0.0);
-        within.map(move |[place, weight]| (Beside { right, way: 0.5 * place }, share * weight))
+        within.map(move |[place, weight]| (NeighbourLeg { right, way: 0.5 * place }, share * weight))
     };
     at_leg.chain(of(false)).chain(of(true))
 }
 
 /// The rings of the nose without what lies on the wing.
-fn rising(mesh: &Mesh) -> Grid {
+fn rising(mesh: &Mesh) -> VortexGrid {
     let (nose, columns) = (&mesh.nose, mesh.arcs.len());
-    Grid {
+    VortexGrid {
         columns,
         points: nose.points[columns..].to_vec(),
         across: nose.across[columns - 1..].to_vec(),
@@ -169,19 +169,19 @@ fn rising(mesh: &Mesh) -> Grid {
 }
 
 /// The bound vortices alone: a single row of vertices, in which a segment without circulation leads from each row of the wing to the next.
-fn across(mesh: &Mesh) -> Grid {
+fn across(mesh: &Mesh) -> VortexGrid {
     let (bound, n) = (&mesh.bound, mesh.strips);
     let joined = |of: &[f64]| -> Vec<f64> {
         let rows = of.chunks_exact(n).take(mesh.chordwise).flat_map(|row| row.iter().copied().chain([0.0]));
         rows.take(mesh.chordwise * (n + 1) - 1).collect()
     };
-    Grid {
+    VortexGrid {
         columns: mesh.chordwise * (n + 1),
         points: bound.points[..mesh.chordwise * (n + 1)].to_vec(),
         across: joined(&bound.across),
         core_across: joined(&bound.core_across),
         arcs: bound.arcs.repeat(mesh.chordwise),
-        ..Grid::default()
+        ..VortexGrid::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Velocities of large wakes: patches of a grid, halved by turns, the far ones as multipoles.
 
-use crate::kernel::{Grid, INVERSE_4PI, LANES, Points, Room, Window, add_all, add_block};
+use crate::kernel::{FieldPoints, INVERSE_4PI, LANES, VertexRoom, VortexGrid, Window, add_all, add_block};
 use crate::multipole::{Coefficients, MOMENTS, Moments, SHIFT, add_segment, coefficients, velocity};
 use wide::f64x4;
 use wingbeat::math::Vec3;
@@ -30,15 +30,15 @@ struct Patch {
 }
 
 /// A grid in patches.
-pub struct Tree<'a> {
-    grid: &'a Grid,
+pub struct PatchTree<'a> {
+    grid: &'a VortexGrid,
     patches: Vec<Patch>,
     coefficients: Vec<Coefficients>,
 }
 
-impl<'a> Tree<'a> {
+impl<'a> PatchTree<'a> {
     /// The patches of `grid`, which has two rows and columns or more, with their moments.
-    pub fn new(grid: &'a Grid) -> Self {
+    pub fn new(grid: &'a VortexGrid) -> Self {
         let mut tree = Self { grid, patches: Vec::new(), coefficients: Vec::new() };
         tree.halve(grid.whole());
         let mut moments: Vec<Moments> = vec![[Vec3::ZERO; MOMENTS]; tree.patches.len()];
@@ -160,7 +160,7 @@ impl<'a> Tree<'a> {
                 }
             }
         }
-        let mut lanes = Points::default();
+        let mut lanes = FieldPoints::default();
         lanes.set(at());
         let mut found = vec![Vec3::ZERO; group.len()];
         let mut sums = vec![[f64x4::ZERO; 3]; lanes.blocks().len()];
@@ -173,7 +173,7 @@ impl<'a> Tree<'a> {
             }
         }
         let windows: Vec<Window> = near.iter().map(|place| self.patches[*place].window).collect();
-        add_all(self.grid, &windows, lanes.blocks(), &mut Room::default(), &mut sums);
+        add_all(self.grid, &windows, lanes.blocks(), &mut VertexRoom::default(), &mut sums);
         for (sum, out) in sums.into_iter().zip(found.chunks_mut(LANES)) {
             add_block(out, sum.map(|v| v * f64x4::splat(INVERSE_4PI)));
         }
@@ -223,7 +223,7 @@ mod tests {
     use wingbeat::math::Random;
 
     /// A sheet that waves and rolls up, of `rows` x `columns` rings.
-    fn sheet(rows: usize, columns: usize) -> Grid {
+    fn sheet(rows: usize, columns: usize) -> VortexGrid {
         let mut random = Random::new(11);
         let place = |r: usize, j: usize| {
             let (x, y) = (-0.02 * r as f64, 0.4 * (j as f64 / columns as f64 - 0.5));
@@ -239,7 +239,7 @@ mod tests {
             (Some(r), Some(j)) if r < rows && j < columns => ring[r * columns + j],
             _ => 0.0,
         };
-        let mut grid = Grid { columns: columns + 1, points: points.collect(), ..Grid::default() };
+        let mut grid = VortexGrid { columns: columns + 1, points: points.collect(), ..VortexGrid::default() };
         let (n, m) = (columns, columns + 1);
         grid.across = (0..across)
             .map(|k| ring((k / n).checked_sub(1), Some(k % n)) - ring(Some(k / n), Some(k % n)))
@@ -252,13 +252,13 @@ mod tests {
     }
 
     /// Rms difference between fast and direct sum at the sheet's vertices, over the rms velocity.
-    pub fn error(grid: &Grid) -> f64 {
+    pub fn error(grid: &VortexGrid) -> f64 {
         let points: Vec<Vec3> = grid.points.iter().step_by(7).copied().collect();
-        let mut lanes = Points::default();
+        let mut lanes = FieldPoints::default();
         lanes.set(points.iter().copied());
         let (mut exact, mut fast) = (vec![Vec3::ZERO; points.len()], vec![Vec3::ZERO; points.len()]);
         add_velocities::<true>(grid, &lanes, &mut exact);
-        Tree::new(grid).add_velocities(&points, &mut fast);
+        PatchTree::new(grid).add_velocities(&points, &mut fast);
         let squares = |values: &mut dyn Iterator<Item = Vec3>| values.map(|v| v.norm_squared()).sum::<f64>();
         let apart = squares(&mut exact.iter().zip(&fast).map(|(a, b)| *a - *b));
         (apart / squares(&mut exact.iter().copied())).sqrt()
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn every_segment_has_one_patch() {
         let grid = sheet(33, 17);
-        let tree = Tree::new(&grid);
+        let tree = PatchTree::new(&grid);
         let p = Vec3::new(0.3, 0.1, 0.2);
         let block: [f64x4; 3] = std::array::from_fn(|k| f64x4::splat(p[k]));
         let (mut parts, mut all) = ([f64x4::ZERO; 3], [f64x4::ZERO; 3]);

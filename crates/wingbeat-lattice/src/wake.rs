@@ -1,6 +1,6 @@
 //! The wake of a surface: rows of vertices from the oldest to the trailing edge.
 
-use crate::kernel::Grid;
+use crate::kernel::VortexGrid;
 use crate::settings::Core;
 use wingbeat::math::Vec3;
 
@@ -9,7 +9,7 @@ use wingbeat::math::Vec3;
 #[derive(Clone, Debug, Default)]
 pub struct Wake {
     /// Vertices and segments. The last row carries what the wake puts there; the bound rings' share is the mesh's.
-    pub grid: Grid,
+    pub grid: VortexGrid,
     /// Circulations of the rings, by row, m2/s.
     pub rings: Vec<f64>,
     /// Velocities of the vertices one step ago, of those that were there, m/s.

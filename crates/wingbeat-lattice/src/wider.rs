@@ -1,7 +1,7 @@
 //! The velocities of vortices with cores at eight points at once, where the processor has AVX-512. Operation by operation as for four
 //! points, so that the numbers are the same to the bit.
 
-use crate::kernel::{Grid, LANES, NEVER_ZERO, Window};
+use crate::kernel::{LANES, NEVER_ZERO, VortexGrid, Window};
 use std::arch::x86_64::{
     __m512d, _mm512_add_pd, _mm512_cvtsd_f64, _mm512_div_pd, _mm512_fmadd_pd, _mm512_fmsub_pd, _mm512_max_pd,
     _mm512_mul_pd, _mm512_permutexvar_pd, _mm512_set_pd, _mm512_set1_epi64, _mm512_set1_pd,
@@ -17,7 +17,7 @@ pub fn is_there() -> bool {
 
 /// A vertex as seen from eight points: where they lie from it, and how far.
 #[derive(Clone, Copy)]
-pub struct Seen {
+pub struct WideVertex {
     r: [__m512d; 3],
     far: __m512d,
 }
@@ -31,13 +31,13 @@ struct Felt {
 
 #[target_feature(enable = "avx512f")]
 #[inline]
-fn see(p: &[__m512d; 3], point: Vec3) -> Seen {
+fn see(p: &[__m512d; 3], point: Vec3) -> WideVertex {
     let r = [
         _mm512_sub_pd(p[0], _mm512_set1_pd(point[0])),
         _mm512_sub_pd(p[1], _mm512_set1_pd(point[1])),
         _mm512_sub_pd(p[2], _mm512_set1_pd(point[2])),
     ];
-    Seen { r, far: _mm512_sqrt_pd(dot(&r, &r)) }
+    WideVertex { r, far: _mm512_sqrt_pd(dot(&r, &r)) }
 }
 
 #[target_feature(enable = "avx512f")]
@@ -49,7 +49,7 @@ fn dot(a: &[__m512d; 3], b: &[__m512d; 3]) -> __m512d {
 /// As [`cored`](crate::kernel) of four points.
 #[target_feature(enable = "avx512f")]
 #[inline]
-fn cored(a: &Seen, b: &Seen, core: f64) -> Felt {
+fn cored(a: &WideVertex, b: &WideVertex, core: f64) -> Felt {
     let (r1, r2) = (&a.r, &b.r);
     let across = [
         _mm512_fmsub_pd(r1[1], r2[2], _mm512_mul_pd(r1[2], r2[1])),
@@ -92,10 +92,10 @@ fn lane(of: __m512d, lane: usize) -> f64 {
 /// velocities (m/s).
 #[target_feature(enable = "avx512f")]
 pub fn add_induced(
-    grid: &Grid,
+    grid: &VortexGrid,
     window: &Window,
     pair: [&[f64x4; 3]; 2],
-    seen: &mut Vec<Seen>,
+    seen: &mut Vec<WideVertex>,
     sums: &mut [[f64x4; 3]; 2],
 ) {
     let n = grid.columns;

@@ -22,7 +22,7 @@ pub enum Error {
     Refused(#[from] wingbeat::Error),
     /// A calibration that cannot be made.
     #[error(transparent)]
-    Calibration(#[from] wingbeat_calibrate::Failure),
+    Calibration(#[from] wingbeat_calibrate::CalibrationFailure),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     File {

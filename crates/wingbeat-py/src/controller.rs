@@ -14,8 +14,8 @@ use wingbeat::simulate::{Controller, Sample, Update};
 /// What a controller sees: a mapping from the names of the states that are measured to their numbers.
 ///
 /// A name that several begin with gives them side by side: `measurement["quat"]` has four numbers.
-#[pyclass(frozen, mapping, module = "wingbeat._wingbeat")]
-pub struct Measurement {
+#[pyclass(frozen, mapping, name = "Measurement", module = "wingbeat._wingbeat")]
+pub struct PyMeasurement {
     /// Time at which it was taken, s.
     #[pyo3(get)]
     taken: f64,
@@ -25,7 +25,7 @@ pub struct Measurement {
     places: Py<PyDict>,
 }
 
-impl Measurement {
+impl PyMeasurement {
     /// The numbers of the channels whose names are `name` and an ending; none where there is no such channel.
     fn group(&self, py: Python, name: &str) -> PyResult<Vec<f64>> {
         let mut found = Vec::new();
@@ -49,7 +49,7 @@ impl Measurement {
 }
 
 #[pymethods]
-impl Measurement {
+impl PyMeasurement {
     /// A measurement of these channels, as it was pickled.
     #[staticmethod]
     fn of(py: Python, taken: f64, names: Vec<String>, values: PyReadonlyArray1<f64>) -> PyResult<Self> {
@@ -223,7 +223,7 @@ impl Own {
             }
         };
         let array = PyArray1::from_slice(py, measured.values()).unbind();
-        let seen = Measurement { taken: measured.taken(), array, places };
+        let seen = PyMeasurement { taken: measured.taken(), array, places };
         let answer = self.update.bind(py).call1((t, seen))?;
         if answer.is_none() {
             return Ok(Update::Kept);
@@ -268,12 +268,12 @@ impl Controller for Own {
 }
 
 /// A Python function that sees every sample, `observe(t, x, u)`; a true answer ends the flight.
-pub struct Watch {
+pub struct SampleWatch {
     observe: Option<Py<PyAny>>,
     raised: Raised,
 }
 
-impl Watch {
+impl SampleWatch {
     /// Of a function, if there is one.
     pub fn new(observe: Option<Py<PyAny>>, raised: Raised) -> Self {
         Self { observe, raised }
@@ -292,12 +292,12 @@ impl Watch {
 }
 
 /// A Python function that hears how far work has come, `progress(numbers)`; a true answer ends the work.
-pub struct Told {
+pub struct ProgressListener {
     progress: Option<Py<PyAny>>,
     raised: Raised,
 }
 
-impl Told {
+impl ProgressListener {
     /// Of a function, if there is one.
     pub fn new(progress: Option<Py<PyAny>>, raised: Raised) -> Self {
         Self { progress, raised }

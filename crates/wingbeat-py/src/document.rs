@@ -14,12 +14,12 @@ const DEEPEST: usize = 64;
 const MOST: usize = 500_000;
 
 /// How much more a dictionary may hold: Python's may hold themselves.
-struct Room {
+struct DictionaryRoom {
     depth: usize,
     left: usize,
 }
 
-impl Room {
+impl DictionaryRoom {
     fn new() -> Self {
         Self { depth: 0, left: MOST }
     }
@@ -58,11 +58,11 @@ fn brief(key: &str) -> String {
 }
 
 /// A configuration: a file, a text or a dictionary, what is put into it, and overrides.
-#[pyclass(frozen, module = "wingbeat._wingbeat")]
-pub struct Document(pub wingbeat::scenario::Document);
+#[pyclass(frozen, name = "Document", module = "wingbeat._wingbeat")]
+pub struct PyDocument(pub wingbeat::scenario::Document);
 
 #[pymethods]
-impl Document {
+impl PyDocument {
     /// The TOML file `path`.
     #[staticmethod]
     fn file(path: PathBuf) -> PyResult<Self> {
@@ -78,7 +78,7 @@ impl Document {
     /// A dictionary; errors call it `name`.
     #[staticmethod]
     fn value(name: &str, value: &Bound<PyDict>) -> PyResult<Self> {
-        let table = table(value, name, &mut Room::new())?;
+        let table = table(value, name, &mut DictionaryRoom::new())?;
         wingbeat::scenario::Document::value(name, &table).map(Self).map_err(refused)
     }
 
@@ -116,12 +116,17 @@ impl Document {
 #[pyfunction]
 pub fn overrides(given: &Bound<PyDict>) -> PyResult<Vec<String>> {
     let mut texts = Vec::new();
-    spread(given, "", &mut texts, &mut Room::new())?;
+    spread(given, "", &mut texts, &mut DictionaryRoom::new())?;
     Ok(texts)
 }
 
 /// Overrides `key=value` of all that is no dictionary.
-fn spread(overrides: &Bound<PyDict>, above: &str, texts: &mut Vec<String>, room: &mut Room) -> PyResult<()> {
+fn spread(
+    overrides: &Bound<PyDict>,
+    above: &str,
+    texts: &mut Vec<String>,
+    room: &mut DictionaryRoom,
+) -> PyResult<()> {
     for (key, value) in overrides {
         let key = format!("{above}{}", name(&key)?);
         match value.cast::<PyDict>() {
@@ -135,7 +140,7 @@ fn spread(overrides: &Bound<PyDict>, above: &str, texts: &mut Vec<String>, room:
 }
 
 /// A value as it stands in an override: a word without quotes, numbers as Python writes them.
-fn given(value: &Bound<PyAny>, key: &str, room: &mut Room) -> PyResult<String> {
+fn given(value: &Bound<PyAny>, key: &str, room: &mut DictionaryRoom) -> PyResult<String> {
     if value.is_instance_of::<PyFloat>() {
         // Of Python's own type: the representation of NumPy's names its type.
         return Ok(PyFloat::new(value.py(), value.extract()?).repr()?.to_string());
@@ -164,7 +169,7 @@ fn name(key: &Bound<PyAny>) -> PyResult<String> {
     key.extract().map_err(|_| PyTypeError::new_err("keys are text"))
 }
 
-fn table(dictionary: &Bound<PyDict>, above: &str, room: &mut Room) -> PyResult<Table> {
+fn table(dictionary: &Bound<PyDict>, above: &str, room: &mut DictionaryRoom) -> PyResult<Table> {
     room.take(above, dictionary.len())?;
     room.below(above, |room| {
         let entries = dictionary.iter();
@@ -178,7 +183,7 @@ fn table(dictionary: &Bound<PyDict>, above: &str, room: &mut Room) -> PyResult<T
 }
 
 /// A Python value as TOML has it; numbers and arrays of NumPy too.
-fn toml_of(value: &Bound<PyAny>, key: &str, room: &mut Room) -> PyResult<Value> {
+fn toml_of(value: &Bound<PyAny>, key: &str, room: &mut DictionaryRoom) -> PyResult<Value> {
     if let Ok(dictionary) = value.cast::<PyDict>() {
         return table(dictionary, key, room).map(Value::Table);
     }

@@ -1,8 +1,8 @@
 //! Scenarios and their flights.
 
-use crate::controller::{Own, Raised, Watch};
-use crate::document::Document;
-use crate::table::{Named, columns};
+use crate::controller::{Own, Raised, SampleWatch};
+use crate::document::PyDocument;
+use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::collections::BTreeSet;
@@ -12,16 +12,16 @@ use wingbeat::plant::{Channel, Plant, Role};
 use wingbeat::simulate::Sensors;
 
 /// Name, unit, frame, lower and upper limit.
-pub type Described = (String, String, String, f64, f64);
+pub type ColumnDescription = (String, String, String, f64, f64);
 
 /// A checked scenario.
-#[pyclass(frozen, module = "wingbeat._wingbeat")]
-pub struct Scenario(pub Arc<wingbeat::scenario::Scenario>);
+#[pyclass(frozen, name = "Scenario", module = "wingbeat._wingbeat")]
+pub struct PyScenario(pub Arc<wingbeat::scenario::Scenario>);
 
 #[pymethods]
-impl Scenario {
+impl PyScenario {
     #[new]
-    fn new(document: &Document) -> PyResult<Self> {
+    fn new(document: &PyDocument) -> PyResult<Self> {
         wingbeat::scenario::Scenario::open(document.0.clone(), &wingbeat_lattice::doors())
             .map(|scenario| Self(Arc::new(scenario)))
             .map_err(refused)
@@ -41,13 +41,13 @@ impl Scenario {
 
     /// The states: name, unit, frame, lower and upper limit.
     #[getter]
-    fn states(&self) -> Vec<Described> {
+    fn states(&self) -> Vec<ColumnDescription> {
         self.0.robot().states().iter().map(described).collect()
     }
 
     /// The inputs: name, unit, frame, lower and upper limit.
     #[getter]
-    fn inputs(&self) -> Vec<Described> {
+    fn inputs(&self) -> Vec<ColumnDescription> {
         self.0.robot().inputs().iter().map(described).collect()
     }
 
@@ -70,31 +70,31 @@ impl Scenario {
 }
 
 /// A channel as Python sees it: name, unit, frame, limits in its unit.
-pub fn described(channel: &Channel) -> Described {
+pub fn described(channel: &Channel) -> ColumnDescription {
     let Channel { name, unit, frame, low, high, .. } = channel;
     (name.clone(), (*unit).into(), (*frame).into(), *low, *high)
 }
 
 /// Record, strips where they are recorded, and summary as JSON.
-type Flown<'py> = (Vec<Named<'py>>, Option<Vec<Named<'py>>>, String);
+type FlightTables<'py> = (Vec<NamedColumn<'py>>, Option<Vec<NamedColumn<'py>>>, String);
 
 /// Flies a scenario under its own controller, or one of Python's.
 #[pyfunction]
 #[pyo3(signature = (scenario, controller=None, period_s=0.005, sees=None, observe=None))]
 pub fn fly<'py>(
     py: Python<'py>,
-    scenario: &Scenario,
+    scenario: &PyScenario,
     controller: Option<&Bound<'py, PyAny>>,
     period_s: f64,
     sees: Option<Vec<String>>,
     observe: Option<Py<PyAny>>,
-) -> PyResult<Flown<'py>> {
+) -> PyResult<FlightTables<'py>> {
     let scenario = scenario.0.clone();
     let raised = Raised::new(wait::Stop::default());
     let sensors = sensors(&scenario, sees)?;
     let mut own =
         controller.map(|object| Own::new(object, scenario.robot().inputs(), raised.clone())).transpose()?;
-    let watch = Watch::new(observe, raised.clone());
+    let watch = SampleWatch::new(observe, raised.clone());
     let flown = wait::work(py, move |stop| {
         let observe = |sample: &wingbeat::simulate::Sample| {
             stop.flow()?;

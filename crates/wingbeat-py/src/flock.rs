@@ -1,6 +1,6 @@
 //! Robots side by side, to be learned with.
 
-use crate::flight::{Described, Scenario, described};
+use crate::flight::{ColumnDescription, PyScenario, described};
 use crate::wait::{self, Stop};
 use crate::{refused, whole};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -16,7 +16,7 @@ use wingbeat::robot::Robot;
 use wingbeat::simulate::Stepper;
 
 /// Observations, rewards, terms of the rewards, terminated, truncated.
-type Stepped<'py> = (
+type FlockStep<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray2<f64>>,
@@ -25,7 +25,7 @@ type Stepped<'py> = (
 );
 
 /// State, inputs and clock; action; seed and episode; spread and begin; actions; whether over.
-type Kept = ((Vec<f64>, Vec<f64>, (f64, f64, usize)), Vec<f64>, (u64, u64), (f64, f64), usize, bool);
+type MemberState = ((Vec<f64>, Vec<f64>, (f64, f64, usize)), Vec<f64>, (u64, u64), (f64, f64), usize, bool);
 
 /// Robots whose step takes so long that signals are heard meanwhile. *Choice*: a tenth of a second on one core.
 const MANY: usize = 512;
@@ -33,15 +33,15 @@ const MANY: usize = 512;
 const LOOK: Duration = Duration::from_millis(2);
 
 /// Robots of one scenario under one task.
-#[pyclass(module = "wingbeat._wingbeat")]
-pub struct Flock(wingbeat::learn::Flock);
+#[pyclass(name = "Flock", module = "wingbeat._wingbeat")]
+pub struct PyFlock(wingbeat::learn::Flock);
 
 #[pymethods]
-impl Flock {
+impl PyFlock {
     #[new]
     fn new(
         py: Python,
-        scenario: &Scenario,
+        scenario: &PyScenario,
         task: &str,
         count: &Bound<PyAny>,
         threads: &Bound<PyAny>,
@@ -67,13 +67,13 @@ impl Flock {
 
     /// What an observation holds: name, unit, frame, lower and upper limit.
     #[getter]
-    fn observation(&self) -> Vec<Described> {
+    fn observation(&self) -> Vec<ColumnDescription> {
         self.0.task().observation().iter().map(described).collect()
     }
 
     /// What an action moves: name, unit, frame, lower and upper limit.
     #[getter]
-    fn action(&self) -> Vec<Described> {
+    fn action(&self) -> Vec<ColumnDescription> {
         self.0.member(0).0.system().inputs().iter().map(described).collect()
     }
 
@@ -112,7 +112,7 @@ impl Flock {
     }
 
     /// A step of all robots under actions in [-1, 1], a row each.
-    fn step<'py>(&mut self, py: Python<'py>, actions: PyReadonlyArray2<f64>) -> PyResult<Stepped<'py>> {
+    fn step<'py>(&mut self, py: Python<'py>, actions: PyReadonlyArray2<f64>) -> PyResult<FlockStep<'py>> {
         let actions: Vec<f64> = actions.as_array().iter().copied().collect();
         let batch = match self.0.count() < MANY {
             true => py.detach(|| self.0.step(&actions)),
@@ -155,7 +155,7 @@ impl Flock {
     }
 
     /// All that changes, robot after robot: state, inputs and clock; action; seed and episode; spread and begin; actions; whether over.
-    fn save(&self) -> Vec<Kept> {
+    fn save(&self) -> Vec<MemberState> {
         let kept = |one: SavedRobot| {
             let (x, u, clock) = one.robot.parts();
             let robot = (x.to_vec(), u.to_vec(), clock);
@@ -165,8 +165,8 @@ impl Flock {
     }
 
     /// Goes back to what was saved; what follows repeats to the bit.
-    fn restore(&mut self, saved: Vec<Kept>) -> PyResult<()> {
-        let robot = |((x, u, clock), action, (seed, episode), (spread, begun), count, over): Kept| {
+    fn restore(&mut self, saved: Vec<MemberState>) -> PyResult<()> {
+        let robot = |((x, u, clock), action, (seed, episode), (spread, begun), count, over): MemberState| {
             let robot = wingbeat::simulate::Saved::of_parts(x, u, clock);
             SavedRobot { robot, action, seed, spread, episode, begun, count, over }
         };
@@ -175,7 +175,7 @@ impl Flock {
     }
 }
 
-impl Flock {
+impl PyFlock {
     /// Robot `number` and the time of its episode, s.
     ///
     /// # Errors

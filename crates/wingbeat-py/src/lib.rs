@@ -53,21 +53,21 @@ mod module {
     #[pymodule_export]
     use super::calibrate::calibrate;
     #[pymodule_export]
-    use super::controller::Measurement;
+    use super::controller::PyMeasurement;
     #[pymodule_export]
-    use super::document::{Document, overrides};
+    use super::document::{PyDocument, overrides};
     #[pymodule_export]
-    use super::flight::{Scenario, fly};
+    use super::flight::{PyScenario, fly};
     #[pymodule_export]
-    use super::flock::Flock;
+    use super::flock::PyFlock;
     #[pymodule_export]
     use super::plan::plan;
     #[pymodule_export]
     use super::rig::{rig_process, rig_simulate};
     #[pymodule_export]
-    use super::stepper::{Saved, Stepper};
+    use super::stepper::{PySaved, PyStepper};
     #[pymodule_export]
-    use super::sweep::Sweep;
+    use super::sweep::PySweep;
     #[pymodule_export]
     use super::table::{read_csv, read_parquet, write_parquet};
     #[pymodule_export]

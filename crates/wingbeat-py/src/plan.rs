@@ -1,16 +1,16 @@
 //! Offline plans.
 
-use crate::flight::Scenario;
-use crate::table::{Named, columns};
+use crate::flight::PyScenario;
+use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use wingbeat::scenario::PlanNodes;
 
 /// Record where there is a plan, its nodes and constants as JSON, summary as JSON, the files by name, and what a signal raised meanwhile.
-type Planned<'py> = (
-    Option<Vec<Named<'py>>>,
-    Option<(Vec<Named<'py>>, String)>,
+type PlanTables<'py> = (
+    Option<Vec<NamedColumn<'py>>>,
+    Option<(Vec<NamedColumn<'py>>, String)>,
     String,
     Vec<(String, String)>,
     Option<Bound<'py, PyBaseException>>,
@@ -18,7 +18,7 @@ type Planned<'py> = (
 
 /// Plans the manoeuvre of a scenario. A signal ends the solver, and the best plan so far comes with what it raised.
 #[pyfunction]
-pub fn plan<'py>(py: Python<'py>, scenario: &Scenario) -> PyResult<Planned<'py>> {
+pub fn plan<'py>(py: Python<'py>, scenario: &PyScenario) -> PyResult<PlanTables<'py>> {
     let scenario = scenario.0.clone();
     let (planned, raised) = wait::kept(py, move |stop| {
         scenario.plan(&mut |_| stop.flow()).map_err(|error| scenario.explain(&error))

@@ -1,6 +1,6 @@
 //! Runs of the bench.
 
-use crate::table::{Named, columns};
+use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use wingbeat::parallel;
 use wingbeat::scenario::{ConfigError, Document as Text, Evaluated, RigRun, SimulatedRun};
 
 /// What became of a run, by name: record where there is one, the numbers as JSON, and the run as TOML.
-type Simulated<'py> = (String, Option<Vec<Named<'py>>>, String, String);
+type Simulated<'py> = (String, Option<Vec<NamedColumn<'py>>>, String, String);
 
 /// Plans and simulates the run of a file, or those that it lists; `overrides` are `key=value`.
 #[pyfunction]
@@ -36,7 +36,7 @@ pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> Py
 }
 
 /// Name, phase averages (none of static tilts), and the numbers as JSON.
-type Averaged<'py> = (String, Option<Vec<Named<'py>>>, String);
+type AveragedRun<'py> = (String, Option<Vec<NamedColumn<'py>>>, String);
 
 /// Processes a file of samples as the run of a file; `window_s` is what a simulation measured.
 #[pyfunction]
@@ -46,7 +46,7 @@ pub fn rig_process(
     run: PathBuf,
     overrides: Vec<String>,
     window_s: Option<(f64, f64)>,
-) -> PyResult<Averaged<'_>> {
+) -> PyResult<AveragedRun<'_>> {
     let text = Text::file(&run).map_err(refused)?.overridden(&overrides);
     let run = RigRun::new(text, &wingbeat_io::urdf_as_toml).map_err(refused)?;
     let done = wait::work(py, move |_| -> Result<_, String> {

@@ -1,6 +1,6 @@
 //! A robot step by step.
 
-use crate::flight::Scenario;
+use crate::flight::PyScenario;
 use crate::refused;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyRuntimeError;
@@ -22,26 +22,26 @@ const LONGEST: f64 = 0.1;
 const LARGEST: f64 = 1e12;
 
 /// State, inputs, and the clock: when it was set, the length of its steps (s), and their number.
-type Parts = (Vec<f64>, Vec<f64>, (f64, f64, usize));
+type StateParts = (Vec<f64>, Vec<f64>, (f64, f64, usize));
 
 /// All that changes while a robot is stepped, and the scenario that it belongs to.
-#[pyclass(frozen, module = "wingbeat._wingbeat")]
-pub struct Saved {
+#[pyclass(frozen, name = "Saved", module = "wingbeat._wingbeat")]
+pub struct PySaved {
     saved: wingbeat::simulate::Saved,
     scenario: Arc<wingbeat::scenario::Scenario>,
 }
 
 #[pymethods]
-impl Saved {
+impl PySaved {
     /// What an instance is made of again: its scenario as TOML, and its numbers.
-    fn parts(&self) -> (String, Parts) {
+    fn parts(&self) -> (String, StateParts) {
         let (x, u, clock) = self.saved.parts();
         (self.scenario.resolved.clone(), (x.to_vec(), u.to_vec(), clock))
     }
 
     /// An instance of what `parts` told.
     #[staticmethod]
-    fn of(scenario: &Scenario, parts: Parts) -> PyResult<Self> {
+    fn of(scenario: &PyScenario, parts: StateParts) -> PyResult<Self> {
         let (x, u, (start, length, first)) = parts;
         let robot = scenario.0.robot();
         check("state", &x, robot.states().len())?;
@@ -53,17 +53,17 @@ impl Saved {
 }
 
 /// The robot of a scenario under way: state, clock and inputs.
-#[pyclass(module = "wingbeat._wingbeat")]
-pub struct Stepper {
+#[pyclass(name = "Stepper", module = "wingbeat._wingbeat")]
+pub struct PyStepper {
     stepper: wingbeat::simulate::Stepper<Arc<Robot>>,
     start: Vec<f64>,
     scenario: Arc<wingbeat::scenario::Scenario>,
 }
 
 #[pymethods]
-impl Stepper {
+impl PyStepper {
     #[new]
-    fn new(scenario: &Scenario) -> Self {
+    fn new(scenario: &PyScenario) -> Self {
         let (robot, start) = (Arc::new(scenario.0.robot().clone()), scenario.0.start());
         let stepper = wingbeat::simulate::Stepper::new(robot, 0.0, &start);
         Self { stepper, start, scenario: scenario.0.clone() }
@@ -138,12 +138,12 @@ impl Stepper {
     }
 
     /// All that changes, for `restore`.
-    fn save(&self) -> Saved {
-        Saved { saved: self.stepper.save(), scenario: self.scenario.clone() }
+    fn save(&self) -> PySaved {
+        PySaved { saved: self.stepper.save(), scenario: self.scenario.clone() }
     }
 
     /// Goes back to what was saved; what follows repeats to the bit.
-    fn restore(&mut self, saved: &Saved) -> PyResult<()> {
+    fn restore(&mut self, saved: &PySaved) -> PyResult<()> {
         let (own, other) = (&self.scenario, &saved.scenario);
         if !Arc::ptr_eq(own, other) && own.resolved != other.resolved {
             let of = format!("of {}", other.spec.name);
@@ -180,7 +180,7 @@ impl Stepper {
     }
 }
 
-impl Stepper {
+impl PyStepper {
     /// Refuses to go on from numbers that no robot has.
     fn refuse_lost(&self) -> PyResult<()> {
         let state = self.stepper.state();

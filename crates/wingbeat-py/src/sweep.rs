@@ -1,26 +1,26 @@
 //! Runs of a sweep, one by one.
 
-use crate::document::Document;
-use crate::table::{Named, columns};
+use crate::document::PyDocument;
+use crate::table::{NamedColumn, columns};
 use crate::tether::read;
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::collections::HashSet;
 use std::sync::Arc;
-use wingbeat::scenario::Search;
+use wingbeat::scenario::CandidateSearch;
 use wingbeat::simulate::Record;
 
 /// A checked sweep.
-#[pyclass(frozen, module = "wingbeat._wingbeat")]
-pub struct Sweep {
+#[pyclass(frozen, name = "Sweep", module = "wingbeat._wingbeat")]
+pub struct PySweep {
     sweep: Arc<wingbeat::scenario::Sweep>,
     stop: wait::Stop,
 }
 
 #[pymethods]
-impl Sweep {
+impl PySweep {
     #[new]
-    fn new(document: &Document) -> PyResult<Self> {
+    fn new(document: &PyDocument) -> PyResult<Self> {
         let sweep = wingbeat::scenario::Sweep::new(document.0.clone(), &read).map_err(refused)?;
         Ok(Self { sweep: Arc::new(sweep), stop: wait::Stop::default() })
     }
@@ -121,12 +121,12 @@ impl Sweep {
     }
 
     /// Rows as columns.
-    fn table<'py>(&self, py: Python<'py>, rows: Vec<Vec<f64>>) -> PyResult<Vec<Named<'py>>> {
+    fn table<'py>(&self, py: Python<'py>, rows: Vec<Vec<f64>>) -> PyResult<Vec<NamedColumn<'py>>> {
         Ok(columns(py, self.record(&rows)?))
     }
 }
 
-impl Sweep {
+impl PySweep {
     /// Whether a row is one of this sweep.
     fn has(&self, row: &[f64]) -> bool {
         self.sweep.search().map_or_else(|| self.sweep.has_row(row), |search| search.has_row(row))
@@ -146,7 +146,7 @@ impl Sweep {
     }
 
     /// The search that follows on `rows`.
-    fn after(&self, rows: &[Vec<f64>]) -> PyResult<Search<'_>> {
+    fn after(&self, rows: &[Vec<f64>]) -> PyResult<CandidateSearch<'_>> {
         let search = self.sweep.search_after(rows);
         search.ok_or_else(|| refused("search: none is asked"))?.map_err(refused)
     }

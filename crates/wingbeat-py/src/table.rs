@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use wingbeat::simulate::{Column, Record};
 
 /// Name, unit, frame, lower and upper limit, numbers.
-pub type Named<'py> = (String, String, String, f64, f64, Bound<'py, PyArray1<f64>>);
+pub type NamedColumn<'py> = (String, String, String, f64, f64, Bound<'py, PyArray1<f64>>);
 
 /// The columns of a record, in their own units; their numbers cannot be written to.
-pub fn columns(py: Python<'_>, record: Record) -> Vec<Named<'_>> {
+pub fn columns(py: Python<'_>, record: Record) -> Vec<NamedColumn<'_>> {
     let column = |column: Column| {
         let Column { name, unit, frame, low, high, values } = column;
         let values = values.into_pyarray(py);
@@ -47,14 +47,14 @@ pub fn write_parquet(path: PathBuf, columns: Vec<Given<'_>>) -> PyResult<()> {
 
 /// Reads the columns of a table in text.
 #[pyfunction]
-pub fn read_csv(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Named<'_>>> {
+pub fn read_csv(py: Python<'_>, path: PathBuf) -> PyResult<Vec<NamedColumn<'_>>> {
     let record = py.detach(|| wingbeat_io::read_csv(&path)).map_err(refused)?;
     Ok(columns(py, record))
 }
 
 /// Reads the columns of a record.
 #[pyfunction]
-pub fn read_parquet(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Named<'_>>> {
+pub fn read_parquet(py: Python<'_>, path: PathBuf) -> PyResult<Vec<NamedColumn<'_>>> {
     let record = py.detach(|| wingbeat_io::read_parquet(&path)).map_err(refused)?;
     Ok(columns(py, record))
 }

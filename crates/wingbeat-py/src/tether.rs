@@ -1,16 +1,17 @@
 //! Wings in prescribed motion.
 
-use crate::document::Document;
-use crate::table::{Named, columns};
+use crate::document::PyDocument;
+use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
-use wingbeat::scenario::{Comparison, Convergence, TetherCase};
+use wingbeat::scenario::{Convergence, MeasuredComparison, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::TetherRun;
 
 /// Loads, strips, the compared cycle where there is one, the summary as JSON, and the case as TOML.
-type Moved<'py> = (Vec<Named<'py>>, Vec<Named<'py>>, Option<Vec<Named<'py>>>, String, String);
+type TetherTables<'py> =
+    (Vec<NamedColumn<'py>>, Vec<NamedColumn<'py>>, Option<Vec<NamedColumn<'py>>>, String, String);
 
 /// The table in a file; the text says what is wrong with it.
 pub fn read(path: &Path) -> Result<Record, String> {
@@ -18,13 +19,13 @@ pub fn read(path: &Path) -> Result<Record, String> {
 }
 
 /// A measured file whose channels and times fit the case.
-struct Measured {
+struct MeasuredTable {
     path: PathBuf,
     record: Record,
     channels: Vec<(String, String)>,
 }
 
-impl Measured {
+impl MeasuredTable {
     fn open(path: PathBuf, case: &TetherCase) -> PyResult<Self> {
         let record = wingbeat_io::samples::read_measured(&path).map_err(refused)?;
         let channels = case.channels(&record).map_err(refused)?;
@@ -32,7 +33,7 @@ impl Measured {
         Ok(Self { path, record, channels })
     }
 
-    fn compare(&self, case: &TetherCase, run: &TetherRun) -> Result<Comparison, String> {
+    fn compare(&self, case: &TetherCase, run: &TetherRun) -> Result<MeasuredComparison, String> {
         let compared = case.compare(run, &self.record, &self.channels);
         compared.map_err(|error| format!("{}: {error}", self.path.display()))
     }
@@ -43,12 +44,12 @@ impl Measured {
 #[pyo3(signature = (document, compare=None, converge=false))]
 pub fn tether<'py>(
     py: Python<'py>,
-    document: &Document,
+    document: &PyDocument,
     compare: Option<PathBuf>,
     converge: bool,
-) -> PyResult<Moved<'py>> {
+) -> PyResult<TetherTables<'py>> {
     let case = TetherCase::new(document.0.clone(), &read).map_err(refused)?;
-    let measured = compare.map(|path| Measured::open(path, &case)).transpose()?;
+    let measured = compare.map(|path| MeasuredTable::open(path, &case)).transpose()?;
     let done = wait::work(py, move |stop| {
         let run = case.tether.run(|_| stop.flow());
         let again = |other: &wingbeat::tether::Tether| Ok::<_, String>(other.run(|_| stop.flow()));
@@ -67,7 +68,7 @@ pub fn tether<'py>(
             put("converge", serde_json::to_value(table))?;
         }
         let mut cycle = None;
-        if let Some(Comparison { channels, cycle: compared, .. }) = compared {
+        if let Some(MeasuredComparison { channels, cycle: compared, .. }) = compared {
             put("compare", serde_json::to_value(channels))?;
             cycle = Some(compared);
         }

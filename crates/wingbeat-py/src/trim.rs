@@ -1,28 +1,35 @@
 //! Periodic flight.
 
-use crate::controller::{Raised, Told};
-use crate::document::Document;
-use crate::flight::Scenario;
-use crate::table::{Named, columns};
+use crate::controller::{ProgressListener, Raised};
+use crate::document::PyDocument;
+use crate::flight::PyScenario;
+use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use wingbeat::scenario::{ConfigError, RobotTrim, SearchProgress, TrimProgress};
 
 /// A table that there may be.
-type Table<'py> = Option<Vec<Named<'py>>>;
+type OptionalTable<'py> = Option<Vec<NamedColumn<'py>>>;
 
 /// The cycle, the multipliers, the family, the starts of a search, the summary as JSON, and the files by name.
-type Trimmed<'py> = (Table<'py>, Table<'py>, Table<'py>, Table<'py>, String, Vec<(String, String)>);
+type TrimTables<'py> = (
+    OptionalTable<'py>,
+    OptionalTable<'py>,
+    OptionalTable<'py>,
+    OptionalTable<'py>,
+    String,
+    Vec<(String, String)>,
+);
 
 /// Finds the periodic flight, or the gait, that a scenario's `[trim]` asks for. `progress` hears of every iteration.
 #[pyfunction]
 #[pyo3(signature = (scenario, progress=None))]
 pub fn trim<'py>(
     py: Python<'py>,
-    scenario: &Scenario,
+    scenario: &PyScenario,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Trimmed<'py>> {
+) -> PyResult<TrimTables<'py>> {
     let scenario = scenario.0.clone();
     found(py, progress, move |see| scenario.trim(see))
 }
@@ -32,11 +39,11 @@ pub fn trim<'py>(
 #[pyo3(signature = (robot, overrides, bank_deg, progress=None))]
 pub fn trim_robot<'py>(
     py: Python<'py>,
-    robot: &Document,
+    robot: &PyDocument,
     overrides: Vec<String>,
     bank_deg: f64,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, Trimmed<'py>)> {
+) -> PyResult<(String, TrimTables<'py>)> {
     RobotTrim::check_bank(bank_deg).map_err(refused)?;
     let asked = RobotTrim::new(robot.0.clone(), &overrides, bank_deg).map_err(refused)?;
     let around = asked.scenario.resolved.clone();
@@ -51,9 +58,9 @@ fn found<'py>(
     py: Python<'py>,
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(See) -> Result<wingbeat::scenario::Trimmed, ConfigError> + Send + 'static,
-) -> PyResult<Trimmed<'py>> {
+) -> PyResult<TrimTables<'py>> {
     let raised = Raised::new(wait::Stop::default());
-    let told = Told::new(progress, raised.clone());
+    let told = ProgressListener::new(progress, raised.clone());
     let trimmed = wait::work(py, move |stop| {
         work(&mut |at| {
             stop.flow()?;

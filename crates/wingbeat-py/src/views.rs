@@ -6,42 +6,42 @@ use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use wingbeat_figures::animation::{Animation, rgb};
-use wingbeat_report::animate::{Asked, Film, Seen, still};
+use wingbeat_report::animate::{AnimationSettings, Film, Viewpoint, still};
 use wingbeat_report::export::{Format, of_run};
-use wingbeat_report::files::{Files, Memory};
+use wingbeat_report::files::{Files, RunMemory};
 use wingbeat_report::page::{Without, page};
-use wingbeat_report::run::{Run, of, one_axis};
+use wingbeat_report::run::{ShownRun, of, one_axis};
 
-use crate::flock::Flock;
+use crate::flock::PyFlock;
 use crate::table::{Given, record};
 use crate::{refused, wait};
 
 /// What a result holds: its name, its texts and its records, by the names of files.
-type Held<'py> = (String, Vec<(String, String)>, Vec<(String, Vec<Given<'py>>)>);
+type ResultFiles<'py> = (String, Vec<(String, String)>, Vec<(String, Vec<Given<'py>>)>);
 /// Names and bytes of files.
 type Written = Vec<(String, Vec<u8>)>;
 
 /// A result away from Python.
-fn taken((name, texts, records): Held) -> PyResult<(String, Memory)> {
+fn taken((name, texts, records): ResultFiles) -> PyResult<(String, RunMemory)> {
     let records: PyResult<BTreeMap<_, _>> =
         records.into_iter().map(|(name, columns)| Ok((name, record(columns)?))).collect();
-    Ok((name, Memory { texts: texts.into_iter().collect(), records: records? }))
+    Ok((name, RunMemory { texts: texts.into_iter().collect(), records: records? }))
 }
 
-fn runs((name, memory): &(String, Memory)) -> Result<Vec<Run>, String> {
+fn runs((name, memory): &(String, RunMemory)) -> Result<Vec<ShownRun>, String> {
     of(Files::Memory(memory), name, None).map_err(|error| error.to_string())
 }
 
-fn one(result: &(String, Memory)) -> Result<Run, String> {
+fn one(result: &(String, RunMemory)) -> Result<ShownRun, String> {
     runs(result)?.into_iter().next().ok_or_else(|| "no run".into())
 }
 
 /// The page of results.
 #[pyfunction]
-pub fn page_of(py: Python<'_>, results: Vec<Held<'_>>, wake: bool, strips: bool) -> PyResult<String> {
+pub fn page_of(py: Python<'_>, results: Vec<ResultFiles<'_>>, wake: bool, strips: bool) -> PyResult<String> {
     let results = results.into_iter().map(taken).collect::<PyResult<Vec<_>>>()?;
     let made = wait::work(py, move |_| {
-        let runs: Vec<Run> = results.iter().map(runs).collect::<Result<Vec<_>, _>>()?.concat();
+        let runs: Vec<ShownRun> = results.iter().map(runs).collect::<Result<Vec<_>, _>>()?.concat();
         one_axis(&runs)?;
         Ok::<_, String>(page(&runs, Without { wake: !wake, strips: !strips }))
     })?;
@@ -53,15 +53,15 @@ pub fn page_of(py: Python<'_>, results: Vec<Held<'_>>, wake: bool, strips: bool)
 #[pyfunction]
 pub fn animation_of(
     py: Python<'_>,
-    result: Held<'_>,
+    result: ResultFiles<'_>,
     view: &str,
     numbers: (f64, f64, f64),
     wide: bool,
     frames: bool,
 ) -> PyResult<Written> {
-    let seen = Seen::named(view).map_err(refused)?;
+    let seen = Viewpoint::named(view).map_err(refused)?;
     let (speed, rate, width) = numbers;
-    let asked = Asked { seen, speed, rate, width, wide }.checked("").map_err(refused)?;
+    let asked = AnimationSettings { seen, speed, rate, width, wide }.checked("").map_err(refused)?;
     let result = taken(result)?;
     let made = wait::work(py, move |stop| {
         let run = one(&result)?;
@@ -84,7 +84,7 @@ pub fn animation_of(
 
 /// A result in the files of another program; one file has no name of its own.
 #[pyfunction]
-pub fn export_of(py: Python<'_>, result: Held<'_>, format: &str) -> PyResult<Written> {
+pub fn export_of(py: Python<'_>, result: ResultFiles<'_>, format: &str) -> PyResult<Written> {
     let format = Format::named(format).map_err(refused)?;
     let result = taken(result)?;
     let made = wait::work(py, move |_| {
@@ -99,7 +99,7 @@ pub fn export_of(py: Python<'_>, result: Held<'_>, format: &str) -> PyResult<Wri
 /// Pixels of robot `number`: rows of `width` pixels of red, green and blue.
 #[pyfunction]
 pub fn picture_of<'py>(
-    flock: &Bound<'py, Flock>,
+    flock: &Bound<'py, PyFlock>,
     number: usize,
     width: usize,
     height: usize,

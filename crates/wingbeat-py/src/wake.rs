@@ -1,21 +1,21 @@
 //! The vortex lattice of a case or along a flight.
 
-use crate::document::Document;
-use crate::flight::Scenario;
-use crate::table::{Given, Named, columns, record};
+use crate::document::PyDocument;
+use crate::flight::PyScenario;
+use crate::table::{Given, NamedColumn, columns, record};
 use crate::tether::read;
 use crate::{refused, wait, whole};
 use pyo3::prelude::*;
-use wingbeat::judge::Limits;
+use wingbeat::judge::RunLimits;
 use wingbeat::scenario::TetherCase;
-use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
+use wingbeat_lattice::course::{self, CourseRequest, LatticeCourse, RecordedFlight, WakeSummary};
 
 /// Name of a stretch, its record, and its phases as VTK by name.
-type Stepped<'py> = (String, Vec<Named<'py>>, Vec<(String, String)>);
+type StretchTables<'py> = (String, Vec<NamedColumn<'py>>, Vec<(String, String)>);
 
 /// Settings: times at which stretches end, cycles, whether the model's circulations are shed, panels along chord and span, steps per
-/// cycle, whether the wake is prescribed, core, critical suction. Where there is none, that of [`Asked`].
-type Settings<'py> = (
+/// cycle, whether the wake is prescribed, core, critical suction. Where there is none, that of [`CourseRequest`].
+type WakeSettings<'py> = (
     Vec<f64>,
     Option<Bound<'py, PyAny>>,
     bool,
@@ -31,9 +31,9 @@ type Settings<'py> = (
 #[pyfunction]
 pub fn wake_case<'py>(
     py: Python<'py>,
-    document: &Document,
-    settings: Settings<'py>,
-) -> PyResult<(Vec<Stepped<'py>>, String)> {
+    document: &PyDocument,
+    settings: WakeSettings<'py>,
+) -> PyResult<(Vec<StretchTables<'py>>, String)> {
     let case = TetherCase::new(document.0.clone(), &read).map_err(refused)?;
     let asked = asked(settings)?;
     let stepped = wait::work(py, move |stop| {
@@ -47,28 +47,28 @@ pub fn wake_case<'py>(
 #[pyfunction]
 pub fn wake_flight<'py>(
     py: Python<'py>,
-    scenario: &Scenario,
+    scenario: &PyScenario,
     flown: Vec<Given<'py>>,
-    settings: Settings<'py>,
-) -> PyResult<(Vec<Stepped<'py>>, String)> {
+    settings: WakeSettings<'py>,
+) -> PyResult<(Vec<StretchTables<'py>>, String)> {
     let scenario = scenario.0.clone();
     let flown = record(flown)?;
     let asked = asked(settings)?;
     let stepped = wait::work(py, move |stop| {
         let (name, limits) = (scenario.spec.name.clone(), scenario.limits().clone());
-        let courses = Recorded::new(scenario, flown)?.courses(&asked)?;
+        let courses = RecordedFlight::new(scenario, flown)?.courses(&asked)?;
         step((&name, &limits), &courses, &asked, stop)
     })?;
     told(py, stepped.map_err(refused)?)
 }
 
-fn asked(settings: Settings) -> PyResult<Asked> {
+fn asked(settings: WakeSettings) -> PyResult<CourseRequest> {
     let (at, cycles, model, chordwise, spanwise, steps, prescribed, core, critical_suction) = settings;
     let count = |key: &str, given: Option<Bound<PyAny>>| {
         given.map(|given| whole(key, &given, "1 or more")).transpose()
     };
-    let usual = Asked::default();
-    Ok(Asked {
+    let usual = CourseRequest::default();
+    Ok(CourseRequest {
         at,
         cycles: count("cycles", cycles)?,
         model,
@@ -82,14 +82,14 @@ fn asked(settings: Settings) -> PyResult<Asked> {
 }
 
 /// Name, record and pictures of a stretch.
-type Kept = (String, wingbeat::simulate::Record, Vec<(String, String)>);
+type StretchFiles = (String, wingbeat::simulate::Record, Vec<(String, String)>);
 
 fn step(
-    (name, limits): (&str, &Limits),
-    courses: &[Course],
-    asked: &Asked,
+    (name, limits): (&str, &RunLimits),
+    courses: &[LatticeCourse],
+    asked: &CourseRequest,
     stop: &wait::Stop,
-) -> Result<(Vec<Kept>, WakeSummary), wingbeat_lattice::Error> {
+) -> Result<(Vec<StretchFiles>, WakeSummary), wingbeat_lattice::Error> {
     let stepped = courses.iter().map(|course| course.step(asked, &mut |_| stop.flow()));
     let watches = stepped.collect::<Result<Vec<_>, _>>()?;
     let summary = WakeSummary::new(name, asked, &watches, limits);
@@ -100,7 +100,10 @@ fn step(
     Ok((kept.collect(), summary))
 }
 
-fn told(py: Python<'_>, (kept, summary): (Vec<Kept>, WakeSummary)) -> PyResult<(Vec<Stepped<'_>>, String)> {
+fn told(
+    py: Python<'_>,
+    (kept, summary): (Vec<StretchFiles>, WakeSummary),
+) -> PyResult<(Vec<StretchTables<'_>>, String)> {
     let stepped = kept.into_iter().map(|(name, record, shots)| (name, columns(py, record), shots));
     Ok((stepped.collect(), serde_json::to_string(&summary).map_err(refused)?))
 }

@@ -3,13 +3,13 @@
 use wingbeat::math::Vec3;
 use wingbeat::plant::Plant;
 use wingbeat::robot::Robot;
-use wingbeat_figures::animation::{Area, Line, Picture, View};
-use wingbeat_figures::space::{Bounds, Camera, Pane, Point};
+use wingbeat_figures::animation::{Area, Picture, PictureLine, PictureView};
+use wingbeat_figures::space::{Bounds, Camera, Pane, WorldPoint};
 use wingbeat_io::shortest;
 
 use crate::flight::add_skeleton;
-use crate::motion::{Motion, at, direction, spindle};
-use crate::run::Run;
+use crate::motion::{RunMotion, at, direction, spindle};
+use crate::run::ShownRun;
 
 /// Most frames of an animation, and most pixels of all, two bytes each.
 const MOST: usize = 1200;
@@ -37,7 +37,7 @@ const FOLLOWS: f64 = 0.15;
 
 /// From where a run is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seen {
+pub enum Viewpoint {
     /// The whole way from behind, and the robot near by in a corner.
     Whole,
     /// The robot near by, from behind.
@@ -49,10 +49,14 @@ pub enum Seen {
 }
 
 /// The views by name.
-const VIEWS: [(&str, Seen); 4] =
-    [("whole", Seen::Whole), ("behind", Seen::Behind), ("side", Seen::Side), ("above", Seen::Above)];
+const VIEWS: [(&str, Viewpoint); 4] = [
+    ("whole", Viewpoint::Whole),
+    ("behind", Viewpoint::Behind),
+    ("side", Viewpoint::Side),
+    ("above", Viewpoint::Above),
+];
 
-impl Seen {
+impl Viewpoint {
     /// The view of a name.
     ///
     /// # Errors
@@ -66,9 +70,9 @@ impl Seen {
 
 /// What an animation shows and how.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct AnimationSettings {
     /// From where.
-    pub seen: Seen,
+    pub seen: Viewpoint,
     /// Seconds of the run in a second.
     pub speed: f64,
     /// Frames a second.
@@ -79,7 +83,7 @@ pub struct Asked {
     pub wide: bool,
 }
 
-impl Asked {
+impl AnimationSettings {
     /// The same within what is drawn; names of what is refused begin with `prefix`.
     ///
     /// # Errors
@@ -101,9 +105,9 @@ impl Asked {
 
 /// An animation of a run.
 pub struct Film<'a> {
-    run: &'a Run,
-    motion: &'a Motion,
-    asked: Asked,
+    run: &'a ShownRun,
+    motion: &'a RunMotion,
+    asked: AnimationSettings,
     /// The box of the whole way with the robot, and the enlargement of the robot in it.
     bounds: Bounds,
     enlarged: f64,
@@ -116,7 +120,7 @@ impl<'a> Film<'a> {
     ///
     /// # Errors
     /// A run in which nothing moves, or more frames than are made.
-    pub fn new(run: &'a Run, asked: Asked) -> Result<Self, String> {
+    pub fn new(run: &'a ShownRun, asked: AnimationSettings) -> Result<Self, String> {
         let motion = run.motion.as_ref().filter(|motion| motion.frames() > 1 && !motion.surfaces.is_empty());
         let Some(motion) = motion else {
             return Err(format!("{}: nothing moves in this {}", run.name, run.kind));
@@ -167,7 +171,7 @@ impl<'a> Film<'a> {
         let whole = Pane { x: 0.0, y: 0.0, width, height };
         let mut title = format!("{}, t = {t:.2} s", self.run.title());
         let views = match self.asked.seen {
-            Seen::Behind => vec![self.near(i, whole, false)],
+            Viewpoint::Behind => vec![self.near(i, whole, false)],
             _ if !self.motion.free => vec![self.far(i, whole)],
             _ => {
                 let (w, h) = (0.34 * width, 0.44 * height);
@@ -177,23 +181,23 @@ impl<'a> Film<'a> {
                 vec![self.far(i, beside), self.near(i, corner, true)]
             }
         };
-        if self.enlarged > 1.0 && self.asked.seen != Seen::Behind {
+        if self.enlarged > 1.0 && self.asked.seen != Viewpoint::Behind {
             title += &format!("; on the path the robot is enlarged {} times", self.enlarged);
         }
         Picture { width, height, views, title }
     }
 
     /// The whole way with its curtain and the ground.
-    fn far(&self, i: usize, pane: Pane) -> View {
+    fn far(&self, i: usize, pane: Pane) -> PictureView {
         let (azimuth, elevation) = match self.asked.seen {
-            Seen::Side => (-90.0, 6.0),
-            Seen::Above => (180.0, 89.0),
+            Viewpoint::Side => (-90.0, 6.0),
+            Viewpoint::Above => (180.0, 89.0),
             _ => (202.0, 22.0),
         };
         let Bounds { low, high } = self.bounds;
-        let middle: Point = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
+        let middle: WorldPoint = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
         let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        let mut view = View {
+        let mut view = PictureView {
             camera: Camera::perspective(azimuth, elevation, middle, 2.4 * size),
             bounds: self.bounds,
             pane: filled(pane),
@@ -212,7 +216,7 @@ impl<'a> Film<'a> {
     }
 
     /// The robot near by, with a level line.
-    fn near(&self, i: usize, pane: Pane, framed: bool) -> View {
+    fn near(&self, i: usize, pane: Pane, framed: bool) -> PictureView {
         let (middle, heading) = self.followed(i);
         close(self.motion, i, (middle, heading.to_degrees() + 180.0 + 18.0, 14.0), pane, framed)
     }
@@ -233,7 +237,7 @@ impl<'a> Film<'a> {
     }
 
     /// A grid under everything.
-    fn ground(&self, view: &mut View) {
+    fn ground(&self, view: &mut PictureView) {
         let Bounds { low, high } = self.bounds;
         let size = (high[0] - low[0]).max(high[1] - low[1]);
         let power = 10_f64.powf((size / 10.0).log10().floor());
@@ -251,7 +255,7 @@ impl<'a> Film<'a> {
     }
 
     /// The way on its curtain: dark as far as it was flown.
-    fn way(&self, view: &mut View, now: usize) {
+    fn way(&self, view: &mut PictureView, now: usize) {
         let (n, z) = (self.motion.frames(), self.bounds.low[2]);
         let row = |k: usize| k * (n - 1) / PIECES;
         for k in 0..PIECES {
@@ -285,12 +289,12 @@ pub fn still(
     };
     let [px, py, pz] = ["p_WB_x", "p_WB_y", "p_WB_z"].map(channel);
     let [w, i, j, k] = ["quat_w", "quat_x", "quat_y", "quat_z"].map(channel);
-    let mut motion = Motion {
+    let mut motion = RunMotion {
         t: vec![t],
         position: [px?, py?, pz?],
         attitude: [w?, i?, j?, k?],
         free: true,
-        ..Motion::default()
+        ..RunMotion::default()
     };
     add_skeleton(&mut motion, &robot.skeleton(t, x, u).map_err(|fault| fault.to_string())?);
     let [forward, left, top] =
@@ -312,18 +316,18 @@ pub fn still(
 /// The robot of frame `i` near by, about `middle` from `azimuth` and `elevation` (deg), with a level line and its own axis to the left and
 /// right where it is free.
 fn close(
-    motion: &Motion,
+    motion: &RunMotion,
     i: usize,
     (middle, azimuth, elevation): (Vec3, f64, f64),
     pane: Pane,
     framed: bool,
-) -> View {
+) -> PictureView {
     let reach = 1.05 * motion.reach();
     let bounds = Bounds {
         low: std::array::from_fn(|axis| middle.0[axis] - reach),
         high: std::array::from_fn(|axis| middle.0[axis] + reach),
     };
-    let mut view = View {
+    let mut view = PictureView {
         camera: Camera::perspective(azimuth, elevation, middle.0, 7.0 * reach),
         bounds,
         pane: filled(pane),
@@ -347,7 +351,7 @@ fn close(
 }
 
 /// Wings and body, all distances from the body's origin enlarged.
-fn robot(motion: &Motion, view: &mut View, i: usize, enlarged: f64) {
+fn robot(motion: &RunMotion, view: &mut PictureView, i: usize, enlarged: f64) {
     let place = |p: Vec3| motion.in_world(i, p * enlarged);
     for surface in &motion.surfaces {
         for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
@@ -374,16 +378,16 @@ fn filled(Pane { x, y, width, height }: Pane) -> Pane {
 }
 
 /// The perch, where there is one.
-fn perch(motion: &Motion, view: &mut View, i: usize) {
+fn perch(motion: &RunMotion, view: &mut PictureView, i: usize) {
     if !motion.free {
         return;
     }
-    let ends = |of: &crate::motion::Line| of.points.iter().map(|point| at(point, i).0).collect();
+    let ends = |of: &crate::motion::LineTrack| of.points.iter().map(|point| at(point, i).0).collect();
     view.lines.extend(motion.lines.iter().map(|of| line(ends(of), WAY, 4.0)));
 }
 
-fn line(points: Vec<Point>, colour: &str, weight: f64) -> Line {
-    Line { points, colour: colour.into(), weight }
+fn line(points: Vec<WorldPoint>, colour: &str, weight: f64) -> PictureLine {
+    PictureLine { points, colour: colour.into(), weight }
 }
 
 /// An area as bright as it faces the light, from either side.

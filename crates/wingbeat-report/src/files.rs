@@ -18,7 +18,7 @@ const LARGEST: u64 = 8 << 20;
 
 /// What a run leaves in memory, under the names that its files have.
 #[derive(Clone, Debug, Default)]
-pub struct Memory {
+pub struct RunMemory {
     /// Texts: `summary.json`, `scenario.toml`, pictures of a wake.
     pub texts: BTreeMap<String, String>,
     /// Records: `record.parquet`, `loads.csv`.
@@ -31,7 +31,7 @@ pub enum Files<'a> {
     /// In a folder.
     Folder(&'a Path),
     /// In memory.
-    Memory(&'a Memory),
+    Memory(&'a RunMemory),
 }
 
 impl<'a> Files<'a> {

@@ -7,7 +7,9 @@ use wingbeat::robot::{Outline, Robot, Skeleton};
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Record;
 
-use crate::motion::{Line, Motion, Source, Strip, Surface, Track, push, rows, sound};
+use crate::motion::{
+    ForceTrack, LineTrack, PointTrack, RunMotion, StripTrack, SurfaceTrack, push, rows, sound,
+};
 
 /// How far from the middle plane the middle of a panel lies that is of a side, m.
 const MIDDLE: f64 = 1e-6;
@@ -30,7 +32,7 @@ pub fn drawable(record: &Record) -> usize {
 ///
 /// # Errors
 /// Why the record does not say how the robot moves.
-pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<Motion, Silent> {
+pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<RunMotion, Silent> {
     let robot = scenario.robot();
     let column = |name: &str| record.values(name).ok_or_else(|| format!("the record has no column {name}"));
     let all = |channels: &[Channel]| -> Result<Vec<&[f64]>, Silent> {
@@ -39,7 +41,7 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<M
     let (t, states, inputs) = (column("t")?, all(robot.states())?, all(robot.inputs())?);
     let axes = |name: &str| axes(record, shown, name);
     let [w, x, y, z] = ["w", "x", "y", "z"].map(|axis| taken(record, shown, &format!("quat_{axis}")));
-    let mut motion = Motion {
+    let mut motion = RunMotion {
         t: taken(record, shown, "t")?,
         position: axes("p_WB")?,
         attitude: [w?, x?, y?, z?],
@@ -48,11 +50,11 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<M
         wind: robot.mean_wind().0,
         free: true,
         ground: robot.ground(),
-        ..Motion::default()
+        ..RunMotion::default()
     };
     if let Some(perch) = robot.perch() {
         let still = |end: Vec3| end.0.map(|axis| vec![axis; shown.len()]);
-        motion.lines = vec![Line { name: "perch", weight: 5.0, points: perch.ends().map(still).into() }];
+        motion.lines = vec![LineTrack { name: "perch", weight: 5.0, points: perch.ends().map(still).into() }];
     }
     // Where the lattice gives the attached flow, the model's strips are not those that flew; a vacuum has none.
     let strips = scenario.spec.lattice.is_none() && !robot.is_in_vacuum();
@@ -66,7 +68,7 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<M
             let seen = robot.observe(t[row], &x, &u).map_err(|fault| format!("t = {} s: {fault}", t[row]))?;
             let mut first = 0;
             for (surface, (_, aero)) in motion.surfaces.iter_mut().zip(robot.surfaces()) {
-                surface.strips.resize_with(aero.strips(), Strip::default);
+                surface.strips.resize_with(aero.strips(), StripTrack::default);
                 for (k, strip) in surface.strips.iter_mut().enumerate() {
                     push(&mut strip.quarter_chord, seen.strips.quarter_chord[first + k]);
                     push(&mut strip.force, seen.strips.strip[first + k].total().force);
@@ -76,7 +78,7 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<M
             }
         }
     }
-    motion.surfaces.iter_mut().for_each(Surface::place_strips);
+    motion.surfaces.iter_mut().for_each(SurfaceTrack::place_strips);
     Ok(motion)
 }
 
@@ -89,16 +91,16 @@ fn told(robot: &Robot) -> &'static str {
 }
 
 /// Adds the robot as it is drawn in one frame.
-pub fn add_skeleton(motion: &mut Motion, seen: &Skeleton) {
+pub fn add_skeleton(motion: &mut RunMotion, seen: &Skeleton) {
     push(&mut motion.com, seen.center_of_mass);
-    motion.surfaces.resize_with(seen.outlines.len(), Surface::default);
+    motion.surfaces.resize_with(seen.outlines.len(), SurfaceTrack::default);
     for (surface, outline) in motion.surfaces.iter_mut().zip(&seen.outlines) {
         add_outline(surface, outline);
     }
 }
 
 /// Adds a surface as it is drawn in one frame.
-pub fn add_outline(surface: &mut Surface, outline: &Outline) {
+pub fn add_outline(surface: &mut SurfaceTrack, outline: &Outline) {
     if surface.ribs.is_empty() {
         surface.name.clone_from(&outline.name);
         surface.ribs.resize_with(outline.ribs.len(), Default::default);
@@ -130,31 +132,31 @@ pub fn taken(record: &Record, shown: &[usize], name: &str) -> Result<Vec<f64>, S
 }
 
 /// The columns `<name>_x`, `_y`, `_z`, likewise.
-pub fn axes(record: &Record, shown: &[usize], name: &str) -> Result<Track, Silent> {
+pub fn axes(record: &Record, shown: &[usize], name: &str) -> Result<PointTrack, Silent> {
     let [x, y, z] = ["x", "y", "z"].map(|axis| taken(record, shown, &format!("{name}_{axis}")));
     Ok([x?, y?, z?])
 }
 
 /// The forces that the record names by source.
-pub fn named(record: &Record, shown: &[usize]) -> Vec<Source> {
+pub fn named(record: &Record, shown: &[usize]) -> Vec<ForceTrack> {
     let names = record.columns().iter().map(|column| column.name.as_str());
     let names = names.filter_map(|name| name.strip_prefix("force_")?.strip_suffix("_x"));
     // The lift and drag of a case are its forces in other axes.
     let names = names.filter(|name| *name != "wind");
     let source = |name: &str| {
         let force = axes(record, shown, &format!("force_{name}")).ok()?;
-        Some(Source { name: name.replace('_', " "), place: None, force })
+        Some(ForceTrack { name: name.replace('_', " "), place: None, force })
     };
     names.filter_map(source).collect()
 }
 
 /// Those, and the thrusters.
-fn sources(scenario: &Scenario, record: &Record, shown: &[usize]) -> Vec<Source> {
+fn sources(scenario: &Scenario, record: &Record, shown: &[usize]) -> Vec<ForceTrack> {
     let thruster = |thruster: &wingbeat::robot::ThrusterSpec| {
         let thrust = taken(record, shown, &format!("displacement_{}", thruster.name)).ok()?;
         let length = Vec3(thruster.direction).norm();
         let force = thruster.direction.map(|part| thrust.iter().map(|n| n * part / length).collect());
-        Some(Source { name: thruster.name.clone(), place: Some(thruster.place_m), force })
+        Some(ForceTrack { name: thruster.name.clone(), place: Some(thruster.place_m), force })
     };
     let thrusters = scenario.spec.robot.thrusters.iter().filter_map(thruster);
     named(record, shown).into_iter().chain(thrusters).collect()

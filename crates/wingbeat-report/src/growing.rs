@@ -1,21 +1,21 @@
 //! A flight that is shown while it is flown: each row that comes is placed once.
 
 use crate::flight::{drawable, motion};
-use crate::motion::{MOST, Motion};
+use crate::motion::{MOST, RunMotion};
 use crate::panels::{continue_all, flight};
-use crate::run::{Flown, Run, of_flight};
+use crate::run::{FlownScenario, ShownRun, of_flight};
 
 /// The rows of a flight that are shown.
 #[derive(Clone, Debug, Default)]
-pub struct Growing {
+pub struct GrowingRows {
     shown: Vec<usize>,
     /// The first row that was not looked at.
     next: usize,
 }
 
-impl Growing {
+impl GrowingRows {
     /// Takes into `run` what the record has more; true where it has only grown by rows behind those that it had.
-    pub fn grow(&mut self, run: &mut Run, flown: Flown) -> bool {
+    pub fn grow(&mut self, run: &mut ShownRun, flown: FlownScenario) -> bool {
         let sound = drawable(flown.record);
         let new: Vec<usize> = (self.next..sound).collect();
         self.next = self.next.max(sound);
@@ -34,12 +34,12 @@ impl Growing {
             });
         }
         let whole = of_flight(&run.name, run.kind, flown, &self.shown);
-        *run = Run { settings: std::mem::take(&mut run.settings), ..whole };
+        *run = ShownRun { settings: std::mem::take(&mut run.settings), ..whole };
         false
     }
 
     /// Takes the rows into the plots; true where these have only grown.
-    fn plotted(&self, run: &mut Run, Flown { scenario, record }: Flown) -> bool {
+    fn plotted(&self, run: &mut ShownRun, FlownScenario { scenario, record }: FlownScenario) -> bool {
         let ground = scenario.robot().ground();
         let t = record.values("t").unwrap_or_default();
         let old = run.axis.values.len();
@@ -50,6 +50,6 @@ impl Growing {
 }
 
 /// Adds the `new` rows to what moves; true where they can be placed.
-fn more(motion_so_far: &mut Motion, flown: Flown, new: &[usize]) -> bool {
+fn more(motion_so_far: &mut RunMotion, flown: FlownScenario, new: &[usize]) -> bool {
     motion(flown.scenario, flown.record, new).is_ok_and(|more| motion_so_far.extend(more))
 }

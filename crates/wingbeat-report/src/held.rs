@@ -11,7 +11,7 @@ use wingbeat::simulate::Record;
 use wingbeat::tether::{STRAIN, Shape};
 
 use crate::flight::{Silent, add_outline, add_skeleton, named, taken};
-use crate::motion::{Line, Motion, Strip, Surface, Track, push};
+use crate::motion::{LineTrack, PointTrack, RunMotion, StripTrack, SurfaceTrack, push};
 
 /// Ribs of each half of a case's wing.
 const RIBS: usize = 12;
@@ -27,20 +27,20 @@ pub fn wing(
     loads: &Record,
     strips: Option<&Record>,
     shown: &[usize],
-) -> Result<Motion, Silent> {
+) -> Result<RunMotion, Silent> {
     let tether = &case.tether;
     let arcs = tether.drawn_arcs(RIBS);
     let t = taken(loads, shown, "t")?;
-    let mut motion = Motion {
+    let mut motion = RunMotion {
         sources: named(loads, shown),
         wind: tether.wind.0,
         bare: true,
         ground: tether.ground.as_ref().map(|plane| plane.height_m),
-        ..Motion::default()
+        ..RunMotion::default()
     };
     let strains = strains(case, loads);
     let heights = strips.and_then(|strips| heights(strips, loads.rows(), tether.aero.strips()));
-    let mut surface = Surface::default();
+    let mut surface = SurfaceTrack::default();
     for (&t, &row) in t.iter().zip(shown) {
         let frame = tether.motion.body(t).frame();
         let (origin, rotation) = (frame.origin.each(|j| j.x), frame.turn.each(|j| j.x));
@@ -84,7 +84,7 @@ fn heights(strips: &Record, rows: usize, count: usize) -> Option<[&[f64]; 2]> {
 }
 
 /// The strips of a record that has as many rows an instant as strips, of the instants of the `shown` rows of `loads`.
-fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<Strip>> {
+fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<StripTrack>> {
     let (t, number) = (strips.values("t")?, strips.values("strip")?);
     let all = loads.values("t")?;
     let most = number.iter().fold(0.0_f64, |most, n| most.max(*n));
@@ -98,7 +98,7 @@ fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<Str
         let of = |name: &str| crate::flight::axes(strips, &rows, name).ok();
         let circulation = ["circulation", "circulation_lag_sum"];
         let circulation = circulation.iter().find_map(|name| taken(strips, &rows, name).ok())?;
-        Some(Strip { quarter_chord: of("quarter_chord")?, force: of("force")?, circulation, rib: 0.0 })
+        Some(StripTrack { quarter_chord: of("quarter_chord")?, force: of("force")?, circulation, rib: 0.0 })
     };
     (0..count).map(strip).collect()
 }
@@ -107,14 +107,14 @@ fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<Str
 ///
 /// # Errors
 /// Why the record does not say how it moves.
-pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<Motion, Silent> {
+pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<RunMotion, Silent> {
     let joint = |k: usize| taken(record, shown, &format!("q{}", k + 1));
     let q: Vec<Vec<f64>> = (0..run.arm.dof()).map(joint).collect::<Result<_, _>>()?;
-    let mut motion = Motion { t: taken(record, shown, "t")?, ..Motion::default() };
-    let (none, z): (Track, f64) = (Default::default(), run.spec.rig.table_m);
+    let mut motion = RunMotion { t: taken(record, shown, "t")?, ..RunMotion::default() };
+    let (none, z): (PointTrack, f64) = (Default::default(), run.spec.rig.table_m);
     let phase = taken(record, shown, "phase").ok();
-    let mut arm = Line { name: "arm", weight: 7.0, points: vec![none.clone(); run.arm.dof() + 3] };
-    let mut sting = Line { name: "mount and cell", weight: 4.0, points: vec![none; 3] };
+    let mut arm = LineTrack { name: "arm", weight: 7.0, points: vec![none.clone(); run.arm.dof() + 3] };
+    let mut sting = LineTrack { name: "mount and cell", weight: 4.0, points: vec![none; 3] };
     for (i, t) in motion.t.clone().into_iter().enumerate() {
         let q: Vec<f64> = q.iter().map(|joint| joint[i]).collect();
         let frames = run.arm.frames(&q);
@@ -147,7 +147,7 @@ pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<Motion, 
 ///
 /// # Errors
 /// Why the record does not say how it moves.
-pub fn gait(scenario: &Scenario, record: &Record, shown: &[usize], pitch: f64) -> Result<Motion, Silent> {
+pub fn gait(scenario: &Scenario, record: &Record, shown: &[usize], pitch: f64) -> Result<RunMotion, Silent> {
     let robot = scenario.robot();
     let mut rest = vec![0.0; robot.states().len()];
     rest[robot.attitude().ok_or("the robot has no attitude")?] = 1.0;
@@ -156,12 +156,12 @@ pub fn gait(scenario: &Scenario, record: &Record, shown: &[usize], pitch: f64) -
     };
     let (states, inputs) = (of(robot.states()), of(robot.inputs()));
     let phase = record.values("phase").ok_or("the record has no column phase")?;
-    let mut motion = Motion {
+    let mut motion = RunMotion {
         t: taken(record, shown, "t")?,
         sources: named(record, shown),
         wind: robot.mean_wind().0,
         repeats: true,
-        ..Motion::default()
+        ..RunMotion::default()
     };
     for &row in shown {
         let at = |columns: &[Option<&[f64]>], rest: &[f64]| -> Vec<f64> {
@@ -184,7 +184,7 @@ pub fn gait(scenario: &Scenario, record: &Record, shown: &[usize], pitch: f64) -
 }
 
 /// Adds a place of the body, its quaternion of the sign that is nearer to the one before.
-fn add_pose(motion: &mut Motion, pose: &Pose) {
+fn add_pose(motion: &mut RunMotion, pose: &Pose) {
     push(&mut motion.position, pose.origin);
     let mut next = [0.0; 4];
     Quat::exp(rotation_vector(&pose.rotation)).store_wxyz(&mut next);

@@ -1,7 +1,7 @@
 //! Runs as one page that moves, and in the files of other programs.
 //!
 //! [`run::read`] reads a run folder; [`page::page`] writes a page that needs no network and no library: WebGL 2, or a canvas where there
-//! is none. What moves comes from the code that flew it: [`motion::Motion`] holds the robot of the run's scenario in the states of its
+//! is none. What moves comes from the code that flew it: [`motion::RunMotion`] holds the robot of the run's scenario in the states of its
 //! record.
 
 pub mod animate;

@@ -17,79 +17,79 @@ pub const SPINDLE_SIZE: [f64; 2] = [0.34, 0.075];
 pub const SPINDLE: [[f64; 2]; 5] = [[1.0, 0.02], [0.45, 0.75], [0.0, 1.0], [-0.7, 0.6], [-1.0, 0.15]];
 
 /// A point over the frames, m or N.
-pub type Track = [Vec<f64>; 3];
+pub type PointTrack = [Vec<f64>; 3];
 
 /// A surface over the frames, in B.
 #[derive(Clone, Debug, Default)]
-pub struct Surface {
+pub struct SurfaceTrack {
     /// Name.
     pub name: String,
     /// Leading and trailing edge of each rib, from left tip to right tip.
-    pub ribs: Vec<[Track; 2]>,
+    pub ribs: Vec<[PointTrack; 2]>,
     /// Whether there is surface between a rib and the next.
     pub covered: Vec<bool>,
     /// Of each panel 0 on the left, 1 on the right, 2 on neither.
     pub side: Vec<usize>,
     /// Points of a membrane above each rib at [`MEMBRANE_DRAWN`](wingbeat::aero::MEMBRANE_DRAWN); none of a rigid surface.
-    pub raised: Vec<[Track; 3]>,
+    pub raised: Vec<[PointTrack; 3]>,
     /// Its strips, from left to right.
-    pub strips: Vec<Strip>,
+    pub strips: Vec<StripTrack>,
 }
 
 /// A strip over the frames, in B.
 #[derive(Clone, Debug, Default)]
-pub struct Strip {
+pub struct StripTrack {
     /// Where it lies: number of the rib to its left, and the share of the way to the next.
     pub rib: f64,
     /// Point at 1/4 chord.
-    pub quarter_chord: Track,
+    pub quarter_chord: PointTrack,
     /// Force of the air, N.
-    pub force: Track,
+    pub force: PointTrack,
     /// Circulation, m2/s; none where the model has none.
     pub circulation: Vec<f64>,
 }
 
 /// A named force over the frames, in B.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct ForceTrack {
     /// Its name.
     pub name: String,
     /// Where it is drawn from: a place in B, m; the centre of mass where none.
     pub place: Option<[f64; 3]>,
     /// The force, N.
-    pub force: Track,
+    pub force: PointTrack,
 }
 
 /// A line through moving points, in W.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct LineTrack {
     /// What it is.
     pub name: &'static str,
     /// Weight, px.
     pub weight: f64,
     /// Its points.
-    pub points: Vec<Track>,
+    pub points: Vec<PointTrack>,
 }
 
 /// All that moves.
 #[derive(Clone, Debug, Default)]
-pub struct Motion {
+pub struct RunMotion {
     /// Time of each frame, s.
     pub t: Vec<f64>,
     /// The body's origin in W, m.
-    pub position: Track,
+    pub position: PointTrack,
     /// Attitude of the body, the unit quaternion w, x, y, z of R_WB.
     pub attitude: [Vec<f64>; 4],
     /// Centre of mass, in B, m.
-    pub com: Track,
+    pub com: PointTrack,
     /// The surfaces.
-    pub surfaces: Vec<Surface>,
+    pub surfaces: Vec<SurfaceTrack>,
     /// Forces by source.
-    pub sources: Vec<Source>,
+    pub sources: Vec<ForceTrack>,
     /// Arm and sting, or a perch.
-    pub lines: Vec<Line>,
+    pub lines: Vec<LineTrack>,
     /// Places that a path asks for, in W.
-    pub path: Option<Track>,
+    pub path: Option<PointTrack>,
     /// Corners of the table that the arm stands on, in W, m.
     pub table: Option<[[f64; 3]; 4]>,
     /// Velocity of the air, in W, m/s.
@@ -143,7 +143,7 @@ pub fn spindle(centre: Vec3, reach: f64, around: u16) -> Vec<Vec<Vec3>> {
 }
 
 /// Adds a frame to a track, in the unit of the track.
-pub fn push(track: &mut Track, value: Vec3) {
+pub fn push(track: &mut PointTrack, value: Vec3) {
     track.iter_mut().zip(value.0).for_each(|(column, value)| column.push(value));
 }
 
@@ -153,11 +153,11 @@ pub fn direction(v: Vec3) -> Vec3 {
 }
 
 /// The point of a track in frame `i`, in the unit of the track.
-pub fn at(track: &Track, i: usize) -> Vec3 {
+pub fn at(track: &PointTrack, i: usize) -> Vec3 {
     Vec3(std::array::from_fn(|axis| track[axis][i]))
 }
 
-impl Motion {
+impl RunMotion {
     /// Every column, in an order that depends on what moves alone.
     fn columns(&mut self) -> Vec<&mut Vec<f64>> {
         let mut all: Vec<&mut Vec<f64>> = vec![&mut self.t];
@@ -211,7 +211,7 @@ impl Motion {
     }
 }
 
-impl Surface {
+impl SurfaceTrack {
     /// Points along rib `k` from the leading to the trailing edge in frame `i`, in B, m: its edges, and of a membrane what lies
     /// between.
     pub fn along(&self, k: usize, i: usize) -> Vec<Vec3> {
@@ -222,7 +222,7 @@ impl Surface {
 
     /// Says of each strip where it lies between the ribs as they are in the first frame: nearest to its point at 1/4 chord.
     pub fn place_strips(&mut self) {
-        let quarter = |rib: &[Track; 2]| at(&rib[0], 0) * 0.75 + at(&rib[1], 0) * 0.25;
+        let quarter = |rib: &[PointTrack; 2]| at(&rib[0], 0) * 0.75 + at(&rib[1], 0) * 0.25;
         if self.ribs.is_empty() || self.ribs[0][0][0].is_empty() {
             self.strips.clear();
             return;

@@ -17,7 +17,7 @@ const ORDERS: usize = 5;
 
 /// Where a column lies in the bytes, and how it is read: `value = step (base + q - 1)`, where q = 0 stands for no number.
 #[derive(Clone, Copy, Debug, Serialize, PartialEq)]
-pub struct Channel {
+pub struct PackedColumn {
     /// First byte.
     at: usize,
     /// Rows.
@@ -46,7 +46,7 @@ impl Pack {
 
     /// Adds a column, in its unit, whose numbers may be wrong by half a `step`; by more only where they span more than
     /// [`MOST_STEPS`].
-    pub fn add(&mut self, values: &[f64], step: f64) -> Channel {
+    pub fn add(&mut self, values: &[f64], step: f64) -> PackedColumn {
         let values = &values[self.from.min(values.len())..];
         let (low, high) = range(values);
         // Halves, as the whole of two large numbers may have no number.
@@ -74,11 +74,11 @@ impl Pack {
         for plane in 0..planes {
             self.bytes.extend(folded.iter().map(|value| (value >> (8 * plane)) as u8));
         }
-        Channel { at, rows: values.len(), base, step, order, planes }
+        PackedColumn { at, rows: values.len(), base, step, order, planes }
     }
 
     /// Adds a column, in its unit, to the share 1/`parts` of its range.
-    pub fn add_parts(&mut self, values: &[f64], parts: f64) -> Channel {
+    pub fn add_parts(&mut self, values: &[f64], parts: f64) -> PackedColumn {
         let (low, high) = range(values);
         self.add(values, 2.0 * ((0.5 * high - 0.5 * low) / parts))
     }
@@ -119,8 +119,8 @@ mod tests {
     use super::*;
 
     /// What the page does.
-    fn read(pack: &Pack, channel: Channel) -> Vec<f64> {
-        let Channel { at, rows, base, step, order, planes } = channel;
+    fn read(pack: &Pack, channel: PackedColumn) -> Vec<f64> {
+        let PackedColumn { at, rows, base, step, order, planes } = channel;
         let folded = |i: usize| -> u64 {
             (0..planes).map(|p| u64::from(pack.bytes[at + p * rows + i]) << (8 * p)).sum()
         };

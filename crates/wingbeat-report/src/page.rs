@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::motion::{self, Motion, Surface, Track};
-use crate::pack::{Channel, Pack};
-use crate::panels::{Panel, Role};
-use crate::run::Run;
+use crate::motion::{self, PointTrack, RunMotion, SurfaceTrack};
+use crate::pack::{Pack, PackedColumn};
+use crate::panels::{CurveRole, PagePanel};
+use crate::run::ShownRun;
 
 const HTML: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
@@ -45,15 +45,15 @@ pub struct Without {
 }
 
 /// The page that shows `runs`.
-pub fn page(runs: &[Run], without: Without) -> String {
-    Parts::of(runs, without, None).filled(None)
+pub fn page(runs: &[ShownRun], without: Without) -> String {
+    PageParts::of(runs, without, None).filled(None)
 }
 
 /// Runs of a computation that goes on, in their `version`.
 #[derive(Clone, Copy, Debug)]
 pub struct Live<'a> {
     /// The runs.
-    pub runs: &'a [Run],
+    pub runs: &'a [ShownRun],
     /// How often they have changed.
     pub version: u64,
     /// Whether nothing more comes.
@@ -63,12 +63,13 @@ pub struct Live<'a> {
 impl Live<'_> {
     /// The page, which asks its server for what has been computed since.
     pub fn page(&self) -> String {
-        Parts::of(self.runs, Without::default(), None).filled(Some(self.version))
+        PageParts::of(self.runs, Without::default(), None).filled(Some(self.version))
     }
 
     /// What the page is told: all, or what has come since another version and its numbers of rows.
     pub fn data(&self, since: Option<(u64, &[usize])>) -> String {
-        let Parts { data, bytes, .. } = Parts::of(self.runs, Without::default(), since.map(|(_, rows)| rows));
+        let PageParts { data, bytes, .. } =
+            PageParts::of(self.runs, Without::default(), since.map(|(_, rows)| rows));
         let mut told = json!({ "version": self.version, "ended": self.ended, "data": data, "bytes": bytes });
         if let Some((after, _)) = since {
             told["after"] = json!(after);
@@ -78,7 +79,7 @@ impl Live<'_> {
 }
 
 /// What a page holds of its runs.
-struct Parts {
+struct PageParts {
     title: String,
     /// What is read before any number.
     data: Value,
@@ -86,9 +87,9 @@ struct Parts {
     bytes: String,
 }
 
-impl Parts {
+impl PageParts {
     /// Of each run all, or what it has from the row on that `rows` gives.
-    fn of(runs: &[Run], without: Without, rows: Option<&[usize]>) -> Self {
+    fn of(runs: &[ShownRun], without: Without, rows: Option<&[usize]>) -> Self {
         let mut pack = Pack::default();
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         let told: Vec<Value> = runs.iter().map(told).collect();
@@ -169,7 +170,7 @@ fn without_margins(program: &str) -> String {
 }
 
 /// What is read of a run before any number.
-fn told(run: &Run) -> Value {
+fn told(run: &ShownRun) -> Value {
     let (mut summary, mut notes) = (run.summary.clone(), run.notes.clone());
     if let Some(parts) = summary.as_object_mut() {
         let whole = parts.len();
@@ -184,7 +185,7 @@ fn told(run: &Run) -> Value {
 }
 
 /// The document of a run, of a long one its begin.
-fn settings(run: &Run) -> String {
+fn settings(run: &ShownRun) -> String {
     let mut settings = run.settings.clone();
     if settings.len() > LONGEST {
         let end = (0..=LONGEST).rev().find(|end| settings.is_char_boundary(*end)).unwrap_or(0);
@@ -194,7 +195,7 @@ fn settings(run: &Run) -> String {
     settings
 }
 
-fn of_run(run: &Run, without: Without, pack: &mut Pack) -> Value {
+fn of_run(run: &ShownRun, without: Without, pack: &mut Pack) -> Value {
     let panels: Vec<Value> = run.panels.iter().map(|panel| of_panel(panel, pack)).collect();
     json!({
         "axis": { "label": run.axis.label, "unit": run.axis.unit, "joined": run.axis.joined,
@@ -210,18 +211,18 @@ fn of_run(run: &Run, without: Without, pack: &mut Pack) -> Value {
 }
 
 /// Times and phases to a millionth of their range.
-fn axis(values: &[f64], pack: &mut Pack) -> Channel {
+fn axis(values: &[f64], pack: &mut Pack) -> PackedColumn {
     pack.add_parts(values, 1e6)
 }
 
-fn of_panel(panel: &Panel, pack: &mut Pack) -> Value {
-    let curve = |curve: &crate::panels::Curve| {
+fn of_panel(panel: &PagePanel, pack: &mut Pack) -> Value {
+    let curve = |curve: &crate::panels::PageCurve| {
         let role = match curve.role {
-            Role::Own(n) => json!(["own", n]),
-            Role::Side(n) => json!(["side", n]),
-            Role::Pale(n) => json!(["pale", n]),
-            Role::Reference => json!(["reference", 0]),
-            Role::Total => json!(["total", 0]),
+            CurveRole::Own(n) => json!(["own", n]),
+            CurveRole::Side(n) => json!(["side", n]),
+            CurveRole::Pale(n) => json!(["pale", n]),
+            CurveRole::Reference => json!(["reference", 0]),
+            CurveRole::Total => json!(["total", 0]),
         };
         json!({ "label": curve.label, "role": role, "values": pack.add_parts(&curve.values, PLOT) })
     };
@@ -229,16 +230,16 @@ fn of_panel(panel: &Panel, pack: &mut Pack) -> Value {
     json!({ "title": panel.title, "unit": panel.unit, "limits": panel.limits, "curves": curves })
 }
 
-fn track(track: &Track, step: f64, pack: &mut Pack) -> [Channel; 3] {
+fn track(track: &PointTrack, step: f64, pack: &mut Pack) -> [PackedColumn; 3] {
     track.each_ref().map(|column| pack.add(column, step))
 }
 
-fn arrow(track: &Track, pack: &mut Pack) -> [Channel; 3] {
+fn arrow(track: &PointTrack, pack: &mut Pack) -> [PackedColumn; 3] {
     let size = track.iter().flatten().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
     track.each_ref().map(|column| pack.add(column, 2.0 * size / ARROW))
 }
 
-fn of_motion(motion: &Motion, without: Without, pack: &mut Pack) -> Value {
+fn of_motion(motion: &RunMotion, without: Without, pack: &mut Pack) -> Value {
     let reach = motion.reach();
     let mut value = Map::new();
     let mut put = |key: &str, what: Value| value.insert(key.into(), what);
@@ -265,7 +266,7 @@ fn of_motion(motion: &Motion, without: Without, pack: &mut Pack) -> Value {
         })
         .collect();
     put("sources", json!(sources));
-    let line = |line: &crate::motion::Line| {
+    let line = |line: &crate::motion::LineTrack| {
         let points: Vec<_> = line.points.iter().map(|point| track(point, PLACE, pack)).collect();
         json!({ "name": line.name, "weight": line.weight, "points": points })
     };
@@ -275,10 +276,10 @@ fn of_motion(motion: &Motion, without: Without, pack: &mut Pack) -> Value {
     Value::Object(value)
 }
 
-fn of_surface(surface: &Surface, reach: f64, without: Without, pack: &mut Pack) -> Value {
+fn of_surface(surface: &SurfaceTrack, reach: f64, without: Without, pack: &mut Pack) -> Value {
     let ribs: Vec<_> =
         surface.ribs.iter().map(|rib| rib.each_ref().map(|edge| track(edge, RIB * reach, pack))).collect();
-    let strip = |strip: &crate::motion::Strip| {
+    let strip = |strip: &crate::motion::StripTrack| {
         let force = (!without.strips).then(|| arrow(&strip.force, pack));
         let circulation = (!without.wake).then(|| pack.add_parts(&strip.circulation, ARROW));
         json!({ "rib": strip.rib, "force": force, "circulation": circulation })
@@ -298,20 +299,24 @@ fn of_surface(surface: &Surface, reach: f64, without: Without, pack: &mut Pack) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::Curve;
-    use crate::run::Axis;
+    use crate::panels::PageCurve;
+    use crate::run::PlotAxis;
 
-    fn run(name: &str, t: Vec<f64>, values: Vec<f64>) -> Run {
-        let curve = Curve { label: "</script>".into(), role: Role::Own(0), values };
-        let panel =
-            Panel { title: "<b>".into(), unit: "m", curves: vec![curve], limits: Some((f64::NAN, 1e300)) };
-        Run {
+    fn run(name: &str, t: Vec<f64>, values: Vec<f64>) -> ShownRun {
+        let curve = PageCurve { label: "</script>".into(), role: CurveRole::Own(0), values };
+        let panel = PagePanel {
+            title: "<b>".into(),
+            unit: "m",
+            curves: vec![curve],
+            limits: Some((f64::NAN, 1e300)),
+        };
+        ShownRun {
             name: name.into(),
             kind: "flight",
             summary: json!({ "status": "ok", "reason": "</script><script>window.pwned = 1</script>" }),
             settings: "# </script><img src=x onerror='window.pwned = 1'>\u{2028}%%BYTES%%".repeat(2000),
             notes: vec!["<i>".into()],
-            axis: Axis { label: "time", unit: "s", values: t, joined: true },
+            axis: PlotAxis { label: "time", unit: "s", values: t, joined: true },
             motion: None,
             shots: Vec::new(),
             panels: vec![panel],

@@ -13,7 +13,7 @@ const SHARE: f64 = 0.02;
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum CurveRole {
     /// A colour of its own.
     Own(usize),
     /// Of the left, and of the right side.
@@ -28,16 +28,16 @@ pub enum Role {
 
 /// A curve of a panel.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct PageCurve {
     /// What it is.
     pub label: String,
     /// How it is drawn.
-    pub role: Role,
+    pub role: CurveRole,
     /// Its values, in the unit of the panel.
     pub values: Vec<f64>,
 }
 
-impl Curve {
+impl PageCurve {
     /// Whether not all its values are the same.
     pub fn varies(&self) -> bool {
         self.values.windows(2).any(|pair| pair[0].to_bits() != pair[1].to_bits())
@@ -46,25 +46,25 @@ impl Curve {
 
 /// A plot.
 #[derive(Clone, Debug)]
-pub struct Panel {
+pub struct PagePanel {
     /// What it shows.
     pub title: String,
     /// Unit of its values.
     pub unit: &'static str,
     /// Its curves.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<PageCurve>,
     /// What its values are limited to, in the unit of the panel.
     pub limits: Option<(f64, f64)>,
 }
 
 /// Whether the plots show what the `earlier` ones do, to the bit, and what comes behind.
-pub fn continue_all(panels: &[Panel], earlier: &[Panel]) -> bool {
+pub fn continue_all(panels: &[PagePanel], earlier: &[PagePanel]) -> bool {
     panels.len() == earlier.len() && panels.iter().zip(earlier).all(|(now, then)| now.continues(then))
 }
 
-impl Panel {
+impl PagePanel {
     fn continues(&self, earlier: &Self) -> bool {
-        let same = |(now, then): (&Curve, &Curve)| {
+        let same = |(now, then): (&PageCurve, &PageCurve)| {
             (&now.label, now.role) == (&then.label, then.role) && begins_with(&now.values, &then.values)
         };
         (&self.title, self.limits) == (&earlier.title, earlier.limits)
@@ -80,19 +80,19 @@ pub fn begins_with(values: &[f64], earlier: &[f64]) -> bool {
 }
 
 /// What is taken of a record.
-struct Taken<'a> {
+struct RecordRows<'a> {
     record: &'a Record,
     rows: &'a [usize],
 }
 
-impl Taken<'_> {
+impl RecordRows<'_> {
     fn values(&self, name: &str, factor: f64) -> Option<Vec<f64>> {
         let column = self.record.values(name)?;
         Some(self.rows.iter().map(|&row| factor * column[row]).collect())
     }
 
-    fn curve(&self, (name, label, role): (&str, &str, Role), factor: f64) -> Option<Curve> {
-        Some(Curve { label: label.into(), role, values: self.values(name, factor)? })
+    fn curve(&self, (name, label, role): (&str, &str, CurveRole), factor: f64) -> Option<PageCurve> {
+        Some(PageCurve { label: label.into(), role, values: self.values(name, factor)? })
     }
 
     /// A panel of the columns that are there; none where none is.
@@ -100,26 +100,26 @@ impl Taken<'_> {
         &self,
         (title, unit): (&str, &'static str),
         factor: f64,
-        curves: &[(&str, &str, Role)],
-    ) -> Option<Panel> {
-        let curves: Vec<Curve> = curves.iter().filter_map(|curve| self.curve(*curve, factor)).collect();
-        (!curves.is_empty()).then(|| Panel { title: title.into(), unit, curves, limits: None })
+        curves: &[(&str, &str, CurveRole)],
+    ) -> Option<PagePanel> {
+        let curves: Vec<PageCurve> = curves.iter().filter_map(|curve| self.curve(*curve, factor)).collect();
+        (!curves.is_empty()).then(|| PagePanel { title: title.into(), unit, curves, limits: None })
     }
 }
 
-use Role::{Own, Pale, Reference, Side, Total};
+use CurveRole::{Own, Pale, Reference, Side, Total};
 
 /// The plots of a flight.
 /// with the ground at a height in W that they come near, m.
-pub fn flight(record: &Record, rows: &[usize], ground: Option<f64>) -> Vec<Panel> {
-    let of = Taken { record, rows };
+pub fn flight(record: &Record, rows: &[usize], ground: Option<f64>) -> Vec<PagePanel> {
+    let of = RecordRows { record, rows };
     let mut panels = Vec::new();
     panels.extend(attitude(&of));
     let yaw = of.record.values("yaw").map(|yaw| unwrapped(yaw.to_vec()));
-    panels.extend(yaw.map(|yaw| Panel {
+    panels.extend(yaw.map(|yaw| PagePanel {
         title: "heading, left +".into(),
         unit: "deg",
-        curves: vec![Curve {
+        curves: vec![PageCurve {
             label: "yaw".into(),
             role: Own(2),
             values: rows.iter().map(|&row| DEGREES * yaw[row]).collect(),
@@ -162,7 +162,7 @@ pub fn flight(record: &Record, rows: &[usize], ground: Option<f64>) -> Vec<Panel
 }
 
 /// Roll and pitch with their references; the record counts pitch downward.
-fn attitude(of: &Taken) -> Option<Panel> {
+fn attitude(of: &RecordRows) -> Option<PagePanel> {
     let curves = vec![
         of.curve(("roll", "roll, right wing down +", Own(0)), DEGREES),
         of.curve(("pitch", "pitch, nose up +", Own(1)), -DEGREES),
@@ -173,13 +173,13 @@ fn attitude(of: &Taken) -> Option<Panel> {
 }
 
 /// A panel of the curves that are there; none where none is.
-fn together(title: &str, unit: &'static str, curves: Vec<Option<Curve>>) -> Option<Panel> {
-    let curves: Vec<Curve> = curves.into_iter().flatten().collect();
-    (!curves.is_empty()).then(|| Panel { title: title.into(), unit, curves, limits: None })
+fn together(title: &str, unit: &'static str, curves: Vec<Option<PageCurve>>) -> Option<PagePanel> {
+    let curves: Vec<PageCurve> = curves.into_iter().flatten().collect();
+    (!curves.is_empty()).then(|| PagePanel { title: title.into(), unit, curves, limits: None })
 }
 
 /// Height, with the ground where that is no farther away than the heights are apart, or a metre.
-fn height(of: &Taken, ground: Option<f64>) -> Option<Panel> {
+fn height(of: &RecordRows, ground: Option<f64>) -> Option<PagePanel> {
     let mut panel = of.panel(("height", "m"), 1.0, &[("p_WB_z", "z", Own(0))])?;
     let values = &panel.curves[0].values;
     let [low, high] =
@@ -187,23 +187,23 @@ fn height(of: &Taken, ground: Option<f64>) -> Option<Panel> {
     let (low, high) = (low?, high?);
     if let Some(ground) = ground.filter(|z| (low - z).max(z - high) <= (high - low).max(1.0)) {
         let line = vec![ground; values.len()];
-        panel.curves.push(Curve { label: "ground".into(), role: Reference, values: line });
+        panel.curves.push(PageCurve { label: "ground".into(), role: Reference, values: line });
     }
     Some(panel)
 }
 
 /// Speed over the ground and climb.
-fn speed(of: &Taken) -> Option<Panel> {
+fn speed(of: &RecordRows) -> Option<PagePanel> {
     let [x, y, z] = ["x", "y", "z"].map(|axis| of.values(&format!("v_WB_W_{axis}"), 1.0));
     let (x, y, z) = (x?, y?, z?);
     let over = x.iter().zip(&y).map(|(x, y)| x.hypot(*y)).collect();
-    let curve = |label: &str, role, values| Curve { label: label.into(), role, values };
+    let curve = |label: &str, role, values| PageCurve { label: label.into(), role, values };
     let curves = vec![curve("over the ground", Own(0), over), curve("climb", Own(1), z)];
-    Some(Panel { title: "speed".into(), unit: "m/s", curves, limits: None })
+    Some(PagePanel { title: "speed".into(), unit: "m/s", curves, limits: None })
 }
 
 /// The upward force of the air by part.
-fn weight(of: &Taken) -> Option<Panel> {
+fn weight(of: &RecordRows) -> Option<PagePanel> {
     let names = of.record.columns().iter().filter_map(|column| column.name.strip_prefix("weight_"));
     let parts: Vec<(String, Vec<f64>)> = names
         .filter_map(|name| Some((name.replace('_', " "), of.values(&format!("weight_{name}"), 1.0)?)))
@@ -212,14 +212,14 @@ fn weight(of: &Taken) -> Option<Panel> {
     let total = (0..rows).map(|row| parts.iter().map(|(_, values)| values[row]).sum()).collect();
     let mean = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>() / rows.max(1) as f64;
     let parts = parts.into_iter().filter(|(_, values)| mean(values) > SHARE).enumerate();
-    let mut curves: Vec<Curve> =
-        parts.map(|(i, (label, values))| Curve { label, role: Own(i), values }).collect();
-    curves.push(Curve { label: "all".into(), role: Total, values: total });
-    Some(Panel { title: "upward force over the weight".into(), unit: "", curves, limits: None })
+    let mut curves: Vec<PageCurve> =
+        parts.map(|(i, (label, values))| PageCurve { label, role: Own(i), values }).collect();
+    curves.push(PageCurve { label: "all".into(), role: Total, values: total });
+    Some(PagePanel { title: "upward force over the weight".into(), unit: "", curves, limits: None })
 }
 
 /// Forces by source along the body and to its top.
-fn forces(of: &Taken) -> Vec<Panel> {
+fn forces(of: &RecordRows) -> Vec<PagePanel> {
     let names = of.record.columns().iter().map(|column| column.name.as_str());
     let names: Vec<&str> = names.filter_map(|name| name.strip_prefix("force_")?.strip_suffix("_x")).collect();
     let panel = |(axis, title): (&str, &str)| {
@@ -227,8 +227,8 @@ fn forces(of: &Taken) -> Vec<Panel> {
             let label = name.replace('_', " ");
             of.curve((&format!("force_{name}_{axis}"), &label, Own(i)), 1.0)
         };
-        let curves: Vec<Curve> = names.iter().enumerate().filter_map(curve).collect();
-        (!curves.is_empty()).then(|| Panel { title: title.into(), unit: "N", curves, limits: None })
+        let curves: Vec<PageCurve> = names.iter().enumerate().filter_map(curve).collect();
+        (!curves.is_empty()).then(|| PagePanel { title: title.into(), unit: "N", curves, limits: None })
     };
     [("x", "force along the body, forward +"), ("z", "force to its top")]
         .into_iter()
@@ -262,14 +262,14 @@ fn drawn(unit: &str) -> (&'static str, f64) {
 }
 
 /// Adds the curves of a column to the panel of its pair.
-fn add(panels: &mut Vec<Panel>, of: &Taken, column: &Column, name: &str, what: &str) {
+fn add(panels: &mut Vec<PagePanel>, of: &RecordRows, column: &Column, name: &str, what: &str) {
     let (group, side) = pair(name);
     let (unit, factor) = drawn(&column.unit);
     let title = format!("{}{what}", group.replace('_', " "));
     let limits = (column.low.is_finite() && column.high.is_finite())
         .then_some((factor * column.low, factor * column.high));
     let place = panels.iter().position(|panel| panel.title == title).unwrap_or_else(|| {
-        panels.push(Panel { title, unit, curves: Vec::new(), limits });
+        panels.push(PagePanel { title, unit, curves: Vec::new(), limits });
         panels.len() - 1
     });
     let (label, role) = match side {
@@ -291,7 +291,7 @@ fn add(panels: &mut Vec<Panel>, of: &Taken, column: &Column, name: &str, what: &
 }
 
 /// The joints: what has a torque.
-fn joints(of: &Taken) -> Vec<Panel> {
+fn joints(of: &RecordRows) -> Vec<PagePanel> {
     let mut panels = Vec::new();
     let columns = of.record.columns();
     for column in columns.iter().filter(|c| of.record.column(&format!("torque_{}", c.name)).is_some()) {
@@ -301,7 +301,7 @@ fn joints(of: &Taken) -> Vec<Panel> {
 }
 
 /// The commands with their limits, and what follows them.
-fn commands(of: &Taken) -> Vec<Panel> {
+fn commands(of: &RecordRows) -> Vec<PagePanel> {
     let mut panels = Vec::new();
     for column in of.record.columns() {
         if let Some(name) = column.name.strip_prefix("command_") {
@@ -312,26 +312,26 @@ fn commands(of: &Taken) -> Vec<Panel> {
 }
 
 /// Least distances of parts, which may not fall below zero.
-fn clearances(of: &Taken) -> Option<Panel> {
+fn clearances(of: &RecordRows) -> Option<PagePanel> {
     let names = of.record.columns().iter().map(|column| column.name.as_str());
     let names = names.filter(|name| name.starts_with("clearance_"));
     let curve = |(i, name): (usize, &str)| {
         let label = name.trim_start_matches("clearance_").replace('_', " ");
         of.curve((name, &label, Own(i)), MILLIMETRES)
     };
-    let curves: Vec<Curve> = names.enumerate().filter_map(curve).collect();
-    (!curves.is_empty()).then(|| Panel { title: "clearance".into(), unit: "mm", curves, limits: None })
+    let curves: Vec<PageCurve> = names.enumerate().filter_map(curve).collect();
+    (!curves.is_empty()).then(|| PagePanel { title: "clearance".into(), unit: "mm", curves, limits: None })
 }
 
 /// The plots of the loads of a case.
-pub fn loads(record: &Record, rows: &[usize]) -> Vec<Panel> {
-    let of = Taken { record, rows };
+pub fn loads(record: &Record, rows: &[usize]) -> Vec<PagePanel> {
+    let of = RecordRows { record, rows };
     let wind = [
         ("force_wind_lift", "lift", Own(0)),
         ("force_wind_drag", "drag", Own(1)),
         ("force_wind_side", "to the side", Own(2)),
     ];
-    let mut panels: Vec<Panel> = of.panel(("loads in the wind", "N"), 1.0, &wind).into_iter().collect();
+    let mut panels: Vec<PagePanel> = of.panel(("loads in the wind", "N"), 1.0, &wind).into_iter().collect();
     let coefficients = [("CL", "CL", Own(0)), ("CD", "CD", Own(1)), ("CM", "CM", Own(2))];
     panels.extend(of.panel(("coefficients", ""), 1.0, &coefficients));
     let moments = [("moment_x", "x", Own(0)), ("moment_y", "y", Own(1)), ("moment_z", "z", Own(2))];
@@ -356,7 +356,7 @@ pub fn loads(record: &Record, rows: &[usize]) -> Vec<Panel> {
                 let Some(curve) = of.curve((&column.name, name, role), factor) else { continue };
                 match panels.iter_mut().find(|panel| panel.title == title) {
                     Some(panel) => panel.curves.push(curve),
-                    None => panels.push(Panel { title, unit, curves: vec![curve], limits: None }),
+                    None => panels.push(PagePanel { title, unit, curves: vec![curve], limits: None }),
                 }
             }
         }
@@ -366,13 +366,13 @@ pub fn loads(record: &Record, rows: &[usize]) -> Vec<Panel> {
 
 /// Of each channel of a comparison (columns over `phase`, cycles) the measured mean with the range of its cycles, and the computed curve as
 /// it is and fitted, at the times `times` (s) of a run with that frequency.
-pub fn compared(comparison: &Record, times: &[f64], frequency_hz: f64) -> Vec<Panel> {
+pub fn compared(comparison: &Record, times: &[f64], frequency_hz: f64) -> Vec<PagePanel> {
     let rows = comparison.rows() as f64;
     let phases = times.iter().map(|t| (t * frequency_hz).rem_euclid(1.0));
     // The phases of a comparison are even, the first is 0: the nearest row is within half of one.
     let nearest: Vec<usize> =
         phases.map(|phase| (phase * rows).round() as usize % (rows as usize).max(1)).collect();
-    let of = Taken { record: comparison, rows: &nearest };
+    let of = RecordRows { record: comparison, rows: &nearest };
     let kinds = [
         ("measured", Total),
         ("low", Reference),
@@ -389,15 +389,15 @@ pub fn compared(comparison: &Record, times: &[f64], frequency_hz: f64) -> Vec<Pa
         let (unit, factor) = drawn(known.map_or(unit.as_str(), |(_, unit)| unit));
         let curve = |(kind, role)| of.curve((format!("{kind}_{channel}").as_str(), kind, role), factor);
         let title = format!("{}, measured and computed", channel.replace('_', " "));
-        Panel { title, unit, curves: kinds.into_iter().filter_map(curve).collect(), limits: None }
+        PagePanel { title, unit, curves: kinds.into_iter().filter_map(curve).collect(), limits: None }
     };
     if rows > 0.0 { channels.map(panel).collect() } else { Vec::new() }
 }
 
 /// Every column of a record in a panel of its own, the three of an axis or the six of a cell together.
-pub fn every(record: &Record, rows: &[usize], but: &str) -> Vec<Panel> {
-    let of = Taken { record, rows };
-    let mut panels: Vec<Panel> = Vec::new();
+pub fn every(record: &Record, rows: &[usize], but: &str) -> Vec<PagePanel> {
+    let of = RecordRows { record, rows };
+    let mut panels: Vec<PagePanel> = Vec::new();
     for column in record.columns().iter().filter(|column| column.name != but) {
         let (unit, factor) = drawn(&column.unit);
         let (group, label) = grouped(&column.name);
@@ -407,7 +407,7 @@ pub fn every(record: &Record, rows: &[usize], but: &str) -> Vec<Panel> {
         match found {
             Some(place) => panels[place].curves.push(curve),
             None if panels.len() < MOST_PANELS => {
-                panels.push(Panel { title: group, unit, curves: vec![curve], limits: None });
+                panels.push(PagePanel { title: group, unit, curves: vec![curve], limits: None });
             }
             None => {}
         }

@@ -11,8 +11,8 @@ use wingbeat::simulate::{Column, Record};
 use wingbeat_io::read_csv;
 
 use crate::files::Files;
-use crate::motion::{Motion, rows};
-use crate::panels::{self, Curve, Panel, Role, begins_with};
+use crate::motion::{RunMotion, rows};
+use crate::panels::{self, CurveRole, PageCurve, PagePanel, begins_with};
 use crate::wake::Shot;
 use crate::{Error, flight, held};
 
@@ -23,7 +23,7 @@ const MOST_RUNS: usize = 8;
 
 /// What the plots run over.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct PlotAxis {
     /// Its name.
     pub label: &'static str,
     /// Its unit.
@@ -36,7 +36,7 @@ pub struct Axis {
 
 /// A run.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct ShownRun {
     /// Its name.
     pub name: String,
     /// What it is.
@@ -48,18 +48,18 @@ pub struct Run {
     /// What a reader must know of the page.
     pub notes: Vec<String>,
     /// What the plots run over.
-    pub axis: Axis,
+    pub axis: PlotAxis,
     /// What moves.
-    pub motion: Option<Motion>,
+    pub motion: Option<RunMotion>,
     /// The pictures of a wake.
     pub shots: Vec<Shot>,
     /// The plots.
-    pub panels: Vec<Panel>,
+    pub panels: Vec<PagePanel>,
 }
 
-impl Run {
+impl ShownRun {
     /// A run of which nothing is known yet.
-    pub fn blank(name: &str, kind: &'static str, axis: Axis) -> Self {
+    pub fn blank(name: &str, kind: &'static str, axis: PlotAxis) -> Self {
         Self {
             name: name.into(),
             kind,
@@ -77,7 +77,7 @@ impl Run {
     ///
     /// # Errors
     /// Nothing does, and why.
-    pub fn moves(&self) -> Result<&Motion, String> {
+    pub fn moves(&self) -> Result<&RunMotion, String> {
         self.motion.as_ref().ok_or_else(|| {
             let why = self.notes.iter().filter(|note| note.starts_with("no"));
             let notes: String = why.map(|note| format!("; {note}")).collect();
@@ -101,7 +101,7 @@ impl Run {
 
 /// What a flight left in memory.
 #[derive(Clone, Copy)]
-pub struct Flown<'a> {
+pub struct FlownScenario<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
     /// Its record.
@@ -112,7 +112,7 @@ pub struct Flown<'a> {
 ///
 /// # Errors
 /// That.
-pub fn one_axis(runs: &[Run]) -> Result<(), String> {
+pub fn one_axis(runs: &[ShownRun]) -> Result<(), String> {
     let Some(first) = runs.first() else { return Ok(()) };
     match runs.iter().find(|run| run.axis.label != first.axis.label) {
         None => Ok(()),
@@ -127,7 +127,7 @@ pub fn one_axis(runs: &[Run]) -> Result<(), String> {
 ///
 /// # Errors
 /// A folder that is none of a run, or is damaged.
-pub fn read(folder: &Path) -> Result<Vec<Run>, Error> {
+pub fn read(folder: &Path) -> Result<Vec<ShownRun>, Error> {
     if !folder.is_dir() {
         return Err(Error::run(folder, "no such folder; allowed is a run folder, as `wingbeat fly` writes"));
     }
@@ -145,7 +145,7 @@ pub fn read(folder: &Path) -> Result<Vec<Run>, Error> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn of(files: Files, name: &str, flown: Option<Flown>) -> Result<Vec<Run>, Error> {
+pub fn of(files: Files, name: &str, flown: Option<FlownScenario>) -> Result<Vec<ShownRun>, Error> {
     let has = |file: &str| files.has(file);
     if let (false, None, Files::Folder(folder)) = (has("summary.json"), flown, files) {
         return of_rig(folder, name);
@@ -157,7 +157,7 @@ pub fn of(files: Files, name: &str, flown: Option<Flown>) -> Result<Vec<Run>, Er
         return Ok(vec![on_rig(files, name)?]);
     }
     let summary = files.json("summary.json")?;
-    let blank = |kind, axis| Run { summary: summary.clone(), ..Run::blank(name, kind, axis) };
+    let blank = |kind, axis| ShownRun { summary: summary.clone(), ..ShownRun::blank(name, kind, axis) };
     let shots = files.shots()?;
     if !shots.is_empty() {
         return Ok(vec![wake(files, shots, &blank)?]);
@@ -175,12 +175,12 @@ pub fn of(files: Files, name: &str, flown: Option<Flown>) -> Result<Vec<Run>, Er
         // Processed runs of the rig, each with its own file.
         ([_, _, ..], false) if !has("record.parquet") => {
             let several = averaged.iter().take(MOST_RUNS).map(|file| {
-                let own = Run::blank(
+                let own = ShownRun::blank(
                     &format!("{name}/{}", file.trim_end_matches(".parquet")),
                     "averages",
                     time(Vec::new()),
                 );
-                table(files, Some(file), &|kind, axis| Run {
+                table(files, Some(file), &|kind, axis| ShownRun {
                     kind,
                     axis,
                     summary: of_one(&summary, file),
@@ -205,19 +205,19 @@ fn of_one(summary: &Value, file: &str) -> Value {
     own
 }
 
-type Blank<'a> = &'a dyn Fn(&'static str, Axis) -> Run;
+type Blank<'a> = &'a dyn Fn(&'static str, PlotAxis) -> ShownRun;
 
 fn label(folder: &Path) -> String {
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
     folder.file_name().map_or("run".into(), |name| name.to_string_lossy().into_owned())
 }
 
-fn time(values: Vec<f64>) -> Axis {
-    Axis { label: "time", unit: "s", values, joined: true }
+fn time(values: Vec<f64>) -> PlotAxis {
+    PlotAxis { label: "time", unit: "s", values, joined: true }
 }
 
 /// A flight, a planned one, or one cycle of a periodic one.
-fn flight_of(files: Files, flown: Option<Flown>, blank: Blank) -> Result<Run, Error> {
+fn flight_of(files: Files, flown: Option<FlownScenario>, blank: Blank) -> Result<ShownRun, Error> {
     let kind = match () {
         () if files.has("multipliers.parquet") || files.has("gains.csv") => "periodic flight",
         () if files.has("plan.json") => "plan",
@@ -251,14 +251,15 @@ fn flight_of(files: Files, flown: Option<Flown>, blank: Blank) -> Result<Run, Er
 }
 
 /// The rows `shown` of a flight as far as it is known, without a verdict.
-pub fn of_flight(name: &str, kind: &'static str, flown: Flown, shown: &[usize]) -> Run {
-    let mut run = Run::blank(name, kind, time(flight::taken(flown.record, shown, "t").unwrap_or_default()));
+pub fn of_flight(name: &str, kind: &'static str, flown: FlownScenario, shown: &[usize]) -> ShownRun {
+    let mut run =
+        ShownRun::blank(name, kind, time(flight::taken(flown.record, shown, "t").unwrap_or_default()));
     fill(&mut run, flown.record, Some(flown.scenario), shown);
     run
 }
 
 /// Adds to a run what moves and what is plotted of a flight, of which the rows `shown` can be drawn.
-fn fill(run: &mut Run, record: &Record, scenario: Option<&Scenario>, shown: &[usize]) {
+fn fill(run: &mut ShownRun, record: &Record, scenario: Option<&Scenario>, shown: &[usize]) {
     run.panels = panels::flight(record, shown, scenario.and_then(|scenario| scenario.robot().ground()));
     let vertical = |&row: &usize| record.values("pitch").is_some_and(|pitch| pitch[row].abs() > VERTICAL);
     if shown.iter().any(vertical) {
@@ -283,7 +284,7 @@ fn fill(run: &mut Run, record: &Record, scenario: Option<&Scenario>, shown: &[us
             held::gait(scenario, record, shown, pitch.to_radians())
         } else {
             flight::motion(scenario, record, shown)
-                .map(|motion| Motion { repeats: run.kind == "periodic flight", ..motion })
+                .map(|motion| RunMotion { repeats: run.kind == "periodic flight", ..motion })
         };
         match motion {
             Ok(motion) => run.motion = Some(motion),
@@ -305,7 +306,7 @@ fn fill(run: &mut Run, record: &Record, scenario: Option<&Scenario>, shown: &[us
 }
 
 /// A wing in prescribed motion.
-fn tether(files: Files, blank: Blank) -> Result<Run, Error> {
+fn tether(files: Files, blank: Blank) -> Result<ShownRun, Error> {
     let read = |path: &Path| read_csv(path).map_err(|error| error.to_string());
     let case = files.document("case.toml").and_then(|document| TetherCase::new(document, &read));
     let case = case.map_err(|error| Error::run(&files.path("case.toml"), error))?;
@@ -330,7 +331,7 @@ fn tether(files: Files, blank: Blank) -> Result<Run, Error> {
                     run.notes
                         .push("loads.csv lacks coordinates of the spar: the wing is drawn unbent".into());
                 }
-                run.motion = Some(Motion { repeats: true, ..motion });
+                run.motion = Some(RunMotion { repeats: true, ..motion });
             }
             Err(why) => run.notes.push(format!("no picture in space: {why}")),
         }
@@ -339,7 +340,7 @@ fn tether(files: Files, blank: Blank) -> Result<Run, Error> {
 }
 
 /// The wake of a wing at several instants.
-fn wake(files: Files, shots: Vec<Shot>, blank: Blank) -> Result<Run, Error> {
+fn wake(files: Files, shots: Vec<Shot>, blank: Blank) -> Result<ShownRun, Error> {
     let names = files.parquets()?;
     let record = names.first().map(|name| files.record(name)).transpose()?;
     let t = record.as_ref().and_then(|record| record.values("t")).unwrap_or_default();
@@ -359,7 +360,7 @@ fn wake(files: Files, shots: Vec<Shot>, blank: Blank) -> Result<Run, Error> {
 }
 
 /// The runs of the rig in the folders inside, those on an arm in space, or planned ones.
-fn of_rig(folder: &Path, name: &str) -> Result<Vec<Run>, Error> {
+fn of_rig(folder: &Path, name: &str) -> Result<Vec<ShownRun>, Error> {
     let entries = fs::read_dir(folder).map_err(|source| Error::file(folder, source))?;
     let mut inside: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     inside.sort();
@@ -399,7 +400,7 @@ fn of_rig(folder: &Path, name: &str) -> Result<Vec<Run>, Error> {
 const TOLD: [&str; 4] = ["turn at", "limit profile", "binding", "clearance"];
 
 /// A run that was planned: its motion is that of the arm's table, in degrees.
-fn planned_run(files: Files, stem: &str, name: &str) -> Result<Run, Error> {
+fn planned_run(files: Files, stem: &str, name: &str) -> Result<ShownRun, Error> {
     let document = format!("{stem}.toml");
     let path = files.path(&document);
     let run = files.document(&document).and_then(|document| RigRun::new(document, &|_, _| None));
@@ -433,39 +434,39 @@ fn planned_run(files: Files, stem: &str, name: &str) -> Result<Run, Error> {
     let notes = shown.notes.iter().cloned().chain(lines).collect();
     let report: String = told.lines().map(|line| format!("# {line}\n")).collect();
     let settings = report + &files.text(&document)?;
-    Ok(Run { kind: "planned run of the rig", settings, notes, ..shown })
+    Ok(ShownRun { kind: "planned run of the rig", settings, notes, ..shown })
 }
 
-fn on_rig(files: Files, name: &str) -> Result<Run, Error> {
+fn on_rig(files: Files, name: &str) -> Result<ShownRun, Error> {
     let path = files.path("scenario.toml");
     let record = files.record("record.parquet")?;
     let run = files.document("scenario.toml").and_then(|document| RigRun::new(document, &|_, _| None));
     let run = run.map_err(|error| Error::run(&path, error))?;
     let shown = of_rig_run(name, &run, &record).map_err(|why| Error::run(&files.path(""), why))?;
-    Ok(Run { summary: files.json("summary.json")?, settings: files.text("scenario.toml")?, ..shown })
+    Ok(ShownRun { summary: files.json("summary.json")?, settings: files.text("scenario.toml")?, ..shown })
 }
 
 /// What a `record` of the joints shows of a run on the rig; summary and settings are still to come.
 ///
 /// # Errors
 /// A record without times.
-pub fn of_rig_run(name: &str, run: &RigRun, record: &Record) -> Result<Run, String> {
+pub fn of_rig_run(name: &str, run: &RigRun, record: &Record) -> Result<ShownRun, String> {
     let shown = rows(record.values("t").unwrap_or_default(), record.rows());
     let axis = flight::taken(record, &shown, "t")?;
     let (motion, notes) = match held::on_arm(run, record, &shown) {
         Ok(motion) => (Some(motion), Vec::new()),
         Err(why) => (None, vec![format!("no picture in space: {why}")]),
     };
-    Ok(Run {
+    Ok(ShownRun {
         notes,
         motion: motion.filter(|motion| motion.frames() > 1),
         panels: panels::every(record, &shown, "t"),
-        ..Run::blank(name, "run on the rig", time(axis))
+        ..ShownRun::blank(name, "run on the rig", time(axis))
     })
 }
 
 /// A run whose record is a table: a calibration, a sweep, averages.
-fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> {
+fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<ShownRun, Error> {
     let names = files.parquets()?;
     let known = names.iter().find(|name| *name == "record.parquet").or(names.first());
     let record = match which.or(known.map(String::as_str)) {
@@ -482,14 +483,16 @@ fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> 
     let mut run = match (column("run"), column("cycle"), column("t")) {
         (Some(run), Some(cycle), _) => {
             let values = run.iter().zip(&cycle).map(|(run, cycle)| run + cycle).collect();
-            blank("calibration", Axis { label: "run and phase", unit: "cycles", values, joined: true })
+            blank("calibration", PlotAxis { label: "run and phase", unit: "cycles", values, joined: true })
         }
-        (Some(run), None, _) => blank("sweep", Axis { label: "run", unit: "", values: run, joined: false }),
+        (Some(run), None, _) => {
+            blank("sweep", PlotAxis { label: "run", unit: "", values: run, joined: false })
+        }
         (None, Some(values), _) => {
-            blank("averages", Axis { label: "phase", unit: "cycles", values, joined: true })
+            blank("averages", PlotAxis { label: "phase", unit: "cycles", values, joined: true })
         }
         (None, None, Some(values)) => blank("record", time(values)),
-        _ => blank("run", Axis { label: "row", unit: "", values: number(&all), joined: true }),
+        _ => blank("run", PlotAxis { label: "row", unit: "", values: number(&all), joined: true }),
     };
     if let Some(document) = document {
         run.settings = files.text(document)?;
@@ -499,7 +502,7 @@ fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> 
         // What is the same in all runs is said by the summary.
         "sweep" => {
             let mut panels = panels::every(&record, &all, "run");
-            panels.retain(|panel| panel.curves.iter().any(Curve::varies));
+            panels.retain(|panel| panel.curves.iter().any(PageCurve::varies));
             panels
         }
         "averages" if record.values("low_Fx").is_some() => fits(&record, &all),
@@ -514,26 +517,26 @@ fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> 
 
 /// Of each channel of a calibration what was measured, and the model before and after the fit; of averages the mean with its band, truth
 /// and model.
-fn fits(record: &Record, rows: &[usize]) -> Vec<Panel> {
+fn fits(record: &Record, rows: &[usize]) -> Vec<PagePanel> {
     let of = |channel: &str| {
         let unit = if channel.starts_with('F') { "N" } else { "N m" };
         let curve = |(what, role)| {
             let name = if what == "mean" { channel.into() } else { format!("{what}_{channel}") };
             let values = flight::taken(record, rows, &name).ok()?;
-            Some(Curve { label: String::from(what), role, values })
+            Some(PageCurve { label: String::from(what), role, values })
         };
         let curves = [
-            ("measured", Role::Total),
-            ("mean", Role::Total),
-            ("truth", Role::Own(1)),
-            ("model", Role::Own(0)),
-            ("before", Role::Pale(2)),
-            ("after", Role::Own(0)),
-            ("low", Role::Reference),
-            ("high", Role::Reference),
+            ("measured", CurveRole::Total),
+            ("mean", CurveRole::Total),
+            ("truth", CurveRole::Own(1)),
+            ("model", CurveRole::Own(0)),
+            ("before", CurveRole::Pale(2)),
+            ("after", CurveRole::Own(0)),
+            ("low", CurveRole::Reference),
+            ("high", CurveRole::Reference),
         ];
-        let curves: Vec<Curve> = curves.into_iter().filter_map(curve).collect();
-        (!curves.is_empty()).then(|| Panel { title: channel.into(), unit, curves, limits: None })
+        let curves: Vec<PageCurve> = curves.into_iter().filter_map(curve).collect();
+        (!curves.is_empty()).then(|| PagePanel { title: channel.into(), unit, curves, limits: None })
     };
     CHANNELS.iter().filter_map(|(channel, _)| of(channel)).collect()
 }

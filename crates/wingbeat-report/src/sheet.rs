@@ -1,10 +1,10 @@
 //! The plots of several runs as one figure.
 
 use wingbeat::math::order::{ascend_by, descend_by};
-use wingbeat_figures::{Figure, MOST_PANELS, Quantity, overlaid};
+use wingbeat_figures::{Figure, MOST_PANELS, OverlaidQuantity, overlaid};
 
-use crate::panels::{Curve, Panel, Role};
-use crate::run::Run;
+use crate::panels::{CurveRole, PageCurve, PagePanel};
+use crate::run::ShownRun;
 
 /// Most curves of a run in a plot.
 const MOST_CURVES: usize = 4;
@@ -14,17 +14,18 @@ const MOST_CURVES: usize = 4;
 ///
 /// # Errors
 /// Nothing to draw.
-pub fn sheet(runs: &[Run]) -> Result<Figure, String> {
+pub fn sheet(runs: &[ShownRun]) -> Result<Figure, String> {
     let first = runs.first().ok_or("no runs: there is nothing to draw")?;
-    let quantity = |panel: &Panel| {
+    let quantity = |panel: &PagePanel| {
         let labels = labels(panel);
         let mut curves = Vec::new();
         for (number, run) in runs.iter().enumerate() {
             let own = run.panels.iter().find(|own| own.title == panel.title && own.unit == panel.unit)?;
             for (which, label) in labels.iter().enumerate() {
                 // A reference is that of the task, and the same for all.
-                let shown =
-                    |curve: &&Curve| curve.label == *label && (number == 0 || curve.role != Role::Reference);
+                let shown = |curve: &&PageCurve| {
+                    curve.label == *label && (number == 0 || curve.role != CurveRole::Reference)
+                };
                 if let Some(curve) = own.curves.iter().find(shown) {
                     let name = [run.name.as_str(), label].into_iter().filter(|part| !part.is_empty());
                     let name = name.collect::<Vec<_>>().join(": ");
@@ -34,9 +35,10 @@ pub fn sheet(runs: &[Run]) -> Result<Figure, String> {
         }
         let drawn = curves.iter().any(|(.., values)| values.iter().any(|value| value.is_finite()));
         let title = format!("{} [{}]", panel.title, told(panel.unit));
-        drawn.then_some(Quantity { title, curves, limits: panel.limits })
+        drawn.then_some(OverlaidQuantity { title, curves, limits: panel.limits })
     };
-    let quantities: Vec<Quantity> = first.panels.iter().filter_map(quantity).take(MOST_PANELS).collect();
+    let quantities: Vec<OverlaidQuantity> =
+        first.panels.iter().filter_map(quantity).take(MOST_PANELS).collect();
     if quantities.is_empty() {
         return Err("these runs have no plot in common: there is nothing to draw on one sheet".into());
     }
@@ -50,13 +52,14 @@ fn told(unit: &str) -> &str {
 }
 
 /// The names of the curves that are drawn of a panel.
-fn labels(panel: &Panel) -> Vec<&str> {
-    let size =
-        |curve: &Curve| curve.values.iter().filter(|value| value.is_finite()).map(|v| v.abs()).sum::<f64>();
-    let mut curves: Vec<&Curve> = panel.curves.iter().collect();
+fn labels(panel: &PagePanel) -> Vec<&str> {
+    let size = |curve: &PageCurve| {
+        curve.values.iter().filter(|value| value.is_finite()).map(|v| v.abs()).sum::<f64>()
+    };
+    let mut curves: Vec<&PageCurve> = panel.curves.iter().collect();
     if curves.len() > MOST_CURVES {
         descend_by(&mut curves, |curve| size(curve));
-        ascend_by(&mut curves, |curve| if curve.role == Role::Total { 0.0 } else { 1.0 });
+        ascend_by(&mut curves, |curve| if curve.role == CurveRole::Total { 0.0 } else { 1.0 });
     }
     curves.into_iter().take(MOST_CURVES).map(|curve| curve.label.as_str()).collect()
 }

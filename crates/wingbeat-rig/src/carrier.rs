@@ -2,13 +2,13 @@
 //! the mount with the load cell between.
 
 use super::arm::{MAX_JOINTS, SerialArm};
-use super::{FrameMotion, Pose, Trajectory};
+use super::{FrameMotion, JointTrajectory, Pose};
 use wingbeat_math::{GRAVITY, Jet, Mat3, Scalar, Vec3, Wrench};
 use wingbeat_robot::BodyMotion;
 
 /// The cell and what sits on its far side, rigidly. Its numbers may carry derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mount<P: Scalar = f64> {
+pub struct CellMount<P: Scalar = f64> {
     /// Sensing frame C of the cell in the tool frame, X_TC.
     pub cell: Pose,
     /// Robot body in the cell frame, X_CB.
@@ -21,7 +21,7 @@ pub struct Mount<P: Scalar = f64> {
     pub inertia: Mat3,
 }
 
-impl<S: Scalar> Mount<S> {
+impl<S: Scalar> CellMount<S> {
     /// Wrench, N and N m, that the mount itself puts on the cell while it moves as `cell`, about the cell's origin, in C:
     /// weight and inertia.
     ///
@@ -66,13 +66,13 @@ impl<S: Scalar> Mount<S> {
 
 /// What moves the tool.
 #[derive(Clone, Debug)]
-pub enum Carrier {
+pub enum ToolCarrier {
     /// An arm that plays a trajectory and stands still before and after.
     Arm {
         /// The arm.
         arm: Box<SerialArm>,
         /// Its motion.
-        trajectory: Trajectory,
+        trajectory: JointTrajectory,
     },
     /// A stand that holds the tool in one placement after another, without motion between.
     Stand {
@@ -81,7 +81,7 @@ pub enum Carrier {
     },
 }
 
-impl Carrier {
+impl ToolCarrier {
     /// Duration of the motion, s.
     pub fn duration(&self) -> f64 {
         match self {
@@ -111,7 +111,7 @@ impl Carrier {
 }
 
 /// The motions of cell and body that follow from the tool's.
-pub fn carried_frames(tool: &Pose<Jet>, mount: &Mount) -> (FrameMotion, FrameMotion) {
+pub fn carried_frames(tool: &Pose<Jet>, mount: &CellMount) -> (FrameMotion, FrameMotion) {
     let cell = *tool * Pose::constant(&mount.cell);
     let body = cell * Pose::constant(&mount.body);
     (FrameMotion::from_jets(&cell), FrameMotion::from_jets(&body))
@@ -130,7 +130,7 @@ impl From<&FrameMotion> for BodyMotion {
     }
 }
 
-impl Trajectory {
+impl JointTrajectory {
     /// Joint motion, rad, at `t` by quintic Hermite polynomials between the samples; the first pose before, the last after.
     /// Without stored accelerations or rates these count as zero at the samples.
     pub fn at(&self, t: f64) -> [Jet; MAX_JOINTS] {
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn wrenches_go_to_the_cell_and_back() {
-        let mount = Mount {
+        let mount = CellMount {
             cell: Pose::IDENTITY,
             body: Pose::from_xyz_rpy([0.01, -0.02, 0.08], [3.0, 0.2, -0.4]),
             mass: 0.0,

@@ -103,7 +103,7 @@ impl CellSpec {
 
 /// One sample of the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct CellReading {
     /// Forces and moments in the cell's frame, N and N m.
     pub values: [f64; 6],
     /// True when a channel is at the end of its range.
@@ -148,13 +148,13 @@ impl LoadCell {
     }
 
     /// The next sample under `wrench` (N and N m, in the cell's frame), held over one sampling step.
-    pub fn sample(&mut self, wrench: &Wrench<f64>) -> Reading {
+    pub fn sample(&mut self, wrench: &Wrench<f64>) -> CellReading {
         let t = self.samples as f64 * self.step;
         self.samples += 1;
         let load = six(wrench);
         let (range, resolution) = (self.spec.calibration.range(), self.spec.calibration.resolution());
         let keep = (-std::f64::consts::TAU * self.spec.filter_hz * self.step).exp();
-        let mut reading = Reading { values: [0.0; 6], saturated: false };
+        let mut reading = CellReading { values: [0.0; 6], saturated: false };
         for i in 0..6 {
             self.resonance[i] = self.ring(self.resonance[i], load[i]);
             self.filtered[i] = keep * self.filtered[i] + (1.0 - keep) * self.resonance[i][0];

@@ -1,6 +1,6 @@
 //! How a bench runs beside what its files say: crank, encoder, arm, unrest of the loads.
 
-use super::Trajectory;
+use super::JointTrajectory;
 use std::f64::consts::TAU;
 use wingbeat_math::{Jet, Random, Scalar};
 
@@ -38,7 +38,7 @@ pub fn rms_about_mean(rows: &[[f64; 6]]) -> [f64; 6] {
 
 /// A sine: amplitude, rate in rad/s, phase in rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wave {
+pub struct Sinusoid {
     /// Amplitude, in the unit of what it moves.
     pub amplitude: f64,
     /// Rate, rad/s.
@@ -47,7 +47,7 @@ pub struct Wave {
     pub phase: f64,
 }
 
-impl Wave {
+impl Sinusoid {
     fn at(&self, t: Jet) -> Jet {
         (t * self.rate + self.phase).sin() * self.amplitude
     }
@@ -55,9 +55,9 @@ impl Wave {
 
 /// What of one run differs from what its files say. The default differs in nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Deviations {
+pub struct BenchDeviations {
     /// How far the crank runs ahead of its even clock, s: slow waves make one cycle longer than another.
-    pub pace: Vec<Wave>,
+    pub pace: Vec<Sinusoid>,
     /// By how much the encoder shows more than the phase, rad.
     pub encoder_rad: f64,
     /// Deviation of loads that differ from instant to instant, by channel, N and N m.
@@ -69,20 +69,20 @@ pub struct Deviations {
 /// Rates of the waves of the pace, in parts of the flapping frequency: none repeats within a few cycles. *Choice.*
 const PACES: [f64; 3] = [0.13, 0.29, 0.47];
 
-impl Deviations {
+impl BenchDeviations {
     /// Waves by which the rate of a crank at `frequency` Hz differs by `share` rms, of drawn phases.
-    pub fn paces(share: f64, frequency: f64, random: &mut Random) -> Vec<Wave> {
+    pub fn paces(share: f64, frequency: f64, random: &mut Random) -> Vec<Sinusoid> {
         let size = share * (2.0 / PACES.len() as f64).sqrt();
         let wave = |part: &f64| {
             let rate = TAU * frequency * part;
-            Wave { amplitude: size / rate, rate, phase: random.between(0.0, TAU) }
+            Sinusoid { amplitude: size / rate, rate, phase: random.between(0.0, TAU) }
         };
         PACES.iter().map(wave).collect()
     }
 
     /// The gait's clock, s, with the pace of the crank; it begins with the even one.
     pub fn clock(&self, even: Jet) -> Jet {
-        let ahead = |wave: &Wave| wave.at(even) + -wave.at(Jet::default()).x;
+        let ahead = |wave: &Sinusoid| wave.at(even) + -wave.at(Jet::default()).x;
         self.pace.iter().fold(even, |clock, wave| clock + ahead(wave))
     }
 
@@ -92,9 +92,9 @@ impl Deviations {
     }
 }
 
-impl Trajectory {
+impl JointTrajectory {
     /// The motion as an arm makes it that lags by `lag` s and whose joints err by a wave each, which vanishes at both ends.
-    pub fn tracked(&self, lag: f64, errors: &[Wave]) -> Self {
+    pub fn tracked(&self, lag: f64, errors: &[Sinusoid]) -> Self {
         let rows = self.len() + (lag / self.step).ceil() as usize;
         let duration = (rows.max(2) - 1) as f64 * self.step;
         let mut made = Self { joints: self.joints.clone(), step: self.step, ..Self::default() };
@@ -120,8 +120,10 @@ mod tests {
     #[test]
     fn the_pace_differs_by_its_share_and_begins_with_the_even_clock() {
         let mut random = Random::new(3);
-        let deviations =
-            Deviations { pace: Deviations::paces(0.01, 3.5, &mut random), ..Deviations::default() };
+        let deviations = BenchDeviations {
+            pace: BenchDeviations::paces(0.01, 3.5, &mut random),
+            ..BenchDeviations::default()
+        };
         assert_eq!(deviations.clock(Jet::default()), Jet::default());
         let n = 200_000;
         let rates = (0..n).map(|k| deviations.clock(Jet::new(k as f64 * 1e-3, 1.0, 0.0)).d - 1.0);
@@ -135,14 +137,14 @@ mod tests {
         let s = |k: usize| Jet::new(k as f64 * step, 1.0, 0.0);
         let q = |k: usize| s(k) * s(k) * s(k) * (s(k) * -1.0 + 1.0) * 3.0;
         let rows = |f: fn(Jet) -> f64| (0..=1000).map(|k| vec![f(q(k))]).collect();
-        let asked = Trajectory {
+        let asked = JointTrajectory {
             joints: vec!["a".into()],
             step,
             position: rows(|q| q.x),
             velocity: rows(|q| q.d),
             acceleration: rows(|q| q.dd),
         };
-        let error = Wave { amplitude: 2e-3, rate: 12.0, phase: 0.4 };
+        let error = Sinusoid { amplitude: 2e-3, rate: 12.0, phase: 0.4 };
         let made = asked.tracked(0.02, &[error]);
         assert_eq!(made.len(), 1021);
         assert_eq!(made.position[0], asked.position[0]);

@@ -1,9 +1,9 @@
 //! One run on the rig: the carried robot, the cell, and the record of both.
 
-use super::carrier::{Carrier, Mount};
+use super::carrier::{CellMount, ToolCarrier};
 use super::cell::{CHANNELS, CellSpec, LoadCell, six, wrench};
 use super::numbers::RigNumbers;
-use super::{Deviations, FrameMotion, Pose, Unrest};
+use super::{BenchDeviations, FrameMotion, Pose, Unrest};
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{
     Bears, Beyond, Column, Coupling, Ending, Flow, Held, Moment, Observed, Record, Sizes, Steers, Stepper,
@@ -21,9 +21,9 @@ pub struct Experiment<'a> {
     /// The robot in its air; its gait begins at t = 0.
     pub robot: &'a Robot,
     /// What carries it.
-    pub carrier: &'a Carrier,
+    pub carrier: &'a ToolCarrier,
     /// Cell and mount as drawn.
-    pub mount: &'a Mount,
+    pub mount: &'a CellMount,
     /// Mount and crank as they are.
     pub numbers: RigNumbers,
     /// Properties of the cell.
@@ -39,7 +39,7 @@ pub struct Experiment<'a> {
     /// Time over which the flapping starts, s.
     pub spin_up: f64,
     /// What the run does that its files do not say.
-    pub deviations: Deviations,
+    pub deviations: BenchDeviations,
 }
 
 /// Columns of what the motor does.
@@ -133,9 +133,10 @@ impl Experiment<'_> {
                 (Stepper::new(self, -self.rest, &begun).run(step, samples, &mut watched), None)
             }
             Some(flow) => {
-                let beside = Beside(self);
+                let beside = CoupledRun(self);
                 let mut stepper = Stepper::new(&beside, -self.rest, &begun);
-                let (ending, coupling) = step_in(flow, &mut stepper, (step, samples), &mut Watched(measure));
+                let (ending, coupling) =
+                    step_in(flow, &mut stepper, (step, samples), &mut WatchedRun(measure));
                 (ending, Some(coupling))
             }
         };
@@ -176,7 +177,7 @@ impl Experiment<'_> {
     pub(super) fn still<S: Scalar>(
         &self,
         robot: &Robot<S>,
-        (mount, numbers): (&Mount<S>, &RigNumbers<S>),
+        (mount, numbers): (&CellMount<S>, &RigNumbers<S>),
         t: f64,
     ) -> Result<Vec<S>, Fault> {
         let mut x = robot.carried_still();
@@ -190,7 +191,7 @@ impl Experiment<'_> {
     pub(super) fn carried<S: Compiled>(
         &self,
         robot: &Robot<S>,
-        (mount, numbers): (&Mount<S>, &RigNumbers<S>),
+        (mount, numbers): (&CellMount<S>, &RigNumbers<S>),
         (t, x, u): (f64, &[S], &[S]),
         dx: &mut [S],
     ) -> Result<(FrameMotion, CarriedLoads<S>), Fault> {
@@ -202,7 +203,7 @@ impl Experiment<'_> {
     /// Motion of the cell, clock of the gait and motion of the body at `t`.
     fn motion<S: Scalar>(
         &self,
-        mount: &Mount<S>,
+        mount: &CellMount<S>,
         numbers: &RigNumbers<S>,
         t: f64,
     ) -> (FrameMotion, Jet<S>, BodyMotion<S>) {
@@ -216,7 +217,7 @@ impl Experiment<'_> {
         &self,
         (t, states, beyond): At,
         dx: &mut [f64],
-    ) -> Result<(FrameMotion, Mount, CarriedLoads), Fault> {
+    ) -> Result<(FrameMotion, CellMount, CarriedLoads), Fault> {
         let mount = self.numbers.mount(self.mount);
         let (cell, clock, body) = self.motion(&mount, &self.numbers, t);
         let loads = self.robot.carried_beyond(&clock, &body, states, beyond, dx)?;
@@ -259,8 +260,8 @@ impl Experiment<'_> {
 
     fn dof(&self) -> usize {
         match self.carrier {
-            Carrier::Arm { arm, .. } => arm.dof(),
-            Carrier::Stand { .. } => 0,
+            ToolCarrier::Arm { arm, .. } => arm.dof(),
+            ToolCarrier::Stand { .. } => 0,
         }
     }
 
@@ -302,9 +303,9 @@ impl Observed for Experiment<'_> {
 }
 
 /// A run with loads of the air beside it in its memory.
-struct Beside<'a>(&'a Experiment<'a>);
+struct CoupledRun<'a>(&'a Experiment<'a>);
 
-impl System for Beside<'_> {
+impl System for CoupledRun<'_> {
     type Memory = Beyond;
 
     fn sizes(&self) -> Sizes {
@@ -315,7 +316,7 @@ impl System for Beside<'_> {
     }
 }
 
-impl Bears for Beside<'_> {
+impl Bears for CoupledRun<'_> {
     fn robot(&self) -> &Robot {
         self.0.robot
     }
@@ -338,9 +339,9 @@ impl Bears for Beside<'_> {
 }
 
 /// A run is watched and not steered.
-struct Watched<F>(F);
+struct WatchedRun<F>(F);
 
-impl<F: FnMut(usize, At) -> Result<ControlFlow<()>, Fault>> Steers for Watched<F> {
+impl<F: FnMut(usize, At) -> Result<ControlFlow<()>, Fault>> Steers for WatchedRun<F> {
     fn see(
         &mut self,
         k: usize,

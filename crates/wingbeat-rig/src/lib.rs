@@ -19,10 +19,10 @@ mod sensitivity;
 mod trajectory;
 pub use wingbeat_judge::unit;
 
-pub use deviations::{Deviations, Unrest, Wave, rms_about_mean};
+pub use deviations::{BenchDeviations, Sinusoid, Unrest, rms_about_mean};
 pub use experiment::{Experiment, Outcome};
 pub use motion::FrameMotion;
 pub use numbers::RigNumbers;
 pub use pose::{Pose, rotation_vector};
 pub use sensitivity::{Instants, Wrenches};
-pub use trajectory::Trajectory;
+pub use trajectory::JointTrajectory;

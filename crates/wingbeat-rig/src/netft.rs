@@ -5,7 +5,7 @@ mod account;
 
 pub use account::Account;
 
-use super::unit::Quantity;
+use super::unit::ChannelQuantity;
 use wingbeat_math::Error;
 
 /// Default UDP port of RDT.
@@ -164,7 +164,7 @@ impl Scale {
     /// # Errors
     /// A number outside [`COUNTS_PER_UNIT`] per N or N m, or a unit not known.
     pub fn stated(force: [(&str, &str); 2], moment: [(&str, &str); 2]) -> Result<Self, Error> {
-        let per = |[(number_key, number), (unit_key, unit)]: [(&str, &str); 2], quantity: Quantity| {
+        let per = |[(number_key, number), (unit_key, unit)]: [(&str, &str); 2], quantity: ChannelQuantity| {
             let factor = quantity.factor(unit).ok_or_else(|| {
                 let names = quantity.names().join(", ");
                 Error::invalid(format!("netft.{unit_key}"), unit, format!("one of {names}"))
@@ -177,8 +177,8 @@ impl Scale {
             })
         };
         Ok(Self {
-            per_newton: per(force, Quantity::Force)?,
-            per_newton_metre: per(moment, Quantity::Moment)?,
+            per_newton: per(force, ChannelQuantity::Force)?,
+            per_newton_metre: per(moment, ChannelQuantity::Moment)?,
         })
     }
 

@@ -1,6 +1,6 @@
 //! The numbers of mount and crank, which may carry derivatives.
 
-use super::carrier::Mount;
+use super::carrier::CellMount;
 use std::collections::BTreeMap;
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
@@ -26,7 +26,7 @@ pub struct RigNumbers<P: Scalar = f64> {
 
 impl RigNumbers {
     /// The mount as it is drawn, an even crank.
-    pub fn of(mount: &Mount) -> Self {
+    pub fn of(mount: &CellMount) -> Self {
         let zero = Vec3::ZERO;
         Self { shift: zero, turn: zero, mass: mount.mass, com: mount.com, ripple: [0.0; 2] }
     }
@@ -98,11 +98,11 @@ impl<P: Scalar> Parameters<P> for RigNumbers<P> {
 
 impl<P: Scalar> RigNumbers<P> {
     /// The mount with these numbers.
-    pub fn mount(&self, drawn: &Mount) -> Mount<P> {
+    pub fn mount(&self, drawn: &CellMount) -> CellMount<P> {
         let [roll, pitch, yaw] = self.turn.0;
         let turned = Mat3::<P>::constant(drawn.body.rotation) * Mat3::from_roll_pitch_yaw(roll, pitch, yaw);
         let origin = Vec3::<P>::constant(drawn.body.origin) + self.shift;
-        Mount {
+        CellMount {
             cell: drawn.cell,
             body: super::Pose { rotation: turned, origin },
             mass: self.mass,
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn the_crank_runs_ahead_by_its_ripple() {
-        let mount = Mount {
+        let mount = CellMount {
             cell: crate::Pose::IDENTITY,
             body: crate::Pose::IDENTITY,
             mass: 0.1,

@@ -1,7 +1,7 @@
 //! The wrench on the cell over a run, with its derivatives by numbers of robot and rig.
 
 use super::Experiment;
-use super::carrier::Mount;
+use super::carrier::CellMount;
 use super::cell::six;
 use super::numbers::RigNumbers;
 use std::ops::ControlFlow;
@@ -95,7 +95,7 @@ fn varied(numbers: &RigNumbers, keys: &[&str]) -> RigNumbers<Varying> {
 struct VariedRun<'a, 'b> {
     of: &'a Experiment<'b>,
     robot: Robot<Varying>,
-    mount: Mount<Varying>,
+    mount: CellMount<Varying>,
     numbers: RigNumbers<Varying>,
 }
 

@@ -4,7 +4,7 @@ use wingbeat_math::Error;
 
 /// Joint positions, rates and accelerations at equal steps of time. One row per instant.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trajectory {
+pub struct JointTrajectory {
     /// Joint names.
     pub joints: Vec<String>,
     /// Step, s.
@@ -17,7 +17,7 @@ pub struct Trajectory {
     pub acceleration: Vec<Vec<f64>>,
 }
 
-impl Trajectory {
+impl JointTrajectory {
     /// Number of instants.
     pub fn len(&self) -> usize {
         self.position.len()
@@ -119,7 +119,7 @@ mod tests {
     fn differences_of_a_cubic() {
         let step = 1e-3;
         let position = (0..50).map(|k| vec![(k as f64 * step).powi(3)]).collect();
-        let t = Trajectory { joints: vec!["a".into()], step, position, ..Default::default() };
+        let t = JointTrajectory { joints: vec!["a".into()], step, position, ..Default::default() };
         let seen = t.differenced();
         assert!((seen.velocity[20][0] - 3.0 * 0.02_f64.powi(2)).abs() < 2e-6);
         assert!((seen.acceleration[20][0] - 6.0 * 0.02).abs() < 1e-8);
@@ -131,7 +131,7 @@ mod tests {
     fn a_short_row_is_named() {
         let position = vec![vec![0.0, 1.0], vec![0.0]];
         let joints = vec!["a".into(), "b".into()];
-        let t = Trajectory { joints, step: 1e-3, position, ..Default::default() };
+        let t = JointTrajectory { joints, step: 1e-3, position, ..Default::default() };
         assert!(t.check().unwrap_err().to_string().contains("position[1]"));
     }
 }

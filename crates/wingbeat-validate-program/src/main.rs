@@ -16,7 +16,7 @@ use wingbeat_program::manifest::Manifest;
 use wingbeat_program::run_folder::RunFolder;
 use wingbeat_program::{progress, say};
 use wingbeat_validate::figures::{PICTURES, SLOW_PICTURES};
-use wingbeat_validate::{Case, LongCase, Row, Selection, select, select_long};
+use wingbeat_validate::{Case, ComparisonRow, LongCase, Selection, select, select_long};
 
 #[derive(Parser)]
 #[command(name = "wingbeat-validate", version, max_term_width = 100)]
@@ -31,7 +31,7 @@ fn main() -> ExitCode {
 
 /// The contents of `summary.json`.
 #[derive(Serialize)]
-struct Summary {
+struct ComparisonSummary {
     status: &'static str,
     passed: usize,
     failed: usize,
@@ -64,7 +64,7 @@ fn validate(arguments: &Comparisons) -> Result<(), Error> {
     if rows.is_empty() {
         return Err(nothing_selected(&selection, arguments.long));
     }
-    let summary = Summary::of(&rows);
+    let summary = ComparisonSummary::of(&rows);
     let mut told = wingbeat_validate::table(&rows);
     told += &format!("\n{} in {:.1} s\n", summary.tally(), start.elapsed().as_secs_f64());
     if let Some(path) = &arguments.json {
@@ -108,7 +108,7 @@ fn replace(path: &Path, text: &str) -> Result<(), Error> {
 }
 
 /// Runs `cases` on all cores, until interrupted.
-fn compare(cases: &[&Case], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
+fn compare(cases: &[&Case], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<ComparisonRow> {
     let progress = progress::bar(Some(cases.len() as u64), "{bar:30} {pos}/{len} {wide_msg}", quiet);
     let rows = wingbeat_validate::run(cases, selection, |rows| {
         progress.inc(1);
@@ -133,7 +133,12 @@ fn tell_minutes(cases: &[&LongCase]) {
 }
 
 /// Runs `cases` one after another, each on all cores, until interrupted.
-fn compare_long(cases: &[&LongCase], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
+fn compare_long(
+    cases: &[&LongCase],
+    selection: &Selection,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Vec<ComparisonRow> {
     let progress = progress::bar(None, "{bar:30} {pos}/{len} {msg}  ({eta} left)", quiet);
     let told = |id: &str, done: usize, all: usize| {
         if done == 0 {
@@ -150,7 +155,7 @@ fn compare_long(cases: &[&LongCase], selection: &Selection, interrupt: &Interrup
 }
 
 /// Writes rows, summary and, when all its rows are there, the page.
-fn fill(folder: &RunFolder, rows: &[Row], summary: &Summary) -> Result<(), Error> {
+fn fill(folder: &RunFolder, rows: &[ComparisonRow], summary: &ComparisonSummary) -> Result<(), Error> {
     folder.write("rows.json", &json(rows)?)?;
     folder.write("rows.csv", &csv(rows))?;
     folder.write_json("summary.json", summary)?;
@@ -188,14 +193,14 @@ fn draw(folder: &RunFolder, cases: &[&Case], interrupt: &Interrupt) -> Result<()
     Ok(())
 }
 
-fn json(rows: &[Row]) -> Result<String, Error> {
+fn json(rows: &[ComparisonRow]) -> Result<String, Error> {
     let lines = wingbeat_validate::to_json(rows);
     let text = serde_json::to_string_pretty(&lines).map_err(|error| Error::Input(error.to_string()))?;
     Ok(text + "\n")
 }
 
 /// The rows as CSV.
-fn csv(rows: &[Row]) -> String {
+fn csv(rows: &[ComparisonRow]) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let mut text = String::from("id,source,metric,unit,value,limit,pass\n");
     for row in rows {
@@ -235,8 +240,8 @@ fn nothing_selected(selection: &Selection, long: bool) -> Error {
     Error::Input(format!("--only {only}: no such comparison; there are {}", ids.join(", ")))
 }
 
-impl Summary {
-    fn of(rows: &[Row]) -> Self {
+impl ComparisonSummary {
+    fn of(rows: &[ComparisonRow]) -> Self {
         let failed = rows.iter().filter(|row| !row.passes()).count();
         let shown = rows.iter().filter(|row| row.limit.is_none()).count();
         let status = if failed == 0 { "ok" } else { "failed" };

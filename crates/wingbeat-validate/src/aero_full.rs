@@ -14,7 +14,7 @@ pub mod wings;
 pub(crate) mod yeo;
 
 pub use flapping::{
-    Comparison, E1, F2, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency,
+    E1, F2, ForceComparison, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency,
     small_flap_lift,
 };
 pub use linear::Complex;
@@ -22,9 +22,11 @@ pub use mean::{
     STATIC_DRAG, Thrust, induced_over_trefftz, scherer_lev_thrust, scherer_points, scherer_thrust,
 };
 pub use plates::{Ramp, fast_pitch, steady_normal_force};
-pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, span_loadings, step_points};
+pub use small::{
+    ComparedPoint, SpanLoading, other_points, plunge_points, slope_points, span_loadings, step_points,
+};
 
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use wingbeat::aero::{
     Aero, CD0, CD90, CRITICAL_SUCTION, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform,
     ProfileDrag, STALL_ANGLE, SectionSettings, StripModel, StripSettings,
@@ -32,46 +34,66 @@ use wingbeat::aero::{
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
-    Case { id: "aero.full.slope", quick: true, run: || small::slope(Preset::Full) },
-    Case { id: "aero.full.plunge", quick: true, run: || small::plunge(Preset::Full) },
-    Case { id: "aero.full.step", quick: true, run: || small::step(Preset::Full) },
-    Case { id: "aero.full.other_wings", quick: true, run: || small::other_wings(Preset::Full) },
+    Case { id: "aero.full.slope", quick: true, run: || small::slope(ComparedPreset::Full) },
+    Case { id: "aero.full.plunge", quick: true, run: || small::plunge(ComparedPreset::Full) },
+    Case { id: "aero.full.step", quick: true, run: || small::step(ComparedPreset::Full) },
+    Case { id: "aero.full.other_wings", quick: true, run: || small::other_wings(ComparedPreset::Full) },
     Case { id: "aero.full.folded_aerobat", quick: false, run: folds::folded_aerobat },
-    Case { id: "aero.full.span_loading", quick: false, run: || small::span_loading(Preset::Full) },
+    Case { id: "aero.full.span_loading", quick: false, run: || small::span_loading(ComparedPreset::Full) },
     Case { id: "aero.full.trefftz", quick: true, run: mean::trefftz },
     Case { id: "aero.full.oracle", quick: true, run: flapping::oracle },
-    Case { id: "aero.full.added_mass_mean", quick: true, run: || flapping::added_mass_mean(Preset::Full) },
+    Case {
+        id: "aero.full.added_mass_mean",
+        quick: true,
+        run: || flapping::added_mass_mean(ComparedPreset::Full),
+    },
     Case { id: "aero.full.added_mass_lift", quick: true, run: impulse::added_mass_lift },
     Case { id: "aero.full.deep_fold", quick: false, run: impulse::deep_fold },
-    Case { id: "aero.full.pitch_thrust", quick: false, run: || thrust::pitch_thrust(Preset::Full) },
-    Case { id: "aero.garrick", quick: false, run: || thrust::garrick_rows(Preset::Full) },
-    Case { id: "aero.garrick.five_lags", quick: false, run: || thrust::garrick_rows(Preset::FiveLags) },
-    Case { id: "aero.garrick.paper", quick: false, run: || thrust::garrick_rows(Preset::Paper) },
+    Case { id: "aero.full.pitch_thrust", quick: false, run: || thrust::pitch_thrust(ComparedPreset::Full) },
+    Case { id: "aero.garrick", quick: false, run: || thrust::garrick_rows(ComparedPreset::Full) },
+    Case {
+        id: "aero.garrick.five_lags",
+        quick: false,
+        run: || thrust::garrick_rows(ComparedPreset::FiveLags),
+    },
+    Case { id: "aero.garrick.paper", quick: false, run: || thrust::garrick_rows(ComparedPreset::Paper) },
     Case { id: "aero.lev.scherer", quick: true, run: mean::scherer_lev },
     Case { id: "aero.yeo", quick: true, run: yeo::yeo },
     Case { id: "aero.plates", quick: true, run: plates::plates },
     Case { id: "aero.mancini", quick: true, run: plates::mancini },
-    Case { id: "aero.scherer", quick: true, run: || mean::scherer(Preset::Full) },
-    Case { id: "aero.uvlm_small_flap", quick: true, run: || flapping::lattice(Preset::Full) },
-    Case { id: "aero.five_lags.slope", quick: true, run: || small::slope(Preset::FiveLags) },
-    Case { id: "aero.five_lags.plunge", quick: true, run: || small::plunge(Preset::FiveLags) },
-    Case { id: "aero.five_lags.step", quick: true, run: || small::step(Preset::FiveLags) },
-    Case { id: "aero.five_lags.other_wings", quick: true, run: || small::other_wings(Preset::FiveLags) },
-    Case { id: "aero.five_lags.span_loading", quick: false, run: || small::span_loading(Preset::FiveLags) },
-    Case { id: "aero.five_lags.scherer", quick: true, run: || mean::scherer(Preset::FiveLags) },
-    Case { id: "aero.paper.slope", quick: true, run: || small::slope(Preset::Paper) },
-    Case { id: "aero.paper.plunge", quick: true, run: || small::plunge(Preset::Paper) },
-    Case { id: "aero.paper.step", quick: true, run: || small::step(Preset::Paper) },
-    Case { id: "aero.paper.other_wings", quick: true, run: || small::other_wings(Preset::Paper) },
-    Case { id: "aero.paper.added_mass_mean", quick: true, run: || flapping::added_mass_mean(Preset::Paper) },
-    Case { id: "aero.paper.pitch_thrust", quick: false, run: || thrust::pitch_thrust(Preset::Paper) },
-    Case { id: "aero.paper.scherer", quick: true, run: || mean::scherer(Preset::Paper) },
-    Case { id: "aero.paper.uvlm_small_flap", quick: true, run: || flapping::lattice(Preset::Paper) },
+    Case { id: "aero.scherer", quick: true, run: || mean::scherer(ComparedPreset::Full) },
+    Case { id: "aero.uvlm_small_flap", quick: true, run: || flapping::lattice(ComparedPreset::Full) },
+    Case { id: "aero.five_lags.slope", quick: true, run: || small::slope(ComparedPreset::FiveLags) },
+    Case { id: "aero.five_lags.plunge", quick: true, run: || small::plunge(ComparedPreset::FiveLags) },
+    Case { id: "aero.five_lags.step", quick: true, run: || small::step(ComparedPreset::FiveLags) },
+    Case {
+        id: "aero.five_lags.other_wings",
+        quick: true,
+        run: || small::other_wings(ComparedPreset::FiveLags),
+    },
+    Case {
+        id: "aero.five_lags.span_loading",
+        quick: false,
+        run: || small::span_loading(ComparedPreset::FiveLags),
+    },
+    Case { id: "aero.five_lags.scherer", quick: true, run: || mean::scherer(ComparedPreset::FiveLags) },
+    Case { id: "aero.paper.slope", quick: true, run: || small::slope(ComparedPreset::Paper) },
+    Case { id: "aero.paper.plunge", quick: true, run: || small::plunge(ComparedPreset::Paper) },
+    Case { id: "aero.paper.step", quick: true, run: || small::step(ComparedPreset::Paper) },
+    Case { id: "aero.paper.other_wings", quick: true, run: || small::other_wings(ComparedPreset::Paper) },
+    Case {
+        id: "aero.paper.added_mass_mean",
+        quick: true,
+        run: || flapping::added_mass_mean(ComparedPreset::Paper),
+    },
+    Case { id: "aero.paper.pitch_thrust", quick: false, run: || thrust::pitch_thrust(ComparedPreset::Paper) },
+    Case { id: "aero.paper.scherer", quick: true, run: || mean::scherer(ComparedPreset::Paper) },
+    Case { id: "aero.paper.uvlm_small_flap", quick: true, run: || flapping::lattice(ComparedPreset::Paper) },
 ];
 
 /// The models under comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Preset {
+pub enum ComparedPreset {
     /// Strip model, three states per strip: the default.
     Full,
     /// Strip model, five states per strip.
@@ -82,14 +104,14 @@ pub enum Preset {
 
 /// A law with what it asks of the section.
 #[derive(Clone, Copy, Debug)]
-pub struct Section {
+pub struct SectionLaw {
     law: LiftLaw,
     stall_angle_deg: f64,
     critical_suction: f64,
     drag: ProfileDrag,
 }
 
-impl Section {
+impl SectionLaw {
     /// Inviscid: law `linear` without drag.
     pub const INVISCID: Self = Self {
         law: LiftLaw::Linear,
@@ -137,7 +159,7 @@ impl Section {
 /// Strips or nodes in all comparisons.
 const STRIPS: usize = 16;
 
-impl Preset {
+impl ComparedPreset {
     /// The id of a comparison: `aero.<preset>.<name>`.
     fn id(self, name: &str) -> String {
         format!("aero.{}.{name}", self.name())
@@ -153,10 +175,10 @@ impl Preset {
     }
 
     /// A row judged by `limit` for the default, shown without a judgement for the others.
-    fn row(self, id: &str, source: &str, metric: &str, value: f64, limit: f64) -> Row {
+    fn row(self, id: &str, source: &str, metric: &str, value: f64, limit: f64) -> ComparisonRow {
         match self {
-            Self::Full => Row::judged(id, source, metric, value, limit, ""),
-            _ => Row::shown(id, source, metric, value, ""),
+            Self::Full => ComparisonRow::judged(id, source, metric, value, limit, ""),
+            _ => ComparisonRow::shown(id, source, metric, value, ""),
         }
     }
 
@@ -175,20 +197,20 @@ impl Preset {
         density: f64,
         least: f64,
     ) -> Result<Aero, Error> {
-        self.model_with(Section::INVISCID, strips, wing, hinges, density, least)
+        self.model_with(SectionLaw::INVISCID, strips, wing, hinges, density, least)
     }
 
     /// The same with a law and its section.
     pub fn model_with(
         self,
-        section: Section,
+        section: SectionLaw,
         strips: usize,
         wing: &Planform,
         hinges: &[f64],
         density: f64,
         least: f64,
     ) -> Result<Aero, Error> {
-        let Section { law, stall_angle_deg, critical_suction, drag } = section;
+        let SectionLaw { law, stall_angle_deg, critical_suction, drag } = section;
         let stall_angle_rad = stall_angle_deg.to_radians();
         if self == Self::Paper {
             let settings = LiftingLineSettings {

@@ -1,10 +1,10 @@
 //! Wings over a ground: strip model and lattice by images.
 
-use crate::aero_full::Preset;
+use crate::aero_full::ComparedPreset;
 use crate::aero_full::wings::{ellipse, rectangle};
 use crate::aero_surfaces::elliptic_interference;
 use crate::lattice::{elliptic_over, rectangle_over, rectangle_pair};
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use std::f64::consts::PI;
 use wingbeat::aero::{Ground, Loads, Planform, SectionMotion, Surfaces};
 use wingbeat::math::Vec3;
@@ -41,7 +41,7 @@ impl Pitched {
     }
 
     fn surfaces(&self, count: usize) -> Result<Surfaces, Error> {
-        let aero = Preset::Full.model_of(self.strips, &self.outline, &[], 1.0, 1e-6)?;
+        let aero = ComparedPreset::Full.model_of(self.strips, &self.outline, &[], 1.0, 1e-6)?;
         Ok(Surfaces::new((0..count).map(|k| (format!("wing{k}"), aero.clone())))?)
     }
 
@@ -98,14 +98,21 @@ impl Pitched {
 }
 
 /// Wings over a plane against the upper ones of mirrored pairs.
-pub fn pairs() -> Result<Vec<Row>, Error> {
+pub fn pairs() -> Result<Vec<ComparisonRow>, Error> {
     let wing = Pitched { outline: rectangle(4.0, 1.0)?, strips: 12, incidence: 0.1 };
     let source = "method of images";
     let metric = "largest difference of a force from that of the upper wing of a mirrored pair, over the largest, AR 4, height 0.6 chords: strips from a sudden start";
     let lattice = "the same of the panels of a lattice with a free wake";
     Ok(vec![
-        Row::judged("aero.ground.pair.strips", source, metric, wing.apart_from_pair(0.6)?, 1e-10, ""),
-        Row::judged("aero.ground.pair.lattice", source, lattice, rectangle_pair(0.6)?, 1e-10, ""),
+        ComparisonRow::judged(
+            "aero.ground.pair.strips",
+            source,
+            metric,
+            wing.apart_from_pair(0.6)?,
+            1e-10,
+            "",
+        ),
+        ComparisonRow::judged("aero.ground.pair.lattice", source, lattice, rectangle_pair(0.6)?, 1e-10, ""),
     ])
 }
 
@@ -115,7 +122,7 @@ pub fn pairs() -> Result<Vec<Row>, Error> {
 /// `D/L^2 over that in free air = 1 - sigma(2 h/b)`
 /// Source: Prandtl 1924, NACA TN 182 (biplane); Wieselsberger 1922, NACA TM 77 (ground): sigma = (1 - 1.32 h/b)/(1.05 + 7.4 h/b), h/b .033 to .25.
 /// Test: `wings_over_a_ground_have_prandtls_drag`.
-pub fn drag() -> Result<Vec<Row>, Error> {
+pub fn drag() -> Result<Vec<ComparisonRow>, Error> {
     let aspect = 20.0;
     let wing = Pitched { outline: ellipse(aspect)?, strips: 16, incidence: SMALL };
     let span = 0.25 * aspect * PI;
@@ -135,7 +142,7 @@ pub fn drag() -> Result<Vec<Row>, Error> {
             )
         };
         let error = |value: f64| (value / exact - 1.0).abs();
-        rows.push(Row::judged(
+        rows.push(ComparisonRow::judged(
             &id("strips"),
             source,
             &metric("ellipse of AR 20, 16 strips"),
@@ -143,7 +150,7 @@ pub fn drag() -> Result<Vec<Row>, Error> {
             0.03,
             "",
         ));
-        rows.push(Row::judged(
+        rows.push(ComparisonRow::judged(
             &id("lattice"),
             source,
             &metric("ellipse of AR 8, 6 x 24 panels"),
@@ -153,7 +160,7 @@ pub fn drag() -> Result<Vec<Row>, Error> {
         ));
         if height <= 0.25 {
             let source = "Wieselsberger 1922, NACA TM 77";
-            rows.push(Row::shown(
+            rows.push(ComparisonRow::shown(
                 &id("formula"),
                 source,
                 &metric("by his formula"),
@@ -166,7 +173,7 @@ pub fn drag() -> Result<Vec<Row>, Error> {
 }
 
 /// Steady lift of a rectangle of AR 4 by height, strips against the lattice.
-pub fn lift() -> Result<Vec<Row>, Error> {
+pub fn lift() -> Result<Vec<ComparisonRow>, Error> {
     let aspect = 4.0;
     let mut rows = Vec::new();
     for incidence_deg in [1.0_f64, 8.0] {
@@ -182,7 +189,7 @@ pub fn lift() -> Result<Vec<Row>, Error> {
             let metric = format!(
                 "error of the lift over that in free air, AR 4 at {incidence_deg} deg, {height} chords high: 12 strips {strips:.3}, lattice {lattice:.3}"
             );
-            rows.push(Row::shown(
+            rows.push(ComparisonRow::shown(
                 &id,
                 "own lattice, 6 x 24 panels",
                 &metric,

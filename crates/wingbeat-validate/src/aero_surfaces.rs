@@ -1,9 +1,9 @@
 //! Surfaces of preset `full` in each other's wash: biplane and tandem.
 
-use crate::aero_full::Preset;
+use crate::aero_full::ComparedPreset;
 use crate::aero_full::lattice::downwash;
 use crate::aero_full::wings::{ellipse, rectangle};
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use std::f64::consts::PI;
 use wingbeat::aero::{Loads, Planform, SectionMotion, Surfaces};
 use wingbeat::math::Vec3;
@@ -23,20 +23,23 @@ const PRANDTL: f64 = 0.485;
 const FAR: f64 = 1e4;
 
 /// A flat surface: its outline, strips, and the place of its middle.
-struct Flat {
+struct FlatSurface {
     outline: Planform,
     strips: usize,
     at: Vec3,
 }
 
 /// Steady loads of flat, parallel surfaces in a wind of 1 m/s at a small incidence.
-fn steady(flat: &[Flat]) -> Result<Loads<f64>, Error> {
+fn steady(flat: &[FlatSurface]) -> Result<Loads<f64>, Error> {
     let mut named = Vec::new();
     for (k, f) in flat.iter().enumerate() {
-        named.push((format!("surface{k}"), Preset::Full.model_of(f.strips, &f.outline, &[], 1.0, 1e-6)?));
+        named.push((
+            format!("surface{k}"),
+            ComparedPreset::Full.model_of(f.strips, &f.outline, &[], 1.0, 1e-6)?,
+        ));
     }
     let surfaces = Surfaces::new(named)?;
-    let of = |(surface, f): (&wingbeat::aero::Surface, &Flat)| -> Vec<SectionMotion<f64>> {
+    let of = |(surface, f): (&wingbeat::aero::Surface, &FlatSurface)| -> Vec<SectionMotion<f64>> {
         let section = |&arc: &f64| {
             let (leading, trailing) = f.outline.edges(arc);
             let at = |x: f64| f.at + Vec3::new(x, arc, 0.0);
@@ -61,8 +64,8 @@ fn steady(flat: &[Flat]) -> Result<Loads<f64>, Error> {
 fn interference(aspect: f64, strips: usize) -> Result<f64, Error> {
     let span = 0.25 * aspect * PI;
     let drag_over_lift2 = |gap: f64| -> Result<f64, Error> {
-        let at = |height: f64| -> Result<Flat, Error> {
-            Ok(Flat { outline: ellipse(aspect)?, strips, at: Vec3::new(0.0, 0.0, height) })
+        let at = |height: f64| -> Result<FlatSurface, Error> {
+            Ok(FlatSurface { outline: ellipse(aspect)?, strips, at: Vec3::new(0.0, 0.0, height) })
         };
         let force = steady(&[at(0.0)?, at(gap)?])?.wrench.force;
         let wind = Vec3::new(-INCIDENCE.cos(), 0.0, INCIDENCE.sin());
@@ -92,13 +95,14 @@ pub fn elliptic_interference(gap: f64) -> f64 {
 }
 
 /// Interference factor of a biplane against Prandtl's.
-pub fn biplane() -> Result<Vec<Row>, Error> {
+pub fn biplane() -> Result<Vec<ComparisonRow>, Error> {
     let error = |factor: f64| (factor / PRANDTL - 1.0).abs();
     let source = "Prandtl 1924, NACA TN 182: 0.485 at gap/span 0.2";
     let metric = "error of the interference factor, ellipses of AR 20, 16 strips each";
-    let shown = |id: &str, metric: &str, factor: f64| Row::shown(id, source, metric, error(factor), "");
+    let shown =
+        |id: &str, metric: &str, factor: f64| ComparisonRow::shown(id, source, metric, error(factor), "");
     Ok(vec![
-        Row::judged("aero.biplane", source, metric, error(interference(20.0, 16)?), 0.03, ""),
+        ComparisonRow::judged("aero.biplane", source, metric, error(interference(20.0, 16)?), 0.03, ""),
         shown("aero.biplane.coarse", "the same with 8 strips each", interference(20.0, 8)?),
         shown("aero.biplane.short", "the same at AR 6", interference(6.0, 16)?),
         shown("aero.biplane.quadrature", "elliptic loadings, by quadrature", elliptic_interference(GAP)),
@@ -106,7 +110,7 @@ pub fn biplane() -> Result<Vec<Row>, Error> {
 }
 
 /// Mean downwash at a tail one span behind a rectangle of AR 6, half as wide, against a linear lattice.
-pub fn tandem() -> Result<Vec<Row>, Error> {
+pub fn tandem() -> Result<Vec<ComparisonRow>, Error> {
     let (aspect, chord) = (6.0, 0.5);
     let tail_span = 0.5 * aspect;
     // 3/4 chord of the tail one span behind that of the wing.
@@ -115,11 +119,11 @@ pub fn tandem() -> Result<Vec<Row>, Error> {
     let at = Vec3::new(0.75 * chord - behind, 0.0, 0.0);
     let value = |wing: usize, tail: usize| -> Result<f64, Error> {
         let flat = [
-            Flat { outline: rectangle(aspect, 1.0)?, strips: wing, at: Vec3::ZERO },
-            Flat { outline: rectangle(tail_span, chord)?, strips: tail, at },
+            FlatSurface { outline: rectangle(aspect, 1.0)?, strips: wing, at: Vec3::ZERO },
+            FlatSurface { outline: rectangle(tail_span, chord)?, strips: tail, at },
         ];
         let loads = steady(&flat)?;
-        let edges = Preset::Full.model_of(tail, &flat[1].outline, &[], 1.0, 1e-6)?;
+        let edges = ComparedPreset::Full.model_of(tail, &flat[1].outline, &[], 1.0, 1e-6)?;
         let widths = edges.arcs().windows(2).map(|a| a[0] - a[1]);
         let wash = loads.wash_of_others[wing..wing + tail].iter().zip(widths);
         let (sum, span) = wash.fold((0.0, 0.0), |(sum, span), (w, width)| (sum - w * width, span + width));
@@ -129,8 +133,14 @@ pub fn tandem() -> Result<Vec<Row>, Error> {
     let metric = "error of the mean downwash one span behind a rectangle of AR 6, tail of half its span, 16 and 8 strips";
     let error = |value: f64| (value / exact - 1.0).abs();
     Ok(vec![
-        Row::judged("aero.tandem", source, metric, error(value(16, 8)?), 0.05, ""),
-        Row::shown("aero.tandem.fine", source, "the same with 22 and 10 strips", error(value(22, 10)?), ""),
+        ComparisonRow::judged("aero.tandem", source, metric, error(value(16, 8)?), 0.05, ""),
+        ComparisonRow::shown(
+            "aero.tandem.fine",
+            source,
+            "the same with 22 and 10 strips",
+            error(value(22, 10)?),
+            "",
+        ),
     ])
 }
 

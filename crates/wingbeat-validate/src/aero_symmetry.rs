@@ -1,8 +1,8 @@
 //! A motion that is its own mirror image makes no side force: on the tether with every kind of hinge, and in flight.
 
-use crate::aero_full::{Preset, last_cycle};
+use crate::aero_full::{ComparedPreset, last_cycle};
 use crate::aero_turn::turn;
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use wingbeat::aero::{Planform, PlanformStation};
 use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::Plant;
@@ -42,7 +42,7 @@ fn outline() -> Result<Planform, Error> {
 
 /// A wing that flaps at the shoulder and moves by one more hinge, in a wind from ahead and below.
 fn tether(
-    preset: Preset,
+    preset: ComparedPreset,
     strips: usize,
     (_, kind, arc_m, to_arc_m, ahead_m): (&str, HingeKind, f64, Option<f64>, f64),
 ) -> Result<Tether, Error> {
@@ -103,21 +103,21 @@ fn sideways(strips: usize) -> Result<f64, Error> {
     Ok(side / largest)
 }
 
-fn symmetry() -> Result<Vec<Row>, Error> {
+fn symmetry() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     for hinge in HINGES {
         let mut worst = 0.0_f64;
-        for preset in [Preset::Full, Preset::Paper] {
+        for preset in [ComparedPreset::Full, ComparedPreset::Paper] {
             for strips in STRIPS {
                 worst = worst.max(side_force(&tether(preset, strips, hinge)?)?);
             }
         }
         let id = format!("aero.symmetry.{}", hinge.0);
         let metric = "tether, presets full and paper, 8 to 16 strips: side force over the largest";
-        rows.push(Row::judged(&id, "mirror image", metric, worst, LIMIT, ""));
+        rows.push(ComparisonRow::judged(&id, "mirror image", metric, worst, LIMIT, ""));
     }
     let worst = STRIPS.iter().try_fold(0.0_f64, |m, &strips| sideways(strips).map(|s| m.max(s)))?;
     let metric = "flight, preset full, 8 to 16 strips: sideways acceleration over the largest";
-    rows.push(Row::judged("aero.symmetry.flight", "mirror image", metric, worst, LIMIT, ""));
+    rows.push(ComparisonRow::judged("aero.symmetry.flight", "mirror image", metric, worst, LIMIT, ""));
     Ok(rows)
 }

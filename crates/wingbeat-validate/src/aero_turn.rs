@@ -1,9 +1,9 @@
 //! The banking turn flown with preset `full`: convergence with the step, the fastest slope of the lags, and what of
 //! its end depends on the choices of the model.
 
-use crate::aero_full::{E1, F2, Preset, last_cycle};
+use crate::aero_full::{ComparedPreset, E1, F2, last_cycle};
 use crate::shipped::scenario;
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::scenario::{Run, Scenario};
@@ -51,7 +51,7 @@ fn apart(a: [f64; 6], b: [f64; 6]) -> f64 {
 }
 
 /// Order in the step, and what the step still moves at 1 and 5 s.
-fn steps() -> Result<Vec<Row>, Error> {
+fn steps() -> Result<Vec<ComparisonRow>, Error> {
     let fly = |step: &str| flown(&[format!("flight.step_s={step}"), "flight.record_every_s=0.005".into()]);
     let runs = [fly("2e-4")?, fly("1e-4")?, fly("5e-5")?];
     let id = |name: &str| format!("aero.convergence.step.{name}");
@@ -60,21 +60,21 @@ fn steps() -> Result<Vec<Row>, Error> {
         let [coarse, middle, fine] = [pose(&runs[0], t)?, pose(&runs[1], t)?, pose(&runs[2], t)?];
         let moved = apart(middle, fine);
         let metric = format!("turn with preset full: .1 against .05 ms at {t} s, m and rad");
-        rows.push(Row::judged(&id(name), SOURCE, &metric, moved, limit, ""));
+        rows.push(ComparisonRow::judged(&id(name), SOURCE, &metric, moved, limit, ""));
         if t == 5.0 {
             let order = (apart(coarse, middle) / moved).log2();
-            rows.push(Row::order(&id("order"), SOURCE, order, 4.0, 0.5));
+            rows.push(ComparisonRow::order(&id("order"), SOURCE, order, 4.0, 0.5));
         }
     }
     Ok(rows)
 }
 
 /// Lift of large flapping with 8, 16 and 32 strips: what doubling them moves, and the order.
-fn strips() -> Result<Vec<Row>, Error> {
+fn strips() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     for (name, flap) in [("F2", F2), ("E1", E1)] {
         let lift = |strips: usize| -> Result<Vec<f64>, Error> {
-            let cycle = last_cycle(&flap.tether_of(Preset::Full, strips, 96)?)?;
+            let cycle = last_cycle(&flap.tether_of(ComparedPreset::Full, strips, 96)?)?;
             Ok(cycle.iter().map(|loads| loads.wrench.force[2]).collect())
         };
         let [coarse, middle, fine] = [lift(8)?, lift(16)?, lift(32)?];
@@ -84,13 +84,13 @@ fn strips() -> Result<Vec<Row>, Error> {
         let metric =
             format!("{name}: lift with 16 against 32 strips, rms over rms; observed order {order:.2}");
         let id = format!("aero.convergence.strips.{name}");
-        rows.push(Row::shown(&id, "own doubled strips", &metric, moved, ""));
+        rows.push(ComparisonRow::shown(&id, "own doubled strips", &metric, moved, ""));
     }
     Ok(rows)
 }
 
 /// Largest derivative of the rate of a lag by a lag of its kind along the turn, 1/s.
-fn lag_slope() -> Result<Vec<Row>, Error> {
+fn lag_slope() -> Result<Vec<ComparisonRow>, Error> {
     let scenario = turn(&[])?;
     let robot = scenario.robot();
     let (layout, states) = (*robot.layout(), robot.states());
@@ -119,14 +119,14 @@ fn lag_slope() -> Result<Vec<Row>, Error> {
     pose(&run, 5.0)?;
     let metric = "turn with preset full: largest slope of a lag's rate by a lag of its kind, every 2 ms";
     let id = "aero.convergence.lag_slope";
-    Ok(vec![Row::judged(id, "a controller's interval holds it", metric, largest, 2000.0, "1/s")])
+    Ok(vec![ComparisonRow::judged(id, "a controller's interval holds it", metric, largest, 2000.0, "1/s")])
 }
 
 /// How often the slopes are taken, s.
 const SLOPE_EVERY: f64 = 2e-3;
 
 /// Distances between ends of the turn with other cores and strips, m: what the model leaves open.
-fn spread() -> Result<Vec<Row>, Error> {
+fn spread() -> Result<Vec<ComparisonRow>, Error> {
     let fly = |strips: usize, core: f64| {
         let keys = [format!("aero.full.strips={strips}"), format!("aero.full.vortex_core={core}")];
         flown(&keys).and_then(|run| pose(&run, 5.0))
@@ -143,7 +143,7 @@ fn spread() -> Result<Vec<Row>, Error> {
         let id = format!("aero.convergence.spread.{name}");
         let metric =
             format!("turn's end, {strips} strips and core {core}, from that of 16 strips and core 0.3");
-        rows.push(Row::shown(&id, "choices of the model", &metric, away(fly(strips, core)?), "m"));
+        rows.push(ComparisonRow::shown(&id, "choices of the model", &metric, away(fly(strips, core)?), "m"));
     }
     Ok(rows)
 }

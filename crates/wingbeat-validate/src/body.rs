@@ -8,7 +8,7 @@ mod vacuum;
 
 pub use urdf::reference as reference_tree;
 
-use crate::{Case, Error, Row, reference_table};
+use crate::{Case, ComparisonRow, Error, reference_table};
 use wingbeat::body::{LinkMotion, Linkage, LinkageDimensions, MAX_LINKS};
 use wingbeat::math::{Jet, Quat, Vec3, Wrench};
 
@@ -51,36 +51,50 @@ pub fn crank_angles() -> Result<CrankAngles, Error> {
     Ok(CrankAngles { crank, value, exact: [table.column_at(1)?, table.column_at(2)?] })
 }
 
-fn linkage_cycle() -> Result<Vec<Row>, Error> {
+fn linkage_cycle() -> Result<Vec<ComparisonRow>, Error> {
     let angles = crank_angles()?;
     let pairs = angles.value.iter().flatten().zip(angles.exact.iter().flatten());
     let worst = pairs.map(|(value, exact)| (value - exact).abs()).fold(0.0, f64::max);
     let metric = "max error of humerus and radius angle";
-    Ok(vec![Row::judged("linkage.cycle", "independent loop closure by Newton", metric, worst, 1e-3, "deg")])
+    Ok(vec![ComparisonRow::judged(
+        "linkage.cycle",
+        "independent loop closure by Newton",
+        metric,
+        worst,
+        1e-3,
+        "deg",
+    )])
 }
 
-fn momentum_vacuum() -> Result<Vec<Row>, Error> {
-    let flight = vacuum::Flight::one_cycle(reference_tree()?, Vec3::ZERO)?;
+fn momentum_vacuum() -> Result<Vec<ComparisonRow>, Error> {
+    let flight = vacuum::VacuumCycle::one_cycle(reference_tree()?, Vec3::ZERO)?;
     let drift = |before: Vec3, after: Vec3| (after - before).norm() / before.norm();
     let linear = drift(flight.before.linear, flight.after.linear);
     let angular = drift(flight.before.angular, flight.after.angular);
     let metric = "relative drift of linear and angular momentum over one cycle";
     let source = "conservation of momentum";
-    Ok(vec![Row::judged("body.momentum_vacuum", source, metric, linear.max(angular), 1e-9, "")])
+    Ok(vec![ComparisonRow::judged("body.momentum_vacuum", source, metric, linear.max(angular), 1e-9, "")])
 }
 
-fn energy_power_balance() -> Result<Vec<Row>, Error> {
+fn energy_power_balance() -> Result<Vec<ComparisonRow>, Error> {
     let gravity = Vec3([0.0, 0.0, -wingbeat::math::GRAVITY]);
-    let flight = vacuum::Flight::one_cycle(reference_tree()?, gravity)?;
+    let flight = vacuum::VacuumCycle::one_cycle(reference_tree()?, gravity)?;
     let change = flight.after.energy - flight.before.energy;
     let error = (flight.work - change).abs() / flight.peak_work;
     let metric = "work of joint torques - change of energy, over the peak work";
-    Ok(vec![Row::judged("body.energy_power_balance", "conservation of energy", metric, error, 1e-8, "")])
+    Ok(vec![ComparisonRow::judged(
+        "body.energy_power_balance",
+        "conservation of energy",
+        metric,
+        error,
+        1e-8,
+        "",
+    )])
 }
 
 /// State, efforts and accelerations of the reference tree; Pinocchio's numbers.
 #[derive(Clone, Debug)]
-struct Reference {
+struct ReferenceState {
     attitude: Quat,
     /// Velocity of the base in its own frame, m/s.
     v: Vec3,
@@ -98,13 +112,13 @@ struct Reference {
     gravity: f64,
 }
 
-fn reference() -> Result<Reference, Error> {
+fn reference() -> Result<ReferenceState, Error> {
     let q = reference_table!("multibody/ref_q.txt")?.column_at(0)?;
     let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
     let efforts = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;
     let accelerations = reference_table!("multibody/ref_qdd_pin_local.txt")?.column_at(0)?;
     let joints = |column: &[f64], first: usize| std::array::from_fn(|i| column[first + i]);
-    Ok(Reference {
+    Ok(ReferenceState {
         // The table has x, y, z, w.
         attitude: Quat::from_wxyz(&[q[6], q[3], q[4], q[5]]),
         v: Vec3::from_slice(&v),
@@ -141,10 +155,10 @@ pub fn tree_accelerations() -> Result<Vec<(f64, f64)>, Error> {
     Ok(all.copied().zip(reference.base.iter().chain(&reference.qdd).copied()).collect())
 }
 
-fn pinocchio() -> Result<Vec<Row>, Error> {
+fn pinocchio() -> Result<Vec<ComparisonRow>, Error> {
     let error = |(a, b): (f64, f64)| (a - b).abs() / b.abs();
     let worst = tree_accelerations()?.into_iter().map(error).fold(0.0, f64::max);
     let source = "Pinocchio 4.1 and MuJoCo 4.0 (agreeing to 1e-15)";
     let metric = "max relative error of the 10 accelerations, joints free";
-    Ok(vec![Row::judged("body.pinocchio", source, metric, worst, 1e-10, "")])
+    Ok(vec![ComparisonRow::judged("body.pinocchio", source, metric, worst, 1e-10, "")])
 }

@@ -9,7 +9,7 @@ use crate::Error;
 
 /// One compared number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct ComparisonRow {
     /// Stable name, e.g. `aero.wagner_limit`.
     pub id: String,
     /// Where the number compared with comes from.
@@ -24,7 +24,7 @@ pub struct Row {
     pub unit: &'static str,
 }
 
-impl Row {
+impl ComparisonRow {
     /// A number that passes when it is at most `limit`, both in `unit`.
     pub fn judged(id: &str, source: &str, metric: &str, value: f64, limit: f64, unit: &'static str) -> Self {
         Self { limit: Some(limit), ..Self::shown(id, source, metric, value, unit) }
@@ -62,7 +62,7 @@ pub struct Case {
     /// True when it takes a second or less.
     pub quick: bool,
     /// Computes the rows.
-    pub run: fn() -> Result<Vec<Row>, Error>,
+    pub run: fn() -> Result<Vec<ComparisonRow>, Error>,
 }
 
 /// A comparison of many runs, which shares them among the cores itself.
@@ -73,11 +73,11 @@ pub struct LongCase {
     /// Processor time that it takes, min, as measured: what is told before it is run.
     pub core_minutes: f64,
     /// Computes the rows; none where it was ended.
-    pub run: fn(&mut Watch<'_>) -> Result<Vec<Row>, Error>,
+    pub run: fn(&mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Error>,
 }
 
 /// Hears how many runs of how many are done, and may end them.
-pub type Watch<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;
+pub type CaseWatch<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;
 
 /// Which rows are wanted.
 #[derive(Clone, Debug, Default)]
@@ -94,7 +94,7 @@ impl Selection {
         named && (quick || !self.quick)
     }
 
-    fn keeps_row(&self, row: &Row) -> bool {
+    fn keeps_row(&self, row: &ComparisonRow) -> bool {
         self.only.as_deref().is_none_or(|only| below(&row.id, only))
     }
 }
@@ -118,9 +118,9 @@ pub fn select_long<'a>(all: &[&'a LongCase], selection: &Selection) -> Vec<&'a L
 pub fn run(
     cases: &[&Case],
     selection: &Selection,
-    mut show: impl FnMut(&[Row]) -> ControlFlow<()>,
-) -> Vec<Row> {
-    let mut done: Vec<Option<Vec<Row>>> = vec![None; cases.len()];
+    mut show: impl FnMut(&[ComparisonRow]) -> ControlFlow<()>,
+) -> Vec<ComparisonRow> {
+    let mut done: Vec<Option<Vec<ComparisonRow>>> = vec![None; cases.len()];
     let (mut shown, mut front) = (Vec::new(), 0);
     parallel::each(
         cases,
@@ -144,8 +144,8 @@ pub fn run_long(
     cases: &[&LongCase],
     selection: &Selection,
     mut told: impl FnMut(&str, usize, usize) -> ControlFlow<()>,
-    mut show: impl FnMut(&[Row]),
-) -> Vec<Row> {
+    mut show: impl FnMut(&[ComparisonRow]),
+) -> Vec<ComparisonRow> {
     let mut shown = Vec::new();
     for case in cases {
         let mut ended = false;
@@ -165,20 +165,24 @@ pub fn run_long(
     shown
 }
 
-fn rows_of(case: &Case, selection: &Selection) -> Vec<Row> {
+fn rows_of(case: &Case, selection: &Selection) -> Vec<ComparisonRow> {
     kept(case.id, selection, case.run)
 }
 
 /// The wanted rows of the case `id`, or the one that says why there are none.
-fn kept(id: &str, selection: &Selection, run: impl FnOnce() -> Result<Vec<Row>, Error>) -> Vec<Row> {
+fn kept(
+    id: &str,
+    selection: &Selection,
+    run: impl FnOnce() -> Result<Vec<ComparisonRow>, Error>,
+) -> Vec<ComparisonRow> {
     let mut rows = match std::panic::catch_unwind(AssertUnwindSafe(run)) {
         Ok(Ok(rows)) => rows,
-        Ok(Err(error)) => return vec![Row::failed(id, &error)],
-        Err(_) => return vec![Row::failed(id, &Error::Panicked)],
+        Ok(Err(error)) => return vec![ComparisonRow::failed(id, &error)],
+        Err(_) => return vec![ComparisonRow::failed(id, &Error::Panicked)],
     };
     let own = |i: usize| below(&rows[i].id, id) && rows[..i].iter().all(|row| row.id != rows[i].id);
     if !(0..rows.len()).all(own) {
-        return vec![Row::failed(id, &Error::Ids)];
+        return vec![ComparisonRow::failed(id, &Error::Ids)];
     }
     rows.retain(|row| selection.keeps_row(row));
     rows

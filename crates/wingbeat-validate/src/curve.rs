@@ -18,14 +18,14 @@ pub fn eldredge(s: f64, start: f64) -> (f64, f64) {
 }
 
 /// A curve, straight between its points. Abscissae and values are in the caller's units.
-pub struct Curve {
+pub struct SampledCurve {
     /// Where, rising.
     pub at: Vec<f64>,
     /// What is there.
     pub value: Vec<f64>,
 }
 
-impl Curve {
+impl SampledCurve {
     /// Mean from `low` to `high`, of the part that the curve has.
     pub fn mean(&self, low: f64, high: f64) -> f64 {
         let (mut area, mut width) = (0.0, 0.0);

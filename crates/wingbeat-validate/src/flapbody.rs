@@ -1,7 +1,7 @@
 //! FLAPBODY-14: a free-floating flapping body with four regulators, the
 //! optimal-control problem shared with other solvers.
 
-use crate::{Error, Table, reference_table};
+use crate::{Error, ReferenceTable, reference_table};
 use wingbeat::math::{Scalar, Vec3};
 use wingbeat::ocp::realtime::{Component, LinearLimit, RealTime, Settings, Tracking};
 use wingbeat::plant::{Channel, Fault, Plant};
@@ -170,7 +170,7 @@ pub struct Instance {
 
 /// The 200 recorded instances.
 pub fn instances() -> Result<Vec<Instance>, Error> {
-    let table: Table = reference_table!("flapbody14/instances.csv")?;
+    let table: ReferenceTable = reference_table!("flapbody14/instances.csv")?;
     let columns: Vec<Vec<f64>> = (0..45).map(|j| table.column_at(j)).collect::<Result<_, _>>()?;
     let row = |i: usize, range: std::ops::Range<usize>| range.map(|j| columns[j][i]).collect::<Vec<f64>>();
     let instance = |i: usize| Instance {

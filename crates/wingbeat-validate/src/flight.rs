@@ -18,7 +18,7 @@ use wingbeat::scenario::Run;
 use wingbeat::simulate::Record;
 
 use crate::shipped::{Shipped, scenario};
-use crate::{Case, Error, LongCase, Row};
+use crate::{Case, ComparisonRow, Error, LongCase};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -117,7 +117,7 @@ const SATURATED: f64 = 0.05;
 
 /// A shipped scenario from the begin of its first leg on: largest error of the height, m, and the mean roll of the last
 /// second, deg; of straight flight, which symmetry keeps level, nothing is asked.
-fn flown(of: Shipped, height: f64, roll_deg: f64) -> Result<Vec<Row>, Error> {
+fn flown(of: Shipped, height: f64, roll_deg: f64) -> Result<Vec<ComparisonRow>, Error> {
     let scenario = scenario(of, &[])?;
     let Run { record, summary, .. } = scenario.fly(|_| ControlFlow::Continue(()))?;
     let column = |name: &str| values(&record, name);
@@ -130,7 +130,7 @@ fn flown(of: Shipped, height: f64, roll_deg: f64) -> Result<Vec<Row>, Error> {
     let (id, source) = (format!("flight.{of}"), "what is asked of the flight");
     let least = summary.least_clearance_m.unwrap_or(f64::NAN);
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
-        Row::judged(&format!("{id}.{end}"), source, metric, value, limit, unit)
+        ComparisonRow::judged(&format!("{id}.{end}"), source, metric, value, limit, unit)
     };
     let saturated = summary.input_saturation_fraction;
     let mut rows = vec![

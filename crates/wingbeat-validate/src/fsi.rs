@@ -12,8 +12,8 @@ pub mod pazy;
 pub mod section;
 pub mod theodorsen;
 
-use crate::aero_full::Preset;
-use crate::{Case, Error, Row};
+use crate::aero_full::ComparedPreset;
+use crate::{Case, ComparisonRow, Error};
 use section::TypicalSection;
 
 /// The comparisons.
@@ -24,6 +24,9 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.energy", quick: true, run: energy::rows },
     Case { id: "fsi.element", quick: true, run: element::rows },
 ];
+
+/// A complex number.
+type C = nalgebra::Complex<f64>;
 
 /// Distance of the elastic axis behind the leading edge, chords.
 const AXIS: f64 = 0.35;
@@ -36,7 +39,7 @@ fn worst(pairs: impl IntoIterator<Item = (f64, f64)>) -> f64 {
 /// Frequencies of the coupled plate in still air, rad/s, beside those of the structure with the air
 /// that a flat plate carries (Theodorsen 1935): per unit span pi rho b2 at mid chord and
 /// pi rho b4 / 8 about it.
-fn still_air(preset: Preset) -> Result<Vec<(f64, f64)>, Error> {
+fn still_air(preset: ComparedPreset) -> Result<Vec<(f64, f64)>, Error> {
     let mut pairs = Vec::new();
     for mass_ratio in [2.0, 10.0, 50.0] {
         let section = TypicalSection { mass_ratio, unbalance: 0.2, frequency_ratio: 0.6, axis: AXIS };
@@ -52,19 +55,25 @@ fn still_air(preset: Preset) -> Result<Vec<(f64, f64)>, Error> {
     Ok(pairs)
 }
 
-fn added_mass_frequency() -> Result<Vec<Row>, Error> {
+fn added_mass_frequency() -> Result<Vec<ComparisonRow>, Error> {
     let (id, source) = ("fsi.added_mass_frequency", "eigenvalue of the 2 x 2 system by hand");
     let metric =
         "max relative error of the frequencies, heave and pitch coupled in still air, mass ratio 2, 10, 50";
     let full = format!("{metric}, preset full");
     Ok(vec![
-        Row::judged(id, source, metric, worst(still_air(Preset::Paper)?), 1e-3, ""),
-        Row::shown(&format!("{id}.full"), source, &full, worst(still_air(Preset::Full)?), ""),
+        ComparisonRow::judged(id, source, metric, worst(still_air(ComparedPreset::Paper)?), 1e-3, ""),
+        ComparisonRow::shown(
+            &format!("{id}.full"),
+            source,
+            &full,
+            worst(still_air(ComparedPreset::Full)?),
+            "",
+        ),
     ])
 }
 
 /// Dynamic pressure of divergence over K / (S e a0).
-fn divergence_of(preset: Preset) -> Result<(f64, f64), Error> {
+fn divergence_of(preset: ComparedPreset) -> Result<(f64, f64), Error> {
     let section = TypicalSection { mass_ratio: 20.0, unbalance: 0.1, frequency_ratio: 0.3, axis: AXIS };
     let exact = section.divergence_speed();
     let growth = |speed: f64| {
@@ -75,12 +84,18 @@ fn divergence_of(preset: Preset) -> Result<(f64, f64), Error> {
     Ok((speed * speed, exact * exact))
 }
 
-fn divergence() -> Result<Vec<Row>, Error> {
+fn divergence() -> Result<Vec<ComparisonRow>, Error> {
     let (id, source) = ("fsi.divergence", "q = K / (S e a0)");
     let metric = "relative error of the dynamic pressure where a real eigenvalue crosses zero, AR 1e5";
     let full = format!("{metric}, preset full");
     Ok(vec![
-        Row::judged(id, source, metric, worst([divergence_of(Preset::Paper)?]), 0.01, ""),
-        Row::shown(&format!("{id}.full"), source, &full, worst([divergence_of(Preset::Full)?]), ""),
+        ComparisonRow::judged(id, source, metric, worst([divergence_of(ComparedPreset::Paper)?]), 0.01, ""),
+        ComparisonRow::shown(
+            &format!("{id}.full"),
+            source,
+            &full,
+            worst([divergence_of(ComparedPreset::Full)?]),
+            "",
+        ),
     ])
 }

@@ -1,7 +1,7 @@
 //! Comparisons of wingbeat with published or independent numbers.
 //!
 //! Each part of the library has a module here with its [`Case`]s; a case runs the model and
-//! returns one [`Row`] per compared number. Reference tables live in `validation/<source>/`.
+//! returns one [`ComparisonRow`] per compared number. Reference tables live in `validation/<source>/`.
 
 mod case;
 mod curve;
@@ -34,11 +34,13 @@ pub mod paper_nlp;
 pub mod paper_printed;
 pub mod rig;
 
-pub use case::{Case, LongCase, Row, Selection, Watch, below, run, run_long, select, select_long};
+pub use case::{
+    Case, CaseWatch, ComparisonRow, LongCase, Selection, below, run, run_long, select, select_long,
+};
 pub use error::Error;
-pub use page::{Piece, page, pieces};
-pub use reference::Table;
-pub use report::{Line, table, to_json};
+pub use page::{PagePiece, page, pieces};
+pub use reference::ReferenceTable;
+pub use report::{ReportLine, table, to_json};
 
 /// Every case, part by part.
 pub fn cases() -> Vec<&'static Case> {

@@ -2,7 +2,7 @@
 
 mod derivatives;
 
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use wingbeat::math::{RK4, Steps, Workspace};
 
 /// The comparisons.
@@ -23,7 +23,7 @@ pub fn error_of_rk4(steps: usize) -> f64 {
     (x[0] - 2f64.sin().exp()).abs()
 }
 
-fn rk4_order() -> Result<Vec<Row>, Error> {
+fn rk4_order() -> Result<Vec<ComparisonRow>, Error> {
     let observed = (error_of_rk4(100) / error_of_rk4(200)).log2();
-    Ok(vec![Row::order("math.rk4_order", "exact solution exp(sin t)", observed, 4.0, 0.1)])
+    Ok(vec![ComparisonRow::order("math.rk4_order", "exact solution exp(sin t)", observed, 4.0, 0.1)])
 }

@@ -1,7 +1,7 @@
 //! Transcription and derivatives of optimal-control problems.
 
 use crate::flapbody::{self, FlapBody};
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use wingbeat::math::{RK4, Scalar, Steps, Workspace};
 use wingbeat::ocp::realtime::{RealTime, Settings, Status, Tracking};
 use wingbeat::plant::Plant;
@@ -66,16 +66,16 @@ pub fn collocation_errors(intervals: &[usize]) -> Result<Vec<f64>, Error> {
     intervals.iter().map(error).collect()
 }
 
-fn hermite_simpson_order() -> Result<Vec<Row>, Error> {
+fn hermite_simpson_order() -> Result<Vec<ComparisonRow>, Error> {
     let errors = collocation_errors(&[8, 16])?;
     let observed = (errors[0] / errors[1]).log2();
     let source = "Hargraves & Paris 1987 (order 4)";
-    Ok(vec![Row::order("ocp.hermite_simpson_order", source, observed, 4.0, 0.2)])
+    Ok(vec![ComparisonRow::order("ocp.hermite_simpson_order", source, observed, 4.0, 0.2)])
 }
 
 /// Sensitivity of every node's state to every input, from the exact
 /// linearisations, against central differences of the solved collocation.
-fn derivatives() -> Result<Vec<Row>, Error> {
+fn derivatives() -> Result<Vec<ComparisonRow>, Error> {
     const INTERVALS: usize = 5;
     const DURATION: f64 = 0.025;
     const EPSILON: f64 = 1e-4;
@@ -101,11 +101,11 @@ fn derivatives() -> Result<Vec<Row>, Error> {
         }
     }
     let metric = "max relative error of the states' sensitivities to the inputs";
-    Ok(vec![Row::judged("ocp.derivatives", "central differences", metric, worst, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged("ocp.derivatives", "central differences", metric, worst, 1e-6, "")])
 }
 
 /// All recorded instances of FLAPBODY-14 A, cold-started.
-fn flapbody_a() -> Result<Vec<Row>, Error> {
+fn flapbody_a() -> Result<Vec<ComparisonRow>, Error> {
     let plant = FlapBody::default();
     let mut solver = flapbody::solver(&plant)?;
     let (mut error, mut iterations) = (0.0_f64, 0);
@@ -120,7 +120,7 @@ fn flapbody_a() -> Result<Vec<Row>, Error> {
     }
     let source = "CasADi 3.8.2 + IPOPT 3.14.19, tol 1e-10";
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             "ocp.flapbody_A",
             source,
             "max error of the optimal inputs, 200 instances",
@@ -128,6 +128,6 @@ fn flapbody_a() -> Result<Vec<Row>, Error> {
             1e-6,
             "",
         ),
-        Row::shown("ocp.flapbody_A.iterations", source, "most iterations", iterations as f64, ""),
+        ComparisonRow::shown("ocp.flapbody_A.iterations", source, "most iterations", iterations as f64, ""),
     ])
 }

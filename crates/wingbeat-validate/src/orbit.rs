@@ -8,7 +8,7 @@ mod random;
 pub mod replay;
 
 pub(crate) use lattice::cycles as replayed;
-pub(crate) use replay::Instant;
+pub(crate) use replay::InstantLoads;
 
 use std::ops::ControlFlow;
 
@@ -18,7 +18,7 @@ use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{ConfigError, Scenario, Trimmed};
 
 use crate::shipped::{Shipped, scenario};
-use crate::{Case, Error, LongCase, Row};
+use crate::{Case, ComparisonRow, Error, LongCase};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -74,7 +74,7 @@ fn found(scenario: &Scenario, cycle: &Cycle) -> Result<Orbit, Error> {
 }
 
 /// How far a cycle ends from its begin, and speed and climb from what was asked.
-fn residual() -> Result<Vec<Row>, Error> {
+fn residual() -> Result<Vec<ComparisonRow>, Error> {
     let (id, source) = ("trim.residual", "definition of a periodic flight");
     let mut worst: f64 = 0.0;
     let mut rows = Vec::new();
@@ -88,7 +88,7 @@ fn residual() -> Result<Vec<Row>, Error> {
         let climb = end.displacement[2] / end.duration - orbit.course.climb;
         worst = returns.chain([speed, climb, end.heading]).fold(worst, |most, r| most.max(r.abs()));
         let lift = measure(&cycle, &orbit, &[])?.lift_over_weight;
-        rows.push(Row::judged(
+        rows.push(ComparisonRow::judged(
             &format!("{id}.lift_{name}"),
             "mean force of the air = weight",
             &format!("lift over weight less 1, 20 g, twist {name}"),
@@ -99,7 +99,7 @@ fn residual() -> Result<Vec<Row>, Error> {
         let finer = self::scenario(shipped, &["trim.step_s=2.5e-4"])?;
         let cycle = finer.cycle()?;
         let moved = 1.0 / found(&finer, &cycle)?.end.duration - 1.0 / orbit.end.duration;
-        rows.push(Row::judged(
+        rows.push(ComparisonRow::judged(
             &format!("{id}.step_{name}"),
             "own steps of .5 and .25 ms",
             &format!("change of the frequency, twist {name}"),
@@ -110,7 +110,7 @@ fn residual() -> Result<Vec<Row>, Error> {
     }
     let metric =
         "largest difference of the state after a cycle, of speed and climb, twist driven and passive";
-    rows.insert(0, Row::judged(&format!("{id}.closure"), source, metric, worst, 1e-10, "SI"));
+    rows.insert(0, ComparisonRow::judged(&format!("{id}.closure"), source, metric, worst, 1e-10, "SI"));
     Ok(rows)
 }
 
@@ -128,7 +128,7 @@ fn moved(point: &Point, direction: &Direction, step: f64) -> Point {
 }
 
 /// The monodromy against central differences, and a disturbance flown against its powers.
-fn multipliers() -> Result<Vec<Row>, Error> {
+fn multipliers() -> Result<Vec<ComparisonRow>, Error> {
     let id = "trim.floquet";
     let scenario = scenario(PASSIVE, &[])?;
     let cycle = scenario.cycle()?;
@@ -163,7 +163,7 @@ fn multipliers() -> Result<Vec<Row>, Error> {
     let apart: Vec<f64> = flown.iter().zip(&linear).map(|(a, b)| a - b).collect();
     let modes = floquet(&cycle, &orbit)?;
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             &format!("{id}.monodromy"),
             "own central differences",
             "max error of the derivative of the flow over a cycle, over its largest entry",
@@ -171,7 +171,7 @@ fn multipliers() -> Result<Vec<Row>, Error> {
             1e-6,
             "",
         ),
-        Row::judged(
+        ComparisonRow::judged(
             &format!("{id}.flown"),
             "a disturbance of 1e-6 flown ten cycles",
             "difference from the tenth power of the monodromy, relative",
@@ -179,7 +179,7 @@ fn multipliers() -> Result<Vec<Row>, Error> {
             1e-3,
             "",
         ),
-        Row::judged(
+        ComparisonRow::judged(
             &format!("{id}.sectors"),
             "symmetry",
             "largest derivative that leads from flight in the plane of symmetry out of it, or back",
@@ -222,8 +222,8 @@ fn imbalance(shipped: Shipped) -> Result<f64, Error> {
     Ok((x[n] - grown).abs() / x[n + 1])
 }
 
-fn energy() -> Result<Vec<Row>, Error> {
+fn energy() -> Result<Vec<ComparisonRow>, Error> {
     let metric = "work over a cycle less the growth of the energy, over the work of the drives, twist driven and passive";
     let worst = imbalance(DRIVEN)?.max(imbalance(PASSIVE)?);
-    Ok(vec![Row::judged("trim.energy", "conservation of energy", metric, worst, 1e-8, "")])
+    Ok(vec![ComparisonRow::judged("trim.energy", "conservation of energy", metric, worst, 1e-8, "")])
 }

@@ -1,6 +1,6 @@
 //! The page of the comparisons: text with its numbers taken from the rows.
 
-use crate::{Row, report};
+use crate::{ComparisonRow, report};
 
 /// The text; between double braces stand `rows ID ...` for a table, `percent ID` for a value, and `k` for the reduced
 /// frequency of the flapping wings.
@@ -8,7 +8,7 @@ const TEXT: &str = include_str!("page.md");
 
 /// A piece of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Piece {
+pub enum PagePiece {
     /// Words as they are.
     Words(&'static str),
     /// What stands between double braces, in whose place numbers come.
@@ -16,26 +16,26 @@ pub enum Piece {
 }
 
 /// The text in its pieces.
-pub fn pieces() -> impl Iterator<Item = Piece> {
+pub fn pieces() -> impl Iterator<Item = PagePiece> {
     TEXT.split("{{").enumerate().flat_map(|(i, part)| match part.split_once("}}") {
-        Some((place, words)) if i > 0 => vec![Piece::Place(place), Piece::Words(words)],
-        _ => vec![Piece::Words(part)],
+        Some((place, words)) if i > 0 => vec![PagePiece::Place(place), PagePiece::Words(words)],
+        _ => vec![PagePiece::Words(part)],
     })
 }
 
 /// The page as Markdown, its figures in the folder `figures`; none when `rows` lack one that it names.
-pub fn page(rows: &[Row]) -> Option<String> {
+pub fn page(rows: &[ComparisonRow]) -> Option<String> {
     let mut page = String::new();
     for piece in pieces() {
         match piece {
-            Piece::Words(words) => page += words,
-            Piece::Place(place) => page += &filled(place, rows)?,
+            PagePiece::Words(words) => page += words,
+            PagePiece::Place(place) => page += &filled(place, rows)?,
         }
     }
     Some(page)
 }
 
-fn filled(place: &str, rows: &[Row]) -> Option<String> {
+fn filled(place: &str, rows: &[ComparisonRow]) -> Option<String> {
     let (kind, names) = place.split_once(' ').unwrap_or((place, ""));
     match kind {
         "rows" => table(names.split(' '), rows),
@@ -49,7 +49,7 @@ fn filled(place: &str, rows: &[Row]) -> Option<String> {
 }
 
 /// The rows that are called one of `names`, or stand below one.
-fn table<'a>(names: impl Iterator<Item = &'a str>, rows: &[Row]) -> Option<String> {
+fn table<'a>(names: impl Iterator<Item = &'a str>, rows: &[ComparisonRow]) -> Option<String> {
     let mut text = String::from("| id | error | value | limit |\n|---|---|---:|---:|");
     for name in names {
         let mut found = rows.iter().filter(|row| crate::case::below(&row.id, name)).peekable();

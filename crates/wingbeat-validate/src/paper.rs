@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use wingbeat::aero::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 use wingbeat::math::{RK4, Steps, Workspace};
 
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -139,7 +139,7 @@ fn difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
 }
 
 /// Rows of both forms, in a constant and in a varying stream.
-fn equations() -> Result<Vec<Row>, Error> {
+fn equations() -> Result<Vec<ComparisonRow>, Error> {
     let nodal = LiftingLineSettings { nodes: NODES, chord_floor_m: 1e-9, ..Default::default() };
     let source = "the paper's eqs. (1) to (4), written apart";
     let lift = "worst difference of lift per span over its largest, 1.5 cycles at 3.5 Hz";
@@ -148,8 +148,9 @@ fn equations() -> Result<Vec<Row>, Error> {
     let differs = |settings, speed, printed: &[Vec<f64>]| -> Result<f64, Error> {
         Ok(difference(&line_history(settings, speed)?, printed))
     };
-    let row =
-        |id: &str, what: &str, value| Row::judged(id, source, &format!("{lift}, {what}"), value, 1e-12, "");
+    let row = |id: &str, what: &str, value| {
+        ComparisonRow::judged(id, source, &format!("{lift}, {what}"), value, 1e-12, "")
+    };
     Ok(vec![
         row("paper.equations", "nodal form, constant U", differs(nodal, steady, &constant)?),
         row(
@@ -157,7 +158,7 @@ fn equations() -> Result<Vec<Row>, Error> {
             "preset as_printed, U varying",
             differs(nodal.printed(), varying, &changing)?,
         ),
-        Row::shown(
+        ComparisonRow::shown(
             "paper.equations.varying",
             source,
             &format!("{lift}: what the printed form loses, U = .8 + .3 sin(2 pi 3.5 t) m/s"),
@@ -169,7 +170,7 @@ fn equations() -> Result<Vec<Row>, Error> {
 
 /// The program's lags in a varying stream and wash beside Duhamel's integral over the distance in semi-chords, by
 /// Simpson's rule; an aspect ratio of 1e9, so that no wake interferes.
-fn wagner_duhamel() -> Result<Vec<Row>, Error> {
+fn wagner_duhamel() -> Result<Vec<ComparisonRow>, Error> {
     let (half, duration, steps, panels) = (0.08, 0.6, 6000, 6000);
     let speed = |t: f64| 0.9 + 0.35 * (7.0 * t).sin();
     // Distance travelled in semi-chords.
@@ -209,5 +210,5 @@ fn wagner_duhamel() -> Result<Vec<Row>, Error> {
     }
     let metric = "worst error of the effective wash over its largest, U and wash varying";
     let source = "Duhamel's integral of Jones' fit, by quadrature; the paper's eq. (4)";
-    Ok(vec![Row::judged("paper.wagner_duhamel", source, metric, worst / largest, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged("paper.wagner_duhamel", source, metric, worst / largest, 1e-6, "")])
 }

@@ -9,7 +9,7 @@ use wingbeat::robot::Robot;
 use wingbeat::scenario::Scenario;
 
 use crate::shipped::{based, scenario};
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -18,7 +18,7 @@ pub const CASES: &[Case] = &[
 ];
 
 /// The banking turn for .2 s with a horizon of .4375 cycles beside its own of 5 x 25 ms, every column of the record.
-fn horizon() -> Result<Vec<Row>, Error> {
+fn horizon() -> Result<Vec<ComparisonRow>, Error> {
     let overrides = ["flight.duration_s=0.2"];
     let in_cycles = "without = [\"controller.interval_s\"]\ncontroller.horizon_cycles = 0.4375";
     let fly = |scenario: Scenario| scenario.fly(|_| ControlFlow::Continue(())).map_err(Error::from);
@@ -33,7 +33,7 @@ fn horizon() -> Result<Vec<Row>, Error> {
     }
     let metric = "largest difference of any recorded number, .4375 cycles beside 5 x 25 ms at 3.5 Hz, .2 s";
     let source = "the same horizon in seconds";
-    Ok(vec![Row::judged("paper.horizon", source, metric, worst, 1e-12, "")])
+    Ok(vec![ComparisonRow::judged("paper.horizon", source, metric, worst, 1e-12, "")])
 }
 
 /// Steps of a cycle, and cycles of which the last is averaged. *Choice.*
@@ -47,7 +47,7 @@ const SHARES: [f64; 3] = [-0.95, 0.0, 0.95];
 
 /// A point of the grid with its means over a cycle.
 #[derive(Clone, Copy)]
-struct Point {
+struct GridPoint {
     speed: f64,
     incidence: f64,
     /// Over the weight.
@@ -92,16 +92,16 @@ fn commands(robot: &Robot) -> Vec<Vec<f64>> {
 }
 
 /// The points of the largest lift: of all, and of those where the air does not hold the robot back.
-fn best(law: &str) -> Result<[Option<Point>; 2], Error> {
+fn best(law: &str) -> Result<[Option<GridPoint>; 2], Error> {
     let law = format!("aero.law={law}");
     let scenario = scenario("banking_turn_beta", &["aero.preset=full", "aero.full.strips=9", &law])?;
     let robot = scenario.robot();
     let weight = robot.mass() * GRAVITY;
-    let mut best: [Option<Point>; 2] = [None, None];
+    let mut best: [Option<GridPoint>; 2] = [None, None];
     for commands in commands(robot) {
         for (speed, incidence) in SPEEDS.iter().flat_map(|v| INCIDENCES.iter().map(move |a| (*v, *a))) {
             let Some([lift, thrust]) = means(robot, speed, incidence, &commands) else { continue };
-            let point = Point { speed, incidence, lift: lift / weight, thrust: thrust / weight };
+            let point = GridPoint { speed, incidence, lift: lift / weight, thrust: thrust / weight };
             for (best, counts) in best.iter_mut().zip([true, thrust >= 0.0]) {
                 if counts && best.is_none_or(|best| point.lift > best.lift) {
                     *best = Some(point);
@@ -113,7 +113,7 @@ fn best(law: &str) -> Result<[Option<Point>; 2], Error> {
 }
 
 /// The largest mean lift of the published linkage at 3.5 Hz under each law, beside the weight of 45 g.
-fn linkage_lift() -> Result<Vec<Row>, Error> {
+fn linkage_lift() -> Result<Vec<ComparisonRow>, Error> {
     let source =
         "weight of 45 g; incidence +-30 deg, .5 to 3 m/s, regulators over their strokes, preset full";
     let mut rows = Vec::new();
@@ -122,10 +122,10 @@ fn linkage_lift() -> Result<Vec<Row>, Error> {
         for ((end, what), point) in kinds.into_iter().zip(best(law)?) {
             let id = format!("paper.linkage_lift.{law}{end}");
             let metric = point.map_or(format!("{what}: nowhere, law {law}"), |p| {
-                let Point { speed, incidence, thrust, .. } = p;
+                let GridPoint { speed, incidence, thrust, .. } = p;
                 format!("{what}, law {law}: at {speed} m/s, {incidence} deg, thrust {thrust:.2} of it")
             });
-            rows.push(Row::shown(&id, source, &metric, point.map_or(0.0, |p| p.lift), ""));
+            rows.push(ComparisonRow::shown(&id, source, &metric, point.map_or(0.0, |p| p.lift), ""));
         }
     }
     Ok(rows)

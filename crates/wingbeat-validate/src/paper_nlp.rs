@@ -11,7 +11,7 @@ use wingbeat::plant::Fault;
 
 use crate::ocp_problems::flapbody::TurnIn;
 use crate::shipped::scenario;
-use crate::{Case, Error, Row, Table, reference_table};
+use crate::{Case, ComparisonRow, Error, ReferenceTable, reference_table};
 
 const SOURCE: &str = "CasADi with its own equations and IPOPT, validation/paper_nlp";
 
@@ -33,8 +33,8 @@ pub fn on_the_robot(see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(),
 }
 
 /// The optimum on the robot beside that of IPOPT.
-fn robot() -> Result<Vec<Row>, Error> {
-    let table: Table = reference_table!("paper_nlp/robot.csv")?;
+fn robot() -> Result<Vec<ComparisonRow>, Error> {
+    let table: ReferenceTable = reference_table!("paper_nlp/robot.csv")?;
     let (optimum, variables) = (table.column("objective")?, table.column("variables")?);
     let mut found = None;
     on_the_robot(&mut |program, start| {
@@ -49,7 +49,7 @@ fn robot() -> Result<Vec<Row>, Error> {
     let error = (solution.objective - optimum[0]).abs() / optimum[0];
     let metric =
         format!("objective on the robot, {count} unknowns, relative; {} iterations", solution.iterations);
-    Ok(vec![Row::judged("paper.nlp.robot", SERVED, &metric, error, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged("paper.nlp.robot", SERVED, &metric, error, 1e-6, "")])
 }
 
 /// min t_f + int (z - z_ref)' C (z - z_ref) + 0.05 |u|^2 dt + 0.01 sum |du|^2 into a bank of 15 deg.
@@ -90,8 +90,8 @@ impl PaperTurn {
     }
 }
 
-fn compare() -> Result<Vec<Row>, Error> {
-    let table: Table = reference_table!("paper_nlp/optima.csv")?;
+fn compare() -> Result<Vec<ComparisonRow>, Error> {
+    let table: ReferenceTable = reference_table!("paper_nlp/optima.csv")?;
     let column = |name: &str| table.column(name);
     let entries = ["roll", "pitch", "rate_x", "rate_y", "rate_z"].map(column);
     let [roll, pitch, x, y, z] = entries;
@@ -110,7 +110,7 @@ fn compare() -> Result<Vec<Row>, Error> {
         let metric = format!("objective at N = {n}, {what}, relative; {} iterations", solution.iterations);
         let id =
             if i == 0 { "paper.nlp".into() } else { format!("paper.nlp.{n}_{}", what.replace(' ', "_")) };
-        rows.push(Row::judged(&id, SOURCE, &metric, error, 1e-6, ""));
+        rows.push(ComparisonRow::judged(&id, SOURCE, &metric, error, 1e-6, ""));
     }
     Ok(rows)
 }

@@ -10,7 +10,7 @@ use wingbeat::aero::{
 use wingbeat::math::Vec3;
 
 use crate::shipped::scenario;
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -61,7 +61,7 @@ fn motion(arc: f64) -> SectionMotion<f64> {
 }
 
 /// What is compared of a node.
-struct Node {
+struct NodeComparison {
     /// Rates of the series and of both lags.
     rates: [f64; 3],
     lift: Vec3,
@@ -69,7 +69,7 @@ struct Node {
 }
 
 /// The node at `angle`, with the series at all nodes, its own two lags, and the airspeed U.
-fn apart(i: usize, series: &[f64], lags: [f64; 2], stream: f64, tilt: LiftTilt) -> Node {
+fn apart(i: usize, series: &[f64], lags: [f64; 2], stream: f64, tilt: LiftTilt) -> NodeComparison {
     let angles: Vec<f64> = (1..=NODES).map(|i| i as f64 * PI / (NODES + 1) as f64).collect();
     let (span, angle) = (2.0 * STATIONS[3][0], angles[i]);
     let arc = 0.5 * span * angle.cos();
@@ -113,7 +113,7 @@ fn apart(i: usize, series: &[f64], lags: [f64; 2], stream: f64, tilt: LiftTilt) 
     let drag = (back * headwind + normal * up)
         * (0.5 * DENSITY * area * wind * (DRAG.cd0 + DRAG.cd90 * (up / wind).powi(2)));
     let series_rate = effective / root - stream / chord * series[i];
-    Node { rates: [series_rate, lag(0), lag(1)], lift, drag }
+    NodeComparison { rates: [series_rate, lag(0), lag(1)], lift, drag }
 }
 
 /// Largest differences of rates, lift and drag over the largest value of each.
@@ -152,12 +152,13 @@ fn differences(tilt: LiftTilt) -> Result<[f64; 3], Error> {
 }
 
 /// Rows of the rates, of the lift turned by either wash, and of the drag.
-fn printed() -> Result<Vec<Row>, Error> {
+fn printed() -> Result<Vec<ComparisonRow>, Error> {
     let ([rates, lift, drag], [_, down, _]) =
         (differences(LiftTilt::Wash)?, differences(LiftTilt::Downwash)?);
     let source = "the paper's definitions, written apart";
     let metric = |what: &str| format!("{what}, over the largest, flapping swept wing");
-    let row = |id: &str, what: &str, value| Row::judged(id, source, &metric(what), value, 1e-12, "");
+    let row =
+        |id: &str, what: &str, value| ComparisonRow::judged(id, source, &metric(what), value, 1e-12, "");
     Ok(vec![
         row(
             "paper.printed.lags",
@@ -171,7 +172,7 @@ fn printed() -> Result<Vec<Row>, Error> {
 }
 
 /// The drag of the sections of `paper_turn` beside the curve that it is a fit to.
-fn drag_curve() -> Result<Vec<Row>, Error> {
+fn drag_curve() -> Result<Vec<ComparisonRow>, Error> {
     let scenario = scenario("paper_turn", &[])?;
     let (_, aero) =
         scenario.robot().surfaces().next().ok_or_else(|| Error::reference("paper_turn", "no wing"))?;
@@ -184,5 +185,5 @@ fn drag_curve() -> Result<Vec<Row>, Error> {
     let source = "Dickinson, Lehmann & Sane 1999, Science 284: C_D = 1.92 - 1.55 cos(2.04 a - 9.82 deg)";
     let metric = "worst difference of the drag coefficient of paper_turn, a fit, 0 to 90 deg";
     // A limit of our choice: 6 % of the curve's largest value.
-    Ok(vec![Row::judged("paper.drag_curve", source, metric, worst, 0.2, "")])
+    Ok(vec![ComparisonRow::judged("paper.drag_curve", source, metric, worst, 0.2, "")])
 }

@@ -4,25 +4,25 @@ use crate::Error;
 
 /// A reference table: `#` lines say the source, then a header (if any), then rows.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct ReferenceTable {
     file: String,
     source: Vec<String>,
     header: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
-/// The text of `validation/<path>`, compiled into the program, as a [`Table`].
+/// The text of `validation/<path>`, compiled into the program, as a [`ReferenceTable`].
 #[macro_export]
 macro_rules! reference_table {
     ($path:literal) => {
-        $crate::Table::parse(
+        $crate::ReferenceTable::parse(
             $path,
             include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/", $path)),
         )
     };
 }
 
-impl Table {
+impl ReferenceTable {
     /// Reads `text`; `file` is its path below `validation/`.
     ///
     /// The first line that is not a comment is the header when one of its cells is not a number.

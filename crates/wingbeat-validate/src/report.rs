@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::Row;
+use crate::ComparisonRow;
 
 /// One line of the JSON list.
 #[derive(Debug, Serialize)]
-pub struct Line<'a> {
+pub struct ReportLine<'a> {
     id: &'a str,
     source: &'a str,
     metric: String,
@@ -18,9 +18,9 @@ pub struct Line<'a> {
 /// The rows as a JSON list of {id, source, metric, value, limit, pass}.
 ///
 /// `limit` is null for a number without judgement, `value` for one that could not be computed.
-pub fn to_json(rows: &[Row]) -> Vec<Line<'_>> {
+pub fn to_json(rows: &[ComparisonRow]) -> Vec<ReportLine<'_>> {
     rows.iter()
-        .map(|row| Line {
+        .map(|row| ReportLine {
             id: &row.id,
             source: &row.source,
             metric: metric(row),
@@ -32,7 +32,7 @@ pub fn to_json(rows: &[Row]) -> Vec<Line<'_>> {
 }
 
 /// The rows as aligned text: id, source, metric, value, limit, verdict.
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[ComparisonRow]) -> String {
     let mut lines = vec![["id", "source", "metric", "value", "limit", "verdict"].map(String::from)];
     lines.extend(rows.iter().map(cells));
     let widths: Vec<usize> =
@@ -51,7 +51,7 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-fn cells(row: &Row) -> [String; 6] {
+fn cells(row: &ComparisonRow) -> [String; 6] {
     let verdict = match (row.limit, row.passes()) {
         (None, _) => "shown",
         (_, true) => "pass",
@@ -67,7 +67,7 @@ fn cells(row: &Row) -> [String; 6] {
     ]
 }
 
-pub(crate) fn metric(row: &Row) -> String {
+pub(crate) fn metric(row: &ComparisonRow) -> String {
     if row.unit.is_empty() { row.metric.clone() } else { format!("{} [{}]", row.metric, row.unit) }
 }
 

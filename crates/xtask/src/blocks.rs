@@ -39,14 +39,14 @@ const READ: [(&str, &str); 5] = [
 
 /// What of a page is tried.
 #[derive(Debug, PartialEq)]
-enum Tried {
+enum TriedBlock {
     /// A line of a shell, and the exit code with which it ends.
     Line(String, i32),
     /// A document in a file, and the verb that reads it.
     Document(String, &'static str),
 }
 
-impl Tried {
+impl TriedBlock {
     fn is_quick(&self) -> bool {
         let verb = match self {
             Self::Line(line, _) => line.split_whitespace().nth(1).unwrap_or_default(),
@@ -57,7 +57,7 @@ impl Tried {
 }
 
 /// What a page shows, in order; else what is wrong with its blocks.
-fn shown(text: &str) -> Result<Vec<Tried>, String> {
+fn shown(text: &str) -> Result<Vec<TriedBlock>, String> {
     let (mut found, mut lines, mut comment) = (Vec::new(), text.lines(), None);
     while let Some(line) = lines.next() {
         if let Some(said) = line.strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->")) {
@@ -82,10 +82,10 @@ fn shown(text: &str) -> Result<Vec<Tried>, String> {
 }
 
 /// What is tried of a line; nothing of one that builds.
-fn tried(line: &str) -> Result<Option<Tried>, String> {
+fn tried(line: &str) -> Result<Option<TriedBlock>, String> {
     let (command, code) = tutorials::command(line);
     if let Some(arguments) = command.strip_prefix(BUILT) {
-        return Ok(Some(Tried::Line(format!("wingbeat {arguments}"), code)));
+        return Ok(Some(TriedBlock::Line(format!("wingbeat {arguments}"), code)));
     }
     if let Some(task) = command.strip_prefix("cargo xtask ") {
         let name = task.split_whitespace().next().unwrap_or_default();
@@ -101,13 +101,13 @@ fn tried(line: &str) -> Result<Option<Tried>, String> {
         return Ok(None);
     }
     if command.starts_with("wingbeat ") {
-        return Ok(Some(Tried::Line(command.into(), code)));
+        return Ok(Some(TriedBlock::Line(command.into(), code)));
     }
     Err(format!("{command}: what is neither the program nor known to build it cannot be tried"))
 }
 
 /// The document that a block is, by the comment before it.
-fn document(comment: Option<&str>, block: &str) -> Result<Option<Tried>, String> {
+fn document(comment: Option<&str>, block: &str) -> Result<Option<TriedBlock>, String> {
     let first = block.lines().next().unwrap_or_default();
     block.parse::<toml::Table>().map_err(|error| format!("{first}: {}", error.message()))?;
     let comment =
@@ -121,7 +121,7 @@ fn document(comment: Option<&str>, block: &str) -> Result<Option<Tried>, String>
         return Err(format!("{comment}: of another kind than {}", READ.map(|(kind, _)| kind).join(", ")));
     };
     let base = base.map_or(String::new(), |base| format!("base = \"../{base}\"\n"));
-    Ok(Some(Tried::Document(format!("{base}{}\n{block}\n", before.replace(" / ", "\n")), verb)))
+    Ok(Some(TriedBlock::Document(format!("{base}{}\n{block}\n", before.replace(" / ", "\n")), verb)))
 }
 
 /// The pages that are tried here.
@@ -148,8 +148,8 @@ fn page(page: &str, quick: bool) -> (usize, Vec<String>) {
     let mut wrong = Vec::new();
     for (number, tried) in shown.iter().enumerate() {
         let (line, code) = match tried {
-            Tried::Line(line, code) => (line.clone(), *code),
-            Tried::Document(text, verb) => {
+            TriedBlock::Line(line, code) => (line.clone(), *code),
+            TriedBlock::Document(text, verb) => {
                 let file = format!("documents/{number}.toml");
                 wrong.extend(
                     fs::write(folder.join(&file), text).err().map(|error| format!("{file}: {error}")),
@@ -261,9 +261,9 @@ mod tests {
     fn blocks_are_read_from_a_page() {
         let page = "```sh\ncargo run --release -- fly a   # it flies\nwingbeat tether b # exit 3: why\ncargo xtask test\n```\n\
                     <!-- case of cases/c.toml: [wing] / a = 1 -->\n\n```toml\nb = 2\n```\n<!-- part -->\n```toml\n[x]\n```\n";
-        let fly = Tried::Line("wingbeat fly a".into(), 0);
-        let tether = Tried::Line("wingbeat tether b".into(), 3);
-        let case = Tried::Document("base = \"../cases/c.toml\"\n[wing]\na = 1\nb = 2\n".into(), "show");
+        let fly = TriedBlock::Line("wingbeat fly a".into(), 0);
+        let tether = TriedBlock::Line("wingbeat tether b".into(), 3);
+        let case = TriedBlock::Document("base = \"../cases/c.toml\"\n[wing]\na = 1\nb = 2\n".into(), "show");
         assert_eq!(shown(page).unwrap(), [fly, tether, case]);
         for (wrong, said) in [
             ("```toml\na = 1\n```\n", "a comment before it"),

@@ -7,7 +7,7 @@ use crate::report::Tally;
 use crate::tools;
 
 /// A function with what its symbols hold, and the most copies of it.
-struct Limit {
+struct CopyLimit {
     name: &'static str,
     holds: [&'static str; 2],
     most: usize,
@@ -15,11 +15,11 @@ struct Limit {
 
 /// Limits of the program with all formats, which has 15, 5, 13 and 141 copies. The aim is 12, 12 and 4 of the last three: serde makes one copy of the last for
 /// each table that is read.
-const LIMITS: [Limit; 4] = [
-    Limit { name: "StripModel::evaluate_in", holds: ["5strip", "11evaluate_in17h"], most: 15 },
-    Limit { name: "Tableau::integrate", holds: ["11runge_kutta", "9integrate17h"], most: 12 },
-    Limit { name: "Stepper::run", holds: ["Stepper$LT$", "3run17h"], most: 14 },
-    Limit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 145 },
+const LIMITS: [CopyLimit; 4] = [
+    CopyLimit { name: "StripModel::evaluate_in", holds: ["5strip", "11evaluate_in17h"], most: 15 },
+    CopyLimit { name: "Tableau::integrate", holds: ["11runge_kutta", "9integrate17h"], most: 12 },
+    CopyLimit { name: "Stepper::run", holds: ["Stepper$LT$", "3run17h"], most: 14 },
+    CopyLimit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 145 },
 ];
 
 /// Most code of the program with all formats, which has 18.1 MB without incremental builds. The aim is 16 MB.
@@ -27,7 +27,7 @@ const MOST_CODE: f64 = 18.5;
 
 /// Counts the copies in the program that was built.
 pub fn check() -> Tally {
-    let Some(program) = fs::read(tools::program()).ok().and_then(Program::of) else {
+    let Some(program) = fs::read(tools::program()).ok().and_then(ProgramSymbols::of) else {
         println!("the program is no ELF file: its copies are not counted");
         return Tally { failed: usize::from(cfg!(target_os = "linux")), ..Tally::default() };
     };
@@ -50,7 +50,7 @@ fn judge(tally: &mut Tally, name: &str, value: f64, most: f64, unit: &str) {
 }
 
 /// What of a program is looked at.
-struct Program {
+struct ProgramSymbols {
     /// Names of its functions.
     functions: Vec<String>,
     /// Size of its section `.text`, bytes.
@@ -58,7 +58,7 @@ struct Program {
 }
 
 /// A section of an ELF file: name, where it is, and the section that it refers to.
-struct Section {
+struct ElfSection {
     name: usize,
     kind: u64,
     offset: usize,
@@ -66,7 +66,7 @@ struct Section {
     link: usize,
 }
 
-impl Program {
+impl ProgramSymbols {
     /// Of an ELF file of 64 bits, least byte first (System V ABI, chapter 4); none of anything else.
     fn of(bytes: Vec<u8>) -> Option<Self> {
         const SYMBOLS: u64 = 2;
@@ -80,10 +80,10 @@ impl Program {
         };
         let (table, each) = (number(0x28, 8)? as usize, number(0x3a, 2)? as usize);
         let (count, names) = (number(0x3c, 2)? as usize, number(0x3e, 2)? as usize);
-        let section = |k: usize| -> Option<Section> {
+        let section = |k: usize| -> Option<ElfSection> {
             let at = table + k * each;
             let word = |offset: usize, digits: usize| number(at + offset, digits);
-            Some(Section {
+            Some(ElfSection {
                 name: word(0, 4)? as usize,
                 kind: word(4, 4)?,
                 offset: word(0x18, 8)? as usize,
@@ -91,13 +91,13 @@ impl Program {
                 link: word(0x28, 4)? as usize,
             })
         };
-        let text = |table: &Section, at: usize| -> Option<String> {
+        let text = |table: &ElfSection, at: usize| -> Option<String> {
             let rest = bytes.get(table.offset + at..)?;
             let end = rest.iter().position(|byte| *byte == 0)?;
             Some(String::from_utf8_lossy(&rest[..end]).into_owned())
         };
         let names = section(names)?;
-        let sections: Vec<Section> = (0..count).filter_map(section).collect();
+        let sections: Vec<ElfSection> = (0..count).filter_map(section).collect();
         let code = sections.iter().find(|s| text(&names, s.name).as_deref() == Some(".text"))?.size as u64;
         let symbols = sections.iter().find(|section| section.kind == SYMBOLS)?;
         let strings = sections.get(symbols.link)?;
@@ -116,9 +116,9 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn this_very_program_is_read() {
-        let program = Program::of(fs::read(std::env::current_exe().unwrap()).unwrap()).unwrap();
+        let program = ProgramSymbols::of(fs::read(std::env::current_exe().unwrap()).unwrap()).unwrap();
         let own = program.functions.iter().filter(|name| name.contains("main"));
         assert!(own.count() > 0 && program.code > 10_000, "{} B of code", program.code);
-        assert!(Program::of(b"MZ".to_vec()).is_none());
+        assert!(ProgramSymbols::of(b"MZ".to_vec()).is_none());
     }
 }

@@ -142,7 +142,7 @@ fn copied(copy: &Path) -> io::Result<()> {
 /// Prints what a patch takes beside its new file; whether that is no more than the door allows.
 fn counted(door: &Door, patch: &str) -> bool {
     let text = fs::read_to_string(tools::root().join(patch)).unwrap_or_default();
-    let Taken { new, touched, lines, inside } = Taken::of(&text);
+    let PatchCost { new, touched, lines, inside } = PatchCost::of(&text);
     println!(
         "{:<8} new files {new} with {inside} lines, files touched {touched}, lines in them {lines}",
         door.name
@@ -152,7 +152,7 @@ fn counted(door: &Door, patch: &str) -> bool {
 
 /// What a patch takes, comments and empty lines not counted.
 #[derive(Debug, Default, PartialEq)]
-struct Taken {
+struct PatchCost {
     new: usize,
     touched: usize,
     /// Lines added in files that were there.
@@ -161,7 +161,7 @@ struct Taken {
     inside: usize,
 }
 
-impl Taken {
+impl PatchCost {
     fn of(patch: &str) -> Self {
         let mut taken = Self::default();
         let mut in_new = false;
@@ -224,7 +224,7 @@ mod tests {
 +
 +fn new() {}
 ";
-        assert_eq!(Taken::of(patch), Taken { new: 1, touched: 1, lines: 2, inside: 1 });
+        assert_eq!(PatchCost::of(patch), PatchCost { new: 1, touched: 1, lines: 2, inside: 1 });
     }
 
     #[test]

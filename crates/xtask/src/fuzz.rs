@@ -25,7 +25,7 @@ const EXAMPLES: [(&str, &[&str]); 4] = [
 ];
 
 /// What came of a target.
-struct Outcome {
+struct FuzzOutcome {
     target: String,
     executions: u64,
     coverage: u64,
@@ -48,7 +48,7 @@ pub fn fuzz(arguments: &[String]) -> bool {
         return false;
     }
     let chosen = if chosen.is_empty() { all } else { chosen };
-    let outcomes: Vec<Outcome> = chosen.iter().map(|target| run(target, seconds)).collect();
+    let outcomes: Vec<FuzzOutcome> = chosen.iter().map(|target| run(target, seconds)).collect();
     print(&outcomes);
     outcomes.iter().all(|outcome| outcome.passed)
 }
@@ -82,7 +82,7 @@ fn program(target: &str) -> Option<PathBuf> {
 }
 
 /// Runs a target; its findings stay in target/fuzz/artifacts, its inputs in target/fuzz/corpus.
-fn run(target: &str, seconds: u64) -> Outcome {
+fn run(target: &str, seconds: u64) -> FuzzOutcome {
     let root = tools::root();
     let (corpus, artifacts) =
         (format!("target/fuzz/corpus/{target}"), format!("target/fuzz/artifacts/{target}"));
@@ -100,7 +100,7 @@ fn run(target: &str, seconds: u64) -> Outcome {
             tools::succeeds(command)
         });
     let text = fs::read(&log).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
-    Outcome {
+    FuzzOutcome {
         target: target.into(),
         executions: number_after(&text, "stat::number_of_executed_units:"),
         coverage: number_after(&text, "cov:"),
@@ -127,7 +127,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
 }
 
-fn print(outcomes: &[Outcome]) {
+fn print(outcomes: &[FuzzOutcome]) {
     println!("\n{:<16} {:>12} {:>9} {:>8} {:>9}", "target", "executions", "coverage", "peak MB", "findings");
     for o in outcomes {
         let failed = if o.passed { "" } else { "  failed" };

@@ -1,16 +1,16 @@
 //! `cargo xtask long`: what takes hours and so does not run before every change.
 
-use crate::report::{Account, Tally};
+use crate::report::{CheckAccount, Tally};
 use crate::{
     blocks, book, browser, documents, doors, exports, fuzz, hostile, instructions, paper, peers, python,
     soak, tools, tutorials,
 };
 
 /// A task by its name.
-type Task = (&'static str, fn() -> Tally);
+type LongTask = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 17] = [
+const TASKS: [LongTask; 17] = [
     ("tests", tests),
     ("doors", doors::check),
     ("instructions", instructions::check),
@@ -40,7 +40,7 @@ pub fn long(arguments: &[String]) -> bool {
     if !tools::tests_built() {
         return false;
     }
-    let mut account = Account::default();
+    let mut account = CheckAccount::default();
     for (name, run) in TASKS {
         if !chosen(name, arguments) {
             if !arguments.is_empty() {

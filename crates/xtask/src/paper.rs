@@ -9,22 +9,22 @@ use crate::tools;
 const LIST: &str = "validation/paper/commands.txt";
 
 /// A line of a list: `wingbeat ...   # 0 > name | key low high | key low high`.
-struct Command<'a> {
+struct PaperCommand<'a> {
     words: Vec<&'a str>,
     /// Exit code; 0 where the line says none.
     code: Option<i32>,
     /// Folder that later commands name; empty where the line says none.
     name: &'a str,
-    outcomes: Vec<Outcome<'a>>,
+    outcomes: Vec<ExpectedNumber<'a>>,
 }
 
 /// A number of `summary.json` and the range in which it lies.
-struct Outcome<'a> {
+struct ExpectedNumber<'a> {
     key: &'a str,
     range: Option<[f64; 2]>,
 }
 
-impl<'a> Command<'a> {
+impl<'a> PaperCommand<'a> {
     fn read(line: &'a str) -> Self {
         let (command, end) = line.split_once('#').unwrap_or((line, "0"));
         let mut parts = end.split('|');
@@ -35,7 +35,7 @@ impl<'a> Command<'a> {
             words: command.split_whitespace().skip(1).map(|word| word.trim_matches('\'')).collect(),
             code: code.trim().parse().ok(),
             name: name.trim(),
-            outcomes: parts.map(Outcome::read).collect(),
+            outcomes: parts.map(ExpectedNumber::read).collect(),
         }
     }
 
@@ -59,7 +59,7 @@ impl<'a> Command<'a> {
     }
 }
 
-impl<'a> Outcome<'a> {
+impl<'a> ExpectedNumber<'a> {
     fn read(text: &'a str) -> Self {
         let words: Vec<&str> = text.split_whitespace().collect();
         let [key, low, high] = words[..] else { return Self { key: text.trim(), range: None } };
@@ -98,7 +98,7 @@ pub fn run() -> bool {
     let lines = text.lines().filter(|line| line.starts_with("wingbeat "));
     let (mut failed, mut judged) = (0, 0);
     for (i, line) in lines.enumerate() {
-        let command = Command::read(line);
+        let command = PaperCommand::read(line);
         let wrong = command.run(i, &out);
         failed += usize::from(!wrong.is_empty());
         judged += command.outcomes.len();
@@ -125,14 +125,14 @@ mod tests {
     #[test]
     fn a_line_says_code_folder_and_numbers() {
         let line = "wingbeat fly a.toml   # 3 > turn | roll_mean_deg 14 16 | pitch_mean_deg -17 -13";
-        let command = Command::read(line);
+        let command = PaperCommand::read(line);
         assert_eq!((command.code, command.name, command.words[1]), (Some(3), "turn", "a.toml"));
         let summary = serde_json::json!({ "roll_mean_deg": 15.5, "pitch_mean_deg": -12.0 });
         let missed: Vec<_> = command.outcomes.iter().map(|outcome| outcome.missed(&summary)).collect();
         assert!(missed[0].is_none() && missed[1].as_ref().is_some_and(|text| text.contains("-12")));
-        assert!(Outcome::read(" yaw_change_deg 0 1 ").missed(&summary).is_some());
-        assert!(Outcome::read(" roll_mean_deg 14").missed(&summary).is_some());
-        let plain = Command::read("wingbeat validate --only paper");
+        assert!(ExpectedNumber::read(" yaw_change_deg 0 1 ").missed(&summary).is_some());
+        assert!(ExpectedNumber::read(" roll_mean_deg 14").missed(&summary).is_some());
+        let plain = PaperCommand::read("wingbeat validate --only paper");
         assert_eq!((plain.code, plain.name, plain.outcomes.len()), (Some(0), "", 0));
     }
 }

@@ -41,10 +41,10 @@ const ROWS: [(&str, &str, &str, &str); 14] = [
 ];
 
 /// Runs both sides with the given Python; false when it fails.
-type Comparison = fn(&Path) -> bool;
+type PeerComparison = fn(&Path) -> bool;
 
 /// The comparisons by name.
-const COMPARISONS: [(&str, Comparison); 6] = [
+const COMPARISONS: [(&str, PeerComparison); 6] = [
     ("mechanics", mechanics),
     ("lattice", lattice::compare),
     ("control", control::compare),

@@ -10,7 +10,7 @@ use crate::tools;
 
 /// A program of tests.
 #[derive(Debug, PartialEq)]
-struct Program {
+struct TestProgram {
     /// The crate, and the name of the test where it is no part of the library.
     name: String,
     executable: PathBuf,
@@ -27,13 +27,13 @@ pub fn built() -> Option<Vec<Job>> {
     let arguments =
         [&["test"], &tools::TESTS[..], &["--no-run", "--message-format=json-render-diagnostics"]].concat();
     let messages = tools::output(tools::cargo(&arguments))?;
-    let mut programs: Vec<Program> = messages.lines().filter_map(program).collect();
+    let mut programs: Vec<TestProgram> = messages.lines().filter_map(program).collect();
     programs.sort_by_key(|program| SLOW.iter().position(|name| *name == program.name).unwrap_or(SLOW.len()));
     Some(programs.into_iter().map(job).collect())
 }
 
 /// The program that a message of cargo tells of (The Cargo Book, External tools, JSON messages); none of another message.
-fn program(message: &str) -> Option<Program> {
+fn program(message: &str) -> Option<TestProgram> {
     let message: Value = serde_json::from_str(message).ok()?;
     let text = |value: &Value| value.as_str().map(str::to_owned);
     let tests = message["reason"] == "compiler-artifact" && message["profile"]["test"] == true;
@@ -43,7 +43,7 @@ fn program(message: &str) -> Option<Program> {
     let package = folder.file_name()?.to_string_lossy().into_owned();
     let target = text(&message["target"]["name"])?;
     let name = if message["target"]["kind"][0] == "test" { format!("{package} {target}") } else { package };
-    Some(Program { name, executable, folder })
+    Some(TestProgram { name, executable, folder })
 }
 
 /// Whether the tests of the program `name` keep time. They mostly wait: ten seconds of recordings cost half a second of a core.
@@ -53,7 +53,7 @@ pub fn timed(name: &str) -> bool {
 
 /// As cargo runs it. Some tests wait for a box or a clock: each program takes a thread more than its share of the cores, and more where
 /// all of its tests wait.
-fn job(program: Program) -> Job {
+fn job(program: TestProgram) -> Job {
     let mut command = Command::new(program.executable);
     command.current_dir(&program.folder).env("CARGO_MANIFEST_DIR", program.folder);
     command.env("RUST_TEST_THREADS", if timed(&program.name) { "8" } else { "2" });

@@ -10,11 +10,11 @@ use crate::tools;
 
 /// Checks done so far, by step.
 #[derive(Default)]
-pub struct Account {
-    steps: Vec<Step>,
+pub struct CheckAccount {
+    steps: Vec<CheckStep>,
 }
 
-struct Step {
+struct CheckStep {
     name: String,
     passed: usize,
     failed: usize,
@@ -81,7 +81,7 @@ impl Tally {
 
 impl Job {
     /// Runs the commands and shows what they said.
-    fn run(self) -> Step {
+    fn run(self) -> CheckStep {
         let start = Instant::now();
         let mut tally = Tally::default();
         let mut said = String::new();
@@ -101,7 +101,7 @@ impl Job {
             }
         }
         println!("\n== {}\n{said}", self.name);
-        Step { name: self.name, passed: tally.passed, failed: tally.failed, took: start.elapsed() }
+        CheckStep { name: self.name, passed: tally.passed, failed: tally.failed, took: start.elapsed() }
     }
 }
 
@@ -122,13 +122,13 @@ impl AddAssign for Tally {
     }
 }
 
-impl Account {
+impl CheckAccount {
     /// Does a step and keeps account of it.
     pub fn step(&mut self, name: &'static str, run: impl FnOnce() -> Tally) {
         println!("\n== {name}");
         let start = Instant::now();
         let Tally { passed, failed } = run();
-        self.steps.push(Step { name: name.into(), passed, failed, took: start.elapsed() });
+        self.steps.push(CheckStep { name: name.into(), passed, failed, took: start.elapsed() });
     }
 
     /// Does jobs side by side, as many at once as there are cores, with the steps of `others` in the place of one of them. What a job
@@ -160,7 +160,7 @@ impl Account {
             let seconds = step.took.as_secs_f64();
             println!("{:<28} {:>7} {:>7} {:>7.1} s", step.name, step.passed, step.failed, seconds);
         }
-        let total = |of: fn(&Step) -> usize| self.steps.iter().map(of).sum::<usize>();
+        let total = |of: fn(&CheckStep) -> usize| self.steps.iter().map(of).sum::<usize>();
         let (passed, failed) = (total(|step| step.passed), total(|step| step.failed));
         println!("\n{passed} passed, {failed} failed");
         failed == 0

@@ -26,7 +26,7 @@ const FLAT: u64 = 1024;
 
 /// Resident memory of a process over the recording, kB.
 #[derive(Default)]
-struct Memory {
+struct ResidentMemory {
     start: u64,
     end: u64,
     most: u64,
@@ -145,10 +145,10 @@ fn stop(emulator: &mut Child, mut output: impl Read) -> u64 {
 }
 
 /// Memory of recorder and emulator, from warm to a second before the end.
-fn watch(recorder: &Child, emulator: &Child, seconds: u64) -> [Memory; 2] {
+fn watch(recorder: &Child, emulator: &Child, seconds: u64) -> [ResidentMemory; 2] {
     let began = Instant::now();
     let end = Duration::from_secs(seconds.saturating_sub(1));
-    let mut memory = [Memory::default(), Memory::default()];
+    let mut memory = [ResidentMemory::default(), ResidentMemory::default()];
     while began.elapsed() < end {
         thread::sleep(Duration::from_secs(1).min(end.saturating_sub(began.elapsed())));
         if began.elapsed() < WARM {
@@ -173,7 +173,7 @@ fn resident(id: u32) -> u64 {
 
 /// Prints the account. What the emulator made after the recorder's last record is what was on its way at the end. Beside busy processes
 /// the emulator itself may fall silent for so long that it is asked again: what lies between two streams is then counted as not sent.
-fn judge((seconds, busy): (u64, u64), summary: &Value, sent: u64, memory: &[Memory; 2]) -> bool {
+fn judge((seconds, busy): (u64, u64), summary: &Value, sent: u64, memory: &[ResidentMemory; 2]) -> bool {
     let count = |key: &str| summary[key].as_u64().unwrap_or(u64::MAX);
     let (records, lost) = (count("records"), count("lost"));
     let accounted = records.saturating_add(lost);

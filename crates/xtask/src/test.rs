@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::report::{Account, Job, Tally};
+use crate::report::{CheckAccount, Job, Tally};
 use crate::{copies, dependencies, documents, hostile, programs, python, soak, tools};
 
 /// Length of the soak test; `cargo xtask long soak` takes an hour.
@@ -11,7 +11,7 @@ const SOAK_SECONDS: u64 = 10;
 
 /// Runs every check; true when all pass.
 pub fn test() -> bool {
-    let mut account = Account::default();
+    let mut account = CheckAccount::default();
     account.step("format", || one(&["fmt", "--all", "--check"]));
     // What follows runs the program that the tests have built: built alone it would take other features.
     // The examples are part of the tests of the library; built by themselves each would take the models once more.

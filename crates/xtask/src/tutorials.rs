@@ -21,7 +21,7 @@ const PAGES: [(&str, &[&str]); 4] = [
 ];
 /// A step of a page.
 #[derive(Debug, PartialEq)]
-enum Step {
+enum TutorialStep {
     /// A file with its text; whether it is added to what is there.
     File { name: String, text: String, more: bool },
     /// A file, what stands in it, what takes its place.
@@ -35,7 +35,7 @@ enum Step {
 }
 
 /// The steps of a page, in order.
-fn steps(text: &str) -> Vec<Step> {
+fn steps(text: &str) -> Vec<TutorialStep> {
     let (mut steps, mut lines, mut named) = (Vec::new(), text.lines(), None);
     while let Some(line) = lines.next() {
         if let Some(comment) = line.strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->")) {
@@ -43,8 +43,9 @@ fn steps(text: &str) -> Vec<Step> {
             match verb {
                 "file" | "append" => named = Some((rest.to_owned(), verb == "append")),
                 "replace" => steps.extend(replacement(rest)),
-                "copy" => steps
-                    .extend(rest.split_once(' ').map(|(page, name)| Step::Copy(page.into(), name.into()))),
+                "copy" => steps.extend(
+                    rest.split_once(' ').map(|(page, name)| TutorialStep::Copy(page.into(), name.into())),
+                ),
                 _ => {}
             }
             continue;
@@ -52,26 +53,30 @@ fn steps(text: &str) -> Vec<Step> {
         let Some(kind) = line.strip_prefix("```") else { continue };
         let block: Vec<&str> = lines.by_ref().take_while(|line| !line.starts_with("```")).collect();
         match (named.take(), kind) {
-            (Some((name, more)), _) => steps.push(Step::File { name, text: block.join("\n") + "\n", more }),
+            (Some((name, more)), _) => {
+                steps.push(TutorialStep::File { name, text: block.join("\n") + "\n", more })
+            }
             (None, "sh") => {
                 steps.extend(block.iter().filter(|line| !line.trim().is_empty()).map(|line| run(line)))
             }
-            (None, "text") => steps.push(Step::Printed(block.iter().map(|line| plain(line)).collect())),
+            (None, "text") => {
+                steps.push(TutorialStep::Printed(block.iter().map(|line| plain(line)).collect()))
+            }
             _ => {}
         }
     }
     steps
 }
 
-fn replacement(rest: &str) -> Option<Step> {
+fn replacement(rest: &str) -> Option<TutorialStep> {
     let (name, edit) = rest.split_once(": ")?;
     let (then, now) = edit.split_once(" => ")?;
-    Some(Step::Replace(name.into(), then.into(), now.into()))
+    Some(TutorialStep::Replace(name.into(), then.into(), now.into()))
 }
 
-fn run(line: &str) -> Step {
+fn run(line: &str) -> TutorialStep {
     let (command, code) = command(line);
-    Step::Run(command.into(), code)
+    TutorialStep::Run(command.into(), code)
 }
 
 /// The command of a line of a shell and its exit code, which is 0 where no `# exit 3` behind it says another one.
@@ -109,17 +114,17 @@ fn carried_out(text: &str, folder: &Path) -> Vec<String> {
     let mut fresh = true;
     for step in steps(text) {
         let result = match step {
-            Step::Run(line, code) => {
+            TutorialStep::Run(line, code) => {
                 if std::mem::take(&mut fresh) {
                     printed.clear();
                 }
                 shell(&line, code, folder, &mut printed)
             }
-            Step::Printed(lines) => {
+            TutorialStep::Printed(lines) => {
                 fresh = true;
                 missing(&lines, &printed)
             }
-            Step::File { name, text, more } => {
+            TutorialStep::File { name, text, more } => {
                 let before = if more {
                     fs::read_to_string(folder.join(&name)).unwrap_or_default()
                 } else {
@@ -127,8 +132,8 @@ fn carried_out(text: &str, folder: &Path) -> Vec<String> {
                 };
                 fs::write(folder.join(&name), before + &text).map_err(|error| format!("{name}: {error}"))
             }
-            Step::Replace(name, then, now) => replace(&folder.join(name), &then, &now),
-            Step::Copy(page, name) => {
+            TutorialStep::Replace(name, then, now) => replace(&folder.join(name), &then, &now),
+            TutorialStep::Copy(page, name) => {
                 copied(&page).and_then(|text| fs::write(folder.join(name), text).map_err(|e| e.to_string()))
             }
         };
@@ -226,7 +231,7 @@ mod tests {
     fn the_short_parts_of_the_tutorials_go_as_they_say() {
         for (page, shared) in PAGES {
             let text = fs::read_to_string(tools::root().join(page)).unwrap();
-            let commands = steps(&text).iter().filter(|step| matches!(step, Step::Run(..))).count();
+            let commands = steps(&text).iter().filter(|step| matches!(step, TutorialStep::Run(..))).count();
             assert!(commands <= MOST_COMMANDS, "{page}: {commands} commands");
             let (short, long) = text.split_once(LONG).unwrap_or((&text, ""));
             assert!(!long.is_empty(), "{page}: no {LONG}");
@@ -248,10 +253,10 @@ mod tests {
     fn steps_are_read_from_a_page() {
         let page = "a\n<!-- file x.toml -->\n```toml\na = 1\n```\n```sh\nwingbeat fly x   # exit 3: why\nls\n```\n```text\n a   b\n```\n\
                     <!-- replace x.toml: a = 1 => a = 2 -->\n```python\nno\n```\n";
-        let file = Step::File { name: "x.toml".into(), text: "a = 1\n".into(), more: false };
-        let edit = Step::Replace("x.toml".into(), "a = 1".into(), "a = 2".into());
-        let printed = Step::Printed(vec!["a b".into()]);
-        let runs = [Step::Run("wingbeat fly x".into(), 3), Step::Run("ls".into(), 0)];
+        let file = TutorialStep::File { name: "x.toml".into(), text: "a = 1\n".into(), more: false };
+        let edit = TutorialStep::Replace("x.toml".into(), "a = 1".into(), "a = 2".into());
+        let printed = TutorialStep::Printed(vec!["a b".into()]);
+        let runs = [TutorialStep::Run("wingbeat fly x".into(), 3), TutorialStep::Run("ls".into(), 0)];
         let [fly, ls] = runs;
         assert_eq!(steps(page), [file, fly, ls, printed, edit]);
         let said = |lines: &[&str]| lines.iter().map(|line| (*line).to_owned()).collect::<Vec<_>>();

@@ -4,21 +4,21 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::rig::cell::{CellSpec, LoadCell};
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::measured::{Pass, observed};
+use wingbeat_calibrate::measured::{MeasuredPass, observed};
 use wingbeat_calibrate::{
-    Calibration, Layout, Observed, Progress, RigTarget, RunRole, Structure, checked, clean, expected_noise,
-    respond, solve,
+    CalibrationFile, FitProgress, HarmonicLayout, ModelStructure, ObservedCycles, RigTarget, RunRole,
+    checked, clean, expected_noise, respond, solve,
 };
 
-fn shipped(name: &str, overrides: &[&str]) -> Calibration {
+fn shipped(name: &str, overrides: &[&str]) -> CalibrationFile {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../calibrations").join(name);
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
-    Calibration::new(Document::file(&path).unwrap().overridden(&overrides)).unwrap()
+    CalibrationFile::new(Document::file(&path).unwrap().overridden(&overrides)).unwrap()
 }
 
 /// `two_runs.toml` with the model itself as its truth. Both read the cell at 1.75 kHz in place of 7: what a bench costs is
 /// its samples.
-fn of_itself(overrides: &[&str]) -> Calibration {
+fn of_itself(overrides: &[&str]) -> CalibrationFile {
     let set = "[\"rig.aero.preset=paper\", \"rig.aero.law=linear\", \"rig.cell.rate_hz=1750\", \
                \"rig.cell.filter_hz=500\"]";
     let both = [format!("model={set}"), format!("truth.set={set}")];
@@ -27,7 +27,7 @@ fn of_itself(overrides: &[&str]) -> Calibration {
 }
 
 /// Runs, and the first one's passes.
-fn first() -> (Calibration, Structure, Vec<Pass>) {
+fn first() -> (CalibrationFile, ModelStructure, Vec<MeasuredPass>) {
     let calibration = of_itself(&["truth.passes=3"]);
     let structure = calibration.structure(&[], &|_, _| None).unwrap();
     let truth = calibration.truth(&|_, _| None).unwrap();
@@ -37,7 +37,7 @@ fn first() -> (Calibration, Structure, Vec<Pass>) {
     (calibration, structure, passes)
 }
 
-fn see(target: &RigTarget, passes: &[Pass]) -> Result<Observed, String> {
+fn see(target: &RigTarget, passes: &[MeasuredPass]) -> Result<ObservedCycles, String> {
     observed(target, passes, RunRole::Fitted, true).map_err(|error| error.to_string())
 }
 
@@ -48,7 +48,7 @@ fn the_cell_answers_harmonics_as_it_does_samples() {
     let mut cell: CellSpec = structure.model.targets[0].run.spec.rig.cell.clone();
     (cell.noise_steps, cell.bias, cell.drift_per_s) = (0.0, [0.0; 6], [0.0; 6]);
     let (frequency, harmonic) = (3.5, 9);
-    let layout = Layout { channels: 6, harmonics: harmonic };
+    let layout = HarmonicLayout { channels: 6, harmonics: harmonic };
     let mut cycle = vec![0.0; layout.len()];
     cycle[layout.at(2, 2 * harmonic - 1)] = 5.0;
     let wave = |cycle: &[f64], t: f64| layout.value(cycle, 2, std::f64::consts::TAU * frequency * t);
@@ -74,7 +74,7 @@ fn samples_that_cannot_be_the_runs_are_refused_with_what_would_be_right() {
     let (_, structure, passes) = first();
     let target = &structure.model.targets[0];
     assert_eq!(see(target, &passes).unwrap().cycles.len(), 9);
-    let with = |change: &dyn Fn(&mut Pass)| {
+    let with = |change: &dyn Fn(&mut MeasuredPass)| {
         let mut changed = passes.clone();
         change(&mut changed[1]);
         see(target, &changed)
@@ -84,7 +84,7 @@ fn samples_that_cannot_be_the_runs_are_refused_with_what_would_be_right() {
     let slower = with(&|pass| pass.phase.iter_mut().for_each(|phase| *phase *= 0.97)).unwrap_err();
     assert!(slower.contains("frequency_hz=3.39"), "{slower}");
     // A gap of NaN rows costs its cycle.
-    let gap = |pass: &mut Pass| {
+    let gap = |pass: &mut MeasuredPass| {
         let at = pass.time.partition_point(|t| *t < 1.3);
         pass.channels[2][at..at + 40].fill(f64::NAN);
     };
@@ -113,7 +113,7 @@ fn swapped_axes_and_shifted_phases_are_found_and_proposed() {
     let (_, structure, passes) = first();
     let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
     let target = &structure.model.targets[0];
-    let told = |change: &dyn Fn(&mut Pass)| {
+    let told = |change: &dyn Fn(&mut MeasuredPass)| {
         let mut changed = passes.clone();
         changed.iter_mut().for_each(change);
         let runs = [observed(target, &changed, RunRole::Fitted, true).unwrap()];
@@ -147,7 +147,7 @@ fn a_fit_of_the_right_model_finds_the_truth() {
     let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
     let truth: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
     structure.parameters.iter_mut().for_each(|parameter| parameter.start *= 1.15);
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let plan = calibration.plan();
     let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
     for (k, truth) in truth.iter().enumerate() {
@@ -170,13 +170,15 @@ fn the_noise_of_a_run_to_come_is_that_of_its_samples() {
         Err(wingbeat_calibrate::Error::data(path.display().to_string(), "no file"))
     };
     let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let plan = calibration.plan();
     let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
     let expected = expected_noise(&solved, &structure.model.targets[1..], &runs[1..]).swap_remove(0);
     let layout = runs[1].layout;
     let size = |of: &[nalgebra::DMatrix<f64>], channel: usize| {
-        let part = |part: usize| Layout::share(part) * of[Layout::harmonic(part)][(channel, channel)];
+        let part = |part: usize| {
+            HarmonicLayout::share(part) * of[HarmonicLayout::harmonic(part)][(channel, channel)]
+        };
         (0..layout.width()).map(part).sum::<f64>().sqrt()
     };
     for channel in 0..6 {
@@ -212,7 +214,7 @@ fn static_tilts_tell_mass_and_centre_in_a_stage_of_their_own() {
         parameter.start = if k == 2 { truth[k] + 0.004 } else { 1.1 * truth[k] };
     }
     let mut stages = Vec::new();
-    let watch = &mut |at: &Progress| {
+    let watch = &mut |at: &FitProgress| {
         stages.push((at.stage, at.values.to_vec()));
         ControlFlow::Continue(())
     };

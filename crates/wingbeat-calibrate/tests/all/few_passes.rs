@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::measured::{Pass, observed};
-use wingbeat_calibrate::{Calibration, Clean, Error, Model, Progress, RunRole, clean, solve, student_95};
+use wingbeat_calibrate::measured::{MeasuredPass, observed};
+use wingbeat_calibrate::{
+    CalibrationFile, Clean, CycleModel, Error, FitProgress, RunRole, clean, solve, student_95,
+};
 
 /// Seeds of the noise.
 const SEEDS: u64 = 60;
@@ -16,7 +18,7 @@ struct Straight {
     slopes: Vec<Vec<Vec<f64>>>,
 }
 
-impl Model for Straight {
+impl CycleModel for Straight {
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error> {
         let mut cycle = self.cycles[run].clone();
         for ((slope, value), at) in self.slopes[run].iter().zip(values).zip(&self.at) {
@@ -29,7 +31,7 @@ impl Model for Straight {
     }
 }
 
-fn calibration() -> Calibration {
+fn calibration() -> CalibrationFile {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let run = |name: &str| format!("[[runs]]\nrun = \"{root}/rigs/runs/{name}.toml\"\n");
     let parameter = |name: &str| format!("[[parameters]]\nname = \"{name}\"\n");
@@ -46,7 +48,7 @@ fn calibration() -> Calibration {
         ["roll10_speed08", "roll15_speed08", "roll20_speed08"].map(run).concat(),
         names.map(parameter).concat(),
     );
-    Calibration::new(Document::text("few", &text).unwrap()).unwrap()
+    CalibrationFile::new(Document::text("few", &text).unwrap()).unwrap()
 }
 
 /// Three runs of three passes: 24 cycles beyond their means tell the noise of six channels.
@@ -70,11 +72,11 @@ fn standard_errors_of_three_passes_are_those_of_many_seeds() {
     for seed in 0..SEEDS {
         let run = |k: usize| {
             let pass = |pass: usize| made[k].pass(&targets[k], spec, 7919 * seed + 1000 * k as u64, pass);
-            let passes: Vec<Pass> = (0..spec.passes).map(|number| pass(number).unwrap()).collect();
+            let passes: Vec<MeasuredPass> = (0..spec.passes).map(|number| pass(number).unwrap()).collect();
             observed(&targets[k], &passes, RunRole::Fitted, true).unwrap()
         };
         let runs: Vec<_> = all.clone().map(run).collect();
-        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
         let plan = calibration.plan();
         let solved = solve(&model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
         let reach = student_95(solved.covariances.freedom);

@@ -5,12 +5,12 @@ use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::design::rank;
 use wingbeat_calibrate::{
-    Error, Information, Label, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress, RunRole,
-    Solved, solve,
+    CycleModel, Error, FitPlan, FitProblem, FitProgress, FittedParameter, HarmonicLayout, Information, Label,
+    LinearisedRuns, ObservedCycles, RunRole, SolvedCalibration, solve,
 };
 
-const LAYOUT: Layout = Layout { channels: 2, harmonics: 3 };
-const PLAN: Plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
+const LAYOUT: HarmonicLayout = HarmonicLayout { channels: 2, harmonics: 3 };
+const PLAN: FitPlan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
 
 /// Cycles that are sums of the values times vectors, one list of vectors per run.
 struct Sums(Vec<Vec<Vec<f64>>>);
@@ -23,7 +23,7 @@ impl Sums {
     }
 }
 
-impl Model for Sums {
+impl CycleModel for Sums {
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error> {
         let part = |i: usize| values.iter().zip(&self.0[run]).map(|(value, of)| value * of[i]).sum();
         Ok((0..LAYOUT.len()).map(part).collect())
@@ -33,8 +33,8 @@ impl Model for Sums {
     }
 }
 
-fn parameters(count: usize) -> Vec<Parameter> {
-    let one = |k: usize| Parameter {
+fn parameters(count: usize) -> Vec<FittedParameter> {
+    let one = |k: usize| FittedParameter {
         name: format!("p{k}"),
         start: 1.0,
         low: -100.0,
@@ -46,14 +46,14 @@ fn parameters(count: usize) -> Vec<Parameter> {
 }
 
 /// Twenty cycles of every run about `means`, whose numbers scatter together.
-fn observed(means: &[Vec<f64>], noise: f64, seed: u64) -> Vec<Observed> {
+fn observed(means: &[Vec<f64>], noise: f64, seed: u64) -> Vec<ObservedCycles> {
     let mut random = Random::new(seed);
     let run = |(k, mean): (usize, &Vec<f64>)| {
         let mut cycle = || {
             let common = random.normal();
             mean.iter().map(|x| x + noise * (0.8 * common + 0.6 * random.normal())).collect::<Vec<f64>>()
         };
-        let mut run = Observed {
+        let mut run = ObservedCycles {
             name: format!("run {k}"),
             layout: LAYOUT,
             cycles: (0..20).map(|_| cycle()).collect(),
@@ -75,8 +75,12 @@ fn observed(means: &[Vec<f64>], noise: f64, seed: u64) -> Vec<Observed> {
     means.iter().enumerate().map(run).collect()
 }
 
-fn solved<'a>(model: &'a Sums, runs: &'a [Observed], parameters: &'a [Parameter]) -> Solved<'a> {
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+fn solved<'a>(
+    model: &'a Sums,
+    runs: &'a [ObservedCycles],
+    parameters: &'a [FittedParameter],
+) -> SolvedCalibration<'a> {
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     solve(model, runs, parameters, &PLAN, &mut (), watch).unwrap()
 }
 
@@ -164,7 +168,7 @@ fn each_run_scatters_by_its_own_size() {
     let mut runs = observed(&means, 0.1, 11);
     let loud = observed(&means, 0.5, 12).swap_remove(1);
     runs[1] = loud;
-    let problem = Problem::new(&model, &runs, &parameters).unwrap();
+    let problem = FitProblem::new(&model, &runs, &parameters).unwrap();
     let size = |run: usize| problem.noise[run].iter().map(|of| of[(0, 0)]).sum::<f64>();
     assert!((size(1) / size(0) / 25.0 - 1.0).abs() < 0.5, "{}", size(1) / size(0));
     // Weighed so, what the cycles say of the errors is what the weights say.
@@ -183,7 +187,7 @@ fn a_next_run_promises_what_it_brings() {
     runs[2].role = RunRole::HeldOut;
     runs[3].role = RunRole::HeldOut;
     let first = solved(&model, &runs, &parameters);
-    let problem = Problem::new(&model, &runs, &parameters).unwrap();
+    let problem = FitProblem::new(&model, &runs, &parameters).unwrap();
     let promised = rank(&first, &problem).unwrap();
     let best = promised.iter().find(|candidate| candidate.index >= 2).unwrap();
     let mut more = runs.clone();
@@ -218,8 +222,8 @@ fn what_is_not_told_is_refused_by_name() {
     }
     let parameters = parameters(3);
     let runs = observed(&means(&model, &[1.0, 1.0, 1.0]), 0.01, 4);
-    let problem = Problem::new(&model, &runs, &parameters).unwrap();
-    let at = Linear::at(&problem, &[0, 1], &[1.0; 3]).unwrap();
+    let problem = FitProblem::new(&model, &runs, &parameters).unwrap();
+    let at = LinearisedRuns::at(&problem, &[0, 1], &[1.0; 3]).unwrap();
     let information = Information::of(&problem, &at, &[1.0; 3]);
     let refusal = information.check(&problem).unwrap_err().to_string();
     assert!(refusal.contains("p1 and p2") && !refusal.contains("p0"), "{refusal}");
@@ -227,8 +231,8 @@ fn what_is_not_told_is_refused_by_name() {
     // With a prior on one of them both are told.
     let mut known = parameters.clone();
     known[2].prior = Some([1.0, 0.01]);
-    let problem = Problem::new(&model, &runs, &known).unwrap();
-    let at = Linear::at(&problem, &[0, 1], &[1.0; 3]).unwrap();
+    let problem = FitProblem::new(&model, &runs, &known).unwrap();
+    let at = LinearisedRuns::at(&problem, &[0, 1], &[1.0; 3]).unwrap();
     let information = Information::of(&problem, &at, &[1.0; 3]);
     information.check(&problem).unwrap();
 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use wingbeat::math::{Jet, Vec3};
 use wingbeat::robot::{Residual, ResidualSpec};
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::{Calibration, Found};
+use wingbeat_calibrate::{CalibrationFile, CalibrationResult};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
@@ -29,7 +29,7 @@ fn stand(speed: f64, pitch: f64, more: &str) -> String {
 const BEYOND: &str = "'rig.robot.numbers={ \"gait.phase_rad\" = 0.06, \"links.twist.mass_kg\" = 0.0041 }'";
 
 /// A calibration whose truth is the model with what is `beyond` it.
-fn calibration(stands: &[String], beyond: &str) -> Calibration {
+fn calibration(stands: &[String], beyond: &str) -> CalibrationFile {
     let text = format!(
         "name = \"stands\"\nmodel = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]\nstarts = 1\nharmonics = 4\n\
          steps_per_cycle = 100\n\
@@ -39,10 +39,10 @@ fn calibration(stands: &[String], beyond: &str) -> Calibration {
          [[parameters]]\nname = \"gait.phase_rad\"\nprior = [0.0, 0.1]\n",
         stands.concat()
     );
-    Calibration::new(Document::text("stands", &text).unwrap()).unwrap()
+    CalibrationFile::new(Document::text("stands", &text).unwrap()).unwrap()
 }
 
-fn found(stands: &[String], beyond: &str) -> Result<Found, String> {
+fn found(stands: &[String], beyond: &str) -> Result<CalibrationResult, String> {
     let calibration = calibration(stands, beyond);
     let prepared = calibration.prepared().map_err(|error| error.to_string())?;
     prepared.fit(&mut (), &mut |_| ControlFlow::Continue(())).map_err(|error| error.to_string())
@@ -90,7 +90,7 @@ fn a_known_wrench_is_found_again() {
         assert!(layout.mean_square(&apart, 2) < 0.01 * layout.mean_square(measured, 2));
     }
     // The file is read back as what it says.
-    let files = wingbeat_calibrate::Files(Vec::new());
+    let files = wingbeat_calibrate::SampleFiles(Vec::new());
     let text = wingbeat_calibrate::words::residual(&found, &files, "test").unwrap();
     assert_eq!(toml::from_str::<ResidualSpec>(&text).unwrap(), learned.spec);
 }
@@ -119,6 +119,6 @@ fn runs_that_do_not_tell_it_are_refused() {
     assert!(twice.contains("has a rig.robot.residual"), "{twice}");
     let both = stand(0.8, -5.0, "").replace("residual = true", "residual = true\nheld_out = true");
     let text = format!("name = \"both\"\n[truth]\n{both}[[parameters]]\nname = \"links.twist.mass_kg\"\n");
-    let told = Calibration::new(Document::text("both", &text).unwrap()).err().unwrap().to_string();
+    let told = CalibrationFile::new(Document::text("both", &text).unwrap()).err().unwrap().to_string();
     assert!(told.contains("runs[0].held_out = true"), "{told}");
 }

@@ -7,7 +7,7 @@ use wingbeat::judge::Status;
 use wingbeat::math::Random;
 use wingbeat::robot::GivenNumbers;
 use wingbeat::scenario::{Document, TetherCase};
-use wingbeat_calibrate::{Calibration, Files, Progress, words};
+use wingbeat_calibrate::{CalibrationFile, FitProgress, SampleFiles, words};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// The numbers of the wing that was measured.
@@ -57,8 +57,8 @@ fn measured_of(case: &TetherCase, file: &str, seed: u64) -> PathBuf {
     path
 }
 
-fn calibrated(text: &str) -> Calibration {
-    Calibration::new(Document::text("cal", text).unwrap()).unwrap()
+fn calibrated(text: &str) -> CalibrationFile {
+    CalibrationFile::new(Document::text("cal", text).unwrap()).unwrap()
 }
 
 fn cases(data: &PathBuf) -> String {
@@ -81,7 +81,7 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
     let prepared = calibration.prepared().unwrap();
     prepared.check().unwrap();
     assert_eq!((prepared.runs[0].cycles.len(), prepared.runs[0].unmeasured.clone()), (CYCLES, vec![1, 3, 5]));
-    let found = prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(())).unwrap();
+    let found = prepared.fit(&mut (), &mut |_: &FitProgress| ControlFlow::Continue(())).unwrap();
     for (k, (name, truth)) in TRUTH.iter().enumerate() {
         let (value, error) = (found.values[k], found.errors[k]);
         println!("{name}: {value} +- {error}, truth {truth}");
@@ -92,8 +92,8 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
     let verdict = found.verdict(calibration.limits());
     assert_eq!(verdict.status, Status::Ok, "{:?}", verdict.reason);
     assert!(verdict.judged.iter().all(|judged| judged.met));
-    let _ = found.summary(&Files(Vec::new()), &verdict);
-    let numbers = words::numbers(&found, &Files(Vec::new()), "commit", &verdict);
+    let _ = found.summary(&SampleFiles(Vec::new()), &verdict);
+    let numbers = words::numbers(&found, &SampleFiles(Vec::new()), "commit", &verdict);
     let given: GivenNumbers = toml::from_str(&numbers).unwrap();
     assert!(given.len() == TRUTH.len() && given.verdict.unwrap().is_ok());
     assert!(found.record().is_ok());
@@ -171,19 +171,19 @@ fn a_fit_to_what_is_no_measurement_is_not_ok() {
     let calibration = of(&noisy);
     let prepared = calibration.prepared().unwrap();
     prepared.check().unwrap();
-    let found = prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(())).unwrap();
+    let found = prepared.fit(&mut (), &mut |_: &FitProgress| ControlFlow::Continue(())).unwrap();
     let verdict = found.verdict(calibration.limits());
     assert_eq!(verdict.status, Status::SuspectData, "{verdict:?}");
     let reason = verdict.reason.clone().unwrap();
     assert!(reason.contains("limits.calibration.explained_fraction"), "{reason}");
     // The channel that the fit makes worst is judged by the residuals that the summary has.
-    let summary = serde_json::to_value(found.summary(&Files(Vec::new()), &verdict)).unwrap();
+    let summary = serde_json::to_value(found.summary(&SampleFiles(Vec::new()), &verdict)).unwrap();
     let rmse = summary["rmse"].as_object().unwrap().values();
     let growth = rmse.filter_map(|rmse| Some(rmse["after"].as_f64()? / rmse["before"].as_f64()?));
     let growth = growth.fold(f64::NAN, f64::max);
     let judged = verdict.judged.iter().find(|judged| judged.id == "calibration.channel_growth").unwrap();
     assert!((judged.value.unwrap() - growth).abs() < 1e-12, "{judged:?}, {growth}");
-    let numbers = words::numbers(&found, &Files(Vec::new()), "commit", &verdict);
+    let numbers = words::numbers(&found, &SampleFiles(Vec::new()), "commit", &verdict);
     let given: GivenNumbers = toml::from_str(&numbers).unwrap();
     assert_eq!(given.verdict.unwrap().status, "suspect_data");
     // Of what does not move nothing is fitted.
@@ -239,7 +239,7 @@ fn a_run_on_the_rig_and_a_case_are_fitted_together() {
     ));
     let prepared = calibration.prepared().unwrap();
     assert_eq!(prepared.runs.len(), 3);
-    let found = prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(())).unwrap();
+    let found = prepared.fit(&mut (), &mut |_: &FitProgress| ControlFlow::Continue(())).unwrap();
     for (k, (name, truth)) in TRUTH.iter().enumerate() {
         let (value, error) = (found.values[k], found.errors[k]);
         assert!((value - truth).abs() < 4.0 * error && error < 0.05 * truth, "{name}: {value} +- {error}");
@@ -254,9 +254,9 @@ fn a_run_on_the_rig_and_a_case_are_fitted_together() {
 fn refusals_say_where_and_what() {
     let turn = format!("[[runs]]\nrun = \"{ROOT}/rigs/runs/roll15_speed08.toml\"\n");
     let told = |text: &str| {
-        let calibration = Document::text("cal", text).and_then(Calibration::new);
-        let refused = |calibration: Calibration| {
-            Files::of(&calibration).map_err(|error| error.to_string())?;
+        let calibration = Document::text("cal", text).and_then(CalibrationFile::new);
+        let refused = |calibration: CalibrationFile| {
+            SampleFiles::of(&calibration).map_err(|error| error.to_string())?;
             calibration.prepared().map(drop).map_err(|error| error.to_string())
         };
         calibration.map_err(|error| error.to_string()).and_then(refused).unwrap_err()

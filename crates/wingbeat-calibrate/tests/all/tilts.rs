@@ -3,14 +3,16 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::measured::{Pass, observed};
-use wingbeat_calibrate::{Calibration, Information, Linear, Problem, Progress, RunRole, clean, solve};
+use wingbeat_calibrate::measured::{MeasuredPass, observed};
+use wingbeat_calibrate::{
+    CalibrationFile, FitProblem, FitProgress, Information, LinearisedRuns, RunRole, clean, solve,
+};
 
 /// Seeds of the noise.
 const SEEDS: u64 = 30;
 
 /// A calibration whose bench has other numbers, and that fits the mass as well or the places alone.
-fn with(numbers: &str, mass: bool) -> Calibration {
+fn with(numbers: &str, mass: bool) -> CalibrationFile {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let mass = if mass { "[[parameters]]\nname = \"body.mass_kg\"\n" } else { "" };
     let text = format!(
@@ -20,7 +22,7 @@ fn with(numbers: &str, mass: bool) -> Calibration {
          \"rig.cell.filter_hz=500\"]\n{mass}\
          [[parameters]]\nname = \"body.com_m[0]\"\nlow = -0.1\nhigh = 0.1\n"
     );
-    Calibration::new(Document::text("weighed", &text).unwrap()).unwrap()
+    CalibrationFile::new(Document::text("weighed", &text).unwrap()).unwrap()
 }
 
 /// A cell that weighs the robot 15 % too heavy has another gain; where the mass is fitted, the weight says nothing of it.
@@ -41,7 +43,7 @@ fn the_gain_is_checked_by_the_weight_where_it_is_known() {
     assert!(unchecked.text.contains("body.mass_kg is fitted"), "{}", unchecked.text);
 }
 
-fn calibration() -> Calibration {
+fn calibration() -> CalibrationFile {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let text = format!(
         "name = \"tilts\"\nmodel = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]\nstarts = 1\n\
@@ -52,7 +54,7 @@ fn calibration() -> Calibration {
          [[parameters]]\nname = \"body.com_m[2]\"\nlow = -0.1\nhigh = 0.1\n\
          [[parameters]]\nname = \"body.com_m[1]\"\nlow = -0.1\nhigh = 0.1\n"
     );
-    Calibration::new(Document::text("tilts", &text).unwrap()).unwrap()
+    CalibrationFile::new(Document::text("tilts", &text).unwrap()).unwrap()
 }
 
 /// The noise of the rest goes with the tare into all attitudes of a pass, and with its slope, over six times the rest's length, far more
@@ -68,10 +70,10 @@ fn standard_errors_of_what_tilts_tell_are_those_of_many_seeds() {
     let truth: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
     let (mut squares, mut chi_squared, mut wrong) = (vec![0.0; truth.len()], 0.0, 0);
     for seed in 0..SEEDS {
-        let passes: Vec<Pass> =
+        let passes: Vec<MeasuredPass> =
             (0..spec.passes).map(|pass| made.pass(&targets[0], spec, 1 + seed, pass).unwrap()).collect();
         let runs = [observed(&targets[0], &passes, RunRole::Fitted, true).unwrap()];
-        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
         let plan = calibration.plan();
         let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
         for (k, truth) in truth.iter().enumerate() {
@@ -80,8 +82,8 @@ fn standard_errors_of_what_tilts_tell_are_those_of_many_seeds() {
         chi_squared += solved.chi_squared / SEEDS as f64;
         wrong += usize::from(solved.problem.discrepancy.iter().any(|share| *share > 0.0));
         if seed == 0 {
-            let problem = Problem::new(&structure.model, &runs, &structure.parameters).unwrap();
-            let at = Linear::at(&problem, &[0], &truth).unwrap();
+            let problem = FitProblem::new(&structure.model, &runs, &structure.parameters).unwrap();
+            let at = LinearisedRuns::at(&problem, &[0], &truth).unwrap();
             let told = Information::of(&problem, &at, &truth);
             for k in 0..truth.len() {
                 let alone = told.alone.iter().map(|row| row[k]).fold(f64::INFINITY, f64::min);

@@ -5,13 +5,15 @@ mod rest;
 use std::time::Instant;
 
 use serde::Serialize;
-use wingbeat::judge::data::{self, Channel, Finding, Line, Purpose, Series, examined, find_frequency};
+use wingbeat::judge::data::{
+    self, Finding, MeasuredChannel, Purpose, Series, SpectralLine, examined, find_frequency,
+};
 use wingbeat::judge::limits::data::{LINE, OF_LINE};
-use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_figures::DEVIATION;
-use wingbeat_io::samples::{Asked, Plain, read_channels};
+use wingbeat_io::samples::{ChannelRequest, Plain, read_channels};
 use wingbeat_io::write_csv;
 
 use crate::args::Average;
@@ -21,7 +23,7 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::{RunFolder, named_after};
 use crate::say;
-use rest::Rest;
+use rest::RestSummary;
 
 /// Phases of an average that may be asked for.
 const BINS: [usize; 2] = [2, 10_000];
@@ -36,21 +38,21 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
         leave_out_counters(&mut plain);
     }
     let file = arguments.file.display().to_string();
-    let rest = arguments.rest.map(|seconds| Rest::taken(&mut plain, seconds, &file)).transpose()?;
+    let rest = arguments.rest.map(|seconds| RestSummary::taken(&mut plain, seconds, &file)).transpose()?;
     plain.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
     let name = named_after(&arguments.file, arguments.out.as_deref())?;
     let folder = RunFolder::create(arguments.out.as_deref(), &name, arguments.force)?;
     let bar = progress::bar(Some(2), "averaging {bar:30} {pos} of {len} steps", arguments.quiet);
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let told = match arguments.frequency {
-        Some(frequency) => Told::Given(frequency),
-        None => Told::Found(find_frequency(&plain.time, &channels(&plain), limits.of(&LINE).0)),
+        Some(frequency) => FrequencySource::Given(frequency),
+        None => FrequencySource::Found(find_frequency(&plain.time, &channels(&plain), limits.of(&LINE).0)),
     };
     bar.set_position(1);
     interrupt.check()?;
     let averages = told.frequency().map(|f| averages(arguments, &plain, f)).transpose()?;
     let averages = averages.filter(|averages| !averages.is_empty());
-    let summary = Summary::of(arguments, &plain, (&told, rest), averages.as_deref(), &limits);
+    let summary = AverageSummary::of(arguments, &plain, (&told, rest), averages.as_deref(), &limits);
     bar.finish_and_clear();
     folder.write_json("summary.json", &summary)?;
     if let Some(averages) = &averages {
@@ -74,7 +76,7 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
 const FASTEST: f64 = 1e9;
 
 /// What the command line asks of the file.
-fn asked(arguments: &Average) -> Result<Asked, Error> {
+fn asked(arguments: &Average) -> Result<ChannelRequest, Error> {
     for (key, value) in [("--rate", arguments.rate), ("--frequency", arguments.frequency)] {
         if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= FASTEST)) {
             return Err(Error::Input(format!("{key} {value:?}: allowed is above 0, at most {FASTEST:e} Hz")));
@@ -86,7 +88,7 @@ fn asked(arguments: &Average) -> Result<Asked, Error> {
         return Err(Error::Input(format!("--bins {bins}: allowed is a whole number from {least} to {most}")));
     }
     let (columns, units) = (arguments.columns.clone(), arguments.units.clone());
-    Ok(Asked { rate: arguments.rate, columns, units })
+    Ok(ChannelRequest { rate: arguments.rate, columns, units })
 }
 
 /// Units of what an encoder counts.
@@ -113,23 +115,23 @@ fn leave_out_counters(plain: &mut Plain) {
     }
 }
 
-fn channels(plain: &Plain) -> Vec<Channel<'_>> {
+fn channels(plain: &Plain) -> Vec<MeasuredChannel<'_>> {
     plain.channels.iter().map(|column| channel(column, &column.values)).collect()
 }
 
-fn channel<'a>(column: &'a Column, samples: &'a [f64]) -> Channel<'a> {
-    Channel { name: &column.name, unit: &column.unit, samples }
+fn channel<'a>(column: &'a Column, samples: &'a [f64]) -> MeasuredChannel<'a> {
+    MeasuredChannel { name: &column.name, unit: &column.unit, samples }
 }
 
 /// Where the frequency comes from.
-enum Told {
+enum FrequencySource {
     /// The command line, Hz.
     Given(f64),
     /// The data.
-    Found(Line),
+    Found(SpectralLine),
 }
 
-impl Told {
+impl FrequencySource {
     fn frequency(&self) -> Option<f64> {
         match self {
             Self::Given(frequency) => Some(*frequency),
@@ -187,7 +189,7 @@ fn cycles(averages: &[Of]) -> Result<Record, Error> {
 
 /// A channel in `summary.json`.
 #[derive(Serialize)]
-struct Averaged {
+struct ChannelAverage {
     /// Its name.
     name: String,
     /// Its unit, as given or as the file says.
@@ -206,7 +208,7 @@ struct Averaged {
     left_out: usize,
 }
 
-impl Averaged {
+impl ChannelAverage {
     fn of(channel: &Column, average: &CycleAverage) -> Self {
         let bins = average.mean.len() as f64;
         Self {
@@ -224,7 +226,7 @@ impl Averaged {
 
 /// `summary.json`.
 #[derive(Serialize)]
-struct Summary {
+struct AverageSummary {
     /// The file.
     file: String,
     /// Samples of each channel.
@@ -248,25 +250,25 @@ struct Summary {
     /// Frequency of the strongest line, Hz: the frequency or a harmonic of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     strongest_line_hz: Option<f64>,
-    channels: Vec<Averaged>,
+    channels: Vec<ChannelAverage>,
     /// The rest that was subtracted.
     #[serde(skip_serializing_if = "Option::is_none")]
-    rest: Option<Rest>,
+    rest: Option<RestSummary>,
     #[serde(flatten)]
     verdict: Verdict,
 }
 
-impl Summary {
+impl AverageSummary {
     fn of(
         arguments: &Average,
         plain: &Plain,
-        (told, rest): (&Told, Option<Rest>),
+        (told, rest): (&FrequencySource, Option<RestSummary>),
         averages: Option<&[Of]>,
-        limits: &Limits,
+        limits: &RunLimits,
     ) -> Self {
         let line = match told {
-            Told::Found(line) => Some(line),
-            Told::Given(_) => None,
+            FrequencySource::Found(line) => Some(line),
+            FrequencySource::Given(_) => None,
         };
         let span = plain.time.last().unwrap_or(&0.0) - plain.time.first().unwrap_or(&0.0);
         Self {
@@ -284,7 +286,7 @@ impl Summary {
                 .iter()
                 .copied()
                 .flatten()
-                .map(|(c, average)| Averaged::of(c, average))
+                .map(|(c, average)| ChannelAverage::of(c, average))
                 .collect(),
             verdict: verdict(arguments, plain, (told, rest.as_ref()), limits),
             rest,
@@ -296,7 +298,7 @@ impl Summary {
             "{}: {} samples at {:.6} Hz, {:.3} s\n",
             self.file, self.samples, self.rate_hz, self.duration_s
         );
-        text.extend(self.rest.as_ref().map(Rest::text));
+        text.extend(self.rest.as_ref().map(RestSummary::text));
         if let Some(frequency) = self.frequency_hz {
             let error = self.frequency_error_hz.map_or("given".into(), |error| format!("+- {error:.1e} Hz"));
             text += &format!("frequency {frequency:.5} Hz ({error})\n");
@@ -305,7 +307,7 @@ impl Summary {
                 "", "mean", "least", "most", "std", "cycles"
             );
         }
-        for Averaged { name, unit, mean, least, most, std, cycles, .. } in &self.channels {
+        for ChannelAverage { name, unit, mean, least, most, std, cycles, .. } in &self.channels {
             text += format!("{name:<14}{mean:>12.5}{least:>12.5}{most:>12.5}{std:>12.5}{cycles:>8}  {unit}")
                 .trim_end();
             text.push('\n');
@@ -324,17 +326,17 @@ const FEWEST: f64 = 4.0;
 fn verdict(
     arguments: &Average,
     plain: &Plain,
-    (told, rest): (&Told, Option<&Rest>),
-    limits: &Limits,
+    (told, rest): (&FrequencySource, Option<&RestSummary>),
+    limits: &RunLimits,
 ) -> Verdict {
     let mut judge = Judge::new(limits);
     if let Some(rest) = rest {
         rest.judge(&mut judge);
     }
-    if let Told::Found(line) = told {
+    if let FrequencySource::Found(line) = told {
         judge.hold(&LINE, line.over_noise);
     }
-    if let Told::Found(Line { frequency: None, over_noise, .. }) = told {
+    if let FrequencySource::Found(SpectralLine { frequency: None, over_noise, .. }) = told {
         let text = format!(
             "{}: no channel has a load that repeats: noise, or less than four cycles; give the frequency with \
              --frequency HZ if you know it",
@@ -347,7 +349,7 @@ fn verdict(
             judge.find(Status::NotFound, lines);
         }
     }
-    if let Told::Found(Line { frequency: Some(_), strongest, .. }) = told
+    if let FrequencySource::Found(SpectralLine { frequency: Some(_), strongest, .. }) = told
         && plain.rate < FEWEST * strongest
     {
         let size = plain.rate / strongest;

@@ -13,7 +13,7 @@ const FEWEST: usize = 8;
 
 /// A channel at rest.
 #[derive(Serialize)]
-struct Reading {
+struct RestReading {
     /// Its name.
     name: String,
     /// Its unit.
@@ -24,16 +24,16 @@ struct Reading {
 
 /// The rest at the begin of a file.
 #[derive(Serialize)]
-pub struct Rest {
+pub struct RestSummary {
     /// How long it lasts, s.
     duration_s: f64,
     /// Scatter in the quarter of the rest where it is largest over that of what follows, in the channel of a load where that is least.
     scatter_fraction: f64,
     /// What each channel reads.
-    channels: Vec<Reading>,
+    channels: Vec<RestReading>,
 }
 
-impl Rest {
+impl RestSummary {
     /// Takes the first `seconds` s of `plain` away, and what its channels read in them from what follows.
     pub fn taken(plain: &mut Plain, seconds: f64, file: &str) -> Result<Self, Error> {
         let begin = plain.time.first().copied().unwrap_or_default();
@@ -65,7 +65,7 @@ impl Rest {
             }
             column.values.drain(..count);
             column.values.iter_mut().for_each(|value| *value -= mean);
-            channels.push(Reading { name: column.name.clone(), unit: column.unit.clone(), mean });
+            channels.push(RestReading { name: column.name.clone(), unit: column.unit.clone(), mean });
         }
         plain.time.drain(..count);
         Ok(Self { duration_s: seconds, scatter_fraction, channels })
@@ -82,7 +82,7 @@ impl Rest {
 
     /// The readings in a line.
     pub fn text(&self) -> String {
-        let of = |r: &Reading| format!("{} {:.5} {}", r.name, r.mean, r.unit).trim_end().to_owned();
+        let of = |r: &RestReading| format!("{} {:.5} {}", r.name, r.mean, r.unit).trim_end().to_owned();
         let all = self.channels.iter().map(of).collect::<Vec<_>>().join(", ");
         format!("rest, first {} s, subtracted: {all}\n", self.duration_s)
     }

@@ -2,9 +2,9 @@
 
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::scenario::spoken;
-use wingbeat_calibrate::{Found, FoundRun, Layout, PHASES, phase_of};
+use wingbeat_calibrate::{CalibrationResult, FoundRun, HarmonicLayout, PHASES, phase_of};
 use wingbeat_figures::calibration::{
-    Overlay, ProfileCurve, Spectrum, correlations, information, overlay, profiles, residual_spectra,
+    Overlay, ProfileCurve, ResidualSpectrum, correlations, information, overlay, profiles, residual_spectra,
 };
 use wingbeat_figures::write as write_figure;
 
@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::run_folder::RunFolder;
 
 /// Draws what can be drawn; what cannot is said and left out.
-pub fn draw(folder: &RunFolder, found: &Found) -> Result<(), Error> {
+pub fn draw(folder: &RunFolder, found: &CalibrationResult) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
     let told = crate::fly::left_out;
     let names: Vec<String> = found.parameters.iter().map(|parameter| spoken(&parameter.name)).collect();
@@ -56,7 +56,7 @@ fn overlays(run: &FoundRun, with_residual: Option<&[f64]>) -> Vec<Overlay> {
     (0..run.observed.layout.channels).filter(|c| run.observed.is_measured(*c)).map(channel).collect()
 }
 
-fn profile_curves(found: &Found) -> Vec<ProfileCurve> {
+fn profile_curves(found: &CalibrationResult) -> Vec<ProfileCurve> {
     let curve = |k: usize| {
         let profile = &found.profiles[k];
         ProfileCurve {
@@ -69,9 +69,9 @@ fn profile_curves(found: &Found) -> Vec<ProfileCurve> {
     (0..found.parameters.len()).map(curve).collect()
 }
 
-fn spectra(found: &Found) -> Vec<Spectrum> {
+fn spectra(found: &CalibrationResult) -> Vec<ResidualSpectrum> {
     let runs: Vec<&FoundRun> = found.fitted().collect();
-    let layout: Layout = runs[0].observed.layout;
+    let layout: HarmonicLayout = runs[0].observed.layout;
     let channel = |channel: usize| {
         let measured: Vec<&FoundRun> =
             runs.iter().copied().filter(|run| run.observed.is_measured(channel)).collect();
@@ -90,7 +90,7 @@ fn spectra(found: &Found) -> Vec<Spectrum> {
             };
             parts.map(one).sum()
         };
-        Spectrum {
+        ResidualSpectrum {
             title: title(channel),
             before: rms(&|run, k| apart(run, &run.before, k)),
             after: rms(&|run, k| apart(run, &run.after.cycle, k)),

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::run_folder::RunFolder;
 
 /// Fits that are done, kept in the folder for a command that goes on.
-pub struct Kept<'a> {
+pub struct KeptFits<'a> {
     folder: &'a RunFolder,
     fits: BTreeMap<usize, Fit>,
 }
@@ -16,7 +16,7 @@ pub struct Kept<'a> {
 /// The file of fits that are done.
 const KEPT: &str = "starts.json";
 
-impl<'a> Kept<'a> {
+impl<'a> KeptFits<'a> {
     /// What an interrupted command left.
     pub fn open(folder: &'a RunFolder) -> Self {
         let text = std::fs::read_to_string(folder.file(KEPT)).unwrap_or_default();
@@ -41,7 +41,7 @@ impl<'a> Kept<'a> {
     }
 }
 
-impl Keep for Kept<'_> {
+impl Keep for KeptFits<'_> {
     fn kept(&self, number: usize) -> Option<Fit> {
         self.fits.get(&number).cloned()
     }

@@ -8,7 +8,10 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::{Calibration, Failure, Files, Found, Prepared, Progress, words};
+use wingbeat_calibrate::{
+    CalibrationFailure, CalibrationFile, CalibrationResult, FitProgress, PreparedCalibration, SampleFiles,
+    words,
+};
 use wingbeat_io::{urdf_as_toml, write_parquet};
 
 use crate::args;
@@ -18,8 +21,8 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use crate::watch::{Convergence, Point};
-use kept::Kept;
+use crate::watch::{ConvergenceWatch, SearchIteration};
+use kept::KeptFits;
 
 /// Parameters whose values are shown on the page of a fit under way.
 const SHOWN: usize = 24;
@@ -33,19 +36,23 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
     let document = Document::file(&arguments.calibration)?.overridden(&options.all_overrides());
-    let calibration = Calibration::new(document)?;
+    let calibration = CalibrationFile::new(document)?;
     if arguments.names {
         let named = calibration.named_numbers(&urdf_as_toml)?;
         let line = |(name, value): &(String, f64)| format!("{name} = {}\n", wingbeat_io::shortest(*value));
         return say::say(&named.iter().map(line).collect::<String>());
     }
-    let files = Files::of(&calibration).map_err(Failure::from)?;
+    let files = SampleFiles::of(&calibration).map_err(CalibrationFailure::from)?;
     let name = calibration.spec.run_name()?;
     let identity = files.identity(&calibration.resolved);
     let folder =
         RunFolder::resume(options.out.as_deref(), &name, options.force, ("calibration.toml", &identity))?;
-    let watch =
-        Convergence::begin(&arguments.live, &calibration.spec.name, "fit under way", &calibration.resolved)?;
+    let watch = ConvergenceWatch::begin(
+        &arguments.live,
+        &calibration.spec.name,
+        "fit under way",
+        &calibration.resolved,
+    )?;
     match found(&calibration, &folder, &interrupt, arguments, &watch) {
         Ok(Some(found)) => {
             let verdict = found.verdict(calibration.limits());
@@ -63,15 +70,20 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
             folder.discard();
             Ok(())
         }
-        Err(Error::Calibration(Failure::Other(fault @ wingbeat_calibrate::Error::Model { .. }))) => {
+        Err(Error::Calibration(CalibrationFailure::Other(
+            fault @ wingbeat_calibrate::Error::Model { .. },
+        ))) => {
             let reason = fault.to_string();
-            folder.write_json("summary.json", &Failed { status: Status::Failed.name(), reason: &reason })?;
-            Kept::remove(&folder)?;
+            folder.write_json(
+                "summary.json",
+                &FailedCalibration { status: Status::Failed.name(), reason: &reason },
+            )?;
+            KeptFits::remove(&folder)?;
             let path = folder.finish(&Manifest::new(calibration.spec.seed, start.elapsed()))?;
             Err(Error::Failed { status: Status::Failed.name().into(), reason, folder: path })
         }
-        Err(Error::Interrupted) if Kept::open(&folder).count() > 0 => {
-            let (done, all) = (Kept::open(&folder).count(), calibration.spec.starts);
+        Err(Error::Interrupted) if KeptFits::open(&folder).count() > 0 => {
+            let (done, all) = (KeptFits::open(&folder).count(), calibration.spec.starts);
             Err(Error::Paused { done, all })
         }
         Err(error) => {
@@ -83,19 +95,19 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
 
 /// summary.json of a calibration whose model has no answer.
 #[derive(Serialize)]
-struct Failed<'a> {
+struct FailedCalibration<'a> {
     status: &'a str,
     reason: &'a str,
 }
 
 /// All that is to be told; nothing where only the information was asked for.
 fn found(
-    calibration: &Calibration,
+    calibration: &CalibrationFile,
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
-    watch: &Convergence,
-) -> Result<Option<Found>, Error> {
+    watch: &ConvergenceWatch,
+) -> Result<Option<CalibrationResult>, Error> {
     let prepared = calibration.prepared()?;
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
@@ -109,12 +121,12 @@ fn found(
 
 /// The fit, or the information of the data alone.
 fn searched(
-    prepared: &Prepared<'_>,
+    prepared: &PreparedCalibration<'_>,
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
-    watch: &Convergence,
-) -> Result<Option<Found>, Error> {
+    watch: &ConvergenceWatch,
+) -> Result<Option<CalibrationResult>, Error> {
     let quiet = arguments.run.quiet;
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
     prepared.check()?;
@@ -122,24 +134,24 @@ fn searched(
         let on_data = prepared.verdict();
         return Error::unless_sound(on_data.status, on_data.reason.as_deref()).map(|()| None);
     }
-    watched(prepared, &mut Kept::open(folder), interrupt, quiet, watch).map(Some)
+    watched(prepared, &mut KeptFits::open(folder), interrupt, quiet, watch).map(Some)
 }
 
 /// The fit, with cost, parameters and time on a bar.
 fn watched(
-    prepared: &Prepared<'_>,
-    kept: &mut Kept,
+    prepared: &PreparedCalibration<'_>,
+    kept: &mut KeptFits,
     interrupt: &Interrupt,
     quiet: bool,
-    live: &Convergence,
-) -> Result<Found, Error> {
+    live: &ConvergenceWatch,
+) -> Result<CalibrationResult, Error> {
     let starts = prepared.plan().starts;
     let bar = progress::bar(
         Some(starts as u64),
         "fitting {bar:20} start {pos} of {len}, {eta} left  {wide_msg}",
         quiet,
     );
-    let mut watch = |at: &Progress| {
+    let mut watch = |at: &FitProgress| {
         live.see(|| point(at, prepared));
         bar.set_position(at.start.min(starts) as u64);
         let values: Vec<String> = at.values.iter().map(|value| format!("{value:.4}")).collect();
@@ -154,15 +166,19 @@ fn watched(
 }
 
 /// A step of a fit as it is shown.
-fn point(at: &Progress, prepared: &Prepared<'_>) -> Point {
+fn point(at: &FitProgress, prepared: &PreparedCalibration<'_>) -> SearchIteration {
     let mut values = vec![("decimal logarithm of the sum of squares".into(), "", at.cost.log10())];
     let parameters = prepared.structure.parameters.iter().zip(at.values);
     values.extend(parameters.take(SHOWN).map(|(parameter, value)| (parameter.name.clone(), "", *value)));
-    Point { series: format!("start {}", at.start + 1), values }
+    SearchIteration { series: format!("start {}", at.start + 1), values }
 }
 
 /// Everything into the folder.
-fn write(folder: &RunFolder, (found, verdict): (&Found, &Verdict), files: &Files) -> Result<(), Error> {
+fn write(
+    folder: &RunFolder,
+    (found, verdict): (&CalibrationResult, &Verdict),
+    files: &SampleFiles,
+) -> Result<(), Error> {
     folder.write_json("summary.json", &found.summary(files, verdict))?;
     folder.write("numbers.toml", &words::numbers(found, files, wingbeat_program::COMMIT, verdict))?;
     if let Some(residual) = words::residual(found, files, wingbeat_program::COMMIT) {
@@ -170,7 +186,7 @@ fn write(folder: &RunFolder, (found, verdict): (&Found, &Verdict), files: &Files
     }
     folder.write("report.md", &words::report(found, verdict))?;
     folder.write("information.csv", &words::information_csv(found))?;
-    write_parquet(&folder.file("record.parquet"), &found.record().map_err(Failure::from)?)?;
-    Kept::remove(folder)?;
+    write_parquet(&folder.file("record.parquet"), &found.record().map_err(CalibrationFailure::from)?)?;
+    KeptFits::remove(folder)?;
     draw::draw(folder, found)
 }

@@ -10,7 +10,7 @@ use crate::args::New;
 use crate::error::Error;
 use crate::say;
 use crate::show::AROUND;
-use crate::tether::Tables;
+use crate::tether::CaseTables;
 
 /// Writes what `text` makes of the document's name and folder, and what to do next.
 pub fn write(
@@ -94,7 +94,7 @@ pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<Str
 
 /// A fit of a case to measurements of its wing.
 pub fn calibration(name: &str, case: &Path, folder: &Path) -> Result<String, Error> {
-    let tables = Tables::default();
+    let tables = CaseTables::default();
     TetherCase::new(Document::file(case)?, &|path| tables.read(path))?;
     Ok(format!(
         "{}name = \"{name}\"\n\n[[cases]]\ncase = {}\n\

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::rig::plan::Refusal;
 use wingbeat::scenario::{Document, PaperResults, RigRun};
-use wingbeat_figures::{Cell, Figure};
+use wingbeat_figures::{CellOrigin, Figure};
 use wingbeat_io::{read_parquet, urdf_as_toml};
-use wingbeat_lattice::course::{Asked, WakeSummary};
+use wingbeat_lattice::course::{CourseRequest, WakeSummary};
 
 use super::shipped;
-use super::statements::{Arm, Forces};
-use crate::args::{Run, Show};
+use super::statements::{Arm, RigForces};
+use crate::args::{RunArguments, Show};
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::rig::pictures;
@@ -51,13 +51,13 @@ pub fn slowest(from: &Path) -> Result<Arm, Error> {
 }
 
 /// The figures as they are drawn.
-pub struct Drawn {
+pub struct PaperFigures {
     folder: PathBuf,
     wide: Option<PathBuf>,
     done: Vec<(&'static str, String)>,
 }
 
-impl Drawn {
+impl PaperFigures {
     /// None yet; with `wide` each is drawn for a slide too.
     pub fn new(folder: &RunFolder, wide: bool) -> Result<Self, Error> {
         let wide = wide.then(|| folder.folder("figures/wide")).transpose()?;
@@ -110,7 +110,7 @@ impl Drawn {
 
     /// The rig.
     pub fn set_up(&mut self, from: &Path) -> Result<(), Error> {
-        let run = Run { out: None, force: false, overrides: Vec::new(), seed: None, quiet: true };
+        let run = RunArguments { out: None, force: false, overrides: Vec::new(), seed: None, quiet: true };
         let asked = Show { file: shipped(from, RUN), phase: None, joints_deg: None, run };
         let figure = show::figure(&asked)?;
         self.put("setup", Ok(figure), None)
@@ -125,14 +125,14 @@ impl Drawn {
     }
 
     /// Forces and moments of the processed runs.
-    pub fn forces(&mut self, folder: &Path) -> Result<Option<Forces>, Error> {
+    pub fn forces(&mut self, folder: &Path) -> Result<Option<RigForces>, Error> {
         let file = folder.join("envelope.parquet");
         if !file.is_file() {
             return Ok(None);
         }
         let envelope = read_parquet(&file)?;
-        self.put("force_moment", wingbeat_figures::force_moment(&envelope, Cell::Simulated), None)?;
-        Ok(Forces::of(&envelope))
+        self.put("force_moment", wingbeat_figures::force_moment(&envelope, CellOrigin::Simulated), None)?;
+        Ok(RigForces::of(&envelope))
     }
 
     /// States, path and wake of the flight in `folder`: what is said of the wake, and what the paper gives.
@@ -151,7 +151,7 @@ impl Drawn {
             Some(wingbeat_figures::states_wide(&record, goal)),
         )?;
         self.put("path", wingbeat_figures::path(&record, paper.as_ref()), None)?;
-        let asked = Asked { prescribed: true, ..Asked::default() };
+        let asked = CourseRequest { prescribed: true, ..CourseRequest::default() };
         let mut courses = flown.courses(&asked).map_err(wake::refused)?;
         // The last beats, which are in the turn.
         let Some(course) = courses.pop() else { return Ok((None, paper)) };

@@ -11,20 +11,20 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
 use wingbeat::judge::limits::paper as limits;
-use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat::scenario::{PaperResults, RunName};
 
-use crate::args::{Fly, Page, Paper, RigProcess, RigRuns, RigSimulate, Run};
+use crate::args::{Fly, Page, PaperArguments, RigProcess, RigRuns, RigSimulate, RunArguments};
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use crate::watch::Live;
+use crate::watch::WatchArguments;
 use crate::{fly, rig};
-use figures::Drawn;
-use statements::{Statement, Told};
+use figures::PaperFigures;
+use statements::{Statement, StatementSources};
 
 /// The sheet stands in the place of the pages of its runs.
 const PAGE: Page = Page { no_report: true };
@@ -38,17 +38,17 @@ const WORK: u64 = 8;
 
 /// `summary.json`.
 #[derive(Serialize)]
-struct Summary<'a> {
+struct PaperSummary<'a> {
     #[serde(flatten)]
     verdict: &'a Verdict,
     statements: &'a [Statement],
-    steps: &'a [Step],
+    steps: &'a [PaperStep],
     figures: Vec<&'a str>,
 }
 
 /// A command that the sheet rests on, and how it ended.
 #[derive(Clone, Debug, Serialize)]
-pub struct Step {
+pub struct PaperStep {
     /// What makes the same.
     pub command: String,
     /// Its folder; empty where it keeps none of its own.
@@ -60,25 +60,25 @@ pub struct Step {
 }
 
 /// Makes the runs that the figures show, draws them and writes the sheet.
-pub fn paper(arguments: &Paper) -> Result<(), Error> {
+pub fn paper(arguments: &PaperArguments) -> Result<(), Error> {
     let start = Instant::now();
     let interrupt = Interrupt::listen()?;
     let from = &arguments.from;
     let folder =
         RunFolder::create(arguments.out.as_deref(), &RunName::new("name", "paper")?, arguments.force)?;
     let bar = progress::bar(Some(WORK), "paper {bar:30} {pos} of {len}  {msg}", arguments.quiet);
-    let mut work = Work { folder: &folder, from, interrupt: &interrupt, bar: &bar, steps: Vec::new() };
+    let mut work = PaperWork { folder: &folder, from, interrupt: &interrupt, bar: &bar, steps: Vec::new() };
     for (name, file) in FLIGHTS {
         work.fly(name, file)?;
     }
     work.rig()?;
-    let mut drawn = Drawn::new(&folder, arguments.wide)?;
+    let mut drawn = PaperFigures::new(&folder, arguments.wide)?;
     let (told, paper) = work.draw(&mut drawn)?;
     let statements = statements::all(&told, paper.as_ref());
     let steps = work.steps;
     let verdict = judged(drawn.missing(), &steps);
     let names = drawn.names();
-    let summary = Summary { verdict: &verdict, statements: &statements, steps: &steps, figures: names };
+    let summary = PaperSummary { verdict: &verdict, statements: &statements, steps: &steps, figures: names };
     folder.write_json("summary.json", &summary)?;
     folder.write("sheet.html", &sheet::html(&statements, &steps, &drawn, &verdict))?;
     bar.finish_and_clear();
@@ -93,8 +93,8 @@ pub fn paper(arguments: &Paper) -> Result<(), Error> {
 }
 
 /// Holds the sheet against its limits.
-fn judged(missing: usize, steps: &[Step]) -> Verdict {
-    let limits_of = Limits::default();
+fn judged(missing: usize, steps: &[PaperStep]) -> Verdict {
+    let limits_of = RunLimits::default();
     let mut judge = Judge::new(&limits_of);
     judge.hold(&limits::MISSING, missing as f64);
     let failed = steps.iter().filter(|step| step.status == Status::Failed.name()).count();
@@ -107,24 +107,24 @@ fn judged(missing: usize, steps: &[Step]) -> Verdict {
 }
 
 /// What the pieces of work share.
-struct Work<'a> {
+struct PaperWork<'a> {
     folder: &'a RunFolder,
     from: &'a Path,
     interrupt: &'a Interrupt,
     bar: &'a ProgressBar,
-    steps: Vec<Step>,
+    steps: Vec<PaperStep>,
 }
 
-impl Work<'_> {
+impl PaperWork<'_> {
     fn begin(&self, what: &str) -> Result<(), Error> {
         self.bar.set_message(what.to_owned());
         self.interrupt.check()
     }
 
     /// Options of a run of our own in the folder `name`.
-    fn options(&self, name: &str) -> Run {
+    fn options(&self, name: &str) -> RunArguments {
         let out = Some(self.folder.file(name));
-        Run { out, force: false, overrides: Vec::new(), seed: None, quiet: true }
+        RunArguments { out, force: false, overrides: Vec::new(), seed: None, quiet: true }
     }
 
     /// Keeps how a run ended: one whose verdict is not `ok` is a result too.
@@ -140,7 +140,7 @@ impl Work<'_> {
             Err(Error::Failed { status, reason, .. }) => (status, Some(reason)),
             Err(error) => return Err(error),
         };
-        self.steps.push(Step { command, folder, status, reason });
+        self.steps.push(PaperStep { command, folder, status, reason });
         self.bar.inc(1);
         Ok(())
     }
@@ -151,7 +151,7 @@ impl Work<'_> {
             scenario: self.from.join(file),
             run: self.options(name),
             page: PAGE,
-            live: Live::default(),
+            live: WatchArguments::default(),
         });
         self.ended(format!("wingbeat fly {file}"), name, made)
     }
@@ -179,7 +179,7 @@ impl Work<'_> {
     }
 
     /// Draws the figures; the numbers that the statements need, and what the paper gives.
-    fn draw(&self, drawn: &mut Drawn) -> Result<(Told, Option<PaperResults>), Error> {
+    fn draw(&self, drawn: &mut PaperFigures) -> Result<(StatementSources, Option<PaperResults>), Error> {
         self.begin("drawing the set-up")?;
         drawn.set_up(self.from)?;
         self.bar.inc(1);
@@ -194,7 +194,7 @@ impl Work<'_> {
         let (wake, paper) = drawn.flight(&self.folder.file("turn"), self.interrupt)?;
         self.bar.inc(1);
         let [turn, clear] = FLIGHTS.map(|(name, _)| summary(&self.folder.file(name)));
-        Ok((Told { turn: turn?, clear: clear?, wake, forces, arm }, paper))
+        Ok((StatementSources { turn: turn?, clear: clear?, wake, forces, arm }, paper))
     }
 }
 
@@ -234,8 +234,8 @@ mod tests {
     #[test]
     fn a_failed_run_fails_the_sheet_and_a_missed_goal_does_not() {
         let step =
-            |status: &str| Step { command: "a".into(), folder: "", status: status.into(), reason: None };
-        let status = |missing, steps: &[Step]| judged(missing, steps).status;
+            |status: &str| PaperStep { command: "a".into(), folder: "", status: status.into(), reason: None };
+        let status = |missing, steps: &[PaperStep]| judged(missing, steps).status;
         assert_eq!(status(0, &[step("ok"), step("off_target")]), Status::Ok);
         assert_eq!(status(0, &[step("ok"), step("failed")]), Status::Failed);
         assert_eq!(status(1, &[step("ok")]), Status::Failed);

@@ -2,8 +2,8 @@
 
 use wingbeat::judge::Verdict;
 
-use super::Step;
-use super::figures::Drawn;
+use super::PaperStep;
+use super::figures::PaperFigures;
 use super::statements::Statement;
 
 const HEAD: &str = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>The paper by our numbers</title>\n\
@@ -20,7 +20,12 @@ Pitch counts nose up here; roll 15 deg is right wing down.\n\
 Where a run is a fit, it proves nothing; each row says so. The page docs/paper.md has every statement with how we read it.</p>\n";
 
 /// The whole sheet.
-pub fn html(statements: &[Statement], steps: &[Step], drawn: &Drawn, verdict: &Verdict) -> String {
+pub fn html(
+    statements: &[Statement],
+    steps: &[PaperStep],
+    drawn: &PaperFigures,
+    verdict: &Verdict,
+) -> String {
     let mut text = String::from(HEAD);
     text += INTRODUCTION;
     text += "<h2>Statements</h2>\n<table>\n<tr><th>statement</th><th>the paper</th><th>here</th><th>of</th><th>verdict</th></tr>\n";
@@ -43,7 +48,7 @@ pub fn html(statements: &[Statement], steps: &[Step], drawn: &Drawn, verdict: &V
         );
     }
     text += "<h2>Runs</h2>\n<table>\n<tr><th>command</th><th>folder</th><th>status</th></tr>\n";
-    for Step { command, folder, status, reason } in steps {
+    for PaperStep { command, folder, status, reason } in steps {
         let reason = reason.as_deref().map_or(String::new(), |reason| format!(": {}", escaped(reason)));
         text +=
             &format!("<tr><td><code>{command}</code></td><td>{folder}</td><td>{status}{reason}</td></tr>\n");

@@ -16,7 +16,7 @@ const END_M: f64 = 0.5;
 /// What a statement of the paper came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum StatementOutcome {
     /// It came out here.
     Reproduced,
     /// It came out with numbers that were chosen for it.
@@ -31,7 +31,7 @@ pub enum Outcome {
     NotComputed,
 }
 
-impl Outcome {
+impl StatementOutcome {
     fn when(met: Option<bool>) -> Self {
         met.map_or(Self::NotComputed, |met| if met { Self::Reproduced } else { Self::Missed })
     }
@@ -69,17 +69,17 @@ pub struct Statement {
     /// In which run.
     pub of: &'static str,
     /// What that makes of it.
-    pub outcome: Outcome,
+    pub outcome: StatementOutcome,
     /// What must be known to read it.
     pub note: &'static str,
 }
 
 /// Summaries and numbers that the statements rest on.
-pub struct Told {
+pub struct StatementSources {
     pub turn: Value,
     pub clear: Value,
     pub wake: Option<WakeSummary>,
-    pub forces: Option<Forces>,
+    pub forces: Option<RigForces>,
     pub arm: Arm,
 }
 
@@ -94,13 +94,13 @@ pub enum Arm {
 }
 
 /// Ranges of the simulated rig, N and N m.
-pub struct Forces {
+pub struct RigForces {
     cell: [f64; 2],
     model: [f64; 2],
     pitch: [f64; 2],
 }
 
-impl Forces {
+impl RigForces {
     /// Of the envelope of the runs.
     pub fn of(envelope: &Record) -> Option<Self> {
         let range = |low: &str, high: &str| {
@@ -114,7 +114,7 @@ impl Forces {
 }
 
 /// Every statement that has a number.
-pub fn all(told: &Told, paper: Option<&PaperResults>) -> Vec<Statement> {
+pub fn all(told: &StatementSources, paper: Option<&PaperResults>) -> Vec<Statement> {
     let mut all = Vec::new();
     if let Some(paper) = paper {
         let main = "the fit of its end point; eight joints, added mass, a horizon of 125 ms for 25 ms or a cycle of 286 ms";
@@ -147,12 +147,12 @@ fn turn(
         .zip(number("roll_rms_error_deg").map(|rms| rms <= ROLL_RMS_DEG));
     let roll = format!("{} deg, rms error {}", say("roll_mean_deg"), say("roll_rms_error_deg"));
     let asked = format!("{} deg", paper.roll_deg);
-    put("a bank is held", asked, roll, Outcome::fitted(held.map(|(mean, rms)| mean && rms)), note);
+    put("a bank is held", asked, roll, StatementOutcome::fitted(held.map(|(mean, rms)| mean && rms)), note);
     let asked = format!("{} deg nose up", paper.nose_up_deg);
     // Summaries count nose up negative.
     let pitch = number("pitch_mean_deg").map_or("-".into(), |pitch| format!("{:.1} deg nose up", -pitch));
     let held = near("pitch_mean_deg", -paper.nose_up_deg, PITCH_DEG);
-    put("pitch is held", asked, pitch, Outcome::fitted(held), "fitted as the bank is");
+    put("pitch is held", asked, pitch, StatementOutcome::fitted(held), "fitted as the bank is");
     if let Some([low, high]) = paper.pitch_oscillation_deg {
         let within = number("pitch_half_amplitude_deg").map(|swing| (low..=high).contains(&swing));
         let swing = format!("{} deg", say("pitch_half_amplitude_deg"));
@@ -160,7 +160,7 @@ fn turn(
             "pitch swings",
             format!("{low} to {high} deg"),
             swing,
-            Outcome::fitted(within),
+            StatementOutcome::fitted(within),
             "half of the range; fitted as the bank is",
         );
     }
@@ -173,13 +173,13 @@ fn turn(
     });
     let asked = format!("{} m ahead, {} m to the right", paper.distance_x_m, right);
     let reached = away.map(|away| away <= END_M);
-    put("end point", asked, here, Outcome::fitted(reached), "within 0.5 m counts");
+    put("end point", asked, here, StatementOutcome::fitted(reached), "within 0.5 m counts");
     let height = number("altitude_change_m").map_or("-".into(), |change| format!("{change:.1} m"));
     put(
         "height",
         "left out".into(),
         height,
-        Outcome::NotComparable,
+        StatementOutcome::NotComparable,
         "its end point implies that it sinks or slips",
     );
 }
@@ -191,7 +191,7 @@ fn wake(all: &mut Vec<Statement>, wake: Option<&WakeSummary>) {
         all.push(Statement { what, paper, here, of: "banking_turn, vortex lattice", outcome, note });
     };
     let Some(told) = wake.and_then(|wake| wake.first.as_ref()) else {
-        return put("-".into(), Outcome::NotComputed);
+        return put("-".into(), StatementOutcome::NotComputed);
     };
     let ratio = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}"));
     let both = told.down_over_up.left.zip(told.down_over_up.right);
@@ -203,13 +203,14 @@ fn wake(all: &mut Vec<Statement>, wake: Option<&WakeSummary>) {
     );
     let falls = both.map(|(left, right)| left.min(right) > 1.0);
     let attached = told.past_stall <= 0.05;
-    put(here, if attached { Outcome::when(falls) } else { Outcome::NotComparable });
+    put(here, if attached { StatementOutcome::when(falls) } else { StatementOutcome::NotComparable });
 }
 
 /// Loads of the seven runs.
-fn forces(all: &mut Vec<Statement>, forces: Option<&Forces>) {
+fn forces(all: &mut Vec<Statement>, forces: Option<&RigForces>) {
     let mut put = |what, paper: &str, range: Option<String>, note| {
-        let outcome = if range.is_some() { Outcome::NotComparable } else { Outcome::NotComputed };
+        let outcome =
+            if range.is_some() { StatementOutcome::NotComparable } else { StatementOutcome::NotComputed };
         let (paper, here) = (paper.into(), range.unwrap_or("-".into()));
         all.push(Statement { what, paper, here, of: "seven_runs, simulated", outcome, note });
     };
@@ -219,16 +220,16 @@ fn forces(all: &mut Vec<Statement>, forces: Option<&Forces>) {
     let unsaid = "the paper does not say whether the inertia of the wings is in it";
     let model = forces.filter(|of| of.model[0].is_finite()).map(|of| newtons(of.model));
     put("Fz of the simulation", "-0.3 to 0.3 N", model, unsaid);
-    let moment = forces.map(|Forces { pitch: [low, high], .. }| format!("{low:.3} to {high:.3} N m"));
+    let moment = forces.map(|RigForces { pitch: [low, high], .. }| format!("{low:.3} to {high:.3} N m"));
     put("My", "positive", moment, "its reference point is not given");
 }
 
 /// Speed of the runs beside the limit of the arm.
 fn arm(all: &mut Vec<Statement>, arm: &Arm) {
     let (here, outcome) = match arm {
-        Arm::Planned => ("the run at 0.7 m/s keeps it".into(), Outcome::Reproduced),
-        Arm::Limited(words) => (format!("the run at 0.7 m/s: {words}"), Outcome::Refuted),
-        Arm::Refused(words) => (format!("the run at 0.7 m/s: {words}"), Outcome::NotComputed),
+        Arm::Planned => ("the run at 0.7 m/s keeps it".into(), StatementOutcome::Reproduced),
+        Arm::Limited(words) => (format!("the run at 0.7 m/s: {words}"), StatementOutcome::Refuted),
+        Arm::Refused(words) => (format!("the run at 0.7 m/s: {words}"), StatementOutcome::NotComputed),
     };
     let what = "runs at 0.7 to 0.9 m/s, arm within 0.5 m/s";
     let note = "refuted where the slowest run needs more than the limit that the paper states";
@@ -245,7 +246,7 @@ fn load_cell() -> Statement {
         paper: "range".into(),
         here: format!("measuring ranges of a Nano17 are {low} to {high} N and {short} to {long} N m"),
         of: "data sheet",
-        outcome: Outcome::Refuted,
+        outcome: StatementOutcome::Refuted,
         note: "480 N is its overload; no run decides this",
     }
 }
@@ -263,7 +264,7 @@ pub fn table(statements: &[Statement]) -> String {
 mod tests {
     use super::*;
 
-    fn outcomes(flight: Value) -> Vec<Outcome> {
+    fn outcomes(flight: Value) -> Vec<StatementOutcome> {
         let pitch_oscillation_deg = Some([7.0, 10.0]);
         let (distance_x_m, distance_y_m) = (4.1, 5.0);
         let paper = PaperResults {
@@ -280,7 +281,7 @@ mod tests {
 
     #[test]
     fn a_flight_is_held_against_the_papers_numbers() {
-        use Outcome::{Fitted, Missed, NotComparable, NotComputed};
+        use StatementOutcome::{Fitted, Missed, NotComparable, NotComputed};
         let good = serde_json::json!({ "roll_mean_deg": 15.9, "roll_rms_error_deg": 1.9, "pitch_mean_deg": -13.1,
             "pitch_half_amplitude_deg": 7.0, "distance_x_m": 4.1, "distance_y_m": -4.6, "altitude_change_m": -3.0 });
         assert_eq!(outcomes(good), [Fitted, Fitted, Fitted, Fitted, NotComparable]);
@@ -294,17 +295,20 @@ mod tests {
     #[test]
     fn what_no_run_gave_is_not_computed_and_the_arm_is_decided_by_its_plan() {
         let of = |wake, forces, arm| {
-            let told = Told { turn: Value::Null, clear: Value::Null, wake, forces, arm };
+            let told = StatementSources { turn: Value::Null, clear: Value::Null, wake, forces, arm };
             all(&told, None).iter().map(|statement| (statement.of, statement.outcome)).collect::<Vec<_>>()
         };
         let none = of(None, None, Arm::Planned);
         assert_eq!(none.len(), 6);
-        assert!(none[..4].iter().all(|(_, outcome)| *outcome == Outcome::NotComputed), "{none:?}");
-        assert_eq!((none[4].1, none[5]), (Outcome::Reproduced, ("data sheet", Outcome::Refuted)));
-        let unknown = Forces { cell: [-0.6, 0.4], model: [f64::NAN; 2], pitch: [-0.1, 0.1] };
+        assert!(none[..4].iter().all(|(_, outcome)| *outcome == StatementOutcome::NotComputed), "{none:?}");
+        assert_eq!(
+            (none[4].1, none[5]),
+            (StatementOutcome::Reproduced, ("data sheet", StatementOutcome::Refuted))
+        );
+        let unknown = RigForces { cell: [-0.6, 0.4], model: [f64::NAN; 2], pitch: [-0.1, 0.1] };
         let some = of(None, Some(unknown), Arm::Limited("too fast".into()));
-        let outcomes: Vec<Outcome> = some[1..].iter().map(|(_, outcome)| *outcome).collect();
-        use Outcome::{NotComparable, NotComputed, Refuted};
+        let outcomes: Vec<StatementOutcome> = some[1..].iter().map(|(_, outcome)| *outcome).collect();
+        use StatementOutcome::{NotComparable, NotComputed, Refuted};
         assert_eq!(outcomes, [NotComparable, NotComputed, NotComparable, Refuted, Refuted]);
         assert_eq!(of(None, None, Arm::Refused("out of reach".into()))[4].1, NotComputed);
     }

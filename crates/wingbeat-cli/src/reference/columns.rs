@@ -1,7 +1,7 @@
 //! What the columns of the records mean.
 
 /// A column, or columns of one kind.
-pub struct Described {
+pub struct ColumnMeaning {
     /// Its name, with `<what>` where names and numbers of the run stand.
     pub name: &'static str,
     /// The records that have it.
@@ -108,13 +108,13 @@ const fn column(
     units: &'static [&'static str],
     frame: &'static str,
     meaning: &'static str,
-) -> Described {
-    Described { name, records, units, frame, meaning }
+) -> ColumnMeaning {
+    ColumnMeaning { name, records, units, frame, meaning }
 }
 
 /// All columns, the more special before the more general.
 #[rustfmt::skip]
-pub const COLUMNS: &[Described] = &[
+pub const COLUMNS: &[ColumnMeaning] = &[
     column("t", &[FLIGHT, GAIT, STRIPS, LOADS, RIG, ENVELOPE], S, "", "Time from the start of the run."),
     column("t", &[NODES], S, "", "Time: of a roll-in from the start of the flight, of a gait from the start of the cycle."),
     column("interval", &[NODES], ONE, "", "Number of the interval that ends at the row or holds it, from 0; 0 in the first row too."),

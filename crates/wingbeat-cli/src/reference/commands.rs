@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use clap::error::ErrorKind;
 
-use crate::args::Arguments;
+use crate::args::CommandLine;
 
 /// README.md and all pages in docs but the generated ones.
 fn pages() -> Vec<PathBuf> {
@@ -60,7 +60,7 @@ fn is_bare(command: &str) -> bool {
 fn wrong(command: &str) -> Option<String> {
     let of_program = command.split_once("wingbeat ").map_or(command, |(_, rest)| rest);
     let arguments = std::iter::once("wingbeat".to_owned()).chain(words(of_program));
-    let error = Arguments::try_parse_from(arguments).err()?;
+    let error = CommandLine::try_parse_from(arguments).err()?;
     let left_out = [
         ErrorKind::MissingRequiredArgument,
         ErrorKind::MissingSubcommand,

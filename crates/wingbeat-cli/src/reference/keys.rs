@@ -20,7 +20,7 @@ pub struct Key {
     /// What stands there.
     pub form: String,
     /// Ends of the range of its numbers.
-    pub ends: [Option<End>; 2],
+    pub ends: [Option<RangeEnd>; 2],
     /// That range in words.
     pub range: String,
     /// What holds where it is not given.
@@ -33,7 +33,7 @@ const PART: &str = "/ResidualSpec";
 /// The keys of a kind of document.
 pub fn keys(kind: DocumentKind) -> Vec<Key> {
     let schema = schemas().of(kind);
-    let mut walk = Walk { root: &schema, keys: Vec::new() };
+    let mut walk = SchemaWalk { root: &schema, keys: Vec::new() };
     walk.table(&schema, "", None);
     with_files(walk.keys, kind)
 }
@@ -42,7 +42,7 @@ pub fn keys(kind: DocumentKind) -> Vec<Key> {
 fn with_files(keys: Vec<Key>, kind: DocumentKind) -> Vec<Key> {
     let files = schemas().of_files(kind);
     let below = |definition: &str, path: &str| {
-        let mut walk = Walk { root: &files, keys: Vec::new() };
+        let mut walk = SchemaWalk { root: &files, keys: Vec::new() };
         walk.table(&files["definitions"][definition], path, None);
         walk.keys
     };
@@ -58,12 +58,12 @@ fn with_files(keys: Vec<Key>, kind: DocumentKind) -> Vec<Key> {
     keys.into_iter().flat_map(each).collect()
 }
 
-struct Walk<'a> {
+struct SchemaWalk<'a> {
     root: &'a Value,
     keys: Vec<Key>,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> SchemaWalk<'a> {
     /// What a reference stands for.
     fn resolved(&self, schema: &'a Value) -> &'a Value {
         if let Some(name) = schema["$ref"].as_str().and_then(|reference| reference.rsplit('/').next()) {
@@ -196,23 +196,23 @@ fn is_file(value: &Value) -> bool {
 
 /// Where a range ends, and whether the end itself is in it.
 #[derive(Clone, Copy)]
-pub struct End {
+pub struct RangeEnd {
     pub at: f64,
     pub closed: bool,
 }
 
 /// The ends of the range of a key's numbers, by their schema.
-fn ends(value: &Value) -> [Option<End>; 2] {
+fn ends(value: &Value) -> [Option<RangeEnd>; 2] {
     let numbers = if value["items"].is_object() { &value["items"] } else { value };
     let end = |closed: &str, open: &str| {
-        let of = |name: &str, closed| Some(End { at: numbers[name].as_f64()?, closed });
+        let of = |name: &str, closed| Some(RangeEnd { at: numbers[name].as_f64()?, closed });
         of(open, false).or(of(closed, true))
     };
     [end("minimum", "exclusiveMinimum"), end("maximum", "exclusiveMaximum")]
 }
 
 /// The range in words.
-fn range([low, high]: [Option<End>; 2]) -> String {
+fn range([low, high]: [Option<RangeEnd>; 2]) -> String {
     let number = |at: f64| if at.abs() < 1e5 { at.to_string() } else { format!("{at:e}") };
     match (low, high) {
         (Some(low), Some(high)) if low.at == -high.at && low.closed && high.closed => {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use wingbeat::scenario::{ConfigError, Document, DocumentKind, RigRun, Scenario, Sweep, TetherCase};
 use wingbeat::simulate::{Column, Record};
 
-use super::keys::{End, Key, keys};
+use super::keys::{Key, RangeEnd, keys};
 use super::{root, shipped};
 
 type Build = fn(Document) -> Result<(), ConfigError>;
@@ -49,7 +49,7 @@ fn general(path: &str) -> String {
 
 /// The nearest numbers outside the range of a key.
 fn outside(key: &Key) -> Vec<String> {
-    let far = |end: End, away: f64| match (key.form.contains("whole"), end.closed) {
+    let far = |end: RangeEnd, away: f64| match (key.form.contains("whole"), end.closed) {
         (true, _) => format!("{}", (end.at + away) as i64),
         (false, true) => format!("{:?}", end.at + away * (1e-9 * end.at.abs()).max(1e-9)),
         (false, false) => format!("{:?}", end.at),

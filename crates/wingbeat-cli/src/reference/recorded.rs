@@ -51,7 +51,7 @@ impl Met {
     /// Every column is described, with its unit and frame; `alone` are the names that a joint or key may have.
     fn see(&mut self, record: &str, columns: &[Column], alone: &[String]) {
         for column in columns {
-            let fitting = |entry: &&(usize, &super::columns::Described)| {
+            let fitting = |entry: &&(usize, &super::columns::ColumnMeaning)| {
                 let described = entry.1;
                 let general = matches!(described.name, "<joint>" | "<key>" | "<state>");
                 let named =

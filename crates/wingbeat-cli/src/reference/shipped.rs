@@ -13,7 +13,7 @@ use super::root;
 const LONGEST: usize = 48;
 
 /// A shipped document.
-pub struct Shipped {
+pub struct ShippedDocument {
     /// Its file, from the root.
     pub file: String,
     /// What it is of.
@@ -27,7 +27,7 @@ pub struct Shipped {
 }
 
 /// All shipped documents, in the order of their files.
-pub fn all() -> Vec<Shipped> {
+pub fn all() -> Vec<ShippedDocument> {
     let folders = [
         "scenarios",
         "robots",
@@ -42,7 +42,7 @@ pub fn all() -> Vec<Shipped> {
     folders.into_iter().flat_map(in_folder).collect()
 }
 
-fn in_folder(folder: &str) -> Vec<Shipped> {
+fn in_folder(folder: &str) -> Vec<ShippedDocument> {
     let entries = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> =
         entries.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
@@ -64,7 +64,7 @@ fn in_folder(folder: &str) -> Vec<Shipped> {
             _ => DocumentKind::Run,
         };
         let file = format!("{folder}/{}", path.file_name().unwrap().to_str().unwrap());
-        Shipped { file, kind, text, bases, table }
+        ShippedDocument { file, kind, text, bases, table }
     };
     files.into_iter().map(document).collect()
 }

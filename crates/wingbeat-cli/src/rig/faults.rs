@@ -7,7 +7,7 @@ use wingbeat::rig::netft::{Account, BOX_RATE, RdtRecord};
 use wingbeat_judge::limits::recording::{
     DEAD, DISORDER, DUPLICATES, HELD, LOST, MALFORMED, SATURATED, SERIOUS, STANDING, UNSENT, WARNED,
 };
-use wingbeat_judge::{Judge, Limits, Verdict};
+use wingbeat_judge::{Judge, RunLimits, Verdict};
 use wingbeat_netft::Row;
 
 /// Records of which a share is at least taken, and from which loads are judged.
@@ -144,7 +144,7 @@ impl Alarm {
 }
 
 fn verdict(second: &Account, signs: &Signs) -> Verdict {
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);
     self::judge(second, &mut judge);
     signs.judge(second.received, &mut judge);

@@ -1,6 +1,6 @@
 //! The figures of a planned run: snapshots of arm and flapping robot, and joint histories.
 
-use wingbeat::rig::plan::Plan;
+use wingbeat::rig::plan::TurnPlan;
 use wingbeat::scenario::RigRun;
 use wingbeat_figures::{Drawing, Figure, joint_histories};
 
@@ -13,7 +13,7 @@ const SNAPSHOTS: usize = 7;
 const PATH: usize = 200;
 
 /// Draws the planned run into `figures/NAME`; what cannot be drawn is said and left out.
-pub fn draw(folder: &RunFolder, run: &RigRun, plan: &Plan) -> Result<(), Error> {
+pub fn draw(folder: &RunFolder, run: &RigRun, plan: &TurnPlan) -> Result<(), Error> {
     let place = folder.folder(&format!("figures/{}", run.spec.name))?;
     let joints = joint_histories(&run.arm, &plan.trajectory, &run.profile, plan.measured);
     let snapshots = snapshots(run, plan).map_err(wingbeat_figures::Error::Picture);
@@ -24,7 +24,7 @@ pub fn draw(folder: &RunFolder, run: &RigRun, plan: &Plan) -> Result<(), Error> 
 }
 
 /// Arm and robot at even times over the motion, the wings at the phase that they have then; the path of the body.
-pub fn snapshots(run: &RigRun, plan: &Plan) -> Result<Figure, String> {
+pub fn snapshots(run: &RigRun, plan: &TurnPlan) -> Result<Figure, String> {
     let motion = &plan.trajectory;
     let posture =
         |t: f64| -> Vec<f64> { motion.at(t)[..run.arm.dof()].iter().map(|joint| joint.x).collect() };

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use wingbeat::parallel;
-use wingbeat::rig::Trajectory;
-use wingbeat::rig::plan::{LARGEST_POSITION, Plan};
+use wingbeat::rig::JointTrajectory;
+use wingbeat::rig::plan::{LARGEST_POSITION, TurnPlan};
 use wingbeat::scenario::RigRun;
 use wingbeat_io::trajectory::{kinova_json, kortex_csv, ros_yaml};
 
@@ -75,7 +75,7 @@ fn present(from_deg: &[f64]) -> Result<Vec<f64>, Error> {
     }
 }
 
-fn write(folder: &RunFolder, run: &RigRun, plan: &Plan) -> Result<(), Error> {
+fn write(folder: &RunFolder, run: &RigRun, plan: &TurnPlan) -> Result<(), Error> {
     let name = &run.spec.name;
     trajectory(folder, name, &plan.trajectory)?;
     folder.write(&format!("{name}.toml"), &run.resolved)
@@ -85,7 +85,7 @@ fn write(folder: &RunFolder, run: &RigRun, plan: &Plan) -> Result<(), Error> {
 fn approach(
     folder: &RunFolder,
     run: &RigRun,
-    plan: &Plan,
+    plan: &TurnPlan,
     from: Option<&[f64]>,
 ) -> Result<Result<String, String>, Error> {
     let Some(from) = from else { return Ok(Ok(String::new())) };
@@ -99,7 +99,7 @@ fn approach(
 }
 
 /// Writes a motion in the formats of the arm's controllers.
-fn trajectory(folder: &RunFolder, name: &str, motion: &Trajectory) -> Result<(), Error> {
+fn trajectory(folder: &RunFolder, name: &str, motion: &JointTrajectory) -> Result<(), Error> {
     folder.write(&format!("{name}.csv"), &kortex_csv(motion).map_err(Error::Input)?)?;
     folder.write(&format!("{name}.yaml"), &ros_yaml(motion, "base_link"))?;
     folder.write(&format!("{name}.json"), &kinova_json(motion, POSE_EVERY))

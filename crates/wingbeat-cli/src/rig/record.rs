@@ -9,7 +9,7 @@ use wingbeat_netft::{Ending, Options, Report, read_config_while};
 
 use super::display::Display;
 use super::faults::Alarm;
-use super::recorded::{self, RAW, Summary};
+use super::recorded::{self, RAW, RecordingSummary};
 use crate::args::RigRecord;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
@@ -130,6 +130,6 @@ fn unfinished(folder: &RunFolder, why: &dyn std::fmt::Display) -> Error {
     Error::Failed { status: "unfinished".into(), reason, folder: folder.partial().into() }
 }
 
-fn ended(summary: &Summary, folder: PathBuf) -> Result<(), Error> {
+fn ended(summary: &RecordingSummary, folder: PathBuf) -> Result<(), Error> {
     Error::unless_usable(summary.verdict.status, summary.verdict.reason.as_deref(), &folder)
 }

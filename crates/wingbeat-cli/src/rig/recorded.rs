@@ -9,7 +9,7 @@ use wingbeat::rig::netft::{APART_S, Account, BOX_RATE, Scale};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_io::ParquetWriter;
 use wingbeat_judge::limits::recording;
-use wingbeat_judge::{Judge, Limits, Status, Verdict};
+use wingbeat_judge::{Judge, RunLimits, Status, Verdict};
 use wingbeat_netft::{Config, Ending, ROW_BYTES, Report, Row, Timeline, logs, read_log};
 
 use super::faults::{self, Signs};
@@ -23,7 +23,7 @@ const PART: usize = 1 << 16;
 
 /// The account of a recording. Counts of records are of all its raw logs, other counts of the last start.
 #[derive(Debug, Serialize)]
-pub struct Summary {
+pub struct RecordingSummary {
     /// Whether it can be used, and what that rests on.
     #[serde(flatten)]
     pub verdict: Verdict,
@@ -143,7 +143,7 @@ fn input(error: wingbeat_netft::Error) -> Error {
 }
 
 /// Writes all raw logs of `folder` as record.parquet and gives account of them.
-pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Summary, Error> {
+pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<RecordingSummary, Error> {
     let empty = || Record::new(columns(), PART);
     let mut file = ParquetWriter::create(&folder.file("record.parquet"), &empty()?)?;
     let (mut part, mut account, mut line) = (empty()?, Account::default(), Timeline::default());
@@ -172,12 +172,12 @@ pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Sum
     let whole = report.rows == account.received;
     let by_clock = ByClock::of(report, &account, config.rate_hz, span, whole);
     let verdict = verdict(report, &account, &by_clock, &signs);
-    Ok(Summary::new(verdict, report, &account, by_clock, (begin, end), logs.len()))
+    Ok(RecordingSummary::new(verdict, report, &account, by_clock, (begin, end), logs.len()))
 }
 
 /// The verdict on a recording: its counts, the clock and its loads.
 fn verdict(report: &Report, account: &Account, by_clock: &ByClock, signs: &Signs) -> Verdict {
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);
     by_clock.judge(report, &mut judge);
     faults::judge(account, &mut judge);
@@ -216,7 +216,7 @@ fn cells(row: &Row, t: f64, first: &Row, scale: &Scale) -> Vec<f64> {
     head.into_iter().chain(scale.wrench(r.counts)).chain(r.counts.map(f64::from)).collect()
 }
 
-impl Summary {
+impl RecordingSummary {
     fn new(
         verdict: Verdict,
         report: &Report,
@@ -322,7 +322,7 @@ mod tests {
         let mut account = Account::default();
         account.received = records;
         let report = report(rate, tail);
-        let limits = Limits::default();
+        let limits = RunLimits::default();
         let mut judge = Judge::new(&limits);
         ByClock::of(&report, &account, Some(7000.0), seconds, true).judge(&report, &mut judge);
         judge.verdict().status

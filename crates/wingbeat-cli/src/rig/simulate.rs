@@ -21,7 +21,7 @@ use crate::say;
 
 /// `summary.json`.
 #[derive(Debug, Serialize)]
-struct Summary {
+struct SimulationSummary {
     #[serde(flatten)]
     told: SimulatedSummary,
     /// Wall time, s.
@@ -30,7 +30,8 @@ struct Summary {
 
 /// What of it processing reads.
 #[derive(Debug, Deserialize)]
-pub struct Measured {
+#[serde(expecting = "struct Measured")]
+pub struct MeasuredWindow {
     /// Begin and end of what is averaged, s.
     pub window_s: (f64, f64),
 }
@@ -75,7 +76,7 @@ pub fn simulate(arguments: &RigSimulate) -> Result<(), Error> {
 }
 
 /// What is printed of a run.
-fn text(name: &str, Summary { told, wall_s }: &Summary) -> String {
+fn text(name: &str, SimulationSummary { told, wall_s }: &SimulationSummary) -> String {
     let SimulatedSummary { verdict, samples, saturated, .. } = told;
     let mut text = format!(
         "{name:20} {:8} {samples:6} samples of the simulated load cell, {saturated} saturated, {wall_s:.1} s\n",
@@ -100,7 +101,7 @@ fn bar(name: &str) -> ProgressBar {
     bar.with_prefix(name.to_owned())
 }
 
-fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summary, Error> {
+fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<SimulationSummary, Error> {
     let start = Instant::now();
     let file = folder.join("scenario.toml");
     std::fs::write(&file, &run.resolved).map_err(|source| Error::file(&file, source))?;
@@ -113,5 +114,5 @@ fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summ
     if let Some(record) = &simulated.record {
         write_parquet(&folder.join("record.parquet"), record)?;
     }
-    Ok(Summary { told: simulated.summary(run), wall_s: start.elapsed().as_secs_f64() })
+    Ok(SimulationSummary { told: simulated.summary(run), wall_s: start.elapsed().as_secs_f64() })
 }

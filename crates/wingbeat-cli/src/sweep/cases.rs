@@ -16,14 +16,14 @@ pub fn drawn(record: &Record, sweep: &Sweep) -> Result<Figure, wingbeat_figures:
 
 /// `summary.json` of a sweep of a case.
 #[derive(Debug, Serialize)]
-pub struct Outcome {
+pub struct CaseSweepSummary {
     runs: usize,
-    measures: Vec<Range>,
+    measures: Vec<MeasureRange>,
 }
 
 /// Least and most of a measure over the completed runs whose own verdict lets them be used, and where.
 #[derive(Debug, Serialize)]
-struct Range {
+struct MeasureRange {
     name: &'static str,
     unit: &'static str,
     counted: usize,
@@ -33,7 +33,7 @@ struct Range {
     most_run: Option<f64>,
 }
 
-impl Outcome {
+impl CaseSweepSummary {
     pub fn new(record: &Record) -> Self {
         let values = |name: &str| record.values(name).unwrap_or_default();
         let usable = SweepCounts::usable_rows(record);
@@ -45,7 +45,7 @@ impl Outcome {
                 .collect();
             let least = of.iter().min_by(|a, b| a.0.total_cmp(&b.0));
             let most = of.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-            Range {
+            MeasureRange {
                 name,
                 unit,
                 counted: of.len(),
@@ -65,7 +65,7 @@ impl Outcome {
             format!("{:<24}{:>6}{:>12}{:>7}{:>12}{:>7}\n", "", "runs", "least", "run", "most", "run");
         let cell = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.5}"));
         let number = |run: Option<f64>| run.map_or("-".into(), |run| run.to_string());
-        for Range { name, unit, counted, least, least_run, most, most_run } in &self.measures {
+        for MeasureRange { name, unit, counted, least, least_run, most, most_run } in &self.measures {
             let (least, most) = (cell(*least), cell(*most));
             let (first, second) = (number(*least_run), number(*most_run));
             text += format!("{name:<24}{counted:>6}{least:>12}{first:>7}{most:>12}{second:>7}  {unit}")

@@ -7,7 +7,7 @@ use wingbeat_figures::{EndPoints, Figure};
 
 /// The flights that share the words drawn for them: one group where there are none.
 #[derive(Debug, Serialize)]
-pub struct Group {
+pub struct EndPointGroup {
     /// The words, as key and value.
     name: String,
     flights: usize,
@@ -49,7 +49,7 @@ fn published(sweep: &Sweep) -> Option<(f64, f64)> {
 }
 
 /// What each group came to.
-pub fn table(record: &Record, sweep: &Sweep) -> Vec<Group> {
+pub fn table(record: &Record, sweep: &Sweep) -> Vec<EndPointGroup> {
     let target = published(sweep);
     let column = |name: &str| record.values(name).unwrap_or_default();
     let (x, y, z) = (column("distance_x"), column("distance_y"), column("altitude_change"));
@@ -57,7 +57,7 @@ pub fn table(record: &Record, sweep: &Sweep) -> Vec<Group> {
         let count = |name: &str| rows.iter().filter(|&&row| column(name)[row] == 1.0).count();
         let flown: Vec<usize> = rows.iter().copied().filter(|&row| column("completed")[row] == 1.0).collect();
         let of = |value: &dyn Fn(usize) -> f64| spread(flown.iter().map(|&row| value(row)));
-        Group {
+        EndPointGroup {
             name,
             flights: rows.len(),
             held: count("held"),
@@ -80,7 +80,7 @@ fn spread(values: impl Iterator<Item = f64>) -> [Option<f64>; 3] {
 }
 
 /// The table in words.
-pub fn text(groups: &[Group]) -> String {
+pub fn text(groups: &[EndPointGroup]) -> String {
     let cell = |of: [Option<f64>; 3]| match of {
         [Some(low), Some(middle), Some(high)] => format!("{middle:.2} ({low:.2} to {high:.2})"),
         _ => "-".into(),

@@ -7,7 +7,7 @@ use wingbeat::scenario::Hold;
 use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
 
-use crate::sweep::end_points::{self, Group};
+use crate::sweep::end_points::{self, EndPointGroup};
 
 /// The errors of the flights and what counts as held.
 pub fn drawn(record: &Record, hold: Hold) -> Result<Figure, wingbeat_figures::Error> {
@@ -16,7 +16,7 @@ pub fn drawn(record: &Record, hold: Hold) -> Result<Figure, wingbeat_figures::Er
 
 /// `summary.json` of a sweep of flights.
 #[derive(Debug, Serialize)]
-pub struct Outcome {
+pub struct FlightSweepSummary {
     flights: usize,
     held: usize,
     share_held: f64,
@@ -50,11 +50,11 @@ pub struct Outcome {
     /// Flights behind each of these, by the name of the column.
     counted: BTreeMap<&'static str, usize>,
     /// Where they end, by what words were drawn for them.
-    end_points: Vec<Group>,
+    end_points: Vec<EndPointGroup>,
 }
 
-impl Outcome {
-    pub fn new(record: &Record, hold: Hold, end_points: Vec<Group>) -> Self {
+impl FlightSweepSummary {
+    pub fn new(record: &Record, hold: Hold, end_points: Vec<EndPointGroup>) -> Self {
         let values = |name: &str| record.values(name).unwrap_or_default();
         let count = |name: &str| values(name).iter().filter(|value| **value == 1.0).count();
         let of = |name: &str| {

@@ -12,13 +12,13 @@ use crate::error::Error;
 
 /// Rows by the number of their flight, on disk as soon as they are known.
 #[derive(Debug)]
-pub struct Log {
+pub struct SweepLog {
     path: PathBuf,
     file: File,
     rows: BTreeMap<usize, Vec<f64>>,
 }
 
-impl Log {
+impl SweepLog {
     /// Opens the log, whose rows are in the units of their columns; the first number of a row is its flight's. A last line cut
     /// short goes.
     ///
@@ -99,18 +99,18 @@ mod tests {
         let path = std::env::temp_dir().join(format!("wingbeat-log-{}", std::process::id()));
         let _ = fs::remove_file(&path);
         let two = |row: &[f64]| row.len() == 2;
-        let mut log = Log::open(&path, two).unwrap();
+        let mut log = SweepLog::open(&path, two).unwrap();
         log.append(&[3.0, 0.1 + 0.2]).unwrap();
         log.append(&[1.0, f64::NAN]).unwrap();
         drop(log);
         let cut = fs::read_to_string(&path).unwrap() + "2,0.";
         fs::write(&path, cut).unwrap();
-        let mut log = Log::open(&path, two).unwrap();
+        let mut log = SweepLog::open(&path, two).unwrap();
         assert!(log.has(1) && log.has(3) && !log.has(2));
         log.append(&[2.0, 7.0]).unwrap();
         drop(log);
-        assert!(Log::open(&path, |row| row[0] < 3.0).unwrap_err().to_string().contains(":1:"));
-        let log = Log::open(&path, two).unwrap();
+        assert!(SweepLog::open(&path, |row| row[0] < 3.0).unwrap_err().to_string().contains(":1:"));
+        let log = SweepLog::open(&path, two).unwrap();
         let record = log.record(vec![Column::new("run", "", ""), Column::new("x", "m", "")]).unwrap();
         assert_eq!(record.values("run"), Some([1.0, 2.0, 3.0].as_slice()));
         assert_eq!(record.values("x").unwrap()[2].to_bits(), (0.1_f64 + 0.2).to_bits());

@@ -26,15 +26,15 @@ use crate::outcome::overridden;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use crate::tether::Tables;
-use log::Log;
+use crate::tether::CaseTables;
+use log::SweepLog;
 
 /// Makes what is left of the sweep and writes its run folder.
-pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
+pub fn sweep(arguments: &args::SweepArguments) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let tables = Tables::default();
+    let tables = CaseTables::default();
     let read = |path: &std::path::Path| tables.read(path);
     let sweep = Sweep::load(&arguments.sweep, &options.all_overrides(), &read)?;
     let kept = sweep.kept(&read, |path| tables.name(path))?;
@@ -44,14 +44,14 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     let log = folder.file(&format!("{}.log", noun(&sweep)));
     let (verdict, said) = match sweep.search() {
         Some(asked) => {
-            let mut log = Log::open(&log, |row| asked.has_row(row))?;
+            let mut log = SweepLog::open(&log, |row| asked.has_row(row))?;
             let search = search::candidates(&sweep, &mut log, &interrupt, options.quiet)?;
             let record = tabled(&folder, &sweep, log, search.columns())?;
             search::summary(&folder, &sweep, &search, &record)?
         }
         None => {
-            let mut log = Log::open(&log, |row| sweep.has_row(row))?;
-            let work = Work { sweep: &sweep, tables: &tables, interrupt: &interrupt };
+            let mut log = SweepLog::open(&log, |row| sweep.has_row(row))?;
+            let work = SweepWork { sweep: &sweep, tables: &tables, interrupt: &interrupt };
             let stepped = work.all(&mut log, options.quiet)?;
             let record = tabled(&folder, &sweep, log, sweep.columns())?;
             let (verdict, said) = summary(&folder, &sweep, &record)?;
@@ -68,7 +68,7 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
 }
 
 /// Writes the rows of the log as tables, and removes it.
-fn tabled(folder: &RunFolder, sweep: &Sweep, log: Log, columns: Vec<Column>) -> Result<Record, Error> {
+fn tabled(folder: &RunFolder, sweep: &Sweep, log: SweepLog, columns: Vec<Column>) -> Result<Record, Error> {
     let record = log.record(columns)?;
     log.remove()?;
     write_csv(&folder.file(&format!("{}.csv", noun(sweep))), &record)?;
@@ -86,19 +86,19 @@ fn noun(sweep: &Sweep) -> &'static str {
 }
 
 /// What the cores share.
-struct Work<'a> {
+struct SweepWork<'a> {
     sweep: &'a Sweep,
-    tables: &'a Tables,
+    tables: &'a CaseTables,
     interrupt: &'a Interrupt,
 }
 
-impl Work<'_> {
+impl SweepWork<'_> {
     /// Makes the runs that are not in the log, on all cores.
-    fn all(&self, log: &mut Log, quiet: bool) -> Result<Stepped, Error> {
+    fn all(&self, log: &mut SweepLog, quiet: bool) -> Result<SteppingCounts, Error> {
         let all = self.sweep.runs();
         let todo: Vec<usize> = (0..all).filter(|run| !log.has(*run)).collect();
         let progress = progress(noun(self.sweep), all, log.len(), quiet);
-        let mut stepped = Stepped { lanes: self.sweep.spec.lanes, runs: 0, groups: 0 };
+        let mut stepped = SteppingCounts { lanes: self.sweep.spec.lanes, runs: 0, groups: 0 };
         let mut outcome = Ok(());
         parallel::each(
             &self.sweep.batches(todo),
@@ -133,13 +133,13 @@ impl Work<'_> {
 }
 
 /// How the flights were stepped that were made now.
-struct Stepped {
+struct SteppingCounts {
     lanes: bool,
     runs: usize,
     groups: usize,
 }
 
-impl Stepped {
+impl SteppingCounts {
     /// In words, where lanes were asked for.
     fn told(&self) -> String {
         if !self.lanes || self.groups == 0 {
@@ -158,7 +158,7 @@ fn progress(noun: &str, runs: usize, done: usize, quiet: bool) -> ProgressBar {
 /// Writes summary.json; the verdict, and what it says in words.
 fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(Verdict, String), Error> {
     let (verdict, counts) = (sweep.verdict(record), SweepCounts::new(record));
-    let shared = Shared {
+    let shared = SharedSummary {
         verdict: &verdict,
         ending: if counts.completed == counts.runs { "complete" } else { "incomplete" },
         completed: counts.completed,
@@ -167,13 +167,13 @@ fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(Verdic
     };
     let table = match sweep.of {
         SweepOf::Flights(hold) => {
-            let own = flights::Outcome::new(record, hold, end_points::table(record, sweep));
-            folder.write_json("summary.json", &Told { shared, own: &own })?;
+            let own = flights::FlightSweepSummary::new(record, hold, end_points::table(record, sweep));
+            folder.write_json("summary.json", &SweepSummary { shared, own: &own })?;
             own.table()
         }
         SweepOf::Cases => {
-            let own = cases::Outcome::new(record);
-            folder.write_json("summary.json", &Told { shared, own: &own })?;
+            let own = cases::CaseSweepSummary::new(record);
+            folder.write_json("summary.json", &SweepSummary { shared, own: &own })?;
             own.table()
         }
     };
@@ -187,7 +187,7 @@ fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(Verdic
 
 /// What is said of sweeps of either kind.
 #[derive(Serialize)]
-struct Shared<'a> {
+struct SharedSummary<'a> {
     #[serde(flatten)]
     verdict: &'a Verdict,
     /// `complete`, or `incomplete` where a run broke down.
@@ -201,9 +201,9 @@ struct Shared<'a> {
 
 /// `summary.json`.
 #[derive(Serialize)]
-struct Told<'a, T: Serialize> {
+struct SweepSummary<'a, T: Serialize> {
     #[serde(flatten)]
-    shared: Shared<'a>,
+    shared: SharedSummary<'a>,
     #[serde(flatten)]
     own: &'a T,
 }

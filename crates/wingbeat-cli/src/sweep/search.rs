@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{Search, Sweep, SweepFound};
+use wingbeat::scenario::{CandidateSearch, Sweep, SweepFound};
 use wingbeat::simulate::Record;
 
-use super::log::Log;
+use super::log::SweepLog;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::outcome::overridden;
@@ -17,10 +17,10 @@ use crate::run_folder::RunFolder;
 /// Flies the candidates that are not in the log, generation by generation.
 pub fn candidates<'a>(
     sweep: &'a Sweep,
-    log: &mut Log,
+    log: &mut SweepLog,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<Search<'a>, Error> {
+) -> Result<CandidateSearch<'a>, Error> {
     let Some(mut search) = sweep.search() else { return Err(Error::Input("search: none is given".into())) };
     let all = sweep.runs();
     let bar = progress::bar(Some(all as u64), "searching {bar:30} {pos} of {len} candidates  {msg}", quiet);
@@ -66,7 +66,7 @@ pub fn candidates<'a>(
 }
 
 /// Puts a row into the log; false where the candidate was stopped.
-fn kept(log: &mut Log, row: Option<Vec<f64>>) -> Result<bool, Error> {
+fn kept(log: &mut SweepLog, row: Option<Vec<f64>>) -> Result<bool, Error> {
     row.as_deref().map(|row| log.append(row)).transpose().map(|kept| kept.is_some())
 }
 
@@ -74,7 +74,7 @@ fn kept(log: &mut Log, row: Option<Vec<f64>>) -> Result<bool, Error> {
 pub fn summary(
     folder: &RunFolder,
     sweep: &Sweep,
-    search: &Search<'_>,
+    search: &CandidateSearch<'_>,
     record: &Record,
 ) -> Result<(Verdict, String), Error> {
     let summary =

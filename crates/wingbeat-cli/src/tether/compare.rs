@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use wingbeat::scenario::{Comparison, TetherCase};
+use wingbeat::scenario::{MeasuredComparison, TetherCase};
 use wingbeat::simulate::Record;
 use wingbeat::tether::{CycleFit, TetherRun};
 use wingbeat_io::samples::read_measured;
@@ -10,13 +10,13 @@ use wingbeat_io::samples::read_measured;
 use crate::error::Error;
 
 /// A measured file whose channels and times fit the case.
-pub struct Measured<'a> {
+pub struct MeasuredFile<'a> {
     path: &'a Path,
     record: Record,
     channels: Vec<(String, String)>,
 }
 
-impl<'a> Measured<'a> {
+impl<'a> MeasuredFile<'a> {
     /// Reads and checks a file, before the wing moves.
     pub fn open(path: &'a Path, case: &TetherCase) -> Result<Self, Error> {
         let record = read_measured(path)?;
@@ -26,7 +26,7 @@ impl<'a> Measured<'a> {
     }
 
     /// Compares the run of the case with the file.
-    pub fn compare(&self, case: &TetherCase, run: &TetherRun) -> Result<Comparison, Error> {
+    pub fn compare(&self, case: &TetherCase, run: &TetherRun) -> Result<MeasuredComparison, Error> {
         let compared = case.compare(run, &self.record, &self.channels);
         compared.map_err(|error| refused(self.path, &error))
     }
@@ -37,7 +37,7 @@ fn refused(path: &Path, error: &wingbeat::Error) -> Error {
 }
 
 /// Lags, gains, offsets and what is left, in words.
-pub fn text(comparison: &Comparison) -> String {
+pub fn text(comparison: &MeasuredComparison) -> String {
     let mut text = format!(
         "\nmeasured(phase) = offset + gain x computed(phase - lag), a least-squares fit\n\n{:<22}{:>12}{:>9}{:>9}{:>12}{:>12}{:>12}{:>12}\n",
         "", "measured", "cycles", "lag", "gain", "offset", "rms before", "rms after",

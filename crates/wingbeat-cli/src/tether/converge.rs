@@ -3,7 +3,7 @@
 use wingbeat::scenario::{Convergence, ConvergenceRun, QUANTITIES, TetherCase};
 use wingbeat_io::shortest;
 
-use super::tables::Tables;
+use super::tables::CaseTables;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::progress;
@@ -11,7 +11,7 @@ use crate::progress;
 /// Runs the case with every combination of strips and steps, on all cores.
 pub fn converge(
     case: &TetherCase,
-    tables: &Tables,
+    tables: &CaseTables,
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<Convergence, Error> {

@@ -9,22 +9,22 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::judge::Verdict;
 use wingbeat::scenario::{
-    Compared, Comparison, Convergence, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
+    Compared, Convergence, MeasuredComparison, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
 };
 use wingbeat::simulate::Ending;
 use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
 use wingbeat_figures::{bent_wing, comparison, convergence, cycle_loads, span_loading};
 use wingbeat_io::{shortest, write_csv, write_parquet};
 
-use crate::args::Tether;
+use crate::args::TetherArguments;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use compare::Measured;
-pub use tables::Tables;
+use compare::MeasuredFile;
+pub use tables::CaseTables;
 
 /// Ticks of the progress bar.
 const TICKS: f64 = 1000.0;
@@ -50,13 +50,13 @@ const PRINTED: [&str; 16] = [
 ];
 
 /// Runs the case and writes its run folder.
-pub fn tether(arguments: &Tether) -> Result<(), Error> {
+pub fn tether(arguments: &TetherArguments) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let tables = Tables::default();
+    let tables = CaseTables::default();
     let case = TetherCase::load(&arguments.case, &options.overrides, &|path| tables.read(path))?;
-    let measured = arguments.compare.as_deref().map(|path| Measured::open(path, &case)).transpose()?;
+    let measured = arguments.compare.as_deref().map(|path| MeasuredFile::open(path, &case)).transpose()?;
     let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
     let run = simulate(&case.tether, &interrupt, options.quiet)?;
     let step_change = case.step_change(&run, |other| simulate(other, &interrupt, true))?;
@@ -64,7 +64,7 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
         Some(measured) if run.ending == Ending::Complete => Some(measured.compare(&case, &run)?),
         _ => None,
     };
-    let found = Found {
+    let found = TetherOutcome {
         summary: case.summary(&run, step_change, comparison.as_ref()),
         convergence: match arguments.converge {
             true => Some(converge::converge(&case, &tables, &interrupt, options.quiet)?),
@@ -88,16 +88,16 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
 }
 
 /// What a run gave, and what it was held against.
-struct Found {
+struct TetherOutcome {
     run: TetherRun,
     summary: TetherSummary,
     convergence: Option<Convergence>,
-    comparison: Option<Comparison>,
+    comparison: Option<MeasuredComparison>,
 }
 
 /// `summary.json`.
 #[derive(Serialize)]
-struct Summary<'a> {
+struct CaseSummary<'a> {
     #[serde(flatten)]
     own: &'a TetherSummary,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,11 +106,11 @@ struct Summary<'a> {
     compare: Option<&'a [Compared]>,
 }
 
-impl Found {
+impl TetherOutcome {
     fn write(&self, folder: &RunFolder, tether: &wingbeat::tether::Tether) -> Result<(), Error> {
         folder.write("means.csv", &means(&self.summary.cycle))?;
         let compare = self.comparison.as_ref().map(|comparison| comparison.channels.as_slice());
-        let summary = Summary { own: &self.summary, converge: self.convergence.as_ref(), compare };
+        let summary = CaseSummary { own: &self.summary, converge: self.convergence.as_ref(), compare };
         folder.write_json("summary.json", &summary)?;
         write_csv(&folder.file("loads.csv"), &self.run.loads)?;
         write_parquet(&folder.file("strips.parquet"), &self.run.strips)?;

@@ -17,9 +17,9 @@ const NUMBERED: &str = "table-";
 
 /// The tables of a case, each read once and kept beside it, so that it runs again from its folder.
 #[derive(Default)]
-pub struct Tables(Mutex<Vec<(PathBuf, Record)>>);
+pub struct CaseTables(Mutex<Vec<(PathBuf, Record)>>);
 
-impl Tables {
+impl CaseTables {
     fn all(&self) -> MutexGuard<'_, Vec<(PathBuf, Record)>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -7,8 +7,8 @@ use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::progress;
 use crate::run_folder::RunFolder;
-use crate::sweep::log::Log;
-use crate::watch::{Convergence, Point};
+use crate::sweep::log::SweepLog;
+use crate::watch::{ConvergenceWatch, SearchIteration};
 
 /// Searches from the starts that are left and writes their table.
 pub fn searched(
@@ -16,10 +16,10 @@ pub fn searched(
     folder: &RunFolder,
     interrupt: &Interrupt,
     quiet: bool,
-    watch: &Convergence,
+    watch: &ConvergenceWatch,
 ) -> Result<Searched, Error> {
     let all = search.starts();
-    let mut log = Log::open(&folder.file("starts.log"), |row| search.has_row(row))?;
+    let mut log = SweepLog::open(&folder.file("starts.log"), |row| search.has_row(row))?;
     let bar = progress::bar(Some(all as u64), "start {pos} of {len}  {msg}", quiet);
     bar.set_position(log.len() as u64);
     let done: Vec<Vec<f64>> = log.rows().map(<[f64]>::to_vec).collect();
@@ -34,7 +34,7 @@ pub fn searched(
             String::new()
         };
         let (power, frequency) = (at.power_w_kg, at.frequency_hz);
-        watch.see(|| Point {
+        watch.see(|| SearchIteration {
             series: format!("start {}", at.start),
             values: vec![
                 ("power".into(), "W/kg", power),

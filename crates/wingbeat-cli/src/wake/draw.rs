@@ -1,8 +1,8 @@
 //! The figures of a wake.
 
 use wingbeat::math::Vec3;
-use wingbeat_figures::{Cut, WakeSheet, around, frontal_planes, wake, wake_phases};
-use wingbeat_lattice::course::{PHASES, Shot, Watch};
+use wingbeat_figures::{PlaneCut, WakeSheet, around, frontal_planes, wake, wake_phases};
+use wingbeat_lattice::course::{CourseWatch, LatticeShot, PHASES};
 
 use crate::error::Error;
 use crate::run_folder::RunFolder;
@@ -15,9 +15,9 @@ const SPREAD: f64 = 0.1;
 const DRAWN: usize = 1;
 
 /// Draws what can be drawn; what cannot is said and left out.
-pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
+pub fn draw(folder: &RunFolder, watches: &[CourseWatch<'_>]) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
-    let shots: Vec<Vec<&Shot>> = watches.iter().map(in_order).collect();
+    let shots: Vec<Vec<&LatticeShot>> = watches.iter().map(in_order).collect();
     let whole = watches.iter().zip(&shots);
     let sheets: Vec<WakeSheet> = whole
         .clone()
@@ -28,7 +28,7 @@ pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
     let cuts = (0..most).flat_map(|phase| {
         whole.clone().filter_map(move |(watch, shots)| shots.get(phase).map(|shot| cut(shot, watch)))
     });
-    let cuts: Vec<Cut> = cuts.collect();
+    let cuts: Vec<PlaneCut> = cuts.collect();
     let chord = watches.first().map_or(1.0, |watch| watch.course.chord);
     let notes = notes(watches);
     let in_space = phases(watches);
@@ -43,15 +43,16 @@ pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
 }
 
 /// Every shot of all courses with the strongest ring of its wake told.
-pub fn phases(watches: &[Watch<'_>]) -> Vec<WakeSheet> {
-    let of =
-        |watch: &Watch<'_>| in_order(watch).into_iter().map(|shot| phase(shot, watch)).collect::<Vec<_>>();
+pub fn phases(watches: &[CourseWatch<'_>]) -> Vec<WakeSheet> {
+    let of = |watch: &CourseWatch<'_>| {
+        in_order(watch).into_iter().map(|shot| phase(shot, watch)).collect::<Vec<_>>()
+    };
     watches.iter().flat_map(of).collect()
 }
 
 /// What must be known to read figures of several phases.
-pub fn notes(watches: &[Watch<'_>]) -> Vec<String> {
-    let told = |watch: &Watch<'_>| format!("{}: {}", watch.course.title, watch.course.assumed());
+pub fn notes(watches: &[CourseWatch<'_>]) -> Vec<String> {
+    let told = |watch: &CourseWatch<'_>| format!("{}: {}", watch.course.title, watch.course.assumed());
     let mut notes: Vec<String> = match watches {
         [only] => vec![only.course.assumed()],
         _ => watches.iter().map(told).collect(),
@@ -61,14 +62,14 @@ pub fn notes(watches: &[Watch<'_>]) -> Vec<String> {
 }
 
 /// The shots in the order of the phases.
-fn in_order<'a>(watch: &'a Watch<'_>) -> Vec<&'a Shot> {
-    let mut shots: Vec<&Shot> = watch.shots.iter().collect();
+fn in_order<'a>(watch: &'a CourseWatch<'_>) -> Vec<&'a LatticeShot> {
+    let mut shots: Vec<&LatticeShot> = watch.shots.iter().collect();
     shots.sort_by_key(|shot| PHASES.iter().position(|name| *name == shot.name).unwrap_or(0));
     shots
 }
 
 /// A shot with the strongest ring of its wake told.
-fn phase(shot: &Shot, watch: &Watch<'_>) -> WakeSheet {
+fn phase(shot: &LatticeShot, watch: &CourseWatch<'_>) -> WakeSheet {
     let whole = sheet(shot, watch);
     let title = match watch.course.name.as_str() {
         "" => shot.name.clone(),
@@ -83,7 +84,7 @@ fn phase(shot: &Shot, watch: &Watch<'_>) -> WakeSheet {
 }
 
 /// Wing and wake from the body's origin, along flight, left and up.
-fn sheet(shot: &Shot, watch: &Watch<'_>) -> WakeSheet {
+fn sheet(shot: &LatticeShot, watch: &CourseWatch<'_>) -> WakeSheet {
     let course = watch.course;
     let at = |p: Vec3| course.axes.of(p - shot.origin).0;
     let corners = |quad: &wingbeat_lattice::Quad| quad.corners.map(at);
@@ -104,7 +105,7 @@ fn outline(leading: &[Vec3], trailing: &[Vec3], at: impl Fn(Vec3) -> [f64; 3]) -
 }
 
 /// What crosses the plane across the flight behind the wing.
-fn cut(shot: &Shot, watch: &Watch<'_>) -> Cut {
+fn cut(shot: &LatticeShot, watch: &CourseWatch<'_>) -> PlaneCut {
     let (course, axes) = (watch.course, watch.course.axes);
     let rearmost = shot.edges.iter().flatten().map(|p| p.dot(axes.flight)).fold(f64::INFINITY, f64::min);
     let plane = axes.flight * (rearmost - BEHIND * course.chord);
@@ -117,7 +118,7 @@ fn cut(shot: &Shot, watch: &Watch<'_>) -> Cut {
         "" => format!("{}, phase {:.2}", shot.name, shot.phase),
         _ => format!("{}: {}", course.title, shot.name),
     };
-    Cut {
+    PlaneCut {
         title,
         vortices: crossings.into_iter().map(|(place, circulation)| (in_plane(place), circulation)).collect(),
         outline: shot.edges.iter().map(|edge| edge.iter().map(|p| in_plane(*p)).collect()).collect(),

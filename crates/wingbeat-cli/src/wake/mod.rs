@@ -7,13 +7,15 @@ pub use draw::{notes, phases};
 use std::path::Path;
 use std::time::Instant;
 
-use wingbeat::judge::{Limits, Verdict};
+use wingbeat::judge::{RunLimits, Verdict};
 use wingbeat::scenario::{Scenario, TetherCase};
 use wingbeat_io::{read_parquet_columns, shortest, write_parquet};
 use wingbeat_lattice::RecordError;
-use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary, Watch};
+use wingbeat_lattice::course::{
+    self, CourseRequest, CourseWatch, LatticeCourse, RecordedFlight, WakeSummary,
+};
 
-use crate::args::Wake;
+use crate::args::WakeArguments;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
@@ -21,20 +23,20 @@ use crate::outcome::overridden;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use crate::tether::Tables;
+use crate::tether::CaseTables;
 
 /// Where the motion comes from.
-enum Source {
-    Case(Box<TetherCase>, Tables),
-    Flight(Box<Recorded>),
+enum MotionSource {
+    Case(Box<TetherCase>, CaseTables),
+    Flight(Box<RecordedFlight>),
 }
 
 /// Steps the lattice of a case or along a flight and writes its run folder.
-pub fn wake(arguments: &Wake) -> Result<(), Error> {
+pub fn wake(arguments: &WakeArguments) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let source = Source::open(arguments)?;
+    let source = MotionSource::open(arguments)?;
     let asked = asked(arguments);
     let courses = source.courses(&asked, &interrupt)?;
     let folder = RunFolder::create(options.out.as_deref(), &source.run_name()?, options.force)?;
@@ -66,9 +68,9 @@ pub fn wake(arguments: &Wake) -> Result<(), Error> {
     printed
 }
 
-impl Source {
+impl MotionSource {
     /// A run folder of a flight, or else a case.
-    fn open(arguments: &Wake) -> Result<Self, Error> {
+    fn open(arguments: &WakeArguments) -> Result<Self, Error> {
         let path = &arguments.case;
         if path.is_dir() && path.join("scenario.toml").is_file() {
             if !arguments.run.overrides.is_empty() {
@@ -89,12 +91,12 @@ impl Source {
         // The run folder of a tether holds its case.
         let inside = path.join("case.toml");
         let path = if path.is_dir() && inside.is_file() { &inside } else { path };
-        let tables = Tables::default();
+        let tables = CaseTables::default();
         let case = TetherCase::load(path, &arguments.run.overrides, &|path| tables.read(path))?;
         Ok(Self::Case(Box::new(case), tables))
     }
 
-    fn courses(&self, asked: &Asked, interrupt: &Interrupt) -> Result<Vec<Course>, Error> {
+    fn courses(&self, asked: &CourseRequest, interrupt: &Interrupt) -> Result<Vec<LatticeCourse>, Error> {
         let courses = match self {
             Self::Case(case, _) => course::case(asked, case, &|| interrupt.flow()).map(|course| vec![course]),
             Self::Flight(run) => run.courses(asked),
@@ -111,7 +113,7 @@ impl Source {
     }
 
     /// Limits of the document that the motion came from.
-    fn limits(&self) -> &Limits {
+    fn limits(&self) -> &RunLimits {
         match self {
             Self::Case(case, _) => &case.limits,
             Self::Flight(run) => run.scenario().limits(),
@@ -162,8 +164,8 @@ pub fn refused(error: wingbeat_lattice::Error) -> Error {
 }
 
 /// What the command line asks.
-fn asked(arguments: &Wake) -> Asked {
-    Asked {
+fn asked(arguments: &WakeArguments) -> CourseRequest {
+    CourseRequest {
         at: arguments.at.clone(),
         cycles: arguments.cycles,
         model: arguments.model,
@@ -177,20 +179,20 @@ fn asked(arguments: &Wake) -> Asked {
 }
 
 /// Scenario and record of the run folder `folder`.
-pub fn recorded(folder: &Path) -> Result<Recorded, Error> {
+pub fn recorded(folder: &Path) -> Result<RecordedFlight, Error> {
     wingbeat_io::unchanged(&folder.join("scenario.toml"))?;
     let scenario = Scenario::load(&folder.join("scenario.toml"), &[])?;
-    let record = read_parquet_columns(&folder.join("record.parquet"), &Recorded::columns(&scenario))?;
-    Recorded::new(scenario, record).map_err(refused)
+    let record = read_parquet_columns(&folder.join("record.parquet"), &RecordedFlight::columns(&scenario))?;
+    RecordedFlight::new(scenario, record).map_err(refused)
 }
 
 /// Steps a course; a lattice that fails ends it with what there is.
 fn step<'a>(
-    course: &'a Course,
-    asked: &Asked,
+    course: &'a LatticeCourse,
+    asked: &CourseRequest,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<Watch<'a>, Error> {
+) -> Result<CourseWatch<'a>, Error> {
     let template = format!("{} {{bar:30}} {{percent:>3}} %  ({{eta}} left)", course.title);
     let bar = progress::bar(Some(course.clock.total() as u64), &template, quiet);
     let watch = course.step(asked, &mut |done| {

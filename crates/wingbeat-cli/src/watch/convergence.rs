@@ -1,10 +1,10 @@
 //! A search or a fit while it converges.
 
 use serde_json::json;
-use wingbeat_report::panels::{Curve, Panel, Role};
-use wingbeat_report::run::{Axis, Run};
+use wingbeat_report::panels::{CurveRole, PageCurve, PagePanel};
+use wingbeat_report::run::{PlotAxis, ShownRun};
 
-use super::{Live, Watch};
+use super::{Watch, WatchArguments};
 use crate::error::Error;
 
 /// Starts that are shown: the last ones.
@@ -13,7 +13,7 @@ const STARTS: usize = 8;
 const MOST: usize = 4000;
 
 /// An iteration of a start.
-pub struct Point {
+pub struct SearchIteration {
     /// What it is a start of, and its number.
     pub series: String,
     /// What converges: name, unit, value in that unit.
@@ -21,7 +21,7 @@ pub struct Point {
 }
 
 /// The iterations of a start.
-struct Series {
+struct StartSeries {
     name: String,
     iterations: Vec<f64>,
     columns: Vec<(String, &'static str, Vec<f64>)>,
@@ -32,25 +32,30 @@ struct Series {
 }
 
 /// Begins to watch the search or fit `name`, which is told as `kind`, where it is wanted.
-pub struct Convergence(Option<Watch<Point>>);
+pub struct ConvergenceWatch(Option<Watch<SearchIteration>>);
 
-impl Convergence {
+impl ConvergenceWatch {
     /// Begins where it is wanted.
     ///
     /// # Errors
     /// Those of [`Watch::begin`].
-    pub fn begin(live: &Live, name: &str, kind: &'static str, settings: &str) -> Result<Self, Error> {
+    pub fn begin(
+        live: &WatchArguments,
+        name: &str,
+        kind: &'static str,
+        settings: &str,
+    ) -> Result<Self, Error> {
         let (name, settings) = (name.to_owned(), settings.to_owned());
         let watch = Watch::begin(live, move |painter| {
-            let take = |starts: &mut Vec<Series>, news: Vec<Point>| {
+            let take = |starts: &mut Vec<StartSeries>, news: Vec<SearchIteration>| {
                 news.into_iter().for_each(|point| add(starts, point));
             };
             painter.run(Vec::new(), take, |starts, runs| {
-                let mut now: Vec<Run> =
+                let mut now: Vec<ShownRun> =
                     starts.iter().map(|series| series.run(&name, kind, &settings)).collect();
                 if now.is_empty() {
-                    let axis = Axis { label: "iteration", unit: "", values: Vec::new(), joined: true };
-                    now.push(Run { settings: settings.clone(), ..Run::blank(&name, kind, axis) });
+                    let axis = PlotAxis { label: "iteration", unit: "", values: Vec::new(), joined: true };
+                    now.push(ShownRun { settings: settings.clone(), ..ShownRun::blank(&name, kind, axis) });
                 }
                 let earlier = std::mem::replace(runs, now);
                 runs.len() == earlier.len()
@@ -61,7 +66,7 @@ impl Convergence {
     }
 
     /// Shows an iteration.
-    pub fn see(&self, point: impl FnOnce() -> Point) {
+    pub fn see(&self, point: impl FnOnce() -> SearchIteration) {
         if let Some(watch) = &self.0 {
             watch.tell(point());
         }
@@ -74,21 +79,28 @@ impl Convergence {
 }
 
 /// Adds an iteration to its start, the last one, or a new one.
-fn add(starts: &mut Vec<Series>, Point { series, values }: Point) {
+fn add(starts: &mut Vec<StartSeries>, SearchIteration { series, values }: SearchIteration) {
     if starts.last().is_none_or(|last| last.name != series) {
         let number = starts.last().map_or(0, |last| last.number + 1);
         if starts.len() == STARTS {
             starts.remove(0);
         }
         let columns = values.iter().map(|(name, unit, _)| (name.clone(), *unit, Vec::new())).collect();
-        starts.push(Series { name: series, iterations: Vec::new(), columns, number, count: 0, every: 1 });
+        starts.push(StartSeries {
+            name: series,
+            iterations: Vec::new(),
+            columns,
+            number,
+            count: 0,
+            every: 1,
+        });
     }
     if let Some(last) = starts.last_mut() {
         last.add(&values);
     }
 }
 
-impl Series {
+impl StartSeries {
     fn add(&mut self, values: &[(String, &'static str, f64)]) {
         self.count += 1;
         if !self.count.is_multiple_of(self.every) {
@@ -116,14 +128,14 @@ impl Series {
         }
     }
 
-    fn run(&self, name: &str, kind: &'static str, settings: &str) -> Run {
-        let axis = Axis { label: "iteration", unit: "", values: self.iterations.clone(), joined: true };
-        let panel = |(title, unit, values): &(String, &'static str, Vec<f64>)| Panel {
+    fn run(&self, name: &str, kind: &'static str, settings: &str) -> ShownRun {
+        let axis = PlotAxis { label: "iteration", unit: "", values: self.iterations.clone(), joined: true };
+        let panel = |(title, unit, values): &(String, &'static str, Vec<f64>)| PagePanel {
             title: title.clone(),
             unit,
-            curves: vec![Curve {
+            curves: vec![PageCurve {
                 label: String::new(),
-                role: Role::Own(self.number),
+                role: CurveRole::Own(self.number),
                 values: values.clone(),
             }],
             limits: None,
@@ -131,11 +143,11 @@ impl Series {
         let last = self.columns.iter().map(|(title, _, values)| (title.clone(), json!(values.last())));
         let mut summary: serde_json::Map<String, serde_json::Value> = last.collect();
         summary.insert("iteration".into(), json!(self.count));
-        Run {
+        ShownRun {
             summary: summary.into(),
             settings: settings.into(),
             panels: self.columns.iter().map(panel).collect(),
-            ..Run::blank(&format!("{name}, {}", self.name), kind, axis)
+            ..ShownRun::blank(&format!("{name}, {}", self.name), kind, axis)
         }
     }
 }
@@ -150,14 +162,14 @@ mod tests {
         for start in 0..12 {
             for k in 0..5 {
                 let values = vec![("cost".into(), "", f64::from(k))];
-                add(&mut starts, Point { series: format!("start {start}"), values });
+                add(&mut starts, SearchIteration { series: format!("start {start}"), values });
             }
         }
         let names: Vec<&str> = starts.iter().map(|series| series.name.as_str()).collect();
         assert_eq!((names[0], names[7], names.len()), ("start 4", "start 11", 8));
         for k in 0..20_000 {
             let values = vec![("cost".into(), "", f64::from(k))];
-            add(&mut starts, Point { series: "start 11".into(), values });
+            add(&mut starts, SearchIteration { series: "start 11".into(), values });
         }
         let run = starts[7].run("fit", "fit under way", "");
         let curve = &run.panels[0].curves[0].values;

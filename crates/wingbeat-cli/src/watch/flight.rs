@@ -5,11 +5,11 @@ use std::sync::Arc;
 use serde_json::json;
 use wingbeat::scenario::{Scenario, Seen, Watched};
 use wingbeat::simulate::Sample;
-use wingbeat_report::growing::Growing;
+use wingbeat_report::growing::GrowingRows;
 use wingbeat_report::motion::{MOST, RATE};
-use wingbeat_report::run::{Flown, Run, of_flight};
+use wingbeat_report::run::{FlownScenario, ShownRun, of_flight};
 
-use super::{Live, Watch};
+use super::{Watch, WatchArguments};
 use crate::error::Error;
 
 /// A flight that is watched, or not.
@@ -26,7 +26,7 @@ impl FlightWatch {
     ///
     /// # Errors
     /// Those of [`Watch::begin`].
-    pub fn begin(live: &Live, scenario: &Arc<Scenario>) -> Result<Self, Error> {
+    pub fn begin(live: &WatchArguments, scenario: &Arc<Scenario>) -> Result<Self, Error> {
         let scenario = scenario.clone();
         let watch = Watch::begin(live, move |painter| {
             // A scenario that can be flown can be recorded.
@@ -35,7 +35,7 @@ impl FlightWatch {
             let add = |watched: &mut Watched<'_>, news: Vec<Seen>| {
                 sound = sound && news.iter().all(|seen| watched.add(seen).is_ok());
             };
-            let mut growing = Growing::default();
+            let mut growing = GrowingRows::default();
             painter.run(watched, add, |watched, runs| drawn(&scenario, watched, &mut growing, runs));
         })?;
         Ok(Self { watch, next: 0.0, step: 1.0 / RATE, shown: 0 })
@@ -64,11 +64,16 @@ impl FlightWatch {
 }
 
 /// Takes what was flown into the `runs`; true where these have only grown.
-fn drawn(scenario: &Scenario, watched: &Watched<'_>, growing: &mut Growing, runs: &mut Vec<Run>) -> bool {
-    let flown = Flown { scenario, record: watched.record() };
+fn drawn(
+    scenario: &Scenario,
+    watched: &Watched<'_>,
+    growing: &mut GrowingRows,
+    runs: &mut Vec<ShownRun>,
+) -> bool {
+    let flown = FlownScenario { scenario, record: watched.record() };
     if runs.is_empty() {
         let first = of_flight(&scenario.spec.name, "flight under way", flown, &[]);
-        runs.push(Run { settings: scenario.resolved.clone(), ..first });
+        runs.push(ShownRun { settings: scenario.resolved.clone(), ..first });
     }
     let grown = growing.grow(&mut runs[0], flown);
     let now = watched.record().values("t").and_then(|t| t.last()).copied().unwrap_or(0.0);

@@ -4,7 +4,7 @@ mod convergence;
 mod flight;
 mod server;
 
-pub use convergence::{Convergence, Point};
+pub use convergence::{ConvergenceWatch, SearchIteration};
 pub use flight::FlightWatch;
 
 use std::collections::VecDeque;
@@ -16,11 +16,11 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use wingbeat_report::page::Live as LivePage;
-use wingbeat_report::run::Run;
+use wingbeat_report::run::ShownRun;
 
 use crate::error::Error;
 use crate::say;
-use server::{Asked, Server};
+use server::{PageRequest, Server};
 
 /// The page is drawn and packed again after so many times the time that it took: it never takes more than a fifth of a core. *Choice.*
 const REST: u32 = 4;
@@ -35,7 +35,7 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// What commands take that can be watched.
 #[derive(Debug, Default, Args)]
-pub struct Live {
+pub struct WatchArguments {
     /// Show the run on a page of this machine while it is computed: its address, which holds a secret, is printed
     #[arg(long)]
     pub watch: bool,
@@ -43,11 +43,11 @@ pub struct Live {
 
 /// What a computation shows; dropped, it is shown no more.
 pub struct Watch<N> {
-    shared: Arc<Shared<N>>,
+    shared: Arc<WatchState<N>>,
     server: Server,
 }
 
-struct Shared<N> {
+struct WatchState<N> {
     /// What has come and was not yet taken up; none once there is nobody to take it.
     news: Mutex<Option<Vec<N>>>,
     ended: AtomicBool,
@@ -76,7 +76,7 @@ impl Heard {
     }
 }
 
-impl<N> Shared<N> {
+impl<N> WatchState<N> {
     fn new() -> Self {
         let (news, heard) = (Mutex::new(Some(Vec::new())), Mutex::default());
         Self { news, ended: AtomicBool::new(false), heard }
@@ -92,11 +92,11 @@ impl<N> Shared<N> {
 }
 
 /// A question of a browser, and where the answer goes.
-type Question = (Asked, Sender<Option<Arc<str>>>);
+type Question = (PageRequest, Sender<Option<Arc<str>>>);
 
 /// Draws the page of what has come, in a thread of its own.
 pub struct Painter<N> {
-    shared: Arc<Shared<N>>,
+    shared: Arc<WatchState<N>>,
     questions: Receiver<Question>,
 }
 
@@ -106,14 +106,14 @@ impl<N: Send + 'static> Watch<N> {
     /// # Errors
     /// A port or a thread that cannot be had.
     pub fn begin(
-        live: &Live,
+        live: &WatchArguments,
         paint: impl FnOnce(Painter<N>) + Send + 'static,
     ) -> Result<Option<Self>, Error> {
         if !live.watch {
             return Ok(None);
         }
         let refused = |why: std::io::Error| Error::Input(format!("--watch: {why}"));
-        let shared = Arc::new(Shared::new());
+        let shared = Arc::new(WatchState::new());
         let (sender, questions) = channel();
         let server = Server::begin(sender).map_err(refused)?;
         let painter = Painter { shared: shared.clone(), questions };
@@ -156,19 +156,19 @@ impl<N> Drop for Watch<N> {
 const VERSIONS: usize = 64;
 
 /// What was drawn last.
-struct Drawn {
-    runs: Vec<Run>,
+struct DrawnPage {
+    runs: Vec<ShownRun>,
     version: u64,
     /// Whether it shows the whole computation.
     last: bool,
     /// The versions since which the runs have only grown by rows, each with the rows of its runs; the last is this one.
     since: VecDeque<(u64, Vec<usize>)>,
     /// What was answered in this version.
-    answers: Vec<(Asked, Arc<str>)>,
+    answers: Vec<(PageRequest, Arc<str>)>,
 }
 
-impl Drawn {
-    fn new(runs: Vec<Run>) -> Self {
+impl DrawnPage {
+    fn new(runs: Vec<ShownRun>) -> Self {
         let mut drawn = Self { runs, version: 0, last: false, since: VecDeque::new(), answers: Vec::new() };
         drawn.changed(false);
         drawn
@@ -188,16 +188,16 @@ impl Drawn {
     }
 
     /// What was asked for, where there is any.
-    fn answer(&mut self, asked: Asked) -> Option<Arc<str>> {
+    fn answer(&mut self, asked: PageRequest) -> Option<Arc<str>> {
         if let Some((_, answer)) = self.answers.iter().find(|(known, _)| *known == asked) {
             return Some(answer.clone());
         }
         let live = LivePage { runs: &self.runs, version: self.version, ended: self.last };
         let text = match asked {
-            Asked::Page => live.page(),
+            PageRequest::Page => live.page(),
             // Who has all is told only that it was all.
-            Asked::DataAfter(known) if known >= self.version && !self.last => return None,
-            Asked::DataAfter(known) => {
+            PageRequest::DataAfter(known) if known >= self.version && !self.last => return None,
+            PageRequest::DataAfter(known) => {
                 let since = self.since.iter().find(|(version, _)| *version == known);
                 live.data(since.map(|(version, rows)| (*version, rows.as_slice())))
             }
@@ -215,11 +215,11 @@ impl<N> Painter<N> {
         self,
         mut state: S,
         mut add: impl FnMut(&mut S, Vec<N>),
-        mut draw: impl FnMut(&mut S, &mut Vec<Run>) -> bool,
+        mut draw: impl FnMut(&mut S, &mut Vec<ShownRun>) -> bool,
     ) {
         let mut first = Vec::new();
         draw(&mut state, &mut first);
-        let mut drawn = Drawn::new(first);
+        let mut drawn = DrawnPage::new(first);
         let (mut fresh, mut due) = (false, Instant::now());
         loop {
             let question = match self.questions.recv_timeout(TAKEN_UP) {
@@ -236,7 +236,7 @@ impl<N> Painter<N> {
             }
             let Some((asked, answer)) = question else { continue };
             let begun = Instant::now();
-            if asked != Asked::Page {
+            if asked != PageRequest::Page {
                 self.shared.heard().asked(begun);
             }
             let draws = (fresh && begun >= due) || (ended && !drawn.last);
@@ -248,7 +248,7 @@ impl<N> Painter<N> {
             }
             // A browser that went away gets none.
             let _ = answer.send(drawn.answer(asked));
-            self.shared.heard().end |= drawn.last && asked != Asked::Page;
+            self.shared.heard().end |= drawn.last && asked != PageRequest::Page;
             if draws {
                 let now = Instant::now();
                 due = now + (now - begun) * REST;
@@ -266,16 +266,16 @@ impl<N> Drop for Painter<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wingbeat_report::run::Axis;
+    use wingbeat_report::run::PlotAxis;
 
-    fn begun(watch: &Arc<Shared<f64>>) -> Sender<Question> {
+    fn begun(watch: &Arc<WatchState<f64>>) -> Sender<Question> {
         let (sender, questions) = channel();
         let painter = Painter { shared: watch.clone(), questions };
         thread::spawn(move || {
             let add = |values: &mut Vec<f64>, came: Vec<f64>| values.extend(came);
             painter.run(Vec::new(), add, |values, runs| {
-                let axis = Axis { label: "iteration", unit: "", values: values.clone(), joined: true };
-                *runs = vec![Run { summary: values.len().into(), ..Run::blank("a", "fit", axis) }];
+                let axis = PlotAxis { label: "iteration", unit: "", values: values.clone(), joined: true };
+                *runs = vec![ShownRun { summary: values.len().into(), ..ShownRun::blank("a", "fit", axis) }];
                 true
             });
         });
@@ -284,24 +284,28 @@ mod tests {
 
     #[test]
     fn what_comes_is_taken_up_unasked_packed_once_and_dropped_when_nobody_draws() {
-        let shared = Arc::new(Shared::new());
+        let shared = Arc::new(WatchState::new());
         let questions = begun(&shared);
-        let ask = |asked: Asked| {
+        let ask = |asked: PageRequest| {
             let (sender, receiver) = channel();
             questions.send((asked, sender)).unwrap();
             receiver.recv().unwrap()
         };
-        let first = ask(Asked::DataAfter(0)).unwrap();
-        assert!(Arc::ptr_eq(&first, &ask(Asked::DataAfter(0)).unwrap()));
-        assert!(ask(Asked::DataAfter(1)).is_none() && ask(Asked::Page).unwrap().contains("data-live"));
+        let first = ask(PageRequest::DataAfter(0)).unwrap();
+        assert!(Arc::ptr_eq(&first, &ask(PageRequest::DataAfter(0)).unwrap()));
+        assert!(
+            ask(PageRequest::DataAfter(1)).is_none() && ask(PageRequest::Page).unwrap().contains("data-live")
+        );
         shared.news().as_mut().unwrap().push(1.0);
         thread::sleep(3 * TAKEN_UP);
         assert!(shared.news().as_ref().unwrap().is_empty());
         shared.ended.store(true, Ordering::Release);
-        let last = ask(Asked::DataAfter(1)).unwrap();
+        let last = ask(PageRequest::DataAfter(1)).unwrap();
         // Who has the first version gets the row behind it, who has none gets all, who has all that it was all.
-        assert!(last.contains("\"after\":1") && !ask(Asked::DataAfter(0)).unwrap().contains("\"after\""));
-        assert!(ask(Asked::DataAfter(2)).unwrap().contains("\"after\":2"));
+        assert!(
+            last.contains("\"after\":1") && !ask(PageRequest::DataAfter(0)).unwrap().contains("\"after\"")
+        );
+        assert!(ask(PageRequest::DataAfter(2)).unwrap().contains("\"after\":2"));
         assert!(last.contains("\"ended\":true") && first.contains("\"ended\":false"), "{last}");
         drop(questions);
         thread::sleep(TAKEN_UP);

@@ -22,7 +22,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// What a browser asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum PageRequest {
     /// The page.
     Page,
     /// What has come since this version.
@@ -170,7 +170,7 @@ fn serve(
             let lost = |_| io::Error::from(io::ErrorKind::BrokenPipe);
             questions.send((asked, sender)).map_err(lost)?;
             let text = receiver.recv().map_err(|_| io::Error::from(io::ErrorKind::BrokenPipe))?;
-            let kind = if asked == Asked::Page { "text/html" } else { "application/json" };
+            let kind = if asked == PageRequest::Page { "text/html" } else { "application/json" };
             match text {
                 Some(text) => reply("200 OK", kind, &text),
                 None => reply("204 No Content", kind, ""),
@@ -214,7 +214,7 @@ fn left(until: Instant) -> io::Result<Duration> {
 }
 
 /// What a request asks for, or the status that refuses it.
-fn asked(request: &str, port: u16, token: &str) -> Result<Asked, &'static str> {
+fn asked(request: &str, port: u16, token: &str) -> Result<PageRequest, &'static str> {
     const NONE: &str = "404 Not Found";
     let mut lines = request.split("\r\n");
     let mut words = lines.next().unwrap_or_default().split(' ');
@@ -236,8 +236,8 @@ fn asked(request: &str, port: u16, token: &str) -> Result<Asked, &'static str> {
         return Err("405 Method Not Allowed");
     }
     match rest.strip_prefix("data?after=") {
-        Some(version) => version.parse().map(Asked::DataAfter).map_err(|_| NONE),
-        None if rest.is_empty() => Ok(Asked::Page),
+        Some(version) => version.parse().map(PageRequest::DataAfter).map_err(|_| NONE),
+        None if rest.is_empty() => Ok(PageRequest::Page),
         None => Err(NONE),
     }
 }
@@ -268,8 +268,8 @@ mod tests {
         let ask = |path: &str, host: &str| {
             asked(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"), 4000, &token)
         };
-        assert_eq!(ask(&format!("/{token}/"), "127.0.0.1:4000"), Ok(Asked::Page));
-        assert_eq!(ask(&format!("/{token}/data?after=7"), "localhost:4000"), Ok(Asked::DataAfter(7)));
+        assert_eq!(ask(&format!("/{token}/"), "127.0.0.1:4000"), Ok(PageRequest::Page));
+        assert_eq!(ask(&format!("/{token}/data?after=7"), "localhost:4000"), Ok(PageRequest::DataAfter(7)));
         let wrong = [
             ("/".to_owned(), "127.0.0.1:4000"),
             (format!("/{token}"), "127.0.0.1:4000"),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use wingbeat_aero::{ThinSection, ZERO_LIFT_ANGLE};
 
-use super::{ConfigError, Place, Problem, Wrong};
+use super::{ConfigError, KeyProblem, ValuePlace, Wrong};
 
 /// The key of the angle.
 pub const KEY: &str = "zero_lift_angle_deg";
@@ -34,25 +34,25 @@ pub struct AirfoilFile {
 }
 
 /// The line at fault, what it says, what is allowed.
-type Fault = (usize, String, String);
+type LineFault = (usize, String, String);
 
 /// A point of a section, with its line in the file.
-type Point = (usize, [f64; 2]);
+type ProfilePoint = (usize, [f64; 2]);
 
 impl AirfoilFile {
     /// The angle of the section in the `text` of `file` as TOML, `v=...`; `key` is that of the angle.
     pub fn toml(file: &Path, text: &str, key: &str) -> Result<String, ConfigError> {
         let angle_deg = angle_deg(text).map_err(|(line, value, allowed)| {
-            let place = Place::Line(file.into(), line);
+            let place = ValuePlace::Line(file.into(), line);
             let value = Some(value);
-            Wrong::new(place, format!("{key}.airfoil"), value, Problem::Value(allowed))
+            Wrong::new(place, format!("{key}.airfoil"), value, KeyProblem::Value(allowed))
         })?;
         Ok(format!("v={angle_deg:?}"))
     }
 }
 
 /// The zero-lift angle of a section, deg.
-fn angle_deg(text: &str) -> Result<f64, Fault> {
+fn angle_deg(text: &str) -> Result<f64, LineFault> {
     let camber = camber(text)?;
     let angle = ThinSection::of_camber(&camber).zero_lift_angle_rad.to_degrees() + 0.0;
     let why = |_| format!("a section whose zero-lift angle is {}", ZERO_LIFT_ANGLE.range.allowed());
@@ -61,7 +61,7 @@ fn angle_deg(text: &str) -> Result<f64, Fault> {
 }
 
 /// The middle between the sides of a section over its chord, from 0 to 1; else the line at fault, what it says, what is allowed.
-fn camber(text: &str) -> Result<Vec<[f64; 2]>, Fault> {
+fn camber(text: &str) -> Result<Vec<[f64; 2]>, LineFault> {
     let (points, upper) = points(text)?;
     let mut sides = match upper {
         Some(upper) => [points[..upper].to_vec(), points[upper..].to_vec()],
@@ -84,7 +84,7 @@ fn camber(text: &str) -> Result<Vec<[f64; 2]>, Fault> {
             }
         });
     }
-    let at = |side: &[Point], x: f64| {
+    let at = |side: &[ProfilePoint], x: f64| {
         let k = side.partition_point(|(_, point)| point[0] < x).clamp(1, side.len() - 1);
         let (a, b) = (side[k - 1].1, side[k].1);
         let share = ((x - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
@@ -107,9 +107,10 @@ fn camber(text: &str) -> Result<Vec<[f64; 2]>, Fault> {
 }
 
 /// Refuses a side that does not go from the leading edge, near `low`, to the trailing edge, near `high`.
-fn check(side: &[Point], low: f64, high: f64) -> Result<(), Fault> {
+fn check(side: &[ProfilePoint], low: f64, high: f64) -> Result<(), LineFault> {
     let chord = high - low;
-    let refuse = |(line, [x, y]): Point, allowed: &str| Err((line, format!("{x} {y}"), allowed.to_owned()));
+    let refuse =
+        |(line, [x, y]): ProfilePoint, allowed: &str| Err((line, format!("{x} {y}"), allowed.to_owned()));
     let last = side.last().copied().unwrap_or((1, [0.0, 0.0]));
     if side.len() < FEWEST || !(chord > 0.0) {
         let allowed = "five points or more on each side of a section, between its leading and trailing edge";
@@ -131,7 +132,7 @@ fn check(side: &[Point], low: f64, high: f64) -> Result<(), Fault> {
 }
 
 /// The points of a file, and how many are on the first side where it says so.
-fn points(text: &str) -> Result<(Vec<Point>, Option<usize>), Fault> {
+fn points(text: &str) -> Result<(Vec<ProfilePoint>, Option<usize>), LineFault> {
     let (mut points, mut named) = (Vec::new(), false);
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let cells: Vec<&str> =
@@ -172,7 +173,7 @@ fn is_words(cells: &[&str], named: bool) -> bool {
 
 /// Takes from before the points two whole numbers that are none: those of the points of both sides, the first of which it gives, or a
 /// name like `4412 12`. A file `named` before has no second name.
-fn counts(points: &mut Vec<Point>, named: bool) -> Result<Option<usize>, Fault> {
+fn counts(points: &mut Vec<ProfilePoint>, named: bool) -> Result<Option<usize>, LineFault> {
     let Some(&(line, [x, y])) = points.first() else { return Ok(None) };
     if x.fract() != 0.0 || y.fract() != 0.0 || x < 2.0 || y < 2.0 {
         return Ok(None);

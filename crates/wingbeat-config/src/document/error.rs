@@ -14,13 +14,13 @@ pub struct ConfigError(Vec<Wrong>);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wrong {
     /// Where it was given.
-    pub place: Place,
+    pub place: ValuePlace,
     /// Path of the key, e.g. `robot.links.distal.mass_kg`; empty when the file itself is at fault.
     pub key: String,
     /// The value given, as written; none when there is none.
     pub value: Option<String>,
     /// What is wrong with it.
-    pub problem: Problem,
+    pub problem: KeyProblem,
     /// Other values that it clashes with.
     pub against: Vec<Other>,
 }
@@ -29,7 +29,7 @@ pub struct Wrong {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Other {
     /// Where it was given.
-    pub place: Place,
+    pub place: ValuePlace,
     /// Path of its key.
     pub key: String,
     /// The value, as written.
@@ -38,7 +38,7 @@ pub struct Other {
 
 /// Where a value was given.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Place {
+pub enum ValuePlace {
     /// A line of a file, counted from 1.
     Line(PathBuf, usize),
     /// A file as a whole.
@@ -55,7 +55,7 @@ pub enum Place {
 
 /// What is wrong with a key or its value.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Problem {
+pub enum KeyProblem {
     /// The key is not known here; these are.
     UnknownKey {
         /// The keys that are known here.
@@ -76,7 +76,12 @@ pub enum Problem {
 
 impl Wrong {
     /// Without values that it clashes with.
-    pub(super) fn new(place: Place, key: impl Into<String>, value: Option<String>, problem: Problem) -> Self {
+    pub(super) fn new(
+        place: ValuePlace,
+        key: impl Into<String>,
+        value: Option<String>,
+        problem: KeyProblem,
+    ) -> Self {
         Self { place, key: key.into(), value, problem, against: Vec::new() }
     }
 }
@@ -114,36 +119,36 @@ impl fmt::Display for ConfigError {
 impl fmt::Display for Wrong {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.place)?;
-        if matches!(self.problem, Problem::UnknownKey { .. }) {
+        if matches!(self.problem, KeyProblem::UnknownKey { .. }) {
             write!(f, "unknown key ")?;
         }
         write!(f, "{}", self.key)?;
         if let Some(value) = &self.value {
             write!(f, " = {value}")?;
         }
-        if !self.key.is_empty() && self.problem != Problem::MissingKey {
+        if !self.key.is_empty() && self.problem != KeyProblem::MissingKey {
             write!(f, ": ")?;
         }
         match &self.problem {
-            Problem::UnknownKey { allowed } => {
+            KeyProblem::UnknownKey { allowed } => {
                 let last = self.key.rsplit('.').next().unwrap_or("");
                 let today = today(last, self.value.as_deref(), allowed);
                 write!(f, "{}", today.unwrap_or_else(|| choice(last, allowed)))
             }
-            Problem::UnknownName { allowed } => {
+            KeyProblem::UnknownName { allowed } => {
                 let given = self.value.as_deref().unwrap_or("").trim_matches('"');
                 write!(f, "{}", choice(given, allowed))
             }
-            Problem::MissingKey => write!(f, " is missing: it must be given"),
-            Problem::Value(allowed) => write!(f, "allowed is {allowed}"),
-            Problem::File(what) => write!(f, "{what}"),
+            KeyProblem::MissingKey => write!(f, " is missing: it must be given"),
+            KeyProblem::Value(allowed) => write!(f, "allowed is {allowed}"),
+            KeyProblem::File(what) => write!(f, "{what}"),
         }?;
         let mut others = self.against.iter();
         others.try_for_each(|other| write!(f, "; {} = {} ({})", other.key, other.value, other.place))
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for ValuePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(file, line) => write!(f, "{}:{line}", file.display()),

@@ -6,61 +6,61 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::error::Other;
-use super::read::{Complaint, Fault};
+use super::read::{Complaint, FormFault};
 use super::source::Sources;
-use super::{ConfigError, Place, Problem, Wrong, tree};
+use super::{ConfigError, KeyProblem, ValuePlace, Wrong, tree};
 use crate::DocumentKind;
 use wingbeat_math::Error;
 
-type Tree<'i> = Spanned<DeValue<'i>>;
+type ValueTree<'i> = Spanned<DeValue<'i>>;
 
 /// What is wrong with the form of a document, with the places.
-pub fn form(sources: &Sources, root: &Tree, complaints: &[Complaint]) -> ConfigError {
+pub fn form(sources: &Sources, root: &ValueTree, complaints: &[Complaint]) -> ConfigError {
     if let Some(kind) = another(sources, root, complaints) {
         let what = format!("this is a {}, which is read by {}", kind.name(), kind.readers());
         let place = sources.place(root.span().start);
-        return Wrong::new(place, "", None, Problem::File(what)).into();
+        return Wrong::new(place, "", None, KeyProblem::File(what)).into();
     }
     complaints.iter().map(|complaint| one(sources, root, complaint)).collect()
 }
 
 /// The kind that a document is of by its keys, where it is not of the kind that was asked for: keys of its own are unknown at its top,
 /// others missing.
-fn another(sources: &Sources, root: &Tree, complaints: &[Complaint]) -> Option<DocumentKind> {
+fn another(sources: &Sources, root: &ValueTree, complaints: &[Complaint]) -> Option<DocumentKind> {
     let unknown = |complaint: &Complaint| {
-        complaint.path().is_none_or(str::is_empty) && matches!(complaint.fault(), Fault::Unknown(..))
+        complaint.path().is_none_or(str::is_empty) && matches!(complaint.fault(), FormFault::Unknown(..))
     };
     let unlike = complaints.iter().any(unknown)
-        && complaints.iter().any(|complaint| matches!(complaint.fault(), Fault::Missing(_)));
+        && complaints.iter().any(|complaint| matches!(complaint.fault(), FormFault::Missing(_)));
     let table = root.get_ref().as_table().filter(|_| unlike)?;
-    let overrides = |start| matches!(sources.place(start), Place::Override(_));
+    let overrides = |start| matches!(sources.place(start), ValuePlace::Override(_));
     let mut written = table.keys().filter(|key| !overrides(key.span().start)).map(|key| &**key.get_ref());
     DocumentKind::with_keys(&|key| table.contains_key(key), &mut written)
 }
 
-fn one(sources: &Sources, root: &Tree, complaint: &Complaint) -> Wrong {
+fn one(sources: &Sources, root: &ValueTree, complaint: &Complaint) -> Wrong {
     let path = complaint.path().unwrap_or_default();
     let (span, _) = deepest(root, path);
     let place = sources.place(span.start);
     let problem = match complaint.fault() {
-        Fault::Missing(name) => {
-            return Wrong::new(place, tree::dotted(path, name), None, Problem::MissingKey);
+        FormFault::Missing(name) => {
+            return Wrong::new(place, tree::dotted(path, name), None, KeyProblem::MissingKey);
         }
-        Fault::Unknown(name, allowed) => {
+        FormFault::Unknown(name, allowed) => {
             let key = tree::dotted(path, name);
             let (span, _) = deepest(root, &key);
             let value = Some(sources.text(&span)).filter(|text| !text.starts_with('['));
-            let problem = Problem::UnknownKey { allowed: allowed.clone() };
+            let problem = KeyProblem::UnknownKey { allowed: allowed.clone() };
             return Wrong::new(sources.place(span.start), key, value, problem);
         }
-        Fault::Name(allowed) => Problem::UnknownName { allowed: allowed.clone() },
-        Fault::Value(allowed) => Problem::Value(allowed.clone()),
+        FormFault::Name(allowed) => KeyProblem::UnknownName { allowed: allowed.clone() },
+        FormFault::Value(allowed) => KeyProblem::Value(allowed.clone()),
     };
     Wrong::new(place, path, Some(sources.text(&span)), problem)
 }
 
 /// What a builder says of a value, with the place where it was given.
-pub fn value(sources: &Sources, root: &Tree, error: &Error) -> ConfigError {
+pub fn value(sources: &Sources, root: &ValueTree, error: &Error) -> ConfigError {
     let Error::Invalid { key, value, allowed, against } = error;
     let (span, whole) = deepest(root, key);
     let written = sources.text(&span);
@@ -68,7 +68,7 @@ pub fn value(sources: &Sources, root: &Tree, error: &Error) -> ConfigError {
     let same =
         number(&written).is_some_and(|a| number(value).is_some_and(|b| (a - b).abs() <= 1e-9 * a.abs()));
     let value = if whole && same { written } else { value.clone() };
-    let problem = Problem::Value(allowed.clone());
+    let problem = KeyProblem::Value(allowed.clone());
     let error = Wrong::new(sources.place(span.start), key, Some(value), problem);
     let others = against.iter().filter_map(|key| {
         let (span, whole) = deepest(root, key);
@@ -80,7 +80,7 @@ pub fn value(sources: &Sources, root: &Tree, error: &Error) -> ConfigError {
 }
 
 /// The span of the value at `path`, and true; or of the innermost one on the way there, and false.
-fn deepest(root: &Tree, path: &str) -> (Range<usize>, bool) {
+fn deepest(root: &ValueTree, path: &str) -> (Range<usize>, bool) {
     let mut value = root;
     for step in tree::steps(path) {
         match tree::child(value.get_ref(), &step) {

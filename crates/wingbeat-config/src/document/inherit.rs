@@ -12,7 +12,7 @@ pub const BASE: &str = "base";
 /// The key of a document with the keys of its base that it has not.
 pub const WITHOUT: &str = "without";
 
-type Tree<'i> = Spanned<DeValue<'i>>;
+type BasedTree<'i> = Spanned<DeValue<'i>>;
 
 /// A value that is refused.
 pub struct Refused {
@@ -28,7 +28,7 @@ pub struct Refused {
 ///
 /// # Errors
 /// A list of keys of which `base` does not have each.
-pub fn over<'i>(mut base: Tree<'i>, mut own: Tree<'i>) -> Result<Tree<'i>, Refused> {
+pub fn over<'i>(mut base: BasedTree<'i>, mut own: BasedTree<'i>) -> Result<BasedTree<'i>, Refused> {
     if let DeValue::Table(table) = own.get_mut() {
         table.remove(BASE);
         if let Some(without) = table.remove(WITHOUT) {
@@ -38,8 +38,8 @@ pub fn over<'i>(mut base: Tree<'i>, mut own: Tree<'i>) -> Result<Tree<'i>, Refus
     Ok(merged(base, own))
 }
 
-fn leave_out(base: &mut Tree, without: &Tree) -> Result<(), Refused> {
-    let refused = |key: String, value: &Tree, allowed: &str| {
+fn leave_out(base: &mut BasedTree, without: &BasedTree) -> Result<(), Refused> {
+    let refused = |key: String, value: &BasedTree, allowed: &str| {
         Err(Refused { key, span: value.span(), allowed: allowed.into() })
     };
     let DeValue::Array(keys) = without.get_ref() else {
@@ -56,7 +56,7 @@ fn leave_out(base: &mut Tree, without: &Tree) -> Result<(), Refused> {
 }
 
 /// Takes what stands at `steps` out of `value`, where items of lists are called by their name; false if nothing does.
-fn remove(value: &mut Tree<'_>, steps: &[String]) -> bool {
+fn remove(value: &mut BasedTree<'_>, steps: &[String]) -> bool {
     let Some((step, rest)) = steps.split_first() else { return false };
     match value.get_mut() {
         DeValue::Table(table) if rest.is_empty() => table.remove(step.as_str()).is_some(),
@@ -78,7 +78,7 @@ fn without(items: DeArray<'_>, index: usize) -> DeArray<'_> {
 }
 
 /// `own` over `base`: what is in both is that of `own`.
-fn merged<'i>(base: Tree<'i>, own: Tree<'i>) -> Tree<'i> {
+fn merged<'i>(base: BasedTree<'i>, own: BasedTree<'i>) -> BasedTree<'i> {
     let span = own.span();
     let value = match (base.into_inner(), own.into_inner()) {
         (DeValue::Table(base), DeValue::Table(own)) => DeValue::Table(table(base, own)),
@@ -103,7 +103,7 @@ fn table<'i>(mut base: DeTable<'i>, own: DeTable<'i>) -> DeTable<'i> {
 
 /// The items of `base` in their order, each under that of `own` with its name, then the others of `own`.
 fn list<'i>(base: DeArray<'i>, own: DeArray<'i>) -> DeArray<'i> {
-    let mut own: Vec<Tree> = own.into_iter().collect();
+    let mut own: Vec<BasedTree> = own.into_iter().collect();
     let mut items = Vec::new();
     for item in base {
         let same = own.iter().position(|other| name(other) == name(&item));
@@ -120,6 +120,6 @@ fn all_named(items: &DeArray) -> bool {
 }
 
 /// The name of an item of a list.
-fn name<'a>(item: &'a Tree) -> Option<&'a str> {
+fn name<'a>(item: &'a BasedTree) -> Option<&'a str> {
     item.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }

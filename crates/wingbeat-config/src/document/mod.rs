@@ -27,7 +27,7 @@ use toml::de::DeValue;
 
 pub use airfoil::AirfoilFile;
 pub(super) use airfoil::KEY as AIRFOIL_KEY;
-pub use error::{ConfigError, Other, Place, Problem, Wrong};
+pub use error::{ConfigError, KeyProblem, Other, ValuePlace, Wrong};
 pub use former::{Migrated, migrated};
 pub(super) use inherit::{BASE, WITHOUT};
 pub use limits::{largest, spoken, text_of, unit};
@@ -113,7 +113,7 @@ impl Document {
     pub fn value(name: &str, value: &impl Serialize) -> Result<Self, ConfigError> {
         let toml = crate::written::toml(value).map_err(|error| {
             let what = format!("cannot be written as TOML: {error}");
-            Wrong::new(Place::Value(name.into()), "", None, Problem::File(what))
+            Wrong::new(ValuePlace::Value(name.into()), "", None, KeyProblem::File(what))
         })?;
         let mut document = Self::default();
         document.sources.read(Origin::Value(name.into()), toml, &[])?;
@@ -199,7 +199,7 @@ impl Document {
     pub fn parse_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, ConfigError> {
         let tree = self.sources.tree()?;
         let Some(node) = tree::follow(&tree, key) else {
-            return Err(Wrong { problem: Problem::MissingKey, ..self.blame(&tree, key) }.into());
+            return Err(Wrong { problem: KeyProblem::MissingKey, ..self.blame(&tree, key) }.into());
         };
         read::read(node, key).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))
     }
@@ -259,7 +259,7 @@ impl Document {
                 Ok(document)
             }
             _ => {
-                let problem = Problem::Value("the name of a file, or a table".into());
+                let problem = KeyProblem::Value("the name of a file, or a table".into());
                 Err(Wrong { problem, ..self.blame(&tree, key) }.into())
             }
         }
@@ -269,7 +269,7 @@ impl Document {
     fn blame(&self, tree: &Spanned<DeValue>, key: &str) -> Wrong {
         let span = tree::follow(tree, key).unwrap_or(tree).span();
         let given = Some(self.sources.text(&span));
-        Wrong::new(self.sources.place(span.start), key, given, Problem::Value(String::new()))
+        Wrong::new(self.sources.place(span.start), key, given, KeyProblem::Value(String::new()))
     }
 
     /// The paths of all numbers, in the order of the tree.
@@ -286,7 +286,7 @@ impl Document {
     }
 
     /// The value at `key` as written, cut to one line, and where; none where it is not given.
-    pub fn written(&self, key: &str) -> Option<(String, Place)> {
+    pub fn written(&self, key: &str) -> Option<(String, ValuePlace)> {
         let tree = self.sources.tree().ok()?;
         let span = tree::follow(&tree, key)?.span();
         Some((self.sources.text(&span), self.sources.place(span.start)))
@@ -347,7 +347,7 @@ impl Document {
             let file = source::joined(&self.sources.folder(at), &file(&named).to_string_lossy());
             let text = limits::old_text_of(&file).map_err(|error| {
                 let allowed = format!("a file that can be read; {}: {error}", file.display());
-                Wrong { problem: Problem::Value(allowed), ..self.blame(&tree, &of_file) }
+                Wrong { problem: KeyProblem::Value(allowed), ..self.blame(&tree, &of_file) }
             })?;
             let toml = toml(&named, &file, &text, &key)?;
             drop(tree);
@@ -376,7 +376,7 @@ impl Document {
             let (place, given) = (self.sources.place(span.start), Some(self.sources.text(&span)));
             let largest = limits::largest(&key);
             let allowed = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
-            let problem = Problem::Value(format!("a finite number, {allowed} or less in magnitude"));
+            let problem = KeyProblem::Value(format!("a finite number, {allowed} or less in magnitude"));
             Err(Wrong::new(place, key, given, problem).into())
         })
     }

@@ -10,7 +10,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::tree::dotted;
-use access::{Choice, Entries, Items};
+use access::{Entries, Items, VariantChoice};
 
 /// Methods for a type that any value is asked for: zero, or what there is of the kind, answers where a placeholder stands.
 macro_rules! typed {
@@ -26,11 +26,11 @@ const MOST: usize = 100;
 
 /// What is wrong at a path. Boxed, as every field of every table is read into it or its value.
 #[derive(Debug)]
-pub struct Complaint(Box<(Option<String>, Fault)>);
+pub struct Complaint(Box<(Option<String>, FormFault)>);
 
 /// What can be wrong with the form of a document.
 #[derive(Clone, Debug)]
-pub enum Fault {
+pub enum FormFault {
     /// A key that must be given.
     Missing(String),
     /// A key that is not known, and those that are.
@@ -77,14 +77,14 @@ impl Mended {
     fn mend(&mut self, complaint: &Complaint) -> bool {
         let path = complaint.path().unwrap_or_default().to_owned();
         match complaint.fault() {
-            Fault::Missing(name) => {
+            FormFault::Missing(name) => {
                 let names = self.added.entry(path).or_default();
                 let new = !names.contains(name);
                 names.push(name.clone());
                 new
             }
-            Fault::Unknown(name, _) => self.ignored.insert(dotted(&path, name)),
-            Fault::Name(_) | Fault::Value(_) => !path.is_empty() && self.replaced.insert(path),
+            FormFault::Unknown(name, _) => self.ignored.insert(dotted(&path, name)),
+            FormFault::Name(_) | FormFault::Value(_) => !path.is_empty() && self.replaced.insert(path),
         }
     }
 }
@@ -98,7 +98,7 @@ impl fmt::Display for Complaint {
 }
 
 impl Complaint {
-    fn new(fault: Fault) -> Self {
+    fn new(fault: FormFault) -> Self {
         Self(Box::new((None, fault)))
     }
 
@@ -108,7 +108,7 @@ impl Complaint {
     }
 
     /// What is wrong there.
-    pub fn fault(&self) -> &Fault {
+    pub fn fault(&self) -> &FormFault {
         &self.0.1
     }
 
@@ -126,28 +126,28 @@ fn names(known: &[&str]) -> Vec<String> {
 
 impl de::Error for Complaint {
     fn custom<T: fmt::Display>(what: T) -> Self {
-        Self::new(Fault::Value(what.to_string()))
+        Self::new(FormFault::Value(what.to_string()))
     }
     fn invalid_type(_: Unexpected, expected: &dyn de::Expected) -> Self {
-        Self::new(Fault::Value(in_words(&expected.to_string())))
+        Self::new(FormFault::Value(in_words(&expected.to_string())))
     }
     fn invalid_value(_: Unexpected, expected: &dyn de::Expected) -> Self {
-        Self::new(Fault::Value(in_words(&expected.to_string())))
+        Self::new(FormFault::Value(in_words(&expected.to_string())))
     }
     fn invalid_length(_: usize, expected: &dyn de::Expected) -> Self {
-        Self::new(Fault::Value(in_words(&expected.to_string())))
+        Self::new(FormFault::Value(in_words(&expected.to_string())))
     }
     fn unknown_variant(_: &str, known: &'static [&'static str]) -> Self {
-        Self::new(Fault::Name(names(known)))
+        Self::new(FormFault::Name(names(known)))
     }
     fn unknown_field(name: &str, known: &'static [&'static str]) -> Self {
-        Self::new(Fault::Unknown(name.into(), names(known)))
+        Self::new(FormFault::Unknown(name.into(), names(known)))
     }
     fn missing_field(name: &'static str) -> Self {
-        Self::new(Fault::Missing(name.into()))
+        Self::new(FormFault::Missing(name.into()))
     }
     fn duplicate_field(name: &'static str) -> Self {
-        Self::new(Fault::Value(format!("{name} once")))
+        Self::new(FormFault::Value(format!("{name} once")))
     }
 }
 
@@ -204,7 +204,7 @@ impl<'a, 'i> Reader<'a, 'i> {
 
     /// The complaint that this value should be `allowed`.
     fn should_be(&self, allowed: String) -> Complaint {
-        Complaint::new(Fault::Value(allowed)).at(&self.path)
+        Complaint::new(FormFault::Value(allowed)).at(&self.path)
     }
 
     /// The entries of a table with these keys.
@@ -226,19 +226,19 @@ impl<'a, 'i> Reader<'a, 'i> {
     }
 
     /// The choice among these variants.
-    fn choice(&self, variants: &'static [&'static str]) -> Result<Choice<'_, 'a, 'i>, Complaint> {
+    fn choice(&self, variants: &'static [&'static str]) -> Result<VariantChoice<'_, 'a, 'i>, Complaint> {
         match self.value() {
             None => {
                 let name = variants.first().copied().unwrap_or_default();
-                Ok(Choice { reader: self, name, inside: None })
+                Ok(VariantChoice { reader: self, name, inside: None })
             }
-            Some(DeValue::String(text)) => Ok(Choice { reader: self, name: text, inside: None }),
+            Some(DeValue::String(text)) => Ok(VariantChoice { reader: self, name: text, inside: None }),
             Some(DeValue::Table(table)) => {
                 let ignored = |key: &str| self.mended.ignored.contains(&dotted(&self.path, key));
                 let mut kept = table.iter().filter(|(key, _)| !ignored(key.get_ref()));
                 match (kept.next(), kept.next()) {
                     (Some((key, value)), None) => {
-                        Ok(Choice { reader: self, name: key.get_ref(), inside: Some(value) })
+                        Ok(VariantChoice { reader: self, name: key.get_ref(), inside: Some(value) })
                     }
                     _ => {
                         let keys = table.keys().map(|key| key.get_ref());
@@ -257,7 +257,7 @@ impl<'a, 'i> Reader<'a, 'i> {
             DeValue::Boolean(value) => visitor.visit_bool(*value),
             DeValue::Float(float) => match float.as_str().parse() {
                 Ok(value) => visitor.visit_f64(value),
-                Err(_) => Err(Complaint::new(Fault::Value("a number".into()))),
+                Err(_) => Err(Complaint::new(FormFault::Value("a number".into()))),
             },
             DeValue::Integer(integer) => match i128::from_str_radix(integer.as_str(), integer.radix()) {
                 Ok(value) => match (i64::try_from(value), u64::try_from(value)) {
@@ -265,7 +265,7 @@ impl<'a, 'i> Reader<'a, 'i> {
                     (_, Ok(value)) => visitor.visit_u64(value),
                     _ => visitor.visit_f64(value as f64),
                 },
-                Err(_) => Err(Complaint::new(Fault::Value("a whole number of fewer digits".into()))),
+                Err(_) => Err(Complaint::new(FormFault::Value("a whole number of fewer digits".into()))),
             },
             DeValue::Datetime(time) => visitor.visit_string(time.to_string()),
             DeValue::Array(_) => visitor.visit_seq(Items::new(self)),
@@ -381,8 +381,8 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
 }
 
 /// What is wrong with a table that should hold one of `variants` alone and has these `keys`.
-fn not_one_of<K: AsRef<str>>(mut keys: impl Iterator<Item = K>, variants: &[&str]) -> Fault {
+fn not_one_of<K: AsRef<str>>(mut keys: impl Iterator<Item = K>, variants: &[&str]) -> FormFault {
     let unknown = keys.find(|key| !variants.contains(&key.as_ref()));
-    let known = unknown.map(|key| Fault::Unknown(key.as_ref().into(), names(variants)));
-    known.unwrap_or_else(|| Fault::Value(format!("one of {}, alone", variants.join(", "))))
+    let known = unknown.map(|key| FormFault::Unknown(key.as_ref().into(), names(variants)));
+    known.unwrap_or_else(|| FormFault::Value(format!("one of {}, alone", variants.join(", "))))
 }

@@ -9,12 +9,12 @@ use std::path::{Component, Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{ConfigError, Place, Problem, Wrong, limits, tree};
+use super::{ConfigError, KeyProblem, ValuePlace, Wrong, limits, tree};
 
 /// The texts, one after another: a byte's number says which text it is in.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    texts: Vec<Source>,
+    texts: Vec<SourceText>,
     /// The steps to the table that is looked at.
     root: Vec<String>,
 }
@@ -35,7 +35,7 @@ pub enum Origin {
 }
 
 #[derive(Clone, Debug)]
-struct Source {
+struct SourceText {
     origin: Origin,
     /// As it was given.
     text: String,
@@ -131,7 +131,7 @@ impl Sources {
     /// Reads an override `key=value`; the value is TOML or else text.
     pub fn read_override(&mut self, text: &str) -> Result<(), ConfigError> {
         let Some((key, value)) = text.split_once('=').filter(|(key, _)| !tree::steps(key).is_empty()) else {
-            return Err(of_place(Place::Override(shown(text)), "allowed is KEY=VALUE".into()));
+            return Err(of_place(ValuePlace::Override(shown(text)), "allowed is KEY=VALUE".into()));
         };
         let mut toml = format!("v={}", value.trim());
         if !DeTable::parse(&toml).is_ok_and(|table| table.get_ref().len() == 1) {
@@ -140,7 +140,7 @@ impl Sources {
         let at: Vec<String> = self.root.iter().cloned().chain(tree::steps(key)).collect();
         if at.len() > limits::DEEPEST {
             let what = format!("allowed is a key of at most {} names", limits::DEEPEST);
-            return Err(of_place(Place::Override(brief(text)), what));
+            return Err(of_place(ValuePlace::Override(brief(text)), what));
         }
         self.add(Origin::Override, text.into(), &toml, at, Joins::Instead)
     }
@@ -156,13 +156,13 @@ impl Sources {
             };
             tree::assign(&mut root, &source.at, value).map_err(|allowed| {
                 let key = tree::path(&source.at);
-                Wrong::new(self.place(source.start), key, None, Problem::Value(allowed))
+                Wrong::new(self.place(source.start), key, None, KeyProblem::Value(allowed))
             })?;
         }
         Ok(tree::taken(root, &self.root))
     }
 
-    fn parsed<'a>(&self, source: &'a Source) -> Result<Spanned<DeValue<'a>>, ConfigError> {
+    fn parsed<'a>(&self, source: &'a SourceText) -> Result<Spanned<DeValue<'a>>, ConfigError> {
         source.parse().map_err(|error| {
             let at = error.span().map_or(source.start, |span| span.start);
             of_place(self.place(at), format!("not TOML: {}", error.message()))
@@ -171,7 +171,7 @@ impl Sources {
 
     /// The same without overrides.
     pub fn as_written(&self) -> Self {
-        let written = |source: &&Source| !matches!(source.origin, Origin::Override);
+        let written = |source: &&SourceText| !matches!(source.origin, Origin::Override);
         Self { texts: self.texts.iter().filter(written).cloned().collect(), root: self.root.clone() }
     }
 
@@ -182,15 +182,15 @@ impl Sources {
     }
 
     /// Where byte `at` stands.
-    pub fn place(&self, at: usize) -> Place {
-        let Some(source) = self.source(at) else { return Place::Nowhere };
+    pub fn place(&self, at: usize) -> ValuePlace {
+        let Some(source) = self.source(at) else { return ValuePlace::Nowhere };
         let before = source.text.as_bytes().iter().take(at - source.start);
         let line = 1 + before.filter(|byte| **byte == b'\n').count();
         match &source.origin {
-            Origin::File(file) | Origin::Table(file) => Place::Line(file.clone(), line),
-            Origin::Text(name) => Place::Text(name.clone(), line),
-            Origin::Value(name) => Place::Value(name.clone()),
-            Origin::Override => Place::Override(shown(&source.text)),
+            Origin::File(file) | Origin::Table(file) => ValuePlace::Line(file.clone(), line),
+            Origin::Text(name) => ValuePlace::Text(name.clone(), line),
+            Origin::Value(name) => ValuePlace::Value(name.clone()),
+            Origin::Override => ValuePlace::Override(shown(&source.text)),
         }
     }
 
@@ -214,10 +214,10 @@ impl Sources {
 
     /// The files, in the order read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.texts.iter().filter_map(Source::file)
+        self.texts.iter().filter_map(SourceText::file)
     }
 
-    fn source(&self, at: usize) -> Option<&Source> {
+    fn source(&self, at: usize) -> Option<&SourceText> {
         self.texts.iter().rev().find(|source| source.start <= at)
     }
 
@@ -234,15 +234,15 @@ impl Sources {
         let taken: usize = self.texts.iter().map(|source| source.toml.len()).sum();
         if taken.saturating_add(start).saturating_add(toml.len()) > limits::LARGEST_DOCUMENT {
             let what = format!("allowed are fewer or shorter texts: {} of them so far", self.texts.len());
-            return Err(of_place(Place::Override(brief(&text)), what));
+            return Err(of_place(ValuePlace::Override(brief(&text)), what));
         }
         let toml = " ".repeat(start) + toml;
-        self.texts.push(Source { origin, text, start, toml, at, joins });
+        self.texts.push(SourceText { origin, text, start, toml, at, joins });
         Ok(())
     }
 }
 
-impl Source {
+impl SourceText {
     fn file(&self) -> Option<&Path> {
         match &self.origin {
             Origin::File(file) | Origin::Table(file) => Some(file),
@@ -269,13 +269,13 @@ fn shown(text: &str) -> String {
 
 /// The error of a file that cannot be read; `blame` is the key that names it, if one does.
 fn unreadable(path: &Path, why: &str, blame: Option<Wrong>) -> ConfigError {
-    let Some(blame) = blame else { return of_place(Place::File(path.into()), why.into()) };
+    let Some(blame) = blame else { return of_place(ValuePlace::File(path.into()), why.into()) };
     let allowed = format!("a file that can be read; {}: {why}", path.display());
-    Wrong { problem: Problem::Value(allowed), ..blame }.into()
+    Wrong { problem: KeyProblem::Value(allowed), ..blame }.into()
 }
 
-fn of_place(place: Place, what: String) -> ConfigError {
-    Wrong::new(place, "", None, Problem::File(what)).into()
+fn of_place(place: ValuePlace, what: String) -> ConfigError {
+    Wrong::new(place, "", None, KeyProblem::File(what)).into()
 }
 
 /// `text` on one line of at most 60 letters.

@@ -1,6 +1,6 @@
 //! Robots side by side under one task.
 
-use super::lanes::{MOST_LANES, Precision, Side};
+use super::lanes::{LaneRoom, MOST_LANES, Precision};
 use super::{Task, View};
 use crate::Scenario;
 use arrayvec::ArrayVec;
@@ -43,7 +43,7 @@ pub struct Flock {
     task: Arc<dyn Task>,
     members: Vec<Member>,
     /// One for each group of neighbours that are stepped at once.
-    sides: Vec<Side>,
+    sides: Vec<LaneRoom>,
     precision: Precision,
     start: Vec<f64>,
     threads: usize,
@@ -89,7 +89,7 @@ pub struct SavedRobot {
 }
 
 /// What a robot tells of a step.
-struct Row<'a> {
+struct MemberRow<'a> {
     observation: &'a mut [f64],
     reward: &'a mut f64,
     terms: &'a mut [f64],
@@ -126,7 +126,7 @@ impl Flock {
         };
         let longest = (task.duration_s() / PERIOD_S).round().max(1.0) as usize;
         let (members, groups) = ((0..count).map(|_| member()).collect(), count.div_ceil(precision.lanes()));
-        let sides = (0..groups).map(|_| Side::new(precision, start.len(), inputs)).collect();
+        let sides = (0..groups).map(|_| LaneRoom::new(precision, start.len(), inputs)).collect();
         Ok(Self { members, sides, precision, robot, task, start, threads, longest })
     }
 
@@ -241,20 +241,21 @@ impl Flock {
         let rows = batch.observations.chunks_mut(seen).zip(batch.terms.chunks_mut(terms));
         let flags = batch.terminated.iter_mut().zip(&mut batch.truncated);
         let rows = rows.zip(&mut batch.rewards).zip(flags);
-        let row = |(((observation, terms), reward), (terminated, truncated))| Row {
+        let row = |(((observation, terms), reward), (terminated, truncated))| MemberRow {
             observation,
             reward,
             terms,
             terminated,
             truncated,
         };
-        let mut rows: Vec<Row> = rows.map(row).collect();
+        let mut rows: Vec<MemberRow> = rows.map(row).collect();
         let lanes = self.precision.lanes();
         let groups = self.members.chunks_mut(lanes).zip(actions.chunks(lanes * inputs));
         let groups = groups.zip(rows.chunks_mut(lanes)).zip(&mut self.sides);
-        let mut groups: Vec<_> =
-            groups.map(|(((members, actions), rows), side)| Group { members, actions, rows, side }).collect();
-        let course = Course { task: &*self.task, start: &self.start, longest: self.longest };
+        let mut groups: Vec<_> = groups
+            .map(|(((members, actions), rows), side)| MemberGroup { members, actions, rows, side })
+            .collect();
+        let course = EpisodeTask { task: &*self.task, start: &self.start, longest: self.longest };
         parallel::chunks(&mut groups, self.threads, |group| {
             if watch().is_continue() {
                 group.step(&course);
@@ -310,7 +311,7 @@ impl Member {
     }
 
     /// Takes the action; false, and the next episode begun, where an episode was over.
-    fn take(&mut self, action: &[f64], course: &Course) -> bool {
+    fn take(&mut self, action: &[f64], course: &EpisodeTask) -> bool {
         if self.over {
             self.begin(course.start, course.task);
             return false;
@@ -327,7 +328,7 @@ impl Member {
     }
 
     /// Tells of the step that was taken.
-    fn tell(&mut self, row: &mut Row, course: &Course) {
+    fn tell(&mut self, row: &mut MemberRow, course: &EpisodeTask) {
         let whole = self.robot.check().is_ok();
         self.count += 1;
         if !whole {
@@ -347,22 +348,22 @@ impl Member {
 }
 
 /// What all robots have before them.
-struct Course<'a> {
+struct EpisodeTask<'a> {
     task: &'a dyn Task,
     start: &'a [f64],
     longest: usize,
 }
 
 /// Robots that are stepped at once.
-struct Group<'a, 'r> {
+struct MemberGroup<'a, 'r> {
     members: &'a mut [Member],
     actions: &'a [f64],
-    rows: &'a mut [Row<'r>],
-    side: &'a mut Side,
+    rows: &'a mut [MemberRow<'r>],
+    side: &'a mut LaneRoom,
 }
 
-impl Group<'_, '_> {
-    fn step(&mut self, course: &Course) {
+impl MemberGroup<'_, '_> {
+    fn step(&mut self, course: &EpisodeTask) {
         let mut moving = ArrayVec::<_, MOST_LANES>::new();
         let inputs = self.actions.len() / self.members.len();
         for (member, action) in self.members.iter_mut().zip(self.actions.chunks(inputs)) {

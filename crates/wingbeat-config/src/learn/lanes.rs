@@ -30,12 +30,12 @@ impl Precision {
 }
 
 /// Room to step robots side by side.
-pub(super) enum Side {
+pub(super) enum LaneRoom {
     Double(Together<Double4>),
     Single(Together<Single8>),
 }
 
-impl Side {
+impl LaneRoom {
     pub fn new(precision: Precision, states: usize, inputs: usize) -> Self {
         match precision {
             Precision::Double => Self::Double(Together::new(states, inputs)),

@@ -2,7 +2,7 @@
 
 use super::gait_record::{Replay, beside, cycle_mean, means, stalled};
 use super::{CHECK_STEPS, PlanNodes, PlanSummary, Planned, SolverNumbers, nodes, verdict};
-use crate::summary::Crossing;
+use crate::summary::PartClearance;
 use crate::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
     WindSpec,
@@ -199,7 +199,7 @@ impl Scenario {
         (summary.replay, summary.replay_closure) = (Some(means(&record)), Some(closure));
         (summary.stall_fraction, summary.own_stall_fraction) =
             (Some(stalled(&record)), Some(stalled(&own_record)));
-        let crossing = |record| Crossing::new(record, self.model.clearances());
+        let crossing = |record| PartClearance::new(record, self.model.clearances());
         let least = |record| crossing(record).map(|c| c.least_m);
         (summary.least_clearance_m, summary.own_least_clearance_m) = (least(&record), least(&own_record));
         summary.judge_replayed(judge, self.model.mass(), crossing(&record).as_ref());

@@ -2,7 +2,7 @@
 
 use super::{CHECK_STEPS, PlanNodes, PlanSpec, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::recorder::{Recorded, Recorder, momentum_change};
-use crate::summary::{Crossing, given, mean};
+use crate::summary::{PartClearance, given, mean};
 use crate::{Chosen, Scenario, ScenarioSpec, written};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -154,7 +154,7 @@ impl Scenario {
         }
         summary.stall_fraction = means.map(|means| means.stall_fraction);
         summary.flown_angles_deg = Some(angles.map(f64::to_degrees));
-        let crossing = Crossing::since(&record, self.model.clearances(), spec.start_s);
+        let crossing = PartClearance::since(&record, self.model.clearances(), spec.start_s);
         summary.least_clearance_m = crossing.as_ref().map(|c| c.least_m);
         let power =
             |name: &str| record.values(name).and_then(|values| values.get(first..)).unwrap_or_default();

@@ -4,7 +4,7 @@ use super::nodes::PlanNodes;
 use super::roll_in::RollInSummary;
 use super::{LeastPowerSummary, SolverNumbers};
 use crate::flight_verdict::velocity_at;
-use crate::summary::Crossing;
+use crate::summary::PartClearance;
 use std::collections::BTreeMap;
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::limits::{flight, plan, trim};
@@ -93,7 +93,7 @@ impl RollInSummary {
     }
 
     /// Holds the reorientation, as it was flown, against the limits.
-    pub(super) fn judge_turned(&self, judge: &mut Judge, crossing: Option<&Crossing>) {
+    pub(super) fn judge_turned(&self, judge: &mut Judge, crossing: Option<&PartClearance>) {
         judge.hold_if(&plan::FLOWN, self.off());
         judge.hold_if(&flight::MOMENTUM, self.angular_momentum_change_kg_m2_s);
         if let Some(crossing) = crossing {
@@ -107,7 +107,7 @@ impl RollInSummary {
         judge: &mut Judge,
         record: &Record,
         first: usize,
-        crossing: Option<&Crossing>,
+        crossing: Option<&PartClearance>,
     ) {
         judge.hold_if(&plan::FLOWN, self.off());
         let z = record.values("p_WB_z").and_then(|z| z.get(first..)).unwrap_or_default();
@@ -133,7 +133,7 @@ fn angle_between(a: f64, b: f64) -> f64 {
 
 impl LeastPowerSummary {
     /// Holds the gait, as it was replayed from rest, against the limits; `mass` is that of the robot, kg.
-    pub(super) fn judge_replayed(&self, judge: &mut Judge, mass: f64, crossing: Option<&Crossing>) {
+    pub(super) fn judge_replayed(&self, judge: &mut Judge, mass: f64, crossing: Option<&PartClearance>) {
         if let Some(means) = self.replay {
             let lacks = (self.asked_up_n - means.up_n).max(self.asked_forward_n - means.forward_n);
             judge.hold(&plan::REPLAYED, lacks.max(0.0) / self.weight_n);

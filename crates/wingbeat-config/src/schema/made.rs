@@ -116,16 +116,16 @@ impl JsonSchema for Measured {
 }
 
 /// The kinds beside a table that ships, which ship under a name of their own.
-pub trait Beside {
+pub trait ShippedKinds {
     /// Their names and schemas.
     fn beside(_: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         Vec::new()
     }
 }
 
-impl Beside for Turn {}
+impl ShippedKinds for Turn {}
 
-impl Beside for MpcSpec {
+impl ShippedKinds for MpcSpec {
     fn beside(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         vec![
             ("orbit", generator.subschema_for::<AboutOrbitSpec>()),
@@ -135,7 +135,7 @@ impl Beside for MpcSpec {
     }
 }
 
-impl<T: JsonSchema + Beside> JsonSchema for Chosen<T> {
+impl<T: JsonSchema + ShippedKinds> JsonSchema for Chosen<T> {
     fn schema_name() -> Cow<'static, str> {
         format!("Chosen{}", T::schema_name()).into()
     }

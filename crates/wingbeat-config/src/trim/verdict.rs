@@ -4,13 +4,13 @@ use super::summary::{TrimSummary, hover_wash};
 use crate::spec::{AirSpec, ScenarioSpec};
 use crate::{fit, plausible, unheard};
 use wingbeat_judge::limits::trim;
-use wingbeat_judge::{Judge, Limit, Limits, Verdict, Warning};
+use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_robot::Robot;
 
 impl TrimSummary {
     /// Judges the orbit that was found.
-    pub(super) fn judge(&mut self, robot: &Robot, spec: &ScenarioSpec, limits: &Limits) {
+    pub(super) fn judge(&mut self, robot: &Robot, spec: &ScenarioSpec, limits: &RunLimits) {
         let mut judge = Judge::new(limits);
         let steps = spec
             .trim
@@ -23,7 +23,7 @@ impl TrimSummary {
         // Of an orbit that holds itself the gains must not make more of a disturbance.
         let upset =
             self.largest_multiplier.filter(|alone| *alone <= trim::GROWS.value).and(self.held_multiplier);
-        let held: [(&'static Limit, Option<f64>); 11] = [
+        let held: [(&'static JudgedLimit, Option<f64>); 11] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
             (&trim::BEYOND_20, self.stall_fraction_20),

@@ -2,7 +2,8 @@
 
 use wingbeat::simulate::Record;
 
-use super::{Point, points};
+use super::points;
+use crate::space::WorldPoint;
 
 /// Seconds between two drawings of the robot: no whole number of strokes at 3.5, 5.9, 8, 10 or 12.8 Hz, so that they show different
 /// phases.
@@ -15,25 +16,25 @@ const MOST: f64 = 36.0;
 /// The robot at one instant.
 pub struct Bird {
     /// Origin of the body.
-    pub body: Point,
+    pub body: WorldPoint,
     /// Its wings, tails and fins.
-    pub wings: Vec<Wing>,
+    pub wings: Vec<WingEdges>,
 }
 
 /// The edges of a surface on one side, at the ends of its panels.
 #[derive(Clone)]
-pub struct Wing {
+pub struct WingEdges {
     /// 0 left, 1 right, none of one that is of neither.
     pub side: Option<usize>,
-    pub leading: Vec<Point>,
-    pub trailing: Vec<Point>,
+    pub leading: Vec<WorldPoint>,
+    pub trailing: Vec<WorldPoint>,
 }
 
 impl Bird {
     /// The bird with all distances from the body enlarged by the factor `factor`.
     pub fn enlarged(&self, factor: f64) -> Self {
-        let grow = |p: &Point| std::array::from_fn(|i| self.body[i] + factor * (p[i] - self.body[i]));
-        let wing = |wing: &Wing| Wing {
+        let grow = |p: &WorldPoint| std::array::from_fn(|i| self.body[i] + factor * (p[i] - self.body[i]));
+        let wing = |wing: &WingEdges| WingEdges {
             side: wing.side,
             leading: wing.leading.iter().map(grow).collect(),
             trailing: wing.trailing.iter().map(grow).collect(),
@@ -47,7 +48,7 @@ impl Bird {
     }
 
     /// Every point of the wings.
-    pub fn points(&self) -> impl Iterator<Item = Point> {
+    pub fn points(&self) -> impl Iterator<Item = WorldPoint> {
         self.wings.iter().flat_map(|wing| wing.leading.iter().chain(&wing.trailing).copied())
     }
 }
@@ -71,8 +72,9 @@ pub fn apart(birds: Vec<Bird>, enlargement: f64) -> Vec<Bird> {
 }
 
 /// The robot at every [`interval`]; none where the record has no wings.
-pub fn birds(record: &Record, t: &[f64], track: &[Point]) -> Vec<Bird> {
-    let edges: Vec<Edges> = outlines(record).iter().filter_map(|outline| outline.edges(record)).collect();
+pub fn birds(record: &Record, t: &[f64], track: &[WorldPoint]) -> Vec<Bird> {
+    let edges: Vec<EdgeTracks> =
+        outlines(record).iter().filter_map(|outline| outline.edges(record)).collect();
     if edges.is_empty() {
         return Vec::new();
     }
@@ -83,33 +85,33 @@ pub fn birds(record: &Record, t: &[f64], track: &[Point]) -> Vec<Bird> {
 
 /// Ends of the panels of a surface on one side, from one end to the other.
 #[derive(Debug, PartialEq)]
-struct Outline<'a> {
+struct SideOutline<'a> {
     surface: &'a str,
     side: Option<usize>,
     ends: Vec<&'a str>,
 }
 
 /// The edges of an outline over the record, end by end.
-struct Edges {
+struct EdgeTracks {
     side: Option<usize>,
-    leading: Vec<Vec<Point>>,
-    trailing: Vec<Vec<Point>>,
+    leading: Vec<Vec<WorldPoint>>,
+    trailing: Vec<Vec<WorldPoint>>,
 }
 
 /// Every `leading_<end>_x` of a record, in its order.
-fn outlines(record: &Record) -> Vec<Outline<'_>> {
+fn outlines(record: &Record) -> Vec<SideOutline<'_>> {
     let names = record.columns().iter().map(|column| column.name.as_str());
     of_ends(names.filter_map(|name| name.strip_prefix("leading_")?.strip_suffix("_x")))
 }
 
 /// The ends by surface and side. One that reaches from tip to tip without an end between is cut in the middle.
-fn of_ends<'a>(ends: impl Iterator<Item = &'a str>) -> Vec<Outline<'a>> {
-    let mut outlines: Vec<Outline> = Vec::new();
+fn of_ends<'a>(ends: impl Iterator<Item = &'a str>) -> Vec<SideOutline<'a>> {
+    let mut outlines: Vec<SideOutline> = Vec::new();
     for end in ends {
         let (surface, side) = place(end);
         match outlines.last_mut() {
             Some(last) if last.surface == surface && last.side == side => last.ends.push(end),
-            _ => outlines.push(Outline { surface, side, ends: vec![end] }),
+            _ => outlines.push(SideOutline { surface, side, ends: vec![end] }),
         }
     }
     for right in 1..outlines.len() {
@@ -134,9 +136,9 @@ fn place(end: &str) -> (&str, Option<usize>) {
     (end.rsplit_once('_').map_or("", |(surface, _)| surface), None)
 }
 
-impl Outline<'_> {
-    fn edges(&self, record: &Record) -> Option<Edges> {
-        let line = |line: &str| -> Option<Vec<Vec<Point>>> {
+impl SideOutline<'_> {
+    fn edges(&self, record: &Record) -> Option<EdgeTracks> {
+        let line = |line: &str| -> Option<Vec<Vec<WorldPoint>>> {
             self.ends.iter().map(|end| points(record, &format!("{line}_{end}")).ok()).collect()
         };
         let (mut leading, mut trailing) = (line("leading")?, line("trailing")?);
@@ -147,18 +149,18 @@ impl Outline<'_> {
                 edge[cut] = edge[0].iter().zip(&edge[1]).map(|(a, b)| middle(*a, *b)).collect();
             }
         }
-        Some(Edges { side: self.side, leading, trailing })
+        Some(EdgeTracks { side: self.side, leading, trailing })
     }
 }
 
-impl Edges {
-    fn at(&self, row: usize) -> Wing {
-        let at = |edge: &[Vec<Point>]| edge.iter().map(|end| end[row]).collect();
-        Wing { side: self.side, leading: at(&self.leading), trailing: at(&self.trailing) }
+impl EdgeTracks {
+    fn at(&self, row: usize) -> WingEdges {
+        let at = |edge: &[Vec<WorldPoint>]| edge.iter().map(|end| end[row]).collect();
+        WingEdges { side: self.side, leading: at(&self.leading), trailing: at(&self.trailing) }
     }
 }
 
-fn middle(a: Point, b: Point) -> Point {
+fn middle(a: WorldPoint, b: WorldPoint) -> WorldPoint {
     std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
 }
 
@@ -177,7 +179,7 @@ fn rows(t: &[f64]) -> impl Iterator<Item = usize> {
         .map(move |n| t.partition_point(|&time| time < first + n as f64 * interval - 1e-9).min(t.len() - 1))
 }
 
-fn distance(a: Point, b: Point) -> f64 {
+fn distance(a: WorldPoint, b: WorldPoint) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
@@ -196,10 +198,10 @@ mod tests {
 
     #[test]
     fn drawings_of_the_robot_do_not_pile_up() {
-        let wing = Wing { side: None, leading: vec![[0.0; 3]], trailing: vec![[0.0; 3]] };
+        let wing = WingEdges { side: None, leading: vec![[0.0; 3]], trailing: vec![[0.0; 3]] };
         let at = |x: f64| {
             let edge = [x, 0.1, 0.0];
-            let wing = Wing { leading: vec![edge], trailing: vec![edge], ..wing.clone() };
+            let wing = WingEdges { leading: vec![edge], trailing: vec![edge], ..wing.clone() };
             Bird { body: [x, 0.0, 0.0], wings: vec![wing] }
         };
         let kept = |places: &[f64], size| -> Vec<f64> {

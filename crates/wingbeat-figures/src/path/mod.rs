@@ -7,14 +7,12 @@ mod sheet;
 use wingbeat::scenario::PaperResults;
 use wingbeat::simulate::Record;
 
+use crate::space::WorldPoint;
 use crate::write::Figure;
 use crate::{Error, needed};
 use bird::{birds, interval};
-use room::Room;
-use sheet::Sheet;
-
-/// A point in world coordinates, m.
-type Point = [f64; 3];
+use room::SceneBox;
+use sheet::PathSheet;
 
 /// The path `p_WB_x`, `p_WB_y`, `p_WB_z` (world frame) above its shadow on the floor of the axes. Where the record has the ends of
 /// the surfaces' panels, `<line>_[<surface>_][<side>_]<end>_x/y/z` (world frame; leading, trailing; left, right), the surfaces
@@ -33,10 +31,10 @@ pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Err
         [track[0][0] + paper.distance_x_m, track[0][1] - paper.roll_deg.signum() * paper.distance_y_m, end[2]]
     });
     let perch = points(record, "perch").ok().and_then(|perch| perch.first().copied());
-    let seen: Vec<Point> = track.iter().copied().chain(published).chain(perch).collect();
-    let room = Room::around(&seen, &birds);
+    let seen: Vec<WorldPoint> = track.iter().copied().chain(published).chain(perch).collect();
+    let room = SceneBox::around(&seen, &birds);
     let all = birds.len();
-    let mut sheet = Sheet::new(&room);
+    let mut sheet = PathSheet::new(&room);
     sheet.ground(&room);
     sheet.shadow(&room, &track);
     sheet.track(&track);
@@ -51,7 +49,7 @@ pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Err
 }
 
 /// The points `<name>_x`, `_y`, `_z` of every row.
-fn points(record: &Record, name: &str) -> Result<Vec<Point>, Error> {
+fn points(record: &Record, name: &str) -> Result<Vec<WorldPoint>, Error> {
     let [x, y, z] = ["x", "y", "z"].map(|axis| needed(record, &format!("{name}_{axis}")));
     let (x, y, z) = (x?, y?, z?);
     Ok((0..x.len()).map(|row| [x[row], y[row], z[row]]).collect())

@@ -1,7 +1,7 @@
 //! The box of space that is drawn.
 
-use super::Point;
 use super::bird::Bird;
+use crate::space::WorldPoint;
 use crate::space::round_step;
 
 /// Share of the picture that the robot's reach should take at least.
@@ -11,18 +11,18 @@ const SHARE: f64 = 0.08;
 const LINES: f64 = 20.0;
 
 /// A box whose sides are whole steps long.
-pub struct Room {
-    pub low: Point,
-    pub high: Point,
+pub struct SceneBox {
+    pub low: WorldPoint,
+    pub high: WorldPoint,
     /// Distance of two lines of the grid, m.
     pub step: f64,
     /// Factor by which the robot is drawn too large.
     pub enlargement: f64,
 }
 
-impl Room {
+impl SceneBox {
     /// The room around the track and the robots on it.
-    pub fn around(track: &[Point], birds: &[Bird]) -> Self {
+    pub fn around(track: &[WorldPoint], birds: &[Bird]) -> Self {
         let (low, high) = bounds(track.iter().copied());
         let size = (0..3).map(|i| high[i] - low[i]).fold(0.1, f64::max);
         let reach = birds.iter().map(Bird::reach).fold(0.0, f64::max);
@@ -46,13 +46,13 @@ impl Room {
     }
 
     /// The eight corners.
-    pub fn corners(&self) -> Vec<Point> {
+    pub fn corners(&self) -> Vec<WorldPoint> {
         let pick = |bit: usize, i: usize| if bit >> i & 1 == 0 { self.low[i] } else { self.high[i] };
         (0..8).map(|bit| std::array::from_fn(|i| pick(bit, i))).collect()
     }
 }
 
-fn bounds(points: impl Iterator<Item = Point>) -> (Point, Point) {
+fn bounds(points: impl Iterator<Item = WorldPoint>) -> (WorldPoint, WorldPoint) {
     points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), point| {
         (std::array::from_fn(|i| low[i].min(point[i])), std::array::from_fn(|i| high[i].max(point[i])))
     })
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn a_room_holds_its_track() {
-        let room = Room::around(&[[0.0, 0.0, 0.0], [4.2, -5.3, -1.9]], &[]);
+        let room = SceneBox::around(&[[0.0, 0.0, 0.0], [4.2, -5.3, -1.9]], &[]);
         assert_eq!((room.low, room.high, room.step), ([-1.0, -6.0, -2.0], [5.0, 1.0, 1.0], 1.0));
         assert_eq!(room.ticks(2), [-2.0, -1.0, 0.0, 1.0]);
     }

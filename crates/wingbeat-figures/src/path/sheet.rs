@@ -3,10 +3,10 @@
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use super::Point;
 use super::bird::Bird;
-use super::room::Room;
+use super::room::SceneBox;
 use crate::space::Camera;
+use crate::space::WorldPoint;
 use crate::style;
 
 /// Azimuth and elevation of the view, degrees.
@@ -17,17 +17,17 @@ const GRID: &str = "#e4e4e4";
 const SHADOW: &str = "#bdbdbd";
 
 /// The drawing and its scale.
-pub struct Sheet {
+pub struct PathSheet {
     pub scene: Scene,
     view: Camera,
     scale: f64,
     origin: (f64, f64),
 }
 
-impl Sheet {
+impl PathSheet {
     const MARGINS: (f64, f64) = (70.0, 44.0);
 
-    pub fn new(room: &Room) -> Self {
+    pub fn new(room: &SceneBox) -> Self {
         let view = Camera::orthographic(VIEW.0, VIEW.1);
         let seen: Vec<(f64, f64)> = room.corners().into_iter().map(|corner| view.project(corner)).collect();
         let bounds = |of: fn(&(f64, f64)) -> f64| {
@@ -41,12 +41,12 @@ impl Sheet {
         Self { scene, view, scale, origin: (Self::MARGINS.0 - scale * left, Self::MARGINS.1 - scale * top) }
     }
 
-    fn at(&self, point: Point) -> (f64, f64) {
+    fn at(&self, point: WorldPoint) -> (f64, f64) {
         let (right, down) = self.view.project(point);
         (self.origin.0 + self.scale * right, self.origin.1 + self.scale * down)
     }
 
-    fn line(&mut self, points: &[Point], colour: &str, weight: f64) {
+    fn line(&mut self, points: &[WorldPoint], colour: &str, weight: f64) {
         let points = points.iter().map(|&point| self.at(point)).collect();
         self.scene.elements.push(Primitive::PolyLine {
             points,
@@ -56,7 +56,7 @@ impl Sheet {
         });
     }
 
-    fn area(&mut self, points: &[Point], colour: &str, opacity: f64) {
+    fn area(&mut self, points: &[WorldPoint], colour: &str, opacity: f64) {
         let corners: Vec<(f64, f64)> = points.iter().map(|point| self.at(*point)).collect();
         self.scene.elements.push(style::area(&corners, colour, opacity));
     }
@@ -76,8 +76,8 @@ impl Sheet {
     }
 
     /// The ground with its grid, and the two walls behind, with ticks and names of the axes.
-    pub fn ground(&mut self, room: &Room) {
-        let Room { low, high, .. } = *room;
+    pub fn ground(&mut self, room: &SceneBox) {
+        let SceneBox { low, high, .. } = *room;
         let (x, y, z) = (room.ticks(0), room.ticks(1), room.ticks(2));
         for &x in &x {
             self.line(&[[x, low[1], low[2]], [x, high[1], low[2]], [x, high[1], high[2]]], GRID, 0.8);
@@ -103,29 +103,35 @@ impl Sheet {
         self.name("z [m]", [low[0], low[1], high[2]], (-14.0, -14.0));
     }
 
-    fn axis(&mut self, ticks: &[f64], place: impl Fn(f64) -> Point, shift: (f64, f64), anchor: TextAnchor) {
+    fn axis(
+        &mut self,
+        ticks: &[f64],
+        place: impl Fn(f64) -> WorldPoint,
+        shift: (f64, f64),
+        anchor: TextAnchor,
+    ) {
         for &tick in ticks {
             let (x, y) = self.at(place(tick));
             self.text((x + shift.0, y + shift.1), style::number(tick), anchor, style::TICKS);
         }
     }
 
-    fn name(&mut self, name: &str, place: Point, shift: (f64, f64)) {
+    fn name(&mut self, name: &str, place: WorldPoint, shift: (f64, f64)) {
         let (x, y) = self.at(place);
         self.text((x + shift.0, y + shift.1), name.into(), TextAnchor::Middle, style::LETTERS);
     }
 
-    pub fn shadow(&mut self, room: &Room, track: &[Point]) {
-        let ground: Vec<Point> = track.iter().map(|point| [point[0], point[1], room.low[2]]).collect();
+    pub fn shadow(&mut self, room: &SceneBox, track: &[WorldPoint]) {
+        let ground: Vec<WorldPoint> = track.iter().map(|point| [point[0], point[1], room.low[2]]).collect();
         self.line(&ground, SHADOW, 1.6);
     }
 
-    pub fn track(&mut self, track: &[Point]) {
+    pub fn track(&mut self, track: &[WorldPoint]) {
         self.line(track, style::INK, style::CURVE);
     }
 
     /// A robot with its membranes, above its place on the floor of the axes.
-    pub fn bird(&mut self, room: &Room, bird: &Bird) {
+    pub fn bird(&mut self, room: &SceneBox, bird: &Bird) {
         self.line(&[bird.body, [bird.body[0], bird.body[1], room.low[2]]], "#d4d4d4", 0.6);
         let bird = bird.enlarged(room.enlargement);
         for wing in &bird.wings {
@@ -152,7 +158,7 @@ impl Sheet {
         });
     }
 
-    pub fn ends(&mut self, track: &[Point], t: &[f64]) {
+    pub fn ends(&mut self, track: &[WorldPoint], t: &[f64]) {
         for (point, time) in [(track[0], t[0]), (track[track.len() - 1], t[t.len() - 1])] {
             let (x, y) = self.at(point);
             self.disc(x, y, 3.6, style::INK);
@@ -161,7 +167,7 @@ impl Sheet {
     }
 
     /// The end point that is published, above its place on the floor of the axes.
-    pub fn published(&mut self, room: &Room, point: Point) {
+    pub fn published(&mut self, room: &SceneBox, point: WorldPoint) {
         let colour = style::colour(3);
         self.line(&[point, [point[0], point[1], room.low[2]]], colour, 0.8);
         for place in [point, [point[0], point[1], room.low[2]]] {
@@ -177,7 +183,7 @@ impl Sheet {
     }
 
     /// A perch, above its place on the floor of the axes.
-    pub fn perch(&mut self, room: &Room, place: Point) {
+    pub fn perch(&mut self, room: &SceneBox, place: WorldPoint) {
         let colour = style::colour(2);
         self.line(&[place, [place[0], place[1], room.low[2]]], colour, 0.8);
         let (x, y) = self.at(place);

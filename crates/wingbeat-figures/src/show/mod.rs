@@ -6,7 +6,7 @@ use wingbeat::body::JointKind;
 use wingbeat::math::Vec3;
 use wingbeat::rig::Pose;
 use wingbeat::rig::arm::SerialArm;
-use wingbeat::rig::carrier::Mount;
+use wingbeat::rig::carrier::CellMount;
 use wingbeat::robot::Skeleton;
 
 use crate::style;
@@ -14,7 +14,7 @@ use crate::write::Figure;
 use sheet::Sheet;
 
 /// A point, m.
-type Point = [f64; 3];
+type ViewPoint = [f64; 3];
 
 /// Length of the axes of a frame, and of a hinge on either side, over the size of what is drawn.
 const AXIS: f64 = 0.07;
@@ -24,13 +24,13 @@ const WIDEST: usize = 112;
 
 /// How a line looks.
 #[derive(Clone, Copy)]
-struct Look {
+struct LineLook {
     colour: &'static str,
     weight: f64,
     dashes: Option<&'static str>,
 }
 
-impl Look {
+impl LineLook {
     const fn line(colour: &'static str, weight: f64) -> Self {
         Self { colour, weight, dashes: None }
     }
@@ -39,11 +39,11 @@ impl Look {
 /// What is drawn, in one frame.
 #[derive(Default)]
 pub struct Drawing {
-    lines: Vec<(Vec<Point>, Look)>,
-    areas: Vec<(Vec<Point>, &'static str, f64)>,
-    dots: Vec<(Point, f64, &'static str)>,
+    lines: Vec<(Vec<ViewPoint>, LineLook)>,
+    areas: Vec<(Vec<ViewPoint>, &'static str, f64)>,
+    dots: Vec<(ViewPoint, f64, &'static str)>,
     frames: Vec<Pose>,
-    labels: Vec<(Point, String)>,
+    labels: Vec<(ViewPoint, String)>,
     notes: Vec<String>,
 }
 
@@ -81,7 +81,7 @@ impl Drawing {
         for link in &robot.links {
             let from = link.parent.map_or(Vec3::ZERO, |parent| robot.links[parent].origin);
             let bone = vec![place(from), place(link.origin)];
-            self.lines.push((bone, Look::line(style::INK, 2.0)));
+            self.lines.push((bone, LineLook::line(style::INK, 2.0)));
         }
         if !labelled {
             return;
@@ -93,7 +93,7 @@ impl Drawing {
                 JointKind::Prismatic => format!("slide {}", link.name),
             };
             let ends = [-size, size].map(|s| place(link.origin + link.axis * s));
-            let look = Look { colour: style::colour(3), weight: 1.4, dashes: Some("5 2") };
+            let look = LineLook { colour: style::colour(3), weight: 1.4, dashes: Some("5 2") };
             self.lines.push((ends.into(), look));
             self.labels.push((place(link.origin), name));
             if link.mass > 0.0 {
@@ -121,7 +121,7 @@ impl Drawing {
             let colour = style::colour(side);
             self.areas.push((vec![a, c, d, b], colour, 0.35));
             for line in [vec![a, c], vec![b, d], vec![a, b], vec![c, d]] {
-                self.lines.push((line, Look::line(colour, 0.9)));
+                self.lines.push((line, LineLook::line(colour, 0.9)));
             }
         }
     }
@@ -131,12 +131,12 @@ impl Drawing {
         let frames = arm.frames(q);
         let mut bones = vec![[0.0; 3]];
         bones.extend(frames[..=arm.dof()].iter().map(|frame| frame.origin.0));
-        self.lines.push((bones, Look::line(style::GUIDE, if labelled { 7.0 } else { 3.0 })));
+        self.lines.push((bones, LineLook::line(style::GUIDE, if labelled { 7.0 } else { 3.0 })));
         let size = AXIS;
         for (joint, frame) in arm.joints.iter().zip(&frames).filter(|_| labelled) {
             let axis = frame.rotation * joint.axis;
             let ends = [-size, size].map(|s| (frame.origin + axis * s).0);
-            let look = Look { colour: style::colour(3), weight: 1.4, dashes: Some("5 2") };
+            let look = LineLook { colour: style::colour(3), weight: 1.4, dashes: Some("5 2") };
             self.lines.push((ends.into(), look));
             self.labels.push((frame.origin.0, joint.name.clone()));
         }
@@ -147,21 +147,21 @@ impl Drawing {
     pub fn table(&mut self, z: f64, half: f64) {
         self.lines.push((
             vec![[0.0; 3], [0.0, 0.0, z]],
-            Look { dashes: Some("3 3"), ..Look::line(style::GUIDE, 3.0) },
+            LineLook { dashes: Some("3 3"), ..LineLook::line(style::GUIDE, 3.0) },
         ));
         let corners = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
         self.areas.push((corners.into(), style::SHADE, 0.5));
         let around = corners.into_iter().chain([corners[0]]);
-        self.lines.push((around.collect(), Look::line(style::GUIDE, 0.8)));
+        self.lines.push((around.collect(), LineLook::line(style::GUIDE, 0.8)));
         self.labels.push(([0.0, -half, z], format!("table, z = {} m", style::number(z))));
     }
 
     /// The robot on its mount, whose tool frame is at `tool`: cell, sting and body; the pose of the body.
-    pub fn mounted(&mut self, robot: &Skeleton, mount: &Mount, tool: &Pose, labelled: bool) -> Pose {
+    pub fn mounted(&mut self, robot: &Skeleton, mount: &CellMount, tool: &Pose, labelled: bool) -> Pose {
         let cell = *tool * mount.cell;
         let body = cell * mount.body;
         let sting = vec![tool.origin.0, cell.origin.0, body.origin.0];
-        self.lines.push((sting, Look::line(style::colour(4), if labelled { 4.0 } else { 2.0 })));
+        self.lines.push((sting, LineLook::line(style::colour(4), if labelled { 4.0 } else { 2.0 })));
         self.robot(robot, &body, false);
         if labelled {
             self.labels.push((cell.point(mount.com).0, format!("mount, {:.1} g", 1e3 * mount.mass)));
@@ -173,12 +173,12 @@ impl Drawing {
     }
 
     /// A path of a point.
-    pub fn path(&mut self, points: Vec<Point>) {
-        self.lines.push((points, Look::line(style::INK, 1.0)));
+    pub fn path(&mut self, points: Vec<ViewPoint>) {
+        self.lines.push((points, LineLook::line(style::INK, 1.0)));
     }
 
     /// Words at a point.
-    pub fn label(&mut self, at: Point, text: impl Into<String>) {
+    pub fn label(&mut self, at: ViewPoint, text: impl Into<String>) {
         self.labels.push((at, text.into()));
     }
 
@@ -192,7 +192,7 @@ impl Drawing {
         Figure::new(name, Sheet::pair(self, title))
     }
 
-    fn points(&self) -> impl Iterator<Item = Point> {
+    fn points(&self) -> impl Iterator<Item = ViewPoint> {
         let lines = self.lines.iter().flat_map(|line| line.0.iter().copied());
         lines.chain(self.areas.iter().flat_map(|area| area.0.iter().copied()))
     }

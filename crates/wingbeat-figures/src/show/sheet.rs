@@ -3,7 +3,7 @@
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
-use super::{AXIS, Drawing, Point};
+use super::{AXIS, Drawing, ViewPoint};
 use crate::space::Camera;
 use crate::style;
 
@@ -27,7 +27,7 @@ const AXES: [&str; 3] = ["#d55e00", "#009e73", "#0072b2"];
 
 /// A place on paper, px.
 #[derive(Clone, Copy)]
-struct Cell {
+struct PaperCell {
     x: f64,
     y: f64,
     width: f64,
@@ -35,14 +35,14 @@ struct Cell {
 }
 
 /// One view in its cell.
-struct Placed {
+struct PlacedView {
     view: Camera,
     scale: f64,
     origin: (f64, f64),
 }
 
-impl Placed {
-    fn at(&self, point: Point) -> (f64, f64) {
+impl PlacedView {
+    fn at(&self, point: ViewPoint) -> (f64, f64) {
         let (right, down) = self.view.project(point);
         (self.origin.0 + self.scale * right, self.origin.1 + self.scale * down)
     }
@@ -72,12 +72,13 @@ impl<'a> Sheet<'a> {
         let rows = drawing.labels.len().div_ceil(2) as f64;
         let large = LARGE.max(LINE * (rows + 1.0));
         let mut sheet = Self::new(drawing, HEAD + large + SMALL, title);
-        let cell = Cell { x: COLUMN, y: HEAD, width: style::WIDTH - 2.0 * COLUMN, height: large };
+        let cell = PaperCell { x: COLUMN, y: HEAD, width: style::WIDTH - 2.0 * COLUMN, height: large };
         let placed = sheet.place(OBLIQUE, cell, None);
         sheet.draw(&placed);
         sheet.labels(&placed, HEAD, large);
         let width = style::WIDTH / 3.0;
-        let cells = [0.0, 1.0, 2.0].map(|i| Cell { x: width * i, y: HEAD + large, width, height: SMALL });
+        let cells =
+            [0.0, 1.0, 2.0].map(|i| PaperCell { x: width * i, y: HEAD + large, width, height: SMALL });
         let own = |i: usize| sheet.place((SIDES[i].1, SIDES[i].2), cells[i], None).scale;
         let scale = (0..3).map(own).fold(f64::INFINITY, f64::min);
         for (cell, (title, azimuth, elevation)) in cells.into_iter().zip(SIDES) {
@@ -92,11 +93,11 @@ impl<'a> Sheet<'a> {
     /// The oblique view with all labels beside one from above.
     pub fn pair(drawing: &'a Drawing, title: &str) -> Scene {
         let mut sheet = Self::new(drawing, HEAD + 2.0 * LARGE, title);
-        let cell = Cell { x: 0.5 * COLUMN, y: HEAD, width: style::WIDTH - COLUMN, height: LARGE };
+        let cell = PaperCell { x: 0.5 * COLUMN, y: HEAD, width: style::WIDTH - COLUMN, height: LARGE };
         let placed = sheet.place(OBLIQUE, cell, None);
         sheet.draw(&placed);
         sheet.labels(&placed, HEAD, LARGE);
-        let cell = Cell { x: 0.0, y: HEAD + LARGE, width: style::WIDTH, height: LARGE };
+        let cell = PaperCell { x: 0.0, y: HEAD + LARGE, width: style::WIDTH, height: LARGE };
         let placed = sheet.place((-90.0, 90.0), cell, None);
         sheet.draw(&placed);
         sheet.title(SIDES[2].0, cell);
@@ -105,7 +106,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The view that fills a cell, or has the given scale in its middle.
-    fn place(&self, (azimuth, elevation): (f64, f64), cell: Cell, scale: Option<f64>) -> Placed {
+    fn place(&self, (azimuth, elevation): (f64, f64), cell: PaperCell, scale: Option<f64>) -> PlacedView {
         let view = Camera::orthographic(azimuth, elevation);
         let seen: Vec<(f64, f64)> = self.drawing.points().map(|point| view.project(point)).collect();
         let (left, right) = style::span(seen.iter().map(|p| p.0));
@@ -115,13 +116,13 @@ impl<'a> Sheet<'a> {
         let scale = scale.unwrap_or(own);
         let middle = (cell.x + 0.5 * cell.width, cell.y + 0.5 * cell.height);
         let origin = (middle.0 - scale * 0.5 * (left + right), middle.1 - scale * 0.5 * (top + bottom));
-        Placed { view, scale, origin }
+        PlacedView { view, scale, origin }
     }
 
-    fn draw(&mut self, placed: &Placed) {
+    fn draw(&mut self, placed: &PlacedView) {
         let drawing = self.drawing;
         let mut areas: Vec<_> = drawing.areas.iter().collect();
-        let depth = |points: &[Point]| {
+        let depth = |points: &[ViewPoint]| {
             points.iter().map(|&p| placed.view.nearness(p)).sum::<f64>() / points.len() as f64
         };
         wingbeat::math::order::ascend_by(&mut areas, |item| depth(&item.0));
@@ -172,8 +173,8 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    fn area(&mut self, placed: &Placed, points: &[Point], colour: &str, opacity: f64) {
-        let corner = |point: &Point| {
+    fn area(&mut self, placed: &PlacedView, points: &[ViewPoint], colour: &str, opacity: f64) {
+        let corner = |point: &ViewPoint| {
             let (x, y) = placed.at(*point);
             format!("{x:.2},{y:.2}")
         };
@@ -202,7 +203,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Labels in the columns left and right of the view, each with a line to its point; none crosses another's row.
-    fn labels(&mut self, placed: &Placed, top: f64, height: f64) {
+    fn labels(&mut self, placed: &PlacedView, top: f64, height: f64) {
         let mut sides: [Vec<((f64, f64), &str)>; 2] = [Vec::new(), Vec::new()];
         let mut all: Vec<((f64, f64), &str)> =
             self.drawing.labels.iter().map(|(at, text)| (placed.at(*at), text.as_str())).collect();
@@ -243,7 +244,7 @@ impl<'a> Sheet<'a> {
         });
     }
 
-    fn title(&mut self, title: &str, cell: Cell) {
+    fn title(&mut self, title: &str, cell: PaperCell) {
         self.small(cell.x + 0.5 * cell.width, cell.y + 14.0, title, TextAnchor::Middle);
     }
 

@@ -2,8 +2,8 @@
 
 use kuva::render::render::TextAnchor;
 
-use super::{Point, Space};
-use crate::scale::Scale;
+use super::{Space, WorldPoint};
+use crate::scale::TickScale;
 use crate::style;
 
 /// Colour of the grid.
@@ -49,16 +49,17 @@ impl Space {
 
     /// How near the middle of the wall at the high or low end of an axis is.
     fn wall(&self, axis: usize, high: bool) -> f64 {
-        let mut middle: Point = std::array::from_fn(|i| 0.5 * (self.bounds.low[i] + self.bounds.high[i]));
+        let mut middle: WorldPoint =
+            std::array::from_fn(|i| 0.5 * (self.bounds.low[i] + self.bounds.high[i]));
         middle[axis] = if high { self.bounds.high[axis] } else { self.bounds.low[axis] };
         self.camera.nearness(middle)
     }
 
-    fn corner(&self, high: [bool; 3]) -> Point {
+    fn corner(&self, high: [bool; 3]) -> WorldPoint {
         std::array::from_fn(|i| if high[i] { self.bounds.high[i] } else { self.bounds.low[i] })
     }
 
-    fn behind(&mut self, [from, to]: [Point; 2], colour: &str, weight: f64) {
+    fn behind(&mut self, [from, to]: [WorldPoint; 2], colour: &str, weight: f64) {
         let line = style::sample(self.at(from), self.at(to), colour, weight, None);
         self.back.push(line);
     }
@@ -71,13 +72,13 @@ impl Space {
             return Vec::new();
         }
         // No finer than the numbers beside the ticks can tell apart.
-        let step = round_step((high - low) * APART / length).max(Scale::new(low, high).step);
+        let step = round_step((high - low) * APART / length).max(TickScale::new(low, high).step);
         let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
         (first..=last).map(|k| k as f64 * step).collect()
     }
 
     /// Length on paper of the edge along `axis` that begins at `from`, px.
-    fn on_paper(&self, from: Point, axis: usize) -> f64 {
+    fn on_paper(&self, from: WorldPoint, axis: usize) -> f64 {
         let mut to = from;
         to[axis] = self.bounds.high[axis];
         let ((a, b), (c, d)) = (self.at(from), self.at(to));
@@ -96,12 +97,12 @@ impl Space {
             high[axis] = true;
             [from, self.corner(high)]
         });
-        let middle = |edge: &[Point; 2]| {
+        let middle = |edge: &[WorldPoint; 2]| {
             let [a, b] = edge.map(|end| self.at(end));
             (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1))
         };
         let upright = axis == 2;
-        let order = |edge: &[Point; 2]| if upright { -middle(edge).0 } else { middle(edge).1 };
+        let order = |edge: &[WorldPoint; 2]| if upright { -middle(edge).0 } else { middle(edge).1 };
         let chosen =
             if order(&candidates[0]) >= order(&candidates[1]) { candidates[0] } else { candidates[1] };
         if ticks.is_empty() {
@@ -121,7 +122,7 @@ impl Space {
             x if x > 0.35 => TextAnchor::Start,
             _ => TextAnchor::Middle,
         };
-        let scale = Scale::new(self.bounds.low[axis], self.bounds.high[axis]);
+        let scale = TickScale::new(self.bounds.low[axis], self.bounds.high[axis]);
         for tick in ticks {
             let mut point = chosen[0];
             point[axis] = *tick;
@@ -136,7 +137,7 @@ impl Space {
             self.label(chosen[1], (4.0, -10.0), &scale.label(name), TextAnchor::End);
             return;
         }
-        let middle: Point = std::array::from_fn(|i| 0.5 * (chosen[0][i] + chosen[1][i]));
+        let middle: WorldPoint = std::array::from_fn(|i| 0.5 * (chosen[0][i] + chosen[1][i]));
         let text = scale.label(name);
         // A name that begins near the right end of the pane ends there.
         let ends = self.at(middle).0 + NAME * out.0 + LETTER * text.chars().count() as f64;

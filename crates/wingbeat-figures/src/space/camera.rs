@@ -1,6 +1,6 @@
 //! A camera that looks at world coordinates (x forward, y left, z up).
 
-use super::Point;
+use super::WorldPoint;
 
 /// Nearest point that a perspective shows, over the distance of its target: what is nearer is drawn as if it were there. *Choice.*
 const NEAREST: f64 = 0.05;
@@ -8,16 +8,16 @@ const NEAREST: f64 = 0.05;
 /// A direction of view with its axes on paper, and the distance of the eye where it has one.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    right: Point,
-    down: Point,
-    away: Point,
+    right: WorldPoint,
+    down: WorldPoint,
+    away: WorldPoint,
     eye: Option<Eye>,
 }
 
 /// The eye of a perspective.
 #[derive(Clone, Copy, Debug)]
 struct Eye {
-    target: Point,
+    target: WorldPoint,
     distance: f64,
 }
 
@@ -31,13 +31,13 @@ impl Camera {
     }
 
     /// Rays into an eye that looks at `target` from the same direction and `distance` m off. Lengths at the target are kept.
-    pub fn perspective(azimuth_deg: f64, elevation_deg: f64, target: Point, distance: f64) -> Self {
+    pub fn perspective(azimuth_deg: f64, elevation_deg: f64, target: WorldPoint, distance: f64) -> Self {
         Self { eye: Some(Eye { target, distance }), ..Self::orthographic(azimuth_deg, elevation_deg) }
     }
 
     /// Paper coordinates of a point, m to the right and down: along parallel rays p.r and p.d; into an eye at distance D from its
     /// target q' = p - target goes to q'.r D / (D + q'.a) and q'.d D / (D + q'.a), with r right, d down and a away from the eye.
-    pub fn project(&self, point: Point) -> (f64, f64) {
+    pub fn project(&self, point: WorldPoint) -> (f64, f64) {
         match self.eye {
             None => (dot(self.right, point), dot(self.down, point)),
             Some(Eye { target, distance }) => {
@@ -50,23 +50,23 @@ impl Camera {
     }
 
     /// How near a point is to the eye, in an order, of which only the sign counts (m or m2): larger is nearer.
-    pub fn nearness(&self, point: Point) -> f64 {
+    pub fn nearness(&self, point: WorldPoint) -> f64 {
         match self.eye {
             None => -dot(self.away, point),
             Some(Eye { target, distance }) => {
                 let from = minus(point, target);
-                let eye: Point = std::array::from_fn(|i| from[i] + distance * self.away[i]);
+                let eye: WorldPoint = std::array::from_fn(|i| from[i] + distance * self.away[i]);
                 -dot(eye, eye)
             }
         }
     }
 }
 
-pub(super) fn dot(a: Point, b: Point) -> f64 {
+pub(super) fn dot(a: WorldPoint, b: WorldPoint) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn minus(a: Point, b: Point) -> Point {
+pub(super) fn minus(a: WorldPoint, b: WorldPoint) -> WorldPoint {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 

@@ -13,7 +13,7 @@ use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 use crate::style;
 
 /// A point in world coordinates, m.
-pub type Point = [f64; 3];
+pub type WorldPoint = [f64; 3];
 
 /// Room around what is seen for ticks and names, px.
 const MARGIN: f64 = 46.0;
@@ -35,14 +35,14 @@ pub struct Pane {
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     /// Lowest corner.
-    pub low: Point,
+    pub low: WorldPoint,
     /// Highest corner.
-    pub high: Point,
+    pub high: WorldPoint,
 }
 
 impl Bounds {
     /// The box around the finite `points`; none where there is none.
-    pub fn of(points: impl Iterator<Item = Point>) -> Option<Self> {
+    pub fn of(points: impl Iterator<Item = WorldPoint>) -> Option<Self> {
         let finite = points.filter(|point| point.iter().all(|x| x.is_finite()));
         let start = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         let around = finite.fold(start, |box_, point| Self {
@@ -59,13 +59,13 @@ impl Bounds {
     }
 
     /// The corner number `bits`: high along axis i where bit i is set.
-    fn corner(&self, bits: usize) -> Point {
+    fn corner(&self, bits: usize) -> WorldPoint {
         std::array::from_fn(|i| if bits >> i & 1 == 0 { self.low[i] } else { self.high[i] })
     }
 }
 
 /// What is drawn, with the place by which it is sorted.
-struct Piece {
+struct SortedPiece {
     nearness: f64,
     drawn: Primitive,
 }
@@ -78,7 +78,7 @@ pub struct Space {
     origin: (f64, f64),
     pane: Pane,
     back: Vec<Primitive>,
-    pieces: Vec<Piece>,
+    pieces: Vec<SortedPiece>,
     front: Vec<Primitive>,
 }
 
@@ -120,15 +120,15 @@ impl Space {
     }
 
     /// Place of a point on the paper, px.
-    pub fn at(&self, point: Point) -> (f64, f64) {
+    pub fn at(&self, point: WorldPoint) -> (f64, f64) {
         let (right, down) = self.camera.project(point);
         (self.origin.0 + self.scale * right, self.origin.1 + self.scale * down)
     }
 
     /// An area with straight edges, which covers the share `opacity` of what is behind; of `edge` with a line of that colour
     /// about it. Areas are sorted by their middles.
-    pub fn area(&mut self, corners: &[Point], colour: &str, opacity: f64, edge: Option<&str>) {
-        let place = |point: &Point| self.at(*point);
+    pub fn area(&mut self, corners: &[WorldPoint], colour: &str, opacity: f64, edge: Option<&str>) {
+        let place = |point: &WorldPoint| self.at(*point);
         let places: Vec<(f64, f64)> = corners.iter().map(place).collect();
         let corner = |(x, y): &(f64, f64)| format!("{x:.2},{y:.2}");
         let drawn = Primitive::Path(Box::new(PathData {
@@ -143,7 +143,7 @@ impl Space {
     }
 
     /// A line of the `weight` px, sorted piece by piece among the areas.
-    pub fn line(&mut self, points: &[Point], colour: &str, weight: f64) {
+    pub fn line(&mut self, points: &[WorldPoint], colour: &str, weight: f64) {
         for pair in points.windows(2) {
             let [from, to] = [self.at(pair[0]), self.at(pair[1])];
             self.push(pair, style::sample(from, to, colour, weight, None), &[from, to]);
@@ -151,7 +151,7 @@ impl Space {
     }
 
     /// A line of the `weight` px before all areas.
-    pub fn outline(&mut self, points: &[Point], colour: &str, weight: f64) {
+    pub fn outline(&mut self, points: &[WorldPoint], colour: &str, weight: f64) {
         let points: Vec<(f64, f64)> = points.iter().map(|point| self.at(*point)).collect();
         if points.iter().all(|p| p.0.is_finite() && p.1.is_finite()) {
             let stroke = Color::from(colour);
@@ -161,19 +161,19 @@ impl Space {
     }
 
     /// Words at a point, `shift` px from it.
-    pub fn label(&mut self, at: Point, shift: (f64, f64), text: &str, anchor: TextAnchor) {
+    pub fn label(&mut self, at: WorldPoint, shift: (f64, f64), text: &str, anchor: TextAnchor) {
         let (x, y) = self.at(at);
         self.front.push(style::words(x + shift.0, y + shift.1, text, anchor, false));
     }
 
     /// Keeps what has finite places.
-    fn push(&mut self, points: &[Point], drawn: Primitive, places: &[(f64, f64)]) {
+    fn push(&mut self, points: &[WorldPoint], drawn: Primitive, places: &[(f64, f64)]) {
         if points.is_empty() || !places.iter().all(|p| p.0.is_finite() && p.1.is_finite()) {
             return;
         }
-        let sum: Point = std::array::from_fn(|i| points.iter().map(|point| point[i]).sum());
+        let sum: WorldPoint = std::array::from_fn(|i| points.iter().map(|point| point[i]).sum());
         let nearness = self.camera.nearness(sum.map(|x| x / points.len() as f64));
-        self.pieces.push(Piece { nearness, drawn });
+        self.pieces.push(SortedPiece { nearness, drawn });
     }
 
     /// Draws all on the paper: axes, then what is further away, then lines before all and words.
@@ -191,7 +191,7 @@ mod tests {
 
     const PANE: Pane = Pane { x: 10.0, y: 20.0, width: 400.0, height: 300.0 };
 
-    fn square(x: f64) -> [Point; 4] {
+    fn square(x: f64) -> [WorldPoint; 4] {
         [[x, -1.0, -1.0], [x, 1.0, -1.0], [x, 1.0, 1.0], [x, -1.0, 1.0]]
     }
 

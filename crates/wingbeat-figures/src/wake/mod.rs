@@ -6,18 +6,15 @@ mod phases;
 mod planes;
 
 pub use phases::{around, wake_phases};
-pub use planes::{Cut, frontal_planes, half_circulations};
+pub use planes::{PlaneCut, frontal_planes, half_circulations};
 
 use kuva::render::render::TextAnchor;
 
-use crate::space::Camera;
+use crate::space::{Camera, WorldPoint};
 use crate::write::Figure;
 use crate::{Error, style};
 use colour::Diverging;
 use paper::Paper;
-
-/// A point in world coordinates, m.
-pub type Point = [f64; 3];
 
 /// Azimuth and elevation of the view, degrees.
 const VIEW: (f64, f64) = (-50.0, 28.0);
@@ -28,23 +25,23 @@ const FOOT: f64 = 70.0;
 
 /// A wing with its wake at an instant.
 #[derive(Clone, Debug, Default)]
-pub struct Sheet {
+pub struct WakeSheet {
     /// What is shown, a line above the picture.
     pub title: String,
     /// What must be known of it, a line below that.
     pub note: String,
     /// Panels of the wings.
-    pub wing: Vec<[Point; 4]>,
+    pub wing: Vec<[WorldPoint; 4]>,
     /// Rings of the wakes with their circulation, m2/s.
-    pub wake: Vec<([Point; 4], f64)>,
+    pub wake: Vec<([WorldPoint; 4], f64)>,
     /// Outlines of the wings.
-    pub outline: Vec<Vec<Point>>,
+    pub outline: Vec<Vec<WorldPoint>>,
 }
 
 /// Room for title and note above a picture, px.
 const HEAD: f64 = 40.0;
 
-impl Sheet {
+impl WakeSheet {
     /// Corners of all that is drawn, as seen in `view`: ranges to the right and down.
     fn seen(&self, view: &Camera) -> [(f64, f64); 2] {
         let corners = self.wake.iter().map(|(corners, _)| corners).chain(&self.wing).flatten();
@@ -58,7 +55,7 @@ impl Sheet {
 ///
 /// # Errors
 /// No sheet, or one without a wake.
-pub fn wake(sheets: &[Sheet]) -> Result<Figure, Error> {
+pub fn wake(sheets: &[WakeSheet]) -> Result<Figure, Error> {
     if sheets.is_empty() || sheets.iter().any(|sheet| sheet.wake.is_empty()) {
         return Err(Error::Rows { rows: 0, needed: 1 });
     }
@@ -73,7 +70,7 @@ pub fn wake(sheets: &[Sheet]) -> Result<Figure, Error> {
     let mut paper = Paper::new(style::WIDTH, total);
     let mut top = 0.0;
     for ((sheet, [across, down]), height) in sheets.iter().zip(&seen).zip(&heights) {
-        let at = |point: &Point| {
+        let at = |point: &WorldPoint| {
             let (x, y) = view.project(*point);
             (MARGIN + size * (x - across.0), top + HEAD + size * (y - down.0))
         };
@@ -89,12 +86,12 @@ pub fn wake(sheets: &[Sheet]) -> Result<Figure, Error> {
 /// Draws what lies further away first.
 fn draw(
     paper: &mut Paper,
-    sheet: &Sheet,
+    sheet: &WakeSheet,
     view: &Camera,
     scale: &Diverging,
-    at: impl Fn(&Point) -> (f64, f64),
+    at: impl Fn(&WorldPoint) -> (f64, f64),
 ) {
-    let depth = |corners: &[Point; 4]| corners.iter().map(|corner| view.nearness(*corner)).sum::<f64>();
+    let depth = |corners: &[WorldPoint; 4]| corners.iter().map(|corner| view.nearness(*corner)).sum::<f64>();
     let wake = sheet.wake.iter().map(|(corners, value)| (corners, scale.colour(*value), 0.9));
     let wing = sheet.wing.iter().map(|corners| (corners, "#4a4a4a".to_owned(), 1.0));
     let mut quads: Vec<_> = wake.chain(wing).collect();

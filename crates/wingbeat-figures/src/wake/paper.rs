@@ -4,7 +4,7 @@ use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::colour::Diverging;
-use crate::scale::Scale;
+use crate::scale::TickScale;
 use crate::style;
 
 /// Width and height of a scale, px.
@@ -41,7 +41,7 @@ impl Paper {
 
     /// A colour scale with its ends, zero and name, its upper left corner at `(x, y)` px.
     pub fn scale(&mut self, scale: &Diverging, (x, y): (f64, f64), name: &str) {
-        let axis = Scale::new(-scale.most, scale.most);
+        let axis = TickScale::new(-scale.most, scale.most);
         let at = |share: f64| x + SCALE.0 * share;
         for k in 0..STEPS {
             let [from, to] = [k, k + 1].map(|k| k as f64 / STEPS as f64);

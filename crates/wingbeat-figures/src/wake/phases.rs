@@ -4,8 +4,8 @@ use kuva::render::render::TextAnchor;
 
 use super::colour::Diverging;
 use super::paper::Paper;
-use super::{Point, Sheet, VIEW};
-use crate::space::{Bounds, Camera, Pane, Space};
+use super::{VIEW, WakeSheet};
+use crate::space::{Bounds, Camera, Pane, Space, WorldPoint};
 use crate::write::Figure;
 use crate::{Error, style};
 
@@ -27,7 +27,7 @@ const LINE: f64 = 18.0;
 ///
 /// # Errors
 /// No sheet, or one without a wake.
-pub fn wake_phases(sheets: &[Sheet], notes: &[String], wide: bool) -> Result<Figure, Error> {
+pub fn wake_phases(sheets: &[WakeSheet], notes: &[String], wide: bool) -> Result<Figure, Error> {
     let points = sheets.iter().flat_map(|sheet| {
         sheet.wake.iter().flat_map(|(corners, _)| corners).chain(sheet.outline.iter().flatten()).copied()
     });
@@ -61,7 +61,7 @@ pub fn wake_phases(sheets: &[Sheet], notes: &[String], wide: bool) -> Result<Fig
     Ok(Figure::new("wake_phases", paper.scene))
 }
 
-fn drawn(sheet: &Sheet, mut space: Space, scale: &Diverging) -> Space {
+fn drawn(sheet: &WakeSheet, mut space: Space, scale: &Diverging) -> Space {
     space.axes(["along flight [m]", "left [m]", "up [m]"]);
     for (corners, circulation) in &sheet.wake {
         space.area(corners, &scale.colour(*circulation), 0.9, None);
@@ -80,7 +80,7 @@ fn drawn(sheet: &Sheet, mut space: Space, scale: &Diverging) -> Space {
 const WING: &str = "#8f8f8f";
 
 /// The outline of a surface from its leading and trailing edge: once around.
-pub fn around(leading: &[Point], trailing: &[Point]) -> Vec<Point> {
+pub fn around(leading: &[WorldPoint], trailing: &[WorldPoint]) -> Vec<WorldPoint> {
     let closed = leading.first().copied();
     leading.iter().chain(trailing.iter().rev()).copied().chain(closed).collect()
 }
@@ -93,7 +93,7 @@ mod tests {
     fn every_phase_has_axes_a_bar_and_its_words() {
         let ring = [[0.0, 0.0, 0.0], [0.0, 0.2, 0.0], [-0.4, 0.2, 0.1], [-0.4, 0.0, 0.1]];
         let outline = vec![around(&ring[..2], &ring[2..])];
-        let sheet = |title: &str| Sheet {
+        let sheet = |title: &str| WakeSheet {
             title: title.into(),
             note: "strongest".into(),
             wing: vec![ring],
@@ -111,7 +111,7 @@ mod tests {
         let filled = slide.scene.height / (slide.scene.width * 9.0 / 16.0);
         assert!((0.9..1.0 + 1e-9).contains(&filled), "{filled}");
         assert!(
-            wake_phases(&[], &[], true).is_err() && wake_phases(&[Sheet::default()], &[], false).is_err()
+            wake_phases(&[], &[], true).is_err() && wake_phases(&[WakeSheet::default()], &[], false).is_err()
         );
     }
 }

@@ -4,7 +4,7 @@ use kuva::render::render::TextAnchor;
 
 use super::colour::Diverging;
 use super::paper::Paper;
-use crate::scale::Scale;
+use crate::scale::TickScale;
 use crate::write::Figure;
 use crate::{Error, style};
 
@@ -23,7 +23,7 @@ const FOOT: f64 = 60.0;
 
 /// What crosses a plane at an instant; y to the left and z up, m.
 #[derive(Clone, Debug, Default)]
-pub struct Cut {
+pub struct PlaneCut {
     /// What is shown, a line above the picture.
     pub title: String,
     /// Vortices that cross the plane: place (y, z), and circulation about the direction of flight, m2/s.
@@ -37,7 +37,7 @@ pub struct Cut {
 ///
 /// # Errors
 /// No vortex crosses a plane.
-pub fn frontal_planes(cuts: &[Cut], notes: &[String], spread: f64) -> Result<Figure, Error> {
+pub fn frontal_planes(cuts: &[PlaneCut], notes: &[String], spread: f64) -> Result<Figure, Error> {
     if cuts.iter().all(|cut| cut.vortices.is_empty()) {
         return Err(Error::Rows { rows: 0, needed: 1 });
     }
@@ -79,7 +79,7 @@ pub fn frontal_planes(cuts: &[Cut], notes: &[String], spread: f64) -> Result<Fig
 }
 
 /// Ranges of y and z that hold vortices and outlines with their spots, m.
-fn ranges(cuts: &[Cut], spread: f64) -> [(f64, f64); 2] {
+fn ranges(cuts: &[PlaneCut], spread: f64) -> [(f64, f64); 2] {
     let points = || {
         let vortices = cuts.iter().flat_map(|cut| cut.vortices.iter().map(|vortex| vortex.0));
         vortices.chain(cuts.iter().flat_map(|cut| cut.outline.iter().flatten().copied()))
@@ -91,7 +91,7 @@ fn ranges(cuts: &[Cut], spread: f64) -> [(f64, f64); 2] {
 }
 
 /// Circulation of the vorticity that [`frontal_planes`] draws of `cut` alone, in the left and the right half of the plane, m2/s.
-pub fn half_circulations(cut: &Cut, spread: f64) -> [f64; 2] {
+pub fn half_circulations(cut: &PlaneCut, spread: f64) -> [f64; 2] {
     let [across, up] = ranges(std::slice::from_ref(cut), spread);
     let cell = (across.1 - across.0) / CELLS as f64;
     let rows = ((up.1 - up.0) / cell).ceil() as usize;
@@ -108,7 +108,7 @@ pub fn half_circulations(cut: &Cut, spread: f64) -> [f64; 2] {
 }
 
 /// Vorticity at the cells, by row from above and column from low y: sum of Gamma exp(-r^2/(2 s^2))/(2 pi s^2).
-fn field(cut: &Cut, [low, high]: [f64; 2], cell: f64, rows: usize, spread: f64) -> Vec<f64> {
+fn field(cut: &PlaneCut, [low, high]: [f64; 2], cell: f64, rows: usize, spread: f64) -> Vec<f64> {
     let peak = 1.0 / (std::f64::consts::TAU * spread * spread);
     let at = |index: usize| {
         let (row, column) = (index / CELLS, index % CELLS);
@@ -136,7 +136,7 @@ fn frame(
     paper.scene.elements.push(style::words(x - 16.0, y - 10.0, letter, TextAnchor::Start, true));
     paper.text((x + 4.0, y - 10.0), title, TextAnchor::Start);
     for (range, sideways) in [(across, true), (up, false)] {
-        let scale = Scale::new(range.0, range.1);
+        let scale = TickScale::new(range.0, range.1);
         let (first, last) = ((range.0 / scale.step).ceil() as i64, (range.1 / scale.step).floor() as i64);
         for value in (first..=last).map(|k| k as f64 * scale.step) {
             let (x, y) = if sideways { at(value, up.0) } else { at(across.1, value) };
@@ -152,7 +152,7 @@ fn frame(
     let (x, y) = at(0.5 * (across.0 + across.1), up.0);
     paper.text(
         (x, y + 32.0),
-        &Scale::new(across.0, across.1).label("y, left wing to the left [m]"),
+        &TickScale::new(across.0, across.1).label("y, left wing to the left [m]"),
         TextAnchor::Middle,
     );
 }
@@ -163,21 +163,21 @@ mod tests {
 
     #[test]
     fn spots_hold_their_circulation() {
-        let cut = Cut { vortices: vec![([0.0, 0.0], 0.3), ([0.1, 0.05], -0.1)], ..Cut::default() };
+        let cut = PlaneCut { vortices: vec![([0.0, 0.0], 0.3), ([0.1, 0.05], -0.1)], ..PlaneCut::default() };
         let (cell, spread) = (1.2 / CELLS as f64, 0.03);
         let field = field(&cut, [-0.6, 0.6], cell, CELLS, spread);
         let sum: f64 = field.iter().sum::<f64>() * cell * cell;
         assert!((sum - 0.2).abs() < 1e-9, "{sum}");
         assert_eq!(frontal_planes(&[cut], &[], spread).unwrap().name, "frontal_planes");
-        assert!(frontal_planes(&[Cut::default()], &[], spread).is_err());
+        assert!(frontal_planes(&[PlaneCut::default()], &[], spread).is_err());
     }
 
     #[test]
     fn a_wake_needs_rings() {
         assert!(super::super::wake(&[]).is_err());
-        assert!(super::super::wake(&[super::super::Sheet::default()]).is_err());
+        assert!(super::super::wake(&[super::super::WakeSheet::default()]).is_err());
         let square = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
-        let sheet = super::super::Sheet {
+        let sheet = super::super::WakeSheet {
             wake: vec![(square, 0.2)],
             wing: vec![square],
             title: "one".into(),

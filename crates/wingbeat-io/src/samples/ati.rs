@@ -12,8 +12,8 @@ use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::netft::COUNTS_PER_UNIT as COUNTS;
 use wingbeat::simulate::Column;
 
-use super::table::Table;
-use super::text::Cells;
+use super::table::SampleTable;
+use super::text::TextColumn;
 use crate::Error;
 
 /// Sample rates that a file may state, Hz (*choice*: once in 17 minutes to 1 MHz).
@@ -27,10 +27,10 @@ pub fn is_header(line: &str) -> bool {
 
 /// Turns the columns of a file with these lines above its header into a table.
 pub fn fill(
-    table: &mut Table,
+    table: &mut SampleTable,
     preamble: &[String],
     names: &[String],
-    cells: Vec<Cells>,
+    cells: Vec<TextColumn>,
 ) -> Result<(), Error> {
     let said = |key: &str| said(preamble, key);
     let number = |key: &str, [low, high]: [f64; 2]| -> Result<Option<f64>, Error> {

@@ -2,7 +2,7 @@
 
 /// Where the rows of a file lie on a grid of equal steps.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grid {
+pub struct SampleGrid {
     /// Steps from the first sample, one per row kept.
     pub place: Vec<u32>,
     /// The rows kept, in the order of time.
@@ -22,7 +22,7 @@ const LONGEST_GAP: u32 = 1 << 22;
 /// Samples by which a number may go back before it is one of a count that began anew: nine seconds of the box.
 const FURTHEST_BACK: i32 = 1 << 16;
 
-impl Grid {
+impl SampleGrid {
     /// Number of steps of the grid.
     pub fn len(&self) -> usize {
         self.place.last().map_or(0, |last| *last as usize + 1)
@@ -157,21 +157,23 @@ mod tests {
 
     #[test]
     fn gaps_repeats_and_late_rows_are_found() {
-        let grid = Grid::numbered(&[4294967294.0, 4294967295.0, 1.0, 0.0, 1.0, 5.0], 7000.0).unwrap();
+        let grid = SampleGrid::numbered(&[4294967294.0, 4294967295.0, 1.0, 0.0, 1.0, 5.0], 7000.0).unwrap();
         assert_eq!((grid.place.clone(), grid.rows.clone()), (vec![0, 1, 2, 3, 7], vec![0, 1, 3, 2, 5]));
-        assert!(!grid.is_whole(6) && Grid::counted(6, 1.0).is_whole(6));
+        assert!(!grid.is_whole(6) && SampleGrid::counted(6, 1.0).is_whole(6));
         assert_eq!((grid.duplicates, grid.late, grid.len()), (1, 1, 8));
-        assert!(Grid::numbered(&[1.0, 2e9], 7000.0).unwrap_err().contains("missing after sample 1"));
-        assert!(Grid::numbered(&[-1.0], 7000.0).is_err());
+        assert!(SampleGrid::numbered(&[1.0, 2e9], 7000.0).unwrap_err().contains("missing after sample 1"));
+        assert!(SampleGrid::numbered(&[-1.0], 7000.0).is_err());
         let again: Vec<f64> = (1..=9).chain(1..=9).map(f64::from).collect();
-        assert!(Grid::numbered(&again, 7000.0).unwrap_err().contains("begin anew at sample 9, 1 after 9"));
+        assert!(
+            SampleGrid::numbered(&again, 7000.0).unwrap_err().contains("begin anew at sample 9, 1 after 9")
+        );
     }
 
     #[test]
     fn coarsely_rounded_times_keep_their_rate() {
         // 7 kHz printed with four digits: steps of 0.1 and 0.2 ms.
         let time: Vec<f64> = (0..70_000).map(|k| (f64::from(k) / 0.7).round() * 1e-4).collect();
-        let grid = Grid::timed(&time, 1.0, false).unwrap();
+        let grid = SampleGrid::timed(&time, 1.0, false).unwrap();
         assert_eq!((grid.len(), grid.duplicates), (70_000, 0));
         assert!((grid.rate - 7000.0).abs() < 0.1, "{}", grid.rate);
     }
@@ -180,16 +182,20 @@ mod tests {
     fn a_gap_in_time_stays_open() {
         let time: Vec<f64> =
             (0..1000).filter(|k| !(300..340).contains(k)).map(|k| f64::from(k) * 1e-3).collect();
-        let grid = Grid::timed(&time, 1.0, false).unwrap();
+        let grid = SampleGrid::timed(&time, 1.0, false).unwrap();
         assert_eq!((grid.len(), grid.place[300]), (1000, 340));
         assert!((grid.rate - 1000.0).abs() < 1e-6);
     }
 
     #[test]
     fn what_is_no_time_is_refused() {
-        assert!(Grid::timed(&[0.0, 0.1, 0.05, 0.2], 1.0, false).unwrap_err().contains("back at sample 2"));
-        assert!(Grid::timed(&[0.0, f64::NAN], 1.0, false).unwrap_err().contains("sample 1 has no time"));
-        assert!(Grid::timed(&[1.0; 50], 1.0, false).unwrap_err().contains("repeat"));
-        assert!(Grid::timed(&[], 1.0, false).is_err());
+        assert!(
+            SampleGrid::timed(&[0.0, 0.1, 0.05, 0.2], 1.0, false).unwrap_err().contains("back at sample 2")
+        );
+        assert!(
+            SampleGrid::timed(&[0.0, f64::NAN], 1.0, false).unwrap_err().contains("sample 1 has no time")
+        );
+        assert!(SampleGrid::timed(&[1.0; 50], 1.0, false).unwrap_err().contains("repeat"));
+        assert!(SampleGrid::timed(&[], 1.0, false).is_err());
     }
 }

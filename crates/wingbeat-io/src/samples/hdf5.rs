@@ -7,9 +7,9 @@ use hdf5_reader::error::Error as Hdf5Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{ByteOrder, Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 
-use super::numbers::Kind;
+use super::numbers::NumberKind;
 use super::opened;
-use super::table::{Shape, Table};
+use super::table::{ArrayShape, SampleTable};
 use crate::Error;
 
 /// Deepest nesting of groups.
@@ -26,7 +26,7 @@ const MOST_HEADER: usize = 4 << 20;
 const MOST_PER_BYTE: u64 = 1100;
 
 /// Every numeric dataset of one or two dimensions.
-pub fn read(mut table: Table) -> Result<Table, Error> {
+pub fn read(mut table: SampleTable) -> Result<SampleTable, Error> {
     let path = table.path.clone();
     let bad = |error: Hdf5Error| Error::format(&path, format!("cut short or damaged: {error}"));
     let (_, length) = opened(&path)?;
@@ -36,21 +36,21 @@ pub fn read(mut table: Table) -> Result<Table, Error> {
         .with_max_object_header_bytes(MOST_HEADER);
     let file = Hdf5File::open_with_options(&path, options).map_err(bad)?;
     let root = file.root_group().map_err(bad)?;
-    let mut walk = Walk { table: &mut table, seen: HashSet::from([root.address()]), length };
+    let mut walk = GroupWalk { table: &mut table, seen: HashSet::from([root.address()]), length };
     walk.group(&root, "", 0)?;
     Ok(table)
 }
 
 /// The way through the groups: each is entered once, by whatever names it has.
-struct Walk<'a> {
-    table: &'a mut Table,
+struct GroupWalk<'a> {
+    table: &'a mut SampleTable,
     /// Groups by their addresses.
     seen: HashSet<u64>,
     /// Bytes of the file.
     length: u64,
 }
 
-impl Walk<'_> {
+impl GroupWalk<'_> {
     fn group(&mut self, group: &Group, at: &str, depth: usize) -> Result<(), Error> {
         let members = group.members();
         let (groups, datasets) =
@@ -82,19 +82,19 @@ fn joined(at: &str, name: &str) -> String {
     if at.is_empty() { last.into() } else { format!("{at}/{last}") }
 }
 
-fn dataset(table: &mut Table, dataset: &Dataset, name: &str, length: u64) -> Result<(), Error> {
+fn dataset(table: &mut SampleTable, dataset: &Dataset, name: &str, length: u64) -> Result<(), Error> {
     let Some((kind, shape)) = plain(dataset) else {
         table.skipped.push(name.into());
         return Ok(());
     };
     let bytes = (shape.rows as u64).saturating_mul(shape.columns as u64).saturating_mul(kind.size() as u64);
     if bytes > length.saturating_mul(MOST_PER_BYTE) {
-        let Shape { rows, columns } = shape;
+        let ArrayShape { rows, columns } = shape;
         return Err(table.bad(format!(
             "dataset {name}: {rows} x {columns} numbers do not fit into a file of {length} bytes: damaged"
         )));
     }
-    let numbers = Parts::of(dataset, shape);
+    let numbers = DatasetParts::of(dataset, shape);
     let (unit, mut failed) = (unit(dataset), None);
     let numbers = numbers.map_while(|part| part.map_err(|error| failed = Some(error)).ok()).flatten();
     let added = table.add(name, &unit, shape, numbers);
@@ -105,22 +105,22 @@ fn dataset(table: &mut Table, dataset: &Dataset, name: &str, length: u64) -> Res
 }
 
 /// A dataset some rows, or some numbers of a long row, at a time.
-struct Parts<'a> {
+struct DatasetParts<'a> {
     dataset: &'a Dataset,
-    shape: Shape,
+    shape: ArrayShape,
     /// Row and number in it that come next.
     next: (usize, usize),
 }
 
-impl<'a> Parts<'a> {
-    fn of(dataset: &'a Dataset, shape: Shape) -> Self {
+impl<'a> DatasetParts<'a> {
+    fn of(dataset: &'a Dataset, shape: ArrayShape) -> Self {
         Self { dataset, shape, next: (0, 0) }
     }
 
     /// The rows and columns that come next.
     fn advance(&mut self) -> Option<[std::ops::Range<usize>; 2]> {
         let (row, column) = self.next;
-        let Shape { rows, columns } = self.shape;
+        let ArrayShape { rows, columns } = self.shape;
         if row >= rows || columns == 0 {
             return None;
         }
@@ -148,7 +148,7 @@ impl<'a> Parts<'a> {
     }
 }
 
-impl Iterator for Parts<'_> {
+impl Iterator for DatasetParts<'_> {
     type Item = Result<Vec<f64>, Hdf5Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -186,24 +186,24 @@ impl H5Type for Number {
 }
 
 /// How a dataset's numbers are stored: their kind, and whether their first byte counts most; none of others.
-fn stored(dtype: &Datatype) -> Option<(Kind, bool)> {
+fn stored(dtype: &Datatype) -> Option<(NumberKind, bool)> {
     let (kind, order) = match dtype {
-        Datatype::FixedPoint { size, signed: true, byte_order } => (Kind::Signed(*size), byte_order),
-        Datatype::FixedPoint { size, signed: false, byte_order } => (Kind::Unsigned(*size), byte_order),
-        Datatype::FloatingPoint { size, byte_order } => (Kind::Float(*size), byte_order),
+        Datatype::FixedPoint { size, signed: true, byte_order } => (NumberKind::Signed(*size), byte_order),
+        Datatype::FixedPoint { size, signed: false, byte_order } => (NumberKind::Unsigned(*size), byte_order),
+        Datatype::FloatingPoint { size, byte_order } => (NumberKind::Float(*size), byte_order),
         _ => return None,
     };
     Some((kind.checked()?, *order == ByteOrder::BigEndian))
 }
 
 /// Kind and shape of a dataset of plain numbers in at most two dimensions.
-fn plain(dataset: &Dataset) -> Option<(Kind, Shape)> {
+fn plain(dataset: &Dataset) -> Option<(NumberKind, ArrayShape)> {
     let (kind, _) = stored(dataset.dtype())?;
     let size = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let shape = match dataset.shape() {
-        [] => Shape { rows: 1, columns: 1 },
-        [n] => Shape { rows: size(*n), columns: 1 },
-        [n, m] => Shape { rows: size(*n), columns: size(*m) },
+        [] => ArrayShape { rows: 1, columns: 1 },
+        [n] => ArrayShape { rows: size(*n), columns: 1 },
+        [n, m] => ArrayShape { rows: size(*n), columns: size(*m) },
         _ => return None,
     };
     Some((kind, shape))

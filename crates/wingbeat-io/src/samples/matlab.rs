@@ -4,9 +4,9 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 
 use flate2::read::ZlibDecoder;
 
-use super::numbers::Kind;
+use super::numbers::NumberKind;
 use super::opened;
-use super::table::{Shape, Table};
+use super::table::{ArrayShape, SampleTable};
 use crate::Error;
 
 /// Bytes before the first element.
@@ -20,7 +20,7 @@ const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
 const MOST_DESCRIPTION: u32 = 1 << 12;
 
 /// Every numeric array of a file.
-pub fn read(mut table: Table) -> Result<Table, Error> {
+pub fn read(mut table: SampleTable) -> Result<SampleTable, Error> {
     let (file, length) = opened(&table.path)?;
     let path = table.path.clone();
     let failed = |source| Error::file(&path, source);
@@ -34,7 +34,7 @@ pub fn read(mut table: Table) -> Result<Table, Error> {
     let (mut at, mut number) = (HEADER, 0);
     while at < length {
         number += 1;
-        let cut = |table: &Table| table.bad(format!("cut short in variable {number}"));
+        let cut = |table: &SampleTable| table.bad(format!("cut short in variable {number}"));
         file.seek(SeekFrom::Start(at)).map_err(failed)?;
         let tag = Tag::read(&mut file, big_endian).filter(|tag| at + tag.end() <= length);
         let tag = tag.ok_or_else(|| cut(&table))?;
@@ -56,7 +56,12 @@ pub fn read(mut table: Table) -> Result<Table, Error> {
 }
 
 /// Adds the array in the body of a matrix element: flags, dimensions, name, real part.
-fn variable(table: &mut Table, body: &mut impl Read, big_endian: bool, number: usize) -> Result<(), Error> {
+fn variable(
+    table: &mut SampleTable,
+    body: &mut impl Read,
+    big_endian: bool,
+    number: usize,
+) -> Result<(), Error> {
     let (Some(flags), Some(shape), Some(name)) =
         (part(body, big_endian), part(body, big_endian), part(body, big_endian))
     else {
@@ -64,14 +69,14 @@ fn variable(table: &mut Table, body: &mut impl Read, big_endian: bool, number: u
     };
     let class = if big_endian { flags.get(3) } else { flags.first() };
     let name = String::from_utf8_lossy(&name).into_owned();
-    let shape = Kind::Signed(4).read(&shape, big_endian);
+    let shape = NumberKind::Signed(4).read(&shape, big_endian);
     let ([rows, columns], true) = (shape.as_slice(), class.is_some_and(|class| NUMERIC.contains(class)))
     else {
         table.skipped.push(name);
         return Ok(());
     };
     // Columns follow one another: rows of the transpose.
-    let shape = Shape { rows: columns.max(0.0) as usize, columns: rows.max(0.0) as usize };
+    let shape = ArrayShape { rows: columns.max(0.0) as usize, columns: rows.max(0.0) as usize };
     let data = Tag::read(body, big_endian);
     let stored = data.as_ref().and_then(|tag| stored(tag.kind));
     let (Some(tag), Some(kind)) = (data, stored) else {
@@ -92,18 +97,18 @@ fn part(body: &mut impl Read, big_endian: bool) -> Option<Vec<u8>> {
 }
 
 /// How the numbers of a data element are stored.
-fn stored(kind: u32) -> Option<Kind> {
+fn stored(kind: u32) -> Option<NumberKind> {
     Some(match kind {
-        1 => Kind::Signed(1),
-        2 => Kind::Unsigned(1),
-        3 => Kind::Signed(2),
-        4 => Kind::Unsigned(2),
-        5 => Kind::Signed(4),
-        6 => Kind::Unsigned(4),
-        7 => Kind::Float(4),
-        9 => Kind::Float(8),
-        12 => Kind::Signed(8),
-        13 => Kind::Unsigned(8),
+        1 => NumberKind::Signed(1),
+        2 => NumberKind::Unsigned(1),
+        3 => NumberKind::Signed(2),
+        4 => NumberKind::Unsigned(2),
+        5 => NumberKind::Signed(4),
+        6 => NumberKind::Unsigned(4),
+        7 => NumberKind::Float(4),
+        9 => NumberKind::Float(8),
+        12 => NumberKind::Signed(8),
+        13 => NumberKind::Unsigned(8),
         _ => return None,
     })
 }

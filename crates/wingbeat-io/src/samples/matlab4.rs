@@ -4,9 +4,9 @@
 
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
-use super::numbers::Kind;
+use super::numbers::NumberKind;
 use super::opened;
-use super::table::{Shape, Table};
+use super::table::{ArrayShape, SampleTable};
 use crate::Error;
 
 /// Bytes of the header.
@@ -17,7 +17,7 @@ const MOST_NAME: usize = 64;
 /// What stands before the numbers of a matrix.
 struct Header {
     big_endian: bool,
-    kind: Kind,
+    kind: NumberKind,
     /// Numbers; others are text or sparse.
     numeric: bool,
     rows: usize,
@@ -42,12 +42,12 @@ impl Header {
             _ => return None,
         };
         let precision = match kind % 1000 / 10 {
-            0 => Kind::Float(8),
-            1 => Kind::Float(4),
-            2 => Kind::Signed(4),
-            3 => Kind::Signed(2),
-            4 => Kind::Unsigned(2),
-            5 => Kind::Unsigned(1),
+            0 => NumberKind::Float(8),
+            1 => NumberKind::Float(4),
+            2 => NumberKind::Signed(4),
+            3 => NumberKind::Signed(2),
+            4 => NumberKind::Unsigned(2),
+            5 => NumberKind::Unsigned(1),
             _ => return None,
         };
         let content = kind % 10;
@@ -86,7 +86,7 @@ fn name(bytes: &[u8]) -> Option<String> {
 }
 
 /// Every matrix of numbers of a file.
-pub fn read(mut table: Table) -> Result<Table, Error> {
+pub fn read(mut table: SampleTable) -> Result<SampleTable, Error> {
     let (file, length) = opened(&table.path)?;
     let path = table.path.clone();
     let mut file = BufReader::new(file);
@@ -105,7 +105,7 @@ pub fn read(mut table: Table) -> Result<Table, Error> {
         let end = header.size().and_then(|size| begin.checked_add(size));
         if header.numeric && !header.complex {
             // Columns follow one another: rows of the transpose.
-            let shape = Shape { rows: header.columns, columns: header.rows };
+            let shape = ArrayShape { rows: header.columns, columns: header.rows };
             let numbers = header.kind.stream((&mut file).take(length - begin), header.big_endian);
             table.add(&name, "", shape, numbers)?;
         } else {

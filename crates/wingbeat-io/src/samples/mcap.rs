@@ -8,7 +8,7 @@ use flate2::Crc;
 use wingbeat::rig::cell::CHANNELS;
 
 use super::opened;
-use super::table::{Shape, Table};
+use super::table::{ArrayShape, SampleTable};
 use crate::{Error, MOST_COLUMNS, MOST_NUMBERS};
 
 /// First bytes of a file, and its last.
@@ -20,14 +20,14 @@ const LISTED: usize = 12;
 
 /// What of a topic is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum TopicKind {
     Wrench,
     Joints,
     /// Of which the accelerations alone are read.
     Point,
 }
 
-impl Kind {
+impl TopicKind {
     /// By the name of the schema.
     fn of(schema: &str) -> Option<Self> {
         match schema.replace("/msg/", "/").as_str() {
@@ -43,7 +43,7 @@ impl Kind {
 #[derive(Debug)]
 struct Topic {
     name: String,
-    kind: Kind,
+    kind: TopicKind,
     /// Times of its messages, ns: those of their heads, or those at which they were recorded where the heads have none.
     stamped: Vec<i64>,
     logged: Vec<i64>,
@@ -65,7 +65,7 @@ struct Recording {
 }
 
 /// Reads the wrenches and joints of a recording.
-pub fn read(mut table: Table) -> Result<Table, Error> {
+pub fn read(mut table: SampleTable) -> Result<SampleTable, Error> {
     let (file, length) = opened(&table.path)?;
     let mut file = BufReader::new(file);
     let mut recording = Recording::default();
@@ -214,17 +214,17 @@ impl Recording {
         if self.topics.len() + self.others.len() >= MOST_COLUMNS {
             return Err(format!("more than {MOST_COLUMNS} topics, the most that are read"));
         }
-        match Kind::of(schema) {
+        match TopicKind::of(schema) {
             Some(_) if encoding != "cdr" => {
                 return Err(format!("topic {name}: messages in {encoding}; allowed is cdr, as ROS 2 writes"));
             }
             Some(kind) => {
                 let (names, columns) = match kind {
-                    Kind::Wrench => {
+                    TopicKind::Wrench => {
                         let names = CHANNELS.map(|(name, unit)| (name.to_owned(), unit));
                         (names.to_vec(), vec![Vec::new(); CHANNELS.len()])
                     }
-                    Kind::Joints | Kind::Point => (Vec::new(), Vec::new()),
+                    TopicKind::Joints | TopicKind::Point => (Vec::new(), Vec::new()),
                 };
                 let (stamped, logged) = (Vec::new(), Vec::new());
                 self.topics.insert(id, Topic { name, kind, stamped, logged, names, columns });
@@ -240,7 +240,7 @@ impl Recording {
     }
 
     /// The columns of all topics at the times of the wrench, where all topics that are wanted have messages.
-    fn into_table(self, table: &mut Table) -> Result<(), Error> {
+    fn into_table(self, table: &mut SampleTable) -> Result<(), Error> {
         let found: Vec<&str> =
             self.topics.values().map(|topic| &topic.name).chain(&self.others).map(String::as_str).collect();
         let nothing = table.bad(format!(
@@ -250,10 +250,10 @@ impl Recording {
         let mut topics: Vec<Topic> =
             self.topics.into_values().filter(|topic| !topic.logged.is_empty()).collect();
         // Wrenches come first: where a joint has the name of a force, the force keeps it.
-        ascend_by(&mut topics, |topic| if topic.kind == Kind::Wrench { 0.0 } else { 1.0 });
+        ascend_by(&mut topics, |topic| if topic.kind == TopicKind::Wrench { 0.0 } else { 1.0 });
         let named = names_of(&topics);
         let wanted = |k: &usize| named[*k].iter().any(|name| table.wanted.wants(name));
-        let wrenches = || (0..topics.len()).take_while(|k| topics[*k].kind == Kind::Wrench);
+        let wrenches = || (0..topics.len()).take_while(|k| topics[*k].kind == TopicKind::Wrench);
         let plain = wrenches().find(|k| named[*k][0] == CHANNELS[0].0);
         let main = plain.or_else(|| wrenches().find(wanted)).or_else(|| wrenches().next()).ok_or(nothing)?;
         if let Some(topic) =
@@ -269,7 +269,7 @@ impl Recording {
         let seconds = |time: i64| begin + time.saturating_sub(first) as f64 * 1e-9;
         let (times, left_out) = common(main, &used, seconds).map_err(|what| table.bad(what))?;
         table.cautions.extend(left_out);
-        let shape = Shape { rows: times.len(), columns: 1 };
+        let shape = ArrayShape { rows: times.len(), columns: 1 };
         table.add("t", "s", shape, times.iter().map(|time| seconds(*time)))?;
         let mut skipped = Vec::new();
         for (topic, names) in topics.iter().zip(&named) {
@@ -302,9 +302,9 @@ fn listed<T: AsRef<str>>(words: &[T], most: usize) -> String {
 /// their topic before them, or the whole topic where several have the same last part.
 fn names_of(topics: &[Topic]) -> Vec<Vec<String>> {
     let wrenches: Vec<&str> =
-        topics.iter().filter(|topic| topic.kind == Kind::Wrench).map(Topic::last).collect();
+        topics.iter().filter(|topic| topic.kind == TopicKind::Wrench).map(Topic::last).collect();
     let before = |topic: &Topic| match topic.last() {
-        _ if topic.kind != Kind::Wrench || wrenches.len() == 1 => String::new(),
+        _ if topic.kind != TopicKind::Wrench || wrenches.len() == 1 => String::new(),
         last if wrenches.iter().filter(|other| **other == last).count() > 1 => format!("{}_", topic.name),
         "cell" => String::new(),
         last => format!("{last}_"),
@@ -368,10 +368,10 @@ impl Topic {
         let named = |what: String| format!("topic {}: {what}", self.name);
         let mut cdr = Cdr::new(bytes).map_err(named)?;
         let (stamp, numbers) = match self.kind {
-            Kind::Wrench => cdr.wrench().map_err(named)?,
-            Kind::Joints | Kind::Point => {
+            TopicKind::Wrench => cdr.wrench().map_err(named)?,
+            TopicKind::Joints | TopicKind::Point => {
                 let (stamp, names, numbers) =
-                    if self.kind == Kind::Joints { cdr.joints() } else { cdr.point(logged) }
+                    if self.kind == TopicKind::Joints { cdr.joints() } else { cdr.point(logged) }
                         .map_err(named)?;
                 if self.names.is_empty() {
                     // A message without numbers says nothing; what is wanted begins with the first that has some.
@@ -427,7 +427,7 @@ struct Cdr<'a> {
 }
 
 /// Stamp, names with units, and numbers.
-type Named = (i64, Vec<(String, &'static str)>, Vec<f64>);
+type StampedNumbers = (i64, Vec<(String, &'static str)>, Vec<f64>);
 
 impl<'a> Cdr<'a> {
     fn new(message: &'a [u8]) -> Result<Self, String> {
@@ -497,7 +497,7 @@ impl<'a> Cdr<'a> {
     }
 
     /// Positions by the names of the joints, and where they are told velocities (`d` before the name) and efforts (`torque_`).
-    fn joints(&mut self) -> Result<Named, String> {
+    fn joints(&mut self) -> Result<StampedNumbers, String> {
         let stamp = self.header()?;
         let count = self.few(5)?;
         let joints = (0..count).map(|_| self.text()).collect::<Result<Vec<_>, _>>()?;
@@ -517,7 +517,7 @@ impl<'a> Cdr<'a> {
     }
 
     /// The accelerations of a point of a trajectory, in the order of the arm's joints.
-    fn point(&mut self, logged: i64) -> Result<Named, String> {
+    fn point(&mut self, logged: i64) -> Result<StampedNumbers, String> {
         self.doubles()?;
         self.doubles()?;
         let list = self.doubles()?;

@@ -16,9 +16,9 @@ mod table;
 mod text;
 
 pub use mcap::MAGIC as MCAP_MAGIC;
-pub use plain::{Asked, Plain, read_measured};
-pub use record::{Import, Imported};
-pub use table::Table;
+pub use plain::{ChannelRequest, Plain, read_measured};
+pub use record::{Import, ImportedRecord};
+pub use table::SampleTable;
 
 use std::fs::File;
 use std::io::Read;
@@ -27,7 +27,7 @@ use std::path::Path;
 use wingbeat::rig::process::InputSpec;
 
 use crate::{Error, decoded, parquet, regular};
-use resolve::Wanted;
+use resolve::WantedColumns;
 
 /// Reads a file of samples: Parquet, MATLAB (level 4, 5 and 7.3), NumPy (npz, npy), HDF5, MCAP of ROS 2, or
 /// text with commas, semicolons or tabs, that of ATI's demo application included. The first
@@ -35,19 +35,19 @@ use resolve::Wanted;
 ///
 /// # Errors
 /// A file that cannot be read, is of none of these kinds, holds more than is read, or is cut short.
-pub fn read_samples(path: &Path, input: &InputSpec) -> Result<Table, Error> {
-    read_wanted(path, &Wanted::of(input))
+pub fn read_samples(path: &Path, input: &InputSpec) -> Result<SampleTable, Error> {
+    read_wanted(path, &WantedColumns::of(input))
 }
 
 /// Every column of a file of samples, of the kinds that [`read_samples`] reads.
 ///
 /// # Errors
 /// Those of [`read_samples`].
-pub fn read_channels(path: &Path) -> Result<Table, Error> {
-    read_wanted(path, &Wanted::every())
+pub fn read_channels(path: &Path) -> Result<SampleTable, Error> {
+    read_wanted(path, &WantedColumns::every())
 }
 
-fn read_wanted(path: &Path, wanted: &Wanted) -> Result<Table, Error> {
+fn read_wanted(path: &Path, wanted: &WantedColumns) -> Result<SampleTable, Error> {
     let mut head = Vec::new();
     let open = |source| Error::file(path, source);
     let file = regular(path)?;
@@ -57,7 +57,7 @@ fn read_wanted(path: &Path, wanted: &Wanted) -> Result<Table, Error> {
     }
     let begins = |magic: &[u8]| head.starts_with(magic);
     let hdf5 = [0, 512].iter().any(|at| head.get(*at..).is_some_and(|rest| rest.starts_with(HDF5)));
-    let table = |layout| Table::new(path, layout, wanted.clone());
+    let table = |layout| SampleTable::new(path, layout, wanted.clone());
     if begins(b"PAR1") {
         of_parquet(table("Parquet"))
     } else if hdf5 {
@@ -89,11 +89,11 @@ const UNKNOWN: &str = "not a file of samples: allowed are Parquet, MATLAB 4, 5 a
 use hdf5::read as hierarchical;
 
 #[cfg(not(feature = "hdf5"))]
-fn hierarchical(table: Table) -> Result<Table, Error> {
+fn hierarchical(table: SampleTable) -> Result<SampleTable, Error> {
     Err(table.bad(crate::not_built("an HDF5 or MATLAB 7.3 file")))
 }
 
-fn of_parquet(mut table: Table) -> Result<Table, Error> {
+fn of_parquet(mut table: SampleTable) -> Result<SampleTable, Error> {
     let read = parquet::read_some(&table.path, &|name| table.wanted.wants(name))?;
     table.unordered = read.names.iter().any(|name| name == "rdt_sequence");
     (table.names, table.columns) = (read.names, read.columns);

@@ -4,7 +4,7 @@ use std::io::Read;
 
 /// How one number is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum NumberKind {
     /// Whole, with sign.
     Signed(u8),
     /// Whole, without sign.
@@ -13,7 +13,7 @@ pub enum Kind {
     Float(u8),
 }
 
-impl Kind {
+impl NumberKind {
     /// Bytes of one number.
     pub fn size(self) -> usize {
         let (Self::Signed(n) | Self::Unsigned(n) | Self::Float(n)) = self;
@@ -71,13 +71,13 @@ mod tests {
 
     #[test]
     fn both_byte_orders_and_signs() {
-        assert_eq!(Kind::Signed(2).read(&[0xff, 0xfe, 0, 2], true), [-2.0, 2.0]);
-        assert_eq!(Kind::Signed(2).read(&[0xfe, 0xff, 2, 0, 9], false), [-2.0, 2.0]);
-        assert_eq!(Kind::Unsigned(1).read(&[200], false), [200.0]);
-        assert_eq!(Kind::Float(4).read(&1.5f32.to_be_bytes(), true), [1.5]);
-        assert_eq!(Kind::Float(8).read(&(-0.1f64).to_le_bytes(), false), [-0.1]);
-        assert_eq!((Kind::Float(2).checked(), Kind::Signed(3).checked()), (None, None));
-        let stream = Kind::Signed(2).stream(&[0xfe, 0xff, 2, 0, 9][..], false);
+        assert_eq!(NumberKind::Signed(2).read(&[0xff, 0xfe, 0, 2], true), [-2.0, 2.0]);
+        assert_eq!(NumberKind::Signed(2).read(&[0xfe, 0xff, 2, 0, 9], false), [-2.0, 2.0]);
+        assert_eq!(NumberKind::Unsigned(1).read(&[200], false), [200.0]);
+        assert_eq!(NumberKind::Float(4).read(&1.5f32.to_be_bytes(), true), [1.5]);
+        assert_eq!(NumberKind::Float(8).read(&(-0.1f64).to_le_bytes(), false), [-0.1]);
+        assert_eq!((NumberKind::Float(2).checked(), NumberKind::Signed(3).checked()), (None, None));
+        let stream = NumberKind::Signed(2).stream(&[0xfe, 0xff, 2, 0, 9][..], false);
         assert_eq!(stream.collect::<Vec<_>>(), [-2.0, 2.0]);
     }
 }

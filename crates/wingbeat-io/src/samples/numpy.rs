@@ -2,9 +2,9 @@
 
 use std::io::{BufReader, Read};
 
-use super::numbers::Kind;
+use super::numbers::NumberKind;
 use super::opened;
-use super::table::{Shape, Table};
+use super::table::{ArrayShape, SampleTable};
 use crate::Error;
 #[cfg(feature = "npz")]
 use crate::MOST_COLUMNS;
@@ -15,7 +15,7 @@ pub const MAGIC: &[u8] = b"\x93NUMPY";
 const MOST_HEADER: usize = 1 << 16;
 
 /// The one array of an npy file; its name is that of the file.
-pub fn read_npy(mut table: Table) -> Result<Table, Error> {
+pub fn read_npy(mut table: SampleTable) -> Result<SampleTable, Error> {
     let name = table.path.file_stem().map_or("array".into(), |stem| stem.to_string_lossy().into_owned());
     let (file, length) = opened(&table.path)?;
     array(&mut table, &name, BufReader::new(file), Some(length))?;
@@ -24,13 +24,13 @@ pub fn read_npy(mut table: Table) -> Result<Table, Error> {
 
 /// Every array of an npz archive.
 #[cfg(not(feature = "npz"))]
-pub fn read_npz(table: Table) -> Result<Table, Error> {
+pub fn read_npz(table: SampleTable) -> Result<SampleTable, Error> {
     Err(table.bad(crate::not_built("a NumPy npz archive")))
 }
 
 /// Every array of an npz archive.
 #[cfg(feature = "npz")]
-pub fn read_npz(mut table: Table) -> Result<Table, Error> {
+pub fn read_npz(mut table: SampleTable) -> Result<SampleTable, Error> {
     let path = table.path.clone();
     let (file, _) = opened(&path)?;
     let broken = |error| Error::format(&path, format!("cut short, or not an npz archive: {error}"));
@@ -48,7 +48,7 @@ pub fn read_npz(mut table: Table) -> Result<Table, Error> {
 }
 
 /// Adds the array that `data`, an npy file of `length` bytes where that is known, holds.
-fn array(table: &mut Table, name: &str, mut data: impl Read, length: Option<u64>) -> Result<(), Error> {
+fn array(table: &mut SampleTable, name: &str, mut data: impl Read, length: Option<u64>) -> Result<(), Error> {
     let Some((header, begin)) = header(&mut data) else {
         return Err(table.bad(format!("array {name}: no npy header, cut short or damaged")));
     };
@@ -63,7 +63,7 @@ fn array(table: &mut Table, name: &str, mut data: impl Read, length: Option<u64>
     };
     let (a, b) = (shape.first().copied().unwrap_or(1), shape.get(1).copied().unwrap_or(1));
     let fortran = field("fortran_order") == "True";
-    let shape = if fortran { Shape { rows: b, columns: a } } else { Shape { rows: a, columns: b } };
+    let shape = if fortran { ArrayShape { rows: b, columns: a } } else { ArrayShape { rows: a, columns: b } };
     // An array that ends too soon is told even if nobody asked for it.
     let there =
         length.map_or(usize::MAX, |length| (length.saturating_sub(begin) / kind.size() as u64) as usize);
@@ -106,15 +106,15 @@ fn numbers(tuple: &str) -> Option<Vec<usize>> {
 }
 
 /// Kind and byte order of a type such as `<f8`.
-fn kind(descr: &str) -> Option<(Kind, bool)> {
+fn kind(descr: &str) -> Option<(NumberKind, bool)> {
     let mut letters = descr.chars();
     let big_endian = letters.next()? == '>';
     let kind = letters.next()?;
     let size = letters.as_str().parse().ok()?;
     let kind = match kind {
-        'f' => Kind::Float(size),
-        'i' => Kind::Signed(size),
-        'u' | 'b' => Kind::Unsigned(size),
+        'f' => NumberKind::Float(size),
+        'i' => NumberKind::Signed(size),
+        'u' | 'b' => NumberKind::Unsigned(size),
         _ => return None,
     };
     Some((kind.checked()?, big_endian))

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use wingbeat::rig::unit::Quantity;
+use wingbeat::rig::unit::ChannelQuantity;
 use wingbeat::simulate::{Column, Record};
 
-use super::Table;
-use super::grid::Grid;
+use super::SampleTable;
+use super::grid::SampleGrid;
 use super::record::ANOTHER_RATE;
 use super::record::spread;
-use super::resolve::{Known, SEQUENCES, SIX, TIME, base, names};
+use super::resolve::{KnownChannel, SEQUENCES, SIX, TIME, base, names};
 use crate::Error;
 
 /// Most channels: as many as letters name the panels of a figure.
@@ -19,7 +19,7 @@ const NO_CHANNELS: [&str; 6] = ["status", "phase", "sequence", "seq", "sample", 
 
 /// What is asked of a file of channels.
 #[derive(Clone, Debug, Default)]
-pub struct Asked {
+pub struct ChannelRequest {
     /// Samples per second, Hz; without it the file says it, or has a column of time.
     pub rate: Option<f64>,
     /// Columns to take; all that are channels where none is named.
@@ -58,14 +58,14 @@ pub fn read_measured(path: &Path) -> Result<Record, Error> {
     if plainly.as_ref().is_ok_and(|record| ["t", "phase"].iter().any(|name| record.column(name).is_some())) {
         return plainly;
     }
-    let channels = super::read_channels(path).and_then(|table| table.plain(&Asked::default()));
+    let channels = super::read_channels(path).and_then(|table| table.plain(&ChannelRequest::default()));
     let Ok(Plain { time, mut channels, missing, .. }) = channels else { return plainly };
-    let of = [Quantity::Force, Quantity::Moment, Quantity::Angle];
+    let of = [ChannelQuantity::Force, ChannelQuantity::Moment, ChannelQuantity::Angle];
     // What is no force, moment or angle is none of the loads.
     let is_known = |unit: &str| unit.is_empty() || of.iter().any(|quantity| quantity.factor(unit).is_some());
     channels.retain(|column| is_known(&column.unit));
     for column in &mut channels {
-        let known = |quantity: &Quantity| Some((quantity.factor(&column.unit)?, quantity.names()[0]));
+        let known = |quantity: &ChannelQuantity| Some((quantity.factor(&column.unit)?, quantity.names()[0]));
         if let Some((factor, unit)) = of.iter().find_map(known) {
             column.values.iter_mut().for_each(|value| *value *= factor);
             column.unit = unit.into();
@@ -96,12 +96,12 @@ fn no_numbers(channels: &[Column], missing: usize) -> Option<String> {
     (empty > 0).then_some(text)
 }
 
-impl Table {
+impl SampleTable {
     /// The channels by their own names.
     ///
     /// # Errors
     /// No time and no rate, columns that are not there, units that do not fit, time that goes back.
-    pub fn plain(mut self, asked: &Asked) -> Result<Plain, Error> {
+    pub fn plain(mut self, asked: &ChannelRequest) -> Result<Plain, Error> {
         self.name_bare(asked)?;
         let time = self.columns.iter().position(|column| is(&column.name, &TIME));
         let chosen = self.chosen(asked, time)?;
@@ -131,7 +131,7 @@ impl Table {
     }
 
     /// Names the columns of a file without a header, which must be six.
-    fn name_bare(&mut self, asked: &Asked) -> Result<(), Error> {
+    fn name_bare(&mut self, asked: &ChannelRequest) -> Result<(), Error> {
         let bare = |(k, name): (usize, &String)| *name == format!("[{k}]");
         if self.layout != "text" || self.names.is_empty() || !self.names.iter().enumerate().all(bare) {
             return Ok(());
@@ -152,7 +152,7 @@ impl Table {
     }
 
     /// Which columns are taken.
-    fn chosen(&self, asked: &Asked, time: Option<usize>) -> Result<Vec<usize>, Error> {
+    fn chosen(&self, asked: &ChannelRequest, time: Option<usize>) -> Result<Vec<usize>, Error> {
         let chosen = match asked.columns.is_empty() {
             true => (0..self.columns.len())
                 .filter(|k| Some(*k) != time && is_channel(&self.columns[*k].name))
@@ -177,7 +177,7 @@ impl Table {
     }
 
     /// The unit of each channel: the one given, else the one that the file says; empty where nothing says one.
-    fn units(&self, asked: &Asked, chosen: &[usize]) -> Result<Vec<String>, Error> {
+    fn units(&self, asked: &ChannelRequest, chosen: &[usize]) -> Result<Vec<String>, Error> {
         let given = self.given_units(asked, chosen)?;
         let unit = |(i, k): (usize, &usize)| {
             let column = &self.columns[*k];
@@ -194,7 +194,7 @@ impl Table {
         chosen.iter().enumerate().map(unit).collect()
     }
 
-    fn given_units(&self, asked: &Asked, chosen: &[usize]) -> Result<Vec<String>, Error> {
+    fn given_units(&self, asked: &ChannelRequest, chosen: &[usize]) -> Result<Vec<String>, Error> {
         let units = &asked.units;
         if units.is_empty() || units.len() == chosen.len() {
             return Ok(units.clone());
@@ -210,7 +210,7 @@ impl Table {
             )));
         };
         for (unit, quantity, what) in
-            [(force, Quantity::Force, "force"), (moment, Quantity::Moment, "moment")]
+            [(force, ChannelQuantity::Force, "force"), (moment, ChannelQuantity::Moment, "moment")]
         {
             if quantity.factor(unit).is_none() {
                 let known = quantity.names().join(", ");
@@ -221,14 +221,14 @@ impl Table {
     }
 
     /// Where the samples lie by column `k` of times, and its unit in s.
-    fn by_column(&self, k: usize) -> Result<(Grid, f64), Error> {
+    fn by_column(&self, k: usize) -> Result<(SampleGrid, f64), Error> {
         let column = &self.columns[k];
         let unit = base(&column.name).1.unwrap_or(if column.unit.is_empty() { "s" } else { &column.unit });
-        let factor = Quantity::Time.factor(unit).ok_or_else(|| {
-            let known = Quantity::Time.names().join(", ");
+        let factor = ChannelQuantity::Time.factor(unit).ok_or_else(|| {
+            let known = ChannelQuantity::Time.names().join(", ");
             self.bad(format!("column {}: `{unit}` is no unit of time; allowed are {known}", column.name))
         })?;
-        let grid = Grid::timed(&column.values, factor, self.unordered);
+        let grid = SampleGrid::timed(&column.values, factor, self.unordered);
         let grid = grid.map_err(|what| self.bad(format!("{what}; --rate HZ takes samples as even")))?;
         Ok((grid, factor))
     }
@@ -236,16 +236,16 @@ impl Table {
     /// Where the samples lie on even steps, and their own times, s, where the file has them and no rate is given.
     fn placed(
         &self,
-        asked: &Asked,
+        asked: &ChannelRequest,
         time: Option<usize>,
         rows: usize,
-    ) -> Result<(Grid, Option<Vec<f64>>), Error> {
+    ) -> Result<(SampleGrid, Option<Vec<f64>>), Error> {
         let sequence = SEQUENCES.iter().find_map(|name| self.columns.iter().find(|c| c.name == *name));
         let sequence = sequence.filter(|column| column.values.len() == rows);
         let bad = |what: String| self.bad(what);
         match (asked.rate.or(self.rate), sequence, time) {
-            (Some(rate), Some(column), _) => Ok((Grid::numbered(&column.values, rate).map_err(bad)?, None)),
-            (Some(rate), None, _) => Ok((Grid::counted(rows, rate), None)),
+            (Some(rate), Some(column), _) => Ok((SampleGrid::numbered(&column.values, rate).map_err(bad)?, None)),
+            (Some(rate), None, _) => Ok((SampleGrid::counted(rows, rate), None)),
             (None, _, Some(k)) => {
                 let (grid, factor) = self.by_column(k)?;
                 Ok((grid, Some(self.columns[k].values.iter().map(|t| factor * t).collect())))
@@ -259,7 +259,7 @@ impl Table {
 }
 
 /// Whether a column has a name of the channel.
-fn is(column: &str, known: &Known) -> bool {
+fn is(column: &str, known: &KnownChannel) -> bool {
     known.names().any(|name| base(column).0.eq_ignore_ascii_case(name))
 }
 
@@ -276,9 +276,9 @@ fn short(column: &str) -> String {
 
 /// Whether two names are of one unit.
 fn same(a: &str, b: &str) -> bool {
-    let one = |quantity: &Quantity| {
+    let one = |quantity: &ChannelQuantity| {
         let (a, b) = (quantity.factor(a), quantity.factor(b));
         a.is_some() && a == b
     };
-    a == b || Quantity::ALL.iter().any(one)
+    a == b || ChannelQuantity::ALL.iter().any(one)
 }

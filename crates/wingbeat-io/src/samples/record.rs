@@ -5,9 +5,9 @@ use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::InputSpec;
 use wingbeat::simulate::{Column, Record};
 
-use super::Table;
-use super::grid::Grid;
-use super::resolve::{Known, OTHERS, SEQUENCES, SIX, TIME, names};
+use super::SampleTable;
+use super::grid::SampleGrid;
+use super::resolve::{KnownChannel, OTHERS, SEQUENCES, SIX, TIME, names};
 use crate::Error;
 
 /// Samples as they were found in a file.
@@ -37,19 +37,19 @@ pub struct Import {
 
 /// A record on equal steps of time, and what was found on the way.
 #[derive(Clone, Debug)]
-pub struct Imported {
+pub struct ImportedRecord {
     /// Columns t, Fx .. Tz and what else processing reads, in SI units; missing samples are not-a-number.
     pub record: Record,
     /// How it was found.
     pub import: Import,
 }
 
-impl Table {
+impl SampleTable {
     /// The samples with the names of the record, in SI units, at equal steps of time.
     ///
     /// # Errors
     /// A channel without column or unit, one with several, columns of different length, time that goes back.
-    pub fn import(mut self, input: &InputSpec) -> Result<Imported, Error> {
+    pub fn import(mut self, input: &InputSpec) -> Result<ImportedRecord, Error> {
         self.check_mapping(input)?;
         let (mut used, mut factors) = (Vec::new(), Vec::new());
         for known in SIX.iter().chain(&OTHERS) {
@@ -80,7 +80,7 @@ impl Table {
     /// The columns of the channels in SI units, and then those without channel that are as long.
     fn taken(
         &mut self,
-        used: &[(&Known, usize)],
+        used: &[(&KnownChannel, usize)],
         factors: &[f64],
         input: &InputSpec,
         rows: usize,
@@ -132,7 +132,7 @@ impl Table {
 
     /// Where the rows lie in time, by the rate given or said and the numbers of the samples, or by their times; and
     /// what of the file says otherwise.
-    fn grid(&self, input: &InputSpec, rows: usize) -> Result<(Grid, Vec<String>), Error> {
+    fn grid(&self, input: &InputSpec, rows: usize) -> Result<(SampleGrid, Vec<String>), Error> {
         let sequence = SEQUENCES.iter().find_map(|name| self.columns.iter().find(|c| c.name == *name));
         let sequence = sequence.filter(|column| column.values.len() == rows);
         let rate = input.rate_hz.or(self.rate);
@@ -143,18 +143,18 @@ impl Table {
         }
         match (rate, sequence) {
             (Some(rate), Some(column)) => {
-                let grid = Grid::numbered(&column.values, rate).map_err(|what| self.bad(what))?;
+                let grid = SampleGrid::numbered(&column.values, rate).map_err(|what| self.bad(what))?;
                 Ok((grid, self.other_rate(input).into_iter().collect()))
             }
             (Some(rate), None) => {
                 let cautions = self.other_rate(input).into_iter().chain(self.other_time(input, rate, rows));
-                Ok((Grid::counted(rows, rate), cautions.collect()))
+                Ok((SampleGrid::counted(rows, rate), cautions.collect()))
             }
             (None, _) => Ok((self.timed(input, rows)?, Vec::new())),
         }
     }
 
-    fn timed(&self, input: &InputSpec, rows: usize) -> Result<Grid, Error> {
+    fn timed(&self, input: &InputSpec, rows: usize) -> Result<SampleGrid, Error> {
         let why = |what: String| {
             self.bad(format!("{what}; to take samples as equally spaced: --set process.input.rate_hz=HZ"))
         };
@@ -162,7 +162,7 @@ impl Table {
         let column = &self.columns[self.find(&TIME, input)?.ok_or_else(missing)?];
         self.check_lengths(std::iter::once(column), rows)?;
         let factor = self.to_si(column, &TIME, input)?;
-        Grid::timed(&column.values, factor, self.unordered).map_err(why)
+        SampleGrid::timed(&column.values, factor, self.unordered).map_err(why)
     }
 
     /// The rate that the file says, where the key says another.
@@ -192,16 +192,16 @@ impl Table {
 /// Share by which two rates differ that are not the same (*choice*: ten times the error of a quartz clock of a PC).
 pub(super) const ANOTHER_RATE: f64 = 1e-3;
 
-fn angle(known: &Known) -> &'static str {
+fn angle(known: &KnownChannel) -> &'static str {
     if known.quantity.is_some() { "rad" } else { "" }
 }
 
 fn on_grid(
     mut columns: Vec<Column>,
-    grid: &Grid,
+    grid: &SampleGrid,
     input: &InputSpec,
     mut import: Import,
-) -> Result<Imported, wingbeat::Error> {
+) -> Result<ImportedRecord, wingbeat::Error> {
     import.rows = columns[0].values.len();
     (import.rate_hz, import.duplicates, import.late) = (grid.rate, grid.duplicates, grid.late);
     for (from, to) in grid.place.iter().zip(&grid.place[1..]).filter(|(from, to)| **to > **from + 1) {
@@ -220,11 +220,11 @@ fn on_grid(
     let begin = grid.start - input.start_s;
     time.values = (0..grid.len()).map(|k| begin + k as f64 / grid.rate).collect();
     columns.insert(0, time);
-    Ok(Imported { record: Record::new(columns, 0)?, import })
+    Ok(ImportedRecord { record: Record::new(columns, 0)?, import })
 }
 
 /// `values` on the grid; gaps of at most `bridge` samples by straight lines, others not-a-number.
-pub(super) fn spread(values: &[f64], grid: &Grid, bridge: usize) -> Vec<f64> {
+pub(super) fn spread(values: &[f64], grid: &SampleGrid, bridge: usize) -> Vec<f64> {
     let mut out = vec![f64::NAN; grid.len()];
     let mut last: Option<(usize, f64)> = None;
     for (place, row) in grid.place.iter().zip(&grid.rows) {

@@ -2,31 +2,35 @@
 
 use wingbeat::rig::arm::MAX_JOINTS;
 use wingbeat::rig::process::InputSpec;
-use wingbeat::rig::unit::Quantity;
+use wingbeat::rig::unit::ChannelQuantity;
 use wingbeat::simulate::Column;
 
-use super::Table;
+use super::SampleTable;
 use crate::Error;
 
 /// A channel by its name in the record, what it measures, and names that files give it.
 #[derive(Clone, Copy, Debug)]
-pub struct Known {
+pub struct KnownChannel {
     /// Its name in the record.
     pub name: &'static str,
     /// What it measures.
-    pub quantity: Option<Quantity>,
+    pub quantity: Option<ChannelQuantity>,
     others: &'static [&'static str],
 }
 
-const fn known(name: &'static str, quantity: Option<Quantity>, others: &'static [&'static str]) -> Known {
-    Known { name, quantity, others }
+const fn known(
+    name: &'static str,
+    quantity: Option<ChannelQuantity>,
+    others: &'static [&'static str],
+) -> KnownChannel {
+    KnownChannel { name, quantity, others }
 }
 
-const fn joint(name: &'static str) -> Known {
-    known(name, Some(Quantity::Angle), &[])
+const fn joint(name: &'static str) -> KnownChannel {
+    known(name, Some(ChannelQuantity::Angle), &[])
 }
 
-impl Known {
+impl KnownChannel {
     /// Its name and those that files give it.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         std::iter::once(self.name).chain(self.others.iter().copied())
@@ -34,19 +38,19 @@ impl Known {
 }
 
 /// Time.
-pub const TIME: Known = known("t", Some(Quantity::Time), &["time"]);
+pub const TIME: KnownChannel = known("t", Some(ChannelQuantity::Time), &["time"]);
 /// Forces and moments.
-pub const SIX: [Known; 6] = [
-    known("Fx", Some(Quantity::Force), &["force_x", "f_x"]),
-    known("Fy", Some(Quantity::Force), &["force_y", "f_y"]),
-    known("Fz", Some(Quantity::Force), &["force_z", "f_z"]),
-    known("Tx", Some(Quantity::Moment), &["mx", "torque_x", "moment_x", "m_x"]),
-    known("Ty", Some(Quantity::Moment), &["my", "torque_y", "moment_y", "m_y"]),
-    known("Tz", Some(Quantity::Moment), &["mz", "torque_z", "moment_z", "m_z"]),
+pub const SIX: [KnownChannel; 6] = [
+    known("Fx", Some(ChannelQuantity::Force), &["force_x", "f_x"]),
+    known("Fy", Some(ChannelQuantity::Force), &["force_y", "f_y"]),
+    known("Fz", Some(ChannelQuantity::Force), &["force_z", "f_z"]),
+    known("Tx", Some(ChannelQuantity::Moment), &["mx", "torque_x", "moment_x", "m_x"]),
+    known("Ty", Some(ChannelQuantity::Moment), &["my", "torque_y", "moment_y", "m_y"]),
+    known("Tz", Some(ChannelQuantity::Moment), &["mz", "torque_z", "moment_z", "m_z"]),
 ];
 /// Channels that may be there: phase, status, joints of the longest arm.
-pub const OTHERS: [Known; 9] = [
-    known("phase", Some(Quantity::Angle), &["encoder", "stroke_phase"]),
+pub const OTHERS: [KnownChannel; 9] = [
+    known("phase", Some(ChannelQuantity::Angle), &["encoder", "stroke_phase"]),
     known("status", None, &[]),
     joint("q1"),
     joint("q2"),
@@ -75,7 +79,7 @@ pub(super) fn names(name: &str, column: &str) -> bool {
 
 /// Names of the columns that are of use; others are not kept.
 #[derive(Clone, Debug, Default)]
-pub struct Wanted {
+pub struct WantedColumns {
     /// In lower case, without units.
     pub names: Vec<String>,
     /// As the mapping has them.
@@ -84,7 +88,7 @@ pub struct Wanted {
     all: bool,
 }
 
-impl Wanted {
+impl WantedColumns {
     /// Those that `input` names or processing knows.
     pub fn of(input: &InputSpec) -> Self {
         let known = [TIME].into_iter().chain(SIX).chain(OTHERS);
@@ -106,7 +110,7 @@ impl Wanted {
     }
 }
 
-impl Table {
+impl SampleTable {
     /// Names in the mapping that are no channels.
     pub(super) fn check_mapping(&self, input: &InputSpec) -> Result<(), Error> {
         let channels = || SIX.iter().chain([&TIME]).chain(&OTHERS).map(|known| known.name);
@@ -120,7 +124,7 @@ impl Table {
     }
 
     /// The column of a channel: the one that the mapping names, or the only one with a name known for it.
-    pub(super) fn find(&self, known: &Known, input: &InputSpec) -> Result<Option<usize>, Error> {
+    pub(super) fn find(&self, known: &KnownChannel, input: &InputSpec) -> Result<Option<usize>, Error> {
         let places = |fits: &dyn Fn(&Column) -> bool| -> Vec<usize> {
             (0..self.columns.len()).filter(|k| fits(&self.columns[*k])).collect()
         };
@@ -154,7 +158,7 @@ impl Table {
     }
 
     /// 1, or -1 where the mapping turns the column of a channel about.
-    pub(super) fn sign(&self, known: &Known, column: usize, input: &InputSpec) -> f64 {
+    pub(super) fn sign(&self, known: &KnownChannel, column: usize, input: &InputSpec) -> f64 {
         let turned = |name: &String| *name != self.columns[column].name;
         input.columns.get(known.name).filter(|name| turned(name)).map_or(1.0, |name| signed(name).1)
     }
@@ -191,7 +195,12 @@ impl Table {
     }
 
     /// Factor from what stands in `column` to the SI unit of `known`.
-    pub(super) fn to_si(&self, column: &Column, known: &Known, input: &InputSpec) -> Result<f64, Error> {
+    pub(super) fn to_si(
+        &self,
+        column: &Column,
+        known: &KnownChannel,
+        input: &InputSpec,
+    ) -> Result<f64, Error> {
         let Some(quantity) = known.quantity else { return Ok(1.0) };
         let name = &column.name;
         let (key, given, counts) = asked(quantity, input);
@@ -220,7 +229,7 @@ impl Table {
     fn unit(
         &self,
         column: &Column,
-        quantity: Quantity,
+        quantity: ChannelQuantity,
         given: Option<&str>,
         key: &str,
     ) -> Result<String, Error> {
@@ -248,27 +257,29 @@ impl Table {
 const COUNTS: &str = "counts";
 
 /// Key of the unit, the unit given, and for channels that may be in counts the key and number of counts per unit.
-type Asked<'a> = (&'static str, &'a Option<String>, Option<(&'static str, Option<f64>)>);
+type UnitRequest<'a> = (&'static str, &'a Option<String>, Option<(&'static str, Option<f64>)>);
 
-fn asked(quantity: Quantity, input: &InputSpec) -> Asked<'_> {
+fn asked(quantity: ChannelQuantity, input: &InputSpec) -> UnitRequest<'_> {
     let units = &input.units;
     match quantity {
-        Quantity::Force => ("force", &units.force, Some(("counts_per_newton", input.counts_per_newton))),
-        Quantity::Moment => {
+        ChannelQuantity::Force => {
+            ("force", &units.force, Some(("counts_per_newton", input.counts_per_newton)))
+        }
+        ChannelQuantity::Moment => {
             ("moment", &units.moment, Some(("counts_per_newton_metre", input.counts_per_newton_metre)))
         }
-        Quantity::Time => ("time", &units.time, None),
-        Quantity::Angle => ("angle", &units.angle, None),
+        ChannelQuantity::Time => ("time", &units.time, None),
+        ChannelQuantity::Angle => ("angle", &units.angle, None),
     }
 }
 
 /// SI units in `unit`, not-a-number's stand-in 0 for counts; none where it is not known.
-fn meaning(quantity: Quantity, unit: &str) -> Option<f64> {
+fn meaning(quantity: ChannelQuantity, unit: &str) -> Option<f64> {
     if unit.eq_ignore_ascii_case(COUNTS) { Some(0.0) } else { quantity.factor(unit) }
 }
 
-fn allowed(quantity: Quantity) -> String {
-    let counts = matches!(quantity, Quantity::Force | Quantity::Moment).then_some(COUNTS);
+fn allowed(quantity: ChannelQuantity) -> String {
+    let counts = matches!(quantity, ChannelQuantity::Force | ChannelQuantity::Moment).then_some(COUNTS);
     quantity.names().into_iter().chain(counts).collect::<Vec<_>>().join(", ")
 }
 
@@ -283,7 +294,7 @@ pub fn base(name: &str) -> (&str, Option<&str>) {
             return (start.trim(), Some(unit.trim()));
         }
     }
-    let unit = |text: &str| text == COUNTS || Quantity::ALL.iter().any(|q| q.factor(text).is_some());
+    let unit = |text: &str| text == COUNTS || ChannelQuantity::ALL.iter().any(|q| q.factor(text).is_some());
     match name.rsplit_once('_') {
         Some((start, end)) if unit(end) && !start.is_empty() => (start, Some(end)),
         _ => (name, None),
@@ -308,7 +319,7 @@ mod tests {
         let mut input = InputSpec::default();
         input.columns.insert("Fz".into(), "up".into());
         input.columns.insert("Fy".into(), "-side".into());
-        let wanted = Wanted::of(&input);
+        let wanted = WantedColumns::of(&input);
         for name in [
             "up",
             "side [N]",

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::simulate::Column;
 
-use super::resolve::Wanted;
+use super::resolve::WantedColumns;
 use crate::{Error, MOST_COLUMNS, MOST_NUMBERS};
 
 /// Room made at once for a column that may be claimed longer than it is.
@@ -12,7 +12,7 @@ const PREPARED: usize = 1 << 16;
 
 /// What a file of samples holds.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct SampleTable {
     /// The file.
     pub path: PathBuf,
     /// Its layout, in words.
@@ -29,19 +29,19 @@ pub struct Table {
     pub rate: Option<f64>,
     /// True when records may stand in another order than they were measured.
     pub unordered: bool,
-    pub(super) wanted: Wanted,
+    pub(super) wanted: WantedColumns,
 }
 
 /// An array of one or two dimensions whose numbers come row by row: the longer dimension is time.
 #[derive(Clone, Copy, Debug)]
-pub struct Shape {
+pub struct ArrayShape {
     /// Rows as stored.
     pub rows: usize,
     /// Numbers of each row.
     pub columns: usize,
 }
 
-impl Shape {
+impl ArrayShape {
     /// Columns of the table that it makes.
     fn series(self) -> usize {
         match self {
@@ -70,8 +70,8 @@ impl Shape {
     }
 }
 
-impl Table {
-    pub(super) fn new(path: &Path, layout: &'static str, wanted: Wanted) -> Self {
+impl SampleTable {
+    pub(super) fn new(path: &Path, layout: &'static str, wanted: WantedColumns) -> Self {
         Self { path: path.into(), layout, wanted, ..Self::default() }
     }
 
@@ -83,8 +83,8 @@ impl Table {
     ///
     /// # Errors
     /// More columns, or more numbers, than are read.
-    pub(super) fn announce(&mut self, name: &str, shape: Shape) -> Result<Vec<Option<usize>>, Error> {
-        let Shape { rows, columns } = shape;
+    pub(super) fn announce(&mut self, name: &str, shape: ArrayShape) -> Result<Vec<Option<usize>>, Error> {
+        let ArrayShape { rows, columns } = shape;
         let most = 4 * MOST_NUMBERS;
         if shape.count().is_none_or(|count| count > most) {
             return Err(self.bad(format!("{name}: {rows} x {columns} numbers; read are at most {most}")));
@@ -127,7 +127,7 @@ impl Table {
         &mut self,
         name: &str,
         unit: &str,
-        shape: Shape,
+        shape: ArrayShape,
         numbers: impl IntoIterator<Item = f64>,
     ) -> Result<(), Error> {
         let targets = self.announce(name, shape)?;
@@ -151,7 +151,7 @@ impl Table {
     }
 
     /// An array of which only so many numbers are there.
-    pub(super) fn cut(&self, name: &str, shape: Shape, there: usize) -> Error {
+    pub(super) fn cut(&self, name: &str, shape: ArrayShape, there: usize) -> Error {
         let ((series, sample), length) = (shape.place(there), shape.length());
         let of = if shape.series() > 1 { format!("{name}[{series}]") } else { name.into() };
         self.bad(format!("{name}: cut short at sample {sample} of {length} of {of}, or damaged there"))
@@ -163,8 +163,8 @@ mod tests {
     use super::*;
     use wingbeat::rig::process::InputSpec;
 
-    fn table() -> Table {
-        Table::new(Path::new("a.npy"), "test", Wanted::of(&InputSpec::default()))
+    fn table() -> SampleTable {
+        SampleTable::new(Path::new("a.npy"), "test", WantedColumns::of(&InputSpec::default()))
     }
 
     #[test]
@@ -172,10 +172,10 @@ mod tests {
         let mut input = InputSpec::default();
         input.columns.insert("Fx".into(), "w[1]".into());
         for (shape, numbers) in [
-            (Shape { rows: 3, columns: 2 }, [1.0, 10.0, 2.0, 20.0, 3.0, 30.0]),
-            (Shape { rows: 2, columns: 3 }, [1.0, 2.0, 3.0, 10.0, 20.0, 30.0]),
+            (ArrayShape { rows: 3, columns: 2 }, [1.0, 10.0, 2.0, 20.0, 3.0, 30.0]),
+            (ArrayShape { rows: 2, columns: 3 }, [1.0, 2.0, 3.0, 10.0, 20.0, 30.0]),
         ] {
-            let mut table = Table::new(Path::new("a.npy"), "test", Wanted::of(&input));
+            let mut table = SampleTable::new(Path::new("a.npy"), "test", WantedColumns::of(&input));
             table.add("w", "N", shape, numbers).unwrap();
             assert_eq!(table.names, ["w[0]", "w[1]"]);
             assert_eq!((table.columns.len(), table.columns[0].unit.as_str()), (1, "N"));
@@ -187,7 +187,7 @@ mod tests {
     fn the_place_of_a_cut_is_a_sample_of_a_column() {
         let mut table = table();
         table.wanted.names.push("fx[1]".into());
-        let error = table.add("Fx", "", Shape { rows: 6, columns: 48 }, vec![0.0; 75]).unwrap_err();
+        let error = table.add("Fx", "", ArrayShape { rows: 6, columns: 48 }, vec![0.0; 75]).unwrap_err();
         assert!(error.to_string().contains("at sample 27 of 48 of Fx[1]"), "{error}");
     }
 
@@ -195,10 +195,10 @@ mod tests {
     fn claims_beyond_the_limits_take_no_memory() {
         let huge = [usize::MAX, 1 << 40, MOST_NUMBERS + 1];
         for rows in huge {
-            let error = table().add("Fx", "", Shape { rows, columns: 1 }, []).unwrap_err();
+            let error = table().add("Fx", "", ArrayShape { rows, columns: 1 }, []).unwrap_err();
             assert!(error.to_string().contains("at most") || error.to_string().contains("more than"));
         }
-        let wide = Shape { rows: 5000, columns: 5000 };
+        let wide = ArrayShape { rows: 5000, columns: 5000 };
         assert!(table().add("Fx", "", wide, []).unwrap_err().to_string().contains("columns"));
     }
 }

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Read};
 
 use wingbeat::simulate::Column;
 
-use super::table::Table;
+use super::table::SampleTable;
 use super::{ati, opened};
 use crate::table::unended as unended_line;
 use crate::{Error, MOST_COLUMNS, MOST_NUMBERS};
@@ -29,7 +29,7 @@ struct Head {
 
 /// One column as it fills.
 #[derive(Default)]
-pub struct Cells {
+pub struct TextColumn {
     /// Its numbers, in the unit of the file.
     pub values: Vec<f64>,
     /// False of a column that is not kept.
@@ -41,7 +41,7 @@ pub struct Cells {
 }
 
 /// Reads a file of text.
-pub fn read(mut table: Table) -> Result<Table, Error> {
+pub fn read(mut table: SampleTable) -> Result<SampleTable, Error> {
     let failed = |source| Error::file(&table.path, source);
     let mut top = Vec::new();
     let (file, _) = opened(&table.path)?;
@@ -136,10 +136,10 @@ impl<R: BufRead> Lines<R> {
 }
 
 /// Reads the rows below the header.
-fn rows(table: &Table, head: &Head, lines: &mut Lines<impl BufRead>) -> Result<Vec<Cells>, Error> {
+fn rows(table: &SampleTable, head: &Head, lines: &mut Lines<impl BufRead>) -> Result<Vec<TextColumn>, Error> {
     let names = head.names.iter();
-    let mut columns: Vec<Cells> = names
-        .map(|name| Cells { whole: true, wanted: wanted(table, head, name), ..Cells::default() })
+    let mut columns: Vec<TextColumn> = names
+        .map(|name| TextColumn { whole: true, wanted: wanted(table, head, name), ..TextColumn::default() })
         .collect();
     let kept = columns.iter().filter(|column| column.wanted).count();
     let mut samples = 0;
@@ -151,15 +151,15 @@ fn rows(table: &Table, head: &Head, lines: &mut Lines<impl BufRead>) -> Result<V
         }
         let row = row(text, head, &mut columns, samples == 0);
         row.map_err(|what| match (what, lines.ended) {
-            (Wrong::Number(column, cell), true) => {
+            (RowFault::Number(column, cell), true) => {
                 let name = &head.names[column];
                 table.bad(format!("line {line}, column {name}: `{cell}` is not a number"))
             }
-            (Wrong::Count(found), true) if !at_end(lines) => {
+            (RowFault::Count(found), true) if !at_end(lines) => {
                 table.bad(format!("line {line}: {found} columns; the header has {}", head.names.len()))
             }
-            (Wrong::Count(found), _) => cut(table, samples, line, found, head.names.len()),
-            (Wrong::Number(..), false) => unended(table, samples, line),
+            (RowFault::Count(found), _) => cut(table, samples, line, found, head.names.len()),
+            (RowFault::Number(..), false) => unended(table, samples, line),
         })?;
         if !lines.ended {
             return Err(unended(table, samples, line));
@@ -176,24 +176,24 @@ fn at_end(lines: &mut Lines<impl BufRead>) -> bool {
     lines.reader.fill_buf().is_ok_and(<[u8]>::is_empty)
 }
 
-fn cut(table: &Table, samples: usize, line: usize, found: usize, wanted: usize) -> Error {
+fn cut(table: &SampleTable, samples: usize, line: usize, found: usize, wanted: usize) -> Error {
     table.bad(format!(
         "cut short at sample {samples}: line {line}, the last, has {found} of {wanted} columns; delete it to use what \
          stands before"
     ))
 }
 
-fn unended(table: &Table, samples: usize, line: usize) -> Error {
+fn unended(table: &SampleTable, samples: usize, line: usize) -> Error {
     table.bad(format!("cut short at sample {samples}? {}", unended_line(line)))
 }
 
-fn wanted(table: &Table, head: &Head, name: &str) -> bool {
+fn wanted(table: &SampleTable, head: &Head, name: &str) -> bool {
     let plain = if head.ati.is_some() { ati::plain(name) } else { name.to_owned() };
     table.wanted.wants(&plain)
 }
 
 /// What is wrong with a row.
-enum Wrong {
+enum RowFault {
     /// So many columns.
     Count(usize),
     /// This column holds this text.
@@ -201,17 +201,17 @@ enum Wrong {
 }
 
 /// Takes the cells of a row in.
-fn row(text: &str, head: &Head, columns: &mut [Cells], first: bool) -> Result<(), Wrong> {
+fn row(text: &str, head: &Head, columns: &mut [TextColumn], first: bool) -> Result<(), RowFault> {
     let mut found = 0;
     for cell in (Split { rest: Some(text), delimiter: head.delimiter }) {
         if let Some(column) = columns.get_mut(found) {
-            column.take(cell, head.delimiter, first).map_err(|()| Wrong::Number(found, cell.into()))?;
+            column.take(cell, head.delimiter, first).map_err(|()| RowFault::Number(found, cell.into()))?;
         }
         found += 1;
     }
     // The date of ATI's layout may hold a comma of its own.
     let most = columns.len() + usize::from(head.ati.is_some());
-    if (columns.len()..=most).contains(&found) { Ok(()) } else { Err(Wrong::Count(found)) }
+    if (columns.len()..=most).contains(&found) { Ok(()) } else { Err(RowFault::Count(found)) }
 }
 
 /// The cells of a line; a delimiter between quotes parts none.
@@ -235,7 +235,7 @@ impl<'a> Iterator for Split<'a> {
     }
 }
 
-impl Cells {
+impl TextColumn {
     fn take(&mut self, cell: &str, delimiter: u8, first: bool) -> Result<(), ()> {
         if self.words || !(self.wanted || first) {
             return Ok(());

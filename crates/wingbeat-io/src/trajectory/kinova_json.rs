@@ -2,14 +2,14 @@
 
 use serde_json::{Value, json};
 use wingbeat::math::order::ascend_by;
-use wingbeat::rig::Trajectory;
+use wingbeat::rig::JointTrajectory;
 
 use super::ros_yaml::equal_step;
-use super::{Imported, entries, unwind};
+use super::{ImportedTrajectory, entries, unwind};
 
 /// The list of joint poses that the Web App imports, one every `every` points
 /// and the last. The time of each stands in its `applicationData`.
-pub fn kinova_json(trajectory: &Trajectory, every: usize) -> String {
+pub fn kinova_json(trajectory: &JointTrajectory, every: usize) -> String {
     let every = every.max(1);
     let poses: Vec<Value> = trajectory
         .position
@@ -45,7 +45,7 @@ fn pose(index: usize, time: f64, q: &[f64]) -> Value {
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub fn parse_kinova_json(text: &str) -> Result<Imported, String> {
+pub fn parse_kinova_json(text: &str) -> Result<ImportedTrajectory, String> {
     entries(text)?;
     let root: Value = serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
     let poses = root["jointAnglesGroup"]["jointAngles"]
@@ -62,9 +62,9 @@ pub fn parse_kinova_json(text: &str) -> Result<Imported, String> {
     };
     unwind(&mut position);
     let joints = (1..=position.first().map_or(0, Vec::len)).map(|j| format!("joint_{j}")).collect();
-    let trajectory = Trajectory { joints, step, position, ..Default::default() };
+    let trajectory = JointTrajectory { joints, step, position, ..Default::default() };
     trajectory.check().map_err(|error| error.to_string())?;
-    Ok(Imported { trajectory, warnings })
+    Ok(ImportedTrajectory { trajectory, warnings })
 }
 
 /// Angles of one pose, rad in (-pi, pi], ordered by joint.

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use wingbeat::rig::Trajectory;
+use wingbeat::rig::JointTrajectory;
 
 use super::ros_yaml::equal_step;
-use super::{Imported, Unit, to_radians, whole};
+use super::{ImportedTrajectory, Unit, to_radians, whole};
 
 /// Longest pre-computed trajectory, s.
 const LONGEST: f64 = 30.0;
@@ -16,7 +16,7 @@ const LONGEST: f64 = 30.0;
 /// # Errors
 /// A trajectory that the arm would refuse: a step other than 1 ms, more than
 /// 30 s, or no rates.
-pub fn kortex_csv(trajectory: &Trajectory) -> Result<String, String> {
+pub fn kortex_csv(trajectory: &JointTrajectory) -> Result<String, String> {
     if (trajectory.step - 1e-3).abs() > 1e-9 {
         return Err(format!(
             "step {} s: a pre-computed trajectory has steps of exactly 1 ms",
@@ -53,7 +53,7 @@ pub fn kortex_csv(trajectory: &Trajectory) -> Result<String, String> {
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub fn parse_kortex_csv(text: &str) -> Result<Imported, String> {
+pub fn parse_kortex_csv(text: &str) -> Result<ImportedTrajectory, String> {
     whole(text)?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -80,7 +80,7 @@ pub fn parse_kortex_csv(text: &str) -> Result<Imported, String> {
         }
         rows.iter().map(|row| row[from..from + joints].to_vec()).collect()
     };
-    let trajectory = Trajectory {
+    let trajectory = JointTrajectory {
         joints: (0..joints).map(|j| named(j).unwrap_or_else(|| format!("joint_{}", j + 1))).collect(),
         step: equal_step(&rows.iter().map(|row| row[0]).collect::<Vec<_>>())?,
         position: part(1),
@@ -88,7 +88,7 @@ pub fn parse_kortex_csv(text: &str) -> Result<Imported, String> {
         acceleration: part(1 + 2 * joints),
     };
     trajectory.check().map_err(|error| error.to_string())?;
-    let mut imported = Imported { trajectory, warnings: Vec::new() };
+    let mut imported = ImportedTrajectory { trajectory, warnings: Vec::new() };
     if rows[0][0] != 0.0 {
         imported.warnings.push(format!("time begins at {} s; the arm wants 0", rows[0][0]));
     }

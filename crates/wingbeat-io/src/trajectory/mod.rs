@@ -11,7 +11,7 @@ pub use ros_yaml::{parse_ros_yaml, ros_yaml};
 use std::path::Path;
 
 use wingbeat::math::whole_turns;
-use wingbeat::rig::Trajectory;
+use wingbeat::rig::JointTrajectory;
 use wingbeat::rig::arm::SerialArm;
 
 use crate::table::unended;
@@ -19,9 +19,9 @@ use crate::{Error, text};
 
 /// A trajectory read from a file, with what a person should know of it.
 #[derive(Clone, Debug, Default)]
-pub struct Imported {
+pub struct ImportedTrajectory {
     /// The trajectory, in rad.
-    pub trajectory: Trajectory,
+    pub trajectory: JointTrajectory,
     /// What was assumed or looks odd.
     pub warnings: Vec<String>,
 }
@@ -36,7 +36,7 @@ const HAIR: f64 = 0.02;
 /// # Errors
 /// An unknown extension, a file that does not hold a trajectory, a wrong number
 /// of joints, or a position far outside its limits.
-pub fn read_trajectory(path: &Path, arm: &SerialArm) -> Result<Imported, Error> {
+pub fn read_trajectory(path: &Path, arm: &SerialArm) -> Result<ImportedTrajectory, Error> {
     let content = text(path)?;
     let parsed = match path.extension().and_then(|e| e.to_str()) {
         Some("yaml" | "yml") => parse_ros_yaml(&content),
@@ -51,7 +51,7 @@ pub fn read_trajectory(path: &Path, arm: &SerialArm) -> Result<Imported, Error> 
 ///
 /// # Errors
 /// A wrong number of joints, or a position far outside its limits.
-pub fn against(mut imported: Imported, arm: &SerialArm) -> Result<Imported, String> {
+pub fn against(mut imported: ImportedTrajectory, arm: &SerialArm) -> Result<ImportedTrajectory, String> {
     let joints = imported.trajectory.joints.len();
     if joints != arm.dof() {
         return Err(format!("{joints} joints; the arm {} has {}", arm.name, arm.dof()));
@@ -103,7 +103,7 @@ fn whole(text: &str) -> Result<(), String> {
 
 /// Turns degrees into radians when the numbers can only be degrees, and says so.
 /// A `declared` unit is believed, unless the numbers contradict it.
-fn to_radians(imported: &mut Imported, declared: Option<Unit>) {
+fn to_radians(imported: &mut ImportedTrajectory, declared: Option<Unit>) {
     let t = &mut imported.trajectory;
     let largest = t.position.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     // No arm's recorded joint winds further than three turns.

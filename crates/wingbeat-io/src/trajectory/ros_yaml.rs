@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use serde::Deserialize;
-use wingbeat::rig::Trajectory;
+use wingbeat::rig::JointTrajectory;
 
-use super::{Imported, Unit, entries, to_radians, whole};
+use super::{ImportedTrajectory, Unit, entries, to_radians, whole};
 
 /// The message, with `header.frame_id` as given.
-pub fn ros_yaml(trajectory: &Trajectory, frame_id: &str) -> String {
+pub fn ros_yaml(trajectory: &JointTrajectory, frame_id: &str) -> String {
     let list = |row: &[f64]| row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
     let mut text =
         format!("header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: {frame_id}\njoint_names:\n");
@@ -34,11 +34,12 @@ pub fn ros_yaml(trajectory: &Trajectory, frame_id: &str) -> String {
 #[derive(Deserialize)]
 struct Message {
     joint_names: Vec<String>,
-    points: Vec<Point>,
+    points: Vec<TrajectoryPoint>,
 }
 
 #[derive(Deserialize)]
-struct Point {
+#[serde(expecting = "struct Point")]
+struct TrajectoryPoint {
     positions: Vec<f64>,
     #[serde(default)]
     velocities: Vec<f64>,
@@ -59,7 +60,7 @@ struct Time {
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
+pub fn parse_ros_yaml(text: &str) -> Result<ImportedTrajectory, String> {
     whole(text)?;
     entries(text)?;
     if open_brackets(text) > DEEPEST {
@@ -68,16 +69,16 @@ pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
         ));
     }
     let message = message(text)?;
-    let time = |p: &Point| p.time_from_start.sec as f64 + 1e-9 * p.time_from_start.nanosec as f64;
+    let time = |p: &TrajectoryPoint| p.time_from_start.sec as f64 + 1e-9 * p.time_from_start.nanosec as f64;
     let times: Vec<f64> = message.points.iter().map(time).collect();
     let step = equal_step(&times)?;
-    let rows = |f: fn(&Point) -> &Vec<f64>| -> Vec<Vec<f64>> {
+    let rows = |f: fn(&TrajectoryPoint) -> &Vec<f64>| -> Vec<Vec<f64>> {
         if message.points.iter().all(|p| f(p).is_empty()) {
             return Vec::new();
         }
         message.points.iter().map(|p| f(p).clone()).collect()
     };
-    let trajectory = Trajectory {
+    let trajectory = JointTrajectory {
         joints: message.joint_names,
         step,
         position: rows(|p| &p.positions),
@@ -85,7 +86,7 @@ pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
         acceleration: rows(|p| &p.accelerations),
     };
     trajectory.check().map_err(|error| error.to_string())?;
-    let mut imported = Imported { trajectory, warnings: Vec::new() };
+    let mut imported = ImportedTrajectory { trajectory, warnings: Vec::new() };
     to_radians(&mut imported, Some(Unit::Radians));
     Ok(imported)
 }

@@ -11,7 +11,7 @@ use crate::{Error, text};
 
 pub mod tree;
 
-use tree::{Joint, JointType, Link, Robot};
+use tree::{JointType, UrdfJoint, UrdfLink, UrdfRobot};
 
 /// Reads the chain of moving joints from the root to `tip` (the only leaf when
 /// absent). Fixed joints are folded into their neighbours; velocity limits
@@ -32,7 +32,7 @@ pub fn parse_urdf(text: &str, tip: Option<&str>) -> Result<ArmConfig, String> {
     if !text.contains("<robot") {
         return Err("no <robot> element: not a URDF file (expand xacro files first)".into());
     }
-    let robot = Robot::read(text).map_err(|error| format!("not a URDF file: {error}"))?;
+    let robot = UrdfRobot::read(text).map_err(|error| format!("not a URDF file: {error}"))?;
     let tip = tip_of(&robot, tip)?;
     let chain = chain_to(&robot, tip)?;
     assemble(&robot, &chain)
@@ -64,7 +64,7 @@ fn limited(arm: &ArmConfig) -> Result<(), String> {
 /// Most leaves that a message lists.
 const LISTED: usize = 20;
 
-fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, String> {
+fn tip_of<'a>(robot: &'a UrdfRobot, wanted: Option<&'a str>) -> Result<&'a str, String> {
     let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.as_str()).collect();
     let names = robot.links.iter().map(|link| link.name.as_str());
     let leaves: Vec<&str> = names.filter(|name| !parents.contains(name)).collect();
@@ -79,8 +79,8 @@ fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, Stri
 }
 
 /// The joints from the root to `tip`.
-fn chain_to<'a>(robot: &'a Robot, tip: &str) -> Result<Vec<&'a Joint>, String> {
-    let mut above: HashMap<&str, &Joint> = HashMap::new();
+fn chain_to<'a>(robot: &'a UrdfRobot, tip: &str) -> Result<Vec<&'a UrdfJoint>, String> {
+    let mut above: HashMap<&str, &UrdfJoint> = HashMap::new();
     for joint in &robot.joints {
         above.entry(&joint.child).or_insert(joint);
     }
@@ -97,7 +97,7 @@ fn chain_to<'a>(robot: &'a Robot, tip: &str) -> Result<Vec<&'a Joint>, String> {
     Ok(chain)
 }
 
-fn assemble(robot: &Robot, chain: &[&Joint]) -> Result<ArmConfig, String> {
+fn assemble(robot: &UrdfRobot, chain: &[&UrdfJoint]) -> Result<ArmConfig, String> {
     let mut joints: Vec<JointConfig> = Vec::new();
     let mut velocity = Vec::new();
     // Placement of the joint at hand in the last moving joint's frame.
@@ -132,7 +132,7 @@ fn assemble(robot: &Robot, chain: &[&Joint]) -> Result<ArmConfig, String> {
     })
 }
 
-fn moving(joint: &Joint, at: &Pose, robot: &Robot) -> Result<JointConfig, String> {
+fn moving(joint: &UrdfJoint, at: &Pose, robot: &UrdfRobot) -> Result<JointConfig, String> {
     let limited = match joint.joint_type {
         JointType::Revolute | JointType::Prismatic => true,
         JointType::Continuous => false,
@@ -173,7 +173,7 @@ fn moving(joint: &Joint, at: &Pose, robot: &Robot) -> Result<JointConfig, String
 }
 
 /// Mass properties with the inertia turned into the link's axes.
-fn body(link: &Link) -> LinkConfig {
+fn body(link: &UrdfLink) -> LinkConfig {
     let r = Pose::from_xyz_rpy([0.0; 3], link.origin.rpy).rotation;
     let [xx, xy, xz, yy, yz, zz] = link.inertia;
     let given = wingbeat::math::Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);

@@ -15,18 +15,18 @@ const MOST: usize = 4096;
 
 /// A robot as its file describes it.
 #[derive(Clone, Debug, Default)]
-pub struct Robot {
+pub struct UrdfRobot {
     /// Its name.
     pub name: String,
     /// Its links in the order of the file.
-    pub links: Vec<Link>,
+    pub links: Vec<UrdfLink>,
     /// Its joints in the order of the file.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<UrdfJoint>,
 }
 
 /// A frame in another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Origin {
+pub struct UrdfOrigin {
     /// Place, m.
     pub xyz: [f64; 3],
     /// Roll, pitch and yaw about the fixed axes of the other, rad.
@@ -35,11 +35,11 @@ pub struct Origin {
 
 /// A rigid body; without `<inertial>` it has no mass.
 #[derive(Clone, Debug, Default)]
-pub struct Link {
+pub struct UrdfLink {
     /// Its name.
     pub name: String,
     /// Principal frame at the centre of mass, in the link's.
-    pub origin: Origin,
+    pub origin: UrdfOrigin,
     /// Mass, kg.
     pub mass: f64,
     /// xx, xy, xz, yy, yz, zz about the centre of mass in that frame, kg m2.
@@ -62,13 +62,13 @@ pub enum JointType {
 
 /// A joint between two links.
 #[derive(Clone, Debug, Default)]
-pub struct Joint {
+pub struct UrdfJoint {
     /// Its name.
     pub name: String,
     /// How it moves.
     pub joint_type: JointType,
     /// Its frame in that of the parent.
-    pub origin: Origin,
+    pub origin: UrdfOrigin,
     /// Name of the parent link.
     pub parent: String,
     /// Name of the child link.
@@ -88,12 +88,12 @@ pub struct Joint {
 }
 
 /// Attributes of an element.
-struct Element<'a> {
+struct UrdfElement<'a> {
     name: &'a str,
     attributes: &'a [OwnedAttribute],
 }
 
-impl Element<'_> {
+impl UrdfElement<'_> {
     fn text(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|a| a.name.local_name == name).map(|a| a.value.trim())
     }
@@ -117,8 +117,8 @@ impl Element<'_> {
         self.numbers(name, [0.0]).map(|[number]| number)
     }
 
-    fn origin(&self) -> Result<Origin, String> {
-        Ok(Origin { xyz: self.numbers("xyz", [0.0; 3])?, rpy: self.numbers("rpy", [0.0; 3])? })
+    fn origin(&self) -> Result<UrdfOrigin, String> {
+        Ok(UrdfOrigin { xyz: self.numbers("xyz", [0.0; 3])?, rpy: self.numbers("rpy", [0.0; 3])? })
     }
 
     fn joint_type(&self) -> Result<JointType, String> {
@@ -135,7 +135,7 @@ impl Element<'_> {
     }
 }
 
-impl Robot {
+impl UrdfRobot {
     /// Reads the text of a file. Elements beside links and joints (`<visual>`, `<transmission>`) are passed over.
     ///
     /// # Errors
@@ -159,7 +159,7 @@ impl Robot {
                     if path.len() > DEEPEST {
                         return Err(format!("elements nested more than {DEEPEST} deep"));
                     }
-                    let element = Element { name: &path[path.len() - 1], attributes: &attributes };
+                    let element = UrdfElement { name: &path[path.len() - 1], attributes: &attributes };
                     let names: Vec<&str> = path.iter().take(5).map(String::as_str).collect();
                     let line = reader.position().row + 1;
                     robot.take(&names, &element).map_err(|what| format!("line {line}: {what}"))?;
@@ -183,11 +183,11 @@ impl Robot {
     }
 
     /// Takes in what an element says, by the names from the root to it.
-    fn take(&mut self, path: &[&str], element: &Element<'_>) -> Result<(), String> {
+    fn take(&mut self, path: &[&str], element: &UrdfElement<'_>) -> Result<(), String> {
         match (path, self.links.last_mut(), self.joints.last_mut()) {
             (["robot"], ..) => self.name = element.text("name").unwrap_or_default().into(),
             (["robot", "link"], ..) => {
-                self.links.push(Link { name: element.needed("name")?, ..Link::default() });
+                self.links.push(UrdfLink { name: element.needed("name")?, ..UrdfLink::default() });
             }
             (["robot", "link", "inertial", "origin"], Some(link), _) => link.origin = element.origin()?,
             (["robot", "link", "inertial", "mass"], Some(link), _) => link.mass = element.number("value")?,
@@ -196,11 +196,11 @@ impl Robot {
                     *value = element.number(name)?;
                 }
             }
-            (["robot", "joint"], ..) => self.joints.push(Joint {
+            (["robot", "joint"], ..) => self.joints.push(UrdfJoint {
                 name: element.needed("name")?,
                 joint_type: element.joint_type()?,
                 axis: [1.0, 0.0, 0.0],
-                ..Joint::default()
+                ..UrdfJoint::default()
             }),
             (["robot", "joint", part], _, Some(joint)) => joint.take(part, element)?,
             _ => {}
@@ -209,8 +209,8 @@ impl Robot {
     }
 }
 
-impl Joint {
-    fn take(&mut self, part: &str, element: &Element<'_>) -> Result<(), String> {
+impl UrdfJoint {
+    fn take(&mut self, part: &str, element: &UrdfElement<'_>) -> Result<(), String> {
         match part {
             "origin" => self.origin = element.origin()?,
             "parent" => self.parent = element.needed("link")?,

@@ -8,7 +8,7 @@ use std::time::Instant;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use wingbeat::rig::process::InputSpec;
-use wingbeat_io::samples::{Imported, read_samples};
+use wingbeat_io::samples::{ImportedRecord, read_samples};
 use wingbeat_io::{Error, parse_urdf, read_csv, read_parquet, urdf_as_toml};
 
 fn scratch(name: &str) -> PathBuf {
@@ -17,7 +17,7 @@ fn scratch(name: &str) -> PathBuf {
     folder.join(name)
 }
 
-fn take(path: &Path, with: &str) -> Result<Imported, Error> {
+fn take(path: &Path, with: &str) -> Result<ImportedRecord, Error> {
     let input: InputSpec = toml::from_str(with).unwrap();
     read_samples(path, &input)?.import(&input)
 }

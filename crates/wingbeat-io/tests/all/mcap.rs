@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use wingbeat::rig::process::InputSpec;
-use wingbeat_io::samples::{Imported, MCAP_MAGIC, read_samples};
+use wingbeat_io::samples::{ImportedRecord, MCAP_MAGIC, read_samples};
 
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
 const JOINTS: &str = "sensor_msgs/msg/JointState";
@@ -109,7 +109,7 @@ impl Bag {
         self.message(id, time, &state);
     }
 
-    fn read(mut self, name: &str, with: &str) -> Result<Imported, String> {
+    fn read(mut self, name: &str, with: &str) -> Result<ImportedRecord, String> {
         self.record(15, &[0; 4]);
         self.0.extend(MCAP_MAGIC);
         let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -119,7 +119,7 @@ impl Bag {
     }
 }
 
-fn force(imported: &Imported) -> f64 {
+fn force(imported: &ImportedRecord) -> f64 {
     imported.record.values("Fx").unwrap()[50]
 }
 

@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use wingbeat_io::samples::{Asked, Plain, read_channels, read_measured};
+use wingbeat_io::samples::{ChannelRequest, Plain, read_channels, read_measured};
 
-fn read(name: &str, text: &str, asked: &Asked) -> Result<Plain, String> {
+fn read(name: &str, text: &str, asked: &ChannelRequest) -> Result<Plain, String> {
     let path = std::env::temp_dir().join(format!("wingbeat-plain-{}-{name}.csv", std::process::id()));
     fs::write(&path, text).unwrap();
     let answer = read_channels(&path).and_then(|table| table.plain(asked));
@@ -12,8 +12,12 @@ fn read(name: &str, text: &str, asked: &Asked) -> Result<Plain, String> {
     answer.map_err(|error| error.to_string())
 }
 
-fn asked(rate: Option<f64>, units: &[&str]) -> Asked {
-    Asked { rate, units: units.iter().map(|unit| (*unit).to_owned()).collect(), ..Asked::default() }
+fn asked(rate: Option<f64>, units: &[&str]) -> ChannelRequest {
+    ChannelRequest {
+        rate,
+        units: units.iter().map(|unit| (*unit).to_owned()).collect(),
+        ..ChannelRequest::default()
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::InputSpec;
-use wingbeat_io::samples::{Imported, read_samples};
+use wingbeat_io::samples::{ImportedRecord, read_samples};
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/samples").join(name)
@@ -17,7 +17,7 @@ fn truth(i: usize, k: usize) -> f64 {
     (i + 1) as f64 * (TAU * 25e-3 * k as f64 + i as f64).cos() * if i < 3 { 1.0 } else { 1e-3 }
 }
 
-fn import(name: &str, with: &str) -> Result<Imported, String> {
+fn import(name: &str, with: &str) -> Result<ImportedRecord, String> {
     let input: InputSpec = serde_toml(with);
     let table = read_samples(&file(name), &input).map_err(|error| error.to_string())?;
     table.import(&input).map_err(|error| error.to_string())
@@ -28,7 +28,7 @@ fn serde_toml(text: &str) -> InputSpec {
 }
 
 /// Checks every sample that is there; returns how many are not.
-fn check(imported: &Imported, tolerance: f64) -> usize {
+fn check(imported: &ImportedRecord, tolerance: f64) -> usize {
     let record = &imported.record;
     let mut missing = 0;
     for (i, (name, unit)) in CHANNELS.iter().enumerate() {
@@ -156,7 +156,7 @@ const ALL: [&str; 11] = [
 ];
 
 /// Reads and imports without a mapping.
-fn take(path: &Path) -> Result<Imported, wingbeat_io::Error> {
+fn take(path: &Path) -> Result<ImportedRecord, wingbeat_io::Error> {
     let input = InputSpec::default();
     read_samples(path, &input)?.import(&input)
 }

@@ -1,19 +1,19 @@
 //! Trajectories of joints, to files and back.
 
-use wingbeat::rig::Trajectory;
+use wingbeat::rig::JointTrajectory;
 use wingbeat::rig::arm::ArmConfig;
 use wingbeat_io::trajectory::{
-    Imported, against, kinova_json, kortex_csv, parse_kinova_json, parse_kortex_csv,
+    ImportedTrajectory, against, kinova_json, kortex_csv, parse_kinova_json, parse_kortex_csv,
 };
 #[cfg(feature = "yaml")]
 use wingbeat_io::trajectory::{parse_ros_yaml, ros_yaml};
 
-fn sample() -> Trajectory {
+fn sample() -> JointTrajectory {
     let arm = ArmConfig::kinova_gen3().build().unwrap();
     let row = |f: &dyn Fn(f64) -> f64| {
         (0..40).map(|k| (0..6).map(|j| f(0.02 * k as f64 + 0.3 * j as f64)).collect()).collect()
     };
-    Trajectory {
+    JointTrajectory {
         joints: arm.joints.iter().map(|j| j.name.clone()).collect(),
         step: 0.02,
         position: row(&|x| x.sin()),
@@ -34,16 +34,16 @@ fn a_hair_outside_warns_and_more_is_refused() {
     let arm = ArmConfig::kinova_gen3().build().unwrap();
     let mut t = sample();
     t.position[3][2] = 2.575;
-    let imported = against(Imported { trajectory: t.clone(), warnings: vec![] }, &arm).unwrap();
+    let imported = against(ImportedTrajectory { trajectory: t.clone(), warnings: vec![] }, &arm).unwrap();
     assert!(imported.warnings[0].contains("point 3: joint_3 lies 0.0050 rad"), "{imported:?}");
     t.position[3][2] = 2.8;
-    let refusal = against(Imported { trajectory: t, warnings: vec![] }, &arm).unwrap_err();
+    let refusal = against(ImportedTrajectory { trajectory: t, warnings: vec![] }, &arm).unwrap_err();
     assert!(refusal.contains("0.2300 rad"), "{refusal}");
 }
 
 #[test]
 fn the_table_round_trips() {
-    let t = Trajectory { step: 1e-3, ..sample() };
+    let t = JointTrajectory { step: 1e-3, ..sample() };
     let text = kortex_csv(&t).unwrap();
     assert!(text.lines().nth(1).unwrap().starts_with("0.000,"));
     let back = parse_kortex_csv(&text).unwrap();
@@ -56,7 +56,7 @@ fn the_table_round_trips() {
 #[test]
 fn the_arms_rules_are_kept() {
     assert!(kortex_csv(&sample()).unwrap_err().contains("exactly 1 ms"));
-    let long = Trajectory { step: 1e-3, position: vec![vec![0.0; 6]; 30_002], ..sample() };
+    let long = JointTrajectory { step: 1e-3, position: vec![vec![0.0; 6]; 30_002], ..sample() };
     assert!(kortex_csv(&long).unwrap_err().contains("at most 30 s"));
 }
 

@@ -2,7 +2,7 @@
 
 use wingbeat::rig::arm::ArmConfig;
 use wingbeat::rig::rotation_vector;
-use wingbeat_io::urdf::tree::Robot;
+use wingbeat_io::urdf::tree::UrdfRobot;
 use wingbeat_io::{parse_urdf, urdf_as_toml};
 
 /// The chain of an arm as URDF text, to be read back.
@@ -81,7 +81,7 @@ fn wrong_files_are_explained() {
     }
     // Texts, comments and what closes itself are no depth.
     let shallow = "<robot name='x'><!-- <a><a> --><link name='l'/><b x='/>'/><![CDATA[<d><d>]]></robot>";
-    assert_eq!(Robot::read(shallow).unwrap().links.len(), 1);
+    assert_eq!(UrdfRobot::read(shallow).unwrap().links.len(), 1);
     let many = format!("<robot name='x'>{}</robot>", "<link name='a'/>".repeat(5000));
     assert!(parse_urdf(&many, None).unwrap_err().contains("5000 links"));
 }

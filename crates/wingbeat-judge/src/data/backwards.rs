@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::cycle::Condensed;
 use super::noise::median;
-use super::{Channel, Finding, Series};
+use super::{Finding, MeasuredChannel, Series};
 use crate::limits::data::BACKWARDS;
 
 /// Harmonics by which cycles are compared. *Choice.*
@@ -31,7 +31,7 @@ type Amplitudes = [[f64; 2]; HARMONICS];
 /// The sample at the phase p of a stretch from a to b is that of a + b - p. Harmonic h of its cycles has the amplitude
 /// conj(C_h) exp(-i h (a + b)) for C_h. A cycle that comes early or late has C_h exp(-i h l): both have one number to be
 /// fitted, so that neither is favoured. C_h is the median over the cycles.
-pub(super) fn backwards(series: &Series, channel: &Channel, at: &Condensed) -> Option<Finding> {
+pub(super) fn backwards(series: &Series, channel: &MeasuredChannel, at: &Condensed) -> Option<Finding> {
     let cycles = series.cycles();
     let first = *at.phase.first()?;
     let whole = (cycles * (1.0 + 1.5 / at.phase.len() as f64)) as usize;

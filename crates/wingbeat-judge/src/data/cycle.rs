@@ -5,10 +5,10 @@ use super::ends;
 use super::frequency::{self, Frequency};
 use super::noise::median;
 use super::outliers::place;
-use super::strokes::{self, Strokes};
+use super::strokes::{self, StrokeVariation};
 use super::values::Extent;
-use super::{Cause, Channel, Finding, Purpose, Series};
-use crate::limits::Limits;
+use super::{Cause, Finding, MeasuredChannel, Purpose, Series};
+use crate::limits::RunLimits;
 use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL, SWINGS};
 use std::cell::LazyCell;
 use std::ops::Deref;
@@ -43,7 +43,7 @@ const NO_GAP: std::ops::Range<f64> = -0.5..2.5;
 const WHITE: f64 = 1.2;
 
 /// A channel apart: cycle, drift, noise, and what is left.
-pub(super) struct Parts {
+pub(super) struct ChannelParts {
     /// Variance about the mean.
     pub total: f64,
     /// Variance of the cycle.
@@ -63,21 +63,21 @@ pub(super) struct Parts {
 }
 
 /// A channel that moves, with its parts.
-pub(super) struct Apart<'a> {
-    pub channel: &'a Channel<'a>,
+pub(super) struct SplitChannel<'a> {
+    pub channel: &'a MeasuredChannel<'a>,
     pub at: Condensed,
-    pub part: Parts,
+    pub part: ChannelParts,
     /// What the harmonics leave.
     pub left: Vec<f64>,
 }
 
-impl<'a> Apart<'a> {
+impl<'a> SplitChannel<'a> {
     /// Of all channels that are finite and move.
     fn of_all(series: &'a Series, cycles: f64) -> Vec<Self> {
-        let finite = |channel: &&Channel| channel.samples.iter().all(|x| x.is_finite());
+        let finite = |channel: &&MeasuredChannel| channel.samples.iter().all(|x| x.is_finite());
         let size = Condensed::size(series.phase.len(), cycles);
         let phase = means(series.phase, size);
-        let condensed = |channel: &'a Channel<'a>| {
+        let condensed = |channel: &'a MeasuredChannel<'a>| {
             (channel, Condensed { phase: phase.clone(), values: means(channel.samples, size) })
         };
         let all: Vec<_> = series.channels.iter().filter(finite).map(condensed).collect();
@@ -86,18 +86,20 @@ impl<'a> Apart<'a> {
             .and_then(|count| Harmonics::fitted_each(1.0, &phase, &values, count))
             .unwrap_or_default();
         let fitted = Harmonics::each_at(&fits, &phase);
-        let apart =
-            |((channel, at), (cycle, fitted)): ((&'a Channel<'a>, Condensed), (&Harmonics, Vec<f64>))| {
-                let (part, left) = Parts::of(&at, cycles, (cycle, fitted));
-                let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
-                (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
-            };
+        let apart = |((channel, at), (cycle, fitted)): (
+            (&'a MeasuredChannel<'a>, Condensed),
+            (&Harmonics, Vec<f64>),
+        )| {
+            let (part, left) = ChannelParts::of(&at, cycles, (cycle, fitted));
+            let still = if series.purpose == Purpose::Motion { STILL * part.mean.abs() } else { 0.0 };
+            (part.total.sqrt() > still).then_some(Self { channel, at, part, left })
+        };
         all.into_iter().zip(fits.iter().zip(fitted)).filter_map(apart).collect()
     }
 
     /// Whether it repeats at the frequency that is given for it.
     fn repeats(&self) -> bool {
-        let Parts { slow, signal, total, .. } = self.part;
+        let ChannelParts { slow, signal, total, .. } = self.part;
         slow <= SEEKS * total && signal > EXPLAINS * total
     }
 
@@ -144,7 +146,7 @@ fn means(of: &[f64], size: usize) -> Vec<f64> {
 }
 
 /// Findings of all channels.
-pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
+pub fn findings(series: &Series, limits: &RunLimits) -> Vec<Finding> {
     let cycles = series.cycles();
     let lasting: Vec<Finding> = series.channels.iter().filter_map(|channel| lasts(series, channel)).collect();
     if !lasting.is_empty() {
@@ -156,10 +158,10 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     if !(cycles >= 0.9) {
         return found;
     }
-    let all = Apart::of_all(series, cycles);
+    let all = SplitChannel::of_all(series, cycles);
     // All channels of a file have one frequency: where one repeats at that which is given, what others leave is no other frequency.
     let kept = all.iter().any(|one| one.is_telling(&all) && one.repeats());
-    let strokes: Vec<Strokes> = all.iter().map(|one| Strokes::of(series, one)).collect();
+    let strokes: Vec<StrokeVariation> = all.iter().map(|one| StrokeVariation::of(series, one)).collect();
     for (k, one) in all.iter().enumerate().filter(|(_, one)| one.is_telling(&all)) {
         let by_wings = LazyCell::new(|| strokes::are_of_wings(series, &all, &strokes, k));
         let own = of_channel(series, (one, &strokes[k]), (kept, &by_wings), limits).into_iter();
@@ -190,7 +192,7 @@ fn harmonics(count: usize, cycles: f64) -> Option<usize> {
     (harmonics > 0).then_some(harmonics)
 }
 
-impl Parts {
+impl ChannelParts {
     /// Of a channel whose harmonics are `cycle`, which have the values `fitted`, and what those leave of it.
     fn of(at: &Condensed, cycles: f64, (cycle, fitted): (&Harmonics, Vec<f64>)) -> (Self, Vec<f64>) {
         let values = &at.values;
@@ -266,11 +268,11 @@ fn drifted(left: &[f64], variance: f64) -> (f64, f64) {
 /// Of a channel; `kept` says that the frequency given is that of the file, `by_wings` that the wings change the size of its cycles.
 fn of_channel(
     series: &Series,
-    (one, strokes): (&Apart, &Strokes),
+    (one, strokes): (&SplitChannel, &StrokeVariation),
     (kept, by_wings): (bool, &dyn Deref<Target = bool>),
-    limits: &Limits,
+    limits: &RunLimits,
 ) -> Vec<Finding> {
-    let Apart { channel, at, part, .. } = one;
+    let SplitChannel { channel, at, part, .. } = one;
     let about = || series.about(channel.name);
     let share = part.slow / part.total;
     if share > SEEKS
@@ -317,8 +319,8 @@ fn of_channel(
 }
 
 /// The finding that the mean changes from start to end.
-fn drift(series: &Series, one: &Apart) -> Option<Finding> {
-    let Apart { channel, part, .. } = one;
+fn drift(series: &Series, one: &SplitChannel) -> Option<Finding> {
+    let SplitChannel { channel, part, .. } = one;
     let scale = part.range.max(part.mean.abs());
     let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;
     let size = part.drift.0 / scale;
@@ -335,10 +337,10 @@ fn drift(series: &Series, one: &Apart) -> Option<Finding> {
 /// The finding that the data repeat at another frequency than the one given.
 fn other_frequency(
     series: &Series,
-    channel: &Channel,
-    part: &Parts,
+    channel: &MeasuredChannel,
+    part: &ChannelParts,
     found: Frequency,
-    limits: &Limits,
+    limits: &RunLimits,
 ) -> Option<Finding> {
     let Frequency { ratio, error, explained } = found;
     let size = (ratio - 1.0).abs();
@@ -361,7 +363,7 @@ fn other_frequency(
 
 /// The finding that a table of one cycle lasts longer or shorter than that of the frequency given: even steps, and the
 /// last leads into the first.
-fn lasts(series: &Series, channel: &Channel) -> Option<Finding> {
+fn lasts(series: &Series, channel: &MeasuredChannel) -> Option<Finding> {
     let (given, cycles, y) = (series.frequency_hz?, series.cycles(), channel.samples);
     if series.purpose != Purpose::Motion {
         return None;
@@ -393,8 +395,8 @@ fn lasts(series: &Series, channel: &Channel) -> Option<Finding> {
 }
 
 /// The finding that the noise of a motion makes its acceleration.
-fn rough(series: &Series, one: &Apart) -> Option<Finding> {
-    let Apart { channel, at, left, .. } = one;
+fn rough(series: &Series, one: &SplitChannel) -> Option<Finding> {
+    let SplitChannel { channel, at, left, .. } = one;
     if series.purpose != Purpose::Motion || at.values.len() < 16 || at.values.len() != channel.samples.len() {
         return None;
     }
@@ -435,8 +437,8 @@ const SPANS: f64 = 20.0;
 ///
 /// The channels of one unit have about the same noise. Of one alone of its unit it tells that noise of a cell is normally distributed, and a
 /// load has a kurtosis of 1.5 to 2.5 in any order of its samples: normal noise is below 2.6 and five standard errors once in 3e6.
-fn without_order(series: &Series, one: &Apart, all: &[Apart]) -> Option<Finding> {
-    let Apart { channel, part, .. } = one;
+fn without_order(series: &Series, one: &SplitChannel, all: &[SplitChannel]) -> Option<Finding> {
+    let SplitChannel { channel, part, .. } = one;
     let others = || all.iter().filter(|other| other.channel.name != channel.name);
     let repeats =
         others().any(|other| other.is_telling(all) && other.part.signal > EXPLAINS * other.part.total);
@@ -469,7 +471,7 @@ fn without_order(series: &Series, one: &Apart, all: &[Apart]) -> Option<Finding>
 }
 
 /// The findings that no channel has a cycle.
-fn without_signal(series: &Series, all: &[Apart]) -> Vec<Finding> {
+fn without_signal(series: &Series, all: &[SplitChannel]) -> Vec<Finding> {
     let parts = || all.iter().map(|one| &one.part);
     let Some(best) = parts().max_by(|a, b| a.over_noise().total_cmp(&b.over_noise())) else {
         return Vec::new();

@@ -1,7 +1,7 @@
 //! Where a table of one cycle closes.
 
 use super::outliers::place;
-use super::{Channel, Finding, Purpose, Series};
+use super::{Finding, MeasuredChannel, Purpose, Series};
 use crate::limits::data::{ENDS, PHASE_GAP, SAMPLES};
 
 /// Rows from which the inside of a table tells how it moves. *Choice.*
@@ -13,7 +13,7 @@ const WHOLE: f64 = 1e-6;
 
 /// The finding that the ends of one cycle of a motion do not meet: the divided second differences across the closure
 /// over the largest inside, which are what the accelerations are.
-pub(super) fn apart(series: &Series, channel: &Channel) -> Option<Finding> {
+pub(super) fn apart(series: &Series, channel: &MeasuredChannel) -> Option<Finding> {
     let (phase, y, cycles) = (series.phase, channel.samples, series.cycles());
     if series.purpose != Purpose::Motion || cycles > 1.0 + WHOLE || y.iter().any(|y| !y.is_finite()) {
         return None;

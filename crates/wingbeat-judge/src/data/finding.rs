@@ -2,7 +2,7 @@
 
 use super::{Cause, Purpose};
 use crate::limits::data::GAIN;
-use crate::limits::{Limit, Limits};
+use crate::limits::{JudgedLimit, RunLimits};
 use crate::verdict::{Judge, Warning};
 
 /// What was found of a channel, how large it is, and what mends it.
@@ -11,7 +11,7 @@ pub struct Finding {
     /// A name that does not change, `data.what`.
     pub id: &'static str,
     /// The limit that it breaks.
-    pub limit: &'static Limit,
+    pub limit: &'static JudgedLimit,
     /// The channel and its file, in words.
     pub about: String,
     /// Name of the channel; empty where it is all of them, or their time.
@@ -32,7 +32,7 @@ impl Finding {
     /// A finding of `size`, in the unit of the limit, about a channel.
     pub fn new(
         id: &'static str,
-        limit: &'static Limit,
+        limit: &'static JudgedLimit,
         about: impl Into<String>,
         size: f64,
         text: impl Into<String>,
@@ -58,7 +58,7 @@ impl Finding {
     }
 
     /// Whether it lies beyond its limit.
-    pub fn breaks(&self, limits: &Limits) -> bool {
+    pub fn breaks(&self, limits: &RunLimits) -> bool {
         !self.limit.allows(self.size, limits.of(self.limit).0)
     }
 

@@ -4,7 +4,7 @@ use super::cycle::variance;
 use super::noise::{OF_THIRD, deviation_beside, third};
 use super::outliers::place;
 use super::values::Extent;
-use super::{Channel, Finding, Series};
+use super::{Finding, MeasuredChannel, Series};
 use crate::limits::data::LEAPS;
 
 /// Third differences, taken evenly from the file, that tell the noise. *Choice.*
@@ -77,7 +77,7 @@ impl Leaps {
     /// s = c ln(c m / n) - c + n / m (the bound of H. Chernoff, Ann. Math. Statist. 23 (1952) 493-507, for a Poisson number). Those of two
     /// sources go up and down by turns, and keep no step with the cycle. Leaps that are all alike are those of a ripple that is added to the
     /// load, as of a chopper: they are noted.
-    pub fn turns(&self, series: &Series, channel: &Channel) -> Option<Finding> {
+    pub fn turns(&self, series: &Series, channel: &MeasuredChannel) -> Option<Finding> {
         if self.of.len() < FEWEST {
             return None;
         }

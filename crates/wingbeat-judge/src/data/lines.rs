@@ -1,7 +1,7 @@
 //! The frequency of channels of which none is known: the strongest line of their spectra, and what it is a harmonic of.
 
 use super::cycle::Condensed;
-use super::{Channel, frequency, noise};
+use super::{MeasuredChannel, frequency, noise};
 use std::f64::consts::TAU;
 use wingbeat_math::power_spectrum;
 
@@ -30,7 +30,7 @@ const NEAR: f64 = 1.0;
 
 /// The frequency at which channels repeat.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct SpectralLine {
     /// The frequency, Hz; none where no line stands above the noise.
     pub frequency: Option<f64>,
     /// Its standard error, Hz.
@@ -57,18 +57,18 @@ struct Spectrum {
 /// the one with the largest share of the channels' powers. It is the harmonic k of the frequency where lines stand
 /// at multiples of its k-th part that have no divisor in common with k. [`frequency::estimate`] then tells the frequency of
 /// each channel with its standard error, and their mean is weighed by those.
-pub fn find_frequency(time: &[f64], channels: &[Channel], over_noise: f64) -> Line {
-    let nothing = Line { frequency: None, error: 0.0, strongest: 0.0, over_noise: 0.0 };
+pub fn find_frequency(time: &[f64], channels: &[MeasuredChannel], over_noise: f64) -> SpectralLine {
+    let nothing = SpectralLine { frequency: None, error: 0.0, strongest: 0.0, over_noise: 0.0 };
     let count = time.len().min(MOST);
     let (Some(first), Some(last)) = (time.first(), time[..count].last()) else { return nothing };
     let span = last - first;
     if !(span > 0.0 && span.is_finite()) || count < 16 {
         return nothing;
     }
-    let grid = Grid { first: *first, rate: (count - 1) as f64 / span, count };
+    let grid = EvenSteps { first: *first, rate: (count - 1) as f64 / span, count };
     let spectra = channels.iter().map(|channel| (channel, Spectrum::of(&grid, time, channel.samples)));
     let spectra = spectra.filter_map(|(channel, spectrum)| Some((channel, spectrum?)));
-    let (moving, spectra): (Vec<&Channel>, Vec<Spectrum>) = spectra.unzip();
+    let (moving, spectra): (Vec<&MeasuredChannel>, Vec<Spectrum>) = spectra.unzip();
     let (step, width) = (grid.step(), grid.points(1.0));
     let from = grid.points(FEWEST) as usize;
     let to = grid.highest().min(spectra.first().map_or(0, |spectrum| spectrum.power.len()));
@@ -81,7 +81,7 @@ pub fn find_frequency(time: &[f64], channels: &[Channel], over_noise: f64) -> Li
             best = (share, k);
         }
     }
-    let line = Line { over_noise: distinct, ..nothing };
+    let line = SpectralLine { over_noise: distinct, ..nothing };
     if best.1 == 0 {
         return line;
     }
@@ -96,17 +96,22 @@ pub fn find_frequency(time: &[f64], channels: &[Channel], over_noise: f64) -> Li
     };
     let rough = strongest / (1..part).find(agrees).unwrap_or(part) as f64;
     let told = refined(time, channels, rough, width * step);
-    Line { frequency: told.map(|told| told.0), error: told.map_or(0.0, |told| told.1), strongest, ..line }
+    SpectralLine {
+        frequency: told.map(|told| told.0),
+        error: told.map_or(0.0, |told| told.1),
+        strongest,
+        ..line
+    }
 }
 
 /// Even steps over the samples.
-struct Grid {
+struct EvenSteps {
     first: f64,
     rate: f64,
     count: usize,
 }
 
-impl Grid {
+impl EvenSteps {
     /// Samples with the zeros behind them.
     fn length(&self) -> usize {
         (FINE * self.count).next_power_of_two()
@@ -130,10 +135,10 @@ impl Grid {
 
 impl Spectrum {
     /// None of a channel that never changes.
-    fn of(grid: &Grid, time: &[f64], samples: &[f64]) -> Option<Self> {
+    fn of(grid: &EvenSteps, time: &[f64], samples: &[f64]) -> Option<Self> {
         let at = |t: f64| (((t - grid.first) * grid.rate).round().max(0.0) as usize).min(grid.count - 1);
         let pairs = || time.iter().zip(samples).take(grid.count).filter(|(_, x)| x.is_finite());
-        let level = Level::of(pairs().map(|(t, x)| (at(*t) as f64 / grid.count as f64, *x)));
+        let level = SampleTrend::of(pairs().map(|(t, x)| (at(*t) as f64 / grid.count as f64, *x)));
         let mut even = vec![0.0; grid.count];
         for (t, x) in pairs() {
             let k = at(*t);
@@ -189,12 +194,12 @@ fn is_top(power: &[f64], k: usize) -> bool {
 }
 
 /// The straight line through samples, at places from 0 to 1.
-struct Level {
+struct SampleTrend {
     middle: f64,
     slope: f64,
 }
 
-impl Level {
+impl SampleTrend {
     fn of(samples: impl Iterator<Item = (f64, f64)>) -> Self {
         let (mut n, mut x, mut y, mut xx, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (at, value) in samples {
@@ -271,7 +276,7 @@ fn common(a: usize, b: usize) -> usize {
 }
 
 /// Frequency and standard error, Hz, by all channels whose own lies near `rough`.
-fn refined(time: &[f64], channels: &[Channel], rough: f64, width: f64) -> Option<(f64, f64)> {
+fn refined(time: &[f64], channels: &[MeasuredChannel], rough: f64, width: f64) -> Option<(f64, f64)> {
     let cycles = (time.last()? - time.first()?) * rough;
     let (mut weights, mut sum) = (0.0, 0.0);
     for channel in channels {

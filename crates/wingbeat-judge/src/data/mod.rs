@@ -4,15 +4,15 @@
 //! [`compared`] at mean cycles beside those of a model.
 //!
 //! ```
-//! use wingbeat_judge::data::{Channel, Purpose, Series, examined};
-//! use wingbeat_judge::{Judge, Limits, Status};
+//! use wingbeat_judge::data::{MeasuredChannel, Purpose, Series, examined};
+//! use wingbeat_judge::{Judge, RunLimits, Status};
 //!
 //! let phase: Vec<f64> = (0..2000).map(|k| f64::from(k) / 200.0).collect();
 //! let lift: Vec<f64> = phase.iter().map(|p| (6.5 * p).sin()).collect();
-//! let channels = vec![Channel { name: "Fz", unit: "N", samples: &lift }];
+//! let channels = vec![MeasuredChannel { name: "Fz", unit: "N", samples: &lift }];
 //! let series = Series { what: "pass1.csv", phase: &phase, frequency_hz: Some(5.0), channels, purpose: Purpose::Loads };
 //!
-//! let limits = Limits::default();
+//! let limits = RunLimits::default();
 //! let mut judge = Judge::new(&limits);
 //! for finding in examined(&series, &limits) {
 //!     finding.put(&mut judge);
@@ -42,10 +42,10 @@ mod values;
 
 pub use finding::Finding;
 pub use frequency::{Frequency, estimate};
-pub use lines::{Line, find_frequency};
-pub use reference::{Pair, compared, reversed_among};
+pub use lines::{SpectralLine, find_frequency};
+pub use reference::{CyclePair, compared, reversed_among};
 
-use crate::limits::Limits;
+use crate::limits::RunLimits;
 use crate::unit;
 
 /// What the channels are, and what they are for.
@@ -89,7 +89,7 @@ impl Purpose {
 
 /// A measured channel.
 #[derive(Clone, Copy, Debug)]
-pub struct Channel<'a> {
+pub struct MeasuredChannel<'a> {
     /// What the file or its reader calls it.
     pub name: &'a str,
     /// Unit, for words.
@@ -108,7 +108,7 @@ pub struct Series<'a> {
     /// That frequency, for words; none of a table by phase.
     pub frequency_hz: Option<f64>,
     /// The channels, each as long as `phase`.
-    pub channels: Vec<Channel<'a>>,
+    pub channels: Vec<MeasuredChannel<'a>>,
     /// What they are.
     pub purpose: Purpose,
 }
@@ -123,8 +123,8 @@ impl Series<'_> {
     }
 
     /// Whether a channel is a force or a moment, or may be, as none of the file is known to be.
-    fn is_load(&self, channel: &Channel) -> bool {
-        let known = |channel: &Channel| unit::is_load(channel.name, channel.unit);
+    fn is_load(&self, channel: &MeasuredChannel) -> bool {
+        let known = |channel: &MeasuredChannel| unit::is_load(channel.name, channel.unit);
         known(channel) || !self.channels.iter().any(known)
     }
 
@@ -135,7 +135,7 @@ impl Series<'_> {
 }
 
 /// What is wrong with the samples, the channels in their order.
-pub fn examined(series: &Series, limits: &Limits) -> Vec<Finding> {
+pub fn examined(series: &Series, limits: &RunLimits) -> Vec<Finding> {
     let mut found = time::findings(series);
     // A gap that is small leaves the rest to be judged.
     if !found.iter().any(|finding| finding.breaks(limits)) {
@@ -152,7 +152,7 @@ pub fn examined(series: &Series, limits: &Limits) -> Vec<Finding> {
 
 /// Which channels of forces and moments, as their instrument gave them, have too few counts: once they are turned, moved or filtered they no
 /// longer tell.
-pub fn of_few_counts(series: &Series, limits: &Limits) -> Vec<Finding> {
+pub fn of_few_counts(series: &Series, limits: &RunLimits) -> Vec<Finding> {
     let extents: Vec<Option<values::Extent>> =
         series.channels.iter().map(|channel| values::Extent::of(channel.samples)).collect();
     let found = values::coarse(series, &extents).into_iter();
@@ -188,7 +188,7 @@ fn near(a: f64, b: f64) -> bool {
 }
 
 /// What is wrong with a channel that has values that are no numbers beside the `missing` samples of a file with gaps.
-pub fn not_finite(what: &str, channel: &Channel, missing: usize) -> Option<Finding> {
+pub fn not_finite(what: &str, channel: &MeasuredChannel, missing: usize) -> Option<Finding> {
     let samples = channel.samples.iter().filter(|x| !x.is_finite()).count().saturating_sub(missing);
     values::not_finite(what, channel.name, samples)
 }

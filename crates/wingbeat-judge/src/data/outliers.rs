@@ -5,8 +5,8 @@ use super::leaps::Leaps;
 use super::noise::{OF_MEDIAN, median, third};
 use super::same::dead_band;
 use super::values::Extent;
-use super::{Cause, Channel, Finding, Series};
-use crate::limits::Limits;
+use super::{Cause, Finding, MeasuredChannel, Series};
+use crate::limits::RunLimits;
 use crate::limits::data::{ALTERNATES, BIT, BY_TURNS, HOLE, OUTLIERS, PAIRS, SWAPPED, TURNS, WRAPPED};
 
 /// Samples of one phase at least, and places of the cycle at most, by which a sample is known to lie apart. *Choice.*
@@ -40,18 +40,18 @@ const OF_CYCLE: f64 = 0.125;
 const FOR_SECOND: f64 = 8.0;
 
 /// Of all channels whose samples are finite; `extents` are those of all channels.
-pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) -> Vec<Finding> {
+pub(super) fn findings(series: &Series, extents: &[Option<Extent>], limits: &RunLimits) -> Vec<Finding> {
     let cycles = series.cycles();
     let channels = series.channels.iter().copied().zip(extents);
-    let all: Vec<(Channel, Extent)> =
+    let all: Vec<(MeasuredChannel, Extent)> =
         channels.filter_map(|(channel, extent)| Some((channel, (*extent)?))).collect();
     if !(cycles >= 0.9) || series.phase.len() < 2 * SAME {
         return Vec::new();
     }
     let breaks = |finding: &Finding| finding.breaks(limits);
-    let at = Places::of(series.phase, cycles);
+    let at = CyclePlaces::of(series.phase, cycles);
     if !series.purpose.is_loads() {
-        let of = |(channel, extent): &(Channel, Extent)| {
+        let of = |(channel, extent): &(MeasuredChannel, Extent)| {
             let far = jagged(series, channel, *extent).filter(breaks);
             let apart = || {
                 let usual = Usual::of(&at, channel, *extent);
@@ -98,13 +98,13 @@ pub(super) fn steps_beyond(samples: &[f64], least: f64) -> usize {
 }
 
 /// The place of the cycle that each sample lies in.
-struct Places {
+struct CyclePlaces {
     of: Vec<u8>,
     /// Of each place samples taken evenly from the whole file, from which its median is known well enough.
     taken: Vec<Vec<u32>>,
 }
 
-impl Places {
+impl CyclePlaces {
     fn of(phase: &[f64], cycles: f64) -> Self {
         let per_cycle = phase.len() as f64 / cycles.max(1.0);
         let count = PLACES.min(phase.len() / SAME).min(per_cycle as usize).max(1);
@@ -133,7 +133,7 @@ struct Usual {
 }
 
 impl Usual {
-    fn of(at: &Places, channel: &Channel, extent: Extent) -> Self {
+    fn of(at: &CyclePlaces, channel: &MeasuredChannel, extent: Extent) -> Self {
         let mut of: Vec<f64> = Vec::new();
         let known = |taken: &Vec<u32>| {
             of.clear();
@@ -153,7 +153,13 @@ impl Usual {
 
     /// The finding that samples lie far from those of their phase, in jumps, and what they add. `most` is the largest range of the
     /// unit.
-    fn apart(&self, series: &Series, channel: &Channel, at: &Places, most: f64) -> Option<Finding> {
+    fn apart(
+        &self,
+        series: &Series,
+        channel: &MeasuredChannel,
+        at: &CyclePlaces,
+        most: f64,
+    ) -> Option<Finding> {
         let (samples, places) = (channel.samples, self.places.len());
         let count = self.extent.count;
         let least = (APART[0] * self.range).max(APART[1] * most);
@@ -241,7 +247,7 @@ const ERRORS: f64 = 4.0;
 /// What wraps around enters at the other end of the range, goes on from there, and leaves by the same end: its samples lie further in than
 /// those next to the leaps. A knock at an extreme leaps across the range as well, and has one height, or is highest in its middle. The means of
 /// n and m of its samples, whose deviation is s, differ by s sqrt(1 / n + 1 / m): by four times that once in 30,000 of such knocks.
-fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Option<Finding> {
+fn wrapped(series: &Series, channel: &MeasuredChannel, extent: Extent, cycles: f64) -> Option<Finding> {
     let range = extent.range();
     let steps = || channel.samples.windows(2).map(|pair| pair[1] - pair[0]);
     let leaps = steps().filter(|step| step.abs() > ACROSS[0] * range).count();
@@ -285,7 +291,7 @@ fn wrapped(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> O
 }
 
 /// The finding that single rows of a motion lie far from those before and after them, which agree.
-fn jagged(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+fn jagged(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     let range = extent.range();
     let off = |of: &[f64]| of[1] - 0.5 * (of[0] + of[2]);
     let usual = median(&mut channel.samples.windows(3).map(|of| off(of).abs()).collect::<Vec<f64>>());
@@ -320,7 +326,7 @@ const LEAPT: [f64; 2] = [0.5, 8.0];
 
 /// The finding that a smooth channel leaps over a part of its range, up and down, and never takes a value of it: a bit of the converter is
 /// dead, or two ranges do not meet.
-fn hole(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Option<Finding> {
+fn hole(series: &Series, channel: &MeasuredChannel, extent: Extent, cycles: f64) -> Option<Finding> {
     let (samples, range) = (channel.samples, extent.range());
     if range < COUNTS * extent.count {
         return None;
@@ -410,7 +416,7 @@ const BENT: f64 = 0.02;
 
 /// The findings that every second sample is of something else: neighbours differ by more than those two apart do, or second differences
 /// have one sign and the other by turns.
-fn alternating(series: &Series, channel: &Channel, extent: Extent, cycles: f64) -> Vec<Finding> {
+fn alternating(series: &Series, channel: &MeasuredChannel, extent: Extent, cycles: f64) -> Vec<Finding> {
     let samples = channel.samples;
     let (mut one, mut two, mut bent, mut turned, mut before) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for of in samples.windows(3) {
@@ -467,7 +473,7 @@ const STEADY: f64 = 0.3;
 /// w = pi / m, for white noise sqrt(5 / 6), and for smooth loads 1/2 as for lines. Turns of two have no second differences within, and are
 /// told from nothing but a line at a quarter of the rate: they are noted. So are turns whose steps are all alike: those of a ripple that is
 /// added to the load, as of a chopper or of hum with harmonics; what two sources differ by changes with the load.
-fn by_turns(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+fn by_turns(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     let from = channel.samples.len().saturating_sub(FOR_TURNS) / 2;
     let samples = &channel.samples[from..channel.samples.len().min(from + FOR_TURNS)];
     let steps: Vec<f64> = samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -540,8 +546,9 @@ fn exchanged(samples: &[f64]) -> f64 {
 pub(super) fn equals(series: &Series) -> Vec<Finding> {
     let mut found = Vec::new();
     for (k, channel) in series.channels.iter().enumerate() {
-        let same = |other: &&Channel| channel.samples == other.samples;
-        let moves = |_: &&Channel| Extent::of(channel.samples).is_some_and(|extent| extent.range() > 0.0);
+        let same = |other: &&MeasuredChannel| channel.samples == other.samples;
+        let moves =
+            |_: &&MeasuredChannel| Extent::of(channel.samples).is_some_and(|extent| extent.range() > 0.0);
         let before = &series.channels[..k];
         let (other, text) = match before.iter().find(same).filter(moves) {
             Some(other) => (other, "holds the very values of"),

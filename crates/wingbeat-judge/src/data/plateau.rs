@@ -2,8 +2,8 @@
 
 use super::noise::{OF_MEDIAN, median};
 use super::outliers::place;
-use super::spread::Spread;
-use super::{Channel, Finding, Series};
+use super::spread::CycleSpread;
+use super::{Finding, MeasuredChannel, Series};
 use crate::limits::data::{CLIPPED, TWO_SOURCES};
 
 /// Places of the cycle at least and at most, and samples of each at least. *Choice.*
@@ -38,7 +38,7 @@ const NOISE: [f64; 2] = [0.002, 2.0];
 
 /// Mean, and noise about a line, of the samples of a place.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PlaceStatistics {
     mean: f64,
     noise: f64,
     count: f64,
@@ -54,9 +54,14 @@ const MANY: f64 = 0.5;
 const AT_ONCE: f64 = 0.3;
 
 /// The finding that the samples of one phase have two values, and change between them from one to the next: two sources in one column.
-pub(super) fn two_sources(series: &Series, channel: &Channel, places: &[Place]) -> Option<Finding> {
+pub(super) fn two_sources(
+    series: &Series,
+    channel: &MeasuredChannel,
+    places: &[PlaceStatistics],
+) -> Option<Finding> {
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
-    let wide: Vec<&Place> = places.iter().filter(|of| of.variance.sqrt() > SCATTERS * (high - low)).collect();
+    let wide: Vec<&PlaceStatistics> =
+        places.iter().filter(|of| of.variance.sqrt() > SCATTERS * (high - low)).collect();
     if (wide.len() as f64) < MANY * places.len() as f64 {
         return None;
     }
@@ -82,7 +87,7 @@ const TOLD: usize = 4096;
 const LIKE: f64 = 0.7;
 
 /// Whether what the mean cycle leaves comes again after few samples: a line, as of the mains or a motor driver.
-fn is_line(series: &Series, channel: &Channel, places: &[Place]) -> bool {
+fn is_line(series: &Series, channel: &MeasuredChannel, places: &[PlaceStatistics]) -> bool {
     let off = |(p, x): (&f64, &f64)| x - places[place(*p, places.len())].mean;
     let left: Vec<f64> = series.phase.iter().zip(channel.samples).take(TOLD).map(off).collect();
     let all = left.iter().map(|x| x * x).sum::<f64>();
@@ -92,7 +97,7 @@ fn is_line(series: &Series, channel: &Channel, places: &[Place]) -> bool {
 }
 
 /// Median of the noise of the places of a cycle.
-pub(super) fn noise(places: &[Place]) -> Option<f64> {
+pub(super) fn noise(places: &[PlaceStatistics]) -> Option<f64> {
     let noise = median(&mut places.iter().map(|of| of.noise).collect::<Vec<_>>());
     noise.is_finite().then_some(noise)
 }
@@ -114,9 +119,9 @@ const CORNER: f64 = 0.45;
 /// the load comes to it without a corner: a wing that stalls may have a flat top, and buffet beside it.
 pub(super) fn cut_off(
     series: &Series,
-    (channel, count): (&Channel, f64),
-    placed: &Placed,
-    places: &[Place],
+    (channel, count): (&MeasuredChannel, f64),
+    placed: &PlacedSamples,
+    places: &[PlaceStatistics],
 ) -> Option<Finding> {
     let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(l, h), of| (l.min(of.mean), h.max(of.mean)));
     let range = high - low;
@@ -183,8 +188,8 @@ const WIDER: f64 = 1.7;
 /// The note that an end is flat between two corners, and as noisy as the rest: cut off, and noise added after, or a load of that shape.
 fn flat_between_corners(
     series: &Series,
-    channel: &Channel,
-    places: &[Place],
+    channel: &MeasuredChannel,
+    places: &[PlaceStatistics],
     [low, high, within, count]: [f64; 4],
 ) -> Option<Finding> {
     let range = high - low;
@@ -221,7 +226,12 @@ const OF_PART: usize = 32;
 
 /// How early and late the parts of a file come, rms, in cycles: of each the part of the slope of the mean cycle that its samples hold beside
 /// that cycle, sum(l g) / sum(g g).
-fn unsteady(series: &Series, channel: &Channel, placed: &Placed, places: &[Place]) -> f64 {
+fn unsteady(
+    series: &Series,
+    channel: &MeasuredChannel,
+    placed: &PlacedSamples,
+    places: &[PlaceStatistics],
+) -> f64 {
     let count = places.len();
     let slope = |at: usize| 0.5 * (places[(at + 1) % count].mean - places[(at + count - 1) % count].mean);
     let parts = PARTS.min(series.cycles() as usize).min(placed.samples.len() / OF_PART).max(1);
@@ -232,7 +242,7 @@ fn unsteady(series: &Series, channel: &Channel, placed: &Placed, places: &[Place
         *lg += (channel.samples[*k] - places[*at].mean - g * within) * g;
         *gg += g * g;
     }
-    Spread::of(sums.into_iter(), 0.0).size() / count as f64
+    CycleSpread::of(sums.into_iter(), 0.0).size() / count as f64
 }
 
 /// Part of a cycle after which noise is another one and the scatter of strokes of several sizes the same, and pairs of samples that tell.
@@ -242,7 +252,7 @@ const PAIRS: usize = 4096;
 
 /// The share of what the mean cycle leaves that is another after a sixteenth of a cycle, half the mean square of the change over the mean
 /// square: noise has 1, even where a filter keeps its higher half away; strokes that come and go have 2 sin^2(pi / 16), 0.08.
-fn at_once(series: &Series, channel: &Channel, places: &[Place]) -> f64 {
+fn at_once(series: &Series, channel: &MeasuredChannel, places: &[PlaceStatistics]) -> f64 {
     let later = ((SHORTLY * series.phase.len() as f64 / series.cycles()) as usize).max(1);
     let left = |k: usize| channel.samples[k] - places[place(series.phase[k], places.len())].mean;
     let count = series.phase.len().saturating_sub(later);
@@ -254,20 +264,20 @@ fn at_once(series: &Series, channel: &Channel, places: &[Place]) -> f64 {
 }
 
 /// The share of all samples that lie beyond the end by some of its deviations.
-fn beyond(channel: &Channel, [end, noise, middle]: [f64; 3]) -> f64 {
+fn beyond(channel: &MeasuredChannel, [end, noise, middle]: [f64; 3]) -> f64 {
     let out = (end - middle).signum();
     let far = channel.samples.iter().filter(|x| out * (*x - end) > BEYOND * noise).count();
     far as f64 / channel.samples.len() as f64
 }
 
 /// The slopes of the mean cycle beside the end, over those two places further on.
-fn corner(places: &[Place], on: &[bool]) -> f64 {
+fn corner(places: &[PlaceStatistics], on: &[bool]) -> f64 {
     let [near, further] = slopes(places, on);
     near / further.max(f64::MIN_POSITIVE)
 }
 
 /// The steps of the mean cycle beside the end, both sides together, and two places further on.
-fn slopes(places: &[Place], on: &[bool]) -> [f64; 2] {
+fn slopes(places: &[PlaceStatistics], on: &[bool]) -> [f64; 2] {
     let count = places.len();
     let step = |k: usize| (places[(k + 1) % count].mean - places[k % count].mean).abs();
     let (mut near, mut further) = (0.0, 0.0);
@@ -291,7 +301,7 @@ const GROWS: f64 = 4.0;
 /// The variance that the noise has where the mean cycle does not change and lies at `end`, from the places away from there, less its error: a
 /// crank that is unsteady adds one that grows with the square of the slope, and some cells have one that grows with the load. None where the
 /// slope explains it.
-fn elsewhere(places: &[Place], on: &[bool], end: f64) -> Option<f64> {
+fn elsewhere(places: &[PlaceStatistics], on: &[bool], end: f64) -> Option<f64> {
     let count = places.len();
     let beside = |k: usize| on[k] || on[(k + 1) % count] || on[(k + count - 1) % count];
     let slope = |k: usize| places[(k + 1) % count].mean - places[(k + count - 1) % count].mean;
@@ -320,17 +330,17 @@ fn elsewhere(places: &[Place], on: &[bool], end: f64) -> Option<f64> {
 }
 
 /// Which samples tell of the places of the cycle, each with its place and where it lies in it, from -1/2 to 1/2; those of a place together.
-pub(super) struct Placed {
+pub(super) struct PlacedSamples {
     samples: Vec<(usize, usize, f64)>,
     count: usize,
 }
 
 /// The same of the samples of `series`; of none where a place has too few.
-pub(super) fn placed(series: &Series) -> Placed {
+pub(super) fn placed(series: &Series) -> PlacedSamples {
     let (phase, cycles) = (series.phase, series.cycles());
     let count = PLACES[1].min(phase.len() / SAME).min((phase.len() as f64 / cycles.max(1.0)) as usize);
     if !series.purpose.is_loads() || count < PLACES[0] {
-        return Placed { samples: Vec::new(), count: 0 };
+        return PlacedSamples { samples: Vec::new(), count: 0 };
     }
     let every = phase.len().div_ceil(count * ENOUGH);
     let mut seen = vec![0_usize; count];
@@ -342,25 +352,25 @@ pub(super) fn placed(series: &Series) -> Placed {
         }
         seen[at] += 1;
     }
-    Placed { samples: samples.concat(), count }
+    PlacedSamples { samples: samples.concat(), count }
 }
 
-impl Placed {
-    pub fn of(&self, samples: &[f64]) -> Option<Vec<Place>> {
+impl PlacedSamples {
+    pub fn of(&self, samples: &[f64]) -> Option<Vec<PlaceStatistics>> {
         let mut room = Vec::new();
         let place = |of: &[(usize, usize, f64)]| {
             room.clear();
             room.extend(of.iter().map(|(k, _, within)| (*within, samples[*k])));
-            (of.len() >= SAME).then(|| Place::of(&room))
+            (of.len() >= SAME).then(|| PlaceStatistics::of(&room))
         };
         let places = self.samples.chunk_by(|a, b| a.1 == b.1).map(place);
         places
-            .collect::<Option<Vec<Place>>>()
+            .collect::<Option<Vec<PlaceStatistics>>>()
             .filter(|places| !places.is_empty() && places.len() == self.count)
     }
 }
 
-impl Place {
+impl PlaceStatistics {
     fn of(samples: &[(f64, f64)]) -> Self {
         let count = samples.len() as f64;
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| samples.iter().map(of).sum::<f64>() / count;

@@ -3,7 +3,7 @@
 use super::cycle::{HARMONICS, variance};
 use super::outliers::place;
 use super::values::Extent;
-use super::{Channel, Finding, Series};
+use super::{Finding, MeasuredChannel, Series};
 use crate::limits::data::RECTIFIED;
 use wingbeat_math::Harmonics;
 
@@ -22,7 +22,7 @@ const SEEN: f64 = 2e-4;
 /// The finding that a channel keeps one sign, and that its cycle is a smooth one with every second arch turned over.
 ///
 /// |y| has a cusp where y crosses zero, which harmonics follow poorly; y itself has none.
-pub(super) fn rectified(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+pub(super) fn rectified(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     let [least, largest] = [extent.low.abs().min(extent.high.abs()), extent.low.abs().max(extent.high.abs())];
     if extent.low < 0.0 && extent.high > 0.0 && least > SIGNED * largest {
         return None;

@@ -1,7 +1,7 @@
 //! Mean cycles beside those that a model computes: reversed, swapped, scaled, shifted, dead.
 
 use super::Finding;
-use crate::limits::Limits;
+use crate::limits::RunLimits;
 use crate::limits::data::{BENT, DEAD, GAIN, LAGS, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
@@ -33,7 +33,7 @@ const BENDS: f64 = 0.15;
 
 /// A measured cycle and a computed one, at the same even phases.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<'a> {
+pub struct CyclePair<'a> {
     /// Name of the channel.
     pub name: &'a str,
     /// Unit of both; channels of one unit are compared in size.
@@ -45,7 +45,7 @@ pub struct Pair<'a> {
 }
 
 /// What a pair says.
-struct Told {
+struct PairComparison {
     /// Computed range over the largest of the unit.
     share: f64,
     /// Ranges.
@@ -63,18 +63,20 @@ struct Told {
 }
 
 /// What of the measured cycles of `what` cannot be those that are computed.
-pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
-    let told: Vec<Told> = pairs.iter().map(|pair| Told::of(pair, pairs)).collect();
-    let telling: Vec<(&Pair, &Told)> =
+pub fn compared(what: &str, pairs: &[CyclePair], limits: &RunLimits) -> Vec<Finding> {
+    let told: Vec<PairComparison> = pairs.iter().map(|pair| PairComparison::of(pair, pairs)).collect();
+    let telling: Vec<(&CyclePair, &PairComparison)> =
         pairs.iter().zip(&told).filter(|(_, told)| told.share > TELLING && told.computed > 0.0).collect();
-    let about = |pair: &Pair| format!("{} of {what}", pair.name);
+    let about = |pair: &CyclePair| format!("{} of {what}", pair.name);
     let mut found = swapped(what, &telling);
     found.extend(repeated(what, &telling));
     found.extend(turned(what, &telling));
     found.extend(backwards(what, &telling));
     if !found.iter().any(|finding| finding.breaks(limits)) {
         found.extend(telling.iter().map(|(pair, told)| reversed(about(pair), told)));
-        let dead = |(pair, told): &(&Pair, &Told)| dead(about(pair), pair, told).in_channel(pair.name);
+        let dead = |(pair, told): &(&CyclePair, &PairComparison)| {
+            dead(about(pair), pair, told).in_channel(pair.name)
+        };
         found.extend(telling.iter().map(dead));
         found.extend(telling.iter().filter_map(|(pair, told)| scaled(about(pair), told)));
         found.extend(telling.iter().filter_map(|(pair, told)| in_another_unit(about(pair), pair, told)));
@@ -89,8 +91,8 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
     found
 }
 
-impl Told {
-    fn of(pair: &Pair, all: &[Pair]) -> Self {
+impl PairComparison {
+    fn of(pair: &CyclePair, all: &[CyclePair]) -> Self {
         let same = all.iter().filter(|other| other.unit == pair.unit);
         let most = same.map(|other| range(other.computed)).fold(0.0, f64::max);
         let (measured, computed) = (apart(pair.measured), apart(pair.computed));
@@ -154,7 +156,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { product(&a, &b, 0) / size } else { 0.0 }
 }
 
-fn reversed(about: String, told: &Told) -> Finding {
+fn reversed(about: String, told: &PairComparison) -> Finding {
     let text = format!(
         "has a correlation of {:.2} with what is computed: its sign is reversed, or its column is another one",
         told.now
@@ -165,7 +167,7 @@ fn reversed(about: String, told: &Told) -> Finding {
 /// Which of the `passes` of one case, each by its file and its mean cycle of the channel `name` at the same even phases, are those of most
 /// others with the sign reversed: a plug that was turned between them. The others may be off by anything else. Cycles are in the unit of the
 /// channel.
-pub fn reversed_among(name: &str, passes: &[(&str, Vec<f64>)], limits: &Limits) -> Vec<Finding> {
+pub fn reversed_among(name: &str, passes: &[(&str, Vec<f64>)], limits: &RunLimits) -> Vec<Finding> {
     let of = |k: usize| {
         let others = passes.iter().enumerate().filter(|(other, _)| *other != k);
         let mut all: Vec<f64> = others.map(|(_, pass)| correlation(&passes[k].1, &pass.1)).collect();
@@ -188,7 +190,7 @@ const TURNED: [f64; 2] = [0.9, 0.2];
 
 /// The finding that all channels together fit with the other sign alone. A phase that is taken from the force hides it: what is turned looks
 /// as if it came half a cycle later, but for the even harmonics. Where all are reversed as they are, it is one of the two.
-fn turned(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+fn turned(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Finding> {
     let large =
         || telling.iter().map(|(_, told)| *told).filter(|told| told.share > COUNTS && told.measured > 0.0);
     let weight: f64 = large().map(|told| told.share.powi(2)).sum();
@@ -217,7 +219,7 @@ fn turned(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
 
 /// The finding that all channels together fit far better when the file runs backwards, at any lag, by the correlations of [`TURNED`]. Both
 /// ways have the lag alone to be fitted; what is even in time fits as well either way.
-fn backwards(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+fn backwards(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Finding> {
     let large = || telling.iter().filter(|(_, told)| told.share > COUNTS && told.measured > 0.0);
     let weight: f64 = large().map(|(_, told)| told.share.powi(2)).sum();
     let count = large().map(|(_, told)| told.all.len()).min()?;
@@ -230,9 +232,9 @@ fn backwards(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     if now > TURNED[0] {
         return None;
     }
-    let turned = |(pair, told): &(&Pair, &Told)| {
+    let turned = |(pair, told): &(&CyclePair, &PairComparison)| {
         let computed: Vec<f64> = pair.computed.iter().rev().copied().collect();
-        let backward = Told::of(&Pair { computed: &computed, ..**pair }, &[**pair]);
+        let backward = PairComparison::of(&CyclePair { computed: &computed, ..**pair }, &[**pair]);
         (told.share.powi(2), backward.all)
     };
     let back = together(&large().map(turned).collect::<Vec<_>>());
@@ -244,7 +246,7 @@ fn backwards(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
         .then(|| Finding::new("data.backwards", &REVERSED, what, -back, text))
 }
 
-fn dead(about: String, pair: &Pair, told: &Told) -> Finding {
+fn dead(about: String, pair: &CyclePair, told: &PairComparison) -> Finding {
     let text = format!(
         "moves by {:.3e} {} where {:.3e} are computed: the channel is dead, or its unit is another one",
         told.measured, pair.unit, told.computed
@@ -252,7 +254,7 @@ fn dead(about: String, pair: &Pair, told: &Told) -> Finding {
     Finding::new("data.dead", &DEAD, about, told.measured / told.computed, text)
 }
 
-fn scaled(about: String, told: &Told) -> Option<Finding> {
+fn scaled(about: String, told: &PairComparison) -> Option<Finding> {
     let text = format!(
         "is {:.3} times what is computed, and has its shape: a wrong gain looks like this, and so does a wrong \
          slope or density; weigh a known mass on the cell to tell them apart",
@@ -274,7 +276,7 @@ fn scaled(about: String, told: &Told) -> Option<Finding> {
     }
 }
 
-fn in_another_unit(about: String, pair: &Pair, told: &Told) -> Option<Finding> {
+fn in_another_unit(about: String, pair: &CyclePair, told: &PairComparison) -> Option<Finding> {
     let size = told.measured / told.computed;
     let text = format!(
         "moves by {:.3e} {} where {:.3e} are computed: its unit is another one, or its column",
@@ -284,8 +286,8 @@ fn in_another_unit(about: String, pair: &Pair, told: &Told) -> Option<Finding> {
 }
 
 /// The lag on which the channels agree, by the power that they lend it.
-fn shifted(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
-    let alike: Vec<&Told> =
+fn shifted(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Finding> {
+    let alike: Vec<&PairComparison> =
         telling.iter().map(|(_, told)| *told).filter(|told| told.best > ALIKE[1]).collect();
     let weight: f64 = alike.iter().map(|told| told.share.powi(2)).sum();
     if alike.is_empty() {
@@ -305,7 +307,7 @@ fn shifted(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
 }
 
 /// Channels of one file of which each is like its load, but at other times.
-fn apart_in_time(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+fn apart_in_time(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Finding> {
     let alike = || telling.iter().filter(|(_, told)| told.best > ALIKE[1] && told.share > COUNTS);
     let mut worst: Option<(f64, &str, &str)> = None;
     for (a, one) in alike() {
@@ -324,7 +326,7 @@ fn apart_in_time(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
     Some(Finding::new("data.lags", &LAGS, what, lag, text))
 }
 
-fn unrelated(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+fn unrelated(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Finding> {
     let large = telling.iter().filter(|(_, told)| told.share > LARGE);
     let best = large.map(|(_, told)| told.now.abs().max(told.best)).fold(f64::NAN, f64::max);
     let text = format!(
@@ -335,8 +337,8 @@ fn unrelated(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
 }
 
 /// Channels that resemble nothing that is computed for them, though another does.
-fn unlike(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
-    let best = |told: &Told| told.now.abs().max(told.best);
+fn unlike(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Vec<Finding> {
+    let best = |told: &PairComparison| told.now.abs().max(told.best);
     let well = telling.iter().any(|(_, told)| best(told) > ANOTHER);
     let large = telling.iter().filter(|(_, told)| well && told.share > COUNTS && told.measured > 0.0);
     large
@@ -353,14 +355,14 @@ fn unlike(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
 
 /// Channels that are their own load and a part of another channel, where that one is as computed (cross talk, turned axes), or that are a
 /// bent function of their own load (a poor amplifier).
-fn mixed(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+fn mixed(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Vec<Finding> {
     let mut found = Vec::new();
     for (i, (pair, told)) in telling.iter().enumerate() {
         if !(told.share > COUNTS) || told.measured == 0.0 {
             continue;
         }
         let (x, own) = (apart(pair.measured), apart(pair.computed));
-        let by = |second: &[f64]| Fit::of(&x, &own, second);
+        let by = |second: &[f64]| PairRegression::of(&x, &own, second);
         let mut put = |id, limit, size: f64, text| {
             let finding = Finding::new(id, limit, format!("{} of {what}", pair.name), size, text);
             found.push(finding.noted().in_channel(pair.name));
@@ -373,7 +375,7 @@ fn mixed(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
             let told = told.now < ALIKE[0] && fit.left < TALKS[1] && fit.own > 0.5 && size > TALKS[0];
             told.then_some((other.name, size, fit))
         });
-        if let Some((name, size, Fit { own, second, .. })) =
+        if let Some((name, size, PairRegression { own, second, .. })) =
             talks.min_by(|a, b| a.2.left.total_cmp(&b.2.left))
         {
             let text = format!(
@@ -405,9 +407,9 @@ const ROLLED: [f64; 3] = [0.3, 0.1, 0.5];
 
 /// Two channels of one unit that fit far better when they are turned about the third axis: m = s R(angle) c by least squares, where
 /// tan(angle) = sum(m2 c1 - m1 c2) / sum(m1 c1 + m2 c2).
-fn rolled(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+fn rolled(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Finding> {
     let pairs = telling.iter().enumerate().flat_map(|(k, a)| telling[..k].iter().map(move |b| [*b, *a]));
-    let of = |[(a, _), (b, _)]: [(&Pair, &Told); 2]| {
+    let of = |[(a, _), (b, _)]: [(&CyclePair, &PairComparison); 2]| {
         let [m1, c1, m2, c2] = [a.measured, a.computed, b.measured, b.computed].map(apart);
         let (along, across) =
             (product(&m1, &c1, 0) + product(&m2, &c2, 0), product(&m2, &c1, 0) - product(&m1, &c2, 0));
@@ -430,13 +432,13 @@ fn rolled(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
 }
 
 /// x = own c + second m by least squares, all about their means, and the share of the power of x that is left.
-struct Fit {
+struct PairRegression {
     own: f64,
     second: f64,
     left: f64,
 }
 
-impl Fit {
+impl PairRegression {
     /// None of two of one shape, of which neither is told from the other.
     fn of(x: &[f64], own: &[f64], second: &[f64]) -> Option<Self> {
         let [cc, mm, cm] = [product(own, own, 0), product(second, second, 0), product(own, second, 0)];
@@ -451,7 +453,7 @@ impl Fit {
 }
 
 /// Channels that hold the very values of another one, though other loads are computed for them; of two the one that fits worse.
-fn repeated(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+fn repeated(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Vec<Finding> {
     let mut found = Vec::new();
     for (k, (pair, told)) in telling.iter().enumerate() {
         for (other, its) in &telling[..k] {
@@ -473,7 +475,7 @@ fn repeated(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
 }
 
 /// Channels of one unit that would each fit another one much better, as a permutation.
-fn swapped(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+fn swapped(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Vec<Finding> {
     let of = |i: usize, j: usize| match telling[i].0.unit == telling[j].0.unit {
         true => correlation(telling[i].0.measured, telling[j].0.computed).abs(),
         false => 0.0,

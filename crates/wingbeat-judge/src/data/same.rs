@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use super::noise::{deviation, third};
 use super::outliers::steps_beyond;
-use super::plateau::{self, Placed};
+use super::plateau::{self, PlacedSamples};
 use super::values::Extent;
-use super::{Channel, Finding, Series};
+use super::{Finding, MeasuredChannel, Series};
 use crate::limits::data::{COPIED, COUNTS, LOST, REPEATED, TWICE};
 
 /// Slots by which values are counted, and how often the most frequent value must come beside the next. *Choices.*
@@ -27,7 +27,7 @@ const EVEN: f64 = 0.1;
 const SAMPLED: f64 = 0.5;
 
 /// The findings of a channel that moves.
-pub(super) fn findings(series: &Series, channel: &Channel, extent: Extent) -> Vec<Finding> {
+pub(super) fn findings(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Vec<Finding> {
     if extent.range() < COUNTS.value * extent.count {
         return Vec::new();
     }
@@ -42,7 +42,7 @@ const ANY_PHASE: f64 = 0.9;
 
 /// The same of a code within the range, which samples may have by themselves: a channel leaps to one value, stays for less than
 /// [`CODE`] samples, and leaps back, at any phase. A knock comes at one phase, and spikes have no value of their own.
-fn code_within(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+fn code_within(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     let samples = channel.samples;
     let least = (APART * extent.range()).max(STEPS * extent.count);
     let far = steps_beyond(samples, least);
@@ -93,7 +93,7 @@ const FEWEST: usize = 6;
 const NOISY: f64 = 0.2;
 
 /// The finding that one value comes again and again by itself though others hardly do: what a logger writes for a sample that it lacks.
-fn code(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+fn code(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     let slot = |x: &f64| (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 53) as usize;
     let mut counts = vec![0_u32; SLOTS];
     channel.samples.iter().for_each(|x| counts[slot(x)] += 1);
@@ -165,9 +165,9 @@ const DISTANCES: usize = 3;
 /// the share p of samples that agree with those so many samples later, elsewhere in the file, gives a stretch of n the chance p^n:
 /// it is told where that is less than 1e-9 in all. A load without noise is the same after whole cycles, throughout the file, or again after
 /// twice as long.
-pub(super) fn copied(series: &Series, extents: &[Option<Extent>], placed: &Placed) -> Option<Finding> {
+pub(super) fn copied(series: &Series, extents: &[Option<Extent>], placed: &PlacedSamples) -> Option<Finding> {
     let known = series.channels.iter().zip(extents);
-    let mut known: Vec<(&Channel, Extent)> = known
+    let mut known: Vec<(&MeasuredChannel, Extent)> = known
         .filter_map(|(channel, extent)| Some((channel, (*extent)?)))
         .filter(|(_, of)| of.range() > COUNTS.value * of.count)
         .collect();
@@ -182,7 +182,11 @@ pub(super) fn copied(series: &Series, extents: &[Option<Extent>], placed: &Place
 }
 
 /// The same of one channel.
-fn copied_in(series: &Series, (channel, extent): (&Channel, Extent), placed: &Placed) -> Option<Finding> {
+fn copied_in(
+    series: &Series,
+    (channel, extent): (&MeasuredChannel, Extent),
+    placed: &PlacedSamples,
+) -> Option<Finding> {
     let samples = channel.samples;
     if samples.len() < FOR_COPIES {
         return None;
@@ -321,7 +325,7 @@ const FEW: f64 = 0.1;
 const NOISE: [f64; 2] = [0.002, 1.0];
 
 /// Whether the samples of one phase differ by noise.
-fn is_noisy(channel: &Channel, extent: Extent, placed: &Placed) -> bool {
+fn is_noisy(channel: &MeasuredChannel, extent: Extent, placed: &PlacedSamples) -> bool {
     let noise = placed.of(channel.samples).and_then(|places| plateau::noise(&places));
     // Loads without noise scatter within a place by their bends, but not from one sample to the next.
     let at_once = || deviation(&mut channel.samples.windows(4).map(third).collect::<Vec<f64>>());
@@ -349,7 +353,7 @@ fn even(stretches: &[(usize, usize)]) -> bool {
 }
 
 /// The finding that a channel leaps to a value, or from it, and keeps it exactly meanwhile.
-fn held(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+fn held(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     let samples = channel.samples;
     // Of few counts each is a leap.
     let least = (TO_REST * extent.range()).max(STEPS * extent.count);

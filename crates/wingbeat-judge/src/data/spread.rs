@@ -1,7 +1,7 @@
 //! A number of each cycle, or of each part of a file, and how far they differ.
 
 /// Numbers by least squares, each a numerator over a denominator.
-pub(super) struct Spread {
+pub(super) struct CycleSpread {
     pub of: Vec<f64>,
     pub mean: f64,
     /// Mean square about the mean.
@@ -15,7 +15,7 @@ const FOR_SCATTER: usize = 4;
 /// Variance over that which noise gives, above which it is told. *Choice.*
 const ABOVE_NOISE: f64 = 4.0;
 
-impl Spread {
+impl CycleSpread {
     /// By numerators and denominators; `white` is the variance of the noise, the square of the unit of the values.
     pub fn of(sums: impl Iterator<Item = [f64; 2]>, white: f64) -> Self {
         let sums: Vec<[f64; 2]> = sums.collect();

@@ -1,8 +1,8 @@
 //! How the cycles of a channel differ from the mean one: in size, and in time.
 
-use super::cycle::{Apart, Parts};
+use super::cycle::{ChannelParts, SplitChannel};
 use super::noise::{Order, deviation, third};
-use super::spread::Spread;
+use super::spread::CycleSpread;
 use super::values::Extent;
 use super::{Cause, Finding, Purpose, Series};
 use crate::limits::data::{DIFFERS, EARLY, PHASES, RUNS, SCATTER, TREND};
@@ -14,16 +14,16 @@ const SURE: f64 = 6.0;
 
 /// What each whole cycle holds of the mean cycle f and of its slope g, by least squares over its points x, which the mean cycle leaves l:
 /// its size sum(x f) / sum(f f) and how late it comes, sum(l g) / sum(g g), in cycles.
-pub(super) struct Strokes {
-    sizes: Spread,
-    late: Spread,
+pub(super) struct StrokeVariation {
+    sizes: CycleSpread,
+    late: CycleSpread,
     /// Variance that sizes and levels of the cycles explain of what the mean cycle leaves.
     explained: f64,
 }
 
-impl Strokes {
-    pub fn of(series: &Series, one: &Apart) -> Self {
-        let Apart { at, part, left, .. } = one;
+impl StrokeVariation {
+    pub fn of(series: &Series, one: &SplitChannel) -> Self {
+        let SplitChannel { at, part, left, .. } = one;
         let count = at.phase.len();
         let first = at.phase.first().copied().unwrap_or_default();
         // The last sample of a whole cycle lies a step before its end.
@@ -49,24 +49,24 @@ impl Strokes {
             (xf - ff).powi(2) / ff.max(f64::MIN_POSITIVE) + l * l / n.max(1.0)
         };
         let explained = sums.iter().map(explained).sum::<f64>() / count as f64;
-        let sizes = Spread::of(sums.iter().map(|of| [of[0], of[1]]), part.white);
+        let sizes = CycleSpread::of(sums.iter().map(|of| [of[0], of[1]]), part.white);
         let late = if sloped { &sums[..] } else { &[] };
-        Self { sizes, late: Spread::of(late.iter().map(|of| [of[2], of[3]]), part.white), explained }
+        Self { sizes, late: CycleSpread::of(late.iter().map(|of| [of[2], of[3]]), part.white), explained }
     }
 
     /// Variance (squares of the units of the channels) that neither repeats, nor is noise, nor comes of other sizes and levels of the cycles.
-    pub fn left(&self, part: &Parts) -> f64 {
+    pub fn left(&self, part: &ChannelParts) -> f64 {
         (part.slow - self.explained).max(0.0)
     }
 
     /// Whether sizes explain most of what does not repeat.
-    pub fn differ(&self, part: &Parts) -> bool {
+    pub fn differ(&self, part: &ChannelParts) -> bool {
         self.sizes.is_told() && self.explained > 0.5 * part.slow
     }
 
     /// The findings that the cycles differ in size, and that they grow or shrink from start to end by a straight line.
-    pub fn sizes(&self, series: &Series, one: &Apart) -> Vec<Finding> {
-        let Spread { mean, .. } = self.sizes;
+    pub fn sizes(&self, series: &Series, one: &SplitChannel) -> Vec<Finding> {
+        let CycleSpread { mean, .. } = self.sizes;
         if !(mean > 0.0 && self.sizes.is_told()) {
             return Vec::new();
         }
@@ -87,7 +87,7 @@ impl Strokes {
     }
 
     /// The findings that the cycles come early and late.
-    pub fn phases(&self, series: &Series, one: &Apart) -> Vec<Finding> {
+    pub fn phases(&self, series: &Series, one: &SplitChannel) -> Vec<Finding> {
         if !self.late.is_told() {
             return Vec::new();
         }
@@ -103,7 +103,7 @@ impl Strokes {
     }
 
     /// The finding that the cycles come later and later, or earlier, by a straight line: the frequency is another one.
-    pub fn runs_away(&self, series: &Series, one: &Apart) -> Option<Finding> {
+    pub fn runs_away(&self, series: &Series, one: &SplitChannel) -> Option<Finding> {
         let [by, error] = self.late.trend();
         let told = self.late.is_told() && by.abs() > SURE * error;
         let given = series.frequency_hz?;
@@ -143,7 +143,12 @@ const KNOWN: f64 = 0.25;
 /// A wing changes all loads together; a channel whose gain fails is alone. Where all change together, the gain of the instrument and the
 /// stroke are told apart by the noise, which comes after the stroke and before the gain. A file of one channel has its noise alone, one
 /// without noise the other channels alone.
-pub(super) fn are_of_wings(series: &Series, all: &[Apart], strokes: &[Strokes], k: usize) -> bool {
+pub(super) fn are_of_wings(
+    series: &Series,
+    all: &[SplitChannel],
+    strokes: &[StrokeVariation],
+    k: usize,
+) -> bool {
     let own = &strokes[k].sizes;
     if !series.purpose.is_loads() || !own.is_told() {
         return false;
@@ -151,11 +156,11 @@ pub(super) fn are_of_wings(series: &Series, all: &[Apart], strokes: &[Strokes], 
     let others = all.iter().zip(strokes).enumerate();
     let others =
         others.filter(|(other, (one, _))| *other != k && series.is_load(one.channel) && one.is_telling(all));
-    let known: Vec<&Spread> = others
+    let known: Vec<&CycleSpread> = others
         .map(|(_, (_, strokes))| &strokes.sizes)
         .filter(|sizes| sizes.noise < KNOWN * own.spread && sizes.mean > 0.0)
         .collect();
-    let together = |other: &Spread| {
+    let together = |other: &CycleSpread| {
         let products = own.of.iter().zip(&other.of).map(|(a, b)| (a - own.mean) * (b - other.mean));
         let product = products.sum::<f64>() / own.of.len() as f64;
         product > TOGETHER * (own.spread * other.spread).sqrt()
@@ -179,7 +184,7 @@ const ALONG: f64 = 0.7;
 
 /// Whether the noise of the small cycles is smaller than that of the large ones as they are, by the medians of the third differences; none
 /// where the noise is not seen.
-fn noise_goes_along(series: &Series, one: &Apart, sizes: &Spread) -> Option<bool> {
+fn noise_goes_along(series: &Series, one: &SplitChannel, sizes: &CycleSpread) -> Option<bool> {
     let (first, samples) = (series.phase.first()?, one.channel.samples);
     let mut groups: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     let mut order = Order::default();

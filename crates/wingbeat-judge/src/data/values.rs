@@ -1,8 +1,8 @@
 //! What the values of a channel say by themselves: not finite, tiny, huge, constant, stuck, clipped.
 
 use super::rectified::rectified;
-use super::{Cause, Channel, Finding, Series, plateau, same};
-use crate::limits::Limits;
+use super::{Cause, Finding, MeasuredChannel, Series, plateau, same};
+use crate::limits::RunLimits;
 use crate::limits::data::{CLIPPED, COUNTS, FEW_COUNTS, HUGE, LOST, NOT_FINITE, STEPS, STUCK, TINY};
 
 /// Counts that a channel must span elsewhere for a stay within one of them to be odd. *Choice.*
@@ -64,7 +64,7 @@ impl Extent {
 pub(super) const LANES: usize = 4;
 
 /// What is wrong with the values.
-pub fn findings(series: &Series, extents: &[Option<Extent>], limits: &Limits) -> Vec<Finding> {
+pub fn findings(series: &Series, extents: &[Option<Extent>], limits: &RunLimits) -> Vec<Finding> {
     let mut found = Vec::new();
     let placed = plateau::placed(series);
     for (channel, extent) in series.channels.iter().zip(extents) {
@@ -103,10 +103,10 @@ pub(super) fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding
         let same = all().filter(|(other, _)| other.unit == unit);
         same.filter_map(|(_, extent)| Some((*extent)?.range())).fold(0.0, f64::max)
     };
-    let told = |(channel, extent): (&Channel, &Option<Extent>)| {
+    let told = |(channel, extent): (&MeasuredChannel, &Option<Extent>)| {
         let extent = (*extent)?;
         // What triggers is on or off, and beside others in whole units it is one of them.
-        let whole = |(other, of): (&Channel, &Option<Extent>)| {
+        let whole = |(other, of): (&MeasuredChannel, &Option<Extent>)| {
             other.name != channel.name && other.unit == channel.unit && of.is_some_and(|of| of.count == 1.0)
         };
         let switch = channel.samples.iter().all(|x| *x == 0.0 || *x == 1.0) && !all().any(whole);
@@ -127,7 +127,7 @@ pub(super) fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding
                     && own.range() > FEW_COUNTS.value * own.count
             })
         });
-        let fine = |(other, extent): (&Channel, &Option<Extent>)| {
+        let fine = |(other, extent): (&MeasuredChannel, &Option<Extent>)| {
             extent.is_some_and(|extent| {
                 other.unit != channel.unit && extent.range() > FEW_COUNTS.value * extent.count
             })
@@ -148,7 +148,7 @@ const VALUES: f64 = 3.0;
 
 /// Motions that stand still and go on by even steps: an encoder of few marks, or angles rounded by hand.
 fn in_steps(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding> {
-    let told = |(channel, extent): (&Channel, &Option<Extent>)| {
+    let told = |(channel, extent): (&MeasuredChannel, &Option<Extent>)| {
         let extent = (*extent)?;
         let steps = || channel.samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         let still = steps().filter(|step| *step <= 1e-9 * extent.range()).count() as f64;
@@ -173,7 +173,7 @@ const HELD: usize = 5;
 
 /// The finding that all loads stand still together, leaping there: a plug that is loose, a logger that waits.
 fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
-    let moving: Vec<(&Channel, Extent)> = series
+    let moving: Vec<(&MeasuredChannel, Extent)> = series
         .channels
         .iter()
         .zip(extents)
@@ -185,7 +185,7 @@ fn standing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
     }
     let still = |k: usize| moving.iter().all(|(channel, _)| channel.samples[k] == channel.samples[k - 1]);
     let leaps = |k: usize| {
-        let leap = |(channel, extent): &(&Channel, Extent)| {
+        let leap = |(channel, extent): &(&MeasuredChannel, Extent)| {
             (channel.samples[k] - channel.samples[k - 1]).abs() > same::TO_REST * extent.range()
         };
         k > 0 && moving.iter().any(leap)
@@ -234,9 +234,9 @@ pub fn not_finite(what: &str, channel: &str, count: usize) -> Option<Finding> {
 
 fn of_channel(
     series: &Series,
-    (channel, extent): (&Channel, Extent),
-    placed: &plateau::Placed,
-    limits: &Limits,
+    (channel, extent): (&MeasuredChannel, Extent),
+    placed: &plateau::PlacedSamples,
+    limits: &RunLimits,
 ) -> Vec<Finding> {
     let about = || series.about(channel.name);
     let largest = extent.high.abs().max(extent.low.abs());
@@ -279,7 +279,7 @@ fn nothing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
 }
 
 /// The longest stay within one count of a channel that spans many.
-fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+fn stuck(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     if extent.range() < SPAN * extent.count {
         return None;
     }
@@ -312,13 +312,13 @@ fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> 
 const RESTS: f64 = 0.1;
 
 /// Whether the other loads rest meanwhile as well; of a file of one whether it is the start.
-fn rests(series: &Series, channel: &Channel, there: std::ops::Range<usize>) -> bool {
+fn rests(series: &Series, channel: &MeasuredChannel, there: std::ops::Range<usize>) -> bool {
     let range = |of: &[f64]| Extent::of(of).map_or(0.0, Extent::range);
     let others = || {
         let all = series.channels.iter().filter(|other| other.name != channel.name && series.is_load(other));
         all.filter(|other| range(other.samples) > 0.0)
     };
-    let rest = |other: &Channel| range(&other.samples[there.clone()]) < RESTS * range(other.samples);
+    let rest = |other: &MeasuredChannel| range(&other.samples[there.clone()]) < RESTS * range(other.samples);
     if others().next().is_none() { there.start == 0 } else { others().all(rest) }
 }
 
@@ -337,7 +337,7 @@ fn longest_stay(samples: &[f64], count: f64) -> (usize, usize) {
 }
 
 /// The same at a level within: what clips at times only. Zero is that of a line that goes slack, and of drop-outs.
-fn clipped_within(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+fn clipped_within(series: &Series, channel: &MeasuredChannel, extent: Extent) -> Option<Finding> {
     let mut levels: Vec<(f64, usize)> = Vec::new();
     for run in channel.samples.chunk_by(|a, b| a == b) {
         if run.len() >= ROW && run[0] != 0.0 {
@@ -354,7 +354,7 @@ fn clipped_within(series: &Series, channel: &Channel, extent: Extent) -> Option<
 }
 
 /// The share of the samples on flat ends that the values below do not lead to.
-fn clipped(series: &Series, channel: &Channel, extent: Extent, ends: &[f64]) -> Option<Finding> {
+fn clipped(series: &Series, channel: &MeasuredChannel, extent: Extent, ends: &[f64]) -> Option<Finding> {
     let band = (BAND * extent.range()).max(1.5 * extent.count);
     let mut worst: Option<(f64, f64)> = None;
     for end in ends.iter().copied() {

@@ -1,46 +1,50 @@
 //! Limits of a fit. All values are choices.
 
-use super::Limit;
+use super::JudgedLimit;
 use crate::status::Status::{OffTarget, SuspectData};
 
 /// What the fit explains of the variation over the cycle. A model that is wrong by 10 % of the loads explains 0.99, one that
 /// is wrong by half of them 0.75.
-pub const EXPLAINED: Limit = Limit::at_least("calibration.explained_fraction", 0.5, "", SuspectData)
-    .on("share of the measured variation over the cycle that the fit explains");
+pub const EXPLAINED: JudgedLimit =
+    JudgedLimit::at_least("calibration.explained_fraction", 0.5, "", SuspectData)
+        .on("share of the measured variation over the cycle that the fit explains");
 /// An honest error of the model, of which a reader must know: residuals of a third of the loads.
-pub const MODEL_ERROR: Limit = Limit::warn_below("calibration.model_error_explained_fraction", 0.9, "")
+pub const MODEL_ERROR: JudgedLimit = JudgedLimit::warn_below("calibration.model_error_explained_fraction", 0.9, "")
     .on("the model misses much of the loads: share of the measured variation over the cycle that the fit explains");
 /// Rms residual of a channel after the fit over that before it, largest of all channels: one that the fit makes worse while it mends
 /// others says that the model lacks what those others show.
-pub const WORSE: Limit =
-    Limit::at_most("calibration.channel_growth", 2.0, "", OffTarget).on("growth of the residuals by the fit");
+pub const WORSE: JudgedLimit = JudgedLimit::at_most("calibration.channel_growth", 2.0, "", OffTarget)
+    .on("growth of the residuals by the fit");
 /// Growth of the residuals of a channel, of which a reader must know.
-pub const WORSE_TOLD: Limit = Limit::warn_above("calibration.channel_growth_told", 1.1, "")
+pub const WORSE_TOLD: JudgedLimit = JudgedLimit::warn_above("calibration.channel_growth_told", 1.1, "")
     .on("the fit makes a channel worse than it was: growth of the residuals");
 /// Misfit over the noise of the cycles. With a misfit of 10 % of the loads this limit is a noise of 1e-7 of them, which no load
 /// cell resolves: cycles that repeat so well are not measured.
-pub const CHI_SQUARED: Limit = Limit::at_most("calibration.chi_squared", 1e12, "", SuspectData).on(
-    "the cycles scatter less than any load cell resolves, so they were not measured: reduced chi-squared",
-);
+pub const CHI_SQUARED: JudgedLimit = JudgedLimit::at_most("calibration.chi_squared", 1e12, "", SuspectData)
+    .on(
+        "the cycles scatter less than any load cell resolves, so they were not measured: reduced chi-squared",
+    );
 /// Misfit beyond the noise, after which intervals rest on what the fit estimates of the model's own error.
-pub const BEYOND_NOISE: Limit = Limit::warn_above("calibration.beyond_noise_chi_squared", 4.0, "")
-    .on("the model is wrong beyond the noise of the cycles: reduced chi-squared");
+pub const BEYOND_NOISE: JudgedLimit =
+    JudgedLimit::warn_above("calibration.beyond_noise_chi_squared", 4.0, "")
+        .on("the model is wrong beyond the noise of the cycles: reduced chi-squared");
 /// Time shift that is left between measured and fitted cycles; runs are refused beyond it before the fit.
-pub const PHASE: Limit = Limit::at_most("calibration.phase_deg", 5.0, "deg", SuspectData)
+pub const PHASE: JudgedLimit = JudgedLimit::at_most("calibration.phase_deg", 5.0, "deg", SuspectData)
     .on("shift between the measured and the fitted cycle");
 /// Circular correlation of what the fit leaves with itself one phase on, in deviations: 0 +- 1/sqrt(n W) of noise alone, with W numbers of
 /// each of n channels, which of a force with eight harmonics reaches half in one of 50, of three in one of 5000.
-pub const COLOURED: Limit = Limit::warn_above("calibration.residual_autocorrelation", 0.5, "")
+pub const COLOURED: JudgedLimit = JudgedLimit::warn_above("calibration.residual_autocorrelation", 0.5, "")
     .on("the residual is not noise but a curve over the cycle: its correlation from one phase to the next");
 /// Parameters that the fit found: without any, the fit says nothing.
-pub const IDENTIFIED: Limit = Limit::at_least("calibration.identified_fraction", 1e-3, "", OffTarget)
-    .on("share of the parameters that the runs identify");
+pub const IDENTIFIED: JudgedLimit =
+    JudgedLimit::at_least("calibration.identified_fraction", 1e-3, "", OffTarget)
+        .on("share of the parameters that the runs identify");
 /// Parameters of which the runs tell a combination only.
-pub const CORRELATION: Limit =
-    Limit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
+pub const CORRELATION: JudgedLimit =
+    JudgedLimit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
 
 /// All of them.
-pub const ALL: [Limit; 10] = [
+pub const ALL: [JudgedLimit; 10] = [
     EXPLAINED,
     MODEL_ERROR,
     WORSE,

@@ -1,100 +1,103 @@
 //! Limits of a flight. All values are choices; each stands beside what shipped flights that hold their task reach.
 
-use super::Limit;
+use super::JudgedLimit;
 use crate::status::Status::{NotResolved, OffTarget, Outside};
 
 /// Height against the reference of a controller that tracks. Held flights stay within 0.02 m; lost ones pass 5 m.
-pub const ALTITUDE: Limit =
-    Limit::at_most("flight.altitude_m", 2.0, "m", OffTarget).on("largest distance from the reference height");
+pub const ALTITUDE: JudgedLimit = JudgedLimit::at_most("flight.altitude_m", 2.0, "m", OffTarget)
+    .on("largest distance from the reference height");
 /// Roll and pitch against the reference, each. Held flights stay within 7 deg, of which the body's own motion in a stroke
 /// is the most.
-pub const ATTITUDE: Limit =
-    Limit::at_most("flight.attitude_rms_deg", 10.0, "deg", OffTarget).on("rms error of roll or pitch");
+pub const ATTITUDE: JudgedLimit =
+    JudgedLimit::at_most("flight.attitude_rms_deg", 10.0, "deg", OffTarget).on("rms error of roll or pitch");
 /// Distance from the path. Held flights stay within 0.1 m.
-pub const PATH: Limit =
-    Limit::at_most("flight.path_m", 2.0, "m", OffTarget).on("largest distance across the path");
+pub const PATH: JudgedLimit =
+    JudgedLimit::at_most("flight.path_m", 2.0, "m", OffTarget).on("largest distance across the path");
 /// Distance from the place to hover at. Held flights stay within 0.02 m.
-pub const PLACE: Limit =
-    Limit::at_most("flight.place_rms_m", 1.0, "m", OffTarget).on("rms distance from the place of the hover");
+pub const PLACE: JudgedLimit = JudgedLimit::at_most("flight.place_rms_m", 1.0, "m", OffTarget)
+    .on("rms distance from the place of the hover");
 /// Steepness of a controlled flight that has no reference for its height. The banking turn sinks by 15 deg.
-pub const PATH_ANGLE: Limit = Limit::at_most("flight.path_angle_deg", 30.0, "deg", OffTarget)
+pub const PATH_ANGLE: JudgedLimit = JudgedLimit::at_most("flight.path_angle_deg", 30.0, "deg", OffTarget)
     .on("mean angle of the path above or below the horizon");
 /// The same of a flight that nothing controls: it falls as its robot does.
-pub const FREE_PATH_ANGLE: Limit = Limit::warn_above("flight.free_path_angle_deg", 45.0, "deg")
+pub const FREE_PATH_ANGLE: JudgedLimit = JudgedLimit::warn_above("flight.free_path_angle_deg", 45.0, "deg")
     .on("nothing controls this flight: mean angle of the path above or below the horizon");
 /// Commands at their limits, where the controller has no more to give. Held flights stay within 0.64.
-pub const SATURATION: Limit =
-    Limit::at_most("flight.saturation_fraction", 0.7, "", OffTarget).on("share of the commands at a limit");
+pub const SATURATION: JudgedLimit = JudgedLimit::at_most("flight.saturation_fraction", 0.7, "", OffTarget)
+    .on("share of the commands at a limit");
 /// A robot that passes through the ground or the ceiling, where its mirror image passes through it: impossible, so the limit is zero.
-pub const GROUND: Limit = Limit::at_least("flight.ground_distance_m", 0.0, "m", Outside)
+pub const GROUND: JudgedLimit = JudgedLimit::at_least("flight.ground_distance_m", 0.0, "m", Outside)
     .on("least distance of body and wings from air.ground_m on the side of the start");
 /// Wings that pass through each other or through the body: impossible, so the limit is zero.
-pub const CROSSING: Limit = Limit::at_most("flight.crossing_fraction", 0.0, "", Outside)
+pub const CROSSING: JudgedLimit = JudgedLimit::at_most("flight.crossing_fraction", 0.0, "", Outside)
     .on("share of the time in which parts of the robot pass through each other");
 /// Some time beyond the velocities at which `robot.residual` was measured.
-pub const LEAVES_RESIDUAL: Limit = Limit::warn_above("flight.leaves_residual_fraction", 0.05, "")
+pub const LEAVES_RESIDUAL: JudgedLimit = JudgedLimit::warn_above("flight.leaves_residual_fraction", 0.05, "")
     .on("share of the time beyond the velocities at which robot.residual was measured");
 /// Most of the time beyond them.
-pub const BEYOND_RESIDUAL: Limit = Limit::at_most("flight.beyond_residual_fraction", 0.5, "", Outside)
-    .on("share of the time beyond the velocities at which robot.residual was measured");
+pub const BEYOND_RESIDUAL: JudgedLimit =
+    JudgedLimit::at_most("flight.beyond_residual_fraction", 0.5, "", Outside)
+        .on("share of the time beyond the velocities at which robot.residual was measured");
 /// Updates that failed, so that the previous plan was flown.
-pub const FAILURES: Limit = Limit::at_most("flight.controller_failures_fraction", 0.1, "", NotResolved)
-    .on("share of the updates in which the controller found no solution");
+pub const FAILURES: JudgedLimit =
+    JudgedLimit::at_most("flight.controller_failures_fraction", 0.1, "", NotResolved)
+        .on("share of the updates in which the controller found no solution");
 /// Error of the integration's steps that a reader must know.
-pub const STEP_ERROR: Limit = Limit::warn_above("flight.step_error_m", 0.01, "m")
+pub const STEP_ERROR: JudgedLimit = JudgedLimit::warn_above("flight.step_error_m", 0.01, "m")
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");
 /// Error of the integration's steps that leaves nothing of the flight.
-pub const STEPS_LOST: Limit = Limit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
+pub const STEPS_LOST: JudgedLimit = JudgedLimit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");
 /// Error of steps that were chosen by an error.
-pub const STEPS_ASKED: Limit = Limit::at_most("flight.error_asked_fraction", 1.0, "", NotResolved)
+pub const STEPS_ASKED: JudgedLimit = JudgedLimit::at_most("flight.error_asked_fraction", 1.0, "", NotResolved)
     .on("flight.error_m cannot be kept by steps of flight.step_s / 64 or more: the error of the last position as it was measured, over flight.error_m");
 
 /// Angular momentum in a vacuum, which nothing can change but the error of the steps. The shipped turn of a 20 g robot leaves 2e-12.
-pub const MOMENTUM: Limit = Limit::at_most("flight.angular_momentum_kg_m2_s", 1e-9, "kg m2/s", NotResolved)
+pub const MOMENTUM: JudgedLimit = JudgedLimit::at_most("flight.angular_momentum_kg_m2_s", 1e-9, "kg m2/s", NotResolved)
     .on("the steps of the integration are too long (shorten flight.step_s): largest change of the angular momentum in a vacuum");
 
 /// Deviation of the turbulence over its airspeed. Taylor 1938: a frozen field needs it small; 0.3 is a choice.
-pub const TURBULENCE: Limit = Limit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
+pub const TURBULENCE: JudgedLimit = JudgedLimit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
     .on("turbulence that flies past frozen is small beside the airspeed: largest deviation over air.dryden.airspeed_m_s");
 /// Turbulence as strong as the stream that carries it past, which no frozen field is.
-pub const TURBULENCE_STRONG: Limit = Limit::at_most("flight.turbulence_beyond_airspeed", 1.0, "", Outside)
+pub const TURBULENCE_STRONG: JudgedLimit = JudgedLimit::at_most("flight.turbulence_beyond_airspeed", 1.0, "", Outside)
     .on("turbulence that flies past frozen is weaker than the airspeed: largest deviation over air.dryden.airspeed_m_s");
 /// Mean airspeed of the flight against that at which its turbulence passes: the larger over the smaller, less one.
-pub const TURBULENCE_SPEED: Limit = Limit::warn_above("flight.turbulence_speed", 0.3, "")
+pub const TURBULENCE_SPEED: JudgedLimit = JudgedLimit::warn_above("flight.turbulence_speed", 0.3, "")
     .on("the turbulence passes at another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
 /// The same where the spectra by time are those of another turbulence.
-pub const TURBULENCE_ELSEWHERE: Limit = Limit::at_most("flight.turbulence_other_speed", 1.0, "", Outside)
+pub const TURBULENCE_ELSEWHERE: JudgedLimit = JudgedLimit::at_most("flight.turbulence_other_speed", 1.0, "", Outside)
     .on("the turbulence passes at quite another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");
 
 /// Height that a dive takes from level flight to level flight, over the velocity head v^2/(2 g) of that flight: robots that fly alike at
 /// other sizes dive alike. The shipped dive, with the nose down by 60 deg, takes 1.42 of 0.93 m.
-pub const DIVE_HEIGHT: Limit = Limit::at_most("flight.dive_velocity_heads", 1.6, "", OffTarget)
+pub const DIVE_HEIGHT: JudgedLimit = JudgedLimit::at_most("flight.dive_velocity_heads", 1.6, "", OffTarget)
     .on("height lost in a dive and its pull-out over v^2/(2 g) of the level flight before it");
 /// What the plan of a dive would still gain by going on: it ends when an iteration saves less.
-pub const DIVE_PLAN: Limit = Limit::warn_above("flight.dive_plan_fraction", 1e-3, "")
+pub const DIVE_PLAN: JudgedLimit = JudgedLimit::warn_above("flight.dive_plan_fraction", 1e-3, "")
     .on("the plan of the dive is not at its least after its most iterations: share of its cost that the last one saved");
 /// The same of a landing.
-pub const LANDING_PLAN: Limit = Limit::warn_above("flight.landing_plan_fraction", 1e-3, "")
+pub const LANDING_PLAN: JudgedLimit = JudgedLimit::warn_above("flight.landing_plan_fraction", 1e-3, "")
     .on("the plan of the landing is not at its least after its most iterations: share of its cost that the last one saved");
 /// What the plan ends with over what `[perch]` asks of the claw: beyond one a flight on the plan misses it.
-pub const LANDING_ASKED: Limit = Limit::warn_above("flight.landing_end_fraction", 1.0, "")
+pub const LANDING_ASKED: JudgedLimit = JudgedLimit::warn_above("flight.landing_end_fraction", 1.0, "")
     .on("the plan of the landing ends faster or further from hanging than the claw latches (controller.orbit.landing): the larger of both over what perch allows");
 /// Distance of wings and body from the perch, but for the claw, which is a point: with less, skins of 3 mm meet it.
-pub const PERCH_CLEARANCE: Limit = Limit::at_least("flight.perch_clearance_m", 0.003, "m", Outside)
-    .on("least distance of the surfaces and capsules of the robot from the perch");
+pub const PERCH_CLEARANCE: JudgedLimit =
+    JudgedLimit::at_least("flight.perch_clearance_m", 0.003, "m", Outside)
+        .on("least distance of the surfaces and capsules of the robot from the perch");
 /// Clearance that the controller is asked to keep: two of what its program allows for rounding.
-pub const KEPT: Limit = Limit::at_most("flight.clearance_short_fraction", 0.01, "", OffTarget)
+pub const KEPT: JudgedLimit = JudgedLimit::at_most("flight.clearance_short_fraction", 0.01, "", OffTarget)
     .on("shortfall of the least clearance, as a share of controller.orbit.clearance_m");
 /// Updates whose best commands left a clearance too small somewhere in the cycle ahead: a later one may mend it.
-pub const NOT_KEPT: Limit = Limit::warn_above("flight.clearance_not_kept_fraction", 0.0, "")
+pub const NOT_KEPT: JudgedLimit = JudgedLimit::warn_above("flight.clearance_not_kept_fraction", 0.0, "")
     .on("share of the updates at which no commands keep controller.orbit.clearance_m over the cycle ahead");
 /// Pitch against the plan of a dive. The shipped one stays within 2 deg in still air.
-pub const DIVE_PITCH: Limit = Limit::at_most("flight.dive_pitch_deg", 10.0, "deg", OffTarget)
+pub const DIVE_PITCH: JudgedLimit = JudgedLimit::at_most("flight.dive_pitch_deg", 10.0, "deg", OffTarget)
     .on("largest error of the pitch in a dive");
 
 /// All of them.
-pub const ALL: [Limit; 28] = [
+pub const ALL: [JudgedLimit; 28] = [
     DIVE_HEIGHT,
     PERCH_CLEARANCE,
     DIVE_PLAN,

@@ -1,46 +1,49 @@
 //! Limits of a membrane, of all that flies or is held with one. All values are choices.
 
-use super::Limit;
+use super::JudgedLimit;
 use crate::status::Status::Outside;
 
 /// Camber beyond which thin-aerofoil theory is poor.
-pub const CAMBER: Limit = Limit::warn_above("membrane.camber_fraction", 0.15, "")
+pub const CAMBER: JudgedLimit = JudgedLimit::warn_above("membrane.camber_fraction", 0.15, "")
     .on("thin-aerofoil theory becomes poor: largest rise of a membrane over its chord");
 /// Camber at which slopes are no longer small: an arc of 0.3 leaves its ends at 62 degrees.
-pub const BEYOND_CAMBER: Limit = Limit::at_most("membrane.camber_outside_fraction", 0.3, "", Outside)
-    .on("largest rise of a membrane over its chord");
+pub const BEYOND_CAMBER: JudgedLimit =
+    JudgedLimit::at_most("membrane.camber_outside_fraction", 0.3, "", Outside)
+        .on("largest rise of a membrane over its chord");
 /// Membranes that are slack for long.
-pub const SLACK: Limit = Limit::warn_above("membrane.slack_fraction", 0.05, "")
+pub const SLACK: JudgedLimit = JudgedLimit::warn_above("membrane.slack_fraction", 0.05, "")
     .on("a slack membrane wrinkles, which the model does not know: share of the strips and of the time in which it is slack along the chord");
 /// Frequency of the motion up to which a membrane may feel its inertia late; what is lost is of the order of the square.
-pub const FREQUENCY: Limit = Limit::warn_above("membrane.frequency_fraction", 0.25, "").on(
+pub const FREQUENCY: JudgedLimit = JudgedLimit::warn_above("membrane.frequency_fraction", 0.25, "").on(
     "only a membrane's first shape feels inertia, and late: frequency of the motion over that of the membrane",
 );
 /// A motion above the membrane's own frequency, which would move against it.
-pub const BEYOND_FREQUENCY: Limit = Limit::at_most("membrane.frequency_outside_fraction", 1.0, "", Outside)
-    .on("frequency of the motion over that of the membrane");
+pub const BEYOND_FREQUENCY: JudgedLimit =
+    JudgedLimit::at_most("membrane.frequency_outside_fraction", 1.0, "", Outside)
+        .on("frequency of the motion over that of the membrane");
 /// Lag of 9 degrees; the load of inertia falls by 1 - 1/sqrt(1 + 0.15^2), 1 %.
-pub const LAG: Limit = Limit::warn_above("membrane.lag_rad", 0.15, "rad")
+pub const LAG: JudgedLimit = JudgedLimit::warn_above("membrane.lag_rad", 0.15, "rad")
     .on("damping_s lets a membrane and the load of its inertia lag: angular frequency of the motion times damping_s");
 /// Lag of 45 degrees.
-pub const BEYOND_LAG: Limit = Limit::at_most("membrane.lag_outside_rad", 1.0, "rad", Outside)
+pub const BEYOND_LAG: JudgedLimit = JudgedLimit::at_most("membrane.lag_outside_rad", 1.0, "rad", Outside)
     .on("angular frequency of the motion times damping_s of a membrane");
 /// Weight of a membrane, which bends no membrane here.
-pub const WEIGHT: Limit = Limit::warn_above("membrane.weight_fraction", 0.1, "")
+pub const WEIGHT: JudgedLimit = JudgedLimit::warn_above("membrane.weight_fraction", 0.1, "")
     .on("gravity does not bend a membrane here: rise by its weight over its largest rise");
 /// Bending stiffness, which is left out: the tension at which a strip would buckle over its mean one.
-pub const BENDING: Limit = Limit::warn_above("membrane.bending_fraction", 0.1, "")
+pub const BENDING: JudgedLimit = JudgedLimit::warn_above("membrane.bending_fraction", 0.1, "")
     .on("the bending stiffness of a membrane is left out: what it would bear of the load, over what its tension bears,");
 /// A sheet so thick that it bears more by bending than by tension.
-pub const BEYOND_BENDING: Limit = Limit::at_most("membrane.bending_outside_fraction", 1.0, "", Outside)
-    .on("load that the bending stiffness of a membrane would bear, over what its tension bears,");
+pub const BEYOND_BENDING: JudgedLimit =
+    JudgedLimit::at_most("membrane.bending_outside_fraction", 1.0, "", Outside)
+        .on("load that the bending stiffness of a membrane would bear, over what its tension bears,");
 /// A membrane cannot be heavier than the link whose mass holds its own.
-pub const MASS: Limit = Limit::at_most("membrane.mass_fraction", 1.0, "", Outside).on(
+pub const MASS: JudgedLimit = JudgedLimit::at_most("membrane.mass_fraction", 1.0, "", Outside).on(
     "the masses of links hold those of membranes: largest mass of a membrane on a link over that of the link",
 );
 
 /// All of them.
-pub const ALL: [Limit; 11] = [
+pub const ALL: [JudgedLimit; 11] = [
     CAMBER,
     BEYOND_CAMBER,
     SLACK,

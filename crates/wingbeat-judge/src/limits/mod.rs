@@ -29,7 +29,7 @@ pub enum Sense {
 
 /// One quantity that is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limit {
+pub struct JudgedLimit {
     /// Its name, `kind.quantity_unit`; what `[limits]` of a document calls it.
     pub id: &'static str,
     /// The side on which a value may lie.
@@ -44,7 +44,7 @@ pub struct Limit {
     pub meaning: &'static str,
 }
 
-impl Limit {
+impl JudgedLimit {
     /// A value above `value`, both in `unit`, makes the result `status`.
     pub const fn at_most(id: &'static str, value: f64, unit: &'static str, status: Status) -> Self {
         Self { id, sense: Sense::AtMost, value, unit, status: Some(status), meaning: "" }
@@ -80,8 +80,8 @@ impl Limit {
 }
 
 /// Every limit, by kind.
-pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 13] = [
+pub fn all() -> impl Iterator<Item = &'static JudgedLimit> {
+    let kinds: [&'static [JudgedLimit]; 13] = [
         &flight::ALL,
         &range::ALL,
         &membrane::ALL,
@@ -101,11 +101,11 @@ pub fn all() -> impl Iterator<Item = &'static Limit> {
 
 /// The limits of one run: those of the table, and what a document overrides.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Limits {
+pub struct RunLimits {
     overridden: BTreeMap<&'static str, f64>,
 }
 
-impl Limits {
+impl RunLimits {
     /// The same limits with `value`, in its unit, for the one called `id`.
     pub fn with(mut self, id: &str, value: f64) -> Result<Self, UnknownLimit> {
         let limit = all().find(|limit| limit.id == id).ok_or_else(|| UnknownLimit::new(id))?;
@@ -114,7 +114,7 @@ impl Limits {
     }
 
     /// The value that holds, in the unit of the limit, and whether a document gave it.
-    pub fn of(&self, limit: &Limit) -> (f64, bool) {
+    pub fn of(&self, limit: &JudgedLimit) -> (f64, bool) {
         self.overridden.get(limit.id).map_or((limit.value, false), |value| (*value, true))
     }
 }

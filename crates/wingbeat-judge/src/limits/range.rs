@@ -1,32 +1,32 @@
 //! Limits of the range in which the models hold, of all that moves in air.
 
-use super::Limit;
+use super::JudgedLimit;
 use crate::status::Status::Outside;
 
 /// Speed of sound in dry air at 20 degrees C, m/s (ISO 9613-1).
 pub const SOUND_M_S: f64 = 343.2;
 
 /// Mach number from which air is compressed: loads of thin wings grow by 1/sqrt(1 - M^2), 5 % at 0.3 (Prandtl & Glauert).
-pub const COMPRESSED: Limit = Limit::warn_above("range.mach", 0.3, "")
+pub const COMPRESSED: JudgedLimit = JudgedLimit::warn_above("range.mach", 0.3, "")
     .on("the models are those of air that is not compressed: largest speed over that of sound");
 /// Mach number at which loads would be 40 % larger, and shocks are near.
-pub const MACH: Limit =
-    Limit::at_most("range.mach_outside", 0.7, "", Outside).on("largest speed over that of sound");
+pub const MACH: JudgedLimit =
+    JudgedLimit::at_most("range.mach_outside", 0.7, "", Outside).on("largest speed over that of sound");
 /// Radius of gyration of a body, over the span: no body that is carried by its wings reaches far beyond them. *Choice.*
-pub const GYRATION: Limit = Limit::warn_above("range.gyration_over_span", 2.0, "")
+pub const GYRATION: JudgedLimit = JudgedLimit::warn_above("range.gyration_over_span", 2.0, "")
     .on("an inertia that is large for its mass (is it in kg m2?): largest radius of gyration of a body over the span");
 /// The same of the body that carries the wings. Shipped robots have 0.05 and more. *Choice.*
-pub const COMPACT: Limit = Limit::warn_below("range.gyration_of_body_over_span", 0.005, "")
+pub const COMPACT: JudgedLimit = JudgedLimit::warn_below("range.gyration_of_body_over_span", 0.005, "")
     .on("an inertia that is small for its mass (is it in kg m2?): least radius of gyration of the body over the span");
 /// Distance of a centre of mass from the joint that carries it, over the span. *Choice.*
-pub const CENTRE: Limit = Limit::warn_above("range.centre_over_span", 1.0, "")
+pub const CENTRE: JudgedLimit = JudgedLimit::warn_above("range.centre_over_span", 1.0, "")
     .on("a centre of mass far off (is it in m?): largest distance from the joint of a body over the span");
 /// Weight over the square of the span: 19 N/m2 of 10 kg on 2.3 m, a heavy bird, and 2180 of 20 kg in place of 20 g on 0.3 m. *Choice.*
-pub const LOADING: Limit = Limit::warn_above("range.span_loading_n_m2", 100.0, "N/m2")
+pub const LOADING: JudgedLimit = JudgedLimit::warn_above("range.span_loading_n_m2", 100.0, "N/m2")
     .on("the robot is heavy for its wings (is its mass in kg?): weight over the square of the span");
 /// Mass of a link over that of the body that carries it. Shipped robots have 0.3 and less. *Choice.*
-pub const LINK: Limit = Limit::warn_above("range.link_over_body", 5.0, "")
+pub const LINK: JudgedLimit = JudgedLimit::warn_above("range.link_over_body", 5.0, "")
     .on("a link that is heavy for its body (is it in kg?): largest mass of a link over that of the body");
 
 /// All of them.
-pub const ALL: [Limit; 7] = [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LOADING, LINK];
+pub const ALL: [JudgedLimit; 7] = [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LOADING, LINK];

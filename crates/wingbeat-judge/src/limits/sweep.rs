@@ -1,30 +1,30 @@
 //! Limits of a sweep. All values are choices.
 
-use super::Limit;
+use super::JudgedLimit;
 use crate::status::Status::{NotFound, NotResolved, OffTarget};
 
 /// Of fewer runs the shares and quantiles say little of the whole.
-pub const COMPLETED: Limit = Limit::at_least("sweep.completed_fraction", 0.5, "", NotResolved)
+pub const COMPLETED: JudgedLimit = JudgedLimit::at_least("sweep.completed_fraction", 0.5, "", NotResolved)
     .on("share of the runs that reached their end");
 /// Runs that broke down, which no quantile knows.
-pub const FAILED: Limit = Limit::warn_above("sweep.failed_fraction", 0.0, "")
+pub const FAILED: JudgedLimit = JudgedLimit::warn_above("sweep.failed_fraction", 0.0, "")
     .on("tables and figures leave out the runs that broke down: share of them");
 /// Runs that ended, and whose own verdict says that they cannot be used.
-pub const USABLE: Limit = Limit::warn_below("sweep.usable_fraction", 1.0, "")
+pub const USABLE: JudgedLimit = JudgedLimit::warn_below("sweep.usable_fraction", 1.0, "")
     .on("share of the completed runs that their own verdict lets be used");
 /// Runs with warnings, which the tables of a sweep cannot repeat.
-pub const WARNED: Limit = Limit::warn_above("sweep.warned_fraction", 0.0, "")
+pub const WARNED: JudgedLimit = JudgedLimit::warn_above("sweep.warned_fraction", 0.0, "")
     .on("a run made alone prints its own warnings: share of the completed runs that carry any");
 /// Where none can be used, tables and figures are of what their own verdicts refuse.
-pub const SOME: Limit = Limit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
+pub const SOME: JudgedLimit = JudgedLimit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");
 /// How many flights hold is what a sweep is there to find, so the limit is one that only a document raises.
-pub const HELD: Limit =
-    Limit::at_least("sweep.held_fraction", 0.0, "", OffTarget).on("share of the flights that are held");
+pub const HELD: JudgedLimit =
+    JudgedLimit::at_least("sweep.held_fraction", 0.0, "", OffTarget).on("share of the flights that are held");
 
 /// A search ends well where its best candidate meets every goal in every flight.
-pub const MISSED: Limit = Limit::at_most("sweep.search_missed_goals", 0.0, "", NotFound)
+pub const MISSED: JudgedLimit = JudgedLimit::at_most("sweep.search_missed_goals", 0.0, "", NotFound)
     .on("goals of a search that its best candidate misses, over all its flights");
 
 /// All of them.
-pub const ALL: [Limit; 7] = [COMPLETED, FAILED, USABLE, WARNED, SOME, HELD, MISSED];
+pub const ALL: [JudgedLimit; 7] = [COMPLETED, FAILED, USABLE, WARNED, SOME, HELD, MISSED];

@@ -1,55 +1,55 @@
 //! Limits of a wing in prescribed motion.
 
-use super::Limit;
+use super::JudgedLimit;
 use crate::status::Status::{NotPeriodic, NotResolved, Outside};
 
 /// With half a range the loads say nothing. *Choice.*
-pub const STEPS: Limit = Limit::at_most("tether.step_change_fraction", 0.5, "", NotResolved)
+pub const STEPS: JudgedLimit = JudgedLimit::at_most("tether.step_change_fraction", 0.5, "", NotResolved)
     .on("largest change of a mean load with other steps per cycle, over the largest load,");
 /// With half a range the peaks say nothing either, however well the means hold. *Choice.*
-pub const PEAKS: Limit = Limit::at_most("tether.peak_change_fraction", 0.5, "", NotResolved).on(
+pub const PEAKS: JudgedLimit = JudgedLimit::at_most("tether.peak_change_fraction", 0.5, "", NotResolved).on(
     "largest change of the least or largest of a load with other steps per cycle, over the largest load,",
 );
 /// Ten times what the shipped cases reach. *Choice.*
-pub const CYCLES: Limit = Limit::at_most("tether.cycle_change_fraction", 0.01, "", NotPeriodic)
+pub const CYCLES: JudgedLimit = JudgedLimit::at_most("tether.cycle_change_fraction", 0.01, "", NotPeriodic)
     .on("largest change of a load from the last cycle but one, over the largest of its kind,");
 
 /// Halves of the wing that pass through the middle plane more than a chord from the root.
-pub const CROSSING: Limit = Limit::warn_above("tether.crossing_fraction", 0.0, "").on(
+pub const CROSSING: JudgedLimit = JudgedLimit::warn_above("tether.crossing_fraction", 0.0, "").on(
     "the halves of the wing pass through each other: share of the last cycle in which one lies beyond the middle plane",
 );
 /// The same for long. *Choice*: the published gait of Aerobat crosses for 0.06 of its cycle.
-pub const CROSSED: Limit = Limit::at_most("tether.crossing_outside_fraction", 0.15, "", Outside)
+pub const CROSSED: JudgedLimit = JudgedLimit::at_most("tether.crossing_outside_fraction", 0.15, "", Outside)
     .on("share of the last cycle in which a half of the wing lies beyond the middle plane");
 /// A wing that passes through the ground or the ceiling.
-pub const GROUND: Limit = Limit::at_least("tether.ground_distance_m", 0.0, "m", Outside)
+pub const GROUND: JudgedLimit = JudgedLimit::at_least("tether.ground_distance_m", 0.0, "m", Outside)
     .on("least distance of the wing from wind.ground_m in the last cycle on the side of the start");
 /// Cycles of a motion that repeats: the first begins at rest and is that of no periodic flow.
-pub const FIRST: Limit = Limit::warn_below("tether.cycles", 2.0, "")
+pub const FIRST: JudgedLimit = JudgedLimit::warn_below("tether.cycles", 2.0, "")
     .on("the motion repeats, but the loads are those of the first cycle from rest: number of cycles");
 
 /// Ten times what the shipped case reaches with its coefficients. *Choice.*
-pub const SPAR: Limit = Limit::at_most("tether.spar_grid_fraction", 0.02, "", NotResolved)
+pub const SPAR: JudgedLimit = JudgedLimit::at_most("tether.spar_grid_fraction", 0.02, "", NotResolved)
     .on("move of the tip at rest with one more coefficient of the spar's strains, over its displacement,");
 /// Disturbances of a wing that is held at rest: beyond the speed of flutter or divergence it would leave the shape whose loads are
 /// told. Rounding alone grows by 1e-9. *Choice.*
-pub const FLUTTER: Limit = Limit::at_most("tether.growth_fraction", 1e-3, "", Outside).on(
+pub const FLUTTER: JudgedLimit = JudgedLimit::at_most("tether.growth_fraction", 1e-3, "", Outside).on(
     "small disturbances of a wing held at rest in the wind flutter or diverge: their growth rate over the lowest angular frequency of the spar",
 );
 /// Stations of a spar without mass, or without inertia about the span, where the wing has a chord. *Choice.*
-pub const MASSLESS: Limit = Limit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
+pub const MASSLESS: JudgedLimit = JudgedLimit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
     "a wing has mass and inertia all along: least of either per length at a station of the spar, over the square or the fourth power of its chord, beside the median of all,",
 );
 /// A spar that is lighter than this part of the air about it, pi rho c^2 / 4 per length: films without a spar have 0.15 in air. *Choice.*
-pub const LIGHT: Limit = Limit::warn_below("tether.spar_over_air", 0.1, "").on(
+pub const LIGHT: JudgedLimit = JudgedLimit::warn_below("tether.spar_over_air", 0.1, "").on(
     "a wing that is lighter than the air about it (is its mass in kg/m?): mass of the spar per length over that of the fluid in the circle on the chord, median of the stations,",
 );
 /// Span over mean chord below which strips and lifting line are far off: at one they give 4/3 of the lift of a slender wing (R. T. Jones,
 /// NACA report 835, 1946), at a half 8/5.
-pub const SLENDER: Limit = Limit::warn_below("tether.aspect_ratio", 1.0, "").on(
+pub const SLENDER: JudgedLimit = JudgedLimit::warn_below("tether.aspect_ratio", 1.0, "").on(
     "strips and lifting line hold for wings that are wide (are the chords in m?): span over the mean chord",
 );
 
 /// All of them.
-pub const ALL: [Limit; 12] =
+pub const ALL: [JudgedLimit; 12] =
     [STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER];

@@ -1,51 +1,52 @@
 //! Limits of a wake of the vortex lattice. All values are choices.
 
-use super::Limit;
+use super::JudgedLimit;
 use crate::status::Status::NotResolved;
 
 /// A symmetric motion whose halves drift apart.
-pub const DRIFTED: Limit = Limit::warn_above("wake.symmetry_fraction", 0.01, "").on(
+pub const DRIFTED: JudgedLimit = JudgedLimit::warn_above("wake.symmetry_fraction", 0.01, "").on(
     "left and right of a symmetric motion drift apart, the free wake is not resolved where it meets the wing or itself \
      (try --prescribed, a larger --core or more --steps): largest difference of a ring and its mirror image over the largest ring",
 );
 /// Halves that have nothing to do with each other any more.
-pub const LOST: Limit = Limit::at_most("wake.symmetry_lost_fraction", 0.5, "", NotResolved)
+pub const LOST: JudgedLimit = JudgedLimit::at_most("wake.symmetry_lost_fraction", 0.5, "", NotResolved)
     .on("largest difference of a ring and its mirror image over the largest ring");
 /// The sum of all circulations, which Kelvin's theorem keeps at zero: rounding leaves 1e-12.
-pub const KELVIN: Limit = Limit::at_most("wake.circulation_error", 1e-6, "", NotResolved)
+pub const KELVIN: JudgedLimit = JudgedLimit::at_most("wake.circulation_error", 1e-6, "", NotResolved)
     .on("sum of all circulations over the largest one");
 /// Of the case `flap_f2` a single panel along the chord changes the drag by a third (two: by an eighth, of 8 x 32 panels, by Bernoulli).
-pub const ALONG: Limit =
-    Limit::at_least("wake.panels_along_chord", 2.0, "", NotResolved).on("number of panels along the chord");
+pub const ALONG: JudgedLimit = JudgedLimit::at_least("wake.panels_along_chord", 2.0, "", NotResolved)
+    .on("number of panels along the chord");
 /// One panel across halves the loads of `flap_f2`, four change their root mean square by 8 % (of 8 x 32 panels).
-pub const ACROSS: Limit =
-    Limit::at_least("wake.panels_along_span", 4.0, "", NotResolved).on("number of panels along the span");
+pub const ACROSS: JudgedLimit = JudgedLimit::at_least("wake.panels_along_span", 4.0, "", NotResolved)
+    .on("number of panels along the span");
 /// A core of a fifth of the chord changes the mean drag of `flap_f2` by 8 %, one of a chord by 30 % (of a twentieth).
-pub const CORE: Limit = Limit::warn_above("wake.core_fraction", 0.2, "").on(
+pub const CORE: JudgedLimit = JudgedLimit::warn_above("wake.core_fraction", 0.2, "").on(
     "vortices of the wake are smeared over a large part of the wing: radius of their cores over the mean chord",
 );
 
 /// Vortices that have left a leading edge and come near to others or to the wing in long steps.
-pub const RUNS: Limit = Limit::warn_above("wake.sheet_way_chords", 0.5, "mean chords").on(
+pub const RUNS: JudgedLimit = JudgedLimit::warn_above("wake.sheet_way_chords", 0.5, "mean chords").on(
     "the sheets of the leading edges are coarse: largest way in a step of a vortex that has left one (try more --steps)",
 );
 /// Vortices that fly off.
-pub const RUN_AWAY: Limit = Limit::at_most("wake.sheet_lost_chords", 5.0, "mean chords", NotResolved)
-    .on("largest way in a step of a vortex that has left a leading edge");
+pub const RUN_AWAY: JudgedLimit =
+    JudgedLimit::at_most("wake.sheet_lost_chords", 5.0, "mean chords", NotResolved)
+        .on("largest way in a step of a vortex that has left a leading edge");
 /// Leading edges that were told to shed and bear all of their suction: the run is that of attached flow.
-pub const SHEDS: Limit = Limit::warn_below("wake.shedding_fraction", 1e-6, "").on(
+pub const SHEDS: JudgedLimit = JudgedLimit::warn_below("wake.shedding_fraction", 1e-6, "").on(
     "no leading edge sheds, as in attached flow (the critical suction is never reached): share of strips and instants of the last \
      cycle that shed",
 );
 
 /// Steps of a motion that repeats. On `flap_f2` with 3 x 12 panels the mean lift of 12, 16 and 24 steps is 3.2, 1.8 and 0.9 % above that
 /// of 64; of 8 and of 4 steps, 5 and 11 %.
-pub const STEPS: Limit =
-    Limit::at_least("wake.steps_per_cycle", 12.0, "", NotResolved).on("number of steps of a cycle");
+pub const STEPS: JudgedLimit =
+    JudgedLimit::at_least("wake.steps_per_cycle", 12.0, "", NotResolved).on("number of steps of a cycle");
 /// The same where the lift is within a few per cent.
-pub const FEW_STEPS: Limit =
-    Limit::warn_below("wake.few_steps_per_cycle", 24.0, "").on("number of steps of a cycle");
+pub const FEW_STEPS: JudgedLimit =
+    JudgedLimit::warn_below("wake.few_steps_per_cycle", 24.0, "").on("number of steps of a cycle");
 
 /// All of them.
-pub const ALL: [Limit; 11] =
+pub const ALL: [JudgedLimit; 11] =
     [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE, RUNS, RUN_AWAY, SHEDS, STEPS, FEW_STEPS];

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 use wingbeat_judge::data::{
-    Channel, Finding, Line, Pair, Purpose, Series, compared, estimate, examined, find_frequency, not_finite,
-    of_few_counts, reversed_among,
+    CyclePair, Finding, MeasuredChannel, Purpose, Series, SpectralLine, compared, estimate, examined,
+    find_frequency, not_finite, of_few_counts, reversed_among,
 };
-use wingbeat_judge::{Judge, Limits, Status, limits};
+use wingbeat_judge::{Judge, RunLimits, Status, limits};
 
 /// Even numbers from -1 to 1, without a crate.
 struct Noise(u64);
@@ -88,10 +88,10 @@ fn motion(load: &Load) -> Data {
 fn found(data: &Data) -> Vec<Finding> {
     let names = ["Fx", "Fz", "Ty"];
     let channels = data.1.iter().zip(names);
-    let channels = channels.map(|(samples, name)| Channel { name, unit: "N", samples }).collect();
+    let channels = channels.map(|(samples, name)| MeasuredChannel { name, unit: "N", samples }).collect();
     let series =
         Series { what: "pass1.csv", phase: &data.0, frequency_hz: Some(5.0), channels, purpose: data.2 };
-    examined(&series, &Limits::default())
+    examined(&series, &RunLimits::default())
 }
 
 fn ids(found: &[Finding]) -> Vec<&'static str> {
@@ -481,7 +481,7 @@ fn one_finding_names_all_channels_of_another_frequency_and_a_channel_without_num
     assert_eq!(ids(&all).iter().filter(|id| **id == "data.frequency").count(), 1);
     assert!(all[0].words().starts_with("Fx, Fz, Ty of pass1.csv: repeats at 5.15"), "{}", all[0].words());
     let samples = [1.0, f64::NAN, f64::NAN, 2.0, f64::INFINITY];
-    let channel = Channel { name: "Fz", unit: "N", samples: &samples };
+    let channel = MeasuredChannel { name: "Fz", unit: "N", samples: &samples };
     let told = not_finite("cell.csv", &channel, 1).unwrap();
     assert!(told.size == 2.0 && told.channel == "Fz" && told.serious, "{told:?}");
     assert_eq!(not_finite("cell.csv", &channel, 3), None);
@@ -534,7 +534,7 @@ fn a_load_in_whole_units_is_refused_beside_one_that_is_no_finer() {
     let told = |size: f64| {
         let (fx, fz) = (whole(0.4), whole(size));
         let channels = [("Fx", &fx), ("Fz", &fz)];
-        let channels = channels.map(|(name, samples)| Channel { name, unit: "N", samples }).into();
+        let channels = channels.map(|(name, samples)| MeasuredChannel { name, unit: "N", samples }).into();
         let series = Series {
             what: "taken.csv",
             phase: &phase,
@@ -542,7 +542,7 @@ fn a_load_in_whole_units_is_refused_beside_one_that_is_no_finer() {
             channels,
             purpose: Purpose::Loads,
         };
-        let found = of_few_counts(&series, &Limits::default());
+        let found = of_few_counts(&series, &RunLimits::default());
         found
             .iter()
             .filter(|finding| finding.channel == "Fx")
@@ -558,10 +558,10 @@ fn a_channel_reversed_in_one_of_three_passes_is_named_by_its_file() {
     let load = Load::default();
     let pass = |sign: f64, lag: usize| cycle(&load, lag).iter().map(|x| sign * x).collect::<Vec<f64>>();
     let passes = [("a.csv", pass(1.0, 0)), ("b.csv", pass(1.1, 3)), ("c.csv", pass(-1.0, 0))];
-    let told = reversed_among("Ty", &passes, &Limits::default());
+    let told = reversed_among("Ty", &passes, &RunLimits::default());
     assert!(told.len() == 1 && told[0].serious && told[0].about.contains("c.csv"), "{told:?}");
-    assert!(reversed_among("Ty", &passes[..2], &Limits::default()).is_empty());
-    assert_eq!(reversed_among("Ty", &passes[1..], &Limits::default()).len(), 2);
+    assert!(reversed_among("Ty", &passes[..2], &RunLimits::default()).is_empty());
+    assert_eq!(reversed_among("Ty", &passes[1..], &RunLimits::default()).len(), 2);
 }
 
 #[test]
@@ -698,7 +698,8 @@ fn a_temperature_beside_loads_does_not_rest_with_them() {
     let of = |seed: u64| load.samples(seed).into_iter().enumerate().map(|(k, x)| rests(k, x)).collect();
     let samples: [Vec<f64>; 3] = [of(1), of(2), load.phase().iter().map(|p| 20.0 + 0.1 * p).collect()];
     let units = [("Fx", "mN"), ("Fz", "kgf"), ("temp", "degC")];
-    let channels = units.iter().zip(&samples).map(|((name, unit), samples)| Channel { name, unit, samples });
+    let channels =
+        units.iter().zip(&samples).map(|((name, unit), samples)| MeasuredChannel { name, unit, samples });
     let phase = load.phase();
     let series = Series {
         what: "a",
@@ -707,7 +708,7 @@ fn a_temperature_beside_loads_does_not_rest_with_them() {
         channels: channels.collect(),
         purpose: Purpose::Loads,
     };
-    let told = examined(&series, &Limits::default());
+    let told = examined(&series, &RunLimits::default());
     let stuck: Vec<&Finding> = told.iter().filter(|of| of.id == "data.stuck").collect();
     assert!(!stuck.is_empty() && stuck.iter().all(|of| !of.serious), "{told:?}");
 }
@@ -893,15 +894,15 @@ fn beside(measured: &[Vec<f64>; 3]) -> Vec<Finding> {
         Load { size: 0.01, more: [-0.5, 0.3], ..Load::default() },
     ];
     let computed = own.map(|load| cycle(&load, 0));
-    let pairs: Vec<Pair> = (0..3)
-        .map(|i| Pair {
+    let pairs: Vec<CyclePair> = (0..3)
+        .map(|i| CyclePair {
             name: names[i],
             unit: if i == 2 { "N m" } else { "N" },
             measured: &measured[i],
             computed: &computed[i],
         })
         .collect();
-    compared("pass1.csv", &pairs, &Limits::default())
+    compared("pass1.csv", &pairs, &RunLimits::default())
 }
 
 #[test]
@@ -1002,7 +1003,7 @@ fn a_file_that_runs_backwards_is_told_beside_what_is_computed() {
 #[test]
 fn a_serious_finding_is_a_status_and_a_warning_that_a_limit_takes_back() {
     let data = changed(&Load::default(), |k, x| x + 0.9 * k as f64 / 2000.0);
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);
     let finding = found(&data).remove(0).mended_by(Some("process.steps.drift".into()));
     finding.clone().put(&mut judge);
@@ -1013,8 +1014,8 @@ fn a_serious_finding_is_a_status_and_a_warning_that_a_limit_takes_back() {
     let mut judge = Judge::new(&limits);
     finding.noted().put(&mut judge);
     assert_eq!(judge.verdict().status, Status::Ok);
-    let wider = Limits::default().with("data.drift_fraction", 1.0).unwrap();
-    let channels = vec![Channel { name: "Fx", unit: "N", samples: &data.1[0] }];
+    let wider = RunLimits::default().with("data.drift_fraction", 1.0).unwrap();
+    let channels = vec![MeasuredChannel { name: "Fx", unit: "N", samples: &data.1[0] }];
     let series = Series { what: "a", phase: &data.0, frequency_hz: None, channels, purpose: Purpose::Loads };
     assert!(examined(&series, &wider).is_empty());
 }
@@ -1042,10 +1043,10 @@ fn six(
     (time, channels)
 }
 
-fn line(time: &[f64], channels: &[Vec<f64>]) -> Line {
-    let all: Vec<Channel> =
-        channels.iter().map(|samples| Channel { name: "F", unit: "N", samples }).collect();
-    find_frequency(time, &all, Limits::default().of(&limits::data::LINE).0)
+fn line(time: &[f64], channels: &[Vec<f64>]) -> SpectralLine {
+    let all: Vec<MeasuredChannel> =
+        channels.iter().map(|samples| MeasuredChannel { name: "F", unit: "N", samples }).collect();
+    find_frequency(time, &all, RunLimits::default().of(&limits::data::LINE).0)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The table of limits.
 
 use std::collections::BTreeSet;
-use wingbeat_judge::limits::{self, Limits};
+use wingbeat_judge::limits::{self, RunLimits};
 
 #[test]
 fn every_limit_has_a_name_of_its_own_its_kind_and_a_meaning() {
@@ -17,8 +17,8 @@ fn every_limit_has_a_name_of_its_own_its_kind_and_a_meaning() {
 
 #[test]
 fn an_unknown_limit_names_those_of_its_kind() {
-    let error = Limits::default().with("flight.altitud_m", 1.0).unwrap_err().to_string();
+    let error = RunLimits::default().with("flight.altitud_m", 1.0).unwrap_err().to_string();
     assert!(error.contains("flight.altitud_m") && error.contains("flight.altitude_m"), "{error}");
     assert!(!error.contains("trim."), "{error}");
-    assert!(Limits::default().with("nothing", 1.0).unwrap_err().known.contains("flight.altitude_m"));
+    assert!(RunLimits::default().with("nothing", 1.0).unwrap_err().known.contains("flight.altitude_m"));
 }

@@ -1,16 +1,16 @@
 //! Units of measured channels.
 
-use wingbeat_judge::unit::{Quantity, is_load};
+use wingbeat_judge::unit::{ChannelQuantity, is_load};
 
 #[test]
 fn names_are_known_however_they_are_written() {
     for name in ["Nmm", "N-mm", "N mm", "N·mm", "nmm"] {
-        assert_eq!(Quantity::Moment.factor(name), Some(1e-3), "{name}");
+        assert_eq!(ChannelQuantity::Moment.factor(name), Some(1e-3), "{name}");
     }
-    assert_eq!(Quantity::Angle.factor("turns"), Some(std::f64::consts::TAU));
-    assert_eq!((Quantity::Force.factor("Nm"), Quantity::Time.factor("")), (None, None));
+    assert_eq!(ChannelQuantity::Angle.factor("turns"), Some(std::f64::consts::TAU));
+    assert_eq!((ChannelQuantity::Force.factor("Nm"), ChannelQuantity::Time.factor("")), (None, None));
     // 1 lbf ft = 12 lbf in = 12 x 0.0254 m x 4.448... N (exact by definition).
-    let foot = Quantity::Moment.factor("lbf-ft").unwrap();
+    let foot = ChannelQuantity::Moment.factor("lbf-ft").unwrap();
     assert!((foot - 12.0 * 0.0254 * 4.448_221_615_260_5).abs() < 1e-15);
 }
 
@@ -25,13 +25,15 @@ fn a_load_is_told_by_its_unit_and_else_by_its_name() {
     }
     // 1 ozf = 1/16 lbf, 1 in = 0.0254 m (exact by definition).
     let [force, moment] =
-        [Quantity::Force.factor("ozf"), Quantity::Moment.factor("ozf-in")].map(Option::unwrap);
+        [ChannelQuantity::Force.factor("ozf"), ChannelQuantity::Moment.factor("ozf-in")].map(Option::unwrap);
     assert!((force - 4.448_221_615_260_5 / 16.0).abs() < 1e-15 && (moment - 0.0254 * force).abs() < 1e-15);
 }
 
 #[test]
 fn no_name_means_two_quantities() {
-    for (a, b) in [(Quantity::Force, Quantity::Moment), (Quantity::Time, Quantity::Angle)] {
+    for (a, b) in
+        [(ChannelQuantity::Force, ChannelQuantity::Moment), (ChannelQuantity::Time, ChannelQuantity::Angle)]
+    {
         assert!(a.names().iter().all(|name| b.factor(name).is_none()));
     }
 }

@@ -1,11 +1,11 @@
 //! How findings become a verdict.
 
 use wingbeat_judge::limits::flight::{ALTITUDE, CROSSING, SATURATION};
-use wingbeat_judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat_judge::{Judge, RunLimits, Status, Verdict, Warning};
 
 #[test]
 fn the_worst_finding_is_the_status_and_all_reasons_are_kept() {
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);
     assert!(!judge.hold(&ALTITUDE, 6.6) && !judge.hold(&CROSSING, 0.2) && judge.hold(&SATURATION, 0.1));
     let verdict = judge.verdict();
@@ -21,7 +21,7 @@ fn the_worst_finding_is_the_status_and_all_reasons_are_kept() {
 
 #[test]
 fn a_value_that_is_no_number_breaks_every_limit() {
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);
     judge.hold(&SATURATION, f64::NAN);
     let verdict = judge.verdict();
@@ -30,7 +30,7 @@ fn a_value_that_is_no_number_breaks_every_limit() {
 
 #[test]
 fn nothing_judged_is_ok_and_warnings_do_not_change_that() {
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);
     judge.warn(Warning::new("data.dead", "channel fx is zero throughout").size(0.0).key("channels"));
     let verdict = judge.verdict();
@@ -49,7 +49,7 @@ fn statuses_have_their_names_and_exit_codes() {
 
 #[test]
 fn a_verdict_on_several_is_that_of_the_worst_with_their_names() {
-    let limits = Limits::default();
+    let limits = RunLimits::default();
     let one = |finds: Option<(Status, &str)>| {
         let mut judge = Judge::new(&limits);
         judge.hold(&SATURATION, 0.1);

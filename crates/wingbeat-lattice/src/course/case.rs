@@ -1,7 +1,7 @@
 //! The course of a case.
 
-use super::{Asked, Axes, Clock, Course, Stroke, fitting};
-use crate::{Error, Flapping, Scene};
+use super::{Axes, CourseClock, CourseRequest, LatticeCourse, Stroke, fitting};
+use crate::{Error, FlappingWing, Scene};
 use std::ops::ControlFlow;
 use wingbeat::scenario::{Moved, TetherCase};
 
@@ -12,7 +12,11 @@ const STILL: f64 = 48.0;
 ///
 /// # Errors
 /// What cannot be asked, and wings without a lattice.
-pub fn case(asked: &Asked, case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Course, Error> {
+pub fn case(
+    asked: &CourseRequest,
+    case: &TetherCase,
+    flow: &dyn Fn() -> ControlFlow<()>,
+) -> Result<LatticeCourse, Error> {
     let asked = asked.checked()?;
     let tether = &case.tether;
     let (frequency_hz, cycles) = (tether.clock.frequency_hz, tether.clock.cycles);
@@ -20,13 +24,13 @@ pub fn case(asked: &Asked, case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>
     let speed = tether.wind.norm();
     let way = if speed > 0.0 { speed / frequency_hz } else { STILL * chord / asked.chordwise as f64 };
     let steps = asked.steps.unwrap_or_else(|| fitting(way, chord, asked.chordwise));
-    let clock = Clock { frequency_hz, cycles, steps };
+    let clock = CourseClock { frequency_hz, cycles, steps };
     asked.check_size(clock)?;
-    let flapping = Flapping::try_from(tether)?;
+    let flapping = FlappingWing::try_from(tether)?;
     let symmetric = Scene::new(&flapping, asked.panels(), true)?.symmetric;
     let scene = Scene::new(&flapping, asked.panels(), false)?;
     let moved = Moved::new(tether);
-    Ok(Course {
+    Ok(LatticeCourse {
         name: String::new(),
         title: "wing and wake".into(),
         groups: std::iter::once(0..scene.surfaces.len()).collect(),

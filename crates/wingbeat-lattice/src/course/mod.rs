@@ -7,15 +7,17 @@ mod told;
 mod watch;
 
 pub use case::case;
-pub use recorded::Recorded;
+pub use recorded::RecordedFlight;
 pub use stroke::{PHASES, Stroke};
-pub use told::{DownOverUp, LeftOverRight, Stretch, Told, WakeSummary};
-pub use watch::{Shot, Strongest, Watch};
+pub use told::{CourseSummary, DownOverUp, LeftOverRight, StretchSummary, WakeSummary};
+pub use watch::{CourseWatch, LatticeShot, Strongest};
 
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
-use crate::{Core, Error, Flight, Lattice, Layout, Panels, Scene, Settings, Spacing, WakeMotion};
+use crate::{
+    Core, Error, FlightStretch, Lattice, LatticeSettings, PanelLayout, Panels, Scene, Spacing, WakeMotion,
+};
 use wingbeat::aero::SectionMotion;
 use wingbeat::math::Vec3;
 use wingbeat::scenario::Moved;
@@ -36,7 +38,7 @@ const SYMMETRIC: f64 = 1e-9;
 
 /// What is asked of the lattice of a case or along a flight.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct CourseRequest {
     /// Of a flight, the times at which the stretches end, s; without them before the turn and the end.
     pub at: Vec<f64>,
     /// Of a flight, cycles of a stretch, from rest; without it 3.
@@ -57,7 +59,7 @@ pub struct Asked {
     pub critical_suction: Option<f64>,
 }
 
-impl Default for Asked {
+impl Default for CourseRequest {
     fn default() -> Self {
         Self {
             at: Vec::new(),
@@ -73,7 +75,7 @@ impl Default for Asked {
     }
 }
 
-impl Asked {
+impl CourseRequest {
     fn panels(&self) -> Panels {
         Panels { chordwise: self.chordwise, spanwise: self.spanwise, spacing: Spacing::Lan }
     }
@@ -98,20 +100,20 @@ impl Asked {
     }
 
     /// Refuses a wake of too many rings through `clock`.
-    fn check_size(&self, clock: Clock) -> Result<(), Error> {
+    fn check_size(&self, clock: CourseClock) -> Result<(), Error> {
         let edges = 1 + usize::from(self.critical_suction.is_some());
         let rings = clock.cycles.saturating_mul(clock.steps).saturating_mul(edges * self.spanwise);
         if rings > MOST_RINGS { Err(Error::Rings { rings, most: MOST_RINGS }) } else { Ok(()) }
     }
 
     /// Settings of the lattice of `course`.
-    fn settings(&self, course: &Course) -> Settings {
+    fn settings(&self, course: &LatticeCourse) -> LatticeSettings {
         let core = Core { radius_m: self.core * course.chord, viscosity_m2_s: 0.0, squire: 0.0 };
         let wake = if self.prescribed { WakeMotion::Prescribed } else { WakeMotion::Free };
         let crossing = if course.crosses { CROSSING } else { 0.0 };
-        let own = Settings::new(course.clock.step_s(), core.radius_m);
+        let own = LatticeSettings::new(course.clock.step_s(), core.radius_m);
         let own = own.shedding(self.critical_suction, course.chord);
-        Settings { wake, core, crossing, fast_from: FAST_FROM, ..own }
+        LatticeSettings { wake, core, crossing, fast_from: FAST_FROM, ..own }
     }
 }
 
@@ -152,7 +154,7 @@ impl Axes {
 
 /// Cycles and steps from rest.
 #[derive(Clone, Copy, Debug)]
-pub struct Clock {
+pub struct CourseClock {
     /// Cycles per second.
     pub frequency_hz: f64,
     /// Number of cycles.
@@ -161,7 +163,7 @@ pub struct Clock {
     pub steps: usize,
 }
 
-impl Clock {
+impl CourseClock {
     /// Step, s.
     pub fn step_s(&self) -> f64 {
         1.0 / (self.frequency_hz * self.steps as f64)
@@ -178,20 +180,20 @@ impl Clock {
 
 /// The flight that moves the surfaces.
 #[derive(Clone)]
-pub struct Flown {
+pub struct MovingFlight {
     /// Motion and model.
-    pub flight: Arc<Flight>,
+    pub flight: Arc<FlightStretch>,
     /// Time of the flight at which the course begins, s.
     pub from_s: f64,
     /// Layouts of the scene's surfaces, with the number of the robot's surface.
-    pub layouts: Vec<(usize, Layout)>,
+    pub layouts: Vec<(usize, PanelLayout)>,
     /// Whether the circulations are those of the model that flew.
     pub by_model: bool,
 }
 
 /// What a lattice is stepped through.
 #[derive(Clone)]
-pub struct Course {
+pub struct LatticeCourse {
     /// Beginning of its files' names; empty where there is no other course.
     pub name: String,
     /// What it is called in figures.
@@ -199,7 +201,7 @@ pub struct Course {
     /// Surfaces, wind and density.
     pub scene: Scene,
     /// Cycles and steps.
-    pub clock: Clock,
+    pub clock: CourseClock,
     /// Begin and middle of the strokes of the last cycle.
     pub stroke: Stroke,
     /// Axes of the air.
@@ -211,7 +213,7 @@ pub struct Course {
     /// Whether left and right move alike.
     pub symmetric: bool,
     /// The flight that moves them; none in a case.
-    pub flown: Option<Flown>,
+    pub flown: Option<MovingFlight>,
     /// Share of strips and instants of the last cycle past the stall angle of their section.
     pub past_stall: f64,
     /// Whether parts of the robot pass through each other on the way.
@@ -222,7 +224,7 @@ pub struct Course {
     pub critical_suction: Option<f64>,
 }
 
-impl Course {
+impl LatticeCourse {
     /// The body's origin, m in W, at `t` s of the course.
     pub fn origin(&self, t: f64) -> Vec3 {
         self.flown.as_ref().map_or(Vec3::ZERO, |flown| flown.flight.body(flown.from_s + t).0)
@@ -259,11 +261,11 @@ impl Course {
     /// Settings or surfaces of which there is no lattice.
     pub fn step(
         &self,
-        asked: &Asked,
+        asked: &CourseRequest,
         progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
-    ) -> Result<Watch<'_>, Error> {
+    ) -> Result<CourseWatch<'_>, Error> {
         let mut lattice = Lattice::new(self.scene.clone(), asked.settings(self))?;
-        let mut watch = Watch::new(self);
+        let mut watch = CourseWatch::new(self);
         for k in 0..self.clock.total() {
             if let Err(error) = self.advance(&mut lattice, &mut watch, k) {
                 watch.failed = Some(error.to_string());
@@ -282,7 +284,7 @@ impl Course {
     }
 
     /// One step, with the circulations of the model that flew where these are wanted.
-    fn advance(&self, lattice: &mut Lattice, watch: &mut Watch<'_>, k: usize) -> Result<(), Error> {
+    fn advance(&self, lattice: &mut Lattice, watch: &mut CourseWatch<'_>, k: usize) -> Result<(), Error> {
         let t = k as f64 * self.clock.step_s();
         match self.flown.as_ref().filter(|flown| flown.by_model) {
             None => {

@@ -1,7 +1,7 @@
 //! The courses of a recorded flight: stretches of it, from rest.
 
-use super::{Asked, Axes, Clock, Course, Flown, Stroke, fitting};
-use crate::{Error, Flight, Panels, RecordError, Scene};
+use super::{Axes, CourseClock, CourseRequest, LatticeCourse, MovingFlight, Stroke, fitting};
+use crate::{Error, FlightStretch, Panels, RecordError, Scene};
 use std::sync::Arc;
 use wingbeat::aero::Span;
 use wingbeat::math::Vec3;
@@ -19,20 +19,20 @@ const WAY: f64 = 10.0;
 const SWINGS: f64 = 1e-3;
 
 /// A recorded flight.
-pub struct Recorded {
+pub struct RecordedFlight {
     scenario: Arc<Scenario>,
     record: Record,
     outlines: Vec<SurfaceOutline>,
 }
 
 /// A stretch that is looked at.
-struct Stretch {
+struct ViewedStretch {
     name: String,
     title: String,
     to_s: f64,
 }
 
-impl Recorded {
+impl RecordedFlight {
     /// The columns of a record that are needed.
     pub fn columns(scenario: &Scenario) -> Vec<&str> {
         let robot = scenario.robot();
@@ -107,9 +107,12 @@ impl Recorded {
     }
 
     /// The stretches asked for, or that before the turn and the last of the flight, or that alone.
-    fn stretches(&self, asked: &Asked, cycles: usize) -> Vec<Stretch> {
-        let at =
-            |to_s: f64| Stretch { name: format!("until_{to_s}_s"), title: format!("until {to_s} s"), to_s };
+    fn stretches(&self, asked: &CourseRequest, cycles: usize) -> Vec<ViewedStretch> {
+        let at = |to_s: f64| ViewedStretch {
+            name: format!("until_{to_s}_s"),
+            title: format!("until {to_s} s"),
+            to_s,
+        };
         if !asked.at.is_empty() {
             return asked.at.iter().map(|to_s| at(*to_s)).collect();
         }
@@ -118,10 +121,10 @@ impl Recorded {
         let starts = turn.filter(|turn| turn.roll_deg != 0.0).map(|turn| turn.turn_start_s);
         match starts.filter(|start| *start < last && self.begin(*start, cycles) >= first) {
             Some(start) => vec![
-                Stretch { name: "level".into(), title: "before the turn".into(), to_s: start },
-                Stretch { name: "banked".into(), title: "in the turn".into(), to_s: last },
+                ViewedStretch { name: "level".into(), title: "before the turn".into(), to_s: start },
+                ViewedStretch { name: "banked".into(), title: "in the turn".into(), to_s: last },
             ],
-            None => vec![Stretch { title: "end of the flight".into(), ..at(last) }],
+            None => vec![ViewedStretch { title: "end of the flight".into(), ..at(last) }],
         }
     }
 
@@ -129,13 +132,18 @@ impl Recorded {
     ///
     /// # Errors
     /// What cannot be asked, stretches that were not recorded, and wings without a lattice.
-    pub fn courses(&self, asked: &Asked) -> Result<Vec<Course>, Error> {
+    pub fn courses(&self, asked: &CourseRequest) -> Result<Vec<LatticeCourse>, Error> {
         let asked = asked.checked()?;
         let cycles = asked.cycles.unwrap_or(CYCLES);
         self.stretches(asked, cycles).iter().map(|s| self.course(asked, s, cycles)).collect()
     }
 
-    fn course(&self, asked: &Asked, stretch: &Stretch, cycles: usize) -> Result<Course, Error> {
+    fn course(
+        &self,
+        asked: &CourseRequest,
+        stretch: &ViewedStretch,
+        cycles: usize,
+    ) -> Result<LatticeCourse, Error> {
         let (first, last) = self.ends();
         let from_s = self.begin(stretch.to_s, cycles);
         if from_s < first || stretch.to_s > last {
@@ -143,7 +151,7 @@ impl Recorded {
             return Err(RecordError::Cycles { cycles, to_s, first, last }.into());
         }
         let robot = self.scenario.robot();
-        let flight = Flight::new(robot, &self.record, from_s, stretch.to_s)?;
+        let flight = FlightStretch::new(robot, &self.record, from_s, stretch.to_s)?;
         let flight = Arc::new(flight);
         let frequency_hz = cycles as f64 / (stretch.to_s - from_s);
         let panels = match asked.model {
@@ -158,7 +166,7 @@ impl Recorded {
         let chord = self.chord();
         let way = scene.edge_speed(cycles as f64 / frequency_hz) / frequency_hz;
         let steps = asked.steps.unwrap_or_else(|| fitting(way, chord, asked.chordwise));
-        let clock = Clock { frequency_hz, cycles, steps };
+        let clock = CourseClock { frequency_hz, cycles, steps };
         asked.check_size(clock)?;
         let begin = stretch.to_s - 1.0 / frequency_hz;
         let through = (flight.body(stretch.to_s).0 - flight.body(begin).0) * frequency_hz - scene.wind;
@@ -168,7 +176,7 @@ impl Recorded {
             let first = layouts.iter().take_while(|(number, _)| *number < k).count();
             first..first + layouts.iter().filter(|(number, _)| *number == k).count()
         };
-        let mut course = Course {
+        let mut course = LatticeCourse {
             name: stretch.name.clone(),
             title: stretch.title.clone(),
             stroke: self.stroke(&clock, begin),
@@ -180,7 +188,7 @@ impl Recorded {
             crosses: self.crosses(from_s, stretch.to_s),
             moved: None,
             critical_suction: asked.critical_suction,
-            flown: Some(Flown { flight, from_s, layouts, by_model: asked.model }),
+            flown: Some(MovingFlight { flight, from_s, layouts, by_model: asked.model }),
             scene,
             clock,
         };
@@ -199,7 +207,7 @@ impl Recorded {
     }
 
     /// The joint that swings most in the cycle from `begin` on, mean of left and right.
-    fn stroke(&self, clock: &Clock, begin: f64) -> Stroke {
+    fn stroke(&self, clock: &CourseClock, begin: f64) -> Stroke {
         let t = self.column("t");
         let cycle = |share: f64| begin + share / clock.frequency_hz;
         let at = |name: &str, share: f64| piecewise_linear(t, self.column(name), cycle(share));
@@ -220,7 +228,7 @@ impl Recorded {
     }
 
     /// Share of strips and instants of the last cycle past the stall angle of their section, by the model that flew.
-    fn past_stall(&self, flight: &Flight, begin: f64, clock: &Clock) -> f64 {
+    fn past_stall(&self, flight: &FlightStretch, begin: f64, clock: &CourseClock) -> f64 {
         let surfaces = self.scenario.robot().surfaces();
         let limits: Vec<f64> =
             surfaces.flat_map(|(_, aero)| std::iter::repeat_n(aero.stall_angle(), aero.strips())).collect();

@@ -1,6 +1,6 @@
 //! Begin and middle of down- and upstroke.
 
-use super::Clock;
+use super::CourseClock;
 use wingbeat::tether::{HingeKind, Tether};
 
 /// Points of a cycle among which extremes are sought.
@@ -22,7 +22,7 @@ pub struct Stroke {
 
 impl Stroke {
     /// The first flapping hinge of `tether`, or the heave of a wing without one.
-    pub fn of(tether: &Tether, clock: &Clock) -> Self {
+    pub fn of(tether: &Tether, clock: &CourseClock) -> Self {
         let hinges = tether.wing.hinges().iter().zip(&tether.motion.hinges);
         let flap = hinges.clone().find(|(hinge, _)| hinge.kind == HingeKind::Flap).map(|(_, angle)| &angle.1);
         let stroke = flap.unwrap_or(&tether.motion.heave);
@@ -31,7 +31,7 @@ impl Stroke {
     }
 
     /// The stroke `height` (any unit) by the share of the last cycle.
-    pub fn new(clock: &Clock, height: impl Fn(f64) -> f64) -> Self {
+    pub fn new(clock: &CourseClock, height: impl Fn(f64) -> f64) -> Self {
         let values: Vec<f64> = (0..POINTS).map(|k| height(k as f64 / POINTS as f64)).collect();
         let by = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
         let top = (0..POINTS).max_by(by).unwrap_or(0);

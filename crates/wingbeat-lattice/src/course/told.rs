@@ -1,9 +1,9 @@
 //! `summary.json` and what is printed of it.
 
-use super::{Asked, Strongest, Watch};
+use super::{CourseRequest, CourseWatch, Strongest};
 use serde::Serialize;
 use wingbeat::judge::limits::wake;
-use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
+use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 
 /// Ratio of downstroke to upstroke.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -25,7 +25,7 @@ pub struct LeftOverRight {
 
 /// What is said of a course.
 #[derive(Clone, Debug, Serialize)]
-pub struct Told {
+pub struct CourseSummary {
     /// Steps per cycle.
     pub steps_per_cycle: usize,
     /// Mean lift of the last cycle by Joukowski, N; across the flight, up.
@@ -65,7 +65,7 @@ pub struct Told {
 
 /// One of several courses.
 #[derive(Clone, Debug, Serialize)]
-pub struct Stretch {
+pub struct StretchSummary {
     /// Beginning of the names of its files.
     pub name: String,
     /// Begin, s of the flight.
@@ -74,7 +74,7 @@ pub struct Stretch {
     pub to_s: f64,
     /// What is said of it; nothing where the lattice broke down.
     #[serde(flatten)]
-    pub told: Option<Told>,
+    pub told: Option<CourseSummary>,
 }
 
 /// `summary.json`.
@@ -95,15 +95,15 @@ pub struct WakeSummary {
     pub core_m: f64,
     /// Of the first course; nothing where its lattice broke down.
     #[serde(flatten)]
-    pub first: Option<Told>,
+    pub first: Option<CourseSummary>,
     /// Of a flight all of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<StretchSummary>,
 }
 
-impl Told {
+impl CourseSummary {
     /// Of a course that was stepped to its end.
-    fn new(watch: &Watch<'_>) -> Option<Self> {
+    fn new(watch: &CourseWatch<'_>) -> Option<Self> {
         if watch.failed.is_some() {
             return None;
         }
@@ -166,7 +166,7 @@ impl Told {
 const STEADY: f64 = 0.02;
 
 /// Drag of the wake far behind, N, and the span efficiency by it, of a steady wing in a wind.
-fn far(watch: &Watch<'_>) -> Option<[f64; 2]> {
+fn far(watch: &CourseWatch<'_>) -> Option<[f64; 2]> {
     let course = watch.course;
     let (drag, span) = watch.far.filter(|_| course.flown.is_none() && course.critical_suction.is_none())?;
     watch.unsteadiness().filter(|unsteady| *unsteady <= STEADY)?;
@@ -177,7 +177,7 @@ fn far(watch: &Watch<'_>) -> Option<[f64; 2]> {
 }
 
 /// The verdict on a course.
-fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
+fn judged(watch: &CourseWatch<'_>, asked: &CourseRequest, limits: &RunLimits) -> Verdict {
     let mut judge = Judge::new(limits);
     match &watch.failed {
         Some(reason) if watch.ended => judge.find(Status::Interrupted, reason),
@@ -215,7 +215,7 @@ fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
 
 impl WakeSummary {
     /// Of stepped courses, held against `limits`.
-    pub fn new(name: &str, asked: &Asked, watches: &[Watch<'_>], limits: &Limits) -> Self {
+    pub fn new(name: &str, asked: &CourseRequest, watches: &[CourseWatch<'_>], limits: &RunLimits) -> Self {
         let judged: Vec<(&str, Verdict)> = watches
             .iter()
             .map(|watch| match watch.course.name.as_str() {
@@ -223,11 +223,11 @@ impl WakeSummary {
                 _ => (watch.course.title.as_str(), judged(watch, asked, limits)),
             })
             .collect();
-        let stretch = |watch: &Watch<'_>| {
+        let stretch = |watch: &CourseWatch<'_>| {
             let (clock, flown) = (watch.course.clock, watch.course.flown.as_ref()?);
             let duration = clock.cycles as f64 / clock.frequency_hz;
             let (from_s, name) = (flown.from_s, watch.course.name.clone());
-            Some(Stretch { name, from_s, to_s: from_s + duration, told: Told::new(watch) })
+            Some(StretchSummary { name, from_s, to_s: from_s + duration, told: CourseSummary::new(watch) })
         };
         let chord = watches.first().map_or(0.0, |watch| watch.course.chord);
         Self {
@@ -237,7 +237,7 @@ impl WakeSummary {
             wake: if asked.prescribed { "prescribed" } else { "free" },
             panels: [if asked.model { 1 } else { asked.chordwise }, asked.spanwise],
             core_m: asked.core * chord,
-            first: watches.first().and_then(Told::new),
+            first: watches.first().and_then(CourseSummary::new),
             stretches: watches.iter().filter_map(stretch).collect(),
         }
     }
@@ -249,7 +249,7 @@ impl WakeSummary {
             "{}: vortex lattice, {} wake, {chordwise} x {spanwise} panels, circulations {}; last cycle, from rest\n\n",
             self.name, self.wake, self.circulations
         );
-        let told: Vec<Option<&Told>> = match self.stretches.is_empty() {
+        let told: Vec<Option<&CourseSummary>> = match self.stretches.is_empty() {
             true => vec![self.first.as_ref()],
             false => self.stretches.iter().map(|stretch| stretch.told.as_ref()).collect(),
         };
@@ -257,7 +257,7 @@ impl WakeSummary {
             let heads: String = self.stretches.iter().map(|s| format!("{:>13}", s.name)).collect();
             text += &format!("{:<22}{heads}\n", "");
         }
-        let columns: Vec<_> = told.iter().map(|told| told.map(Told::rows)).collect();
+        let columns: Vec<_> = told.iter().map(|told| told.map(CourseSummary::rows)).collect();
         let names = columns.iter().flatten().next().map_or(&[][..], |rows| rows);
         for (row, (name, _, unit)) in names.iter().enumerate() {
             let values = columns

@@ -1,20 +1,20 @@
 //! What is kept of a stepped lattice.
 
-use super::{Course, PHASES};
-use crate::{Lattice, Loads, Mesh, Picture};
+use super::{LatticeCourse, PHASES};
+use crate::{Lattice, LatticeLoads, Mesh, VortexPicture};
 use serde::Serialize;
 use wingbeat::math::{Vec3, Wrench};
 use wingbeat::simulate::{Column, Record};
 
 /// The lattice at one of the phases.
 #[derive(Clone, Debug)]
-pub struct Shot {
+pub struct LatticeShot {
     /// Name of the phase.
     pub name: String,
     /// Share of the last cycle.
     pub phase: f64,
     /// Rings of wing and wake.
-    pub picture: Picture,
+    pub picture: VortexPicture,
     /// Leading and trailing edges of the surfaces, m in W.
     pub edges: Vec<Vec<Vec3>>,
     /// The body's origin, m in W.
@@ -33,13 +33,13 @@ pub struct Strongest {
 }
 
 /// What is gathered step by step.
-pub struct Watch<'a> {
+pub struct CourseWatch<'a> {
     /// What was stepped through.
-    pub course: &'a Course,
+    pub course: &'a LatticeCourse,
     /// Loads in W about the body's origin and mean bound circulations by step.
     pub record: Record,
     /// The four phases of the last cycle.
-    pub shots: Vec<Shot>,
+    pub shots: Vec<LatticeShot>,
     /// Sum of all circulations shed and bound, over the largest (Kelvin).
     pub circulation_error: f64,
     /// Why the lattice ended before the course did.
@@ -78,8 +78,8 @@ fn by_surface<'a>(meshes: &'a [Mesh], mut rings: &'a [f64]) -> Vec<(&'a Mesh, &'
     meshes.iter().map(own).collect()
 }
 
-impl<'a> Watch<'a> {
-    pub(super) fn new(course: &'a Course) -> Self {
+impl<'a> CourseWatch<'a> {
+    pub(super) fn new(course: &'a LatticeCourse) -> Self {
         let with_loads = !course.flown.as_ref().is_some_and(|flown| flown.by_model);
         Self {
             record: Record::new(columns(with_loads), course.clock.total()).unwrap_or_default(),
@@ -106,7 +106,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Takes in step `k`; a model's circulations have no loads of the lattice.
-    pub(super) fn see(&mut self, k: usize, lattice: &Lattice, loads: Option<&Loads>) {
+    pub(super) fn see(&mut self, k: usize, lattice: &Lattice, loads: Option<&LatticeLoads>) {
         let (course, clock) = (self.course, self.course.clock);
         let time = k as f64 * clock.step_s();
         let origin = course.origin(time);
@@ -140,10 +140,10 @@ impl<'a> Watch<'a> {
         let edges = lattice.meshes().iter().flat_map(|mesh| {
             [mesh.edges.iter().map(|e| e.le).collect(), mesh.edges.iter().map(|e| e.te).collect()]
         });
-        self.shots.push(Shot {
+        self.shots.push(LatticeShot {
             name: name.into(),
             phase,
-            picture: Picture::new(lattice, time),
+            picture: VortexPicture::new(lattice, time),
             edges: edges.collect(),
             origin: self.course.origin(time),
         });
@@ -200,7 +200,7 @@ impl<'a> Watch<'a> {
     }
 
     /// The strongest ring of the wake of a shot, and when it was shed; nothing of a wing that does not stroke.
-    pub fn strongest(&self, shot: &Shot) -> Option<Strongest> {
+    pub fn strongest(&self, shot: &LatticeShot) -> Option<Strongest> {
         let (clock, stroke) = (&self.course.clock, &self.course.stroke);
         stroke.steps?;
         let (ring, age) = shot.picture.strongest()?;

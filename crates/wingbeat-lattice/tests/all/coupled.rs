@@ -7,7 +7,7 @@ use wingbeat::math::{GRAVITY, Wrench};
 use wingbeat::plant::Fault;
 use wingbeat::scenario::{Document, LatticeTask, Run, Scenario};
 use wingbeat::simulate::Flow;
-use wingbeat_lattice::{Beside, doors};
+use wingbeat_lattice::{CoupledLattice, doors};
 
 const DENSITY: f64 = 1.225;
 /// Sides of the plate, m.
@@ -101,7 +101,7 @@ fn weak_coupling_diverges_where_strong_coupling_holds() {
     let (robot, spec) = (scenario.robot(), scenario.spec.lattice.as_ref().unwrap());
     let outlines = scenario.spec.robot.outlines().unwrap();
     let task = LatticeTask { spec, robot, outlines, density_kg_m3: DENSITY, every: 1, steps: 10 };
-    let mut air = Beside::new(&task).unwrap();
+    let mut air = CoupledLattice::new(&task).unwrap();
     let (mut x, u) = (scenario.start(), []);
     let fastest = (0..10).try_fold(0.0_f64, |most, k| {
         let t = f64::from(k) * step;

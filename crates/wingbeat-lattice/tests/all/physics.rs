@@ -6,14 +6,14 @@ use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::Vec3;
 use wingbeat::tether::{Coordinate, Hinge, HingeKind, Motion, Side, Wing};
 use wingbeat_lattice::{
-    Error, Flapping, Lattice, Layout, Loads, Panels, Picture, Scene, Sections, Settings, Spacing, Surface,
-    WakeMotion,
+    Error, FlappingWing, Lattice, LatticeLoads, LatticeSettings, LatticeSurface, MovingSections, PanelLayout,
+    Panels, Scene, Spacing, VortexPicture, WakeMotion,
 };
 
 const ALPHA: f64 = 1e-3;
 
 /// A rectangle of unit chord and the span `span` in a wind of 1 m/s; it flaps by `flap` and folds by `fold`, rad.
-pub fn wing(span: f64, flap: f64, fold: f64) -> Flapping {
+pub fn wing(span: f64, flap: f64, fold: f64) -> FlappingWing {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
     let planform = Planform::new(&[station(0.0), station(0.5 * span)]).unwrap();
     let hinge = |kind, arc_m| Hinge { kind, side: Side::Both, arc_m, to_arc_m: None, ahead_m: 0.0 };
@@ -24,16 +24,22 @@ pub fn wing(span: f64, flap: f64, fold: f64) -> Flapping {
         ..Motion::at_rest()
     };
     let wind = Vec3::new(-ALPHA.cos(), 0.0, ALPHA.sin());
-    Flapping { wing: Wing::new(planform, hinges).unwrap(), motion, wind, density_kg_m3: 1.0, ground: None }
+    FlappingWing {
+        wing: Wing::new(planform, hinges).unwrap(),
+        motion,
+        wind,
+        density_kg_m3: 1.0,
+        ground: None,
+    }
 }
 
 fn run(
-    wing: &Flapping,
+    wing: &FlappingWing,
     panels: Panels,
-    settings: Settings,
+    settings: LatticeSettings,
     steps: usize,
     halved: bool,
-) -> (Lattice, Vec<Loads>) {
+) -> (Lattice, Vec<LatticeLoads>) {
     let mut lattice = Lattice::new(Scene::new(wing, panels, halved).unwrap(), settings).unwrap();
     let loads = (0..steps).map(|_| lattice.step().unwrap()).collect();
     (lattice, loads)
@@ -47,7 +53,7 @@ pub fn panels(chordwise: usize, spanwise: usize) -> Panels {
 fn rectangles_have_the_slope_of_the_lifting_surface() {
     // validation/lifting_surface/steady.csv; a step of 10 000 chords makes horseshoes of the last rings.
     for (span, slope) in [(1.0, 1.460183), (4.0, 3.612014), (20.0, 5.433517)] {
-        let (_, loads) = run(&wing(span, 0.0, 0.0), panels(6, 24), Settings::new(1e4, 1e-3), 2, true);
+        let (_, loads) = run(&wing(span, 0.0, 0.0), panels(6, 24), LatticeSettings::new(1e4, 1e-3), 2, true);
         let found = loads[1].joukowski.force[2] / (0.5 * span * ALPHA);
         assert!((found / slope - 1.0).abs() < 2e-3, "{span}: {found} {slope}");
     }
@@ -67,7 +73,7 @@ fn drags(outline: &[[f64; 3]], halved: bool) -> [f64; 3] {
     let mut still = wing(span, 0.0, 0.0);
     still.wing = Wing::new(Planform::new(&stations).unwrap(), Vec::new()).unwrap();
     still.motion = Motion::at_rest();
-    let (lattice, loads) = run(&still, panels(6, 24), Settings::new(1e4, 1e-3), 2, halved);
+    let (lattice, loads) = run(&still, panels(6, 24), LatticeSettings::new(1e4, 1e-3), 2, halved);
     let force = loads[1].joukowski.force;
     let (near, far) = (force.dot(still.wind), lattice.wake_drag().unwrap());
     let lift = force.dot(Vec3::new(ALPHA.sin(), 0.0, ALPHA.cos()));
@@ -98,7 +104,7 @@ fn steady_wings_have_the_drag_of_their_wake() {
 fn a_long_wing_starts_as_wagner_says() {
     let long = wing(1e4, 0.0, 0.0);
     let one = Panels { chordwise: 16, spanwise: 4, spacing: Spacing::Uniform };
-    let (_, loads) = run(&long, one, Settings::new(1.0 / 16.0, 1e-3), 161, true);
+    let (_, loads) = run(&long, one, LatticeSettings::new(1.0 / 16.0, 1e-3), 161, true);
     for (s, wagner) in [(2.0, 0.66929), (5.0, 0.788203), (20.0, 0.936649)] {
         let lift = loads[(0.5 * s * 16.0) as usize].joukowski.force[2] / (0.5e4 * ALPHA);
         assert!((lift / (2.0 * PI * wagner) - 1.0).abs() < 0.012, "{s}: {lift}");
@@ -107,7 +113,7 @@ fn a_long_wing_starts_as_wagner_says() {
 
 #[test]
 fn both_ways_to_the_force_agree() {
-    let (_, loads) = run(&wing(6.0, 0.05, 0.0), panels(8, 16), Settings::new(0.125, 1e-3), 80, true);
+    let (_, loads) = run(&wing(6.0, 0.05, 0.0), panels(8, 16), LatticeSettings::new(0.125, 1e-3), 80, true);
     let (mut apart, mut size) = ([0.0; 2], [0.0; 2]);
     for loads in &loads[40..] {
         for (i, axis) in [0, 2].into_iter().enumerate() {
@@ -124,7 +130,7 @@ fn both_ways_to_the_force_agree() {
 #[test]
 fn circulation_is_kept_and_halves_make_the_whole() {
     for wake in [WakeMotion::Prescribed, WakeMotion::Free] {
-        let settings = Settings { wake, ..Settings::new(0.1, 0.05) };
+        let settings = LatticeSettings { wake, ..LatticeSettings::new(0.1, 0.05) };
         let flapping = wing(4.0, 0.5, 0.8);
         let (half, halves) = run(&flapping, panels(3, 12), settings, 25, true);
         let (whole, wholes) = run(&flapping, panels(3, 12), settings, 25, false);
@@ -144,7 +150,7 @@ fn circulation_is_kept_and_halves_make_the_whole() {
 fn the_steady_wake_of_a_free_lattice_leaves_a_flat_wing_its_lift() {
     let flat = wing(4.0, 0.0, 0.0);
     let lift = |wake| {
-        let settings = Settings { wake, ..Settings::new(0.25, 0.02) };
+        let settings = LatticeSettings { wake, ..LatticeSettings::new(0.25, 0.02) };
         let (_, loads) = run(&flat, panels(4, 8), settings, 60, true);
         loads[59].joukowski.force[2]
     };
@@ -155,26 +161,27 @@ fn the_steady_wake_of_a_free_lattice_leaves_a_flat_wing_its_lift() {
 #[test]
 fn wakes_end_at_their_age_or_distance() {
     let flat = wing(4.0, 0.0, 0.0);
-    let settings = Settings { longest_age_s: 2.0, ..Settings::new(0.25, 0.02) };
+    let settings = LatticeSettings { longest_age_s: 2.0, ..LatticeSettings::new(0.25, 0.02) };
     assert_eq!(run(&flat, panels(2, 4), settings, 20, true).0.wakes()[0].rows(), 8);
-    let settings = Settings { longest_distance_m: 3.0, ..Settings::new(0.25, 0.02) };
+    let settings = LatticeSettings { longest_distance_m: 3.0, ..LatticeSettings::new(0.25, 0.02) };
     let rows = run(&flat, panels(2, 4), settings, 40, true).0.wakes()[0].rows();
     assert!((11..=12).contains(&rows), "{rows}");
 }
 
 #[test]
 fn odd_runs_are_finite_or_refused() {
-    let settings = Settings { wake: WakeMotion::Free, ..Settings::new(0.05, 0.05) };
+    let settings = LatticeSettings { wake: WakeMotion::Free, ..LatticeSettings::new(0.05, 0.05) };
     let one = Panels { chordwise: 1, spanwise: 4, spacing: Spacing::Uniform };
     // No wind: the wing beats its own wake.
-    let still = Flapping { wind: Vec3::ZERO, ..wing(4.0, 0.8, 1.0) };
+    let still = FlappingWing { wind: Vec3::ZERO, ..wing(4.0, 0.8, 1.0) };
     run(&still, one, settings, 120, true);
     // One panel on each piece.
     run(&wing(4.0, 0.3, 0.5), one, settings, 30, false);
     // A wind that blows the wake back through the wing.
-    let behind = Flapping { wind: Vec3::new(1.0, 0.0, 0.1), ..wing(4.0, 0.2, 0.2) };
+    let behind = FlappingWing { wind: Vec3::new(1.0, 0.0, 0.1), ..wing(4.0, 0.2, 0.2) };
     run(&behind, panels(3, 8), settings, 40, true);
-    let refused = Lattice::new(Scene::new(&still, one, true).unwrap(), Settings { step_s: 0.0, ..settings });
+    let refused =
+        Lattice::new(Scene::new(&still, one, true).unwrap(), LatticeSettings { step_s: 0.0, ..settings });
     assert_eq!(refused.err().unwrap().to_string(), "step_s = 0: allowed is above 0");
     // The same wing twice: its circulations are not determined.
     let mut twice = Scene::new(&still, panels(2, 4), false).unwrap();
@@ -189,7 +196,7 @@ struct Plate {
     span: Vec3,
 }
 
-impl Sections for Plate {
+impl MovingSections for Plate {
     fn sections(&self, _t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         out.clear();
         out.extend(arcs.iter().map(|arc| {
@@ -199,14 +206,14 @@ impl Sections for Plate {
     }
 }
 
-fn plates(plates: [Plate; 2], panels: usize) -> Result<Vec<Loads>, Error> {
+fn plates(plates: [Plate; 2], panels: usize) -> Result<Vec<LatticeLoads>, Error> {
     let arcs: Vec<f64> = (0..=panels).map(|j| 0.5 - j as f64 / panels as f64).collect();
-    let layout = Layout { chordwise: panels, fractions: vec![0.5; panels], arcs };
-    let surface = |plate| Surface { layout: layout.clone(), sections: Arc::new(plate) };
+    let layout = PanelLayout { chordwise: panels, fractions: vec![0.5; panels], arcs };
+    let surface = |plate| LatticeSurface { layout: layout.clone(), sections: Arc::new(plate) };
     let wind = Vec3::new(-1.0, 0.0, 0.1);
     let surfaces = plates.map(surface).into();
     let scene = Scene { surfaces, wind, density_kg_m3: 1.0, symmetric: false, ground: None };
-    let settings = Settings { wake: WakeMotion::Free, ..Settings::new(0.2, 0.05) };
+    let settings = LatticeSettings { wake: WakeMotion::Free, ..LatticeSettings::new(0.2, 0.05) };
     let mut lattice = Lattice::new(scene, settings)?;
     (0..20).map(|_| lattice.step()).collect()
 }
@@ -243,11 +250,12 @@ fn plates_that_touch_are_finite_or_refused() {
 #[test]
 fn the_velocity_around_a_half_plane_is_that_of_the_vortices_through_it() {
     // A core takes of a vortex that passes near the way around; thin ones take nothing.
-    let settings = Settings::new(0.1, 1e-3);
+    let settings = LatticeSettings::new(0.1, 1e-3);
     let (lattice, _) = run(&wing(4.0, 0.5, 0.0), panels(4, 16), settings, 75, false);
     let edges = lattice.meshes().iter().flat_map(|mesh| &mesh.edges);
     let x = edges.map(|edge| edge.te[0]).fold(f64::INFINITY, f64::min) - 0.5;
-    let crossings = Picture::new(&lattice, 0.0).crossings(Vec3::new(x, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
+    let crossings =
+        VortexPicture::new(&lattice, 0.0).crossings(Vec3::new(x, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
     let through: f64 = crossings.iter().filter(|(place, _)| place[1] > 0.0).map(|(_, g)| g).sum();
     let corners = [[0.0, -8.0], [8.0, -8.0], [8.0, 8.0], [0.0, 8.0], [0.0, -8.0]];
     let mut around = 0.0;
@@ -264,14 +272,15 @@ fn the_velocity_around_a_half_plane_is_that_of_the_vortices_through_it() {
 fn wings_that_pass_through_each_other_are_finite() {
     // The inner wings flap by 57 deg, the outer ones fold by 143 deg: the tips meet below and pass.
     let crossing = wing(4.0, 1.0, 2.5);
-    let settings = Settings { wake: WakeMotion::Free, crossing: 0.2, ..Settings::new(0.1, 0.05) };
+    let settings =
+        LatticeSettings { wake: WakeMotion::Free, crossing: 0.2, ..LatticeSettings::new(0.1, 0.05) };
     let (lattice, loads) = run(&crossing, panels(4, 16), settings, 120, false);
     let largest = loads.iter().map(|l| l.joukowski.force.norm()).fold(0.0, f64::max);
     assert!(largest < 100.0 && lattice.circulation_error() < 1e-12, "{largest}");
     // Where nothing crosses, the rounding is hardly felt.
     let flat = wing(4.0, 0.2, 0.3);
     let lift = |crossing: f64| {
-        let settings = Settings { crossing, ..Settings::new(0.1, 0.05) };
+        let settings = LatticeSettings { crossing, ..LatticeSettings::new(0.1, 0.05) };
         run(&flat, panels(4, 16), settings, 60, true).1[59].joukowski.force[2]
     };
     let (bare, rounded) = (lift(0.0), lift(0.2));
@@ -282,7 +291,8 @@ fn wings_that_pass_through_each_other_are_finite() {
 fn fast_sums_are_close_to_direct_ones() {
     let flapping = wing(4.0, 0.4, 0.5);
     let lift = |fast_from: usize| {
-        let settings = Settings { wake: WakeMotion::Free, fast_from, ..Settings::new(0.1, 0.05) };
+        let settings =
+            LatticeSettings { wake: WakeMotion::Free, fast_from, ..LatticeSettings::new(0.1, 0.05) };
         run(&flapping, panels(4, 16), settings, 80, true).1[79].joukowski.force
     };
     let (direct, fast) = (lift(usize::MAX), lift(0));
@@ -292,7 +302,8 @@ fn fast_sums_are_close_to_direct_ones() {
 #[test]
 fn scenes_that_cannot_be_stepped_are_refused() {
     let scene = || Scene::new(&wing(4.0, 0.0, 0.0), panels(2, 8), false).unwrap();
-    let message = |scene: Scene| Lattice::new(scene, Settings::new(0.1, 1e-3)).err().unwrap().to_string();
+    let message =
+        |scene: Scene| Lattice::new(scene, LatticeSettings::new(0.1, 1e-3)).err().unwrap().to_string();
     let windy = Scene { wind: Vec3::new(-1.0, f64::NAN, 0.0), ..scene() };
     assert!(message(windy).contains("wind = NaN: allowed is finite"));
     let mut cut = scene();
@@ -310,7 +321,7 @@ fn half_wings_and_cambered_ones_are_refused() {
     let taken = |set: &str| {
         let document = Document::file(path.as_ref()).unwrap().set(set);
         let case = TetherCase::new(document, &|_| Err("no tables here".to_owned())).unwrap();
-        Flapping::try_from(&case.tether).map_err(|error| error.to_string())
+        FlappingWing::try_from(&case.tether).map_err(|error| error.to_string())
     };
     assert!(taken("wing.side=both").is_ok());
     assert!(taken("wing.side=left").unwrap_err().contains("wing.side = left: allowed is both"));
@@ -320,11 +331,11 @@ fn half_wings_and_cambered_ones_are_refused() {
 
 /// Sections mirrored at the plane z = `height`.
 struct Mirrored {
-    of: Arc<dyn Sections>,
+    of: Arc<dyn MovingSections>,
     height: f64,
 }
 
-impl Sections for Mirrored {
+impl MovingSections for Mirrored {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         self.of.sections(t, arcs, out);
         for s in out {
@@ -342,17 +353,21 @@ impl Sections for Mirrored {
 fn a_lattice_over_a_ground_is_the_upper_one_of_a_mirrored_pair() {
     for (height, crossing, halved) in [(-0.6, 0.0, false), (-0.6, 0.1, true), (1.1, 0.0, true)] {
         let motion = Motion { nose_up: Coordinate::Constant(0.1), ..wing(3.0, 0.3, 0.2).motion };
-        let free = Flapping { motion, wind: Vec3::new(-1.0, 0.0, 0.0), ..wing(3.0, 0.3, 0.2) };
-        let over = Flapping { ground: Some(height), ..free.clone() };
-        let settings =
-            Settings { wake: WakeMotion::Free, crossing, critical_suction: None, ..Settings::new(0.2, 0.05) };
+        let free = FlappingWing { motion, wind: Vec3::new(-1.0, 0.0, 0.0), ..wing(3.0, 0.3, 0.2) };
+        let over = FlappingWing { ground: Some(height), ..free.clone() };
+        let settings = LatticeSettings {
+            wake: WakeMotion::Free,
+            crossing,
+            critical_suction: None,
+            ..LatticeSettings::new(0.2, 0.05)
+        };
         let (lattice, loads) = run(&over, panels(2, 8), settings, 15, halved);
         let mut pair = Scene::new(&free, panels(2, 8), halved).unwrap();
-        let image = |surface: &Surface| Surface {
+        let image = |surface: &LatticeSurface| LatticeSurface {
             layout: surface.layout.clone(),
             sections: Arc::new(Mirrored { of: surface.sections.clone(), height }),
         };
-        let images: Vec<Surface> = pair.surfaces.iter().map(image).collect();
+        let images: Vec<LatticeSurface> = pair.surfaces.iter().map(image).collect();
         pair.surfaces.extend(images);
         let mut pair = Lattice::new(pair, settings).unwrap();
         for loads in &loads {
@@ -372,8 +387,8 @@ fn a_lattice_over_a_ground_is_the_upper_one_of_a_mirrored_pair() {
         assert!((lattice.wake_drag().unwrap() / (0.5 * pair.wake_drag().unwrap()) - 1.0).abs() < 1e-10);
     }
     let refused = |wind: Vec3, ground: f64| {
-        let over = Flapping { wind, ground: Some(ground), ..wing(3.0, 0.0, 0.0) };
-        Lattice::new(Scene::new(&over, panels(1, 4), false).unwrap(), Settings::new(0.2, 0.05))
+        let over = FlappingWing { wind, ground: Some(ground), ..wing(3.0, 0.0, 0.0) };
+        Lattice::new(Scene::new(&over, panels(1, 4), false).unwrap(), LatticeSettings::new(0.2, 0.05))
             .err()
             .unwrap()
             .to_string()

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use wingbeat::math::{Mat3, Vec3};
 use wingbeat::rig::Outcome;
 use wingbeat::scenario::{Document, RigRun, TetherCase};
-use wingbeat_lattice::{Flapping, Lattice, Panels, Scene, Settings, Spacing, doors};
+use wingbeat_lattice::{FlappingWing, Lattice, LatticeSettings, Panels, Scene, Spacing, doors};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -69,10 +69,10 @@ fn on_the_rig_the_lattice_bears_what_it_bears_in_a_case_of_the_same_motion() {
     let case =
         TetherCase::new(case.set("aero.law=linear"), &|_: &Path| Err("no tables here".into())).unwrap();
     let panels = Panels { chordwise: 4, spanwise: 24, spacing: Spacing::Lan };
-    let scene = Scene::new(&Flapping::try_from(&case.tether).unwrap(), panels, false).unwrap();
+    let scene = Scene::new(&FlappingWing::try_from(&case.tether).unwrap(), panels, false).unwrap();
     let planform = &run.spec.rig.robot.outlines().unwrap()[0].planform;
     let core = 0.02 * planform.area() / (2.0 * planform.half_span());
-    let mut lattice = Lattice::new(scene, Settings::new(EVERY as f64 / RATE, core)).unwrap();
+    let mut lattice = Lattice::new(scene, LatticeSettings::new(EVERY as f64 / RATE, core)).unwrap();
     let attitude = Mat3::from_roll_pitch_yaw(0.0, (-15.0_f64).to_radians(), 0.0);
     let (mut largest, mut apart) = (0.0_f64, 0.0_f64);
     for k in 0..=2 * STEPS {

@@ -7,7 +7,8 @@ use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::Vec3;
 use wingbeat::scenario::{Document, Scenario};
 use wingbeat_lattice::{
-    Error, Lattice, Layout, Panels, Picture, Scene, Sections, Settings, Spacing, Surface, WakeMotion,
+    Error, Lattice, LatticeSettings, LatticeSurface, MovingSections, PanelLayout, Panels, Scene, Spacing,
+    VortexPicture, WakeMotion,
 };
 
 #[test]
@@ -15,7 +16,7 @@ fn first_vortices_have_the_suction_of_thin_aerofoils() {
     let long = wing(1e4, 0.0, 0.0);
     for chordwise in [1, 3, 8] {
         let one = Panels { chordwise, spanwise: 4, spacing: Spacing::Uniform };
-        let settings = Settings { critical_suction: Some(1e9), ..Settings::new(1e6, 1e-6) };
+        let settings = LatticeSettings { critical_suction: Some(1e9), ..LatticeSettings::new(1e6, 1e-6) };
         let mut lattice = Lattice::new(Scene::new(&long, one, true).unwrap(), settings).unwrap();
         lattice.step().unwrap();
         lattice.step().unwrap();
@@ -27,8 +28,12 @@ fn first_vortices_have_the_suction_of_thin_aerofoils() {
 
 /// A wing that flaps and folds with edges that bear `critical`, whole or by its left half.
 fn flapped(critical: Option<f64>, wake: WakeMotion, halved: bool) -> (Lattice, Vec<Vec3>, f64) {
-    let settings =
-        Settings { wake, critical_suction: critical, sheet_core_m: 0.1, ..Settings::new(0.125, 1e-3) };
+    let settings = LatticeSettings {
+        wake,
+        critical_suction: critical,
+        sheet_core_m: 0.1,
+        ..LatticeSettings::new(0.125, 1e-3)
+    };
     let scene = Scene::new(&wing(4.0, 0.4, 0.3), panels(4, 8), halved).unwrap();
     let mut lattice = Lattice::new(scene, settings).unwrap();
     let (mut forces, mut most) = (Vec::new(), 0.0_f64);
@@ -56,7 +61,7 @@ fn leading_edges_keep_the_critical_suction() {
         assert!(shed > 0.01, "{shed}");
         let (_, whole, _) = flapped(Some(CRITICAL), wake, false);
         assert!(half.iter().zip(&whole).all(|(a, b)| (*a - *b).norm() < 1e-6 * largest));
-        let picture = Picture::new(&lattice, 0.0);
+        let picture = VortexPicture::new(&lattice, 0.0);
         let rings = |of: &[wingbeat_lattice::Wake]| of.iter().map(|wake| wake.rings.len()).sum::<usize>();
         assert_eq!(picture.wake.len(), 2 * (rings(lattice.wakes()) + rings(lattice.sheets())));
     }
@@ -67,9 +72,12 @@ fn forces_are_the_rate_of_the_impulse() {
     const STEPS: usize = 30;
     let step = 0.125;
     for (critical, within) in [(None, 0.05), (Some(0.1), 0.08)] {
-        let own =
-            Settings { wake: WakeMotion::Free, critical_suction: critical, ..Settings::new(step, 1e-3) };
-        let settings = Settings { sheet_core_m: 0.1, ..own };
+        let own = LatticeSettings {
+            wake: WakeMotion::Free,
+            critical_suction: critical,
+            ..LatticeSettings::new(step, 1e-3)
+        };
+        let settings = LatticeSettings { sheet_core_m: 0.1, ..own };
         for halved in [true, false] {
             let scene = Scene::new(&wing(4.0, 0.4, 0.0), panels(4, 8), halved).unwrap();
             let mut lattice = Lattice::new(scene, settings).unwrap();
@@ -89,13 +97,15 @@ fn forces_are_the_rate_of_the_impulse() {
 #[test]
 fn bad_critical_suctions_are_refused() {
     for value in [-0.1, f64::NAN, f64::INFINITY] {
-        let settings = Settings { critical_suction: Some(value), ..Settings::new(0.1, 1e-3) };
+        let settings = LatticeSettings { critical_suction: Some(value), ..LatticeSettings::new(0.1, 1e-3) };
         let scene = Scene::new(&wing(4.0, 0.1, 0.0), panels(2, 4), true).unwrap();
         let refused = Lattice::new(scene, settings).err();
         assert!(matches!(refused, Some(Error::Setting { key: "critical_suction", .. })), "{refused:?}");
     }
-    let peer =
-        Settings { critical_suction: Some(0.1), ..Settings::new(0.1, 1e-3).like_pterasoftware(1.0, 1e-5) };
+    let peer = LatticeSettings {
+        critical_suction: Some(0.1),
+        ..LatticeSettings::new(0.1, 1e-3).like_pterasoftware(1.0, 1e-5)
+    };
     let scene = Scene::new(&wing(4.0, 0.1, 0.0), panels(2, 4), true).unwrap();
     let text = Lattice::new(scene, peer).err().unwrap().to_string();
     assert!(text.contains("critical_suction = 0.1") && text.contains("PteraSoftware"), "{text}");
@@ -128,7 +138,7 @@ fn a_flight_in_the_lattice_sheds() {
 /// A plate of unit chord that is pitched to 45 degrees about its leading edge within a chord of travel at 1 m/s (Eldredge, Wang & Ol 2009).
 struct Pitched;
 
-impl Sections for Pitched {
+impl MovingSections for Pitched {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         const HALF: f64 = 0.5 * std::f64::consts::FRAC_PI_4;
         let [first, last] = [0.2, 1.2].map(|at| 15.0 * (t - at));
@@ -149,19 +159,19 @@ impl Sections for Pitched {
 fn both_ways_to_the_force_agree_under_a_sheet() {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
     let planform = Planform::new(&[station(0.0), station(2.0)]).unwrap();
-    let whole = Layout::of(&planform, &[0.0], 8, 16, Spacing::Lan).unwrap();
+    let whole = PanelLayout::of(&planform, &[0.0], 8, 16, Spacing::Lan).unwrap();
     let scene = Scene {
-        surfaces: vec![Surface { layout: whole[0].left_half().unwrap(), sections: Arc::new(Pitched) }],
+        surfaces: vec![LatticeSurface { layout: whole[0].left_half().unwrap(), sections: Arc::new(Pitched) }],
         wind: Vec3::new(-1.0, 0.0, 0.0),
         density_kg_m3: 1.0,
         symmetric: true,
         ground: None,
     };
-    let settings = Settings {
+    let settings = LatticeSettings {
         wake: WakeMotion::Free,
         critical_suction: Some(0.11),
         sheet_core_m: 0.1,
-        ..Settings::new(1.0 / 16.0, 1e-3)
+        ..LatticeSettings::new(1.0 / 16.0, 1e-3)
     };
     let mut lattice = Lattice::new(scene, settings).unwrap();
     let mut loads = lattice.step().unwrap();

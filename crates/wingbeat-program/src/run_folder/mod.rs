@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::interrupt::Unfinished;
 use crate::say::note;
 use ours::Ours;
-use place::{Made, Wanted, numbered};
+use place::{FolderRequest, MadeFolders, numbered};
 
 /// The file that tells a run folder from any other folder.
 const MANIFEST: &str = "manifest.json";
@@ -35,7 +35,7 @@ pub struct RunFolder {
     /// The run of ours that it replaces.
     replaces: bool,
     keep: bool,
-    made: Made,
+    made: MadeFolders,
     /// What goes when the program must end at once.
     unfinished: Unfinished,
     /// The folder, locked: a lock that can be had shows that its owner is dead.
@@ -52,7 +52,7 @@ struct Mark {
 
 /// The manifest with what it is of and the files of its run.
 #[derive(Serialize)]
-struct Listed<'a, M> {
+struct ManifestRecord<'a, M> {
     program: &'static str,
     #[serde(flatten)]
     manifest: &'a M,
@@ -63,14 +63,14 @@ struct Listed<'a, M> {
 
 /// Whether a folder is begun anew, or goes on from what an interrupted command left.
 #[derive(Clone, Copy)]
-enum Mode<'a> {
+enum FolderMode<'a> {
     Anew,
     /// A file, and the text that it must hold.
     GoesOn(&'a str, &'a str),
 }
 
 /// What lies in a hidden folder.
-enum Left {
+enum HiddenContent {
     Nothing,
     /// What the command goes on from.
     Ours,
@@ -81,7 +81,7 @@ enum Left {
 }
 
 /// Why a name cannot be had.
-enum Taken {
+enum NameRefusal {
     /// Another one may be had.
     Busy(String),
     /// Nothing can.
@@ -94,7 +94,7 @@ impl RunFolder {
     /// # Errors
     /// `out` holds something, unless it is a run of ours alone and `force` allows to replace it.
     pub fn create(out: Option<&Path>, name: &RunName, force: bool) -> Result<Self, Error> {
-        Self::begin(&wanted(out, Path::new("runs"), name), force, Mode::Anew)
+        Self::begin(&wanted(out, Path::new("runs"), name), force, FolderMode::Anew)
     }
 
     /// Begins the folder `out`, or else the first free one of `<name>`, `<name>-2` and so on in `parent`.
@@ -102,7 +102,7 @@ impl RunFolder {
     /// # Errors
     /// Those of [`create`](Self::create).
     pub fn create_in(out: Option<&Path>, parent: &Path, name: &RunName, force: bool) -> Result<Self, Error> {
-        Self::begin(&wanted(out, parent, name), force, Mode::Anew)
+        Self::begin(&wanted(out, parent, name), force, FolderMode::Anew)
     }
 
     /// Begins a folder as [`RunFolder::create`] does, or takes up what an interrupted run of the same name left, if
@@ -116,7 +116,7 @@ impl RunFolder {
         force: bool,
         (identity, text): (&str, &str),
     ) -> Result<Self, Error> {
-        Self::begin(&wanted(out, Path::new("runs"), name), force, Mode::GoesOn(identity, text))
+        Self::begin(&wanted(out, Path::new("runs"), name), force, FolderMode::GoesOn(identity, text))
     }
 
     /// [`resume`](Self::resume) of the folder `out`.
@@ -124,10 +124,10 @@ impl RunFolder {
     /// # Errors
     /// Those of [`resume`](Self::resume).
     pub fn resume_measured(out: &Path, force: bool, (identity, text): (&str, &str)) -> Result<Self, Error> {
-        Self::begin(&Wanted::Out(out), force, Mode::GoesOn(identity, text))
+        Self::begin(&FolderRequest::Out(out), force, FolderMode::GoesOn(identity, text))
     }
 
-    fn begin(wanted: &Wanted, force: bool, mode: Mode) -> Result<Self, Error> {
+    fn begin(wanted: &FolderRequest, force: bool, mode: FolderMode) -> Result<Self, Error> {
         let mut place = wanted.settle()?;
         let made = std::mem::take(&mut place.made);
         let mut busy = String::new();
@@ -137,8 +137,8 @@ impl RunFolder {
                     folder.made = made;
                     return Ok(folder);
                 }
-                Err(Taken::Busy(why)) => busy = why,
-                Err(Taken::Failed(error)) => return Err(error),
+                Err(NameRefusal::Busy(why)) => busy = why,
+                Err(NameRefusal::Failed(error)) => return Err(error),
             }
             if !place.counts() {
                 break;
@@ -148,10 +148,15 @@ impl RunFolder {
     }
 
     /// Reserves and locks the hidden folder of `target`, and looks whether `target` may be moved to.
-    fn claim(wanted: &Wanted, target: &Path, force: bool, mode: Mode) -> Result<Self, Taken> {
+    fn claim(
+        wanted: &FolderRequest,
+        target: &Path,
+        force: bool,
+        mode: FolderMode,
+    ) -> Result<Self, NameRefusal> {
         let partial = hidden(target, "partial");
         let failed = |source: io::Error| {
-            Taken::Failed(Error::Input(format!("{}: {}: {source}", wanted.words(), partial.display())))
+            NameRefusal::Failed(Error::Input(format!("{}: {}: {source}", wanted.words(), partial.display())))
         };
         let new = match fs::create_dir(&partial) {
             Ok(()) => true,
@@ -159,13 +164,13 @@ impl RunFolder {
             Err(source) => return Err(failed(source)),
         };
         let busy =
-            || Taken::Busy(format!("another folder: another command is writing {}", partial.display()));
+            || NameRefusal::Busy(format!("another folder: another command is writing {}", partial.display()));
         let owner = File::open(&partial).map_err(|_| busy())?;
         if owner.try_lock().is_err() || !is_at(&owner, &partial) {
             return Err(busy());
         }
         // From here on the name is ours; what is not taken is given back.
-        let give_back = |taken: Taken| {
+        let give_back = |taken: NameRefusal| {
             if new {
                 let _ = fs::remove_dir(&partial);
             }
@@ -173,16 +178,16 @@ impl RunFolder {
         };
         let replaces = may_move_to(wanted, target, force).map_err(give_back)?;
         let fresh = match left(&partial, mode) {
-            Left::Nothing => true,
-            Left::Ours => false,
-            Left::Dead => {
+            HiddenContent::Nothing => true,
+            HiddenContent::Ours => false,
+            HiddenContent::Dead => {
                 clear(&partial).map_err(failed)?;
                 note(&format!("removed {}, left by a command that was killed", partial.display()));
                 true
             }
-            Left::Other(why) => return Err(give_back(Taken::Busy(why))),
+            HiddenContent::Other(why) => return Err(give_back(NameRefusal::Busy(why))),
         };
-        let resumes = matches!(mode, Mode::GoesOn(..));
+        let resumes = matches!(mode, FolderMode::GoesOn(..));
         let mut folder = Self {
             unfinished: Unfinished::new(&partial, resumes),
             partial,
@@ -190,24 +195,24 @@ impl RunFolder {
             words: wanted.words(),
             replaces,
             keep: resumes,
-            made: Made::default(),
+            made: MadeFolders::default(),
             _owner: owner,
         };
         if let Err(error) = folder.mark(mode, fresh) {
             folder.keep &= !fresh;
-            return Err(Taken::Failed(error));
+            return Err(NameRefusal::Failed(error));
         }
         Ok(folder)
     }
 
     /// Says of the folder that it is not finished, and what it is of.
-    fn mark(&self, mode: Mode, fresh: bool) -> Result<(), Error> {
-        let resumes = matches!(mode, Mode::GoesOn(..));
+    fn mark(&self, mode: FolderMode, fresh: bool) -> Result<(), Error> {
+        let resumes = matches!(mode, FolderMode::GoesOn(..));
         if fresh || !self.file(MARK).exists() {
             self.write_json(MARK, &Mark { program: PROGRAM.into(), resumes })?;
         }
         match mode {
-            Mode::GoesOn(identity, text) if fresh => self.write(identity, text),
+            FolderMode::GoesOn(identity, text) if fresh => self.write(identity, text),
             _ => Ok(()),
         }
     }
@@ -263,7 +268,7 @@ impl RunFolder {
             let (path, name) = (self.partial.join(file), file.to_string_lossy().replace('\\', "/"));
             checksums.insert(name, checksum(&path).map_err(failed(&path))?);
         }
-        self.write_json(MANIFEST, &Listed { program: PROGRAM, manifest, files, checksums })?;
+        self.write_json(MANIFEST, &ManifestRecord { program: PROGRAM, manifest, files, checksums })?;
         fs::remove_file(self.file(MARK)).map_err(failed(&self.partial))?;
         let _whole = self.unfinished.settle();
         let moved = self.moved()?;
@@ -316,8 +321,8 @@ impl Drop for RunFolder {
     }
 }
 
-fn wanted<'a>(out: Option<&'a Path>, parent: &Path, name: &RunName) -> Wanted<'a> {
-    out.map_or_else(|| Wanted::Named(parent.into(), name.clone()), Wanted::Out)
+fn wanted<'a>(out: Option<&'a Path>, parent: &Path, name: &RunName) -> FolderRequest<'a> {
+    out.map_or_else(|| FolderRequest::Named(parent.into(), name.clone()), FolderRequest::Out)
 }
 
 /// The name of the runs of a file, where no run names them.
@@ -495,20 +500,22 @@ fn is_at(_: &File, path: &Path) -> bool {
 }
 
 /// Whether a run may be moved to `target`, and takes the place of an earlier one there.
-fn may_move_to(wanted: &Wanted, target: &Path, force: bool) -> Result<bool, Taken> {
-    restore(target).map_err(Taken::Failed)?;
+fn may_move_to(wanted: &FolderRequest, target: &Path, force: bool) -> Result<bool, NameRefusal> {
+    restore(target).map_err(NameRefusal::Failed)?;
     wanted.check(target).map_err(|error| match wanted {
-        Wanted::Out(_) => Taken::Failed(error),
-        Wanted::Named(..) => Taken::Busy(error.to_string()),
+        FolderRequest::Out(_) => NameRefusal::Failed(error),
+        FolderRequest::Named(..) => NameRefusal::Busy(error.to_string()),
     })?;
     let empty = fs::read_dir(target).map_or(true, |mut entries| entries.next().is_none());
-    let named = matches!(wanted, Wanted::Named(..));
+    let named = matches!(wanted, FolderRequest::Named(..));
     match Ours::at(target) {
         _ if empty && !(named && target.exists()) => Ok(false),
         Ok(_) if force && !named => Ok(true),
-        Ok(_) => Err(Taken::Busy("a new or empty folder; --force replaces this earlier run".into())),
-        Err(_) if !force => Err(Taken::Busy("a new or empty folder; this one holds other files".into())),
-        Err(why) => Err(Taken::Busy(format!(
+        Ok(_) => Err(NameRefusal::Busy("a new or empty folder; --force replaces this earlier run".into())),
+        Err(_) if !force => {
+            Err(NameRefusal::Busy("a new or empty folder; this one holds other files".into()))
+        }
+        Err(why) => Err(NameRefusal::Busy(format!(
             "a new or empty folder, or with --force a run of wingbeat and nothing else: here {why}"
         ))),
     }
@@ -530,9 +537,9 @@ fn restore(target: &Path) -> Result<(), Error> {
 }
 
 /// What lies in the hidden folder `partial`, which nobody else holds.
-fn left(partial: &Path, mode: Mode) -> Left {
+fn left(partial: &Path, mode: FolderMode) -> HiddenContent {
     if fs::read_dir(partial).is_ok_and(|mut entries| entries.next().is_none()) {
-        return Left::Nothing;
+        return HiddenContent::Nothing;
     }
     let mark: Option<Mark> =
         fs::read_to_string(partial.join(MARK)).ok().and_then(|text| serde_json::from_str(&text).ok());
@@ -541,28 +548,28 @@ fn left(partial: &Path, mode: Mode) -> Left {
     let holds =
         |identity, text| fs::read_to_string(partial.join(identity)).is_ok_and(|left: String| left == text);
     match mode {
-        Mode::GoesOn(identity, text) if resumes && holds(identity, text) => Left::Ours,
-        _ if begun(partial, mode) => Left::Dead,
-        _ if mark.is_some() && !resumes => Left::Dead,
-        _ if mark.is_none() && Ours::at(partial).is_ok() => Left::Dead,
-        Mode::GoesOn(identity, _) if resumes => Left::Other(format!(
+        FolderMode::GoesOn(identity, text) if resumes && holds(identity, text) => HiddenContent::Ours,
+        _ if begun(partial, mode) => HiddenContent::Dead,
+        _ if mark.is_some() && !resumes => HiddenContent::Dead,
+        _ if mark.is_none() && Ours::at(partial).is_ok() => HiddenContent::Dead,
+        FolderMode::GoesOn(identity, _) if resumes => HiddenContent::Other(format!(
             "another folder: an unfinished run with other settings waits in {}; finish it with those of its \
              {identity}, or move it away",
             partial.display()
         )),
-        _ if mark.is_some() => Left::Other(format!(
+        _ if mark.is_some() => HiddenContent::Other(format!(
             "another folder: an unfinished run waits in {} for its command to go on",
             partial.display()
         )),
-        _ => Left::Other(format!("another folder: {} holds other files", partial.display())),
+        _ => HiddenContent::Other(format!("another folder: {} holds other files", partial.display())),
     }
 }
 
 /// Whether a folder holds no more than what says of what it is, perhaps cut short: nothing was done.
-fn begun(partial: &Path, mode: Mode) -> bool {
+fn begun(partial: &Path, mode: FolderMode) -> bool {
     let identity = match mode {
-        Mode::GoesOn(identity, _) => identity,
-        Mode::Anew => MARK,
+        FolderMode::GoesOn(identity, _) => identity,
+        FolderMode::Anew => MARK,
     };
     let known = |entry: io::Result<fs::DirEntry>| {
         entry.is_ok_and(|entry| entry.file_name() == MARK || entry.file_name() == identity)

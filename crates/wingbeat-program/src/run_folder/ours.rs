@@ -11,7 +11,7 @@ use super::{MANIFEST, PROGRAM};
 
 /// What of a manifest is read again.
 #[derive(Deserialize)]
-struct Listed {
+struct OwnManifest {
     program: String,
     files: Vec<PathBuf>,
 }
@@ -32,7 +32,7 @@ impl Ours {
     pub fn at(folder: &Path) -> Result<Self, String> {
         let text = fs::read_to_string(folder.join(MANIFEST));
         let text = text.map_err(|_| format!("it has no {MANIFEST} that could be read"))?;
-        let listed: Listed = serde_json::from_str(&text)
+        let listed: OwnManifest = serde_json::from_str(&text)
             .map_err(|_| format!("its {MANIFEST} does not list the files of a run of wingbeat"))?;
         if listed.program != PROGRAM {
             return Err(format!("its {MANIFEST} is of another program"));

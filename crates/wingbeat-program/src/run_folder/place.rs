@@ -15,7 +15,7 @@ const NUMBERS: usize = 10_000;
 
 /// What was asked for.
 #[derive(Clone, Debug)]
-pub enum Wanted<'a> {
+pub enum FolderRequest<'a> {
     /// The folder of `--out`.
     Out(&'a Path),
     /// The first free one of NAME, NAME-2, ... in a folder.
@@ -24,11 +24,11 @@ pub enum Wanted<'a> {
 
 /// A settled parent and the names to try in it.
 #[derive(Debug)]
-pub struct Place {
+pub struct FolderPlace {
     /// The folder above, without links.
     pub parent: PathBuf,
     /// Folders that were made for it, inner ones first.
-    pub made: Made,
+    pub made: MadeFolders,
     /// The name, and whether numbers may be added to it.
     name: String,
     counted: bool,
@@ -36,16 +36,16 @@ pub struct Place {
 
 /// Folders that were made on the way; those that are empty go again, unless kept.
 #[derive(Debug, Default)]
-pub struct Made(Vec<PathBuf>);
+pub struct MadeFolders(Vec<PathBuf>);
 
-impl Made {
+impl MadeFolders {
     /// Leaves them.
     pub fn keep(&mut self) {
         self.0.clear();
     }
 }
 
-impl Drop for Made {
+impl Drop for MadeFolders {
     fn drop(&mut self) {
         for folder in &self.0 {
             let _ = fs::remove_dir(folder);
@@ -53,7 +53,7 @@ impl Drop for Made {
     }
 }
 
-impl Wanted<'_> {
+impl FolderRequest<'_> {
     /// How messages call it.
     pub fn words(&self) -> String {
         match self {
@@ -71,7 +71,7 @@ impl Wanted<'_> {
     ///
     /// # Errors
     /// A path that is no text, ends in no name, or whose parent cannot be.
-    pub fn settle(&self) -> Result<Place, Error> {
+    pub fn settle(&self) -> Result<FolderPlace, Error> {
         let (parent, name, counted) = match self {
             Self::Named(parent, name) => (parent.as_path(), name.to_string(), true),
             Self::Out(out) => {
@@ -89,7 +89,7 @@ impl Wanted<'_> {
             |source: io::Error| Error::Input(format!("{}: {}: {source}", self.words(), parent.display()));
         let made = make(parent).map_err(failed)?;
         let parent = fs::canonicalize(parent).map_err(failed)?;
-        Ok(Place { parent, made, name, counted })
+        Ok(FolderPlace { parent, made, name, counted })
     }
 
     /// Refuses a link, a file or a mount point at `target`, which cannot be moved to.
@@ -114,7 +114,7 @@ impl Wanted<'_> {
     }
 }
 
-impl Place {
+impl FolderPlace {
     /// The folders to try, in order.
     pub fn targets(&self) -> impl Iterator<Item = PathBuf> + '_ {
         let numbers = if self.counted { 1..=NUMBERS } else { 1..=1 };
@@ -133,7 +133,7 @@ pub fn numbered(name: &str, number: usize) -> String {
 }
 
 /// Makes `folder` and those above it, unless they are there.
-fn make(folder: &Path) -> io::Result<Made> {
+fn make(folder: &Path) -> io::Result<MadeFolders> {
     let upward = folder.components().skip_while(|part| !matches!(part, Component::Normal(_)));
     let missing: Vec<&Path> = folder.ancestors().take_while(|path| !is_there(path)).collect();
     if !missing.is_empty() && upward.into_iter().any(|part| part == Component::ParentDir) {
@@ -141,7 +141,7 @@ fn make(folder: &Path) -> io::Result<Made> {
         return Err(io::Error::new(io::ErrorKind::NotFound, why));
     }
     fs::create_dir_all(folder)?;
-    Ok(Made(missing.into_iter().map(Path::to_path_buf).collect()))
+    Ok(MadeFolders(missing.into_iter().map(Path::to_path_buf).collect()))
 }
 
 fn is_there(path: &Path) -> bool {

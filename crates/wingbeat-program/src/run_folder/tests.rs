@@ -4,12 +4,12 @@ use super::*;
 
 /// The manifest of a test.
 #[derive(Serialize)]
-struct Manifest {
+struct TestManifest {
     seed: u64,
 }
 
-const ONE: Manifest = Manifest { seed: 1 };
-const TWO: Manifest = Manifest { seed: 2 };
+const ONE: TestManifest = TestManifest { seed: 1 };
+const TWO: TestManifest = TestManifest { seed: 2 };
 
 fn scratch(name: &str) -> PathBuf {
     let path = std::env::temp_dir().join(format!("wingbeat-{name}-{}", std::process::id()));

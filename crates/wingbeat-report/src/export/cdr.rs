@@ -1,9 +1,9 @@
 //! Messages of ROS 2 in CDR, the lowest byte first: numbers lie at multiples of their size from the end of the head.
 
 /// A message while it is written.
-pub struct Message(Vec<u8>);
+pub struct CdrMessage(Vec<u8>);
 
-impl Message {
+impl CdrMessage {
     /// An empty one behind its head.
     pub fn new() -> Self {
         Self(vec![0, 1, 0, 0])

@@ -4,7 +4,7 @@ use serde_json::Value;
 use wingbeat::math::{Mat3, Quat, Vec3};
 use wingbeat::rig::rotation_vector;
 
-use crate::motion::{Motion, Surface, at, direction, spindle};
+use crate::motion::{RunMotion, SurfaceTrack, at, direction, spindle};
 
 /// Component types of glTF.
 const FLOAT: u32 = 5126;
@@ -21,11 +21,11 @@ const MATERIALS: [(&str, &str); 5] = [
     ("path", "0.02,0.02,0.02"),
 ];
 /// A type of accessors, and of how many numbers it is.
-type Kind = (&'static str, usize);
-const SCALAR: Kind = ("SCALAR", 1);
-const VEC3: Kind = ("VEC3", 3);
-const VEC4: Kind = ("VEC4", 4);
-const MAT4: Kind = ("MAT4", 16);
+type AccessorKind = (&'static str, usize);
+const SCALAR: AccessorKind = ("SCALAR", 1);
+const VEC3: AccessorKind = ("VEC3", 3);
+const VEC4: AccessorKind = ("VEC4", 4);
+const MAT4: AccessorKind = ("MAT4", 16);
 /// Most ribs: 16 bits number their points, 5 a rib of a membrane.
 const MOST_RIBS: usize = 13_000;
 /// Shortest chord of a rib, and least rise of a membrane, m: a joint must not have the scale zero.
@@ -52,7 +52,7 @@ impl Buffer {
     }
 
     /// Rows of numbers, with their least and most where `bounded`.
-    fn floats(&mut self, numbers: &[f64], kind: Kind, target: Option<u32>, bounded: bool) -> usize {
+    fn floats(&mut self, numbers: &[f64], kind: AccessorKind, target: Option<u32>, bounded: bool) -> usize {
         let (name, parts) = kind;
         let start = self.bytes.len();
         self.bytes.extend(numbers.iter().flat_map(|v| (*v as f32).to_le_bytes()));
@@ -77,7 +77,7 @@ impl Buffer {
         self.accessors.len() - 1
     }
 
-    fn shorts(&mut self, numbers: &[u16], (kind, parts): Kind, target: u32) -> usize {
+    fn shorts(&mut self, numbers: &[u16], (kind, parts): AccessorKind, target: u32) -> usize {
         let start = self.bytes.len();
         self.bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
         let view = self.view(start, Some(target));
@@ -88,7 +88,7 @@ impl Buffer {
 
 /// A joint in one frame: x from the trailing to the leading edge, scaled by the chord, and z above it, scaled by the rise of a membrane
 /// in the middle.
-struct Joint {
+struct RibJoint {
     origin: Vec3,
     rotation: Mat3,
     scale: [f64; 3],
@@ -102,7 +102,7 @@ const BULGED: [[f64; 2]; 5] = [[1.0, 0.0], [0.75, 0.75], [0.5, 1.0], [0.25, 0.75
 ///
 /// # Errors
 /// More ribs than a file of glTF numbers here, a motion without any or without a surface between them, more than 2 GiB.
-pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
+pub fn glb(motion: &RunMotion, name: &str) -> Result<Vec<u8>, String> {
     let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
     if ribs == 0 || ribs > MOST_RIBS || motion.frames() == 0 {
         return Err(format!("{ribs} ribs in {} frames: allowed are 1 to {MOST_RIBS} ribs", motion.frames()));
@@ -198,7 +198,7 @@ impl Animated {
         buffer: &mut Buffer,
         times: usize,
         node: usize,
-        (path, numbers, kind): (&str, &[f64], Kind),
+        (path, numbers, kind): (&str, &[f64], AccessorKind),
     ) {
         let output = buffer.floats(numbers, kind, None, false);
         let sampler = self.samplers.len();
@@ -214,7 +214,7 @@ struct Wings {
 
 /// The skinned mesh of all surfaces, and the joints of its ribs.
 fn wings(
-    motion: &Motion,
+    motion: &RunMotion,
     buffer: &mut Buffer,
     times: usize,
     nodes: &mut Vec<String>,
@@ -281,7 +281,7 @@ fn wings(
 }
 
 /// Rib `k` of `surface` in frame `i`.
-fn joint(motion: &Motion, surface: &Surface, k: usize, i: usize) -> Joint {
+fn joint(motion: &RunMotion, surface: &SurfaceTrack, k: usize, i: usize) -> RibJoint {
     let [leading, trailing] = surface.ribs[k].each_ref().map(|edge| motion.in_world(i, at(edge, i)));
     let chord = (leading - trailing).norm().max(SHORTEST);
     let x = direction(leading - trailing);
@@ -291,17 +291,17 @@ fn joint(motion: &Motion, surface: &Surface, k: usize, i: usize) -> Joint {
     let z = if left.norm() > 0.1 { direction(left) } else { direction(top) };
     let rotation = Mat3::from_columns(x, z.cross(x), z);
     let Some(raised) = surface.raised.get(k) else {
-        return Joint { origin: trailing, rotation, scale: [chord, 1.0, 1.0] };
+        return RibJoint { origin: trailing, rotation, scale: [chord, 1.0, 1.0] };
     };
     let rise = motion.in_world(i, at(&raised[1], i)) - (leading + trailing) * 0.5;
     let height = rise.dot(z);
     // No scale may be zero.
     let height = if height.abs() < SHORTEST { SHORTEST } else { height };
-    Joint { origin: trailing, rotation, scale: [chord, 1.0, height] }
+    RibJoint { origin: trailing, rotation, scale: [chord, 1.0, height] }
 }
 
 /// The inverse of a joint's matrix, S^-1 R^T (p - o), by columns.
-fn inverted(joint: &Joint) -> [f64; 16] {
+fn inverted(joint: &RibJoint) -> [f64; 16] {
     let scale = joint.scale.map(|scale| 1.0 / scale);
     let back = joint.rotation.transpose_mul(-joint.origin);
     std::array::from_fn(|at| match (at / 4, at % 4) {
@@ -325,7 +325,7 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
 }
 
 /// The spindle that stands for the body, in B.
-fn body(motion: &Motion, buffer: &mut Buffer) -> String {
+fn body(motion: &RunMotion, buffer: &mut Buffer) -> String {
     let around = 8;
     let rings = spindle(at(&motion.com, 0), motion.reach(), around);
     let count = rings.len() as u16;

@@ -10,10 +10,10 @@ use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
 use wingbeat_io::samples::MCAP_MAGIC;
 
-use super::cdr::Message;
+use super::cdr::CdrMessage;
 use super::ros;
 use crate::flight::{axes, shown, taken};
-use crate::motion::{Motion, Surface, at, direction};
+use crate::motion::{RunMotion, SurfaceTrack, at, direction};
 
 /// Bytes after which a chunk is closed.
 const CHUNK: usize = 1 << 20;
@@ -127,7 +127,7 @@ impl File {
         record(out, 4, &channel);
     }
 
-    fn message(&mut self, channel: u16, time: u64, message: Message) {
+    fn message(&mut self, channel: u16, time: u64, message: CdrMessage) {
         let sequence = self.counts[usize::from(channel)];
         self.counts[usize::from(channel)] += 1;
         self.index.entry(channel).or_default().push((time, self.chunk.len() as u64));
@@ -219,7 +219,7 @@ impl File {
 ///
 /// # Errors
 /// A record without the columns of a flight.
-pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, String> {
+pub fn mcap(motion: &RunMotion, flown: &Record, name: &str) -> Result<Vec<u8>, String> {
     let ribs: usize = motion.surfaces.iter().map(|s| s.ribs.len() + 4 * s.raised.len()).sum();
     // Of every frame a transform a rib, odometry, and a state or wrench for each joint and source.
     let frame = 160.0 * ribs as f64 / TRANSFORMS as f64 + 1200.0 + 200.0 * motion.sources.len() as f64;
@@ -250,7 +250,7 @@ pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, Stri
     for (i, t) in motion.t.iter().enumerate() {
         let time = ((t - start) * 1e9).round().max(0.0) as u64;
         if i == 0 {
-            let mut text = Message::new();
+            let mut text = CdrMessage::new();
             text.text(&ros::urdf(motion, name));
             file.message(described, time, text);
         }
@@ -265,7 +265,7 @@ pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, Stri
                 motion.turned(i, unit).dot(v)
             }))
         };
-        let mut odom = Message::new();
+        let mut odom = CdrMessage::new();
         odom.header(time, WORLD)
             .text(BODY)
             .doubles(&at(&motion.position, i).0)
@@ -273,7 +273,7 @@ pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, Stri
             .doubles(&[0.0; 36]);
         odom.doubles(&back(at(&velocity, i)).0).doubles(&at(&rate, i).0).doubles(&[0.0; 36]);
         file.message(odometry, time, odom);
-        let mut state = Message::new();
+        let mut state = CdrMessage::new();
         state.header(time, "").int(joints.len() as u32);
         joints.iter().for_each(|name| {
             state.text(name);
@@ -282,7 +282,7 @@ pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, Stri
         state.list(&of(&positions)).list(&[]).list(&of(&efforts));
         file.message(states, time, state);
         for (channel, force, moment) in &wrenches {
-            let mut wrench = Message::new();
+            let mut wrench = CdrMessage::new();
             wrench.header(time, BODY).doubles(&at(force, i).0).doubles(&at(moment, i).0);
             file.message(*channel, time, wrench);
         }
@@ -291,15 +291,15 @@ pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, Stri
 }
 
 /// Body in the world and every rib in the body, of a membrane its parts too: x along the chord forward, y along the span to the left.
-fn transform(motion: &Motion, i: usize, time: u64, turn: [f64; 4]) -> Message {
-    let of_surface = |surface: &Surface| {
+fn transform(motion: &RunMotion, i: usize, time: u64, turn: [f64; 4]) -> CdrMessage {
+    let of_surface = |surface: &SurfaceTrack| {
         (0..surface.ribs.len()).flat_map(|k| ros::pieces(surface, k, i)).collect::<Vec<_>>()
     };
-    let pieces: Vec<ros::Piece> = motion.surfaces.iter().flat_map(of_surface).collect();
-    let mut message = Message::new();
+    let pieces: Vec<ros::FlatPiece> = motion.surfaces.iter().flat_map(of_surface).collect();
+    let mut message = CdrMessage::new();
     message.int(pieces.len() as u32 + 1);
     message.header(time, WORLD).text(BODY).doubles(&at(&motion.position, i).0).doubles(&turn);
-    for ros::Piece { frame, edges: [front, back], .. } in pieces {
+    for ros::FlatPiece { frame, edges: [front, back], .. } in pieces {
         let q = super::gltf::quaternion(&basis(front - back));
         message.header(time, BODY).text(&frame).doubles(&((front + back) * 0.5).0).doubles(&q);
     }
@@ -351,7 +351,7 @@ pub fn rig_mcap(record: &Record) -> Result<Vec<u8>, String> {
     for i in 0..t.len() {
         let time = ((t[i] - start) * 1e9).round().max(0.0) as u64;
         for (channel, six) in &wrenches {
-            let mut wrench = Message::new();
+            let mut wrench = CdrMessage::new();
             wrench.header(time, "cell");
             six.iter().for_each(|part| {
                 wrench.doubles(&[part[i]]);
@@ -365,7 +365,7 @@ pub fn rig_mcap(record: &Record) -> Result<Vec<u8>, String> {
             file.message(states, time, state);
         }
         if let Some(accelerations) = accelerations.as_ref().filter(|_| !joints.is_empty()) {
-            let mut point = Message::new();
+            let mut point = CdrMessage::new();
             point.list(&[]).list(&[]).list(&row(accelerations)).list(&[]);
             point.int((time / 1_000_000_000) as u32).int((time % 1_000_000_000) as u32);
             file.message(points, time, point);
@@ -383,8 +383,8 @@ fn joint_state<'a>(
     names: impl IntoIterator<Item = &'a str, IntoIter: ExactSizeIterator>,
     positions: &[f64],
     rates: &[f64],
-) -> Message {
-    let mut state = Message::new();
+) -> CdrMessage {
+    let mut state = CdrMessage::new();
     let names = names.into_iter();
     state.header(time, "").int(names.len() as u32);
     names.for_each(|name| {

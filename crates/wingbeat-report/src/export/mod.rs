@@ -10,8 +10,8 @@ mod vtk;
 use wingbeat::simulate::Record;
 use wingbeat_io::csv_bytes;
 
-use crate::motion::Motion;
-use crate::run::Run;
+use crate::motion::RunMotion;
+use crate::run::ShownRun;
 
 pub use arrays::{mat, npz};
 pub use gltf::glb;
@@ -19,7 +19,7 @@ pub use mcap::{mcap, rig_mcap};
 pub use vtk::{series, vtk};
 
 /// Names and bytes of the files of an export.
-type Files = Vec<(String, Vec<u8>)>;
+type ExportFiles = Vec<(String, Vec<u8>)>;
 
 /// In what a run is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ impl Format {
 ///
 /// # Errors
 /// A run in which nothing moves where the format shows motion; more bytes than are written.
-pub fn of_run(format: Format, run: &Run, record: &Record) -> Result<Files, String> {
+pub fn of_run(format: Format, run: &ShownRun, record: &Record) -> Result<ExportFiles, String> {
     let single = |bytes: Vec<u8>| vec![(String::new(), bytes)];
     match format {
         Format::Csv => {
@@ -97,7 +97,7 @@ pub const SERIES: &str = "frames.vtk.series";
 ///
 /// # Errors
 /// That.
-pub fn vtk_fits(motion: &Motion) -> Result<(), String> {
+pub fn vtk_fits(motion: &RunMotion) -> Result<(), String> {
     let ribs: usize = motion.surfaces.iter().map(|s| s.ribs.len() + 3 * s.raised.len()).sum();
     fits("the frames", motion.frames() as f64 * ribs as f64 * 400.0)
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use wingbeat::math::Vec3;
 
-use crate::motion::{Motion, Surface, at};
+use crate::motion::{RunMotion, SurfaceTrack, at};
 use crate::page::escaped;
 
 /// Places in [`TYPES`].
@@ -82,29 +82,29 @@ pub const TYPES: [(&str, &str); 6] = [
 pub const LATCHED: &str = "- history: 3\n  depth: 0\n  reliability: 1\n  durability: 1\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false";
 
 /// A flat piece that moves: its frame, its front and its back edge, and whether it is drawn.
-pub struct Piece {
+pub struct FlatPiece {
     pub frame: String,
     pub edges: [Vec3; 2],
     pub drawn: bool,
 }
 
 /// The pieces of rib `k` in frame `i`, in B: its chord, and of a membrane behind it the parts of its bulge, which are drawn in its place.
-pub fn pieces(surface: &Surface, k: usize, i: usize) -> Vec<Piece> {
+pub fn pieces(surface: &SurfaceTrack, k: usize, i: usize) -> Vec<FlatPiece> {
     let points = surface.along(k, i);
     let frame = format!("{}_rib_{k}", surface.name);
-    let part = |(n, edges): (usize, &[Vec3])| Piece {
+    let part = |(n, edges): (usize, &[Vec3])| FlatPiece {
         frame: format!("{frame}_part_{n}"),
         edges: [edges[0], edges[1]],
         drawn: true,
     };
     let flat = points.len() == 2;
     let parts = points.windows(2).filter(|_| !flat).enumerate().map(part);
-    let chord = Piece { frame: frame.clone(), edges: [points[0], points[points.len() - 1]], drawn: flat };
+    let chord = FlatPiece { frame: frame.clone(), edges: [points[0], points[points.len() - 1]], drawn: flat };
     std::iter::once(chord).chain(parts).collect()
 }
 
 /// The robot as links for its body and every piece of its ribs, which hang on it by floating joints: their places are in the transforms.
-pub fn urdf(motion: &Motion, name: &str) -> String {
+pub fn urdf(motion: &RunMotion, name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     let (reach, com) = (motion.reach(), at(&motion.com, 0).0);
     let shape = |text: &mut String, link: &str, [x, y, z]: [f64; 3], size: [f64; 3], colour: &str| {

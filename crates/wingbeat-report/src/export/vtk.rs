@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::motion::{Motion, at};
+use crate::motion::{RunMotion, at};
 
 /// Frame `i` as legacy VTK: wings as quadrilaterals with their side, bent and cambered as they are, strips as points with force (N, in W) and circulation (m2/s).
-pub fn vtk(motion: &Motion, i: usize) -> String {
+pub fn vtk(motion: &RunMotion, i: usize) -> String {
     let (mut points, mut quads, mut forces) = (Vec::new(), Vec::new(), Vec::new());
     for surface in &motion.surfaces {
         let first = points.len();

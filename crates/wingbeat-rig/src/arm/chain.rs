@@ -10,7 +10,7 @@ pub const MAX_JOINTS: usize = 8;
 
 /// How a joint moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JointKind {
+pub enum ArmJointKind {
     /// Turns about its axis, rad.
     Revolute,
     /// Slides along its axis, m.
@@ -23,7 +23,7 @@ pub struct Joint {
     /// Name.
     pub name: String,
     /// Turns or slides.
-    pub kind: JointKind,
+    pub kind: ArmJointKind,
     /// Joint frame J in the link before it at zero position, X_PJ.
     pub mount: Pose,
     /// Unit axis in J.
@@ -39,7 +39,7 @@ pub struct Joint {
 impl Joint {
     /// True when the joint turns without end.
     pub fn continuous(&self) -> bool {
-        self.kind == JointKind::Revolute && self.low == f64::NEG_INFINITY && self.high == f64::INFINITY
+        self.kind == ArmJointKind::Revolute && self.low == f64::NEG_INFINITY && self.high == f64::INFINITY
     }
     fn check(&self) -> Result<(), Error> {
         if !((self.axis.norm() - 1.0).abs() < 1e-9) {
@@ -59,8 +59,12 @@ impl Joint {
     #[inline]
     fn place<S: Scalar>(&self, q: S) -> Pose<S> {
         let motion = match self.kind {
-            JointKind::Revolute => Pose { rotation: Mat3::rotation_about(self.axis, q), origin: Vec3::ZERO },
-            JointKind::Prismatic => Pose { rotation: Mat3::IDENTITY, origin: Vec3::constant(self.axis) * q },
+            ArmJointKind::Revolute => {
+                Pose { rotation: Mat3::rotation_about(self.axis, q), origin: Vec3::ZERO }
+            }
+            ArmJointKind::Prismatic => {
+                Pose { rotation: Mat3::IDENTITY, origin: Vec3::constant(self.axis) * q }
+            }
         };
         Pose::constant(&self.mount) * motion
     }

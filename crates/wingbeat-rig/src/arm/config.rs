@@ -1,6 +1,6 @@
 //! Arms as data.
 
-use super::{Joint, JointKind, LimitProfile, LinkBody, SerialArm, ToolLimits};
+use super::{ArmJointKind, Joint, LimitProfile, LinkBody, SerialArm, ToolLimits};
 use crate::Pose;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
@@ -160,7 +160,7 @@ impl JointConfig {
     fn joint(&self) -> Joint {
         Joint {
             name: self.name.clone(),
-            kind: if self.prismatic { JointKind::Prismatic } else { JointKind::Revolute },
+            kind: if self.prismatic { ArmJointKind::Prismatic } else { ArmJointKind::Revolute },
             mount: Pose::from_xyz_rpy(self.xyz_m, self.rpy_rad),
             axis: Vec3(self.axis),
             low: self.low_rad.unwrap_or(f64::NEG_INFINITY),

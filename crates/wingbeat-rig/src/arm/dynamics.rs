@@ -33,10 +33,10 @@ impl SerialArm {
             let (force, spin, com) = inertial_load(&frames[j], body);
             for i in 0..=j.min(self.dof() - 1) {
                 torques[i] += match self.joints[i].kind {
-                    super::JointKind::Revolute => {
+                    super::ArmJointKind::Revolute => {
                         axes[i].dot((com - frames[i].origin.values()).cross(force) + spin)
                     }
-                    super::JointKind::Prismatic => axes[i].dot(force),
+                    super::ArmJointKind::Prismatic => axes[i].dot(force),
                 };
             }
         }

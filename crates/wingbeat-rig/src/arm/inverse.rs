@@ -8,11 +8,11 @@ use wingbeat_math::linear::solve_symmetric;
 use wingbeat_math::{Random, Vec3, whole_turns};
 
 /// Where the tool shall be, in the base frame.
-pub type Goal = Pose;
+pub type ToolGoal = Pose;
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum InverseStatus {
     /// Position and angle within tolerance, joints within limits.
     Solved,
     /// No start led to the goal; the answer is the nearest pose found.
@@ -21,7 +21,7 @@ pub enum Status {
 
 /// The nearest joint positions found.
 #[derive(Clone, Copy, Debug)]
-pub struct Solution {
+pub struct InverseSolution {
     /// Joint positions, rad or m; the first `dof` are valid.
     pub q: [f64; MAX_JOINTS],
     /// Distance to the goal, m.
@@ -33,7 +33,7 @@ pub struct Solution {
     /// Starts beyond the seed.
     pub restarts: usize,
     /// How it ended.
-    pub status: Status,
+    pub status: InverseStatus,
 }
 
 /// Settings of the solver.
@@ -66,17 +66,17 @@ impl Default for InverseKinematics {
 impl InverseKinematics {
     /// Joint positions, rad, that bring the tool to `goal`: from `seed` first, then from random poses. Continuous joints come
     /// back within half a turn of the seed.
-    pub fn solve(&self, arm: &SerialArm, goal: &Goal, seed: &[f64]) -> Solution {
+    pub fn solve(&self, arm: &SerialArm, goal: &ToolGoal, seed: &[f64]) -> InverseSolution {
         let mut random = Random::new(self.random_seed);
         let mut best = self.descend(arm, goal, start_from(arm, seed));
         let mut total = best.iterations;
         for restart in 1..=self.restarts {
-            if best.status == Status::Solved {
+            if best.status == InverseStatus::Solved {
                 break;
             }
             let candidate = self.descend(arm, goal, random_start(arm, &mut random));
             total += candidate.iterations;
-            let better = error(&candidate) < error(&best) || candidate.status == Status::Solved;
+            let better = error(&candidate) < error(&best) || candidate.status == InverseStatus::Solved;
             if better {
                 best = candidate;
             }
@@ -88,17 +88,17 @@ impl InverseKinematics {
     }
 
     /// The nearest solution on the branch of `seed` (rad): no restart, so that a path stays on one branch.
-    pub fn follow(&self, arm: &SerialArm, goal: &Goal, seed: &[f64]) -> Solution {
+    pub fn follow(&self, arm: &SerialArm, goal: &ToolGoal, seed: &[f64]) -> InverseSolution {
         self.descend(arm, goal, start_from(arm, seed))
     }
 
     /// Different arm postures, rad, that reach `goal`, found from `tries` random starts.
-    pub fn postures(&self, arm: &SerialArm, goal: &Goal, tries: usize) -> Vec<[f64; MAX_JOINTS]> {
+    pub fn postures(&self, arm: &SerialArm, goal: &ToolGoal, tries: usize) -> Vec<[f64; MAX_JOINTS]> {
         let mut random = Random::new(self.random_seed);
         let mut found: Vec<[f64; MAX_JOINTS]> = Vec::new();
         for _ in 0..tries {
             let mut solution = self.descend(arm, goal, random_start(arm, &mut random));
-            if solution.status != Status::Solved {
+            if solution.status != InverseStatus::Solved {
                 continue;
             }
             unwind(arm, &mut solution.q, &[0.0; MAX_JOINTS]);
@@ -119,7 +119,7 @@ impl InverseKinematics {
     /// `dq = J' (J J' + lambda 1)^-1 e, lambda proportional to e'e`
     /// Source: Sugihara 2011, IEEE T-RO 27(5).
     /// Test: `random_reachable_poses_are_found`.
-    fn descend(&self, arm: &SerialArm, goal: &Goal, mut q: [f64; MAX_JOINTS]) -> Solution {
+    fn descend(&self, arm: &SerialArm, goal: &ToolGoal, mut q: [f64; MAX_JOINTS]) -> InverseSolution {
         let mut iterations = 0;
         loop {
             let frames = arm.frames(&q);
@@ -127,8 +127,8 @@ impl InverseKinematics {
             let (position_error, angle_error) = (dp.norm(), dr.norm());
             let reached = position_error <= self.position_tolerance && angle_error <= self.angle_tolerance;
             if reached || iterations == self.iterations {
-                let status = if reached { Status::Solved } else { Status::NotReached };
-                return Solution { q, position_error, angle_error, iterations, restarts: 0, status };
+                let status = if reached { InverseStatus::Solved } else { InverseStatus::NotReached };
+                return InverseSolution { q, position_error, angle_error, iterations, restarts: 0, status };
             }
             let step = damped_step(arm, &frames, &q, dp, dr);
             for (i, joint) in arm.joints.iter().enumerate() {
@@ -175,11 +175,11 @@ fn damped_step(
 }
 
 /// Displacement (m) and rotation vector (rad) from `at` to `goal`, in the base frame.
-pub fn twist_to(at: &Pose, goal: &Goal) -> (Vec3, Vec3) {
+pub fn twist_to(at: &Pose, goal: &ToolGoal) -> (Vec3, Vec3) {
     (goal.origin - at.origin, rotation_vector(&(goal.rotation * at.rotation.transpose())))
 }
 
-fn error(s: &Solution) -> f64 {
+fn error(s: &InverseSolution) -> f64 {
     s.position_error + s.angle_error * LENGTH_SCALE
 }
 
@@ -228,7 +228,7 @@ mod tests {
             let goal = arm.tool_pose(&random_start(&arm, &mut random));
             let s = solver.solve(&arm, &goal, &[0.3, 0.4, -0.9, 0.0, -0.7, 0.0]);
             steps += s.iterations;
-            assert_eq!(s.status, Status::Solved, "pose {k}: {s:?}");
+            assert_eq!(s.status, InverseStatus::Solved, "pose {k}: {s:?}");
             assert!(arm.beyond_limits(&s.q, 0.0).is_none());
         }
         println!("mean steps {}", steps as f64 / 200.0);
@@ -239,7 +239,7 @@ mod tests {
         let arm = ArmConfig::kinova_gen3().build().unwrap();
         let goal = Pose::from_xyz_rpy([2.0, 0.0, 0.5], [0.0; 3]);
         let s = InverseKinematics { restarts: 5, ..Default::default() }.solve(&arm, &goal, &[0.1; 6]);
-        assert!(s.status == Status::NotReached && s.position_error > 0.9);
+        assert!(s.status == InverseStatus::NotReached && s.position_error > 0.9);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The geometric Jacobian and how far it is from singular.
 
-use super::{JointKind, MAX_JOINTS, SerialArm};
+use super::{ArmJointKind, MAX_JOINTS, SerialArm};
 use crate::Pose;
 use wingbeat_math::Vec3;
 use wingbeat_math::linear::symmetric_eigenvalues;
@@ -33,8 +33,8 @@ impl SerialArm {
         for (i, joint) in self.joints.iter().enumerate() {
             let axis = frames[i].rotation * joint.axis;
             let (v, w) = match joint.kind {
-                JointKind::Revolute => (axis.cross(tool - frames[i].origin), axis),
-                JointKind::Prismatic => (axis, Vec3::ZERO),
+                ArmJointKind::Revolute => (axis.cross(tool - frames[i].origin), axis),
+                ArmJointKind::Prismatic => (axis, Vec3::ZERO),
             };
             v.store(&mut columns[i][..3]);
             w.store(&mut columns[i][3..]);

@@ -7,9 +7,9 @@ mod inverse;
 mod jacobian;
 mod limits;
 
-pub use chain::{Joint, JointKind, LinkBody, MAX_JOINTS, SerialArm};
+pub use chain::{ArmJointKind, Joint, LinkBody, MAX_JOINTS, SerialArm};
 pub use config::{ArmConfig, JointConfig, LinkConfig, ProfileConfig, ToolConfig};
 pub use dynamics::{JointMotion, Payload};
-pub use inverse::{Goal, InverseKinematics, Solution, Status};
+pub use inverse::{InverseKinematics, InverseSolution, InverseStatus, ToolGoal};
 pub use jacobian::Jacobian;
 pub use limits::{LimitProfile, ToolLimits};

@@ -100,7 +100,7 @@ enum Fate {
 }
 
 /// Where a record stands in the stream.
-enum Place {
+enum RecordPlace {
     /// First that came of a stream.
     First,
     /// So far ahead of the latest that it is of another stream.
@@ -116,7 +116,7 @@ enum Place {
 impl Account {
     /// Takes note of a record that came at `arrival_ns` by any clock; true when it is new.
     pub fn take(&mut self, record: &RdtRecord, arrival_ns: u64) -> bool {
-        if !self.asked && matches!(self.place(record, arrival_ns), Place::Again) {
+        if !self.asked && matches!(self.place(record, arrival_ns), RecordPlace::Again) {
             self.duplicates += 1;
             return false;
         }
@@ -133,13 +133,13 @@ impl Account {
     /// Takes note of a record that is known to be no duplicate, as those of a log.
     pub fn take_new(&mut self, record: &RdtRecord, arrival_ns: u64) {
         match self.place(record, arrival_ns) {
-            Place::Late(missed) => {
+            RecordPlace::Late(missed) => {
                 self.lost -= u64::from(missed);
                 self.reordered += 1;
             }
-            Place::First | Place::Again => self.begin(record, arrival_ns, false),
-            Place::Leapt => self.begin(record, arrival_ns, true),
-            Place::Ahead(missing) => self.advance(record, arrival_ns, missing),
+            RecordPlace::First | RecordPlace::Again => self.begin(record, arrival_ns, false),
+            RecordPlace::Leapt => self.begin(record, arrival_ns, true),
+            RecordPlace::Ahead(missing) => self.advance(record, arrival_ns, missing),
         }
         self.asked = false;
         *self.slot(record.rdt_sequence) = Fate::Came(record.ft_sequence);
@@ -189,30 +189,30 @@ impl Account {
         (self.step > 0).then(|| BOX_RATE / f64::from(self.step))
     }
 
-    fn place(&mut self, record: &RdtRecord, arrival_ns: u64) -> Place {
-        let Some(latest) = self.latest else { return Place::First };
+    fn place(&mut self, record: &RdtRecord, arrival_ns: u64) -> RecordPlace {
+        let Some(latest) = self.latest else { return RecordPlace::First };
         let now = Latest::of(record, arrival_ns);
         let ahead = now.rdt.wrapping_sub(latest.rdt) as i32;
         if ahead > 0 {
             let samples = f64::from(ahead - 1) * f64::from(self.step.max(1));
             return if leaps(samples, now.since(latest)) {
-                Place::Leapt
+                RecordPlace::Leapt
             } else {
-                Place::Ahead(ahead as u32 - 1)
+                RecordPlace::Ahead(ahead as u32 - 1)
             };
         }
         if ahead.unsigned_abs() >= WINDOW {
-            return Place::First;
+            return RecordPlace::First;
         }
         // A late record of this stream is about as many samples back as its number says.
         let back = latest.ft.wrapping_sub(record.ft_sequence);
         let furthest = u64::from(self.step) * 2 * (u64::from(ahead.unsigned_abs()) + 1);
         let earlier = (back as i32) > 0 && (self.step == 0 || u64::from(back) <= furthest);
         match *self.slot(record.rdt_sequence) {
-            Fate::Came(known) if known == record.ft_sequence => Place::Again,
-            Fate::Missing if earlier => Place::Late(true),
-            Fate::Unknown if earlier => Place::Late(false),
-            _ => Place::First,
+            Fate::Came(known) if known == record.ft_sequence => RecordPlace::Again,
+            Fate::Missing if earlier => RecordPlace::Late(true),
+            Fate::Unknown if earlier => RecordPlace::Late(false),
+            _ => RecordPlace::First,
         }
     }
 

@@ -2,9 +2,9 @@
 
 use super::report::sampled_peaks;
 use super::usage::{Peak, binding, peaks};
-use super::{Clearance, Instant, Refusal, Workspace, clearance};
+use super::{Clearance, PlacementWorkspace, Refusal, TrackInstant, clearance};
 use crate::arm::{LimitProfile, MAX_JOINTS};
-use crate::{FrameMotion, Trajectory};
+use crate::{FrameMotion, JointTrajectory};
 use std::f64::consts::TAU;
 use wingbeat_math::Error;
 use wingbeat_math::Jet;
@@ -23,9 +23,9 @@ pub const LARGEST_POSITION: f64 = 1e4 * TAU;
 
 /// A motion from rest to rest.
 #[derive(Clone, Debug)]
-pub struct Approach {
+pub struct ArmApproach {
     /// Joint motion at 1 kHz.
-    pub trajectory: Trajectory,
+    pub trajectory: JointTrajectory,
     /// Every peak against its limit.
     pub peaks: Vec<Peak>,
     /// Smallest distances.
@@ -35,14 +35,14 @@ pub struct Approach {
 /// Rest to rest over the length 1 in least time under limits of rate, acceleration and jerk:
 /// jerk, none, -jerk, none, -jerk, none, jerk (Biagiotti & Melchiorri 2008, section 3.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Profile {
+struct JerkProfile {
     /// Times of each jerk, of the whole speeding-up, and of steady speed, s.
     jerking: f64,
     rising: f64,
     steady: f64,
 }
 
-impl Profile {
+impl JerkProfile {
     fn new(rate: f64, acceleration: f64, jerk: f64) -> Self {
         let jerking = (acceleration / jerk).min((rate / jerk).sqrt());
         let rising = jerking + rate / (jerk * jerking);
@@ -89,13 +89,13 @@ impl Profile {
     }
 }
 
-impl Workspace<'_> {
+impl PlacementWorkspace<'_> {
     /// The straight joint motion from rest at `from` to rest at `to` (rad), in least time under
     /// the limits, whole milliseconds long. Joints without end take the shorter way.
     ///
     /// # Errors
     /// A pose outside the joint limits.
-    pub fn approach(&self, from: &[f64], to: &[f64]) -> Result<Result<Approach, Refusal>, Error> {
+    pub fn approach(&self, from: &[f64], to: &[f64]) -> Result<Result<ArmApproach, Refusal>, Error> {
         self.check_pose(from)?;
         let way = self.arm.joints.iter().zip(from).zip(to).map(|((joint, from), to)| {
             let way = to - from;
@@ -134,7 +134,7 @@ impl Workspace<'_> {
         }
     }
 
-    fn sampled(&self, from: &[f64], way: &[f64], profile: &Option<Profile>, slower: f64) -> Approach {
+    fn sampled(&self, from: &[f64], way: &[f64], profile: &Option<JerkProfile>, slower: f64) -> ArmApproach {
         let least = profile.map_or(0.0, |profile| profile.duration() * slower);
         let samples = (least * RATE).ceil() as usize;
         // Times stretch so that the last sample is the end.
@@ -150,12 +150,12 @@ impl Workspace<'_> {
             });
             self.instant(t, q)
         };
-        let instants: Vec<Instant> = (0..=samples).map(instant).collect();
+        let instants: Vec<TrackInstant> = (0..=samples).map(instant).collect();
         let rows = |f: fn(&Jet) -> f64| {
             instants.iter().map(|i| i.q[..self.arm.dof()].iter().map(f).collect()).collect()
         };
-        Approach {
-            trajectory: Trajectory {
+        ArmApproach {
+            trajectory: JointTrajectory {
                 joints: self.arm.joints.iter().map(|j| j.name.clone()).collect(),
                 step: 1.0 / RATE,
                 position: rows(|q| q.x),
@@ -167,15 +167,15 @@ impl Workspace<'_> {
         }
     }
 
-    fn instant(&self, t: f64, q: [Jet; MAX_JOINTS]) -> Instant {
+    fn instant(&self, t: f64, q: [Jet; MAX_JOINTS]) -> TrackInstant {
         let tool = self.arm.tool_pose(&q);
         let frames = self.arm.frames(&q.map(|q| q.x));
         let body = tool.values() * self.body;
         let clearance = clearance(self.arm, &frames, &body, self.envelope, self.table);
-        Instant { t, q, margin: f64::INFINITY, clearance, tool: FrameMotion::from_jets(&tool) }
+        TrackInstant { t, q, margin: f64::INFINITY, clearance, tool: FrameMotion::from_jets(&tool) }
     }
 
-    fn checked(&self, approach: Approach) -> Result<Approach, Refusal> {
+    fn checked(&self, approach: ArmApproach) -> Result<ArmApproach, Refusal> {
         if approach.clearance.smallest() < self.margins.clearance {
             let clearance = approach.clearance;
             return Err(Refusal::Near { clearance, singularity_margin: f64::INFINITY });
@@ -190,7 +190,7 @@ impl Workspace<'_> {
     }
 }
 
-impl Approach {
+impl ArmApproach {
     /// Peaks of the motion and of what the receiver of the samples sees.
     fn all_peaks(&self, profile: &LimitProfile) -> Vec<Peak> {
         let mut all = self.peaks.clone();
@@ -217,7 +217,7 @@ impl Approach {
 }
 
 /// Limits of the share of the way that keep every joint within its own; none when no joint moves.
-fn shared_profile(limits: &LimitProfile, way: &[f64]) -> Option<Profile> {
+fn shared_profile(limits: &LimitProfile, way: &[f64]) -> Option<JerkProfile> {
     let least = |limit: &[f64]| {
         let of =
             |(limit, way): (&f64, &f64)| if way.abs() > 1e-9 { limit / way.abs() } else { f64::INFINITY };
@@ -232,7 +232,7 @@ fn shared_profile(limits: &LimitProfile, way: &[f64]) -> Option<Profile> {
     };
     let acceleration = chosen(&limits.acceleration, rate / OPEN[0]);
     let jerk = chosen(&limits.jerk, acceleration / OPEN[1]);
-    Some(Profile::new(rate, acceleration, jerk))
+    Some(JerkProfile::new(rate, acceleration, jerk))
 }
 
 #[cfg(test)]
@@ -246,7 +246,7 @@ mod tests {
     #[test]
     fn the_way_is_whole_and_no_limit_is_broken() {
         for [rate, acceleration, jerk] in LIMITS {
-            let profile = Profile::new(rate, acceleration, jerk);
+            let profile = JerkProfile::new(rate, acceleration, jerk);
             let total = profile.duration();
             let steps = 4000;
             let at = |k: i32| profile.at(total * f64::from(k) / f64::from(steps));
@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn wide_limits_leave_the_jerk_alone() {
         // x = j t^3 / 3 at half time: T = 4 (1 / (2 j))^(1/3).
-        let profile = Profile::new(1e3, 1e3, 2.0);
+        let profile = JerkProfile::new(1e3, 1e3, 2.0);
         assert!((profile.duration() - 4.0 * 0.25_f64.cbrt()).abs() < 1e-12);
     }
 }

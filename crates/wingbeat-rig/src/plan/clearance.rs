@@ -57,7 +57,7 @@ impl Clearance {
 
 /// A link as a capsule: the segment between two points and a radius.
 #[derive(Clone, Copy, Debug)]
-struct Capsule {
+struct LinkCapsule {
     ends: [Vec3; 2],
     radius: f64,
 }
@@ -71,7 +71,7 @@ pub fn clearance(
     envelope: &Envelope,
     table: f64,
 ) -> Clearance {
-    let capsules: Vec<Capsule> = (0..=arm.dof()).map(|i| capsule(arm, frames, i)).collect();
+    let capsules: Vec<LinkCapsule> = (0..=arm.dof()).map(|i| capsule(arm, frames, i)).collect();
     let mut least = Clearance::FREE;
     for (i, a) in capsules.iter().enumerate() {
         for b in capsules.iter().skip(i + 2) {
@@ -92,12 +92,13 @@ pub fn clearance(
 }
 
 /// Capsule 0 is the base, capsule i the link that joint i - 1 carries.
-fn capsule(arm: &SerialArm, frames: &[Pose; MAX_JOINTS + 1], i: usize) -> Capsule {
+fn capsule(arm: &SerialArm, frames: &[Pose; MAX_JOINTS + 1], i: usize) -> LinkCapsule {
     match i.checked_sub(1) {
-        None => Capsule { ends: [Vec3::ZERO, frames[0].origin], radius: arm.base.radius },
-        Some(link) => {
-            Capsule { ends: [frames[link].origin, frames[link + 1].origin], radius: arm.links[link].radius }
-        }
+        None => LinkCapsule { ends: [Vec3::ZERO, frames[0].origin], radius: arm.base.radius },
+        Some(link) => LinkCapsule {
+            ends: [frames[link].origin, frames[link + 1].origin],
+            radius: arm.links[link].radius,
+        },
     }
 }
 

@@ -9,10 +9,10 @@ mod track;
 mod turn;
 mod usage;
 
-pub use approach::{Approach, LARGEST_POSITION};
+pub use approach::{ArmApproach, LARGEST_POSITION};
 pub use clearance::{Clearance, Envelope, clearance};
-pub use place::{Margins, Placed, Workspace};
-pub use report::{Plan, Refusal};
-pub use track::{Instant, Placement, Untracked, track};
-pub use turn::{Turn, TurnPath, TurnSpec};
+pub use place::{Margins, PlacedTurn, PlacementWorkspace};
+pub use report::{Refusal, TurnPlan};
+pub use track::{PathPlacement, TrackInstant, Untracked, track};
+pub use turn::{BankingPath, TurnPath, TurnSpec};
 pub use usage::{LimitKind, Peak, binding, peaks};

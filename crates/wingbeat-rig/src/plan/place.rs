@@ -1,8 +1,8 @@
 //! Placing a turn in the arm's workspace.
 
-use super::track::{Placement, track};
+use super::track::{PathPlacement, track};
 use super::usage::{binding, peaks};
-use super::{Clearance, Envelope, Instant, TurnPath, TurnSpec};
+use super::{Clearance, Envelope, TrackInstant, TurnPath, TurnSpec};
 use crate::Pose;
 use crate::arm::{InverseKinematics, LimitProfile, MAX_JOINTS, Payload, SerialArm};
 use wingbeat_math::Error;
@@ -19,7 +19,7 @@ pub struct Margins {
 
 /// Everything that a search for a placement looks at.
 #[derive(Debug)]
-pub struct Workspace<'a> {
+pub struct PlacementWorkspace<'a> {
     /// The arm.
     pub arm: &'a SerialArm,
     /// Its limits.
@@ -38,11 +38,11 @@ pub struct Workspace<'a> {
 
 /// A turn with the place and the posture found for it.
 #[derive(Clone, Debug)]
-pub struct Placed {
+pub struct PlacedTurn {
     /// The path.
     pub path: TurnPath,
     /// Where it lies.
-    pub placement: Placement,
+    pub placement: PathPlacement,
     /// Joint positions at its start, rad.
     pub start: [f64; MAX_JOINTS],
     /// Joint positions in the middle of the steady turn, rad.
@@ -54,7 +54,7 @@ pub struct Placed {
 /// What the search may move: centre of the turn x, y and height of the path, m;
 /// radius, m; run-up, straight, roll-in and run-down, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Candidate {
+struct TurnCandidate {
     x: [f64; 8],
 }
 
@@ -65,8 +65,8 @@ const RANGE: [[f64; 2]; 8] =
 
 /// A rough place with a posture.
 #[derive(Clone, Copy, Debug)]
-struct Start {
-    at: Candidate,
+struct RoughPlacement {
+    at: TurnCandidate,
     posture: [f64; MAX_JOINTS],
     cost: f64,
 }
@@ -82,17 +82,17 @@ const UNTRACKED: f64 = 1e3;
 /// Cost of a second of motion: of two places that keep the limits, the shorter path wins.
 const COST_PER_SECOND: f64 = 0.01;
 
-impl Workspace<'_> {
+impl PlacementWorkspace<'_> {
     /// Searches place, radius (when free) and posture for the smallest share
     /// of any limit: random postures at the middle of the measured turn, then
     /// a random search with adapted steps on place, radius and times.
     ///
     /// # Errors
     /// Bad numbers in the turn.
-    pub fn place(&self, spec: &TurnSpec) -> Result<Option<Placed>, Error> {
+    pub fn place(&self, spec: &TurnSpec) -> Result<Option<PlacedTurn>, Error> {
         let mut starts = self.starts(spec)?;
         wingbeat_math::order::ascend_by(&mut starts, |item| item.cost);
-        let mut best: Option<Placed> = None;
+        let mut best: Option<PlacedTurn> = None;
         for start in starts.iter().take(REFINED) {
             let found = self.refine(spec, start)?;
             if found.cost < best.as_ref().map_or(UNTRACKED, |b| b.cost) {
@@ -103,23 +103,23 @@ impl Workspace<'_> {
     }
 
     /// Rough places and postures with what each costs.
-    fn starts(&self, spec: &TurnSpec) -> Result<Vec<Start>, Error> {
+    fn starts(&self, spec: &TurnSpec) -> Result<Vec<RoughPlacement>, Error> {
         let reach = self.reach();
         let mut starts = Vec::new();
-        let mut seen: Vec<Candidate> = Vec::new();
+        let mut seen: Vec<TurnCandidate> = Vec::new();
         for height in [0.0, 0.2, 0.4, 0.6].map(|k| k * reach) {
             for radius in [0.45, 0.6, 0.8].map(|k| k * reach) {
                 for ahead in [-0.2, 0.0, 0.2].map(|k| k * reach) {
                     let guess = [0.0, ahead, height, radius, 0.6, -0.25, 0.7, 0.5];
                     let given = spec.given();
-                    let at = Candidate { x: std::array::from_fn(|i| given[i].unwrap_or(guess[i])) };
+                    let at = TurnCandidate { x: std::array::from_fn(|i| given[i].unwrap_or(guess[i])) };
                     if seen.contains(&at) {
                         continue;
                     }
                     seen.push(at);
                     for posture in self.postures(spec, &at)? {
                         let cost = self.judge(spec, &at, &posture)?.cost;
-                        starts.push(Start { at, posture, cost });
+                        starts.push(RoughPlacement { at, posture, cost });
                     }
                 }
             }
@@ -134,7 +134,7 @@ impl Workspace<'_> {
     }
 
     /// Postures that reach the middle of the measured turn.
-    fn postures(&self, spec: &TurnSpec, at: &Candidate) -> Result<Vec<[f64; MAX_JOINTS]>, Error> {
+    fn postures(&self, spec: &TurnSpec, at: &TurnCandidate) -> Result<Vec<[f64; MAX_JOINTS]>, Error> {
         let (path, placement) = self.lay(spec, at)?;
         let (a, b) = path.measured();
         let body = placement.path * path.body(0.5 * (a + b)).values();
@@ -142,19 +142,19 @@ impl Workspace<'_> {
         Ok(solver.postures(self.arm, &(body * self.body.inverse()), 24))
     }
 
-    fn lay(&self, spec: &TurnSpec, at: &Candidate) -> Result<(TurnPath, Placement), Error> {
+    fn lay(&self, spec: &TurnSpec, at: &TurnCandidate) -> Result<(TurnPath, PathPlacement), Error> {
         let [x, y, z, radius, run_up, straight, roll_in, run_down] = at.x;
         let straight = straight.max(-0.45 * spec.run_up_s.unwrap_or(run_up));
         let path = TurnPath::new(
             &spec.settle([radius, run_up, straight, roll_in, run_down]).map_err(|e| e.within("turn"))?,
         );
         let placed = Pose { rotation: Mat3::IDENTITY, origin: Vec3([x, y, z]) };
-        Ok((path, Placement { path: placed, body: self.body }))
+        Ok((path, PathPlacement { path: placed, body: self.body }))
     }
 
     /// (1+1) evolution strategy with the one-fifth rule (Rechenberg 1973) from
     /// `start`; the posture stays on its branch.
-    fn refine(&self, spec: &TurnSpec, start: &Start) -> Result<Placed, Error> {
+    fn refine(&self, spec: &TurnSpec, start: &RoughPlacement) -> Result<PlacedTurn, Error> {
         let reach = self.reach();
         let open = spec.given().map(|x| x.is_none());
         let mut random = Random::new(1);
@@ -182,10 +182,10 @@ impl Workspace<'_> {
     }
 
     /// Tracks the path coarsely from its middle outwards and weighs what it costs.
-    fn judge(&self, spec: &TurnSpec, at: &Candidate, posture: &[f64]) -> Result<Placed, Error> {
+    fn judge(&self, spec: &TurnSpec, at: &TurnCandidate, posture: &[f64]) -> Result<PlacedTurn, Error> {
         let (path, placement) = self.lay(spec, at)?;
         let none = [0.0; MAX_JOINTS];
-        let mut placed = Placed { path, placement, start: none, middle: none, cost: UNTRACKED };
+        let mut placed = PlacedTurn { path, placement, start: none, middle: none, cost: UNTRACKED };
         let Some((start, middle)) = self.back_to_start(&placed, posture) else { return Ok(placed) };
         (placed.start, placed.middle) = (start, middle);
         if let Ok(instants) = self.follow(&placed, COARSE) {
@@ -197,7 +197,7 @@ impl Workspace<'_> {
     /// Joint positions at the start and in the middle of the steady turn, on the branch of `posture`.
     fn back_to_start(
         &self,
-        placed: &Placed,
+        placed: &PlacedTurn,
         posture: &[f64],
     ) -> Option<([f64; MAX_JOINTS], [f64; MAX_JOINTS])> {
         let solver = InverseKinematics { restarts: 0, iterations: 40, ..Default::default() };
@@ -222,11 +222,11 @@ impl Workspace<'_> {
     }
 
     /// The placed motion at `samples` + 1 instants.
-    pub fn follow(&self, placed: &Placed, samples: usize) -> Result<Vec<Instant>, super::Untracked> {
+    pub fn follow(&self, placed: &PlacedTurn, samples: usize) -> Result<Vec<TrackInstant>, super::Untracked> {
         track(self.arm, &placed.path, &placed.placement, &placed.start, self.envelope, self.table, samples)
     }
 
-    fn cost(&self, instants: &[Instant]) -> f64 {
+    fn cost(&self, instants: &[TrackInstant]) -> f64 {
         let used = peaks(self.arm, self.profile, Some(self.payload), instants);
         let share = binding(&used).map_or(0.0, |p| p.share());
         let near = instants.iter().fold(Clearance::FREE, |c, i| c.min(i.clearance)).smallest();

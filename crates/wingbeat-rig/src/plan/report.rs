@@ -1,8 +1,8 @@
 //! A finished plan, its check on the samples, and its report.
 
 use super::usage::{LimitKind, Peak, binding, peaks};
-use super::{Clearance, Placed, TurnSpec, Untracked, Workspace};
-use crate::Trajectory;
+use super::{Clearance, PlacedTurn, PlacementWorkspace, TurnSpec, Untracked};
+use crate::JointTrajectory;
 use crate::arm::{LimitProfile, SerialArm};
 use std::fmt::Write;
 use wingbeat_math::Error;
@@ -12,11 +12,11 @@ const RATE: f64 = 1000.0;
 
 /// A turn that the arm can fly within every limit.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct TurnPlan {
     /// Where and in which posture.
-    pub placed: Placed,
+    pub placed: PlacedTurn,
     /// Joint motion at 1 kHz.
-    pub trajectory: Trajectory,
+    pub trajectory: JointTrajectory,
     /// Every peak against its limit.
     pub peaks: Vec<Peak>,
     /// Smallest distances.
@@ -52,13 +52,13 @@ pub enum Refusal {
     Untracked(Untracked),
 }
 
-impl Workspace<'_> {
+impl PlacementWorkspace<'_> {
     /// Places the turn, samples it at 1 kHz and checks the samples against
     /// every limit.
     ///
     /// # Errors
     /// Bad numbers in the turn.
-    pub fn plan(&self, spec: &TurnSpec) -> Result<Result<Plan, Refusal>, Error> {
+    pub fn plan(&self, spec: &TurnSpec) -> Result<Result<TurnPlan, Refusal>, Error> {
         Ok(match self.place(spec)? {
             Some(placed) => self.finish(placed),
             None => Err(Refusal::Unreachable),
@@ -69,20 +69,20 @@ impl Workspace<'_> {
     ///
     /// # Errors
     /// The first limit or margin that the samples break.
-    pub fn finish(&self, placed: Placed) -> Result<Plan, Refusal> {
+    pub fn finish(&self, placed: PlacedTurn) -> Result<TurnPlan, Refusal> {
         let samples = (placed.path.duration() * RATE).round() as usize;
         let instants = self.follow(&placed, samples).map_err(Refusal::Untracked)?;
         let rows = |f: fn(&wingbeat_math::Jet) -> f64| {
             instants.iter().map(|i| i.q[..self.arm.dof()].iter().map(f).collect()).collect()
         };
-        let trajectory = Trajectory {
+        let trajectory = JointTrajectory {
             joints: self.arm.joints.iter().map(|j| j.name.clone()).collect(),
             step: 1.0 / RATE,
             position: rows(|q| q.x),
             velocity: rows(|q| q.d),
             acceleration: rows(|q| q.dd),
         };
-        let plan = Plan {
+        let plan = TurnPlan {
             peaks: peaks(self.arm, self.profile, Some(self.payload), &instants),
             clearance: instants.iter().fold(Clearance::FREE, |c, i| c.min(i.clearance)),
             singularity_margin: instants.iter().fold(f64::INFINITY, |m, i| m.min(i.margin)),
@@ -93,7 +93,7 @@ impl Workspace<'_> {
         self.check(plan)
     }
 
-    fn check(&self, plan: Plan) -> Result<Plan, Refusal> {
+    fn check(&self, plan: TurnPlan) -> Result<TurnPlan, Refusal> {
         let near = plan.clearance.smallest() < self.margins.clearance;
         if near || plan.singularity_margin < self.margins.singularity {
             let (clearance, singularity_margin) = (plan.clearance, plan.singularity_margin);
@@ -115,7 +115,7 @@ impl Workspace<'_> {
 
 /// Peaks of velocity, acceleration and jerk that the receiver of the samples
 /// sees: differences of the positions alone.
-pub fn sampled_peaks(profile: &LimitProfile, trajectory: &Trajectory) -> Vec<Peak> {
+pub fn sampled_peaks(profile: &LimitProfile, trajectory: &JointTrajectory) -> Vec<Peak> {
     let (velocity, acceleration) = trajectory.differenced().peaks();
     let jerk = trajectory.peak_jerk();
     let mut all = Vec::new();
@@ -164,7 +164,7 @@ impl std::fmt::Display for Refusal {
     }
 }
 
-impl Plan {
+impl TurnPlan {
     /// The plan in words and numbers.
     pub fn report(&self, arm: &SerialArm, profile: &LimitProfile) -> String {
         let mut text = String::new();

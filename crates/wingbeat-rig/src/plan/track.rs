@@ -1,7 +1,7 @@
 //! Joint motion that carries the body along a path.
 
 use super::{Clearance, Envelope, TurnPath};
-use crate::arm::{InverseKinematics, Jacobian, MAX_JOINTS, SerialArm, Status};
+use crate::arm::{InverseKinematics, InverseStatus, Jacobian, MAX_JOINTS, SerialArm};
 use crate::plan::clearance::clearance;
 use crate::{FrameMotion, Pose};
 use wingbeat_math::linear::solve_symmetric;
@@ -9,7 +9,7 @@ use wingbeat_math::{Jet, Vec3};
 
 /// How the robot sits on the arm and where the path lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
+pub struct PathPlacement {
     /// Path frame in the base frame, X_WP.
     pub path: Pose,
     /// Body in the tool frame, X_TB.
@@ -18,7 +18,7 @@ pub struct Placement {
 
 /// One instant of a tracked path.
 #[derive(Clone, Copy, Debug)]
-pub struct Instant {
+pub struct TrackInstant {
     /// Time, s.
     pub t: f64,
     /// Joint positions, rad, with rates and accelerations.
@@ -56,12 +56,12 @@ pub enum Untracked {
 pub fn track(
     arm: &SerialArm,
     path: &TurnPath,
-    placement: &Placement,
+    placement: &PathPlacement,
     start: &[f64],
     envelope: &Envelope,
     table: f64,
     samples: usize,
-) -> Result<Vec<Instant>, Untracked> {
+) -> Result<Vec<TrackInstant>, Untracked> {
     let solver = InverseKinematics { restarts: 0, iterations: 40, ..Default::default() };
     let tool_in_body = Pose::constant(&placement.body.inverse());
     let mut q: [f64; MAX_JOINTS] = std::array::from_fn(|i| start.get(i).copied().unwrap_or(0.0));
@@ -71,7 +71,7 @@ pub fn track(
         let body = Pose::constant(&placement.path) * path.body(t);
         let tool = body * tool_in_body;
         let solution = solver.follow(arm, &tool.values(), &q);
-        if solution.status != Status::Solved {
+        if solution.status != InverseStatus::Solved {
             let held = |i: &usize| {
                 let joint = &arm.joints[*i];
                 solution.q[*i] <= joint.low || solution.q[*i] >= joint.high
@@ -86,7 +86,7 @@ pub fn track(
         let rates = joint_rates(arm, &jacobian, &q, &motion).ok_or(Untracked::Singular { t })?;
         let distances = clearance(arm, &frames, &body.values(), envelope, table);
         let margin = jacobian.singularity_margin();
-        instants.push(Instant { t, q: rates, margin, clearance: distances, tool: motion });
+        instants.push(TrackInstant { t, q: rates, margin, clearance: distances, tool: motion });
     }
     Ok(instants)
 }

@@ -56,7 +56,7 @@ pub struct TurnSpec {
 
 /// A banking turn with every number settled. SI units, rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct BankingPath {
     /// m/s
     pub speed: f64,
     /// rad, positive right wing down
@@ -105,7 +105,7 @@ impl TurnSpec {
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the key.
-    pub fn settle(&self, choice: [f64; 5]) -> Result<Turn, Error> {
+    pub fn settle(&self, choice: [f64; 5]) -> Result<BankingPath, Error> {
         let ms = |given: Option<f64>, chosen: f64| Some((given.unwrap_or(chosen) * 1e3).round() * 1e-3);
         let [radius, run_up, straight, roll_in, run_down] = choice;
         let settled = Self {
@@ -125,8 +125,8 @@ impl TurnSpec {
     }
 
     /// The turn in SI units, with `choice` for what is not given.
-    fn turn(&self, [radius, run_up, straight, roll_in, run_down]: [f64; 5]) -> Turn {
-        Turn {
+    fn turn(&self, [radius, run_up, straight, roll_in, run_down]: [f64; 5]) -> BankingPath {
+        BankingPath {
             speed: self.speed_m_s,
             roll: self.roll_deg.to_radians(),
             pitch: pitch_of_nose_up(self.nose_up_deg),
@@ -152,7 +152,7 @@ impl TurnSpec {
 /// turn heading along +x in its middle.
 #[derive(Clone, Debug)]
 pub struct TurnPath {
-    turn: Turn,
+    turn: BankingPath,
     /// Arc lengths at the start of roll-in and of the steady turn, m.
     roll_in: f64,
     steady: f64,
@@ -168,7 +168,7 @@ const GRID: f64 = 0.01;
 
 impl TurnPath {
     /// Lays out the turn.
-    pub fn new(turn: &Turn) -> Self {
+    pub fn new(turn: &BankingPath) -> Self {
         let v = turn.speed;
         let roll_in = v * (0.5 * turn.run_up + turn.straight);
         let mut path = Self {
@@ -198,7 +198,7 @@ impl TurnPath {
     }
 
     /// The turn laid out.
-    pub fn turn(&self) -> &Turn {
+    pub fn turn(&self) -> &BankingPath {
         &self.turn
     }
     /// Length of the path, m.
@@ -333,7 +333,7 @@ mod tests {
     use super::*;
     use crate::FrameMotion;
 
-    const TURN: Turn = Turn {
+    const TURN: BankingPath = BankingPath {
         speed: 0.8,
         roll: 0.26,
         pitch: -0.26,
@@ -380,7 +380,7 @@ mod tests {
 
     #[test]
     fn the_roll_in_may_begin_while_the_speed_rises() {
-        let path = TurnPath::new(&Turn { straight: -0.2, ..TURN });
+        let path = TurnPath::new(&BankingPath { straight: -0.2, ..TURN });
         let at = |t: f64| FrameMotion::from_jets(&path.body(t));
         assert!(at(0.15).pose.rotation.roll_pitch_yaw()[0] > 1e-9, "already rolling");
         assert!((at(path.measured().0).velocity.norm() - 0.8).abs() < 1e-12);
@@ -403,7 +403,7 @@ mod tests {
 
     #[test]
     fn a_negative_roll_turns_left() {
-        let path = TurnPath::new(&Turn { roll: -0.26, ..TURN });
+        let path = TurnPath::new(&BankingPath { roll: -0.26, ..TURN });
         let (a, b) = path.measured();
         let m = FrameMotion::from_jets(&path.body(0.5 * (a + b)));
         assert!(m.rate[2] > 0.0 && m.pose.origin[1] < 0.0);

@@ -1,6 +1,6 @@
 //! How much of each limit a motion uses.
 
-use super::Instant;
+use super::TrackInstant;
 use crate::arm::{LimitProfile, Payload, SerialArm};
 
 /// What can bind.
@@ -78,10 +78,10 @@ pub fn peaks(
     arm: &SerialArm,
     profile: &LimitProfile,
     payload: Option<&Payload>,
-    instants: &[Instant],
+    instants: &[TrackInstant],
 ) -> Vec<Peak> {
     let mut peaks = Vec::with_capacity(4 * arm.dof() + 3);
-    let most = |f: &dyn Fn(&Instant) -> f64| instants.iter().fold(0.0_f64, |m, i| m.max(f(i).abs()));
+    let most = |f: &dyn Fn(&TrackInstant) -> f64| instants.iter().fold(0.0_f64, |m, i| m.max(f(i).abs()));
     let torque: Vec<_> = payload.map_or(vec![], |p| instants.iter().map(|i| arm.torques(&i.q, p)).collect());
     for (j, joint) in arm.joints.iter().enumerate() {
         let mut add = |kind, value, limit| peaks.push(Peak { joint: Some(j), kind, value, limit });
@@ -101,7 +101,7 @@ pub fn peaks(
 }
 
 /// Largest |jerk| of joint `j` by differences of its acceleration.
-fn jerk(instants: &[Instant], j: usize) -> f64 {
+fn jerk(instants: &[TrackInstant], j: usize) -> f64 {
     instants.windows(2).map(|w| ((w[1].q[j].dd - w[0].q[j].dd) / (w[1].t - w[0].t)).abs()).fold(0.0, f64::max)
 }
 

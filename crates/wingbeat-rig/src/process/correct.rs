@@ -1,7 +1,7 @@
 //! Tare, drift, weight and inertia, and the change to the body frame.
 
 use crate::arm::{MAX_JOINTS, SerialArm};
-use crate::carrier::{Carrier, Mount, carried_frames};
+use crate::carrier::{CellMount, ToolCarrier, carried_frames};
 use crate::cell::{CHANNELS, six, wrench};
 use crate::{FrameMotion, Pose};
 use serde::{Deserialize, Serialize};
@@ -61,12 +61,12 @@ pub struct Samples<'a> {
     pub phase: Vec<f64>,
     /// Status words of the box, bits without unit; empty when there are none.
     pub status: Vec<f64>,
-    motion: Motion<'a>,
+    motion: ToolMotion<'a>,
 }
 
 /// Where the motion of the tool comes from.
 #[derive(Clone, Debug, Default)]
-enum Motion<'a> {
+enum ToolMotion<'a> {
     /// It stands upright.
     #[default]
     Still,
@@ -75,7 +75,7 @@ enum Motion<'a> {
     /// Columns of the quaternion of a stand.
     Stand([Vec<f64>; 4]),
     /// What the run itself plans.
-    Carried(&'a Carrier),
+    Carried(&'a ToolCarrier),
 }
 
 /// Motion of the tool at one sample: of the arm's joints, or of a stand.
@@ -114,9 +114,9 @@ impl<'a> Samples<'a> {
         }
         let quaternion = ["quat_w", "quat_x", "quat_y", "quat_z"].map(|name| taken(name).unwrap_or_default());
         let motion = match (joints.is_empty(), quaternion[0].is_empty()) {
-            (false, _) => Motion::Joints(joints),
-            (_, false) => Motion::Stand(quaternion),
-            _ => Motion::Still,
+            (false, _) => ToolMotion::Joints(joints),
+            (_, false) => ToolMotion::Stand(quaternion),
+            _ => ToolMotion::Still,
         };
         Ok(Self {
             time: taken("t").ok_or_else(|| missing("t"))?,
@@ -128,29 +128,34 @@ impl<'a> Samples<'a> {
     }
 
     /// Samples of a run that `carrier` moves: times in s, channels in N and N m, phases in rad.
-    pub fn carried(time: Vec<f64>, channels: [Vec<f64>; 6], phase: Vec<f64>, carrier: &'a Carrier) -> Self {
-        Self { time, channels, phase, status: Vec::new(), motion: Motion::Carried(carrier) }
+    pub fn carried(
+        time: Vec<f64>,
+        channels: [Vec<f64>; 6],
+        phase: Vec<f64>,
+        carrier: &'a ToolCarrier,
+    ) -> Self {
+        Self { time, channels, phase, status: Vec::new(), motion: ToolMotion::Carried(carrier) }
     }
 
     /// The motion of the run's own carrier, where the record does not hold it.
-    pub fn carried_by(&mut self, carrier: &'a Carrier) {
-        self.motion = Motion::Carried(carrier);
+    pub fn carried_by(&mut self, carrier: &'a ToolCarrier) {
+        self.motion = ToolMotion::Carried(carrier);
     }
 
     fn posture(&self, row: usize) -> Posture {
         let at = |column: &[f64]| column.get(row).copied().unwrap_or(0.0);
         match &self.motion {
-            Motion::Still => Posture::Stand(Pose::constant(&Pose::IDENTITY)),
-            Motion::Joints(joints) => Posture::Joints(std::array::from_fn(|j| {
+            ToolMotion::Still => Posture::Stand(Pose::constant(&Pose::IDENTITY)),
+            ToolMotion::Joints(joints) => Posture::Joints(std::array::from_fn(|j| {
                 joints.get(j).map_or(Jet::default(), |[q, dq, ddq]| Jet::new(at(q), at(dq), at(ddq)))
             })),
-            Motion::Stand(columns) => {
+            ToolMotion::Stand(columns) => {
                 let q = [0, 1, 2, 3].map(|i| at(&columns[i]));
                 let upright = q.iter().all(|x| *x == 0.0);
                 let attitude = if upright { Quat::IDENTITY } else { Quat::from_wxyz(&q) };
                 Posture::Stand(Pose::constant(&Pose { rotation: attitude.matrix(), ..Pose::IDENTITY }))
             }
-            Motion::Carried(carrier) => {
+            ToolMotion::Carried(carrier) => {
                 let t = self.time[row];
                 match carrier.joints(t) {
                     Some(joints) => Posture::Joints(joints),
@@ -192,7 +197,7 @@ pub struct Corrector<'a> {
     /// The arm; none on a stand.
     pub arm: Option<&'a SerialArm>,
     /// Mount and cell.
-    pub mount: &'a Mount,
+    pub mount: &'a CellMount,
     /// What is done.
     pub steps: Steps,
     /// Flapping frequency, Hz.
@@ -226,7 +231,7 @@ impl Corrector<'_> {
     /// above half the rate. Faults of the model come back as such.
     pub fn correct(&self, mut samples: Samples) -> Result<Result<Corrected, Fault>, Error> {
         let mut out = Corrected { rate: samples.rate(), ..Default::default() };
-        let mut memory = Memory::default();
+        let mut memory = ModelMemory::default();
         if (self.steps.tare || self.steps.drift)
             && let Err(fault) = self.tare(&samples, &mut memory, &mut out)?
         {
@@ -265,7 +270,7 @@ impl Corrector<'_> {
     fn tare(
         &self,
         samples: &Samples,
-        memory: &mut Memory,
+        memory: &mut ModelMemory,
         out: &mut Corrected,
     ) -> Result<Result<(), Fault>, Error> {
         let rest = samples.index(0.0);
@@ -302,7 +307,12 @@ impl Corrector<'_> {
     }
 
     /// What the model says of a sample; that of the last one where posture and clock are the same.
-    fn model(&self, samples: &Samples, row: usize, memory: &mut Memory) -> Result<Model, Fault> {
+    fn model(
+        &self,
+        samples: &Samples,
+        row: usize,
+        memory: &mut ModelMemory,
+    ) -> Result<ModelledSample, Fault> {
         let asked = (samples.posture(row), self.clock(samples, row));
         match &memory.last {
             Some((same, model)) if *same == asked => Ok(*model),
@@ -314,7 +324,11 @@ impl Corrector<'_> {
         }
     }
 
-    fn new_model(&self, (posture, clock): &(Posture, Jet), memory: &mut Memory) -> Result<Model, Fault> {
+    fn new_model(
+        &self,
+        (posture, clock): &(Posture, Jet),
+        memory: &mut ModelMemory,
+    ) -> Result<ModelledSample, Fault> {
         let (cell, body) = carried_frames(&self.tool(posture), self.mount);
         let loads = self.robot_loads(&body, *clock, memory)?;
         let still = FrameMotion {
@@ -337,7 +351,7 @@ impl Corrector<'_> {
         if self.steps.robot_inertia {
             removed += self.mount.to_cell(&loads.1);
         }
-        Ok(Model { weight, removed })
+        Ok(ModelledSample { weight, removed })
     }
 
     /// The gait's clock from the encoder: time, rate and its slope.
@@ -357,7 +371,7 @@ impl Corrector<'_> {
     /// Weight of the robot at `row`, in C, and the direction of gravity, m/s2 in C.
     pub fn robot_weight(&self, samples: &Samples, row: usize) -> Result<(Wrench<f64>, Vec3), Fault> {
         let (cell, body) = carried_frames(&self.tool(&samples.posture(row)), self.mount);
-        let loads = self.robot_loads(&body, self.clock(samples, row), &mut Memory::default())?;
+        let loads = self.robot_loads(&body, self.clock(samples, row), &mut ModelMemory::default())?;
         let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
         Ok((self.mount.to_cell(&loads.0), down))
     }
@@ -375,12 +389,12 @@ impl Corrector<'_> {
         &self,
         body: &FrameMotion,
         clock: Jet,
-        memory: &mut Memory,
+        memory: &mut ModelMemory,
     ) -> Result<(Wrench<f64>, Wrench<f64>), Fault> {
         memory.x.resize(self.robot.carried_states(), 0.0);
         memory.u.resize(self.robot.inputs().len(), 0.0);
         memory.dx.resize(memory.x.len(), 0.0);
-        let Memory { x, u, dx, .. } = memory;
+        let ModelMemory { x, u, dx, .. } = memory;
         let loads = self.robot.carried_in_numbers(&clock, &BodyMotion::from(body), x, u, dx)?;
         Ok((loads.gravity, loads.inertia))
     }
@@ -388,16 +402,16 @@ impl Corrector<'_> {
 
 /// What is kept from sample to sample: room for the model's states, and its last answer.
 #[derive(Debug, Default)]
-struct Memory {
+struct ModelMemory {
     x: Vec<f64>,
     u: Vec<f64>,
     dx: Vec<f64>,
-    last: Option<((Posture, Jet), Model)>,
+    last: Option<((Posture, Jet), ModelledSample)>,
 }
 
 /// What the model says of one sample, in C.
 #[derive(Clone, Copy, Debug)]
-struct Model {
+struct ModelledSample {
     weight: Wrench<f64>,
     removed: Wrench<f64>,
 }

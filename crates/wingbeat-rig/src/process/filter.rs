@@ -6,7 +6,7 @@ use wingbeat_math::Error;
 /// and backward: no phase shift, the gain of the eighth order.
 #[derive(Clone, Debug)]
 pub struct Butterworth {
-    sections: [Section; 2],
+    sections: [FilterSection; 2],
     /// tan(pi cutoff / rate)
     warp: f64,
     rate: f64,
@@ -16,7 +16,7 @@ pub struct Butterworth {
 
 /// y = (b0 x + b1 x' + b2 x'' - a1 y' - a2 y'').
 #[derive(Clone, Copy, Debug)]
-struct Section {
+struct FilterSection {
     b: [f64; 3],
     a: [f64; 2],
 }
@@ -33,8 +33,8 @@ impl Butterworth {
         }
         let warp = (std::f64::consts::PI * cutoff / rate).tan();
         // Poles of order 4: 1/Q = 2 cos(pi/8), 2 cos(3 pi/8).
-        let sections =
-            [1.0, 3.0].map(|k: f64| Section::low_pass(warp, 2.0 * (k * std::f64::consts::PI / 8.0).cos()));
+        let sections = [1.0, 3.0]
+            .map(|k: f64| FilterSection::low_pass(warp, 2.0 * (k * std::f64::consts::PI / 8.0).cos()));
         let padding = (10.0 * rate / cutoff).ceil() as usize;
         Ok(Self { sections, warp, rate, padding })
     }
@@ -94,7 +94,7 @@ impl Butterworth {
     }
 }
 
-impl Section {
+impl FilterSection {
     /// Bilinear transform of 1 / (s^2 + s / Q + 1).
     fn low_pass(k: f64, inverse_q: f64) -> Self {
         let norm = 1.0 / (1.0 + inverse_q * k + k * k);

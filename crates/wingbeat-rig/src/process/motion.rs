@@ -1,7 +1,7 @@
 //! How the arm moved, by the joints of a record.
 
 use super::Butterworth;
-use crate::Trajectory;
+use crate::JointTrajectory;
 use crate::arm::SerialArm;
 use wingbeat_flight::simulate::Record;
 
@@ -13,7 +13,7 @@ const STEP_S: f64 = 1e-3;
 
 /// The motion of `arm` from 0 to `until` s by the columns q1, q2 .. of a record at equal steps; with dq1 .. and ddq1 .. where
 /// they are recorded, else by differences of the filtered positions. None without a column for every joint, or with gaps.
-pub fn recorded_motion(record: &Record, arm: &SerialArm, until: f64) -> Option<Trajectory> {
+pub fn recorded_motion(record: &Record, arm: &SerialArm, until: f64) -> Option<JointTrajectory> {
     let t = record.values("t")?;
     let from = t.partition_point(|t| *t < -1e-9);
     let to = t.partition_point(|t| *t <= until);
@@ -36,11 +36,11 @@ pub fn recorded_motion(record: &Record, arm: &SerialArm, until: f64) -> Option<T
     if let (Some(rates), Some(slopes)) = (of("dq"), of("ddq")) {
         let step = step * every as f64;
         let (velocity, acceleration) = (rows(&rates), rows(&slopes));
-        return Some(Trajectory { joints, step, position: rows(&positions), velocity, acceleration });
+        return Some(JointTrajectory { joints, step, position: rows(&positions), velocity, acceleration });
     }
     let filter = Butterworth::new(CUTOFF_HZ, 1.0 / step).ok()?;
     let smooth: Vec<Vec<f64>> = positions.iter().map(|q| filter.apply(&q[from..to])).collect();
     let position = (0..to - from).step_by(every).map(|k| smooth.iter().map(|q| q[k]).collect()).collect();
     let step = step * every as f64;
-    Some(Trajectory { joints, step, position, ..Trajectory::default() }.differenced())
+    Some(JointTrajectory { joints, step, position, ..JointTrajectory::default() }.differenced())
 }

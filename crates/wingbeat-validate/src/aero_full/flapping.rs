@@ -2,10 +2,10 @@
 //! force, and a free-wake lattice.
 
 use super::wings::rectangle;
-use super::{Preset, STRIPS};
+use super::{ComparedPreset, STRIPS};
 use std::ops::ControlFlow;
 
-use crate::{Error, Row, reference_table};
+use crate::{ComparisonRow, Error, reference_table};
 use std::f64::consts::FRAC_PI_2;
 use std::f64::consts::PI;
 use wingbeat::aero::{Loads, Planform};
@@ -50,12 +50,17 @@ impl Flap {
     }
 
     /// The tethered wing with the model of `preset`.
-    pub fn tether(&self, preset: Preset, steps: usize) -> Result<Tether, Error> {
+    pub fn tether(&self, preset: ComparedPreset, steps: usize) -> Result<Tether, Error> {
         self.tether_of(preset, STRIPS, steps)
     }
 
     /// The same with another number of strips or nodes.
-    pub(crate) fn tether_of(&self, preset: Preset, strips: usize, steps: usize) -> Result<Tether, Error> {
+    pub(crate) fn tether_of(
+        &self,
+        preset: ComparedPreset,
+        strips: usize,
+        steps: usize,
+    ) -> Result<Tether, Error> {
         let harmonic = |mean: f64, cos: f64, sin: f64| Coordinate::Fourier {
             frequency_hz: FREQUENCY,
             mean: mean.to_radians(),
@@ -108,14 +113,14 @@ pub fn last_cycle(tether: &Tether) -> Result<Vec<Loads<f64>>, Error> {
 }
 
 /// Part of a load in the frame of the tables (x aft, z up), N.
-type Part = (&'static str, fn(&Loads<f64>) -> f64);
+type LoadPart = (&'static str, fn(&Loads<f64>) -> f64);
 
 fn circulatory(loads: &Loads<f64>) -> Wrench<f64> {
     let sources = loads.by_source();
     sources.circulatory + sources.induced_drag
 }
 
-const PARTS: [Part; 5] = [
+const PARTS: [LoadPart; 5] = [
     ("Fx", |l| -l.wrench.force[0]),
     ("Fz", |l| l.wrench.force[2]),
     ("Fcx", |l| -circulatory(l).force[0]),
@@ -125,7 +130,7 @@ const PARTS: [Part; 5] = [
 
 /// A force over the cycle beside the research script's.
 #[derive(Clone, Debug)]
-pub struct Comparison {
+pub struct ForceComparison {
     /// `F2` or `E1`.
     pub case: &'static str,
     /// Column of the table: x aft, z up; c circulatory, a added mass.
@@ -138,7 +143,7 @@ pub struct Comparison {
     pub exact: Vec<f64>,
 }
 
-impl Comparison {
+impl ForceComparison {
     /// Rms difference over rms.
     pub fn error(&self) -> f64 {
         let difference = self.value.iter().zip(&self.exact).map(|(value, exact)| (value - exact).powi(2));
@@ -150,7 +155,7 @@ impl Comparison {
 ///
 /// # Errors
 /// [`Error`] when a table or the model fails.
-pub fn oracle_series(preset: Preset) -> Result<Vec<Comparison>, Error> {
+pub fn oracle_series(preset: ComparedPreset) -> Result<Vec<ForceComparison>, Error> {
     let steps = 192;
     let cases = [
         ("F2", F2, reference_table!("strip_model/strip_model_F2.csv")?),
@@ -161,7 +166,7 @@ pub fn oracle_series(preset: Preset) -> Result<Vec<Comparison>, Error> {
         let cycle = last_cycle(&flap.tether(preset, steps)?)?;
         let stride = cycle.len() / table.len();
         for (part, of) in PARTS {
-            series.push(Comparison {
+            series.push(ForceComparison {
                 case,
                 part,
                 phase: table.column("phase")?,
@@ -174,17 +179,24 @@ pub fn oracle_series(preset: Preset) -> Result<Vec<Comparison>, Error> {
 }
 
 /// The worst of the forces of F2 and E1 and their parts.
-pub fn oracle() -> Result<Vec<Row>, Error> {
-    let worst = oracle_series(Preset::Full)?.iter().map(Comparison::error).fold(0.0, f64::max);
+pub fn oracle() -> Result<Vec<ComparisonRow>, Error> {
+    let worst = oracle_series(ComparedPreset::Full)?.iter().map(ForceComparison::error).fold(0.0, f64::max);
     let metric = "F2 and E1: worst rms error of force and its parts over their rms";
-    Ok(vec![Row::judged("aero.full.oracle", "research script of the strip model", metric, worst, 0.01, "")])
+    Ok(vec![ComparisonRow::judged(
+        "aero.full.oracle",
+        "research script of the strip model",
+        metric,
+        worst,
+        0.01,
+        "",
+    )])
 }
 
 /// Upward added-mass force of the wing over the last cycle of F2 and of E1, N.
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
-pub fn added_mass_lift(preset: Preset) -> Result<[(&'static str, Vec<f64>); 2], Error> {
+pub fn added_mass_lift(preset: ComparedPreset) -> Result<[(&'static str, Vec<f64>); 2], Error> {
     let lift = |flap: &Flap| -> Result<Vec<f64>, Error> {
         let cycle = last_cycle(&flap.tether(preset, 192)?)?;
         Ok(cycle.iter().map(|l| l.by_source().added_mass.force[2]).collect())
@@ -194,19 +206,26 @@ pub fn added_mass_lift(preset: Preset) -> Result<[(&'static str, Vec<f64>); 2], 
 
 /// Cycle mean of the added-mass force over its amplitude: of the sum for the strip
 /// model, of the worst strip for the paper's.
-pub fn added_mass_mean(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn added_mass_mean(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let mut worst: f64 = 0.0;
     for flap in [F2, E1] {
         let cycle = last_cycle(&flap.tether(preset, 192)?)?;
         let strip = |i: usize| mean_over_amplitude(&cycle, |l| l.strip[i].added_mass.force);
         worst = worst.max(match preset {
-            Preset::Paper => (0..STRIPS).map(strip).fold(0.0, f64::max),
+            ComparedPreset::Paper => (0..STRIPS).map(strip).fold(0.0, f64::max),
             _ => mean_over_amplitude(&cycle, |l| l.by_source().added_mass.force),
         });
     }
-    let (of, limit) = if preset == Preset::Paper { ("worst strip", 1e-6) } else { ("wing", 0.01) };
+    let (of, limit) = if preset == ComparedPreset::Paper { ("worst strip", 1e-6) } else { ("wing", 0.01) };
     let metric = format!("F2 and E1: mean added-mass force of the {of} over its amplitude");
-    Ok(vec![Row::judged(&preset.id("added_mass_mean"), "momentum of the air", &metric, worst, limit, "")])
+    Ok(vec![ComparisonRow::judged(
+        &preset.id("added_mass_mean"),
+        "momentum of the air",
+        &metric,
+        worst,
+        limit,
+        "",
+    )])
 }
 
 fn mean_over_amplitude(cycle: &[Loads<f64>], of: impl Fn(&Loads<f64>) -> Vec3) -> f64 {
@@ -219,7 +238,7 @@ fn mean_over_amplitude(cycle: &[Loads<f64>], of: impl Fn(&Loads<f64>) -> Vec3) -
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
-pub fn small_flap_lift(preset: Preset) -> Result<Vec<f64>, Error> {
+pub fn small_flap_lift(preset: ComparedPreset) -> Result<Vec<f64>, Error> {
     let alpha = Flap::incidence();
     let up = Vec3::new(alpha.sin(), 0.0, alpha.cos());
     Ok(last_cycle(&F1.tether(preset, 192)?)?.iter().map(|l| l.wrench.force.dot(up)).collect())
@@ -238,10 +257,10 @@ pub fn lattice_lift() -> Result<Vec<f64>, Error> {
 /// Peak and mean lift of F1 against PteraSoftware's free wake, which is 10 to 13 % high: its
 /// vortex core also acts on bound rings (against the linear lifting surface it errs by 6 to
 /// 15 % in plunge and by 4 to 9 % in a sudden start).
-pub fn lattice(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn lattice(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let (value, exact) = (small_flap_lift(preset)?, lattice_lift()?);
     let name = match preset {
-        Preset::Full => "aero.uvlm_small_flap".to_string(),
+        ComparedPreset::Full => "aero.uvlm_small_flap".to_string(),
         _ => preset.id("uvlm_small_flap"),
     };
     let (mean, peak) = first_harmonics(&value);

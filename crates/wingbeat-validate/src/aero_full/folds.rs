@@ -1,11 +1,11 @@
 //! Aerobat's planform, folded and held, in small motions up to k = 1, against a linear lattice.
 
-use super::Preset;
-use super::lattice::Lattice;
-use super::linear::{Complex, Motion, SmallMotion};
+use super::ComparedPreset;
+use super::lattice::HarmonicLattice;
+use super::linear::{Complex, RigidMotion, SmallMotion};
 use super::small::{extrapolated, motion_of};
 use super::wings::{self, Still};
-use crate::{Error, Row, reference_table};
+use crate::{ComparisonRow, Error, reference_table};
 use wingbeat::tether::TetheredBody;
 
 /// Dihedral of the inner and of the outer panels, degrees.
@@ -17,7 +17,7 @@ const STATIONS: usize = 32;
 const SOURCE: &str = "linear vortex lattice, 6 and 12 x 32 panels";
 
 /// Plunge, and pitch about four axes.
-fn motions(still: &Still) -> Result<Vec<Motion>, Error> {
+fn motions(still: &Still) -> Result<Vec<RigidMotion>, Error> {
     ["plunge", "pitch0", "pitch.25", "pitch.5", "pitch.75"]
         .map(|name| motion_of(name, still))
         .into_iter()
@@ -26,7 +26,7 @@ fn motions(still: &Still) -> Result<Vec<Motion>, Error> {
 
 /// Vertical force of the lattice per unit of each motion, N, extrapolated from 6 and 12 panels.
 fn exact(still: &Still, k: f64) -> Result<Vec<Complex>, Error> {
-    let wing = Preset::Full.model_of(STATIONS, still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
+    let wing = ComparedPreset::Full.model_of(STATIONS, still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
     let frame = TetheredBody::rest().frame();
     let edge = |arc: &f64| {
         let section = still.wing.section(*arc, &frame, &still.angles);
@@ -35,7 +35,7 @@ fn exact(still: &Still, k: f64) -> Result<Vec<Complex>, Error> {
     let between = wing.arcs().windows(2).zip(wing.strip_arcs()).take(STATIONS / 2);
     let fractions: Vec<f64> = between.map(|(ends, arc)| (ends[0] - arc) / (ends[0] - ends[1])).collect();
     let lift = |chordwise: usize| {
-        let lattice = Lattice {
+        let lattice = HarmonicLattice {
             chordwise,
             edges: wing.arcs().iter().map(edge).collect(),
             fractions: fractions.clone(),
@@ -52,7 +52,7 @@ fn error(value: Complex, exact: Complex) -> f64 {
 }
 
 /// Worst complex error of the force of `strips` strips over motions and frequencies.
-fn worst(preset: Preset, strips: usize, still: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
+fn worst(preset: ComparedPreset, strips: usize, still: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
     let model = preset.model_of(strips, still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
     let mut worst: f64 = 0.0;
     for (m, motion) in motions(still)?.into_iter().enumerate() {
@@ -84,33 +84,33 @@ fn lattice_error(flat: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
 }
 
 /// Vertical force of Aerobat's planform at five folds in plunge and pitch, k <= 1, of 16 and of 32 strips.
-pub fn folded_aerobat() -> Result<Vec<Row>, Error> {
+pub fn folded_aerobat() -> Result<Vec<ComparisonRow>, Error> {
     let wings = FOLDS.map(|[inner, outer]| wings::aerobat_folded(inner, outer));
     let wings = wings.into_iter().collect::<Result<Vec<_>, _>>()?;
     let exact_at = |still: &Still| KS.iter().map(|k| exact(still, *k)).collect::<Result<Vec<_>, _>>();
     let lattice = wings.iter().map(exact_at).collect::<Result<Vec<_>, _>>()?;
-    let row = |preset: Preset, strips: usize, id: &str| -> Result<Row, Error> {
+    let row = |preset: ComparedPreset, strips: usize, id: &str| -> Result<ComparisonRow, Error> {
         let errors = wings.iter().zip(&lattice).map(|(still, exact)| worst(preset, strips, still, exact));
         let errors = errors.collect::<Result<Vec<_>, _>>()?;
         let said = FOLDS
             .iter()
             .zip(&errors)
             .map(|([inner, outer], e)| format!("{inner:+}, {outer:+}: {:.1} %", 100.0 * e));
-        let lags = if preset == Preset::Full { "" } else { ", five lags" };
+        let lags = if preset == ComparedPreset::Full { "" } else { ", five lags" };
         let said = said.collect::<Vec<_>>().join("; ");
         let metric = format!(
             "{strips} strips{lags}: worst complex error of force, plunge and pitch, k <= 1; panels at {said}"
         );
-        Ok(Row::shown(id, SOURCE, &metric, errors.iter().copied().fold(0.0, f64::max), ""))
+        Ok(ComparisonRow::shown(id, SOURCE, &metric, errors.iter().copied().fold(0.0, f64::max), ""))
     };
     let check = "Aerobat, flat, k 0.1 to 1: worst error of the lattice against the table";
     let id = "aero.full.folded_aerobat";
     Ok(vec![
-        row(Preset::Full, 16, id)?,
-        row(Preset::Full, 32, &format!("{id}.strips_32"))?,
-        row(Preset::FiveLags, 16, &format!("{id}.five_lags"))?,
-        row(Preset::FiveLags, 32, &format!("{id}.five_lags_32"))?,
-        Row::judged(
+        row(ComparedPreset::Full, 16, id)?,
+        row(ComparedPreset::Full, 32, &format!("{id}.strips_32"))?,
+        row(ComparedPreset::FiveLags, 16, &format!("{id}.five_lags"))?,
+        row(ComparedPreset::FiveLags, 32, &format!("{id}.five_lags_32"))?,
+        ComparisonRow::judged(
             &format!("{id}.lattice"),
             "linear lifting surface (own lattice, Richardson)",
             check,

@@ -2,14 +2,14 @@
 
 use super::flapping::last_cycle;
 use crate::lattice::flapping::{self as flapping_lattice, CORE, FoldedLift};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::path::Path;
 use wingbeat::aero::LiftLaw;
 use wingbeat::math::Vec3;
 use wingbeat::scenario::{ConfigError, Document, TetherCase};
 use wingbeat::simulate::Record;
 use wingbeat_lattice::WakeMotion;
-use wingbeat_lattice::course::Asked;
+use wingbeat_lattice::course::CourseRequest;
 
 macro_rules! shipped {
     ($name:literal) => {
@@ -61,10 +61,10 @@ fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
 }
 
 /// Deep folding: the mean lift of E1 beside that of the lattice, whose wake cores are a choice.
-pub fn deep_fold() -> Result<Vec<Row>, Error> {
+pub fn deep_fold() -> Result<Vec<ComparisonRow>, Error> {
     let (_, lift) = means(FOLDING[1], LiftLaw::Linear, &[])?;
     let cases = [
-        ("prescribed", WakeMotion::Prescribed, Asked::default().core),
+        ("prescribed", WakeMotion::Prescribed, CourseRequest::default().core),
         ("prescribed.thin_cores", WakeMotion::Prescribed, CORE),
         ("free", WakeMotion::Free, CORE),
     ];
@@ -79,7 +79,7 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
             name.split('.').next().unwrap_or(name)
         );
         let id = format!("aero.full.deep_fold.{name}");
-        rows.push(Row::shown(&id, source, &metric, (lift / lattice - 1.0).abs(), ""));
+        rows.push(ComparisonRow::shown(&id, source, &metric, (lift / lattice - 1.0).abs(), ""));
     }
     let [_, [fixed, without], [free, _]] = found[..] else { return Ok(rows) };
     rows.extend(turned_rows([free, fixed], source)?);
@@ -94,23 +94,29 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
     rows.extend(parts.map(|(name, what, part)| {
         let metric =
             format!("E1, mean lift of the lattice: {what} ({part:.4} N), over that of the prescribed wake");
-        Row::shown(&format!("aero.full.deep_fold.{name}"), source, &metric, (part / fixed).abs(), "")
+        ComparisonRow::shown(
+            &format!("aero.full.deep_fold.{name}"),
+            source,
+            &metric,
+            (part / fixed).abs(),
+            "",
+        )
     }));
     Ok(rows)
 }
 
 /// E1 with the impulse of the circulation turning, beside the lattice's mean lift with a `free` and a prescribed (`fixed`) wake, N; other folds.
-fn turned_rows([free, fixed]: [f64; 2], source: &str) -> Result<Vec<Row>, Error> {
+fn turned_rows([free, fixed]: [f64; 2], source: &str) -> Result<Vec<ComparisonRow>, Error> {
     let (_, turned) = means(FOLDING[1], LiftLaw::Linear, &[TURNED])?;
     let id = "aero.full.deep_fold.turned";
     let metric = format!(
         "the first with the impulse of the circulation turning ({turned:.4} N) over the lattice's with a free wake, less 1"
     );
     let error = |lattice: f64| (turned / lattice - 1.0).abs();
-    let mut rows = vec![Row::judged(id, source, &metric, error(free), 0.1, "")];
+    let mut rows = vec![ComparisonRow::judged(id, source, &metric, error(free), 0.1, "")];
     let metric =
         format!("the same over the lattice's with a prescribed wake of cores of {CORE} chords, less 1");
-    rows.push(Row::shown(&format!("{id}.prescribed"), source, &metric, error(fixed), ""));
+    rows.push(ComparisonRow::shown(&format!("{id}.prescribed"), source, &metric, error(fixed), ""));
     for (name, angles) in OTHERS {
         rows.push(other_fold(name, angles, source)?);
     }
@@ -118,7 +124,7 @@ fn turned_rows([free, fixed]: [f64; 2], source: &str) -> Result<Vec<Row>, Error>
 }
 
 /// The mean lift of another folding wing less that of the free lattice, over how far the lattice's swings.
-fn other_fold(name: &str, [flap, fold]: [f64; 2], source: &str) -> Result<Row, Error> {
+fn other_fold(name: &str, [flap, fold]: [f64; 2], source: &str) -> Result<ComparisonRow, Error> {
     let down = 0.5 * fold;
     let shoulder = format!("wing.hinges[0].angle_deg={{fourier={{sin=[{flap:?}]}}}}");
     let elbow = format!("wing.hinges[1].angle_deg={{fourier={{mean=-{down:?},cos=[-{down:?}]}}}}");
@@ -130,7 +136,7 @@ fn other_fold(name: &str, [flap, fold]: [f64; 2], source: &str) -> Result<Row, E
         "flapping by {flap:.0}, folding by {fold:.0} deg: mean lift {with:.4} N with it, {without:.4} N without, less the free lattice's {joukowski:.4} N, over the rms swing of that"
     );
     let value = (with - joukowski).abs() / swing;
-    Ok(Row::shown(&format!("aero.full.deep_fold.turned.{name}"), source, &metric, value, ""))
+    Ok(ComparisonRow::shown(&format!("aero.full.deep_fold.turned.{name}"), source, &metric, value, ""))
 }
 
 /// The worst law of some cases.
@@ -147,13 +153,13 @@ fn worst(cases: &[(&str, &str)]) -> Result<(f64, String), Error> {
 }
 
 /// The shipped cases under every law.
-pub fn added_mass_lift() -> Result<Vec<Row>, Error> {
+pub fn added_mass_lift() -> Result<Vec<ComparisonRow>, Error> {
     let (id, source) = ("aero.full.added_mass_lift", "Kirchhoff 1869: the rate of an impulse");
     let metric = |what: &str| format!("mean added-mass force over mean lift, worst law: {what}");
     let (folding, shares) = worst(&FOLDING)?;
     let (stand, of_stand) = worst(&[STAND])?;
     Ok(vec![
-        Row::judged(id, source, &metric(&shares), folding, 0.005, ""),
-        Row::judged(&format!("{id}.stand"), source, &metric(&of_stand), stand, 0.005, ""),
+        ComparisonRow::judged(id, source, &metric(&shares), folding, 0.005, ""),
+        ComparisonRow::judged(&format!("{id}.stand"), source, &metric(&of_stand), stand, 0.005, ""),
     ])
 }

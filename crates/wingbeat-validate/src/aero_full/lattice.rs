@@ -1,6 +1,6 @@
 //! A linear vortex lattice of a wing in small motion with its harmonic wake: what the tables do not hold.
 
-use super::linear::{Complex, Motion};
+use super::linear::{Complex, RigidMotion};
 use crate::Error;
 use std::f64::consts::PI;
 use wingbeat::math::Vec3;
@@ -10,7 +10,7 @@ use wingbeat::math::linear::{lu_factor, lu_solve};
 const WAKE: f64 = 40.0;
 
 /// Leading and trailing edge of a section, m, x forward and y to the left.
-pub(super) type ChordLine = [Vec3; 2];
+pub(super) type SectionChord = [Vec3; 2];
 
 /// Loading at the control points of one half of the span, from the tip inwards.
 #[derive(Clone, Debug)]
@@ -23,11 +23,11 @@ pub struct Loading {
 
 /// A wing that its left and right half mirror, flat between the edges of its strips, in a wind of 1 m/s from ahead; panels
 /// even along the chord, vortices at 1/4 and flow tangent at 3/4 of each panel.
-pub(super) struct Lattice {
+pub(super) struct HarmonicLattice {
     /// Panels along a chord.
     pub chordwise: usize,
     /// The edges of the strips from the left tip to the right one, an odd number.
-    pub edges: Vec<ChordLine>,
+    pub edges: Vec<SectionChord>,
     /// Where between their edges the control sections of the strips of the left half lie, 0 to 1, from the tip inwards.
     pub fractions: Vec<f64>,
     /// Mean chord, m.
@@ -37,7 +37,7 @@ pub(super) struct Lattice {
 }
 
 /// The share `place` of the way from leading to trailing edge.
-fn along([leading, trailing]: ChordLine, place: f64) -> Vec3 {
+fn along([leading, trailing]: SectionChord, place: f64) -> Vec3 {
     leading + (trailing - leading) * place
 }
 
@@ -57,7 +57,7 @@ fn horseshoe([left, right]: [Vec3; 2], p: Vec3, n: Vec3) -> f64 {
     (bound + leg(from_right, b) - leg(from_left, a)) / (4.0 * PI)
 }
 
-impl Lattice {
+impl HarmonicLattice {
     /// A rectangle of unit chord and the aspect ratio `aspect` on Lan's stations.
     fn rectangle(aspect: f64, chordwise: usize, spanwise: usize, omega: f64) -> Self {
         let step = PI / (spanwise + 1) as f64;
@@ -82,7 +82,7 @@ impl Lattice {
     }
 
     /// Control section of strip `j`.
-    fn station(&self, j: usize) -> ChordLine {
+    fn station(&self, j: usize) -> SectionChord {
         let [left, right] = [self.edges[j], self.edges[j + 1]];
         [0, 1].map(|end| left[end] + (right[end] - left[end]) * self.fractions[j])
     }
@@ -193,10 +193,10 @@ impl Lattice {
     ///
     /// # Errors
     /// [`Error::NoAnswer`] when the lattice is singular.
-    pub fn lift(&self, motions: &[Motion]) -> Result<Vec<Complex>, Error> {
+    pub fn lift(&self, motions: &[RigidMotion]) -> Result<Vec<Complex>, Error> {
         let wash = |motion: usize, p: Vec3| match motions[motion] {
-            Motion::Plunge => (0.0, self.omega),
-            Motion::Pitch(axis) => (1.0, self.omega * (axis - p[0])),
+            RigidMotion::Plunge => (0.0, self.omega),
+            RigidMotion::Pitch(axis) => (1.0, self.omega * (axis - p[0])),
         };
         let width = |j: usize| self.edges[j][0][1] - self.edges[j + 1][0][1];
         let lift = |rings: Vec<Complex>| {
@@ -213,7 +213,7 @@ impl Lattice {
 /// # Errors
 /// [`Error::NoAnswer`] when the lattice is singular.
 pub fn loading(aspect: f64, k: f64, chordwise: usize, spanwise: usize) -> Result<Loading, Error> {
-    let lattice = Lattice::rectangle(aspect, chordwise, spanwise, 2.0 * k);
+    let lattice = HarmonicLattice::rectangle(aspect, chordwise, spanwise, 2.0 * k);
     let rings = lattice.solve(1, |_, _| (1.0, 0.0))?.remove(0);
     let strips = rings.chunks_exact(chordwise);
     Ok(Loading {
@@ -234,7 +234,7 @@ pub fn downwash(
     chordwise: usize,
     spanwise: usize,
 ) -> Result<Vec<(f64, f64)>, Error> {
-    let lattice = Lattice::rectangle(aspect, chordwise, spanwise, 0.0);
+    let lattice = HarmonicLattice::rectangle(aspect, chordwise, spanwise, 0.0);
     let rings = lattice.solve(1, |_, _| (1.0, 0.0))?.remove(0);
     let upwash = |y: f64| -> f64 {
         let target = (Vec3::new(-behind, y, 0.0), Vec3::new(0.0, 0.0, 1.0));

@@ -12,7 +12,7 @@ pub type Complex = (f64, f64);
 
 /// A small motion q(t) of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Motion {
+pub enum RigidMotion {
     /// Heave, positive down: unit rate gives unit upwash.
     Plunge,
     /// Nose-up pitch about the axis, m ahead of the hinge line.
@@ -33,25 +33,25 @@ pub struct SmallMotion {
 type D = Early;
 /// What a derivative is taken by.
 #[derive(Clone, Copy, PartialEq)]
-enum Direction {
+enum DerivativeDirection {
     State(usize),
     /// The derivative of q of this order.
     Order(usize),
 }
 /// Derivatives of the state rates and of the outputs.
-type Column = (Vec<f64>, Vec<f64>);
+type DerivativeColumn = (Vec<f64>, Vec<f64>);
 
 impl SmallMotion {
     /// Linearises `model` on the wing at rest in a wind of 1 m/s from ahead.
-    pub fn new(model: &Aero, wing: &Still, motion: Motion) -> Self {
+    pub fn new(model: &Aero, wing: &Still, motion: RigidMotion) -> Self {
         let n = model.states();
         let mut columns = Vec::with_capacity(n + 3);
-        let directions: Vec<Direction> =
-            (0..n).map(Direction::State).chain((0..3).map(Direction::Order)).collect();
+        let directions: Vec<DerivativeDirection> =
+            (0..n).map(DerivativeDirection::State).chain((0..3).map(DerivativeDirection::Order)).collect();
         for together in directions.chunks(D::LANES) {
             let mut x = vec![D::ZERO; n];
             for (lane, direction) in together.iter().enumerate() {
-                if let Direction::State(i) = direction {
+                if let DerivativeDirection::State(i) = direction {
                     x[*i] = D::variable(0.0, lane);
                 }
             }
@@ -60,7 +60,7 @@ impl SmallMotion {
         let orders = columns.split_off(n);
         let [i0, i1, i2] = std::array::from_fn(|order| orders[order].clone());
         let outputs = i0.1.len();
-        let at = |rows: usize, pick: fn(&Column) -> &Vec<f64>| -> Vec<f64> {
+        let at = |rows: usize, pick: fn(&DerivativeColumn) -> &Vec<f64>| -> Vec<f64> {
             (0..rows).flat_map(|i| columns.iter().map(move |column| pick(column)[i])).collect()
         };
         let (a, c) = (at(n, |column| &column.0), at(outputs, |column| &column.1));
@@ -152,18 +152,25 @@ fn mix(columns: &[Vec<f64>; 3], i: usize, powers: &[Complex; 3]) -> Complex {
 }
 
 /// The body at rest, with derivatives along those `directions` that are of q.
-fn body(motion: Motion, directions: &[Direction]) -> TetheredBody<D> {
-    let lane = |order| directions.iter().position(|direction| *direction == Direction::Order(order));
+fn body(motion: RigidMotion, directions: &[DerivativeDirection]) -> TetheredBody<D> {
+    let lane =
+        |order| directions.iter().position(|direction| *direction == DerivativeDirection::Order(order));
     let unit = |order| lane(order).map_or(D::ZERO, |lane| D::variable(0.0, lane));
     let q = Jet::new(unit(0), unit(1), unit(2));
     match motion {
-        Motion::Plunge => TetheredBody { heave: -q, ..TetheredBody::rest() },
-        Motion::Pitch(axis_ahead_m) => TetheredBody { nose_up: q, axis_ahead_m, ..TetheredBody::rest() },
+        RigidMotion::Plunge => TetheredBody { heave: -q, ..TetheredBody::rest() },
+        RigidMotion::Pitch(axis_ahead_m) => TetheredBody { nose_up: q, axis_ahead_m, ..TetheredBody::rest() },
     }
 }
 
 /// The first `count` columns of the linearisation by the directions that body and states carry.
-fn derivatives(model: &Aero, still: &Still, body: &TetheredBody<D>, x: &[D], count: usize) -> Vec<Column> {
+fn derivatives(
+    model: &Aero,
+    still: &Still,
+    body: &TetheredBody<D>,
+    x: &[D],
+    count: usize,
+) -> Vec<DerivativeColumn> {
     let angles: Vec<_> = still.angles.iter().map(|a| Jet::from(a.x)).collect();
     let frame = body.frame();
     let sections: Vec<_> = model.arcs().iter().map(|&arc| still.wing.section(arc, &frame, &angles)).collect();

@@ -2,22 +2,29 @@
 
 use super::thrust::{Waving, mean_thrust};
 use super::wings::{self, Still, rectangle};
-use super::{Preset, STRIPS, Section};
-use crate::{Error, Row, reference_table};
+use super::{ComparedPreset, STRIPS, SectionLaw};
+use crate::{ComparisonRow, Error, reference_table};
 use std::f64::consts::PI;
 use wingbeat::aero::{Loads, SurfaceNumbers};
 use wingbeat::math::{Jet, Vec3};
 use wingbeat::tether::TetheredBody;
 
 /// Steady induced drag over the Trefftz drag of the wing's own circulation.
-pub fn trefftz() -> Result<Vec<Row>, Error> {
+pub fn trefftz() -> Result<Vec<ComparisonRow>, Error> {
     let wings = [wings::rectangular(6.0)?, wings::swept(6.0, 30.0)?, wings::folded(6.0, 15.0, -60.0)?];
     let mut worst: f64 = 0.0;
     for wing in wings {
         worst = worst.max((drag_over_trefftz(&wing)? - 1.0).abs());
     }
     let metric = "worst error of steady induced drag: flat, swept 30 deg, folded 75 deg";
-    Ok(vec![Row::judged("aero.full.trefftz", "Munk: drag of its own far wake", metric, worst, 0.005, "")])
+    Ok(vec![ComparisonRow::judged(
+        "aero.full.trefftz",
+        "Munk: drag of its own far wake",
+        metric,
+        worst,
+        0.005,
+        "",
+    )])
 }
 
 /// Ratio of the steady induced drag to the Trefftz drag of a wing of AR 6, swept by `angle` degrees, or folded: each half at
@@ -35,7 +42,7 @@ pub fn induced_over_trefftz(folded: bool, angle: f64) -> Result<f64, Error> {
 
 /// Steady drag at 2 degrees over the drag of its wake.
 fn drag_over_trefftz(still: &Still) -> Result<f64, Error> {
-    let model = Preset::Full.model(still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
+    let model = ComparedPreset::Full.model(still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
     let alpha = 2_f64.to_radians();
     let wind = Vec3::new(-alpha.cos(), 0.0, alpha.sin());
     let angles: Vec<Jet<f64>> = still.angles.clone();
@@ -79,12 +86,17 @@ const SCHERER_DRAG: f64 = 0.027;
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
-pub fn scherer_thrust(preset: Preset, theta_deg: f64, psi_deg: f64) -> Result<f64, Error> {
-    thrust_of(preset, Section::INVISCID, theta_deg, psi_deg)
+pub fn scherer_thrust(preset: ComparedPreset, theta_deg: f64, psi_deg: f64) -> Result<f64, Error> {
+    thrust_of(preset, SectionLaw::INVISCID, theta_deg, psi_deg)
 }
 
 /// The same under the law of a section.
-fn thrust_of(preset: Preset, section: Section, theta_deg: f64, psi_deg: f64) -> Result<f64, Error> {
+fn thrust_of(
+    preset: ComparedPreset,
+    section: SectionLaw,
+    theta_deg: f64,
+    psi_deg: f64,
+) -> Result<f64, Error> {
     changed_thrust(preset, section, [theta_deg, psi_deg], |_| ())
 }
 
@@ -94,13 +106,13 @@ pub fn scherer_lev_thrust(
     psi_deg: f64,
     change: impl Fn(&mut SurfaceNumbers),
 ) -> Result<f64, Error> {
-    let section = Section::stalling_at(NACA_63A015_STALL);
-    changed_thrust(Preset::Full, section, [theta_deg, psi_deg], change)
+    let section = SectionLaw::stalling_at(NACA_63A015_STALL);
+    changed_thrust(ComparedPreset::Full, section, [theta_deg, psi_deg], change)
 }
 
 fn changed_thrust(
-    preset: Preset,
-    section: Section,
+    preset: ComparedPreset,
+    section: SectionLaw,
     [theta_deg, psi_deg]: [f64; 2],
     change: impl Fn(&mut SurfaceNumbers),
 ) -> Result<f64, Error> {
@@ -144,11 +156,11 @@ pub struct Thrust {
 ///
 /// # Errors
 /// [`Error`] when the table or the model fails.
-pub fn scherer_points(preset: Preset) -> Result<Vec<Thrust>, Error> {
-    points_of(preset, Section::INVISCID)
+pub fn scherer_points(preset: ComparedPreset) -> Result<Vec<Thrust>, Error> {
+    points_of(preset, SectionLaw::INVISCID)
 }
 
-fn points_of(preset: Preset, section: Section) -> Result<Vec<Thrust>, Error> {
+fn points_of(preset: ComparedPreset, section: SectionLaw) -> Result<Vec<Thrust>, Error> {
     let table = reference_table!("scherer1968/thrust.csv")?;
     let (theta, psi) = (table.column("theta_max_deg")?, table.column("psi_deg")?);
     let (measured, below, above) =
@@ -169,13 +181,13 @@ fn mean_error(points: &[Thrust], drag: f64) -> f64 {
 const SOURCE: &str = "Scherer 1968, measured; Izraelevitz et al. 2017 fig. 14";
 
 /// The error of the inviscid models: shown, because at the larger incidences the flow has left what they know.
-pub fn scherer(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn scherer(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let points = scherer_points(preset)?;
     let metric = "mean |error| of thrust coefficient, law linear, Cd0 = 0.057";
-    let id = if preset == Preset::Full { "aero.scherer".to_string() } else { preset.id("scherer") };
-    let own = Row::shown(&id, SOURCE, metric, mean_error(&points, STATIC_DRAG), "");
+    let id = if preset == ComparedPreset::Full { "aero.scherer".to_string() } else { preset.id("scherer") };
+    let own = ComparisonRow::shown(&id, SOURCE, metric, mean_error(&points, STATIC_DRAG), "");
     let low = mean_error(&points, SCHERER_DRAG);
-    let other = Row::shown(&format!("{id}.low_drag"), SOURCE, "the same, Cd0 = 0.027", low, "");
+    let other = ComparisonRow::shown(&format!("{id}.low_drag"), SOURCE, "the same, Cd0 = 0.027", low, "");
     Ok(vec![own, other])
 }
 
@@ -184,9 +196,9 @@ pub fn scherer(preset: Preset) -> Result<Vec<Row>, Error> {
 const NACA_63A015_STALL: f64 = 15.0;
 
 /// The error under law `lev`, and its change with the critical suction parameter.
-pub fn scherer_lev() -> Result<Vec<Row>, Error> {
-    let section = Section::stalling_at(NACA_63A015_STALL);
-    let points = points_of(Preset::Full, section)?;
+pub fn scherer_lev() -> Result<Vec<ComparisonRow>, Error> {
+    let section = SectionLaw::stalling_at(NACA_63A015_STALL);
+    let points = points_of(ComparedPreset::Full, section)?;
     let a0c = section.critical_suction;
     let metric = |drag: f64, a0c: f64| {
         format!("mean |error| of thrust coefficient, law lev, A0c = {a0c:.3}, Cd0 = {drag}")
@@ -195,25 +207,31 @@ pub fn scherer_lev() -> Result<Vec<Row>, Error> {
     let id = |name: &str| format!("aero.lev.scherer{name}");
     for (name, drag) in [("", STATIC_DRAG), (".low_drag", SCHERER_DRAG)] {
         let error = mean_error(&points, drag);
-        rows.push(Row::judged(&id(name), SOURCE, &metric(drag, a0c), error, 0.026, ""));
+        rows.push(ComparisonRow::judged(&id(name), SOURCE, &metric(drag, a0c), error, 0.026, ""));
     }
     for (name, factor) in [(".less", 0.85), (".more", 1.15)] {
-        let other = Section { critical_suction: factor * a0c, ..section };
-        let points = points_of(Preset::Full, other)?;
+        let other = SectionLaw { critical_suction: factor * a0c, ..section };
+        let points = points_of(ComparedPreset::Full, other)?;
         for (suffix, drag) in [("", STATIC_DRAG), (".low_drag", SCHERER_DRAG)] {
             let id = id(&format!("{name}{suffix}"));
-            rows.push(Row::shown(&id, SOURCE, &metric(drag, factor * a0c), mean_error(&points, drag), ""));
+            rows.push(ComparisonRow::shown(
+                &id,
+                SOURCE,
+                &metric(drag, factor * a0c),
+                mean_error(&points, drag),
+                "",
+            ));
         }
     }
     for (suffix, drag) in [("", STATIC_DRAG), (".low_drag", SCHERER_DRAG)] {
-        let error = mean_error(&points_of(Preset::Full, section.lev3d())?, drag);
+        let error = mean_error(&points_of(ComparedPreset::Full, section.lev3d())?, drag);
         let metric = format!("the same as the first under law lev3d, Cd0 = {drag}");
-        rows.push(Row::shown(&id(&format!(".lev3d{suffix}")), SOURCE, &metric, error, ""));
+        rows.push(ComparisonRow::shown(&id(&format!(".lev3d{suffix}")), SOURCE, &metric, error, ""));
     }
-    for (name, preset) in [(".five_lags", Preset::FiveLags), (".paper", Preset::Paper)] {
+    for (name, preset) in [(".five_lags", ComparedPreset::FiveLags), (".paper", ComparedPreset::Paper)] {
         let points = points_of(preset, section)?;
         let metric = format!("the same with {}", preset.name());
-        rows.push(Row::shown(&id(name), SOURCE, &metric, mean_error(&points, STATIC_DRAG), ""));
+        rows.push(ComparisonRow::shown(&id(name), SOURCE, &metric, mean_error(&points, STATIC_DRAG), ""));
     }
     Ok(rows)
 }

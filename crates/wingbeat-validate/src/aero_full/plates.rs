@@ -2,9 +2,9 @@
 
 use super::flapping::last_cycle;
 use super::wings::rectangle;
-use super::{Preset, STRIPS, Section};
-use crate::curve::{Curve, START, eldredge};
-use crate::{Error, Row, reference_table};
+use super::{ComparedPreset, STRIPS, SectionLaw};
+use crate::curve::{START, SampledCurve, eldredge};
+use crate::{ComparisonRow, Error, reference_table};
 use wingbeat::aero::Loads;
 use wingbeat::math::{CubicSpline, Vec3};
 use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
@@ -23,13 +23,13 @@ fn coefficients(loads: &Loads<f64>, reference: Reference) -> [f64; 2] {
 
 /// A flat rectangular plate that pitches nose up about its leading edge, or stands at an incidence.
 fn pitching(
-    section: Section,
+    section: SectionLaw,
     [aspect, chord, speed, density]: [f64; 4],
     nose_up: Coordinate,
     clock: Clock,
 ) -> Result<Tether, Error> {
     let planform = rectangle(aspect * chord, chord)?;
-    let aero = Preset::Full.model_with(section, STRIPS, &planform, &[], density, 0.004 * speed)?;
+    let aero = ComparedPreset::Full.model_with(section, STRIPS, &planform, &[], density, 0.004 * speed)?;
     Ok(Tether {
         aero,
         motion: Motion { nose_up, ..Motion::at_rest() },
@@ -55,7 +55,7 @@ const AVERAGED: f64 = 20.0;
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
-pub fn steady_normal_force(section: Section, aspect: f64, alpha_deg: f64) -> Result<f64, Error> {
+pub fn steady_normal_force(section: SectionLaw, aspect: f64, alpha_deg: f64) -> Result<f64, Error> {
     let alpha = alpha_deg.to_radians();
     let clock = Clock { frequency_hz: SPEED / CHORD / AVERAGED, cycles: 4, steps_per_cycle: 100 };
     let tether = pitching(section, [aspect, CHORD, SPEED, DENSITY], Coordinate::Constant(alpha), clock)?;
@@ -92,7 +92,7 @@ const STEPS: usize = 200;
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
-pub fn fast_pitch(section: Section, start: f64) -> Result<Ramp, Error> {
+pub fn fast_pitch(section: SectionLaw, start: f64) -> Result<Ramp, Error> {
     let (chord, speed) = (0.0762, 0.26);
     // A chord of travel before the motion, in which nothing happens.
     let knots: Vec<f64> = (0..=(TRAVEL * STEPS as f64) as usize).map(|k| k as f64 / STEPS as f64).collect();
@@ -119,7 +119,7 @@ const RAMP_SOURCE: &str = "Mancini et al. 2017, measured";
 const LEAST: f64 = 4.0;
 
 /// Mean |error| of the normal force over the measured one at both speeds, of the incidences that `counts`.
-fn plate_error(section: Section, counts: impl Fn(f64) -> bool) -> Result<f64, Error> {
+fn plate_error(section: SectionLaw, counts: impl Fn(f64) -> bool) -> Result<f64, Error> {
     let table = reference_table!("plates/normal_force_ar2.csv")?;
     let (alpha, slow, fast) =
         (table.column("alpha_deg")?, table.column("cn_5_m_s")?, table.column("cn_10_m_s")?);
@@ -135,19 +135,22 @@ fn plate_error(section: Section, counts: impl Fn(f64) -> bool) -> Result<f64, Er
 }
 
 /// A thin plate under the other laws, by their names.
-const OTHERS: [(&str, Section); 3] =
-    [("lev", Section::PLATE), ("stall", Section::PLATE.stall()), ("linear", Section::PLATE.linear())];
+const OTHERS: [(&str, SectionLaw); 3] = [
+    ("lev", SectionLaw::PLATE),
+    ("stall", SectionLaw::PLATE.stall()),
+    ("linear", SectionLaw::PLATE.linear()),
+];
 
 /// Normal force of the rigid plate of AR 2.
-pub fn plates() -> Result<Vec<Row>, Error> {
+pub fn plates() -> Result<Vec<ComparisonRow>, Error> {
     let shown = |name: &str, metric: &str, value: f64| {
-        Row::shown(&format!("aero.plates.{name}"), PLATE_SOURCE, metric, value, "")
+        ComparisonRow::shown(&format!("aero.plates.{name}"), PLATE_SOURCE, metric, value, "")
     };
-    let plate = Section::PLATE.lev3d();
+    let plate = SectionLaw::PLATE.lev3d();
     let metric = "law lev3d, AR 2, 4 to 29 deg: mean |error| of the normal force over it";
     let all = plate_error(plate, |_| true)?;
     let mut rows = vec![
-        Row::judged("aero.plates.normal_force", PLATE_SOURCE, metric, all, 0.1, ""),
+        ComparisonRow::judged("aero.plates.normal_force", PLATE_SOURCE, metric, all, 0.1, ""),
         shown("rising", "the same up to 16 deg", plate_error(plate, |a| a <= 16.0)?),
         shown("stalled", "the same from 22 deg on", plate_error(plate, |a| a >= 22.0)?),
     ];
@@ -159,22 +162,22 @@ pub fn plates() -> Result<Vec<Row>, Error> {
 }
 
 /// Lift of the plate of AR 4 that is pitched fast.
-pub fn mancini() -> Result<Vec<Row>, Error> {
+pub fn mancini() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("plates/fast_pitch_ar4.csv")?;
-    let measured = Curve { at: table.column("t_star")?, value: table.column("cl")? };
+    let measured = SampledCurve { at: table.column("t_star")?, value: table.column("cl")? };
     let ends = [measured.at[0], measured.at[measured.at.len() - 1]];
-    let error = |section: Section, start: f64, window: f64| {
+    let error = |section: SectionLaw, start: f64, window: f64| {
         let Ramp { travel, lift, .. } = fast_pitch(section, start)?;
-        Ok::<_, Error>(Curve { at: travel, value: lift }.error(&measured, window, ends))
+        Ok::<_, Error>(SampledCurve { at: travel, value: lift }.error(&measured, window, ends))
     };
     let shown = |name: &str, metric: &str, value: f64| {
-        Row::shown(&format!("aero.mancini.{name}"), RAMP_SOURCE, metric, value, "")
+        ComparisonRow::shown(&format!("aero.mancini.{name}"), RAMP_SOURCE, metric, value, "")
     };
-    let plate = Section::PLATE.lev3d();
+    let plate = SectionLaw::PLATE.lev3d();
     let point = "law lev3d, AR 4 pitched to 45 deg in a chord: rms error of lift to t* 2.2 over its rms";
     let mean = "the same of means over a quarter chord of travel";
     let Ramp { travel, lift, .. } = fast_pitch(plate, START)?;
-    let model = Curve { at: travel, value: lift };
+    let model = SampledCurve { at: travel, value: lift };
     let between = |at: f64| PULSES.iter().all(|[from, to]| at < *from || at >= *to);
     let [from, to] = PULSES[0];
     let pulse = model.mean(from, to) / measured.mean(from, to) - 1.0;
@@ -186,7 +189,14 @@ pub fn mancini() -> Result<Vec<Row>, Error> {
             model.error_where(&measured, POINT, ends, between),
         ),
         shown("lift.first_pulse", "error of the mean lift over the first pulse", pulse.abs()),
-        Row::judged("aero.mancini.mean_lift", RAMP_SOURCE, mean, error(plate, START, QUARTER)?, 0.15, ""),
+        ComparisonRow::judged(
+            "aero.mancini.mean_lift",
+            RAMP_SOURCE,
+            mean,
+            error(plate, START, QUARTER)?,
+            0.15,
+            "",
+        ),
         shown("mean_lift.later", "the same with the ramp 0.04 chords later", error(plate, LATER, QUARTER)?),
     ];
     for (law, section) in OTHERS {

@@ -1,18 +1,18 @@
 //! Small motions: steady slope, plunge, step and other wings, against our linear
 //! lifting surface.
 
-use super::Preset;
+use super::ComparedPreset;
 use super::lattice::loading;
-use super::linear::{Complex, Motion, SmallMotion};
+use super::linear::{Complex, RigidMotion, SmallMotion};
 use super::wings::{self, Still};
-use crate::{Error, Row, reference_table};
+use crate::{ComparisonRow, Error, reference_table};
 use std::f64::consts::PI;
 
 const SOURCE: &str = "linear lifting surface (own lattice, Richardson)";
 
 /// One compared number.
 #[derive(Clone, Debug)]
-pub struct Point {
+pub struct ComparedPoint {
     /// Wing and motion.
     pub series: String,
     /// Aspect ratio, reduced frequency or semichords.
@@ -23,7 +23,7 @@ pub struct Point {
     pub exact: Complex,
 }
 
-impl Point {
+impl ComparedPoint {
     /// Relative error |value - exact| / |exact|.
     pub fn error(&self) -> f64 {
         let (value, exact) = (self.value, self.exact);
@@ -32,18 +32,24 @@ impl Point {
 }
 
 /// The row of the worst of `points`.
-fn worst(preset: Preset, name: &str, metric: &str, points: &[Point], limit: f64) -> Row {
-    let worst = points.iter().map(Point::error).fold(0.0, f64::max);
+fn worst(
+    preset: ComparedPreset,
+    name: &str,
+    metric: &str,
+    points: &[ComparedPoint],
+    limit: f64,
+) -> ComparisonRow {
+    let worst = points.iter().map(ComparedPoint::error).fold(0.0, f64::max);
     preset.row(&preset.id(name), SOURCE, metric, worst, limit)
 }
 
-fn linearise(preset: Preset, still: &Still, motion: Motion) -> Result<SmallMotion, Error> {
+fn linearise(preset: ComparedPreset, still: &Still, motion: RigidMotion) -> Result<SmallMotion, Error> {
     let model = preset.model(still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
     Ok(SmallMotion::new(&model, still, motion))
 }
 
 /// Steady lift slope of rectangles, AR 3 to 20.
-pub fn slope(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn slope(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let points = slope_points(preset)?;
     Ok(vec![worst(preset, "slope", "worst error of the steady lift slope, AR 3 to 20", &points, 0.02)])
 }
@@ -52,14 +58,14 @@ pub fn slope(preset: Preset) -> Result<Vec<Row>, Error> {
 ///
 /// # Errors
 /// [`Error`] when a table or the model fails.
-pub fn slope_points(preset: Preset) -> Result<Vec<Point>, Error> {
+pub fn slope_points(preset: ComparedPreset) -> Result<Vec<ComparedPoint>, Error> {
     let table = reference_table!("lifting_surface/steady.csv")?;
     let columns = table.column("AR")?.into_iter().zip(table.column("CLalpha_12x120")?);
     columns
         .filter(|(aspect, _)| *aspect >= 3.0)
         .map(|(aspect, exact)| {
-            let lift = linearise(preset, &wings::rectangular(aspect)?, Motion::Plunge)?.steady(1)?[0];
-            Ok(Point {
+            let lift = linearise(preset, &wings::rectangular(aspect)?, RigidMotion::Plunge)?.steady(1)?[0];
+            Ok(ComparedPoint {
                 series: "rectangle".into(),
                 x: aspect,
                 value: (lift / (0.5 * aspect), 0.0),
@@ -70,7 +76,7 @@ pub fn slope_points(preset: Preset) -> Result<Vec<Point>, Error> {
 }
 
 /// Complex lift of plunging rectangles, k <= 1.
-pub fn plunge(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn plunge(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let points = plunge_points(preset)?;
     Ok(vec![worst(preset, "plunge", "worst complex error of lift, AR 4 to 20, k <= 1", &points, 0.02)])
 }
@@ -79,7 +85,7 @@ pub fn plunge(preset: Preset) -> Result<Vec<Row>, Error> {
 ///
 /// # Errors
 /// [`Error`] when a table or the model fails.
-pub fn plunge_points(preset: Preset) -> Result<Vec<Point>, Error> {
+pub fn plunge_points(preset: ComparedPreset) -> Result<Vec<ComparedPoint>, Error> {
     let table = reference_table!("lifting_surface/plunge.csv")?;
     let (aspects, ks) = (table.column("AR")?, table.column("k")?);
     let (re, im) = (table.column("Re_H")?, table.column("Im_H")?);
@@ -88,10 +94,10 @@ pub fn plunge_points(preset: Preset) -> Result<Vec<Point>, Error> {
     for i in (0..table.len()).filter(|&i| ks[i] <= 1.0) {
         let aspect = aspects[i];
         if wing.as_ref().is_none_or(|(a, _)| *a != aspect) {
-            wing = Some((aspect, linearise(preset, &wings::rectangular(aspect)?, Motion::Plunge)?));
+            wing = Some((aspect, linearise(preset, &wings::rectangular(aspect)?, RigidMotion::Plunge)?));
         }
         let Some((_, small)) = &wing else { continue };
-        points.push(Point {
+        points.push(ComparedPoint {
             series: format!("AR {aspect}"),
             x: ks[i],
             value: per_upwash(small.response(2.0 * ks[i])?[0], 2.0 * ks[i], 0.5 * aspect),
@@ -107,7 +113,7 @@ fn per_upwash(y: Complex, omega: f64, scale: f64) -> Complex {
 }
 
 /// Lift after a sudden start of rectangles, s >= 1.
-pub fn step(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn step(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let points = step_points(preset)?;
     Ok(vec![worst(preset, "step", "worst error of lift after a sudden start, s >= 1", &points, 0.02)])
 }
@@ -116,7 +122,7 @@ pub fn step(preset: Preset) -> Result<Vec<Row>, Error> {
 ///
 /// # Errors
 /// [`Error`] when a table or the model fails.
-pub fn step_points(preset: Preset) -> Result<Vec<Point>, Error> {
+pub fn step_points(preset: ComparedPreset) -> Result<Vec<ComparedPoint>, Error> {
     let table = reference_table!("lifting_surface/impulsive.csv")?;
     let (aspects, travel) = (table.column("AR")?, table.column("s_semichords")?);
     let exact = table.column("CL_over_alpha")?;
@@ -127,10 +133,10 @@ pub fn step_points(preset: Preset) -> Result<Vec<Point>, Error> {
         let rows: Vec<usize> = (first..table.len()).take_while(|&i| aspects[i] == aspect).collect();
         first += rows.len();
         let late: Vec<usize> = rows.into_iter().filter(|&i| travel[i] >= 1.0).collect();
-        let small = linearise(preset, &wings::rectangular(aspect)?, Motion::Plunge)?;
+        let small = linearise(preset, &wings::rectangular(aspect)?, RigidMotion::Plunge)?;
         let times: Vec<f64> = late.iter().map(|&i| 0.5 * travel[i]).collect();
         for (i, y) in late.into_iter().zip(small.step(1, &times)) {
-            points.push(Point {
+            points.push(ComparedPoint {
                 series: format!("AR {aspect}"),
                 x: travel[i],
                 value: (y[0] / (0.5 * aspect), 0.0),
@@ -163,7 +169,7 @@ pub struct SpanLoading {
 ///
 /// # Errors
 /// [`Error`] when a table, the lattice or the model fails.
-pub fn span_loadings(preset: Preset) -> Result<Vec<SpanLoading>, Error> {
+pub fn span_loadings(preset: ComparedPreset) -> Result<Vec<SpanLoading>, Error> {
     let mut loadings = Vec::new();
     for (aspect, stations) in [(4.0, 16), (6.0, 16), (12.0, 24), (20.0, 24)] {
         for k in [0.1, 0.3, 0.5] {
@@ -184,7 +190,7 @@ pub fn span_loadings(preset: Preset) -> Result<Vec<SpanLoading>, Error> {
 }
 
 /// The worst of the span loadings, and of the lattice that they are compared with.
-pub fn span_loading(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn span_loading(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let loadings = span_loadings(preset)?;
     let worst = loadings.iter().map(|l| distance_over_peak(&l.value, &l.exact)).fold(0.0, f64::max);
     let lattice_worst = loadings.iter().map(|l| l.lattice_error).fold(0.0, f64::max);
@@ -210,10 +216,10 @@ fn distance_over_peak(value: &[Complex], exact: &[Complex]) -> f64 {
 }
 
 /// Force per span over dynamic pressure, chord and upwash angle, at the stations of one half.
-fn span_force(preset: Preset, aspect: f64, k: f64, stations: usize) -> Result<Vec<Complex>, Error> {
+fn span_force(preset: ComparedPreset, aspect: f64, k: f64, stations: usize) -> Result<Vec<Complex>, Error> {
     let still = wings::rectangular(aspect)?;
     let model = preset.model_of(stations, still.wing.planform(), &[], 1.0, 1e-6)?;
-    let response = SmallMotion::new(&model, &still, Motion::Plunge).response(2.0 * k)?;
+    let response = SmallMotion::new(&model, &still, RigidMotion::Plunge).response(2.0 * k)?;
     let widths = model.arcs().windows(2).map(|a| a[0] - a[1]);
     let forces = response[1..].iter().zip(widths).take(stations / 2);
     Ok(forces.map(|(force, width)| per_upwash(*force, 2.0 * k, 0.5 * width)).collect())
@@ -230,7 +236,7 @@ fn table_circulation(aspect: f64, k: f64) -> Result<Vec<Complex>, Error> {
 }
 
 /// Vertical force of other planforms and folds in plunge and pitch, k <= 0.5.
-pub fn other_wings(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn other_wings(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let points = other_points(preset)?;
     let (aerobat, others): (Vec<_>, Vec<_>) =
         points.into_iter().partition(|p| p.series.starts_with("aerobat"));
@@ -244,7 +250,7 @@ pub fn other_wings(preset: Preset) -> Result<Vec<Row>, Error> {
 ///
 /// # Errors
 /// [`Error`] when a table or the model fails.
-pub fn other_points(preset: Preset) -> Result<Vec<Point>, Error> {
+pub fn other_points(preset: ComparedPreset) -> Result<Vec<ComparedPoint>, Error> {
     let table = reference_table!("lifting_surface/other_wings.csv")?;
     let (names, motions, ks) = (table.words("wing")?, table.words("motion")?, table.column("k")?);
     let (re, im) = (table.column("Re_H")?, table.column("Im_H")?);
@@ -264,16 +270,16 @@ pub fn other_points(preset: Preset) -> Result<Vec<Point>, Error> {
             _ => (force.0 / scale, force.1 / scale),
         };
         let series = format!("{} {}", names[i], motions[i]);
-        points.push(Point { series, x: ks[i], value, exact: (re[i], im[i]) });
+        points.push(ComparedPoint { series, x: ks[i], value, exact: (re[i], im[i]) });
     }
     Ok(points)
 }
 
 /// `plunge`, or `pitch` with the axis in mean chords behind the origin.
-pub(super) fn motion_of(name: &str, still: &Still) -> Result<Motion, Error> {
-    let Some(axis) = name.strip_prefix("pitch") else { return Ok(Motion::Plunge) };
+pub(super) fn motion_of(name: &str, still: &Still) -> Result<RigidMotion, Error> {
+    let Some(axis) = name.strip_prefix("pitch") else { return Ok(RigidMotion::Plunge) };
     let behind: f64 = format!("0{axis}")
         .parse()
         .map_err(|_| Error::reference("lifting_surface/other_wings.csv", format!("no motion {name}")))?;
-    Ok(Motion::Pitch(still.origin - behind * still.chord))
+    Ok(RigidMotion::Pitch(still.origin - behind * still.chord))
 }

@@ -3,8 +3,8 @@
 use super::flapping::last_cycle;
 use super::linear::Complex;
 use super::wings::rectangle;
-use super::{Preset, STRIPS};
-use crate::{Error, Row, reference_table};
+use super::{ComparedPreset, STRIPS};
+use crate::{ComparisonRow, Error, reference_table};
 use std::f64::consts::PI;
 use wingbeat::aero::{Aero, JONES_RATES, JONES_WEIGHTS, LagSet, Planform};
 use wingbeat::math::Vec3;
@@ -87,7 +87,7 @@ const SETTLED: f64 = 160.0;
 const AMPLITUDE: f64 = 0.01;
 
 /// Mean thrust over rho U^2 S by the square of the amplitude, k = omega c/(2 U).
-fn thrust(preset: Preset, aspect: f64, k: f64, small: Small) -> Result<f64, Error> {
+fn thrust(preset: ComparedPreset, aspect: f64, k: f64, small: Small) -> Result<f64, Error> {
     let planform = rectangle(aspect, 1.0)?;
     let model = preset.model_of(STRIPS, &planform, &[], 1.0, 1e-6)?;
     let area = planform.area();
@@ -141,11 +141,11 @@ fn theodorsen(k: f64) -> Result<Complex, Error> {
 }
 
 /// Theodorsen's function as the preset's lags have it, 1 - sum psi ik/(ik + eps).
-fn lagged(preset: Preset, k: f64) -> Complex {
+fn lagged(preset: ComparedPreset, k: f64) -> Complex {
     let (weights, rates): (&[f64], &[f64]) = match preset {
-        Preset::Paper => (&JONES_WEIGHTS, &JONES_RATES),
-        Preset::Full => (LagSet::Three.lags().lift, LagSet::Three.lags().rate),
-        Preset::FiveLags => (LagSet::Five.lags().lift, LagSet::Five.lags().rate),
+        ComparedPreset::Paper => (&JONES_WEIGHTS, &JONES_RATES),
+        ComparedPreset::Full => (LagSet::Three.lags().lift, LagSet::Three.lags().rate),
+        ComparedPreset::FiveLags => (LagSet::Five.lags().lift, LagSet::Five.lags().rate),
     };
     let term = |(psi, eps): (&f64, &f64)| {
         let scale = psi * k / (k * k + eps * eps);
@@ -156,7 +156,7 @@ fn lagged(preset: Preset, k: f64) -> Complex {
 }
 
 /// Motions of one kind at the reduced frequency k.
-type Kind = fn(f64) -> Vec<Small>;
+type MotionKind = fn(f64) -> Vec<Small>;
 
 /// Pitch with a heave of twice its upwash, at the phases of the complex units `phases`.
 fn heaving(k: f64, phases: &[Complex]) -> Vec<Small> {
@@ -165,7 +165,7 @@ fn heaving(k: f64, phases: &[Complex]) -> Vec<Small> {
     AXES.iter().flat_map(|axis| at(*axis)).collect()
 }
 
-const KINDS: [(&str, &str, Kind); 4] = [
+const KINDS: [(&str, &str, MotionKind); 4] = [
     ("plunge", "plunge", |_| vec![Small { heave: (1.0, 0.0), pitch: 0.0, axis: 0.25 }]),
     ("pitch", "pitch about 1/4, 1/2, 3/4 chord", |_| {
         AXES.map(|axis| Small { heave: (0.0, 0.0), pitch: 1.0, axis }).to_vec()
@@ -177,7 +177,7 @@ const KINDS: [(&str, &str, Kind); 4] = [
 ];
 
 /// Worst |error| of mean thrust over the suction with Theodorsen's function, and with the preset's lags in its place.
-fn worst(preset: Preset, kind: Kind) -> Result<[f64; 2], Error> {
+fn worst(preset: ComparedPreset, kind: MotionKind) -> Result<[f64; 2], Error> {
     let mut worst: [f64; 2] = [0.0; 2];
     for k in FREQUENCIES {
         for small in kind(k) {
@@ -196,33 +196,33 @@ fn worst(preset: Preset, kind: Kind) -> Result<[f64; 2], Error> {
 /// against Theodorsen's, against which other rows judge the function itself. Strips are judged by Theodorsen's: what they
 /// miss is their lags' (2.9 % off at k = 0.1 with three of them), as the rows `.own_lags` show. Where the pitch feathers the
 /// wing the suction is a quarter of the heave's, and that error counts fourfold.
-pub fn garrick_rows(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn garrick_rows(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     for (name, of, kind) in KINDS {
         let [by_theodorsen, by_lags] = worst(preset, kind)?;
         let source = "Garrick 1936, NACA Rep. 567";
         let metric = format!("worst error of mean thrust over the suction, {of}, k 0.1 to 1, AR 1e4");
-        if preset == Preset::Paper {
+        if preset == ComparedPreset::Paper {
             let id = format!("aero.garrick.paper.{name}");
             let by_fit = format!("{metric}, with Jones' fit of Theodorsen's function");
-            rows.push(Row::judged(&id, source, &by_fit, by_lags, 0.03, ""));
-            rows.push(Row::shown(&format!("{id}.theodorsen"), source, &metric, by_theodorsen, ""));
+            rows.push(ComparisonRow::judged(&id, source, &by_fit, by_lags, 0.03, ""));
+            rows.push(ComparisonRow::shown(&format!("{id}.theodorsen"), source, &metric, by_theodorsen, ""));
         } else {
-            let id = if preset == Preset::Full {
+            let id = if preset == ComparedPreset::Full {
                 format!("aero.garrick.{name}")
             } else {
                 format!("aero.garrick.{}.{name}", preset.name())
             };
             let by_own = format!("{metric}, with the strips' own lags in place of Theodorsen's function");
-            rows.push(Row::shown(&format!("{id}.own_lags"), source, &by_own, by_lags, ""));
-            rows.push(Row::judged(&id, source, &metric, by_theodorsen, 0.05, ""));
+            rows.push(ComparisonRow::shown(&format!("{id}.own_lags"), source, &by_own, by_lags, ""));
+            rows.push(ComparisonRow::judged(&id, source, &metric, by_theodorsen, 0.05, ""));
         }
     }
     Ok(rows)
 }
 
 /// Mean thrust of pitching rectangles against the linear lifting surface.
-pub fn pitch_thrust(preset: Preset) -> Result<Vec<Row>, Error> {
+pub fn pitch_thrust(preset: ComparedPreset) -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("lifting_surface/pitch_thrust.csv")?;
     let (aspects, ks, axes) = (table.column("AR")?, table.column("k")?, table.column("x_axis")?);
     let (exact, suction) = (table.column("T")?, table.column("S")?);

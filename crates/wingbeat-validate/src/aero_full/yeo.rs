@@ -1,8 +1,8 @@
 //! Pressures on a rigid flapping wing in a wind tunnel: nine taps of Yeo, Atkins & Shyy 2011.
 
 use super::flapping::last_cycle;
-use super::{Preset, STRIPS, Section};
-use crate::{Error, Row, Table, reference_table};
+use super::{ComparedPreset, STRIPS, SectionLaw};
+use crate::{ComparisonRow, Error, ReferenceTable, reference_table};
 use std::f64::consts::PI;
 use wingbeat::aero::{Aero, Loads, Planform, PlanformStation, SurfaceNumbers};
 use wingbeat::math::Vec3;
@@ -70,11 +70,11 @@ fn taps() -> Result<Vec<Vec<Tap>>, Error> {
             reference_table!("yeo2011/green_trailing.csv")?,
         ],
     ];
-    let tap = |([behind, span, area], table): (&[f64; 3], &Table)| {
+    let tap = |([behind, span, area], table): (&[f64; 3], &ReferenceTable)| {
         let pressure = table.column_at(1)?.iter().map(|p| p * INCH_OF_WATER).collect();
         Ok(Tap { behind: *behind, span: *span, area: *area, pressure })
     };
-    let strip = |((_, places), tables): (&(&str, [[f64; 3]; 3]), &[Table; 3])| {
+    let strip = |((_, places), tables): (&(&str, [[f64; 3]; 3]), &[ReferenceTable; 3])| {
         places.iter().zip(tables).map(tap).collect::<Result<Vec<_>, Error>>()
     };
     STRIPS_OF_TAPS.iter().zip(&tables).map(strip).collect()
@@ -103,16 +103,16 @@ fn planform() -> Result<Planform, Error> {
 
 /// Where the motion comes from.
 #[derive(Clone, Copy)]
-enum Flapping {
+enum FlappingSource {
     /// The series that the publishers of the digitised data used, rad.
     Published,
     /// The measured angle by its first harmonics.
     Measured(usize),
 }
 
-fn flap(flapping: Flapping) -> Result<Coordinate, Error> {
+fn flap(flapping: FlappingSource) -> Result<Coordinate, Error> {
     let harmonics = match flapping {
-        Flapping::Published => {
+        FlappingSource::Published => {
             return Ok(Coordinate::Fourier {
                 frequency_hz: FREQUENCY,
                 mean: 0.0354,
@@ -120,7 +120,7 @@ fn flap(flapping: Flapping) -> Result<Coordinate, Error> {
                 sin: vec![0.3793, -1.95e-6, -0.0035, -3.6e-6],
             });
         }
-        Flapping::Measured(harmonics) => harmonics,
+        FlappingSource::Measured(harmonics) => harmonics,
     };
     let table = reference_table!("yeo2011/flap.csv")?;
     let angle: Vec<f64> = table.column_at(1)?.iter().map(|a| a.to_radians()).collect();
@@ -139,12 +139,16 @@ fn flap(flapping: Flapping) -> Result<Coordinate, Error> {
 }
 
 /// Lift at the taps of each strip over the cycle, N, both wings: model, measured.
-struct Strip {
+struct StripLift {
     model: Vec<f64>,
     measured: Vec<f64>,
 }
 
-fn strips(preset: Preset, section: Section, flapping: Flapping) -> Result<Vec<Strip>, Error> {
+fn strips(
+    preset: ComparedPreset,
+    section: SectionLaw,
+    flapping: FlappingSource,
+) -> Result<Vec<StripLift>, Error> {
     strips_of(preset, section, flapping, Ok)
 }
 
@@ -156,16 +160,17 @@ pub fn lifts(change: impl Fn(&mut SurfaceNumbers)) -> Result<Vec<[Vec<f64>; 2]>,
         change(&mut numbers);
         Ok(aero.with(&numbers)?)
     };
-    let strips = strips_of(Preset::Full, Section::PLATE, Flapping::Measured(HARMONICS), changed)?;
+    let strips =
+        strips_of(ComparedPreset::Full, SectionLaw::PLATE, FlappingSource::Measured(HARMONICS), changed)?;
     Ok(strips.into_iter().map(|strip| [strip.model, strip.measured]).collect())
 }
 
 fn strips_of(
-    preset: Preset,
-    section: Section,
-    flapping: Flapping,
+    preset: ComparedPreset,
+    section: SectionLaw,
+    flapping: FlappingSource,
     change: impl Fn(Aero) -> Result<Aero, Error>,
-) -> Result<Vec<Strip>, Error> {
+) -> Result<Vec<StripLift>, Error> {
     let planform = planform()?;
     let aero = change(preset.model_with(section, STRIPS, &planform, &[], DENSITY, 0.02)?)?;
     let flap = flap(flapping)?;
@@ -204,7 +209,7 @@ fn strips_of(
             (2.0 * cosine * model, 2.0 * cosine * measured)
         };
         let (model, measured) = (0..INSTANTS).map(instant).unzip();
-        Strip { model, measured }
+        StripLift { model, measured }
     };
     Ok(taps()?.iter().map(lift).collect())
 }
@@ -245,20 +250,20 @@ fn gain(model: &[f64], measured: &[f64]) -> f64 {
     pairs().map(|(x, y)| x * y).sum::<f64>() / pairs().map(|(x, _)| x * x).sum::<f64>()
 }
 
-fn sum_of(strips: &[Strip], of: fn(&Strip) -> &Vec<f64>) -> Vec<f64> {
+fn sum_of(strips: &[StripLift], of: fn(&StripLift) -> &Vec<f64>) -> Vec<f64> {
     (0..INSTANTS).map(|k| strips.iter().map(|strip| of(strip)[k]).sum()).collect()
 }
 
 /// Lift at the taps under law `lev` with the section of a thin plate; under the other laws for comparison.
-pub fn yeo() -> Result<Vec<Row>, Error> {
+pub fn yeo() -> Result<Vec<ComparisonRow>, Error> {
     let source = "Yeo, Atkins & Shyy 2011, measured";
-    let of_section = |section| strips(Preset::Full, section, Flapping::Measured(HARMONICS));
-    let own = of_section(Section::PLATE)?;
+    let of_section = |section| strips(ComparedPreset::Full, section, FlappingSource::Measured(HARMONICS));
+    let own = of_section(SectionLaw::PLATE)?;
     let (model, measured) = (sum_of(&own, |s| &s.model), sum_of(&own, |s| &s.measured));
     let error = mean_free_error(&model, &measured);
     let gain_error = (gain(&model, &measured) - 1.0).abs();
     let mut rows = vec![
-        Row::judged(
+        ComparisonRow::judged(
             "aero.yeo.lift",
             source,
             "mean |error| of lift at nine taps, without means",
@@ -266,7 +271,7 @@ pub fn yeo() -> Result<Vec<Row>, Error> {
             0.006,
             "N",
         ),
-        Row::judged(
+        ComparisonRow::judged(
             "aero.yeo.gain",
             source,
             "|measured over modelled lift - 1|, without means",
@@ -278,31 +283,35 @@ pub fn yeo() -> Result<Vec<Row>, Error> {
     for ((name, _), strip) in STRIPS_OF_TAPS.iter().zip(&own) {
         let metric = format!("the same at the {name} strip, gain {:.2}", gain(&strip.model, &strip.measured));
         let error = mean_free_error(&strip.model, &strip.measured);
-        rows.push(Row::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
+        rows.push(ComparisonRow::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
     }
     let others = [
-        ("law_linear", "law linear", Section::PLATE.linear()),
-        ("law_stall", "law stall", Section::PLATE.stall()),
-        ("lev_edge_stall", "law lev with the static stall of lev3d", Section::PLATE.stalling_with_the_edge()),
-        ("law_lev3d", "law lev3d", Section::PLATE.lev3d()),
+        ("law_linear", "law linear", SectionLaw::PLATE.linear()),
+        ("law_stall", "law stall", SectionLaw::PLATE.stall()),
+        (
+            "lev_edge_stall",
+            "law lev with the static stall of lev3d",
+            SectionLaw::PLATE.stalling_with_the_edge(),
+        ),
+        ("law_lev3d", "law lev3d", SectionLaw::PLATE.lev3d()),
     ];
     for (name, of, section) in others {
         let other = of_section(section)?;
         let model = sum_of(&other, |s| &s.model);
         let metric = format!("the same under {of}, gain {:.2}", gain(&model, &measured));
         let error = mean_free_error(&model, &measured);
-        rows.push(Row::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
+        rows.push(ComparisonRow::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
     }
     let flappings = [
-        ("published_angle", "the publishers' series of the angle", Flapping::Published),
-        ("four_harmonics", "four harmonics of the measured angle", Flapping::Measured(4)),
+        ("published_angle", "the publishers' series of the angle", FlappingSource::Published),
+        ("four_harmonics", "four harmonics of the measured angle", FlappingSource::Measured(4)),
     ];
     for (name, of, flapping) in flappings {
-        let other = strips(Preset::Full, Section::PLATE, flapping)?;
+        let other = strips(ComparedPreset::Full, SectionLaw::PLATE, flapping)?;
         let model = sum_of(&other, |s| &s.model);
         let metric = format!("the same with {of}, gain {:.2}", gain(&model, &measured));
         let error = mean_free_error(&model, &measured);
-        rows.push(Row::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
+        rows.push(ComparisonRow::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
     }
     Ok(rows)
 }

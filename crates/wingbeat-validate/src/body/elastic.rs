@@ -5,7 +5,7 @@ use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::robot::{Air, Robot, Wind};
 use wingbeat::scenario::Document;
 
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// Mass (kg) and moment of inertia about y (kg m2) of body and link.
 const MASSES: [(f64, f64); 2] = [(0.02, 3e-5), (0.007, 4e-6)];
@@ -67,7 +67,7 @@ fn moved_inertia() -> [f64; 2] {
 }
 
 /// The row.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let found = [
         frequency(&robot("revolute", [0.0, 1.0, 0.0])?)?,
         frequency(&robot("prismatic", [SLIDE[0], 0.0, SLIDE[1]])?)?,
@@ -75,5 +75,12 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let exact = moved_inertia().map(|inertia| (STIFFNESS / inertia).sqrt());
     let worst = found.iter().zip(exact).map(|(f, e)| (f / e - 1.0).abs()).fold(0.0, f64::max);
     let metric = "max relative error of the frequency, hinge and slide on a free body";
-    Ok(vec![Row::judged("body.elastic_frequency", "closed form of two bodies", metric, worst, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged(
+        "body.elastic_frequency",
+        "closed form of two bodies",
+        metric,
+        worst,
+        1e-6,
+        "",
+    )])
 }

@@ -5,15 +5,15 @@ use wingbeat::plant::Plant;
 use wingbeat::robot::{Air, Robot, Wind};
 use wingbeat::scenario::Document;
 
-use super::{Reference, reference};
-use crate::{Error, Row};
+use super::{ReferenceState, reference};
+use crate::{ComparisonRow, Error};
 
 /// Rate of the phase, rad/s.
 const PHASE_RATE: f64 = 40.0;
 
 /// The robot file of validation/multibody/aerobat10.urdf; joint i free, with a spring that exerts the reference's
 /// effort, where bit i of `free` is set, else driven with the reference's coordinate, rate and acceleration.
-fn toml(reference: &Reference, free: usize) -> String {
+fn toml(reference: &ReferenceState, free: usize) -> String {
     let mut text = format!(
         r#"
 name = "reference_tree"
@@ -61,7 +61,7 @@ inertia_kg_m2 = {inertia}
 }
 
 /// Largest relative errors of the accelerations and of the efforts of the driven joints.
-fn errors(reference: &Reference, free: usize) -> Result<[f64; 2], Error> {
+fn errors(reference: &ReferenceState, free: usize) -> Result<[f64; 2], Error> {
     let spec = Document::text("tree", &toml(reference, free))
         .and_then(|d| d.robot())
         .map_err(|e| Error::NoAnswer(e.to_string()))?;
@@ -94,7 +94,7 @@ fn errors(reference: &Reference, free: usize) -> Result<[f64; 2], Error> {
 }
 
 /// The rows.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let reference = reference()?;
     let mut worst = [0.0_f64; 2];
     for free in 0..16 {
@@ -106,7 +106,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let motion = "max relative error of the accelerations, all 16 choices of free and driven joints";
     let effort = "max relative error of the efforts of the driven joints, the same";
     Ok(vec![
-        Row::judged(id, source, motion, worst[0], 1e-10, ""),
-        Row::judged(&format!("{id}.efforts"), source, effort, worst[1], 1e-10, ""),
+        ComparisonRow::judged(id, source, motion, worst[0], 1e-10, ""),
+        ComparisonRow::judged(&format!("{id}.efforts"), source, effort, worst[1], 1e-10, ""),
     ])
 }

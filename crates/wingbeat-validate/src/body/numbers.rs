@@ -1,7 +1,7 @@
 //! Derivatives of loads and rates by the numbers of a robot, against differences.
 
 use crate::shipped::{Shipped, scenario};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::collections::BTreeSet;
 use wingbeat::math::{Jet, Mat3, Quat, Scalar, Vec3};
 use wingbeat::plant::{Fault, Plant};
@@ -128,7 +128,7 @@ fn on_a_kink(name: &str, values: &[(String, f64)]) -> bool {
 }
 
 /// The worst derivative, and how many numbers moved anything.
-struct Found {
+struct WorstDerivative {
     worst: f64,
     name: String,
     moving: usize,
@@ -136,11 +136,11 @@ struct Found {
 }
 
 /// Largest difference of a derivative from the central one over all that is computed, over the largest of that number.
-fn compare(robot: &Robot) -> Result<Found, Error> {
+fn compare(robot: &Robot) -> Result<WorstDerivative, Error> {
     let values = robot.named_numbers();
     let smooth = values.iter().map(|(name, _)| name.as_str()).filter(|name| !on_a_kink(name, &values));
     let names: Vec<&str> = smooth.collect::<BTreeSet<_>>().into_iter().collect();
-    let mut found = Found { worst: 0.0, name: String::new(), moving: 0, all: names.len() };
+    let mut found = WorstDerivative { worst: 0.0, name: String::new(), moving: 0, all: names.len() };
     let judged = robot.in_batches(
         &names,
         |_| false,
@@ -213,8 +213,8 @@ fn apart(
 }
 
 /// The row.
-pub fn rows() -> Result<Vec<Row>, Error> {
-    let mut all = Found { worst: 0.0, name: String::new(), moving: 0, all: 0 };
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
+    let mut all = WorstDerivative { worst: 0.0, name: String::new(), moving: 0, all: 0 };
     for flown in FLOWN {
         for preset in ["paper", "full"] {
             let found = compare(&robot(flown, preset)?)?;
@@ -229,7 +229,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
          tail, and of a linkage robot, both presets, law lev ({} of {} numbers move something)",
         all.moving, all.all
     );
-    Ok(vec![Row::judged(
+    Ok(vec![ComparisonRow::judged(
         "body.parameter_derivatives",
         "own central differences",
         &metric,

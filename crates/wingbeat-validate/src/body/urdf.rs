@@ -3,7 +3,7 @@
 use crate::Error;
 use wingbeat::body::{Base, JointKind, Link, Tree};
 use wingbeat::math::{Mat3, Vec3};
-use wingbeat_io::urdf::tree::{Joint, JointType, Link as Described, Origin, Robot};
+use wingbeat_io::urdf::tree::{JointType, UrdfJoint, UrdfLink as Described, UrdfOrigin, UrdfRobot};
 
 const FILE: &str = "multibody/aerobat10.urdf";
 
@@ -14,7 +14,7 @@ pub fn reference() -> Result<Tree, Error> {
 
 /// A tree with the root link as floating base; every joint must be revolute or continuous.
 fn parse(text: &str) -> Result<Tree, Error> {
-    let robot = Robot::read(text).map_err(|e| Error::reference(FILE, e))?;
+    let robot = UrdfRobot::read(text).map_err(|e| Error::reference(FILE, e))?;
     let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child == name);
     let root = robot.links.iter().find(|link| !is_child(&link.name));
     let root = root.ok_or_else(|| Error::reference(FILE, "no root link"))?;
@@ -26,7 +26,7 @@ fn parse(text: &str) -> Result<Tree, Error> {
 
 /// Appends the links beyond the link `name`, which has the index `parent`, branch by
 /// branch: the order in which Pinocchio numbers the joints of this file.
-fn branch(robot: &Robot, name: &str, parent: Option<usize>, links: &mut Vec<Link>) -> Result<(), Error> {
+fn branch(robot: &UrdfRobot, name: &str, parent: Option<usize>, links: &mut Vec<Link>) -> Result<(), Error> {
     for joint in robot.joints.iter().filter(|joint| joint.parent == name) {
         links.push(hinged(robot, joint, parent)?);
         branch(robot, &joint.child, Some(links.len() - 1), links)?;
@@ -35,7 +35,7 @@ fn branch(robot: &Robot, name: &str, parent: Option<usize>, links: &mut Vec<Link
 }
 
 /// The child link of `joint`.
-fn hinged(robot: &Robot, joint: &Joint, parent: Option<usize>) -> Result<Link, Error> {
+fn hinged(robot: &UrdfRobot, joint: &UrdfJoint, parent: Option<usize>) -> Result<Link, Error> {
     if !matches!(joint.joint_type, JointType::Revolute | JointType::Continuous) {
         return Err(Error::reference(FILE, format!("joint {} is not revolute", joint.name)));
     }
@@ -63,7 +63,7 @@ fn body(link: &Described) -> (f64, Vec3, Mat3) {
     (link.mass, Vec3(link.origin.xyz), r * own * r.transpose())
 }
 
-fn rotation(origin: &Origin) -> Mat3 {
+fn rotation(origin: &UrdfOrigin) -> Mat3 {
     let [roll, pitch, yaw] = origin.rpy;
     Mat3::from_roll_pitch_yaw(roll, pitch, yaw)
 }

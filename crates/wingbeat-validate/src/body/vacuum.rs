@@ -26,7 +26,7 @@ pub struct Totals {
 
 /// What one cycle did.
 #[derive(Debug)]
-pub struct Flight {
+pub struct VacuumCycle {
     /// At the start.
     pub before: Totals,
     /// At the end.
@@ -38,7 +38,7 @@ pub struct Flight {
 }
 
 /// A tree of two wings (shoulder, elbow, shoulder, elbow) whose joints follow the gait.
-struct Model {
+struct WingTree {
     tree: Tree,
     shoulder: FourierSeries,
     elbow: FourierSeries,
@@ -54,12 +54,12 @@ struct Snapshot {
     motions: [LinkMotion; MAX_LINKS],
 }
 
-impl Flight {
+impl VacuumCycle {
     /// Flies one cycle of the published gait from a moving start; `gravity` in W, m/s2.
     pub fn one_cycle(tree: Tree, gravity: Vec3) -> Result<Self, Error> {
         let shoulder = FourierSeries::single(0.1, 0.95, 0.0);
         let elbow = FourierSeries::single(-0.65, -0.65, 1.25 * std::f64::consts::PI);
-        let model = Model { tree, shoulder, elbow, gravity };
+        let model = WingTree { tree, shoulder, elbow, gravity };
         let period = 1.0 / FREQUENCY;
         let (h, mut workspace) = (period / STEPS as f64, Workspace::new(STATES, 4));
         let mut x = [0.0; STATES];
@@ -76,7 +76,7 @@ impl Flight {
     }
 }
 
-impl Model {
+impl WingTree {
     fn snapshot(&self, t: f64, x: &[f64]) -> Result<Snapshot, Fault> {
         let rate = std::f64::consts::TAU * FREQUENCY;
         let phase = Jet::new(rate * t, rate, 0.0);

@@ -1,24 +1,24 @@
 //! Pairs that cannot be told apart are named; pairs that hardly can are told.
 
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use wingbeat_calibrate::{
-    Error as Fault, Information, Label, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress,
-    RunRole, correlations, solve,
+    CycleModel, Error as Fault, FitPlan, FitProblem, FitProgress, FittedParameter, HarmonicLayout,
+    Information, Label, LinearisedRuns, ObservedCycles, RunRole, correlations, solve,
 };
 
 /// Lift of a section in the quasi-steady theory of thin plates, L = rho/2 a0 U^2 c angle: density and slope enter by their
 /// product alone.
-struct Section;
+struct ThinPlate;
 
 /// Dynamic pressure over density times chord, m3/s2, and the amplitudes of the angle's mean and first harmonics, rad.
 const SCALE: f64 = 0.5 * 9.0 * 0.08;
 const ANGLES: [f64; 3] = [0.05, 0.2, -0.1];
 
-impl Model for Section {
+impl CycleModel for ThinPlate {
     fn predict(&self, _: usize, values: &[f64]) -> Result<Vec<f64>, Fault> {
         Ok(ANGLES.iter().map(|angle| SCALE * values[0] * values[1] * angle).collect())
     }
@@ -28,15 +28,15 @@ impl Model for Section {
     }
 }
 
-fn parameter(name: &str, start: f64) -> Parameter {
-    Parameter { name: name.into(), start, low: 0.0, high: 100.0, prior: None, stage: 1 }
+fn parameter(name: &str, start: f64) -> FittedParameter {
+    FittedParameter { name: name.into(), start, low: 0.0, high: 100.0, prior: None, stage: 1 }
 }
 
 /// The refusal that names slope and density of a section, if there is one.
 fn refusal() -> Result<Option<String>, Error> {
-    let layout = Layout { channels: 1, harmonics: 1 };
-    let mean = Section.predict(0, &[TAU, 1.225]).map_err(no_answer)?;
-    let run = Observed {
+    let layout = HarmonicLayout { channels: 1, harmonics: 1 };
+    let mean = ThinPlate.predict(0, &[TAU, 1.225]).map_err(no_answer)?;
+    let run = ObservedCycles {
         name: "section".into(),
         layout,
         cycles: vec![mean.clone(); 20],
@@ -54,17 +54,17 @@ fn refusal() -> Result<Option<String>, Error> {
     };
     let (runs, parameters) = ([run], [parameter("a0", TAU), parameter("density", 1.225)]);
     let noise = vec![vec![DMatrix::from_element(1, 1, 1e-6); 2]];
-    let problem = Problem::with_noise(&Section, &runs, &parameters, noise).map_err(no_answer)?;
-    let at = Linear::at(&problem, &[0], &[TAU, 1.225]).map_err(no_answer)?;
+    let problem = FitProblem::with_noise(&ThinPlate, &runs, &parameters, noise).map_err(no_answer)?;
+    let at = LinearisedRuns::at(&problem, &[0], &[TAU, 1.225]).map_err(no_answer)?;
     let information = Information::of(&problem, &at, &[TAU, 1.225]);
     Ok(information.check(&problem).err().map(|error| error.to_string()))
 }
 
 /// Slope with density as a product; the distal mass with its place, hardly told apart, identified all the same.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let said = refusal()?.unwrap_or_default();
     let named = said.contains("the product a0 x density");
-    let mut rows = vec![Row::judged(
+    let mut rows = vec![ComparisonRow::judged(
         "calibrate.degenerate",
         "L = rho/2 a0 U2 c angle",
         "slope with density, named as a product: 0 yes, 1 no",
@@ -78,7 +78,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     )?;
     let (own, targets) = (structure(&calibration)?, truth(&calibration)?);
     let runs = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
-    let parameters: Vec<Parameter> =
+    let parameters: Vec<FittedParameter> =
         own.parameters.iter().filter(|p| p.name.starts_with("links.")).cloned().collect();
     let names = parameters.iter().map(|parameter| parameter.name.clone()).collect();
     let model = wingbeat_calibrate::RigModel {
@@ -87,13 +87,13 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         names,
         held: Vec::new(),
     };
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let solved = solve(&model, &runs, &parameters, &plan, &mut (), watch).map_err(no_answer)?;
     let correlation = correlations(&solved.information_covariance())[(0, 1)];
     let labels = solved.profiles().map_err(no_answer)?;
     let other = labels.iter().filter(|profile| profile.label != Label::Identified).count();
-    rows.push(Row::judged(
+    rows.push(ComparisonRow::judged(
         "calibrate.degenerate.pair",
         "own truth, seven runs",
         &format!(

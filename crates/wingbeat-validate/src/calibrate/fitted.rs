@@ -6,7 +6,9 @@ use std::ops::ControlFlow;
 use wingbeat::aero::{CRITICAL_SUCTION, LiftLaw, STALL_ANGLE};
 use wingbeat::math::Random;
 use wingbeat::robot::ResidualSpec;
-use wingbeat_calibrate::{LearnedResidual, Model, Observed, Parameter, Plan, Progress, Rival, solve};
+use wingbeat_calibrate::{
+    CycleModel, FitPlan, FitProgress, FittedParameter, LearnedResidual, ObservedCycles, Rival, solve,
+};
 
 /// Draws of the numbers before the fit.
 const DRAWS: usize = 20;
@@ -46,7 +48,7 @@ pub(super) struct Calibrated {
     /// Preset and law.
     pub structure: [&'static str; 2],
     /// What is fitted; starts are the model's own values.
-    parameters: Vec<Parameter>,
+    parameters: Vec<FittedParameter>,
     values: Vec<f64>,
     /// Error in runs left out, in parts of what was measured.
     pub left_out: f64,
@@ -55,7 +57,7 @@ pub(super) struct Calibrated {
 }
 
 /// Numbers of the robot by name; the encoder's lag is the rig's.
-fn named(parameters: &[Parameter], values: &[f64]) -> Vec<(String, f64)> {
+fn named(parameters: &[FittedParameter], values: &[f64]) -> Vec<(String, f64)> {
     let all = parameters.iter().zip(values).map(|(parameter, value)| (parameter.name.clone(), *value));
     all.filter(|(name, _)| name != "gait.phase_rad").collect()
 }
@@ -70,7 +72,7 @@ impl Calibrated {
     pub fn drawn(&self) -> Vec<Vec<(String, f64)>> {
         let draw = |draw: usize| {
             let mut random = Random::stream(29, draw as u64);
-            let one = |parameter: &Parameter| {
+            let one = |parameter: &FittedParameter| {
                 let value = parameter.start + random.between(-OFF, OFF) * parameter.scale();
                 value.clamp(parameter.low, parameter.high)
             };
@@ -86,7 +88,7 @@ impl Calibrated {
     }
 
     /// Fits a structure; the numbers that the calibration names and its law has.
-    fn of(structure_is: [&'static str; 2], runs: &[Observed]) -> Result<Self, Error> {
+    fn of(structure_is: [&'static str; 2], runs: &[ObservedCycles]) -> Result<Self, Error> {
         let model = aero(structure_is).map(|key| format!("rig.{key}"));
         let mut calibration = shipped(FILE, &[&format!("model={model:?}")])?;
         let law = LiftLaw::ALL.into_iter().find(|law| law.name() == structure_is[1]);
@@ -101,8 +103,8 @@ impl Calibrated {
                 parameter.start = value.clamp(parameter.low, parameter.high);
             }
         }
-        let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
-        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
+        let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
         let solved = solve(&own.model, runs, &begin, &plan, &mut (), watch).map_err(no_answer)?;
         let left_out = Rival::of("", runs, &solved).map_err(no_answer)?.left_out_share;
         let said = |run: usize| own.model.predict(run, &solved.values);

@@ -2,8 +2,8 @@
 
 use super::fitted::{Calibrated, TRUTH, calibrated, median};
 use super::no_answer;
-use super::stroke::Turn;
-use crate::{Error, Row};
+use super::stroke::TruthTurn;
+use crate::{ComparisonRow, Error};
 use wingbeat::robot::ResidualSpec;
 
 /// Strokes of the turn: begin, s; where; what ids end with. *Choice.*
@@ -25,7 +25,7 @@ fn worse(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 /// Medians over the draws of what is left of attitude and velocity, and what is left: rad, m/s.
-struct Left {
+struct RemainingError {
     ratio: [f64; 2],
     after: [f64; 2],
 }
@@ -33,7 +33,7 @@ struct Left {
 /// By how much a model is off the truth after each stroke with each of the numbers before the fit.
 type Before = Vec<Vec<[f64; 2]>>;
 
-fn before(model: &Calibrated, turn: &Turn) -> Result<Before, Error> {
+fn before(model: &Calibrated, turn: &TruthTurn) -> Result<Before, Error> {
     let drawn = model.drawn();
     let one = |(begin, ..): (f64, &str, &str)| {
         let off = |_, numbers: &Vec<(String, f64)>| turn.off(begin, model.structure, numbers, None);
@@ -45,32 +45,32 @@ fn before(model: &Calibrated, turn: &Turn) -> Result<Before, Error> {
 /// What a calibrated model leaves in each stroke, its learned wrench beside it or not.
 fn left(
     model: &Calibrated,
-    turn: &Turn,
+    turn: &TruthTurn,
     before: &Before,
     residual: Option<&ResidualSpec>,
-) -> Result<Vec<Left>, Error> {
+) -> Result<Vec<RemainingError>, Error> {
     let one = |((begin, ..), before): (&(f64, &str, &str), &Vec<[f64; 2]>)| {
         let after = turn.off(*begin, model.structure, &model.numbers(), residual)?;
         let ratio = [0, 1].map(|i| median(before.iter().map(|before| after[i] / before[i]).collect()));
-        Ok(Left { ratio, after })
+        Ok(RemainingError { ratio, after })
     };
     STROKES.iter().zip(before).map(one).collect()
 }
 
 /// The worst of the strokes.
-fn worst(all: &[Left]) -> [f64; 2] {
+fn worst(all: &[RemainingError]) -> [f64; 2] {
     all.iter().map(|left| left.ratio).fold([0.0; 2], worse)
 }
 
 /// Two judged rows: attitude and velocity.
-fn judged(id: &str, source: &str, metric: &str, value: [f64; 2]) -> [Row; 2] {
+fn judged(id: &str, source: &str, metric: &str, value: [f64; 2]) -> [ComparisonRow; 2] {
     [("", "attitude", value[0]), (".velocity", "velocity", value[1])].map(|(end, what, value)| {
-        Row::judged(&format!("{id}{end}"), source, &format!("{what}, {metric}"), value, ASKED, "")
+        ComparisonRow::judged(&format!("{id}{end}"), source, &format!("{what}, {metric}"), value, ASKED, "")
     })
 }
 
 /// Rows of a structure in each stroke.
-fn shown(model: &Calibrated, all: &[Left], (kind, with): (&str, &str)) -> Vec<Row> {
+fn shown(model: &Calibrated, all: &[RemainingError], (kind, with): (&str, &str)) -> Vec<ComparisonRow> {
     let [preset, law] = model.structure;
     let each = STROKES.iter().zip(all).flat_map(|((_, when, suffix), left)| {
         let id = format!("calibrate.flight.{preset}_{law}{kind}{suffix}");
@@ -81,23 +81,30 @@ fn shown(model: &Calibrated, all: &[Left], (kind, with): (&str, &str)) -> Vec<Ro
         );
         let velocity = format!("velocity: the same; {:.3} m/s after", left.after[1]);
         [
-            Row::shown(&id, SOURCE, &attitude, left.ratio[0], ""),
-            Row::shown(&format!("{id}.velocity"), SOURCE, &velocity, left.ratio[1], ""),
+            ComparisonRow::shown(&id, SOURCE, &attitude, left.ratio[0], ""),
+            ComparisonRow::shown(&format!("{id}.velocity"), SOURCE, &velocity, left.ratio[1], ""),
         ]
     });
     each.collect()
 }
 
 /// The truth that follows itself, its air found again.
-fn itself(turn: &Turn) -> Result<Vec<Row>, Error> {
+fn itself(turn: &TruthTurn) -> Result<Vec<ComparisonRow>, Error> {
     let source = "own truth (full, lev), its air found again, under its own inputs, one stroke";
     let mut rows = Vec::new();
     for (begin, when, suffix) in STROKES {
         let own = turn.off(begin, TRUTH, &[], None)?;
         let id = format!("calibrate.flight.itself{suffix}");
         let (attitude, velocity) = (format!("attitude {when}, the truth itself"), "velocity: the same");
-        rows.push(Row::judged(&id, source, &attitude, own[0].to_degrees(), ITSELF[0], "deg"));
-        rows.push(Row::judged(&format!("{id}.velocity"), source, velocity, own[1], ITSELF[1], "m/s"));
+        rows.push(ComparisonRow::judged(&id, source, &attitude, own[0].to_degrees(), ITSELF[0], "deg"));
+        rows.push(ComparisonRow::judged(
+            &format!("{id}.velocity"),
+            source,
+            velocity,
+            own[1],
+            ITSELF[1],
+            "m/s",
+        ));
     }
     Ok(rows)
 }
@@ -105,8 +112,8 @@ fn itself(turn: &Turn) -> Result<Vec<Row>, Error> {
 /// Medians over twenty draws of what is left after the calibration, in parts of before, in three strokes of a turn that carries its weight.
 /// Judged is, by the worst stroke, what was calibrated of the structure that predicts the seven runs best, each left out: its numbers and
 /// the wrench that they leave on the stands.
-pub fn rows() -> Result<Vec<Row>, Error> {
-    let turn = Turn::new()?;
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
+    let turn = TruthTurn::new()?;
     let mut rows = itself(&turn)?;
     let metric = "median after over before, 20 draws +-20 %, the worst of three strokes";
     for model in calibrated(&[TRUTH])? {
@@ -129,7 +136,13 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             for (end, what, value) in [("", "attitude", alone[0]), (".velocity", "velocity", alone[1])] {
                 let metric =
                     format!("{what}, {preset}, {law}, the numbers alone: the worst of three strokes");
-                rows.push(Row::shown(&format!("calibrate.flight.numbers{end}"), SOURCE, &metric, value, ""));
+                rows.push(ComparisonRow::shown(
+                    &format!("calibrate.flight.numbers{end}"),
+                    SOURCE,
+                    &metric,
+                    value,
+                    "",
+                ));
             }
         }
         rows.extend(shown(model, &numbers, ("", "numbers of the seven runs")));

@@ -1,7 +1,7 @@
 //! Derivatives of the cycles of a run by its numbers, against differences.
 
 use super::{no_answer, shipped, structure};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use wingbeat_calibrate::RigTarget;
 
 /// Numbers of every kind, each with a value to be looked at and the step of a difference.
@@ -56,7 +56,7 @@ fn worst(target: &RigTarget) -> Result<(f64, &'static str), Error> {
 }
 
 /// Both presets, law `lev`, a banking turn with few steps.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     let mut all = 0.0_f64;
     for preset in ["paper", "full"] {
@@ -66,10 +66,13 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         all = all.max(error);
         let metric = format!("the same with preset {preset}; the worst by {by}");
         let id = format!("calibrate.gradient.{preset}");
-        rows.push(Row::shown(&id, "own central differences", &metric, error, ""));
+        rows.push(ComparisonRow::shown(&id, "own central differences", &metric, error, ""));
     }
     let metric =
         "max error of a turn's harmonics by 19 numbers of wing, air, bodies, gait, mount and crank, law lev";
-    rows.insert(0, Row::judged("calibrate.gradient", "own central differences", metric, all, 1e-6, ""));
+    rows.insert(
+        0,
+        ComparisonRow::judged("calibrate.gradient", "own central differences", metric, all, 1e-6, ""),
+    );
     Ok(rows)
 }

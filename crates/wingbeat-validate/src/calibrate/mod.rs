@@ -16,8 +16,8 @@ use std::path::Path;
 
 use crate::{Case, Error};
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::measured::{Pass, observed};
-use wingbeat_calibrate::{Calibration, Clean, Observed, RigTarget, RunRole, Structure, clean};
+use wingbeat_calibrate::measured::{MeasuredPass, observed};
+use wingbeat_calibrate::{CalibrationFile, Clean, ModelStructure, ObservedCycles, RigTarget, RunRole, clean};
 
 /// The comparisons that take seconds.
 pub const CASES: &[Case] = &[
@@ -41,20 +41,20 @@ fn no_answer(error: impl ToString) -> Error {
 }
 
 /// A shipped calibration with overrides.
-fn shipped(name: &str, overrides: &[&str]) -> Result<Calibration, Error> {
+fn shipped(name: &str, overrides: &[&str]) -> Result<CalibrationFile, Error> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../calibrations").join(name);
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
     let document = Document::file(&path).map_err(no_answer)?.overridden(&overrides);
-    Calibration::new(document).map_err(no_answer)
+    CalibrationFile::new(document).map_err(no_answer)
 }
 
 /// Its runs with its own structure of the model.
-fn structure(calibration: &Calibration) -> Result<Structure, Error> {
+fn structure(calibration: &CalibrationFile) -> Result<ModelStructure, Error> {
     calibration.structure(&[], &|_, _| None).map_err(no_answer)
 }
 
 /// Its runs with the structure of its truth.
-fn truth(calibration: &Calibration) -> Result<Vec<RigTarget>, Error> {
+fn truth(calibration: &CalibrationFile) -> Result<Vec<RigTarget>, Error> {
     calibration.truth(&|_, _| None).map_err(no_answer)
 }
 
@@ -65,20 +65,20 @@ fn all_clean(targets: &[RigTarget]) -> Result<Vec<Clean>, Error> {
 
 /// What the cell shows of them with the noise of `seed`.
 fn measured(
-    calibration: &Calibration,
+    calibration: &CalibrationFile,
     targets: &[RigTarget],
     clean: &[Clean],
     seed: u64,
-) -> Result<Vec<Observed>, Error> {
+) -> Result<Vec<ObservedCycles>, Error> {
     let spec = calibration.spec.truth.as_ref().ok_or_else(|| no_answer("no truth"))?;
     let one = |k: usize| {
         let own = seed.wrapping_mul(7919).wrapping_add(1000 * k as u64);
         let passes = (0..spec.passes).map(|pass| clean[k].pass(&targets[k], spec, own, pass));
-        let passes = passes.collect::<Result<Vec<Pass>, _>>()?;
+        let passes = passes.collect::<Result<Vec<MeasuredPass>, _>>()?;
         observed(&targets[k], &passes, RunRole::of(&calibration.spec.runs[k]), calibration.spec.robust)
     };
     let indices: Vec<usize> = (0..targets.len()).collect();
-    let all: Result<Vec<Observed>, wingbeat_calibrate::Error> =
+    let all: Result<Vec<ObservedCycles>, wingbeat_calibrate::Error> =
         wingbeat::parallel::map(&indices, |_, k| one(*k)).into_iter().collect();
     all.map_err(no_answer)
 }

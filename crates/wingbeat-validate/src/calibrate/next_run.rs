@@ -1,11 +1,11 @@
 //! The run that a calibration asks for: its promise against what it brings, and against runs at random.
 
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::design::largest;
-use wingbeat_calibrate::{NextRun, Observed, Plan, Progress, RunRole, solve};
+use wingbeat_calibrate::{FitPlan, FitProgress, NextRun, ObservedCycles, RunRole, solve};
 
 /// Random runs that the designed one is held against.
 const RANDOM: usize = 20;
@@ -34,7 +34,7 @@ const DESIGN: &str = "{ run = \"RIGS/identification/faster_wind.toml\", set = [\
         \"[[0.0, -10.0]]\", \"[[30.0, -10.0]]\", \"[[-30.0, -25.0]]\", \"[[0.0, -25.0]]\", \"[[30.0, -25.0]]\"] } ] }";
 
 /// Standard error promised and found; that of the designed run against the median of random ones.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut random = Random::stream(23, 0);
     let candidates: Vec<String> =
         (0..RANDOM).map(|k| candidate(&mut random).replace("NAME", &format!("c{k}"))).collect();
@@ -49,7 +49,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         "parameters[6].prior=[0.0, 10.0]",
     ];
     let with = |more: &[&str]| shipped("seven_runs.toml", &[&common, more].concat());
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
     let first_runs = format!("runs=[{}]", list(&base));
 
     // What is asked for, from the two runs alone.
@@ -57,7 +57,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let asking = with(&[&first_runs, &format!("design=[{designs}]")])?;
     let (own, targets) = (structure(&asking)?, truth(&asking)?);
     let runs = measured(&asking, &targets, &all_clean(&targets)?, 3)?;
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let solved = solve(&own.model, &runs, &own.parameters, &plan, &mut (), watch).map_err(no_answer)?;
     let (parameter, _) = largest(&solved.errors(), &own.parameters);
     let now = solved.errors()[parameter];
@@ -79,12 +79,12 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let (own, targets) = (structure(&bringing)?, truth(&bringing)?);
     let all = measured(&bringing, &targets, &all_clean(&targets)?, 3)?;
     let found = |k: usize| -> Result<f64, Error> {
-        let held = |(i, run): (usize, &Observed)| Observed {
+        let held = |(i, run): (usize, &ObservedCycles)| ObservedCycles {
             role: if i > 1 && i != k { RunRole::HeldOut } else { RunRole::Fitted },
             ..run.clone()
         };
-        let runs: Vec<Observed> = all.iter().enumerate().map(held).collect();
-        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let runs: Vec<ObservedCycles> = all.iter().enumerate().map(held).collect();
+        let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
         let solved = solve(&own.model, &runs, &own.parameters, &plan, &mut (), watch).map_err(no_answer)?;
         Ok(solved.errors()[parameter])
     };
@@ -102,8 +102,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         best.name
     );
     Ok(vec![
-        Row::judged("calibrate.next_run", source, &promise, (ratio - 1.0).abs(), 0.3, ""),
-        Row::judged(
+        ComparisonRow::judged("calibrate.next_run", source, &promise, (ratio - 1.0).abs(), 0.3, ""),
+        ComparisonRow::judged(
             "calibrate.next_run.gain",
             source,
             &format!(

@@ -3,7 +3,7 @@
 
 use super::fitted::{Calibrated, TRUTH, aero, calibrated, median, set, with_residual};
 use super::no_answer;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::robot::ResidualSpec;
@@ -11,7 +11,7 @@ use wingbeat::scenario::Scenario;
 
 /// A flight and the model that plans it.
 #[derive(Clone, Copy)]
-enum Flight {
+enum PlannedFlight {
     /// The banking turn, by optimal control.
     Banking,
     /// The turn at 15 deg of bank, by a regulator about orbits.
@@ -19,13 +19,13 @@ enum Flight {
 }
 
 /// What is planned by which preset and law.
-const PLANNING: [(Flight, [&str; 2]); 3] = [
-    (Flight::Banking, ["paper", "linear"]),
-    (Flight::Banking, ["full", "stall"]),
-    (Flight::Orbit, ["paper", "lev"]),
+const PLANNING: [(PlannedFlight, [&str; 2]); 3] = [
+    (PlannedFlight::Banking, ["paper", "linear"]),
+    (PlannedFlight::Banking, ["full", "stall"]),
+    (PlannedFlight::Orbit, ["paper", "lev"]),
 ];
 
-impl Flight {
+impl PlannedFlight {
     fn scenario(self) -> &'static str {
         match self {
             Self::Banking => "banking_turn.toml",
@@ -61,7 +61,7 @@ const NO_ORBIT: [&str; 2] = ["controller.orbit.speed_m_s", "of which the gait ha
 /// The flight of the truth, planned by a model of `structure` with `numbers` and a learned wrench; by the truth's own without a structure.
 /// None where the model has no orbit to hold.
 fn turned(
-    flight: Flight,
+    flight: PlannedFlight,
     structure: Option<[&str; 2]>,
     numbers: &[(String, f64)],
     residual: Option<&ResidualSpec>,
@@ -70,7 +70,7 @@ fn turned(
     let mut overrides: Vec<String> = aero(structure.unwrap_or(TRUTH)).into();
     if structure.is_some() {
         let [preset, law] = TRUTH;
-        let grid = if matches!(flight, Flight::Orbit) { ", full = { strips = 9 }" } else { "" };
+        let grid = if matches!(flight, PlannedFlight::Orbit) { ", full = { strips = 9 }" } else { "" };
         overrides.push(format!(
             "mismatch={{ aero = {{ preset = {preset:?}, law = {law:?}{grid} }}, numbers = {{}} }}"
         ));
@@ -96,7 +96,7 @@ fn turned(
 
 /// A flight under plans of one structure of the model.
 pub struct Plans {
-    flight: Flight,
+    flight: PlannedFlight,
     structure: [&'static str; 2],
     /// Planned by the truth.
     own: Turned,
@@ -124,7 +124,7 @@ impl Plans {
     }
 
     /// Errors of roll, pitch and height, and how far from that of the truth's own plans the flight ends.
-    fn rows(&self) -> Vec<Row> {
+    fn rows(&self) -> Vec<ComparisonRow> {
         let Self { flight, structure: [preset, law], own, fitted, numbers, drawn, tried } = self;
         let apart = |turned: &Turned| {
             turned.end.iter().zip(own.end).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
@@ -133,7 +133,7 @@ impl Plans {
         let row = |what: &str, of: &dyn Fn(&Turned) -> Option<f64>, unit: &'static str| {
             let truth = of(own)?;
             let mut metric = format!("{what} of the {}; by the truth {truth:.4}", self.title());
-            if matches!(flight, Flight::Orbit) {
+            if matches!(flight, PlannedFlight::Orbit) {
                 let alone = numbers.as_ref().and_then(of);
                 metric += &alone
                     .map_or(", with the numbers of the seven runs alone no orbit".into(), |alone| {
@@ -150,7 +150,13 @@ impl Plans {
                 ),
             };
             let id = format!("calibrate.flight.planned.{preset}_{law}.{}", what.replace(' ', "_"));
-            Some(Row::shown(&id, &source, &metric, fitted.as_ref().and_then(of).unwrap_or(f64::NAN), unit))
+            Some(ComparisonRow::shown(
+                &id,
+                &source,
+                &metric,
+                fitted.as_ref().and_then(of).unwrap_or(f64::NAN),
+                unit,
+            ))
         };
         let told = [
             row("roll rms", &|turned| Some(turned.roll), "deg"),
@@ -164,10 +170,10 @@ impl Plans {
 
 /// The flights under the plans of all structures; about orbits with the learned wrench, which is that robot's.
 pub fn plans() -> Result<Vec<Plans>, Error> {
-    let one = |((flight, structure), model): (&(Flight, [&'static str; 2]), Calibrated)| {
+    let one = |((flight, structure), model): (&(PlannedFlight, [&'static str; 2]), Calibrated)| {
         let (flight, structure) = (*flight, *structure);
         let own = turned(flight, None, &[], None)?.ok_or_else(|| no_answer("the truth has no orbit"))?;
-        let residual = matches!(flight, Flight::Orbit).then_some(&model.residual.spec);
+        let residual = matches!(flight, PlannedFlight::Orbit).then_some(&model.residual.spec);
         let numbers = flight.own(model.numbers());
         let fitted = turned(flight, Some(structure), &numbers, residual)?;
         let alone = if residual.is_some() { turned(flight, Some(structure), &numbers, None)? } else { None };
@@ -183,6 +189,6 @@ pub fn plans() -> Result<Vec<Plans>, Error> {
     PLANNING.iter().zip(calibrated(&structures)?).map(one).collect()
 }
 
-pub(super) fn rows() -> Result<Vec<Row>, Error> {
+pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
     Ok(plans()?.iter().flat_map(Plans::rows).collect())
 }

@@ -1,15 +1,15 @@
 //! The right model fitted to noisy runs of itself, fifty times.
 
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
-use wingbeat_calibrate::{NORMAL_95, Plan, Progress, solve, student_95};
+use wingbeat_calibrate::{FitPlan, FitProgress, NORMAL_95, solve, student_95};
 
 /// Seeds of the noise.
 const SEEDS: usize = 50;
 
 /// Share of intervals that hold the truth, pooled and by parameter, and the stated errors against the scatter.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let calibration = shipped(
         "seven_runs.toml",
         &[
@@ -25,13 +25,13 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     for parameter in &mut own.parameters {
         parameter.start = (parameter.start + 0.05 * parameter.scale()).clamp(parameter.low, parameter.high);
     }
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
     let count = true_values.len();
     let (mut inside, mut inside_white) = (vec![0_usize; count], 0_u32);
     let (mut values, mut errors) = (vec![Vec::new(); count], vec![0.0; count]);
     for seed in 0..SEEDS {
         let runs = measured(&calibration, &targets, &clean, seed as u64)?;
-        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
         let solved = solve(&own.model, &runs, &own.parameters, &plan, &mut (), watch).map_err(no_answer)?;
         let (clustered, white) = (solved.errors(), solved.white_errors());
         for k in 0..count {
@@ -45,7 +45,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let source = "own truth, 50 seeds of noise, seven runs of 21 cycles";
     let total = (SEEDS * count) as f64;
     let pooled = inside.iter().sum::<usize>() as f64 / total;
-    let mut rows = vec![Row::judged(
+    let mut rows = vec![ComparisonRow::judged(
         "calibrate.recovers_truth",
         source,
         &format!("|share of 95 % intervals that hold the truth ({pooled:.3}) - 0.95|"),
@@ -54,7 +54,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         "",
     )];
     let fewest = inside.iter().min().copied().unwrap_or(0);
-    rows.push(Row::judged(
+    rows.push(ComparisonRow::judged(
         "calibrate.recovers_truth.each",
         source,
         "most misses of one parameter",
@@ -71,9 +71,15 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         worst = worst.max((ratio - 1.0).abs());
         let metric =
             format!("{}: mean standard error over scatter; {} of 50 held", own.parameters[k].name, inside[k]);
-        rows.push(Row::shown(&format!("calibrate.recovers_truth.ratio_{k}"), source, &metric, ratio, ""));
+        rows.push(ComparisonRow::shown(
+            &format!("calibrate.recovers_truth.ratio_{k}"),
+            source,
+            &metric,
+            ratio,
+            "",
+        ));
     }
-    rows.push(Row::judged(
+    rows.push(ComparisonRow::judged(
         "calibrate.recovers_truth.errors",
         source,
         "largest |mean standard error over scatter - 1|",
@@ -82,7 +88,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         "",
     ));
     let white = f64::from(inside_white) / total;
-    rows.push(Row::shown(
+    rows.push(ComparisonRow::shown(
         "calibrate.recovers_truth.white",
         source,
         "share of intervals of independent samples that hold the truth",

@@ -1,24 +1,24 @@
 //! Fourteen mean thrusts of a heaving and pitching wing as a calibration: what such data tell, and what they do not.
 
 use super::no_answer;
-use crate::aero_full::{Preset, Thrust, scherer_lev_thrust, scherer_points};
-use crate::{Error, Row};
+use crate::aero_full::{ComparedPreset, Thrust, scherer_lev_thrust, scherer_points};
+use crate::{ComparisonRow, Error};
 use nalgebra::DMatrix;
 use std::ops::ControlFlow;
 use wingbeat::aero::SurfaceNumbers;
 use wingbeat_calibrate::{
-    Error as Fault, Information, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress,
-    RunRole, solve_problem,
+    CycleModel, Error as Fault, FitPlan, FitProblem, FitProgress, FittedParameter, HarmonicLayout,
+    Information, LinearisedRuns, ObservedCycles, RunRole, solve_problem,
 };
 
 /// One number a point: its mean thrust coefficient.
-const LAYOUT: Layout = Layout { channels: 1, harmonics: 0 };
+const LAYOUT: HarmonicLayout = HarmonicLayout { channels: 1, harmonics: 0 };
 /// Step of a central difference, in parts of a number's size.
 const STEP: f64 = 2e-3;
 /// Where a number stands among those of a surface.
-type Place = fn(&mut SurfaceNumbers) -> &mut f64;
+type SurfaceNumber = fn(&mut SurfaceNumbers) -> &mut f64;
 /// What is fitted: its place, where the fit begins, and its bounds.
-const NUMBERS: [(&str, Place, f64, [f64; 2]); 4] = [
+const NUMBERS: [(&str, SurfaceNumber, f64, [f64; 2]); 4] = [
     ("section_slope", |numbers| &mut numbers.section_slope, std::f64::consts::TAU, [2.0, 12.0]),
     ("cd0", |numbers| &mut numbers.cd0, 0.057, [0.0, 0.3]),
     ("critical_suction", |numbers| &mut numbers.critical_suction, 0.259, [0.03, 1.0]),
@@ -26,9 +26,9 @@ const NUMBERS: [(&str, Place, f64, [f64; 2]); 4] = [
 ];
 
 /// The strip model at the points.
-struct Points(Vec<Thrust>);
+struct ThrustPoints(Vec<Thrust>);
 
-impl Model for Points {
+impl CycleModel for ThrustPoints {
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Fault> {
         let Thrust { theta_deg, psi_deg, .. } = self.0[run];
         let change = |numbers: &mut SurfaceNumbers| {
@@ -56,7 +56,7 @@ impl Model for Points {
 }
 
 /// Mean |error| of the model at `values`.
-fn mean_error(model: &Points, values: &[f64]) -> Result<f64, Error> {
+fn mean_error(model: &ThrustPoints, values: &[f64]) -> Result<f64, Error> {
     let points: Vec<usize> = (0..model.0.len()).collect();
     let off = wingbeat::parallel::map(&points, |_, k| {
         Ok::<f64, Fault>((model.predict(*k, values)?[0] - model.0[*k].measured).abs())
@@ -66,9 +66,9 @@ fn mean_error(model: &Points, values: &[f64]) -> Result<f64, Error> {
 }
 
 /// Values, labels and the closest pair: shown, for there is no truth.
-pub fn rows() -> Result<Vec<Row>, Error> {
-    let model = Points(scherer_points(Preset::Full)?);
-    let run = |point: &Thrust| Observed {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
+    let model = ThrustPoints(scherer_points(ComparedPreset::Full)?);
+    let run = |point: &Thrust| ObservedCycles {
         name: format!("pitch {} deg, phase {} deg", point.theta_deg, point.psi_deg),
         layout: LAYOUT,
         cycles: vec![vec![point.measured]],
@@ -84,14 +84,14 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         unmeasured: Vec::new(),
         common: Default::default(),
     };
-    let runs: Vec<Observed> = model.0.iter().map(run).collect();
+    let runs: Vec<ObservedCycles> = model.0.iter().map(run).collect();
     // The two points measured twice scatter by 0.012, as long as the bars are: a bar counts as one deviation.
     let noise = |point: &Thrust| {
         let deviation = 0.5 * (point.bars.0 + point.bars.1);
         vec![DMatrix::from_element(1, 1, deviation * deviation)]
     };
     let noise: Vec<_> = model.0.iter().map(noise).collect();
-    let parameters = NUMBERS.map(|(name, _, start, [low, high])| Parameter {
+    let parameters = NUMBERS.map(|(name, _, start, [low, high])| FittedParameter {
         name: name.into(),
         start,
         low,
@@ -100,11 +100,11 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         stage: 1,
     });
     let start: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
-    let problem = Problem::with_noise(&model, &runs, &parameters, noise).map_err(no_answer)?;
-    let at = Linear::at(&problem, &problem.fitted(), &start).map_err(no_answer)?;
+    let problem = FitProblem::with_noise(&model, &runs, &parameters, noise).map_err(no_answer)?;
+    let at = LinearisedRuns::at(&problem, &problem.fitted(), &start).map_err(no_answer)?;
     let together = Information::of(&problem, &at, &start).together;
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let solved = solve_problem(problem, &plan, &mut (), watch).map_err(no_answer)?;
     let (errors, profiles) = (solved.errors(), solved.profiles().map_err(no_answer)?);
     let source = "Scherer 1968, measured; a bar is one deviation, a choice";
@@ -119,21 +119,21 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             profiles[k].label.word()
         );
         let id = format!("calibrate.scherer.{}", parameter.name);
-        rows.push(Row::shown(&id, source, &metric, solved.values[k], ""));
+        rows.push(ComparisonRow::shown(&id, source, &metric, solved.values[k], ""));
     }
     let correlations = solved.correlations();
     let pairs = (0..parameters.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let closest = pairs.max_by(|a, b| correlations[*a].abs().total_cmp(&correlations[*b].abs()));
     let (i, j) = closest.ok_or_else(|| no_answer("no pair"))?;
     let metric = format!("closest pair, {} and {}: correlation", NUMBERS[j].0, NUMBERS[i].0);
-    rows.push(Row::shown("calibrate.scherer.closest", source, &metric, correlations[(i, j)], ""));
+    rows.push(ComparisonRow::shown("calibrate.scherer.closest", source, &metric, correlations[(i, j)], ""));
     let metric = "chi squared over freedom: above 1 the model is wrong beyond the bars";
-    rows.push(Row::shown("calibrate.scherer.chi_squared", source, metric, solved.chi_squared, ""));
+    rows.push(ComparisonRow::shown("calibrate.scherer.chi_squared", source, metric, solved.chi_squared, ""));
     let metric = format!(
         "mean |error| of thrust coefficient after the fit, {:.4} before",
         mean_error(&model, &start)?
     );
-    rows.push(Row::shown(
+    rows.push(ComparisonRow::shown(
         "calibrate.scherer.error",
         source,
         &metric,

@@ -73,13 +73,13 @@ fn body(record: &Record, t: f64) -> Result<BodyMotion, Error> {
 }
 
 /// The truth's turn.
-pub(super) struct Turn {
+pub(super) struct TruthTurn {
     record: Record,
     /// Period of the stroke, s.
     cycle: f64,
 }
 
-impl Turn {
+impl TruthTurn {
     /// Flies it.
     pub fn new() -> Result<Self, Error> {
         let truth = turn(TRUTH, &[], None)?;

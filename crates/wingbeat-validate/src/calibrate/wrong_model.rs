@@ -1,12 +1,12 @@
 //! A model that is not the one that made the runs, from twenty starts, held against runs unlike those it was fitted to.
 
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::{
-    Layout, Model, NORMAL_95, Observed, PHASES, Plan, Progress, RunRole, Solved, channel_name, phase_of, rms,
-    solve,
+    CycleModel, FitPlan, FitProgress, HarmonicLayout, NORMAL_95, ObservedCycles, PHASES, RunRole,
+    SolvedCalibration, channel_name, phase_of, rms, solve,
 };
 
 /// Draws of the starts.
@@ -17,7 +17,7 @@ const OFF: f64 = 0.2;
 const HALVED: [usize; 3] = [2, 4, 5];
 
 /// Rms of the noise of the run's mean, by channel.
-fn floor(run: &Observed) -> Vec<f64> {
+fn floor(run: &ObservedCycles) -> Vec<f64> {
     let count = run.cycles.len() as f64;
     let channel = |channel: usize| {
         let of = |cycle: &Vec<f64>| {
@@ -43,7 +43,7 @@ const ERRORS: usize = 4000;
 /// How often a band that is right would hold enough of two runs, be narrow enough, and both, in every channel: of errors that are drawn
 /// with the very deviations that the band has, harmonic by harmonic those of what is left in the fitted runs; a channel's error is a few
 /// numbers only, whose size in two runs is a matter of luck.
-fn exact(solved: &Solved, runs: usize) -> [f64; 3] {
+fn exact(solved: &SolvedCalibration, runs: usize) -> [f64; 3] {
     let layout = solved.problem.runs[solved.at.of[0]].layout;
     let mut power = vec![0.0; layout.len()];
     for (run, residual) in solved.at.of.iter().zip(&solved.at.residuals) {
@@ -52,13 +52,13 @@ fn exact(solved: &Solved, runs: usize) -> [f64; 3] {
     }
     let alike = |channel: usize, part: usize| {
         let of = |part| power[layout.at(channel, part)];
-        let k = Layout::harmonic(part);
+        let k = HarmonicLayout::harmonic(part);
         if k == 0 { of(0) } else { 0.5 * (of(2 * k - 1) + of(2 * k)) }
     };
     let mut random = Random::stream(29, 0);
     let mut met = [0.0; 3];
     let waves: Vec<Vec<f64>> = (0..PHASES)
-        .map(|k| (0..layout.width()).map(|part| Layout::wave(part, phase_of(k))).collect())
+        .map(|k| (0..layout.width()).map(|part| HarmonicLayout::wave(part, phase_of(k))).collect())
         .collect();
     for _ in 0..ERRORS {
         let (mut holds, mut narrow) = (true, true);
@@ -92,13 +92,13 @@ fn exact(solved: &Solved, runs: usize) -> [f64; 3] {
 }
 
 /// Errors before and after, and the coverage of the band, in the runs held out.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let calibration = shipped("seven_runs.toml", &["structures=[]", "starts=1"])?;
     let (mut own, targets) = (structure(&calibration)?, truth(&calibration)?);
     let runs = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
     let held: Vec<usize> = (0..runs.len()).filter(|run| runs[*run].role == RunRole::HeldOut).collect();
     let nominal = own.parameters.clone();
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
     let channels = runs[0].layout.channels;
     let (mut before, mut after) = (vec![Vec::new(); channels], vec![Vec::new(); channels]);
     let (mut covered, mut white, mut width) =
@@ -111,7 +111,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             parameter.start = (nominal.start + by * nominal.scale()).clamp(nominal.low, nominal.high);
         }
         let starts: Vec<f64> = own.parameters.iter().map(|parameter| parameter.start).collect();
-        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
         let solved = solve(&own.model, &runs, &own.parameters, &plan, &mut (), watch).map_err(no_answer)?;
         if draw == 0 {
             by_luck = exact(&solved, held.len());
@@ -166,13 +166,19 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             100.0 * inside,
             100.0 * plain
         );
-        rows.push(Row::shown(&format!("calibrate.wrong_model.{name}"), source, &metric, is / was, ""));
+        rows.push(ComparisonRow::shown(
+            &format!("calibrate.wrong_model.{name}"),
+            source,
+            &metric,
+            is / was,
+            "",
+        ));
     }
     let id = |end: &str| format!("calibrate.wrong_model.{end}");
     let asked = ["90 to 99 % of every channel", "at most 2.5 rms wide in every channel", "both"];
     for (k, (asked, share)) in asked.iter().zip(by_luck).enumerate() {
         let metric = format!("{ERRORS} draws of errors as large as the band says: {asked}");
-        rows.push(Row::shown(&id(&format!("exact_{k}")), source, &metric, share, ""));
+        rows.push(ComparisonRow::shown(&id(&format!("exact_{k}")), source, &metric, share, ""));
     }
     let judged = [
         ("halved", "Fz, Ty, Tz: largest median error after over before", halved, 0.5),
@@ -182,7 +188,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         ("white", "largest share in the band of independent samples", most_white, 0.6),
     ];
     for (end, metric, value, limit) in judged {
-        rows.push(Row::judged(&id(end), source, metric, value, limit, ""));
+        rows.push(ComparisonRow::judged(&id(end), source, metric, value, limit, ""));
     }
     Ok(rows)
 }

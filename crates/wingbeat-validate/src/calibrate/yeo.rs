@@ -2,25 +2,26 @@
 
 use super::no_answer;
 use crate::aero_full::yeo::lifts;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use wingbeat::aero::SurfaceNumbers;
 use wingbeat_calibrate::{
-    Error as Fault, Layout, Model, Observed, Parameter, Plan, Problem, Progress, RunRole, solve_problem,
+    CycleModel, Error as Fault, FitPlan, FitProblem, FitProgress, FittedParameter, HarmonicLayout,
+    ObservedCycles, RunRole, solve_problem,
 };
 
 /// Three strips of taps, six harmonics: the digitised series hold no more.
-const LAYOUT: Layout = Layout { channels: 3, harmonics: 6 };
+const LAYOUT: HarmonicLayout = HarmonicLayout { channels: 3, harmonics: 6 };
 /// Deviation of a harmonic, in parts of its strip's amplitude: there are no repeats to tell it. *Choice.*
 const NOISE: f64 = 0.02;
 /// Step of a central difference, in parts of a number.
 const STEP: f64 = 1e-3;
 /// Where a number stands among those of a surface.
-type Place = fn(&mut SurfaceNumbers) -> &mut f64;
+type TapNumber = fn(&mut SurfaceNumbers) -> &mut f64;
 /// What is fitted, with its place among the numbers of a surface.
-const NUMBERS: [(&str, Place); 4] = [
+const NUMBERS: [(&str, TapNumber); 4] = [
     ("section_slope", |numbers| &mut numbers.section_slope),
     ("added_mass_scale", |numbers| &mut numbers.added_mass_scale),
     ("critical_suction", |numbers| &mut numbers.critical_suction),
@@ -31,7 +32,7 @@ const NUMBERS: [(&str, Place); 4] = [
 fn harmonics(values: &[f64]) -> Vec<f64> {
     let n = values.len() as f64;
     let part = |part: usize| {
-        let k = Layout::harmonic(part) as f64;
+        let k = HarmonicLayout::harmonic(part) as f64;
         let wave = |i: usize| {
             if part % 2 == 1 { (TAU * k * i as f64 / n).cos() } else { (TAU * k * i as f64 / n).sin() }
         };
@@ -54,7 +55,7 @@ impl Taps {
     }
 }
 
-impl Model for Taps {
+impl CycleModel for Taps {
     fn predict(&self, _: usize, values: &[f64]) -> Result<Vec<f64>, Fault> {
         Self::cycles(values, 0).map_err(|error| Fault::data("yeo2011", error.to_string()))
     }
@@ -73,13 +74,13 @@ impl Model for Taps {
 }
 
 /// Values, labels and the closest pair: shown, for there is no truth.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let nominal = std::cell::Cell::new(None);
     lifts(|numbers| nominal.set(Some(numbers.clone())))?;
     let mut numbers = nominal.take().ok_or_else(|| no_answer("no numbers"))?;
     let start: Vec<f64> = NUMBERS.iter().map(|(_, of)| *of(&mut numbers)).collect();
     let measured = Taps::cycles(&start, 1)?;
-    let run = Observed {
+    let run = ObservedCycles {
         name: "nine taps".into(),
         layout: LAYOUT,
         cycles: vec![measured.clone()],
@@ -103,10 +104,10 @@ pub fn rows() -> Result<Vec<Row>, Error> {
                 if i == j { NOISE * NOISE * LAYOUT.mean_square(&measured, i) } else { 0.0 }
             },
         );
-    let parameters: Vec<Parameter> = NUMBERS
+    let parameters: Vec<FittedParameter> = NUMBERS
         .iter()
         .zip(&start)
-        .map(|((name, _), start)| Parameter {
+        .map(|((name, _), start)| FittedParameter {
             name: (*name).into(),
             start: *start,
             low: 0.1 * start,
@@ -117,9 +118,9 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         .collect();
     let runs = [run];
     let noise = vec![vec![noise; LAYOUT.harmonics + 1]];
-    let problem = Problem::with_noise(&Taps, &runs, &parameters, noise).map_err(no_answer)?;
-    let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let problem = FitProblem::with_noise(&Taps, &runs, &parameters, noise).map_err(no_answer)?;
+    let plan = FitPlan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
+    let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let solved = solve_problem(problem, &plan, &mut (), watch).map_err(no_answer)?;
     let (errors, profiles) = (solved.errors(), solved.profiles().map_err(no_answer)?);
     let source = "Yeo, Atkins & Shyy 2011, measured; noise 2 % a choice";
@@ -132,7 +133,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             errors[k],
             profiles[k].label.word()
         );
-        rows.push(Row::shown(
+        rows.push(ComparisonRow::shown(
             &format!("calibrate.yeo.{}", parameter.name),
             source,
             &metric,
@@ -150,8 +151,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         }
     }
     let metric = format!("closest pair, {} and {}: correlation", closest.1, closest.2);
-    rows.push(Row::shown("calibrate.yeo.closest", source, &metric, closest.0, ""));
+    rows.push(ComparisonRow::shown("calibrate.yeo.closest", source, &metric, closest.0, ""));
     let metric = "chi squared over freedom: above 1 the model is wrong beyond 2 %";
-    rows.push(Row::shown("calibrate.yeo.chi_squared", source, metric, solved.chi_squared, ""));
+    rows.push(ComparisonRow::shown("calibrate.yeo.chi_squared", source, metric, solved.chi_squared, ""));
     Ok(rows)
 }

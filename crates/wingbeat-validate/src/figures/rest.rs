@@ -1,7 +1,7 @@
 //! Mechanics, orders of the integrators, rig.
 
 use wingbeat_figures::Figure;
-use wingbeat_figures::chart::{Axis, Chart, Look, Series, grid};
+use wingbeat_figures::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
 
 use super::{HALF, SMALL, chart};
 use crate::Error;
@@ -25,13 +25,17 @@ pub fn linkage() -> Result<Figure, Error> {
     let (mut lines, mut marks) = (Vec::new(), Vec::new());
     for (index, name) in names.into_iter().enumerate() {
         let (value, exact) = (&angles.value[index], &angles.exact[index]);
-        lines.push(Series::new(name, over_crank(value), Look::Line, index));
+        lines.push(ChartSeries::new(name, over_crank(value), Look::Line, index));
         let marked = over_crank(exact).into_iter().step_by(MARKED).collect();
-        marks.push(Series::reference("loop closure by Newton", marked));
+        marks.push(ChartSeries::reference("loop closure by Newton", marked));
     }
     lines.append(&mut marks);
-    let chart =
-        chart("", Axis::new("crank angle [°]").over(-90.0, 270.0), Axis::new("angle of the wing [°]"), lines);
+    let chart = chart(
+        "",
+        ChartAxis::new("crank angle [°]").over(-90.0, 270.0),
+        ChartAxis::new("angle of the wing [°]"),
+        lines,
+    );
     Ok(grid("linkage", vec![chart], 1, HALF))
 }
 
@@ -43,17 +47,17 @@ pub fn tree() -> Result<Figure, Error> {
         pairs.iter().enumerate().map(|(i, pair)| (number(i), f(pair))).collect()
     };
     let accelerations = vec![
-        Series::reference("Pinocchio and MuJoCo", of(&|pair| pair.1.abs())),
-        Series::new("wingbeat", of(&|pair| pair.0.abs()), Look::Crosses, 0),
+        ChartSeries::reference("Pinocchio and MuJoCo", of(&|pair| pair.1.abs())),
+        ChartSeries::new("wingbeat", of(&|pair| pair.0.abs()), Look::Crosses, 0),
     ];
     let error = |pair: &(f64, f64)| ((pair.0 - pair.1).abs() / pair.1.abs()).max(f64::EPSILON / 2.0);
-    let errors = vec![Series::new("wingbeat", of(&error), Look::Crosses, 0)];
-    let x = || Axis::new("acceleration: base 1 to 6, joints 7 to 10").over(0.5, 10.5);
+    let errors = vec![ChartSeries::new("wingbeat", of(&error), Look::Crosses, 0)];
+    let x = || ChartAxis::new("acceleration: base 1 to 6, joints 7 to 10").over(0.5, 10.5);
     let charts = vec![
-        chart("", x(), Axis::log("acceleration [m/s², rad/s²]"), accelerations),
+        chart("", x(), ChartAxis::log("acceleration [m/s², rad/s²]"), accelerations),
         Chart {
             passes: Some((1e-17, 1e-10)),
-            ..chart("", x(), Axis::log("relative error; limit shaded").over(1e-17, 1e-8), errors)
+            ..chart("", x(), ChartAxis::log("relative error; limit shaded").over(1e-17, 1e-8), errors)
         },
     ];
     Ok(grid("pinocchio", charts, 2, HALF))
@@ -70,10 +74,10 @@ pub fn orders() -> Result<Figure, Error> {
         let (n, error) = points[0];
         let fourth = points.iter().map(|(m, _)| (*m, error * (n / m).powi(4))).collect();
         let series = vec![
-            Series { colour: "#9a9a9a".into(), ..Series::new("order 4", fourth, Look::Dashed, 0) },
-            Series::new("wingbeat", points, Look::Circles, 0),
+            ChartSeries { colour: "#9a9a9a".into(), ..ChartSeries::new("order 4", fourth, Look::Dashed, 0) },
+            ChartSeries::new("wingbeat", points, Look::Circles, 0),
         ];
-        chart(title, Axis::log(x), Axis::log("error at the end"), series)
+        chart(title, ChartAxis::log(x), ChartAxis::log("error at the end"), series)
     };
     let charts = vec![
         of("Runge-Kutta, x' = x cos t", "steps", runge_kutta),
@@ -96,11 +100,11 @@ pub fn pipeline() -> Result<Figure, Error> {
         };
         let marked = processed.cycles[i].mean.len().div_ceil(36).max(1);
         let series = vec![
-            Series::new("recovered by the pipeline", line(&processed.cycles[i].mean), Look::Line, 0),
-            Series::reference("noise-free", line(&truth[i].mean).into_iter().step_by(marked).collect()),
+            ChartSeries::new("recovered by the pipeline", line(&processed.cycles[i].mean), Look::Line, 0),
+            ChartSeries::reference("noise-free", line(&truth[i].mean).into_iter().step_by(marked).collect()),
         ];
-        let x = Axis::new("phase of the stroke").over(0.0, 1.0);
-        chart("", x, Axis::new(format!("{name}, {} [{unit}]", axes[i])), series)
+        let x = ChartAxis::new("phase of the stroke").over(0.0, 1.0);
+        chart("", x, ChartAxis::new(format!("{name}, {} [{unit}]", axes[i])), series)
     };
     Ok(grid("pipeline", (0..6).map(panel).collect(), 3, SMALL))
 }
@@ -109,15 +113,16 @@ pub fn pipeline() -> Result<Figure, Error> {
 pub fn replay() -> Result<Figure, Error> {
     let cycles = crate::orbit::replayed()?;
     let looks = [(Look::Line, 0), (Look::Dashed, 1), (Look::Dotted, 2)];
-    let panel = |label: &str, of: fn(&crate::orbit::Instant) -> f64| {
-        let line = |((name, cycle), (look, index)): (&(&str, Vec<crate::orbit::Instant>), (Look, usize))| {
-            let share = |k: usize| k as f64 / cycle.len() as f64;
-            // The cycle closes.
-            let points = (0..=cycle.len()).map(|k| (share(k), of(&cycle[k % cycle.len()])));
-            Series::new(*name, points.collect(), look, index)
-        };
-        let x = Axis::new("share of the cycle").over(0.0, 1.0);
-        chart("cruise_20g", x, Axis::new(label), cycles.iter().zip(looks).map(line).collect())
+    let panel = |label: &str, of: fn(&crate::orbit::InstantLoads) -> f64| {
+        let line =
+            |((name, cycle), (look, index)): (&(&str, Vec<crate::orbit::InstantLoads>), (Look, usize))| {
+                let share = |k: usize| k as f64 / cycle.len() as f64;
+                // The cycle closes.
+                let points = (0..=cycle.len()).map(|k| (share(k), of(&cycle[k % cycle.len()])));
+                ChartSeries::new(*name, points.collect(), look, index)
+            };
+        let x = ChartAxis::new("share of the cycle").over(0.0, 1.0);
+        chart("cruise_20g", x, ChartAxis::new(label), cycles.iter().zip(looks).map(line).collect())
     };
     let charts = vec![
         panel("lift of the wings over the weight", |instant| instant.up),
@@ -131,11 +136,11 @@ pub fn planned() -> Result<Figure, Error> {
     let panel = |plans: &Plans| {
         let [own, fitted, before] = plans.ends();
         let series = vec![
-            Series::new("draws +-20 %", before, Look::Crosses, 0),
-            Series::new("as calibrated", fitted, Look::Circles, 1),
-            Series::reference("planned by the truth", own),
+            ChartSeries::new("draws +-20 %", before, Look::Crosses, 0),
+            ChartSeries::new("as calibrated", fitted, Look::Circles, 1),
+            ChartSeries::reference("planned by the truth", own),
         ];
-        chart(plans.title(), Axis::new("forward [m]"), Axis::new("to the left [m]"), series)
+        chart(plans.title(), ChartAxis::new("forward [m]"), ChartAxis::new("to the left [m]"), series)
     };
     Ok(grid("planned", plans()?.iter().map(panel).collect(), 2, HALF))
 }

@@ -1,12 +1,12 @@
 //! Small motions against the linear lifting surface.
 
 use wingbeat_figures::Figure;
-use wingbeat_figures::chart::{Axis, Chart, Look, Series, grid};
+use wingbeat_figures::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
 
 use super::{HALF, PRESETS, SMALL, chart, model, over_x, percent, phase_deg, size};
 use crate::Error;
 use crate::aero_full::{
-    Point, Preset, other_points, plunge_points, slope_points, span_loadings, step_points,
+    ComparedPoint, ComparedPreset, other_points, plunge_points, slope_points, span_loadings, step_points,
 };
 
 const REFERENCE: &str = "lifting surface";
@@ -14,54 +14,60 @@ const REFERENCE: &str = "lifting surface";
 const ASPECTS: [f64; 4] = [4.0, 6.0, 12.0, 20.0];
 
 /// Points of both presets, in the order of [`PRESETS`].
-fn both(points: fn(Preset) -> Result<Vec<Point>, Error>) -> Result<[Vec<Point>; 2], Error> {
+fn both(
+    points: fn(ComparedPreset) -> Result<Vec<ComparedPoint>, Error>,
+) -> Result<[Vec<ComparedPoint>; 2], Error> {
     Ok([points(PRESETS[0])?, points(PRESETS[1])?])
 }
 
 /// The reference in circles above both presets, each `f` over x.
-fn compared(points: &[Vec<Point>; 2], series: &str, f: impl Fn((f64, f64)) -> f64 + Copy) -> Vec<Series> {
-    let mut all: Vec<Series> = PRESETS
+fn compared(
+    points: &[Vec<ComparedPoint>; 2],
+    series: &str,
+    f: impl Fn((f64, f64)) -> f64 + Copy,
+) -> Vec<ChartSeries> {
+    let mut all: Vec<ChartSeries> = PRESETS
         .into_iter()
         .zip(points)
         .map(|(preset, points)| model(preset, over_x(points, series, |point| f(point.value))))
         .collect();
-    all.push(Series::reference(REFERENCE, over_x(&points[0], series, |point| f(point.exact))));
+    all.push(ChartSeries::reference(REFERENCE, over_x(&points[0], series, |point| f(point.exact))));
     all
 }
 
 /// Errors of both presets in per cent; the limit shaded.
-fn errors(points: &[Vec<Point>; 2], series: &str, title: &str, x: Axis, limit: f64) -> Chart {
+fn errors(points: &[Vec<ComparedPoint>; 2], series: &str, title: &str, x: ChartAxis, limit: f64) -> Chart {
     let lines = PRESETS
         .into_iter()
         .zip(points)
         .map(|(preset, points)| model(preset, over_x(points, series, percent)));
-    let chart = chart(title, x, Axis::new("error [%]"), lines.collect());
+    let chart = chart(title, x, ChartAxis::new("error [%]"), lines.collect());
     Chart { passes: Some((0.0, limit)), ..chart }
 }
 
 /// Steady lift slope and its error over the aspect ratio.
 pub fn slope() -> Result<Figure, Error> {
     let points = both(slope_points)?;
-    let x = || Axis::new("aspect ratio");
+    let x = || ChartAxis::new("aspect ratio");
     let value = compared(&points, "rectangle", |value| value.0);
     let mut error = errors(&points, "rectangle", "", x(), 2.0);
-    error.y = Axis::new("error [%]; limit shaded").over(0.0, 16.0);
-    let charts = vec![chart("rectangles", x(), Axis::new("CLα [1/rad]"), value), error];
+    error.y = ChartAxis::new("error [%]; limit shaded").over(0.0, 16.0);
+    let charts = vec![chart("rectangles", x(), ChartAxis::new("CLα [1/rad]"), value), error];
     Ok(grid("slope", charts, 2, HALF))
 }
 
 /// Amplitude, phase and error of lift per upwash angle over the reduced frequency.
 pub fn plunge() -> Result<Figure, Error> {
     let points = both(plunge_points)?;
-    let x = || Axis::new("k = ωc/2U").over(0.0, 1.0);
+    let x = || ChartAxis::new("k = ωc/2U").over(0.0, 1.0);
     let names = ASPECTS.map(|aspect| format!("AR {aspect}"));
     let mut charts = Vec::new();
     for name in &names {
-        let y = Axis::new("|CL/αe| [1/rad]").over(2.0, 7.0);
+        let y = ChartAxis::new("|CL/αe| [1/rad]").over(2.0, 7.0);
         charts.push(chart(name.clone(), x(), y, compared(&points, name, size)));
     }
     for name in &names {
-        let y = Axis::new("phase [°]").over(-15.0, 60.0);
+        let y = ChartAxis::new("phase [°]").over(-15.0, 60.0);
         charts.push(chart(name.clone(), x(), y, compared(&points, name, phase_deg)));
     }
     for name in &names {
@@ -74,11 +80,11 @@ pub fn plunge() -> Result<Figure, Error> {
 /// Lift and its error after a sudden start over the way travelled.
 pub fn step() -> Result<Figure, Error> {
     let points = both(step_points)?;
-    let x = || Axis::log("s = 2Ut/c").over(0.9, 60.0);
+    let x = || ChartAxis::log("s = 2Ut/c").over(0.9, 60.0);
     let names = ASPECTS.map(|aspect| format!("AR {aspect}"));
     let mut charts = Vec::new();
     for name in &names {
-        let y = Axis::new("CL/α [1/rad]").over(2.4, 5.8);
+        let y = ChartAxis::new("CL/α [1/rad]").over(2.4, 5.8);
         charts.push(chart(name.clone(), x(), y, compared(&points, name, |value| value.0)));
     }
     for name in &names {
@@ -110,10 +116,11 @@ pub fn other_wings() -> Result<Figure, Error> {
                 let line = over_x(points, &format!("{wing} {motion}"), percent);
                 let look = if motion == "plunge" { Look::Line } else { Look::Dotted };
                 let kind = if motion == "plunge" { "plunge" } else { "pitch about four axes" };
-                series.push(Series::new(format!("{}, {kind}", preset.name()), line, look, index));
+                series.push(ChartSeries::new(format!("{}, {kind}", preset.name()), line, look, index));
             }
         }
-        let (x, y) = (Axis::new("k = ωc/2U").over(0.0, 0.5), Axis::log("error [%]").over(0.02, 50.0));
+        let (x, y) =
+            (ChartAxis::new("k = ωc/2U").over(0.0, 0.5), ChartAxis::log("error [%]").over(0.02, 50.0));
         charts.push(Chart { passes: Some((0.02, limit)), ..chart(title, x, y, series) });
     }
     Ok(grid("other_wings", charts, 3, 1.1 * SMALL))
@@ -135,13 +142,13 @@ pub fn span_loading() -> Result<Figure, Error> {
                     loading.places.iter().copied().zip(force.iter().map(|force| size(*force))).collect()
                 };
                 series.push(model(preset, line(&loading.value)));
-                if preset == Preset::Paper {
-                    series.push(Series::reference("linear lattice", line(&loading.exact)));
+                if preset == ComparedPreset::Paper {
+                    series.push(ChartSeries::reference("linear lattice", line(&loading.exact)));
                 }
             }
-            let y = Axis::new("cn/αe").over(0.0, 6.5);
+            let y = ChartAxis::new("cn/αe").over(0.0, 6.5);
             let title = format!("AR {aspect}, k {k}");
-            charts.push(chart(title, Axis::new("place over half span").over(0.0, 1.0), y, series));
+            charts.push(chart(title, ChartAxis::new("place over half span").over(0.0, 1.0), y, series));
         }
     }
     Ok(grid("span_loading", charts, 4, SMALL))

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use wingbeat::scenario::Summary;
 
 use crate::shipped::{Shipped, scenario};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// What is asked: height held within, and wings clear by, m.
 const HELD: f64 = 0.05;
@@ -23,11 +23,11 @@ const GUSTS: &[&str] = &["air.gust_m_s=0.5"];
 
 /// A flight: the end of its id, the scenario, what is untold in words and as settings, and whether its gait was found for many airs:
 /// that alone has the room that clearance takes, so clearance is judged there; the scenario says itself how it adapts.
-type Flight = (&'static str, Shipped, &'static str, &'static [&'static str], bool);
+type UnknownAirFlight = (&'static str, Shipped, &'static str, &'static [&'static str], bool);
 
 const UNTOLD_STALL: &str = "law `stall` unknown to the controller";
 const UNTOLD_DRAG: &str = "profile drag x 1.5 and 18 % thinner air unknown to it";
-const FLIGHTS: [Flight; 8] = [
+const FLIGHTS: [UnknownAirFlight; 8] = [
     ("untold_stall", "bank30_20g_lev", UNTOLD_STALL, STALL, false),
     ("untold_stall_beta", "bank15_beta_lev", UNTOLD_STALL, STALL, false),
     ("untold_drag", "bank30_20g_lev", UNTOLD_DRAG, DRAG, false),
@@ -39,7 +39,7 @@ const FLIGHTS: [Flight; 8] = [
 ];
 
 /// The comparisons.
-pub(super) fn rows() -> Result<Vec<Row>, Error> {
+pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     for (name, of, what, untold, many) in FLIGHTS {
         let fly = |adapted: &[&str]| -> Result<Summary, Error> {
@@ -53,16 +53,16 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
         let source = "what is asked of the flight";
         let metric = format!("largest error of the height of {of}, {what}");
         let adapted = format!("{metric}, with adaptation");
-        rows.push(Row::judged(&id("height"), source, &adapted, height(&with), HELD, "m"));
+        rows.push(ComparisonRow::judged(&id("height"), source, &adapted, height(&with), HELD, "m"));
         let without_it = format!("{metric}, without");
-        rows.push(Row::shown(&id("height_without"), source, &without_it, height(&without), "m"));
+        rows.push(ComparisonRow::shown(&id("height_without"), source, &without_it, height(&without), "m"));
         let least = with.least_clearance_m.unwrap_or(f64::NAN);
         rows.push(if many {
             let metric = format!("3 mm less the least clearance of {of}, {what}, with adaptation");
-            Row::judged(&id("clearance"), source, &metric, CLEAR - least, 0.0, "m")
+            ComparisonRow::judged(&id("clearance"), source, &metric, CLEAR - least, 0.0, "m")
         } else {
             let metric = format!("least clearance of {of}, {what}, with adaptation (3 mm asked)");
-            Row::shown(&id("clearance"), source, &metric, least, "m")
+            ComparisonRow::shown(&id("clearance"), source, &metric, least, "m")
         });
     }
     Ok(rows)

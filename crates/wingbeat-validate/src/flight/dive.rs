@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use wingbeat::orbit::SKIN;
 
 use crate::shipped::scenario;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// Room of the wings beside their skins, m.
 const CLEAR: f64 = 0.003;
 
 /// Height, nose and clearance of the shipped dive, and the same with another model that flies.
-pub(super) fn rows() -> Result<Vec<Row>, Error> {
+pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     let other = ["mismatch.mass=1.05", "mismatch.density=0.95", "mismatch.profile_drag=1.2"];
     for (end, told, overrides) in
@@ -21,7 +21,14 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
         let dive = summary.dive.ok_or_else(|| Error::NoAnswer("no dive was flown".into()))?;
         let row = |name: &str, metric: &str, value: f64, limit: f64, unit| {
             let id = format!("flight.dive_45_20g{end}.{name}");
-            Row::judged(&id, "what is asked of the flight", &format!("{metric}{told}"), value, limit, unit)
+            ComparisonRow::judged(
+                &id,
+                "what is asked of the flight",
+                &format!("{metric}{told}"),
+                value,
+                limit,
+                unit,
+            )
         };
         let least = summary.least_clearance_m.unwrap_or(f64::NAN);
         rows.extend([
@@ -47,7 +54,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
             true => row("clearance", clearance, CLEAR + SKIN - least, 0.0, "m"),
             false => {
                 let metric = format!("{clearance}{told}");
-                Row::shown(
+                ComparisonRow::shown(
                     "flight.dive_45_20g.other.clearance",
                     "what is asked of the flight",
                     &metric,

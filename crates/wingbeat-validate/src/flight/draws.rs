@@ -6,10 +6,10 @@ use std::path::Path;
 use wingbeat::parallel;
 use wingbeat::scenario::{Hold, ReadTable, Sweep, SweepOf};
 
-use crate::{Error, Row, Watch};
+use crate::{CaseWatch, ComparisonRow, Error};
 
 /// What is asked of the flights of a sweep; what counts as held and as clear the sweep says itself.
-pub struct Asked {
+pub struct SweepDemand {
     /// Name of the sweep.
     pub sweep: &'static str,
     /// Largest share of flights that are not held; infinite where it is shown alone.
@@ -21,39 +21,40 @@ pub struct Asked {
 }
 
 /// Level flight.
-pub const LEVEL: Asked = held("level_20g", DRIVEN);
+pub const LEVEL: SweepDemand = held("level_20g", DRIVEN);
 /// A turn at 15 deg.
-pub const BANK15: Asked = held("bank15_20g", DRIVEN);
+pub const BANK15: SweepDemand = held("bank15_20g", DRIVEN);
 /// Level flight with a passive shoulder.
-pub const PASSIVE_LEVEL: Asked = held("passive_level_20g", PASSIVE);
+pub const PASSIVE_LEVEL: SweepDemand = held("passive_level_20g", PASSIVE);
 /// A turn at 15 deg with a passive shoulder.
-pub const PASSIVE_BANK15: Asked = held("passive_bank15_20g", PASSIVE);
+pub const PASSIVE_BANK15: SweepDemand = held("passive_bank15_20g", PASSIVE);
 /// The figure of eight.
-pub const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: None, power: None };
+pub const FIGURE8: SweepDemand =
+    SweepDemand { sweep: "path_figure8", lost: 0.05, crossing: None, power: None };
 
 /// Launches by hand, of which none may be lost; their wings are not clear in most.
-pub const LAUNCH: Asked = Asked { sweep: "launch_20g", lost: 0.0, crossing: None, power: None };
+pub const LAUNCH: SweepDemand = SweepDemand { sweep: "launch_20g", lost: 0.0, crossing: None, power: None };
 
 /// Landings, of which 90 of 100 are asked to be caught, clear of the bar and of themselves.
-pub const LAND: Asked = Asked { sweep: "land_20g", lost: 0.1, crossing: Some(0.1), power: None };
+pub const LAND: SweepDemand = SweepDemand { sweep: "land_20g", lost: 0.1, crossing: Some(0.1), power: None };
 
 /// In unknown air: 190 of 200 in the turn, 195 level, 180 of Beta.
-pub const ANY_AIR_BANK30: Asked =
-    Asked { sweep: "any_air_bank30_20g", lost: 0.05, crossing: Some(0.05), power: Some(90.0) };
+pub const ANY_AIR_BANK30: SweepDemand =
+    SweepDemand { sweep: "any_air_bank30_20g", lost: 0.05, crossing: Some(0.05), power: Some(90.0) };
 /// A turn of Aerobat Beta at 15 deg in any air.
-pub const ANY_AIR_BETA: Asked =
-    Asked { sweep: "any_air_bank15_beta", lost: 0.1, crossing: Some(0.1), power: Some(120.0) };
+pub const ANY_AIR_BETA: SweepDemand =
+    SweepDemand { sweep: "any_air_bank15_beta", lost: 0.1, crossing: Some(0.1), power: Some(120.0) };
 /// Level flight in any air.
-pub const ANY_AIR_LEVEL: Asked =
-    Asked { sweep: "any_air_level_20g", lost: 0.025, crossing: Some(0.025), power: Some(90.0) };
+pub const ANY_AIR_LEVEL: SweepDemand =
+    SweepDemand { sweep: "any_air_level_20g", lost: 0.025, crossing: Some(0.025), power: Some(90.0) };
 
 /// Largest shares of flights in which the wings come closer than the sweep allows: of a driven twist, and of one that the air moves.
 const DRIVEN: f64 = 0.05;
 const PASSIVE: f64 = 0.1;
 
 /// A sweep of which every flight is asked to be held.
-const fn held(sweep: &'static str, crossing: f64) -> Asked {
-    Asked { sweep, lost: 0.0, crossing: Some(crossing), power: None }
+const fn held(sweep: &'static str, crossing: f64) -> SweepDemand {
+    SweepDemand { sweep, lost: 0.0, crossing: Some(crossing), power: None }
 }
 
 const NO_TABLES: ReadTable = &|_: &Path| Err("flights read no tables".into());
@@ -70,7 +71,7 @@ pub fn read(name: &str) -> Result<(Sweep, Hold), Error> {
 }
 
 /// The comparisons; none where they were ended.
-pub fn rows(asked: &Asked, watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
+pub fn rows(asked: &SweepDemand, watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Error> {
     let name = asked.sweep;
     let (sweep, hold) = read(name)?;
     let Some(flown) = flown(&sweep, watch)? else { return Ok(Vec::new()) };
@@ -97,33 +98,45 @@ pub fn rows(asked: &Asked, watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
         let values = column(measure)?;
         within.push(format!("{:.0} mm of {what}", 1e3 * limit));
         let (id, metric) = (id(end), format!("largest error of the {what} of {flights} flights"));
-        worst.push(Row::shown(&id, source, &metric, most(&values), "m"));
+        worst.push(ComparisonRow::shown(&id, source, &metric, most(&values), "m"));
     }
     let metric = match within.is_empty() {
         true => of("not held"),
         false => of(&format!("not held within {}", within.join(" and "))),
     };
     rows.push(match asked.lost.is_finite() {
-        true => Row::judged(&id("held"), source, &metric, lost, asked.lost, ""),
-        false => Row::shown(&id("held"), source, &metric, lost, ""),
+        true => ComparisonRow::judged(&id("held"), source, &metric, lost, asked.lost, ""),
+        false => ComparisonRow::shown(&id("held"), source, &metric, lost, ""),
     });
     let caught = column("perch_caught")?;
     if caught.iter().any(|caught| caught.is_finite()) {
-        rows.push(Row::shown(&id("caught"), source, &of("whose claw does not latch"), missed(&caught), ""));
+        rows.push(ComparisonRow::shown(
+            &id("caught"),
+            source,
+            &of("whose claw does not latch"),
+            missed(&caught),
+            "",
+        ));
     }
     let metric = of(&format!("with less than {:.0} mm of clearance", 1e3 * hold.clearance_m));
     rows.push(match asked.crossing {
-        Some(limit) => Row::judged(&id("clear"), source, &metric, crossing, limit, ""),
-        None => Row::shown(&id("clear"), source, &metric, crossing, ""),
+        Some(limit) => ComparisonRow::judged(&id("clear"), source, &metric, crossing, limit, ""),
+        None => ComparisonRow::shown(&id("clear"), source, &metric, crossing, ""),
     });
     rows.append(&mut worst);
     let least = -most(&column("least_clearance")?.iter().map(|c| -c).collect::<Vec<_>>());
     let metric = format!("least clearance of {flights} flights");
-    rows.push(Row::shown(&id("least_clearance"), source, &metric, least, "m"));
+    rows.push(ComparisonRow::shown(&id("least_clearance"), source, &metric, least, "m"));
     let power = column("positive_power")?;
     let most = asked.power.map_or(String::new(), |most| format!(" (at most {most} asked)"));
     let metric = format!("mean positive power of {flights} flights{most}");
-    rows.push(Row::shown(&id("power"), source, &metric, power.iter().sum::<f64>() / flights as f64, "W/kg"));
+    rows.push(ComparisonRow::shown(
+        &id("power"),
+        source,
+        &metric,
+        power.iter().sum::<f64>() / flights as f64,
+        "W/kg",
+    ));
     Ok(rows)
 }
 
@@ -133,7 +146,7 @@ fn most(values: &[f64]) -> f64 {
 }
 
 /// The rows of the sweep, on all cores; none where it was ended.
-fn flown(sweep: &Sweep, watch: &mut Watch<'_>) -> Result<Option<Vec<Vec<f64>>>, Error> {
+fn flown(sweep: &Sweep, watch: &mut CaseWatch<'_>) -> Result<Option<Vec<Vec<f64>>>, Error> {
     let (all, stopped) = (sweep.runs(), std::sync::atomic::AtomicBool::new(false));
     let mut rows = Vec::with_capacity(all);
     let mut failed = None;

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use wingbeat::math::Vec3;
 use wingbeat::robot::{Dryden, Wind};
 
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// What is sampled: of one scale, so that the parts resolve the corner of each spectrum.
 const SAMPLED: Dryden = Dryden { deviation: [0.5, 0.4, 0.3], length: [2.0; 3], airspeed: 4.0 };
@@ -18,7 +18,7 @@ const PLACES: [usize; 5] = [3, 6, 12, 24, 48];
 const WITHIN: f64 = 0.05;
 
 /// The comparisons.
-pub(super) fn rows() -> Result<Vec<Row>, Error> {
+pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let of = SAMPLED;
     let duration = (PART * PARTS) as f64 * of.step();
     let wind = Wind::steady(Vec3::ZERO).turbulent(&of, 0.0, duration, 1);
@@ -40,7 +40,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
         let source = "Dryden's spectra, MIL-F-8785C";
         let of = |what: &str| format!("{what} of the component {name}, relative to the closed form");
         let mut judged = |end: &str, what: &str, value: f64| {
-            rows.push(Row::judged(
+            rows.push(ComparisonRow::judged(
                 &format!("flight.dryden.{end}.{name}"),
                 source,
                 &of(what),

@@ -6,7 +6,7 @@ use wingbeat::scenario::Run;
 
 use super::{SATURATED, SKIN, values};
 use crate::shipped::{Shipped, scenario};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 const ESTIMATOR: Shipped = "estimator_20g";
 /// Largest error of the height, m, and of the roll, root mean square, deg.
@@ -20,13 +20,13 @@ const TURNING: f64 = 2.0;
 const TURNED: f64 = 4.0;
 
 /// The comparisons: in the turn, then in level flight.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = flown("bank15", &[], 15.0)?;
     rows.extend(flown("level", &["controller.orbit.legs=[]"], 0.0)?);
     Ok(rows)
 }
 
-fn flown(name: &str, overrides: &[&str], roll_deg: f64) -> Result<Vec<Row>, Error> {
+fn flown(name: &str, overrides: &[&str], roll_deg: f64) -> Result<Vec<ComparisonRow>, Error> {
     let Run { record, summary, .. } = scenario(ESTIMATOR, overrides)?.fly(|_| ControlFlow::Continue(()))?;
     let (t, roll) = (values(&record, "t")?, values(&record, "roll")?);
     let turned = &roll[t.partition_point(|at| *at < TURNED)..];
@@ -39,7 +39,7 @@ fn flown(name: &str, overrides: &[&str], roll_deg: f64) -> Result<Vec<Row>, Erro
         .collect();
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
         let id = format!("flight.estimator.{name}.{end}");
-        Row::judged(&id, "what is asked of the flight", metric, value, limit, unit)
+        ComparisonRow::judged(&id, "what is asked of the flight", metric, value, limit, unit)
     };
     let missing = || Error::reference("summary", "no estimate".to_string());
     let estimate = summary.estimate.as_ref().ok_or_else(missing)?;

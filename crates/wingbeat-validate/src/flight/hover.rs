@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use wingbeat::scenario::Run;
 
 use crate::shipped::{Shipped, scenario};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 const HOVER: Shipped = "hover_guarded";
 /// Largest distance from the place, root mean square, m; largest rotation, deg; share of the air's mean force.
@@ -14,11 +14,11 @@ const ATTITUDE: f64 = 3.0;
 const FORCE: f64 = 0.1;
 
 /// The comparisons.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let Run { summary, .. } = scenario(HOVER, &[])?.fly(|_| ControlFlow::Continue(()))?;
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
         let id = format!("flight.hover_guarded.{end}");
-        Row::judged(&id, "what is asked of the hover", metric, value, limit, unit)
+        ComparisonRow::judged(&id, "what is asked of the hover", metric, value, limit, unit)
     };
     let missing = || Error::reference("summary", "no hover".to_string());
     let hover = summary.hover.as_ref().ok_or_else(missing)?;

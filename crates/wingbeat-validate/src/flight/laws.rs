@@ -6,7 +6,7 @@ use wingbeat::parallel;
 use wingbeat::scenario::Summary;
 
 use crate::shipped::{Shipped, scenario};
-use crate::{Error, Row, Watch};
+use crate::{CaseWatch, ComparisonRow, Error};
 
 /// The flights.
 const FLIGHTS: [Shipped; 20] = [
@@ -49,10 +49,10 @@ pub fn flown(of: Shipped, other: bool) -> Result<Option<Summary>, Error> {
 }
 
 /// Power and clearance of each flight under its own law and under `lev3d`; none where they were ended.
-pub fn rows(watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
+pub fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Error> {
     let jobs: Vec<(Shipped, bool)> =
         FLIGHTS.into_iter().flat_map(|of| [false, true].map(|other| (of, other))).collect();
-    let mut told: Vec<Result<Vec<Row>, Error>> = jobs.iter().map(|_| Ok(Vec::new())).collect();
+    let mut told: Vec<Result<Vec<ComparisonRow>, Error>> = jobs.iter().map(|_| Ok(Vec::new())).collect();
     let mut flow = watch(0, jobs.len());
     let mut done = 0;
     if flow.is_continue() {
@@ -75,11 +75,17 @@ pub fn rows(watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
 }
 
 /// The rows of one flight.
-fn rows_of(of: Shipped, other: bool, summary: Option<&Summary>) -> Vec<Row> {
+fn rows_of(of: Shipped, other: bool, summary: Option<&Summary>) -> Vec<ComparisonRow> {
     let (law, under) = if other { ("lev3d", "law lev3d") } else { ("own", "its own law") };
     let row = |end: &str, metric: &str, value: f64, unit| {
         let metric = format!("{metric} under {under}");
-        Row::shown(&format!("flight.laws.{of}.{law}.{end}"), "the flight itself", &metric, value, unit)
+        ComparisonRow::shown(
+            &format!("flight.laws.{of}.{law}.{end}"),
+            "the flight itself",
+            &metric,
+            value,
+            unit,
+        )
     };
     let Some(summary) = summary else {
         return vec![row("orbits", "orbits within the command ranges", 0.0, "")];

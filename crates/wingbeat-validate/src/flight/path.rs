@@ -6,7 +6,7 @@ use wingbeat::scenario::Run;
 
 use super::SATURATED;
 use crate::shipped::{Shipped, scenario};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// By the bank that the distance across asks of the regulator.
 pub const EIGHT: Shipped = "path_figure8";
@@ -16,17 +16,17 @@ pub const PLANNED: Shipped = "predictive_figure8";
 const CROSS: f64 = 0.15;
 
 /// The comparisons: still air, then gusts of .3 m/s along each axis.
-pub fn rows(of: Shipped) -> Result<Vec<Row>, Error> {
+pub fn rows(of: Shipped) -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = flown(of, "still", &["air.gust_m_s=0.0"])?;
     rows.extend(flown(of, "gusts", &["air.gust_m_s=0.3"])?);
     Ok(rows)
 }
 
-fn flown(of: Shipped, name: &str, overrides: &[&str]) -> Result<Vec<Row>, Error> {
+fn flown(of: Shipped, name: &str, overrides: &[&str]) -> Result<Vec<ComparisonRow>, Error> {
     let Run { summary, .. } = scenario(of, overrides)?.fly(|_| ControlFlow::Continue(()))?;
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
         let id = format!("flight.{of}.{name}.{end}");
-        Row::judged(&id, "what is asked of the flight", metric, value, limit, unit)
+        ComparisonRow::judged(&id, "what is asked of the flight", metric, value, limit, unit)
     };
     let missing = || Error::reference("summary", "no path".to_string());
     let path = summary.path.as_ref().ok_or_else(missing)?;

@@ -10,7 +10,7 @@ use wingbeat::simulate::Record;
 
 use super::values;
 use crate::shipped::scenario;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// What is asked: deg, s, kg m2/s.
 const TURNED: f64 = 150.0;
@@ -20,7 +20,7 @@ const MOMENTUM: f64 = 1e-9;
 const QUADRATURE: f64 = 0.2;
 
 /// A rigid part: mass, centre of mass, principal inertia.
-struct Part {
+struct RigidPart {
     mass: f64,
     com: Vec3,
     inertia: [f64; 3],
@@ -28,11 +28,11 @@ struct Part {
 
 /// Body, arm and hand of `flip_20g`; the left wing from its shoulder, before sweep and stroke.
 const SHOULDER: Vec3 = Vec3([0.0, 0.0207, 0.0075]);
-const BODY: Part =
-    Part { mass: 0.010, com: Vec3([-0.00062, 0.0, 0.00062]), inertia: [9.4e-6, 2.97e-5, 2.97e-5] };
-const WING: [Part; 2] = [
-    Part { mass: 0.001, com: Vec3([0.0, 0.025, 0.0]), inertia: [2.083e-7, 0.0, 2.083e-7] },
-    Part { mass: 0.004, com: Vec3([0.020, 0.100, 0.0]), inertia: [5.81e-6, 4.72e-6, 1.053e-5] },
+const BODY: RigidPart =
+    RigidPart { mass: 0.010, com: Vec3([-0.00062, 0.0, 0.00062]), inertia: [9.4e-6, 2.97e-5, 2.97e-5] };
+const WING: [RigidPart; 2] = [
+    RigidPart { mass: 0.001, com: Vec3([0.0, 0.025, 0.0]), inertia: [2.083e-7, 0.0, 2.083e-7] },
+    RigidPart { mass: 0.004, com: Vec3([0.020, 0.100, 0.0]), inertia: [5.81e-6, 4.72e-6, 1.053e-5] },
 ];
 
 /// Parts of body and left wing about the plane of symmetry at stroke and sweep, rad: centre of mass, mass that counts (both wings), and
@@ -80,7 +80,7 @@ fn quadrature(stroke: &[f64], sweep: &[f64]) -> f64 {
 }
 
 /// Plans and flies the shipped scenario.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let of = scenario("reorientation", &[])?;
     let planned = of.plan(&mut |_| ControlFlow::Continue(()))?;
     let (PlanSummary::RollIn(summary), Some(record)) = (&planned.summary, &planned.record) else {
@@ -92,7 +92,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let alone = quadrature(column("shoulder_left")?, column("sweep_left")?);
     let asked = "what is asked of the turn";
     let row = |end: &str, source: &str, metric: &str, value: f64, limit: f64, unit| {
-        Row::judged(&format!("flight.reorientation.{end}"), source, metric, value, limit, unit)
+        ComparisonRow::judged(&format!("flight.reorientation.{end}"), source, metric, value, limit, unit)
     };
     let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
     Ok(vec![

@@ -5,8 +5,8 @@ mod moving;
 mod segments;
 
 use crate::fsi::worst;
-use crate::{Case, Error, Row};
-use apart::Linear;
+use crate::{Case, ComparisonRow, Error};
+use apart::TaperedBeam;
 use std::f64::consts::PI;
 use wingbeat::math::{Mat3, Vec3};
 use wingbeat::structure::{
@@ -34,7 +34,7 @@ pub const CASES: &[Case] = &[
 /// Inertia of sections without any, kg m: small beside the mass times the length squared.
 const SLENDER: f64 = 1e-9;
 
-/// A section with bending about y (out of the plane of rotation) and torsion as in [`Linear`], bending about z `wide` times
+/// A section with bending about y (out of the plane of rotation) and torsion as in [`TaperedBeam`], bending about z `wide` times
 /// stiffer.
 fn section([bend, twist, mass, inertia]: [f64; 4], offset: f64, wide: f64) -> Section {
     // About the centre of mass: the library moves it to the axis. A plate's, as what turns about x must lie somewhere.
@@ -46,7 +46,7 @@ fn section([bend, twist, mass, inertia]: [f64; 4], offset: f64, wide: f64) -> Se
     )
 }
 
-fn beam(of: &Linear, elements: usize, order: usize) -> Result<Beam, Error> {
+fn beam(of: &TaperedBeam, elements: usize, order: usize) -> Result<Beam, Error> {
     let stations = [(0.0, of.root), (1.0, of.tip)]
         .map(|(arc_m, n)| Station { arc_m, section: section(n, of.offset, 1e6) });
     let grid = Grid { elements, order, strains: Strain::INEXTENSIBLE, arcs: Vec::new() };
@@ -59,19 +59,19 @@ fn lowest(beam: &Beam, setting: &Setting, count: usize) -> Vec<f64> {
     frequencies(&linear(beam, setting, &q)).iter().take(count).map(|mode| mode.0).collect()
 }
 
-const UNIFORM: Linear =
-    Linear { root: [1.0, 1e4, 1.0, 1e-2], tip: [1.0, 1e4, 1.0, 1e-2], offset: 0.0, turning: 0.0 };
+const UNIFORM: TaperedBeam =
+    TaperedBeam { root: [1.0, 1e4, 1.0, 1e-2], tip: [1.0, 1e4, 1.0, 1e-2], offset: 0.0, turning: 0.0 };
 
-fn uniform() -> Result<Vec<Row>, Error> {
+fn uniform() -> Result<Vec<ComparisonRow>, Error> {
     let beam = beam(&UNIFORM, 1, 8)?;
     let found = lowest(&beam, &Setting::default(), 3);
     let exact = [1.875_104_068_711_961, 4.694_091_132_974_175, 7.854_757_438_237_613].map(|x: f64| x * x);
-    let twist = Linear { root: [1e6, 1.0, 1.0, 1e-2], tip: [1e6, 1.0, 1.0, 1e-2], ..UNIFORM };
+    let twist = TaperedBeam { root: [1e6, 1.0, 1.0, 1e-2], tip: [1e6, 1.0, 1.0, 1e-2], ..UNIFORM };
     let torsion = lowest(&self::beam(&twist, 1, 8)?, &Setting::default(), 3);
     let exact_torsion = (0..3).map(|k| (2 * k + 1) as f64 * PI / 2.0 * 10.0);
     let source = "closed form: cos x cosh x = -1; sqrt(GJ/I) (2k - 1) pi/(2 L)";
     let row = |id: &str, what: &str, value| {
-        Row::judged(
+        ComparisonRow::judged(
             id,
             source,
             &format!("max relative error of 3 frequencies of {what}, 1 element"),
@@ -86,23 +86,23 @@ fn uniform() -> Result<Vec<Row>, Error> {
     ])
 }
 
-fn tapered() -> Result<Vec<Row>, Error> {
-    let of = Linear { tip: [0.2, 1e4, 0.4, 1e-2], ..UNIFORM };
+fn tapered() -> Result<Vec<ComparisonRow>, Error> {
+    let of = TaperedBeam { tip: [0.2, 1e4, 0.4, 1e-2], ..UNIFORM };
     let found = lowest(&beam(&of, 1, 9)?, &Setting::default(), 4);
     let value = worst(found.into_iter().zip(of.frequencies(4, 2.0)));
     let source = "shooting of (EI y'')'' = w^2 m y, written apart";
     let metric = "max relative error of 4 frequencies, EI to 0.2 and mass to 0.4 at the tip";
-    Ok(vec![Row::judged("fsi.beam.tapered", source, metric, value, 1e-4, "")])
+    Ok(vec![ComparisonRow::judged("fsi.beam.tapered", source, metric, value, 1e-4, "")])
 }
 
-fn offset() -> Result<Vec<Row>, Error> {
+fn offset() -> Result<Vec<ComparisonRow>, Error> {
     let numbers = [1.0, 0.2, 1.0, 0.012];
-    let of = Linear { root: numbers, tip: numbers, offset: 0.06, turning: 0.0 };
+    let of = TaperedBeam { root: numbers, tip: numbers, offset: 0.06, turning: 0.0 };
     let found = lowest(&beam(&of, 1, 9)?, &Setting::default(), 5);
     let value = worst(found.into_iter().zip(of.frequencies(5, 1.0)));
     let source = "shooting of coupled bending and torsion, written apart";
     let metric = "max relative error of 5 frequencies, centre of mass 6 % of the length off the axis";
-    Ok(vec![Row::judged("fsi.beam.offset", source, metric, value, 1e-4, "")])
+    Ok(vec![ComparisonRow::judged("fsi.beam.offset", source, metric, value, 1e-4, "")])
 }
 
 /// Tip of the uniform beam under a tip load along z.
@@ -116,7 +116,7 @@ fn bent(load: Load, steps: usize, elements: usize, order: usize) -> Result<Vec3,
     Ok(beam.places(&Place::IDENTITY, &held.q)[beam.tip()].p)
 }
 
-fn elastica() -> Result<Vec<Row>, Error> {
+fn elastica() -> Result<Vec<ComparisonRow>, Error> {
     // Bisshopp & Drucker 1945: P L^2/(E I), deflection and shortening over length, as tabulated to five digits.
     const PRINTED: [[f64; 3]; 3] =
         [[1.0, 0.30172, 0.05643], [2.0, 0.49346, 0.16064], [10.0, 0.81061, 0.55500]];
@@ -129,7 +129,7 @@ fn elastica() -> Result<Vec<Row>, Error> {
     }
     let metric = "max error of deflection and shortening over length, P L^2/EI = 1, 2, 10";
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.beam.elastica",
             "Bisshopp & Drucker 1945, elliptic integrals",
             metric,
@@ -137,11 +137,18 @@ fn elastica() -> Result<Vec<Row>, Error> {
             1e-4,
             "",
         ),
-        Row::judged("fsi.beam.elastica.shooting", "t'' = -a cos t, written apart", metric, exact, 1e-4, ""),
+        ComparisonRow::judged(
+            "fsi.beam.elastica.shooting",
+            "t'' = -a cos t, written apart",
+            metric,
+            exact,
+            1e-4,
+            "",
+        ),
     ])
 }
 
-fn follower() -> Result<Vec<Row>, Error> {
+fn follower() -> Result<Vec<ComparisonRow>, Error> {
     let mut value = 0.0_f64;
     for load in [1.0, 4.0, 12.0, 25.0] {
         let tip = bent(Load::following(0, Vec3::new(0.0, 0.0, load)), 20, 2, 8)?;
@@ -150,7 +157,7 @@ fn follower() -> Result<Vec<Row>, Error> {
     }
     let metric = "max error of the tip over length, P L^2/EI = 1, 4, 12, 25";
     let source = "initial-value problem from the tip, written apart";
-    let beck = Row::judged(
+    let beck = ComparisonRow::judged(
         "fsi.beam.follower.beck",
         "Beck 1952: P L^2/EI = 20.05 (uniform column)",
         "relative error of the tangential load at which oscillations of a column grow",
@@ -158,7 +165,7 @@ fn follower() -> Result<Vec<Row>, Error> {
         1e-3,
         "",
     );
-    Ok(vec![Row::judged("fsi.beam.follower", source, metric, value, 1e-3, ""), beck])
+    Ok(vec![ComparisonRow::judged("fsi.beam.follower", source, metric, value, 1e-3, ""), beck])
 }
 
 /// Load along the tip's tangent at which two frequencies of the column in its plane merge, E I and L being 1.
@@ -174,7 +181,7 @@ fn beck() -> Result<f64, Error> {
 }
 
 /// Frequencies out of the plane of rotation of the uniform beam that turns about its root, rad/s.
-fn turned(of: &Linear, order: usize, count: usize) -> Result<Vec<f64>, Error> {
+fn turned(of: &TaperedBeam, order: usize, count: usize) -> Result<Vec<f64>, Error> {
     let beam = beam(of, 2, order)?;
     let rate = Vec3::new(0.0, 0.0, of.turning);
     let setting = Setting { root: Swung::turning(&Place::IDENTITY, rate, 0.0), ..Setting::default() };
@@ -188,7 +195,7 @@ fn turned(of: &Linear, order: usize, count: usize) -> Result<Vec<f64>, Error> {
     Ok(found)
 }
 
-fn rotating() -> Result<Vec<Row>, Error> {
+fn rotating() -> Result<Vec<ComparisonRow>, Error> {
     // Hodges & Rutkowski 1981 (and Wright et al. 1982): first three flapping frequencies over sqrt(EI/(m L^4)) at 0, 4, 8, 12.
     const PRINTED: [(f64, [f64; 3]); 4] = [
         (0.0, [3.5160, 22.0345, 61.6972]),
@@ -198,14 +205,14 @@ fn rotating() -> Result<Vec<Row>, Error> {
     ];
     let (mut printed, mut exact) = (0.0_f64, 0.0_f64);
     for (turning, known) in PRINTED {
-        let of = Linear { turning, ..UNIFORM };
+        let of = TaperedBeam { turning, ..UNIFORM };
         let found = turned(&of, 6, 3)?;
         printed = printed.max(worst(found.iter().copied().zip(known)));
         exact = exact.max(worst(found.into_iter().zip(of.frequencies(3, 1.0))));
     }
     let metric = "max relative error of 3 flapping frequencies, rotation 0, 4, 8 and 12 sqrt(EI/m L^4)";
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.beam.rotating",
             "Hodges & Rutkowski 1981, table for no hub",
             metric,
@@ -213,7 +220,7 @@ fn rotating() -> Result<Vec<Row>, Error> {
             1e-3,
             "",
         ),
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.beam.rotating.shooting",
             "(EI y'')'' - (T y')' = w^2 m y, written apart",
             metric,
@@ -225,7 +232,7 @@ fn rotating() -> Result<Vec<Row>, Error> {
 }
 
 /// Order of convergence with the number of elements of constant and of linear strain.
-fn order() -> Result<Vec<Row>, Error> {
+fn order() -> Result<Vec<ComparisonRow>, Error> {
     let exact = apart::elastica(5.0)?[0];
     let mut rows = Vec::new();
     for (order, expected, id) in [(1, 2.0, "fsi.beam.order"), (2, 4.0, "fsi.beam.order.linear")] {
@@ -234,7 +241,13 @@ fn order() -> Result<Vec<Row>, Error> {
         };
         let [coarse, fine] = if order == 1 { [16, 32] } else { [8, 16] };
         let observed = (error(coarse)? / error(fine)?).log2();
-        rows.push(Row::order(id, "elastica, P L^2/EI = 5, elements doubled", observed, expected, 0.3));
+        rows.push(ComparisonRow::order(
+            id,
+            "elastica, P L^2/EI = 5, elements doubled",
+            observed,
+            expected,
+            0.3,
+        ));
     }
     Ok(rows)
 }

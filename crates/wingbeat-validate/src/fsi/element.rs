@@ -1,7 +1,7 @@
 //! Structure elements that bear what the wings give them: eq. (6) of the paper with loads.
 
 use super::energy;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::f64::consts::TAU;
 use wingbeat::math::{Jet, Mat3, Vec3};
 use wingbeat::robot::{Air, BodyMotion, Robot, Wind};
@@ -39,14 +39,14 @@ fn frequency(inertia: f64) -> Result<f64, Error> {
 }
 
 /// The rows.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut worst = 0.0_f64;
     for inertia in [1e-7, 2e-6, 1e-4] {
         let exact = FREQUENCY * (inertia / (inertia + LINK)).sqrt();
         worst = worst.max((frequency(inertia)? / exact - 1.0).abs());
     }
     let mut rows = vec![
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.element.frequency",
             "f sqrt(m/(m + I))",
             "max relative error of the frequency of a hinge, inertia of the actuator .02 to 20 of the link's",
@@ -54,7 +54,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             1e-9,
             "",
         ),
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.element.driven",
             "the element by itself",
             "relative error of the frequency with an inertia of 1e6 of the link's",

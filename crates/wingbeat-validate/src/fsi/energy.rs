@@ -8,8 +8,8 @@ use wingbeat::plant::{Fault, Linearisation, Plant};
 use wingbeat::robot::{Air, Observation, Robot, SurfaceOutline, Wind};
 use wingbeat::scenario::Document;
 
-use crate::aero_full::Preset;
-use crate::{Error, Row};
+use crate::aero_full::ComparedPreset;
+use crate::{ComparisonRow, Error};
 
 /// Density of the air, kg/m3.
 const DENSITY: f64 = 1.2;
@@ -18,10 +18,15 @@ const DURATION: f64 = 0.25;
 /// Step, s.
 const STEP: f64 = 4e-4;
 
-fn model(preset: Preset, law: LiftLaw, density_kg_m3: f64, outline: SurfaceOutline) -> Result<Aero, Error> {
+fn model(
+    preset: ComparedPreset,
+    law: LiftLaw,
+    density_kg_m3: f64,
+    outline: SurfaceOutline,
+) -> Result<Aero, Error> {
     let drag = outline.drag(law);
     let SurfaceOutline { planform, hinges, membrane, .. } = outline;
-    if preset == Preset::Paper {
+    if preset == ComparedPreset::Paper {
         let settings = LiftingLineSettings {
             section: SectionSettings { density_kg_m3, law, drag, ..Default::default() },
             ..Default::default()
@@ -49,7 +54,7 @@ const ELEMENTS: &str = "[structure]\nfrequency_hz = 12.0\ndamping = 0.3\nelement
 
 /// A cycle of the flapper of `validation/fsi/flapper.toml` in a slight wind.
 struct Trial {
-    preset: Preset,
+    preset: ComparedPreset,
     law: LiftLaw,
     /// Whether its wings are membranes.
     skin: bool,
@@ -64,7 +69,7 @@ struct Trial {
 /// A membrane's own time is short.
 const OF_SKIN: Trial = Trial { skin: true, step: 0.25 * STEP, ..OF_WING };
 const OF_WING: Trial = Trial {
-    preset: Preset::Full,
+    preset: ComparedPreset::Full,
     law: LiftLaw::Stall,
     skin: false,
     elements: false,
@@ -142,49 +147,63 @@ impl Trial {
 }
 
 /// The rows.
-pub fn rows() -> Result<Vec<Row>, Error> {
-    let row = |preset: Preset| {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
+    let row = |preset: ComparedPreset| {
         let metric = format!(
             "work of drives, dampers and air - change of energy, over the peak work, one cycle, preset {}",
             preset.name()
         );
-        let id = if preset == Preset::Paper {
+        let id = if preset == ComparedPreset::Paper {
             "fsi.energy".into()
         } else {
             format!("fsi.energy.{}", preset.name())
         };
         let lacking = Trial { preset, ..OF_WING }.run()?.energy;
-        Ok(Row::judged(&id, "conservation of energy", &metric, lacking, 1e-8, ""))
+        Ok(ComparisonRow::judged(&id, "conservation of energy", &metric, lacking, 1e-8, ""))
     };
-    [Preset::Paper, Preset::Full].into_iter().map(row).collect()
+    [ComparedPreset::Paper, ComparedPreset::Full].into_iter().map(row).collect()
 }
 
 /// Momentum of wings of membrane without air.
-pub fn momentum_rows() -> Result<Vec<Row>, Error> {
+pub fn momentum_rows() -> Result<Vec<ComparisonRow>, Error> {
     let lacking = Trial { density: 1e-12, ..OF_SKIN }.run()?.momentum;
     let metric = "largest change of the momentum of links and membrane but by the weight, over it, one cycle without air";
-    Ok(vec![Row::judged("fsi.membrane.momentum", "conservation of momentum", metric, lacking, 1e-10, "")])
+    Ok(vec![ComparisonRow::judged(
+        "fsi.membrane.momentum",
+        "conservation of momentum",
+        metric,
+        lacking,
+        1e-10,
+        "",
+    )])
 }
 
 /// Energy with a membrane for a wing.
-pub fn membrane_rows() -> Result<Vec<Row>, Error> {
+pub fn membrane_rows() -> Result<Vec<ComparisonRow>, Error> {
     let metric = "work of drives, dampers and air on links and membrane - change of their energy, over the peak work, one cycle, wings of membrane";
     let lacking = OF_SKIN.run()?.energy;
-    Ok(vec![Row::judged("fsi.membrane.energy", "conservation of energy", metric, lacking, 1e-8, "")])
+    Ok(vec![ComparisonRow::judged(
+        "fsi.membrane.energy",
+        "conservation of energy",
+        metric,
+        lacking,
+        1e-8,
+        "",
+    )])
 }
 
 /// Energy of the membrane alone, by finer steps.
-pub fn work_rows() -> Result<Vec<Row>, Error> {
+pub fn work_rows() -> Result<Vec<ComparisonRow>, Error> {
     let metric = "work of the air on the membrane - what its tension stores and its damping takes, over all that work, one cycle of the wings";
     let lacking = Trial { step: 0.4 * OF_SKIN.step, ..OF_SKIN }.run()?.membrane;
-    Ok(vec![Row::judged("fsi.membrane.work", "conservation of energy", metric, lacking, 1e-8, "")])
+    Ok(vec![ComparisonRow::judged("fsi.membrane.work", "conservation of energy", metric, lacking, 1e-8, "")])
 }
 
 /// Energy of wings on elements that bear their loads.
-pub fn element_rows() -> Result<Vec<Row>, Error> {
+pub fn element_rows() -> Result<Vec<ComparisonRow>, Error> {
     let metric = "work of drives, actuators, dampers and air - change of energy, over the peak work, one cycle, wings on elements with an inertia";
     let lacking = Trial { elements: true, ..OF_WING }.run()?.energy;
-    Ok(vec![Row::judged("fsi.element.energy", "conservation of energy", metric, lacking, 1e-8, "")])
+    Ok(vec![ComparisonRow::judged("fsi.element.energy", "conservation of energy", metric, lacking, 1e-8, "")])
 }
 
 /// Largest error of the exact derivatives of the rates by states against central differences, over the largest of their row.
@@ -217,12 +236,19 @@ fn derivative_error(law: LiftLaw) -> Result<f64, Error> {
 }
 
 /// Derivatives with a membrane for a wing.
-pub fn derivative_rows() -> Result<Vec<Row>, Error> {
+pub fn derivative_rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut worst = 0.0_f64;
     for law in [LiftLaw::Linear, LiftLaw::Stall, LiftLaw::Lev3d] {
         worst = worst.max(derivative_error(law)?);
     }
     let metric =
         "max error of the rates by each state, wings of membrane, three laws, over the largest of the rate";
-    Ok(vec![Row::judged("fsi.membrane.derivatives", "central differences", metric, worst, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged(
+        "fsi.membrane.derivatives",
+        "central differences",
+        metric,
+        worst,
+        1e-6,
+        "",
+    )])
 }

@@ -4,8 +4,8 @@
 //! by the apparent mass of a flat plate: it turns about an elastic hinge behind the leading edge, with the stiffness and the inertia of
 //! the shape.
 
-use crate::aero_full::{Preset, Section};
-use crate::{Case, Error, Row, Table, reference_table};
+use crate::aero_full::{ComparedPreset, SectionLaw};
+use crate::{Case, ComparisonRow, Error, ReferenceTable, reference_table};
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 use wingbeat::aero::Aero;
@@ -73,23 +73,23 @@ fn line() -> [f64; 2] {
 
 /// A plate of the thickness `thickness` (chords) that heaves by `heave` m at `strouhal` = 2 f a/U, a the measured amplitude.
 #[derive(Clone, Copy)]
-struct Plate {
+struct HeavingPlate {
     thickness: f64,
     strouhal: f64,
     heave: f64,
-    section: Section,
+    section: SectionLaw,
 }
 
 /// What it does.
 #[derive(Clone, Copy)]
-struct Answer {
+struct PlateThrust {
     /// Mean thrust over 0.5 rho U^2 c.
     thrust: f64,
     /// Amplitude of the line from edge to edge, rad.
     pitch: f64,
 }
 
-impl Plate {
+impl HeavingPlate {
     fn frequency_hz(&self) -> f64 {
         self.strouhal * SPEED / (2.0 * HEAVE)
     }
@@ -147,7 +147,7 @@ panels = [{{ link = "plate", origin_m = [0.0, 0.0, {root:e}], direction = [0.0, 
             .map_err(|e| Error::NoAnswer(e.to_string()))?;
         let model = |outline: SurfaceOutline| {
             let (wing, hinges) = (&outline.planform, &outline.hinges);
-            Preset::Full.model_with(self.section, STRIPS, wing, hinges, DENSITY, 1e-3 * SPEED)
+            ComparedPreset::Full.model_with(self.section, STRIPS, wing, hinges, DENSITY, 1e-3 * SPEED)
         };
         let models: Vec<Aero> = spec.outlines()?.into_iter().map(model).collect::<Result<_, _>>()?;
         let air = Air { density: DENSITY, wind: Wind::steady(Vec3::new(-SPEED, 0.0, 0.0)) };
@@ -155,7 +155,7 @@ panels = [{{ link = "plate", origin_m = [0.0, 0.0, {root:e}], direction = [0.0, 
     }
 
     /// The last of its cycles, its body held.
-    fn answer(&self) -> Result<Answer, Error> {
+    fn answer(&self) -> Result<PlateThrust, Error> {
         let robot = self.robot()?;
         let (n, held) = (robot.states().len(), robot.layout().joints);
         let mut x = vec![0.0; n];
@@ -178,7 +178,7 @@ panels = [{{ link = "plate", origin_m = [0.0, 0.0, {root:e}], direction = [0.0, 
         }
         // The tip's height is the turn over the slope of the line.
         let pitch = turn.norm() / (line()[0] * CHORD);
-        Ok(Answer { thrust: thrust / (0.5 * DENSITY * SPEED * SPEED * CHORD * SPAN), pitch })
+        Ok(PlateThrust { thrust: thrust / (0.5 * DENSITY * SPEED * SPEED * CHORD * SPAN), pitch })
     }
 }
 
@@ -191,18 +191,18 @@ fn rms(pairs: &[(f64, f64)]) -> f64 {
 }
 
 /// Small heave against the whole plate in linear theory.
-fn linear() -> Result<Vec<Row>, Error> {
+fn linear() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("flapping/plate.csv")?;
     let [thickness, strouhal] = [table.column("thickness")?, table.column("strouhal")?];
     let [thrust, pitch] = [table.column("thrust")?, table.column("pitch_deg")?];
     let small = 0.01;
     let (mut thrusts, mut pitches) = (Vec::new(), Vec::new());
     for i in 0..table.len() {
-        let plate = Plate {
+        let plate = HeavingPlate {
             thickness: thickness[i],
             strouhal: strouhal[i],
             heave: small * HEAVE,
-            section: Section::INVISCID,
+            section: SectionLaw::INVISCID,
         };
         let found = plate.answer()?;
         thrusts.push((found.thrust / (small * small), thrust[i]));
@@ -221,8 +221,8 @@ fn linear() -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (id, of, pairs) in [("", "thrust", &thrusts), (".pitch", "pitch amplitude", &pitches)] {
         let id = format!("fsi.flapping.linear{id}");
-        rows.push(Row::judged(&id, source, &what(of, 6), stiffer(pairs), 0.1, ""));
-        rows.push(Row::shown(&format!("{id}.all"), source, &what(of, 7), rms(pairs), ""));
+        rows.push(ComparisonRow::judged(&id, source, &what(of, 6), stiffer(pairs), 0.1, ""));
+        rows.push(ComparisonRow::shown(&format!("{id}.all"), source, &what(of, 7), rms(pairs), ""));
     }
     Ok(rows)
 }
@@ -231,7 +231,7 @@ fn linear() -> Result<Vec<Row>, Error> {
 struct Curves(Vec<(f64, Vec<[f64; 2]>)>);
 
 impl Curves {
-    fn of(table: &Table, name: &str) -> Result<Self, Error> {
+    fn of(table: &ReferenceTable, name: &str) -> Result<Self, Error> {
         let (thickness, strouhal) = (table.column("thickness")?, table.column("strouhal")?);
         let value = table.column(name)?;
         let mut curves: Vec<(f64, Vec<[f64; 2]>)> = Vec::new();
@@ -296,18 +296,19 @@ fn summary(curve: &[[f64; 2]], strouhal: f64) -> String {
 }
 
 /// The measured plates under two laws, the linear one without drag.
-fn measured() -> Result<Vec<Row>, Error> {
+fn measured() -> Result<Vec<ComparisonRow>, Error> {
     let source = "Heathcote & Gursul 2007, measured (validation/flapping)";
     let thrust = Curves::of(&reference_table!("flapping/thrust.csv")?, "thrust")?;
     let pitch = Curves::of(&reference_table!("flapping/pitch.csv")?, "pitch_deg")?;
     let mut rows = Vec::new();
-    for (law, section) in [("linear", Section::INVISCID), ("lev", Section::PLATE)] {
-        let answer = |thickness, strouhal| Plate { thickness, strouhal, heave: HEAVE, section }.answer();
+    for (law, section) in [("linear", SectionLaw::INVISCID), ("lev", SectionLaw::PLATE)] {
+        let answer =
+            |thickness, strouhal| HeavingPlate { thickness, strouhal, heave: HEAVE, section }.answer();
         let thrusts = thrust.with(|b, s| Ok(answer(b, s)?.thrust))?;
         let pitches = pitch.with(|b, s| Ok(answer(b, s)?.pitch.to_degrees()))?;
         let mut show = |id: &str, what: String, value: f64| {
             let id = format!("fsi.flapping.measured.{law}{id}");
-            rows.push(Row::shown(&id, source, &format!("{what}, law {law}"), value, ""));
+            rows.push(ComparisonRow::shown(&id, source, &format!("{what}, law {law}"), value, ""));
         };
         let (off, turned) = (rms(&thrusts.beside(&thrust)), rms(&pitches.beside(&pitch)));
         show("", "rms error of thrust over its rms, 5 plates, St 0.1 to 1".into(), off);

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::shipped::scenario;
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use wingbeat::judge::Status;
 use wingbeat::scenario::Summary;
 
@@ -19,7 +19,7 @@ const ROLL: f64 = 1.0;
 const SKINS: f64 = 3e-3;
 
 /// A turn at 15 deg of bank.
-struct Turn {
+struct FlexibleTurn {
     name: &'static str,
     of: &'static str,
     rigid: &'static str,
@@ -29,8 +29,8 @@ struct Turn {
     scaled: [&'static [&'static str]; 2],
 }
 
-const TURNS: [Turn; 2] = [
-    Turn {
+const TURNS: [FlexibleTurn; 2] = [
+    FlexibleTurn {
         name: "membrane",
         of: "membrane_bank15",
         rigid: "bank15_beta",
@@ -40,7 +40,7 @@ const TURNS: [Turn; 2] = [
             &["robot.surfaces[0].membrane.modulus_pa=4e8"],
         ],
     },
-    Turn {
+    FlexibleTurn {
         name: "spar",
         of: "soft_bank15",
         rigid: "bank15_20g",
@@ -62,7 +62,7 @@ fn fly(of: &'static str, set: &[&str]) -> Result<(Summary, f64), Error> {
     Ok((run.summary, largest))
 }
 
-fn rows() -> Result<Vec<Row>, Error> {
+fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     for turn in TURNS {
         rows.extend(rows_of(&turn)?);
@@ -70,8 +70,8 @@ fn rows() -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-fn rows_of(turn: &Turn) -> Result<Vec<Row>, Error> {
-    let Turn { name, of, rigid, interval, scaled } = turn;
+fn rows_of(turn: &FlexibleTurn) -> Result<Vec<ComparisonRow>, Error> {
+    let FlexibleTurn { name, of, rigid, interval, scaled } = turn;
     let (own, torque) = fly(of, &[])?;
     let (twin, twin_torque) = fly(rigid, &[])?;
     let (planned, _) = fly(of, &[PLANNED, &[interval]].concat())?;
@@ -86,9 +86,16 @@ fn rows_of(turn: &Turn) -> Result<Vec<Row>, Error> {
         let missing = SKINS - number(flight.least_clearance_m);
         let ok = if flight.status == Status::Ok { 0.0 } else { 1.0 };
         rows.extend([
-            Row::judged(&id("height"), asked, &height, number(flight.height_max_error_m), HELD, "m"),
-            Row::judged(&id("roll"), asked, &roll, number(flight.roll_rms_error_deg), ROLL, "deg"),
-            Row::judged(
+            ComparisonRow::judged(
+                &id("height"),
+                asked,
+                &height,
+                number(flight.height_max_error_m),
+                HELD,
+                "m",
+            ),
+            ComparisonRow::judged(&id("roll"), asked, &roll, number(flight.roll_rms_error_deg), ROLL, "deg"),
+            ComparisonRow::judged(
                 &id("clearance"),
                 asked,
                 &format!("what is missing of a clearance of 3 mm, {with}"),
@@ -96,13 +103,20 @@ fn rows_of(turn: &Turn) -> Result<Vec<Row>, Error> {
                 0.0,
                 "m",
             ),
-            Row::judged(&id("status"), asked, &format!("statuses that are not ok, {with}"), ok, 0.0, ""),
+            ComparisonRow::judged(
+                &id("status"),
+                asked,
+                &format!("statuses that are not ok, {with}"),
+                ok,
+                0.0,
+                "",
+            ),
         ]);
     }
     let mut shown = |what: &str, metric: &str, value: Option<f64>, unit| {
         let metric = format!("{metric}, turn of {of}");
         let id = format!("fsi.flight.{name}.{what}");
-        rows.push(Row::shown(&id, rigid, &metric, value.unwrap_or(f64::NAN), unit));
+        rows.push(ComparisonRow::shown(&id, rigid, &metric, value.unwrap_or(f64::NAN), unit));
     };
     shown("power", "mean positive power", own.cost.positive_power_w_kg, "W/kg");
     shown("power.rigid", "the same on rigid wings", twin.cost.positive_power_w_kg, "W/kg");

@@ -3,8 +3,8 @@
 use super::section::{TypicalSection, crossing};
 use super::theodorsen::{self, Flutter};
 use super::{AXIS, worst};
-use crate::aero_full::Preset;
-use crate::{Error, Row};
+use crate::aero_full::ComparedPreset;
+use crate::{ComparisonRow, Error};
 
 /// Least frequency of what counts as an oscillation of the structure, in pitch frequencies.
 const OSCILLATION: f64 = 0.05;
@@ -25,7 +25,7 @@ fn sections() -> impl Iterator<Item = TypicalSection> {
 }
 
 /// Growth rate and frequency of the least damped oscillation at `speed` m/s.
-fn least_damped(section: &TypicalSection, preset: Preset, speed: f64) -> Result<(f64, f64), Error> {
+fn least_damped(section: &TypicalSection, preset: ComparedPreset, speed: f64) -> Result<(f64, f64), Error> {
     let eigenvalues = section.eigenvalues(preset, speed)?;
     let oscillations = eigenvalues.iter().filter(|s| s.im > OSCILLATION);
     let least = oscillations.max_by(|a, b| a.re.total_cmp(&b.re));
@@ -34,7 +34,7 @@ fn least_damped(section: &TypicalSection, preset: Preset, speed: f64) -> Result<
 
 /// The lowest speed of flutter of the library's model, the pitch frequency being 1 rad/s and the
 /// semi-chord 0.5 m. `near` bounds the search: from a third of it on, to twice.
-fn flutter(section: &TypicalSection, preset: Preset, near: f64) -> Result<Flutter, Error> {
+fn flutter(section: &TypicalSection, preset: ComparedPreset, near: f64) -> Result<Flutter, Error> {
     const STEPS: usize = 40;
     let growth = |speed: f64| least_damped(section, preset, speed).map(|(growth, _)| growth);
     let speeds = (0..=STEPS).map(|i| near * (0.33 + 1.67 * i as f64 / STEPS as f64));
@@ -53,7 +53,7 @@ fn flutter(section: &TypicalSection, preset: Preset, near: f64) -> Result<Flutte
 }
 
 /// Pairs of speeds and of frequencies, the library's first.
-fn compared(preset: Preset) -> Result<Vec<[(f64, f64); 2]>, Error> {
+fn compared(preset: ComparedPreset) -> Result<Vec<[(f64, f64); 2]>, Error> {
     let pair = |section: TypicalSection| {
         let exact = theodorsen::flutter(&section)
             .ok_or_else(|| Error::NoAnswer(format!("no flutter by Theodorsen: {section:?}")))?;
@@ -64,11 +64,11 @@ fn compared(preset: Preset) -> Result<Vec<[(f64, f64); 2]>, Error> {
 }
 
 /// The rows: speed and frequency, judged for preset `paper`.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     for (preset, limit, ids) in [
-        (Preset::Paper, Some(0.02), ["fsi.flutter", "fsi.flutter.frequency"]),
-        (Preset::Full, None, ["fsi.flutter.full", "fsi.flutter.full_frequency"]),
+        (ComparedPreset::Paper, Some(0.02), ["fsi.flutter", "fsi.flutter.frequency"]),
+        (ComparedPreset::Full, None, ["fsi.flutter.full", "fsi.flutter.full_frequency"]),
     ] {
         let pairs = compared(preset)?;
         for (i, quantity) in ["speed", "frequency"].into_iter().enumerate() {
@@ -77,7 +77,10 @@ pub fn rows() -> Result<Vec<Row>, Error> {
                 preset.name()
             );
             let value = worst(pairs.iter().map(|pair| pair[i]));
-            rows.push(Row { limit, ..Row::shown(ids[i], "Theodorsen 1935, k method", &metric, value, "") });
+            rows.push(ComparisonRow {
+                limit,
+                ..ComparisonRow::shown(ids[i], "Theodorsen 1935, k method", &metric, value, "")
+            });
         }
     }
     Ok(rows)

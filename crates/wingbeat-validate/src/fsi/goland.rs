@@ -2,9 +2,10 @@
 
 mod lattice;
 
+use super::C;
 use super::theodorsen::loads;
-use crate::{Case, Error, Row};
-use nalgebra::{Complex, DMatrix};
+use crate::{Case, ComparisonRow, Error};
+use nalgebra::DMatrix;
 use std::f64::consts::PI;
 use wingbeat::math::{Mat3, Vec3};
 use wingbeat::structure::{Beam, Grid, Section, Setting, Station, Strain, frequencies, linear, turning};
@@ -35,8 +36,6 @@ const MODES: usize = 4;
 /// Reduced frequencies omega b / U searched, from the largest down, by this factor.
 const SEARCHED: (f64, f64, f64) = (1.5, 0.2, 0.99);
 
-type C = Complex<f64>;
-
 /// The beam, with nodes at `arcs`; y points aft.
 fn beam(arcs: Vec<f64>) -> Result<Beam, Error> {
     let offset = (CENTRE - AXIS) * 2.0 * SEMI_CHORD;
@@ -56,13 +55,13 @@ fn middle(strip: usize) -> f64 {
 }
 
 /// A mode of unit mass: frequency squared, and displacement down (semi-chords) and twist nose up of each strip.
-struct Mode {
+struct WingMode {
     square: f64,
     moves: Vec<[f64; 2]>,
 }
 
 /// The lowest modes of the library's beam without air.
-fn modes() -> Result<Vec<Mode>, Error> {
+fn modes() -> Result<Vec<WingMode>, Error> {
     let (beam, setting) = (beam((0..STRIPS).map(middle).collect())?, Setting::default());
     let zero = vec![0.0; beam.coordinates()];
     let found = frequencies(&linear(&beam, &setting, &zero));
@@ -74,13 +73,13 @@ fn modes() -> Result<Vec<Mode>, Error> {
             // A chord along y, which points aft, turns nose up about -x.
             [-place.p[2].d / SEMI_CHORD, -turning(&place.r)[0][0]]
         };
-        Mode { square: omega * omega, moves: (0..STRIPS).map(of).collect() }
+        WingMode { square: omega * omega, moves: (0..STRIPS).map(of).collect() }
     };
     Ok(found.iter().take(MODES).map(mode).collect())
 }
 
 /// Work of the loads of mode j on mode i over omega2 at the reduced frequency `k` in air of `density`, by strips.
-fn by_strips(modes: &[Mode], density: f64, k: f64) -> DMatrix<C> {
+fn by_strips(modes: &[WingMode], density: f64, k: f64) -> DMatrix<C> {
     let [lift, moment] = loads(2.0 * AXIS - 1.0, k);
     let scale = PI * density * SEMI_CHORD.powi(4) * SPAN / STRIPS as f64;
     DMatrix::from_fn(modes.len(), modes.len(), |i, j| {
@@ -126,13 +125,13 @@ fn flutter(squares: &[f64], work: impl Fn(f64) -> DMatrix<C>) -> Result<[f64; 2]
     lowest.ok_or_else(|| Error::NoAnswer("flutter of Goland's wing".into()))
 }
 
-fn strip() -> Result<Vec<Row>, Error> {
+fn strip() -> Result<Vec<ComparisonRow>, Error> {
     let modes = modes()?;
     let squares: Vec<f64> = modes.iter().map(|mode| mode.square).collect();
     let [speed, frequency] = flutter(&squares, |k| by_strips(&modes, SEA_LEVEL, k))?;
     let aloft = flutter(&squares, |k| by_strips(&modes, ALOFT, k))?;
     let source = "Goland 1945, Goland & Luke 1948: exact strip theory at sea level, 137.2 m/s, 70.7 rad/s";
-    let judged = |id: &str, what: &str, value: f64| Row::judged(id, source, what, value, 0.03, "");
+    let judged = |id: &str, what: &str, value: f64| ComparisonRow::judged(id, source, what, value, 0.03, "");
     Ok(vec![
         judged(
             "fsi.goland.strip",
@@ -146,7 +145,7 @@ fn strip() -> Result<Vec<Row>, Error> {
             &format!("relative error of its frequency ({frequency:.2} rad/s)"),
             (frequency / 70.7 - 1.0).abs(),
         ),
-        Row::shown(
+        ComparisonRow::shown(
             "fsi.goland.strip.aloft",
             "validation/goland: 164 to 177 m/s in three-dimensional flow, where the finite wing bears less",
             "speed of flutter by strips in air of 1.02 kg/m3",

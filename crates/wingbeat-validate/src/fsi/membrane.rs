@@ -6,7 +6,7 @@ mod sail;
 
 use super::energy;
 use crate::aero_full::last_cycle;
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use std::f64::consts::PI;
 use wingbeat::aero::{
     Aero, LiftLaw, Loads, MembraneSpec, Planform, PlanformStation, ProfileDrag, SectionSettings, StripModel,
@@ -28,7 +28,7 @@ pub const CASES: &[Case] = &[
 ];
 
 /// A rectangle of unit chord in a wind of 1 m/s of density 1 kg/m3: its membrane, law and motion.
-struct Sheet {
+struct SailSheet {
     membrane: MembraneSpec,
     law: LiftLaw,
     motion: Motion,
@@ -38,7 +38,7 @@ struct Sheet {
 /// Aspect ratio of a wing without ends, whose strips know nothing of each other.
 const ASPECT: f64 = 1e5;
 
-impl Sheet {
+impl SailSheet {
     /// Its loads over the last cycle, and the area of its strips, which end a little short of the tips.
     fn loads(self) -> Result<(Vec<Loads<f64>>, f64), Error> {
         let tether = self.tether()?;
@@ -96,9 +96,9 @@ fn membrane(stiffness: f64, prestrain: f64, damping_s: f64) -> MembraneSpec {
 const BROADSIDE: f64 = 2.0;
 
 /// Held at an incidence (rad) long enough for the lags to have died.
-fn held(membrane: MembraneSpec, law: LiftLaw, alpha: f64) -> Sheet {
+fn held(membrane: MembraneSpec, law: LiftLaw, alpha: f64) -> SailSheet {
     let motion = Motion { nose_up: Coordinate::Constant(alpha), ..Motion::at_rest() };
-    Sheet {
+    SailSheet {
         membrane,
         law,
         motion,
@@ -126,7 +126,7 @@ fn arc(stiffness: f64, prestrain: f64) -> [f64; 2] {
 }
 
 /// Broadside on, where a plate in separated flow bears an even pressure: taut, without prestrain, slack.
-fn pressure() -> Result<Vec<Row>, Error> {
+fn pressure() -> Result<Vec<ComparisonRow>, Error> {
     let source = "circular arc of an elastic membrane under even pressure, by hand";
     let mut worst = [0.0_f64; 2];
     // Prescribed by the plate's coefficient in a wind of 1 m/s and 1 kg/m3.
@@ -148,7 +148,7 @@ fn pressure() -> Result<Vec<Row>, Error> {
     }
     let row = |id: &str, what: &str, value: f64| {
         let metric = format!("{what}, five membranes taut to slack, rise of 5 to 7 % of the chord");
-        Row::judged(&format!("fsi.membrane.pressure.{id}"), source, &metric, value, 0.02, "")
+        ComparisonRow::judged(&format!("fsi.membrane.pressure.{id}"), source, &metric, value, 0.02, "")
     };
     Ok(vec![
         row("camber", "max relative error of the rise", worst[0]),
@@ -164,7 +164,7 @@ const TENSIONS: [f64; 6] = [2.5, 3.0, 4.0, 6.0, 10.0, 30.0];
 const LEAST_TENSION: f64 = 3.0;
 
 /// Sails between two points in plane flow.
-fn sails() -> Result<Vec<Row>, Error> {
+fn sails() -> Result<Vec<ComparisonRow>, Error> {
     let source = "sail equation by Glauert's series, twelve shapes, own";
     let (mut lift, mut rise, mut panels) = ([0.0_f64; 2], 0.0_f64, 0.0_f64);
     for ratio in TENSIONS {
@@ -186,7 +186,7 @@ fn sails() -> Result<Vec<Row>, Error> {
     let id = |name: &str| format!("fsi.membrane.sail.{name}");
     let tensions = "T/(q c) 2.5 to 30";
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             &id("divergence"),
             "Nielsen 1963: T/(q c) = 1.727",
             "relative error of the tension at which a sail bulges by itself, twelve shapes",
@@ -194,14 +194,14 @@ fn sails() -> Result<Vec<Row>, Error> {
             2e-3,
             "",
         ),
-        Row::shown(
+        ComparisonRow::shown(
             &id("divergence_two_shapes"),
             source,
             "the same of the two shapes of a strip",
             (two / found - 1.0).abs(),
             "",
         ),
-        Row::judged(
+        ComparisonRow::judged(
             &id("panels"),
             source,
             &format!(
@@ -211,7 +211,7 @@ fn sails() -> Result<Vec<Row>, Error> {
             0.02,
             "",
         ),
-        Row::judged(
+        ComparisonRow::judged(
             &id("slope"),
             source,
             "max relative error of the lift slope, preset full, T/(q c) 3 to 30",
@@ -219,15 +219,15 @@ fn sails() -> Result<Vec<Row>, Error> {
             0.02,
             "",
         ),
-        Row::shown(&id("slope_near_divergence"), source, "the same at T/(q c) 2.5", lift[1], ""),
-        Row::shown(
+        ComparisonRow::shown(&id("slope_near_divergence"), source, "the same at T/(q c) 2.5", lift[1], ""),
+        ComparisonRow::shown(
             &id("rise"),
             source,
             &format!("max relative error of the rise at mid chord, preset full, {tensions}"),
             rise,
             "",
         ),
-        Row::shown(
+        ComparisonRow::shown(
             &id("one_shape"),
             source,
             &format!("max relative error of the lift slope with the parabola alone, {tensions}"),

@@ -1,6 +1,6 @@
 //! The Pre-Pazy wing: measured bending of a very flexible wing.
 
-use crate::{Case, Error, Row, Table, reference_table};
+use crate::{Case, ComparisonRow, Error, ReferenceTable, reference_table};
 use wingbeat::aero::{Aero, LiftLaw, Planform, PlanformStation, SectionSettings, StripModel, StripSettings};
 use wingbeat::math::{GRAVITY, Mat3, Vec3};
 use wingbeat::structure::{
@@ -27,20 +27,20 @@ const ASKED: f64 = 20.0;
 const DENSITY: f64 = 1.225;
 const SOURCE: &str = "measured at Technion; Goizueta et al., doi 10.5281/zenodo.4299868";
 
-fn stiffness(later: bool) -> Result<Table, Error> {
+fn stiffness(later: bool) -> Result<ReferenceTable, Error> {
     if later {
         return reference_table!("pazy/stiffness_later.csv");
     }
     reference_table!("pazy/stiffness_with_skin.csv")
 }
 
-fn inertia() -> Result<Table, Error> {
+fn inertia() -> Result<ReferenceTable, Error> {
     reference_table!("pazy/inertia_with_skin.csv")
 }
 
 /// What is changed of the equivalent beam to ask for the cause of a miss.
 #[derive(Clone, Copy)]
-struct Change {
+struct BeamChange {
     /// Bending stiffness out of plane over the table's.
     bending: f64,
     /// Stiffness of the clamp against bending, N m/rad; that of the table is rigid.
@@ -53,18 +53,18 @@ struct Change {
     later: bool,
 }
 
-const AS_GIVEN: Change =
-    Change { bending: 1.0, clamp: f64::INFINITY, coupling: 1.0, beyond: 0.0, later: false };
+const AS_GIVEN: BeamChange =
+    BeamChange { bending: 1.0, clamp: f64::INFINITY, coupling: 1.0, beyond: 0.0, later: false };
 /// Fitted to the bending under a mass, each alone, by least squares.
-const SOFTER: Change = Change { bending: 0.908, ..AS_GIVEN };
-const CLAMPED: Change = Change { clamp: 310.0, ..AS_GIVEN };
-const BEYOND: Change = Change { beyond: 0.039, ..AS_GIVEN };
+const SOFTER: BeamChange = BeamChange { bending: 0.908, ..AS_GIVEN };
+const CLAMPED: BeamChange = BeamChange { clamp: 310.0, ..AS_GIVEN };
+const BEYOND: BeamChange = BeamChange { beyond: 0.039, ..AS_GIVEN };
 
 /// The equivalent beam of Riso & Cesnik: the stiffness is constant in each element, masses lie at the keypoints. The table's axes
 /// are y along the span and x along the chord, taken to point aft; z then points down where ours points up.
-fn beam(arcs: Vec<f64>, change: Change) -> Result<Beam, Error> {
+fn beam(arcs: Vec<f64>, change: BeamChange) -> Result<Beam, Error> {
     let (stiffness, inertia) = (stiffness(change.later)?, inertia()?);
-    let column = |table: &Table, name: &str| table.column(name);
+    let column = |table: &ReferenceTable, name: &str| table.column(name);
     let ends = column(&inertia, "span_m")?;
     let names = ["EA_N", "GJ_N_m2", "EI_flap_N_m2", "EI_lag_N_m2", "K12", "K13", "K14", "K23", "K24", "K34"];
     let k: Vec<Vec<f64>> = names.iter().map(|name| column(&stiffness, name)).collect::<Result<_, _>>()?;
@@ -116,7 +116,7 @@ fn section([ea, gj, flap, lag, k12, k13, k14, k23, k24, k34]: [f64; 10]) -> Sect
 }
 
 /// Height of the tip of `beam` under its weight and a mass, m.
-fn height(beam: &Beam, change: Change, mass: f64) -> Result<f64, Error> {
+fn height(beam: &Beam, change: BeamChange, mass: f64) -> Result<f64, Error> {
     let force = Vec3::new(0.0, 0.0, -GRAVITY * mass);
     // Hung mid-chord, aft of the reference line, which shifts little as the tip turns.
     let moment = Vec3::new(change.beyond, (0.5 - LINE) * CHORD, 0.0).cross(force);
@@ -130,7 +130,7 @@ fn height(beam: &Beam, change: Change, mass: f64) -> Result<f64, Error> {
 }
 
 /// Largest and rms error of the tip's displacement under a mass, over the half span.
-fn bent(change: Change) -> Result<[f64; 2], Error> {
+fn bent(change: BeamChange) -> Result<[f64; 2], Error> {
     let table = reference_table!("pazy/bending_with_skin.csv")?;
     let (masses, measured) = (table.column("tip_mass_kg")?, table.column("tip_displacement_m")?);
     let beam = beam(Vec::new(), change)?;
@@ -174,11 +174,11 @@ fn peer_bent() -> Result<[f64; 2], Error> {
 }
 
 /// The later wing: the library against another program on the same equivalent beam, and that program against the measurement.
-fn later() -> Result<Vec<Row>, Error> {
+fn later() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("pazy/bending_later.csv")?;
     let [masses, peer, measured] = ["tip_mass_kg", "um_nast", "measured"].map(|name| table.column(name));
     let (masses, peer, measured) = (masses?, peer?, measured?);
-    let change = Change { later: true, ..AS_GIVEN };
+    let change = BeamChange { later: true, ..AS_GIVEN };
     let beam = beam(Vec::new(), change)?;
     let unloaded = height(&beam, change, 0.0)?;
     let mut worst = [0.0_f64; 3];
@@ -192,7 +192,7 @@ fn later() -> Result<Vec<Row>, Error> {
     let source = "Riso & Cesnik, AIAA 2022-2313: UM/NAST on its equivalent beam of the later wing";
     let missed = "Avin et al. 2022, measured, the later wing";
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.pazy.later",
             source,
             "max difference of the tip's displacement over half span, 0.2 to 3 kg at the tip",
@@ -200,17 +200,17 @@ fn later() -> Result<Vec<Row>, Error> {
             0.01,
             "",
         ),
-        Row::shown("fsi.pazy.later.measured", missed, "max error of the same", own, ""),
-        Row::shown("fsi.pazy.later.um_nast", missed, "max error of the same of UM/NAST", other, ""),
+        ComparisonRow::shown("fsi.pazy.later.measured", missed, "max error of the same", own, ""),
+        ComparisonRow::shown("fsi.pazy.later.um_nast", missed, "max error of the same of UM/NAST", other, ""),
     ])
 }
 
-fn bending() -> Result<Vec<Row>, Error> {
+fn bending() -> Result<Vec<ComparisonRow>, Error> {
     let ([worst, rms], [apart, other]) = (bent(AS_GIVEN)?, peer_bent()?);
     let beam = beam(Vec::new(), AS_GIVEN)?;
     let rest = frequencies(&linear(&beam, &Setting::default(), &vec![0.0; beam.coordinates()]));
     let lowest = rest.first().map_or(f64::NAN, |mode| mode.0 / std::f64::consts::TAU);
-    let shown = |id: &str, what: &str, value, unit| Row::shown(id, SOURCE, what, value, unit);
+    let shown = |id: &str, what: &str, value, unit| ComparisonRow::shown(id, SOURCE, what, value, unit);
     Ok(vec![
         shown(
             "fsi.pazy.bending",
@@ -219,7 +219,7 @@ fn bending() -> Result<Vec<Row>, Error> {
             "",
         ),
         shown("fsi.pazy.bending.rms", "rms of the same", rms, ""),
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.pazy.bending.peer",
             "UM/NAST on the same beam; Goizueta et al., doi 10.5281/zenodo.4299868",
             "max difference of the tip from UM/NAST's over half span, 0.2 to 3.4 kg at the tip",
@@ -231,7 +231,7 @@ fn bending() -> Result<Vec<Row>, Error> {
         shown(
             "fsi.pazy.bending.coupling",
             "change of the max error without the coupling of stretch and bending in plane",
-            (bent(Change { coupling: 0.0, ..AS_GIVEN })?[0] - worst).abs(),
+            (bent(BeamChange { coupling: 0.0, ..AS_GIVEN })?[0] - worst).abs(),
             "",
         ),
         shown(
@@ -257,7 +257,7 @@ fn bending() -> Result<Vec<Row>, Error> {
 }
 
 /// Displacement of the tip in the wind at rest, over that of the wing unloaded, m.
-fn displaced(speed: f64, change: Change) -> Result<f64, Error> {
+fn displaced(speed: f64, change: BeamChange) -> Result<f64, Error> {
     let ends = inertia()?.column("span_m")?;
     let half_span = ends.last().copied().unwrap_or(SPAN);
     let station = |arc_m| PlanformStation {
@@ -305,7 +305,7 @@ fn displaced(speed: f64, change: Change) -> Result<f64, Error> {
     }
 }
 
-fn static_shape() -> Result<Vec<Row>, Error> {
+fn static_shape() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("pazy/static_5deg.csv")?;
     let columns = ["airspeed_m_s", "tip_displacement_m", "spread_m"].map(|name| table.column(name));
     let [speeds, measured, spread] = columns;
@@ -328,24 +328,24 @@ fn static_shape() -> Result<Vec<Row>, Error> {
         };
         let metric =
             format!("relative error of the tip's displacement at {speed} m/s, 5 deg, {found:.4} m ({asked})");
-        rows.push(Row::shown(&format!("fsi.pazy.static.{speed}"), SOURCE, &metric, value, ""));
+        rows.push(ComparisonRow::shown(&format!("fsi.pazy.static.{speed}"), SOURCE, &metric, value, ""));
     }
     let metric = "rms of the relative errors at 20 to 50 m/s";
-    rows.push(Row::judged("fsi.pazy.static.rms", SOURCE, metric, f64::sqrt(sum / count), 0.05, ""));
+    rows.push(ComparisonRow::judged("fsi.pazy.static.rms", SOURCE, metric, f64::sqrt(sum / count), 0.05, ""));
     let names = [
         ("softer", "the same with bending stiffness x 0.908, fitted to the bending"),
         ("clamp", "the same with a clamp of 310 N m/rad, fitted to the bending"),
     ];
     for ((id, what), sum) in names.into_iter().zip(changed) {
         let id = format!("fsi.pazy.static.{id}");
-        rows.push(Row::shown(&id, SOURCE, what, f64::sqrt(sum / count), ""));
+        rows.push(ComparisonRow::shown(&id, SOURCE, what, f64::sqrt(sum / count), ""));
     }
     rows.extend(peers_in_wind(&table)?);
     Ok(rows)
 }
 
 /// Two other programs on the same beam in the same wind.
-fn peers_in_wind(table: &Table) -> Result<Vec<Row>, Error> {
+fn peers_in_wind(table: &ReferenceTable) -> Result<Vec<ComparisonRow>, Error> {
     let (speeds, measured) = (table.column("airspeed_m_s")?, table.column("tip_displacement_m")?);
     let others = reference_table!("pazy/static_5deg_others.csv")?;
     let computed = others.column("airspeed_m_s")?;
@@ -360,11 +360,17 @@ fn peers_in_wind(table: &Table) -> Result<Vec<Row>, Error> {
             sum += value * value;
             if *speed == 40.0 {
                 let metric = format!("relative error of {name} on the same beam at 40 m/s, {place:.4} m");
-                rows.push(Row::shown(&format!("fsi.pazy.static.{id}.40"), SOURCE, &metric, value, ""));
+                rows.push(ComparisonRow::shown(
+                    &format!("fsi.pazy.static.{id}.40"),
+                    SOURCE,
+                    &metric,
+                    value,
+                    "",
+                ));
             }
         }
         let (id, rms) = (format!("fsi.pazy.static.{id}.rms"), f64::sqrt(sum / computed.len() as f64));
-        rows.push(Row::shown(
+        rows.push(ComparisonRow::shown(
             &id,
             SOURCE,
             &format!("rms of its relative errors at 20 to 50 m/s, {name}"),
@@ -376,20 +382,20 @@ fn peers_in_wind(table: &Table) -> Result<Vec<Row>, Error> {
 }
 
 /// The later wing in the wind.
-fn later_wind() -> Result<Vec<Row>, Error> {
+fn later_wind() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("pazy/static_5deg_later.csv")?;
     let (speeds, measured) = (table.column("airspeed_m_s")?, table.column("displacement")?);
     let (mut rows, mut sum) = (Vec::new(), 0.0);
     let source = "Avin et al. 2022, measured, the later wing";
     for (speed, measured) in speeds.iter().zip(&measured) {
-        let found = displaced(*speed, Change { later: true, ..AS_GIVEN })? / SPAN;
+        let found = displaced(*speed, BeamChange { later: true, ..AS_GIVEN })? / SPAN;
         let value = (found / measured - 1.0).abs();
         sum += value * value / speeds.len() as f64;
         let metric = format!(
             "relative error of the tip's displacement at {speed} m/s, 5 deg, the later wing, {found:.4} of the half span"
         );
-        rows.push(Row::shown(&format!("fsi.pazy.wind.{speed}"), source, &metric, value, ""));
+        rows.push(ComparisonRow::shown(&format!("fsi.pazy.wind.{speed}"), source, &metric, value, ""));
     }
-    rows.push(Row::shown("fsi.pazy.wind.rms", source, "rms of these", sum.sqrt(), ""));
+    rows.push(ComparisonRow::shown("fsi.pazy.wind.rms", source, "rms of these", sum.sqrt(), ""));
     Ok(rows)
 }

@@ -10,7 +10,7 @@ use wingbeat::robot::{Air, Robot, Wind};
 use wingbeat::scenario::Document;
 
 use crate::Error;
-use crate::aero_full::Preset;
+use crate::aero_full::ComparedPreset;
 
 /// Semi-chord b, m.
 const B: f64 = TypicalSection::SEMI_CHORD;
@@ -120,7 +120,7 @@ panels = [{{ link = "pitch", origin_m = [0.0, 0.0, {root:e}], direction = [0.0, 
     }
 
     /// Eigenvalues of springs and air in a wind of `speed` m/s, rad/s: the linearised robot, its body held.
-    pub fn eigenvalues(&self, preset: Preset, speed: f64) -> Result<Vec<Complex<f64>>, Error> {
+    pub fn eigenvalues(&self, preset: ComparedPreset, speed: f64) -> Result<Vec<Complex<f64>>, Error> {
         let spec = Document::text("typical section", &self.toml())
             .and_then(|d| d.robot())
             .map_err(|e| Error::NoAnswer(e.to_string()))?;

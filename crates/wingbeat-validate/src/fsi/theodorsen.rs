@@ -3,11 +3,8 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Complex;
-
+use super::C;
 use super::section::{GYRATION2, TypicalSection};
-
-type C = Complex<f64>;
 
 /// Euler's constant.
 const EULER: f64 = 0.577_215_664_901_532_9;

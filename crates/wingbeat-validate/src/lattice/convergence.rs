@@ -1,7 +1,7 @@
 //! Orders of convergence.
 
 use super::small::{plunging, steady_slope};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// Order of three values at sizes each half the one before.
 fn order([a, b, c]: [f64; 3]) -> f64 {
@@ -9,7 +9,7 @@ fn order([a, b, c]: [f64; 3]) -> f64 {
 }
 
 /// Orders in the chordwise panels: of steady flow, and of plunge with the step that goes with the panels.
-pub fn convergence() -> Result<Vec<Row>, Error> {
+pub fn convergence() -> Result<Vec<ComparisonRow>, Error> {
     let [a, b, c] = [3, 6, 12].map(|chordwise| steady_slope(4.0, chordwise, 24));
     let steady = order([a?, b?, c?]);
     let [a, b, c] = [4, 8, 16].map(|chordwise| plunging(4.0, 0.5, (chordwise, 8), 20.0));
@@ -17,8 +17,14 @@ pub fn convergence() -> Result<Vec<Row>, Error> {
     let far = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1);
     let unsteady = (far(a, b) / far(b, c)).log2();
     let rows = [
-        Row::order("lattice.convergence.steady", "own refinement, 3 to 12 panels", steady, 2.0, 0.3),
-        Row::order(
+        ComparisonRow::order(
+            "lattice.convergence.steady",
+            "own refinement, 3 to 12 panels",
+            steady,
+            2.0,
+            0.3,
+        ),
+        ComparisonRow::order(
             "lattice.convergence.plunge",
             "own refinement, 4 to 16 panels and their steps",
             unsteady,
@@ -26,5 +32,5 @@ pub fn convergence() -> Result<Vec<Row>, Error> {
             0.3,
         ),
     ];
-    Ok(rows.map(|row| Row { metric: row.metric + "; tolerance a choice", ..row }).into())
+    Ok(rows.map(|row| ComparisonRow { metric: row.metric + "; tolerance a choice", ..row }).into())
 }

@@ -1,9 +1,11 @@
 //! Large flapping: against PteraSoftware, between the two ways to the forces, and the circulation.
 
 use super::wings::{flapper, lift_drag};
-use crate::{Error, Row, Table, reference_table};
+use crate::{ComparisonRow, Error, ReferenceTable, reference_table};
 use wingbeat::math::Vec3;
-use wingbeat_lattice::{Conventions, Flapping, Lattice, Loads, Panels, Scene, Settings, Spacing, WakeMotion};
+use wingbeat_lattice::{
+    Conventions, FlappingWing, Lattice, LatticeLoads, LatticeSettings, Panels, Scene, Spacing, WakeMotion,
+};
 
 /// Chord of the flapping wings, m.
 pub const CHORD: f64 = 0.08;
@@ -18,33 +20,33 @@ pub const CORE: f64 = 0.02;
 
 /// A run and the lattice at its end.
 pub fn run(
-    wing: &Flapping,
+    wing: &FlappingWing,
     panels: Panels,
     steps_per_cycle: usize,
     wake: WakeMotion,
     conventions: Conventions,
-) -> Result<(Vec<Loads>, Lattice), Error> {
-    let own = Settings::new(1.0 / (FREQUENCY * steps_per_cycle as f64), CORE * CHORD);
+) -> Result<(Vec<LatticeLoads>, Lattice), Error> {
+    let own = LatticeSettings::new(1.0 / (FREQUENCY * steps_per_cycle as f64), CORE * CHORD);
     let settings = match conventions {
         Conventions::Own => own,
         Conventions::PteraSoftware => own.like_pterasoftware(CHORD, VISCOSITY),
     };
-    let mut lattice = Lattice::new(Scene::new(wing, panels, true)?, Settings { wake, ..settings })?;
+    let mut lattice = Lattice::new(Scene::new(wing, panels, true)?, LatticeSettings { wake, ..settings })?;
     let loads = (0..CYCLES * steps_per_cycle).map(|_| lattice.step()).collect::<Result<_, _>>()?;
     Ok((loads, lattice))
 }
 
 /// Steps the whole wing `steps` times with Lan's strips and cores of `core` chords, shows the lattice after each and returns it.
 pub fn whole(
-    wing: &Flapping,
+    wing: &FlappingWing,
     steps: usize,
     wake: WakeMotion,
     core: f64,
     mut show: impl FnMut(&Lattice),
 ) -> Result<Lattice, Error> {
     let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Lan };
-    let own = Settings::new(1.0 / (FREQUENCY * STEPS as f64), core * CHORD);
-    let mut lattice = Lattice::new(Scene::new(wing, panels, false)?, Settings { wake, ..own })?;
+    let own = LatticeSettings::new(1.0 / (FREQUENCY * STEPS as f64), core * CHORD);
+    let mut lattice = Lattice::new(Scene::new(wing, panels, false)?, LatticeSettings { wake, ..own })?;
     for _ in 0..steps {
         lattice.step()?;
         show(&lattice);
@@ -66,7 +68,12 @@ fn apart(value: &[f64], exact: &[f64], cycle: usize) -> f64 {
 }
 
 /// Lift and drag of PteraSoftware beside the lattice with its conventions, and with our own.
-fn against(id: &str, wing: &Flapping, wake: WakeMotion, table: &Table) -> Result<Vec<Row>, Error> {
+fn against(
+    id: &str,
+    wing: &FlappingWing,
+    wake: WakeMotion,
+    table: &ReferenceTable,
+) -> Result<Vec<ComparisonRow>, Error> {
     let exact = [table.column("lift_N")?, table.column("drag_N")?];
     let name = if wake == WakeMotion::Free { "free" } else { "prescribed" };
     let mut rows = Vec::new();
@@ -81,11 +88,11 @@ fn against(id: &str, wing: &Flapping, wake: WakeMotion, table: &Table) -> Result
             rows.push(match conventions {
                 Conventions::PteraSoftware => {
                     let metric = format!("its conventions: rms error of {of} over its rms");
-                    Row::judged(&format!("{id}.{name}.{of}"), &source, &metric, error, 0.03, "")
+                    ComparisonRow::judged(&format!("{id}.{name}.{of}"), &source, &metric, error, 0.03, "")
                 }
                 Conventions::Own => {
                     let metric = format!("our own conventions: rms difference of {of} over its rms");
-                    Row::shown(&format!("{id}.{name}.own_{of}"), &source, &metric, error, "")
+                    ComparisonRow::shown(&format!("{id}.{name}.own_{of}"), &source, &metric, error, "")
                 }
             });
         }
@@ -94,7 +101,7 @@ fn against(id: &str, wing: &Flapping, wake: WakeMotion, table: &Table) -> Result
 }
 
 /// Small flapping.
-pub fn f1() -> Result<Vec<Row>, Error> {
+pub fn f1() -> Result<Vec<ComparisonRow>, Error> {
     let wing = flapper(0.2, 5.0, None)?;
     let free = reference_table!("uvlm/flap_F1_R0.20_phi5_a5_free.csv")?;
     let prescribed = reference_table!("uvlm/flap_F1_R0.20_phi5_a5_prescribed.csv")?;
@@ -104,7 +111,7 @@ pub fn f1() -> Result<Vec<Row>, Error> {
 }
 
 /// Large flapping.
-pub fn f2() -> Result<Vec<Row>, Error> {
+pub fn f2() -> Result<Vec<ComparisonRow>, Error> {
     let wing = flapper(0.2, 35.0, None)?;
     let free = reference_table!("uvlm/flap_F2_R0.20_phi35_a5_free.csv")?;
     let prescribed = reference_table!("uvlm/flap_F2_R0.20_phi35_a5_prescribed.csv")?;
@@ -114,7 +121,7 @@ pub fn f2() -> Result<Vec<Row>, Error> {
 }
 
 /// The wing that folds deeply, E1.
-pub fn folding() -> Result<Flapping, Error> {
+pub fn folding() -> Result<FlappingWing, Error> {
     flapper(0.25, 30.0, Some((0.45, 50.0)))
 }
 
@@ -132,11 +139,13 @@ pub struct FoldedLift {
 pub fn deep_fold([flap_deg, fold_deg]: [f64; 2], wake: WakeMotion, core: f64) -> Result<FoldedLift, Error> {
     let wing = flapper(0.25, flap_deg, Some((0.45, fold_deg)))?;
     let panels = Panels { chordwise: 8, spanwise: 24, spacing: Spacing::Lan };
-    let settings = Settings { wake, ..Settings::new(1.0 / (FREQUENCY * STEPS as f64), core * CHORD) };
+    let settings =
+        LatticeSettings { wake, ..LatticeSettings::new(1.0 / (FREQUENCY * STEPS as f64), core * CHORD) };
     let mut lattice = Lattice::new(Scene::new(&wing, panels, true)?, settings)?;
     let loads = (0..CYCLES * STEPS).map(|_| lattice.step()).collect::<Result<Vec<_>, _>>()?;
     let last = &loads[loads.len() - STEPS..];
-    let lifts = |of: fn(&Loads) -> Vec3| -> Vec<f64> { last.iter().map(|l| lift_drag(of(l)).0).collect() };
+    let lifts =
+        |of: fn(&LatticeLoads) -> Vec3| -> Vec<f64> { last.iter().map(|l| lift_drag(of(l)).0).collect() };
     let mean = |lifts: &[f64]| lifts.iter().sum::<f64>() / STEPS as f64;
     let own = lifts(|l| l.joukowski.force);
     let joukowski = mean(&own);
@@ -146,19 +155,19 @@ pub fn deep_fold([flap_deg, fold_deg]: [f64; 2], wake: WakeMotion, core: f64) ->
 }
 
 /// Circulation of every strip and its wake.
-pub fn kelvin() -> Result<Vec<Row>, Error> {
+pub fn kelvin() -> Result<Vec<ComparisonRow>, Error> {
     let wing = folding()?;
     let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Lan };
     let (_, lattice) = run(&wing, panels, STEPS, WakeMotion::Prescribed, Conventions::Own)?;
     let metric = "flap_fold: largest circulation around a strip and its wake over that of the largest ring";
     let error = lattice.circulation_error();
-    Ok(vec![Row::judged("lattice.kelvin", "Kelvin 1869", metric, error, 1e-12, "")])
+    Ok(vec![ComparisonRow::judged("lattice.kelvin", "Kelvin 1869", metric, error, 1e-12, "")])
 }
 
 /// Forces over two cycles: along the normals, by Bernoulli and Joukowski, and forward, suction added to Bernoulli.
 fn both_ways(chordwise: usize, steps: usize) -> Result<[[Vec<f64>; 2]; 2], Error> {
     let panels = Panels { chordwise, spanwise: 20, spacing: Spacing::Lan };
-    let settings = Settings::new(1.0 / (FREQUENCY * steps as f64), CORE * CHORD);
+    let settings = LatticeSettings::new(1.0 / (FREQUENCY * steps as f64), CORE * CHORD);
     let mut lattice = Lattice::new(Scene::new(&flapper(0.2, 35.0, None)?, panels, true)?, settings)?;
     let mut forces: [[Vec<f64>; 2]; 2] = Default::default();
     for _ in 0..2 * steps {
@@ -177,11 +186,11 @@ fn both_ways(chordwise: usize, steps: usize) -> Result<[[Vec<f64>; 2]; 2], Error
 }
 
 /// Joukowski against Bernoulli, which acts along the normals alone.
-pub fn force_methods_agree() -> Result<Vec<Row>, Error> {
+pub fn force_methods_agree() -> Result<Vec<ComparisonRow>, Error> {
     let steps = 80;
     let ([normal, forward], [_, fine]) = (both_ways(8, steps)?, both_ways(16, 2 * steps)?);
     let row = |id: &str, metric: &str, [a, b]: &[Vec<f64>; 2]| {
-        Row::judged(id, "Joukowski against Bernoulli", metric, apart(a, b, steps), 0.02, "")
+        ComparisonRow::judged(id, "Joukowski against Bernoulli", metric, apart(a, b, steps), 0.02, "")
     };
     let limit = [0, 1].map(|way| {
         let at_same_time = fine[way].iter().step_by(2);
@@ -197,7 +206,7 @@ pub fn force_methods_agree() -> Result<Vec<Row>, Error> {
             "F2, 8 x 20 panels: rms difference of the force along the normals",
             &normal,
         ),
-        Row::shown(
+        ComparisonRow::shown(
             "lattice.force_methods_agree.forward",
             "Joukowski against Bernoulli",
             &metric,

@@ -8,13 +8,13 @@
 
 use crate::aero_turn::turn;
 use crate::shipped;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use wingbeat::scenario::{Document, Scenario};
 use wingbeat::simulate::Record;
-use wingbeat_lattice::{Flight, Lattice, Panels, Scene, Settings, Spacing};
+use wingbeat_lattice::{FlightStretch, Lattice, LatticeSettings, Panels, Scene, Spacing};
 
 /// Largest error of mean and amplitude.
 const LIMIT: f64 = 0.03;
@@ -23,7 +23,7 @@ const LIMIT: f64 = 0.03;
 const CORE: f64 = 0.001;
 
 /// A flight, and the stretch of it along which the lattice is stepped.
-struct Flown {
+struct LatticeFlight {
     scenario: Scenario,
     /// Speed about which it flies, m/s.
     speed: f64,
@@ -35,7 +35,7 @@ struct Flown {
 }
 
 /// Aerobat under its controller, without folding, its wings apart; the gait's amplitude is a choice that keeps the flow attached.
-fn aerobat() -> Result<Flown, Error> {
+fn aerobat() -> Result<LatticeFlight, Error> {
     let (speed, frequency) = (5.2, 3.5);
     let overrides = [
         format!("start.velocity_m_s=[{speed}, 0.0, 0.0]"),
@@ -49,7 +49,7 @@ fn aerobat() -> Result<Flown, Error> {
         "robot.gait.fourier.elbow={ mean_rad = 0.0, harmonics = [] }".into(),
         "flight.duration_s=0.9".into(),
     ];
-    Ok(Flown { scenario: turn(&overrides)?, speed, frequency, from: 0.3, cycles: 2 })
+    Ok(LatticeFlight { scenario: turn(&overrides)?, speed, frequency, from: 0.3, cycles: 2 })
 }
 
 /// What of the glider's robot file makes its wing ride on shoulders.
@@ -59,7 +59,7 @@ const FLAPPING: &str = "panels = [{ link = \"shoulder\" }]\n[[links]]\nname = \"
     driven = { mean_rad = 0.105, harmonics = [{ amplitude_rad = 0.1, phase_rad = 0.0 }] }\n[gait.fourier]\nfrequency_hz = 6.25\n";
 
 /// The model glider from its glide, flapping by 6 degrees, six beats and a quarter a second: choices that keep the flow attached.
-fn glider() -> Result<Flown, Error> {
+fn glider() -> Result<LatticeFlight, Error> {
     let refused = |e: wingbeat::scenario::ConfigError| Error::reference("glider", e.to_string());
     let robot = shipped::robot("glider", &|text| text.replace(RIGID, FLAPPING))?;
     if robot.written("gait").is_none() {
@@ -68,7 +68,7 @@ fn glider() -> Result<Flown, Error> {
     let document = shipped::document("glider")?.put("robot", robot).map_err(refused)?;
     let document = document.set("flight.duration_s=0.96").set("flight.record_every_s=1e-3");
     let scenario = Scenario::new(document).map_err(refused)?;
-    Ok(Flown { scenario, speed: 9.0, frequency: 6.25, from: 0.2, cycles: 4 })
+    Ok(LatticeFlight { scenario, speed: 9.0, frequency: 6.25, from: 0.2, cycles: 4 })
 }
 
 /// Mean and complex amplitude at the frequency of the wing beat over the last cycle of `values`, `steps` to the cycle.
@@ -83,20 +83,20 @@ fn mean_and_amplitude(values: &[f64], steps: usize) -> (f64, [f64; 2]) {
 }
 
 /// Vertical force by the model that flew (without profile drag) and by the lattice, steps of a cycle, and the reduced frequency.
-fn forces(flown: &Flown, chordwise: usize) -> Result<([Vec<f64>; 2], usize, f64), Error> {
-    let Flown { scenario, speed, frequency, from, cycles } = flown;
+fn forces(flown: &LatticeFlight, chordwise: usize) -> Result<([Vec<f64>; 2], usize, f64), Error> {
+    let LatticeFlight { scenario, speed, frequency, from, cycles } = flown;
     let run = scenario.fly(|_| ControlFlow::Continue(()))?;
     let outlines = scenario.spec.robot.outlines()?;
     let planform = &outlines[0].planform;
     let chord = planform.area() / (2.0 * planform.half_span());
     let to = from + *cycles as f64 / frequency;
-    let flight = Arc::new(Flight::new(scenario.robot(), &run.record, *from, to)?);
+    let flight = Arc::new(FlightStretch::new(scenario.robot(), &run.record, *from, to)?);
     let panels = Panels { chordwise, spanwise: 24, spacing: Spacing::Lan };
     let density = scenario.spec.air.density_kg_m3;
     let (scene, _) = Scene::flown(&flight, &outlines, *from, density, panels)?;
     let steps = (speed / frequency * chordwise as f64 / chord).round() as usize;
     let step = 1.0 / (frequency * steps as f64);
-    let mut lattice = Lattice::new(scene, Settings::new(step, CORE * chord))?;
+    let mut lattice = Lattice::new(scene, LatticeSettings::new(step, CORE * chord))?;
     let mut up: [Vec<f64>; 2] = Default::default();
     let mut mean_speed = 0.0;
     for k in 0..cycles * steps {
@@ -112,7 +112,7 @@ fn forces(flown: &Flown, chordwise: usize) -> Result<([Vec<f64>; 2], usize, f64)
 }
 
 /// Errors of mean and first harmonic of the vertical force.
-struct Errors {
+struct ForceErrors {
     k: f64,
     mean: f64,
     amplitude: f64,
@@ -120,7 +120,7 @@ struct Errors {
     error_of_amplitude: f64,
 }
 
-fn errors(flown: &Flown) -> Result<Errors, Error> {
+fn errors(flown: &LatticeFlight) -> Result<ForceErrors, Error> {
     let (coarse, fine) = (forces(flown, 4)?, forces(flown, 8)?);
     let of = |(up, steps, _): &([Vec<f64>; 2], usize, f64), by: usize| mean_and_amplitude(&up[by], *steps);
     let (full, k) = (of(&fine, 0), fine.2);
@@ -132,14 +132,14 @@ fn errors(flown: &Flown) -> Result<Errors, Error> {
     let size = amplitude[0].hypot(amplitude[1]);
     let far = (amplitude[0] - full.1[0]).hypot(amplitude[1] - full.1[1]);
     let error_of_mean = (full.0 / mean - 1.0).abs();
-    Ok(Errors { k, mean, amplitude: size, error_of_mean, error_of_amplitude: far / size })
+    Ok(ForceErrors { k, mean, amplitude: size, error_of_mean, error_of_amplitude: far / size })
 }
 
 /// Steps of the lattice beside the flight, s: the way of one is a panel's chord and a fifth.
 const STEP: f64 = 0.004;
 
 /// The flapping glider flown in the lattice, both found together, beside the flight by strips.
-pub fn coupled() -> Result<Vec<Row>, Error> {
+pub fn coupled() -> Result<Vec<ComparisonRow>, Error> {
     let refused = |e: wingbeat::scenario::ConfigError| Error::reference("glider", e.to_string());
     let strips = glider()?.scenario;
     let document = Document::text("glider.toml", &strips.resolved).map_err(refused)?;
@@ -158,25 +158,25 @@ pub fn coupled() -> Result<Vec<Row>, Error> {
         b[2], tried.iterations_mean, tried.iterations_most
     );
     let apart = (a[0] - b[0]).hypot(a[1] - b[1]) / a[0].hypot(a[1]);
-    Ok(vec![Row::shown("lattice.coupled", "preset full", &metric, apart, "")])
+    Ok(vec![ComparisonRow::shown("lattice.coupled", "preset full", &metric, apart, "")])
 }
 
 /// Mean and amplitude of the vertical force.
-pub fn free_flight() -> Result<Vec<Row>, Error> {
+pub fn free_flight() -> Result<Vec<ComparisonRow>, Error> {
     const LATTICE: &str = "own vortex lattice";
     let (heavy, light) = (errors(&glider()?)?, errors(&aerobat()?)?);
-    let mean = |what: &str, found: &Errors| {
+    let mean = |what: &str, found: &ForceErrors| {
         format!(
             "{what}, k {:.2}: mean vertical force {:.3} N, error of full over it; lattice extrapolated from 4 and 8 x 24 panels",
             found.k, found.mean
         )
     };
     let amplitude =
-        |found: &Errors| format!("its first harmonic {:.3} N: complex error over it", found.amplitude);
+        |found: &ForceErrors| format!("its first harmonic {:.3} N: complex error over it", found.amplitude);
     let glider = mean("model glider, wings flapping by +-6 deg", &heavy);
     let aerobat = mean("Aerobat under its controller, unfolded, +-17 deg", &light);
-    let judged = |id, metric: &str, value| Row::judged(id, LATTICE, metric, value, LIMIT, "");
-    let shown = |id, metric: &str, value| Row::shown(id, LATTICE, metric, value, "");
+    let judged = |id, metric: &str, value| ComparisonRow::judged(id, LATTICE, metric, value, LIMIT, "");
+    let shown = |id, metric: &str, value| ComparisonRow::shown(id, LATTICE, metric, value, "");
     Ok(vec![
         judged("lattice.free_flight.mean", &glider, heavy.error_of_mean),
         judged("lattice.free_flight.amplitude", &amplitude(&heavy), heavy.error_of_amplitude),

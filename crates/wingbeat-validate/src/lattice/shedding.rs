@@ -2,12 +2,14 @@
 
 use super::flapping;
 use super::wings::lan;
-use crate::curve::{Curve, START, eldredge};
-use crate::{Error, Row, reference_table};
+use crate::curve::{START, SampledCurve, eldredge};
+use crate::{ComparisonRow, Error, reference_table};
 use std::sync::Arc;
 use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::Vec3;
-use wingbeat_lattice::{Lattice, Layout, Scene, Sections, Settings, Spacing, Surface, WakeMotion};
+use wingbeat_lattice::{
+    Lattice, LatticeSettings, LatticeSurface, MovingSections, PanelLayout, Scene, Spacing, WakeMotion,
+};
 
 /// Critical suction of a flat plate (Ramesh et al. 2014 and the runs of their program). *Choice*, not fitted to the plate below.
 const CRITICAL: f64 = 0.11;
@@ -21,12 +23,12 @@ const WIDTH: f64 = 0.25;
 const END: f64 = 2.18;
 
 /// A plate of unit chord whose leading edge moves with `velocity`, pitched about it as `angle` (rad, and rad/s) says.
-struct Plate<F> {
+struct PitchedPlate<F> {
     velocity: Vec3,
     angle: F,
 }
 
-impl<F: Fn(f64) -> (f64, f64) + Send + Sync> Sections for Plate<F> {
+impl<F: Fn(f64) -> (f64, f64) + Send + Sync> MovingSections for PitchedPlate<F> {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let ((sin, cos), rate) = ((self.angle)(t).0.sin_cos(), (self.angle)(t).1);
         out.clear();
@@ -61,13 +63,13 @@ fn scene<F: Fn(f64) -> (f64, f64) + Send + Sync + 'static>(
     let planform = Planform::new(&[station(0.0), station(0.5 * aspect)])?;
     let spacing = if spanwise == 1 { Spacing::Uniform } else { Spacing::Lan };
     let middle: &[f64] = if halved { &[0.0] } else { &[] };
-    let whole = Layout::of(&planform, middle, chordwise, spanwise, spacing)?;
+    let whole = PanelLayout::of(&planform, middle, chordwise, spanwise, spacing)?;
     let layout =
         whole.iter().find_map(|layout| if halved { layout.left_half() } else { Some(layout.clone()) });
     let layout = layout.ok_or_else(|| Error::NoAnswer("no panels".into()))?;
-    let sections = Arc::new(Plate { velocity: Vec3::new(1.0 - carried, 0.0, 0.0), angle });
+    let sections = Arc::new(PitchedPlate { velocity: Vec3::new(1.0 - carried, 0.0, 0.0), angle });
     Ok(Scene {
-        surfaces: vec![Surface { layout, sections }],
+        surfaces: vec![LatticeSurface { layout, sections }],
         wind: Vec3::new(-carried, 0.0, 0.0),
         density_kg_m3: 1.0,
         symmetric: halved,
@@ -77,21 +79,24 @@ fn scene<F: Fn(f64) -> (f64, f64) + Send + Sync + 'static>(
 
 /// The suction parameter in steady flow at an incidence and a rate of pitch about the leading edge, and after a sudden start, against
 /// A0 = alpha + q c/(2 V) (Glauert 1926) and Wagner's function.
-pub fn edge_suction() -> Result<Vec<Row>, Error> {
+pub fn edge_suction() -> Result<Vec<ComparisonRow>, Error> {
     const LARGE: f64 = 1e9;
     let (mut steady, mut started) = (0.0_f64, 0.0_f64);
     for chordwise in [4, 8, 16] {
         for (angle, rate) in [(1e-3, 0.0), (0.0, 1e-3), (1e-3, 1e-3)] {
             let scene = scene(1e4, [chordwise, 1], false, 1.0, move |_| (angle, rate))?;
-            let mut lattice =
-                Lattice::new(scene, Settings { critical_suction: Some(LARGE), ..Settings::new(1e6, 1e-6) })?;
+            let mut lattice = Lattice::new(
+                scene,
+                LatticeSettings { critical_suction: Some(LARGE), ..LatticeSettings::new(1e6, 1e-6) },
+            )?;
             lattice.step()?;
             lattice.step()?;
             steady = steady.max((lattice.suction()[0] / (angle + 0.5 * rate) - 1.0).abs());
         }
     }
     let scene = scene(1e3, [32, 1], false, 1.0, |_| (1e-3, 0.0))?;
-    let settings = Settings { critical_suction: Some(LARGE), ..Settings::new(1.0 / 32.0, 1e-6) };
+    let settings =
+        LatticeSettings { critical_suction: Some(LARGE), ..LatticeSettings::new(1.0 / 32.0, 1e-6) };
     let mut lattice = Lattice::new(scene, settings)?;
     let mut history = Vec::new();
     for _ in 0..=320 {
@@ -101,7 +106,9 @@ pub fn edge_suction() -> Result<Vec<Row>, Error> {
     for (s, wagner) in [(2.0, 0.66929), (5.0, 0.788203), (20.0, 0.936649)] {
         started = started.max((history[(0.5 * s * 32.0) as usize] / wagner - 1.0).abs());
     }
-    let row = |id: &str, source: &str, metric: &str, value| Row::judged(id, source, metric, value, 0.01, "");
+    let row = |id: &str, source: &str, metric: &str, value| {
+        ComparisonRow::judged(id, source, metric, value, 0.01, "")
+    };
     Ok(vec![
         row(
             "lattice.shedding.suction.steady",
@@ -119,16 +126,17 @@ pub fn edge_suction() -> Result<Vec<Row>, Error> {
 }
 
 /// Settings of the pitched plate.
-fn settings(panels: [usize; 2], critical_suction: Option<f64>, wake: WakeMotion) -> Settings {
-    let own = Settings::new(0.5 / panels[0] as f64, CORE);
-    Settings { wake, critical_suction, sheet_core_m: SHEET_CORE, ..own }
+fn settings(panels: [usize; 2], critical_suction: Option<f64>, wake: WakeMotion) -> LatticeSettings {
+    let own = LatticeSettings::new(0.5 / panels[0] as f64, CORE);
+    LatticeSettings { wake, critical_suction, sheet_core_m: SHEET_CORE, ..own }
 }
 
 /// Kelvin's theorem and the suction kept on a folding wing; a plate whole and by halves, carried by the wind and through still air.
-pub fn kept() -> Result<Vec<Row>, Error> {
+pub fn kept() -> Result<Vec<ComparisonRow>, Error> {
     let wing = flapping::folding()?;
-    let own = Settings::new(1.0 / (3.5 * 32.0), 0.004);
-    let settings_of = |wake| Settings { wake, critical_suction: Some(CRITICAL), sheet_core_m: 0.008, ..own };
+    let own = LatticeSettings::new(1.0 / (3.5 * 32.0), 0.004);
+    let settings_of =
+        |wake| LatticeSettings { wake, critical_suction: Some(CRITICAL), sheet_core_m: 0.008, ..own };
     let mut lattice = Lattice::new(Scene::new(&wing, lan(6, 16), true)?, settings_of(WakeMotion::Free))?;
     let (mut kelvin, mut suction) = (0.0_f64, 0.0_f64);
     for _ in 0..40 {
@@ -148,7 +156,7 @@ pub fn kept() -> Result<Vec<Row>, Error> {
         half.iter().zip(other).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / largest
     };
     let row = |id: &str, source: &str, metric: &str, value, limit| {
-        Row::judged(&format!("lattice.shedding.kept.{id}"), source, metric, value, limit, "")
+        ComparisonRow::judged(&format!("lattice.shedding.kept.{id}"), source, metric, value, limit, "")
     };
     let metric = "flap_fold with leading edges that shed, free wake: largest circulation around a strip and its sheets over that of the largest ring";
     Ok(vec![
@@ -172,23 +180,28 @@ pub fn kept() -> Result<Vec<Row>, Error> {
 }
 
 /// Largest lift past the acceleration, and where.
-fn largest(curve: &Curve) -> (f64, f64) {
+fn largest(curve: &SampledCurve) -> (f64, f64) {
     let late = curve.at.iter().zip(&curve.value).filter(|(travel, _)| **travel > 0.5 && **travel < 1.2);
     late.fold((0.0, 0.0), |most, (travel, lift)| if *lift > most.0 { (*lift, *travel) } else { most })
 }
 
 /// Lift coefficients of the plate of AR 4 that is pitched fast.
-fn pitched(panels: [usize; 2], critical: Option<f64>, wake: WakeMotion, end: f64) -> Result<Curve, Error> {
+fn pitched(
+    panels: [usize; 2],
+    critical: Option<f64>,
+    wake: WakeMotion,
+    end: f64,
+) -> Result<SampledCurve, Error> {
     let own = settings(panels, critical, wake);
     let mut lattice = Lattice::new(scene(4.0, panels, true, 1.0, ramp)?, own)?;
     let travel: Vec<f64> = (0..=(end / own.step_s).ceil() as usize).map(|k| k as f64 * own.step_s).collect();
     // Of the dynamic pressure 1/2 and the area 4.
     let lift = travel.iter().map(|_| Ok::<_, Error>(lattice.step()?.joukowski.force[2] / 2.0));
-    Ok(Curve { value: lift.collect::<Result<_, _>>()?, at: travel })
+    Ok(SampledCurve { value: lift.collect::<Result<_, _>>()?, at: travel })
 }
 
 /// Forces against the rate of the impulse of all vortices, by means over a quarter chord of travel behind the first pulse.
-pub fn momentum() -> Result<Vec<Row>, Error> {
+pub fn momentum() -> Result<Vec<ComparisonRow>, Error> {
     const STEPS: usize = 35;
     /// Steps of a quarter chord of travel, and the first that counts.
     const WINDOW: [usize; 2] = [4, 5];
@@ -219,7 +232,13 @@ pub fn momentum() -> Result<Vec<Row>, Error> {
                 100.0 * excess / scale
             );
             let id = format!("lattice.shedding.momentum.{name}.{way}");
-            rows.push(Row::shown(&id, "Saffman 1992, section 3.2", &metric, (error / scale).sqrt(), ""));
+            rows.push(ComparisonRow::shown(
+                &id,
+                "Saffman 1992, section 3.2",
+                &metric,
+                (error / scale).sqrt(),
+                "",
+            ));
         }
     }
     Ok(rows)
@@ -228,20 +247,20 @@ pub fn momentum() -> Result<Vec<Row>, Error> {
 const MEASURED: &str = "Mancini et al. 2017, measured";
 
 /// The plate of AR 4 pitched to 45 degrees in one chord of travel.
-pub fn measured() -> Result<Vec<Row>, Error> {
+pub fn measured() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("plates/fast_pitch_ar4.csv")?;
-    let measured = Curve { at: table.column("t_star")?, value: table.column("cl")? };
+    let measured = SampledCurve { at: table.column("t_star")?, value: table.column("cl")? };
     let (free, fixed, fine) = (WakeMotion::Free, WakeMotion::Prescribed, [12, 24]);
     let shed = pitched(fine, Some(CRITICAL), free, END)?;
     let attached = pitched(fine, None, free, END)?;
     let prescribed = pitched(fine, Some(CRITICAL), fixed, END)?;
-    let error = |curve: &Curve| curve.error(&measured, WIDTH, [0.0, END]);
+    let error = |curve: &SampledCurve| curve.error(&measured, WIDTH, [0.0, END]);
     let ((lift, at), (most, when)) = (largest(&shed), largest(&measured));
     let judged = |id: &str, metric: &str, value, limit| {
-        Row::judged(&format!("lattice.shedding.measured.{id}"), MEASURED, metric, value, limit, "")
+        ComparisonRow::judged(&format!("lattice.shedding.measured.{id}"), MEASURED, metric, value, limit, "")
     };
     let shown = |id: &str, metric: &str, value| {
-        Row::shown(&format!("lattice.shedding.measured.{id}"), MEASURED, metric, value, "")
+        ComparisonRow::shown(&format!("lattice.shedding.measured.{id}"), MEASURED, metric, value, "")
     };
     let metric = format!(
         "AR 4 pitched to 45 deg in a chord, critical suction {CRITICAL}, free wake, 12 x 24 panels, half a panel's chord a step: largest lift {lift:.2} over {most:.2}, less 1"

@@ -1,7 +1,7 @@
 //! Small motions of rectangular wings, against the linear lifting surface and exact solutions in two dimensions.
 
 use super::wings::{CHORD, SMALL, harmonic, lan, loads, rectangle, wave};
-use crate::{Error, Row, reference_table};
+use crate::{ComparisonRow, Error, reference_table};
 use std::f64::consts::PI;
 use wingbeat::math::Vec3;
 
@@ -21,7 +21,7 @@ pub fn steady_slope(aspect: f64, chordwise: usize, spanwise: usize) -> Result<f6
 }
 
 /// Worst error of the slope at 8 x 24 panels, and extrapolated from 4 and 8 chordwise ones.
-pub fn slope() -> Result<Vec<Row>, Error> {
+pub fn slope() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("lifting_surface/steady.csv")?;
     let (mut plain, mut limit): (f64, f64) = (0.0, 0.0);
     for (aspect, exact) in table.column("AR")?.into_iter().zip(table.column("CLalpha_12x120")?) {
@@ -29,7 +29,8 @@ pub fn slope() -> Result<Vec<Row>, Error> {
         plain = plain.max((fine / exact - 1.0).abs());
         limit = limit.max((extrapolated(coarse, fine) / exact - 1.0).abs());
     }
-    let row = |id: &str, metric: &str, value, limit| Row::judged(id, SURFACE, metric, value, limit, "");
+    let row =
+        |id: &str, metric: &str, value, limit| ComparisonRow::judged(id, SURFACE, metric, value, limit, "");
     Ok(vec![
         row("lattice.slope.panels_8_24", "AR 1 to 20, 8 x 24 panels: worst error of the slope", plain, 0.025),
         row("lattice.slope.extrapolated", "the same extrapolated from 4 and 8", limit, 0.01),
@@ -54,7 +55,7 @@ fn started(aspect: f64, chordwise: usize, spanwise: usize, ways: &[f64]) -> Resu
 }
 
 /// Worst error of lift from one semichord on.
-pub fn step() -> Result<Vec<Row>, Error> {
+pub fn step() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("lifting_surface/impulsive.csv")?;
     let rows: Vec<(f64, f64, f64)> = table
         .column("AR")?
@@ -74,7 +75,7 @@ pub fn step() -> Result<Vec<Row>, Error> {
         }
     }
     let metric = "AR 4 to 20, extrapolated from 4 and 8 x 16 panels: worst error of lift from one semichord on; limit a choice";
-    Ok(vec![Row::judged("lattice.step", SURFACE, metric, worst, 0.02, "")])
+    Ok(vec![ComparisonRow::judged("lattice.step", SURFACE, metric, worst, 0.02, "")])
 }
 
 /// Lift coefficient per upwash angle of a plunging rectangle, complex.
@@ -118,7 +119,7 @@ fn complex_error(value: (f64, f64), exact: (f64, f64)) -> f64 {
 }
 
 /// Worst complex error of lift in plunge.
-pub fn plunge() -> Result<Vec<Row>, Error> {
+pub fn plunge() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("lifting_surface/plunge.csv")?;
     let (re, im) = (table.column("Re_H")?, table.column("Im_H")?);
     let points: Vec<_> = table.column("AR")?.into_iter().zip(table.column("k")?).enumerate().collect();
@@ -130,11 +131,11 @@ pub fn plunge() -> Result<Vec<Row>, Error> {
     }
     let metric =
         "AR 4 to 20, k 0.1 to 1, extrapolated from 6 and 12 x 16 panels: worst complex error of lift";
-    Ok(vec![Row::judged("lattice.plunge", SURFACE, metric, worst, 0.02, "")])
+    Ok(vec![ComparisonRow::judged("lattice.plunge", SURFACE, metric, worst, 0.02, "")])
 }
 
 /// A sudden start in two dimensions.
-pub fn wagner() -> Result<Vec<Row>, Error> {
+pub fn wagner() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("lifting_surface/impulsive.csv")?;
     let ways: Vec<f64> = table.column("s_semichords")?.into_iter().take(16).filter(|s| *s >= 1.0).collect();
     let exact: Vec<f64> = table.column("wagner_exact_2D")?.into_iter().take(16).skip(1).collect();
@@ -143,11 +144,11 @@ pub fn wagner() -> Result<Vec<Row>, Error> {
         |((coarse, fine), wagner): ((f64, f64), f64)| extrapolated(coarse, fine) / (2.0 * PI * wagner) - 1.0;
     let worst = lift.zip(exact).map(|both| error(both).abs()).fold(0.0, f64::max);
     let metric = "span of 10 000 chords, extrapolated from 16 and 32 panels: worst error of lift from one semichord on";
-    Ok(vec![Row::judged("lattice.wagner", "Wagner 1925, exact", metric, worst, 0.01, "")])
+    Ok(vec![ComparisonRow::judged("lattice.wagner", "Wagner 1925, exact", metric, worst, 0.01, "")])
 }
 
 /// Plunge in two dimensions.
-pub fn theodorsen() -> Result<Vec<Row>, Error> {
+pub fn theodorsen() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("lifting_surface/plunge.csv")?;
     let (re, im) = (table.column("Re_H_2D")?, table.column("Im_H_2D")?);
     let mut worst: f64 = 0.0;
@@ -157,7 +158,7 @@ pub fn theodorsen() -> Result<Vec<Row>, Error> {
         }
     }
     let metric = "span of 10 000 chords, k 0.2 to 1, extrapolated from 12 and 24 panels: worst complex error of lift in plunge";
-    Ok(vec![Row::judged("lattice.theodorsen", "Theodorsen 1935, exact", metric, worst, 0.01, "")])
+    Ok(vec![ComparisonRow::judged("lattice.theodorsen", "Theodorsen 1935, exact", metric, worst, 0.01, "")])
 }
 
 /// Mean thrust as a ratio to rho U^2 S theta^2 of a pitching rectangle, by Joukowski and by Bernoulli with suction.
@@ -178,12 +179,12 @@ pub fn pitching(
     let run = loads(&wing, lan(chordwise, spanwise), Some(step), steps)?;
     let last = &run[run.len() - cycle as usize..];
     let scale = (cycle * aspect * CHORD * CHORD * theta * theta).recip();
-    let mean = |of: fn(&wingbeat_lattice::Loads) -> f64| last.iter().map(of).sum::<f64>() * scale;
+    let mean = |of: fn(&wingbeat_lattice::LatticeLoads) -> f64| last.iter().map(of).sum::<f64>() * scale;
     Ok([mean(|l| l.joukowski.force[0]), mean(|l| l.bernoulli.force[0])])
 }
 
 /// Mean thrust of pitching wings.
-pub fn pitch_thrust() -> Result<Vec<Row>, Error> {
+pub fn pitch_thrust() -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("lifting_surface/pitch_thrust.csv")?;
     let columns = ["AR", "k", "x_axis", "T", "S"].map(|name| table.column(name));
     let [aspects, ks, axes, thrusts, suctions] = columns;
@@ -199,7 +200,7 @@ pub fn pitch_thrust() -> Result<Vec<Row>, Error> {
             }
         }
     }
-    let row = |id: &str, metric: &str, value| Row::judged(id, SURFACE, metric, value, 0.03, "");
+    let row = |id: &str, metric: &str, value| ComparisonRow::judged(id, SURFACE, metric, value, 0.03, "");
     Ok(vec![
         row(
             "lattice.pitch_thrust.joukowski",

@@ -1,12 +1,12 @@
 //! Drag of steady wings by the forces on their vortices, against that of their wake far behind.
 
 use super::wings::{CHORD, lan, rectangle};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use std::f64::consts::PI;
 use wingbeat::aero::{Planform, PlanformStation};
 use wingbeat::math::Vec3;
 use wingbeat::tether::Wing;
-use wingbeat_lattice::{Flapping, Lattice, Scene, Settings};
+use wingbeat_lattice::{FlappingWing, Lattice, LatticeSettings, Scene};
 
 /// Span, m; the area is that of the aspect ratio 8.
 pub(super) const SPAN: f64 = 8.0;
@@ -16,7 +16,7 @@ const INCIDENCE: f64 = 0.1;
 const STATIONS: usize = 60;
 
 /// A wing: its leading edge behind that of the root, and its chord, m, at a share of the half span.
-pub(super) type Outline = fn(f64) -> (f64, f64);
+pub(super) type HalfWingOutline = fn(f64) -> (f64, f64);
 
 /// Elliptic chords about a straight quarter line.
 pub(super) fn elliptic(at: f64) -> (f64, f64) {
@@ -36,7 +36,7 @@ fn swept(at: f64) -> (f64, f64) {
 }
 
 /// The wing of an outline, at rest in a wind of 1 m/s from ahead.
-pub(super) fn laid(outline: Outline) -> Result<Flapping, Error> {
+pub(super) fn laid(outline: HalfWingOutline) -> Result<FlappingWing, Error> {
     let station = |k: usize| {
         // Close together at the tip, where a curved outline turns.
         let at = (0.5 * PI * k as f64 / STATIONS as f64).sin();
@@ -50,11 +50,12 @@ pub(super) fn laid(outline: Outline) -> Result<Flapping, Error> {
 }
 
 /// Lift, N, and drag, N, by the forces on the vortices and by the wake, on 6 x 24 panels.
-fn forces(outline: Outline) -> Result<[f64; 3], Error> {
+fn forces(outline: HalfWingOutline) -> Result<[f64; 3], Error> {
     let mut wing = laid(outline)?;
     wing.wind = Vec3::new(-INCIDENCE.cos(), 0.0, INCIDENCE.sin());
     // A step so long that the last rings are horseshoes.
-    let settings = Settings { longest_distance_m: f64::INFINITY, ..Settings::new(1e4 * CHORD, 1e-3) };
+    let settings =
+        LatticeSettings { longest_distance_m: f64::INFINITY, ..LatticeSettings::new(1e4 * CHORD, 1e-3) };
     let mut lattice = Lattice::new(Scene::new(&wing, lan(6, 24), true)?, settings)?;
     lattice.step()?;
     let force = lattice.step()?.joukowski.force;
@@ -64,8 +65,8 @@ fn forces(outline: Outline) -> Result<[f64; 3], Error> {
 }
 
 /// Both drags of each wing, and the largest span efficiency L^2/(pi q b^2 D), which none can have above 1 (Munk 1921).
-pub fn efficiency() -> Result<Vec<Row>, Error> {
-    let wings: [(&str, &str, Outline); 3] = [
+pub fn efficiency() -> Result<Vec<ComparisonRow>, Error> {
+    let wings: [(&str, &str, HalfWingOutline); 3] = [
         ("elliptic", "elliptic", elliptic),
         ("tapered", "taper 0.3", tapered),
         ("swept", "swept by 30 deg", swept),
@@ -77,12 +78,12 @@ pub fn efficiency() -> Result<Vec<Row>, Error> {
             "AR 8, {name}, 6 x 24 panels: drag by the forces on the vortices over that of the wake, less 1"
         );
         let id = format!("lattice.span_efficiency.{id}");
-        rows.push(Row::judged(&id, "Munk 1921", &metric, (near / far - 1.0).abs(), 0.02, ""));
+        rows.push(ComparisonRow::judged(&id, "Munk 1921", &metric, (near / far - 1.0).abs(), 0.02, ""));
         most = [near, far]
             .iter()
             .fold(most, |most, drag| most.max(lift * lift / (0.5 * PI * SPAN * SPAN * drag)));
     }
     let metric = "largest span efficiency of these by either drag";
-    rows.push(Row::judged("lattice.span_efficiency.most", "Munk 1921", metric, most, 1.0, ""));
+    rows.push(ComparisonRow::judged("lattice.span_efficiency.most", "Munk 1921", metric, most, 1.0, ""));
     Ok(rows)
 }

@@ -2,10 +2,10 @@
 
 use super::flapping::{CHORD, CORE, STEPS, whole};
 use super::wings::flapper;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use wingbeat::math::Vec3;
-use wingbeat_figures::{Cut, half_circulations};
-use wingbeat_lattice::{Lattice, Picture, WakeMotion};
+use wingbeat_figures::{PlaneCut, half_circulations};
+use wingbeat_lattice::{Lattice, VortexPicture, WakeMotion};
 
 /// Distance of the plane behind the rearmost trailing edge, and radius of the spots drawn for vortices, chords: those of the figures.
 const BEHIND: f64 = 0.5;
@@ -32,25 +32,25 @@ fn around(lattice: &Lattice, x: f64, half_span: f64) -> f64 {
 }
 
 /// Circulation through the left half of a frontal plane: drawn, around it, and of the vortices through it.
-pub fn plane_circulation() -> Result<Vec<Row>, Error> {
+pub fn plane_circulation() -> Result<Vec<ComparisonRow>, Error> {
     let half_span = 0.2;
     let wing = flapper(half_span, 35.0, None)?;
     let lattice = whole(&wing, STEPS + STEPS / 2, WakeMotion::Prescribed, THIN, |_| ())?;
     let edges = lattice.meshes().iter().flat_map(|mesh| &mesh.edges);
     let rearmost = edges.map(|edge| edge.te[0]).fold(f64::INFINITY, f64::min);
     let x = rearmost - BEHIND * CHORD;
-    let picture = Picture::new(&lattice, 0.0);
+    let picture = VortexPicture::new(&lattice, 0.0);
     let crossings = picture.crossings(Vec3::new(x, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
     let vortices: Vec<_> = crossings.iter().map(|(place, g)| ([place[1], place[2]], *g)).collect();
     let through: f64 = vortices.iter().filter(|(place, _)| place[0] > 0.0).map(|(_, g)| g).sum();
-    let cut = Cut { vortices, ..Cut::default() };
+    let cut = PlaneCut { vortices, ..PlaneCut::default() };
     let [drawn, _] = half_circulations(&cut, SPREAD * CHORD);
     let stokes = around(&lattice, x, half_span);
     let error = |value: f64| (value / through - 1.0).abs();
     let metric = "F2, prescribed wake, a cycle and a half: vorticity drawn in the left half of the plane, over the vortices through it";
     Ok(vec![
-        Row::judged("wake.plane_circulation.drawn", "Stokes", metric, error(drawn), 0.01, ""),
-        Row::judged(
+        ComparisonRow::judged("wake.plane_circulation.drawn", "Stokes", metric, error(drawn), 0.01, ""),
+        ComparisonRow::judged(
             "wake.plane_circulation.velocity",
             "Stokes",
             "the same of the velocity around that half",
@@ -77,15 +77,16 @@ fn mirror_error(wake: WakeMotion, cycles: usize) -> Result<f64, Error> {
 }
 
 /// A wing that flaps alike on both sides, computed whole.
-pub fn symmetry() -> Result<Vec<Row>, Error> {
-    let row = |id: &str, metric: &str, value| Row::judged(id, "mirror image", metric, value, 1e-10, "");
+pub fn symmetry() -> Result<Vec<ComparisonRow>, Error> {
+    let row =
+        |id: &str, metric: &str, value| ComparisonRow::judged(id, "mirror image", metric, value, 1e-10, "");
     Ok(vec![
         row(
             "wake.symmetry.prescribed",
             "F2 whole, prescribed wake, 3 cycles: largest difference of a ring from its mirror image over the largest ring",
             mirror_error(WakeMotion::Prescribed, 3)?,
         ),
-        Row::shown(
+        ComparisonRow::shown(
             "wake.symmetry.free",
             "mirror image",
             "the same with a free wake, which is unstable and lets rounding grow",

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use wingbeat::aero::{Planform, PlanformStation};
 use wingbeat::math::Vec3;
 use wingbeat::tether::{Coordinate, Hinge, HingeKind, Motion, Side, Wing};
-use wingbeat_lattice::{Flapping, Lattice, Loads, Panels, Scene, Settings, Spacing};
+use wingbeat_lattice::{FlappingWing, Lattice, LatticeLoads, LatticeSettings, Panels, Scene, Spacing};
 
 /// Chord of the wings in small motions, m; their speed is 1 m/s, their density 1 kg/m3.
 pub const CHORD: f64 = 1.0;
@@ -17,11 +17,11 @@ const LONGEST: f64 = 40.0;
 pub const SMALL: f64 = 1e-3;
 
 /// A rectangle of the aspect ratio `aspect` with its leading edge at x = 0, at rest in a wind of 1 m/s from ahead.
-pub fn rectangle(aspect: f64) -> Result<Flapping, Error> {
+pub fn rectangle(aspect: f64) -> Result<FlappingWing, Error> {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -CHORD };
     let planform = Planform::new(&[station(0.0), station(0.5 * aspect * CHORD)])?;
     let wing = Wing::new(planform, Vec::new())?;
-    Ok(Flapping {
+    Ok(FlappingWing {
         wing,
         motion: Motion::at_rest(),
         wind: Vec3::new(-1.0, 0.0, 0.0),
@@ -42,12 +42,17 @@ pub fn lan(chordwise: usize, spanwise: usize) -> Panels {
 }
 
 /// The loads of `steps` instants, the way of each a panel's chord unless `step` (s) says another.
-pub fn loads(wing: &Flapping, panels: Panels, step: Option<f64>, steps: usize) -> Result<Vec<Loads>, Error> {
+pub fn loads(
+    wing: &FlappingWing,
+    panels: Panels,
+    step: Option<f64>,
+    steps: usize,
+) -> Result<Vec<LatticeLoads>, Error> {
     let scene = Scene::new(wing, panels, true)?;
     let step = step.unwrap_or(CHORD / panels.chordwise as f64);
     // In two dimensions the wake is felt however long it is.
     let longest_distance_m = if panels.spanwise == 1 { f64::INFINITY } else { LONGEST * CHORD.max(step) };
-    let settings = Settings { longest_distance_m, ..Settings::new(step, CORE * CHORD) };
+    let settings = LatticeSettings { longest_distance_m, ..LatticeSettings::new(step, CORE * CHORD) };
     let mut lattice = Lattice::new(scene, settings)?;
     (0..steps).map(|_| Ok(lattice.step()?)).collect()
 }
@@ -66,7 +71,7 @@ pub fn harmonic(values: &[f64], step: f64, omega: f64) -> (f64, f64) {
 }
 
 /// A rectangular wing hinged in the middle that flaps, with an elbow where `fold` says its place over the half span and angle.
-pub fn flapper(half_span: f64, amplitude_deg: f64, fold: Option<(f64, f64)>) -> Result<Flapping, Error> {
+pub fn flapper(half_span: f64, amplitude_deg: f64, fold: Option<(f64, f64)>) -> Result<FlappingWing, Error> {
     let (chord, frequency_hz, speed, incidence) = (0.08, 3.5, 1.5, 5_f64.to_radians());
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -chord };
     let planform = Planform::new(&[station(0.0), station(half_span)])?;
@@ -85,7 +90,7 @@ pub fn flapper(half_span: f64, amplitude_deg: f64, fold: Option<(f64, f64)>) -> 
     }
     let motion = Motion { hinges: angles, ..Motion::at_rest() };
     let wind = Vec3::new(-incidence.cos(), 0.0, incidence.sin()) * speed;
-    Ok(Flapping { wing: Wing::new(planform, hinges)?, motion, wind, density_kg_m3: 1.225, ground: None })
+    Ok(FlappingWing { wing: Wing::new(planform, hinges)?, motion, wind, density_kg_m3: 1.225, ground: None })
 }
 
 /// Lift and drag, N, of a force in a wind at 5 degrees.

@@ -1,6 +1,6 @@
 //! First and second derivatives of every scalar function against num-dual.
 
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use num_dual::{Dual2_64, DualNum, HyperDual64};
 use wingbeat::math::{Dual, Jet, Scalar};
 
@@ -103,10 +103,10 @@ fn binary_errors(case: &Binary) -> [f64; 2] {
 }
 
 /// Largest relative error of first and second derivatives over all functions and points.
-pub fn against_num_dual() -> Result<Vec<Row>, Error> {
+pub fn against_num_dual() -> Result<Vec<ComparisonRow>, Error> {
     let all = unary().iter().map(unary_errors).chain(binary().iter().map(binary_errors)).collect::<Vec<_>>();
     let worst = |k: usize| all.iter().map(|e| e[k]).fold(0.0, f64::max);
     let metric = format!("max relative error of first ({:.0e}) and second derivatives", worst(0));
     let value = worst(0).max(worst(1));
-    Ok(vec![Row::judged("math.dual_against_num_dual", "num-dual 0.15", &metric, value, 1e-12, "")])
+    Ok(vec![ComparisonRow::judged("math.dual_against_num_dual", "num-dual 0.15", &metric, value, 1e-12, "")])
 }

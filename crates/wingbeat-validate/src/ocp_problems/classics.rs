@@ -2,7 +2,7 @@
 //! arcs, integral constraints; each from the straight line between its ends.
 
 use super::trajectories::{CLOSED_FORM, compare, compare_by, exactly, free};
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use std::f64::consts::PI;
 use wingbeat::math::Scalar;
 use wingbeat::ocp::{Ends, FREE, Instant, Limits, OptimalControl, Scheme, Setup};
@@ -103,14 +103,14 @@ impl OptimalControl for Ceiling {
 
 /// A cart brought one metre on from rest to rest: with least energy in 1 s, or
 /// in least time.
-pub(super) struct Cart {
+pub(super) struct CartProblem {
     force: f64,
     speed: f64,
     time: Limits,
     energy: bool,
 }
 
-impl OptimalControl for Cart {
+impl OptimalControl for CartProblem {
     fn setup(&self) -> Setup {
         let limited = |name: &str, size: f64| Channel::limited(name, "", "", -size, size);
         let states = vec![Channel::free("x", "m", ""), limited("v", self.speed)];
@@ -130,7 +130,7 @@ impl OptimalControl for Cart {
 }
 
 /// Least energy under a force of at most 5 N; without the limit it peaks at 6 N.
-const WEAK: Cart = Cart { force: 5.0, speed: f64::INFINITY, time: [1.0, 1.0], energy: true };
+const WEAK: CartProblem = CartProblem { force: 5.0, speed: f64::INFINITY, time: [1.0, 1.0], energy: true };
 
 /// U^2 (1/2 - 2/3 s), where the force leaves its limit U a time s before the
 /// middle: s^2 = 3/4 - 3/U.
@@ -140,7 +140,7 @@ fn weak_cart() -> f64 {
 }
 
 /// Least time under |u| <= 1 and |v| <= 1/2: 1/2 s up, 3/2 s along, 1/2 s down.
-const SLOW: Cart = Cart { force: 1.0, speed: 0.5, time: [0.1, 10.0], energy: false };
+const SLOW: CartProblem = CartProblem { force: 1.0, speed: 0.5, time: [0.1, 10.0], energy: false };
 
 /// Least time to height 5 and speed 45 along the horizon under a thrust of 100
 /// (linear tangent steering; Betts 2010, example 4.6).
@@ -215,7 +215,7 @@ macro_rules! case {
 
 /// By the scheme of order 6: with inputs that are linear in each interval the
 /// terrain leaves multipliers on which the solver stalls.
-fn alp_rider() -> Result<Vec<Row>, Error> {
+fn alp_rider() -> Result<Vec<ComparisonRow>, Error> {
     compare_by(Scheme::lobatto(), "alp_rider", BETTS, &AlpRider.into(), 2030.85609)
 }
 

@@ -1,7 +1,7 @@
 //! FLAPBODY-14, problem B: the quickest turn into a bank of 15 deg.
 
 use crate::flapbody::{DIFFERENCE, FlapBody, initial_state};
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Scalar;
 use wingbeat::ocp::interior_point::{Options, Solution, Status, solve};
@@ -69,7 +69,7 @@ impl TurnIn {
     }
 }
 
-fn compare() -> Result<Vec<Row>, Error> {
+fn compare() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = Vec::new();
     let instances = [("ocp.flapbody_B", 50, 0.255202142811), ("ocp.flapbody_B.fine", 100, 0.252703900518)];
     for (id, intervals, optimum) in instances {
@@ -79,7 +79,7 @@ fn compare() -> Result<Vec<Row>, Error> {
         }
         let value = (solution.objective - optimum).abs() / optimum;
         let metric = format!("objective at N = {intervals}, relative; {} iterations", solution.iterations);
-        rows.push(Row::judged(id, SOURCE, &metric, value, 1e-8, ""));
+        rows.push(ComparisonRow::judged(id, SOURCE, &metric, value, 1e-8, ""));
     }
     Ok(rows)
 }

@@ -1,7 +1,7 @@
 //! Nonlinear programs of Hock & Schittkowski 1981 (Lecture Notes in Economics
 //! and Mathematical Systems 187), each from its published start.
 
-use crate::{Case, Error, Row};
+use crate::{Case, ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Scalar;
 use wingbeat::ocp::interior_point::{Options, Status, solve};
@@ -17,7 +17,7 @@ macro_rules! program {
      $x:ident => $objective:expr, $g:ident: $constraints:block) => {
         struct $name;
         impl $name {
-            fn row() -> Result<Vec<Row>, Error> {
+            fn row() -> Result<Vec<ComparisonRow>, Error> {
                 compare(stringify!($name), &$name, &$start, $optimum)
             }
         }
@@ -43,7 +43,12 @@ macro_rules! program {
 }
 
 /// Relative distance (absolute below 1) of the optimum found from the published one.
-fn compare<F: Functions>(name: &str, functions: &F, start: &[f64], optimum: f64) -> Result<Vec<Row>, Error> {
+fn compare<F: Functions>(
+    name: &str,
+    functions: &F,
+    start: &[f64],
+    optimum: f64,
+) -> Result<Vec<ComparisonRow>, Error> {
     let mut quiet = |_: &_| ControlFlow::Continue(());
     let solution = solve(&mut Dense::new(functions), start, &Options::default(), &mut quiet);
     if solution.status != Status::Solved {
@@ -51,7 +56,7 @@ fn compare<F: Functions>(name: &str, functions: &F, start: &[f64], optimum: f64)
     }
     let value = (solution.objective - optimum).abs() / optimum.abs().max(1.0);
     let metric = format!("objective, relative; {} iterations", solution.iterations);
-    Ok(vec![Row::judged(&format!("nlp.{name}"), SOURCE, &metric, value, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged(&format!("nlp.{name}"), SOURCE, &metric, value, 1e-6, "")])
 }
 
 program!(HS6: [-1.2, 1.0], 0.0, limits [-INF, INF], rows [[0.0, 0.0]],

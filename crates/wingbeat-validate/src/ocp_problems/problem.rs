@@ -1,6 +1,6 @@
 //! The optimal-control problems of the comparisons as one type: the solver is compiled once for all of them.
 
-use super::classics::{AlpRider, Cart, CatalystMixing, Ceiling, HangingChain, LinearTangent, Zermelo};
+use super::classics::{AlpRider, CartProblem, CatalystMixing, Ceiling, HangingChain, LinearTangent, Zermelo};
 use super::trajectories::{
     Brachistochrone, BrysonDenham, CartPole, DoubleIntegrator, Hypersensitive, LqrScalar, MoonLander,
     Rayleigh, VanDerPol,
@@ -11,17 +11,17 @@ use wingbeat::plant::Fault;
 
 macro_rules! problems {
     ($($name:ident)*) => {
-        pub(super) enum Problem {
+        pub(super) enum ClassicProblem {
             $($name($name)),*
         }
 
-        $(impl From<$name> for Problem {
+        $(impl From<$name> for ClassicProblem {
             fn from(own: $name) -> Self {
                 Self::$name(own)
             }
         })*
 
-        impl OptimalControl for Problem {
+        impl OptimalControl for ClassicProblem {
             fn setup(&self) -> Setup {
                 match self { $(Self::$name(own) => own.setup()),* }
             }
@@ -45,6 +45,6 @@ macro_rules! problems {
 }
 
 problems! {
-    AlpRider Brachistochrone BrysonDenham Cart CartPole CatalystMixing Ceiling DoubleIntegrator HangingChain
+    AlpRider Brachistochrone BrysonDenham CartProblem CartPole CatalystMixing Ceiling DoubleIntegrator HangingChain
     Hypersensitive LinearTangent LqrScalar MoonLander Rayleigh VanDerPol Zermelo
 }

@@ -1,8 +1,8 @@
 //! Nine optimal-control problems with optima in closed form or from a fine
 //! Radau collocation, each solved from the straight line between its ends.
 
-use super::problem::Problem;
-use crate::{Case, Error, Row};
+use super::problem::ClassicProblem;
+use crate::{Case, ComparisonRow, Error};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -15,7 +15,12 @@ pub(super) const CLOSED_FORM: &str = "closed form";
 const CASADI: &str = "CasADi 3.8.2 + IPOPT, Radau IIA degree 4";
 
 /// Relative distance of the optimum found from the reference, by Hermite-Simpson collocation.
-pub(super) fn compare(name: &str, source: &str, problem: &Problem, optimum: f64) -> Result<Vec<Row>, Error> {
+pub(super) fn compare(
+    name: &str,
+    source: &str,
+    problem: &ClassicProblem,
+    optimum: f64,
+) -> Result<Vec<ComparisonRow>, Error> {
     compare_by(Scheme::hermite_simpson(), name, source, problem, optimum)
 }
 
@@ -24,9 +29,9 @@ pub(super) fn compare_by(
     scheme: Scheme,
     name: &str,
     source: &str,
-    problem: &Problem,
+    problem: &ClassicProblem,
     optimum: f64,
-) -> Result<Vec<Row>, Error> {
+) -> Result<Vec<ComparisonRow>, Error> {
     let solver = Options { time: Duration::from_secs(300), ..Options::default() };
     let refinement = Refinement { scheme, solver, ..Refinement::default() };
     let guess = problem.setup().straight_line();
@@ -40,7 +45,7 @@ pub(super) fn compare_by(
     let iterations: usize = found.passes.iter().map(|p| p.iterations).sum();
     let meshes = found.passes.len();
     let metric = format!("objective, relative; {meshes} meshes to {last} intervals, {iterations} iterations");
-    Ok(vec![Row::judged(&format!("ocp.{name}"), source, &metric, value, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged(&format!("ocp.{name}"), source, &metric, value, 1e-6, "")])
 }
 
 pub(super) fn free(names: &[&str]) -> Vec<Channel> {

@@ -1,7 +1,7 @@
 //! Bounding flight as one orbit, and its power over the share of the strokes beside that of the same gait without glides.
 
 use super::trimmed;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// Strokes of a cycle and those left out, beside the shipped three and one.
 const BOUNDS: [(usize, usize); 2] = [(5, 1), (2, 1)];
@@ -9,12 +9,12 @@ const BOUNDS: [(usize, usize); 2] = [(5, 1), (2, 1)];
 const CLOSES: f64 = 1e-8;
 
 /// Whether the shipped bound closes and its feedback holds it, and what bounds take.
-pub(super) fn rows() -> Result<Vec<Row>, Error> {
+pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let source = "definition of a periodic flight";
     let shipped = trimmed("bounding_20g", &[])?.summary;
     let told = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let judged = |end: &str, metric: &str, value: f64, limit: f64| {
-        Row::judged(&format!("trim.bounding_20g.{end}"), source, metric, value, limit, "")
+        ComparisonRow::judged(&format!("trim.bounding_20g.{end}"), source, metric, value, limit, "")
     };
     let mut rows = vec![
         judged(
@@ -29,7 +29,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
             told(shipped.held_multiplier),
             1.0,
         ),
-        Row::shown(
+        ComparisonRow::shown(
             "trim.bounding_20g.free",
             source,
             "largest multiplier of the cycle without feedback",
@@ -42,7 +42,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
         let id = format!("trim.bounding_20g.power_{strokes}_of_{all}");
         let metric =
             format!("positive power of {strokes} strokes of {all} over that of steady flight at the speed");
-        Row::shown(&id, "the same gait without glides", &metric, power / steady, "")
+        ComparisonRow::shown(&id, "the same gait without glides", &metric, power / steady, "")
     };
     rows.push(over(3, 4, told(shipped.power_w_kg)));
     for (strokes, glide) in BOUNDS {

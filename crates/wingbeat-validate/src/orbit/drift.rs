@@ -6,7 +6,7 @@ use wingbeat::scenario::{ConfigError, Document, Scenario};
 
 use super::trimmed;
 use crate::shipped::Shipped;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// Level flights whose orbits are flown.
 const FLOWN: [Shipped; 11] = [
@@ -27,12 +27,12 @@ const CYCLES: f64 = 10.0;
 /// Steps of the flight, which are not those of the orbit, s.
 const STEP: f64 = 1e-4;
 
-pub(super) fn rows() -> Result<Vec<Row>, Error> {
+pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
     FLOWN.iter().map(row).collect()
 }
 
 /// How far the body is from where the orbit has it after each cycle, at most.
-fn row(shipped: &Shipped) -> Result<Row, Error> {
+fn row(shipped: &Shipped) -> Result<ComparisonRow, Error> {
     let name = *shipped;
     let refused = |e: ConfigError| Error::reference(name, e.to_string());
     let trimmed = trimmed(shipped, &[])?;
@@ -65,5 +65,5 @@ fn row(shipped: &Shipped) -> Result<Row, Error> {
         most = most.max(off.sum::<f64>().sqrt());
     }
     let metric = "largest distance from the orbit's place after each of ten cycles open loop";
-    Ok(Row::judged(&format!("trim.drift.{name}"), "own orbit", metric, most, 1e-3, "m"))
+    Ok(ComparisonRow::judged(&format!("trim.drift.{name}"), "own orbit", metric, most, 1e-3, "m"))
 }

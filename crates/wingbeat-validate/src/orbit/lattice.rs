@@ -9,9 +9,9 @@ use wingbeat::math::interpolation::piecewise_linear;
 use wingbeat::parallel;
 use wingbeat::scenario::ScenarioSpec;
 
-use super::replay::{Fineness, Instant, Means, Motion, Twisted};
+use super::replay::{CycleMeans, InstantLoads, LatticeFineness, OrbitMotion, Twisted};
 use crate::shipped::Shipped;
-use crate::{Error, Row, Watch};
+use crate::{CaseWatch, ComparisonRow, Error};
 
 /// Level flights whose motion is replayed, the first drawn.
 const REPLAYED: [Shipped; 8] = [
@@ -26,14 +26,18 @@ const REPLAYED: [Shipped; 8] = [
 ];
 
 /// What the rows compare, and what its panels, steps and cores are worth.
-const FINE: Fineness = Fineness { chordwise: 8, spanwise: 40, core: 0.02, twisted: Twisted::Joined(0.0) };
-const OTHERS: [Fineness; 3] =
-    [Fineness { chordwise: 4, ..FINE }, Fineness { spanwise: 24, ..FINE }, Fineness { core: 0.05, ..FINE }];
+const FINE: LatticeFineness =
+    LatticeFineness { chordwise: 8, spanwise: 40, core: 0.02, twisted: Twisted::Joined(0.0) };
+const OTHERS: [LatticeFineness; 3] = [
+    LatticeFineness { chordwise: 4, ..FINE },
+    LatticeFineness { spanwise: 24, ..FINE },
+    LatticeFineness { core: 0.05, ..FINE },
+];
 /// Other wings than that of the strips, which know no slit: joined over 20 and 40 mm, and not at all.
-const WINGS: [Fineness; 3] = [
-    Fineness { twisted: Twisted::Joined(0.02), ..FINE },
-    Fineness { twisted: Twisted::Joined(0.04), ..FINE },
-    Fineness { twisted: Twisted::Slit, ..FINE },
+const WINGS: [LatticeFineness; 3] = [
+    LatticeFineness { twisted: Twisted::Joined(0.02), ..FINE },
+    LatticeFineness { twisted: Twisted::Joined(0.04), ..FINE },
+    LatticeFineness { twisted: Twisted::Slit, ..FINE },
 ];
 
 /// Share of the strokes at which the flow is attached.
@@ -51,16 +55,16 @@ fn attached(spec: &mut ScenarioSpec) {
 }
 
 /// What is found of an orbit by strips: the law that found it, `linear`.
-struct Strips {
-    motion: Motion,
-    own: Means,
-    linear: Means,
+struct StripMeans {
+    motion: OrbitMotion,
+    own: CycleMeans,
+    linear: CycleMeans,
 }
 
-impl Strips {
+impl StripMeans {
     fn of(shipped: &Shipped) -> Result<Self, Error> {
-        let motion = Motion::of(shipped)?;
-        let means = |cycle: Vec<Instant>| Means::of(&cycle);
+        let motion = OrbitMotion::of(shipped)?;
+        let means = |cycle: Vec<InstantLoads>| CycleMeans::of(&cycle);
         let own = means(motion.strips(&motion.driven(|_| ())?)?);
         let linear = means(motion.strips(&motion.driven(attached)?)?);
         Ok(Self { motion, own, linear })
@@ -72,9 +76,9 @@ impl Strips {
 }
 
 /// What a replay by strips changes: name, words, change.
-type Change = (&'static str, &'static str, fn(&mut ScenarioSpec));
+type ReplayChange = (&'static str, &'static str, fn(&mut ScenarioSpec));
 
-const CHANGES: [Change; 4] = [
+const CHANGES: [ReplayChange; 4] = [
     ("linear", "law linear without profile drag", attached),
     ("linear_24", "the same, 24 strips", |spec| {
         attached(spec);
@@ -85,23 +89,23 @@ const CHANGES: [Change; 4] = [
 ];
 
 /// The comparisons by strips.
-pub(super) fn own() -> Result<Vec<Row>, Error> {
+pub(super) fn own() -> Result<Vec<ComparisonRow>, Error> {
     parallel::map(&REPLAYED, |_, shipped| by_strips(shipped))
         .into_iter()
         .collect::<Result<Vec<_>, _>>()
         .map(|rows| rows.concat())
 }
 
-fn by_strips(shipped: &Shipped) -> Result<Vec<Row>, Error> {
-    let motion = Motion::of(shipped)?;
-    let replayed = |change: fn(&mut ScenarioSpec)| -> Result<Means, Error> {
-        Ok(Means::of(&motion.strips(&motion.driven(change)?)?))
+fn by_strips(shipped: &Shipped) -> Result<Vec<ComparisonRow>, Error> {
+    let motion = OrbitMotion::of(shipped)?;
+    let replayed = |change: fn(&mut ScenarioSpec)| -> Result<CycleMeans, Error> {
+        Ok(CycleMeans::of(&motion.strips(&motion.driven(change)?)?))
     };
     let own = replayed(|_| ())?;
     let id = format!("trim.replay.{}", motion.name());
     let metric = "lift of wings and body over weight less 1, the motion prescribed, twists driven as the air moves them";
     let off = (own.up + own.body_up - 1.0).abs();
-    let mut rows = vec![Row::judged(&format!("{id}.own"), "the orbit", metric, off, OWN, "")];
+    let mut rows = vec![ComparisonRow::judged(&format!("{id}.own"), "the orbit", metric, off, OWN, "")];
     for (end, words, change) in CHANGES {
         let other = replayed(change)?;
         let metric = format!(
@@ -109,14 +113,14 @@ fn by_strips(shipped: &Shipped) -> Result<Vec<Row>, Error> {
              the air {:.1}, {:.1} W/kg",
             other.up, own.up, other.forward, own.forward, other.power, own.power
         );
-        rows.push(Row::shown(&format!("{id}.{end}"), "own models", &metric, other.up - own.up, ""));
+        rows.push(ComparisonRow::shown(&format!("{id}.{end}"), "own models", &metric, other.up - own.up, ""));
     }
     Ok(rows)
 }
 
 /// A cycle of the first orbit by strips under both laws and by the lattice, with their names.
-pub(crate) fn cycles() -> Result<[(&'static str, Vec<Instant>); 3], Error> {
-    let motion = Motion::of(REPLAYED[0])?;
+pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 3], Error> {
+    let motion = OrbitMotion::of(REPLAYED[0])?;
     let [_, lattice] = motion.lattice(FINE)?;
     Ok([
         ("full, law stall", motion.strips(&motion.driven(|_| ())?)?),
@@ -127,7 +131,7 @@ pub(crate) fn cycles() -> Result<[(&'static str, Vec<Instant>); 3], Error> {
 
 /// Rms difference of the lift by the lattice from that by law `linear` over its rms, of the first orbit with its strokes times `share`.
 fn apart(share: f64) -> Result<f64, Error> {
-    let motion = Motion::of(REPLAYED[0])?.gentler(share)?;
+    let motion = OrbitMotion::of(REPLAYED[0])?.gentler(share)?;
     let ([_, lattice], strips) = (motion.lattice(FINE)?, motion.strips(&motion.driven(attached)?)?);
     let phases: Vec<f64> = (0..=strips.len()).map(|k| k as f64 / strips.len() as f64).collect();
     // The cycle closes.
@@ -142,17 +146,17 @@ fn apart(share: f64) -> Result<f64, Error> {
 }
 
 /// The comparisons with the lattice; none where they were ended.
-pub(super) fn rows(watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
-    let strips = Strips::all()?;
-    let finenesses: Vec<Fineness> = [&[FINE][..], &OTHERS, &WINGS].concat();
+pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Error> {
+    let strips = StripMeans::all()?;
+    let finenesses: Vec<LatticeFineness> = [&[FINE][..], &OTHERS, &WINGS].concat();
     let mut crossing = Vec::new();
     for found in &strips {
         crossing.push(found.motion.passes_through_itself()?);
     }
     let clear = |orbit: &usize| crossing[*orbit] == 0.0;
     let each = |orbit: usize| finenesses.iter().map(move |fineness| (orbit, *fineness));
-    let jobs: Vec<(usize, Fineness)> = (0..strips.len()).filter(clear).flat_map(each).collect();
-    let mut found: Vec<Option<[Means; 2]>> = vec![None; jobs.len()];
+    let jobs: Vec<(usize, LatticeFineness)> = (0..strips.len()).filter(clear).flat_map(each).collect();
+    let mut found: Vec<Option<[CycleMeans; 2]>> = vec![None; jobs.len()];
     let (mut done, mut failed) = (0, None);
     if watch(0, jobs.len()).is_break() {
         return Ok(Vec::new());
@@ -162,7 +166,7 @@ pub(super) fn rows(watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
         |_, (orbit, fineness)| strips[*orbit].motion.lattice(*fineness),
         |job, cycles| match cycles {
             Ok(cycles) => {
-                found[job] = Some(cycles.map(|cycle| Means::of(&cycle)));
+                found[job] = Some(cycles.map(|cycle| CycleMeans::of(&cycle)));
                 done += 1;
                 watch(done, jobs.len())
             }
@@ -175,14 +179,16 @@ pub(super) fn rows(watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
     if let Some(error) = failed {
         return Err(error);
     }
-    let Some(found) = found.into_iter().collect::<Option<Vec<[Means; 2]>>>() else { return Ok(Vec::new()) };
+    let Some(found) = found.into_iter().collect::<Option<Vec<[CycleMeans; 2]>>>() else {
+        return Ok(Vec::new());
+    };
     let mut by_orbit = found.chunks(finenesses.len());
     let mut rows = Vec::new();
     for (orbit, strips) in strips.iter().enumerate() {
         let id = format!("trim.lattice.{}", strips.motion.name());
         if !clear(&orbit) {
             let metric = "share of the cycle in which the wing beyond the elbow passes through the arm: it has no lattice";
-            rows.push(Row::shown(
+            rows.push(ComparisonRow::shown(
                 &format!("{id}.through_itself"),
                 "rigid panels",
                 metric,
@@ -198,15 +204,21 @@ pub(super) fn rows(watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
     for ((end, words, _), apart) in strokes.iter().zip(apart) {
         let metric =
             format!("cruise_20g, {words}: rms difference of the lift by law linear over the rms of the lift");
-        rows.push(Row::shown(&format!("trim.lattice.{end}"), "own vortex lattice", &metric, apart?, ""));
+        rows.push(ComparisonRow::shown(
+            &format!("trim.lattice.{end}"),
+            "own vortex lattice",
+            &metric,
+            apart?,
+            "",
+        ));
     }
     Ok(rows)
 }
 
 /// What of the means is compared: end of the row's name, words, unit, value.
-type Compared = (&'static str, &'static str, &'static str, fn(&Means) -> f64);
+type ComparedMean = (&'static str, &'static str, &'static str, fn(&CycleMeans) -> f64);
 
-const COMPARED: [Compared; 3] = [
+const COMPARED: [ComparedMean; 3] = [
     ("lift", "mean lift of the wings over the weight", "", |means| means.up),
     ("forward", "their mean forward force over the weight", "", |means| means.forward),
     ("power", "mean of the positive part of the power of the joints against the air", "W/kg", |means| {
@@ -215,7 +227,11 @@ const COMPARED: [Compared; 3] = [
 ];
 
 /// The rows of an orbit: the lattice less law `linear`. `found` are the last two cycles at every fineness.
-fn beside(id: &str, Strips { own, linear, .. }: &Strips, found: &[[Means; 2]]) -> Vec<Row> {
+fn beside(
+    id: &str,
+    StripMeans { own, linear, .. }: &StripMeans,
+    found: &[[CycleMeans; 2]],
+) -> Vec<ComparisonRow> {
     let mut rows = Vec::new();
     for (end, words, unit, of) in COMPARED {
         let last = |at: usize| of(&found[at][1]);
@@ -232,7 +248,7 @@ fn beside(id: &str, Strips { own, linear, .. }: &Strips, found: &[[Means; 2]]) -
             last(0) - of(&found[0][0]),
         );
         let value = last(0) - of(linear);
-        rows.push(Row::shown(&format!("{id}.{end}"), "own vortex lattice", &metric, value, unit));
+        rows.push(ComparisonRow::shown(&format!("{id}.{end}"), "own vortex lattice", &metric, value, unit));
     }
     rows
 }

@@ -4,10 +4,10 @@ use wingbeat::orbit::SKIN;
 
 use super::trimmed;
 use crate::shipped::Shipped;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// What is asked of a gait.
-struct Asked {
+struct GaitDemand {
     of: Shipped,
     /// With the scenario's own strips: most power over the mass, W/kg.
     power: f64,
@@ -23,23 +23,23 @@ struct Asked {
 const DRIVEN_ROOM: f64 = 3e-3;
 
 /// A gait whose twist is driven: most power, W/kg; highest frequency, Hz, and largest share beyond 20 deg.
-pub(super) fn driven(of: Shipped, power: f64, limits: [f64; 2]) -> Result<Vec<Row>, Error> {
-    rows(&Asked { of, power, driven: Some(limits), room: DRIVEN_ROOM, strips: &[9, 16, 24] })
+pub(super) fn driven(of: Shipped, power: f64, limits: [f64; 2]) -> Result<Vec<ComparisonRow>, Error> {
+    rows(&GaitDemand { of, power, driven: Some(limits), room: DRIVEN_ROOM, strips: &[9, 16, 24] })
 }
 
 /// A gait whose twist the air moves: most power, W/kg.
-pub(super) fn passive(of: Shipped, power: f64) -> Result<Vec<Row>, Error> {
-    rows(&Asked { of, power, driven: None, room: 0.0, strips: &[9, 16] })
+pub(super) fn passive(of: Shipped, power: f64) -> Result<Vec<ComparisonRow>, Error> {
+    rows(&GaitDemand { of, power, driven: None, room: 0.0, strips: &[9, 16] })
 }
 
-fn rows(asked: &Asked) -> Result<Vec<Row>, Error> {
+fn rows(asked: &GaitDemand) -> Result<Vec<ComparisonRow>, Error> {
     let (name, source) = (asked.of, "what is asked of the flight");
     let (mut rows, mut shown) = (Vec::new(), Vec::new());
     for (i, strips) in asked.strips.iter().enumerate() {
         let flight = trimmed(asked.of, &[&format!("aero.full.strips={strips}")])?.summary;
         let mut row = |end: &str, metric: &str, value: Option<f64>, limit: f64, unit| {
             let (id, metric) = (format!("trim.{name}.{end}_{strips}"), format!("{metric}, {strips} strips"));
-            rows.push(Row::judged(&id, source, &metric, value.unwrap_or(f64::NAN), limit, unit));
+            rows.push(ComparisonRow::judged(&id, source, &metric, value.unwrap_or(f64::NAN), limit, unit));
         };
         if i == 0 {
             row("power", "power of the drive over the mass", flight.power_w_kg, asked.power, "W/kg");
@@ -63,7 +63,7 @@ fn rows(asked: &Asked) -> Result<Vec<Row>, Error> {
                     format!("trim.{name}.{end}"),
                     format!("share {}, {strips} strips", end.replace('_', " ")),
                 );
-                shown.push(Row::shown(&id, source, &metric, value.unwrap_or(f64::NAN), ""));
+                shown.push(ComparisonRow::shown(&id, source, &metric, value.unwrap_or(f64::NAN), ""));
             }
         }
         row("multiplier", "largest multiplier but the heading's", flight.largest_multiplier, 1.0, "");

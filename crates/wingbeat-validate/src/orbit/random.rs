@@ -9,7 +9,7 @@ use wingbeat::parallel;
 
 use super::DRIVEN;
 use crate::shipped::scenario;
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// Gaits drawn.
 const GAITS: u64 = 20;
@@ -24,7 +24,7 @@ const CLOSED: f64 = 1e-10;
 const CARRIED: f64 = 1e-3;
 
 /// How the search of a gait ended.
-enum End {
+enum GaitEnd {
     Orbit,
     Named,
     Neither,
@@ -56,44 +56,45 @@ fn drawn(gait: u64) -> Result<Vec<String>, Error> {
     Ok(overrides)
 }
 
-fn end(gait: u64) -> Result<End, Error> {
+fn end(gait: u64) -> Result<GaitEnd, Error> {
     let overrides = drawn(gait)?;
     let scenario = scenario(DRIVEN, &overrides.iter().map(String::as_str).collect::<Vec<_>>())?;
     let cycle = scenario.cycle()?;
     let found = match scenario.find_orbit(&cycle, &mut |_, _| ControlFlow::Continue(()))? {
         Ok(found) => found,
-        Err(Failure::Stopped) => return Ok(End::Neither),
+        Err(Failure::Stopped) => return Ok(GaitEnd::Neither),
         Err(Failure::NotConverged { residual, .. } | Failure::Singular { residual, .. })
             if !residual.is_finite() =>
         {
-            return Ok(End::Neither);
+            return Ok(GaitEnd::Neither);
         }
-        Err(_) => return Ok(End::Named),
+        Err(_) => return Ok(GaitEnd::Named),
     };
     let lift = measure(&cycle, &found.orbit, &[])?.lift_over_weight;
     let closed = found.residual <= CLOSED && (lift - 1.0).abs() <= CARRIED;
-    Ok(if closed { End::Orbit } else { End::Neither })
+    Ok(if closed { GaitEnd::Orbit } else { GaitEnd::Neither })
 }
 
-pub(super) fn rows() -> Result<Vec<Row>, Error> {
+pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let gaits: Vec<u64> = (0..GAITS).collect();
-    let ends: Vec<End> = parallel::map(&gaits, |_, gait| end(*gait)).into_iter().collect::<Result<_, _>>()?;
-    let count = |of: fn(&End) -> bool| ends.iter().filter(|end| of(end)).count() as f64;
+    let ends: Vec<GaitEnd> =
+        parallel::map(&gaits, |_, gait| end(*gait)).into_iter().collect::<Result<_, _>>()?;
+    let count = |of: fn(&GaitEnd) -> bool| ends.iter().filter(|end| of(end)).count() as f64;
     let id = "trim.random";
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             &format!("{id}.unnamed"),
             "own draws",
             "of 20 gaits with means, strokes, lags and frequency at random those without an orbit that closes and without a reason",
-            count(|end| matches!(end, End::Neither)),
+            count(|end| matches!(end, GaitEnd::Neither)),
             0.0,
             "",
         ),
-        Row::shown(
+        ComparisonRow::shown(
             &format!("{id}.orbits"),
             "own draws",
             "of the same those with an orbit",
-            count(|end| matches!(end, End::Orbit)),
+            count(|end| matches!(end, GaitEnd::Orbit)),
             "",
         ),
     ])

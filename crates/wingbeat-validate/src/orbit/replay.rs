@@ -9,7 +9,10 @@ use wingbeat::plant::{Fault, Plant};
 use wingbeat::robot::{BodyMotion, DrivenSpec, Robot};
 use wingbeat::scenario::{ConfigError, Document, Scenario, ScenarioSpec};
 use wingbeat::simulate::{Column, Record};
-use wingbeat_lattice::{Flight, Lattice, Layout, Loads, Panels, Scene, Sections, Settings, Spacing, Surface};
+use wingbeat_lattice::{
+    FlightStretch, Lattice, LatticeLoads, LatticeSettings, LatticeSurface, MovingSections, PanelLayout,
+    Panels, Scene, Spacing,
+};
 
 use super::found;
 use crate::Error;
@@ -30,7 +33,7 @@ const JUMP: f64 = 1e-3;
 
 /// How fine a lattice is.
 #[derive(Clone, Copy, Debug)]
-pub struct Fineness {
+pub struct LatticeFineness {
     /// Panels along the chord; the way of the trailing edges in a step, rms, is one of them.
     pub chordwise: usize,
     /// Strips along the whole span.
@@ -51,7 +54,7 @@ pub enum Twisted {
 }
 
 /// A cycle of an orbit at even times.
-pub struct Motion {
+pub struct OrbitMotion {
     name: &'static str,
     scenario: Scenario,
     robot: Robot,
@@ -65,7 +68,7 @@ pub struct Motion {
 
 /// What wings bear at an instant, and what the joints give to the air for it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Instant {
+pub struct InstantLoads {
     /// Upward force over the weight.
     pub up: f64,
     /// Forward force over the weight.
@@ -78,7 +81,7 @@ pub struct Instant {
 
 /// Means over a cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Means {
+pub struct CycleMeans {
     /// Upward force over the weight.
     pub up: f64,
     /// Forward force over the weight.
@@ -89,10 +92,10 @@ pub struct Means {
     pub power: f64,
 }
 
-impl Means {
+impl CycleMeans {
     /// Those of a cycle.
-    pub fn of(cycle: &[Instant]) -> Self {
-        let mean = |of: &dyn Fn(&Instant) -> f64| cycle.iter().map(of).sum::<f64>() / cycle.len() as f64;
+    pub fn of(cycle: &[InstantLoads]) -> Self {
+        let mean = |of: &dyn Fn(&InstantLoads) -> f64| cycle.iter().map(of).sum::<f64>() / cycle.len() as f64;
         Self {
             up: mean(&|i| i.up),
             forward: mean(&|i| i.forward),
@@ -106,7 +109,7 @@ fn refused(error: ConfigError) -> Error {
     Error::reference("orbit", error.to_string())
 }
 
-impl Motion {
+impl OrbitMotion {
     /// That of a shipped scenario.
     pub fn of(shipped: Shipped) -> Result<Self, Error> {
         let scenario = scenario(shipped, &[STEP])?;
@@ -185,10 +188,10 @@ impl Motion {
     }
 
     /// The instant at which the wings bear `wrench` (in B about the body's origin) and take `taken` W from the air, the body at `k`.
-    fn instant(&self, body: &BodyMotion, wrench: &Wrench<f64>, taken: f64) -> Instant {
+    fn instant(&self, body: &BodyMotion, wrench: &Wrench<f64>, taken: f64) -> InstantLoads {
         let force = body.attitude * wrench.force;
         let rigid = force.dot(body.velocity) + wrench.moment.dot(body.rate);
-        Instant {
+        InstantLoads {
             up: force[2] / self.weight(),
             forward: force[0] / self.weight(),
             body_up: 0.0,
@@ -263,7 +266,7 @@ impl Motion {
     }
 
     /// The last cycle under the strips of `robot`.
-    pub fn strips(&self, robot: &Robot) -> Result<Vec<Instant>, Error> {
+    pub fn strips(&self, robot: &Robot) -> Result<Vec<InstantLoads>, Error> {
         let mut x = self.carried_start(robot);
         let at = |t: f64| {
             let k = (t / self.step()).round() as usize;
@@ -285,7 +288,7 @@ impl Motion {
                 let drag = body.attitude * loads.body_drag.force;
                 let instant =
                     self.instant(&body, &loads.air.total(), loads.air_power - drag.dot(body.velocity));
-                seen.push(Instant { body_up: drag[2] / self.weight(), ..instant });
+                seen.push(InstantLoads { body_up: drag[2] / self.weight(), ..instant });
             }
             RK4.step(&mut rates, k as f64 * step, step, &mut x, &mut work)?;
         }
@@ -311,8 +314,8 @@ impl Motion {
     }
 
     /// The last two cycles in the lattice.
-    pub fn lattice(&self, fineness: Fineness) -> Result<[Vec<Instant>; 2], Error> {
-        let Fineness { chordwise, spanwise, core, twisted } = fineness;
+    pub fn lattice(&self, fineness: LatticeFineness) -> Result<[Vec<InstantLoads>; 2], Error> {
+        let LatticeFineness { chordwise, spanwise, core, twisted } = fineness;
         let outlines = self.scenario.spec.robot.outlines()?;
         let planform = &outlines[0].planform;
         let chord = planform.area() / (2.0 * planform.half_span());
@@ -328,8 +331,9 @@ impl Motion {
         scene.surfaces = surfaces;
         let way = scene.edge_speed(self.duration) * self.duration;
         let steps = (way * chordwise as f64 / chord).round() as usize;
-        let mut lattice = Lattice::new(scene, Settings::new(self.duration / steps as f64, core * chord))?;
-        let mut cycles: [Vec<Instant>; 2] = Default::default();
+        let mut lattice =
+            Lattice::new(scene, LatticeSettings::new(self.duration / steps as f64, core * chord))?;
+        let mut cycles: [Vec<InstantLoads>; 2] = Default::default();
         for _ in 0..LATTICE_CYCLES {
             cycles.rotate_left(1);
             cycles[1].clear();
@@ -388,12 +392,12 @@ impl Motion {
     }
 
     /// The cycles as a flight.
-    fn flight(&self) -> Result<Flight, Error> {
-        Ok(Flight::new(&self.robot, &self.record()?, 0.0, LATTICE_CYCLES as f64 * self.duration)?)
+    fn flight(&self) -> Result<FlightStretch, Error> {
+        Ok(FlightStretch::new(&self.robot, &self.record()?, 0.0, LATTICE_CYCLES as f64 * self.duration)?)
     }
 
     /// What the wings bear under `loads`.
-    fn borne(&self, flight: &Flight, loads: &Loads) -> Instant {
+    fn borne(&self, flight: &FlightStretch, loads: &LatticeLoads) -> InstantLoads {
         let at = self.robot.stance(loads.time, &flight.state(loads.time));
         let body = BodyMotion { rate: at.rate, ..BodyMotion::steady(at.attitude, at.velocity) };
         let Wrench { force, moment } = loads.joukowski;
@@ -416,23 +420,23 @@ pub fn pierces([a, b]: [Vec3; 2], [p, q, r]: [Vec3; 3]) -> bool {
 
 impl Twisted {
     /// The pieces of `surface`, which twists at `hinges`.
-    fn surfaces(self, surface: Surface, hinges: &[f64]) -> Vec<Surface> {
+    fn surfaces(self, surface: LatticeSurface, hinges: &[f64]) -> Vec<LatticeSurface> {
         let Self::Joined(width) = self else { return slit(surface, hinges) };
-        let Surface { layout, sections } = surface;
+        let LatticeSurface { layout, sections } = surface;
         let sections = Joined { sections, hinges: hinges.to_vec(), half_width: 0.5 * width };
-        vec![Surface { layout, sections: Arc::new(sections) }]
+        vec![LatticeSurface { layout, sections: Arc::new(sections) }]
     }
 }
 
 /// The pieces of `surface` between `hinges` on both sides.
-fn slit(surface: Surface, hinges: &[f64]) -> Vec<Surface> {
-    let Layout { chordwise, arcs, fractions } = &surface.layout;
+fn slit(surface: LatticeSurface, hinges: &[f64]) -> Vec<LatticeSurface> {
+    let PanelLayout { chordwise, arcs, fractions } = &surface.layout;
     let on_hinge = |arc: f64| hinges.iter().any(|hinge| (arc.abs() - hinge).abs() < BESIDE);
     let mut ends: Vec<usize> = (1..arcs.len() - 1).filter(|i| on_hinge(arcs[*i])).collect();
     ends.insert(0, 0);
     ends.push(arcs.len() - 1);
     let piece = |pair: &[usize]| {
-        let mut layout = Layout {
+        let mut layout = PanelLayout {
             chordwise: *chordwise,
             arcs: arcs[pair[0]..=pair[1]].to_vec(),
             fractions: fractions[pair[0]..pair[1]].to_vec(),
@@ -442,7 +446,7 @@ fn slit(surface: Surface, hinges: &[f64]) -> Vec<Surface> {
         for arc in layout.arcs.iter_mut().filter(|arc| on_hinge(**arc)) {
             *arc += BESIDE * (middle - *arc).signum();
         }
-        Surface { layout, sections: surface.sections.clone() }
+        LatticeSurface { layout, sections: surface.sections.clone() }
     };
     ends.windows(2).map(piece).collect()
 }
@@ -450,12 +454,12 @@ fn slit(surface: Surface, hinges: &[f64]) -> Vec<Surface> {
 /// Sections that go over from one link to the next within a width about each hinge, linearly: wings twist at their hinges, and a slit is no
 /// wing.
 struct Joined {
-    sections: Arc<dyn Sections>,
+    sections: Arc<dyn MovingSections>,
     hinges: Vec<f64>,
     half_width: f64,
 }
 
-impl Sections for Joined {
+impl MovingSections for Joined {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let hinge = |arc: f64| {
             let near = |hinge: &&f64| (arc.abs() - **hinge).abs() < self.half_width;

@@ -1,13 +1,13 @@
 //! Kinematics of the Kinova Gen3.
 
 use wingbeat::math::{Quat, Random, Vec3};
-use wingbeat::rig::arm::{ArmConfig, InverseKinematics, SerialArm, Status};
+use wingbeat::rig::arm::{ArmConfig, InverseKinematics, InverseStatus, SerialArm};
 use wingbeat::rig::rotation_vector;
 
-use crate::{Error, Row, reference_table};
+use crate::{ComparisonRow, Error, reference_table};
 
 /// Tool poses from the frames by matrices against quaternions in 40 digits.
-pub fn forward_kinematics() -> Result<Vec<Row>, Error> {
+pub fn forward_kinematics() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.forward_kinematics";
     let arm = ArmConfig::kinova_gen3().build()?;
     let table = reference_table!("kinova_gen3/forward_kinematics.csv")?;
@@ -23,13 +23,20 @@ pub fn forward_kinematics() -> Result<Vec<Row>, Error> {
     }
     let source = "URDF frames by quaternions, 40 digits";
     Ok(vec![
-        Row::judged(ID, source, "largest position error, 6 poses", position, 1e-9, "m"),
-        Row::judged(&format!("{ID}.angle"), source, "largest angle error, 6 poses", angle, 1e-9, "rad"),
+        ComparisonRow::judged(ID, source, "largest position error, 6 poses", position, 1e-9, "m"),
+        ComparisonRow::judged(
+            &format!("{ID}.angle"),
+            source,
+            "largest angle error, 6 poses",
+            angle,
+            1e-9,
+            "rad",
+        ),
     ])
 }
 
 /// A thousand random poses within the joint limits, found again from one fixed seed pose.
-pub fn inverse_kinematics() -> Result<Vec<Row>, Error> {
+pub fn inverse_kinematics() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.inverse_kinematics";
     const POSES: usize = 1000;
     let arm = ArmConfig::kinova_gen3().build()?;
@@ -39,7 +46,7 @@ pub fn inverse_kinematics() -> Result<Vec<Row>, Error> {
     for _ in 0..POSES {
         let goal = arm.tool_pose(&random_pose(&arm, &mut random));
         let solution = solver.solve(&arm, &goal, &[0.3, 0.4, -0.9, 0.0, -0.7, 0.0]);
-        if solution.status != Status::Solved || arm.beyond_limits(&solution.q, 0.0).is_some() {
+        if solution.status != InverseStatus::Solved || arm.beyond_limits(&solution.q, 0.0).is_some() {
             missed += 1;
             continue;
         }
@@ -50,9 +57,9 @@ pub fn inverse_kinematics() -> Result<Vec<Row>, Error> {
     let source = "forward kinematics, 1000 random poses";
     let share = missed as f64 / POSES as f64;
     Ok(vec![
-        Row::judged(ID, source, "largest position error", position, 1e-6, "m"),
-        Row::judged(&format!("{ID}.angle"), source, "largest angle error", angle, 1e-6, "rad"),
-        Row::judged(
+        ComparisonRow::judged(ID, source, "largest position error", position, 1e-6, "m"),
+        ComparisonRow::judged(&format!("{ID}.angle"), source, "largest angle error", angle, 1e-6, "rad"),
+        ComparisonRow::judged(
             &format!("{ID}.unsolved"),
             source,
             "share not solved within the limits",

@@ -5,14 +5,14 @@ use std::path::Path;
 
 use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3, Wrench};
 use wingbeat::rig::arm::LimitProfile;
-use wingbeat::rig::carrier::{Carrier, carried_frames};
+use wingbeat::rig::carrier::{ToolCarrier, carried_frames};
 use wingbeat::rig::cell::{CHANNELS, six};
 use wingbeat::rig::process::{Butterworth, Comparison};
-use wingbeat::rig::{FrameMotion, Pose, Trajectory};
+use wingbeat::rig::{FrameMotion, JointTrajectory, Pose};
 use wingbeat::robot::BodyMotion;
 use wingbeat::scenario::{Processed, RigRun};
 
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 
 /// The seven runs of the paper.
 const RUNS: [&str; 7] = [
@@ -33,7 +33,7 @@ fn load(name: &str, overrides: &[&str]) -> Result<RigRun, Error> {
 
 /// Differences of the 1 kHz positions against every limit: the worst of the runs, then run by run; a refused path is
 /// shown with the limit it names.
-pub fn limits_respected() -> Result<Vec<Row>, Error> {
+pub fn limits_respected() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.limits_respected";
     let (mut worst, mut rows) = (0.0_f64, Vec::new());
     for name in RUNS {
@@ -43,18 +43,20 @@ pub fn limits_respected() -> Result<Vec<Row>, Error> {
             Ok(plan) => {
                 let share = largest_share(&plan.trajectory, &run.profile);
                 worst = worst.max(share);
-                rows.push(Row::judged(&id, &source, "largest share of a limit", share, 1.0, ""));
+                rows.push(ComparisonRow::judged(&id, &source, "largest share of a limit", share, 1.0, ""));
             }
-            Err(refusal) => rows.push(Row::shown(&id, &source, &format!("refused: {refusal}"), f64::NAN, "")),
+            Err(refusal) => {
+                rows.push(ComparisonRow::shown(&id, &source, &format!("refused: {refusal}"), f64::NAN, ""))
+            }
         }
     }
     let metric = "largest share of a limit of velocity, acceleration or jerk, all runs";
-    rows.insert(0, Row::judged(ID, "limit profiles of the runs", metric, worst, 1.0, ""));
+    rows.insert(0, ComparisonRow::judged(ID, "limit profiles of the runs", metric, worst, 1.0, ""));
     Ok(rows)
 }
 
 /// Largest share of a limit that the positions of `trajectory` take, by differences.
-fn largest_share(trajectory: &Trajectory, limits: &LimitProfile) -> f64 {
+fn largest_share(trajectory: &JointTrajectory, limits: &LimitProfile) -> f64 {
     let (velocity, acceleration) = trajectory.differenced().peaks();
     let jerk = trajectory.peak_jerk();
     [(velocity, &limits.velocity), (acceleration, &limits.acceleration), (jerk, &limits.jerk)]
@@ -64,7 +66,7 @@ fn largest_share(trajectory: &Trajectory, limits: &LimitProfile) -> f64 {
 }
 
 /// Weight on the cell in 24 attitudes against mass and first moment read off the momentum of a turning robot.
-pub fn wrench_static() -> Result<Vec<Row>, Error> {
+pub fn wrench_static() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.wrench_static";
     let run = load("roll15_speed08", &["rig.air.density_kg_m3=1e-30"])?;
     let clock = Jet::default();
@@ -104,7 +106,7 @@ pub fn wrench_static() -> Result<Vec<Row>, Error> {
             worst = worst.max((a - b).abs());
         }
     }
-    Ok(vec![Row::judged(
+    Ok(vec![ComparisonRow::judged(
         ID,
         "mass and first moment from momentum",
         "largest error, 24 attitudes",
@@ -115,7 +117,7 @@ pub fn wrench_static() -> Result<Vec<Row>, Error> {
 }
 
 /// Cell wrench of the moving rig in vacuum against the rate of momentum.
-pub fn newton_euler() -> Result<Vec<Row>, Error> {
+pub fn newton_euler() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.newton_euler";
     let run = load("roll15_speed08", &["rig.air.density_kg_m3=1e-30"])?;
     let plan = run.plan()?.map_err(|refusal| Error::NoAnswer(refusal.to_string()))?;
@@ -129,8 +131,8 @@ pub fn newton_euler() -> Result<Vec<Row>, Error> {
     }
     let source = "rate of momentum, fourth-order differences";
     Ok(vec![
-        Row::judged(ID, source, "largest error of the force, 40 instants", force, 1e-8, "N"),
-        Row::judged(
+        ComparisonRow::judged(ID, source, "largest error of the force, 40 instants", force, 1e-8, "N"),
+        ComparisonRow::judged(
             &format!("{ID}.moment"),
             source,
             "largest error of the moment, 40 instants",
@@ -142,7 +144,7 @@ pub fn newton_euler() -> Result<Vec<Row>, Error> {
 }
 
 /// |cell wrench + weight - rate of momentum| at `t`: force and moment about the base's origin.
-fn imbalance(run: &RigRun, carrier: &Carrier, t: f64) -> Result<(f64, f64), Error> {
+fn imbalance(run: &RigRun, carrier: &ToolCarrier, t: f64) -> Result<(f64, f64), Error> {
     let clock = |t: f64| Jet::new(t, 1.0, 0.0);
     let (cell, body) = carried_frames(&carrier.tool(t), &run.mount);
     let x = vec![0.0; run.robot.carried_states()];
@@ -168,7 +170,7 @@ fn imbalance(run: &RigRun, carrier: &Carrier, t: f64) -> Result<(f64, f64), Erro
 }
 
 /// Linear and angular momentum of robot and mount about the base's origin, in W.
-fn momentum(run: &RigRun, carrier: &Carrier, clock: &Jet, t: f64) -> Result<[Vec3; 2], Error> {
+fn momentum(run: &RigRun, carrier: &ToolCarrier, clock: &Jet, t: f64) -> Result<[Vec3; 2], Error> {
     let (cell, body) = carried_frames(&carrier.tool(t), &run.mount);
     let robot = run.robot.carried_momentum(clock, &BodyMotion::from(&body), body.pose.origin)?;
     let r = body.pose.rotation;
@@ -184,7 +186,7 @@ fn rigid_momentum(frame: &FrameMotion, mass: f64, com: Vec3, inertia: Mat3) -> (
 }
 
 /// A sine at the flapping frequency through the filter of the pipeline.
-pub fn filter() -> Result<Vec<Row>, Error> {
+pub fn filter() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.filter";
     const RATE: f64 = 7000.0;
     let run = load("roll15_speed08", &[])?;
@@ -197,8 +199,15 @@ pub fn filter() -> Result<Vec<Row>, Error> {
     let (sine, cosine) = (part(f64::sin), part(f64::cos));
     let source = "a sine at the flapping frequency";
     Ok(vec![
-        Row::judged(ID, source, "|gain - 1|", (sine.hypot(cosine) - 1.0).abs(), 1e-3, ""),
-        Row::judged(&format!("{ID}.phase"), source, "|phase|", cosine.atan2(sine).abs(), 1e-3, "rad"),
+        ComparisonRow::judged(ID, source, "|gain - 1|", (sine.hypot(cosine) - 1.0).abs(), 1e-3, ""),
+        ComparisonRow::judged(
+            &format!("{ID}.phase"),
+            source,
+            "|phase|",
+            cosine.atan2(sine).abs(),
+            1e-3,
+            "rad",
+        ),
     ])
 }
 
@@ -215,16 +224,16 @@ pub fn processed_run() -> Result<Processed, Error> {
 }
 
 /// The processed phase average of a simulated run against its noise-free wrench.
-pub fn pipeline_recovers_truth() -> Result<Vec<Row>, Error> {
+pub fn pipeline_recovers_truth() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.pipeline_recovers_truth";
     let against =
         processed_run()?.against_truth().ok_or_else(|| Error::NoAnswer("no truth in the record".into()))?;
     let source = "noise-free wrench of the simulator";
     let row = |((name, _), c): (&(&str, &str), &Comparison)| {
-        Row::judged(&format!("{ID}.{name}"), source, "RMSE over range", c.rmse / c.range, 0.02, "")
+        ComparisonRow::judged(&format!("{ID}.{name}"), source, "RMSE over range", c.rmse / c.range, 0.02, "")
     };
-    let mut rows: Vec<Row> = CHANNELS.iter().zip(&against).map(row).collect();
+    let mut rows: Vec<ComparisonRow> = CHANNELS.iter().zip(&against).map(row).collect();
     let worst = rows.iter().map(|row| row.value).fold(0.0, f64::max);
-    rows.insert(0, Row::judged(ID, source, "RMSE over range, worst channel", worst, 0.02, ""));
+    rows.insert(0, ComparisonRow::judged(ID, source, "RMSE over range, worst channel", worst, 0.02, ""));
     Ok(rows)
 }

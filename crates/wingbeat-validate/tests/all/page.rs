@@ -2,20 +2,20 @@
 
 use std::path::Path;
 use wingbeat_validate::figures::{PICTURES, SLOW_PICTURES};
-use wingbeat_validate::{Piece, below, cases, pieces, slow_cases};
+use wingbeat_validate::{PagePiece, below, cases, pieces, slow_cases};
 
 fn words() -> impl Iterator<Item = String> {
     pieces().filter_map(|piece| match piece {
-        Piece::Words(words) => Some(words.replace("](figures/", "](images/validation/")),
-        Piece::Place(_) => None,
+        PagePiece::Words(words) => Some(words.replace("](figures/", "](images/validation/")),
+        PagePiece::Place(_) => None,
     })
 }
 
 #[test]
 fn the_page_has_every_comparison_and_every_figure() {
     let places = pieces().filter_map(|piece| match piece {
-        Piece::Place(place) => place.strip_prefix("rows "),
-        Piece::Words(_) => None,
+        PagePiece::Place(place) => place.strip_prefix("rows "),
+        PagePiece::Words(_) => None,
     });
     let named: Vec<&str> = places.flat_map(|names| names.split(' ')).collect();
     for case in cases() {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 use wingbeat::Error;
-use wingbeat::scenario::{ConfigError, Document, Place};
+use wingbeat::scenario::{ConfigError, Document, ValuePlace};
 
 #[derive(Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
@@ -338,7 +338,7 @@ fn files_that_are_not_there_or_not_toml() {
     assert!(message.starts_with("robots/bat.toml:2: not TOML: duplicate key"), "{message}");
 
     let error = Document::load(&files.folder.join("none.toml"), &[], &[]).unwrap_err();
-    assert!(matches!(error.all()[0].place, Place::File(_)));
+    assert!(matches!(error.all()[0].place, ValuePlace::File(_)));
 }
 
 #[test]

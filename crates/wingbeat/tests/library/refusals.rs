@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use wingbeat::parallel;
-use wingbeat::scenario::{ConfigError, Document, Place, RigRun, Scenario, Sweep, TetherCase};
+use wingbeat::scenario::{ConfigError, Document, RigRun, Scenario, Sweep, TetherCase, ValuePlace};
 use wingbeat::simulate::{Column, Record};
 
 /// What a number may be set to, and have a meaning.
@@ -199,10 +199,10 @@ struct Leaf {
 }
 
 /// The text in which a value stands.
-fn origin(place: &Place) -> PathBuf {
+fn origin(place: &ValuePlace) -> PathBuf {
     match place {
-        Place::Line(file, _) => file.clone(),
-        Place::Override(text) => text.into(),
+        ValuePlace::Line(file, _) => file.clone(),
+        ValuePlace::Override(text) => text.into(),
         other => panic!("{other}"),
     }
 }
@@ -275,7 +275,7 @@ fn verdict(leaf: &Leaf, value: &str) -> Option<String> {
         Ok(Ok(())) => return None,
         Ok(Err(error)) => error,
     };
-    let here = Place::Override(given.clone());
+    let here = ValuePlace::Override(given.clone());
     let items = format!("{}[", leaf.key);
     let named = error.all().iter().any(|one| {
         let own = one.place == here && (one.key == leaf.key || one.key.starts_with(&items));

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::judge::Status;
-use wingbeat::scenario::{Document, Scenario, Search, Sweep};
+use wingbeat::scenario::{CandidateSearch, Document, Scenario, Sweep};
 use wingbeat::simulate::Record;
 
 const DRAWS: &str = "[[draws]]\nkey = \"controller.weights.roll\"\nlow = 2.0\nhigh = 8.0\nstart = 5.0\n\
@@ -20,7 +20,7 @@ fn sweep(head: &str, search: &str, draws: &str) -> Result<Sweep, String> {
 }
 
 /// Goes through all generations that are left, taking the rows of `made` first.
-fn all(search: &mut Search<'_>, made: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn all(search: &mut CandidateSearch<'_>, made: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut rows = Vec::new();
     while !search.generation().is_empty() {
         let row = |run: usize| match made.get(run) {

@@ -1,12 +1,12 @@
 //! A scripted case and its most frequent form.
 
-use super::place::Place;
+use super::place::CaseFolder;
 
 /// Why a case failed.
-pub type Judged = Result<(), String>;
+pub type CaseOutcome = Result<(), String>;
 
 /// A script that is played in a folder of its own.
-pub struct Case {
+pub struct ScriptedCase {
     /// The class of what could go wrong.
     pub class: u8,
     /// Unique in its class, fit for a folder.
@@ -16,15 +16,15 @@ pub struct Case {
     /// Needs the machine to itself: times are judged.
     pub alone: bool,
     /// What is done and judged.
-    pub play: Box<dyn Fn(&Place) -> Judged + Send + Sync>,
+    pub play: Box<dyn Fn(&CaseFolder) -> CaseOutcome + Send + Sync>,
 }
 
-impl Case {
+impl ScriptedCase {
     /// A short script.
     pub fn new(
         class: u8,
         name: impl Into<String>,
-        play: impl Fn(&Place) -> Judged + Send + Sync + 'static,
+        play: impl Fn(&CaseFolder) -> CaseOutcome + Send + Sync + 'static,
     ) -> Self {
         Self { class, name: name.into(), quick: true, alone: false, play: Box::new(play) }
     }
@@ -43,11 +43,17 @@ impl Case {
 /// A call that must be refused: `files` (name, text) are written, then the program is called with `arguments`; it
 /// exits with 2, says each of `words`, and leaves the folder as it was. `{root}` stands for the repository in texts and
 /// arguments.
-pub fn refused(class: u8, name: &str, files: &[(&str, &str)], arguments: &[&str], words: &[&str]) -> Case {
+pub fn refused(
+    class: u8,
+    name: &str,
+    files: &[(&str, &str)],
+    arguments: &[&str],
+    words: &[&str],
+) -> ScriptedCase {
     let own = |list: &[&str]| -> Vec<String> { list.iter().map(|word| (*word).to_owned()).collect() };
     let files: Vec<(String, String)> = files.iter().map(|(n, text)| ((*n).into(), (*text).into())).collect();
     let (arguments, words) = (own(arguments), own(words));
-    Case::new(class, name, move |place| {
+    ScriptedCase::new(class, name, move |place| {
         files.iter().try_for_each(|(name, text)| place.write(name, text))?;
         let before = place.state()?;
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();

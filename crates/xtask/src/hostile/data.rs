@@ -1,15 +1,15 @@
 //! Cases that are data: the lists of `crates/xtask/hostile/*.toml`.
 //!
 //! A list has a class, commands by name and cases. A case has a name, texts that lie there before, and steps
-//! ([`Step`]). With `rows`, it stands for one case of each row: `{0}` is the first cell of the row. With `times`, each
+//! ([`CaseStep`]). With `rows`, it stands for one case of each row: `{0}` is the first cell of the row. With `times`, each
 //! row is followed by the cells of each of these. A word that is `{0}` or `@command` and no more is replaced by the
 //! whole cell or command, which may be several words.
 
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::case::Case;
-use super::step::{Kept, Step};
+use super::case::ScriptedCase;
+use super::step::{CaseStep, StepRemains};
 
 /// The lists.
 const LISTS: [(&str, &str); 9] = [
@@ -62,21 +62,21 @@ struct Entry {
     long: bool,
     #[serde(default)]
     alone: bool,
-    steps: Vec<Step>,
+    steps: Vec<CaseStep>,
 }
 
 /// The cases of all lists.
 ///
 /// # Panics
 /// A list that is not in order, by its name: it is compiled in.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     let of = |(name, text): &(&str, &str)| {
         read(text).unwrap_or_else(|error| panic!("hostile/{name}.toml: {error}"))
     };
     LISTS.iter().flat_map(of).collect()
 }
 
-fn read(text: &str) -> Result<Vec<Case>, String> {
+fn read(text: &str) -> Result<Vec<ScriptedCase>, String> {
     let List { class, commands, cases } = toml::from_str(text).map_err(|error| error.to_string())?;
     let mut all = Vec::new();
     for Rows { rows, times, case } in cases {
@@ -142,15 +142,15 @@ fn filled(text: &str, cells: &[Value]) -> String {
 }
 
 impl Entry {
-    fn case(self, class: u8) -> Case {
+    fn case(self, class: u8) -> ScriptedCase {
         let Self { name, class: own, texts, long, alone, steps } = self;
-        let case = Case::new(own.unwrap_or(class), name, move |place| {
+        let case = ScriptedCase::new(own.unwrap_or(class), name, move |place| {
             if texts {
                 place.write_texts()?;
             }
-            let mut kept = Kept::default();
+            let mut kept = StepRemains::default();
             steps.iter().try_for_each(|step| step.play(place, &mut kept))
         });
-        Case { quick: !long, alone, ..case }
+        ScriptedCase { quick: !long, alone, ..case }
     }
 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::place::{Ended, PATIENCE, Place};
+use super::place::{CallEnd, CaseFolder, PATIENCE};
 use super::{readers, snapshot};
 use crate::report::Tally;
 use crate::tools;
@@ -149,23 +149,23 @@ name = \"surfaces.wing.lift_slope_per_rad\"
 ";
 
 /// What lies in the folder, by name; what differs between equal runs, their times, is left out.
-type Left = BTreeMap<PathBuf, Vec<u8>>;
+type FolderFiles = BTreeMap<PathBuf, Vec<u8>>;
 
 /// A verb in its folder, with what it leaves when nothing disturbs it.
-struct Tried<'a> {
+struct TriedVerb<'a> {
     verb: &'a Verb,
-    place: Place,
+    place: CaseFolder,
     exit: Option<i32>,
-    left: Left,
+    left: FolderFiles,
     took: Duration,
     /// The emulated load cell, as long as it is needed.
-    emulator: Option<Emulator>,
+    emulator: Option<EmulatedCell>,
 }
 
 /// An emulated load cell that ends with this value.
-struct Emulator(Child);
+struct EmulatedCell(Child);
 
-impl Emulator {
+impl EmulatedCell {
     /// Once it listens.
     fn start() -> Result<Self, String> {
         let mut command = Command::new(tools::program());
@@ -182,21 +182,21 @@ impl Emulator {
     }
 }
 
-impl Drop for Emulator {
+impl Drop for EmulatedCell {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-impl<'a> Tried<'a> {
+impl<'a> TriedVerb<'a> {
     fn new(verb: &'a Verb, folder: &str) -> Result<Self, String> {
         let place =
-            Place::new(&tools::program(), &tools::root().join("target").join(folder).join(verb.name))?;
+            CaseFolder::new(&tools::program(), &tools::root().join("target").join(folder).join(verb.name))?;
         let mut tried =
-            Self { verb, place, exit: None, left: Left::new(), took: Duration::ZERO, emulator: None };
+            Self { verb, place, exit: None, left: FolderFiles::new(), took: Duration::ZERO, emulator: None };
         if verb.records {
-            tried.emulator = Some(Emulator::start()?);
+            tried.emulator = Some(EmulatedCell::start()?);
         }
         tried.clear()?;
         let begun = Instant::now();
@@ -230,13 +230,13 @@ impl<'a> Tried<'a> {
         [self.verb.words, self.verb.out()].concat()
     }
 
-    fn call(&self, environment: &[(&'static str, String)]) -> Result<Ended, String> {
+    fn call(&self, environment: &[(&'static str, String)]) -> Result<CallEnd, String> {
         self.place.call(&self.words()).environment(environment).run()
     }
 
     /// What lies in the folder.
-    fn look(&self) -> Result<Left, String> {
-        let mut left = Left::new();
+    fn look(&self) -> Result<FolderFiles, String> {
+        let mut left = FolderFiles::new();
         for path in self.place.state()?.into_keys().filter(|path| path.is_file()) {
             let mut bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             if path.extension().is_some_and(|extension| extension == "json")
@@ -280,7 +280,7 @@ impl<'a> Tried<'a> {
     }
 
     /// Where the folder could not be moved to its name alone, it has the next one, and that is told.
-    fn renamed(&self, ended: &Ended) -> Result<(), String> {
+    fn renamed(&self, ended: &CallEnd) -> Result<(), String> {
         let (other, name) = (self.place.path("a-2"), self.place.path(self.verb.leaves()));
         if other.exists() && !name.exists() && ended.stderr.contains("a-2") {
             fs::rename(&other, &name).map_err(|error| format!("a-2: {error}"))?;
@@ -372,7 +372,7 @@ pub fn faults_of(names: &[String]) -> Tally {
 }
 
 fn disturbed(verb: &Verb, library: &Path) -> Result<Tally, String> {
-    let tried = Tried::new(verb, "faults")?;
+    let tried = TriedVerb::new(verb, "faults")?;
     let told = tools::root().join("target/faults").join(format!("{}.told", verb.name));
     let environment = |at: u64, on: bool| {
         let mut all = vec![
@@ -422,7 +422,7 @@ fn disturbed(verb: &Verb, library: &Path) -> Result<Tally, String> {
 }
 
 /// A fault ends the program with 2 and a message and leaves nothing that looks finished, or it does not matter.
-fn after_a_fault(tried: &Tried, ended: &Ended) -> Result<(), String> {
+fn after_a_fault(tried: &TriedVerb, ended: &CallEnd) -> Result<(), String> {
     match ended.code {
         Some(2) if ended.stderr.contains("error") => {}
         // What was recorded is safe, and said to be unfinished.
@@ -443,10 +443,10 @@ fn after_a_fault(tried: &Tried, ended: &Ended) -> Result<(), String> {
 /// Kills verbs, one after another, at times that are drawn.
 pub fn kills() -> Tally {
     let mut tally = Tally::default();
-    let tried: Vec<Tried> = VERBS
+    let tried: Vec<TriedVerb> = VERBS
         .iter()
         .filter_map(|verb| {
-            let tried = Tried::new(verb, "kills");
+            let tried = TriedVerb::new(verb, "kills");
             tally.failed += usize::from(tried.is_err());
             tried.map_err(|what| println!("{}: {what}", verb.name)).ok()
         })
@@ -478,7 +478,7 @@ fn drawn(state: &mut u64) -> f64 {
 }
 
 /// Kills a call so long after its start; whether it was under way.
-fn killed(tried: &Tried, after: Duration) -> Result<bool, String> {
+fn killed(tried: &TriedVerb, after: Duration) -> Result<bool, String> {
     tried.clear()?;
     let words = tried.words();
     let running = tried.place.call(&words).start()?;

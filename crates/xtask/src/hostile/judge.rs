@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::case::Judged;
-use super::place::Place;
+use super::case::CaseOutcome;
+use super::place::CaseFolder;
 use super::readers::{boxes, json};
 use super::{pictures, snapshot};
 
 /// What holds.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Held {
+pub struct FolderClaims {
     /// Folders and exactly what lies in them, once a box that ran has ended.
     holds: BTreeMap<String, Vec<String>>,
     absent: Vec<String>,
@@ -59,14 +59,14 @@ fn summary() -> String {
     "a/summary.json".into()
 }
 
-impl Held {
+impl FolderClaims {
     /// True when a box that still runs must end before the judgement.
     pub fn ends_the_box(&self) -> bool {
         !self.holds.is_empty()
     }
 
     /// Judges.
-    pub fn judge(&self, place: &Place) -> Judged {
+    pub fn judge(&self, place: &CaseFolder) -> CaseOutcome {
         self.files(place)?;
         self.facts.iter().try_for_each(|fact| fact.judge(place))?;
         if let Some(folder) = &self.pictures {
@@ -78,7 +78,7 @@ impl Held {
         }
     }
 
-    fn files(&self, place: &Place) -> Judged {
+    fn files(&self, place: &CaseFolder) -> CaseOutcome {
         for (folder, names) in &self.holds {
             place.holds(folder, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
         }
@@ -104,7 +104,7 @@ impl Held {
 }
 
 impl Fact {
-    fn judge(&self, place: &Place) -> Judged {
+    fn judge(&self, place: &CaseFolder) -> CaseOutcome {
         let Self { file, at, .. } = self;
         let value = json(place, file)?.pointer(at).cloned().unwrap_or_default();
         let (text, number) = (value.to_string(), value.as_f64());

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::case::{Case, refused};
+use super::case::{ScriptedCase, refused};
 use crate::tools;
 
 /// Commands whose help says what each option is.
@@ -31,9 +31,9 @@ const RUNNING: [(&str, &[&str]); 4] = [
 ];
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     let kinds = kinds();
-    let mut all: Vec<Case> = COMMANDS.iter().map(|words| helped(words)).collect();
+    let mut all: Vec<ScriptedCase> = COMMANDS.iter().map(|words| helped(words)).collect();
     all.extend(kinds.iter().flat_map(|kind| [begun(kind), described(kind)]));
     all.extend(RUNNING.iter().map(|(kind, words)| runs(kind, words)));
     all.extend([
@@ -62,8 +62,8 @@ fn kinds() -> Vec<String> {
 }
 
 /// `--help` of a command describes every option that it lists.
-fn helped(words: &'static [&'static str]) -> Case {
-    Case::new(8, format!("help_{}", words.join("_")), move |place| {
+fn helped(words: &'static [&'static str]) -> ScriptedCase {
+    ScriptedCase::new(8, format!("help_{}", words.join("_")), move |place| {
         let words: Vec<&str> = words.iter().copied().chain(["--help"]).collect();
         let said = place.run(&words)?.exits(0)?.stdout;
         let lines: Vec<&str> = said.lines().collect();
@@ -79,9 +79,9 @@ fn helped(words: &'static [&'static str]) -> Case {
 }
 
 /// `new` writes a document that names its schema, and does not write over it.
-fn begun(kind: &str) -> Case {
+fn begun(kind: &str) -> ScriptedCase {
     let kind = kind.to_owned();
-    Case::new(8, format!("new_{kind}"), move |place| {
+    ScriptedCase::new(8, format!("new_{kind}"), move |place| {
         place.run(&["new", &kind])?.exits(0)?;
         let name = format!("{kind}.toml");
         let text = place.read(&name)?;
@@ -95,9 +95,9 @@ fn begun(kind: &str) -> Case {
 }
 
 /// `schema` prints what lies in docs/schema.
-fn described(kind: &str) -> Case {
+fn described(kind: &str) -> ScriptedCase {
     let kind = kind.to_owned();
-    Case::new(8, format!("schema_{kind}"), move |place| {
+    ScriptedCase::new(8, format!("schema_{kind}"), move |place| {
         let said = place.run(&["schema", &kind])?.exits(0)?.stdout;
         let kept = fs::read_to_string(tools::root().join(format!("docs/schema/{kind}.json")));
         let read = |text: &str| serde_json::from_str::<serde_json::Value>(text).map_err(|e| e.to_string());
@@ -109,8 +109,8 @@ fn described(kind: &str) -> Case {
 }
 
 /// What `new` writes runs.
-fn runs(kind: &'static str, words: &'static [&'static str]) -> Case {
-    Case::new(8, format!("run_{kind}"), move |place| {
+fn runs(kind: &'static str, words: &'static [&'static str]) -> ScriptedCase {
+    ScriptedCase::new(8, format!("run_{kind}"), move |place| {
         place.run(&["new", kind])?.exits(0)?;
         let words: Vec<&str> = words.iter().copied().chain(["--quiet", "--out", "a"]).collect();
         place.run(&words)?.exits(0).map(drop)
@@ -118,8 +118,8 @@ fn runs(kind: &'static str, words: &'static [&'static str]) -> Case {
 }
 
 /// Tables carry their units where pandas looks for them.
-fn units(name: &str, words: &'static [&'static str], tables: &'static [&'static str]) -> Case {
-    Case::new(8, format!("units_{name}"), move |place| {
+fn units(name: &str, words: &'static [&'static str], tables: &'static [&'static str]) -> ScriptedCase {
+    ScriptedCase::new(8, format!("units_{name}"), move |place| {
         place.write_texts()?;
         let words: Vec<&str> = words.iter().copied().chain(["--quiet", "--out", "a"]).collect();
         place.run(&words)?.exits(0)?;
@@ -141,8 +141,8 @@ fn units(name: &str, words: &'static [&'static str], tables: &'static [&'static 
 }
 
 /// Tables in text begin with the names of their columns.
-fn tables() -> Case {
-    Case::new(8, "tables_in_text", |place| {
+fn tables() -> ScriptedCase {
+    ScriptedCase::new(8, "tables_in_text", |place| {
         place.write_texts()?;
         place.run(&["sweep", "sweep.toml", "--quiet", "--out", "a"])?.exits(0)?;
         let mut found = place.names("a")?;

@@ -2,7 +2,7 @@
 //!
 //! Every call of the program runs under limits of memory, file size and time, and is judged on its exit code, on what
 //! it says, on what lies on disk before and after, and that it neither panics nor aborts. Most cases are data, the lists
-//! of `crates/xtask/hostile` ([`data`]); what needs code is a short script ([`Case::new`]).
+//! of `crates/xtask/hostile` ([`data`]); what needs code is a short script ([`ScriptedCase::new`]).
 //! A case that cannot be run has failed.
 
 mod case;
@@ -29,8 +29,8 @@ use std::time::Instant;
 
 use crate::report::Tally;
 use crate::tools;
-pub use case::Case;
-use place::Place;
+pub use case::ScriptedCase;
+use place::CaseFolder;
 
 /// What a class asks for.
 const CLASSES: [(u8, &str); 8] = [
@@ -45,7 +45,7 @@ const CLASSES: [(u8, &str); 8] = [
 ];
 
 /// What is to be run.
-struct Choice {
+struct CaseChoice {
     program: PathBuf,
     /// Only the short cases.
     quick: bool,
@@ -55,7 +55,7 @@ struct Choice {
 }
 
 /// All cases.
-fn cases() -> Vec<Case> {
+fn cases() -> Vec<ScriptedCase> {
     [
         runs::cases(),
         sizes::cases(),
@@ -77,17 +77,17 @@ pub fn hostile(arguments: &[String]) -> bool {
         cases().iter().for_each(|case| println!("{} {}", case.class, case.name));
         return true;
     }
-    let Some(choice) = Choice::of(arguments) else { return false };
+    let Some(choice) = CaseChoice::of(arguments) else { return false };
     let tally = choice.run();
     tally.failed == 0 && tally.passed > 0
 }
 
 /// Runs the short cases against the program that was built.
 pub fn quick() -> Tally {
-    Choice { program: tools::program(), quick: true, class: None, names: Vec::new() }.run()
+    CaseChoice { program: tools::program(), quick: true, class: None, names: Vec::new() }.run()
 }
 
-impl Choice {
+impl CaseChoice {
     fn of(arguments: &[String]) -> Option<Self> {
         let mut choice = Self { program: PathBuf::new(), quick: false, class: None, names: Vec::new() };
         let mut rest = arguments.iter();
@@ -112,7 +112,7 @@ impl Choice {
         Some(choice)
     }
 
-    fn takes(&self, case: &Case) -> bool {
+    fn takes(&self, case: &ScriptedCase) -> bool {
         (!self.quick || case.quick)
             && self.class.is_none_or(|class| class == case.class)
             && (self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name)))
@@ -121,8 +121,9 @@ impl Choice {
     /// Runs what is chosen, those that need the machine to themselves last and one by one.
     fn run(&self) -> Tally {
         let start = Instant::now();
-        let chosen: Vec<Case> = cases().into_iter().filter(|case| self.takes(case)).collect();
-        let (alone, side): (Vec<&Case>, Vec<&Case>) = chosen.iter().partition(|case| case.alone);
+        let chosen: Vec<ScriptedCase> = cases().into_iter().filter(|case| self.takes(case)).collect();
+        let (alone, side): (Vec<&ScriptedCase>, Vec<&ScriptedCase>) =
+            chosen.iter().partition(|case| case.alone);
         let failures = Mutex::new(Vec::new());
         let workers = std::thread::available_parallelism().map_or(1, usize::from);
         for (cases, workers) in [(side, workers), (alone, 1)] {
@@ -152,9 +153,9 @@ impl Choice {
     }
 
     /// Runs one case in an empty folder, which goes when it passes.
-    fn one(&self, case: &Case) -> Result<(), String> {
+    fn one(&self, case: &ScriptedCase) -> Result<(), String> {
         let folder = tools::root().join("target/hostile").join(format!("{}-{}", case.class, case.name));
-        let place = Place::new(&self.program, &folder)?;
+        let place = CaseFolder::new(&self.program, &folder)?;
         (case.play)(&place)?;
         place.within_disk()?;
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))

@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::case::{Case, Judged};
-use super::place::Place;
+use super::case::{CaseOutcome, ScriptedCase};
+use super::place::CaseFolder;
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
-    vec![Case::new(7, "a_simulated_cell_is_called_simulated", |place| {
+pub fn cases() -> Vec<ScriptedCase> {
+    vec![ScriptedCase::new(7, "a_simulated_cell_is_called_simulated", |place| {
         place.write_texts()?;
         place
             .run(&["rig", "simulate", "hold.toml", "--set", "rig.rest_s=0", "--quiet", "--out", "s"])?
@@ -25,7 +25,7 @@ pub fn cases() -> Vec<Case> {
 
 /// All pictures of the folder come in pairs, no label says what is no number, and the ticks of an axis differ, ascend
 /// along it and lie where their numbers say.
-pub fn looked_at(place: &Place, folder: &str) -> Judged {
+pub fn looked_at(place: &CaseFolder, folder: &str) -> CaseOutcome {
     let (drawn, painted) = (pictures(&place.path(folder), "svg"), pictures(&place.path(folder), "png"));
     let stems =
         |all: &[PathBuf]| -> Vec<PathBuf> { all.iter().map(|path| path.with_extension("")).collect() };
@@ -55,14 +55,14 @@ fn pictures(folder: &Path, ending: &str) -> Vec<PathBuf> {
 }
 
 /// A text of a picture: where it stands, from which end it is written, what it says.
-struct Label<'a> {
+struct PictureLabel<'a> {
     x: f64,
     y: f64,
     anchor: &'a str,
     text: &'a str,
 }
 
-fn labels(picture: &str) -> Vec<Label<'_>> {
+fn labels(picture: &str) -> Vec<PictureLabel<'_>> {
     let read =
         |piece: &'_ str| -> Option<(usize, usize)> { Some((piece.find('>')?, piece.find("</text>")?)) };
     let mut all = Vec::new();
@@ -71,7 +71,7 @@ fn labels(picture: &str) -> Vec<Label<'_>> {
         let attribute = |name: &str| piece[..open].split(&format!(" {name}=\"")).nth(1)?.split('"').next();
         let number = |name: &str| attribute(name).and_then(|text| text.parse().ok()).unwrap_or(f64::NAN);
         let text = piece[open + 1..close].trim();
-        all.push(Label {
+        all.push(PictureLabel {
             x: number("x"),
             y: number("y"),
             anchor: attribute("text-anchor").unwrap_or(""),
@@ -81,14 +81,15 @@ fn labels(picture: &str) -> Vec<Label<'_>> {
     all
 }
 
-fn labelled(picture: &str) -> Judged {
+fn labelled(picture: &str) -> CaseOutcome {
     let labels = labels(picture);
     if let Some(bad) = labels.iter().find(|l| ["NaN", "inf", "-inf", "−inf"].contains(&l.text)) {
         return Err(format!("a label says {}", bad.text));
     }
     // Ticks of one axis follow one another: down a column where they end, or along a row where they are centred.
-    let along = |l: &Label| if l.anchor == "end" { (l.x, -l.y) } else { (l.y, l.x) };
-    let same = |a: &Label, b: &Label| a.anchor == b.anchor && (along(a).0 - along(b).0).abs() < 0.1;
+    let along = |l: &PictureLabel| if l.anchor == "end" { (l.x, -l.y) } else { (l.y, l.x) };
+    let same =
+        |a: &PictureLabel, b: &PictureLabel| a.anchor == b.anchor && (along(a).0 - along(b).0).abs() < 0.1;
     for axis in labels.chunk_by(same) {
         let ticks: Option<Vec<(f64, f64)>> =
             axis.iter().filter(|l| !l.text.is_empty()).map(|l| Some((along(l).1, number(l.text)?))).collect();

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use serde::Deserialize;
 
-use super::case::Judged;
+use super::case::CaseOutcome;
 use super::data::{GLIDE, HOLD, SWEEP};
 use crate::tools;
 
@@ -34,14 +34,14 @@ const BROKEN: [&str; 4] =
     ["panicked at", "overflowed its stack", "memory allocation of", "capacity overflow"];
 
 /// An empty folder and the program.
-pub struct Place {
+pub struct CaseFolder {
     program: PathBuf,
     /// The folder.
     pub folder: PathBuf,
 }
 
 /// What lies in a folder: contents of files by their hash, targets of links, folders.
-pub type State = BTreeMap<PathBuf, String>;
+pub type FolderState = BTreeMap<PathBuf, String>;
 
 /// Where the standard output goes.
 #[derive(Clone, Copy, Default, Deserialize, PartialEq)]
@@ -60,7 +60,7 @@ pub enum Stdout {
 
 /// A call of the program.
 pub struct Call<'a> {
-    place: &'a Place,
+    place: &'a CaseFolder,
     arguments: Vec<OsString>,
     folder: PathBuf,
     stdout: Stdout,
@@ -73,7 +73,7 @@ pub struct Call<'a> {
 }
 
 /// How a call ended.
-pub struct Ended {
+pub struct CallEnd {
     /// Exit code; none after a signal.
     pub code: Option<i32>,
     /// The signal that ended it.
@@ -95,7 +95,7 @@ fn told<T>(path: &Path, outcome: std::io::Result<T>) -> Result<T, String> {
     outcome.map_err(|error| format!("{}: {error}", path.display()))
 }
 
-impl Place {
+impl CaseFolder {
     /// The folder, empty.
     pub fn new(program: &Path, folder: &Path) -> Result<Self, String> {
         if folder.exists() {
@@ -111,12 +111,12 @@ impl Place {
     }
 
     /// Writes a file, with the folders above it.
-    pub fn write(&self, name: &str, text: &str) -> Judged {
+    pub fn write(&self, name: &str, text: &str) -> CaseOutcome {
         self.write_bytes(name, placed(text).as_bytes())
     }
 
     /// Writes a file that need not be text.
-    pub fn write_bytes(&self, name: &str, bytes: &[u8]) -> Judged {
+    pub fn write_bytes(&self, name: &str, bytes: &[u8]) -> CaseOutcome {
         let path = self.path(name);
         let above = path.parent().unwrap_or(&self.folder);
         told(above, fs::create_dir_all(above))?;
@@ -124,7 +124,7 @@ impl Place {
     }
 
     /// Writes the short flight, its sweep and the hold.
-    pub fn write_texts(&self) -> Judged {
+    pub fn write_texts(&self) -> CaseOutcome {
         let texts = [("glide.toml", GLIDE), ("sweep.toml", SWEEP), ("hold.toml", HOLD)];
         texts.into_iter().try_for_each(|(name, text)| self.write(name, text))
     }
@@ -146,26 +146,26 @@ impl Place {
     }
 
     /// Exactly `names` lie in `folder`.
-    pub fn holds(&self, folder: &str, names: &[&str]) -> Judged {
+    pub fn holds(&self, folder: &str, names: &[&str]) -> CaseOutcome {
         let found = self.names(folder)?;
         if found == names { Ok(()) } else { Err(format!("{folder} holds {found:?}, wanted {names:?}")) }
     }
 
     /// Two files have the same bytes.
-    pub fn same(&self, a: &str, b: &str) -> Judged {
+    pub fn same(&self, a: &str, b: &str) -> CaseOutcome {
         let bytes = |name| told(&self.path(name), fs::read(self.path(name)));
         if bytes(a)? == bytes(b)? { Ok(()) } else { Err(format!("{a} and {b} differ")) }
     }
 
     /// Everything inside.
-    pub fn state(&self) -> Result<State, String> {
-        let mut state = State::new();
+    pub fn state(&self) -> Result<FolderState, String> {
+        let mut state = FolderState::new();
         look(&self.folder, &mut state)?;
         Ok(state)
     }
 
     /// Nothing was added, changed or removed.
-    pub fn unchanged(&self, before: &State) -> Judged {
+    pub fn unchanged(&self, before: &FolderState) -> CaseOutcome {
         self.kept(before)?;
         match self.state()?.keys().find(|path| !before.contains_key(*path)) {
             Some(path) => Err(format!("left {}", path.display())),
@@ -174,7 +174,7 @@ impl Place {
     }
 
     /// Nothing that lay there was changed or removed.
-    pub fn kept(&self, before: &State) -> Judged {
+    pub fn kept(&self, before: &FolderState) -> CaseOutcome {
         let after = self.state()?;
         match before.iter().find(|(path, what)| after.get(*path) != Some(what)) {
             Some((path, _)) => Err(format!("destroyed {}", path.display())),
@@ -183,7 +183,7 @@ impl Place {
     }
 
     /// The folder has not grown beyond the limit.
-    pub fn within_disk(&self) -> Judged {
+    pub fn within_disk(&self) -> CaseOutcome {
         let size = size(&self.folder);
         if size <= DISK { Ok(()) } else { Err(format!("{size} bytes on disk")) }
     }
@@ -205,7 +205,7 @@ impl Place {
     }
 
     /// Calls the program in the folder and waits for its end.
-    pub fn run(&self, arguments: &[&str]) -> Result<Ended, String> {
+    pub fn run(&self, arguments: &[&str]) -> Result<CallEnd, String> {
         self.call(arguments).run()
     }
 }
@@ -279,7 +279,7 @@ impl Call<'_> {
     }
 
     /// Runs it to its end.
-    pub fn run(&self) -> Result<Ended, String> {
+    pub fn run(&self) -> Result<CallEnd, String> {
         let mut running = self.start()?;
         let Some((name, after)) = &self.signal else { return running.end(PATIENCE) };
         thread::sleep(*after);
@@ -290,7 +290,7 @@ impl Call<'_> {
         let sent = Instant::now();
         running.send(name)?;
         let ended = running.end(PATIENCE)?;
-        Ok(Ended { answered: Some(sent.elapsed()), ..ended })
+        Ok(CallEnd { answered: Some(sent.elapsed()), ..ended })
     }
 }
 
@@ -303,14 +303,14 @@ pub struct Running {
 
 impl Running {
     /// Sends it a signal.
-    pub fn send(&self, name: &str) -> Judged {
+    pub fn send(&self, name: &str) -> CaseOutcome {
         let id = self.child.id().to_string();
         let sent = Command::new("kill").args([&format!("-{name}"), &id]).status();
         if sent.is_ok_and(|status| status.success()) { Ok(()) } else { Err(format!("kill -{name} failed")) }
     }
 
     /// Waits for its end, at most until it has used so much processor time, or has used none for so long; what broke is an error.
-    pub fn end(mut self, patience: Duration) -> Result<Ended, String> {
+    pub fn end(mut self, patience: Duration) -> Result<CallEnd, String> {
         let (begun, mut moved, mut spent) = (Instant::now(), Instant::now(), Duration::ZERO);
         let status = loop {
             match self.child.try_wait() {
@@ -342,7 +342,7 @@ impl Running {
             let time = format!("{:?}, {spent:?} of the processor", begun.elapsed());
             return Err(format!("still running after {time}: {}", brief(&stderr)));
         };
-        let ended = Ended { code: status.code(), signal: status.signal(), stdout, stderr, answered: None };
+        let ended = CallEnd { code: status.code(), signal: status.signal(), stdout, stderr, answered: None };
         match BROKEN.iter().find(|word| ended.stderr.contains(**word)) {
             Some(word) => Err(format!("it broke ({word}): {}", brief(&ended.stderr))),
             None => Ok(ended),
@@ -350,7 +350,7 @@ impl Running {
     }
 }
 
-impl Ended {
+impl CallEnd {
     /// It ended by itself with this exit code.
     pub fn exits(self, code: i32) -> Result<Self, String> {
         self.exits_with(&[code])
@@ -412,7 +412,7 @@ fn gather(pipe: impl Read + Send + 'static, first_line: bool) -> JoinHandle<Stri
     })
 }
 
-fn look(folder: &Path, state: &mut State) -> Judged {
+fn look(folder: &Path, state: &mut FolderState) -> CaseOutcome {
     for entry in told(folder, fs::read_dir(folder))? {
         let path = told(folder, entry)?.path();
         let kind = told(&path, fs::symlink_metadata(&path))?.file_type();

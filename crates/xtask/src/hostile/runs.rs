@@ -4,16 +4,16 @@ use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt;
 use std::time::Duration;
 
-use super::case::Case;
+use super::case::ScriptedCase;
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     vec![not_text(), taken_meanwhile()]
 }
 
 /// A name that is not UTF-8 is refused before the flight.
-fn not_text() -> Case {
-    Case::new(1, "out_not_text", |place| {
+fn not_text() -> ScriptedCase {
+    ScriptedCase::new(1, "out_not_text", |place| {
         place.write_texts()?;
         let before = place.state()?;
         let call =
@@ -23,8 +23,8 @@ fn not_text() -> Case {
     })
 }
 
-fn taken_meanwhile() -> Case {
-    Case::new(1, "place_taken_meanwhile", |place| {
+fn taken_meanwhile() -> ScriptedCase {
+    ScriptedCase::new(1, "place_taken_meanwhile", |place| {
         place.write_texts()?;
         let call =
             place.call(&["fly", "glide.toml", "--quiet", "--out", "a", "--set", "flight.duration_s=3"]);

@@ -15,9 +15,9 @@ const STEPS: usize = 48;
 /// A table of columns over time.
 #[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Series {
+pub struct MeasuredSeries {
     /// Which cycle repeats.
-    series: Source,
+    series: CycleSource,
     #[serde(default = "ten")]
     cycles: f64,
     /// Samples of a cycle.
@@ -34,7 +34,7 @@ pub struct Series {
     noise: f64,
     /// What is done to it, one after another.
     #[serde(default)]
-    change: Vec<Change>,
+    change: Vec<ColumnChange>,
 }
 
 fn ten() -> f64 {
@@ -53,7 +53,7 @@ fn hundredth() -> f64 {
 /// The cycle.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Source {
+enum CycleSource {
     /// Forces and moment of `flap_f2` as the program computes them: columns `Fx`, `Fz`, `My`.
     Loads,
     /// A stroke of 35 deg with a second harmonic: column `a`.
@@ -65,7 +65,7 @@ enum Source {
 /// What is done to one column, or to all. Sizes are in parts of its range, places in parts of the file.
 #[derive(Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-struct Change {
+struct ColumnChange {
     /// The column; all where none is named.
     to: Option<String>,
     /// Frequency over that of the file.
@@ -141,9 +141,9 @@ struct Change {
 }
 
 /// Even numbers from -1 to 1.
-struct Noise(u64);
+struct EvenNoise(u64);
 
-impl Noise {
+impl EvenNoise {
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
@@ -151,11 +151,11 @@ impl Noise {
 }
 
 /// A column and its cycle at even phases.
-type Cycle = (&'static str, Vec<f64>);
+type ColumnCycle = (&'static str, Vec<f64>);
 
 /// One cycle of loads of `flap_f2`, from the program, once.
-fn loads() -> Result<&'static [Cycle], String> {
-    static LOADS: OnceLock<Result<Vec<Cycle>, String>> = OnceLock::new();
+fn loads() -> Result<&'static [ColumnCycle], String> {
+    static LOADS: OnceLock<Result<Vec<ColumnCycle>, String>> = OnceLock::new();
     let found = LOADS.get_or_init(|| {
         let folder = tools::root().join("target/hostile-loads");
         let steps = format!("time.steps_per_cycle={STEPS}");
@@ -180,7 +180,7 @@ fn loads() -> Result<&'static [Cycle], String> {
     found.as_deref().map_err(Clone::clone)
 }
 
-fn stroke() -> Vec<Cycle> {
+fn stroke() -> Vec<ColumnCycle> {
     let at = |k: usize| {
         let p = TAU * k as f64 / STEPS as f64;
         35.0 * p.sin() + 4.0 * (2.0 * p + 0.3).sin()
@@ -189,7 +189,7 @@ fn stroke() -> Vec<Cycle> {
 }
 
 /// A cycle that is zero for its second half, and the turn within one.
-fn slack() -> Vec<Cycle> {
+fn slack() -> Vec<ColumnCycle> {
     let pull = |k: usize| 5.0 * (TAU * k as f64 / STEPS as f64).sin().max(0.0);
     vec![("pull_N", (0..STEPS).map(pull).collect()), (CRANK, vec![0.0; STEPS])]
 }
@@ -208,17 +208,17 @@ fn range(of: &[f64]) -> f64 {
     of.iter().fold(f64::MIN, |m, x| m.max(*x)) - of.iter().fold(f64::MAX, |m, x| m.min(*x))
 }
 
-impl Series {
+impl MeasuredSeries {
     /// The table as CSV.
     pub fn bytes(&self) -> Result<Vec<u8>, String> {
         let cycles = match self.series {
-            Source::Loads => loads()?.to_vec(),
-            Source::Stroke => stroke(),
-            Source::Slack => slack(),
+            CycleSource::Loads => loads()?.to_vec(),
+            CycleSource::Stroke => stroke(),
+            CycleSource::Slack => slack(),
         };
         let rows = (self.cycles * self.rate as f64) as usize + 1;
         let place = |k: usize| k as f64 / (rows - 1).max(1) as f64;
-        let mut noise = Noise(7);
+        let mut noise = EvenNoise(7);
         let mut columns: Vec<(&str, Vec<f64>)> = Vec::new();
         for (name, cycle) in &cycles {
             let own = self.change.iter().filter(|change| change.takes(name));
@@ -275,13 +275,13 @@ impl Series {
     }
 }
 
-impl Change {
+impl ColumnChange {
     fn takes(&self, name: &str) -> bool {
         self.to.as_deref().is_none_or(|to| to == name)
     }
 
     /// Does it to a column whose cycle has the range `size`.
-    fn apply(&self, values: &mut [f64], size: f64, noise: &mut Noise) {
+    fn apply(&self, values: &mut [f64], size: f64, noise: &mut EvenNoise) {
         let last = (values.len() - 1).max(1) as f64;
         let (mut walked, mut held) = (0.0, 0.0);
         let ceiling = self.clip.map(|part| {

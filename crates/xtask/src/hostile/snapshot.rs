@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use super::case::{Case, Judged};
+use super::case::{CaseOutcome, ScriptedCase};
 use super::data::{GLIDE, SWEEP};
-use super::place::Place;
+use super::place::CaseFolder;
 
 /// Keys of a summary that hold times.
 const TIMES: [&str; 11] = [
@@ -22,7 +22,7 @@ const TIMES: [&str; 11] = [
 ];
 
 /// Two summaries are the same but for times.
-pub fn same_summary(place: &Place, a: &str, b: &str) -> Judged {
+pub fn same_summary(place: &CaseFolder, a: &str, b: &str) -> CaseOutcome {
     let read = |name: &str| -> Result<serde_json::Value, String> {
         let mut value =
             serde_json::from_str(&place.read(name)?).map_err(|error| format!("{name}: {error}"))?;
@@ -45,7 +45,7 @@ pub fn strip(value: &mut serde_json::Value) {
 }
 
 /// Flies the sweep for a while, then stops it; the names of what it left.
-fn stopped(place: &Place) -> Judged {
+fn stopped(place: &CaseFolder) -> CaseOutcome {
     place.write_texts()?;
     let words = ["sweep", "sweep.toml", "--quiet", "--out", "a", "--set", "runs=100000"];
     place.call(&words).signal("INT", Duration::from_millis(500)).run()?.exits(130).map(drop)
@@ -54,11 +54,11 @@ fn stopped(place: &Place) -> Judged {
 /// A stopped sweep, spoiled by `spoil`, then `words`: refused with `say`, and nothing is lost.
 fn spoiled(
     name: &str,
-    spoil: fn(&Place) -> Judged,
+    spoil: fn(&CaseFolder) -> CaseOutcome,
     words: &'static [&'static str],
     say: &'static [&'static str],
-) -> Case {
-    Case::new(4, format!("sweep_{name}"), move |place| {
+) -> ScriptedCase {
+    ScriptedCase::new(4, format!("sweep_{name}"), move |place| {
         stopped(place)?;
         spoil(place)?;
         let before = place.state()?;
@@ -69,7 +69,7 @@ fn spoiled(
     .long()
 }
 
-fn log(place: &Place, change: impl Fn(&str) -> String) -> Judged {
+fn log(place: &CaseFolder, change: impl Fn(&str) -> String) -> CaseOutcome {
     let text = place.read(".a.partial/flights.log")?;
     place.write(".a.partial/flights.log", &change(&text))
 }
@@ -85,10 +85,10 @@ fn with_field(text: &str, field: usize, value: &str) -> String {
 }
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     const SAME: &[&str] = &["sweep", "sweep.toml", "--set", "runs=100000"];
     const LOG: &[&str] = &["flights.log"];
-    let nothing: fn(&Place) -> Judged = |_| Ok(());
+    let nothing: fn(&CaseFolder) -> CaseOutcome = |_| Ok(());
     vec![
         spoiled(
             "other_runs",
@@ -140,7 +140,7 @@ pub fn cases() -> Vec<Case> {
         spoiled("short_row", |p| log(p, |text| format!("1,2\n{text}")), SAME, LOG),
         spoiled("no_row", |p| log(p, |text| format!("hello\n{text}")), SAME, LOG),
         spoiled("no_text", |p| p.write_bytes(".a.partial/flights.log", b"\xff\xfe\n"), SAME, LOG),
-        Case::new(4, "sweep_cut_row", |place| {
+        ScriptedCase::new(4, "sweep_cut_row", |place| {
             place.write_texts()?;
             place
                 .run(&["sweep", "sweep.toml", "--quiet", "--out", "whole", "--set", "runs=3000"])?
@@ -153,7 +153,7 @@ pub fn cases() -> Vec<Case> {
             place.same("a/flights.csv", "whole/flights.csv")
         })
         .long(),
-        Case::new(4, "sweep_reads_once", |place| {
+        ScriptedCase::new(4, "sweep_reads_once", |place| {
             place.write_texts()?;
             let robot = std::fs::read_to_string(crate::tools::root().join("robots/aerobat_beta.toml"));
             let robot = robot.map_err(|error| error.to_string())?;
@@ -169,7 +169,7 @@ pub fn cases() -> Vec<Case> {
             place.same("a/flights.csv", "whole/flights.csv")
         })
         .long(),
-        Case::new(4, "sweep_table_with_robot_file", |place| {
+        ScriptedCase::new(4, "sweep_table_with_robot_file", |place| {
             place.write_texts()?;
             let inside = GLIDE.replace("name", "scenario.name").replace("robot =", "scenario.robot =");
             let inside = ["air", "aero", "start", "flight"].iter().fold(inside, |text, key| {

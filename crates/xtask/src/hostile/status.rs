@@ -1,11 +1,11 @@
 //! Class 3: updates of a controller that come late are counted; the other cases are data, `status.toml`.
 
-use super::case::Case;
+use super::case::ScriptedCase;
 use super::readers::{holds, json};
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
-    vec![Case::new(3, "late_updates_count", |place| {
+pub fn cases() -> Vec<ScriptedCase> {
+    vec![ScriptedCase::new(3, "late_updates_count", |place| {
         let turn = "{root}/scenarios/banking_turn.toml";
         let set = ["--set", "flight.duration_s=0.05", "--set", "controller.iterations=100"];
         let words = [&["fly", turn, "--quiet", "--out", "a"][..], &set[..]].concat();

@@ -9,16 +9,16 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
-use super::case::Judged;
-use super::judge::Held;
-use super::place::{Call, Ended, PATIENCE, Place, Stdout};
+use super::case::CaseOutcome;
+use super::judge::FolderClaims;
+use super::place::{Call, CallEnd, CaseFolder, PATIENCE, Stdout};
 use super::readers::boxes::Emulated;
 use super::readers::pages;
 use super::text::Text;
 
 /// What a step leaves for those after it: the offset of a box's ports, and the box as long as it runs.
 #[derive(Default)]
-pub struct Kept {
+pub struct StepRemains {
     offset: String,
     emulated: Option<Emulated>,
 }
@@ -26,7 +26,7 @@ pub struct Kept {
 /// What is done, in this order: files are made, a box is started, the program is called, and what holds is judged.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Step {
+pub struct CaseStep {
     /// Files and what they hold.
     write: BTreeMap<String, Text>,
     /// Links and where they lead.
@@ -72,16 +72,16 @@ pub struct Step {
     /// Nothing is changed, removed or added.
     unchanged: bool,
     /// What holds after it.
-    then: Held,
+    then: FolderClaims,
 }
 
 fn done() -> Vec<i32> {
     vec![0]
 }
 
-impl Step {
+impl CaseStep {
     /// Does it and judges.
-    pub fn play(&self, place: &Place, kept: &mut Kept) -> Judged {
+    pub fn play(&self, place: &CaseFolder, kept: &mut StepRemains) -> CaseOutcome {
         self.make(place)?;
         self.serve(place, kept)?;
         if !self.run.is_empty() {
@@ -93,7 +93,7 @@ impl Step {
         self.then.judge(place)
     }
 
-    fn make(&self, place: &Place) -> Judged {
+    fn make(&self, place: &CaseFolder) -> CaseOutcome {
         let told =
             |what: &str, outcome: std::io::Result<()>| outcome.map_err(|error| format!("{what}: {error}"));
         for (name, text) in &self.write {
@@ -117,7 +117,7 @@ impl Step {
         self.remove.iter().try_for_each(|name| told(name, remove(&place.path(name))))
     }
 
-    fn serve(&self, place: &Place, kept: &mut Kept) -> Judged {
+    fn serve(&self, place: &CaseFolder, kept: &mut StepRemains) -> CaseOutcome {
         if let Some(page) = &self.page {
             kept.offset = pages::serve_page(page.bytes()?)?;
         }
@@ -130,7 +130,7 @@ impl Step {
         Ok(())
     }
 
-    fn call<'a>(&self, place: &'a Place, words: &[String]) -> Call<'a> {
+    fn call<'a>(&self, place: &'a CaseFolder, words: &[String]) -> Call<'a> {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let mut call = place.call(&words).stdout(self.stdout).stderr(&self.stderr);
         if let Some(folder) = &self.within {
@@ -145,7 +145,7 @@ impl Step {
         }
     }
 
-    fn called(&self, place: &Place, offset: &str) -> Judged {
+    fn called(&self, place: &CaseFolder, offset: &str) -> CaseOutcome {
         let folder = place.folder.to_string_lossy();
         let word = |text: &Text| -> Result<String, String> {
             let word = String::from_utf8(text.bytes()?).map_err(|error| error.to_string())?;
@@ -165,7 +165,7 @@ impl Step {
     }
 
     /// Calls at once; their exit codes are those that are wanted.
-    fn together(&self, call: &Call, count: usize) -> Judged {
+    fn together(&self, call: &Call, count: usize) -> CaseOutcome {
         let running = (0..count).map(|_| call.start()).collect::<Result<Vec<_>, _>>()?;
         let end = |one: super::place::Running| one.end(PATIENCE).map(|ended| ended.code.unwrap_or(-1));
         let mut codes = running.into_iter().map(end).collect::<Result<Vec<_>, _>>()?;
@@ -173,7 +173,7 @@ impl Step {
         if codes == self.exit { Ok(()) } else { Err(format!("exit codes {codes:?}, wanted {:?}", self.exit)) }
     }
 
-    fn judge(&self, ended: Ended) -> Judged {
+    fn judge(&self, ended: CallEnd) -> CaseOutcome {
         let (exit, says) = match &self.refused {
             Some(says) => (&[2][..], says),
             None => (&self.exit[..], &self.says),

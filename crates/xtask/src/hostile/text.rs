@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::place::placed;
 use super::readers;
-use super::series::Series;
+use super::series::MeasuredSeries;
 use crate::tools;
 
 /// Text, or pieces one after another.
@@ -16,13 +16,13 @@ pub enum Text {
     /// As it is; `{root}` stands for the repository.
     Plain(String),
     /// One after another.
-    Pieces(Vec<Piece>),
+    Pieces(Vec<TextPiece>),
 }
 
 /// A piece of a text.
 #[derive(Clone, Deserialize)]
 #[serde(untagged)]
-pub enum Piece {
+pub enum TextPiece {
     /// As it is.
     Plain(String),
     /// The same many times.
@@ -43,7 +43,7 @@ pub enum Piece {
         header: Option<String>,
     },
     /// Loads or a motion over time.
-    Series(Series),
+    Series(MeasuredSeries),
     /// A file of the repository.
     File {
         /// Its path from the root.
@@ -59,13 +59,13 @@ impl Text {
         match self {
             Self::Plain(text) => Ok(placed(text).into_bytes()),
             Self::Pieces(pieces) => {
-                pieces.iter().map(Piece::bytes).collect::<Result<Vec<_>, _>>().map(|all| all.concat())
+                pieces.iter().map(TextPiece::bytes).collect::<Result<Vec<_>, _>>().map(|all| all.concat())
             }
         }
     }
 }
 
-impl Piece {
+impl TextPiece {
     fn bytes(&self) -> Result<Vec<u8>, String> {
         match self {
             Self::Plain(text) => Ok(placed(text).into_bytes()),

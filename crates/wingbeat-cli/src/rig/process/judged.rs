@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use wingbeat::judge::Limits;
-use wingbeat::judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
+use wingbeat::judge::RunLimits;
+use wingbeat::judge::data::{CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined};
 use wingbeat::judge::limits::data::{COVERED, FREQUENCY};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{CycleAverage, PhaseSource};
 use wingbeat::scenario::ProcessedRun;
-use wingbeat_calibrate::{Layout, disagreement, in_cell, project};
+use wingbeat_calibrate::{HarmonicLayout, disagreement, in_cell, project};
 
 /// Harmonics by which a cycle is judged.
 const HARMONICS: usize = 8;
@@ -17,7 +17,7 @@ const HARMONICS: usize = 8;
 pub fn judged(one: &ProcessedRun) -> Option<String> {
     let processed = one.averaged()?;
     let model = processed.model.as_ref()?;
-    let layout = Layout { channels: 6, harmonics: HARMONICS };
+    let layout = HarmonicLayout { channels: 6, harmonics: HARMONICS };
     let (measured, model) = (harmonics(&processed.cycles)?, harmonics(&model.cycles)?);
     let turned = |cycle: &[f64]| match one.run.spec.process.steps.body_frame {
         true => in_cell(&one.run.mount_as_drawn(), layout, cycle),
@@ -39,7 +39,7 @@ fn harmonics(cycles: &[CycleAverage; 6]) -> Option<Vec<f64>> {
 
 /// What is wrong with the samples of a run in the `window` (s), by themselves and beside the model on the measured motion. What
 /// is told as a disagreement with the model too is only noted.
-pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &Limits) -> Vec<Finding> {
+pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &RunLimits) -> Vec<Finding> {
     let mut found: Vec<Finding> = one.averaged().map(|of| of.coarse.clone()).unwrap_or_default();
     // Once they are turned, few counts are no longer told.
     found.extend(of_samples(one, limits).unwrap_or_default().into_iter().filter(|of| of.id != "data.coarse"));
@@ -52,14 +52,14 @@ pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &Limits) -> Vec<
 }
 
 /// The unfiltered samples of the window; those that are missing are gaps.
-fn of_samples(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
+fn of_samples(one: &ProcessedRun, limits: &RunLimits) -> Option<Vec<Finding>> {
     let trace = &one.averaged()?.trace;
     let raw = CHANNELS.iter().map(|(name, _)| trace.values(&format!("raw_{name}")));
     let raw = raw.collect::<Option<Vec<&[f64]>>>()?;
     let cycle = trace.values("cycle")?;
     let is_whole = |row: &usize| raw.iter().all(|channel| channel[*row].is_finite());
     let examined = |phase: &[f64], raw: &[&[f64]]| {
-        let channel = |((name, unit), samples)| Channel { name, unit, samples };
+        let channel = |((name, unit), samples)| MeasuredChannel { name, unit, samples };
         let series = Series {
             what: one.name(),
             phase,
@@ -109,16 +109,16 @@ fn cut(one: &ProcessedRun, window: (f64, f64)) -> Option<Finding> {
     (share.is_finite()).then(|| Finding::new("data.cut", &COVERED, one.name(), share, text))
 }
 
-fn beside_model(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
+fn beside_model(one: &ProcessedRun, limits: &RunLimits) -> Option<Vec<Finding>> {
     let processed = one.averaged()?;
     let model = processed.model.as_ref()?;
-    let pair = |(i, (name, unit)): (usize, &(&'static str, &'static str))| Pair {
+    let pair = |(i, (name, unit)): (usize, &(&'static str, &'static str))| CyclePair {
         name,
         unit,
         measured: &processed.cycles[i].mean,
         computed: &model.cycles[i].mean,
     };
-    let pairs: Vec<Pair> = CHANNELS.iter().enumerate().map(pair).collect();
+    let pairs: Vec<CyclePair> = CHANNELS.iter().enumerate().map(pair).collect();
     // A model may be wrong by much, but not so that the loads turned over are like it.
     let turned = |finding: &Finding| finding.id == "data.reversed" && finding.about == one.name();
     let noted = |finding: Finding| if turned(&finding) { finding } else { finding.noted() };

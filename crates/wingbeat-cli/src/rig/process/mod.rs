@@ -9,8 +9,8 @@ use std::time::Instant;
 
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{ProcessedRun, RunName, Together, subtract_still_air, together};
-use wingbeat_figures::{Cell, Figure};
+use wingbeat::scenario::{CombinedRuns, ProcessedRun, RunName, subtract_still_air, together};
+use wingbeat_figures::{CellOrigin, Figure};
 use wingbeat_io::samples::Import;
 use wingbeat_io::write_parquet;
 
@@ -21,11 +21,11 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
 use crate::say;
-use numbers::Summary;
-use source::Source;
+use numbers::ProcessSummary;
+use source::SampleSource;
 
 /// A file of samples, how it was read, and what of it was averaged, s.
-struct Origin {
+struct ProcessedFile {
     file: PathBuf,
     import: Import,
     window: (f64, f64),
@@ -43,16 +43,16 @@ pub fn process(arguments: &RigProcess) -> Result<(), Error> {
         answers.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
     subtract_still_air(&mut runs)?;
     let together = together(&runs)?;
-    let summary = Summary::new(&runs, &files, together.as_ref());
+    let summary = ProcessSummary::new(&runs, &files, together.as_ref());
     for run in &runs {
         write(&folder, run)?;
     }
     folder.write_json("summary.json", &summary)?;
-    if let Some(Together { envelope, .. }) = &together {
+    if let Some(CombinedRuns { envelope, .. }) = &together {
         write_parquet(&folder.file("envelope.parquet"), envelope)?;
         let simulated = summary.simulated().len();
         let all = runs.iter().filter(|run| run.averaged().is_some()).count();
-        let cell = Cell::of(simulated, all - simulated);
+        let cell = CellOrigin::of(simulated, all - simulated);
         draw(&folder.folder("figures")?, wingbeat_figures::force_moment(envelope, cell))?;
     }
     crate::report::beside(&folder, name.as_str(), None, !arguments.page.no_report)?;
@@ -76,7 +76,7 @@ fn results_beside(path: &Path) -> Result<(PathBuf, RunName), Error> {
     Ok((path.parent().unwrap_or(Path::new("")).into(), name))
 }
 
-fn one(source: &Source, overrides: &[String]) -> Result<(ProcessedRun, Origin), Error> {
+fn one(source: &SampleSource, overrides: &[String]) -> Result<(ProcessedRun, ProcessedFile), Error> {
     let (run, file) = (runs::run(&source.run, overrides)?, source.samples.clone());
     let input = &run.spec.process.input;
     let imported = wingbeat_io::samples::read_samples(&file, input)?.import(input)?;
@@ -84,7 +84,7 @@ fn one(source: &Source, overrides: &[String]) -> Result<(ProcessedRun, Origin), 
     let refused = |error: wingbeat::Error| named(run.explain(&error).to_string());
     let evaluated = run.evaluated(imported.record, source.window).map_err(refused)?;
     let (result, window) = evaluated.map_err(named)?;
-    Ok((ProcessedRun { run, result }, Origin { file, import: imported.import, window }))
+    Ok((ProcessedRun { run, result }, ProcessedFile { file, import: imported.import, window }))
 }
 
 /// Writes the averages of a run, with its figures.
@@ -94,7 +94,7 @@ fn write(folder: &RunFolder, done: &ProcessedRun) -> Result<(), Error> {
     let cycles = processed.record(done.run.processed_frame())?;
     write_parquet(&folder.file(&format!("{name}.parquet")), &cycles)?;
     let figures = folder.folder(&format!("figures/{name}"))?;
-    let cell = if processed.is_simulated() { Cell::Simulated } else { Cell::Measured };
+    let cell = if processed.is_simulated() { CellOrigin::Simulated } else { CellOrigin::Measured };
     draw(&figures, wingbeat_figures::filtered(&processed.trace, cell))?;
     draw(&figures, wingbeat_figures::cycles(&processed.trace, &cycles, cell))
 }

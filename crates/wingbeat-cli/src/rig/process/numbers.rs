@@ -7,15 +7,15 @@ use serde::Serialize;
 use wingbeat::judge::{Judge, Verdict};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{Comparison, Steps};
-use wingbeat::scenario::{Evaluated, ProcessedRun, Together, Weighed};
+use wingbeat::scenario::{CombinedRuns, Evaluated, ProcessedRun, TiltWeighing};
 use wingbeat_io::samples::Import;
 
-use super::Origin;
+use super::ProcessedFile;
 use super::judged::{findings, judged};
 
 /// The contents of summary.json.
 #[derive(Serialize)]
-pub struct Summary {
+pub struct ProcessSummary {
     /// What the samples are, what that rests on, and what to beware of.
     #[serde(flatten)]
     pub verdict: Verdict,
@@ -40,7 +40,7 @@ pub struct Summary {
     /// How each run was read and processed.
     runs: BTreeMap<String, RunNumbers>,
     /// Mass, centre and offsets from static tilts.
-    static_tilts: BTreeMap<String, Weighed>,
+    static_tilts: BTreeMap<String, TiltWeighing>,
 }
 
 /// How a run was read and processed.
@@ -68,9 +68,9 @@ struct Ranges {
     simulation: Option<[f64; 2]>,
 }
 
-impl Summary {
+impl ProcessSummary {
     /// The numbers of `runs`, read from `files`.
-    pub fn new(runs: &[ProcessedRun], files: &[Origin], together: Option<&Together>) -> Self {
+    pub fn new(runs: &[ProcessedRun], files: &[ProcessedFile], together: Option<&CombinedRuns>) -> Self {
         let named = |c: [Comparison; 6]| CHANNELS.iter().map(|(name, _)| *name).zip(c).collect();
         let name = |one: &ProcessedRun| one.name().to_owned();
         let reference = together.and_then(|t| runs.iter().find(|one| one.name() == t.reference));
@@ -101,7 +101,7 @@ impl Summary {
 }
 
 /// The verdict on the samples of all runs.
-fn verdict(runs: &[ProcessedRun], files: &[Origin]) -> Verdict {
+fn verdict(runs: &[ProcessedRun], files: &[ProcessedFile]) -> Verdict {
     let judged = runs.iter().zip(files).map(|(one, file)| {
         let mut judge = Judge::new(&one.run.limits);
         findings(one, file.window, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
@@ -114,7 +114,7 @@ fn verdict(runs: &[ProcessedRun], files: &[Origin]) -> Verdict {
 }
 
 /// What the envelope covers.
-fn ranges(together: &Together) -> BTreeMap<&'static str, Ranges> {
+fn ranges(together: &CombinedRuns) -> BTreeMap<&'static str, Ranges> {
     let of = |prefix: &str, name: &str| {
         let values = together.envelope.values(&format!("{prefix}{name}"))?;
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -128,7 +128,7 @@ fn ranges(together: &Together) -> BTreeMap<&'static str, Ranges> {
 }
 
 impl RunNumbers {
-    fn of(run: &ProcessedRun, origin: &Origin) -> Self {
+    fn of(run: &ProcessedRun, origin: &ProcessedFile) -> Self {
         let processed = run.averaged();
         Self {
             file: origin.file.clone(),
@@ -145,7 +145,7 @@ impl RunNumbers {
     }
 }
 
-impl Summary {
+impl ProcessSummary {
     /// Runs whose samples are of a simulated load cell.
     pub fn simulated(&self) -> &[String] {
         &self.simulated
@@ -246,7 +246,7 @@ fn ratio(of: f64) -> String {
     if of.abs() < 1e4 { format!("{of:.3}") } else { "-".into() }
 }
 
-fn weighing(name: &str, weighed: &Weighed) -> String {
+fn weighing(name: &str, weighed: &TiltWeighing) -> String {
     let mut text = format!(
         "{name}: {} attitudes, least squares (plus-minus one standard deviation)\n",
         weighed.load.tilts

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::scenario::text_of;
 
-use super::super::simulate::Measured;
+use super::super::simulate::MeasuredWindow;
 use crate::error::Error;
 
 /// A file of samples and its run.
-pub struct Source {
+pub struct SampleSource {
     /// The samples.
     pub samples: PathBuf,
     /// The run's file.
@@ -20,7 +20,7 @@ pub struct Source {
 
 /// The samples at `path`: a file, a folder with record.parquet, or a folder of such folders. Those without
 /// a scenario.toml are of the run `run`.
-pub fn find(path: &Path, run: Option<&Path>) -> Result<Vec<Source>, Error> {
+pub fn find(path: &Path, run: Option<&Path>) -> Result<Vec<SampleSource>, Error> {
     if !path.is_dir() {
         fs::metadata(path).map_err(|source| Error::file(path, source))?;
         return Ok(vec![measured(path, run)?]);
@@ -48,7 +48,7 @@ fn holds(folder: &Path) -> bool {
     folder.join("record.parquet").is_file()
 }
 
-fn folder(path: &Path, run: Option<&Path>) -> Result<Source, Error> {
+fn folder(path: &Path, run: Option<&Path>) -> Result<SampleSource, Error> {
     let samples = path.join("record.parquet");
     let scenario = path.join("scenario.toml");
     if run.is_some() || !scenario.is_file() {
@@ -56,17 +56,17 @@ fn folder(path: &Path, run: Option<&Path>) -> Result<Source, Error> {
     }
     let file = path.join("summary.json");
     let text = text_of(&file).map_err(|source| Error::file(&file, source))?;
-    let summary: Measured =
+    let summary: MeasuredWindow =
         serde_json::from_str(&text).map_err(|error| Error::Input(format!("{}: {error}", file.display())))?;
-    Ok(Source { samples, run: scenario, window: Some(summary.window_s) })
+    Ok(SampleSource { samples, run: scenario, window: Some(summary.window_s) })
 }
 
-fn measured(samples: &Path, run: Option<&Path>) -> Result<Source, Error> {
+fn measured(samples: &Path, run: Option<&Path>) -> Result<SampleSource, Error> {
     let run = run.ok_or_else(|| {
         Error::Input(format!(
             "{}: the file does not say which run it is of: give it with --run RUN.toml",
             samples.display()
         ))
     })?;
-    Ok(Source { samples: samples.into(), run: run.into(), window: None })
+    Ok(SampleSource { samples: samples.into(), run: run.into(), window: None })
 }

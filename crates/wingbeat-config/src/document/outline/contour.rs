@@ -1,7 +1,7 @@
 //! One contour made of the curves of a drawing, and its stations along the span.
 
-use super::drawing::{Curve, Point};
-use super::{Fault, Length, MOST};
+use super::drawing::{DrawingCurve, DrawingPoint};
+use super::{Length, MOST, OutlineFault};
 
 /// How far apart the ends of curves that join may lie, over the size of the drawing. *Choice.*
 const JOINED: f64 = 1e-4;
@@ -17,28 +17,28 @@ const MOST_CURVES: usize = 5000;
 /// A contour whose points are (along the span, forward).
 pub struct Contour {
     pub line: usize,
-    points: Vec<Point>,
+    points: Vec<DrawingPoint>,
 }
 
 impl Contour {
     /// Joins the curves, whose points are (along the span, forward), end to end; a contour that is open at the root or at the tip is closed
     /// there by a straight line.
-    pub fn joined(mut curves: Vec<Curve>, layers: &str) -> Result<Self, Fault> {
+    pub fn joined(mut curves: Vec<DrawingCurve>, layers: &str) -> Result<Self, OutlineFault> {
         let line = curves.iter().map(|curve| curve.line).min().unwrap_or(1);
-        let fault = |line, allowed| Fault { line, key: "file", value: "outline".into(), allowed };
+        let fault = |line, allowed| OutlineFault { line, key: "file", value: "outline".into(), allowed };
         if curves.len() > MOST_CURVES {
             return Err(fault(line, format!("at most {MOST_CURVES} curves")));
         }
         let near = JOINED * size(&curves);
         curves.retain(|curve| curve.points.iter().any(|point| apart(*point, curve.points[0]) > near));
-        let Some(Curve { line: begin, layer, mut points }) = curves.pop() else {
+        let Some(DrawingCurve { line: begin, layer, mut points }) = curves.pop() else {
             return Err(fault(line, "lines or curves that make one contour".into()));
         };
-        let closed = |points: &[Point]| apart(points[0], points[points.len() - 1]) <= near;
+        let closed = |points: &[DrawingPoint]| apart(points[0], points[points.len() - 1]) <= near;
         // From its last point on, then from its first one.
         for _ in 0..2 {
-            let ends = |curve: &Curve| [curve.points[0], curve.points[curve.points.len() - 1]];
-            let follows = |curve: &Curve, end| {
+            let ends = |curve: &DrawingCurve| [curve.points[0], curve.points[curve.points.len() - 1]];
+            let follows = |curve: &DrawingCurve, end| {
                 !closed(&curve.points) && ends(curve).iter().any(|point| apart(*point, end) <= near)
             };
             while !closed(&points)
@@ -67,12 +67,12 @@ impl Contour {
         Ok(Self { line, points })
     }
 
-    fn fault(&self, key: &'static str, allowed: String) -> Fault {
-        Fault { line: self.line, key, value: "outline".into(), allowed }
+    fn fault(&self, key: &'static str, allowed: String) -> OutlineFault {
+        OutlineFault { line: self.line, key, value: "outline".into(), allowed }
     }
 
     /// The stations from the middle to the tip as (arc, leading edge, trailing edge), in the unit of the drawing.
-    pub fn stations(&self, unit: Length) -> Result<Vec<[f64; 3]>, Fault> {
+    pub fn stations(&self, unit: Length) -> Result<Vec<[f64; 3]>, OutlineFault> {
         let (low, high) = self.reach(unit)?;
         let (a, b) = self.edges(low, high)?;
         let mut arcs: Vec<f64> = a.iter().chain(&b).map(|point| point[0]).collect();
@@ -88,7 +88,7 @@ impl Contour {
     }
 
     /// From where to where the outline reaches along the span.
-    fn reach(&self, unit: Length) -> Result<(f64, f64), Fault> {
+    fn reach(&self, unit: Length) -> Result<(f64, f64), OutlineFault> {
         let (low, high) = reach(&self.points);
         let span = high - low;
         if !(span > 0.0) {
@@ -106,8 +106,8 @@ impl Contour {
     }
 
     /// Both edges from root to tip.
-    fn edges(&self, low: f64, high: f64) -> Result<(Vec<Point>, Vec<Point>), Fault> {
-        let turns = |point: Point| {
+    fn edges(&self, low: f64, high: f64) -> Result<(Vec<DrawingPoint>, Vec<DrawingPoint>), OutlineFault> {
+        let turns = |point: DrawingPoint| {
             let allowed = format!("an outline with two edges; it turns back along the span at {}", point[0]);
             self.fault("file", allowed)
         };
@@ -124,11 +124,11 @@ impl Contour {
 
     /// The edge from root to tip in steps of `step` points, ascending along the span, and the number of its last point; else where it
     /// turns back.
-    fn edge(&self, low: f64, high: f64, step: usize) -> Result<(Vec<Point>, usize), Point> {
+    fn edge(&self, low: f64, high: f64, step: usize) -> Result<(Vec<DrawingPoint>, usize), DrawingPoint> {
         let (n, span) = (self.points.len(), high - low);
         let near = AT_ONE * span;
         let from = (0..n).find(|i| self.points[*i][0] - low <= near).unwrap_or(0);
-        let (mut edge, mut reached, mut last): (Vec<Point>, f64, usize) = (Vec::new(), low, from);
+        let (mut edge, mut reached, mut last): (Vec<DrawingPoint>, f64, usize) = (Vec::new(), low, from);
         for k in 0..n {
             last = (from + k * step) % n;
             let point = self.points[last];
@@ -179,7 +179,7 @@ fn widen(stations: &mut [[f64; 3]], unit: Length) -> Result<(), String> {
 }
 
 /// Puts the ends of an open contour onto the line at the root or at the tip, where a straight line closes it; else what is allowed.
-fn close(points: &mut [Point], near: f64) -> Result<(), String> {
+fn close(points: &mut [DrawingPoint], near: f64) -> Result<(), String> {
     let (low, high) = reach(points);
     let last = points.len() - 1;
     let ends = [points[0][0], points[last][0]];
@@ -193,14 +193,14 @@ fn close(points: &mut [Point], near: f64) -> Result<(), String> {
 }
 
 /// From where to where points reach along the span.
-fn reach(points: &[Point]) -> (f64, f64) {
+fn reach(points: &[DrawingPoint]) -> (f64, f64) {
     points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
         (low.min(point[0]), high.max(point[0]))
     })
 }
 
 /// The larger side of the rectangle about curves.
-fn size(curves: &[Curve]) -> f64 {
+fn size(curves: &[DrawingCurve]) -> f64 {
     let all = || curves.iter().flat_map(|curve| &curve.points);
     let side = |k: usize| {
         let of = |pick: fn(f64, f64) -> f64, start| all().fold(start, |most, point| pick(most, point[k]));
@@ -209,12 +209,12 @@ fn size(curves: &[Curve]) -> f64 {
     side(0).max(side(1)).max(0.0)
 }
 
-fn apart(a: Point, b: Point) -> f64 {
+fn apart(a: DrawingPoint, b: DrawingPoint) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// The edge at `arc`, straight between its points.
-fn at(edge: &[Point], arc: f64) -> f64 {
+fn at(edge: &[DrawingPoint], arc: f64) -> f64 {
     let k = edge.partition_point(|point| point[0] < arc).clamp(1, edge.len() - 1);
     let ([s, x], [t, y]) = (edge[k - 1], edge[k]);
     x + (y - x) * ((arc - s) / (t - s)).clamp(0.0, 1.0)

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Fault, Length};
+use super::{Length, OutlineFault};
 
 /// Most points of a drawing. *Choice*: ten for each station that is read.
 const MOST_POINTS: usize = 100_000;
@@ -31,33 +31,33 @@ const WRITING: [&str; 12] = [
 ];
 
 /// A point of the drawing.
-pub type Point = [f64; 2];
+pub type DrawingPoint = [f64; 2];
 
 /// A line or curve of the drawing.
-pub struct Curve<'a> {
+pub struct DrawingCurve<'a> {
     /// The line of the file on which it begins.
     pub line: usize,
     /// Its layer.
     pub layer: &'a str,
     /// Its points in the unit of the drawing, first to last; of a closed one the first again.
-    pub points: Vec<Point>,
+    pub points: Vec<DrawingPoint>,
 }
 
 /// What is read of a drawing.
-pub struct Drawing<'a> {
+pub struct DxfDrawing<'a> {
     /// Its unit, and the line of the file that says it.
     pub unit: Option<(Length, usize)>,
     /// Its curves.
-    pub curves: Vec<Curve<'a>>,
+    pub curves: Vec<DrawingCurve<'a>>,
 }
 
 /// A group: line of the file, code, value.
-type Group<'a> = (usize, i32, &'a str);
+type DxfGroup<'a> = (usize, i32, &'a str);
 
 /// Reads a drawing.
-pub fn read(text: &str) -> Result<Drawing<'_>, Fault> {
+pub fn read(text: &str) -> Result<DxfDrawing<'_>, OutlineFault> {
     let groups = groups(text)?;
-    let mut drawing = Drawing { unit: None, curves: Vec::new() };
+    let mut drawing = DxfDrawing { unit: None, curves: Vec::new() };
     let starts: Vec<usize> = (0..groups.len()).filter(|i| groups[*i].1 == 0).collect();
     let part = |k: usize| &groups[starts[k]..starts.get(k + 1).copied().unwrap_or(groups.len())];
     let (mut section, mut k, mut points) = ("", 0, 0);
@@ -92,7 +92,7 @@ pub fn read(text: &str) -> Result<Drawing<'_>, Fault> {
                     return Err(too_many(entity));
                 }
                 let layer = value(entity, 8).unwrap_or("0");
-                drawing.curves.push(Curve { line: entity[0].0, layer, points: curve });
+                drawing.curves.push(DrawingCurve { line: entity[0].0, layer, points: curve });
             }
             _ => {}
         }
@@ -101,7 +101,7 @@ pub fn read(text: &str) -> Result<Drawing<'_>, Fault> {
 }
 
 /// The groups of a file: a line with the code, then one with the value.
-fn groups(text: &str) -> Result<Vec<Group<'_>>, Fault> {
+fn groups(text: &str) -> Result<Vec<DxfGroup<'_>>, OutlineFault> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
     let mut groups = Vec::new();
     while let Some((line, code)) = lines.next() {
@@ -116,17 +116,17 @@ fn groups(text: &str) -> Result<Vec<Group<'_>>, Fault> {
     Ok(groups)
 }
 
-fn fault(at: Group, allowed: String) -> Fault {
-    Fault { line: at.0, key: "file", value: at.2.to_owned(), allowed }
+fn fault(at: DxfGroup, allowed: String) -> OutlineFault {
+    OutlineFault { line: at.0, key: "file", value: at.2.to_owned(), allowed }
 }
 
 /// The first value with that code.
-fn value<'a>(entity: &[Group<'a>], code: i32) -> Option<&'a str> {
+fn value<'a>(entity: &[DxfGroup<'a>], code: i32) -> Option<&'a str> {
     entity.iter().find(|group| group.1 == code).map(|group| group.2)
 }
 
 /// The unit that the header says; none where it says that it has none.
-fn unit(header: &[Group]) -> Result<Option<(Length, usize)>, Fault> {
+fn unit(header: &[DxfGroup]) -> Result<Option<(Length, usize)>, OutlineFault> {
     let mut after = header.iter().skip_while(|group| group.2 != "$INSUNITS").skip(1);
     let Some(&(line, _, code)) = after.next() else { return Ok(None) };
     let unit = match code {
@@ -137,16 +137,16 @@ fn unit(header: &[Group]) -> Result<Option<(Length, usize)>, Fault> {
         "6" => Length::M,
         _ => {
             let allowed = "1 (in), 4 (mm), 5 (cm), 6 (m), or 0 (none) with the key `unit`".to_owned();
-            return Err(Fault { line, key: "unit", value: format!("$INSUNITS {code}"), allowed });
+            return Err(OutlineFault { line, key: "unit", value: format!("$INSUNITS {code}"), allowed });
         }
     };
     Ok(Some((unit, line)))
 }
 
 /// All numbers with that code.
-fn numbers(entity: &[Group], code: i32) -> Result<Vec<f64>, Fault> {
-    let of = |group: &&Group| group.1 == code;
-    let read = |group: &Group| {
+fn numbers(entity: &[DxfGroup], code: i32) -> Result<Vec<f64>, OutlineFault> {
+    let of = |group: &&DxfGroup| group.1 == code;
+    let read = |group: &DxfGroup| {
         let number = group.2.parse().ok().filter(|number: &f64| number.abs() <= LARGEST);
         let allowed = || format!("a finite number, {LARGEST:e} or less in magnitude");
         number.ok_or_else(|| fault((group.0 + 1, code, group.2), allowed()))
@@ -155,13 +155,13 @@ fn numbers(entity: &[Group], code: i32) -> Result<Vec<f64>, Fault> {
 }
 
 /// The number with that code.
-fn number(entity: &[Group], code: i32, otherwise: Option<f64>) -> Result<f64, Fault> {
+fn number(entity: &[DxfGroup], code: i32, otherwise: Option<f64>) -> Result<f64, OutlineFault> {
     let first = numbers(entity, code)?.first().copied().or(otherwise);
     first.ok_or_else(|| fault(entity[0], format!("{} with group {code}", entity[0].2)))
 }
 
 /// All points with those codes.
-fn points(entity: &[Group], x: i32, y: i32) -> Result<Vec<Point>, Fault> {
+fn points(entity: &[DxfGroup], x: i32, y: i32) -> Result<Vec<DrawingPoint>, OutlineFault> {
     let (xs, ys) = (numbers(entity, x)?, numbers(entity, y)?);
     if xs.len() != ys.len() {
         return Err(fault(entity[0], format!("as many groups {x} as {y}")));
@@ -169,22 +169,27 @@ fn points(entity: &[Group], x: i32, y: i32) -> Result<Vec<Point>, Fault> {
     Ok(xs.into_iter().zip(ys).map(|(x, y)| [x, y]).collect())
 }
 
-fn too_many(entity: &[Group]) -> Fault {
+fn too_many(entity: &[DxfGroup]) -> OutlineFault {
     fault(entity[0], format!("at most {MOST_POINTS} points in a drawing"))
 }
 
 /// The points of an entity, of a polyline at most `most`; `vertices` are its own.
-fn points_of(kind: &str, entity: &[Group], vertices: &[&[Group]], most: usize) -> Result<Vec<Point>, Fault> {
+fn points_of(
+    kind: &str,
+    entity: &[DxfGroup],
+    vertices: &[&[DxfGroup]],
+    most: usize,
+) -> Result<Vec<DrawingPoint>, OutlineFault> {
     // Seen from behind, the plane of an entity is mirrored (group 230, z of its normal).
     let normal = number(entity, 230, Some(1.0))?;
     if (normal.abs() - 1.0).abs() > 1e-6 {
         return Err(fault(entity[0], format!("{kind} in the plane of the drawing, group 230 of 1 or -1")));
     }
-    let own_plane = |mut points: Vec<Point>| {
+    let own_plane = |mut points: Vec<DrawingPoint>| {
         points.iter_mut().for_each(|point| point[0] *= normal);
         points
     };
-    let polyline = |corners: Vec<(Point, f64)>| {
+    let polyline = |corners: Vec<(DrawingPoint, f64)>| {
         let closed = number(entity, 70, Some(0.0))? as i64 & 1 == 1;
         let count: usize = corners.iter().map(|(_, bulge)| pieces(turn(*bulge))).sum();
         if count > most { Err(too_many(entity)) } else { Ok(own_plane(rounded(&corners, closed))) }
@@ -196,11 +201,11 @@ fn points_of(kind: &str, entity: &[Group], vertices: &[&[Group]], most: usize) -
         ],
         "LWPOLYLINE" => polyline(corners(entity)?)?,
         "POLYLINE" => {
-            let corner = |vertex: &&[Group]| {
+            let corner = |vertex: &&[DxfGroup]| {
                 let place = [number(vertex, 10, None)?, number(vertex, 20, None)?];
                 Ok((place, number(vertex, 42, Some(0.0))?))
             };
-            polyline(vertices.iter().map(corner).collect::<Result<Vec<_>, Fault>>()?)?
+            polyline(vertices.iter().map(corner).collect::<Result<Vec<_>, OutlineFault>>()?)?
         }
         "ARC" | "CIRCLE" => {
             let radius = number(entity, 40, None)?;
@@ -227,8 +232,8 @@ fn points_of(kind: &str, entity: &[Group], vertices: &[&[Group]], most: usize) -
 }
 
 /// The corners of a light polyline, each with the bulge of what follows it.
-fn corners(entity: &[Group]) -> Result<Vec<(Point, f64)>, Fault> {
-    let mut corners: Vec<(Point, f64)> =
+fn corners(entity: &[DxfGroup]) -> Result<Vec<(DrawingPoint, f64)>, OutlineFault> {
+    let mut corners: Vec<(DrawingPoint, f64)> =
         points(entity, 10, 20)?.into_iter().map(|point| (point, 0.0)).collect();
     let mut k = 0;
     for (i, group) in entity.iter().enumerate() {
@@ -242,8 +247,8 @@ fn corners(entity: &[Group]) -> Result<Vec<(Point, f64)>, Fault> {
 }
 
 /// A polyline with its round pieces: a bulge is the tangent of a quarter of the angle, positive to the left.
-fn rounded(corners: &[(Point, f64)], closed: bool) -> Vec<Point> {
-    let mut points: Vec<Point> = corners.first().iter().map(|corner| corner.0).collect();
+fn rounded(corners: &[(DrawingPoint, f64)], closed: bool) -> Vec<DrawingPoint> {
+    let mut points: Vec<DrawingPoint> = corners.first().iter().map(|corner| corner.0).collect();
     let ends = corners.iter().skip(1).chain(corners.first().filter(|_| closed));
     for (&(from, bulge), &(to, _)) in corners.iter().zip(ends) {
         if bulge != 0.0 {
@@ -271,13 +276,19 @@ fn pieces(angle: f64) -> usize {
     (angle.abs() / PIECE_RAD).ceil().max(1.0) as usize
 }
 
-fn on(middle: Point, cosine: Point, sine: Point, angle: f64) -> Point {
+fn on(middle: DrawingPoint, cosine: DrawingPoint, sine: DrawingPoint, angle: f64) -> DrawingPoint {
     let (s, c) = angle.sin_cos();
     [middle[0] + c * cosine[0] + s * sine[0], middle[1] + c * cosine[1] + s * sine[1]]
 }
 
 /// A round curve anticlockwise from one angle to another, rad; a whole turn where they are equal.
-fn turned(middle: Point, cosine: Point, sine: Point, from: f64, to: f64) -> Vec<Point> {
+fn turned(
+    middle: DrawingPoint,
+    cosine: DrawingPoint,
+    sine: DrawingPoint,
+    from: f64,
+    to: f64,
+) -> Vec<DrawingPoint> {
     let angle = (to - from).rem_euclid(TAU);
     let angle = if angle < 1e-9 { TAU } else { angle };
     let pieces = pieces(angle);
@@ -285,7 +296,7 @@ fn turned(middle: Point, cosine: Point, sine: Point, from: f64, to: f64) -> Vec<
 }
 
 /// A spline by its control points, knots and weights.
-fn spline(entity: &[Group]) -> Result<Vec<Point>, Fault> {
+fn spline(entity: &[DxfGroup]) -> Result<Vec<DrawingPoint>, OutlineFault> {
     let (control, knots, mut weights) = (points(entity, 10, 20)?, numbers(entity, 40)?, numbers(entity, 41)?);
     let degree = number(entity, 71, Some(3.0))? as usize;
     weights.resize(control.len().max(weights.len()), 1.0);
@@ -317,7 +328,14 @@ fn spline(entity: &[Group]) -> Result<Vec<Point>, Fault> {
 
 /// The point of a rational B-spline at the parameter `t` between the knots `span` and `span` + 1, by de Boor's recursion on
 /// (w x, w y, w) (de Boor 1972, J. Approx. Theory 6, 50).
-fn de_boor(degree: usize, span: usize, t: f64, knots: &[f64], control: &[Point], weights: &[f64]) -> Point {
+fn de_boor(
+    degree: usize,
+    span: usize,
+    t: f64,
+    knots: &[f64],
+    control: &[DrawingPoint],
+    weights: &[f64],
+) -> DrawingPoint {
     let mut d = [[0.0; 3]; MOST_DEGREE + 1];
     for (j, d) in d.iter_mut().take(degree + 1).enumerate() {
         let i = span - degree + j;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{ConfigError, Place, Problem, Wrong};
+use super::{ConfigError, KeyProblem, ValuePlace, Wrong};
 
 /// The key of an outline.
 pub const KEY: &str = "planform";
@@ -57,7 +57,7 @@ pub enum Axis {
 }
 
 /// What is wrong with a file: its line, a key below that of the outline, the value there, what is allowed.
-pub struct Fault {
+pub struct OutlineFault {
     line: usize,
     key: &'static str,
     value: String,
@@ -129,13 +129,13 @@ impl OutlineFile {
                 } else {
                     "none: only a drawing, .dxf, has it"
                 };
-                Err(Fault { line: 1, key: other, value: "given".into(), allowed: allowed.into() })
+                Err(OutlineFault { line: 1, key: other, value: "given".into(), allowed: allowed.into() })
             }
         };
         found.map_err(|fault| {
-            let place = Place::Line(file.into(), fault.line);
+            let place = ValuePlace::Line(file.into(), fault.line);
             let key = format!("{key}.{}", fault.key);
-            Wrong::new(place, key, Some(fault.value), Problem::Value(fault.allowed)).into()
+            Wrong::new(place, key, Some(fault.value), KeyProblem::Value(fault.allowed)).into()
         })
     }
 
@@ -150,9 +150,13 @@ impl OutlineFile {
     }
 
     /// The stations of a drawing, all on the line on which its contour begins.
-    fn drawn(&self, text: &str) -> Result<String, Fault> {
-        let fault =
-            |line, key, value: &str, allowed: String| Fault { line, key, value: value.into(), allowed };
+    fn drawn(&self, text: &str) -> Result<String, OutlineFault> {
+        let fault = |line, key, value: &str, allowed: String| OutlineFault {
+            line,
+            key,
+            value: value.into(),
+            allowed,
+        };
         let mut drawing = drawing::read(text)?;
         let unit = match (drawing.unit, self.unit) {
             (Some((said, line)), Some(given)) if said != given => {
@@ -195,8 +199,8 @@ impl OutlineFile {
         let mut stations = 0;
         for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
             let wrong = |key: String, value: &str, allowed: String| -> ConfigError {
-                let place = Place::Line(file.into(), index + 1);
-                Wrong::new(place, key, Some(value.to_owned()), Problem::Value(allowed)).into()
+                let place = ValuePlace::Line(file.into(), index + 1);
+                Wrong::new(place, key, Some(value.to_owned()), KeyProblem::Value(allowed)).into()
             };
             if index > 0 {
                 out.push('\n');
@@ -232,7 +236,9 @@ impl OutlineFile {
         if stations == 0 {
             let allowed = "a header and a row for each station".to_owned();
             let given = Some(format!("{:?}", self.file.display().to_string()));
-            return Err(Wrong::new(Place::File(file.into()), key, given, Problem::Value(allowed)).into());
+            return Err(
+                Wrong::new(ValuePlace::File(file.into()), key, given, KeyProblem::Value(allowed)).into()
+            );
         }
         out.push(']');
         Ok(out)

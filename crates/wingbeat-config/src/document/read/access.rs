@@ -7,7 +7,7 @@ use serde::de::{
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::{Complaint, Fault, Reader, dotted};
+use super::{Complaint, FormFault, Reader, dotted};
 
 /// The items of a list, or so many placeholders.
 pub(super) struct Items<'r, 'a, 'i> {
@@ -100,25 +100,25 @@ impl<'de> MapAccess<'de> for Entries<'_, '_, '_> {
 }
 
 /// A variant by its name, with what it holds.
-pub(super) struct Choice<'r, 'a, 'i> {
+pub(super) struct VariantChoice<'r, 'a, 'i> {
     pub(super) reader: &'r Reader<'a, 'i>,
     pub(super) name: &'r str,
     pub(super) inside: Option<&'a Spanned<DeValue<'i>>>,
 }
 
-impl<'a, 'i> Choice<'_, 'a, 'i> {
+impl<'a, 'i> VariantChoice<'_, 'a, 'i> {
     fn inside(self) -> Result<Reader<'a, 'i>, Complaint> {
         if self.reader.replaced {
             return Ok(self.reader.placeholder());
         }
         let node = self.inside.ok_or_else(|| {
-            Complaint::new(Fault::Value(format!("a table {} with what belongs to it", self.name)))
+            Complaint::new(FormFault::Value(format!("a table {} with what belongs to it", self.name)))
         })?;
         Ok(self.reader.below(node, dotted(&self.reader.path, self.name)))
     }
 }
 
-impl<'de> EnumAccess<'de> for Choice<'_, '_, '_> {
+impl<'de> EnumAccess<'de> for VariantChoice<'_, '_, '_> {
     type Error = Complaint;
     type Variant = Self;
 
@@ -128,13 +128,13 @@ impl<'de> EnumAccess<'de> for Choice<'_, '_, '_> {
     }
 }
 
-impl<'de> VariantAccess<'de> for Choice<'_, '_, '_> {
+impl<'de> VariantAccess<'de> for VariantChoice<'_, '_, '_> {
     type Error = Complaint;
 
     fn unit_variant(self) -> Result<(), Complaint> {
         match self.inside {
             None => Ok(()),
-            Some(_) => Err(Complaint::new(Fault::Value(format!("\"{}\" alone", self.name)))),
+            Some(_) => Err(Complaint::new(FormFault::Value(format!("\"{}\" alone", self.name)))),
         }
     }
 

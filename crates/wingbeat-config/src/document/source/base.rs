@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{Joins, Origin, Source, Sources, Texts, joined, limits, tree, unreadable};
-use crate::document::{ConfigError, Problem, Wrong, inherit};
+use super::{Joins, Origin, SourceText, Sources, Texts, joined, limits, tree, unreadable};
+use crate::document::{ConfigError, KeyProblem, Wrong, inherit};
 
 /// A base as a document names it.
-struct Base {
+struct NamedBase {
     /// Its file.
     path: PathBuf,
     /// The steps to the table that names it.
@@ -38,9 +38,9 @@ impl Sources {
     }
 
     /// Takes the file that `base` names, the one that this is based on, and so on.
-    fn read_chain(&mut self, base: Option<Base>, joins: Joins, texts: Texts) -> Result<(), ConfigError> {
+    fn read_chain(&mut self, base: Option<NamedBase>, joins: Joins, texts: Texts) -> Result<(), ConfigError> {
         let (mut next, mut joins, mut chain) = (base, joins, Vec::new());
-        while let Some(Base { path, at, blame }) = next {
+        while let Some(NamedBase { path, at, blame }) = next {
             refuse_endless(&chain, &path, &blame)?;
             let text = texts(&path).map_err(|error| unreadable(&path, &error.to_string(), Some(blame)))?;
             self.add(Origin::File(path.clone()), text.clone(), &text, at, joins)?;
@@ -52,7 +52,7 @@ impl Sources {
     }
 
     /// The base that the last text names.
-    fn base_of_last(&self) -> Result<Option<Base>, ConfigError> {
+    fn base_of_last(&self) -> Result<Option<NamedBase>, ConfigError> {
         let Some(last) = self.texts.last() else { return Ok(None) };
         match self.parsed(last)?.get_ref() {
             DeValue::Table(table) => self.base_named_in(table, &last.at),
@@ -61,15 +61,15 @@ impl Sources {
     }
 
     /// The base that `table`, which stands at `at`, names. An arm has a table of the same name, the place of its base.
-    fn base_named_in(&self, table: &DeTable, at: &[String]) -> Result<Option<Base>, ConfigError> {
+    fn base_named_in(&self, table: &DeTable, at: &[String]) -> Result<Option<NamedBase>, ConfigError> {
         let Some(value) = table.get(inherit::BASE) else { return Ok(None) };
         let key = tree::dotted(&tree::path(at.get(self.root.len()..).unwrap_or_default()), inherit::BASE);
-        let (span, problem) = (value.span(), Problem::Value("the name of a file".into()));
+        let (span, problem) = (value.span(), KeyProblem::Value("the name of a file".into()));
         let blame = Wrong::new(self.place(span.start), key, Some(self.text(&span)), problem);
         match value.get_ref() {
             DeValue::String(name) => {
                 let path = joined(&self.folder(span.start), name);
-                Ok(Some(Base { path, at: at.to_vec(), blame }))
+                Ok(Some(NamedBase { path, at: at.to_vec(), blame }))
             }
             DeValue::Table(_) => Ok(None),
             _ => Err(blame.into()),
@@ -80,7 +80,7 @@ impl Sources {
     pub(super) fn over_bases<'a>(
         &'a self,
         own: Spanned<DeValue<'a>>,
-        bases: &'a [Source],
+        bases: &'a [SourceText],
     ) -> Result<Spanned<DeValue<'a>>, ConfigError> {
         let Some((base, further)) = bases.split_first() else { return Ok(own) };
         let below = self.over_bases(self.parsed(base)?, further)?;
@@ -88,14 +88,14 @@ impl Sources {
             let table = tree::path(base.at.get(self.root.len()..).unwrap_or_default());
             let key = if table.is_empty() { refused.key } else { format!("{table}.{}", refused.key) };
             let given = Some(self.text(&refused.span));
-            Wrong::new(self.place(refused.span.start), key, given, Problem::Value(refused.allowed)).into()
+            Wrong::new(self.place(refused.span.start), key, given, KeyProblem::Value(refused.allowed)).into()
         })
     }
 }
 
 /// Refuses a chain of bases that goes round or on for too long.
 fn refuse_endless(chain: &[PathBuf], path: &Path, blame: &Wrong) -> Result<(), ConfigError> {
-    let refused = |allowed| Err(Wrong { problem: Problem::Value(allowed), ..blame.clone() }.into());
+    let refused = |allowed| Err(Wrong { problem: KeyProblem::Value(allowed), ..blame.clone() }.into());
     if let Some(first) = chain.iter().position(|before| before == path) {
         let names: Vec<String> = chain[first..]
             .iter()

@@ -8,7 +8,7 @@ const STEPS: usize = 2000;
 
 /// A beam whose numbers are linear along the span, x from 0 at the root to 1 at the tip; length 1 m.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Linear {
+pub struct TaperedBeam {
     /// Bending and torsional stiffness (N m2), mass (kg/m) and inertia about the axis (kg m) at the root.
     pub root: [f64; 4],
     /// The same at the tip.
@@ -19,7 +19,7 @@ pub struct Linear {
     pub turning: f64,
 }
 
-impl Linear {
+impl TaperedBeam {
     fn at(&self, x: f64) -> [f64; 4] {
         std::array::from_fn(|k| self.root[k] + (self.tip[k] - self.root[k]) * x)
     }
@@ -123,7 +123,7 @@ pub fn followed(load: f64) -> Result<[f64; 2], Error> {
 
 /// How the root of a beam swings, by A (1 - cos(w t)), and the beam's bending stiffness.
 #[derive(Clone, Copy, Debug)]
-pub struct Swing {
+pub struct RootSwing {
     /// A, rad.
     pub amplitude: f64,
     /// w, rad/s.
@@ -136,8 +136,8 @@ pub struct Swing {
 /// A (1 - cos(w t)) about an axis across it, at the ends of `steps` steps of `h`: small deflection y by six polynomials,
 /// m (y.. + T.. x - T.^2 y) + y'''' - (T y')' = 0 with the tension m T.^2 (1 - x^2)/2.
 /// Without `turning` the terms of T.^2 are left out.
-pub fn flapped(swing: &Swing, turning: bool, h: f64, steps: usize) -> Result<Vec<f64>, Error> {
-    let Swing { amplitude, omega, stiffness } = *swing;
+pub fn flapped(swing: &RootSwing, turning: bool, h: f64, steps: usize) -> Result<Vec<f64>, Error> {
+    let RootSwing { amplitude, omega, stiffness } = *swing;
     let share = if turning { 1.0 } else { 0.0 };
     const N: usize = 6;
     // y = sum c_k x^(k + 2); integrals of powers over the span are exact.

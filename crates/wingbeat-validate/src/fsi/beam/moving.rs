@@ -1,7 +1,7 @@
 //! Beams that move: energy, momentum, derivatives, a flapping root.
 
 use super::{UNIFORM, apart};
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use nalgebra::DMatrix;
 use wingbeat::math::{GRAVITY, Jet, Mat3, Random, Scalar, Vec3, Wrench};
 use wingbeat::structure::{
@@ -10,12 +10,12 @@ use wingbeat::structure::{
 };
 
 /// A beam whose root is where a function of time says; the state of first order is the work done at the root.
-struct Moving<'a> {
+struct MovingBeam<'a> {
     beam: &'a Beam,
     setting: &'a dyn Fn(f64) -> Setting,
 }
 
-impl Moving<'_> {
+impl MovingBeam<'_> {
     /// Power of what holds the root, W.
     fn power(root: &Swung, by: &Wrench<f64>) -> f64 {
         let [rate, _] = turning(&root.r);
@@ -23,7 +23,7 @@ impl Moving<'_> {
     }
 }
 
-impl Implicit for Moving<'_> {
+impl Implicit for MovingBeam<'_> {
     fn residual(&self, t: f64, at: &Stage, out: &mut [f64]) {
         let setting = (self.setting)(t);
         let n = at.q.len();
@@ -43,7 +43,7 @@ impl Implicit for Moving<'_> {
 
 /// Steps from `at`, and hands each new state to `see`.
 fn run(
-    moving: &Moving<'_>,
+    moving: &MovingBeam<'_>,
     mut at: Stage,
     h: f64,
     steps: usize,
@@ -72,18 +72,18 @@ fn flapping_root(amplitude: f64, omega: f64, t: f64) -> Swung {
     Place { p: Vec3([Jet::ZERO; 3]), r: Mat3::rotation_y(angle) }
 }
 
-pub fn flapping() -> Result<Vec<Row>, Error> {
+pub fn flapping() -> Result<Vec<ComparisonRow>, Error> {
     // Fast enough that the rotation counts, stiff enough that the tip bends by 4e-3 of the length, so that the small-deflection
     // equation holds to 1e-4.
-    let swing = apart::Swing { amplitude: 3.0, omega: 2.0, stiffness: 600.0 };
+    let swing = apart::RootSwing { amplitude: 3.0, omega: 2.0, stiffness: 600.0 };
     let numbers = [swing.stiffness, 1e6, 1.0, 1e-4];
-    let of = apart::Linear { root: numbers, tip: numbers, ..UNIFORM };
+    let of = apart::TaperedBeam { root: numbers, tip: numbers, ..UNIFORM };
     let beam = super::beam(&of, 1, 6)?;
     let root = |t: f64| flapping_root(swing.amplitude, swing.omega, t);
     let setting = |t: f64| Setting { root: root(t), ..Setting::default() };
     let (h, steps) = (5e-4, 3200);
     let mut found = Vec::new();
-    let moving = Moving { beam: &beam, setting: &setting };
+    let moving = MovingBeam { beam: &beam, setting: &setting };
     run(&moving, at_rest(vec![0.0; beam.coordinates()]), h, steps, |_, at| {
         found.push(beam.places(&Place::IDENTITY, &at.q)[beam.tip()].p[2]);
     })?;
@@ -96,9 +96,9 @@ pub fn flapping() -> Result<Vec<Row>, Error> {
     let metric = "rms error of the tip's deflection over its rms, root swings through 344 deg in 1.6 s";
     let source = "small deflection in turning axes by six polynomials and Runge-Kutta, written apart";
     let largest = known.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let shown = |id: &str, metric: &str, value| Row::shown(id, source, metric, value, "");
+    let shown = |id: &str, metric: &str, value| ComparisonRow::shown(id, source, metric, value, "");
     Ok(vec![
-        Row::judged("fsi.beam.flapping", source, metric, off(&found), 1e-3, ""),
+        ComparisonRow::judged("fsi.beam.flapping", source, metric, off(&found), 1e-3, ""),
         shown("fsi.beam.flapping.deflection", "largest deflection of the tip over length", largest),
         shown(
             "fsi.beam.flapping.rotation",
@@ -120,14 +120,14 @@ fn limp(order: usize) -> Result<Beam, Error> {
     Ok(Beam::new(&stations, &[], &grid)?)
 }
 
-pub fn energy() -> Result<Vec<Row>, Error> {
+pub fn energy() -> Result<Vec<ComparisonRow>, Error> {
     let beam = limp(4)?;
     let setting = |t: f64| Setting {
         root: flapping_root(0.6, 12.0, t),
         gravity: Vec3::new(0.0, 0.0, -GRAVITY),
         ..Setting::default()
     };
-    let moving = Moving { beam: &beam, setting: &setting };
+    let moving = MovingBeam { beam: &beam, setting: &setting };
     let (period, steps) = (std::f64::consts::TAU / 12.0, 800);
     let start = at_rest(hold(&beam, &setting(0.0), 4).q);
     let before = beam.energy(&setting(0.0), &start.q, &start.v).total();
@@ -139,7 +139,7 @@ pub fn energy() -> Result<Vec<Row>, Error> {
     let after = beam.energy(&setting(period), &end.q, &end.v).total();
     let source = "conservation of energy";
     Ok(vec![
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.beam.energy",
             source,
             "work at the flapping root - change of energy, over the peak work, one cycle, 800 steps",
@@ -147,7 +147,7 @@ pub fn energy() -> Result<Vec<Row>, Error> {
             1e-8,
             "",
         ),
-        Row::shown(
+        ComparisonRow::shown(
             "fsi.beam.energy.deflection",
             source,
             "largest deflection of the tip in that cycle",
@@ -157,7 +157,7 @@ pub fn energy() -> Result<Vec<Row>, Error> {
     ])
 }
 
-pub fn momentum() -> Result<Vec<Row>, Error> {
+pub fn momentum() -> Result<Vec<ComparisonRow>, Error> {
     let beam = limp(2)?;
     let setting = |_: f64| Setting { free: true, ..Setting::default() };
     let n = beam.unknowns(true);
@@ -169,7 +169,7 @@ pub fn momentum() -> Result<Vec<Row>, Error> {
     let momenta = |at: &Stage| beam.momentum(&setting(0.0), &at.q, &at.v);
     let [push, turn] = momenta(&start);
     let mut worst = [0.0_f64; 2];
-    let moving = Moving { beam: &beam, setting: &setting };
+    let moving = MovingBeam { beam: &beam, setting: &setting };
     run(&moving, start, 2.5e-4, 1000, |_, at| {
         let [p, l] = momenta(at);
         worst =
@@ -180,12 +180,19 @@ pub fn momentum() -> Result<Vec<Row>, Error> {
         format!("largest relative change of the {what} of a free bending beam in 0.25 s, 1000 steps")
     };
     Ok(vec![
-        Row::judged("fsi.beam.momentum", source, &metric("momentum"), worst[0], 1e-10, ""),
-        Row::judged("fsi.beam.momentum.angular", source, &metric("angular momentum"), worst[1], 1e-10, ""),
+        ComparisonRow::judged("fsi.beam.momentum", source, &metric("momentum"), worst[0], 1e-10, ""),
+        ComparisonRow::judged(
+            "fsi.beam.momentum.angular",
+            source,
+            &metric("angular momentum"),
+            worst[1],
+            1e-10,
+            "",
+        ),
     ])
 }
 
-pub fn derivatives() -> Result<Vec<Row>, Error> {
+pub fn derivatives() -> Result<Vec<ComparisonRow>, Error> {
     let beam = limp(3)?;
     let load = Load {
         moment: Vec3::new(0.01, 0.02, -0.01),
@@ -222,18 +229,25 @@ pub fn derivatives() -> Result<Vec<Row>, Error> {
         }
     }
     let metric = "max error of the derivatives of the motion by coordinates, rates and accelerations, over the column's largest";
-    Ok(vec![Row::judged("fsi.beam.derivatives", "differences of fourth order", metric, worst, 1e-6, "")])
+    Ok(vec![ComparisonRow::judged(
+        "fsi.beam.derivatives",
+        "differences of fourth order",
+        metric,
+        worst,
+        1e-6,
+        "",
+    )])
 }
 
-pub fn step_order() -> Result<Vec<Row>, Error> {
+pub fn step_order() -> Result<Vec<ComparisonRow>, Error> {
     let beam = limp(2)?;
     let setting = |t: f64| Setting { root: flapping_root(0.6, 12.0, t), ..Setting::default() };
-    let moving = Moving { beam: &beam, setting: &setting };
+    let moving = MovingBeam { beam: &beam, setting: &setting };
     let end = |steps: usize| {
         let at = run(&moving, at_rest(vec![0.0; beam.coordinates()]), 0.2 / steps as f64, steps, |_, _| ())?;
         Ok::<_, Error>(beam.places(&Place::IDENTITY, &at.q)[beam.tip()].p)
     };
     let exact = end(1600)?;
     let observed = ((end(100)? - exact).norm() / (end(200)? - exact).norm()).log2();
-    Ok(vec![Row::order("fsi.beam.step_order", "its own limit, steps halved", observed, 4.0, 0.3)])
+    Ok(vec![ComparisonRow::order("fsi.beam.step_order", "its own limit, steps halved", observed, 4.0, 0.3)])
 }

@@ -1,6 +1,6 @@
 //! Spars of links: chains of rigid pieces on springs beside the beam for which they stand.
 
-use crate::{Error, Row};
+use crate::{ComparisonRow, Error};
 use nalgebra::DMatrix;
 use wingbeat::math::Quat;
 use wingbeat::plant::{Linearisation, Plant};
@@ -41,7 +41,7 @@ spar = {{ length_m = 0.1, segments = {segments}, bending_n_m2 = 1e-5, torsion_n_
     Ok([nearest(EXACT[0] * 10.0), nearest(EXACT[1] * 1e3)])
 }
 
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let source = "closed form of the uniform cantilever";
     let mut rows = Vec::new();
     let mut bending = Vec::new();
@@ -49,7 +49,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         let [bend, twist] = errors(segments)?;
         bending.push(bend);
         for (what, id, value) in [("bending", "", bend), ("torsion", ".torsion", twist)] {
-            rows.push(Row::shown(
+            rows.push(ComparisonRow::shown(
                 &format!("fsi.beam.segments.{segments}{id}"),
                 source,
                 &format!("relative error of the lowest frequency of {what}, {segments} segments of a link"),
@@ -59,6 +59,6 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         }
     }
     let observed = (bending[1] / bending[3]).log2();
-    rows.push(Row::order("fsi.beam.segments", "bending, 2 and 4 segments", observed, 2.0, 0.3));
+    rows.push(ComparisonRow::order("fsi.beam.segments", "bending, 2 and 4 segments", observed, 2.0, 0.3));
     Ok(rows)
 }

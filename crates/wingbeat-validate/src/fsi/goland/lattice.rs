@@ -1,14 +1,16 @@
 //! Goland's wing in the air of the library's lattice, which knows the finite wing and its wake.
 
 use super::{ALOFT, AXIS, C, MODES, SEMI_CHORD, SPAN, beam, flutter};
-use crate::{Error, Row, reference_table};
+use crate::{ComparisonRow, Error, reference_table};
 use nalgebra::DMatrix;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::{Jet, Mat3, Scalar, Vec3};
 use wingbeat::structure::{Beam, Place, Setting, Swung, frequencies, linear, turning};
-use wingbeat_lattice::{Lattice, Layout, Scene, Sections, Settings, Spacing, Surface};
+use wingbeat_lattice::{
+    Lattice, LatticeSettings, LatticeSurface, MovingSections, PanelLayout, Scene, Spacing,
+};
 
 /// Largest strain coordinate of a pulse, 1/m: loads are linear to its square.
 const SMALL: f64 = 1e-5;
@@ -20,7 +22,7 @@ const BEHIND: f64 = 16.0;
 
 /// A lattice over the half wing.
 #[derive(Clone, Copy)]
-struct Panels {
+struct HalfWingPanels {
     chordwise: usize,
     half: usize,
 }
@@ -52,7 +54,7 @@ fn setting() -> Setting {
     Setting { root: root(), ..Setting::default() }
 }
 
-impl Sections for Pulsed {
+impl MovingSections for Pulsed {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let [q, v, a] = Self::at(t).map(|f| self.shape.iter().map(|x| SMALL * f * x).collect::<Vec<f64>>());
         let places = self.beam.motion(&setting(), &q, &v, &a);
@@ -81,12 +83,12 @@ fn fields(beam: &Beam, shape: &[f64]) -> Vec<[Vec3; 2]> {
 }
 
 /// Generalised forces over time of all modes under a pulse of one of them, over its size, in air of 1 kg/m3 at 1 m/s.
-struct Answer {
+struct PulseResponse {
     step: f64,
     forces: Vec<Vec<f64>>,
 }
 
-fn answer(panels: Panels, which: usize) -> Result<(Vec<f64>, Answer), Error> {
+fn answer(panels: HalfWingPanels, which: usize) -> Result<(Vec<f64>, PulseResponse), Error> {
     let station = |arc_m| PlanformStation {
         arc_m,
         leading_edge_m: AXIS * 2.0 * SEMI_CHORD,
@@ -94,8 +96,8 @@ fn answer(panels: Panels, which: usize) -> Result<(Vec<f64>, Answer), Error> {
     };
     let planform = Planform::new(&[station(0.0), station(SPAN)])?;
     let failed = |error: wingbeat_lattice::Error| Error::NoAnswer(error.to_string());
-    let layout = Layout::of(&planform, &[0.0], panels.chordwise, 2 * panels.half, Spacing::Uniform);
-    let layout = layout.map_err(failed)?.first().and_then(Layout::left_half);
+    let layout = PanelLayout::of(&planform, &[0.0], panels.chordwise, 2 * panels.half, Spacing::Uniform);
+    let layout = layout.map_err(failed)?.first().and_then(PanelLayout::left_half);
     let layout = layout.ok_or_else(|| Error::NoAnswer("half a lattice".into()))?;
     let middles: Vec<f64> = layout.arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let inner = layout.arcs.iter().chain(&middles).copied().filter(|arc| *arc > 0.0 && *arc < SPAN);
@@ -103,12 +105,13 @@ fn answer(panels: Panels, which: usize) -> Result<(Vec<f64>, Answer), Error> {
     let modes = frequencies(&linear(&beam, &Setting::default(), &vec![0.0; beam.coordinates()]));
     let squares = modes.iter().take(MODES).map(|mode| mode.0 * mode.0).collect();
     let moved = Pulsed { beam: beam.clone(), shape: modes[which].1.clone() };
-    let surface = Surface { layout, sections: Arc::new(moved) };
+    let surface = LatticeSurface { layout, sections: Arc::new(moved) };
     let wind = Vec3::new(-1.0, 0.0, 0.0);
     let scene = Scene { surfaces: vec![surface], wind, density_kg_m3: 1.0, symmetric: true, ground: None };
     // A panel a step.
     let step = 2.0 * SEMI_CHORD / panels.chordwise as f64;
-    let mut lattice = Lattice::new(scene, Settings::new(step, 0.02 * 2.0 * SEMI_CHORD)).map_err(failed)?;
+    let mut lattice =
+        Lattice::new(scene, LatticeSettings::new(step, 0.02 * 2.0 * SEMI_CHORD)).map_err(failed)?;
     let own: Vec<Vec<[Vec3; 2]>> = modes.iter().take(MODES).map(|mode| fields(&beam, &mode.1)).collect();
     let at: Vec<usize> = middles.iter().map(|arc| beam.nearest(*arc)).collect();
     let steps = ((BEFORE + BEHIND) * panels.chordwise as f64).round() as usize;
@@ -122,10 +125,10 @@ fn answer(panels: Panels, which: usize) -> Result<(Vec<f64>, Answer), Error> {
             forces.push(work.sum::<f64>() / SMALL);
         }
     }
-    Ok((squares, Answer { step, forces }))
+    Ok((squares, PulseResponse { step, forces }))
 }
 
-impl Answer {
+impl PulseResponse {
     /// Generalised forces per unit of a harmonic motion of the reduced frequency `k`: the transforms' quotient.
     fn at(&self, k: f64) -> Vec<C> {
         let omega = k / SEMI_CHORD;
@@ -138,9 +141,9 @@ impl Answer {
 }
 
 /// Speed and frequency of flutter in the air of a lattice of those panels.
-fn of(panels: Panels) -> Result<[f64; 2], Error> {
+fn of(panels: HalfWingPanels) -> Result<[f64; 2], Error> {
     let all: Vec<usize> = (0..MODES).collect();
-    let mut found: Vec<Option<Answer>> = all.iter().map(|_| None).collect();
+    let mut found: Vec<Option<PulseResponse>> = all.iter().map(|_| None).collect();
     let (mut squares, mut failed) = (Vec::new(), None);
     wingbeat::parallel::each(
         &all,
@@ -156,7 +159,7 @@ fn of(panels: Panels) -> Result<[f64; 2], Error> {
     if let Some(error) = failed {
         return Err(error);
     }
-    let answers: Vec<Answer> = found.into_iter().flatten().collect();
+    let answers: Vec<PulseResponse> = found.into_iter().flatten().collect();
     flutter(&squares, |k| {
         let columns: Vec<Vec<C>> = answers.iter().map(|answer| answer.at(k)).collect();
         // Forces grow with U^2 = (omega b/k)^2, so that omega falls out.
@@ -191,13 +194,13 @@ fn apart() -> Result<([f64; 2], f64), Error> {
 }
 
 /// Published speeds beside `speed`, which differ among themselves.
-fn published(speed: f64) -> Result<Vec<Row>, Error> {
+fn published(speed: f64) -> Result<Vec<ComparisonRow>, Error> {
     let table = reference_table!("goland/published.csv")?;
     let (names, methods) = (table.words("name")?, table.words("method")?);
     let (panels, speeds) = (table.words("panels")?, table.column("speed_m_s")?);
     let row = |i: usize| {
         let panels = if panels[i] == "-" { String::new() } else { format!(", {} panels", panels[i]) };
-        Row::shown(
+        ComparisonRow::shown(
             &format!("fsi.goland.lattice.{}", names[i]),
             "validation/goland/published.csv",
             &format!(
@@ -211,17 +214,19 @@ fn published(speed: f64) -> Result<Vec<Row>, Error> {
     Ok((0..names.len()).map(row).collect())
 }
 
-pub fn rows() -> Result<Vec<Row>, Error> {
-    let (fine, coarse) = (Panels { chordwise: 9, half: 12 }, Panels { chordwise: 6, half: 8 });
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
+    let (fine, coarse) =
+        (HalfWingPanels { chordwise: 9, half: 12 }, HalfWingPanels { chordwise: 6, half: 8 });
     let (found, before) = (of(fine)?, of(coarse)?);
     let limit = endless(before, found, fine.half as f64 / coarse.half as f64);
     let ([speed, frequency], spread) = apart()?;
-    let Panels { chordwise, half } = fine;
+    let HalfWingPanels { chordwise, half } = fine;
     let source = format!(
         "a lattice in the frequency domain on its own beam, extrapolated: {speed:.1} m/s, {frequency:.1} rad/s (validation/goland)"
     );
     let off = |value: f64, other: f64| (value / other - 1.0).abs();
-    let judged = |id: &str, what: String, value: f64| Row::judged(id, &source, &what, value, 0.03, "");
+    let judged =
+        |id: &str, what: String, value: f64| ComparisonRow::judged(id, &source, &what, value, 0.03, "");
     let mut rows = vec![
         judged(
             "fsi.goland.lattice",
@@ -241,7 +246,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             format!("relative error of its frequency, extrapolated ({:.1} rad/s)", limit[1]),
             off(limit[1], frequency),
         ),
-        Row::judged(
+        ComparisonRow::judged(
             "fsi.goland.lattice.series",
             &source,
             "relative difference of the limits of two series of grids of surface.py",

@@ -1,7 +1,7 @@
 //! A latex membrane on a frame of four sides, aspect ratio 2, in a wind tunnel.
 
 use crate::aero_full::last_cycle;
-use crate::{Error, Row, reference_table};
+use crate::{ComparisonRow, Error, reference_table};
 use wingbeat::aero::{
     Aero, CD0, CD90, LiftLaw, MembraneSpec, Planform, PlanformStation, ProfileDrag, SectionSettings,
     StripModel, StripSettings, membrane_height,
@@ -22,13 +22,13 @@ const JUDGED: std::ops::RangeInclusive<f64> = 4.0..=16.0;
 
 /// Normal force coefficient and largest mean displacement over the chord.
 #[derive(Clone, Copy)]
-struct State {
+struct MembraneState {
     force: f64,
     height: f64,
 }
 
 /// The wing in a wind of `speed` m/s at the incidence `alpha_deg` with so many strips.
-fn wing(speed: f64, alpha_deg: f64, prestrain: [f64; 2], strips: usize) -> Result<State, Error> {
+fn wing(speed: f64, alpha_deg: f64, prestrain: [f64; 2], strips: usize) -> Result<MembraneState, Error> {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -CHORD };
     let planform = Planform::new(&[station(0.0), station(0.5 * SPAN)])?;
     let settings = StripSettings {
@@ -70,7 +70,7 @@ fn wing(speed: f64, alpha_deg: f64, prestrain: [f64; 2], strips: usize) -> Resul
     let scale = 0.5 * DENSITY * speed * speed * reference.area_m2;
     let cycle = last_cycle(&tether)?;
     let count = cycle.len() as f64;
-    let mut mean = State { force: 0.0, height: 0.0 };
+    let mut mean = MembraneState { force: 0.0, height: 0.0 };
     let mut shapes = vec![[0.0; 2]; strips];
     for loads in &cycle {
         let force = loads.wrench.force;
@@ -133,7 +133,7 @@ fn fitted() -> Result<[f64; 2], Error> {
 }
 
 /// The rows.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let judged = |alpha: f64| JUDGED.contains(&alpha);
     let prestrain = fitted()?;
     let id = |name: &str| format!("fsi.membrane.latex.{name}");
@@ -143,12 +143,13 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let [late_force, late_height] = errors(10.0, prestrain, |alpha| alpha > 16.0)?;
     let base = wing(10.0, 10.0, prestrain, 16)?;
     let fine = wing(10.0, 10.0, prestrain, 32)?;
-    let row = |name: &str, metric: String, value: f64| Row::shown(&id(name), SOURCE, &metric, value, "");
+    let row =
+        |name: &str, metric: String, value: f64| ComparisonRow::shown(&id(name), SOURCE, &metric, value, "");
     Ok(vec![
         row("prestrain", "prestrain along the chord, fitted at 5 m/s".into(), prestrain[0]),
         row("prestrain_span", "prestrain along the span, fitted at 5 m/s".into(), prestrain[1]),
         row("force", format!("normal force at 10 m/s, 4 to 16 deg (asked 0.15): {what}"), force),
-        Row::judged(
+        ComparisonRow::judged(
             &id("height"),
             SOURCE,
             &format!("largest displacement at 10 m/s, 4 to 16 deg: {what}"),

@@ -4,18 +4,17 @@
 //! the circulation changes by is shed and drifts with the wind. Pressure rho (V gamma + d/dt of the circulation ahead). Chord,
 //! wind and density are 1.
 
-use super::{Sheet, membrane};
-use crate::{Error, Row};
-use nalgebra::{Complex, DMatrix, DVector};
+use super::super::C;
+use super::{SailSheet, membrane};
+use crate::{ComparisonRow, Error};
+use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use wingbeat::aero::LiftLaw;
 use wingbeat::tether::{Clock, Coordinate, Motion};
 
-type C = Complex<f64>;
-
 /// Amplitudes over that of the heave's rate: lift coefficient, height at mid chord.
-struct Answer {
+struct SailResponse {
     lift: C,
     camber: C,
 }
@@ -42,7 +41,7 @@ const PIECES: usize = 48;
 
 /// A sail of the tension `tension` and the own damping `damping` that heaves with the rate cos(w t): implicit steps of a piece of the
 /// chord each.
-fn vortices(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
+fn vortices(tension: f64, damping: f64, rate: f64) -> Result<SailResponse, Error> {
     let (n, dx) = (PIECES, 1.0 / PIECES as f64);
     let vortex = |j: usize| (j as f64 + 0.25) * dx;
     let control = |i: usize| (i as f64 + 0.75) * dx;
@@ -131,7 +130,7 @@ fn vortices(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
             sums[1] += C::from_polar(2.0 / per_cycle, -rate * time) * heights[0];
         }
     }
-    Ok(Answer { lift: sums[0], camber: sums[1] })
+    Ok(SailResponse { lift: sums[0], camber: sums[1] })
 }
 
 /// Lift slope, 1/rad, of a sail at rest of that tension over q c: vortices on `pieces` of a stretched string between two
@@ -180,7 +179,7 @@ pub fn at_rest(ratio: f64, pieces: usize) -> Result<f64, Error> {
 }
 
 /// The same of preset full.
-fn strips(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
+fn strips(tension: f64, damping: f64, rate: f64) -> Result<SailResponse, Error> {
     let stiffness = 50.0 * tension;
     let heave = Coordinate::Fourier {
         frequency_hz: rate / TAU,
@@ -191,9 +190,13 @@ fn strips(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
     let steps_per_cycle = 400;
     let clock = Clock { frequency_hz: rate / TAU, cycles: 8, steps_per_cycle };
     let skin = membrane(stiffness, tension / stiffness, damping);
-    let sheet =
-        Sheet { membrane: skin, law: LiftLaw::Linear, motion: Motion { heave, ..Motion::at_rest() }, clock };
-    let mut answer = Answer { lift: C::new(0.0, 0.0), camber: C::new(0.0, 0.0) };
+    let sheet = SailSheet {
+        membrane: skin,
+        law: LiftLaw::Linear,
+        motion: Motion { heave, ..Motion::at_rest() },
+        clock,
+    };
+    let mut answer = SailResponse { lift: C::new(0.0, 0.0), camber: C::new(0.0, 0.0) };
     let (cycle, area) = sheet.loads()?;
     for (k, loads) in cycle.iter().enumerate() {
         let turn =
@@ -211,7 +214,7 @@ const AMPLITUDE: f64 = 1e-3;
 const DAMPING: f64 = 0.05;
 
 /// The rows.
-pub fn rows() -> Result<Vec<Row>, Error> {
+pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let source = "48 vortices on the chord and those shed, own";
     let mut rows = Vec::new();
     for reduced in [0.1, 0.25, 0.5] {
@@ -233,8 +236,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             let (id, metric) =
                 (format!("fsi.membrane.moving.{name}_{reduced}"), format!("error of {of}: {what}"));
             rows.push(match name {
-                "rigid" => Row::shown(&id, source, &metric, value, ""),
-                _ => Row::judged(&id, source, &metric, value, 0.05, ""),
+                "rigid" => ComparisonRow::shown(&id, source, &metric, value, ""),
+                _ => ComparisonRow::judged(&id, source, &metric, value, 0.05, ""),
             });
         }
     }

@@ -6,7 +6,10 @@ const GOOD: Case = Case {
     id: "a.good",
     quick: true,
     run: || {
-        Ok(vec![Row::judged("a.good.x", "s", "m", 1.0, 2.0, ""), Row::shown("a.good.y", "s", "m", 9.0, "")])
+        Ok(vec![
+            ComparisonRow::judged("a.good.x", "s", "m", 1.0, 2.0, ""),
+            ComparisonRow::shown("a.good.y", "s", "m", 9.0, ""),
+        ])
     },
 };
 const BAD: Case =
@@ -15,10 +18,10 @@ const PANIC: Case = Case { id: "b", quick: true, run: || panic!("broken") };
 
 #[test]
 fn limits_judge_and_missing_limits_do_not() {
-    assert!(Row::judged("i", "s", "m", 1.0, 1.0, "").passes());
-    assert!(!Row::judged("i", "s", "m", f64::NAN, 1.0, "").passes());
-    assert!(Row::shown("i", "s", "m", 1e9, "").passes());
-    assert!(!Row::order("i", "s", 3.7, 4.0, 0.2).passes());
+    assert!(ComparisonRow::judged("i", "s", "m", 1.0, 1.0, "").passes());
+    assert!(!ComparisonRow::judged("i", "s", "m", f64::NAN, 1.0, "").passes());
+    assert!(ComparisonRow::shown("i", "s", "m", 1e9, "").passes());
+    assert!(!ComparisonRow::order("i", "s", 3.7, 4.0, 0.2).passes());
 }
 
 #[test]
@@ -57,7 +60,7 @@ fn long_cases_tell_how_far_they_are_and_end_when_told_to() {
         id: "c.long",
         core_minutes: 1.0,
         run: |watch| match (0..3).try_for_each(|done| watch(done + 1, 3)) {
-            ControlFlow::Continue(()) => Ok(vec![Row::shown("c.long.x", "s", "m", 1.0, "")]),
+            ControlFlow::Continue(()) => Ok(vec![ComparisonRow::shown("c.long.x", "s", "m", 1.0, "")]),
             ControlFlow::Break(()) => Ok(Vec::new()),
         },
     };
@@ -87,7 +90,9 @@ fn a_break_ends_the_running() {
 
 #[test]
 fn two_rows_of_one_id_are_refused() {
-    let twice = || Ok(vec![Row::shown("c", "s", "m", 1.0, ""), Row::shown("c", "s", "n", 1.0, "")]);
+    let twice = || {
+        Ok(vec![ComparisonRow::shown("c", "s", "m", 1.0, ""), ComparisonRow::shown("c", "s", "n", 1.0, "")])
+    };
     let rows = run(&[&Case { id: "c", quick: true, run: twice }], &Selection::default(), |_| {
         ControlFlow::Continue(())
     });

@@ -3,11 +3,11 @@ use wingbeat_validate::orbit::replay::*;
 
 #[test]
 fn joints_at_rest_give_nothing_to_the_air() {
-    let motion = Motion::of("cruise_20g").unwrap().gentler(0.0).unwrap();
-    let fineness = Fineness { chordwise: 2, spanwise: 12, core: 0.05, twisted: Twisted::Joined(0.0) };
+    let motion = OrbitMotion::of("cruise_20g").unwrap().gentler(0.0).unwrap();
+    let fineness = LatticeFineness { chordwise: 2, spanwise: 12, core: 0.05, twisted: Twisted::Joined(0.0) };
     let [_, lattice] = motion.lattice(fineness).unwrap();
     let strips = motion.strips(&motion.driven(|_| ()).unwrap()).unwrap();
-    let most = |cycle: &[Instant]| cycle.iter().fold(0.0, |most: f64, i| most.max(i.power.abs()));
+    let most = |cycle: &[InstantLoads]| cycle.iter().fold(0.0, |most: f64, i| most.max(i.power.abs()));
     assert!(most(&strips) < 1e-9 && most(&lattice) < 1e-9, "{} {}", most(&strips), most(&lattice));
 }
 

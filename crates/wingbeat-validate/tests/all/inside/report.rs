@@ -3,9 +3,9 @@ use wingbeat_validate::*;
 #[test]
 fn table_is_aligned_and_says_the_verdict() {
     let rows = [
-        Row::judged("a.b", "Jones 1940", "max error", 2.5e-5, 4e-4, "deg"),
-        Row::judged("a.c", "Jones 1940", "max error", 1.0, 0.5, ""),
-        Row::shown("a.longer", "Jones 1940", "max error", 0.25, ""),
+        ComparisonRow::judged("a.b", "Jones 1940", "max error", 2.5e-5, 4e-4, "deg"),
+        ComparisonRow::judged("a.c", "Jones 1940", "max error", 1.0, 0.5, ""),
+        ComparisonRow::shown("a.longer", "Jones 1940", "max error", 0.25, ""),
     ];
     let text = table(&rows);
     let lines: Vec<_> = text.lines().collect();
@@ -16,7 +16,7 @@ fn table_is_aligned_and_says_the_verdict() {
 
 #[test]
 fn json_has_exactly_the_named_fields() {
-    let rows = [Row::judged("a", "s", "m", f64::NAN, 1.0, "")];
+    let rows = [ComparisonRow::judged("a", "s", "m", f64::NAN, 1.0, "")];
     let text = serde_json::to_string(&to_json(&rows)).unwrap();
     assert_eq!(text, r#"[{"id":"a","source":"s","metric":"m","value":null,"limit":1.0,"pass":false}]"#);
 }

@@ -1,7 +1,7 @@
-use wingbeat_config::inside::{Point, read_drawing as read};
+use wingbeat_config::inside::{DrawingPoint, read_drawing as read};
 
 /// A file of one entity from its groups, `10 1.5 20 0`.
-fn curve(kind: &str, groups: &str) -> Vec<Point> {
+fn curve(kind: &str, groups: &str) -> Vec<DrawingPoint> {
     let groups: Vec<&str> = groups.split_whitespace().collect();
     let text = format!("0\nSECTION\n2\nENTITIES\n0\n{kind}\n8\nwing\n{}\n0\nENDSEC\n", groups.join("\n"));
     read(&text).unwrap_or_else(|_| panic!("{text}")).curves.remove(0).points
@@ -9,7 +9,7 @@ fn curve(kind: &str, groups: &str) -> Vec<Point> {
 
 #[test]
 fn round_curves_lie_where_the_reference_says() {
-    let near = |a: Point, b: Point| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-12;
+    let near = |a: DrawingPoint, b: DrawingPoint| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-12;
     let arc = curve("ARC", "10 1 20 2 40 3 50 90 51 180");
     assert!(near(arc[0], [1.0, 5.0]) && near(arc[90], [-2.0, 2.0]), "{arc:?}");
     let behind = curve("ARC", "10 1 20 2 40 3 50 90 51 180 230 -1");

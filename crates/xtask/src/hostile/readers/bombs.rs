@@ -6,11 +6,11 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::{DeflateEncoder, ZlibEncoder};
 
-use super::{Case, process, refused_file, table};
+use super::{ScriptedCase, process, refused_file, table};
 use crate::tools;
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     [matlab(), numpy(), hierarchical(), text(), endless()].into_iter().flatten().collect()
 }
 
@@ -53,7 +53,7 @@ fn compressed(matrix: &[u8], megabytes: usize) -> Vec<u8> {
     [words(&[15, packed.len() as u32]), packed].concat()
 }
 
-fn matlab() -> Vec<Case> {
+fn matlab() -> Vec<ScriptedCase> {
     let claim = |name: &str, rows: u32, columns: u32| {
         let bytes = move || [header(), matrix("Fx", rows, columns)].concat();
         refused_file(name, "claim.mat", bytes, &[], &[])
@@ -138,7 +138,7 @@ fn npz(megabytes: usize) -> Vec<u8> {
     [local, central, end.concat()].concat()
 }
 
-fn numpy() -> Vec<Case> {
+fn numpy() -> Vec<ScriptedCase> {
     let claim = |name: &str, shape: &'static str, words: &[&str]| {
         let set = ["process.input.columns.Fx=claim"];
         refused_file(name, "claim.npy", move || npy(shape, "False", 64), &set, words)
@@ -177,7 +177,7 @@ fn shipped(name: &str) -> Vec<u8> {
     fs::read(tools::root().join("crates/wingbeat-io/tests").join(name)).unwrap_or_default()
 }
 
-fn hierarchical() -> Vec<Case> {
+fn hierarchical() -> Vec<ScriptedCase> {
     let looped = || {
         let mut bytes = shipped("data/samples/groups.h5");
         let root = bytes.get(64..72).unwrap_or_default().to_vec();
@@ -220,7 +220,7 @@ fn hierarchical() -> Vec<Case> {
     ]
 }
 
-fn text() -> Vec<Case> {
+fn text() -> Vec<ScriptedCase> {
     let wide = || (vec!["x"; 20_000].join(",") + "\n1\n").into_bytes();
     let quoted = || [table(3, 1000.0, ','), b"\"".to_vec(), table(40_000, 1000.0, ',')].concat();
     let line = || [table(3, 1000.0, ','), vec![b'1'; 40 << 20]].concat();
@@ -241,8 +241,8 @@ fn text() -> Vec<Case> {
 }
 
 /// A pipe that nobody writes into.
-fn endless() -> Vec<Case> {
-    vec![Case::new(2, "fifo_samples", |place| {
+fn endless() -> Vec<ScriptedCase> {
+    vec![ScriptedCase::new(2, "fifo_samples", |place| {
         let made = std::process::Command::new("mkfifo").arg(place.path("pipe.csv")).status();
         made.map_err(|error| error.to_string())?;
         process(place, "pipe.csv", &[])?.exits(2)?.says(&["pipe.csv", "not a regular file"])?;

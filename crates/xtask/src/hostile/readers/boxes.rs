@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::super::case::Judged;
-use super::super::place::{Place, Running};
+use super::super::case::CaseOutcome;
+use super::super::place::{CaseFolder, Running};
 use super::holds;
 
 /// Added to the box's ports: every case has its own.
@@ -23,7 +23,7 @@ pub struct Emulated {
 
 impl Emulated {
     /// Starts one with these faults and waits until it answers.
-    pub fn start(place: &Place, faults: &[&str]) -> Result<Self, String> {
+    pub fn start(place: &CaseFolder, faults: &[&str]) -> Result<Self, String> {
         let number = OFFSET.fetch_add(1, Ordering::Relaxed);
         let offset = number.to_string();
         let arguments = [&["rig", "emulate", "--port-offset", &offset], faults].concat();
@@ -53,7 +53,7 @@ fn count(summary: &Value, key: &str) -> f64 {
 }
 
 /// What came and what is booked as missing is what the clock says, within a tenth.
-pub fn accounted(summary: &Value) -> Judged {
+pub fn accounted(summary: &Value) -> CaseOutcome {
     let booked = count(summary, "records") + count(summary, "lost") + count(summary, "unsent");
     let clock = &summary["by_clock"];
     let tail = count(clock, "tail_s") * count(clock, "stated_rate_hz");

@@ -1,9 +1,9 @@
 //! Class 5: tables with one column more or rows less; the other files that contradict themselves are data, `files.toml`.
 
-use super::{Case, holds, json, process, table};
+use super::{ScriptedCase, holds, json, process, table};
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     columns().into_iter().chain(rates()).collect()
 }
 
@@ -13,9 +13,9 @@ fn refused(
     text: impl Fn() -> String + Send + Sync + 'static,
     set: &[&str],
     words: &[&str],
-) -> Case {
+) -> ScriptedCase {
     let case = super::refused_file(name, "taken.csv", move || text().into_bytes(), set, words);
-    Case { class: 5, ..case }
+    ScriptedCase { class: 5, ..case }
 }
 
 /// Two seconds at 1 kHz.
@@ -35,7 +35,7 @@ fn with_more(name: &'static str) -> impl Fn() -> String + Send + Sync + 'static 
 }
 
 /// Columns that could be one another; the other cases are data.
-fn columns() -> Vec<Case> {
+fn columns() -> Vec<ScriptedCase> {
     let set = "process.input.columns";
     vec![
         refused("twice_fx", with_more("force_x_N"), &[], &["fx_N, force_x_N could all be Fx", set]),
@@ -59,8 +59,8 @@ fn holed() -> String {
 }
 
 /// A file that is processed although a key contradicts it, which is said; `exit` says what its data are held for.
-fn said(name: &str, text: fn() -> String, rate: &'static str, part: &'static str, exit: i32) -> Case {
-    Case::new(5, name, move |place| {
+fn said(name: &str, text: fn() -> String, rate: &'static str, part: &'static str, exit: i32) -> ScriptedCase {
+    ScriptedCase::new(5, name, move |place| {
         place.write("taken.csv", &text())?;
         let key = rate.split('=').next().unwrap_or_default();
         process(place, "taken.csv", &[rate, "process.phase=frequency"])?
@@ -72,7 +72,7 @@ fn said(name: &str, text: fn() -> String, rate: &'static str, part: &'static str
     })
 }
 
-fn rates() -> Vec<Case> {
+fn rates() -> Vec<ScriptedCase> {
     vec![
         // The rate closes the holes: the cycle is too short by what is missing.
         said("rate_over_holes", holed, "process.input.rate_hz=1000", "40 samples missing", 3),

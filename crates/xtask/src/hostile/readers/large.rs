@@ -1,9 +1,9 @@
 //! Class 6: real files of many minutes, in any format: time and memory are those of every call (60 s, 1 GB), figures
 //! stay small, and what is averaged is what was measured.
 
-use super::super::case::Judged;
-use super::super::place::Place;
-use super::{Case, HEADER, holds, json, process, sample, table};
+use super::super::case::CaseOutcome;
+use super::super::place::CaseFolder;
+use super::{HEADER, ScriptedCase, holds, json, process, sample, table};
 
 /// Samples per second of the box.
 const RATE: f64 = 7000.0;
@@ -13,7 +13,7 @@ const MOST_FIGURE: u64 = 2 << 20;
 const MINUTE: usize = 7000 * 60;
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     let mut all = vec![
         whole("ten_minutes_csv", "long.csv", || table(10 * MINUTE, RATE, ','), &[], 2099).alone(),
         whole(
@@ -62,8 +62,8 @@ fn whole(
     bytes: impl Fn() -> Vec<u8> + Send + Sync + 'static,
     set: &'static [&'static str],
     cycles: usize,
-) -> Case {
-    let case = Case::new(6, name, move |place: &Place| {
+) -> ScriptedCase {
+    let case = ScriptedCase::new(6, name, move |place: &CaseFolder| {
         place.write_bytes(file, &bytes())?;
         // The window of the run ends with it; here it is the whole file.
         let set = [&["process.window_s=[0,1e5]"], set].concat();
@@ -77,7 +77,7 @@ fn whole(
     case.long()
 }
 
-fn small_figures(place: &Place) -> Judged {
+fn small_figures(place: &CaseFolder) -> CaseOutcome {
     for name in place.names("long-processed/figures/bench")? {
         let path = place.path("long-processed/figures/bench").join(&name);
         let size = std::fs::metadata(&path).map_err(|error| format!("{name}: {error}"))?.len();
@@ -87,8 +87,8 @@ fn small_figures(place: &Place) -> Judged {
 }
 
 /// A long file that lacks its end.
-fn cut(name: &str, rows: usize) -> Case {
-    let case = Case::new(6, name, move |place: &Place| {
+fn cut(name: &str, rows: usize) -> ScriptedCase {
+    let case = ScriptedCase::new(6, name, move |place: &CaseFolder| {
         let bytes = table(rows, RATE, ',');
         place.write_bytes("long.csv", &bytes[..bytes.len() - 5])?;
         let word = format!("cut short at sample {}", rows - 1);

@@ -6,12 +6,12 @@ mod files;
 mod large;
 pub mod pages;
 
-use super::Case;
-use super::case::Judged;
-use super::place::{Ended, Place};
+use super::ScriptedCase;
+use super::case::CaseOutcome;
+use super::place::{CallEnd, CaseFolder};
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     [bombs::cases(), files::cases(), pages::cases(), large::cases()].into_iter().flatten().collect()
 }
 
@@ -28,7 +28,7 @@ const PLAIN: [&str; 6] = [
 ];
 
 /// `rig process FILE` with these settings.
-fn process(place: &Place, file: &str, set: &[&str]) -> Result<Ended, String> {
+fn process(place: &CaseFolder, file: &str, set: &[&str]) -> Result<CallEnd, String> {
     let mut arguments = vec!["rig", "process", file, "--run", BENCH];
     set.iter().for_each(|set| arguments.extend(["--set", set]));
     arguments.extend(PLAIN);
@@ -42,10 +42,10 @@ fn refused_file(
     bytes: impl Fn() -> Vec<u8> + Send + Sync + 'static,
     set: &[&str],
     words: &[&str],
-) -> Case {
+) -> ScriptedCase {
     let own = |list: &[&str]| -> Vec<String> { list.iter().map(|word| (*word).to_owned()).collect() };
     let (file, set, words) = (file.to_owned(), own(set), own(words));
-    Case::new(2, name, move |place| {
+    ScriptedCase::new(2, name, move |place| {
         place.write_bytes(&file, &bytes())?;
         let before = place.state()?;
         let set: Vec<&str> = set.iter().map(String::as_str).collect();
@@ -56,12 +56,12 @@ fn refused_file(
 }
 
 /// A JSON file of the case's folder.
-pub fn json(place: &Place, name: &str) -> Result<serde_json::Value, String> {
+pub fn json(place: &CaseFolder, name: &str) -> Result<serde_json::Value, String> {
     serde_json::from_str(&place.read(name)?).map_err(|error| format!("{name}: {error}"))
 }
 
 /// A condition with what it was about.
-pub fn holds(condition: bool, what: impl ToString) -> Judged {
+pub fn holds(condition: bool, what: impl ToString) -> CaseOutcome {
     if condition { Ok(()) } else { Err(what.to_string()) }
 }
 

@@ -5,8 +5,8 @@ use std::net::{TcpListener, TcpStream};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::super::place::Place;
-use super::{Case, holds};
+use super::super::place::CaseFolder;
+use super::{ScriptedCase, holds};
 
 /// A server of one answer on a port of its own, as long as the program runs; the offset of its port.
 fn serve(answer: impl Fn(&mut TcpStream) + Send + 'static) -> Result<String, String> {
@@ -32,7 +32,7 @@ fn serve(answer: impl Fn(&mut TcpStream) + Send + 'static) -> Result<String, Str
     Ok((port - 80).to_string())
 }
 
-fn record<'a>(place: &'a Place, offset: &str) -> super::super::place::Call<'a> {
+fn record<'a>(place: &'a CaseFolder, offset: &str) -> super::super::place::Call<'a> {
     place.call(&["rig", "record", "127.0.0.1", "--port-offset", offset, "--out", "taken", "--duration", "1"])
 }
 
@@ -49,8 +49,8 @@ fn connection(
     name: &str,
     answer: impl Fn(&mut TcpStream) + Send + Sync + Clone + 'static,
     words: &'static [&'static str],
-) -> Case {
-    let case = Case::new(2, name, move |place| {
+) -> ScriptedCase {
+    let case = ScriptedCase::new(2, name, move |place| {
         let offset = serve(answer.clone())?;
         let begun = Instant::now();
         record(place, &offset).run()?.exits(2)?.says(&["http://127.0.0.1"])?.says(words)?;
@@ -72,9 +72,9 @@ fn flood(stream: &mut TcpStream) {
 }
 
 /// The cases.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<ScriptedCase> {
     let interrupted = |name: &str, signal: &'static str| {
-        let case = Case::new(2, name, move |place| {
+        let case = ScriptedCase::new(2, name, move |place| {
             let offset = serve(byte_by_byte)?;
             record(place, &offset)
                 .signal(signal, Duration::from_millis(1500))
