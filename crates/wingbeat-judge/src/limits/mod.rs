@@ -3,6 +3,7 @@
 pub mod asked;
 pub mod calibration;
 pub mod data;
+pub mod flap;
 pub mod flight;
 pub mod membrane;
 pub mod paper;
@@ -81,10 +82,11 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 13] = [
+    let kinds: [&'static [Limit]; 14] = [
         &flight::ALL,
         &range::ALL,
         &membrane::ALL,
+        &flap::ALL,
         &trim::ALL,
         &plan::ALL,
         &sweep::ALL,

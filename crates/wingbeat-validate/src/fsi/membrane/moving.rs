@@ -191,8 +191,13 @@ fn strips(tension: f64, damping: f64, rate: f64) -> Result<Answer, Error> {
     let steps_per_cycle = 400;
     let clock = Clock { frequency_hz: rate / TAU, cycles: 8, steps_per_cycle };
     let skin = membrane(stiffness, tension / stiffness, damping);
-    let sheet =
-        Sheet { membrane: skin, law: LiftLaw::Linear, motion: Motion { heave, ..Motion::at_rest() }, clock };
+    let sheet = Sheet {
+        membrane: Some(skin),
+        flap: None,
+        law: LiftLaw::Linear,
+        motion: Motion { heave, ..Motion::at_rest() },
+        clock,
+    };
     let mut answer = Answer { lift: C::new(0.0, 0.0), camber: C::new(0.0, 0.0) };
     let (cycle, area) = sheet.loads()?;
     for (k, loads) in cycle.iter().enumerate() {
