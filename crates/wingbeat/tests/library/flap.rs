@@ -1,11 +1,13 @@
 //! A flap on its spring: at rest in the wind, and with a wing that is free.
 
+use super::mechanism::{FLAPPER, Preset, moving, robot};
 use std::f64::consts::PI;
 use wingbeat::aero::{
     Aero, FlapSpec, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, SectionSettings,
     StripModel, StripSettings, flap_points,
 };
-use wingbeat::math::{RK4, Vec3, Workspace};
+use wingbeat::math::{GRAVITY, RK4, Vec3, Workspace};
+use wingbeat::plant::Plant;
 
 const SPAN: f64 = 10.0;
 const SHARE: f64 = 0.25;
@@ -153,6 +155,44 @@ fn a_flap_keeps_energy_and_momentum_with_its_wing() {
     }
     assert!(largest > 1e-3 && rest < 1e-9 * largest, "{rest} {largest}");
     assert!(lacking < 1e-7, "{lacking}");
+}
+
+/// Wings on hinges, one of which twists a strip whose edges ride on two links: by differences over small steps.
+#[test]
+fn links_and_flaps_of_a_flapper_account_for_momentum_and_energy() {
+    let wing = "[[surfaces]]\nname = \"wing\"\n";
+    let flap = "flap = { chord_fraction = 0.3, stiffness_n_rad = 0.02, areal_density_kg_m2 = 0.05, rest_deg = 2.0 }\n";
+    let text = FLAPPER.replace(wing, &format!("{wing}{flap}"));
+    for density in [1e-12, 1.2] {
+        let robot = robot(&text, Preset::Full, density);
+        let (t, h, mut start) = (0.05, 1e-5, moving(&robot));
+        robot.settle(t, &mut start, &[]).unwrap();
+        for (i, channel) in robot.states().iter().enumerate() {
+            if channel.unit == "N m s" {
+                start[i] += 1e-8 * (1.0 + (i as f64).sin());
+            }
+        }
+        let at = |h: f64| {
+            let mut x = start.clone();
+            let mut work = Workspace::new(x.len(), RK4.b.len());
+            RK4.step(|t, x, dx| robot.rates_in_numbers(t, x, &[], dx), t, h, &mut x, &mut work).unwrap();
+            let seen = robot.observe(t + h, &x, &[]).unwrap();
+            let [x, y, z] = (seen.momentum + seen.attitude * seen.strips.membrane.momentum).0;
+            [x, y, z, seen.energy]
+        };
+        let steps = [h, -h, 2.0 * h, -2.0 * h].map(at);
+        let slope = |i: usize| {
+            let [up, down, far_up, far_down] = steps.map(|of| of[i]);
+            (8.0 * (up - down) - (far_up - far_down)) / (12.0 * h)
+        };
+        let seen = robot.observe(t, &start, &[]).unwrap();
+        let power = seen.power + seen.air_power - seen.dissipation;
+        assert!((slope(3) - power).abs() < 1e-7 * power.abs().max(0.1), "{} {power}", slope(3));
+        if density < 1.0 {
+            let lacking = [slope(0), slope(1), slope(2) + GRAVITY * robot.mass()];
+            assert!(lacking.iter().all(|lacking| lacking.abs() < 1e-10), "{lacking:?}");
+        }
+    }
 }
 
 /// The trailing edge turns about the hinge at 3/4 chord, and what lies ahead of it stays.
