@@ -7,6 +7,7 @@ extern crate wingbeat_no_schema as schemars;
 
 mod camber;
 mod compiled;
+mod flap;
 mod law;
 mod lifting_line;
 mod loads;
@@ -20,6 +21,7 @@ mod strip;
 mod surfaces;
 
 pub use camber::ThinSection;
+pub use flap::{FlapNumbers, FlapSpec, flap_points};
 pub use law::{
     Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
     SectionSpec, StripState, ZERO_LIFT_ANGLE,
@@ -183,12 +185,19 @@ impl<P: Scalar> Aero<P> {
             _ => None,
         }
     }
-    /// Sets states that follow the impulse of the air to that impulse, the other states as they are in `x`, under the wind
-    /// `wind` (m/s, B): the surface has always moved as it does. From zero they would begin with the blow of an impulsive
+    /// Sets states that follow the impulse of the air to that impulse and flaps to rest in their hinges, the other states as they are in
+    /// `x`, under the wind `wind` (m/s, B): the surface has always moved as it does. From zero they would begin with the blow of an impulsive
     /// start.
     pub fn settle<S: Scalar + Meets<P>>(&self, sections: &impl Sections<S>, wind: Vec3<S>, x: &mut [S]) {
         if let Self::Strip(model) = self {
             model.settle(sections, wind, x);
+        }
+    }
+    /// Whether [`settle`](Self::settle) sets states.
+    fn settles(&self) -> bool {
+        match self {
+            Self::LiftingLine(_) => false,
+            Self::Strip(model) => model.settles(),
         }
     }
     /// Whether states follow the impulse of the air.
@@ -210,6 +219,13 @@ impl<P: Scalar> Aero<P> {
     pub fn membrane(&self) -> Option<&StripModel<P>> {
         match self {
             Self::Strip(model) if model.is_membrane() => Some(model),
+            _ => None,
+        }
+    }
+    /// The strip model with a flap, where that is what it is.
+    pub fn flap(&self) -> Option<&StripModel<P>> {
+        match self {
+            Self::Strip(model) if model.has_flap() => Some(model),
             _ => None,
         }
     }

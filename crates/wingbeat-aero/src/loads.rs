@@ -147,14 +147,14 @@ impl<S: Scalar> std::ops::AddAssign for ForceDetail<S> {
     }
 }
 
-/// Energy of the membranes of all strips: over a time `given` is the growth of `stored` and what is `lost`.
+/// Energy of the membranes and flaps of all strips: over a time `given` is the growth of `stored` and what is `lost`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MembraneWork<S: Scalar = f64> {
-    /// Power of the loads on the two shapes, of their inertia too, W.
+    /// Power of the loads on shapes and flaps, of their inertia too, W.
     pub given: S,
-    /// Energy of the strains, J.
+    /// Energy of the strains and springs, J.
     pub stored: S,
-    /// Power that the membrane's own damping takes, W.
+    /// Power that their own damping takes, W.
     pub lost: S,
     /// Momentum of their own mass by its rate against the chords, in B, N s.
     pub momentum: Vec3<S>,
@@ -245,9 +245,11 @@ pub struct Loads<S: Scalar> {
     pub suction_lost: [S; MAX_STRIPS],
     /// Point at 1/4 chord of each control section, in the frame of the sections, m.
     pub quarter_chord: [Vec3<S>; MAX_STRIPS],
+    /// Angle of a flap of each strip, trailing edge down, rad.
+    pub flap: [S; MAX_STRIPS],
     /// Number of strips.
     pub strips: usize,
-    /// What the membranes get, hold and lose.
+    /// What membranes and flaps get, hold and lose.
     pub membrane: MembraneWork<S>,
     /// Parts of the forces of each strip, where they are asked for: nothing but a record needs them.
     pub detail: Option<[ForceDetail<S>; MAX_STRIPS]>,
@@ -263,6 +265,7 @@ impl<S: Scalar> Default for Loads<S> {
             wash: [S::ZERO; MAX_STRIPS],
             camber: [S::ZERO; MAX_STRIPS],
             camber_forward: [S::ZERO; MAX_STRIPS],
+            flap: [S::ZERO; MAX_STRIPS],
             wash_of_others: [S::ZERO; MAX_STRIPS],
             circulation: [S::ZERO; MAX_STRIPS],
             separated: [S::ZERO; MAX_STRIPS],

@@ -1,7 +1,7 @@
 //! The numbers of a surface that may carry derivatives.
 
 use super::planform::COORDINATE;
-use super::{MembraneNumbers, Planform, ProfileDrag, law};
+use super::{FlapNumbers, MembraneNumbers, Planform, ProfileDrag, law};
 use arrayvec::ArrayVec;
 use std::f64::consts::FRAC_PI_2;
 use wingbeat_math::range::Range;
@@ -46,6 +46,8 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
     pub lags: ArrayVec<LagNumbers<P>, MAX_WASH_LAGS>,
     /// The membrane, where it is one.
     pub membrane: Option<MembraneNumbers<P>>,
+    /// The flap, where there is one.
+    pub flap: Option<FlapNumbers<P>>,
     /// The outline, where the model was laid on one.
     pub outline: Option<Planform<P>>,
     /// Arc lengths from the root at which strips or cells end at hinges, m.
@@ -93,6 +95,7 @@ impl<P: Scalar> Parameters<P> for SurfaceNumbers<P> {
                 .into_iter()
                 .collect(),
             membrane: self.membrane.as_ref().map(|skin| at.within("membrane", |at| skin.walk(at))),
+            flap: self.flap.as_ref().map(|flap| at.within("flap", |at| flap.walk(at))),
             outline: self.outline.as_ref().map(|outline| outline.walk(at)),
             hinges: (1..)
                 .zip(&self.hinges)

@@ -67,6 +67,7 @@ impl SectionSettings {
             added_mass_scale: 1.0,
             lags,
             membrane: None,
+            flap: None,
             outline: None,
             hinges: Vec::new(),
         }

@@ -356,6 +356,7 @@ pub(super) fn robot(
             ("hinge_arcs_m[1]", format!("{key}.proximal.length_m")),
             ("gaps", format!("{key}.gaps")),
             ("membrane", format!("{key}.membrane")),
+            ("flap", format!("{key}.flap")),
             ("density_kg_m3", "air.density_kg_m3".into()),
         ];
         if outline.strips.is_some() {
@@ -411,13 +412,18 @@ impl AeroSpec {
         line.check().map_err(paper)?;
         strips.check().map_err(full)?;
         let preset = outline.preset.unwrap_or(self.preset);
-        if outline.membrane.is_some() && preset != Preset::Full {
+        let lives = outline.membrane.is_some() || outline.flap.is_some();
+        if lives && preset != Preset::Full {
             let key =
                 outline.preset.map_or("aero.preset".into(), |_| format!("robot.{}.preset", outline.key));
             return Err(Error::invalid(
                 key,
                 format!("\"{}\"", preset.name()),
-                "\"full\" where a surface is a membrane",
+                if outline.flap.is_some() {
+                    "\"full\" where a surface has a flap"
+                } else {
+                    "\"full\" where a surface is a membrane"
+                },
             ));
         }
         match preset {
@@ -496,6 +502,7 @@ impl AeroSpec {
             force_tilt: self.full.force_tilt,
             section: self.section(outline, density_kg_m3),
             membrane: outline.membrane.clone(),
+            flap: outline.flap,
         }
     }
 }

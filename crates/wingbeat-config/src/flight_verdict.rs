@@ -197,6 +197,9 @@ impl Flown<'_> {
         if let Some(membrane) = self.summary.membrane {
             membrane.judge(judge);
         }
+        if let Some(flap) = self.summary.flap {
+            flap.judge(judge);
+        }
         if self.flight.duration >= WHOLE_CYCLES {
             for limit in [&trim::POWER, &trim::HIGH_POWER] {
                 judge.hold_if(limit, self.summary.cost.positive_power_w_kg);

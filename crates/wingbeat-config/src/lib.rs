@@ -18,6 +18,7 @@ mod flight_verdict;
 mod followed;
 mod governed;
 mod grounded;
+mod hinged;
 mod hovered;
 #[doc(hidden)]
 pub mod inside;

@@ -2,13 +2,14 @@
 
 use wingbeat_aero::Aero;
 use wingbeat_judge::Judge;
-use wingbeat_judge::limits::{membrane, range};
+use wingbeat_judge::limits::{flap, membrane, range};
 use wingbeat_math::GRAVITY;
 use wingbeat_robot::Robot;
 
-/// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes against their links.
+/// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes and flaps against their links.
 pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());
+    judge.hold_if(&flap::MASS, robot.flap_over_link());
     let width =
         |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());
     let span = robot.surfaces().map(|(_, aero)| width(aero)).fold(0.0, f64::max);

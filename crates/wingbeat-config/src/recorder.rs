@@ -1,5 +1,6 @@
 //! From an observed robot to the columns of a record.
 
+use super::hinged::FlapSummary;
 use super::perch::{self, PerchSpec};
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
@@ -66,6 +67,8 @@ pub struct Means {
     pub beyond_residual_fraction: Option<f64>,
     /// Membranes, where there are any.
     pub membrane: Option<MembraneSummary>,
+    /// Flaps, likewise.
+    pub flap: Option<FlapSummary>,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -233,6 +236,7 @@ impl<'a> Recorder<'a> {
             law_states: law_states(self.robot, &self.record),
             beyond_residual_fraction: (self.beyond[1] > 0.0).then(|| self.beyond[0] / self.beyond[1]),
             membrane: skins(self.robot, &self.record),
+            flap: flaps(self.robot, &self.record),
             stall_fraction,
             stalled,
         };
@@ -252,6 +256,16 @@ fn skins(robot: &Robot, record: &Record) -> Option<MembraneSummary> {
         MembraneSummary::of(aero, columns.flatten(), robot.frequency_hz())
     };
     robot.surfaces().enumerate().filter_map(of).reduce(MembraneSummary::worse)
+}
+
+/// The flaps of `robot`, from the columns that `record` has of them.
+fn flaps(robot: &Robot, record: &Record) -> Option<FlapSummary> {
+    let of = |(k, (name, aero)): (usize, (&str, &Aero))| {
+        let prefix = if k == 0 { String::new() } else { format!("{name}_") };
+        let columns = (0..aero.strips()).filter_map(|i| record.values(&format!("{prefix}flap_{i}")));
+        FlapSummary::of(aero, columns.flatten().copied())
+    };
+    robot.surfaces().enumerate().filter_map(of).reduce(FlapSummary::worse)
 }
 
 /// Means of the states that the laws of the surfaces of `robot` declare, in the order of the surfaces.

@@ -7,6 +7,7 @@ use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
 use super::governed::GovernedSummary;
 use super::grounded::ground_distance;
+use super::hinged::FlapSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
 use super::measure::Measured;
@@ -114,6 +115,9 @@ pub struct Summary {
     /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSummary>,
+    /// Flaps: largest angle, and that by their weight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flap: Option<FlapSummary>,
     /// Means of the states that the flown laws declare; not part of the file.
     #[serde(skip)]
     pub law_states: Vec<LawState>,
@@ -375,6 +379,7 @@ impl Summary {
             separated_fraction: means.map(|means| means.separated_fraction),
             suction_lost_fraction: means.map(|means| means.suction_lost_fraction),
             membrane: means.and_then(|means| means.membrane),
+            flap: means.and_then(|means| means.flap),
             law_states: means.map_or(Vec::new(), |means| means.law_states.clone()),
             beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),

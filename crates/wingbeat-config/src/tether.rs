@@ -2,6 +2,7 @@
 
 use super::fit::rejected_fit;
 use super::grounded::{mean_chord, near};
+use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
@@ -145,6 +146,7 @@ impl TetherCase {
             separated_fraction: whole(Some(run.separated_fraction)),
             suction_lost_fraction: whole(Some(run.suction_lost_fraction)),
             membrane: self.skin(run),
+            flap: self.hinged(run),
             mean_lift_n: whole(run.mean("force_wind_lift")),
             mean_thrust_n: whole(run.mean("thrust")),
             mean_power_w: whole(run.mean("power")),
@@ -196,6 +198,9 @@ impl TetherCase {
         }
         if let Some(membrane) = self.skin(run) {
             membrane.judge(&mut judge);
+        }
+        if let Some(flap) = self.hinged(run) {
+            flap.judge(&mut judge);
         }
         self.stalled(run)
             .into_iter()
@@ -255,6 +260,15 @@ impl TetherCase {
         skin.filter(|_| run.ending == Ending::Complete)
     }
 
+    /// The flap over the last cycle, likewise.
+    fn hinged(&self, run: &TetherRun) -> Option<FlapSummary> {
+        let last = self.tether.clock.steps_per_cycle * self.tether.aero.strips();
+        let angles = run.strips.values("flap")?;
+        let first = angles.len().saturating_sub(last);
+        let flap = FlapSummary::of(&self.tether.aero, angles[first..].iter().copied());
+        flap.filter(|_| run.ending == Ending::Complete)
+    }
+
     /// The caution that the law does not hold for all of the motion.
     fn stalled(&self, run: &TetherRun) -> Option<Warning> {
         let law = self.tether.aero.law();
@@ -299,6 +313,9 @@ pub struct TetherSummary {
     /// Membrane: largest rise over the chord, slack share, frequency of the motion over its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSummary>,
+    /// Flap: largest angle, and that by its weight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flap: Option<FlapSummary>,
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,
@@ -594,6 +611,7 @@ impl TetherSpec {
             ("half_span".to_owned(), format!("wing.{}", self.wing.tip_key())),
             ("gaps".into(), "wing.gaps".into()),
             ("membrane".into(), "wing.membrane".into()),
+            ("flap".into(), "wing.flap".into()),
             ("drag".into(), "wing".into()),
             ("density_kg_m3".into(), "wind.density_kg_m3".into()),
         ];
@@ -607,6 +625,7 @@ impl TetherSpec {
             cd90: self.wing.cd90,
             section: self.wing.section,
             membrane: self.wing.membrane.clone(),
+            flap: self.wing.flap,
             preset: None,
             law: None,
             strips: None,

@@ -6,7 +6,7 @@ use super::verdict_limits::VerdictLimits;
 use super::{AeroSpec, CompareSpec, RunName};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use wingbeat_aero::{CD0, CD90, Gap, MembraneSpec, PlanformStation, SectionSpec};
+use wingbeat_aero::{CD0, CD90, FlapSpec, Gap, MembraneSpec, PlanformStation, SectionSpec};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{Clock, HingeKind, Side};
 use wingbeat_math::Error;
@@ -78,6 +78,9 @@ pub struct TetheredWingSpec {
     /// Membrane between its leading and trailing edge; rigid where not given. Preset `full` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSpec>,
+    /// Flap at its trailing edge, turned by the air against a spring; none where not given. Preset `full` only, and not of a membrane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flap: Option<FlapSpec>,
     /// Hinges from body to tip; each turns what lies outboard of it.
     #[serde(default)]
     pub hinges: Vec<HingeSpec>,
@@ -237,6 +240,7 @@ impl TetherSpec {
         require::finite("wind.ground_m", self.wind.ground_m.as_slice())?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
         self.wing.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("wing.membrane")))?;
+        self.wing.flap.iter().try_for_each(|f| f.check().map_err(|e| e.within("wing.flap")))?;
         self.compare.check().map_err(|e| e.within("compare"))?;
         for (i, hinge) in self.wing.hinges.iter().enumerate() {
             if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {

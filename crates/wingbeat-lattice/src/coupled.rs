@@ -50,7 +50,7 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
                     return wingbeat::Error::invalid("lattice.chordwise", given, allowed);
                 }
                 "zero_lift_angle_deg" => format!("aero.{key}"),
-                "membrane.stiffness_n_m" => format!("robot.surfaces.{key}"),
+                "membrane.stiffness_n_m" | "flap.stiffness_n_rad" => format!("robot.surfaces.{key}"),
                 key => format!("lattice.{key}"),
             };
             wingbeat::Error::invalid(key, value, allowed)

@@ -186,7 +186,7 @@ impl<P: Scalar> Robot<P> {
         x: &mut [S],
         u: &[S],
     ) -> Result<(), Fault> {
-        if !self.covering.aero.follow_impulses() {
+        if !self.covering.aero.settles() {
             return Ok(());
         }
         let (structure, air) = x.split_at_mut(self.structure_states());

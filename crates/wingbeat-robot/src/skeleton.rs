@@ -4,7 +4,7 @@ use super::Robot;
 use super::dynamics::Evaluation;
 use super::sections::Section;
 use crate::body::{JointKind, LinkMotion};
-use wingbeat_aero::{Surface, membrane_points};
+use wingbeat_aero::{Surface, flap_points, membrane_points};
 use wingbeat_math::{Mat3, Vec3};
 use wingbeat_ocp::plant::Fault;
 
@@ -38,7 +38,7 @@ pub struct Outline {
     pub ribs: Vec<[Vec3; 2]>,
     /// Whether there is surface between one rib and the next.
     pub covered: Vec<bool>,
-    /// Of a membrane its points above each rib at [`MEMBRANE_DRAWN`](wingbeat_aero::MEMBRANE_DRAWN), likewise; none of a rigid surface.
+    /// Of a membrane or a flap the points of each rib at [`MEMBRANE_DRAWN`](wingbeat_aero::MEMBRANE_DRAWN), likewise; none of a rigid surface.
     pub raised: Vec<[Vec3; 3]>,
 }
 
@@ -80,11 +80,14 @@ impl Robot {
         };
         let edges = |s: &Section| s.edges(s.link.map_or(&e.base, |i: usize| &links[i] as &LinkMotion));
         let outline = |(k, laid): (usize, &super::surface::Laid)| {
-            let ribs: Vec<[Vec3; 2]> = laid.ribs.iter().map(edges).collect();
+            let mut ribs: Vec<[Vec3; 2]> = laid.ribs.iter().map(edges).collect();
             // In a vacuum there is none.
             let raised = self.covering.aero.surfaces().get(k).map_or_else(Vec::new, |surface: &Surface| {
                 let states = &x[self.layout.aero..][surface.states()];
                 let aero = surface.aero();
+                if let Some(flap) = aero.flap() {
+                    return flap_points(&mut ribs, &laid.stations, aero, flap.flaps_of(states));
+                }
                 let heights = aero.membrane().map(|membrane| membrane.camber_of(states));
                 heights.map_or_else(Vec::new, |heights| membrane_points(&ribs, &laid.stations, aero, heights))
             });

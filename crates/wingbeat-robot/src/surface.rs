@@ -8,8 +8,9 @@ use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
 use wingbeat_aero::{
-    Aero, CD90, Coupling, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, MembraneSpec, Planform, Preset,
-    ProfileDrag, SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
+    Aero, CD90, Coupling, FlapSpec, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, MembraneSpec, Planform,
+    Preset, ProfileDrag, SectionMotion, SectionSpec, Sections, Span, StripModel, SurfaceNumbers, Surfaces,
+    Wrench,
 };
 use wingbeat_math::Error;
 use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3};
@@ -34,6 +35,8 @@ pub struct SurfaceOutline {
     pub section: SectionSpec,
     /// Its membrane.
     pub membrane: Option<MembraneSpec>,
+    /// Its flap.
+    pub flap: Option<FlapSpec>,
     /// Aerodynamic model asked for.
     pub preset: Option<Preset>,
     /// Lift law asked for.
@@ -53,12 +56,19 @@ impl SurfaceOutline {
 impl Robot {
     /// Largest mass of the membrane on a link over the mass of that link, which has to hold it; none without a membrane.
     pub fn membrane_over_link(&self) -> Option<f64> {
+        self.borne_over_link(|aero| aero.membrane().map(StripModel::membrane_masses))
+    }
+
+    /// The same of the flaps.
+    pub fn flap_over_link(&self) -> Option<f64> {
+        self.borne_over_link(|aero| aero.flap().map(StripModel::flap_masses))
+    }
+
+    /// Largest sum over a link of the masses (kg) of the strips on it, which `of` tells, over the mass of that link.
+    fn borne_over_link(&self, of: impl Fn(&Aero) -> Option<Vec<f64>>) -> Option<f64> {
         let bodies = self.numbers().bodies;
         let models = self.surfaces().map(|(_, aero)| aero);
-        let masses = models.flat_map(|aero| match aero.membrane() {
-            Some(model) => model.membrane_masses(),
-            None => vec![0.0; aero.strips()],
-        });
+        let masses = models.flat_map(|aero| of(aero).unwrap_or_else(|| vec![0.0; aero.strips()]));
         let mut borne = vec![0.0; bodies.len()];
         for (mount, mass) in self.covering.mounts.iter().zip(masses) {
             borne[mount.link.map_or(0, |link| link + 1)] += mass;
@@ -101,6 +111,7 @@ impl RobotSpec {
                 cd90: surface.cd90,
                 section: surface.section,
                 membrane: surface.membrane,
+                flap: surface.flap,
                 preset: surface.preset,
                 law: surface.law,
                 strips: surface.strips,
@@ -136,6 +147,7 @@ impl WingSpec {
             cd90: Some(self.cd90),
             section: self.section,
             membrane: self.membrane.clone(),
+            flap: self.flap,
             preset: None,
             law: None,
             strips: None,
@@ -171,7 +183,8 @@ pub(super) struct Laid {
     pub outline: Vec<(String, Section)>,
     /// Its geometry.
     pub placement: Placement,
-    /// Arcs at which it is drawn, from left to right, m: stations of the outline, and of a membrane strips and ribs besides.
+    /// Arcs at which it is drawn, from left to right, m: stations of the outline, of a membrane or a flap strips and
+    /// of a membrane ribs besides.
     pub stations: Vec<f64>,
     /// Sections there.
     pub ribs: Vec<Section>,
@@ -262,7 +275,7 @@ impl Covering {
             let at = |s: &f64| placement.section(*s, carriers);
             ride(&placement, aero, carriers, &mut sections, &mut mounts);
             let mut stations = placement.stations();
-            if let Some(model) = aero.membrane() {
+            if let Some(model) = aero.membrane().or_else(|| aero.flap()) {
                 stations.extend(aero.strip_arcs().iter().chain(model.membrane_ribs()));
                 wingbeat_math::order::descend(&mut stations);
                 stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9);

@@ -3,6 +3,7 @@
 pub mod beam;
 mod element;
 mod energy;
+mod flap;
 pub mod flapping;
 pub mod flight;
 mod flutter;
@@ -23,6 +24,10 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.flutter", quick: false, run: flutter::rows },
     Case { id: "fsi.energy", quick: true, run: energy::rows },
     Case { id: "fsi.element", quick: true, run: element::rows },
+    Case { id: "fsi.flap.rest", quick: true, run: flap::rest },
+    Case { id: "fsi.flap.moving", quick: true, run: flap::moving },
+    Case { id: "fsi.flap.energy", quick: true, run: flap::energy },
+    Case { id: "fsi.flap.flight", quick: false, run: energy::flap_rows },
 ];
 
 /// A complex number.

@@ -43,6 +43,7 @@ const BLOCKS: [(&str, &[&str]); 5] = [
             "limits of flight",
             "limits of range",
             "limits of membrane",
+            "limits of flap",
             "limits of trim",
             "limits of plan",
             "limits of sweep",

@@ -102,6 +102,7 @@ mod tests {
             added_mass_scale: 1.0,
             lags: arrayvec::ArrayVec::new(),
             membrane: None,
+            flap: None,
             outline: None,
             hinges: Vec::new(),
         };

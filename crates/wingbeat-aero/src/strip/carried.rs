@@ -113,13 +113,16 @@ impl<P: Scalar> StripModel<P> {
         let mut fields = ArrayVec::<[Column<G, N>; 2], MAX_COORDINATES>::new();
         for c in 0..count {
             let (heave, pitch) = self.heave_and_pitch(flow, sections, c);
-            let carried = self.symmetric_impulse(flow, &heave);
+            let mut carried = self.symmetric_impulse(flow, &heave);
             let mut turned = pitch;
             for i in 0..lanes::<G, N>(self.settings.strips) {
                 let b = self.tables.chord[i] * 0.5;
                 let mass =
                     if self.settings.section.section_moment { self.section_mass(i, flow) } else { K::ZERO };
                 turned[i] = turned[i] * (mass * (b * b * 0.125));
+            }
+            if self.hinges.is_some() {
+                self.relieve_field(flow, [&heave, &pitch], [&mut carried, &mut turned]);
             }
             let mut add = |k: usize, share: G| {
                 matrix[6 + c][k] += share;

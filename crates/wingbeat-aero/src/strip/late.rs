@@ -114,10 +114,13 @@ impl ByWashes {
 }
 
 impl StripModel {
-    /// Whether [`by_states`](Self::by_states) takes this model: a membrane spreads over the strips too.
+    /// Whether [`by_states`](Self::by_states) takes this model: a membrane spreads over the strips too, and a flap has states of its own.
     pub(crate) fn knows_by_states(&self) -> bool {
         let n = self.settings.strips;
-        n <= WIDE && self.membrane.is_none() && self.states() + WASHES * n <= LANES * n
+        n <= WIDE
+            && self.membrane.is_none()
+            && self.hinges.is_none()
+            && self.states() + WASHES * n <= LANES * n
     }
 
     /// As an evaluation of one surface alone, with the derivatives by all of its states.

@@ -138,9 +138,10 @@ impl<P: Scalar> StripModel<P> {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
             loads.wash[at] = response.wash[i];
-            loads.camber[at] = response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[0][i]);
-            loads.camber_forward[at] =
-                response.camber.as_ref().map_or(S::ZERO, |camber| camber.of_chord[1][i]);
+            let height = |m: usize| {
+                response.camber.and_then(|camber| camber.of_chord[m].get(i)).copied().unwrap_or(S::ZERO)
+            };
+            (loads.camber[at], loads.camber_forward[at]) = (height(0), height(1));
             loads.separated[at] = S::ONE - response.attached[i];
             loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
             loads.circulation[at] = response.circulation[i];
@@ -329,9 +330,12 @@ impl<P: Scalar> StripModel<P> {
             let moment =
                 strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);
             force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
-            if let Some(camber) = &response.camber {
-                force.nose_up += camber.couple[i];
-            }
+        }
+        // That of a flap is its inertia too.
+        if let Some(camber) = &response.camber
+            && (self.settings.section.section_moment || self.hinges.is_some())
+        {
+            force.nose_up += camber.couple[i];
         }
         force
     }

@@ -14,7 +14,7 @@ use arrayvec::ArrayVec;
 pub use sheet::MembraneScales;
 use sheet::{ARC, MODES};
 pub(super) use sheet::{Membrane, Shapes};
-use wingbeat_math::{Meets, Over, Scalar};
+use wingbeat_math::{Meets, Over, Scalar, append_copies};
 
 /// What each strip carries for it: the heights over the chord, the momentum that the parabola feels and the rate of its height, as
 /// followed.
@@ -23,7 +23,7 @@ pub(super) const STATES: [(&str, &str); BLOCKS] =
 /// Number of its states per strip.
 pub(super) const BLOCKS: usize = MODES + 2;
 
-/// What the camber does on each strip; columns end with the last strip that is computed, and are empty without a membrane.
+/// What the camber does on each strip, of a membrane or a flap; columns end with the last strip that is computed, and are empty without.
 pub(super) struct Camber<'x, S: Scalar, const N: usize> {
     /// Heights over the chord.
     pub of_chord: Shapes<&'x [S]>,
@@ -35,13 +35,22 @@ pub(super) struct Camber<'x, S: Scalar, const N: usize> {
     pub nose: ArrayVec<S, N>,
     /// Rate of the parabola's height as followed, m/s, and its rate, m/s2.
     pub followed: [ArrayVec<S, N>; 2],
-    /// Impulse of the air by the slope of the second shape, N s, and its rate, N.
+    /// Impulse of the air by the slope of the second shape, or by a flap, N s, and its rate, N.
     pub slope: [ArrayVec<S, N>; 2],
     /// Power of the loads on the shapes, W; none where it is not wanted.
     pub given: Option<S>,
 }
 
 impl<S: Scalar, const N: usize> Camber<'_, S, N> {
+    /// Fills the columns with zeros of `count` lanes.
+    pub fn open(&mut self, count: usize) {
+        let Self { couple, flat, nose, followed, slope, .. } = self;
+        let moving = followed.iter_mut().chain(slope.iter_mut());
+        for column in [couple, flat, nose].into_iter().chain(moving) {
+            append_copies(column, S::ZERO, count);
+        }
+    }
+
     /// That of a rigid surface. Columns are not filled and not moved: with derivatives they are large.
     #[inline(always)]
     pub fn none() -> Self {
@@ -189,6 +198,19 @@ impl<P: Scalar> StripModel<P> {
         if self.settings.section.added_mass { self.tables.mass[i] } else { P::ZERO }
     }
 
+    /// Normal force of the plate in separated flow over `drag_scale`, m2/s2, by the speed along the chord and the wash at mid chord.
+    pub(super) fn plate<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        [along, wash_half]: [G; 2],
+        attached: S,
+    ) -> S {
+        let drag = self.numbers.drag().of_plate();
+        match self.settings.section.law.separates() {
+            true => drag.section(&self.polar, along, wash_half, attached, self.floor * self.floor).normal,
+            false => S::ZERO,
+        }
+    }
+
     /// Loads on the shapes of strip `i`, N, by virtual work of the pressure difference; of the circulatory force per wash
     /// L = rho a0 b dy V a half on the parabola, with w_l - B1/4, and an eighth on the other, with w_l + B1/2 - B2, where
     /// B1 = -b q - 4 V h_1/c and B2 = -3 V h_2/c; the vortex like the lift; on the parabola 2/3 of what presses evenly, the plate's
@@ -213,12 +235,7 @@ impl<P: Scalar> StripModel<P> {
         let turn = air.pitch * (self.tables.chord[i] * 0.125);
         let per_wash = attached * (wind * self.tables.lift_scale[i]);
         let vortex = vortex * attached * self.tables.drag_scale[i];
-        let drag = self.numbers.drag().of_plate();
-        let delta2 = self.floor * self.floor;
-        let plate = match self.settings.section.law.separates() {
-            true => drag.section(&self.polar, air.along, air.wash_half, attached, delta2).normal,
-            false => S::ZERO,
-        };
+        let plate = self.plate([air.along, air.wash_half], attached);
         let even = plate * (self.tables.drag_scale[i] * (2.0 / 3.0)) + inertia;
         let fore = lift_wash - (first * 2.0 - second * 3.0) * wind - turn * 2.0;
         [
@@ -324,15 +341,13 @@ impl<P: Scalar> StripModel<P> {
         let membrane = self.membrane.as_ref()?;
         let strips = &flow.strips;
         for i in 0..self.settings.strips {
-            let rate = strips.normal_rate.get(i);
             airs.push(SectionAir {
                 along: strips.along[i],
                 wash_half: strips.wash_half[i],
                 speed: strips.speed[i],
                 pitch: strips.pitch[i],
                 impulse: flow.impulse[i],
-                turning: strips.along[i] * strips.chordwise.get(i).dot_over(rate)
-                    - strips.drift[i] * strips.across.get(i).dot_over(rate),
+                turning: strips.turning(i),
             });
         }
         Some(Skin { membrane, airs, of_chord: self.cambers(x) })

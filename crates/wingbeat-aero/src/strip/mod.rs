@@ -9,6 +9,7 @@
 mod carried;
 mod constants;
 mod cores;
+mod flap;
 mod grid;
 mod influence;
 mod late;
@@ -34,6 +35,7 @@ use crate::{
     Wrench,
 };
 use cores::Cores;
+use flap::Hinges;
 use grid::Grid;
 use influence::{Column, Matrix, Places, Targets, Trailing, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
@@ -57,6 +59,7 @@ pub struct StripModel<P: Scalar = f64> {
     tables: Tables<P>,
     cores: Cores<P>,
     membrane: Option<Membrane<P>>,
+    hinges: Option<Hinges>,
 }
 
 /// What the strips know of the air at one instant, whatever the lags hold; what places alone decide is in `K`.
@@ -122,7 +125,16 @@ impl<P: Scalar> StripModel<P> {
         let ribs = settings.membrane.iter().flat_map(|membrane| &membrane.ribs_m);
         let ribs: Vec<f64> = ribs.copied().collect();
         let skin = |numbers| Membrane::new(numbers, &ribs, planform, &grid);
+        let hinges = |spec| Hinges::new(spec, &grid.control_arcs, &grid.covered);
+        let hinges = settings.flap.as_ref().map(hinges);
+        if let (Some(0), Some(flap)) = (hinges.as_ref().map(Hinges::count), &settings.flap) {
+            let allowed = "below the arc of the middle of a strip: no strip has a flap";
+            return Err(
+                Error::invalid("flap.from_arc_m", flap.from_arc_m, allowed).against(["flap.to_arc_m"])
+            );
+        }
         Ok(Self {
+            hinges,
             membrane: numbers.membrane.as_ref().map(skin).transpose()?,
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
@@ -167,16 +179,21 @@ impl<P: Scalar> StripModel<P> {
         self.settings.strips
     }
     /// Number of states: for each wash lag, then for each wake lag, for each state of the
-    /// law, for the impulse where it is followed and for the camber of a membrane blocks of one value per strip, left tip to
+    /// law, for the impulse where it is followed, for the camber of a membrane and for a flap blocks of one value per strip, left tip to
     /// right tip.
     pub fn states(&self) -> usize {
         let shapes = if self.membrane.is_some() { membrane::BLOCKS } else { 0 };
-        let blocks = usize::from(self.follows()) + shapes;
+        let turns = if self.hinges.is_some() { flap::BLOCKS } else { 0 };
+        let blocks = usize::from(self.follows()) + shapes + turns;
         self.followed_states() + blocks * self.settings.strips
     }
     /// Whether the impulse of the carried air is followed by states.
     pub(super) fn follows(&self) -> bool {
         self.settings.folding_rates && self.settings.section.added_mass
+    }
+    /// Whether states begin with what the motion says.
+    pub(super) fn settles(&self) -> bool {
+        self.follows() || self.hinges.is_some()
     }
     /// Where the followed impulses begin.
     fn followed_states(&self) -> usize {
@@ -199,10 +216,12 @@ impl<P: Scalar> StripModel<P> {
         let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
         let camber =
             self.membrane.iter().flat_map(|_| membrane::STATES.map(|(of, unit)| (of.to_owned(), unit)));
+        let turns = self.hinges.iter().flat_map(|_| flap::STATES.map(|(of, unit)| (of.to_owned(), unit)));
         wash.chain(wake)
             .chain(law)
             .chain(followed)
             .chain(camber)
+            .chain(turns)
             .flat_map(|(name, unit)| {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
@@ -356,6 +375,7 @@ impl<P: Scalar> StripModel<P> {
         let response = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut Whole);
         if let Some(loads) = loads.as_deref_mut() {
             self.note_membrane(flow, &response, (x, dx), loads);
+            self.note_flaps(flow, x, loads);
         }
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
             self.couple(flow, sections, mass);
@@ -375,12 +395,17 @@ impl<P: Scalar> StripModel<P> {
         wind: Vec3<S>,
         x: &mut [S],
     ) {
-        if !self.follows() {
+        if !self.settles() {
             return;
         }
         let mut room = Room::<S, S, MAX_STRIPS>::NEW;
         self.flow(sections, wind, &mut room);
-        self.settle_impulse(&room.flow, x);
+        if self.follows() {
+            self.settle_impulse(&room.flow, x);
+        }
+        if self.hinges.is_some() {
+            self.settle_flaps(&room.flow, x);
+        }
     }
 
     /// Points, velocities and influence of the wing as it lies and moves now.
@@ -434,6 +459,9 @@ impl<P: Scalar> StripModel<P> {
         invert(&mut flow.relief, n);
         flow.unit_left = multiply(&flow.relief, &[K::ONE; N], n);
         self.carry_air(flow);
+        if self.hinges.is_some() {
+            self.relieve(flow);
+        }
     }
 }
 

@@ -343,6 +343,16 @@ impl<K: Scalar, S: Over<K>, const N: usize> Strips<K, S, N> {
     }
 }
 
+impl<K: Scalar, S: Over<K>, const N: usize> Strips<K, S, N> {
+    /// Acceleration of mid chord of strip `i` by the turn of its normal in the air, m/s2.
+    #[inline(always)]
+    pub fn turning(&self, i: usize) -> S {
+        let rate = self.normal_rate.get(i);
+        self.along[i] * self.chordwise.get(i).dot_over(rate)
+            - self.drift[i] * self.across.get(i).dot_over(rate)
+    }
+}
+
 impl<P: Scalar> StripModel<P> {
     /// Motion of all strips and vortex lines of all edges, one section after the other.
     #[inline(never)]

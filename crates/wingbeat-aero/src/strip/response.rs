@@ -9,7 +9,7 @@ use super::{Flow, StripModel};
 use crate::LagNumbers;
 use crate::law::{Attachment, Polar, lev};
 use crate::section::suction_share;
-use wingbeat_math::{Dual, Meets, Over, Scalar, append_copies};
+use wingbeat_math::{Dual, Meets, Over, Scalar};
 
 /// Linear sums over the lags of each strip.
 #[derive(Clone, Copy)]
@@ -374,23 +374,26 @@ impl<P: Scalar> StripModel<P> {
         if let Some(skin) = &skin {
             self.wash_of_slope(skin, &mut wash);
         }
+        let flaps = self.flaps(flow, x);
+        if let Some(flaps) = &flaps {
+            self.wash_of_flaps(flow, flaps, &mut wash);
+        }
         let mut lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
-        let camber = skin.map(|skin| {
+        if skin.is_some() || flaps.is_some() {
+            camber.open(lanes::<S, N>(self.settings.strips));
+        }
+        if let Some(flaps) = &flaps {
+            self.turn_flaps((flow, flaps), [&attached, &lift_wash], x, dx, camber);
+        }
+        let bulging = skin.map(|skin| {
             let Camber { of_chord, couple, flat, nose, followed, slope, given } = &mut *camber;
             *of_chord = self.cambers(x);
-            let count = lanes::<S, N>(self.settings.strips);
-            append_copies(couple, S::ZERO, count);
-            append_copies(flat, S::ZERO, count);
-            append_copies(nose, S::ZERO, count);
-            for column in followed.iter_mut().chain(slope.iter_mut()) {
-                append_copies(column, S::ZERO, count);
-            }
             let washes = [&mut wash, &mut lift_wash, &mut flat[..], &mut nose[..], &mut couple[..]];
             let moving = [followed, slope].map(|of| of.each_mut().map(|column| &mut column[..]));
             let power = self.bulge(&skin, &attached, washes, (moving, given.is_some()), x, dx);
             *given = given.map(|_| power);
-            &*camber
         });
+        let camber = (bulging.is_some() || flaps.is_some()).then_some(&*camber);
         // What the slope of a camber adds is borne by it, not by the leading edge.
         let flat = camber.map_or(&lift_wash[..], |camber| &camber.flat);
         let turning_wash = self.turning_wash(flow, foreign, &sums, flat, spread);
@@ -413,7 +416,7 @@ impl<P: Scalar> StripModel<P> {
         }
         let edges =
             law.edge_vortex.then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
-        let [impulse, impulse_rate] = if self.settings.section.added_mass {
+        let [mut impulse, mut impulse_rate] = if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
             let held_rate_left = match spread.left(&rates) {
                 Some(left) => left,
@@ -433,6 +436,12 @@ impl<P: Scalar> StripModel<P> {
         } else {
             [[S::ZERO; N]; 2]
         };
+        if let (Some(camber), Some(_)) = (camber, &flaps) {
+            for i in 0..self.settings.strips {
+                impulse[i] += camber.slope[0][i];
+                impulse_rate[i] += camber.slope[1][i];
+            }
+        }
         Response {
             turning_wash,
             edges,

@@ -2,7 +2,7 @@
 //! its effect can be shown.
 
 use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
-use crate::{MAX_STRIPS, MembraneSpec, SectionSettings, SurfaceNumbers};
+use crate::{FlapSpec, MAX_STRIPS, MembraneSpec, SectionSettings, SurfaceNumbers};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -62,6 +62,9 @@ pub struct StripSettings {
     /// The membrane that the strips are made of; none is rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSpec>,
+    /// The flap at their trailing edge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flap: Option<FlapSpec>,
 }
 
 impl Default for StripSettings {
@@ -79,6 +82,7 @@ impl Default for StripSettings {
             force_tilt: true,
             section: SectionSettings::default(),
             membrane: None,
+            flap: None,
         }
     }
 }
@@ -93,7 +97,8 @@ impl StripSettings {
     /// The numbers that may carry derivatives, as set.
     pub fn numbers(&self) -> SurfaceNumbers {
         let membrane = self.membrane.as_ref().map(MembraneSpec::numbers);
-        SurfaceNumbers { membrane, ..self.section.numbers(self.lags.lags().numbers()) }
+        let flap = self.flap.as_ref().map(FlapSpec::numbers);
+        SurfaceNumbers { membrane, flap, ..self.section.numbers(self.lags.lags().numbers()) }
     }
 
     /// Refuses values without physical meaning.
@@ -104,6 +109,12 @@ impl StripSettings {
         self.in_range()?;
         if let Some(membrane) = &self.membrane {
             membrane.check().map_err(|e| e.within("membrane"))?;
+        }
+        if let Some(flap) = &self.flap {
+            flap.check().map_err(|e| e.within("flap"))?;
+            if self.membrane.is_some() {
+                return Err(Error::invalid("flap", "given", "none beside a membrane"));
+            }
         }
         self.section.check()
     }

@@ -278,6 +278,11 @@ impl<P: Scalar> Surfaces<P> {
         self.surfaces.iter().any(|surface| surface.aero.follows_impulse())
     }
 
+    /// Whether [`settle`](Self::settle) sets states.
+    pub fn settles(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.aero.settles())
+    }
+
     /// As [`Aero::settle`] for all surfaces.
     pub fn settle<S: Scalar + Meets<P>>(&self, sections: &impl Sections<S>, wind: Vec3<S>, x: &mut [S]) {
         for surface in &self.surfaces {

@@ -207,7 +207,8 @@ fn columns_of_tethered_wings_are_in_the_reference() {
         let path = root().join(&document.file);
         let membrane =
             "wing.membrane={ thickness_m = 1e-3, modulus_pa = 1e6, density_kg_m3 = 1e3, prestrain = 0.1 }";
-        for key in ["aero.preset=full", "aero.preset=paper", membrane] {
+        let flap = "wing.flap={ chord_fraction = 0.3, stiffness_n_rad = 1.0, areal_density_kg_m2 = 0.1 }";
+        for key in ["aero.preset=full", "aero.preset=paper", membrane, flap] {
             let brief = ["time.cycles=1", "time.steps_per_cycle=24", key];
             let read = |path: &Path| wingbeat_io::read_csv(path).map_err(|error| error.to_string());
             let case = TetherCase::load(&path, &brief.map(str::to_owned), &read).unwrap();

@@ -322,6 +322,7 @@ impl Scenario {
                 cd90: Some(wing.cd90),
                 section: wing.section,
                 membrane: wing.membrane.clone(),
+                flap: wing.flap,
                 hinges: HINGES.map(hinge).into(),
                 gaps: Vec::new(),
             },

@@ -3,6 +3,7 @@
 use super::alone::AloneSummary;
 use super::search::SearchSummary;
 use crate::CostSummary;
+use crate::hinged::FlapSummary;
 use crate::skin::MembraneSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -102,6 +103,9 @@ pub struct TrimSummary {
     /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSummary>,
+    /// Flaps: largest angle, and that by their weight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flap: Option<FlapSummary>,
     /// Least of all clearances over the cycle, m.
     pub least_clearance_m: Option<f64>,
     /// Mean roll, deg; positive is right wing down.
@@ -177,6 +181,16 @@ impl TrimSummary {
             MembraneSummary::of(aero, heights, 1.0 / orbit.end.duration)
         };
         self.membrane = cycle.robot().surfaces().filter_map(skin).reduce(MembraneSummary::worse);
+        let mut first = 0;
+        let flap = |(_, aero): (&str, &Aero)| {
+            let own = first..first + aero.strips();
+            first = own.end;
+            FlapSummary::of(
+                aero,
+                measures.flaps.iter().flat_map(|strips| strips[own.clone()].iter().copied()),
+            )
+        };
+        self.flap = cycle.robot().surfaces().filter_map(flap).reduce(FlapSummary::worse);
         self.least_clearance_m = measures.least_clearance;
         [self.roll_mean_deg, self.pitch_mean_deg] = measures.mean_angles.map(|a| Some(a.to_degrees()));
         let [low, high] = measures.pitch;

@@ -44,6 +44,8 @@ pub struct Measures {
     pub separated: [f64; 2],
     /// Heights of a membrane over the chord, `camber` and `camber_forward` of [`Loads`](wingbeat_aero::Loads), of all strips at every step.
     pub heights: Vec<Vec<[f64; 2]>>,
+    /// Angles of the flaps, rad, likewise.
+    pub flaps: Vec<Vec<f64>>,
     /// Least of all clearances, m.
     pub least_clearance: Option<f64>,
     /// The least of all in each of equal parts of the cycle, m; of a robot without clearances infinite.
@@ -116,6 +118,7 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
         (0..o.strips.strips).map(|i| [o.strips.camber[i], o.strips.camber_forward[i]]).collect()
     };
     measures.heights = seen.iter().map(heights).collect();
+    measures.flaps = seen.iter().map(|o| o.strips.flap[..o.strips.strips].to_vec()).collect();
     measures.least_clearance = seen.iter().flat_map(|o| o.clearances.iter().copied()).reduce(f64::min);
     measures.clearances = [f64::INFINITY; PARTS];
     for (k, o) in seen.iter().enumerate() {

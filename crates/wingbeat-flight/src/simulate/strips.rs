@@ -22,14 +22,15 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// | `separated`, `suction_lost` | - | shares of flow and of linear leading-edge suction that the law takes away |
 /// | `force_suction_*`, `force_vortex_*`, `force_separated_*` | N | parts of those of the sources: see [`ForceDetail`]; 0 where the loads do not tell them |
 /// | `camber`, `camber_forward` | - | heights of a membrane over the chord, where a surface has one |
+/// | `flap` | rad | angle of a flap, trailing edge down, where a surface has one |
 /// | `chord`, `velocity_*`, `power` | m, m/s, W | of a recorder of [`moving`](Self::moving) strips: see [`StripMotion`] |
 #[derive(Clone, Debug)]
 pub struct StripRecorder {
     record: Record,
     /// Surface, number on it, arc and width (m) of each strip.
     strips: Vec<[f64; 4]>,
-    /// Whether a surface has a membrane.
-    membrane: bool,
+    /// Whether a surface has a membrane, and whether one has a flap.
+    soft: [bool; 2],
     row: Vec<f64>,
 }
 
@@ -65,16 +66,22 @@ impl StripRecorder {
         // A sum of lags is no bound circulation beside one that is.
         let of_lags = surfaces.iter().find(|aero| aero.circulation() == Circulation::LagSum);
         let mut columns = columns(of_lags.map_or(Circulation::Bound, |aero| aero.circulation()), phase_unit);
-        let membrane = surfaces.iter().any(|aero| aero.membrane().is_some());
-        if membrane {
+        let soft = [
+            surfaces.iter().any(|aero| aero.membrane().is_some()),
+            surfaces.iter().any(|aero| aero.flap().is_some()),
+        ];
+        if soft[0] {
             columns.extend(["camber", "camber_forward"].map(|name| Column::new(name, "", "")));
         }
-        Self::with(columns, (strips, membrane), instants)
+        if soft[1] {
+            columns.push(Column::new("flap", "rad", ""));
+        }
+        Self::with(columns, (strips, soft), instants)
     }
 
-    fn with(columns: Vec<Column>, (strips, membrane): (Vec<[f64; 4]>, bool), instants: usize) -> Self {
+    fn with(columns: Vec<Column>, (strips, soft): (Vec<[f64; 4]>, [bool; 2]), instants: usize) -> Self {
         Self {
-            membrane,
+            soft,
             row: Vec::with_capacity(columns.len()),
             // Refused are only two columns of one name.
             record: Record::new(columns, instants * strips.len()).unwrap_or_default(),
@@ -89,7 +96,7 @@ impl StripRecorder {
         columns.push(Column::new("chord", "m", ""));
         columns.extend(AXES.map(|a| Column::new(format!("velocity_{a}"), "m/s", "B")));
         columns.push(Column::new("power", "W", ""));
-        Self::with(columns, (self.strips, self.membrane), instants)
+        Self::with(columns, (self.strips, self.soft), instants)
     }
 
     /// Appends the strips of all surfaces at an instant: `loads` are in a frame in which
@@ -116,8 +123,11 @@ impl StripRecorder {
             row.extend([surface, loads.separated[i], loads.suction_lost[i]]);
             let detail = loads.detail.as_ref().map(|parts| parts[i]).unwrap_or_default();
             row.extend(detail.parts().iter().flat_map(|force| (to_body * *force).0));
-            if self.membrane {
+            if self.soft[0] {
                 row.extend([loads.camber[i], loads.camber_forward[i]]);
+            }
+            if self.soft[1] {
+                row.push(loads.flap[i]);
             }
             if let Some(StripMotion { chord, velocity, power }) = motion.get(i) {
                 row.push(*chord);

@@ -3,6 +3,7 @@
 pub mod asked;
 pub mod calibration;
 pub mod data;
+pub mod flap;
 pub mod flight;
 pub mod membrane;
 pub mod paper;
@@ -81,10 +82,11 @@ impl JudgedLimit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static JudgedLimit> {
-    let kinds: [&'static [JudgedLimit]; 13] = [
+    let kinds: [&'static [JudgedLimit]; 14] = [
         &flight::ALL,
         &range::ALL,
         &membrane::ALL,
+        &flap::ALL,
         &trim::ALL,
         &plan::ALL,
         &sweep::ALL,

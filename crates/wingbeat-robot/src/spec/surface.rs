@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 use wingbeat_aero::{
-    CD0, CD90, Gap, LiftLaw, MAX_STRIPS, MembraneSpec, Planform, PlanformStation, Preset, SectionSpec, Span,
+    CD0, CD90, FlapSpec, Gap, LiftLaw, MAX_STRIPS, MembraneSpec, Planform, PlanformStation, Preset,
+    SectionSpec, Span,
 };
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -32,6 +33,9 @@ pub struct SurfaceSpec {
     /// Membrane between its leading and trailing edge; rigid where not given. Preset `full` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSpec>,
+    /// Flap at its trailing edge, turned by the air against a spring; none where not given. Preset `full` only, and not of a membrane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flap: Option<FlapSpec>,
     /// Aerodynamic model; that of the scenario where not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preset: Option<Preset>,
@@ -89,6 +93,7 @@ impl SurfaceSpec {
         self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
         self.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("membrane")))?;
+        self.flap.iter().try_for_each(|f| f.check().map_err(|e| e.within("flap")))?;
         finite("planform_shift_m", &[self.planform_shift_m])?;
         if self.panels.is_empty() {
             return Err(Error::invalid("panels", "[]", "at least one panel"));

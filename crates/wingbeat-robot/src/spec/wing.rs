@@ -3,7 +3,7 @@
 use super::CapsuleSpec;
 use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
-use wingbeat_aero::{CD0, CD90, Gap, MembraneSpec, Planform, PlanformStation, SectionSpec};
+use wingbeat_aero::{CD0, CD90, FlapSpec, Gap, MembraneSpec, Planform, PlanformStation, SectionSpec};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require::{finite, positive, principal_inertias};
@@ -25,6 +25,9 @@ pub struct WingSpec {
     /// Membrane between its leading and trailing edge; rigid where not given. Preset `full` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSpec>,
+    /// Flap at its trailing edge, turned by the air against a spring; none where not given. Preset `full` only, and not of a membrane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flap: Option<FlapSpec>,
     /// Shift of the planform along x against the hinge line, m.
     #[serde(default)]
     pub planform_shift_m: f64,
@@ -73,6 +76,7 @@ impl WingSpec {
         self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
         self.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("membrane")))?;
+        self.flap.iter().try_for_each(|f| f.check().map_err(|e| e.within("flap")))?;
         self.proximal.check().map_err(|e| e.within("proximal"))?;
         self.distal.check().map_err(|e| e.within("distal"))?;
         let span = self.shoulder_m[1] + self.proximal.length_m + self.distal.length_m;

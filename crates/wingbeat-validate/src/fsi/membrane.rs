@@ -9,8 +9,8 @@ use crate::aero_full::last_cycle;
 use crate::{Case, ComparisonRow, Error};
 use std::f64::consts::PI;
 use wingbeat::aero::{
-    Aero, LiftLaw, Loads, MembraneSpec, Planform, PlanformStation, ProfileDrag, SectionSettings, StripModel,
-    StripSettings,
+    Aero, FlapSpec, LiftLaw, Loads, MembraneSpec, Planform, PlanformStation, ProfileDrag, SectionSettings,
+    StripModel, StripSettings,
 };
 use wingbeat::math::Vec3;
 use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
@@ -27,12 +27,13 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.membrane.derivatives", quick: true, run: energy::derivative_rows },
 ];
 
-/// A rectangle of unit chord in a wind of 1 m/s of density 1 kg/m3: its membrane, law and motion.
-struct SailSheet {
-    membrane: MembraneSpec,
-    law: LiftLaw,
-    motion: Motion,
-    clock: Clock,
+/// A rectangle of unit chord in a wind of 1 m/s of density 1 kg/m3: its membrane or flap, law and motion.
+pub(super) struct SailSheet {
+    pub membrane: Option<MembraneSpec>,
+    pub flap: Option<FlapSpec>,
+    pub law: LiftLaw,
+    pub motion: Motion,
+    pub clock: Clock,
 }
 
 /// Aspect ratio of a wing without ends, whose strips know nothing of each other.
@@ -40,7 +41,7 @@ const ASPECT: f64 = 1e5;
 
 impl SailSheet {
     /// Its loads over the last cycle, and the area of its strips, which end a little short of the tips.
-    fn loads(self) -> Result<(Vec<Loads<f64>>, f64), Error> {
+    pub fn loads(self) -> Result<(Vec<Loads<f64>>, f64), Error> {
         let tether = self.tether()?;
         let area = tether.aero.widths().iter().sum();
         Ok((last_cycle(&tether)?, area))
@@ -61,7 +62,8 @@ impl SailSheet {
                 density_kg_m3: 1.0,
                 ..Default::default()
             },
-            membrane: Some(self.membrane),
+            membrane: self.membrane,
+            flap: self.flap,
             ..Default::default()
         };
         Ok(Tether {
@@ -99,7 +101,8 @@ const BROADSIDE: f64 = 2.0;
 fn held(membrane: MembraneSpec, law: LiftLaw, alpha: f64) -> SailSheet {
     let motion = Motion { nose_up: Coordinate::Constant(alpha), ..Motion::at_rest() };
     SailSheet {
-        membrane,
+        membrane: Some(membrane),
+        flap: None,
         law,
         motion,
         clock: Clock { frequency_hz: 1.0 / 300.0, cycles: 1, steps_per_cycle: 3000 },

@@ -83,6 +83,7 @@ const WITHOUT_LEV: &[&str] = &[
     "cruise_44g",
     "cruise_linkage",
     "decelerate",
+    "flap_glide",
     "four_wings",
     "glider",
     "hover_guarded",
@@ -106,6 +107,7 @@ const LINEAR: &[&str] = &[
     "as_printed_fourier",
     "as_printed_linkage",
     "banking_turn",
+    "flap_glide",
     "glider",
     "paper_turn",
     "paper_turn_clear",
@@ -124,7 +126,7 @@ const WITHOUT_CARRIED: &[&str] =
 const STILL_KEYS: &[(&str, &[&str], &str)] = &[
     (".axis[1]", &[], "a direction has no length"),
     (".axis[2]", &["reorientation"], "a direction has no length"),
-    (".direction[", &["glider", "sail_glide"], "a direction has no length"),
+    (".direction[", &["flap_glide", "glider", "sail_glide"], "a direction has no length"),
     (".planform[0].", OPEN, "no strip lies there"),
     (".planform[1].arc_m", ENDED, "the edges run straight on where the gap ends"),
     (".cd0", PRINTED, "no profile drag"),
@@ -141,6 +143,7 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
             "as_printed_fourier",
             "as_printed_linkage",
             "banking_turn_beta",
+            "flap_glide",
             "glider",
             "motor_flapper",
             "sail_glide",
@@ -156,7 +159,7 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
     ("_range[", LINKED, "the regulators keep the lengths within the limits that the file gives them"),
     (
         ".driven.lag_rad",
-        &["glider", "reorientation", "sail_glide"],
+        &["flap_glide", "glider", "reorientation", "sail_glide"],
         "a series without harmonics has no phase",
     ),
     (".driven.harmonics[11].phase_rad", &["bounding_20g"], "three strokes of four have no fourth harmonic"),
@@ -167,7 +170,7 @@ const STILL_FACTORS: &[(&str, &[&str], &str)] = &[
     ("profile_drag", PRINTED, "no profile drag"),
     ("broadside_drag", PRINTED, "no profile drag"),
     ("regulator_bandwidth", &["four_wings", "hover_guarded"], "no elements but thrusters, or none"),
-    ("gait_amplitude", &["glider", "reorientation", "sail_glide"], "nothing flaps"),
+    ("gait_amplitude", &["flap_glide", "glider", "reorientation", "sail_glide"], "nothing flaps"),
 ];
 
 fn folder() -> PathBuf {

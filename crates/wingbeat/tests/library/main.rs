@@ -13,6 +13,7 @@ mod draws;
 mod drive;
 mod estimator;
 mod every_number;
+mod flap;
 mod flight;
 mod flock;
 mod flyers;

@@ -75,6 +75,7 @@ pub(super) fn robot(text: &str, preset: Preset, density: f64) -> Robot {
             let settings = StripSettings {
                 strips: outline.strips.unwrap_or(14),
                 hinge_arcs_m: outline.hinges.clone(),
+                flap: outline.flap,
                 section: SectionSettings {
                     density_kg_m3: density,
                     drag: outline.drag(LiftLaw::Linear),

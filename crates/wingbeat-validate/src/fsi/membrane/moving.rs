@@ -191,7 +191,8 @@ fn strips(tension: f64, damping: f64, rate: f64) -> Result<SailResponse, Error> 
     let clock = Clock { frequency_hz: rate / TAU, cycles: 8, steps_per_cycle };
     let skin = membrane(stiffness, tension / stiffness, damping);
     let sheet = SailSheet {
-        membrane: skin,
+        membrane: Some(skin),
+        flap: None,
         law: LiftLaw::Linear,
         motion: Motion { heave, ..Motion::at_rest() },
         clock,

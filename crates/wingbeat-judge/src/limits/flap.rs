@@ -1,0 +1,21 @@
+//! Limits of a flap, of all that flies or is held with one. All values are choices.
+
+use super::JudgedLimit;
+use crate::Status::Outside;
+
+/// Angle up to which the flow over a plain flap stays attached and its effect grows with the angle.
+pub const ANGLE: JudgedLimit = JudgedLimit::warn_above("flap.angle_deg", 15.0, "deg").on(
+    "the flow over a plain flap separates at its hinge, which no law here knows: largest angle of a flap",
+);
+/// A flap that leaves thin-aerofoil theory.
+pub const BEYOND_ANGLE: JudgedLimit =
+    JudgedLimit::at_most("flap.angle_outside_deg", 40.0, "deg", Outside).on("largest angle of a flap");
+/// Weight of a flap, which turns no flap here.
+pub const WEIGHT: JudgedLimit = JudgedLimit::warn_above("flap.weight_fraction", 0.1, "")
+    .on("gravity does not turn a flap here: angle by its weight over its largest angle");
+/// A flap cannot be heavier than the link whose mass holds its own.
+pub const MASS: JudgedLimit = JudgedLimit::at_most("flap.mass_fraction", 1.0, "", Outside)
+    .on("the masses of links hold those of flaps: largest mass of a flap on a link over that of the link");
+
+/// All of them.
+pub const ALL: [JudgedLimit; 4] = [ANGLE, BEYOND_ANGLE, WEIGHT, MASS];
