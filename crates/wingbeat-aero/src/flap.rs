@@ -191,7 +191,7 @@ pub fn flap_points(sections: &mut [[Vec3; 2]], arcs: &[f64], aero: &Aero, angles
         let (sine, cosine) = piecewise_linear(&along, &angles, arcs[k]).sin_cos();
         let turned = chord * cosine - up * sine;
         let at = |x: f64| front + chord * x.min(hinge) + turned * (x - hinge).max(0.0);
-        *te = at(1.0);
+        *te = front + chord * hinge + turned * flap.chord_fraction;
         MEMBRANE_DRAWN.map(at)
     };
     sections.iter_mut().enumerate().map(points).collect()

@@ -40,7 +40,7 @@ pub(super) struct SailSheet {
 const ASPECT: f64 = 1e5;
 
 impl SailSheet {
-    /// Its loads over the last cycle, and the area of its strips, which end a little short of the tips.
+    /// Its loads over the last cycle, N and N m, and the area of its strips, m2, which end a little short of the tips.
     pub fn loads(self) -> Result<(Vec<Loads<f64>>, f64), Error> {
         let tether = self.tether()?;
         let area = tether.aero.widths().iter().sum();
