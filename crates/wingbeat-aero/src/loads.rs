@@ -2,7 +2,7 @@
 
 use super::MAX_STRIPS;
 use arrayvec::ArrayVec;
-use wingbeat_math::{Over, Scalar, Vec3, Wrench};
+use wingbeat_math::{Over, Scalar, Vec3, Wrench, append_copies};
 use wingbeat_ocp::plant::MAX_DEGREES;
 
 /// Where a load on a wing or a robot comes from: the one list of names of columns, sums and curves.
@@ -219,40 +219,40 @@ impl<G: Scalar> ImpulseRates<G> {
 /// with s = [acceleration of the body origin; angular acceleration] (inertial,
 /// in B) beyond what the sections' accelerations hold, the true wrench is
 /// `wrench - added_mass s`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Loads<S: Scalar> {
     /// Sum over strips and sources, N and N m, about the body origin in B.
     pub wrench: Wrench<S>,
     /// Added-mass matrix (kg, kg m and kg m2) on [acceleration; angular acceleration], symmetric, about the body origin, in B.
     pub added_mass: [[S; 6]; 6],
-    /// Strips from left tip to right tip; the first `strips` are valid.
-    pub strip: [StripLoads<S>; MAX_STRIPS],
+    /// Strips from left tip to right tip.
+    pub strip: ArrayVec<StripLoads<S>, MAX_STRIPS>,
     /// Incidence that each strip meets, wash included, rad.
-    pub incidence: [S; MAX_STRIPS],
+    pub incidence: ArrayVec<S, MAX_STRIPS>,
     /// Wash along the normal that each strip meets at 3/4 chord, m/s.
-    pub wash: [S; MAX_STRIPS],
+    pub wash: ArrayVec<S, MAX_STRIPS>,
     /// Height of a membrane above mid chord over the chord, of each strip.
-    pub camber: [S; MAX_STRIPS],
+    pub camber: ArrayVec<S, MAX_STRIPS>,
     /// Height over the chord of the shape that moves the bulge forward: see [`membrane_height`](crate::membrane_height).
-    pub camber_forward: [S; MAX_STRIPS],
+    pub camber_forward: ArrayVec<S, MAX_STRIPS>,
     /// Wash along the normal by other surfaces at 3/4 chord of each strip, m/s; part of `wash`.
-    pub wash_of_others: [S; MAX_STRIPS],
+    pub wash_of_others: ArrayVec<S, MAX_STRIPS>,
     /// Circulation of each strip, m2/s; what it is worth says [`Circulation`].
-    pub circulation: [S; MAX_STRIPS],
+    pub circulation: ArrayVec<S, MAX_STRIPS>,
     /// Share of each strip's flow that is separated.
-    pub separated: [S; MAX_STRIPS],
+    pub separated: ArrayVec<S, MAX_STRIPS>,
     /// Share of the linear leading-edge suction of each strip that the edge does not hold.
-    pub suction_lost: [S; MAX_STRIPS],
+    pub suction_lost: ArrayVec<S, MAX_STRIPS>,
     /// Point at 1/4 chord of each control section, in the frame of the sections, m.
-    pub quarter_chord: [Vec3<S>; MAX_STRIPS],
+    pub quarter_chord: ArrayVec<Vec3<S>, MAX_STRIPS>,
     /// Angle of a flap of each strip, trailing edge down, rad.
-    pub flap: [S; MAX_STRIPS],
+    pub flap: ArrayVec<S, MAX_STRIPS>,
     /// Number of strips.
     pub strips: usize,
     /// What membranes and flaps get, hold and lose.
     pub membrane: MembraneWork<S>,
     /// Parts of the forces of each strip, where they are asked for: nothing but a record needs them.
-    pub detail: Option<[ForceDetail<S>; MAX_STRIPS]>,
+    pub detail: Option<ArrayVec<ForceDetail<S>, MAX_STRIPS>>,
 }
 
 impl<S: Scalar> Default for Loads<S> {
@@ -260,17 +260,17 @@ impl<S: Scalar> Default for Loads<S> {
         Self {
             wrench: Wrench::ZERO,
             added_mass: [[S::ZERO; 6]; 6],
-            strip: [StripLoads::default(); MAX_STRIPS],
-            incidence: [S::ZERO; MAX_STRIPS],
-            wash: [S::ZERO; MAX_STRIPS],
-            camber: [S::ZERO; MAX_STRIPS],
-            camber_forward: [S::ZERO; MAX_STRIPS],
-            flap: [S::ZERO; MAX_STRIPS],
-            wash_of_others: [S::ZERO; MAX_STRIPS],
-            circulation: [S::ZERO; MAX_STRIPS],
-            separated: [S::ZERO; MAX_STRIPS],
-            suction_lost: [S::ZERO; MAX_STRIPS],
-            quarter_chord: [Vec3::ZERO; MAX_STRIPS],
+            strip: ArrayVec::new(),
+            incidence: ArrayVec::new(),
+            wash: ArrayVec::new(),
+            camber: ArrayVec::new(),
+            camber_forward: ArrayVec::new(),
+            flap: ArrayVec::new(),
+            wash_of_others: ArrayVec::new(),
+            circulation: ArrayVec::new(),
+            separated: ArrayVec::new(),
+            suction_lost: ArrayVec::new(),
+            quarter_chord: ArrayVec::new(),
             strips: 0,
             membrane: MembraneWork::default(),
             detail: None,
@@ -282,12 +282,46 @@ impl<S: Scalar> Loads<S> {
     /// No strips and no membranes yet.
     pub(super) fn clear(&mut self) {
         (self.strips, self.membrane) = (0, MembraneWork::default());
+        self.strip.clear();
+        self.quarter_chord.clear();
+        self.of_strips().into_iter().for_each(ArrayVec::clear);
+        self.detail.iter_mut().for_each(ArrayVec::clear);
+    }
+
+    /// The numbers of the strips.
+    fn of_strips(&mut self) -> [&mut ArrayVec<S, MAX_STRIPS>; 9] {
+        [
+            &mut self.incidence,
+            &mut self.wash,
+            &mut self.camber,
+            &mut self.camber_forward,
+            &mut self.flap,
+            &mut self.wash_of_others,
+            &mut self.circulation,
+            &mut self.separated,
+            &mut self.suction_lost,
+        ]
+    }
+
+    /// Makes room for `count` strips behind those that are there; returns the place of the first.
+    pub(super) fn extend(&mut self, count: usize) -> usize {
+        let first = self.strips;
+        self.strips += count;
+        append_copies(&mut self.strip, StripLoads::default(), count);
+        append_copies(&mut self.quarter_chord, Vec3::ZERO, count);
+        for of in self.of_strips() {
+            append_copies(of, S::ZERO, count);
+        }
+        if let Some(detail) = &mut self.detail {
+            append_copies(detail, ForceDetail::default(), count);
+        }
+        first
     }
 
     /// Empty loads that are to tell the parts of the forces too, where they are large: on the heap.
     pub fn boxed() -> Box<Self> {
         let mut loads = Box::<Self>::default();
-        loads.detail = Some([ForceDetail::default(); MAX_STRIPS]);
+        loads.detail = Some(ArrayVec::new());
         loads
     }
 

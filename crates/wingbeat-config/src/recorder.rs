@@ -4,7 +4,7 @@ use super::hinged::FlapSummary;
 use super::perch::{self, PerchSpec};
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
-use wingbeat_aero::{Aero, LiftLaw, LoadSource, StripState};
+use wingbeat_aero::{Aero, LiftLaw, LoadSource, Loads, StripState};
 use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{
     AXES, Column, Controller, Cost, Ending, Flight, Record, Sample, StripRecorder,
@@ -79,6 +79,8 @@ pub struct Recorder<'a> {
     manoeuvre: Option<&'a dyn Manoeuvre>,
     record: Record,
     row: Vec<f64>,
+    /// Loads of the sample before, to be written over.
+    loads: Option<Box<Loads<f64>>>,
     incidence: Vec<f64>,
     /// Sums of separated and suction_lost over the same strips.
     shares: [f64; 2],
@@ -124,6 +126,7 @@ impl<'a> Recorder<'a> {
             manoeuvre,
             record: Record::new(columns, rows)?,
             row: Vec::with_capacity(width),
+            loads: None,
             incidence: Vec::new(),
             shares: [0.0; 2],
             beyond: [0.0; 2],
@@ -153,7 +156,8 @@ impl<'a> Recorder<'a> {
     /// Appends a sample and the controller's diagnostics.
     pub fn sample(&mut self, sample: &Sample, controller: &dyn Controller) -> Result<(), Fault> {
         let Sample { t, x, u, beyond, .. } = *sample;
-        let o = self.robot.observe_beyond(t, x, u, beyond)?;
+        let loads = self.loads.take().unwrap_or_else(Loads::boxed);
+        let o = self.robot.observe_beyond(t, x, u, beyond, loads)?;
         let layout = self.robot.layout();
         let position = Vec3::from_slice(&x[layout.position..]);
         let mut row = std::mem::take(&mut self.row);
@@ -207,6 +211,7 @@ impl<'a> Recorder<'a> {
             }
             strips.due -= 1;
         }
+        self.loads = Some(o.strips);
         Ok(())
     }
 

@@ -39,7 +39,8 @@ impl Robot {
     }
 
     /// As [`observe`](Self::observe), under the loads `beyond` (N and N m): with them the loads of the surfaces but for the
-    /// profile drag are one sum, written as circulatory.
+    /// profile drag are one sum, written as circulatory. The observation takes `strips`, those of one before or
+    /// [`Loads::boxed`], and writes over them.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -49,8 +50,9 @@ impl Robot {
         x: &[f64],
         u: &[f64],
         beyond: &[Wrench<f64>],
+        strips: Box<Loads<f64>>,
     ) -> Result<Observation, Fault> {
-        let mut seen = self.look(t, x, u, beyond)?;
+        let mut seen = self.look(t, x, u, beyond, strips)?;
         seen.air = with_beyond(seen.air, beyond);
         if !beyond.is_empty() {
             // The sum has neither suction nor vortex of its own.

@@ -116,16 +116,17 @@ impl Robot {
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
     pub fn observe(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Observation, Fault> {
-        self.look(t, x, u, &[])
+        self.look(t, x, u, &[], Loads::boxed())
     }
 
-    /// The same with loads on links and body from beyond the surfaces' models, which [`Observation::air`] lacks.
+    /// The same with loads on links and body from beyond the surfaces' models, which [`Observation::air`] lacks; `strips` are written over.
     pub(super) fn look(
         &self,
         t: f64,
         x: &[f64],
         u: &[f64],
         beyond: &[Wrench<f64>],
+        mut strips: Box<Loads<f64>>,
     ) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
         let (mut e, mut moving) = (Evaluation::empty(), Links::new());
@@ -138,7 +139,6 @@ impl Robot {
         carriers.follow(base, &self.carriers, moving, *wind_dot);
         carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;
-        let mut strips = Loads::boxed();
         let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += *beyond);
         let structure = &x[self.layout.structure..];

@@ -307,7 +307,7 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> (Wrench<S>, [[S; 6]; 6]) {
         let mut wrench = Wrench::ZERO;
         let mut added_mass = [[S::ZERO; 6]; 6];
-        let first = loads.strips;
+        let first = loads.extend(self.strips());
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
@@ -321,7 +321,6 @@ impl<P: Scalar> LiftingLine<P> {
             }
             loads.incidence[at] = flow.wash.atan2(section.uc);
             loads.wash[at] = flow.wash;
-            loads.wash_of_others[at] = S::ZERO;
             loads.separated[at] = S::ONE - flow.attached;
             loads.suction_lost[at] = flow.edge.map_or(S::ZERO, |edge| S::ONE - edge.held);
             loads.circulation[at] = self.circulation(stream, x[i]);
@@ -329,7 +328,6 @@ impl<P: Scalar> LiftingLine<P> {
             wrench += loads.strip[at].total();
         }
         mirror_upper(&mut added_mass);
-        loads.strips = first + self.strips();
         (wrench, added_mass)
     }
 

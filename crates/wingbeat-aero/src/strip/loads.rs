@@ -105,7 +105,7 @@ impl<P: Scalar> StripModel<P> {
         total
     }
 
-    /// Writes the loads by strip and source.
+    /// Writes the loads by strip and source to the last strips of `loads`.
     fn break_down<
         K: Scalar + Meets<P>,
         G: Over<K> + Meets<P>,
@@ -118,8 +118,7 @@ impl<P: Scalar> StripModel<P> {
         forces: &Forces<S, N>,
         loads: &mut Loads<S>,
     ) {
-        let first = loads.strips;
-        loads.strips = first + self.settings.strips;
+        let first = loads.strips - self.settings.strips;
         let plain = self.circulatory(&flow.strips, response, Directed::Plainly);
         if let Some(detail) = &mut loads.detail {
             self.detail(&flow.strips, response, &plain, &mut detail[first..]);

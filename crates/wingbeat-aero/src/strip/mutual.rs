@@ -347,16 +347,16 @@ impl<P: Scalar> StripModel<P> {
         foreign
     }
 
-    /// Writes the wash of others behind the strips that `loads` holds.
+    /// Makes room behind the strips that `loads` holds and writes the wash of others there.
     pub(super) fn note_others<S: Scalar + Meets<P>, const N: usize>(
         &self,
         foreign: Option<&Foreign<S, N>>,
         loads: &mut Loads<S>,
     ) {
-        let own = &mut loads.wash_of_others[loads.strips..][..self.settings.strips];
-        match foreign {
-            Some(foreign) => own.copy_from_slice(&foreign.at_control[..own.len()]),
-            None => own.fill(S::ZERO),
+        let first = loads.extend(self.settings.strips);
+        if let Some(foreign) = foreign {
+            let own = &mut loads.wash_of_others[first..];
+            own.copy_from_slice(&foreign.at_control[..own.len()]);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Elimination of the states: every node's state as a linear function of the
 //! inputs, interval by interval.
 
-use super::dense::{Terms, factor, multiply_add, padded, solve};
+use super::dense::{PACK, Terms, factor, multiply_add, packs, packs_mut, padded, solve};
 use super::plan::Horizon;
 use crate::plant::Linearisation;
 
@@ -119,10 +119,13 @@ impl Elimination {
         let x1 = &mut rest[0][..n * w1];
         for i in 0..n {
             let (right, known) = (&mut x1[i * w1..][..w1], &mut known[i * w1..][..w1]);
-            let (x, f) = (&x0[i * w0..][..w0], &f0[i * w0..][..w0]);
-            for c in 0..w0 {
-                right[c] = x[c] + h / 6.0 * f[c];
-                known[c] = 0.5 * x[c] + h / 8.0 * f[c];
+            let (x, f) = (packs(&x0[i * w0..][..w0]), packs(&f0[i * w0..][..w0]));
+            let (to, also) = (packs_mut(right), packs_mut(known));
+            for c in 0..x.len() {
+                for l in 0..PACK {
+                    to[c][l] = x[c][l] + h / 6.0 * f[c][l];
+                    also[c][l] = 0.5 * x[c][l] + h / 8.0 * f[c][l];
+                }
             }
             right[w0..].fill(0.0);
             known[w0..].fill(0.0);
@@ -164,9 +167,15 @@ impl Elimination {
 fn add_inputs(block: &mut [f64], width: usize, first: Option<usize>, scale: f64, b: &[f64], inputs: usize) {
     let Some(first) = first else { return };
     for (row, b) in block.chunks_exact_mut(width).zip(b.chunks_exact(inputs)) {
-        let row = &mut row[first..][..inputs];
-        for j in 0..inputs {
-            row[j] += scale * b[j];
+        let (rows, row_rest) = row[first..][..inputs].as_chunks_mut::<PACK>();
+        let (bs, b_rest) = b.as_chunks::<PACK>();
+        for c in 0..bs.len() {
+            for l in 0..PACK {
+                rows[c][l] += scale * bs[c][l];
+            }
+        }
+        for c in 0..b_rest.len() {
+            row_rest[c] += scale * b_rest[c];
         }
     }
 }

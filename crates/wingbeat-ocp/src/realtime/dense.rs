@@ -32,24 +32,38 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
 }
 
-/// The entries of a matrix row that are not zero, with their columns; made
-/// once, reused.
+/// The entries of a matrix row in blocks of [`PACK`], without blocks that are zero, then the entries that fill no block; made once,
+/// reused. An entry of zero adds nothing, to the bit.
 #[derive(Clone, Debug)]
-pub struct Terms(Vec<(usize, f64)>);
+pub struct Terms {
+    /// First column and entries of each block, as many as are `used`.
+    blocks: Vec<(usize, [f64; PACK])>,
+    used: usize,
+    rest: [f64; PACK],
+    /// Columns of the `rest`.
+    beyond: std::ops::Range<usize>,
+}
 
 impl Terms {
     /// Storage for rows of at most `n` entries.
     pub fn new(n: usize) -> Self {
-        Self(Vec::with_capacity(n))
+        Self { blocks: vec![(0, [0.0; PACK]); n / PACK], used: 0, rest: [0.0; PACK], beyond: 0..0 }
     }
 
     /// Gathers `scale` times `row`.
     fn gather(&mut self, scale: f64, row: &[f64]) {
-        self.0.clear();
-        for (j, a) in row.iter().enumerate() {
-            if *a != 0.0 {
-                self.0.push((j, scale * a));
+        let (blocks, rest) = row.as_chunks::<PACK>();
+        self.used = 0;
+        for k in 0..blocks.len() {
+            let [a, b, c, d] = blocks[k];
+            if (a != 0.0) | (b != 0.0) | (c != 0.0) | (d != 0.0) {
+                self.blocks[self.used] = (k * PACK, [scale * a, scale * b, scale * c, scale * d]);
+                self.used += 1;
             }
+        }
+        self.beyond = row.len() - rest.len()..row.len();
+        for j in 0..rest.len() {
+            self.rest[j] = scale * rest[j];
         }
     }
 
@@ -58,10 +72,18 @@ impl Terms {
         let width = row.len();
         let mut first = 0;
         while first < width {
-            first += match width - first {
-                32.. => self.add_block::<32>(row, b, first),
-                16.. => self.add_block::<16>(row, b, first),
-                8.. => self.add_block::<8>(row, b, first),
+            first += match (width - first) / PACK {
+                12.. => self.add_block::<48>(row, b, first),
+                11 => self.add_block::<44>(row, b, first),
+                10 => self.add_block::<40>(row, b, first),
+                9 => self.add_block::<36>(row, b, first),
+                8 => self.add_block::<32>(row, b, first),
+                7 => self.add_block::<28>(row, b, first),
+                6 => self.add_block::<24>(row, b, first),
+                5 => self.add_block::<20>(row, b, first),
+                4 => self.add_block::<16>(row, b, first),
+                3 => self.add_block::<12>(row, b, first),
+                2 => self.add_block::<8>(row, b, first),
                 _ => self.add_block::<PACK>(row, b, first),
             };
         }
@@ -72,8 +94,17 @@ impl Terms {
     fn add_block<const N: usize>(&self, row: &mut [f64], b: &[f64], first: usize) -> usize {
         let width = row.len();
         let mut sum = [0.0; N];
-        for &(j, a) in &self.0 {
-            let b = &b[j * width + first..][..N];
+        for (column, block) in &self.blocks[..self.used] {
+            let b = &b[column * width + first..][..(PACK - 1) * width + N];
+            for k in 0..PACK {
+                let b = &b[k * width..][..N];
+                for l in 0..N {
+                    sum[l] = fused(block[k], b[l], sum[l]);
+                }
+            }
+        }
+        for j in self.beyond.clone() {
+            let (a, b) = (self.rest[j - self.beyond.start], &b[j * width + first..][..N]);
             for l in 0..N {
                 sum[l] = fused(a, b[l], sum[l]);
             }
@@ -87,7 +118,7 @@ impl Terms {
 }
 
 /// C += alpha A B for A (n x p) and rows of B and C of `width`, a multiple of
-/// [`PACK`]; entries of A that are zero cost nothing.
+/// [`PACK`]; blocks of A that are zero cost nothing.
 pub fn multiply_add(c: &mut [f64], alpha: f64, a: &[f64], b: &[f64], width: usize, terms: &mut Terms) {
     let inner = b.len() / width;
     for (c, a) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
@@ -99,6 +130,18 @@ pub fn multiply_add(c: &mut [f64], alpha: f64, a: &[f64], b: &[f64], width: usiz
 /// Rows that the kernels run along are padded to a multiple of this.
 pub const PACK: usize = 4;
 
+/// A padded row, [`PACK`] by [`PACK`].
+#[inline]
+pub fn packs(row: &[f64]) -> &[[f64; PACK]] {
+    row.as_chunks().0
+}
+
+/// The same, to be changed.
+#[inline]
+pub fn packs_mut(row: &mut [f64]) -> &mut [[f64; PACK]] {
+    row.as_chunks_mut().0
+}
+
 /// `columns` padded to a multiple of [`PACK`].
 pub fn padded(columns: usize) -> usize {
     columns.next_multiple_of(PACK)
@@ -109,29 +152,93 @@ pub fn padded(columns: usize) -> usize {
 /// last, so that what they do not drive stays zero and costs nothing. A
 /// diagonal below a tenth of its column gives way to the largest entry above
 /// it; `pivots` receives the exchanges. False when the matrix is singular.
+///
+/// [`PACK`] columns are eliminated at a time, then what stands before them hears of all of them at once, in the same order.
 pub fn factor(a: &mut [f64], n: usize, stride: usize, pivots: &mut [usize]) -> bool {
-    for k in (0..n).rev() {
-        let magnitude = |i: usize| a[i * stride + k].abs();
-        let largest = (0..k).fold(k, |p, i| if magnitude(i) > magnitude(p) { i } else { p });
-        let p = if magnitude(k) < 0.1 * magnitude(largest) { largest } else { k };
-        pivots[k] = p;
-        if !(magnitude(p) > f64::MIN_POSITIVE && magnitude(p).is_finite()) {
-            return false;
+    let mut end = n;
+    while end > 0 {
+        let start = (end - 1) / PACK * PACK;
+        for k in (start..end).rev() {
+            let Some(p) = pivot(a, stride, k) else { return false };
+            pivots[k] = p;
+            exchange(a, stride, p, k);
+            eliminate(a, stride, start, k);
         }
-        exchange(a, stride, p, k);
-        let (above, rest) = a.split_at_mut(k * stride);
-        let pivot_row = &rest[..padded(k)];
-        let inverse = 1.0 / rest[k];
-        for row in above.chunks_exact_mut(stride) {
-            let factor = row[k] * inverse;
-            if factor != 0.0 {
-                let (head, tail) = row.split_at_mut(k);
-                tail[0] = factor;
-                axpy(head, -factor, &pivot_row[..k]);
+        let (above, panel) = a.split_at_mut(start * stride);
+        let last = end - start - 1;
+        for i in (0..last).rev() {
+            let (upper, lower) = panel.split_at_mut((i + 1) * stride);
+            let (head, factors) = upper[i * stride..].split_at_mut(start);
+            for k in (i + 1..=last).rev() {
+                axpy(head, -factors[k], &lower[(k - i - 1) * stride..]);
             }
         }
+        // Of a panel of fewer columns the factors that are not there are zero: their row may be any.
+        let row = |k: usize| &packs(&panel[k.min(last) * stride..])[..start / PACK];
+        let rows = [row(0), row(1), row(2), row(3)];
+        for i in 0..start {
+            let (head, factors) = above[i * stride..][..start + PACK].split_at_mut(start);
+            let mut negative = [0.0; PACK];
+            for k in 0..PACK {
+                negative[k] = if k <= last { -factors[k] } else { 0.0 };
+            }
+            subtract(packs_mut(head), negative, rows);
+        }
+        end = start;
     }
     true
+}
+
+/// The row whose entry of the column `k` is to lead it; none where that is zero or not finite.
+fn pivot(a: &[f64], stride: usize, k: usize) -> Option<usize> {
+    let mut largest = 0.0;
+    for row in a[..k * stride].chunks_exact(stride) {
+        let magnitude = row[k].abs();
+        largest = if magnitude > largest { magnitude } else { largest };
+    }
+    let diagonal = a[k * stride + k].abs();
+    let gives_way = diagonal < 0.1 * largest;
+    let magnitude = if gives_way { largest } else { diagonal };
+    if !(magnitude > f64::MIN_POSITIVE && magnitude.is_finite()) {
+        return None;
+    }
+    if gives_way { (0..k).find(|i| a[i * stride + k].abs() == largest) } else { Some(k) }
+}
+
+/// Eliminates the column `k` from all rows above, in the columns from `start` on.
+fn eliminate(a: &mut [f64], stride: usize, start: usize, k: usize) {
+    let (above, rest) = a.split_at_mut(k * stride);
+    let (at, inverse) = (k - start, 1.0 / rest[k]);
+    let mut leading = [0.0; PACK];
+    leading[..at].copy_from_slice(&rest[start..k]);
+    for row in above.chunks_exact_mut(stride) {
+        let row = &mut row[start..][..PACK];
+        let factor = row[at] * inverse;
+        for l in 0..PACK {
+            row[l] = fused(-factor, leading[l], row[l]);
+        }
+        row[at] = factor;
+    }
+}
+
+/// y += sum of the terms `factors` times the `rows`, which are as long, from the last to the first.
+#[inline]
+fn subtract(y: &mut [[f64; PACK]], factors: [f64; PACK], rows: [&[[f64; PACK]]; PACK]) {
+    let [a, b, c, d] = factors;
+    if (a == 0.0) & (b == 0.0) & (c == 0.0) & (d == 0.0) {
+        return;
+    }
+    let n = y.len();
+    let rows = [&rows[0][..n], &rows[1][..n], &rows[2][..n], &rows[3][..n]];
+    for i in 0..n {
+        let mut sum = y[i];
+        for k in (0..PACK).rev() {
+            for l in 0..PACK {
+                sum[l] = fused(factors[k], rows[k][i][l], sum[l]);
+            }
+        }
+        y[i] = sum;
+    }
 }
 
 /// Solves A X = B in place from the output of [`factor`], for rows of B of
@@ -229,27 +336,26 @@ mod tests {
 
     #[test]
     fn factors_solve_with_and_without_exchanges() {
-        const N: usize = 5;
-        const STRIDE: usize = 8;
-        for turned in [0, 2] {
+        for (n, turned) in [(5, 0), (5, 2), (14, 0), (14, 6), (16, 0), (16, 9)] {
             let entry = |i: usize, j: usize| match (i, j) {
                 (0, 3) | (1, 4) if turned == 0 => 0.0,
-                _ => ((i * 7 + j * 3) as f64).sin() + if j == (i + turned) % N { 9.0 } else { 0.0 },
+                _ => ((i * 7 + j * 3) as f64).sin() + if j == (i + turned) % n { 9.0 } else { 0.0 },
             };
-            let mut lu = vec![0.0; N * STRIDE];
-            let mut b = vec![0.0; N * PACK];
-            for i in 0..N {
-                for j in 0..N {
-                    lu[i * STRIDE + j] = entry(i, j);
+            let stride = padded(n);
+            let mut lu = vec![0.0; n * stride];
+            let mut b = vec![0.0; n * PACK];
+            for i in 0..n {
+                for j in 0..n {
+                    lu[i * stride + j] = entry(i, j);
                     b[i * PACK + 1] += entry(i, j) * (j as f64 - 1.5);
                 }
             }
-            let mut pivots = [0; N];
-            assert!(factor(&mut lu, N, STRIDE, &mut pivots));
-            let exchanges = (0..N).filter(|&k| pivots[k] != k).count();
+            let mut pivots = vec![0; n];
+            assert!(factor(&mut lu, n, stride, &mut pivots));
+            let exchanges = (0..n).filter(|&k| pivots[k] != k).count();
             assert!(if turned == 0 { exchanges == 0 } else { exchanges > 1 }, "{pivots:?}");
-            solve(&lu, STRIDE, &pivots, &mut b, PACK, &mut Terms::new(N));
-            for i in 0..N {
+            solve(&lu, stride, &pivots, &mut b, PACK, &mut Terms::new(n));
+            for i in 0..n {
                 assert!((b[i * PACK + 1] - (i as f64 - 1.5)).abs() < 1e-12, "{b:?}");
             }
         }

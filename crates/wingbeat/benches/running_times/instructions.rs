@@ -3,6 +3,7 @@
 
 use std::hint::black_box;
 
+use wingbeat::aero::Loads;
 use wingbeat::plant::{Linearisation, Plant};
 
 use super::scenario;
@@ -17,13 +18,16 @@ pub fn count(arguments: &[String]) -> Option<()> {
     let (robot, x) = (scenario.robot(), scenario.start());
     let (mut dx, u) = (x.clone(), vec![0.01; robot.inputs().len()]);
     let mut linearisation = Linearisation::new(x.len(), u.len());
+    let mut loads = Some(Loads::boxed());
     for _ in 0..runs {
         let (t, x, u) = (black_box(0.1), black_box(&x[..]), black_box(&u[..]));
         match work.as_str() {
             "evaluation" => robot.rates_in_numbers(t, x, u, &mut dx).ok()?,
             "jacobian" => linearisation.evaluate(robot, t, x, u).ok()?,
             "inputs" => linearisation.evaluate_inputs(robot, t, x, u).ok()?,
-            "sample" => drop(black_box(robot.observe(t, x, u).ok()?)),
+            "sample" => {
+                loads = Some(black_box(robot.observe_beyond(t, x, u, &[], loads.take()?).ok()?).strips)
+            }
             _ => return None,
         }
         black_box((&dx, &linearisation));

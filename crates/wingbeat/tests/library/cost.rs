@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use wingbeat::aero::LoadSource;
+use wingbeat::aero::{LoadSource, Loads};
 use wingbeat::math::{GRAVITY, Quat, Vec3, Wrench};
 use wingbeat::plant::Plant;
 use wingbeat::robot::WeightPart;
@@ -119,12 +119,32 @@ fn loads_from_beyond_the_model_are_shared_once() {
     let beyond: Vec<Wrench<f64>> = (0..robot.bearers())
         .map(|k| Wrench { force: Vec3::new(0.01 * k as f64, -0.02, 0.03), moment: Vec3::ZERO })
         .collect();
-    let seen = robot.observe_beyond(0.0, &x, &u, &beyond).unwrap();
+    let seen = robot.observe_beyond(0.0, &x, &u, &beyond, Loads::boxed()).unwrap();
     let shares = seen.weight_shares(robot.mass());
     let up = (seen.attitude * (seen.air.total() + seen.body_drag + seen.thrust).force)[2];
     let off = shares.iter().sum::<f64>() - up / (robot.mass() * GRAVITY);
     assert!(off.abs() < 1e-12, "{off}");
     assert_eq!((shares[1], shares[2], shares[5], shares[6]), (0.0, 0.0, 0.0, 0.0));
+}
+
+/// An observation that writes over the strips of another robot tells what a fresh one does.
+#[test]
+fn loads_written_over_are_those_of_fresh_room() {
+    let robots = ["full", "paper"].map(|preset| {
+        scenario(
+            "banking_turn.toml",
+            &["aero.law=lev", &format!("aero.preset={preset}"), "aero.full.strips=16"],
+        )
+    });
+    let [other, scenario] = &robots;
+    let look = |of: &Scenario, strips| {
+        let (robot, x) = (of.robot(), of.start());
+        robot.observe_beyond(0.02, &x, &vec![0.01; robot.inputs().len()], &[], strips).unwrap()
+    };
+    let over = look(scenario, look(other, Loads::boxed()).strips);
+    let fresh = look(scenario, Loads::boxed());
+    assert_eq!(over.strips.strips, 12);
+    assert_eq!(format!("{over:?}"), format!("{fresh:?}"));
 }
 
 /// A periodic level flight is carried whole, its powers are those of its record, and those of the flight on it.

@@ -19,7 +19,7 @@ fn some_state(states: usize) -> Vec<f64> {
 fn same_loads(a: &Loads<f64>, b: &Loads<f64>) {
     assert_eq!((a.wrench.force, a.wrench.moment), (b.wrench.force, b.wrench.moment));
     assert_eq!((a.added_mass, a.strips), (b.added_mass, b.strips));
-    assert_eq!((a.incidence, a.wash, a.circulation), (b.incidence, b.wash, b.circulation));
+    assert_eq!((&a.incidence, &a.wash, &a.circulation), (&b.incidence, &b.wash, &b.circulation));
     for (a, b) in a.strip.iter().zip(&b.strip) {
         assert_eq!((a.total().force, a.total().moment), (b.total().force, b.total().moment));
     }
