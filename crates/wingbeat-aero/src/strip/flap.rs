@@ -356,8 +356,7 @@ impl<P: Scalar> StripModel<P> {
         x: &[S],
         loads: &mut Loads<S>,
     ) {
-        let first = loads.strips;
-        loads.flap[first..first + self.settings.strips].fill(S::ZERO);
+        let first = loads.strips - self.settings.strips;
         let (Some(spring), Some(flaps)) = (&self.numbers.flap, self.flaps(flow, x)) else { return };
         for (i, moving) in flaps.0.iter().enumerate() {
             let Some(flap) = moving else { continue };
