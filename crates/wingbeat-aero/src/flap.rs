@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::{Error, Parameters, Quantity, Scalar, Vec3, Walk};
+use wingbeat_math::{DeclaredQuantity, Error, Parameters, Scalar, Vec3, Walk};
 
 /// A flap on a hinge along a surface that the pressure difference turns against a spring, on every strip by itself. Preset `full` only.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -91,10 +91,10 @@ pub struct FlapNumbers<P: Scalar = f64> {
     pub rest: P,
 }
 
-const STIFFNESS: Quantity = Quantity::within("N/rad", STIFFNESS_RANGE, 0.0, 1e6);
-const AREAL_DENSITY: Quantity = Quantity::within("kg/m2", DENSITY_RANGE, 1e-6, 1e4);
-const DAMPING: Quantity = Quantity::within("s", DAMPING_RANGE, 0.0, 10.0);
-const REST: Quantity = Quantity::within("rad", Range::between(-1.05, 1.05), -1.05, 1.05);
+const STIFFNESS: DeclaredQuantity = DeclaredQuantity::within("N/rad", STIFFNESS_RANGE, 0.0, 1e6);
+const AREAL_DENSITY: DeclaredQuantity = DeclaredQuantity::within("kg/m2", DENSITY_RANGE, 1e-6, 1e4);
+const DAMPING: DeclaredQuantity = DeclaredQuantity::within("s", DAMPING_RANGE, 0.0, 10.0);
+const REST: DeclaredQuantity = DeclaredQuantity::within("rad", Range::between(-1.05, 1.05), -1.05, 1.05);
 
 impl<P: Scalar> Parameters<P> for FlapNumbers<P> {
     type In<Q: Scalar> = FlapNumbers<Q>;

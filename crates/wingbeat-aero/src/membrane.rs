@@ -4,7 +4,7 @@ use crate::Aero;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::{Error, Parameters, Quantity, Scalar, Vec3, Walk};
+use wingbeat_math::{DeclaredQuantity, Error, Parameters, Scalar, Vec3, Walk};
 
 /// A membrane between leading and trailing edge of a surface: every strip is cambered by the pressure difference as far as the
 /// tension lets it. Preset `full` only.
@@ -100,11 +100,11 @@ pub struct MembraneNumbers<P: Scalar = f64> {
     pub damping: P,
 }
 
-const STIFFNESS: Quantity = Quantity::within("N/m", Range::over(0.0, 1e11), 1e-3, 1e11);
-const AREAL_DENSITY: Quantity = Quantity::within("kg/m2", Range::NOT_NEGATIVE, 0.0, 1e4);
-const PRESTRAIN: Quantity = Quantity::within("", PRESTRAIN_RANGE, -0.2, 1.0);
-const POISSON_RATIO: Quantity = Quantity::within("", Range::between(0.0, 0.5), 0.0, 0.5);
-const DAMPING: Quantity = Quantity::within("s", DAMPING_RANGE, 1e-5, 10.0);
+const STIFFNESS: DeclaredQuantity = DeclaredQuantity::within("N/m", Range::over(0.0, 1e11), 1e-3, 1e11);
+const AREAL_DENSITY: DeclaredQuantity = DeclaredQuantity::within("kg/m2", Range::NOT_NEGATIVE, 0.0, 1e4);
+const PRESTRAIN: DeclaredQuantity = DeclaredQuantity::within("", PRESTRAIN_RANGE, -0.2, 1.0);
+const POISSON_RATIO: DeclaredQuantity = DeclaredQuantity::within("", Range::between(0.0, 0.5), 0.0, 0.5);
+const DAMPING: DeclaredQuantity = DeclaredQuantity::within("s", DAMPING_RANGE, 1e-5, 10.0);
 
 impl<P: Scalar> Parameters<P> for MembraneNumbers<P> {
     type In<Q: Scalar> = MembraneNumbers<Q>;

@@ -5,7 +5,7 @@ use super::{FlapNumbers, MembraneNumbers, Planform, ProfileDrag, law};
 use arrayvec::ArrayVec;
 use std::f64::consts::FRAC_PI_2;
 use wingbeat_math::range::Range;
-use wingbeat_math::{Parameters, Quantity, Scalar, Walk};
+use wingbeat_math::{DeclaredQuantity, Parameters, Scalar, Walk};
 
 /// What the density of the air is called, which each surface has for itself.
 pub const AIR_DENSITY: &str = "air.density_kg_m3";
@@ -63,16 +63,16 @@ impl<P: Scalar> SurfaceNumbers<P> {
 }
 
 /// Density of the air.
-pub const DENSITY: Quantity = Quantity::within("kg/m3", Range::POSITIVE, 1e-3, 1e4);
+pub const DENSITY: DeclaredQuantity = DeclaredQuantity::within("kg/m3", Range::POSITIVE, 1e-3, 1e4);
 // Of the section a fit may find effective numbers that no plate has: what keys give is narrower.
-const SLOPE: Quantity = Quantity::within("1/rad", Range::between(0.1, 20.0), 0.1, 20.0);
-const ZERO_LIFT: Quantity = Quantity::free("rad");
-const CD0: Quantity = Quantity::within("", law::CD0.range, 0.0, 2.0);
-const CD90: Quantity = Quantity::within("", law::CD90.range, 0.0, 10.0);
-const STALL: Quantity = Quantity::within("rad", Range::inside(0.0, FRAC_PI_2), 0.01, 1.5);
-const SUCTION: Quantity = Quantity::within("", Range::over(0.0, 3.0), 1e-3, 3.0);
-const CARRIED: Quantity = Quantity::within("", Range::NOT_NEGATIVE, 0.0, 10.0);
-const LAG: Quantity = Quantity::free("");
+const SLOPE: DeclaredQuantity = DeclaredQuantity::within("1/rad", Range::between(0.1, 20.0), 0.1, 20.0);
+const ZERO_LIFT: DeclaredQuantity = DeclaredQuantity::free("rad");
+const CD0: DeclaredQuantity = DeclaredQuantity::within("", law::CD0.range, 0.0, 2.0);
+const CD90: DeclaredQuantity = DeclaredQuantity::within("", law::CD90.range, 0.0, 10.0);
+const STALL: DeclaredQuantity = DeclaredQuantity::within("rad", Range::inside(0.0, FRAC_PI_2), 0.01, 1.5);
+const SUCTION: DeclaredQuantity = DeclaredQuantity::within("", Range::over(0.0, 3.0), 1e-3, 3.0);
+const CARRIED: DeclaredQuantity = DeclaredQuantity::within("", Range::NOT_NEGATIVE, 0.0, 10.0);
+const LAG: DeclaredQuantity = DeclaredQuantity::free("");
 
 impl<P: Scalar> Parameters<P> for SurfaceNumbers<P> {
     type In<Q: Scalar> = SurfaceNumbers<Q>;

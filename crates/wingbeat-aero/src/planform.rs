@@ -2,7 +2,7 @@
 
 use wingbeat_math::Error;
 use wingbeat_math::interpolation::piecewise_linear;
-use wingbeat_math::{Parameters, Quantity, Scalar, Walk};
+use wingbeat_math::{DeclaredQuantity, Parameters, Scalar, Walk};
 
 /// Leading and trailing edge at one spanwise position of the half wing.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -149,7 +149,7 @@ impl Planform {
 }
 
 /// A coordinate of an outline.
-pub const COORDINATE: Quantity = Quantity::free("m");
+pub const COORDINATE: DeclaredQuantity = DeclaredQuantity::free("m");
 
 /// The first arc is zero by definition.
 impl<P: Scalar> Parameters<P> for Planform<P> {

@@ -61,7 +61,7 @@ impl<P: Scalar> ZeroLift<P> {
 
 /// Directions, winds and rates of one section, resolved in B.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Section<S: Scalar> {
+pub(super) struct SectionFlow<S: Scalar> {
     /// Unit vector along the zero-lift line towards the trailing edge.
     pub chordwise: Vec3<S>,
     /// Unit vector to the upper side, chordwise x across.
@@ -88,7 +88,7 @@ pub(super) struct Section<S: Scalar> {
     pub pitch_acceleration: S,
 }
 
-impl<S: Scalar> Section<S> {
+impl<S: Scalar> SectionFlow<S> {
     /// Geometry and kinematics of a section in the air velocity `wind`; the
     /// chord line is rigid, 1/`inverse_chord` m long and perpendicular to the span, the section a flat plate along its
     /// zero-lift line.

@@ -8,7 +8,7 @@ use crate::{
 };
 use std::path::Path;
 use wingbeat::judge::RunLimits;
-use wingbeat::math::Named;
+use wingbeat::math::NamedNumber;
 use wingbeat::parallel;
 use wingbeat::scenario::{
     CalibratedRunSpec, CalibrationSpec, ConfigError, Document, KeyProblem, RigRun, StructureOfModel,
@@ -458,12 +458,12 @@ struct Overrides {
 
 /// Names and values of all numbers that runs and cases have, each name once; those that both sides of a robot share by their shared name
 /// too.
-fn known(targets: &[RigTarget], cases: &[CaseTarget]) -> Vec<Named> {
+fn known(targets: &[RigTarget], cases: &[CaseTarget]) -> Vec<NamedNumber> {
     let mut known = targets.first().map_or(Vec::new(), |target| target.run.parameters());
-    let both: Vec<Named> = known
+    let both: Vec<NamedNumber> = known
         .iter()
         .filter(|number| number.name.contains("_left."))
-        .map(|number| Named { name: number.name.replacen("_left.", ".", 1), ..number.clone() })
+        .map(|number| NamedNumber { name: number.name.replacen("_left.", ".", 1), ..number.clone() })
         .collect();
     for number in both.into_iter().chain(cases.iter().flat_map(|case| case.case.parameters())) {
         if !known.iter().any(|other| other.name == number.name) {

@@ -1,7 +1,7 @@
 //! From what a scenario says to robots, aerodynamic models and clocks.
 
 use super::chosen::Chosen;
-use super::doors::Choice;
+use super::doors::ChosenKinds;
 use super::mismatch::Mismatch;
 use super::name::RunName;
 use super::plan::PlanSpec;
@@ -9,7 +9,7 @@ use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use wingbeat_aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, SectionSettings, StripModel, StripSettings,
 };
-use wingbeat_flight::guide::{Prepared, Task};
+use wingbeat_flight::guide::{ControllerTask, Prepared};
 use wingbeat_flight::simulate::{Controller, Schedule, SensorSpec};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
@@ -47,7 +47,7 @@ impl ScenarioSpec {
     }
 
     /// Checks and builds; keys of errors are those of the scenario.
-    pub(super) fn build(&self, choice: &Choice) -> Result<Built, Error> {
+    pub(super) fn build(&self, choice: &ChosenKinds) -> Result<Built, Error> {
         self.check()?;
         let model = self.known_robot()?;
         let own_air = self.mismatch.as_ref().is_some_and(|mismatch| mismatch.aero.is_some());
@@ -76,17 +76,17 @@ impl ScenarioSpec {
     /// The controller of `model`, if the scenario has one.
     pub(super) fn controller<'a>(
         &self,
-        choice: &Choice,
+        choice: &ChosenKinds,
         model: &'a Robot,
         prepared: Option<Prepared>,
     ) -> Result<Option<Box<dyn Controller + 'a>>, Error> {
         let Some(spec) = &choice.controller else { return Ok(None) };
-        let task = Task { prepared, ..self.task(choice, model) };
+        let task = ControllerTask { prepared, ..self.task(choice, model) };
         spec.build(task).map(Some).map_err(|e| self.of_controller(e))
     }
 
     /// Refuses what a controller of `model` cannot be made of.
-    fn check_controller(&self, choice: &Choice, model: &Robot) -> Result<(), Error> {
+    fn check_controller(&self, choice: &ChosenKinds, model: &Robot) -> Result<(), Error> {
         let Some(spec) = &choice.controller else { return Ok(()) };
         if self.sensors.as_ref().is_some_and(SensorSpec::reads) && !spec.reads_instruments() {
             let allowed = "no instruments: this controller is told states; controller.orbit with an estimator reads them";
@@ -100,11 +100,11 @@ impl ScenarioSpec {
     }
 
     /// What a controller of `model` is made for.
-    pub(super) fn task<'a>(&self, choice: &Choice, model: &'a Robot) -> Task<'a> {
+    pub(super) fn task<'a>(&self, choice: &ChosenKinds, model: &'a Robot) -> ControllerTask<'a> {
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
         let (sensors, path) = (self.sensors.clone(), self.path.clone());
         let perch = self.perch.as_ref().map(|perch| perch.beside(model));
-        Task { model, manoeuvre, solver, sensors, path, perch, prepared: None }
+        ControllerTask { model, manoeuvre, solver, sensors, path, perch, prepared: None }
     }
 
     /// An error of the controller's settings, of its solver's, or of the gait that it is made for.
@@ -275,7 +275,7 @@ impl ScenarioSpec {
     }
 
     /// Whole steps for duration, updates and records.
-    fn schedule(&self, choice: &Choice) -> Result<Schedule, Error> {
+    fn schedule(&self, choice: &ChosenKinds) -> Result<Schedule, Error> {
         let flight = &self.flight;
         let step = flight.step_s;
         let whole = |key: &str, time: f64| {

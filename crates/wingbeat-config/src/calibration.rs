@@ -4,8 +4,8 @@ use super::RunName;
 use super::verdict_limits::VerdictLimits;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use wingbeat_math::DeclaredQuantity;
 use wingbeat_math::Error;
-use wingbeat_math::Quantity;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::MOST_HARMONICS;
 
@@ -387,7 +387,7 @@ const AIR: [&str; 2] = ["surfaces.", "air."];
 
 impl ParameterSpec {
     /// Lowest and highest value of the number that `quantity` declares, in its unit.
-    pub fn bounds(&self, quantity: &Quantity) -> [f64; 2] {
+    pub fn bounds(&self, quantity: &DeclaredQuantity) -> [f64; 2] {
         let [low, high] = quantity.given;
         [self.low.unwrap_or(low), self.high.unwrap_or(high)]
     }
@@ -396,7 +396,7 @@ impl ParameterSpec {
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
-    pub fn check(&self, quantity: &Quantity) -> Result<(), Error> {
+    pub fn check(&self, quantity: &DeclaredQuantity) -> Result<(), Error> {
         let [lowest, highest] = quantity.given;
         for (key, value) in [("low", self.low), ("high", self.high)] {
             let Some(value) = value else { continue };

@@ -13,7 +13,7 @@ use wingbeat_flight::guide::{
 use wingbeat_math::Error;
 
 /// Reads the table at a key of a document as a kind.
-type Reading<K> = fn(&Document, &str) -> Result<Arc<K>, ConfigError>;
+type KindReader<K> = fn(&Document, &str) -> Result<Arc<K>, ConfigError>;
 
 /// The kinds of manoeuvres, controllers and horizon solvers that a scenario may choose beside those that ship:
 /// `[manoeuvre.NAME]`, `[controller.NAME]`, `[solver.NAME]`. A table that is refused is refused with file, line
@@ -51,15 +51,15 @@ type Reading<K> = fn(&Document, &str) -> Result<Arc<K>, ConfigError>;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Doors {
-    manoeuvres: BTreeMap<String, Reading<dyn Manoeuvre>>,
-    controllers: BTreeMap<String, Reading<dyn ControllerSpec>>,
-    solvers: BTreeMap<String, Reading<dyn SolverSpec>>,
+    manoeuvres: BTreeMap<String, KindReader<dyn Manoeuvre>>,
+    controllers: BTreeMap<String, KindReader<dyn ControllerSpec>>,
+    solvers: BTreeMap<String, KindReader<dyn SolverSpec>>,
     lattice: Option<MakeLattice>,
 }
 
 /// What a scenario chose.
 #[derive(Clone, Debug)]
-pub(super) struct Choice {
+pub(super) struct ChosenKinds {
     pub manoeuvre: Option<Arc<dyn Manoeuvre>>,
     pub controller: Option<Arc<dyn ControllerSpec>>,
     pub solver: Option<Arc<dyn SolverSpec>>,
@@ -115,7 +115,11 @@ impl Doors {
     }
 
     /// What `spec`, read from `document`, chooses.
-    pub(super) fn choose(&self, spec: &ScenarioSpec, document: &Document) -> Result<Choice, ConfigError> {
+    pub(super) fn choose(
+        &self,
+        spec: &ScenarioSpec,
+        document: &Document,
+    ) -> Result<ChosenKinds, ConfigError> {
         let manoeuvre: Option<Arc<dyn Manoeuvre>> = match &spec.manoeuvre {
             None => None,
             Some(Chosen::Shipped(turn)) => {
@@ -134,13 +138,13 @@ impl Doors {
             }
         };
         let solver = spec.solver.as_ref().map(|named| open(&self.solvers, named, "solver", &[], document));
-        Ok(Choice { manoeuvre, controller, solver: solver.transpose()?, lattice: self.lattice })
+        Ok(ChosenKinds { manoeuvre, controller, solver: solver.transpose()?, lattice: self.lattice })
     }
 }
 
 /// Reads what stands under the `named` kind of the table `table`; `keys` are those of the kind that ships.
 fn open<K: ?Sized>(
-    kinds: &BTreeMap<String, Reading<K>>,
+    kinds: &BTreeMap<String, KindReader<K>>,
     named: &Named,
     table: &str,
     keys: &[&str],

@@ -10,7 +10,7 @@ use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
 
 /// A flight and what is judged of it.
-pub(super) struct Flown<'a> {
+pub(super) struct JudgedFlight<'a> {
     pub summary: &'a Summary,
     pub record: &'a Record,
     pub flight: &'a Flight,
@@ -21,14 +21,14 @@ pub(super) struct Flown<'a> {
 }
 
 /// The verdict, and the keys of the goal that could not be judged.
-pub(super) type Found = (Verdict, Vec<&'static str>);
+pub(super) type FlightVerdict = (Verdict, Vec<&'static str>);
 
 /// Time of flight from which its mean power is that of whole cycles, s. *Choice*: three cycles of the slowest gaits.
 const WHOLE_CYCLES: f64 = 1.0;
 
-impl Flown<'_> {
+impl JudgedFlight<'_> {
     /// Judges by the goal, the task and the limits.
-    pub fn judged(&self, limits: &RunLimits) -> Found {
+    pub fn judged(&self, limits: &RunLimits) -> FlightVerdict {
         let mut judge = Judge::new(limits);
         let mut not_judged = Vec::new();
         match self.broken() {

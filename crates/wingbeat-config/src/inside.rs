@@ -16,5 +16,5 @@ pub use crate::tether_converge::{ladder, observed_order};
 pub use crate::trim::alone::balance::least;
 pub use crate::trim::alone::guess::Size;
 pub use crate::trim::alone::{RobotTrim, STALLED};
-pub use crate::trim::search::descent::{Ended, Landscape, Seen, Slopes, descend};
-pub use crate::trim::search::quadratic::{Step, step};
+pub use crate::trim::search::descent::{DescentPoint, Ended, Landscape, Slopes, descend};
+pub use crate::trim::search::quadratic::{QuadraticStep, step};

@@ -3,7 +3,7 @@
 use super::build::whole;
 use super::{Scenario, ScenarioSpec};
 use serde::{Deserialize, Serialize};
-use wingbeat_flight::simulate::{Coupling, Flow, Schedule, SensorSpec};
+use wingbeat_flight::simulate::{AirCoupling, Flow, Schedule, SensorSpec};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::{Robot, SurfaceOutline};
@@ -149,8 +149,8 @@ const FAR: f64 = 0.5;
 const SHORT: f64 = 12.0;
 
 impl LatticeSummary {
-    pub(super) fn new(coupling: Coupling, spec: Option<&LatticeSpec>) -> Self {
-        let Coupling { step, steps, iterations, most, fineness } = coupling;
+    pub(super) fn new(coupling: AirCoupling, spec: Option<&LatticeSpec>) -> Self {
+        let AirCoupling { step, steps, iterations, most, fineness } = coupling;
         let forgotten = spec.and_then(|spec| Some((spec.longest_age_s? / step, spec.chordwise)));
         let length = |(kept, chordwise): (f64, usize)| fineness.panels / chordwise as f64 * kept;
         Self {

@@ -127,10 +127,10 @@ pub use trim::{
     VarySpec,
 };
 pub use verdict_limits::VerdictLimits;
-pub use watched::{Seen, Watched};
+pub use watched::{ShownSample, Watched};
 
 use build::{Built, whole};
-use doors::Choice;
+use doors::ChosenKinds;
 use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -160,7 +160,7 @@ pub struct Scenario {
     /// The merged configuration as TOML; flies the same flight.
     pub resolved: String,
     document: Document,
-    choice: Choice,
+    choice: ChosenKinds,
     robot: Robot,
     model: Robot,
     schedule: Schedule,

@@ -48,12 +48,12 @@ pub struct Recorded {
     /// One row per strip and instant, where asked for.
     pub strips: Option<Record>,
     /// Means over all samples; none where samples were cut off.
-    pub means: Option<Means>,
+    pub means: Option<FlightMeans>,
 }
 
 /// What is averaged over all samples of a flight while it is recorded.
 #[derive(Clone, Debug)]
-pub struct Means {
+pub struct FlightMeans {
     /// Share of strips past the stall angle.
     pub stall_fraction: f64,
     /// Laws under which strips were past the stall angle, with their shares of all samples.
@@ -86,14 +86,14 @@ pub struct Recorder<'a> {
     shares: [f64; 2],
     /// Samples beyond the velocities of `robot.residual`, and all of those that tell.
     beyond: [f64; 2],
-    strips: Option<Strips>,
+    strips: Option<StripRows>,
     /// The perch, and whether its claw has latched.
     perch: Option<&'a PerchSpec>,
     latched: bool,
 }
 
 /// Loads of the strips at every so many samples.
-struct Strips {
+struct StripRows {
     recorder: StripRecorder,
     every: usize,
     due: usize,
@@ -109,7 +109,7 @@ impl<'a> Recorder<'a> {
         rows: usize,
         samples_per_strips: Option<usize>,
     ) -> Result<Self, Error> {
-        let strips = |every: usize| Strips {
+        let strips = |every: usize| StripRows {
             recorder: StripRecorder::new(robot.surfaces().map(|(_, aero)| aero), "rad", rows.div_ceil(every)),
             every,
             due: 0,
@@ -235,7 +235,7 @@ impl<'a> Recorder<'a> {
         let stall_fraction = stalled.iter().map(|(_, share)| share).sum();
         let stalled = stalled.into_iter().filter(|(_, share)| *share > 0.0).collect();
         let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
-        let means = Means {
+        let means = FlightMeans {
             separated_fraction,
             suction_lost_fraction,
             law_states: law_states(self.robot, &self.record),

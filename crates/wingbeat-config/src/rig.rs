@@ -6,7 +6,7 @@ use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Tra
 use std::path::Path;
 use wingbeat_judge::{RunLimits, Warning};
 use wingbeat_math::Error;
-use wingbeat_math::{Mat3, Named, Vec3};
+use wingbeat_math::{Mat3, NamedNumber, Vec3};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::arm::{LimitProfile, Payload, SerialArm};
 use wingbeat_rig::carrier::{CellMount, ToolCarrier};
@@ -376,7 +376,7 @@ impl RigRun {
     }
 
     /// The same with what is declared of them.
-    pub fn parameters(&self) -> Vec<Named> {
+    pub fn parameters(&self) -> Vec<NamedNumber> {
         let mut named = self.robot.parameters();
         named.extend(self.numbers.parameters());
         named

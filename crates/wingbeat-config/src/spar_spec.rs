@@ -6,7 +6,7 @@ use wingbeat_flight::tether::Spar;
 use wingbeat_math::order::ascend;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, GRAVITY, Mat3, Vec3, require};
-use wingbeat_structure::{Beam, Grid, Lump, Section, Station, Strain};
+use wingbeat_structure::{Beam, CrossSection, Grid, Lump, SectionStation, Strain};
 
 /// A beam along each half of the wing, straight from its root to the tip. It bends both ways and twists, by any amount; it does not
 /// stretch or shear. The halves bend as mirror images of each other, so that roll and sideslip are refused.
@@ -209,7 +209,7 @@ impl SparSpec {
         all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
-    fn stations(&self, tip: f64) -> Result<Vec<Station>, Error> {
+    fn stations(&self, tip: f64) -> Result<Vec<SectionStation>, Error> {
         let given = format!("{} stations", self.stations.len());
         let (Some(first), Some(last), true) =
             (self.stations.first(), self.stations.last(), self.stations.len() > 1)
@@ -239,21 +239,21 @@ impl SparSpec {
             before = station.arc_m;
             let section = station.section().map_err(|e| e.within(&key))?;
             let arc_m = if i + 1 == self.stations.len() { tip } else { station.arc_m } - self.root_m;
-            stations.push(Station { arc_m, section });
+            stations.push(SectionStation { arc_m, section });
         }
         Ok(stations)
     }
 }
 
 impl SparStationSpec {
-    fn section(&self) -> Result<Section, Error> {
+    fn section(&self) -> Result<CrossSection, Error> {
         self.in_range()?;
         require::finite("couplings_n_m2", &self.couplings_n_m2)?;
         require::finite("aft_m", &[self.aft_m])?;
         require::finite("up_m", &[self.up_m])?;
         let [torsion, bending, edge] = [self.torsion_n_m2, self.bending_n_m2, self.edge_bending_n_m2];
         // It does not stretch or shear, so that these stiffnesses have no effect.
-        let mut section = Section::isotropic(1.0, [torsion, bending, edge]);
+        let mut section = CrossSection::isotropic(1.0, [torsion, bending, edge]);
         let [twist_bending, twist_edge, both] = self.couplings_n_m2;
         for (i, j, value) in [(0, 1, twist_bending), (0, 2, twist_edge), (1, 2, both)] {
             (section.stiffness[i][j], section.stiffness[j][i]) = (value, value);

@@ -3,7 +3,7 @@
 use super::cost::CostSummary;
 use super::dived::DiveSummary;
 use super::estimate::{EstimateSummary, Estimated};
-use super::flight_verdict::{Flown, mean_velocity};
+use super::flight_verdict::{JudgedFlight, mean_velocity};
 use super::followed::PathSummary;
 use super::governed::GovernedSummary;
 use super::grounded::ground_distance;
@@ -12,7 +12,7 @@ use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
 use super::measure::Measured;
 use super::perch::{PerchSpec, PerchSummary};
-use super::recorder::{Means, momentum_change};
+use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
@@ -297,7 +297,7 @@ pub(super) struct Context<'a> {
     pub preset: String,
     pub law: String,
     /// Means over all samples; none of a flight whose last samples were cut off.
-    pub means: Option<&'a Means>,
+    pub means: Option<&'a FlightMeans>,
     /// Time between updates of the controller, s.
     pub period_s: Option<f64>,
     /// Estimate of the error of the steps, m, and what was asked.
@@ -395,7 +395,7 @@ impl Summary {
             warnings: Vec::new(),
             controller: ControllerSummary::new(flight, context.period_s),
         };
-        let flown = Flown {
+        let flown = JudgedFlight {
             summary: &summary,
             record,
             flight,

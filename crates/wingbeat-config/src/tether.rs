@@ -13,15 +13,15 @@ use std::path::{Path, PathBuf};
 use wingbeat_aero::{Aero, CD0, Planform, Preset};
 use wingbeat_flight::simulate::Ending;
 use wingbeat_flight::tether::{
-    CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Plane, Reference, Side, Steady, Tether, TetherRun,
-    Wing, WingNumbers,
+    CoefficientScales, CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Plane, Side, Steady, Tether,
+    TetherRun, Wing, WingNumbers,
 };
 use wingbeat_judge::data::Finding;
 use wingbeat_judge::limits::tether;
 use wingbeat_judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
-use wingbeat_math::{Declared, Named, Parameters, Vec3};
+use wingbeat_math::{Declared, NamedNumber, Parameters, Vec3};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_robot::DriveSpec;
 use wingbeat_robot::{SurfaceOutline, check_given, former};
@@ -536,7 +536,7 @@ fn renumbered(aero: &Aero, to: &[(&str, f64)]) -> Result<Aero, Error> {
         };
         check_given(name, &number.quantity, *value)
             .map_err(|e| e.renamed(&[(*name, format!("numbers.\"{name}\""))]))?;
-        Named { value: *value, ..number.clone() }.check()?;
+        NamedNumber { value: *value, ..number.clone() }.check()?;
     }
     let given = |number: Declared, own| {
         to.iter().find(|(name, _)| *name == number.name).map_or(own, |(_, value)| *value)
@@ -558,7 +558,7 @@ impl TetherCase {
     }
 
     /// The same with what is declared of them.
-    pub fn parameters(&self) -> Vec<Named> {
+    pub fn parameters(&self) -> Vec<NamedNumber> {
         WingNumbers::of(&self.tether.aero).named(&|_, _, _| None)
     }
 
@@ -636,7 +636,7 @@ impl TetherSpec {
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
         let area = planform.area() * halves;
         let tether = Tether {
-            reference: Reference {
+            reference: CoefficientScales {
                 density_kg_m3: aero.numbers().density,
                 speed_m_s: self.reference_speed()?,
                 area_m2: self.reference.area_m2.unwrap_or(area),

@@ -9,14 +9,14 @@ use wingbeat_ocp::plant::Fault;
 
 /// A sample that outlives the instant at which it was shown.
 #[derive(Clone, Debug)]
-pub struct Seen {
+pub struct ShownSample {
     t: f64,
     x: Vec<f64>,
     u: Vec<f64>,
     beyond: Vec<Wrench<f64>>,
 }
 
-impl Seen {
+impl ShownSample {
     /// A copy of a sample.
     pub fn of(sample: &Sample) -> Self {
         Self { t: sample.t, x: sample.x.to_vec(), u: sample.u.to_vec(), beyond: sample.beyond.to_vec() }
@@ -41,8 +41,8 @@ impl Watched<'_> {
     ///
     /// # Errors
     /// A state that has no loads, or a number that is not finite.
-    pub fn add(&mut self, seen: &Seen) -> Result<(), Fault> {
-        let Seen { t, x, u, beyond } = seen;
+    pub fn add(&mut self, seen: &ShownSample) -> Result<(), Fault> {
+        let ShownSample { t, x, u, beyond } = seen;
         self.0.sample(&Sample { t: *t, x, u, beyond, elapsed: Duration::ZERO }, &AtRest)
     }
 

@@ -43,7 +43,7 @@ pub fn each<T: Sync, R: Send>(
 }
 
 /// What the threads of [`shared`] have told.
-struct Told {
+struct ThreadAnswers {
     /// Whether answers have come since they were taken.
     new: bool,
     /// Threads that work.
@@ -51,7 +51,7 @@ struct Told {
 }
 
 /// Tells that a thread works no more, even where its work panics.
-struct Leaving<'a>(&'a Mutex<Told>, &'a Condvar);
+struct Leaving<'a>(&'a Mutex<ThreadAnswers>, &'a Condvar);
 
 impl Drop for Leaving<'_> {
     fn drop(&mut self) {
@@ -64,7 +64,7 @@ impl Drop for Leaving<'_> {
 /// Compiled once: what is generic of [`each`] would stand in the program again for every work.
 fn shared(count: usize, work: &(dyn Fn(usize) + Sync), take: &mut dyn FnMut() -> ControlFlow<()>) {
     let next = AtomicUsize::new(0);
-    let (told, wake) = (Mutex::new(Told { new: false, working: 0 }), Condvar::new());
+    let (told, wake) = (Mutex::new(ThreadAnswers { new: false, working: 0 }), Condvar::new());
     let run = || {
         let _leaving = Leaving(&told, &wake);
         loop {

@@ -8,7 +8,7 @@ use crate::range::Range;
 
 /// What is declared of a number beside its name.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quantity {
+pub struct DeclaredQuantity {
     /// Unit; empty when dimensionless. Of a joint's numbers that of a joint that turns.
     pub unit: &'static str,
     /// What it may be in any robot.
@@ -20,7 +20,7 @@ pub struct Quantity {
     pub turned: bool,
 }
 
-impl Quantity {
+impl DeclaredQuantity {
     /// A number that may be anything finite, and is given up to a million.
     pub const fn free(unit: &'static str) -> Self {
         Self { unit, range: Range::FINITE, given: [-1e6, 1e6], turned: false }
@@ -38,12 +38,12 @@ impl Quantity {
 }
 
 /// Of a polar vector the part across the plane of symmetry changes sign in the mirror.
-pub const fn polar(quantity: Quantity) -> [Quantity; 3] {
+pub const fn polar(quantity: DeclaredQuantity) -> [DeclaredQuantity; 3] {
     [quantity, quantity.turned(), quantity]
 }
 
 /// Of a turn the parts in the plane of symmetry change sign in the mirror.
-pub const fn axial(quantity: Quantity) -> [Quantity; 3] {
+pub const fn axial(quantity: DeclaredQuantity) -> [DeclaredQuantity; 3] {
     [quantity.turned(), quantity, quantity.turned()]
 }
 
@@ -53,7 +53,7 @@ pub struct Declared<'a> {
     /// Its name.
     pub name: &'a str,
     /// What is declared of it.
-    pub quantity: &'a Quantity,
+    pub quantity: &'a DeclaredQuantity,
 }
 
 /// What the items of a list are called: by the kind of the list, the name of what holds it, and an item's place. A list of which no
@@ -74,17 +74,17 @@ impl<'a, P: Copy, Q> Walk<'a, P, Q> {
     }
 
     /// A number.
-    pub fn number(&mut self, key: &str, quantity: &Quantity, value: P) -> Q {
+    pub fn number(&mut self, key: &str, quantity: &DeclaredQuantity, value: P) -> Q {
         self.within(key, |walk| walk.here(quantity, value))
     }
 
     /// The number that is called as the place is.
-    pub fn here(&mut self, quantity: &Quantity, value: P) -> Q {
+    pub fn here(&mut self, quantity: &DeclaredQuantity, value: P) -> Q {
         (self.see)(Some(Declared { name: &self.name, quantity }), value)
     }
 
     /// A number with a whole name of its own, wherever the walk is.
-    pub fn apart(&mut self, name: &str, quantity: &Quantity, value: P) -> Q {
+    pub fn apart(&mut self, name: &str, quantity: &DeclaredQuantity, value: P) -> Q {
         (self.see)(Some(Declared { name, quantity }), value)
     }
 
@@ -130,14 +130,19 @@ impl<'a, P: Copy, Q> Walk<'a, P, Q> {
     }
 
     /// Numbers that are alike, by their places.
-    pub fn array<const N: usize>(&mut self, key: &str, quantities: &[Quantity; N], values: [P; N]) -> [Q; N] {
+    pub fn array<const N: usize>(
+        &mut self,
+        key: &str,
+        quantities: &[DeclaredQuantity; N],
+        values: [P; N],
+    ) -> [Q; N] {
         std::array::from_fn(|i| self.item(key, "", i, |at| at.here(&quantities[i], values[i])))
     }
 }
 
 impl<P: Scalar, Q: Scalar> Walk<'_, P, Q> {
     /// A vector, each component in the unit of its quantity.
-    pub fn vector(&mut self, key: &str, quantities: &[Quantity; 3], value: Vec3<P>) -> Vec3<Q> {
+    pub fn vector(&mut self, key: &str, quantities: &[DeclaredQuantity; 3], value: Vec3<P>) -> Vec3<Q> {
         Vec3(self.array(key, quantities, value.0))
     }
 }
@@ -171,13 +176,13 @@ pub trait Parameters<P: Scalar> {
     }
 
     /// Name, declaration and value of each number that has a name.
-    fn named(&self, labels: Labels) -> Vec<Named<P>> {
+    fn named(&self, labels: Labels) -> Vec<NamedNumber<P>> {
         let mut all = Vec::new();
         self.map_named(
             labels,
             |value| value,
             |declared, value| {
-                all.push(Named { name: declared.name.to_owned(), quantity: *declared.quantity, value });
+                all.push(NamedNumber { name: declared.name.to_owned(), quantity: *declared.quantity, value });
                 value
             },
         );
@@ -187,16 +192,16 @@ pub trait Parameters<P: Scalar> {
 
 /// A number with its name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Named<P = f64> {
+pub struct NamedNumber<P = f64> {
     /// Its name.
     pub name: String,
     /// What is declared of it.
-    pub quantity: Quantity,
+    pub quantity: DeclaredQuantity,
     /// Its value.
     pub value: P,
 }
 
-impl Named {
+impl NamedNumber {
     /// Refuses a value out of the number's range.
     ///
     /// # Errors
@@ -211,20 +216,20 @@ mod tests {
     use super::*;
     use crate::Dual;
 
-    struct Pair<P: Scalar = f64> {
+    struct WeightedPlace<P: Scalar = f64> {
         weights: Vec<P>,
         place: Vec3<P>,
         zero: P,
     }
 
-    impl<P: Scalar> Parameters<P> for Pair<P> {
-        type In<Q: Scalar> = Pair<Q>;
+    impl<P: Scalar> Parameters<P> for WeightedPlace<P> {
+        type In<Q: Scalar> = WeightedPlace<Q>;
 
-        fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Pair<Q> {
-            let weight = Quantity::within("kg", Range::POSITIVE, 0.1, 10.0);
-            Pair {
+        fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> WeightedPlace<Q> {
+            let weight = DeclaredQuantity::within("kg", Range::POSITIVE, 0.1, 10.0);
+            WeightedPlace {
                 weights: at.list(("weights", "scales"), &self.weights, |at, w| at.number("kg", &weight, *w)),
-                place: at.vector("place_m", &polar(Quantity::free("m")), self.place),
+                place: at.vector("place_m", &polar(DeclaredQuantity::free("m")), self.place),
                 zero: at.fixed(self.zero),
             }
         }
@@ -232,7 +237,7 @@ mod tests {
 
     #[test]
     fn one_walk_tells_names_limits_images_and_derivatives() {
-        let pair = Pair { weights: vec![1.0, -2.0], place: Vec3::new(3.0, 4.0, 5.0), zero: 0.0 };
+        let pair = WeightedPlace { weights: vec![1.0, -2.0], place: Vec3::new(3.0, 4.0, 5.0), zero: 0.0 };
         let label =
             |kind: &str, _: &str, place: usize| (kind == "scales" && place == 0).then(|| "left".to_owned());
         let named = pair.named(&label);

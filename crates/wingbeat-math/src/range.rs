@@ -73,7 +73,7 @@ impl Range {
 }
 
 /// A number of a spec, or several: what is not given is in every range.
-pub trait Numbers {
+pub trait RangedNumbers {
     /// Refuses numbers outside `range`; of several the key says which.
     ///
     /// # Errors
@@ -81,37 +81,37 @@ pub trait Numbers {
     fn check(&self, key: &str, range: &Range) -> Result<(), Error>;
 }
 
-impl Numbers for f64 {
+impl RangedNumbers for f64 {
     fn check(&self, key: &str, range: &Range) -> Result<(), Error> {
         range.check(key, *self)
     }
 }
 
-impl Numbers for usize {
+impl RangedNumbers for usize {
     fn check(&self, key: &str, range: &Range) -> Result<(), Error> {
         range.shown(key, *self as f64, self)
     }
 }
 
-impl<T: Numbers> Numbers for Option<T> {
+impl<T: RangedNumbers> RangedNumbers for Option<T> {
     fn check(&self, key: &str, range: &Range) -> Result<(), Error> {
         self.as_ref().map_or(Ok(()), |given| given.check(key, range))
     }
 }
 
-impl<T: Numbers> Numbers for Vec<T> {
+impl<T: RangedNumbers> RangedNumbers for Vec<T> {
     fn check(&self, key: &str, range: &Range) -> Result<(), Error> {
         self.iter().enumerate().try_for_each(|(i, one)| one.check(&format!("{key}[{i}]"), range))
     }
 }
 
-impl<T: Numbers, const N: usize> Numbers for [T; N] {
+impl<T: RangedNumbers, const N: usize> RangedNumbers for [T; N] {
     fn check(&self, key: &str, range: &Range) -> Result<(), Error> {
         self.iter().enumerate().try_for_each(|(i, one)| one.check(&format!("{key}[{i}]"), range))
     }
 }
 
-impl<T: Numbers> Numbers for BTreeMap<String, T> {
+impl<T: RangedNumbers> RangedNumbers for BTreeMap<String, T> {
     fn check(&self, key: &str, range: &Range) -> Result<(), Error> {
         self.iter().try_for_each(|(name, one)| one.check(&format!("{key}.{name}"), range))
     }
@@ -134,7 +134,7 @@ macro_rules! ranges {
             pub fn in_range(&self) -> Result<(), $crate::Error> {
                 let mut ranges = Self::RANGES.iter();
                 $(if let Some((key, range)) = ranges.next() {
-                    $crate::range::Numbers::check(&self.$field, key, range)?;
+                    $crate::range::RangedNumbers::check(&self.$field, key, range)?;
                 })*
                 Ok(())
             }

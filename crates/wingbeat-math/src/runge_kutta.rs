@@ -76,7 +76,7 @@ impl<const STAGES: usize> Tableau<STAGES> {
 /// Equal steps of time. Step `k` begins at `start + k length`, free of summed rounding. Times are in the caller's unit, s in
 /// every model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steps<S = f64> {
+pub struct EqualSteps<S = f64> {
     /// Time at which step 0 begins.
     pub start: S,
     /// Length of a step.
@@ -87,7 +87,7 @@ pub struct Steps<S = f64> {
     pub count: usize,
 }
 
-impl<S: Scalar> Steps<S> {
+impl<S: Scalar> EqualSteps<S> {
     /// `count` steps of `length` from `start`.
     pub fn new(start: S, length: S, count: usize) -> Self {
         Self { start, length, first: 0, count }
@@ -133,7 +133,7 @@ impl<const STAGES: usize> Tableau<STAGES> {
     pub fn integrate<S: Scalar, E>(
         &self,
         dynamics: &mut dyn Dynamics<S, E>,
-        steps: Steps<S>,
+        steps: EqualSteps<S>,
         x: &mut [S],
         work: &mut Workspace<S>,
     ) -> Result<bool, E> {

@@ -16,7 +16,7 @@ const CONSTANT: u32 = u32::MAX;
 /// One operation: its operands, its slopes and its curvatures
 /// (d2/da2, d2/dadb, d2/db2).
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct TapeNode {
     parents: [u32; 2],
     slope: [f64; 2],
     curvature: [f64; 3],
@@ -24,7 +24,7 @@ struct Node {
 }
 
 thread_local! {
-    static RECORDING: RefCell<Vec<Node>> = const { RefCell::new(Vec::new()) };
+    static RECORDING: RefCell<Vec<TapeNode>> = const { RefCell::new(Vec::new()) };
 }
 
 /// A number whose operations are being recorded on this thread.
@@ -39,7 +39,7 @@ impl Traced {
         Self { value, node: CONSTANT }
     }
 
-    fn push(value: f64, node: Node) -> Self {
+    fn push(value: f64, node: TapeNode) -> Self {
         RECORDING.with_borrow_mut(|nodes| {
             nodes.push(node);
             Self { value, node: (nodes.len() - 1) as u32 }
@@ -51,7 +51,7 @@ impl Traced {
         if self.node == CONSTANT {
             return Self::constant(value);
         }
-        let node = Node {
+        let node = TapeNode {
             parents: [self.node, CONSTANT],
             slope: [slope, 0.0],
             curvature: [curvature, 0.0, 0.0],
@@ -68,7 +68,7 @@ impl Traced {
             (CONSTANT, _) => o.unary(value, slope[1], curvature[2]),
             (a, b) => {
                 let curved = curvature != [0.0; 3];
-                Self::push(value, Node { parents: [a, b], slope, curvature, curved })
+                Self::push(value, TapeNode { parents: [a, b], slope, curvature, curved })
             }
         }
     }
@@ -250,7 +250,7 @@ impl Scalar for Traced {
 /// outputs are in the caller's units.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
-    nodes: Vec<Node>,
+    nodes: Vec<TapeNode>,
     inputs: usize,
     outputs: Vec<Traced>,
     traced: Vec<Traced>,
@@ -273,7 +273,8 @@ impl Tape {
         RECORDING.with_borrow_mut(|nodes| std::mem::swap(nodes, &mut self.nodes));
         self.traced.clear();
         self.traced.extend(inputs.iter().map(|&value| {
-            let source = Node { parents: [CONSTANT; 2], slope: [0.0; 2], curvature: [0.0; 3], curved: false };
+            let source =
+                TapeNode { parents: [CONSTANT; 2], slope: [0.0; 2], curvature: [0.0; 3], curved: false };
             Traced::push(value, source)
         }));
         self.outputs.clear();

@@ -4,7 +4,7 @@
 use std::io::Read;
 use std::net::{IpAddr, Ipv4Addr};
 
-use wingbeat_netft::{Emulator, Error, Faults, Options, Signal, read_config, record};
+use wingbeat_netft::{Emulator, Error, Faults, RecordingOptions, Signal, read_config, record};
 
 /// Added to the box's ports.
 const OFFSET: u16 = 8120;
@@ -15,7 +15,7 @@ fn main() -> Result<(), Error> {
     let home = IpAddr::V4(Ipv4Addr::LOCALHOST);
     let emulator = Emulator::start(home, OFFSET, Signal::Flapping, Faults::default())?;
     let scale = read_config(emulator.http)?.scale;
-    let mut options = Options::new(emulator.rdt);
+    let mut options = RecordingOptions::new(emulator.rdt);
     options.count = PERIOD;
     let folder = std::env::temp_dir().join(format!("wingbeat-netft-worker-{}", std::process::id()));
     record(&options, &scale, &folder, "raw", |row| {

@@ -9,11 +9,11 @@ mod receive;
 mod recorder;
 
 pub use clock::Timeline;
-pub use emulator::{Emulator, Faults, LARGEST_OFFSET, Loads, Numbers, Sent, Signal};
+pub use emulator::{Emulator, Faults, LARGEST_OFFSET, LoadPattern, RecordNumbering, Sent, Signal};
 pub use http::{get_scale, parse_answer, read_config, read_config_while};
 pub use log::{ROW_BYTES, Row, logs, read_log};
 pub use page::Config;
-pub use recorder::{Ending, Options, Report, record};
+pub use recorder::{RecordingEnd, RecordingOptions, Report, record};
 
 use std::path::{Path, PathBuf};
 

@@ -23,7 +23,7 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 
 /// How to record.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct RecordingOptions {
     /// The box's RDT address.
     pub address: SocketAddr,
     /// Records per datagram as the box likes, or one.
@@ -44,7 +44,7 @@ pub struct Options {
     pub rotate_rows: u64,
 }
 
-impl Options {
+impl RecordingOptions {
     /// Real-time records from `address` until stopped.
     pub fn new(address: SocketAddr) -> Self {
         Self {
@@ -63,7 +63,7 @@ impl Options {
 
 /// How a recording ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Ending {
+pub enum RecordingEnd {
     /// What was asked for is there, or the observer stopped it.
     Complete,
     /// The box fell silent and stayed so.
@@ -76,7 +76,7 @@ pub enum Ending {
 #[derive(Clone, Debug)]
 pub struct Report {
     /// How it ended.
-    pub ending: Ending,
+    pub ending: RecordingEnd,
     /// Every record accounted for.
     pub account: Account,
     /// Stalls seen.
@@ -112,7 +112,7 @@ pub struct Report {
 /// # Errors
 /// A socket or a first log that cannot be opened.
 pub fn record(
-    options: &Options,
+    options: &RecordingOptions,
     scale: &Scale,
     folder: &Path,
     stem: &str,
@@ -142,7 +142,7 @@ pub fn record(
 
 /// Socket, log and books of one recording.
 struct Session<'a> {
-    options: &'a Options,
+    options: &'a RecordingOptions,
     socket: UdpSocket,
     log: Log,
     report: Report,
@@ -161,10 +161,10 @@ struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    fn open(options: &'a Options, folder: &Path, stem: &str) -> Result<Self, Error> {
+    fn open(options: &'a RecordingOptions, folder: &Path, stem: &str) -> Result<Self, Error> {
         let (socket, granted) = receive::open(options.address, options.buffer_bytes)?;
         let report = Report {
-            ending: Ending::Complete,
+            ending: RecordingEnd::Complete,
             account: Account::default(),
             stalls: 0,
             longest_silence: Duration::ZERO,
@@ -290,7 +290,7 @@ impl<'a> Session<'a> {
         }
         self.clock.add(row.record.rdt_sequence, row.arrival_ns());
         if let Err(error) = self.log.append(row) {
-            self.report.ending = Ending::Disk(error.to_string());
+            self.report.ending = RecordingEnd::Disk(error.to_string());
             return false;
         }
         let enough = self.options.count > 0 && self.report.account.received >= self.options.count;
@@ -313,7 +313,7 @@ impl<'a> Session<'a> {
         }
         self.report.stalls += u64::from(self.failures == 0);
         if self.failures >= self.options.reconnects {
-            self.report.ending = Ending::Silent;
+            self.report.ending = RecordingEnd::Silent;
             return false;
         }
         let pause = Duration::from_millis(100) * 2u32.pow(self.failures.min(5));
@@ -331,9 +331,9 @@ impl<'a> Session<'a> {
             None => (end - self.began, Duration::ZERO),
         };
         if let Err(error) = self.log.close()
-            && self.report.ending == Ending::Complete
+            && self.report.ending == RecordingEnd::Complete
         {
-            self.report.ending = Ending::Disk(error.to_string());
+            self.report.ending = RecordingEnd::Disk(error.to_string());
         }
         self.report.files = self.log.files;
         self.report.rows = self.report.files.iter().map(|file| whole_rows(file)).sum();

@@ -4,7 +4,7 @@
 use super::problem::{Instant, OptimalControl};
 use super::scheme::Scheme;
 use super::trajectory::Trajectory;
-use super::transcription::{Interval, Midpoint, Transcription};
+use super::transcription::{IntervalEnds, Midpoint, Transcription};
 use crate::plant::Fault;
 
 /// Defects of `unknowns` under `scheme`: what the state of each point lacks that an integration from the start of its interval
@@ -31,7 +31,7 @@ pub fn defects<P: OptimalControl>(
         let mut middle = Midpoint::new(x[0].len(), u[0].len());
         for k in 1..t.len() {
             let [x, u, f] = [x, u, &f].map(|of| [of[k - 1].as_slice(), &of[k]]);
-            let interval = Interval { t: t[k - 1], h: t[k] - t[k - 1], x, u, f };
+            let interval = IntervalEnds { t: t[k - 1], h: t[k] - t[k - 1], x, u, f };
             Transcription::HermiteSimpson.defect(&interval, rates, &mut middle, &mut out[k])?;
         }
         return Ok(out);

@@ -4,7 +4,7 @@ use super::problem::{Instant, OptimalControl};
 use super::scheme::Scheme;
 use super::trajectory::Trajectory;
 use crate::plant::Fault;
-use wingbeat_math::{RK4, Steps, Workspace};
+use wingbeat_math::{EqualSteps, RK4, Workspace};
 
 /// Where the defect is looked at inside an interval.
 const BETWEEN: [f64; 6] = [0.03, 0.15, 0.38, 0.62, 0.85, 0.97];
@@ -134,7 +134,7 @@ impl Interpolant {
                 let u = self.inside(k, (t - start) / h).1;
                 problem.rates(Instant { t, x, u: &u, p: &self.points.p }, dx)
             };
-            RK4.integrate(&mut rates, Steps::new(start, h / steps as f64, steps), &mut x, &mut work)?;
+            RK4.integrate(&mut rates, EqualSteps::new(start, h / steps as f64, steps), &mut x, &mut work)?;
             let node = &self.points.x[first + self.scheme.points() - 1];
             for (w, (a, b)) in worst.iter_mut().zip(x.iter().zip(node)) {
                 *w = w.max((a - b).abs());

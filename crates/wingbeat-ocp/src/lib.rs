@@ -32,4 +32,4 @@ pub use starts::Starts;
 pub use starts::optimise_from;
 pub use trajectory::Trajectory;
 pub use transcription::Midpoint;
-pub use transcription::{Interval, Transcription};
+pub use transcription::{IntervalEnds, Transcription};

@@ -50,11 +50,11 @@ mod tests {
     }
 
     /// x' = u from 0 to the asked end, u below `fastest`, at least int u^2 over a second: u is even.
-    struct Reach {
+    struct ReachProblem {
         end: f64,
     }
 
-    impl OptimalControl for Reach {
+    impl OptimalControl for ReachProblem {
         fn setup(&self) -> Setup {
             let states = vec![Channel::free("x", "m", "")];
             let mut setup = Setup::new(states, vec![Channel::free("u", "m/s", "")], [1.0, 1.0]);
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn multipliers_of_the_ends_are_what_the_objective_gains() {
         let solved = |end: f64| {
-            let problem = Reach { end };
+            let problem = ReachProblem { end };
             let guess = problem.setup().straight_line();
             optimise(&problem, &guess, &on(Scheme::hermite_simpson(), 6), &mut |_| ControlFlow::Continue(()))
         };

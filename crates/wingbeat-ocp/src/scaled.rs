@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 /// Typical sizes of what a program holds: a number of size 1e6 and one of size 1e-6 are alike to the solver when both are
 /// counted in them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Sizes {
+pub(super) struct TypicalSizes {
     /// Of each variable.
     pub variables: Vec<f64>,
     /// Of each constraint.
@@ -18,7 +18,7 @@ pub(super) struct Sizes {
 /// The program in x / size, with g / size.
 struct Scaled<'a> {
     program: &'a mut dyn Program,
-    sizes: &'a Sizes,
+    sizes: &'a TypicalSizes,
     variables: Vec<Channel>,
     constraints: Vec<Channel>,
     structure: Structure,
@@ -27,7 +27,7 @@ struct Scaled<'a> {
 }
 
 impl<'a> Scaled<'a> {
-    fn new(program: &'a mut dyn Program, sizes: &'a Sizes) -> Self {
+    fn new(program: &'a mut dyn Program, sizes: &'a TypicalSizes) -> Self {
         let divided = |channels: &[Channel], sizes: &[f64]| -> Vec<Channel> {
             let one =
                 |(c, size): (&Channel, &f64)| Channel { low: c.low / size, high: c.high / size, ..c.clone() };
@@ -93,7 +93,7 @@ impl Program for Scaled<'_> {
 
 /// As [`solve`], counted in `sizes`; the solution is in the units of `program`.
 pub(super) fn solve_in(
-    sizes: &Sizes,
+    sizes: &TypicalSizes,
     program: &mut dyn Program,
     start: &[f64],
     options: &Options,

@@ -132,7 +132,7 @@ fn integrals(c: &[f64], end: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Interval, Midpoint, Transcription};
+    use super::super::{IntervalEnds, Midpoint, Transcription};
     use super::*;
 
     #[test]
@@ -154,7 +154,7 @@ mod tests {
         let (x0, x1, u) = (0.4, 0.9, [0.2, -0.5]);
         let f = [rate(0.0, x0, u[0]), rate(h, x1, u[1])];
         let interval =
-            Interval { t: 0.0, h, x: [&[x0], &[x1]], u: [&u[..1], &u[1..]], f: [&f[..1], &f[1..]] };
+            IntervalEnds { t: 0.0, h, x: [&[x0], &[x1]], u: [&u[..1], &u[1..]], f: [&f[..1], &f[1..]] };
         let (mut middle, mut defect) = (Midpoint::new(1, 1), [0.0]);
         let rates = |t: f64, x: &[f64], u: &[f64], dx: &mut [f64]| {
             dx[0] = rate(t, x[0], u[0]);

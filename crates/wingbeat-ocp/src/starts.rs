@@ -1,6 +1,6 @@
 //! One problem from several guesses: how many minima there are.
 
-use super::interior_point::Status;
+use super::interior_point::SolveStatus;
 use super::mesh::{Optimum, Progress, Refinement, optimise};
 use super::problem::OptimalControl;
 use super::trajectory::Trajectory;
@@ -60,7 +60,7 @@ pub fn optimise_from<P: OptimalControl>(
     for guess in guesses {
         let optimum = optimise(problem, guess, refinement, observer);
         let solved = optimum.status.is_success();
-        stopped = optimum.status == Status::Stopped;
+        stopped = optimum.status == SolveStatus::Stopped;
         objectives.push(solved.then_some(optimum.objective));
         if best.as_ref().is_none_or(|old| optimum.beats(old, refinement.solver.acceptable)) {
             best = Some(optimum);
@@ -71,7 +71,7 @@ pub fn optimise_from<P: OptimalControl>(
     }
     let mut best = best.expect("at least one guess");
     if stopped {
-        best.status = Status::Stopped;
+        best.status = SolveStatus::Stopped;
     }
     Starts { best, objectives }
 }
@@ -133,7 +133,7 @@ mod tests {
             }
         };
         let cut = optimise_from(&Wells, &lower, &refinement, &mut ends);
-        assert_eq!((cut.best.status, cut.objectives.len()), (Status::Stopped, 2));
+        assert_eq!((cut.best.status, cut.objectives.len()), (SolveStatus::Stopped, 2));
         assert!(cut.best.objective < -0.19, "{}", cut.best.objective);
     }
 }

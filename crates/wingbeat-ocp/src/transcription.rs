@@ -6,7 +6,7 @@ use wingbeat_math::interpolation::{hermite, lerp};
 
 /// Times, states, inputs and rates at the two ends of an interval.
 #[derive(Clone, Copy, Debug)]
-pub struct Interval<'a, S: Scalar> {
+pub struct IntervalEnds<'a, S: Scalar> {
     /// Time at the start, s.
     pub t: S,
     /// Length, s.
@@ -77,12 +77,12 @@ impl Transcription {
     /// Test: `defects_vanish_one_order_above_the_method`.
     pub fn defect<S: Scalar>(
         self,
-        interval: &Interval<S>,
+        interval: &IntervalEnds<S>,
         rates: impl FnOnce(S, &[S], &[S], &mut [S]) -> Result<(), Fault>,
         middle: &mut Midpoint<S>,
         defect: &mut [S],
     ) -> Result<(), Fault> {
-        let Interval { t, h, x: [x0, x1], f: [f0, f1], .. } = *interval;
+        let IntervalEnds { t, h, x: [x0, x1], f: [f0, f1], .. } = *interval;
         match self {
             Self::Trapezoid => {
                 for i in 0..defect.len() {
@@ -102,8 +102,8 @@ impl Transcription {
 
     /// Value and slope (in its unit and that per s) of the interpolated state component `i` at the fraction `s` in [0, 1] of
     /// the interval.
-    pub fn state<S: Scalar>(self, interval: &Interval<S>, s: S, i: usize) -> (S, S) {
-        let Interval { h, x: [x0, x1], f: [f0, f1], .. } = *interval;
+    pub fn state<S: Scalar>(self, interval: &IntervalEnds<S>, s: S, i: usize) -> (S, S) {
+        let IntervalEnds { h, x: [x0, x1], f: [f0, f1], .. } = *interval;
         match self {
             Self::Trapezoid => {
                 let slope = lerp(f0[i], f1[i], s);
@@ -114,7 +114,7 @@ impl Transcription {
     }
 }
 
-impl<S: Scalar> Interval<'_, S> {
+impl<S: Scalar> IntervalEnds<'_, S> {
     /// Midpoint of the cubic through both ends:
     /// xc = (x0 + x1)/2 + h/8 (f0 - f1), uc = (u0 + u1)/2.
     ///
@@ -123,7 +123,7 @@ impl<S: Scalar> Interval<'_, S> {
     /// Source: Hargraves & Paris 1987; Paper section IV.
     /// Test: `defects_vanish_one_order_above_the_method`.
     pub fn middle(&self, middle: &mut Midpoint<S>) {
-        let Interval { h, x: [x0, x1], u: [u0, u1], f: [f0, f1], .. } = *self;
+        let IntervalEnds { h, x: [x0, x1], u: [u0, u1], f: [f0, f1], .. } = *self;
         for (i, x) in middle.x.iter_mut().enumerate() {
             *x = (x0[i] + x1[i]) * 0.5 + h * 0.125 * (f0[i] - f1[i]);
         }
@@ -145,7 +145,7 @@ mod tests {
     /// Largest defect of x' = x + u, x = e^t, u = 0 sampled exactly on [0, h].
     fn defect_of_exponential(transcription: Transcription, h: f64) -> f64 {
         let ends = [1.0, h.exp()];
-        let interval = Interval {
+        let interval = IntervalEnds {
             t: 0.0,
             h,
             x: [&ends[..1], &ends[1..]],
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn interpolants_meet_the_ends() {
         let interval =
-            Interval { t: 0.0, h: 0.5, x: [&[1.0], &[2.0]], u: [&[0.0], &[4.0]], f: [&[3.0], &[1.0]] };
+            IntervalEnds { t: 0.0, h: 0.5, x: [&[1.0], &[2.0]], u: [&[0.0], &[4.0]], f: [&[3.0], &[1.0]] };
         let (start, slope) = Transcription::HermiteSimpson.state(&interval, 0.0, 0);
         assert!((start - 1.0).abs() < 1e-15 && (slope - 3.0).abs() < 1e-15);
         // The trapezoid's defect is zero here, so its quadratic meets the end too.

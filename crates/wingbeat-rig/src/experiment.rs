@@ -6,7 +6,7 @@ use super::numbers::RigNumbers;
 use super::{BenchDeviations, FrameMotion, Pose, Unrest};
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{
-    Bears, Beyond, Column, Coupling, Ending, Flow, Held, Moment, Observed, Record, Sizes, Steers, Stepper,
+    AirCoupling, Bears, Beyond, Column, Ending, Flow, Held, Moment, Observed, Record, Sizes, Steers, Stepper,
     System, step_in,
 };
 use wingbeat_math::Error;
@@ -58,7 +58,7 @@ pub struct Outcome {
     /// Share of strips and samples after the rest that are past their stall angle.
     pub stall_fraction: f64,
     /// How the robot and the air that was stepped beside it were brought together.
-    pub coupling: Option<Coupling>,
+    pub coupling: Option<AirCoupling>,
 }
 
 /// Loads of one instant, without noise.

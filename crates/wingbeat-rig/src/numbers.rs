@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::range::Range;
-use wingbeat_math::{Declared, Jet, Mat3, Named, Parameters, Quantity, Scalar, Vec3, Walk};
+use wingbeat_math::{Declared, DeclaredQuantity, Jet, Mat3, NamedNumber, Parameters, Scalar, Vec3, Walk};
 use wingbeat_robot::body::{MASS, PLACE};
 use wingbeat_robot::check_given;
 
@@ -40,7 +40,7 @@ impl RigNumbers {
             self.set(name, *value)?;
         }
         let known = self.parameters();
-        let given = |number: &Named| given.contains_key(&number.name);
+        let given = |number: &NamedNumber| given.contains_key(&number.name);
         known.iter().filter(|number| given(number)).try_for_each(|number| {
             let key = format!("numbers.\"{}\"", number.name);
             let checked = check_given(&number.name, &number.quantity, number.value);
@@ -65,7 +65,7 @@ impl RigNumbers {
     }
 
     /// Its numbers with their names and what is declared of them.
-    pub fn parameters(&self) -> Vec<Named> {
+    pub fn parameters(&self) -> Vec<NamedNumber> {
         self.named(&|_, _, _| None)
     }
 
@@ -76,11 +76,11 @@ impl RigNumbers {
 }
 
 /// Shift of the body beside where the rig has it.
-const SHIFT: Quantity = Quantity::within("m", Range::between(-0.1, 0.1), -0.1, 0.1);
+const SHIFT: DeclaredQuantity = DeclaredQuantity::within("m", Range::between(-0.1, 0.1), -0.1, 0.1);
 /// Turn of the body beside the attitude that the rig has.
-const TURN: Quantity = Quantity::within("rad", Range::between(-0.5, 0.5), -0.5, 0.5);
+const TURN: DeclaredQuantity = DeclaredQuantity::within("rad", Range::between(-0.5, 0.5), -0.5, 0.5);
 /// Share of an uneven crank.
-const RIPPLE: Quantity = Quantity::within("rad", Range::between(-0.3, 0.3), -0.3, 0.3);
+const RIPPLE: DeclaredQuantity = DeclaredQuantity::within("rad", Range::between(-0.3, 0.3), -0.3, 0.3);
 
 impl<P: Scalar> Parameters<P> for RigNumbers<P> {
     type In<Q: Scalar> = RigNumbers<Q>;

@@ -17,20 +17,20 @@ pub struct Air {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wind<P: Scalar = f64> {
     mean: Vec3<P>,
-    waves: Vec<Wave<P>>,
+    waves: Vec<GustWave<P>>,
     pulses: Vec<Pulse<P>>,
-    course: Course<P>,
+    course: VelocityCourse<P>,
 }
 
 /// Velocities at equal times, linear between them; before the first and after the last that one.
 #[derive(Clone, Debug, PartialEq)]
-struct Course<P: Scalar> {
+struct VelocityCourse<P: Scalar> {
     /// Time between nodes, s.
     step: f64,
     nodes: Vec<Vec3<P>>,
 }
 
-impl<P: Scalar> Course<P> {
+impl<P: Scalar> VelocityCourse<P> {
     const NONE: Self = Self { step: 1.0, nodes: Vec::new() };
 
     /// Velocity and its rate at the time `t`; none without nodes.
@@ -80,7 +80,7 @@ impl<P: Scalar> Pulse<P> {
 
 /// One sinusoid of a gust: v_i = amplitude_i sin(rate t + phase_i).
 #[derive(Clone, Debug, PartialEq)]
-struct Wave<P: Scalar> {
+struct GustWave<P: Scalar> {
     amplitude: P,
     rate: f64,
     phase: [P; 3],
@@ -93,7 +93,7 @@ const GUST_FREQUENCIES: [f64; 6] = [0.2, 0.33, 0.54, 0.87, 1.4, 2.3];
 impl Wind {
     /// Wind that does not change, m/s in W.
     pub fn steady(mean: Vec3) -> Self {
-        Self { mean, waves: Vec::new(), pulses: Vec::new(), course: Course::NONE }
+        Self { mean, waves: Vec::new(), pulses: Vec::new(), course: VelocityCourse::NONE }
     }
 
     /// Mean wind with a gust: along each axis a sum of sinusoids with random
@@ -108,7 +108,7 @@ impl Wind {
         let total: f64 = GUST_FREQUENCIES.iter().map(|f| 1.0 / f).sum();
         let waves = GUST_FREQUENCIES
             .iter()
-            .map(|f| Wave {
+            .map(|f| GustWave {
                 amplitude: peak / (f * total),
                 rate: TAU * f,
                 phase: std::array::from_fn(|_| random.between(0.0, TAU)),
@@ -130,7 +130,7 @@ impl Wind {
         let count = (duration / of.step()).ceil() as usize + 2;
         let turn = Mat3::rotation_z(heading);
         let nodes = of.nodes(count, seed).into_iter().map(|velocity| turn * velocity).collect();
-        self.course = Course { step: of.step(), nodes };
+        self.course = VelocityCourse { step: of.step(), nodes };
         self
     }
 
@@ -150,7 +150,7 @@ impl Wind {
         let last = winds.len() - 1;
         let each = |number: &dyn Fn(&Self) -> f64| S::of(|lane| number(winds[lane.min(last)]));
         let vector = |of: &dyn Fn(&Self) -> Vec3| Vec3(std::array::from_fn(|i| each(&|wind| of(wind)[i])));
-        let wave = |k: usize| Wave {
+        let wave = |k: usize| GustWave {
             amplitude: each(&|wind| wind.waves[k].amplitude),
             rate: winds[0].waves[k].rate,
             phase: std::array::from_fn(|i| each(&|wind| wind.waves[k].phase[i])),
@@ -164,7 +164,7 @@ impl Wind {
             mean: vector(&|wind| wind.mean),
             waves: (0..winds[0].waves.len()).map(wave).collect(),
             pulses: (0..winds[0].pulses.len()).map(pulse).collect(),
-            course: Course {
+            course: VelocityCourse {
                 step: winds[0].course.step,
                 nodes: (0..winds[0].course.nodes.len())
                     .map(|k| vector(&|wind| wind.course.nodes[k]))
@@ -183,8 +183,11 @@ impl<P: Scalar> Wind<P> {
     /// The same wind in another type, `f` of each number.
     pub(super) fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Wind<Q> {
         let vector = |v: Vec3<P>| v.each(f);
-        let wave =
-            |wave: &Wave<P>| Wave { amplitude: f(wave.amplitude), rate: wave.rate, phase: wave.phase.map(f) };
+        let wave = |wave: &GustWave<P>| GustWave {
+            amplitude: f(wave.amplitude),
+            rate: wave.rate,
+            phase: wave.phase.map(f),
+        };
         let pulse = |pulse: &Pulse<P>| Pulse {
             start: f(pulse.start),
             duration: f(pulse.duration),
@@ -194,7 +197,7 @@ impl<P: Scalar> Wind<P> {
             mean: vector(self.mean),
             waves: self.waves.iter().map(wave).collect(),
             pulses: self.pulses.iter().map(pulse).collect(),
-            course: Course {
+            course: VelocityCourse {
                 step: self.course.step,
                 nodes: self.course.nodes.iter().map(|node| vector(*node)).collect(),
             },

@@ -1,7 +1,7 @@
 //! The robot with its body carried along a given motion: on a test rig, in a tunnel, on a stand.
 
 use super::drive::Ratios;
-use super::dynamics::{System, of_numbers};
+use super::dynamics::{BodySystem, of_numbers};
 use super::sections::Carriers;
 use super::surface::External;
 use super::{Joints, Links, Robot};
@@ -228,7 +228,7 @@ impl<P: Scalar> Robot<P> {
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
         let structure = self.structure_states();
-        let mut system = System::<S, S>::new();
+        let mut system = BodySystem::<S, S>::new();
         self.mechanism.tree.coordinate_inertia(
             moving,
             gravity,

@@ -1,7 +1,7 @@
 //! The crank of the gait under its drive, and what drive and regulators give to the joints.
 
 use super::joints::Displaced;
-use super::mechanism::{Drive, Spring};
+use super::mechanism::{JointDrive, Spring};
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
 use crate::{CrankMotor, MotorWork};
@@ -87,7 +87,7 @@ impl<P: Scalar> Robot<P> {
         for (i, element) in self.elements.iter().enumerate() {
             for moved in &element.moves {
                 let Displaced::Scale(joint) = *moved else { continue };
-                if let Drive::Series(series, _) = &self.mechanism.drives[joint] {
+                if let JointDrive::Series(series, _) = &self.mechanism.drives[joint] {
                     let swing = joints[joint].shifted(-series.mean_rad);
                     joints[joint] += swing * displacements[i];
                 }
@@ -206,7 +206,7 @@ impl Robot {
     }
 }
 
-impl<P: Scalar> Drive<P> {
+impl<P: Scalar> JointDrive<P> {
     /// Whether the crank turns the joint.
     #[inline]
     pub(super) fn cranked(&self) -> bool {

@@ -53,7 +53,7 @@ impl Dryden {
     pub fn nodes(&self, count: usize, seed: u64) -> Vec<Vec3> {
         let mut axes = [0, 1, 2].map(|axis| {
             let turned = self.airspeed / self.length[axis] * self.step();
-            Filter::new(axis > 0, turned, Random::stream(seed, axis as u64 + 1))
+            ShapingFilter::new(axis > 0, turned, Random::stream(seed, axis as u64 + 1))
         });
         let node = |_| Vec3(std::array::from_fn(|axis| self.deviation[axis] * axes[axis].next()));
         (0..count).map(node).collect()
@@ -61,7 +61,7 @@ impl Dryden {
 }
 
 /// A shaping filter of unit variance.
-struct Filter {
+struct ShapingFilter {
     across: bool,
     state: [f64; 2],
     /// Rows of the transition, and the lower root of the noise's covariance.
@@ -70,7 +70,7 @@ struct Filter {
     random: Random,
 }
 
-impl Filter {
+impl ShapingFilter {
     /// `turned` is a h.
     fn new(across: bool, turned: f64, mut random: Random) -> Self {
         let decay = (-turned).exp();

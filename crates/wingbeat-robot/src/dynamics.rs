@@ -2,9 +2,9 @@
 //! the second rates of elastic joints and of a crank under a motor come from one solve.
 
 use super::drive::Ratios;
-use super::perch::Pose;
+use super::perch::BodyPose;
 use super::sections::Carriers;
-use super::surface::{Coupled, External};
+use super::surface::{External, MechanismLoads};
 use super::{Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
 use arrayvec::ArrayVec;
@@ -55,7 +55,7 @@ impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
 }
 
 /// What of an instant does not know the air on the surfaces, in B.
-pub(super) struct Setting<G: Scalar> {
+pub(super) struct InstantSetting<G: Scalar> {
     /// R_WB.
     pub attitude: Mat3<G>,
     /// Velocity and acceleration of the air.
@@ -67,7 +67,7 @@ pub(super) struct Setting<G: Scalar> {
 }
 
 /// Mass matrix of body and links, the wrench on the body of all but the air on the surfaces, and what led to them.
-type Instant<G> = ([[G; 6]; 6], Wrench<G>, Setting<G>);
+type InstantForces<G> = ([[G; 6]; 6], Wrench<G>, InstantSetting<G>);
 
 impl Plant for Robot {
     fn states(&self) -> &[Channel] {
@@ -235,7 +235,7 @@ impl<P: Scalar> Robot<P> {
         let l = &self.layout;
         let structure = &x[l.structure..];
         let (ref mut mass, body, setting) = self.instant((t, clock), x, u, beyond, dx, out)?;
-        let Setting { attitude, wind, wind_dot, gravity, .. } = setting;
+        let InstantSetting { attitude, wind, wind_dot, gravity, .. } = setting;
         let Evaluation { links, base, coordinates, second_rates, .. } = out;
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, wind_dot);
@@ -270,7 +270,7 @@ impl<P: Scalar> Robot<P> {
         beyond: &[Wrench<f64>],
         dx: &mut [S],
         out: &mut Evaluation<G, S>,
-    ) -> Result<Instant<G>, Fault> {
+    ) -> Result<InstantForces<G>, Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
         let Evaluation { joints, ratios, .. } = out;
@@ -289,7 +289,7 @@ impl<P: Scalar> Robot<P> {
         if let Some(perch) = &self.perch {
             let position = Vec3::from_slice(&x[l.position..]);
             let velocity = Vec3::from_slice(&x[l.velocity..]);
-            body += perch.load(&Pose { position, attitude: setting.attitude, velocity, rate: base.rate });
+            body += perch.load(&BodyPose { position, attitude: setting.attitude, velocity, rate: base.rate });
         }
         Ok((mass, body, setting))
     }
@@ -303,7 +303,7 @@ impl<P: Scalar> Robot<P> {
         u: &[G],
         dx: &mut [S],
         out: &mut Evaluation<G, S>,
-    ) -> Setting<G> {
+    ) -> InstantSetting<G> {
         let l = &self.layout;
         let q = Quat::from_wxyz(&x[l.attitude..]);
         let attitude = q.matrix();
@@ -323,7 +323,7 @@ impl<P: Scalar> Robot<P> {
         q.rate(w).store_wxyz(&mut turning);
         lift(&turning, &mut dx[l.attitude..]);
         let drag = self.body_load(clock, (structure, u), (v - wind, w));
-        Setting { attitude, wind, wind_dot, gravity: self.gravity(attitude), drag }
+        InstantSetting { attitude, wind, wind_dot, gravity: self.gravity(attitude), drag }
     }
 
     /// Acceleration of the body origin and angular acceleration in B under the wrench `body` of all but the air and the
@@ -350,8 +350,8 @@ impl<P: Scalar> Robot<P> {
             net.moment.store(&mut rhs[3..]);
             return solve_symmetric_leading(6, mass, rhs);
         }
-        let mut system = System::new();
-        let System { mass: matrix, forces, .. } = &mut system;
+        let mut system = BodySystem::new();
+        let BodySystem { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, matrix, forces);
         self.add_efforts(structure, G::ONE, &mut system);
         self.add_beyond(beyond, carriers, &mut system.forces);
@@ -415,7 +415,7 @@ impl<P: Scalar> Robot<P> {
         &self,
         structure: &[G],
         supply: G,
-        system: &mut System<G, S>,
+        system: &mut BodySystem<G, S>,
     ) {
         let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
         for (c, spring) in self.mechanism.springs().enumerate() {
@@ -497,7 +497,7 @@ pub(super) fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S
 }
 
 /// Mass matrix and forces of body and coordinates.
-pub(super) struct System<G: Scalar, S: Over<G>> {
+pub(super) struct BodySystem<G: Scalar, S: Over<G>> {
     pub mass: [[G; MAX_DEGREES]; MAX_DEGREES],
     /// Forces on the coordinates that the states of the air do not enter.
     pub forces: [G; MAX_COORDINATES],
@@ -505,7 +505,7 @@ pub(super) struct System<G: Scalar, S: Over<G>> {
     pub of_air: [S; MAX_COORDINATES],
 }
 
-impl<G: Scalar, S: Over<G>> System<G, S> {
+impl<G: Scalar, S: Over<G>> BodySystem<G, S> {
     pub fn new() -> Self {
         Self {
             mass: [[G::ZERO; MAX_DEGREES]; MAX_DEGREES],
@@ -531,7 +531,7 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         let links = robot.mechanism.tree.links();
         let mut external = External::<S>::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
-        let coupled = Some(Coupled { mass: &mut self.mass, external: &mut external, impulses });
+        let coupled = Some(MechanismLoads { mass: &mut self.mass, external: &mut external, impulses });
         let (net, ref added) = robot.covering.sum::<K, _, _>(carriers, wind, x, dx, coupled);
         add(&mut self.mass, added);
         for (link, load) in external.iter().enumerate().take(links) {

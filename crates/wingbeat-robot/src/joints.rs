@@ -1,7 +1,7 @@
 //! Joint coordinates over time: gait, structure response and states of elastic joints.
 
 use super::drive::Ratios;
-use super::mechanism::{Drive, Mechanism};
+use super::mechanism::{JointDrive, Mechanism};
 use super::spec::{ElementSpec, GaitSpec, LinkageOutput, RobotSpec};
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::body::REGULATED;
@@ -33,7 +33,7 @@ pub(super) enum Displaced {
 impl Displaced {
     /// The joint whose series is scaled.
     fn scaled(name: &str, mechanism: &Mechanism) -> Result<Self, Error> {
-        let series = |i: &usize| matches!(mechanism.drives[*i], Drive::Series(..));
+        let series = |i: &usize| matches!(mechanism.drives[*i], JointDrive::Series(..));
         let tree = &mechanism.tree;
         tree.find(name).filter(series).map(Self::Scale).ok_or_else(|| {
             let names: Vec<&str> = (0..tree.links()).filter(series).map(|i| tree.name(i)).collect();
@@ -45,7 +45,7 @@ impl Displaced {
     fn find(name: &str, mechanism: &Mechanism) -> Result<Self, Error> {
         if name == CRANK
             && mechanism.tree.find(CRANK).is_none()
-            && mechanism.drives.iter().any(Drive::cranked)
+            && mechanism.drives.iter().any(JointDrive::cranked)
         {
             return Ok(Self::Crank);
         }
@@ -56,10 +56,10 @@ impl Displaced {
             super::mechanism::SIDES.into_iter().enumerate().flat_map(of)
         };
         let tree = &mechanism.tree;
-        let movable = |i: &usize| !matches!(mechanism.drives[*i], Drive::Fixed);
+        let movable = |i: &usize| !matches!(mechanism.drives[*i], JointDrive::Fixed);
         if let Some(joint) = tree.find(name).filter(movable) {
             return Ok(match &mechanism.drives[joint] {
-                Drive::Elastic(_) => Self::Rest(joint),
+                JointDrive::Elastic(_) => Self::Rest(joint),
                 _ => Self::Joint(joint),
             });
         }
@@ -251,11 +251,11 @@ impl<P: Scalar> Robot<P> {
         for (joint, drive) in self.mechanism.drives.iter().enumerate() {
             let alike = self.mechanism.alike[joint];
             joints[joint] = match drive {
-                Drive::Fixed | Drive::Held | Drive::Elastic(_) => continue,
-                Drive::Series(..) if alike < joint => joints[alike],
-                Drive::Series(series, lag) => series.angle(phase.shifted(-*lag)),
-                Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
-                Drive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
+                JointDrive::Fixed | JointDrive::Held | JointDrive::Elastic(_) => continue,
+                JointDrive::Series(..) if alike < joint => joints[alike],
+                JointDrive::Series(series, lag) => series.angle(phase.shifted(-*lag)),
+                JointDrive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
+                JointDrive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
             };
         }
         Ok(())

@@ -2,7 +2,7 @@
 //! by the accelerations of gravity and air.
 
 use super::Robot;
-use super::dynamics::{Evaluation, System, add};
+use super::dynamics::{BodySystem, Evaluation, add};
 use super::joints::Displaced;
 use super::sections::Carriers;
 use super::{Joints, MAX_ELEMENTS};
@@ -65,8 +65,8 @@ impl Robot {
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, setting.wind_dot);
         carriers.ground = self.ground_below(setting.attitude, early[l.position + 2]);
-        let mut system = System::<f64, f64>::new();
-        let System { mass: matrix, forces, .. } = &mut system;
+        let mut system = BodySystem::<f64, f64>::new();
+        let BodySystem { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, matrix, forces);
         self.add_efforts(structure, 1.0, &mut system);
         add(&mut system.mass, &mass);
@@ -244,7 +244,7 @@ impl Robot {
     }
 }
 
-impl System<f64, f64> {
+impl BodySystem<f64, f64> {
     /// Accelerations (m/s2 and rad/s2, B) of the body under the wrench `net` and second rates of `own` coordinates, with their
     /// derivatives by uniform accelerations of gravity and of the air, along the axes of B, and by those of the `elements`, which follow
     /// the coordinates; `of_links` are the columns of the mass matrix without the air. `None` when the matrix is not positive

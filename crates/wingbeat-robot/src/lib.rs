@@ -373,7 +373,7 @@ impl<P: Scalar> Robot<P> {
 fn motor(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Option<CrankMotor>, Error> {
     let motor = spec.drive.build().map_err(|e| e.within("drive"))?;
     let key = || format!("drive.{}", spec.drive.given().join(", "));
-    if motor.is_some() && !mechanism.drives.iter().any(mechanism::Drive::cranked) {
+    if motor.is_some() && !mechanism.drives.iter().any(mechanism::JointDrive::cranked) {
         return Err(Error::invalid(key(), "given", "a motor only where a gait drives joints"));
     }
     if motor.is_some() && mechanism.coordinates.len() == MAX_COORDINATES {

@@ -2,16 +2,16 @@
 
 use super::drive::Ratios;
 use super::joints::{Displaced, Placed};
-use super::mechanism::{Drive, Mechanism};
+use super::mechanism::{JointDrive, Mechanism};
 use super::spec::RobotSpec;
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
 use wingbeat_math::range::Range;
-use wingbeat_math::{Error, Jet, Meets, Quantity, Scalar};
+use wingbeat_math::{DeclaredQuantity, Error, Jet, Meets, Scalar};
 use wingbeat_ocp::plant::{Fault, MAX_COORDINATES};
 
 /// Inertia of an element as its joints or its length meet it.
-pub(super) const INERTIA: Quantity = Quantity::within("kg m2", Range::POSITIVE, 0.0, 1e6);
+pub(super) const INERTIA: DeclaredQuantity = DeclaredQuantity::within("kg m2", Range::POSITIVE, 0.0, 1e6);
 
 /// An element that bears what its joints bear.
 #[derive(Clone, Debug)]
@@ -39,8 +39,7 @@ impl Loaded {
                 match *moved {
                     Displaced::Joint(joint) | Displaced::Scale(joint) => joints.push(joint),
                     Displaced::Length(wing, _) => {
-                        let of_wing =
-                            |drive: &Drive| matches!(drive, Drive::Linkage(side, _) if *side == wing);
+                        let of_wing = |drive: &JointDrive| matches!(drive, JointDrive::Linkage(side, _) if *side == wing);
                         let drives = mechanism.drives.iter().enumerate();
                         joints.extend(drives.filter(|(_, drive)| of_wing(drive)).map(|(joint, _)| joint));
                     }

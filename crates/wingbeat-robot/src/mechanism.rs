@@ -13,7 +13,7 @@ use wingbeat_ocp::plant::MAX_COORDINATES;
 pub(super) struct Mechanism<P: Scalar = f64> {
     pub tree: Tree<P>,
     /// What moves each joint.
-    pub drives: Vec<Drive<P>>,
+    pub drives: Vec<JointDrive<P>>,
     /// For every joint the first that a series moves alike; itself where none before it is.
     pub alike: Vec<usize>,
     /// For every link its mirror image; itself on the plane of symmetry.
@@ -26,7 +26,7 @@ pub(super) struct Mechanism<P: Scalar = f64> {
 
 /// What moves a joint.
 #[derive(Clone, Debug)]
-pub(super) enum Drive<P: Scalar = f64> {
+pub(super) enum JointDrive<P: Scalar = f64> {
     /// Nothing: it stays at zero.
     Fixed,
     /// Held at zero by the gait; structure elements may displace it.
@@ -100,7 +100,7 @@ impl<P: Scalar> Spring<P> {
 /// A link before it has a place in the tree.
 struct Part {
     link: Link,
-    drive: Drive,
+    drive: JointDrive,
     twin: usize,
 }
 
@@ -127,14 +127,14 @@ impl Mechanism {
         let base = Base { mass: body.mass_kg, com: Vec3(body.com_m), inertia };
         let links: Vec<Link> = parts.iter().map(|p| p.link.clone()).collect();
         let tree = Tree::new(&base, &links)?;
-        let elastic = |p: &Part| matches!(p.drive, Drive::Elastic(_));
+        let elastic = |p: &Part| matches!(p.drive, JointDrive::Elastic(_));
         let coordinates: Vec<usize> = (0..parts.len()).filter(|&i| elastic(&parts[i])).collect();
         if coordinates.len() > MAX_COORDINATES {
             let allowed = format!("at most {MAX_COORDINATES} elastic or free joints");
             return Err(Error::invalid("links", format!("{} of them", coordinates.len()), allowed));
         }
         let twins = parts.iter().map(|p| p.twin).collect();
-        let drives: Vec<Drive> = parts.into_iter().map(|p| p.drive).collect();
+        let drives: Vec<JointDrive> = parts.into_iter().map(|p| p.drive).collect();
         Ok(Self { tree, alike: alike(&drives), drives, twins, coordinates, linkage })
     }
 
@@ -161,7 +161,7 @@ impl<P: Scalar> Mechanism<P> {
     /// Springs of the coordinates.
     pub fn springs(&self) -> impl Iterator<Item = &Spring<P>> {
         self.drives.iter().filter_map(|d| match d {
-            Drive::Elastic(spring) => Some(spring),
+            JointDrive::Elastic(spring) => Some(spring),
             _ => None,
         })
     }
@@ -169,7 +169,7 @@ impl<P: Scalar> Mechanism<P> {
     /// The series of the joints that have one, with their lags, rad.
     pub fn series(&self) -> impl Iterator<Item = (usize, &FourierSeries<P>, P)> {
         self.drives.iter().enumerate().filter_map(|(joint, drive)| match drive {
-            Drive::Series(series, lag) => Some((joint, series, *lag)),
+            JointDrive::Series(series, lag) => Some((joint, series, *lag)),
             _ => None,
         })
     }
@@ -177,20 +177,20 @@ impl<P: Scalar> Mechanism<P> {
     /// The same mechanism with other numbers.
     pub fn with<Q: Scalar>(&self, numbers: &Numbers<Q>) -> Mechanism<Q> {
         let (mut springs, mut series) = (numbers.springs.iter(), numbers.series.iter());
-        let drive = |drive: &Drive<P>| match drive {
-            Drive::Fixed => Drive::Fixed,
-            Drive::Held => Drive::Held,
-            Drive::Series(..) => {
+        let drive = |drive: &JointDrive<P>| match drive {
+            JointDrive::Fixed => JointDrive::Fixed,
+            JointDrive::Held => JointDrive::Held,
+            JointDrive::Series(..) => {
                 let (series, lag) = series.next().expect("numbers of every series");
-                Drive::Series(series.clone(), *lag)
+                JointDrive::Series(series.clone(), *lag)
             }
-            Drive::Linkage(wing, output) => Drive::Linkage(*wing, *output),
-            Drive::Elastic(spring) => {
+            JointDrive::Linkage(wing, output) => JointDrive::Linkage(*wing, *output),
+            JointDrive::Elastic(spring) => {
                 let numbers = *springs.next().expect("numbers of every spring");
-                Drive::Elastic(Spring { numbers, start: spring.start })
+                JointDrive::Elastic(Spring { numbers, start: spring.start })
             }
         };
-        let drives: Vec<Drive<Q>> = self.drives.iter().map(drive).collect();
+        let drives: Vec<JointDrive<Q>> = self.drives.iter().map(drive).collect();
         Mechanism {
             tree: self.tree.with(&numbers.bodies, &numbers.places),
             alike: alike(&drives),
@@ -204,10 +204,10 @@ impl<P: Scalar> Mechanism<P> {
 }
 
 /// For every joint the first of which series and lag are the same, with all derivatives of their numbers.
-fn alike<P: Scalar>(drives: &[Drive<P>]) -> Vec<usize> {
+fn alike<P: Scalar>(drives: &[JointDrive<P>]) -> Vec<usize> {
     let first = |i: usize| match &drives[i] {
-        Drive::Series(series, lag) => drives[..i].iter().position(
-            |before| matches!(before, Drive::Series(s, l) if s.is(series) && (*l - *lag).is_zero()),
+        JointDrive::Series(series, lag) => drives[..i].iter().position(
+            |before| matches!(before, JointDrive::Series(s, l) if s.is(series) && (*l - *lag).is_zero()),
         ),
         _ => None,
     };
@@ -227,10 +227,10 @@ pub(super) fn mirrored(v: [f64; 3], mirror: f64) -> Vec3 {
 /// Four joints and two massive links per wing; the right wing mirrors the left.
 fn add_wing(wing: &WingSpec, gait: &GaitSpec, parts: &mut Vec<Part>) -> Result<(), Error> {
     let driven = |side: usize, output: LinkageOutput| match gait {
-        GaitSpec::Linkage { .. } => Ok(Drive::Linkage(side, output)),
+        GaitSpec::Linkage { .. } => Ok(JointDrive::Linkage(side, output)),
         GaitSpec::Fourier { shoulder, elbow, .. } => {
             let series = if output == LinkageOutput::Shoulder { shoulder } else { elbow };
-            series.as_ref().map_or(Ok(Drive::Held), |series| series_of(gait, series, 0.0, None))
+            series.as_ref().map_or(Ok(JointDrive::Held), |series| series_of(gait, series, 0.0, None))
         }
     };
     for (side, mirror) in [(0, 1.0), (1, -1.0)] {
@@ -238,10 +238,10 @@ fn add_wing(wing: &WingSpec, gait: &GaitSpec, parts: &mut Vec<Part>) -> Result<(
         let sweep = (Vec3::new(0.0, 0.0, -mirror), mirrored(wing.shoulder_m, mirror));
         let elbow = Vec3::new(0.0, mirror * wing.proximal.length_m, 0.0);
         let joints = [
-            ("sweep", sweep, None, Drive::Held),
+            ("sweep", sweep, None, JointDrive::Held),
             ("shoulder", (up, Vec3::ZERO), Some(&wing.proximal), driven(side, LinkageOutput::Shoulder)?),
             ("elbow", (up, elbow), None, driven(side, LinkageOutput::Elbow)?),
-            ("twist", (Vec3::new(0.0, -1.0, 0.0), Vec3::ZERO), Some(&wing.distal), Drive::Held),
+            ("twist", (Vec3::new(0.0, -1.0, 0.0), Vec3::ZERO), Some(&wing.distal), JointDrive::Held),
         ];
         for (i, (name, (axis, origin), carried, drive)) in joints.into_iter().enumerate() {
             let link = Link {
@@ -262,9 +262,14 @@ fn add_wing(wing: &WingSpec, gait: &GaitSpec, parts: &mut Vec<Part>) -> Result<(
 }
 
 /// The series of a joint over a cycle of the gait: that of its stroke, or of strokes and glide.
-fn series_of(gait: &GaitSpec, stroke: &FourierSeries, lag: f64, folded: Option<f64>) -> Result<Drive, Error> {
-    let Some(bound) = gait.bound() else { return Ok(Drive::Series(stroke.clone(), lag)) };
-    Ok(Drive::Series(bound.series(stroke, lag, folded)?, 0.0))
+fn series_of(
+    gait: &GaitSpec,
+    stroke: &FourierSeries,
+    lag: f64,
+    folded: Option<f64>,
+) -> Result<JointDrive, Error> {
+    let Some(bound) = gait.bound() else { return Ok(JointDrive::Series(stroke.clone(), lag)) };
+    Ok(JointDrive::Series(bound.series(stroke, lag, folded)?, 0.0))
 }
 
 /// A link, or a pair of which the right one mirrors the left.
@@ -326,11 +331,11 @@ fn part(
     let orientation = Quat::from_roll_pitch_yaw(mirror * roll, pitch, mirror * yaw).matrix();
     let side = usize::from(mirror < 0.0);
     let drive = match spec.moved() {
-        JointSpec::Fixed => Drive::Fixed,
-        JointSpec::Free => Drive::Elastic(Spring::FREE),
-        JointSpec::Elastic(elastic) => Drive::Elastic(Spring::new(elastic)),
+        JointSpec::Fixed => JointDrive::Fixed,
+        JointSpec::Free => JointDrive::Elastic(Spring::FREE),
+        JointSpec::Elastic(elastic) => JointDrive::Elastic(Spring::new(elastic)),
         JointSpec::Driven(driven) => match driven.linkage {
-            Some(output) => Drive::Linkage(side, output),
+            Some(output) => JointDrive::Linkage(side, output),
             None => series_of(gait, &driven.series(), driven.lag_rad, driven.folded_rad)
                 .map_err(|e| e.within("driven"))?,
         },

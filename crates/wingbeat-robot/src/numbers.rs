@@ -9,7 +9,7 @@ use wingbeat_aero::{AIR_DENSITY, DENSITY, SurfaceNumbers};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::range::Range;
-use wingbeat_math::{Declared, Dual, Named, Parameters, Quantity, Scalar, Vec3, Walk};
+use wingbeat_math::{Declared, DeclaredQuantity, Dual, NamedNumber, Parameters, Scalar, Vec3, Walk};
 
 /// Spring and damper of a joint whose coordinate is a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,19 +46,21 @@ impl<P: Scalar> StopNumbers<P> {
 }
 
 /// Coordinate of a joint.
-const COORDINATE: Quantity = Quantity::free("rad");
+const COORDINATE: DeclaredQuantity = DeclaredQuantity::free("rad");
 /// Stiffness of a spring.
-pub(super) const STIFFNESS: Quantity = Quantity::within("N m/rad", Range::NOT_NEGATIVE, 0.0, 1e6);
+pub(super) const STIFFNESS: DeclaredQuantity =
+    DeclaredQuantity::within("N m/rad", Range::NOT_NEGATIVE, 0.0, 1e6);
 /// Damping of a joint.
-pub(super) const DAMPING: Quantity = Quantity::within("N m s/rad", Range::NOT_NEGATIVE, 0.0, 1e6);
+pub(super) const DAMPING: DeclaredQuantity =
+    DeclaredQuantity::within("N m s/rad", Range::NOT_NEGATIVE, 0.0, 1e6);
 /// Stiffness of a stop.
-pub(super) const STOP_STIFFNESS: Quantity = Quantity { range: Range::POSITIVE, ..STIFFNESS };
+pub(super) const STOP_STIFFNESS: DeclaredQuantity = DeclaredQuantity { range: Range::POSITIVE, ..STIFFNESS };
 /// Drag area of the body along an axis.
-pub(super) const DRAG_AREA: Quantity = Quantity::within("m2", Range::NOT_NEGATIVE, 0.0, 1e6);
+pub(super) const DRAG_AREA: DeclaredQuantity = DeclaredQuantity::within("m2", Range::NOT_NEGATIVE, 0.0, 1e6);
 /// Rate of the gait's phase.
-const PHASE_RATE: Quantity = Quantity::free("rad/s");
+const PHASE_RATE: DeclaredQuantity = DeclaredQuantity::free("rad/s");
 /// Phase of the gait.
-const PHASE: Quantity = Quantity::free("rad");
+const PHASE: DeclaredQuantity = DeclaredQuantity::free("rad");
 
 impl<P: Scalar> Parameters<P> for StopNumbers<P> {
     type In<Q: Scalar> = StopNumbers<Q>;
@@ -236,7 +238,7 @@ impl Robot {
 
     /// The numbers that may carry derivatives, with their names and what is declared of them: `links.twist_left.mass_kg`,
     /// `surfaces.wing.cd0`, `air.density_kg_m3`. Several numbers may share one name.
-    pub fn parameters(&self) -> Vec<Named> {
+    pub fn parameters(&self) -> Vec<NamedNumber> {
         self.numbers().named(&self.labels())
     }
 
@@ -434,7 +436,7 @@ fn pair_of(name: &str) -> String {
 }
 
 /// Refuses a value, in the unit of `quantity`, that the number called `name` is not given.
-pub fn check_given(name: &str, quantity: &Quantity, value: f64) -> Result<(), Error> {
+pub fn check_given(name: &str, quantity: &DeclaredQuantity, value: f64) -> Result<(), Error> {
     let [low, high] = quantity.given;
     if (low..=high).contains(&value) {
         return Ok(());

@@ -1,7 +1,7 @@
 //! What is worth seeing of a flight at one instant: angles, named forces, power.
 
 use super::dynamics::Evaluation;
-use super::sections::{Carriers, Section};
+use super::sections::{Carriers, SurfaceSection};
 use super::surface::External;
 use super::{Links, MAX_ELEMENTS, Robot};
 use crate::MotorWork;
@@ -233,7 +233,7 @@ impl Robot {
 
     /// Ends of the panels of every surface.
     fn outlines(&self, base: &LinkMotion, links: &[LinkMotion]) -> Vec<Vec<[Vec3; 3]>> {
-        let place = |(_, s): &(String, Section)| {
+        let place = |(_, s): &(String, SurfaceSection)| {
             let link = s.link.map_or(base, |i| &links[i]);
             let [le, te] = s.edges(link);
             [s.hinge_point(link), le, te]

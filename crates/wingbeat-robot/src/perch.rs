@@ -66,7 +66,7 @@ pub struct Seen {
 
 /// The body's motion in numbers of type `S`.
 #[derive(Clone, Copy)]
-pub(super) struct Pose<S: Scalar> {
+pub(super) struct BodyPose<S: Scalar> {
     pub position: Vec3<S>,
     pub attitude: Mat3<S>,
     pub velocity: Vec3<S>,
@@ -146,13 +146,13 @@ impl Perch {
     }
 
     /// Place and velocity of the claw in W.
-    fn claw_of<S: Scalar>(&self, pose: &Pose<S>) -> [Vec3<S>; 2] {
+    fn claw_of<S: Scalar>(&self, pose: &BodyPose<S>) -> [Vec3<S>; 2] {
         let arm: Vec3<S> = Vec3::constant(self.claw);
         [pose.position + pose.attitude * arm, pose.velocity + pose.attitude * pose.rate.cross(arm)]
     }
 
     /// Force on the claw in W, N.
-    fn force<S: Scalar>(&self, pose: &Pose<S>) -> Vec3<S> {
+    fn force<S: Scalar>(&self, pose: &BodyPose<S>) -> Vec3<S> {
         let [at, velocity] = self.claw_of(pose);
         let (gap, normal) = self.gap(at);
         let closing = -velocity.dot(normal);
@@ -165,7 +165,7 @@ impl Perch {
     }
 
     /// The load on the body about its origin, in B.
-    pub(super) fn load<S: Scalar>(&self, pose: &Pose<S>) -> Wrench<S> {
+    pub(super) fn load<S: Scalar>(&self, pose: &BodyPose<S>) -> Wrench<S> {
         let force = pose.attitude.transpose_mul(self.force(pose));
         let arm: Vec3<S> = Vec3::constant(self.claw);
         Wrench { force, moment: arm.cross(force) }
@@ -198,7 +198,7 @@ impl Perch {
         below.fold(S::from(f64::INFINITY), less)
     }
 
-    fn seen(&self, pose: &Pose<f64>) -> Seen {
+    fn seen(&self, pose: &BodyPose<f64>) -> Seen {
         let [at, velocity] = self.claw_of(pose);
         let (gap, _) = self.gap(at);
         let distance = match self.shape {
@@ -291,7 +291,7 @@ impl Robot {
     /// Where its claw is against the perch in the state `x`; none without one.
     pub fn at_perch(&self, x: &[f64]) -> Option<Seen> {
         let l = &self.layout;
-        let pose = Pose {
+        let pose = BodyPose {
             position: Vec3::from_slice(&x[l.position..]),
             attitude: Quat::from_wxyz(&x[l.attitude..]).matrix(),
             velocity: Vec3::from_slice(&x[l.velocity..]),

@@ -5,7 +5,7 @@ use super::numbers::{Numbers, StopNumbers};
 use super::placement::PanelNumbers;
 use wingbeat_math::Error;
 use wingbeat_math::require::{positive, principal_inertias};
-use wingbeat_math::{Named, Parameters};
+use wingbeat_math::{NamedNumber, Parameters};
 
 impl Robot {
     /// Refuses numbers that no robot has; keys of errors are their names.
@@ -13,7 +13,7 @@ impl Robot {
     /// # Errors
     /// [`Error::Invalid`].
     pub(super) fn check_numbers(&self, numbers: &Numbers) -> Result<(), Error> {
-        numbers.named(&self.labels()).iter().try_for_each(Named::check)?;
+        numbers.named(&self.labels()).iter().try_for_each(NamedNumber::check)?;
         self.check_bodies(numbers)?;
         self.check_stops(numbers)?;
         self.check_surfaces(numbers)

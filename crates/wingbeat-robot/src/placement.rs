@@ -2,11 +2,11 @@
 
 use super::clearance::Corner;
 use super::mechanism::Mechanism;
-use super::sections::Section;
+use super::sections::SurfaceSection;
 use super::spec::{PanelSpec, SurfaceSpec};
 use wingbeat_aero::{COORDINATE, Planform, Span};
 use wingbeat_math::Error;
-use wingbeat_math::{Parameters, Quantity, Scalar, Vec3, Walk};
+use wingbeat_math::{DeclaredQuantity, Parameters, Scalar, Vec3, Walk};
 
 /// Where a panel lies on its link; of a symmetric surface that of the left half.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ pub struct PlacementNumbers<P: Scalar = f64> {
 }
 
 /// A component of a direction.
-const DIRECTION: Quantity = Quantity::free("");
+const DIRECTION: DeclaredQuantity = DeclaredQuantity::free("");
 
 /// The first panel begins at the root by definition.
 impl<P: Scalar> Parameters<P> for PlacementNumbers<P> {
@@ -151,7 +151,7 @@ impl<P: Scalar> Placement<P> {
     }
 
     /// The section at the arc coordinate `s`, m. A section on a hinge belongs to the inner link.
-    pub(super) fn section(&self, s: P, carriers: &[usize]) -> Section<P> {
+    pub(super) fn section(&self, s: P, carriers: &[usize]) -> SurfaceSection<P> {
         let (leading, trailing) = self.planform.edges(s);
         let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
         let panels = &self.panels[usize::from(!left)];
@@ -160,7 +160,7 @@ impl<P: Scalar> Placement<P> {
         let edge = |x: P| panel.point(arc, x + self.shift);
         let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
         let across = if left { -panel.along } else { panel.along };
-        Section::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
+        SurfaceSection::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
     }
 }
 

@@ -7,7 +7,7 @@ use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench, append_copies};
 
 /// One section of a surface fixed to the body or a link.
 #[derive(Clone, Copy, Debug)]
-pub struct Section<P: Scalar = f64> {
+pub struct SurfaceSection<P: Scalar = f64> {
     /// Link index; `None` rides on the body.
     pub link: Option<usize>,
     /// Place of the link among those that carry surfaces.
@@ -20,7 +20,7 @@ pub struct Section<P: Scalar = f64> {
     across: Option<Vec3<P>>,
 }
 
-impl<P: Scalar> Section<P> {
+impl<P: Scalar> SurfaceSection<P> {
     /// A section with leading and trailing edge `edges` (m), which differ in x alone, and the unit
     /// vector `across` it, in the frame of `link`, the `carrier`-th of those that carry surfaces.
     pub fn new(link: Option<usize>, carrier: Option<usize>, edges: [Vec3<P>; 2], across: Vec3<P>) -> Self {
@@ -30,7 +30,7 @@ impl<P: Scalar> Section<P> {
     }
 }
 
-impl Section {
+impl SurfaceSection {
     /// The hinge line of the section, from the body origin, m in B.
     pub fn hinge_point(&self, link: &LinkMotion<f64>) -> Vec3 {
         link.point(Vec3::new(0.0, self.le[1], self.le[2]))
@@ -44,7 +44,7 @@ impl Section {
 
 /// Position, velocity and acceleration of a point, or their change along a line.
 #[derive(Clone, Copy)]
-struct Track<S: Scalar> {
+struct PointMotion<S: Scalar> {
     p: Vec3<S>,
     v: Vec3<S>,
     a: Vec3<S>,
@@ -54,13 +54,13 @@ struct Track<S: Scalar> {
 /// the link, which for a rigid body is linear.
 #[derive(Clone, Copy)]
 struct Carrier<S: Scalar> {
-    origin: Track<S>,
-    along: [Track<S>; 3],
+    origin: PointMotion<S>,
+    along: [PointMotion<S>; 3],
     rate: Vec3<S>,
     rate_dot: Vec3<S>,
 }
 
-impl<S: Scalar> Track<S> {
+impl<S: Scalar> PointMotion<S> {
     const ZERO: Self = Self { p: Vec3::ZERO, v: Vec3::ZERO, a: Vec3::ZERO };
 
     /// The track of the point `x` m further along `axis`.
@@ -74,25 +74,29 @@ impl<S: Scalar> Track<S> {
 }
 
 impl<S: Scalar> Carrier<S> {
-    const ZERO: Self =
-        Self { origin: Track::ZERO, along: [Track::ZERO; 3], rate: Vec3::ZERO, rate_dot: Vec3::ZERO };
+    const ZERO: Self = Self {
+        origin: PointMotion::ZERO,
+        along: [PointMotion::ZERO; 3],
+        rate: Vec3::ZERO,
+        rate_dot: Vec3::ZERO,
+    };
 
     /// Along a fixed direction e of the link: v = w x e, a = w' x e + w x (w x e). Written in place: a copy of what has just
     /// been written piece by piece waits for its pieces.
     #[inline(always)]
     fn follow(&mut self, link: &LinkMotion<S>, wind_dot: Vec3<S>) {
-        self.origin = Track { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
+        self.origin = PointMotion { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
         for (axis, along) in self.along.iter_mut().enumerate() {
             let direction = link.rotation.column(axis);
             let sweep = link.rate.cross(direction);
             let bend = link.rate_dot.cross(direction) + link.rate.cross(sweep);
-            *along = Track { p: direction, v: sweep, a: bend };
+            *along = PointMotion { p: direction, v: sweep, a: bend };
         }
         (self.rate, self.rate_dot) = (link.rate, link.rate_dot);
     }
 
     #[inline(always)]
-    fn section<P: Scalar>(&self, section: &Section<P>) -> SectionMotion<S>
+    fn section<P: Scalar>(&self, section: &SurfaceSection<P>) -> SectionMotion<S>
     where
         S: Meets<P>,
     {
@@ -165,7 +169,7 @@ impl<S: Scalar> Carriers<'_, S> {
 
 /// The sections of a surface, one by one.
 pub(super) struct Riding<'a, P: Scalar, S: Scalar> {
-    pub sections: &'a [Section<P>],
+    pub sections: &'a [SurfaceSection<P>],
     pub carriers: &'a Carriers<'a, S>,
 }
 

@@ -2,7 +2,7 @@
 
 use super::Robot;
 use super::dynamics::Evaluation;
-use super::sections::Section;
+use super::sections::SurfaceSection;
 use crate::body::{JointKind, LinkMotion};
 use wingbeat_aero::{Surface, flap_points, membrane_points};
 use wingbeat_math::{Mat3, Vec3};
@@ -78,7 +78,7 @@ impl Robot {
                 com: motion.point(body.com),
             }
         };
-        let edges = |s: &Section| s.edges(s.link.map_or(&e.base, |i: usize| &links[i] as &LinkMotion));
+        let edges = |s: &SurfaceSection| s.edges(s.link.map_or(&e.base, |i: usize| &links[i] as &LinkMotion));
         let outline = |(k, laid): (usize, &super::surface::Laid)| {
             let mut ribs: Vec<[Vec3; 2]> = laid.ribs.iter().map(edges).collect();
             // In a vacuum there is none.

@@ -2,7 +2,7 @@
 
 use super::carried::air_power;
 use super::drive::Ratios;
-use super::sections::{Carriers, Riding, Section};
+use super::sections::{Carriers, Riding, SurfaceSection};
 use super::{BodyMotion, Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
 use wingbeat_math::{Jet, Mat3, Quat, Vec3, Wrench};
@@ -96,7 +96,8 @@ impl Robot {
         let mut carriers = Carriers::none(&still);
         carriers.follow(&base, &self.carriers, &links, Vec3::ZERO);
         let placement = &self.covering.laid[surface].placement;
-        let sections: Vec<Section> = arcs.iter().map(|s| placement.section(*s, &self.carriers)).collect();
+        let sections: Vec<SurfaceSection> =
+            arcs.iter().map(|s| placement.section(*s, &self.carriers)).collect();
         Ok(then(&Riding { sections: &sections, carriers: &carriers }))
     }
 }

@@ -3,7 +3,7 @@
 use super::Robot;
 use super::mechanism::Mechanism;
 use super::placement::{Placement, PlacementNumbers};
-use super::sections::{Carriers, Riding, Section};
+use super::sections::{Carriers, Riding, SurfaceSection};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
@@ -180,14 +180,14 @@ pub(super) struct Laid {
     /// Names of the panels, from the root on.
     pub panels: Vec<String>,
     /// Sections at the ends of the panels with their names, from left to right.
-    pub outline: Vec<(String, Section)>,
+    pub outline: Vec<(String, SurfaceSection)>,
     /// Its geometry.
     pub placement: Placement,
     /// Arcs at which it is drawn, from left to right, m: stations of the outline, of a membrane or a flap strips and
     /// of a membrane ribs besides.
     pub stations: Vec<f64>,
     /// Sections there.
-    pub ribs: Vec<Section>,
+    pub ribs: Vec<SurfaceSection>,
     /// Whether there is surface between one of them and the next.
     pub covered: Vec<bool>,
 }
@@ -197,7 +197,7 @@ fn ride<P: Scalar>(
     placement: &Placement<P>,
     aero: &Aero<P>,
     carriers: &[usize],
-    sections: &mut Vec<Section<P>>,
+    sections: &mut Vec<SurfaceSection<P>>,
     mounts: &mut Vec<Mount<P>>,
 ) {
     let at = |s: &P| placement.section(*s, carriers);
@@ -216,7 +216,7 @@ fn ride<P: Scalar>(
 pub(super) struct Covering<P: Scalar = f64> {
     pub aero: Surfaces<P>,
     pub laid: Vec<Laid>,
-    sections: Vec<Section<P>>,
+    sections: Vec<SurfaceSection<P>>,
     mounts: Vec<Mount<P>>,
     /// Numbers of the surfaces' places.
     pub placements: Vec<PlacementNumbers<P>>,
@@ -349,10 +349,10 @@ impl<P: Scalar> Covering<P> {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        coupled: Option<Coupled<'_, G, S>>,
+        coupled: Option<MechanismLoads<'_, G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let riding = self.riding(carriers);
-        let Some(Coupled { mass, external, impulses }) = coupled else {
+        let Some(MechanismLoads { mass, external, impulses }) = coupled else {
             return self.aero.sum_over_places::<K, G, S>(&riding, wind, x, dx, None);
         };
         let mut strips = [Wrench::ZERO; MAX_STRIPS];
@@ -404,7 +404,7 @@ impl<P: Scalar> Covering<P> {
 }
 
 /// What the coordinates of the mechanism take from all surfaces.
-pub(super) struct Coupled<'a, G: Scalar, S: Scalar> {
+pub(super) struct MechanismLoads<'a, G: Scalar, S: Scalar> {
     /// Mass matrix of body and coordinates.
     pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
     /// Loads on the links, the body last.

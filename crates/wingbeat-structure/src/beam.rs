@@ -2,7 +2,7 @@
 
 use crate::basis::{gauss, legendre};
 use crate::group::{Pair, Place};
-use crate::section::{Section, Station, Strain};
+use crate::section::{CrossSection, SectionStation, Strain};
 use wingbeat_math::{Error, Mat3, Scalar, Vec3, require};
 
 /// Most coordinates of a beam. *Choice*: their matrices are dense.
@@ -76,8 +76,8 @@ fn points(order: usize) -> usize {
 
 /// The section at an arc of the element between two edges, of which none lies within a piece's ends: a step of the sections is
 /// seen from the element's side.
-fn section_at(stations: &[Station], arc: f64, [from, to]: [f64; 2]) -> Section {
-    let holds = |pair: &&[Station]| {
+fn section_at(stations: &[SectionStation], arc: f64, [from, to]: [f64; 2]) -> CrossSection {
+    let holds = |pair: &&[SectionStation]| {
         let [low, high] = [pair[0].arc_m, pair[1].arc_m];
         low <= arc && arc <= high && low < to && high > from && low < high
     };
@@ -92,7 +92,7 @@ impl Beam {
     /// # Errors
     /// Stations that do not run from 0 outboard, sections and masses that no beam has, places off the beam, a grid of too many or
     /// no coordinates.
-    pub fn new(stations: &[Station], lumps: &[Lump], grid: &Grid) -> Result<Self, Error> {
+    pub fn new(stations: &[SectionStation], lumps: &[Lump], grid: &Grid) -> Result<Self, Error> {
         let length = check(stations, lumps, grid)?;
         let edges = edges(stations, grid, length);
         let count = (edges.len() - 1) * grid.strains.len() * grid.order;
@@ -121,7 +121,7 @@ impl Beam {
 
     fn add_element(
         &mut self,
-        stations: &[Station],
+        stations: &[SectionStation],
         element: usize,
         ends: [f64; 2],
         lumps: &[Lump],
@@ -132,7 +132,7 @@ impl Beam {
         let size = self.strains.len() * self.order;
         let mut stiffness = vec![0.0; size * size];
         let rule = gauss(points(self.order));
-        let mut places: Vec<(f64, Option<Section>, f64)> = Vec::new();
+        let mut places: Vec<(f64, Option<CrossSection>, f64)> = Vec::new();
         for (x, weight) in rule {
             let (arc, weight) = (middle + half * x, weight * half);
             let section = section_at(stations, arc, ends);
@@ -147,7 +147,7 @@ impl Beam {
             places.push((arc, Some(section), weight));
         }
         self.stiffness.push(stiffness);
-        let apart = |places: &[(f64, Option<Section>, f64)], arc: f64| {
+        let apart = |places: &[(f64, Option<CrossSection>, f64)], arc: f64| {
             places.iter().all(|p| (p.0 - arc).abs() > SAME * self.length)
         };
         let own = lumps.iter().map(|lump| lump.arc_m).chain(arcs.iter().copied());
@@ -280,7 +280,7 @@ impl Node {
     }
 }
 
-fn check(stations: &[Station], lumps: &[Lump], grid: &Grid) -> Result<f64, Error> {
+fn check(stations: &[SectionStation], lumps: &[Lump], grid: &Grid) -> Result<f64, Error> {
     let arcs: Vec<f64> = stations.iter().map(|s| s.arc_m).collect();
     let rising = arcs.windows(2).all(|pair| pair[0] <= pair[1]);
     let length = arcs.last().copied().unwrap_or(0.0);
@@ -310,7 +310,7 @@ fn check(stations: &[Station], lumps: &[Lump], grid: &Grid) -> Result<f64, Error
 }
 
 /// Edges of the elements: evenly, and where sections step.
-fn edges(stations: &[Station], grid: &Grid, length: f64) -> Vec<f64> {
+fn edges(stations: &[SectionStation], grid: &Grid, length: f64) -> Vec<f64> {
     let even = (0..=grid.elements).map(|i| length * i as f64 / grid.elements as f64);
     let steps = stations.windows(2).filter(|pair| pair[0].arc_m == pair[1].arc_m).map(|pair| pair[0].arc_m);
     let mut edges: Vec<f64> = even.chain(steps).collect();
@@ -324,12 +324,12 @@ mod tests {
     use super::*;
 
     fn beam(elements: usize, order: usize) -> Beam {
-        let section = Section::isotropic(1e4, [1.0, 2.0, 3.0]).with_mass(
+        let section = CrossSection::isotropic(1e4, [1.0, 2.0, 3.0]).with_mass(
             0.7,
             Vec3::new(0.0, 0.01, -0.02),
             Mat3::diagonal(Vec3::new(3e-4, 1e-4, 2e-4)),
         );
-        let stations = [0.0, 2.0].map(|arc_m| Station { arc_m, section });
+        let stations = [0.0, 2.0].map(|arc_m| SectionStation { arc_m, section });
         Beam::new(&stations, &[], &Grid { elements, order, strains: Strain::ALL, arcs: vec![0.3] }).unwrap()
     }
 
@@ -362,8 +362,8 @@ mod tests {
         let beam = beam(3, 2);
         assert!((beam.mass() - 1.4).abs() < 1e-14);
         assert!((beam.arcs()[beam.nearest(0.3)] - 0.3).abs() < 1e-12);
-        let section = Section::isotropic(1.0, [1.0, 1.0, -1.0]);
-        let stations = [0.0, 1.0].map(|arc_m| Station { arc_m, section });
+        let section = CrossSection::isotropic(1.0, [1.0, 1.0, -1.0]);
+        let stations = [0.0, 1.0].map(|arc_m| SectionStation { arc_m, section });
         let grid = Grid { elements: 1, order: 1, strains: Strain::ALL, arcs: vec![] };
         let message = Beam::new(&stations, &[], &grid).unwrap_err().to_string();
         assert!(message.starts_with("stations[0].stiffness"), "{message}");

@@ -52,7 +52,7 @@ pub struct Stepped {
 }
 
 /// Factors of the matrix of a step, kept while they serve.
-pub type Factors = Option<(f64, LU<f64, Dyn, Dyn>)>;
+pub type StepFactors = Option<(f64, LU<f64, Dyn, Dyn>)>;
 
 /// Most Newton steps of one step in time.
 const MOST: usize = 30;
@@ -95,7 +95,7 @@ impl Rule {
 
 /// Advances `at` from `t` by `h`, both in s. Its accelerations and rates are where the search begins and become those of the last
 /// stage.
-pub fn step(system: &impl Implicit, t: f64, h: f64, at: &mut Stage, factors: &mut Factors) -> Stepped {
+pub fn step(system: &impl Implicit, t: f64, h: f64, at: &mut Stage, factors: &mut StepFactors) -> Stepped {
     let Table { a, b, c } = system.rule().table();
     let (n, m) = (at.q.len(), at.x.len());
     let size = n + m;
@@ -194,8 +194,8 @@ mod tests {
     use super::*;
 
     /// x'' = -1e4 x, and w' = -(w - x) beside it.
-    struct Spring(Rule);
-    impl Implicit for Spring {
+    struct StiffSpring(Rule);
+    impl Implicit for StiffSpring {
         fn rule(&self) -> Rule {
             self.0
         }
@@ -212,7 +212,7 @@ mod tests {
         let mut at = Stage { q: vec![1.0], v: vec![0.0], a: vec![-1e4], x: vec![0.0], w: vec![1.0] };
         let (h, mut factors) = (end / steps as f64, None);
         for i in 0..steps {
-            assert!(step(&Spring(rule), i as f64 * h, h, &mut at, &mut factors).converged);
+            assert!(step(&StiffSpring(rule), i as f64 * h, h, &mut at, &mut factors).converged);
         }
         at
     }

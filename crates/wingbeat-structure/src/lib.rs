@@ -6,19 +6,19 @@
 //!
 //! ```
 //! use wingbeat_math::{Mat3, Vec3};
-//! use wingbeat_structure::{Beam, Grid, Load, Place, Section, Setting, Station, Status, Strain, hold};
+//! use wingbeat_structure::{Beam, Grid, Load, Place, CrossSection, Setting, SectionStation, StaticsStatus, Strain, hold};
 //!
 //! // A strip of steel, 1 m long, 30 mm wide and 1 mm thick, under its own tip load of 1 N.
-//! let section = Section::isotropic(210e9 * 30e-6, [80e9 * 1e-11, 210e9 * 2.5e-12, 210e9 * 2.25e-9]).with_mass(
+//! let section = CrossSection::isotropic(210e9 * 30e-6, [80e9 * 1e-11, 210e9 * 2.5e-12, 210e9 * 2.25e-9]).with_mass(
 //!     0.234,
 //!     Vec3::ZERO,
 //!     Mat3::diagonal(Vec3::new(1.8e-5, 2e-8, 1.8e-5)),
 //! );
-//! let stations = [Station { arc_m: 0.0, section }, Station { arc_m: 1.0, section }];
+//! let stations = [SectionStation { arc_m: 0.0, section }, SectionStation { arc_m: 1.0, section }];
 //! let beam = Beam::new(&stations, &[], &Grid { elements: 1, order: 6, strains: Strain::INEXTENSIBLE, arcs: vec![] })?;
 //! let load = Load::dead(beam.tip(), Vec3::new(0.0, 0.0, -1.0));
 //! let held = hold(&beam, &Setting { loads: vec![load], ..Setting::default() }, 4);
-//! assert_eq!(held.status, Status::Converged);
+//! assert_eq!(held.status, StaticsStatus::Converged);
 //! let tip = beam.places(&Place::IDENTITY, &held.q)[beam.tip()].p;
 //! // P L^3 / (3 E I) = 0.635 m by linear theory; the exact beam gives less.
 //! assert!(tip[2] < -0.45 && tip[2] > -0.635);
@@ -36,8 +36,8 @@ mod statics;
 
 pub use beam::{Beam, Grid, Lump, MAX_COORDINATES};
 pub use group::Place;
-pub use implicit::{Factors, Implicit, Rule, Stage, Stepped, step};
-pub use modes::{Linear, eigenvalues, frequencies, linear, of_first_order};
+pub use implicit::{Implicit, Rule, Stage, StepFactors, Stepped, step};
+pub use modes::{SmallMotionMatrices, eigenvalues, frequencies, linear, of_first_order};
 pub use motion::{Energy, Load, Setting, Swung, turning};
-pub use section::{Section, Station, Strain};
-pub use statics::{Held, Status, hold};
+pub use section::{CrossSection, SectionStation, Strain};
+pub use statics::{HeldShape, StaticsStatus, hold};

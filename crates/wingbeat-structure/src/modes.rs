@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix};
 /// Mass, damping (with gyroscopic terms) and stiffness of small motions, by the coordinates. With coordinates in the units of
 /// their strains the rows are generalised forces: J over those units.
 #[derive(Clone, Debug)]
-pub struct Linear {
+pub struct SmallMotionMatrices {
     /// Mass.
     pub mass: DMatrix<f64>,
     /// Damping and gyroscopic terms.
@@ -18,14 +18,14 @@ pub struct Linear {
 
 /// The small motions about the shape `q`, at rest in the axes of the root. Strains of twist and bending are in rad/m, the
 /// others dimensionless.
-pub fn linear(beam: &Beam, setting: &Setting, q: &[f64]) -> Linear {
+pub fn linear(beam: &Beam, setting: &Setting, q: &[f64]) -> SmallMotionMatrices {
     let zero = vec![0.0; q.len()];
     let [stiffness, damping, mass] = beam.tangents(setting, [q, &zero, &zero], &[]);
-    Linear { mass, damping, stiffness }
+    SmallMotionMatrices { mass, damping, stiffness }
 }
 
 /// Eigenvalues of M x'' + C x' + K x = 0, rad/s; none where the mass is singular.
-pub fn eigenvalues(linear: &Linear) -> Vec<Complex<f64>> {
+pub fn eigenvalues(linear: &SmallMotionMatrices) -> Vec<Complex<f64>> {
     let n = linear.mass.nrows();
     let factors = linear.mass.clone().lu();
     let (Some(k), Some(c)) = (factors.solve(&linear.stiffness), factors.solve(&linear.damping)) else {
@@ -51,7 +51,7 @@ pub fn of_first_order(rates: &DMatrix<f64>, n: usize) -> Vec<Complex<f64>> {
 
 /// Frequencies of the oscillations, rad/s, ascending, and their shapes by the coordinates, of unit mass, without damping and
 /// gyroscopic terms; none where the mass is not positive.
-pub fn frequencies(linear: &Linear) -> Vec<(f64, Vec<f64>)> {
+pub fn frequencies(linear: &SmallMotionMatrices) -> Vec<(f64, Vec<f64>)> {
     let Some(root) = linear.mass.clone().cholesky() else { return Vec::new() };
     let Some(inverse) = root.l().try_inverse() else { return Vec::new() };
     let symmetric = (&linear.stiffness + linear.stiffness.transpose()) * 0.5;

@@ -332,17 +332,17 @@ impl Beam {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Grid, Section, Station, Strain};
+    use crate::{CrossSection, Grid, SectionStation, Strain};
     use wingbeat_math::Random;
 
     fn beam() -> Beam {
-        let mut section = Section::isotropic(400.0, [3.0, 2.0, 5.0]).with_mass(
+        let mut section = CrossSection::isotropic(400.0, [3.0, 2.0, 5.0]).with_mass(
             0.7,
             Vec3::new(0.002, 0.03, -0.02),
             Mat3::diagonal(Vec3::new(3e-3, 1e-3, 2e-3)),
         );
         (section.stiffness[0][1], section.stiffness[1][0]) = (0.4, 0.4);
-        let stations = [0.0, 1.5].map(|arc_m| Station { arc_m, section });
+        let stations = [0.0, 1.5].map(|arc_m| SectionStation { arc_m, section });
         Beam::new(&stations, &[], &Grid { elements: 2, order: 2, strains: Strain::ALL, arcs: vec![] })
             .unwrap()
     }

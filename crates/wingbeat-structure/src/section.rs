@@ -30,7 +30,7 @@ impl Strain {
 
 /// A cross-section, in its own axes: x along the beam, from the reference line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Section {
+pub struct CrossSection {
     /// Moments and forces by strains in the order of [`Strain::ALL`], symmetric: N m2, N m, N.
     pub stiffness: [[f64; 6]; 6],
     /// Mass per length, kg/m.
@@ -43,14 +43,14 @@ pub struct Section {
 
 /// A section at an arc coordinate. Between stations stiffness and inertia are linear; two at one arc are a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Station {
+pub struct SectionStation {
     /// Distance from the root along the beam, m.
     pub arc_m: f64,
     /// Section there.
-    pub section: Section,
+    pub section: CrossSection,
 }
 
-impl Section {
+impl CrossSection {
     /// A section without couplings and mass: `axial` stiffness E A (N), and G J, E I about y, E I about z (N m2). Shear is taken
     /// as stiff as extension.
     pub fn isotropic(axial: f64, [torsion, about_y, about_z]: [f64; 3]) -> Self {

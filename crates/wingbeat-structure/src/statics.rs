@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-11;
 
 /// How a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum StaticsStatus {
     /// The residual is as small as rounding lets it be.
     Converged,
     /// It is not, after all steps.
@@ -22,12 +22,12 @@ pub enum Status {
 
 /// A shape at rest.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct HeldShape {
     /// Coordinates: strains of twist and bending in rad/m, of extension and shear dimensionless; of a free root m and rad
     /// before them.
     pub q: Vec<f64>,
     /// How the search ended.
-    pub status: Status,
+    pub status: StaticsStatus,
     /// Newton steps taken.
     pub iterations: usize,
     /// Largest residual over the largest generalised stiffness force.
@@ -36,9 +36,10 @@ pub struct Held {
 
 /// The shape under the loads, weight and rotation of `setting`, by Newton's method with exact tangents; loads grow in `steps`
 /// equal steps from none. A root that is free is held at its coordinates' zero by nothing: it needs loads that do so.
-pub fn hold(beam: &Beam, setting: &Setting, steps: usize) -> Held {
+pub fn hold(beam: &Beam, setting: &Setting, steps: usize) -> HeldShape {
     let n = beam.unknowns(setting.free);
-    let mut held = Held { q: vec![0.0; n], status: Status::Converged, iterations: 0, residual: 0.0 };
+    let mut held =
+        HeldShape { q: vec![0.0; n], status: StaticsStatus::Converged, iterations: 0, residual: 0.0 };
     for step in 1..=steps.max(1) {
         let share = step as f64 / steps.max(1) as f64;
         let mut now = setting.clone();
@@ -47,14 +48,14 @@ pub fn hold(beam: &Beam, setting: &Setting, steps: usize) -> Held {
             (load.force, load.moment) = (load.force * share, load.moment * share);
         }
         relax(beam, &now, &mut held);
-        if held.status != Status::Converged {
+        if held.status != StaticsStatus::Converged {
             break;
         }
     }
     held
 }
 
-fn relax(beam: &Beam, setting: &Setting, held: &mut Held) {
+fn relax(beam: &Beam, setting: &Setting, held: &mut HeldShape) {
     let n = held.q.len();
     let zero = vec![0.0; n];
     let mut out = vec![0.0; n];
@@ -66,14 +67,14 @@ fn relax(beam: &Beam, setting: &Setting, held: &mut Held) {
         let largest = out.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         held.residual = if largest == 0.0 { 0.0 } else { largest / scale.max(f64::MIN_POSITIVE) };
         if held.residual < TOLERANCE {
-            held.status = Status::Converged;
+            held.status = StaticsStatus::Converged;
             return;
         }
         stalled = if held.residual < 0.5 * least { 0 } else { stalled + 1 };
         least = least.min(held.residual);
         // Rounding of a stiff beam may end a little above the tolerance.
         if stalled > 3 && held.residual < 1e3 * TOLERANCE {
-            held.status = Status::Converged;
+            held.status = StaticsStatus::Converged;
             return;
         }
         held.iterations += 1;
@@ -81,10 +82,10 @@ fn relax(beam: &Beam, setting: &Setting, held: &mut Held) {
         match change.filter(|change| change.iter().all(|x| x.is_finite())) {
             Some(change) => held.q.iter_mut().zip(change.iter()).for_each(|(q, c)| *q -= c),
             None => {
-                held.status = Status::Singular;
+                held.status = StaticsStatus::Singular;
                 return;
             }
         }
     }
-    held.status = Status::NotConverged;
+    held.status = StaticsStatus::NotConverged;
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use wingbeat::aero::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
-use wingbeat::math::{RK4, Steps, Workspace};
+use wingbeat::math::{EqualSteps, RK4, Workspace};
 
 use crate::aero_full::linear::{Complex, RigidMotion, SmallMotion};
 use crate::aero_full::{ComparedPoint, ComparedPreset, wings};
@@ -59,7 +59,7 @@ impl StreamWing {
             self.line.rates_in_wash(&stream, &stream, x, dx, &mut wash);
             Ok::<(), Error>(())
         };
-        RK4.integrate(&mut rates, Steps::new(0.0, h, steps), &mut x, &mut work)?;
+        RK4.integrate(&mut rates, EqualSteps::new(0.0, h, steps), &mut x, &mut work)?;
         self.line.rates_in_wash(&stream, &stream, &x, &mut dx, &mut wash);
         Ok(wash)
     }

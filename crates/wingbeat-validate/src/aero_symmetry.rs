@@ -6,7 +6,7 @@ use crate::{Case, ComparisonRow, Error};
 use wingbeat::aero::{Planform, PlanformStation};
 use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::Plant;
-use wingbeat::tether::{Clock, Coordinate, Hinge, HingeKind, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Hinge, HingeKind, Motion, Side, Tether, Wing};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[Case { id: "aero.symmetry", quick: true, run: symmetry }];
@@ -67,7 +67,7 @@ fn tether(
         motion: Motion { nose_up: Coordinate::Constant(0.1), hinges: angles, ..Motion::at_rest() },
         wind: Vec3::new(-SPEED, 0.0, 0.2),
         side: Side::Both,
-        reference: Reference { density_kg_m3: 1.225, speed_m_s: SPEED, area_m2: 0.05, chord_m: 0.12 },
+        reference: CoefficientScales { density_kg_m3: 1.225, speed_m_s: SPEED, area_m2: 0.05, chord_m: 0.12 },
         clock: Clock { frequency_hz: FREQUENCY, cycles: 1, steps_per_cycle: 64 },
         spar: None,
         ground: None,

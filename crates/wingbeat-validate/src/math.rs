@@ -3,7 +3,7 @@
 mod derivatives;
 
 use crate::{Case, ComparisonRow, Error};
-use wingbeat::math::{RK4, Steps, Workspace};
+use wingbeat::math::{EqualSteps, RK4, Workspace};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -19,7 +19,7 @@ pub fn error_of_rk4(steps: usize) -> f64 {
         dx[0] = x[0] * t.cos();
         Ok::<_, std::convert::Infallible>(())
     };
-    let Ok(_) = RK4.integrate(&mut rates, Steps::new(0.0, h, steps), &mut x, &mut workspace);
+    let Ok(_) = RK4.integrate(&mut rates, EqualSteps::new(0.0, h, steps), &mut x, &mut workspace);
     (x[0] - 2f64.sin().exp()).abs()
 }
 

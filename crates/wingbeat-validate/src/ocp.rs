@@ -2,8 +2,8 @@
 
 use crate::flapbody::{self, FlapBody};
 use crate::{Case, ComparisonRow, Error};
-use wingbeat::math::{RK4, Scalar, Steps, Workspace};
-use wingbeat::ocp::realtime::{RealTime, Settings, Status, Tracking};
+use wingbeat::math::{EqualSteps, RK4, Scalar, Workspace};
+use wingbeat::ocp::realtime::{RealTime, Settings, Tracking, UpdateStatus};
 use wingbeat::plant::Plant;
 
 /// The comparisons.
@@ -37,7 +37,7 @@ fn collocated(duration: f64, inputs: Vec<[f64; 4]>) -> Result<RealTime, Error> {
     let mut solver = RealTime::new(&plant, &prescribed, settings)?;
     solver.reset(&plant, &x0);
     match solver.solve(&plant, &prescribed, 0.0, &x0, 30) {
-        Status::Solved => Ok(solver),
+        UpdateStatus::Solved => Ok(solver),
         other => Err(Error::NoAnswer(format!("{other:?}"))),
     }
 }
@@ -58,7 +58,7 @@ pub fn collocation_errors(intervals: &[usize]) -> Result<Vec<f64>, Error> {
     let (mut x, mut work) = (flapbody::initial_state(), Workspace::new(14, 4));
     let dt = DURATION / STEPS as f64;
     let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates_in_numbers(t, x, &u, dx);
-    RK4.integrate(&mut rates, Steps::new(0.0, dt, STEPS), &mut x, &mut work)?;
+    RK4.integrate(&mut rates, EqualSteps::new(0.0, dt, STEPS), &mut x, &mut work)?;
     let error = |&intervals: &usize| -> Result<f64, Error> {
         let solver = collocated(DURATION, vec![u; intervals + 1])?;
         Ok(largest_difference(solver.state(intervals), &x))
@@ -112,7 +112,7 @@ fn flapbody_a() -> Result<Vec<ComparisonRow>, Error> {
     for instance in flapbody::instances()? {
         solver.reset(&plant, &instance.state);
         let status = solver.solve(&plant, &instance.problem, instance.time, &instance.state, 20);
-        if status != Status::Solved {
+        if status != UpdateStatus::Solved {
             return Err(Error::NoAnswer(format!("t = {} s: {status:?}", instance.time)));
         }
         error = error.max(largest_difference(&solver.plan().u, &instance.inputs));

@@ -13,7 +13,7 @@ pub(crate) use replay::InstantLoads;
 use std::ops::ControlFlow;
 
 use wingbeat::math::{RK4, Workspace};
-use wingbeat::orbit::{Cycle, Direction, Orbit, Point, Section, floquet, measure};
+use wingbeat::orbit::{Cycle, Direction, Orbit, OrbitSection, Point, floquet, measure};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{ConfigError, Scenario, Trimmed};
 
@@ -133,11 +133,11 @@ fn multipliers() -> Result<Vec<ComparisonRow>, Error> {
     let scenario = scenario(PASSIVE, &[])?;
     let cycle = scenario.cycle()?;
     let orbit = found(&scenario, &cycle)?;
-    let section: &Section = cycle.section();
+    let section: &OrbitSection = cycle.section();
     let directions = [section.symmetric(), section.antisymmetric()].concat();
-    let along = |z: &[f64]| directions.iter().map(|d| Section::along(d, z)).collect::<Vec<f64>>();
+    let along = |z: &[f64]| directions.iter().map(|d| OrbitSection::along(d, z)).collect::<Vec<f64>>();
     let (_, monodromy) = cycle.differentiate(&orbit.point, &directions, &[], |_, end| {
-        directions.iter().map(|d| Section::along(d, &end.z)).collect()
+        directions.iter().map(|d| OrbitSection::along(d, &end.z)).collect()
     })?;
     let largest = monodromy.iter().flatten().fold(0.0, |most: f64, m| most.max(m.abs()));
     let mut worst: f64 = 0.0;

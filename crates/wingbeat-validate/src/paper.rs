@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use wingbeat::aero::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
-use wingbeat::math::{RK4, Steps, Workspace};
+use wingbeat::math::{EqualSteps, RK4, Workspace};
 
 use crate::{Case, ComparisonRow, Error};
 
@@ -106,7 +106,7 @@ fn history(mut rates: impl FnMut(f64, &[f64], &mut [f64], &mut [f64])) -> Result
             rates(t, x, dx, &mut aside);
             Ok::<(), Error>(())
         };
-        RK4.integrate(&mut step, Steps::new(t, h, 1), &mut x, &mut work)?;
+        RK4.integrate(&mut step, EqualSteps::new(t, h, 1), &mut x, &mut work)?;
     }
     Ok(history)
 }
@@ -206,7 +206,7 @@ fn wagner_duhamel() -> Result<Vec<ComparisonRow>, Error> {
             line.rates_in_wash(&[speed(t); 3], &[wash(t); 3], x, dx, &mut aside);
             Ok::<(), Error>(())
         };
-        RK4.integrate(&mut rates, Steps::new(t, h, 1), &mut x, &mut work)?;
+        RK4.integrate(&mut rates, EqualSteps::new(t, h, 1), &mut x, &mut work)?;
     }
     let metric = "worst error of the effective wash over its largest, U and wash varying";
     let source = "Duhamel's integral of Jones' fit, by quadrature; the paper's eq. (4)";

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use wingbeat::math::Scalar;
-use wingbeat::ocp::interior_point::{Options, Solution, Status, solve};
+use wingbeat::ocp::interior_point::{Options, Solution, SolveStatus, solve};
 use wingbeat::ocp::nlp::Program;
 use wingbeat::ocp::{Collocation, Ends, Instant, OptimalControl, Scheme, Setup, Transcribed};
 use wingbeat::plant::Fault;
@@ -43,7 +43,7 @@ fn robot() -> Result<Vec<ComparisonRow>, Error> {
         found = Some((solution, program.variables().len()));
     })?;
     let Some((solution, count)) = found else { return Err(Error::NoAnswer("no program".into())) };
-    if solution.status != Status::Solved || count as f64 != variables[0] {
+    if solution.status != SolveStatus::Solved || count as f64 != variables[0] {
         return Err(Error::NoAnswer(format!("{}, {count} unknowns", solution.status)));
     }
     let error = (solution.objective - optimum[0]).abs() / optimum[0];
@@ -102,7 +102,7 @@ fn compare() -> Result<Vec<ComparisonRow>, Error> {
         let problem = PaperTurn { turn: TurnIn::default(), cost: [roll[i], pitch[i], x[i], y[i], z[i]] };
         let n = intervals[i] as usize;
         let solution = problem.solve(n);
-        if solution.status != Status::Solved {
+        if solution.status != SolveStatus::Solved {
             return Err(Error::NoAnswer(solution.status.to_string()));
         }
         let error = (solution.objective - optimum[i]).abs() / optimum[i];

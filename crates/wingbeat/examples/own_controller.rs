@@ -4,7 +4,7 @@
 
 use std::error::Error;
 use std::ops::ControlFlow;
-use wingbeat::guide::{ControllerSpec, Task};
+use wingbeat::guide::{ControllerSpec, ControllerTask};
 use wingbeat::plant::{Plant, Role};
 use wingbeat::scenario::{Document, Doors, Scenario};
 use wingbeat::simulate::{Column, Controller, Measurement, Update};
@@ -35,7 +35,7 @@ impl ControllerSpec for LevellerSpec {
         self.period_s
     }
 
-    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, wingbeat::Error> {
+    fn build<'a>(&self, task: ControllerTask<'a>) -> Result<Box<dyn Controller + 'a>, wingbeat::Error> {
         let inputs = task.model.inputs();
         let shoulder = |name: &str| {
             let found = inputs.iter().position(|input| input.name == name);

@@ -6,8 +6,8 @@
 use std::error::Error;
 use std::ops::ControlFlow;
 use wingbeat::guide::{AttitudeTracking, RobotSolver, SolverSpec};
-use wingbeat::math::{RK4, Steps, Workspace};
-use wingbeat::ocp::realtime::{Horizon, HorizonSolver, Plan, Settings, Statistics, Status, Tracking};
+use wingbeat::math::{EqualSteps, RK4, Workspace};
+use wingbeat::ocp::realtime::{Horizon, HorizonSolver, Plan, Settings, Statistics, Tracking, UpdateStatus};
 use wingbeat::plant::{LocalChart, Plant};
 use wingbeat::robot::Robot;
 use wingbeat::scenario::{Document, Doors, Scenario};
@@ -71,7 +71,8 @@ impl Axes {
         for node in 0..=intervals {
             if node > 0 {
                 self.trial.x.copy_within((node - 1) * states..node * states, node * states);
-                let steps = Steps::new(self.trial.time(node - 1), step / self.substeps as f64, self.substeps);
+                let steps =
+                    EqualSteps::new(self.trial.time(node - 1), step / self.substeps as f64, self.substeps);
                 let (inputs, x) = (self.trial.input(node).to_vec(), self.trial.state_mut(node));
                 let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates(t, x, &inputs, dx);
                 if RK4.integrate(&mut rates, steps, x, &mut self.work).is_err() {
@@ -110,7 +111,7 @@ impl<P: Plant, T: Tracking> HorizonSolver<P, T> for Axes {
         self.plan.start += dt; // the input is the same everywhere
     }
 
-    fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> Status {
+    fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> UpdateStatus {
         self.trial.copy_from(&self.plan);
         self.trial.start = t0;
         self.trial.state_mut(0).copy_from_slice(x0);
@@ -133,15 +134,15 @@ impl<P: Plant, T: Tracking> HorizonSolver<P, T> for Axes {
             step *= 0.5;
         }
         if !self.cost(plant, tracking).is_finite() {
-            return Status::NumericalTrouble;
+            return UpdateStatus::NumericalTrouble;
         }
         // Interpolation between nodes asks for the rates.
         if let Err(fault) = self.trial.evaluate_rates(plant) {
-            return Status::ModelFault(fault);
+            return UpdateStatus::ModelFault(fault);
         }
         self.statistics.iterations = iterations;
         std::mem::swap(&mut self.plan, &mut self.trial);
-        Status::IterationLimit
+        UpdateStatus::IterationLimit
     }
 
     fn statistics(&self) -> Statistics {

@@ -14,6 +14,8 @@ mod hostile;
 mod instructions;
 mod long;
 #[cfg(test)]
+mod names;
+#[cfg(test)]
 mod pages;
 mod paper;
 mod peers;

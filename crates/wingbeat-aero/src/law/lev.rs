@@ -42,7 +42,7 @@ pub(super) const SEPARATION_CHORDS: f64 = 8.0;
 
 /// The flow about a leading edge.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Edge<S> {
+pub(crate) struct LeadingEdge<S> {
     /// Share of the linear suction that the edge holds.
     pub held: S,
     /// Normal force of the suction lost, to the side of the wash, over rho c dy / 2, m2/s2.
@@ -64,11 +64,11 @@ pub(crate) fn edge<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
     wash: S,
     speed2: G,
     floor: f64,
-) -> Edge<S> {
+) -> LeadingEdge<S> {
     let over = suction * (speed2.recip() * polar.inverse_limit);
     let held = (over.squared().squared() + 1.0).sqrt().sqrt().recip();
     let side = wash * wash.smooth_abs(floor).recip();
-    Edge { held, lost: suction * (S::ONE - held) * side }
+    LeadingEdge { held, lost: suction * (S::ONE - held) * side }
 }
 
 /// Rate of the vortex of a strip: v' = V (lost - v)/(tau_v c).
@@ -116,7 +116,7 @@ mod tests {
         let mut last = 0.0;
         for k in 0..400 {
             let suction = 0.03 * f64::from(k);
-            let Edge { held, lost } = edge(&polar, suction, -1.0, 9.0, 1e-9);
+            let LeadingEdge { held, lost } = edge(&polar, suction, -1.0, 9.0, 1e-9);
             assert!(held * suction >= last && held * suction <= limit);
             assert!((held * suction - lost - suction).abs() < 1e-12);
             last = held * suction;

@@ -1,14 +1,14 @@
 //! The flow at one node: what its forces follow from, and the rates of its states.
 
-use super::nodes::Node;
+use super::nodes::LineNode;
 use super::{LagSpeed, LiftTilt, LiftingLine};
 use crate::SectionMotion;
 use crate::law::{Attachment, lev};
-use crate::section::{Section, SectionForce, pitch_suction, suction_share};
+use crate::section::{SectionFlow, SectionForce, pitch_suction, suction_share};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
 /// What the forces of a node follow from; what the motion alone decides is in `G`.
-pub(super) struct Flow<G: Scalar, S: Over<G>> {
+pub(super) struct NodeFlow<G: Scalar, S: Over<G>> {
     /// Wash of motion, m/s.
     pub(super) w: G,
     /// Wash of motion and induced wash, m/s.
@@ -46,7 +46,7 @@ pub(super) struct LimitedEdge<G: Scalar, S: Over<G>> {
     pub(super) carried: G,
 }
 
-impl<G: Scalar, S: Over<G>> Flow<G, S> {
+impl<G: Scalar, S: Over<G>> NodeFlow<G, S> {
     /// The lift rho (U G + c G') perpendicular to the wind that includes
     /// induced and lag wash W: L (|uc| n - s W e_c) / Ve.
     ///
@@ -55,7 +55,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     /// Source: unsteady Kutta-Joukowski, turned by the wash.
     /// Test: `sums_agree_and_breakdown_adds_up`.
     #[inline]
-    pub(super) fn lift<P: Scalar>(&self, node: &Node<P>) -> SectionForce<S>
+    pub(super) fn lift<P: Scalar>(&self, node: &LineNode<P>) -> SectionForce<S>
     where
         S: Meets<P>,
     {
@@ -66,7 +66,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
 
     /// The same lift perpendicular to the wind of motion alone.
     #[inline]
-    pub(super) fn lift_without_turning<P: Scalar>(&self, node: &Node<P>) -> SectionForce<S>
+    pub(super) fn lift_without_turning<P: Scalar>(&self, node: &LineNode<P>) -> SectionForce<S>
     where
         S: Meets<P>,
     {
@@ -95,11 +95,11 @@ impl<P: Scalar> LiftingLine<P> {
     pub(super) fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
-        section: &Section<G>,
+        section: &SectionFlow<G>,
         printed: Option<[G; 2]>,
         x: &[S],
         dx: &mut [S],
-    ) -> Flow<G, S> {
+    ) -> NodeFlow<G, S> {
         let set = &self.settings;
         let (uc, w) = (section.uc, section.w_three_quarter);
         let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
@@ -124,7 +124,7 @@ impl<P: Scalar> LiftingLine<P> {
             let strip = (self.nodes[i].mass, self.slope_share, self.nodes[i].half_chord);
             pitching = pitch_suction(strip, section.pitch_rate, S::from(w), effective) * attached;
         }
-        let mut flow = Flow {
+        let mut flow = NodeFlow {
             w,
             wash,
             effective,
@@ -182,7 +182,7 @@ impl<P: Scalar> LiftingLine<P> {
 
     /// Turns the lift of the printed equations, which say nothing of suction in reversed flow, by the wash that is asked for.
     #[inline]
-    fn tilt_printed<G: Scalar, S: Over<G>>(&self, flow: &mut Flow<G, S>, (uc, uc2): (G, G), local: G) {
+    fn tilt_printed<G: Scalar, S: Over<G>>(&self, flow: &mut NodeFlow<G, S>, (uc, uc2): (G, G), local: G) {
         match self.settings.lift_tilt {
             LiftTilt::Wash => {}
             LiftTilt::Downwash => {
@@ -207,8 +207,8 @@ impl<P: Scalar> LiftingLine<P> {
     fn advance_edge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
-        section: &Section<G>,
-        flow: &mut Flow<G, S>,
+        section: &SectionFlow<G>,
+        flow: &mut NodeFlow<G, S>,
         x: &[S],
         dx: &mut [S],
     ) {

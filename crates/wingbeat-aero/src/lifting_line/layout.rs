@@ -9,7 +9,7 @@ use wingbeat_math::Scalar;
 
 /// Places, cells and mutual wash of the nodes.
 #[derive(Clone, Debug)]
-pub(super) struct Layout<P: Scalar = f64> {
+pub(super) struct NodeLayout<P: Scalar = f64> {
     /// Arcs of the sections: of the nodes, then of what else is looked at.
     pub arcs: Vec<P>,
     /// Chord in the middle, m.
@@ -22,7 +22,7 @@ pub(super) struct Layout<P: Scalar = f64> {
     pub alternating: bool,
 }
 
-impl<P: Scalar> Layout<P> {
+impl<P: Scalar> NodeLayout<P> {
     /// Nodes at equal steps of the angle on a planform.
     pub fn smooth(planform: &Planform<P>, set: &LiftingLineSettings) -> Result<Self, Error> {
         refuse_gaps(planform)?;
@@ -75,7 +75,7 @@ impl<P: Scalar> Layout<P> {
     }
 
     /// The same layout in other numbers, `f` of each.
-    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> Layout<Q> {
+    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> NodeLayout<Q> {
         let all = |numbers: &[P]| numbers.iter().map(|number| f(*number)).collect();
         let cell = |c: &Cell<P>| Cell {
             edge: f(c.edge),
@@ -85,7 +85,7 @@ impl<P: Scalar> Layout<P> {
             square: f(c.square),
             sweep: f(c.sweep),
         };
-        Layout {
+        NodeLayout {
             arcs: all(&self.arcs),
             root_chord: f(self.root_chord),
             widths: all(&self.widths),

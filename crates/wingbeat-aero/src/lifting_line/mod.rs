@@ -22,14 +22,14 @@ mod tests;
 pub use settings::{LagSpeed, LiftTilt, LiftingLineSettings};
 
 use super::law::Polar;
-use super::section::{Section, SectionForce, ZeroLift};
+use super::section::{SectionFlow, SectionForce, ZeroLift};
 use super::{
     Coupling, ForceDetail, LiftLaw, Loads, Planform, ProfileDrag, SectionMotion, SectionSettings, Sections,
     StripLoads, SurfaceNumbers, Wrench,
 };
-use flow::Flow;
-use layout::Layout;
-use nodes::Node;
+use flow::NodeFlow;
+use layout::NodeLayout;
+use nodes::LineNode;
 use std::f64::consts::PI;
 use wingbeat_math::Error;
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
@@ -44,8 +44,8 @@ pub const JONES_RATES: [f64; 2] = [0.0455, 0.3];
 #[derive(Clone, Debug)]
 pub struct LiftingLine<P: Scalar = f64> {
     settings: LiftingLineSettings,
-    layout: Layout<P>,
-    nodes: Vec<Node<P>>,
+    layout: NodeLayout<P>,
+    nodes: Vec<LineNode<P>>,
     zero_lift: ZeroLift<P>,
     polar: Polar<P>,
     numbers: SurfaceNumbers<P>,
@@ -68,7 +68,7 @@ impl LiftingLine {
     pub fn new(planform: &Planform, settings: LiftingLineSettings) -> Result<Self, Error> {
         settings.check()?;
         let numbers = SurfaceNumbers { outline: Some(planform.clone()), ..settings.numbers() };
-        Self::laid(Layout::smooth(planform, &settings)?, numbers, settings)
+        Self::laid(NodeLayout::smooth(planform, &settings)?, numbers, settings)
     }
 
     /// The lifting line of a planform with kinks and hinges: nodes stand for cells that end at the hinges, arcs of
@@ -84,7 +84,7 @@ impl LiftingLine {
         settings.check()?;
         let outline = Some(planform.clone());
         let numbers = SurfaceNumbers { outline, hinges: hinge_arcs.to_vec(), ..settings.numbers() };
-        Self::laid(Layout::hinged(planform, hinge_arcs, &settings)?, numbers, settings)
+        Self::laid(NodeLayout::hinged(planform, hinge_arcs, &settings)?, numbers, settings)
     }
 
     /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m), its quarter chords in one line.
@@ -97,18 +97,18 @@ impl LiftingLine {
         settings: LiftingLineSettings,
     ) -> Result<Self, Error> {
         settings.check()?;
-        let layout = Layout::of_chords(half_span, |arc| [chord(arc), 0.0], &settings);
+        let layout = NodeLayout::of_chords(half_span, |arc| [chord(arc), 0.0], &settings);
         Self::laid(layout, settings.numbers(), settings)
     }
 }
 
 impl<P: Scalar> LiftingLine<P> {
     fn laid(
-        layout: Layout<P>,
+        layout: NodeLayout<P>,
         numbers: SurfaceNumbers<P>,
         settings: LiftingLineSettings,
     ) -> Result<Self, Error> {
-        let nodes: Vec<_> = layout.cells.iter().map(|cell| Node::new(cell, &numbers)).collect();
+        let nodes: Vec<_> = layout.cells.iter().map(|cell| LineNode::new(cell, &numbers)).collect();
         let area = layout.cells.iter().fold(P::ZERO, |sum, cell| sum + cell.area);
         let span = layout.cells.iter().fold(P::ZERO, |sum, cell| sum + cell.area / cell.chord);
         Ok(Self {
@@ -130,8 +130,8 @@ impl<P: Scalar> LiftingLine<P> {
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<LiftingLine<Q>, Error> {
         let layout = match &numbers.outline {
             None => self.layout.map(|number| Q::from(number.value())),
-            Some(outline) if self.layout.alternating => Layout::smooth(outline, &self.settings)?,
-            Some(outline) => Layout::hinged(outline, &numbers.hinges, &self.settings)?,
+            Some(outline) if self.layout.alternating => NodeLayout::smooth(outline, &self.settings)?,
+            Some(outline) => NodeLayout::hinged(outline, &numbers.hinges, &self.settings)?,
         };
         LiftingLine::laid(layout, numbers.clone(), self.settings)
     }
@@ -311,7 +311,7 @@ impl<P: Scalar> LiftingLine<P> {
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
+            let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
             let flow = self.flow(i, &section, printed, x, dx);
             let at = first + i;
@@ -348,7 +348,7 @@ impl<P: Scalar> LiftingLine<P> {
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
+            let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
             let flow = self.flow(i, &section, printed, x, dx);
             let force = flow.lift(node)
@@ -370,9 +370,9 @@ impl<P: Scalar> LiftingLine<P> {
     #[inline]
     fn by_source<S: Scalar + Meets<P>>(
         &self,
-        node: &Node<P>,
-        section: &Section<S>,
-        flow: &Flow<S, S>,
+        node: &LineNode<P>,
+        section: &SectionFlow<S>,
+        flow: &NodeFlow<S, S>,
         added_mass: &mut [[S; 6]; 6],
     ) -> StripLoads<S> {
         let lift = section.wrench(flow.lift(node));
@@ -391,9 +391,9 @@ impl<P: Scalar> LiftingLine<P> {
     /// Parts of the circulatory force and of the profile drag of one node.
     fn detail<S: Scalar + Meets<P>>(
         &self,
-        node: &Node<P>,
-        section: &Section<S>,
-        flow: &Flow<S, S>,
+        node: &LineNode<P>,
+        section: &SectionFlow<S>,
+        flow: &NodeFlow<S, S>,
     ) -> ForceDetail<S> {
         let plate = self.profile_drag(node, section, flow, self.numbers.drag().of_plate());
         let vortex = flow.edge.map_or(S::ZERO, |edge| edge.vortex);
@@ -407,9 +407,9 @@ impl<P: Scalar> LiftingLine<P> {
     #[inline]
     fn profile_drag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        node: &Node<P>,
-        section: &Section<G>,
-        flow: &Flow<G, S>,
+        node: &LineNode<P>,
+        section: &SectionFlow<G>,
+        flow: &NodeFlow<G, S>,
         drag: ProfileDrag<P>,
     ) -> SectionForce<S> {
         let set = &self.settings;
@@ -423,8 +423,8 @@ impl<P: Scalar> LiftingLine<P> {
     #[inline(always)]
     fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        node: &Node<P>,
-        section: &Section<G>,
+        node: &LineNode<P>,
+        section: &SectionFlow<G>,
         speed: G,
         matrix: &mut [[G; 6]; 6],
     ) -> SectionForce<S> {
@@ -439,7 +439,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// Mass (kg) of the air that a node carries along its normal, and inertia (kg m2) of the air that
     /// it turns.
     #[inline]
-    fn carried_masses(&self, node: &Node<P>) -> (P, P) {
+    fn carried_masses(&self, node: &LineNode<P>) -> (P, P) {
         let set = &self.settings;
         let mass = if set.section.added_mass { node.mass } else { P::ZERO };
         let turned = if set.section.section_moment { node.mass } else { P::ZERO };

@@ -10,7 +10,7 @@ use wingbeat_math::linear::{lu_factor, lu_solve};
 
 /// Constants of one node.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node<P> {
+pub(super) struct LineNode<P> {
     /// 1 / chord of the planform, 1/m; all else holds the floored chord.
     pub inverse_edge: P,
     pub half_chord: P,
@@ -62,7 +62,7 @@ impl<P: Scalar> Cell<P> {
     }
 }
 
-impl<P: Scalar> Node<P> {
+impl<P: Scalar> LineNode<P> {
     /// The node of a cell.
     pub fn new(cell: &Cell<P>, numbers: &SurfaceNumbers<P>) -> Self {
         let half_chord = cell.chord * 0.5;

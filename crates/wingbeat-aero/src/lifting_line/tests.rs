@@ -85,14 +85,14 @@ fn rectangles_have_glauerts_slope() {
 
 /// Two wing halves that flap, pitch, sweep and move, as jets of time.
 #[derive(Clone, Copy)]
-struct Wing<S: Scalar> {
+struct FlappingHalves<S: Scalar> {
     position: Vec3<Jet<S>>,
     flap: Jet<S>,
     pitch: Jet<S>,
     sweep: Jet<S>,
 }
 
-impl<S: Scalar> Wing<S> {
+impl<S: Scalar> FlappingHalves<S> {
     fn cyclic(phase: S, omega: f64) -> Self {
         let angle = Jet::new(phase, S::from(omega), S::ZERO);
         let wave = |amplitude: f64, harmonic: f64, lag: f64| (angle * harmonic + lag).sin() * amplitude;
@@ -152,7 +152,7 @@ fn the_carried_air_gives_no_mean_force() {
     let mut sum = [Vec3::ZERO; 8];
     let mut largest = [0.0_f64; 8];
     for k in 0..steps {
-        let wing = Wing::cyclic(2.0 * PI * k as f64 / steps as f64, omega);
+        let wing = FlappingHalves::cyclic(2.0 * PI * k as f64 / steps as f64, omega);
         let loads = loads_of(&line, &wing.sections(&line), Vec3::new(-2.0, 0.3, 0.2));
         for i in 0..8 {
             let force = loads.strip[i].added_mass.force;
@@ -174,7 +174,7 @@ fn loads_are_affine_in_the_body_acceleration() {
             LiftingLineSettings { section: SectionSettings { law, ..settings(8).section }, ..settings(8) },
         )
         .unwrap();
-        let sections = Wing::cyclic(0.7, 20.0).sections(&line);
+        let sections = FlappingHalves::cyclic(0.7, 20.0).sections(&line);
         let (a, w_dot) = (Vec3::new(3.0, -2.0, 5.0), Vec3::new(40.0, 20.0, -30.0));
         let full: Vec<_> = sections
             .iter()
@@ -200,7 +200,7 @@ fn loads_are_affine_in_the_body_acceleration() {
 #[test]
 fn a_mirrored_motion_mirrors_the_loads() {
     let line = rectangle(6.0, 8);
-    let mut wing = Wing::cyclic(1.1, 15.0);
+    let mut wing = FlappingHalves::cyclic(1.1, 15.0);
     wing.position[1] = Jet::from(0.0);
     let loads = loads_of_even_state(&line, &wing.sections(&line));
     assert!(loads.wrench.force[1].abs() < 1e-13 && loads.wrench.force[2].abs() > 1e-3);
@@ -224,7 +224,7 @@ fn loads_of_even_state(line: &LiftingLine, sections: &[SectionMotion<f64>]) -> L
 #[test]
 fn sums_agree_and_breakdown_adds_up() {
     let line = rectangle(6.0, 12);
-    let sections = Wing::cyclic(0.4, 20.0).sections(&line);
+    let sections = FlappingHalves::cyclic(0.4, 20.0).sections(&line);
     let (wind, x) = (Vec3::new(-1.5, 0.2, 0.4), state(&line));
     let (mut dx, mut dx_sum) = (vec![0.0; 36], vec![0.0; 36]);
     let mut loads = Loads::default();
@@ -240,7 +240,7 @@ fn sums_agree_and_breakdown_adds_up() {
 
 /// Wrench and rates for a wing whose phase, wind and states depend on `p`.
 fn outputs<S: Scalar>(line: &LiftingLine, p: S) -> Vec<S> {
-    let sections = Wing::cyclic(p + 0.6, 15.0).sections(line);
+    let sections = FlappingHalves::cyclic(p + 0.6, 15.0).sections(line);
     let wind = Vec3::new(S::from(-1.5), p * 0.5, p.sin() + 0.2);
     let x: Vec<S> = state(line).iter().map(|&v| p * v + v).collect();
     let mut dx = vec![S::ZERO; line.states()];
@@ -278,9 +278,14 @@ fn any_wind_gives_finite_loads_that_vary_smoothly() {
             LiftingLineSettings { section: SectionSettings { law, ..settings(6).section }, ..settings(6) },
         )
         .unwrap();
-        let still = Wing { position: Vec3::ZERO, flap: 0.0.into(), pitch: 0.0.into(), sweep: 0.0.into() };
-        let constant: Wing<Dual<1>> =
-            Wing { position: Vec3::ZERO, flap: Jet::from(0.0), pitch: Jet::from(0.0), sweep: Jet::from(0.0) };
+        let still =
+            FlappingHalves { position: Vec3::ZERO, flap: 0.0.into(), pitch: 0.0.into(), sweep: 0.0.into() };
+        let constant: FlappingHalves<Dual<1>> = FlappingHalves {
+            position: Vec3::ZERO,
+            flap: Jet::from(0.0),
+            pitch: Jet::from(0.0),
+            sweep: Jet::from(0.0),
+        };
         let zero = vec![0.0; line.states()];
         let loads = |wind| {
             let mut loads = Loads::default();

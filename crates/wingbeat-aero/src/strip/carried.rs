@@ -1,7 +1,7 @@
 //! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
 
-use super::influence::{Column, column, dot, lanes, multiply, multiply_transposed, plain};
-use super::{Flow, StripModel};
+use super::influence::{StripColumn, column, dot, lanes, multiply, multiply_transposed, plain};
+use super::{StripFlow, StripModel};
 use crate::{ImpulseRates, ImpulseRow, Sections};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
@@ -9,13 +9,13 @@ use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
 
 /// What drives the carried air at 1/2 chord of a strip: its normal acceleration per acceleration
 /// and angular acceleration of the body (6), the wash there, m/s, and its rate, m/s2.
-type Drive<S> = [S; 8];
+type CarriedDrive<S> = [S; 8];
 
 impl<P: Scalar> StripModel<P> {
     /// What A0^-1 leaves of the motion, the impulse of the carried air and its inertia.
     pub(super) fn carry_air<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &mut Flow<K, G, N>,
+        flow: &mut StripFlow<K, G, N>,
     ) {
         let drives = self.drives(flow);
         let mut rate_left = [G::ZERO; N];
@@ -44,8 +44,8 @@ impl<P: Scalar> StripModel<P> {
 
     fn drives<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<K, G, N>,
-    ) -> [Drive<K>; N] {
+        flow: &StripFlow<K, G, N>,
+    ) -> [CarriedDrive<K>; N] {
         let strips = &flow.strips;
         let drive = |i: usize| {
             let normal = strips.normal.get(i);
@@ -68,9 +68,9 @@ impl<P: Scalar> StripModel<P> {
     fn left_at<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
-        drives: &[Drive<K>; N],
-    ) -> Drive<K> {
+        flow: &StripFlow<K, G, N>,
+        drives: &[CarriedDrive<K>; N],
+    ) -> CarriedDrive<K> {
         let mut left = [K::ZERO; 8];
         for j in 0..self.settings.strips {
             for k in 0..8 {
@@ -89,8 +89,8 @@ impl<P: Scalar> StripModel<P> {
     /// Test: `the_added_mass_is_symmetric_and_positive`.
     fn impulses_of_motion<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &mut Flow<K, G, N>,
-        rate_left: &Column<G, N>,
+        flow: &mut StripFlow<K, G, N>,
+        rate_left: &StripColumn<G, N>,
     ) {
         let by_half = self.reciprocal(flow, &flow.strips.wash_half);
         let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
@@ -105,12 +105,12 @@ impl<P: Scalar> StripModel<P> {
     /// of `sections`: as the body's own, with J the normal velocity at 1/2 chord per unit rate.
     pub(super) fn couple<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         sections: &dyn Sections<G>,
         matrix: &mut [[G; MAX_DEGREES]; MAX_DEGREES],
     ) {
         let (strips, count) = (&flow.strips, sections.coordinates());
-        let mut fields = ArrayVec::<[Column<G, N>; 2], MAX_COORDINATES>::new();
+        let mut fields = ArrayVec::<[StripColumn<G, N>; 2], MAX_COORDINATES>::new();
         for c in 0..count {
             let (heave, pitch) = self.heave_and_pitch(flow, sections, c);
             let mut carried = self.symmetric_impulse(flow, &heave);
@@ -149,7 +149,7 @@ impl<P: Scalar> StripModel<P> {
     /// the coordinates of `sections`, J as for [`couple`](Self::couple).
     pub(super) fn follow<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         sections: &dyn Sections<G>,
         rates: &mut ImpulseRates<G>,
     ) {
@@ -175,10 +175,10 @@ impl<P: Scalar> StripModel<P> {
     /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of a coordinate.
     fn heave_and_pitch<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         sections: &dyn Sections<G>,
         coordinate: usize,
-    ) -> (Column<G, N>, Column<G, N>) {
+    ) -> (StripColumn<G, N>, StripColumn<G, N>) {
         let (strips, mut heave, mut pitch) = (&flow.strips, [G::ZERO; N], [G::ZERO; N]);
         let mut left = sections.field(0, coordinate);
         for i in 0..self.settings.strips {
@@ -196,9 +196,9 @@ impl<P: Scalar> StripModel<P> {
     /// The symmetric part of rho dy ma A0^-1 times `v`; nothing without added mass.
     fn symmetric_impulse<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<K, G, N>,
-        v: &Column<G, N>,
-    ) -> Column<G, N> {
+        flow: &StripFlow<K, G, N>,
+        v: &StripColumn<G, N>,
+    ) -> StripColumn<G, N> {
         if !self.settings.section.added_mass {
             return [G::ZERO; N];
         }
@@ -212,10 +212,10 @@ impl<P: Scalar> StripModel<P> {
     /// The transpose of rho dy ma A0^-1 times `v`.
     fn reciprocal<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<K, G, N>,
-        v: &Column<G, N>,
-    ) -> Column<G, N> {
-        let weighted: Column<G, N> = column(self.settings.strips, |i| v[i] * self.tables.mass[i]);
+        flow: &StripFlow<K, G, N>,
+        v: &StripColumn<G, N>,
+    ) -> StripColumn<G, N> {
+        let weighted: StripColumn<G, N> = column(self.settings.strips, |i| v[i] * self.tables.mass[i]);
         multiply_transposed(&flow.relief, &weighted, self.settings.strips)
     }
 
@@ -228,7 +228,7 @@ impl<P: Scalar> StripModel<P> {
     /// Test: `loads_are_affine_in_the_body_acceleration`.
     fn finish_added_mass<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &mut Flow<K, G, N>,
+        flow: &mut StripFlow<K, G, N>,
     ) {
         if self.settings.section.section_moment {
             let across = &flow.strips.across.0;

@@ -6,9 +6,9 @@
 //! it stands for is smooth. So the wash fades where the two come within a share k of their distance on
 //! the flat wing, and is unchanged on the flat wing itself, whatever its strips.
 
-use super::grid::Grid;
+use super::grid::StripGrid;
 use super::influence::{NEAREST, segment_square};
-use super::tables::Table;
+use super::tables::StripConstants;
 use wingbeat_math::{Scalar, Vec3};
 
 /// Power of the squared distance at which the wash fades: sharp, so that wings that fold to half their
@@ -21,20 +21,20 @@ pub(super) struct EdgeCores<P = f64> {
     /// Least squared distance to an end of a vortex.
     pub least: P,
     /// Of the leg along the chord.
-    pub leg: Table<P>,
+    pub leg: StripConstants<P>,
     /// Of the vortex behind the trailing edge.
-    pub wake: Table<P>,
+    pub wake: StripConstants<P>,
     /// Of the line far behind, at the 1/4 chord points.
-    pub far: Table<P>,
+    pub far: StripConstants<P>,
 }
 
 /// Cores of the vortices along a strip, for every strip, lengths over the mean chord.
 #[derive(Clone, Debug)]
 pub(super) struct StripCores<P = f64> {
     /// Of the bound vortex.
-    pub front: Table<P>,
+    pub front: StripConstants<P>,
     /// Of the trailing edge.
-    pub rear: Table<P>,
+    pub rear: StripConstants<P>,
 }
 
 /// Cores of all vortices.
@@ -51,7 +51,7 @@ pub(super) struct Cores<P = f64> {
 
 /// The flat wing, x forward and y to the left, lengths over the mean chord.
 struct Flat<'a, P> {
-    grid: &'a Grid<P>,
+    grid: &'a StripGrid<P>,
     scale: P,
     /// (k^2)^4.
     fade: f64,
@@ -70,17 +70,17 @@ impl<P: Scalar> Flat<'_, P> {
         a + (b - a).scaled(self.grid.fraction[i])
     }
     /// The cores from the measures y0 that the washes of one vortex fall by.
-    fn cores(&self, y0: impl Fn(usize) -> P) -> Table<P> {
+    fn cores(&self, y0: impl Fn(usize) -> P) -> StripConstants<P> {
         std::array::from_fn(|i| y0(i).powi(POWER) * self.fade)
     }
-    fn along(&self, a: Vec3<P>, b: Vec3<P>) -> Table<P> {
+    fn along(&self, a: Vec3<P>, b: Vec3<P>) -> StripConstants<P> {
         self.cores(|i| {
             let p = self.target(i, 0.75);
             segment_square((b - a).norm_squared(), [(p - a).norm(), (p - b).norm()])
         })
     }
     /// r (r - u.r) behind `trailing`, u straight back; without the difference where it cancels.
-    fn behind(&self, trailing: Vec3<P>) -> Table<P> {
+    fn behind(&self, trailing: Vec3<P>) -> StripConstants<P> {
         self.cores(|i| {
             let r = self.target(i, 0.75) - trailing;
             let (length, ahead) = (r.norm(), r[0]);
@@ -102,7 +102,7 @@ impl<P: Scalar> Cores<P> {
     /// `y0 the value on the flat wing of what the wash falls by; strengths times 1 + k^8`
     /// Source: choice: nothing changes on the flat wing.
     /// Test: `cores_of_left_and_right_mirror_each_other`.
-    pub fn new(grid: &Grid<P>, share: f64) -> Self {
+    pub fn new(grid: &StripGrid<P>, share: f64) -> Self {
         let scale = grid.mean_chord.recip();
         let flat = Flat { grid, scale, fade: (share * share).powi(POWER) };
         let edge = |(j, half): (usize, P)| {
@@ -139,8 +139,10 @@ mod tests {
         });
         let planform = Planform::new(&stations).unwrap();
         for n in [8, 9, 16] {
-            let cores = Cores::new(&Grid::new(&planform, n, &[0.02, 0.07]).unwrap(), 0.3);
-            let alike = |a: &Table, b: &Table| (0..n).all(|i| (a[i] / b[n - 1 - i] - 1.0).abs() < 1e-11);
+            let cores = Cores::new(&StripGrid::new(&planform, n, &[0.02, 0.07]).unwrap(), 0.3);
+            let alike = |a: &StripConstants, b: &StripConstants| {
+                (0..n).all(|i| (a[i] / b[n - 1 - i] - 1.0).abs() < 1e-11)
+            };
             for (a, b) in cores.edges.iter().zip(cores.edges.iter().rev()) {
                 assert!(alike(&a.leg, &b.leg) && alike(&a.wake, &b.wake) && alike(&a.far, &b.far));
             }

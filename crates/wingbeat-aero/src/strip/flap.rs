@@ -4,10 +4,10 @@
 //! momentum and the motion of the chord, and the acceleration beta'' with which the flap pushes back takes of the wing's inertia what the
 //! free hinge does not bear.
 
-use super::influence::Column;
+use super::influence::StripColumn;
 use super::membrane::Camber;
 use super::motion::Strips;
-use super::{Flow, StripModel};
+use super::{StripFlow, StripModel};
 use crate::flap::HingeFunctions;
 use crate::{FlapSpec, Loads};
 use arrayvec::ArrayVec;
@@ -39,14 +39,14 @@ struct Masses<K> {
 
 /// The flap of a strip as it moves.
 #[derive(Clone, Copy)]
-struct Moving<K, S> {
+struct MovingFlap<K, S> {
     angle: S,
     rate: S,
     masses: Masses<K>,
 }
 
 /// Those of all strips; none where there is no flap.
-pub(super) struct Flaps<K, S, const N: usize>(ArrayVec<Option<Moving<K, S>>, N>);
+pub(super) struct Flaps<K, S, const N: usize>(ArrayVec<Option<MovingFlap<K, S>>, N>);
 
 impl Hinges {
     /// On strips with their middles at `arcs` (m), where `covered` says that there is a wing.
@@ -104,7 +104,7 @@ impl<P: Scalar> StripModel<P> {
     fn flap_mass<K: Scalar + Meets<P>, G: Scalar, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
     ) -> Option<Masses<K>> {
         let hinges = self.hinges.as_ref()?;
         if !hinges.on[i] {
@@ -148,7 +148,7 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         x: &[S],
     ) -> Option<Flaps<K, S, N>> {
         self.hinges.as_ref()?;
@@ -156,7 +156,7 @@ impl<P: Scalar> StripModel<P> {
         let moving = |i: usize| {
             let masses = self.flap_mass(i, flow)?;
             let momentum = x[at + n + i] - self.driven(i, flow, &masses);
-            Some(Moving { angle: x[at + i], rate: momentum * masses.own.recip(), masses })
+            Some(MovingFlap { angle: x[at + i], rate: momentum * masses.own.recip(), masses })
         };
         Some(Flaps((0..n).map(moving).collect()))
     }
@@ -165,7 +165,7 @@ impl<P: Scalar> StripModel<P> {
     fn driven<K: Scalar + Meets<P>, G: Over<K>, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         masses: &Masses<K>,
     ) -> G {
         flow.strips.wash_half[i] * masses.heave + flow.strips.pitch[i] * masses.pitch
@@ -174,7 +174,7 @@ impl<P: Scalar> StripModel<P> {
     /// Sets the flaps to rest in their hinges, whatever the wing does.
     pub(super) fn settle_flaps<S: Scalar + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, S, N>,
+        flow: &StripFlow<S, S, N>,
         x: &mut [S],
     ) {
         let (n, at) = (self.settings.strips, self.flap_states());
@@ -197,7 +197,7 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         flaps: &Flaps<K, S, N>,
         wash: &mut [S],
     ) {
@@ -228,8 +228,8 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        (flow, flaps): (&Flow<K, G, N>, &Flaps<K, S, N>),
-        [attached, lift_wash]: [&Column<S, N>; 2],
+        (flow, flaps): (&StripFlow<K, G, N>, &Flaps<K, S, N>),
+        [attached, lift_wash]: [&StripColumn<S, N>; 2],
         x: &[S],
         dx: &mut [S],
         camber: &mut Camber<'_, S, N>,
@@ -299,7 +299,7 @@ impl<P: Scalar> StripModel<P> {
     #[inline(never)]
     pub(super) fn relieve<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
-        flow: &mut Flow<K, G, N>,
+        flow: &mut StripFlow<K, G, N>,
     ) {
         for i in 0..self.settings.strips {
             let Some(masses) = self.flap_mass(i, flow) else { continue };
@@ -317,7 +317,7 @@ impl<P: Scalar> StripModel<P> {
     fn hinge_row<K: Scalar + Meets<P>, G: Over<K>, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         masses: &Masses<K>,
     ) -> [K; 6] {
         let (normal, across) = (flow.strips.normal.get(i), flow.strips.across.get(i));
@@ -332,9 +332,9 @@ impl<P: Scalar> StripModel<P> {
     #[inline(never)]
     pub(super) fn relieve_field<K: Scalar + Meets<P>, G: Over<K>, const N: usize>(
         &self,
-        flow: &Flow<K, G, N>,
-        [heave, pitch]: [&Column<G, N>; 2],
-        [carried, turned]: [&mut Column<G, N>; 2],
+        flow: &StripFlow<K, G, N>,
+        [heave, pitch]: [&StripColumn<G, N>; 2],
+        [carried, turned]: [&mut StripColumn<G, N>; 2],
     ) {
         for i in 0..self.settings.strips {
             let Some(masses) = self.flap_mass(i, flow) else { continue };
@@ -352,7 +352,7 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         x: &[S],
         loads: &mut Loads<S>,
     ) {

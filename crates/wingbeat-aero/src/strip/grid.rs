@@ -8,7 +8,7 @@ use wingbeat_math::interpolation::piecewise_linear;
 
 /// Constants of the strips, from left tip to right tip.
 #[derive(Clone, Debug)]
-pub(super) struct Grid<P = f64> {
+pub(super) struct StripGrid<P = f64> {
     /// Arc coordinates of the edges, m, positive on the left wing.
     pub arcs: Vec<P>,
     /// Arc coordinates of the control sections, m.
@@ -33,7 +33,7 @@ pub(super) struct Grid<P = f64> {
     pub aspect: P,
 }
 
-impl<P: Scalar> Grid<P> {
+impl<P: Scalar> StripGrid<P> {
     pub fn new(planform: &Planform<P>, strips: usize, hinge_arcs: &[P]) -> Result<Self, Error> {
         let (edges, fraction) = spacing(planform, strips, hinge_arcs)?;
         let arcs: Vec<P> = edges.iter().map(|s| -*s).collect();
@@ -77,7 +77,7 @@ impl<P: Scalar> Grid<P> {
     }
 }
 
-impl<P: Scalar> Grid<P> {
+impl<P: Scalar> StripGrid<P> {
     /// Half width of the narrower strip beside each edge, at most half the chord, m: a core that grows
     /// with a wide strip would reach its own bound vortex.
     pub fn half_widths(&self) -> impl Iterator<Item = P> {
@@ -89,7 +89,7 @@ impl<P: Scalar> Grid<P> {
 }
 
 /// A stretch of arc with its strips, from the right tip on.
-struct Piece<P> {
+struct ArcPiece<P> {
     from: P,
     to: P,
     strips: usize,
@@ -97,7 +97,7 @@ struct Piece<P> {
 
 /// The pieces of wing and the gaps between them: strips by length on the pieces, one on each
 /// gap, and in the middle what is left.
-fn pieces<P: Scalar>(planform: &Planform<P>, strips: usize) -> Result<Vec<Piece<P>>, Error> {
+fn pieces<P: Scalar>(planform: &Planform<P>, strips: usize) -> Result<Vec<ArcPiece<P>>, Error> {
     let (tip, gaps) = (planform.half_span(), planform.gaps());
     let mut bounds: Vec<P> = gaps.iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]).collect();
     bounds.retain(|s| s.value() > 0.0);
@@ -107,16 +107,16 @@ fn pieces<P: Scalar>(planform: &Planform<P>, strips: usize) -> Result<Vec<Piece<
     let side = bounds.windows(2).map(|b| {
         let covered = planform.covers((b[0] + b[1]) * 0.5);
         let share = if covered { (for_wing * (b[1] - b[0]).value()).floor().max(1.0) } else { 1.0 };
-        Piece { from: b[0], to: b[1], strips: share as usize }
+        ArcPiece { from: b[0], to: b[1], strips: share as usize }
     });
-    let side: Vec<Piece<P>> = side.collect();
+    let side: Vec<ArcPiece<P>> = side.collect();
     let outer: usize = 2 * side.iter().map(|p| p.strips).sum::<usize>();
     if outer >= strips {
         return Err(Error::invalid("strips", strips, format!("at least {}: one on every piece", outer + 1)));
     }
-    let mirrored = |p: &Piece<P>| Piece { from: -p.to, to: -p.from, strips: p.strips };
-    let mut all: Vec<Piece<P>> = side.iter().rev().map(mirrored).collect();
-    all.push(Piece { from: -bounds[0], to: bounds[0], strips: strips - outer });
+    let mirrored = |p: &ArcPiece<P>| ArcPiece { from: -p.to, to: -p.from, strips: p.strips };
+    let mut all: Vec<ArcPiece<P>> = side.iter().rev().map(mirrored).collect();
+    all.push(ArcPiece { from: -bounds[0], to: bounds[0], strips: strips - outer });
     all.extend(side);
     Ok(all)
 }
@@ -165,7 +165,7 @@ pub fn spacing<P: Scalar>(
     Ok((edges, fractions))
 }
 
-impl<P: Scalar> Piece<P> {
+impl<P: Scalar> ArcPiece<P> {
     /// Strip edges and the place of the control point in each strip: with t = (s - middle) over
     /// the half length, edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)),
     /// i = 1..N; a piecewise-linear map of the angle puts an edge on each hinge.
@@ -276,7 +276,7 @@ mod tests {
     use crate::{PlanformStation, Span};
 
     /// Aerobat's outline with its shoulders and elbows.
-    fn aerobat(strips: usize) -> Result<Grid, Error> {
+    fn aerobat(strips: usize) -> Result<StripGrid, Error> {
         let rows = [
             [0.0, 0.0635, -0.0956],
             [0.0707, 0.0765, -0.111],
@@ -288,7 +288,7 @@ mod tests {
             leading_edge_m,
             trailing_edge_m,
         });
-        Grid::new(&Planform::new(&stations)?, strips, &[0.0207, 0.0707])
+        StripGrid::new(&Planform::new(&stations)?, strips, &[0.0207, 0.0707])
     }
 
     #[test]
@@ -316,7 +316,7 @@ mod tests {
         let stations =
             [0.0, 0.2].map(|arc_m| PlanformStation { arc_m, leading_edge_m: 0.02, trailing_edge_m: -0.03 });
         let half = |span: Span, hinges: &[f64]| {
-            Grid::new(&Planform::new(&stations).unwrap().spanning(span).unwrap(), 8, hinges).unwrap()
+            StripGrid::new(&Planform::new(&stations).unwrap().spanning(span).unwrap(), 8, hinges).unwrap()
         };
         for hinges in [&[0.05][..], &[0.1], &[0.03, 0.15], &[0.02, 0.08, 0.1]] {
             let [left, right] = [Span::Left, Span::Right].map(|span| half(span, hinges));

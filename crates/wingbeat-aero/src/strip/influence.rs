@@ -4,12 +4,12 @@
 //! so that the inner loops run over strips without a gap and vectorise.
 
 use super::cores::{Cores, EdgeCores, StripCores};
-use super::motion::{Edge, Strips, Vectors, Wakes};
+use super::motion::{StripEdge, Strips, Vectors, Wakes};
 use std::f64::consts::PI;
 use wingbeat_math::{Dual, Meets, Over, Scalar, Vec3};
 
 /// A number per strip.
-pub(super) type Column<S, const N: usize> = [S; N];
+pub(super) type StripColumn<S, const N: usize> = [S; N];
 /// A number per pair of strips, `m[source][target]`.
 pub(super) type Matrix<S, const N: usize> = [[S; N]; N];
 
@@ -36,7 +36,7 @@ pub(super) const fn plain<S>() -> bool {
 pub(super) fn column<S: Scalar, const N: usize>(
     strips: usize,
     mut of: impl FnMut(usize) -> S,
-) -> Column<S, N> {
+) -> StripColumn<S, N> {
     if const { plain::<S>() } {
         let mut column = [S::ZERO; N];
         for i in 0..N {
@@ -52,11 +52,11 @@ pub(super) fn column<S: Scalar, const N: usize>(
 pub(super) struct Targets<'a, P: Scalar, K: Scalar, const N: usize> {
     cores: &'a Cores<P>,
     strips: usize,
-    at: &'a Places<K, N>,
+    at: &'a TargetPlaces<K, N>,
 }
 
 /// Places of [`Targets`].
-pub(super) struct Places<K, const N: usize> {
+pub(super) struct TargetPlaces<K, const N: usize> {
     /// 3/4 and 1/4 chord points.
     control: Vectors<K, N>,
     bound: Vectors<K, N>,
@@ -66,7 +66,7 @@ pub(super) struct Places<K, const N: usize> {
     bound_moment: Vectors<K, N>,
 }
 
-impl<K: Scalar, const N: usize> Places<K, N> {
+impl<K: Scalar, const N: usize> TargetPlaces<K, N> {
     pub const ZERO: Self = {
         let zero = Vectors::ZERO;
         Self { control: zero, bound: zero, normal: zero, control_moment: zero, bound_moment: zero }
@@ -75,7 +75,7 @@ impl<K: Scalar, const N: usize> Places<K, N> {
 
 /// A straight line as direction and moment about the origin (Pluecker coordinates).
 #[derive(Clone, Copy)]
-pub(super) struct Line<S: Scalar> {
+pub(super) struct PlueckerLine<S: Scalar> {
     pub direction: Vec3<S>,
     pub moment: Vec3<S>,
 }
@@ -83,14 +83,14 @@ pub(super) struct Line<S: Scalar> {
 /// Normal wash of the trailing vortex of one edge, of unit strength, on all strips.
 pub(super) struct Trailing<K, S, const N: usize> {
     /// Distance of the control points to the edge's bound point and trailing edge.
-    to_bound: Column<K, N>,
-    to_trailing: Column<K, N>,
+    to_bound: StripColumn<K, N>,
+    to_trailing: StripColumn<K, N>,
     /// From the bound point to the trailing edge.
-    leg: Column<K, N>,
+    leg: StripColumn<K, N>,
     /// From the trailing edge to infinity.
-    wake: Column<S, N>,
+    wake: StripColumn<S, N>,
     /// Half the wash far behind, taken at the 1/4 chord points.
-    far: Column<S, N>,
+    far: StripColumn<S, N>,
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Trailing<K, S, N> {
@@ -165,7 +165,7 @@ fn fused_square<K: Scalar, S: Over<K>>(a: Vec3<K>, c: S) -> S {
     c.plus_square(a[2]).plus_square(a[1]).plus_square(a[0])
 }
 
-impl<S: Scalar> Line<S> {
+impl<S: Scalar> PlueckerLine<S> {
     /// Along `direction`, in m or of length 1, through `point`, m.
     #[inline(always)]
     pub fn new<K: Scalar>(point: Vec3<K>, direction: Vec3<S>) -> Self
@@ -176,7 +176,7 @@ impl<S: Scalar> Line<S> {
     }
     /// n . (d x r), in m times the units of both directions, for r from this line, of direction d, to a point on the line n.
     #[inline(always)]
-    pub fn turn<K: Scalar>(&self, n: &Line<K>) -> S
+    pub fn turn<K: Scalar>(&self, n: &PlueckerLine<K>) -> S
     where
         S: Over<K>,
     {
@@ -225,10 +225,10 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     pub fn new<S: Over<K>>(
         strips: &Strips<K, S, N>,
         cores: &'a Cores<P>,
-        places: &'a mut Places<K, N>,
+        places: &'a mut TargetPlaces<K, N>,
     ) -> Self {
         let count = cores.strips.len();
-        let Places { control, bound, normal, control_moment, bound_moment } = &mut *places;
+        let TargetPlaces { control, bound, normal, control_moment, bound_moment } = &mut *places;
         for i in 0..lanes::<K, N>(count) {
             let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
             let at = |points: &Vectors<K, N>| points.get(i).scaled(cores.scale);
@@ -244,16 +244,16 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
 
     /// Edge `j` as seen from here.
     #[inline(always)]
-    fn edge<S: Over<K>>(&self, wakes: &Wakes<K, S, N>, j: usize) -> Edge<K, S> {
-        let Edge { bound, trailing, wake } = wakes.edge(j);
+    fn edge<S: Over<K>>(&self, wakes: &Wakes<K, S, N>, j: usize) -> StripEdge<K, S> {
+        let StripEdge { bound, trailing, wake } = wakes.edge(j);
         let scale = self.cores.scale;
-        Edge { bound: bound.scaled(scale), trailing: trailing.scaled(scale), wake }
+        StripEdge { bound: bound.scaled(scale), trailing: trailing.scaled(scale), wake }
     }
 
     /// The normal of strip `i` through its 3/4 chord point, over 4 pi.
     #[inline(always)]
-    fn at_control(&self, i: usize) -> Line<K> {
-        Line { direction: self.at.normal.get(i), moment: self.at.control_moment.get(i) }
+    fn at_control(&self, i: usize) -> PlueckerLine<K> {
+        PlueckerLine { direction: self.at.normal.get(i), moment: self.at.control_moment.get(i) }
     }
 
     /// Leg along the chord, semi-infinite vortex u x r / (4 pi |r| (|r| - u.r)) from the
@@ -266,7 +266,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     fn trailing<S: Over<K> + Meets<P>>(
         &self,
-        edge: &Edge<K, S>,
+        edge: &StripEdge<K, S>,
         cores: &EdgeCores<P>,
         out: &mut Trailing<K, S, N>,
     ) {
@@ -275,8 +275,8 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
         }
         let (u, chord) = (edge.wake, edge.trailing - edge.bound);
         let chord2 = chord.norm_squared();
-        let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
-        let behind = Line::new(edge.bound, u);
+        let (leg, wake) = (PlueckerLine::new(edge.bound, chord), PlueckerLine::new(edge.trailing, u));
+        let behind = PlueckerLine::new(edge.bound, u);
         let (u_trailing, u_bound) = (edge.trailing.dot_over(u), edge.bound.dot_over(u));
         let least = K::from(cores.least);
         for i in 0..lanes::<S, N>(self.strips) {
@@ -289,7 +289,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
             let q = self.at.bound.get(i);
             let r = q - edge.bound;
             let ahead = fused(u, q, -u_bound);
-            let n = Line { direction: n.direction, moment: self.at.bound_moment.get(i) };
+            let n = PlueckerLine { direction: n.direction, moment: self.at.bound_moment.get(i) };
             let (far_turn, beside2) = (behind.turn(&n), fused_square(r, -ahead.squared()));
             out.to_bound[i] = a;
             out.to_trailing[i] = b;
@@ -317,14 +317,14 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     /// u f (r x n) - t f' |r| r; far behind y = r^2 - (u.r)^2, by u f (r x n) - 2 t f' (u.r) r.
     fn trailing_turned<S: Over<K> + Meets<P>>(
         &self,
-        edge: &Edge<K, S>,
+        edge: &StripEdge<K, S>,
         cores: &EdgeCores<P>,
         out: &mut Trailing<K, S, N>,
     ) {
         let (u, chord) = (edge.wake.beneath::<K>(), edge.trailing - edge.bound);
         let chord2 = chord.norm_squared();
-        let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
-        let behind = Line::new(edge.bound, u);
+        let (leg, wake) = (PlueckerLine::new(edge.bound, chord), PlueckerLine::new(edge.trailing, u));
+        let behind = PlueckerLine::new(edge.bound, u);
         let (u_trailing, u_bound) = (edge.trailing.dot_over(u), edge.bound.dot_over(u));
         let least = K::from(cores.least);
         let faded = |y: K, core4: P| {
@@ -345,7 +345,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
             by[0].set(i, rt.cross(n.direction) * f - rt * (turn * slope * b));
             let q = self.at.bound.get(i);
             let (r, ahead) = (q - edge.bound, fused(u, q, -u_bound));
-            let n = Line { direction: n.direction, moment: self.at.bound_moment.get(i) };
+            let n = PlueckerLine { direction: n.direction, moment: self.at.bound_moment.get(i) };
             let turn = behind.turn(&n);
             let (f, slope) = faded(fused_square(r, -ahead.squared()), cores.far[i]);
             wash[1][i] = turn * f;
@@ -391,13 +391,13 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
     fn strip_apart<S: Over<K> + Meets<P>>(
         &self,
-        edges: &[Edge<K, S>; 2],
+        edges: &[StripEdge<K, S>; 2],
         left: &Trailing<K, S, N>,
         right: &Trailing<K, S, N>,
         cores: &StripCores<P>,
-        ring: &mut Column<K, N>,
-        horseshoe: &mut Column<S, N>,
-        far: &mut Column<S, N>,
+        ring: &mut StripColumn<K, N>,
+        horseshoe: &mut StripColumn<S, N>,
+        far: &mut StripColumn<S, N>,
     ) {
         self.strip(edges, left, right, cores, ring, horseshoe, far);
     }
@@ -407,16 +407,16 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
     fn strip<S: Over<K> + Meets<P>>(
         &self,
-        edges: &[Edge<K, S>; 2],
+        edges: &[StripEdge<K, S>; 2],
         left: &Trailing<K, S, N>,
         right: &Trailing<K, S, N>,
         cores: &StripCores<P>,
-        ring: &mut Column<K, N>,
-        horseshoe: &mut Column<S, N>,
-        far: &mut Column<S, N>,
+        ring: &mut StripColumn<K, N>,
+        horseshoe: &mut StripColumn<S, N>,
+        far: &mut StripColumn<S, N>,
     ) {
         let [ahead, behind] = [edges[1].bound - edges[0].bound, edges[0].trailing - edges[1].trailing];
-        let lines = [Line::new(edges[0].bound, ahead), Line::new(edges[1].trailing, behind)];
+        let lines = [PlueckerLine::new(edges[0].bound, ahead), PlueckerLine::new(edges[1].trailing, behind)];
         let lengths = [ahead.norm_squared(), behind.norm_squared()];
         for i in 0..lanes::<S, N>(self.strips) {
             let n = self.at_control(i);
@@ -437,9 +437,9 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
 #[inline(always)]
 pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
     m: &Matrix<G, N>,
-    v: &Column<S, N>,
+    v: &StripColumn<S, N>,
     n: usize,
-) -> Column<S, N> {
+) -> StripColumn<S, N> {
     if const { !plain::<S>() } {
         return column(n, |i| (0..n).fold(S::ZERO, |sum, j| v[j].fused(m[j][i], sum)));
     }
@@ -456,9 +456,9 @@ pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
 #[inline(always)]
 pub(super) fn multiply_transposed<K: Scalar, S: Over<K>, const N: usize>(
     m: &Matrix<K, N>,
-    v: &Column<S, N>,
+    v: &StripColumn<S, N>,
     n: usize,
-) -> Column<S, N> {
+) -> StripColumn<S, N> {
     if const { !plain::<S>() } {
         return column(n, |j| dot(&m[j], v));
     }
@@ -471,7 +471,7 @@ pub(super) fn multiply_transposed<K: Scalar, S: Over<K>, const N: usize>(
 
 /// a . b.
 #[inline(always)]
-pub(super) fn dot<K: Scalar, S: Over<K>, const N: usize>(a: &Column<K, N>, b: &Column<S, N>) -> S {
+pub(super) fn dot<K: Scalar, S: Over<K>, const N: usize>(a: &StripColumn<K, N>, b: &StripColumn<S, N>) -> S {
     let mut lanes = [S::ZERO; 4];
     let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
     for i in 0..a.len() {
@@ -484,7 +484,7 @@ pub(super) fn dot<K: Scalar, S: Over<K>, const N: usize>(a: &Column<K, N>, b: &C
 
 /// Sum over all lanes.
 #[inline(always)]
-pub(super) fn sum<S: Scalar, const N: usize>(a: &Column<S, N>) -> S {
+pub(super) fn sum<S: Scalar, const N: usize>(a: &StripColumn<S, N>) -> S {
     let mut lanes = [S::ZERO; 4];
     for a in a.chunks_exact(4) {
         for k in 0..4 {
@@ -570,7 +570,8 @@ mod tests {
         let (target, ends) = (Vec3::new(0.3, 2.0, 0.0), [1e4, -1e4].map(|y| Vec3::new(0.0, y, 0.0)));
         let along = ends[1] - ends[0];
         let distances = ends.map(|end| (target - end).norm());
-        let turn = Line::new(ends[0], along).turn(&Line::new(target, Vec3::new(0.0, 0.0, INVERSE_4PI)));
+        let turn = PlueckerLine::new(ends[0], along)
+            .turn(&PlueckerLine::new(target, Vec3::new(0.0, 0.0, INVERSE_4PI)));
         let Ratio { above, below } = faded_segment(turn, along.norm_squared(), distances, 1e-12);
         let value = above / below;
         assert!((value.abs() / (1.0 / (2.0 * PI * 0.3)) - 1.0).abs() < 1e-6);

@@ -2,10 +2,10 @@
 //! washes alone, so that one pass carries the derivatives by the states of each strip and by those washes side by side, whatever the number
 //! of strips; the washes follow by products of the matrices at hand.
 
-use super::influence::{Column, Matrix, multiply, sum};
+use super::influence::{Matrix, StripColumn, multiply, sum};
 use super::membrane::Camber;
 use super::response::{LagSums, Spread};
-use super::{Flow, Room, StripModel};
+use super::{Room, StripFlow, StripModel};
 use crate::{Coupling, Sections, Wrench};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Dual, Scalar, Vec3, append_copies, kept};
@@ -21,7 +21,7 @@ const MOST: usize = WIDE * (LANES - WASHES);
 
 type Local = Dual<LANES>;
 /// Derivatives of a number on each strip by one lane.
-type Slopes = Column<f64, WIDE>;
+type StripSlopes = StripColumn<f64, WIDE>;
 
 /// Derivatives by all states of a surface.
 #[derive(Clone, Debug, Default)]
@@ -37,18 +37,18 @@ pub struct ByStates {
 /// What spreads over the strips, found in plain numbers; derivatives begin anew from it.
 struct Cut<'a> {
     model: &'a StripModel,
-    flow: &'a Flow<f64, f64, WIDE>,
+    flow: &'a StripFlow<f64, f64, WIDE>,
     /// The first lane of the washes, and how many have been found.
     first: usize,
     found: usize,
     /// What the washes were found of.
-    delayed: [Column<Local, WIDE>; 2],
-    open: [Column<Local, WIDE>; 2],
-    seen: Column<Local, WIDE>,
+    delayed: [StripColumn<Local, WIDE>; 2],
+    open: [StripColumn<Local, WIDE>; 2],
+    seen: StripColumn<Local, WIDE>,
 }
 
 impl Cut<'_> {
-    fn fresh(&mut self, lane: usize, values: &Column<f64, WIDE>) -> Column<Local, WIDE> {
+    fn fresh(&mut self, lane: usize, values: &StripColumn<f64, WIDE>) -> StripColumn<Local, WIDE> {
         let mut column = [Local::ZERO; WIDE];
         for i in 0..self.model.strips() {
             column[i] = Local::variable(values[i], self.first + lane);
@@ -58,8 +58,8 @@ impl Cut<'_> {
 }
 
 impl Spread<Local, WIDE> for Cut<'_> {
-    fn left(&mut self, sums: &LagSums<Local, WIDE>) -> Option<Column<Local, WIDE>> {
-        let values = |of: &Column<Local, WIDE>| of.map(|value| value.re);
+    fn left(&mut self, sums: &LagSums<Local, WIDE>) -> Option<StripColumn<Local, WIDE>> {
+        let values = |of: &StripColumn<Local, WIDE>| of.map(|value| value.re);
         let plain = LagSums {
             circulation: values(&sums.circulation),
             jump: values(&sums.jump),
@@ -74,7 +74,7 @@ impl Spread<Local, WIDE> for Cut<'_> {
         }
         Some(self.fresh(lane, &left))
     }
-    fn turned(&mut self, seen: &Column<Local, WIDE>) -> Option<[Column<Local, WIDE>; 2]> {
+    fn turned(&mut self, seen: &StripColumn<Local, WIDE>) -> Option<[StripColumn<Local, WIDE>; 2]> {
         self.seen = *seen;
         let (values, n) = (seen.map(|value| value.re), self.model.strips());
         let (far, near) = (multiply(&self.flow.far, &values, n), multiply(&self.flow.remainder, &values, n));
@@ -84,7 +84,7 @@ impl Spread<Local, WIDE> for Cut<'_> {
 
 /// Derivatives of a number on each strip by the washes there, as many as act on it.
 struct ByWashes {
-    slopes: [Slopes; WASHES],
+    slopes: [StripSlopes; WASHES],
     acting: ArrayVec<usize, WASHES>,
 }
 
@@ -102,7 +102,7 @@ impl ByWashes {
     }
     /// The derivatives along a direction in which the washes change so.
     #[inline(always)]
-    fn along(&self, washes: &[Slopes; WASHES]) -> Slopes {
+    fn along(&self, washes: &[StripSlopes; WASHES]) -> StripSlopes {
         let mut sum = [0.0; WIDE];
         for &k in &self.acting {
             for i in 0..WIDE {
@@ -154,7 +154,7 @@ impl StripModel {
     /// Rates, loads and their derivatives in the air that `flow` tells.
     fn differentiate(
         &self,
-        flow: &Flow<f64, f64, WIDE>,
+        flow: &StripFlow<f64, f64, WIDE>,
         x: &[f64],
         dx: &mut [f64],
         out: &mut ByStates,
@@ -187,7 +187,7 @@ impl StripModel {
     /// Puts the derivatives together.
     fn assemble(&self, cut: &Cut<'_>, rates: &[Local], strips: &[Wrench<Local>; WIDE], out: &mut ByStates) {
         let (n, states, first) = (self.settings.strips, out.states, cut.first);
-        let Flow { relief, remainder, far, .. } = cut.flow;
+        let StripFlow { relief, remainder, far, .. } = cut.flow;
         let mut of_delayed: Matrix<f64, WIDE> = [[0.0; WIDE]; WIDE];
         for j in 0..n {
             of_delayed[j] = multiply(relief, &remainder[j], n);

@@ -1,9 +1,9 @@
 //! Forces and moments of the strips from their washes and impulses.
 
-use super::influence::{Column, column, lanes, plain, sum};
+use super::influence::{StripColumn, column, lanes, plain, sum};
 use super::motion::{Strips, Vectors};
-use super::response::{LeadingEdges, Response};
-use super::{Flow, StripModel};
+use super::response::{LeadingEdges, StripResponse};
+use super::{StripFlow, StripModel};
 use crate::section::{SectionForce, pitch_suction, suction_share};
 use crate::{ForceDetail, Loads, ProfileDrag, StripLoads, Wrench};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
@@ -11,9 +11,9 @@ use wingbeat_math::{Meets, Over, Scalar, Vec3};
 /// Forces in the planes of all sections, N, and how far ahead of mid chord they act, m.
 #[derive(Clone, Copy)]
 struct InPlane<S: Scalar, const N: usize> {
-    chordwise: Column<S, N>,
-    normal: Column<S, N>,
-    ahead: Column<S, N>,
+    chordwise: StripColumn<S, N>,
+    normal: StripColumn<S, N>,
+    ahead: StripColumn<S, N>,
 }
 
 impl<S: Scalar, const N: usize> InPlane<S, N> {
@@ -59,8 +59,8 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
-        response: &Response<'_, S, N>,
+        flow: &StripFlow<K, G, N>,
+        response: &StripResponse<'_, S, N>,
         loads: Option<&mut Loads<S>>,
         by_strip: Option<&mut [Wrench<S>]>,
     ) -> Wrench<S> {
@@ -113,8 +113,8 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
-        response: &Response<'_, S, N>,
+        flow: &StripFlow<K, G, N>,
+        response: &StripResponse<'_, S, N>,
         forces: &Forces<S, N>,
         loads: &mut Loads<S>,
     ) {
@@ -157,7 +157,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        response: &Response<'_, S, N>,
+        response: &StripResponse<'_, S, N>,
         plain: &InPlane<S, N>,
         detail: &mut [ForceDetail<S>],
     ) {
@@ -178,7 +178,7 @@ impl<P: Scalar> StripModel<P> {
     fn vortex_force<S: Scalar + Meets<P>, const N: usize>(
         &self,
         i: usize,
-        response: &Response<'_, S, N>,
+        response: &StripResponse<'_, S, N>,
         edges: &LeadingEdges<S, N>,
     ) -> S {
         edges.vortex[i] * response.attached[i] * self.tables.drag_scale[i]
@@ -202,11 +202,11 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        response: &Response<'_, S, N>,
+        response: &StripResponse<'_, S, N>,
         directed: Directed,
     ) -> InPlane<S, N> {
         let (attached, delta2, n) = (&response.attached, self.floor * self.floor, self.settings.strips);
-        let lift: Column<S, N> =
+        let lift: StripColumn<S, N> =
             column(n, |i| response.lift_wash[i] * attached[i] * self.tables.lift_scale[i]);
         let (pitches, slope_share) = (self.settings.section.pitch_suction, self.tables.slope_share);
         let pitching = |i: usize| {
@@ -214,11 +214,11 @@ impl<P: Scalar> StripModel<P> {
             pitch_suction(section, strips.pitch[i], response.wash[i], response.lift_wash[i]) * attached[i]
         };
         let turned = directed == Directed::Turned && self.settings.force_tilt;
-        let wash: Column<S, N> =
+        let wash: StripColumn<S, N> =
             column(n, |i| if turned { response.turning_wash[i] } else { S::from(strips.wash[i]) });
-        let inverse: Column<S, N> =
+        let inverse: StripColumn<S, N> =
             column(n, |i| (wash[i].squared() + (strips.along[i].squared() + delta2)).sqrt().recip());
-        let shares: Column<S, N> = column(n, |i| {
+        let shares: StripColumn<S, N> = column(n, |i| {
             let suction = suction_share(inverse[i] * strips.along[i]);
             if response.edges.is_none() { suction * attached[i] } else { suction }
         });
@@ -255,9 +255,9 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        response: &Response<'_, S, N>,
+        response: &StripResponse<'_, S, N>,
         edges: &LeadingEdges<S, N>,
-        shares: &Column<S, N>,
+        shares: &StripColumn<S, N>,
         force: &mut InPlane<S, N>,
     ) {
         for i in 0..lanes::<S, N>(self.settings.strips) {
@@ -280,7 +280,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        attached: &Column<S, N>,
+        attached: &StripColumn<S, N>,
         drag: ProfileDrag<P>,
     ) -> InPlane<S, N> {
         let delta2 = self.floor * self.floor;
@@ -312,8 +312,8 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
-        response: &Response<'_, S, N>,
+        flow: &StripFlow<K, G, N>,
+        response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
         let (strips, impulse) = (&flow.strips, response.impulse[i]);
         let normal_rate = strips.normal_rate.get(i);
@@ -357,8 +357,8 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
-        response: &Response<'_, S, N>,
+        flow: &StripFlow<K, G, N>,
+        response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
         let mut force = SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO);
         if self.settings.turning_impulse {
@@ -376,7 +376,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn section_mass<K: Scalar + Meets<P>, G: Scalar, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
     ) -> K {
         flow.unit_left[i] * self.tables.mass[i]
     }

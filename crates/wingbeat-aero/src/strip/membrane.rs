@@ -8,7 +8,7 @@
 mod reaction;
 mod sheet;
 
-use super::{Flow, StripModel};
+use super::{StripFlow, StripModel};
 use crate::MAX_STRIPS;
 use arrayvec::ArrayVec;
 pub use sheet::MembraneScales;
@@ -334,7 +334,7 @@ impl<P: Scalar> StripModel<P> {
     #[inline(always)]
     pub(super) fn skin<'a, K: Scalar, G: Over<K>, S, const N: usize>(
         &'a self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         airs: &'a mut SectionAirs<G, N>,
         x: &'a [S],
     ) -> Option<Skin<'a, P, G, S>> {

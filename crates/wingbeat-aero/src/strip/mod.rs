@@ -36,11 +36,11 @@ use crate::{
 };
 use cores::Cores;
 use flap::Hinges;
-use grid::Grid;
-use influence::{Column, Matrix, Places, Targets, Trailing, Wash, invert, lanes, multiply, plain};
+use grid::StripGrid;
+use influence::{Matrix, StripColumn, TargetPlaces, Targets, Trailing, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
-use response::Whole;
+use response::FullSpread;
 use tables::Tables;
 use wingbeat_math::{Error, Meets, Over, Scalar, Vec3, kept};
 use wingbeat_ocp::plant::Channel;
@@ -49,7 +49,7 @@ use wingbeat_ocp::plant::Channel;
 #[derive(Clone, Debug)]
 pub struct StripModel<P: Scalar = f64> {
     settings: StripSettings,
-    grid: Grid<P>,
+    grid: StripGrid<P>,
     zero_lift: ZeroLift<P>,
     polar: Polar<P>,
     numbers: SurfaceNumbers<P>,
@@ -63,7 +63,7 @@ pub struct StripModel<P: Scalar = f64> {
 }
 
 /// What the strips know of the air at one instant, whatever the lags hold; what places alone decide is in `K`.
-struct Flow<K: Scalar, S: Scalar, const N: usize> {
+struct StripFlow<K: Scalar, S: Scalar, const N: usize> {
     strips: Strips<K, S, N>,
     /// Wash of horseshoes without the own two-dimensional part, 1/m.
     remainder: Matrix<S, N>,
@@ -72,12 +72,12 @@ struct Flow<K: Scalar, S: Scalar, const N: usize> {
     /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
     relief: Matrix<K, N>,
     /// What is left of the wash at 1/2 chord, m/s.
-    half_left: Column<S, N>,
+    half_left: StripColumn<S, N>,
     /// Normal speed left by a unit normal speed of the whole wing.
-    unit_left: Column<K, N>,
+    unit_left: StripColumn<K, N>,
     /// Normal impulse of the air by the motion alone, N s, and its rate, N.
-    impulse: Column<S, N>,
-    impulse_rate: Column<S, N>,
+    impulse: StripColumn<S, N>,
+    impulse_rate: StripColumn<S, N>,
     /// Added-mass matrix on [acceleration; angular acceleration] about the body origin.
     added_mass: [[K; 6]; 6],
 }
@@ -87,9 +87,9 @@ struct Flow<K: Scalar, S: Scalar, const N: usize> {
 struct Room<K: Scalar, S: Scalar, const N: usize> {
     /// Number of strips that it was last used for: all is zero beyond them.
     strips: usize,
-    flow: Flow<K, S, N>,
+    flow: StripFlow<K, S, N>,
     wakes: Wakes<K, S, N>,
-    places: Places<K, N>,
+    places: TargetPlaces<K, N>,
     beside: [Trailing<K, S, N>; 2],
 }
 
@@ -120,7 +120,7 @@ impl<P: Scalar> StripModel<P> {
         let Some(planform) = &numbers.outline else {
             return Err(Error::invalid("planform", "none", "an outline"));
         };
-        let grid = Grid::new(planform, settings.strips, &numbers.hinges)?;
+        let grid = StripGrid::new(planform, settings.strips, &numbers.hinges)?;
         let lags = settings.lags.lags();
         let ribs = settings.membrane.iter().flat_map(|membrane| &membrane.ribs_m);
         let ribs: Vec<f64> = ribs.copied().collect();
@@ -372,7 +372,7 @@ impl<P: Scalar> StripModel<P> {
         let mut camber = Camber::none();
         camber.given = loads.as_ref().map(|_| S::ZERO);
         let (x, dx) = (&x[..states], &mut dx[..states]);
-        let response = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut Whole);
+        let response = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut FullSpread);
         if let Some(loads) = loads.as_deref_mut() {
             self.note_membrane(flow, &response, (x, dx), loads);
             self.note_flaps(flow, x, loads);
@@ -477,14 +477,14 @@ impl<K: Scalar, S: Over<K>, const N: usize> Room<K, S, N> {
     /// Nothing is written yet.
     const NEW: Self = Self {
         strips: 0,
-        flow: Flow::STILL,
+        flow: StripFlow::STILL,
         wakes: Wakes::ZERO,
-        places: Places::ZERO,
+        places: TargetPlaces::ZERO,
         beside: [Trailing::ZERO; 2],
     };
 }
 
-impl<K: Scalar, S: Over<K>, const N: usize> Flow<K, S, N> {
+impl<K: Scalar, S: Over<K>, const N: usize> StripFlow<K, S, N> {
     /// Nothing moves yet.
     const STILL: Self = {
         let (matrix, zero) = ([[S::ZERO; N]; N], [S::ZERO; N]);

@@ -1,7 +1,7 @@
 //! Points, velocities and directions of edges and strips at one instant.
 
 use super::StripModel;
-use super::influence::{Column, lanes, plain};
+use super::influence::{StripColumn, lanes, plain};
 use crate::section::ZeroLift;
 use crate::{SectionMotion, Sections};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
@@ -124,7 +124,7 @@ impl<K: Scalar, S: Over<K>, const N: usize> Edges<K, S, N> {
 
 /// An edge between strips: the bound vortex bends at `bound`, the wake leaves at `trailing`.
 #[derive(Clone, Copy)]
-pub(super) struct Edge<K: Scalar, S: Scalar> {
+pub(super) struct StripEdge<K: Scalar, S: Scalar> {
     /// Quarter-chord point.
     pub bound: Vec3<K>,
     /// Trailing edge.
@@ -133,7 +133,7 @@ pub(super) struct Edge<K: Scalar, S: Scalar> {
     pub wake: Vec3<S>,
 }
 
-impl<K: Scalar, S: Over<K>> Edge<K, S> {
+impl<K: Scalar, S: Over<K>> StripEdge<K, S> {
     /// The wake leaves with the wind that the trailing edge meets, turned so that
     /// it never runs forward over the wing:
     /// u = unit(v + e_c g), g = smooth max(0, |v|/4 + delta - v.e_c).
@@ -160,26 +160,26 @@ pub(super) struct Wakes<K: Scalar, S: Scalar, const N: usize> {
     trailing: Vectors<K, N>,
     wake: Vectors<S, N>,
     strips: usize,
-    last: Edge<K, S>,
+    last: StripEdge<K, S>,
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Wakes<K, S, N> {
     pub const ZERO: Self = {
-        let last = Edge { bound: Vec3::ZERO, trailing: Vec3::ZERO, wake: Vec3::ZERO };
+        let last = StripEdge { bound: Vec3::ZERO, trailing: Vec3::ZERO, wake: Vec3::ZERO };
         Self { bound: Vectors::ZERO, trailing: Vectors::ZERO, wake: Vectors::ZERO, strips: 0, last }
     };
 
     /// Edge `j`, 0 to the number of strips.
     #[inline(always)]
-    pub fn edge(&self, j: usize) -> Edge<K, S> {
+    pub fn edge(&self, j: usize) -> StripEdge<K, S> {
         if j == self.strips {
             return self.last;
         }
-        Edge { bound: self.bound.get(j), trailing: self.trailing.get(j), wake: self.wake.get(j) }
+        StripEdge { bound: self.bound.get(j), trailing: self.trailing.get(j), wake: self.wake.get(j) }
     }
 
     #[inline(always)]
-    fn set(&mut self, j: usize, edge: &Edge<K, S>) {
+    fn set(&mut self, j: usize, edge: &StripEdge<K, S>) {
         self.bound.set(j, edge.bound);
         self.trailing.set(j, edge.trailing);
         self.wake.set(j, edge.wake);
@@ -286,18 +286,18 @@ pub(super) struct Strips<K: Scalar, S: Scalar, const N: usize> {
     /// Unit vectors across the sections: the axes of nose-up pitch.
     pub across: Vectors<K, N>,
     /// Velocity across the section relative to the air at 1/2 chord, m/s.
-    pub drift: Column<S, N>,
+    pub drift: StripColumn<S, N>,
     /// Normal wash at 3/4 and 1/2 chord by motion and wind, m/s.
-    pub wash: Column<S, N>,
-    pub wash_half: Column<S, N>,
+    pub wash: StripColumn<S, N>,
+    pub wash_half: StripColumn<S, N>,
     /// Rate of `wash_half` from the accelerations known, m/s2.
-    pub wash_half_rate: Column<S, N>,
+    pub wash_half_rate: StripColumn<S, N>,
     /// Chordwise and smooth speed of the air at 3/4 chord, m/s.
-    pub along: Column<S, N>,
-    pub speed: Column<S, N>,
+    pub along: StripColumn<S, N>,
+    pub speed: StripColumn<S, N>,
     /// Pitch rate, rad/s, and its rate, rad/s2.
-    pub pitch: Column<S, N>,
-    pub pitch_rate: Column<S, N>,
+    pub pitch: StripColumn<S, N>,
+    pub pitch_rate: StripColumn<S, N>,
 }
 
 impl<K: Scalar, S: Over<K>, const N: usize> Strips<K, S, N> {
@@ -428,7 +428,7 @@ impl<P: Scalar> StripModel<P> {
         &self,
         line: &ChordLine<K, S>,
         wind: Vec3<S>,
-    ) -> Edge<K, S> {
-        Edge::new(line, wind, WAKE_FLOOR * self.floor)
+    ) -> StripEdge<K, S> {
+        StripEdge::new(line, wind, WAKE_FLOOR * self.floor)
     }
 }

@@ -16,8 +16,8 @@
 //! and the bending of one wake by the other surface.
 
 use super::StripModel;
-use super::influence::{Column, INVERSE_4PI, Line, NEAREST, cored, divide, segment};
-use super::motion::{ChordLine, Edge, Edges, Strips, Vectors};
+use super::influence::{INVERSE_4PI, NEAREST, PlueckerLine, StripColumn, cored, divide, segment};
+use super::motion::{ChordLine, Edges, StripEdge, Strips, Vectors};
 use crate::law::Attachment;
 use crate::{Ground, Loads, MAX_SECTIONS, MAX_STRIPS, Sections};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
@@ -37,7 +37,7 @@ const LEAST_DISTANCE: f64 = 0.5;
 /// The vortices of all surfaces at one instant.
 #[derive(Clone)]
 pub(crate) struct Vortices<G: Scalar, S> {
-    edges: [Edge<G, G>; MAX_SECTIONS],
+    edges: [StripEdge<G, G>; MAX_SECTIONS],
     circulation: [S; MAX_STRIPS],
 }
 
@@ -45,7 +45,7 @@ impl<G: Scalar, S: Scalar> Vortices<G, S> {
     /// None yet.
     pub const NONE: Self = {
         let zero = Vec3::ZERO;
-        let edge = Edge { bound: zero, trailing: zero, wake: zero };
+        let edge = StripEdge { bound: zero, trailing: zero, wake: zero };
         Self { edges: [edge; MAX_SECTIONS], circulation: [S::ZERO; MAX_STRIPS] }
     };
 
@@ -120,33 +120,33 @@ pub(crate) struct Others<'a, P, G: Scalar, S> {
 
 /// Normal wash of other surfaces on the strips of one, m/s.
 pub(super) struct Foreign<S, const N: usize> {
-    pub at_control: Column<S, N>,
-    pub at_bound: Column<S, N>,
+    pub at_control: StripColumn<S, N>,
+    pub at_bound: StripColumn<S, N>,
 }
 
 /// Points and the normals through them, over 4 pi, with their moments about the origin.
-struct Points<G: Scalar, const N: usize> {
+struct NormalPoints<G: Scalar, const N: usize> {
     at: Vectors<G, N>,
     normal: Vectors<G, N>,
     moment: Vectors<G, N>,
 }
 
 /// Distances of the points to the ends of the leg of one edge, and the normal wash of leg and wake of unit strength.
-struct Beside<G, const N: usize> {
-    to_bound: Column<G, N>,
-    to_trailing: Column<G, N>,
-    leg: Column<G, N>,
-    wake: Column<G, N>,
+struct LegDistances<G, const N: usize> {
+    to_bound: StripColumn<G, N>,
+    to_trailing: StripColumn<G, N>,
+    leg: StripColumn<G, N>,
+    wake: StripColumn<G, N>,
 }
 
-impl<G: Scalar, const N: usize> Beside<G, N> {
+impl<G: Scalar, const N: usize> LegDistances<G, N> {
     const ZERO: Self = {
         let zero = [G::ZERO; N];
         Self { to_bound: zero, to_trailing: zero, leg: zero, wake: zero }
     };
 }
 
-impl<G: Scalar, const N: usize> Points<G, N> {
+impl<G: Scalar, const N: usize> NormalPoints<G, N> {
     fn new<K: Scalar>(points: &Vectors<K, N>, normals: &Vectors<K, N>) -> Self
     where
         G: Over<K>,
@@ -162,8 +162,8 @@ impl<G: Scalar, const N: usize> Points<G, N> {
     }
 
     #[inline(always)]
-    fn line(&self, i: usize) -> Line<G> {
-        Line { direction: self.normal.get(i), moment: self.moment.get(i) }
+    fn line(&self, i: usize) -> PlueckerLine<G> {
+        PlueckerLine { direction: self.normal.get(i), moment: self.moment.get(i) }
     }
 
     /// The leg along the chord, and the wake behind it, whose core grows with the distance run,
@@ -174,13 +174,13 @@ impl<G: Scalar, const N: usize> Points<G, N> {
     /// distance run`
     /// Source: Biot & Savart; Squire 1965, Aeronautical Quarterly 16 (growth); h and g a choice.
     /// Test: `a_tail_crosses_the_wake_smoothly`.
-    fn beside<P: Scalar>(&self, edge: &Edge<G, G>, core: P, growth: P, out: &mut Beside<G, N>)
+    fn beside<P: Scalar>(&self, edge: &StripEdge<G, G>, core: P, growth: P, out: &mut LegDistances<G, N>)
     where
         G: Meets<P>,
     {
         let chord = edge.trailing - edge.bound;
         let (chord2, core2) = (chord.norm_squared(), core * core);
-        let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, edge.wake));
+        let (leg, wake) = (PlueckerLine::new(edge.bound, chord), PlueckerLine::new(edge.trailing, edge.wake));
         let least = core2 * NEAREST;
         for i in 0..N {
             let (p, n) = (self.at.get(i), self.line(i));
@@ -202,14 +202,14 @@ impl<G: Scalar, const N: usize> Points<G, N> {
     fn add<P: Scalar, S: Over<G>>(
         &self,
         source: &Source<P>,
-        edges: &[Edge<G, G>],
+        edges: &[StripEdge<G, G>],
         [bound, shed]: [&[S]; 2],
-        sum: &mut Column<S, N>,
+        sum: &mut StripColumn<S, N>,
     ) where
         G: Meets<P>,
     {
         let cores = &source.edge_cores;
-        let (mut left, mut right) = (Beside::ZERO, Beside::ZERO);
+        let (mut left, mut right) = (LegDistances::ZERO, LegDistances::ZERO);
         self.beside(&edges[0], cores[0], source.core_growth, &mut right);
         for (j, ends) in edges.windows(2).enumerate() {
             std::mem::swap(&mut left, &mut right);
@@ -218,7 +218,8 @@ impl<G: Scalar, const N: usize> Points<G, N> {
             let core4 = G::from(core.powi(4));
             let core = |x, y| cored(x, y, core4);
             let [ahead, behind] = [ends[1].bound - ends[0].bound, ends[0].trailing - ends[1].trailing];
-            let lines = [Line::new(ends[0].bound, ahead), Line::new(ends[1].trailing, behind)];
+            let lines =
+                [PlueckerLine::new(ends[0].bound, ahead), PlueckerLine::new(ends[1].trailing, behind)];
             let lengths = [ahead.norm_squared(), behind.norm_squared()];
             for i in 0..N {
                 let n = self.line(i);
@@ -235,12 +236,12 @@ impl<G: Scalar, const N: usize> Points<G, N> {
 }
 
 /// Where a surface is and how fast it goes through the air, as a whole.
-struct Whole<G: Scalar> {
+struct MeanMotion<G: Scalar> {
     centre: Vec3<G>,
     speed: G,
 }
 
-impl<G: Scalar> Whole<G> {
+impl<G: Scalar> MeanMotion<G> {
     /// Rate of each lag of the chain from the strip between two edges, 1/s: number of lags times speed over
     /// distance. The distance is the way along the wake, (r + u.r)/2: r where the other surface follows in the
     /// wake, half of it where it stands beside, and never less than part of a chord.
@@ -249,7 +250,7 @@ impl<G: Scalar> Whole<G> {
     /// `rate of each of n lags n V/d, d = (r + u.r)/2`
     /// Source: Taylor 1938 (frozen wake); n = 2 and the distance a choice.
     /// Test: `a_change_at_the_wing_reaches_the_tail_distance_over_speed_later`.
-    fn arrival_rate<P: Scalar>(&self, ends: &[Edge<G, G>], least: P) -> G
+    fn arrival_rate<P: Scalar>(&self, ends: &[StripEdge<G, G>], least: P) -> G
     where
         G: Meets<P>,
     {
@@ -314,9 +315,9 @@ impl<P: Scalar> StripModel<P> {
         others: Others<'_, P, G, S>,
     ) -> Foreign<S, N> {
         let whole = self.whole(strips);
-        let [control, bound]: [Points<G, N>; 2] = [
-            Points::new(&strips.three_quarter, &strips.normal),
-            Points::new(&strips.quarter, &strips.normal),
+        let [control, bound]: [NormalPoints<G, N>; 2] = [
+            NormalPoints::new(&strips.three_quarter, &strips.normal),
+            NormalPoints::new(&strips.quarter, &strips.normal),
         ];
         let mut foreign = Foreign { at_control: [S::ZERO; N], at_bound: [S::ZERO; N] };
         let (mut x, mut dx) = (others.x, others.dx);
@@ -361,7 +362,10 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Means over the surface's area, at 3/4 chord.
-    fn whole<K: Scalar, G: Over<K> + Meets<P>, const N: usize>(&self, strips: &Strips<K, G, N>) -> Whole<G> {
+    fn whole<K: Scalar, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<K, G, N>,
+    ) -> MeanMotion<G> {
         let (mut centre, mut air) = (Vec3::ZERO, Vec3::ZERO);
         for i in 0..N {
             let share = self.tables.share[i];
@@ -371,6 +375,6 @@ impl<P: Scalar> StripModel<P> {
                 - strips.across.get(i).times(strips.drift[i]);
             air += met.scaled(share);
         }
-        Whole { centre, speed: (air.norm_squared() + self.floor * self.floor).sqrt() }
+        MeanMotion { centre, speed: (air.norm_squared() + self.floor * self.floor).sqrt() }
     }
 }

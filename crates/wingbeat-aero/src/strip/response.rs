@@ -1,11 +1,11 @@
 //! From lags and motion to washes, state rates and impulses.
 
 use super::constants::FOLLOWING_TIME;
-use super::influence::{Column, column, lanes, multiply, plain};
+use super::influence::{StripColumn, column, lanes, multiply, plain};
 use super::membrane::{Camber, SectionAirs};
 use super::motion::Strips;
 use super::mutual::Foreign;
-use super::{Flow, StripModel};
+use super::{StripFlow, StripModel};
 use crate::LagNumbers;
 use crate::law::{Attachment, Polar, lev};
 use crate::section::suction_share;
@@ -15,70 +15,70 @@ use wingbeat_math::{Dual, Meets, Over, Scalar};
 #[derive(Clone, Copy)]
 pub(super) struct Lagged<S: Scalar, const N: usize> {
     /// sum gamma_k l_k, m/s.
-    wash: Column<S, N>,
+    wash: StripColumn<S, N>,
     /// sum q_k l_k, m/s.
-    jump: Column<S, N>,
+    jump: StripColumn<S, N>,
     /// sum a_m y_m, m2/s.
-    delayed: Column<S, N>,
+    delayed: StripColumn<S, N>,
 }
 
 /// What the lags hold on each strip, and later its rates.
 pub(super) struct LagSums<S: Scalar, const N: usize> {
     /// Circulation, m2/s.
-    pub circulation: Column<S, N>,
+    pub circulation: StripColumn<S, N>,
     /// Potential jump left on the chord by the lags, over the chord, m2/s.
-    pub jump: Column<S, N>,
+    pub jump: StripColumn<S, N>,
     /// Circulation as the wash of the wake sees it, m2/s.
-    pub delayed: Column<S, N>,
+    pub delayed: StripColumn<S, N>,
 }
 
 /// Washes and impulses of the strips.
-pub(super) struct Response<'a, S: Scalar, const N: usize> {
+pub(super) struct StripResponse<'a, S: Scalar, const N: usize> {
     /// Circulation, m2/s.
-    pub circulation: Column<S, N>,
+    pub circulation: StripColumn<S, N>,
     /// Share of the lift that stays attached.
-    pub attached: Column<S, N>,
+    pub attached: StripColumn<S, N>,
     /// Wash at 3/4 chord, m/s.
-    pub wash: Column<S, N>,
+    pub wash: StripColumn<S, N>,
     /// Lift wash, m/s.
-    pub lift_wash: Column<S, N>,
+    pub lift_wash: StripColumn<S, N>,
     /// Lift wash with the part that only turns the force, m/s.
-    pub turning_wash: Column<S, N>,
+    pub turning_wash: StripColumn<S, N>,
     /// What law `lev` says of the leading edges.
     pub edges: Option<LeadingEdges<S, N>>,
     /// What a membrane does.
     pub camber: Option<&'a Camber<'a, S, N>>,
     /// Normal impulse of the air on each strip, N s, and its rate, N.
-    pub impulse: Column<S, N>,
-    pub impulse_rate: Column<S, N>,
+    pub impulse: StripColumn<S, N>,
+    pub impulse_rate: StripColumn<S, N>,
 }
 
 /// The leading edges under law `lev`.
 pub(super) struct LeadingEdges<S: Scalar, const N: usize> {
     /// Share of the linear suction that they hold.
-    pub held: Column<S, N>,
+    pub held: StripColumn<S, N>,
     /// Normal force of the vortex over `drag_scale`, m2/s2.
-    pub vortex: Column<S, N>,
+    pub vortex: StripColumn<S, N>,
 }
 
 /// How what the lags hold on each strip acts on all of them. None of it is given where it is carried through with all derivatives.
 pub(super) trait Spread<S: Scalar, const N: usize> {
     /// What is left on the chord of the wash of what the lags hold, m/s.
     #[inline(always)]
-    fn left(&mut self, _sums: &LagSums<S, N>) -> Option<Column<S, N>> {
+    fn left(&mut self, _sums: &LagSums<S, N>) -> Option<StripColumn<S, N>> {
         None
     }
     /// The wash of the circulation that is seen, m2/s, far behind and at 3/4 chord, m/s.
     #[inline(always)]
-    fn turned(&mut self, _seen: &Column<S, N>) -> Option<[Column<S, N>; 2]> {
+    fn turned(&mut self, _seen: &StripColumn<S, N>) -> Option<[StripColumn<S, N>; 2]> {
         None
     }
 }
 
 /// With all derivatives.
-pub(super) struct Whole;
+pub(super) struct FullSpread;
 
-impl<S: Scalar, const N: usize> Spread<S, N> for Whole {}
+impl<S: Scalar, const N: usize> Spread<S, N> for FullSpread {}
 
 impl<P: Scalar> StripModel<P> {
     /// Linear sums over the lags.
@@ -131,7 +131,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn lag_sums<S: Scalar + Meets<P>, const N: usize>(
         &self,
         lagged: &Lagged<S, N>,
-        attached: &Column<S, N>,
+        attached: &StripColumn<S, N>,
     ) -> LagSums<S, N> {
         let mut sums = LagSums { circulation: lagged.wash, jump: lagged.jump, delayed: lagged.delayed };
         for i in 0..lanes::<S, N>(self.settings.strips) {
@@ -152,9 +152,9 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         lagged: Lagged<S, N>,
-        attached: &Column<S, N>,
+        attached: &StripColumn<S, N>,
         x: &[S],
         dx: &[S],
     ) -> LagSums<S, N> {
@@ -190,7 +190,7 @@ impl<P: Scalar> StripModel<P> {
         &self,
         strips: &Strips<K, G, N>,
         x: &[S],
-    ) -> Column<S, N> {
+    ) -> StripColumn<S, N> {
         let n = self.settings.strips;
         match self.settings.section.law.about().attachment {
             Attachment::Whole => [S::ONE; N],
@@ -213,7 +213,11 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// State `k` of the law on each strip, of `x` or its rates; zero beyond the last strip.
-    pub(super) fn law_column<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
+    pub(super) fn law_column<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        x: &[S],
+        k: usize,
+    ) -> StripColumn<S, N> {
         let n = self.settings.strips;
         let mut column = [S::ZERO; N];
         column[..n].copy_from_slice(&x[self.law_states() + k * n..][..n]);
@@ -253,11 +257,11 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         sums: &LagSums<S, N>,
-    ) -> Column<S, N> {
+    ) -> StripColumn<S, N> {
         let n = self.settings.strips;
-        let open: Column<S, N> =
+        let open: StripColumn<S, N> =
             column(n, |i| (sums.jump[i] - sums.delayed[i]) * self.tables.inverse_doublet[i]);
         let mut held = multiply(&flow.remainder, &sums.delayed, n);
         for i in 0..lanes::<S, N>(self.settings.strips) {
@@ -278,9 +282,9 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
-        held_left: &Column<S, N>,
-    ) -> Column<S, N> {
+        flow: &StripFlow<K, G, N>,
+        held_left: &StripColumn<S, N>,
+    ) -> StripColumn<S, N> {
         let mut impulse = *held_left;
         for i in 0..lanes::<S, N>(self.settings.strips) {
             impulse[i] = impulse[i] * self.tables.mass[i] + flow.impulse[i];
@@ -300,8 +304,8 @@ impl<P: Scalar> StripModel<P> {
         &self,
         x: &[S],
         dx: &mut [S],
-        impulse: &mut Column<S, N>,
-        force: &mut Column<S, N>,
+        impulse: &mut StripColumn<S, N>,
+        force: &mut StripColumn<S, N>,
     ) {
         let (at, n) = (self.followed_states(), self.settings.strips);
         let (followed, rates) = (&x[at..], &mut dx[at..]);
@@ -314,7 +318,7 @@ impl<P: Scalar> StripModel<P> {
     /// Sets the followed impulses to those of the air, as if the wing had moved on as it does.
     pub(super) fn settle_impulse<S: Scalar + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, S, N>,
+        flow: &StripFlow<S, S, N>,
         x: &mut [S],
     ) {
         let attached = self.attached_shares(&flow.strips, x);
@@ -344,13 +348,13 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,
         x: &'a [S],
         dx: &mut [S],
         camber: &'a mut Camber<'a, S, N>,
         spread: &mut impl Spread<S, N>,
-    ) -> Response<'a, S, N> {
+    ) -> StripResponse<'a, S, N> {
         let lagged = self.lagged(x);
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
@@ -358,7 +362,7 @@ impl<P: Scalar> StripModel<P> {
             Some(left) => left,
             None => self.held_left(flow, &sums),
         };
-        let mut wash: Column<S, N> = column(self.settings.strips, |i| {
+        let mut wash: StripColumn<S, N> = column(self.settings.strips, |i| {
             let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
             held_left[i] + of_motion
         });
@@ -442,7 +446,7 @@ impl<P: Scalar> StripModel<P> {
                 impulse_rate[i] += camber.slope[1][i];
             }
         }
-        Response {
+        StripResponse {
             turning_wash,
             edges,
             camber,
@@ -463,12 +467,12 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
-        wash: &Column<S, N>,
-        circulation: &Column<S, N>,
+        flow: &StripFlow<K, G, N>,
+        wash: &StripColumn<S, N>,
+        circulation: &StripColumn<S, N>,
         x: &[S],
         dx: &mut [S],
-    ) -> Column<S, N> {
+    ) -> StripColumn<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
         let speed = &flow.strips.speed;
         let mut lift_wash = *wash;
@@ -506,7 +510,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        [lift_wash, turning_wash]: [&Column<S, N>; 2],
+        [lift_wash, turning_wash]: [&StripColumn<S, N>; 2],
         x: &[S],
         dx: &mut [S],
     ) -> LeadingEdges<S, N> {
@@ -541,7 +545,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         strips: &Strips<K, G, N>,
-        lift_wash: &Column<S, N>,
+        lift_wash: &StripColumn<S, N>,
         (state, chords): (usize, f64),
         x: &[S],
         dx: &mut [S],
@@ -571,14 +575,14 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         foreign: Option<&Foreign<S, N>>,
         sums: &LagSums<S, N>,
         lift_wash: &[S],
         spread: &mut impl Spread<S, N>,
-    ) -> Column<S, N> {
+    ) -> StripColumn<S, N> {
         let n = self.settings.strips;
-        let seen: Column<S, N> =
+        let seen: StripColumn<S, N> =
             column(n, |i| sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0));
         let [far, near] = match spread.turned(&seen) {
             Some(turned) => turned,

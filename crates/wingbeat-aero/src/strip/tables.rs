@@ -1,6 +1,6 @@
 //! What of each strip never changes, padded so that loops over lanes need no end.
 
-use super::grid::Grid;
+use super::grid::StripGrid;
 use super::{Lags, StripSettings};
 use crate::{MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
 use arrayvec::ArrayVec;
@@ -8,45 +8,45 @@ use std::f64::consts::PI;
 use wingbeat_math::Scalar;
 
 /// A constant per strip, left tip to right tip, padded.
-pub(super) type Table<P = f64> = [P; MAX_STRIPS];
+pub(super) type StripConstants<P = f64> = [P; MAX_STRIPS];
 
 /// Constants of the strips. Extra lanes repeat the last strip; what scales a force or a mass is
 /// zero there, so that sums may run over all lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Tables<P: Scalar> {
     /// One on the wing, zero in a gap.
-    pub covered: Table<P>,
+    pub covered: StripConstants<P>,
     /// Place of the control section between the strip's edges, 0 to 1.
-    pub fraction: Table<P>,
+    pub fraction: StripConstants<P>,
     /// Chord, m.
-    pub chord: Table<P>,
+    pub chord: StripConstants<P>,
     /// One over the half chord, 1/m.
-    pub turnover: Table<P>,
+    pub turnover: StripConstants<P>,
     /// Lift slope of the section over that of a thin plate.
     pub slope_share: P,
     /// Circulation over lift wash a0 b cos(sweep), m.
-    pub slope: Table<P>,
+    pub slope: StripConstants<P>,
     /// Potential jump over the wash that the lags leave on the chord, m: what the circulation has beyond the chord
     /// doublet, so that the two are one in steady flow; 2 pi b cos(sweep) / 1.5 of a thin plate.
-    pub jump: Table<P>,
+    pub jump: StripConstants<P>,
     /// Chord doublet over wash, pi b cos(sweep) / 1.5, m.
-    pub doublet: Table<P>,
+    pub doublet: StripConstants<P>,
     /// Its inverse, 1/m; zero in a gap.
-    pub inverse_doublet: Table<P>,
+    pub inverse_doublet: StripConstants<P>,
     /// Own two-dimensional wash of the bound vortex, 1/m.
-    pub own_bound: Table<P>,
+    pub own_bound: StripConstants<P>,
     /// Own two-dimensional wash of bound vortex and trailing edge, 1/m.
-    pub own_ring: Table<P>,
+    pub own_ring: StripConstants<P>,
     /// Circulatory force over wash and speed, rho dy a0 b cos(sweep), kg/m.
-    pub lift_scale: Table<P>,
+    pub lift_scale: StripConstants<P>,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
-    pub drag_scale: Table<P>,
+    pub drag_scale: StripConstants<P>,
     /// Leading-edge suction over wash squared and `drag_scale`: a0 cos(sweep).
-    pub edge_slope: Table<P>,
+    pub edge_slope: StripConstants<P>,
     /// Share of the wing's area.
-    pub share: Table<P>,
+    pub share: StripConstants<P>,
     /// Added mass as part of an infinite wing, kg.
-    pub mass: Table<P>,
+    pub mass: StripConstants<P>,
     /// Weight of the wash that acts at once in the lift wash: 1/2 with the weights that the set of lags has.
     pub at_once: P,
     /// Weights of the lags in the potential jump left on the chord.
@@ -56,13 +56,19 @@ pub(super) struct Tables<P: Scalar> {
 }
 
 impl<P: Scalar> Tables<P> {
-    pub fn new(grid: &Grid<P>, settings: &StripSettings, numbers: &SurfaceNumbers<P>, lags: &Lags) -> Self {
+    pub fn new(
+        grid: &StripGrid<P>,
+        settings: &StripSettings,
+        numbers: &SurfaceNumbers<P>,
+        lags: &Lags,
+    ) -> Self {
         let last = settings.strips - 1;
         let (chord, cos, cos34) = (&grid.chord, &grid.cos_half, &grid.cos_three_quarter);
-        let repeated = |f: &dyn Fn(usize) -> P| -> Table<P> { std::array::from_fn(|i| f(i.min(last))) };
+        let repeated =
+            |f: &dyn Fn(usize) -> P| -> StripConstants<P> { std::array::from_fn(|i| f(i.min(last))) };
         // What a gap carries is nothing: its neighbours then shed at its two borders.
         let carried = |f: &dyn Fn(usize) -> P| repeated(&|i| if grid.covered[i] { f(i) } else { P::ZERO });
-        let scale = |f: &dyn Fn(usize) -> P| -> Table<P> {
+        let scale = |f: &dyn Fn(usize) -> P| -> StripConstants<P> {
             let value = carried(&|i| grid.width[i] * f(i));
             std::array::from_fn(|i| if i > last { P::ZERO } else { numbers.density * value[i] })
         };

@@ -5,7 +5,7 @@ use std::time::Duration;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
 use wingbeat_io::read_parquet_columns;
-use wingbeat_netft::{Emulator, Faults, Loads, Numbers, Sent, Signal};
+use wingbeat_netft::{Emulator, Faults, LoadPattern, RecordNumbering, Sent, Signal};
 
 use crate::args::{EmulatedLoads, EmulatedNumbers, RigEmulate};
 use crate::error::Error;
@@ -68,22 +68,22 @@ pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
     say(&words(&emulator.sent()))
 }
 
-fn numbers(asked: EmulatedNumbers) -> Numbers {
+fn numbers(asked: EmulatedNumbers) -> RecordNumbering {
     match asked {
-        EmulatedNumbers::Counted => Numbers::Counted,
-        EmulatedNumbers::Random => Numbers::Random,
-        EmulatedNumbers::Backward => Numbers::Backward,
-        EmulatedNumbers::Frozen => Numbers::Frozen,
-        EmulatedNumbers::FrozenSamples => Numbers::FrozenSamples,
+        EmulatedNumbers::Counted => RecordNumbering::Counted,
+        EmulatedNumbers::Random => RecordNumbering::Random,
+        EmulatedNumbers::Backward => RecordNumbering::Backward,
+        EmulatedNumbers::Frozen => RecordNumbering::Frozen,
+        EmulatedNumbers::FrozenSamples => RecordNumbering::FrozenSamples,
     }
 }
 
-fn loads(asked: EmulatedLoads) -> Loads {
+fn loads(asked: EmulatedLoads) -> LoadPattern {
     match asked {
-        EmulatedLoads::Measured => Loads::Measured,
-        EmulatedLoads::Zero => Loads::Zero,
-        EmulatedLoads::StuckFz => Loads::StuckFz,
-        EmulatedLoads::Frozen => Loads::Frozen,
+        EmulatedLoads::Measured => LoadPattern::Measured,
+        EmulatedLoads::Zero => LoadPattern::Zero,
+        EmulatedLoads::StuckFz => LoadPattern::StuckFz,
+        EmulatedLoads::Frozen => LoadPattern::Frozen,
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use wingbeat::rig::netft::{RDT_PORT, Scale};
-use wingbeat_netft::{Ending, Options, Report, read_config_while};
+use wingbeat_netft::{RecordingEnd, RecordingOptions, Report, read_config_while};
 
 use super::display::Display;
 use super::faults::Alarm;
@@ -54,7 +54,7 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
         Ok(report) if !nothing => report,
         outcome => return Err(nothing_kept(folder, nothing, outcome, &interrupt)),
     };
-    if let Ending::Disk(why) = &report.ending {
+    if let RecordingEnd::Disk(why) = &report.ending {
         return Err(unfinished(&folder, why));
     }
     display.bar.set_message("writing record.parquet");
@@ -71,8 +71,8 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     ended(&summary, path).and(printed)
 }
 
-fn options(arguments: &RigRecord, address: SocketAddr) -> Result<Options, Error> {
-    let mut options = Options::new(address);
+fn options(arguments: &RigRecord, address: SocketAddr) -> Result<RecordingOptions, Error> {
+    let mut options = RecordingOptions::new(address);
     options.buffered = arguments.buffered;
     options.bias = arguments.bias;
     options.rotate_rows = arguments.rotate;
@@ -106,7 +106,9 @@ fn nothing_kept(
     interrupt: &Interrupt,
 ) -> Error {
     let error = match outcome {
-        Ok(Report { ending: Ending::Disk(why), .. }) => Error::Input(format!("no record was written: {why}")),
+        Ok(Report { ending: RecordingEnd::Disk(why), .. }) => {
+            Error::Input(format!("no record was written: {why}"))
+        }
         Ok(_) if interrupt.flow().is_break() => Error::Interrupted,
         Ok(Report { account, .. }) if account.malformed > 0 => Error::Input(format!(
             "the box sent {} datagrams, none of which is a record: is it a Net F/T box?",

@@ -10,7 +10,7 @@ use wingbeat::simulate::{Column, Record};
 use wingbeat_io::ParquetWriter;
 use wingbeat_judge::limits::recording;
 use wingbeat_judge::{Judge, RunLimits, Status, Verdict};
-use wingbeat_netft::{Config, Ending, ROW_BYTES, Report, Row, Timeline, logs, read_log};
+use wingbeat_netft::{Config, ROW_BYTES, RecordingEnd, Report, Row, Timeline, logs, read_log};
 
 use super::faults::{self, Signs};
 use crate::error::Error;
@@ -113,7 +113,7 @@ impl ByClock {
     fn judge(&self, report: &Report, judge: &mut Judge) {
         let Self { stated_rate_hz, wall_s, tail_s, expected, unaccounted } = *self;
         let told = judge.hold(&recording::SILENT_END, tail_s);
-        if report.ending == Ending::Silent && told {
+        if report.ending == RecordingEnd::Silent && told {
             judge.find(Status::Failed, format!("the box stopped sending {tail_s:.1} s before the end"));
         }
         let there = expected - unaccounted;
@@ -300,7 +300,7 @@ mod tests {
 
     fn report(rate_hz: f64, tail: f64) -> Report {
         Report {
-            ending: Ending::Complete,
+            ending: RecordingEnd::Complete,
             account: Account::default(),
             stalls: 0,
             longest_silence: Duration::ZERO,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde_json::json;
-use wingbeat::scenario::{Scenario, Seen, Watched};
+use wingbeat::scenario::{Scenario, ShownSample, Watched};
 use wingbeat::simulate::Sample;
 use wingbeat_report::growing::GrowingRows;
 use wingbeat_report::motion::{MOST, RATE};
@@ -14,7 +14,7 @@ use crate::error::Error;
 
 /// A flight that is watched, or not.
 pub struct FlightWatch {
-    watch: Option<Watch<Seen>>,
+    watch: Option<Watch<ShownSample>>,
     /// Time of the next sample that is shown, and to the one after it, s.
     next: f64,
     step: f64,
@@ -32,7 +32,7 @@ impl FlightWatch {
             // A scenario that can be flown can be recorded.
             let Ok(watched) = scenario.watched() else { return };
             let mut sound = true;
-            let add = |watched: &mut Watched<'_>, news: Vec<Seen>| {
+            let add = |watched: &mut Watched<'_>, news: Vec<ShownSample>| {
                 sound = sound && news.iter().all(|seen| watched.add(seen).is_ok());
             };
             let mut growing = GrowingRows::default();
@@ -47,7 +47,7 @@ impl FlightWatch {
         if sample.t < self.next {
             return;
         }
-        watch.tell(Seen::of(sample));
+        watch.tell(ShownSample::of(sample));
         self.shown += 1;
         if self.shown == MOST {
             // The page then shows every second row of these.

@@ -99,7 +99,7 @@ pub struct OtherReplay {
 }
 
 /// A plan that meets its constraints.
-struct Found<'a> {
+struct LeastPowerPlan<'a> {
     problem: &'a LeastPower<'a>,
     storage: f64,
     own: Flapping,
@@ -131,7 +131,7 @@ impl Scenario {
         let met = verdict::judge_solver(&mut judge, &optimum, spec.tolerance);
         let (mut record, mut files) = (None, Vec::new());
         if let (true, Some(solution), Some(nodes)) = (met, &optimum.solution, &nodes) {
-            let plan = Found { problem: &problem, storage: spec.storage, own, solution, nodes };
+            let plan = LeastPowerPlan { problem: &problem, storage: spec.storage, own, solution, nodes };
             match self.replayed(&plan, &mut summary, &mut judge)? {
                 Ok((cycle, own)) => {
                     files = self.replay_case(&problem.flapping(&solution.points), &cycle)?;
@@ -166,11 +166,11 @@ impl Scenario {
     /// each.
     fn replayed(
         &self,
-        plan: &Found<'_>,
+        plan: &LeastPowerPlan<'_>,
         summary: &mut LeastPowerSummary,
         judge: &mut Judge,
     ) -> Result<Result<(Record, Record), Fault>, Error> {
-        let Found { problem, storage, own, solution, nodes } = plan;
+        let LeastPowerPlan { problem, storage, own, solution, nodes } = plan;
         let flapping = problem.flapping(&solution.points);
         summary.plan = Some(numbers(&flapping, problem.means(&solution.points)));
         summary.plan_unrounded_power_w = problem.unrounded_power(solution).ok();

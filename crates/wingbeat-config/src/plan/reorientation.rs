@@ -1,6 +1,6 @@
 //! The quickest way to another attitude, planned and flown open loop.
 
-use super::roll_in::{Found, broken_at};
+use super::roll_in::{RollInPlan, broken_at};
 use super::{Planned, nodes};
 use crate::chosen::Named;
 use crate::{Chosen, Scenario, ScenarioSpec, written};
@@ -46,7 +46,7 @@ impl Scenario {
     }
 
     /// This scenario with the plan's commands played in place of a plan and a controller.
-    pub(super) fn played(&self, plan: &Found<'_>) -> Result<String, Error> {
+    pub(super) fn played(&self, plan: &RollInPlan<'_>) -> Result<String, Error> {
         let points = &plan.solution.points;
         let step = self.schedule.step;
         let command = |(i, channel): (usize, &wingbeat_ocp::plant::Channel)| {

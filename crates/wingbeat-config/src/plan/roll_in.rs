@@ -62,14 +62,14 @@ pub struct RollInSummary {
 const KEY: &str = "plan.roll_in";
 
 /// A plan that meets its constraints.
-pub(super) struct Found<'a> {
+pub(super) struct RollInPlan<'a> {
     problem: &'a RollIn<'a, wingbeat_robot::Robot>,
     spec: &'a RollInSpec,
     pub solution: &'a Interpolant,
     nodes: &'a PlanNodes,
 }
 
-impl Found<'_> {
+impl RollInPlan<'_> {
     /// Whether it turns to another attitude, from which nothing need fly on.
     fn turns(&self) -> bool {
         self.problem.is_reorientation()
@@ -114,7 +114,7 @@ impl Scenario {
         let met = verdict::judge_solver(&mut judge, &optimum, spec.tolerance);
         let (mut record, mut files) = (None, Vec::new());
         if let (true, Some(solution), Some(nodes)) = (met, &optimum.solution, &nodes) {
-            let plan = Found { problem, spec, solution, nodes };
+            let plan = RollInPlan { problem, spec, solution, nodes };
             record = Some(self.flown_roll_in(&plan, &mut summary, &mut judge)?);
             files = vec![match plan.turns() {
                 true => ("flight.toml", self.played(&plan)?),
@@ -128,11 +128,11 @@ impl Scenario {
     /// Flies a plan that meets its constraints, and judges it.
     fn flown_roll_in(
         &self,
-        plan: &Found<'_>,
+        plan: &RollInPlan<'_>,
         summary: &mut RollInSummary,
         judge: &mut Judge,
     ) -> Result<Record, Error> {
-        let Found { problem, spec, solution, nodes } = plan;
+        let RollInPlan { problem, spec, solution, nodes } = plan;
         match problem.resimulated(solution, CHECK_STEPS) {
             Ok(errors) => {
                 let states = wingbeat_ocp::OptimalControl::setup(*problem).states.into_iter();

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::limits::{flight, plan, trim};
 use wingbeat_judge::{Judge, Status};
-use wingbeat_ocp::interior_point::Status as Ended;
+use wingbeat_ocp::interior_point::SolveStatus as Ended;
 use wingbeat_ocp::{Misses, Optimum};
 
 /// What an end of the solver makes of the plan, beside its numbers.

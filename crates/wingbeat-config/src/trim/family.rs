@@ -4,7 +4,7 @@ use super::spec::{FamilySpec, TrimSpec};
 use super::{Scenario, TrimSummary};
 use crate::{ConfigError, Document};
 use std::ops::ControlFlow;
-use wingbeat_flight::orbit::{Cycle, Failure, Found, Point, floquet, measure, search_from};
+use wingbeat_flight::orbit::{Cycle, Failure, FoundOrbit, Point, floquet, measure, search_from};
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -40,7 +40,7 @@ pub(super) struct Family {
 
 /// Why a family ended.
 #[derive(thiserror::Error, Debug)]
-enum Ended {
+enum FamilyEnd {
     #[error(transparent)]
     Failure(#[from] Failure),
     #[error(transparent)]
@@ -49,14 +49,14 @@ enum Ended {
     Invalid(#[from] Error),
 }
 
-impl From<Fault> for Ended {
+impl From<Fault> for FamilyEnd {
     fn from(fault: Fault) -> Self {
         Self::Failure(fault.into())
     }
 }
 
 /// The last orbit of a family that is being followed.
-struct Walk<'f> {
+struct FamilyWalk<'f> {
     family: &'f Family,
     at: f64,
     point: Point,
@@ -71,13 +71,13 @@ impl Family {
     }
 }
 
-impl Walk<'_> {
+impl FamilyWalk<'_> {
     /// The orbit at `value` from the last one, or along the secant of the last two.
     fn step(
         &mut self,
         value: f64,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-    ) -> Result<(Scenario, Found), Ended> {
+    ) -> Result<(Scenario, FoundOrbit), FamilyEnd> {
         let scenario = self.family.scenario(value)?;
         let cycle = scenario.cycle()?;
         let (course, free) = scenario.asked_of_orbit(&cycle)?;
@@ -104,14 +104,14 @@ impl Walk<'_> {
         value: f64,
         halvings: usize,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-    ) -> Result<(Scenario, Found), Ended> {
+    ) -> Result<(Scenario, FoundOrbit), FamilyEnd> {
         match self.step(value, tell) {
             Ok((scenario, found)) => {
                 let before = std::mem::replace(&mut self.point, found.orbit.point.clone());
                 self.before = Some((std::mem::replace(&mut self.at, value), before));
                 Ok((scenario, found))
             }
-            Err(Ended::Failure(failure)) if failure != Failure::Stopped && halvings > 0 => {
+            Err(FamilyEnd::Failure(failure)) if failure != Failure::Stopped && halvings > 0 => {
                 self.reach(0.5 * (self.at + value), halvings - 1, tell)?;
                 self.reach(value, halvings - 1, tell)
             }
@@ -158,7 +158,7 @@ impl Scenario {
     pub(super) fn follow(
         &self,
         family: &Family,
-        found: &Found,
+        found: &FoundOrbit,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
         summary: &mut TrimSummary,
     ) -> Result<Record, Error> {
@@ -166,7 +166,7 @@ impl Scenario {
         let columns = COLUMNS.iter().map(|(name, unit)| Column::new(*name, *unit, ""));
         let columns = columns.chain(changes.clone()).chain(self.model.inputs().iter().map(Column::from));
         let mut record = Record::new(columns.collect(), family.steps + 1)?;
-        let mut row = |scenario: &Scenario, value: f64, found: &Found| -> Result<(), Ended> {
+        let mut row = |scenario: &Scenario, value: f64, found: &FoundOrbit| -> Result<(), FamilyEnd> {
             let numbers = scenario.family_row(&scenario.cycle()?, found)?;
             let value = changes.iter().map(|_| value);
             let inputs = found.orbit.point.inputs.iter().copied();
@@ -174,7 +174,7 @@ impl Scenario {
             record.append(&row);
             Ok(())
         };
-        let mut walk = Walk { family, at: family.from, point: found.orbit.point.clone(), before: None };
+        let mut walk = FamilyWalk { family, at: family.from, point: found.orbit.point.clone(), before: None };
         let mut ended = row(self, family.from, found).err();
         for k in 1..=family.steps {
             if ended.is_some() {
@@ -192,7 +192,7 @@ impl Scenario {
     }
 
     /// The numbers of [`COLUMNS`].
-    fn family_row(&self, cycle: &Cycle, found: &Found) -> Result<[f64; COLUMNS.len()], Fault> {
+    fn family_row(&self, cycle: &Cycle, found: &FoundOrbit) -> Result<[f64; COLUMNS.len()], Fault> {
         let (orbit, course) = (&found.orbit, &found.orbit.course);
         let (measures, modes) = (measure(cycle, orbit, &self.strip_areas())?, floquet(cycle, orbit)?);
         Ok([

@@ -21,7 +21,8 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use wingbeat_flight::guide::{HeldCommands, OrbitWeights, gains_of};
 use wingbeat_flight::orbit::{
-    Course, Cycle, Failure, Found, Free, Modes, Orbit, Point, Sector, floquet, measure, search, search_from,
+    Course, Cycle, Failure, FoundOrbit, Free, Modes, Orbit, Point, Sector, floquet, measure, search,
+    search_from,
 };
 use wingbeat_flight::simulate::{Column, Record, Sample};
 use wingbeat_math::Error;
@@ -193,7 +194,7 @@ impl Scenario {
         &self,
         cycle: &Cycle,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-    ) -> Result<Result<Found, Failure>, Error> {
+    ) -> Result<Result<FoundOrbit, Failure>, Error> {
         let mut taken = 0;
         let mut counted = |iteration: usize, residual: f64| {
             taken += 1;
@@ -212,7 +213,7 @@ impl Scenario {
         &self,
         cycle: &Cycle,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-    ) -> Result<Result<Found, Failure>, Error> {
+    ) -> Result<Result<FoundOrbit, Failure>, Error> {
         let spec = self.trim_spec()?;
         let guess = self.guess(cycle);
         let course = spec.course();

@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use wingbeat_aero::Aero;
-use wingbeat_flight::orbit::{Cycle, Found, Measures, Mode, Modes};
+use wingbeat_flight::orbit::{Cycle, FoundOrbit, Measures, Mode, Modes};
 use wingbeat_judge::{Judged, Status, Warning};
 use wingbeat_math::GRAVITY;
 use wingbeat_math::order::filled;
@@ -156,7 +156,7 @@ pub struct TrimSummary {
 
 impl TrimSummary {
     /// Fills in what the orbit tells.
-    pub(super) fn found(&mut self, cycle: &Cycle, found: &Found, measures: &Measures, modes: &Modes) {
+    pub(super) fn found(&mut self, cycle: &Cycle, found: &FoundOrbit, measures: &Measures, modes: &Modes) {
         let mass = cycle.robot().mass();
         let orbit = &found.orbit;
         self.status = Status::Ok;

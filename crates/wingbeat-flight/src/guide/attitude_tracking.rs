@@ -97,13 +97,13 @@ mod tests {
     use wingbeat_ocp::plant::Fault;
 
     /// A free body with two clearances that bend with time and state.
-    struct Body {
+    struct BendingBody {
         states: Vec<Channel>,
         inputs: Vec<Channel>,
         clearances: Vec<Channel>,
     }
 
-    impl Plant for Body {
+    impl Plant for BendingBody {
         fn states(&self) -> &[Channel] {
             &self.states
         }
@@ -128,9 +128,9 @@ mod tests {
         }
     }
 
-    fn body() -> Body {
+    fn body() -> BendingBody {
         let roles = (0..4).map(Role::Attitude).chain((0..3).map(Role::AngularRate));
-        Body {
+        BendingBody {
             states: roles.map(|role| Channel::free(format!("{role:?}"), "", "").of(role)).collect(),
             inputs: ["x", "y", "z"].map(|n| Channel::limited(n, "N m", "B", -1.0, 1.0)).into(),
             clearances: ["one", "other"].map(|n| Channel::free(n, "m", "B")).into(),
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_soft_limit_needs_clearances() {
-        let bare = Body { clearances: Vec::new(), ..body() };
+        let bare = BendingBody { clearances: Vec::new(), ..body() };
         let manoeuvre = || Arc::new(Turn::default());
         let error = Mpc::new(&bare, manoeuvre(), &spec(1.0)).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.starts_with("weights.clearance = 1"), "{error}");

@@ -18,7 +18,7 @@ pub type Prepared = Arc<dyn Any + Send + Sync>;
 
 /// What a controller is made for.
 #[derive(Clone, Debug)]
-pub struct Task<'a> {
+pub struct ControllerTask<'a> {
     /// The robot and its air as the controller knows them.
     pub model: &'a Robot,
     /// What to fly, where the scenario says it.
@@ -45,7 +45,7 @@ pub trait ControllerSpec: Debug + Send + Sync {
     ///
     /// # Errors
     /// As [`build`](Self::build).
-    fn check(&self, task: Task) -> Result<(), Error> {
+    fn check(&self, task: ControllerTask) -> Result<(), Error> {
         self.build(task).map(drop)
     }
 
@@ -64,7 +64,7 @@ pub trait ControllerSpec: Debug + Send + Sync {
     ///
     /// # Errors
     /// As [`build`](Self::build).
-    fn prepare(&self, _: Task) -> Result<Option<Prepared>, Error> {
+    fn prepare(&self, _: ControllerTask) -> Result<Option<Prepared>, Error> {
         Ok(None)
     }
 
@@ -72,7 +72,7 @@ pub trait ControllerSpec: Debug + Send + Sync {
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key, as the controller's table has it; an empty key is the table itself.
-    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error>;
+    fn build<'a>(&self, task: ControllerTask<'a>) -> Result<Box<dyn Controller + 'a>, Error>;
 }
 
 /// A horizon solver of a robot's attitude tracking.

@@ -1,8 +1,8 @@
 //! A horizon whose length is an unknown: the paper's t_f.
 
-use wingbeat_math::{Error, RK4, Steps, Workspace};
+use wingbeat_math::{EqualSteps, Error, RK4, Workspace};
 use wingbeat_ocp::plant::Plant;
-use wingbeat_ocp::realtime::{HorizonSolver, Plan, RealTime, Settings, Statistics, Status, Tracking};
+use wingbeat_ocp::realtime::{HorizonSolver, Plan, RealTime, Settings, Statistics, Tracking, UpdateStatus};
 
 /// First change of the length tried, and the least and largest, over the length. *Choice.*
 const FIRST: f64 = 0.02;
@@ -33,11 +33,11 @@ pub struct FreeEnd {
     /// Allowed lengths of an interval, s.
     between: [f64; 2],
     change: f64,
-    motion: Motion,
+    motion: StoredMotion,
 }
 
 /// Storage of a motion and its cost.
-struct Motion {
+struct StoredMotion {
     state: Vec<f64>,
     input: Vec<f64>,
     residual: Vec<f64>,
@@ -59,12 +59,12 @@ impl FreeEnd {
         let most = (0..=settings.intervals).map(|node| tracking.residuals(node)).max().unwrap_or(0);
         let (states, inputs) = (plant.states().len(), plant.inputs().len());
         let (state, input, residual) = (vec![0.0; states], vec![0.0; inputs], vec![0.0; most]);
-        let motion = Motion { state, input, residual, work: Workspace::new(states, 4) };
+        let motion = StoredMotion { state, input, residual, work: Workspace::new(states, 4) };
         Ok(Self { beside: now.clone(), now, between, change: FIRST, motion })
     }
 }
 
-impl Motion {
+impl StoredMotion {
     /// J of the motion that the inputs of the plan of `solver` give from its first state; endless where the model fails on the way.
     fn cost<P: Plant, T: Tracking>(&mut self, solver: &RealTime, plant: &P, tracking: &T) -> f64 {
         let plan = solver.plan();
@@ -76,7 +76,7 @@ impl Motion {
             tracking.residual(node, plan.time(node), &self.state, plan.input(node), r);
             cost += r.iter().map(|r| r * r).sum::<f64>();
             if node + 1 < plan.nodes() {
-                let steps = Steps::new(plan.time(node), step / count, count as usize);
+                let steps = EqualSteps::new(plan.time(node), step / count, count as usize);
                 let input = &mut self.input;
                 let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| {
                     plan.input_at(t, input);
@@ -112,7 +112,7 @@ impl<P: Plant, T: Tracking> HorizonSolver<P, T> for FreeEnd {
         self.now.shift(plant, dt);
     }
 
-    fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> Status {
+    fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> UpdateStatus {
         let present = self.now.plan().horizon.step;
         let [low, high] = self.between;
         let tried = (present * (1.0 + self.change)).clamp(low, high);

@@ -1,6 +1,6 @@
 //! Hover on thrusters about beating wings that the controller does not see.
 
-use super::controllers::{ControllerSpec, Task};
+use super::controllers::{ControllerSpec, ControllerTask};
 use crate::simulate::{AXES, Column, Controller, Measurement, Update};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -94,7 +94,7 @@ impl ControllerSpec for HoverSpec {
         self.period_s
     }
 
-    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+    fn build<'a>(&self, task: ControllerTask<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         self.in_range()?;
         let robot = task.model;
         let thrusters = robot.thrusters();

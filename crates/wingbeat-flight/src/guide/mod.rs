@@ -41,11 +41,11 @@ fn processor_time(limit_s: Option<f64>) -> std::time::Duration {
 
 pub use about_orbit::gains_of;
 pub use about_orbit::{
-    AboutOrbitSpec, AdaptSpec, DiveSpec, Held, LandingSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal,
-    TrackingSpec,
+    AboutOrbitSpec, AdaptSpec, DiveSpec, HoldingGains, LandingSpec, LegSpec, OrbitWeights, PredictiveSpec,
+    Terminal, TrackingSpec,
 };
 pub use attitude_tracking::AttitudeTracking;
-pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
+pub use controllers::{ControllerSpec, ControllerTask, Prepared, RobotSolver, SolverSpec};
 pub use free_end::FreeEnd;
 pub use hover::HoverSpec;
 pub use inertial::EstimatorSpec;
@@ -55,7 +55,7 @@ pub use manoeuvre::angle_error;
 pub use manoeuvre::{Manoeuvre, Reference};
 pub use mpc::{Mpc, MpcSpec, Weights};
 pub use path::{
-    Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec,
+    CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathOffset, PathSpec, PointsSpec,
     Station,
 };
 pub use playback::{CommandsSpec, HeldCommands, Playback};

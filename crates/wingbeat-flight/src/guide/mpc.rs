@@ -1,7 +1,7 @@
 //! Model predictive control of attitude by direct collocation.
 
 use super::attitude_tracking::AttitudeTracking;
-use super::controllers::{ControllerSpec, Task};
+use super::controllers::{ControllerSpec, ControllerTask};
 use super::free_end::FreeEnd;
 use super::manoeuvre::Manoeuvre;
 use super::receding::{self, Receding};
@@ -111,7 +111,7 @@ impl ControllerSpec for MpcSpec {
         self.period_s
     }
 
-    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+    fn build<'a>(&self, task: ControllerTask<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         self.in_range()?;
         let in_seconds = self.in_seconds(task.model.frequency_hz())?;
         if let Some(between) = self.horizon_between_cycles {
@@ -165,7 +165,7 @@ impl MpcSpec {
     /// The controller that chooses the length of its horizon too.
     fn of_free_horizon<'a>(
         &self,
-        task: Task<'a>,
+        task: ControllerTask<'a>,
         in_seconds: &Self,
         between: [f64; 2],
     ) -> Result<Box<dyn Controller + 'a>, Error> {

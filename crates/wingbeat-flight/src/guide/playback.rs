@@ -1,6 +1,6 @@
 //! A controller, then a planned input, then rest.
 
-use super::controllers::{ControllerSpec, Task};
+use super::controllers::{ControllerSpec, ControllerTask};
 use super::turn::ascending;
 use crate::simulate::{AtRest, Column, Controller, Measurement, Update};
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ impl ControllerSpec for CommandsSpec {
         self.period_s
     }
 
-    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+    fn build<'a>(&self, task: ControllerTask<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         self.in_range()?;
         require::finite("time_s", &self.time_s)?;
         ascending(&self.time_s)?;

@@ -1,10 +1,10 @@
 //! The flow over a cycle, with exact derivatives.
 
 use super::course::Course;
-use super::section::{Direction, Section};
+use super::section::{Direction, OrbitSection};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
-use wingbeat_math::{Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace, parallel};
+use wingbeat_math::{Dynamics, EqualSteps, Jet, Quat, RK4, Scalar, Vec3, Workspace, parallel};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
 use wingbeat_robot::{CycleScalar, Robot};
 
@@ -58,7 +58,7 @@ impl Free {
 /// Where a cycle begins and what is held over it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// Coordinates of the [`Section`], in the units of their states.
+    /// Coordinates of the [`OrbitSection`], in the units of their states.
     pub z: Vec<f64>,
     /// Frequency over that of the robot's gait.
     pub pace: f64,
@@ -84,20 +84,22 @@ pub struct End<S: Scalar = f64> {
 /// One cycle of a robot in a fixed number of Runge-Kutta steps.
 pub struct Cycle<'a> {
     robot: &'a Robot,
-    section: Section,
+    section: OrbitSection,
     steps: usize,
     /// Displacements of the elements at rest per unit of the held commands, by rows.
     rest: Vec<f64>,
 }
 
-pub(super) struct Flow<'a, S: Scalar, F> {
+pub(super) struct CycleFlow<'a, S: Scalar, F> {
     pub robot: &'a Robot,
     pub pace: S,
     pub u: &'a [S],
     pub each: F,
 }
 
-impl<S: CycleScalar, F: FnMut(usize, S, &[S]) -> Result<(), Fault>> Dynamics<S, Fault> for Flow<'_, S, F> {
+impl<S: CycleScalar, F: FnMut(usize, S, &[S]) -> Result<(), Fault>> Dynamics<S, Fault>
+    for CycleFlow<'_, S, F>
+{
     fn slope(&mut self, t: S, x: &[S], dx: &mut [S]) -> Result<(), Fault> {
         let clock = Jet::new(t * self.pace, self.pace, S::ZERO);
         S::rates_by_clock(self.robot, t, &clock, x, self.u, dx)
@@ -126,9 +128,9 @@ impl<'a> Cycle<'a> {
     /// Cycles of `robot` in steps of about `step` s at its own frequency; the number of steps stays.
     ///
     /// # Errors
-    /// [`Error::Invalid`](wingbeat_math::Error::Invalid) where the wings do not flap, and those of [`Section::new`].
+    /// [`Error::Invalid`](wingbeat_math::Error::Invalid) where the wings do not flap, and those of [`OrbitSection::new`].
     pub fn new(robot: &'a Robot, step: f64) -> Result<Self, wingbeat_math::Error> {
-        let section = Section::new(robot)?;
+        let section = OrbitSection::new(robot)?;
         let frequency = robot.frequency_hz();
         if !(frequency > 0.0) {
             return Err(wingbeat_math::Error::invalid("gait.frequency_hz", frequency, "a frequency above 0"));
@@ -150,7 +152,7 @@ impl<'a> Cycle<'a> {
         self.robot
     }
     /// Its coordinates.
-    pub fn section(&self) -> &Section {
+    pub fn section(&self) -> &OrbitSection {
         &self.section
     }
     /// Whether left and right take part alone in a flight along `course`: a turn, or any flight of a robot whose sides differ.
@@ -201,16 +203,16 @@ impl<'a> Cycle<'a> {
     ) -> Result<End<S>, Fault> {
         let mut x = self.state(z, inputs);
         let duration = self.duration(pace);
-        let steps = Steps::new(S::ZERO, duration * (1.0 / self.steps as f64), self.steps);
+        let steps = EqualSteps::new(S::ZERO, duration * (1.0 / self.steps as f64), self.steps);
         let mut work = Workspace::new(x.len(), RK4.b.len());
         // The trapezoidal rule.
-        let mut rolls = z[Section::ROLL] * 0.5;
+        let mut rolls = z[OrbitSection::ROLL] * 0.5;
         let mut seen = |k: usize, t: S, x: &[S]| {
             let weight = if k == self.steps { 0.5 } else { 1.0 };
             rolls += self.section.roll(x) * weight;
             each(k, t, x)
         };
-        let mut flow = Flow { robot: self.robot, pace, u: inputs, each: &mut seen };
+        let mut flow = CycleFlow { robot: self.robot, pace, u: inputs, each: &mut seen };
         RK4.integrate(&mut flow, steps, &mut x, &mut work)?;
         let mean_roll = rolls * (1.0 / self.steps as f64);
         let mut end = vec![S::ZERO; z.len()];

@@ -1,21 +1,21 @@
 //! Small deviations from an orbit between phases of its cycle.
 
-use super::cycle::{Cycle, Flow, Point, settle};
-use super::section::{Direction, Section};
+use super::cycle::{Cycle, CycleFlow, Point, settle};
+use super::section::{Direction, OrbitSection};
 use nalgebra::DMatrix;
 use std::ops::{ControlFlow, Range};
-use wingbeat_math::{Dynamics, Error, RK4, Scalar, Steps, Workspace, parallel};
+use wingbeat_math::{Dynamics, EqualSteps, Error, RK4, Scalar, Workspace, parallel};
 use wingbeat_ocp::plant::{Early, Fault, Linearisation, Plant};
 use wingbeat_robot::{CycleScalar, Robot};
 
 /// Numbers of place and heading over the ground.
 const GROUND: usize = 3;
 
-/// What deviates from an orbit: height, the coordinates of the [`Section`], displacements of the elements,
+/// What deviates from an orbit: height, the coordinates of the [`OrbitSection`], displacements of the elements,
 /// their rates. The crank's element does not: it is no part of a cycle.
 #[derive(Clone, Debug)]
 pub struct Deviations {
-    section: Section,
+    section: OrbitSection,
     /// Elements of the structure.
     structure: usize,
     /// Elements that come to rest under held commands.
@@ -41,15 +41,15 @@ impl Deviations {
     /// Place of the height among them.
     pub const HEIGHT: usize = 0;
     /// Places of the velocity in heading axes.
-    pub const VELOCITY: Range<usize> = behind_height(Section::VELOCITY);
+    pub const VELOCITY: Range<usize> = behind_height(OrbitSection::VELOCITY);
     /// Place of the roll.
-    pub const ROLL: usize = 1 + Section::ROLL;
+    pub const ROLL: usize = 1 + OrbitSection::ROLL;
     /// Place of the pitch.
-    pub const PITCH: usize = 1 + Section::PITCH;
+    pub const PITCH: usize = 1 + OrbitSection::PITCH;
     /// Places of the angular rate.
-    pub const RATE: Range<usize> = behind_height(Section::RATE);
+    pub const RATE: Range<usize> = behind_height(OrbitSection::RATE);
     /// Number of those of the body, which are the first.
-    pub const BODY: usize = 1 + Section::BODY;
+    pub const BODY: usize = 1 + OrbitSection::BODY;
 
     /// Those of the robot of `cycle`.
     pub fn new(cycle: &Cycle) -> Self {
@@ -181,23 +181,23 @@ fn fly_state<S: CycleScalar>(
     part: [usize; 2],
     each: &mut dyn FnMut(&[S]),
 ) -> Result<(), Fault> {
-    let Steps { start, length, first, count } = clock(cycle, pace, part);
-    let clock = Steps { start: S::from(start), length: S::from(length), first, count };
+    let EqualSteps { start, length, first, count } = clock(cycle, pace, part);
+    let clock = EqualSteps { start: S::from(start), length: S::from(length), first, count };
     let each = |_, _, x: &[S]| {
         each(x);
         Ok(())
     };
-    let mut flow = Flow { robot: cycle.robot(), pace: S::from(pace), u, each };
+    let mut flow = CycleFlow { robot: cycle.robot(), pace: S::from(pace), u, each };
     let mut work = Workspace::new(x.len(), RK4.b.len());
     RK4.integrate(&mut flow, clock, x, &mut work)?;
     Ok(())
 }
 
 /// The steps of part `part` of a cycle in so many equal parts as are given second.
-fn clock(cycle: &Cycle, pace: f64, [part, parts]: [usize; 2]) -> Steps {
+fn clock(cycle: &Cycle, pace: f64, [part, parts]: [usize; 2]) -> EqualSteps {
     let length = cycle.duration(pace) / cycle.steps() as f64;
     let steps = cycle.steps() / parts;
-    Steps { start: 0.0, length, first: part * steps, count: steps }
+    EqualSteps { start: 0.0, length, first: part * steps, count: steps }
 }
 
 /// A robot under held commands whose state comes with its derivatives: the numbers of the state, then by rows, as many columns each, those
@@ -319,9 +319,9 @@ pub fn interval(
         let heading = deviations.of(&x, &mut end);
         let place = deviations.position();
         let ground = [x[place], x[place + 1], heading];
-        let rows = along[0].iter().map(|direction| Section::along(direction, &end).eps);
+        let rows = along[0].iter().map(|direction| OrbitSection::along(direction, &end).eps);
         let rows = rows.chain(ground.map(|over| over.eps)).collect();
-        over.set(&Columns { first, count, rows, ground: ground.map(|over| over.re) });
+        over.set(&IntervalColumns { first, count, rows, ground: ground.map(|over| over.re) });
         next = end.iter().map(|end| end.re).collect();
     }
     Ok((next, over))
@@ -336,7 +336,7 @@ impl Interval {
     }
 
     /// Takes the columns that are told together.
-    fn set(&mut self, flown: &Columns) {
+    fn set(&mut self, flown: &IntervalColumns) {
         let n = self.a.nrows();
         self.ground = flown.ground;
         for (i, row) in flown.rows.iter().enumerate() {
@@ -355,7 +355,7 @@ impl Interval {
 }
 
 /// Columns of an [`Interval`] that are told together.
-struct Columns {
+struct IntervalColumns {
     /// The first of them, those of A before those of B.
     first: usize,
     /// Their number.

@@ -2,7 +2,7 @@
 //!
 //! An orbit returns after a cycle to the state it began with, but for its place and heading: level and climbing flight
 //! are periodic up to a displacement, turns up to a rotation about the vertical too (relative periodic orbits).
-//! Unknown are the state at phase 0 ([`Section`]) and the numbers that may be chosen ([`Free`]); asked is a
+//! Unknown are the state at phase 0 ([`OrbitSection`]) and the numbers that may be chosen ([`Free`]); asked is a
 //! [`Course`]. [`search`] finds the orbit by a recoil start and Newton's method on exact derivatives of the flow over
 //! a cycle; [`floquet`] tells how small disturbances grow.
 
@@ -24,7 +24,7 @@ pub use linear::{Deviations, Interval, alone, interval, intervals};
 pub(crate) use linear::{fly_held, fly_part};
 pub use measure::{Measures, SKIN, StripAreas, measure};
 pub use modes::{Mode, Modes, Sector, floquet};
-pub use newton::{Found, Orbit, search};
+pub use newton::{FoundOrbit, Orbit, search};
 pub use newton::{Tangent, search_from, search_near};
 pub use recoil::{drift, settle};
-pub use section::{Direction, Section};
+pub use section::{Direction, OrbitSection};

@@ -2,7 +2,7 @@
 
 use super::cycle::{Cycle, Point};
 use super::newton::Orbit;
-use super::section::{Direction, Section};
+use super::section::{Direction, OrbitSection};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -43,7 +43,7 @@ pub struct Mode {
     pub sector: Sector,
     /// The coordinate that moves most, measured by what the orbit's own scales are; `heading` for the neutral one.
     pub label: String,
-    /// Share of each coordinate of the [`Section`] in the mode, in the same scales, the largest 1; none of the heading's.
+    /// Share of each coordinate of the [`OrbitSection`] in the mode, in the same scales, the largest 1; none of the heading's.
     pub shares: Vec<f64>,
 }
 
@@ -86,7 +86,7 @@ const HEADING: &str = "heading";
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.
 fn monodromy(cycle: &Cycle, point: &Point, directions: &[Direction]) -> Result<DMatrix<f64>, Fault> {
-    let rows = |z: &[Early]| directions.iter().map(|d| Section::along(d, z)).collect();
+    let rows = |z: &[Early]| directions.iter().map(|d| OrbitSection::along(d, z)).collect();
     let (_, matrix) = cycle.differentiate(point, directions, &[], |_, end| rows(&end.z))?;
     Ok(DMatrix::from_fn(directions.len(), directions.len(), |i, j| matrix[i][j]))
 }

@@ -4,7 +4,7 @@ use super::course::Course;
 use super::cycle::{Cycle, End, Free, Point};
 use super::failure::Failure;
 use super::recoil::recoil;
-use super::section::{Direction, Section};
+use super::section::{Direction, OrbitSection};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
 use wingbeat_math::Scalar;
@@ -35,7 +35,7 @@ pub struct Orbit {
 
 /// An orbit and how it was found.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct FoundOrbit {
     /// The orbit.
     pub orbit: Orbit,
     /// Largest condition missed, in its own SI unit.
@@ -86,7 +86,8 @@ impl<'a> Conditions<'a> {
     /// What is missed: the state that returns, in heading axes; mean speed and climb; of a turn the growth of the
     /// heading over a cycle of T s, the chord of its path V T sin(a)/a, a = yaw rate T / 2, and the mean roll.
     fn missed<S: Scalar>(&self, z: &[S], end: &End<S>) -> Vec<S> {
-        let returns = self.directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, z));
+        let returns =
+            self.directions.iter().map(|d| OrbitSection::along(d, &end.z) - OrbitSection::along(d, z));
         let [x, y, up] = end.displacement.0;
         let duration = end.duration;
         let per_time = duration.recip();
@@ -131,13 +132,13 @@ pub fn search(
     free: &[Free],
     guess: Point,
     observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-) -> Result<Found, Failure> {
+) -> Result<FoundOrbit, Failure> {
     if let Some(coarse) = cycle.coarser() {
         match started(&coarse, course, free, guess.clone(), COARSE, observe) {
             Ok((found, tangent)) => {
                 let near = search_near(cycle, course, free, found.orbit.point, &tangent);
                 if let Ok(near) = near {
-                    return Ok(Found { iterations: found.iterations + near.iterations, ..near });
+                    return Ok(FoundOrbit { iterations: found.iterations + near.iterations, ..near });
                 }
             }
             Err(Failure::Stopped) => return Err(Failure::Stopped),
@@ -155,7 +156,7 @@ fn started(
     guess: Point,
     tolerance: f64,
     observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-) -> Result<(Found, Tangent), Failure> {
+) -> Result<(FoundOrbit, Tangent), Failure> {
     // From close by Newton's method needs no other start.
     match newton(cycle, course, free, guess.clone(), tolerance, observe) {
         Ok(found) => return Ok(found),
@@ -184,7 +185,7 @@ pub fn search_from(
     free: &[Free],
     point: Point,
     observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-) -> Result<Found, Failure> {
+) -> Result<FoundOrbit, Failure> {
     newton(cycle, course, free, point, TOLERANCE, observe).map(|(found, _)| found)
 }
 
@@ -208,7 +209,7 @@ fn newton(
     point: Point,
     tolerance: f64,
     observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-) -> Result<(Found, Tangent), Failure> {
+) -> Result<(FoundOrbit, Tangent), Failure> {
     let conditions = Conditions::new(cycle, course);
     let (point, residual, iteration, tangent) =
         iterated(cycle, &conditions, free, point, tolerance, observe)?;
@@ -304,7 +305,7 @@ pub fn search_near(
     free: &[Free],
     point: Point,
     tangent: &Tangent,
-) -> Result<Found, Failure> {
+) -> Result<FoundOrbit, Failure> {
     let conditions = Conditions::new(cycle, course);
     let left = conditions.missed(&point.z, &cycle.end(&point)?);
     let singular = Failure::Singular { iteration: 0, residual: largest(&left).1 };
@@ -381,11 +382,11 @@ fn finished(
     point: Point,
     residual: f64,
     iterations: usize,
-) -> Result<Found, Failure> {
+) -> Result<FoundOrbit, Failure> {
     in_range(cycle, free, &point)?;
     let end = cycle.end(&point)?;
     returns_sidewise(cycle, course, &point, &end)?;
-    Ok(Found { orbit: Orbit { point, course: *course, end }, residual, iterations })
+    Ok(FoundOrbit { orbit: Orbit { point, course: *course, end }, residual, iterations })
 }
 
 /// Largest difference over a cycle of what is zero where left and right are alike, SI.
@@ -397,8 +398,10 @@ fn returns_sidewise(cycle: &Cycle, course: &Course, point: &Point, end: &End<f64
         return Ok(());
     }
     let directions = cycle.section().antisymmetric();
-    let missed: Vec<f64> =
-        directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, &point.z)).collect();
+    let missed: Vec<f64> = directions
+        .iter()
+        .map(|d| OrbitSection::along(d, &end.z) - OrbitSection::along(d, &point.z))
+        .collect();
     let (worst, missed) = largest(&missed);
     if missed <= SIDEWISE {
         return Ok(());

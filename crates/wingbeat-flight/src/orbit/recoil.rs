@@ -4,7 +4,7 @@ use super::course::Course;
 use super::cycle::{Cycle, Free, Point};
 use super::failure::Failure;
 use super::newton::solve;
-use super::section::{Direction, Section};
+use super::section::{Direction, OrbitSection};
 
 /// Cycles that settle swing and lags.
 const SETTLING: usize = 12;
@@ -33,7 +33,7 @@ pub(super) fn recoil(
     free: &[Free],
     mut point: Point,
 ) -> Result<Point, Failure> {
-    let mut pitch = point.z[Section::PITCH];
+    let mut pitch = point.z[OrbitSection::PITCH];
     for _ in 0..SETTLING {
         settle(cycle, course, pitch, &mut point)?;
     }
@@ -55,7 +55,7 @@ pub(super) fn recoil(
         let longest = step.iter().zip(sizes).map(|(s, size)| s.abs() / size).fold(0.0, f64::max);
         let share = (LONGEST / longest).min(1.0);
         pitch += share * step[0];
-        point.z[Section::PITCH] += share * step[0];
+        point.z[OrbitSection::PITCH] += share * step[0];
         free.iter().zip(&step[1..]).for_each(|(free, step)| point.moved(free, share * step));
         for _ in 0..AFTER_STEP {
             settle(cycle, course, pitch, &mut point)?;
@@ -80,7 +80,7 @@ fn slopes(cycle: &Cycle, free: &[Free], point: &Point, here: [f64; 3]) -> Result
     for column in 0..3 {
         let mut beside = point.clone();
         match column {
-            0 => beside.z[Section::PITCH] += DIFFERENCE,
+            0 => beside.z[OrbitSection::PITCH] += DIFFERENCE,
             _ => beside.moved(&free[column - 1], DIFFERENCE),
         }
         for (row, (there, here)) in drift(cycle, &beside)?.into_iter().zip(here).enumerate() {
@@ -108,7 +108,7 @@ pub fn settle(cycle: &Cycle, course: &Course, pitch: f64, point: &mut Point) -> 
     })?;
     let asked = [course.speed, course.climb, pitch, 0.0];
     let begin = point.z.clone();
-    point.z[Section::BODY..].copy_from_slice(&end.z[Section::BODY..]);
+    point.z[OrbitSection::BODY..].copy_from_slice(&end.z[OrbitSection::BODY..]);
     for ((&i, mean), asked) in DRIFTING.iter().zip(means).zip(asked) {
         let mean = mean + 0.5 * begin[i] / steps - 0.5 * (end.z[i] - begin[i]);
         point.z[i] = asked + begin[i] - mean;
@@ -119,7 +119,7 @@ pub fn settle(cycle: &Cycle, course: &Course, pitch: f64, point: &mut Point) -> 
 
 /// Leaves only what is alike on both sides.
 fn symmetrise(symmetric: &[Direction], z: &mut [f64]) {
-    let kept: Vec<f64> = symmetric.iter().map(|d| Section::along(d, z)).collect();
+    let kept: Vec<f64> = symmetric.iter().map(|d| OrbitSection::along(d, z)).collect();
     z.fill(0.0);
     for (direction, value) in symmetric.iter().zip(kept) {
         direction.iter().for_each(|(i, share)| z[*i] += share * value);

@@ -21,7 +21,7 @@ const LATERAL: [usize; 4] = [1, 3, 5, 7];
 /// angular rate, elastic joints with their rates, states of the air. Place, heading and the structure, which rests at
 /// its held commands, are no coordinates.
 #[derive(Clone, Debug)]
-pub struct Section {
+pub struct OrbitSection {
     layout: Layout,
     names: Vec<String>,
     symmetric: Vec<Direction>,
@@ -61,7 +61,7 @@ fn moves_alike(robot: &Robot, stands: &[usize], odd: &[usize]) -> bool {
     })
 }
 
-impl Section {
+impl OrbitSection {
     /// Places of the velocity among the coordinates.
     pub const VELOCITY: Range<usize> = 0..3;
     /// Place of the roll.

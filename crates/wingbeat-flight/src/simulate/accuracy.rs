@@ -1,7 +1,7 @@
 //! Steps as long as a stated error of the last position allows, by the pair of Dormand and Prince and its dense output.
 
 use super::stepper::finite;
-use wingbeat_math::{Dynamics, Steps, Vec3};
+use wingbeat_math::{Dynamics, EqualSteps, Vec3};
 use wingbeat_ocp::plant::Fault;
 
 /// Stages of the pair; the last is the first of the next step.
@@ -87,7 +87,7 @@ pub(super) trait Clocked: Dynamics<f64, Fault> {
 }
 
 /// A step of the pair.
-struct Pair {
+struct StepPair {
     slopes: [Vec<f64>; STAGES],
     /// The state at its end, the same by the fourth order, and the stage under way.
     end: Vec<f64>,
@@ -95,7 +95,7 @@ struct Pair {
     stage: Vec<f64>,
 }
 
-impl Pair {
+impl StepPair {
     fn new(states: usize) -> Self {
         let room = || vec![0.0; states];
         Self { slopes: std::array::from_fn(|_| room()), end: room(), lower: room(), stage: room() }
@@ -147,14 +147,14 @@ fn combine(out: &mut [f64], x: &[f64], h: f64, factors: &[f64], slopes: &[Vec<f6
 /// What is known of the errors: those of steps per second as they were measured, and the sums of their sizes and of the sizes of the
 /// differences in the pair at the same steps.
 #[derive(Default)]
-struct Measured {
+struct MeasuredErrors {
     rates: Vec<Vec3>,
     size: f64,
     told: f64,
     due: f64,
 }
 
-impl Measured {
+impl MeasuredErrors {
     /// What the difference in the pair may be in a step for the flight to keep to `error` m in `duration` s, with one more measured. Both
     /// it and the error per second are of fifth order, so that their ratio does not depend on the steps.
     fn allowed(&self, error: f64, duration: f64, more: Option<(Vec3, f64)>) -> f64 {
@@ -170,18 +170,18 @@ impl Measured {
 }
 
 /// A flight by steps of a stated error.
-struct Way<'a> {
+struct AccurateFlight<'a> {
     asked: &'a Accuracy<'a>,
-    clock: Steps,
+    clock: EqualSteps,
     end: f64,
-    pair: Pair,
+    pair: StepPair,
     /// The same step in two halves.
-    halves: [Pair; 2],
-    measured: Measured,
+    halves: [StepPair; 2],
+    measured: MeasuredErrors,
     taken: Taken,
 }
 
-impl Way<'_> {
+impl AccurateFlight<'_> {
     /// The next time after `t` that a step has to end at, and the step of the clock that it is the start of, if it is one.
     fn stop(&self, t: f64, next: usize) -> (f64, Option<usize>) {
         let (near, at) = (SAME * self.clock.length, self.clock.time(next));
@@ -198,7 +198,7 @@ impl Way<'_> {
         x: &[f64],
     ) -> Result<(f64, Option<(Vec3, f64)>), Fault> {
         self.pair.step(of, t, h, x)?;
-        let Pair { end, lower, slopes, .. } = &self.pair;
+        let StepPair { end, lower, slopes, .. } = &self.pair;
         let told = (self.asked.reach)(t + h, [lower, end]).norm();
         let mut more = None;
         if t >= self.measured.due {
@@ -252,14 +252,14 @@ impl Way<'_> {
 pub(super) fn integrate(
     of: &mut dyn Clocked,
     asked: &Accuracy,
-    clock: Steps,
+    clock: EqualSteps,
     x: &mut [f64],
 ) -> Result<(bool, Taken), Fault> {
     let (n, last) = (x.len(), clock.first + clock.count);
     let (mut t, mut k, end) = (clock.time(clock.first), clock.first, clock.time(last));
-    let measured = Measured { due: t, ..Measured::default() };
-    let (pair, halves) = (Pair::new(n), [Pair::new(n), Pair::new(n)]);
-    let mut way = Way { asked, clock, end, pair, halves, measured, taken: Taken::default() };
+    let measured = MeasuredErrors { due: t, ..MeasuredErrors::default() };
+    let (pair, halves) = (StepPair::new(n), [StepPair::new(n), StepPair::new(n)]);
+    let mut way = AccurateFlight { asked, clock, end, pair, halves, measured, taken: Taken::default() };
     let longest = (LONGEST * (end - t)).max(clock.length);
     let shortest = SHORTEST * clock.length;
     // From the longest on down: of a step that is too short the error is lost in rounding.
@@ -359,7 +359,7 @@ mod tests {
     #[test]
     fn the_pair_and_its_dense_output_have_their_orders() {
         let errors = [0.2, 0.1].map(|h| {
-            let (mut of, mut pair, x) = (Oscillator::default(), Pair::new(2), [1.0, 0.0]);
+            let (mut of, mut pair, x) = (Oscillator::default(), StepPair::new(2), [1.0, 0.0]);
             pair.begin(&mut of, 0.0, &x).unwrap();
             pair.step(&mut of, 0.0, h, &x).unwrap();
             let mut at = [0.0; 2];
@@ -382,7 +382,7 @@ mod tests {
         };
         let mut x = [1.0, 0.0];
         let asked = Accuracy { error, reach: &reach, breaks };
-        let (whole, taken) = integrate(of, &asked, Steps::new(0.0, 0.01, 1000), &mut x).unwrap();
+        let (whole, taken) = integrate(of, &asked, EqualSteps::new(0.0, 0.01, 1000), &mut x).unwrap();
         assert!(whole && of.seen.len() == 1000, "{}", of.seen.len());
         (x[0], taken)
     }
@@ -411,7 +411,7 @@ mod tests {
             let reach = |_: f64, _: [&[f64]; 2]| Vec3::new(1.0, 0.0, 0.0);
             let asked = Accuracy { error: 1e-9, reach: &reach, breaks: &[] };
             let (whole, taken) =
-                integrate(&mut of, &asked, Steps::new(0.0, 1e-3, count), &mut [1.0, 0.0]).unwrap();
+                integrate(&mut of, &asked, EqualSteps::new(0.0, 1e-3, count), &mut [1.0, 0.0]).unwrap();
             assert!(whole && of.seen.len() == count && taken.error > 1e-9, "{count}: {taken:?}");
             assert!((64 * count..=64 * count + 2).contains(&taken.steps), "{count}: {taken:?}");
         }

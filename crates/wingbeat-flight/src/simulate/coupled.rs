@@ -1,6 +1,6 @@
 //! Robots in air that is stepped beside them and bears on them together with their motion.
 
-use super::fly::{Controller, Flight, Observer, Pilot, Sample, Schedule};
+use super::fly::{Controller, Flight, Pilot, Sample, SampleObserver, Schedule};
 use super::secant::Secant;
 use super::sensor::Sensors;
 use super::stepper::Stepper;
@@ -52,7 +52,7 @@ pub struct Fineness {
 
 /// How the motion of a robot and the air beside it were brought together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Coupling {
+pub struct AirCoupling {
     /// Step of the air, s.
     pub step: f64,
     /// Steps of the air.
@@ -112,9 +112,9 @@ pub trait Bears: System<Memory = Beyond> {
 }
 
 /// A robot in flight.
-struct Beside<'a>(&'a Robot);
+struct FlyingRobot<'a>(&'a Robot);
 
-impl System for Beside<'_> {
+impl System for FlyingRobot<'_> {
     type Memory = Beyond;
 
     fn sizes(&self) -> Sizes {
@@ -132,7 +132,7 @@ impl System for Beside<'_> {
     }
 }
 
-impl Bears for Beside<'_> {
+impl Bears for FlyingRobot<'_> {
     fn robot(&self) -> &Robot {
         self.0
     }
@@ -171,7 +171,7 @@ pub trait Steers {
 }
 
 /// Steers as decided: nobody sees it.
-struct Tried<'a>(&'a dyn Steers);
+struct TrialSteers<'a>(&'a dyn Steers);
 
 /// Steers as decided and shows all but the last end of its steps; its first is the step `first` of all.
 struct Kept<'a> {
@@ -180,7 +180,7 @@ struct Kept<'a> {
     steps: usize,
 }
 
-impl Driver<Beyond> for Tried<'_> {
+impl Driver<Beyond> for TrialSteers<'_> {
     fn inputs(&self, t: f64, u: &mut [f64]) {
         self.0.planned(t, u);
     }
@@ -219,10 +219,10 @@ pub fn fly_in<C: Controller + ?Sized>(
     schedule: &Schedule,
     x: &mut [f64],
     mut observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
-) -> (Flight, Coupling) {
-    let observe: Observer<C> = &mut observe;
+) -> (Flight, AirCoupling) {
+    let observe: SampleObserver<C> = &mut observe;
     let mut pilot = Pilot::new(robot, sensors, controller, schedule, observe);
-    let system = Beside(robot);
+    let system = FlyingRobot(robot);
     let mut stepper = Stepper::new(&system, 0.0, x);
     let (ending, coupling) = step_in(flow, &mut stepper, (schedule.step, schedule.steps), &mut pilot);
     x.copy_from_slice(stepper.state());
@@ -235,20 +235,20 @@ pub fn step_in<B: Bears>(
     stepper: &mut Stepper<&B>,
     steps: (f64, usize),
     steering: &mut dyn Steers,
-) -> (Ending, Coupling) {
+) -> (Ending, AirCoupling) {
     let step = flow.every() as f64 * steps.0;
-    let mut coupled = Coupled { flow, coupling: Coupling { step, ..Coupling::default() } };
+    let mut coupled = CoupledSteps { flow, coupling: AirCoupling { step, ..AirCoupling::default() } };
     let ending = coupled.run(stepper, steps, steering).unwrap_or_else(Ending::Fault);
     let fineness = coupled.flow.fineness();
-    (ending, Coupling { fineness, ..coupled.coupling })
+    (ending, AirCoupling { fineness, ..coupled.coupling })
 }
 
-struct Coupled<'a> {
+struct CoupledSteps<'a> {
     flow: &'a mut dyn Flow,
-    coupling: Coupling,
+    coupling: AirCoupling,
 }
 
-impl Coupled<'_> {
+impl CoupledSteps<'_> {
     fn run<B: Bears>(
         &mut self,
         stepper: &mut Stepper<&B>,
@@ -289,7 +289,7 @@ impl Coupled<'_> {
             loop {
                 stepper.restore(&saved);
                 stepper.memory_mut().clone_from(&memory);
-                stepper.run(step, every, &mut Tried(&*steering)).check()?;
+                stepper.run(step, every, &mut TrialSteers(&*steering)).check()?;
                 loads = self.asked(stepper)?;
                 tried += 1;
                 let found = self.beyond(stepper, &loads, &memory.ends[1])?;

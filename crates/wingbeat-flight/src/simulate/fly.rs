@@ -153,7 +153,7 @@ pub fn fly_within<P: Plant, C: Controller + ?Sized>(
     (event, asked): (Event, Option<&Accuracy>),
     mut observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> Flight {
-    let observe: Observer<C> = &mut observe;
+    let observe: SampleObserver<C> = &mut observe;
     let mut pilot = Pilot { event, ..Pilot::new(plant, sensors, controller, schedule, observe) };
     let mut stepper = Stepper::new(plant, 0.0, x);
     let (ending, taken) = match asked {
@@ -168,7 +168,7 @@ pub fn fly_within<P: Plant, C: Controller + ?Sized>(
 }
 
 /// Who sees the samples of a flight, whatever it does with them.
-pub(super) type Observer<'a, C> = &'a mut dyn FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>;
+pub(super) type SampleObserver<'a, C> = &'a mut dyn FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>;
 
 /// What ends a flight where it falls to 0, dimensionless, of the time (s) and the state.
 pub type Event<'a> = &'a dyn Fn(f64, &[f64]) -> f64;

@@ -18,8 +18,8 @@ mod together;
 
 pub use accuracy::{Accuracy, Reach, Taken, mean_error};
 pub use cost::Cost;
+pub use coupled::{AirCoupling, Fineness, Flow, fly_in};
 pub use coupled::{Bears, Beyond, Steers, step_in};
-pub use coupled::{Coupling, Fineness, Flow, fly_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Event, Flight, Sample, Schedule, Update, fly, fly_until, fly_within};
 pub use record::{Column, Record};

@@ -5,7 +5,7 @@ use super::sensor::Sensors;
 use super::stepper::finite;
 use super::system::{Driver, Ending, Moment, System, upright};
 use std::ops::ControlFlow;
-use wingbeat_math::{Dynamics, Lanes, RK4, Steps, Workspace};
+use wingbeat_math::{Dynamics, EqualSteps, Lanes, RK4, Workspace};
 use wingbeat_ocp::plant::{Fault, Plant};
 
 /// One flight of several.
@@ -62,12 +62,12 @@ where
     let lanes: Vec<_> = seats.into_iter().map(lane).collect();
     let last = lanes.len() - 1;
     let mut x: Vec<S> = (0..states).map(|i| S::of(|lane| lanes[lane.min(last)].x[i])).collect();
-    let all = Steps::new(0.0, step, steps);
-    let mut row = Row { lanes, rates, steps: all, u: vec![S::ZERO; inputs] };
+    let all = EqualSteps::new(0.0, step, steps);
+    let mut row = FlightRow { lanes, rates, steps: all, u: vec![S::ZERO; inputs] };
     let whole = if row.boundary(0, &x).is_break() {
         Ok(false)
     } else {
-        let todo = Steps::new(S::ZERO, S::from(step), steps);
+        let todo = EqualSteps::new(S::ZERO, S::from(step), steps);
         RK4.integrate(&mut row, todo, &mut x, &mut Workspace::new(states, RK4.b.len()))
     };
     let end = match whole {
@@ -82,14 +82,14 @@ where
 }
 
 /// The flights as the integrator sees them.
-struct Row<'a, S, P, C, O, F> {
+struct FlightRow<'a, S, P, C, O, F> {
     lanes: Vec<Lane<'a, P, C, O>>,
     rates: F,
-    steps: Steps,
+    steps: EqualSteps,
     u: Vec<S>,
 }
 
-impl<S: Lanes, P: Plant, C: Controller, O, F> Row<'_, S, P, C, O, F>
+impl<S: Lanes, P: Plant, C: Controller, O, F> FlightRow<'_, S, P, C, O, F>
 where
     O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 {
@@ -131,7 +131,7 @@ where
     }
 }
 
-impl<S: Lanes, P: Plant, C: Controller, O, F> Dynamics<S, Fault> for Row<'_, S, P, C, O, F>
+impl<S: Lanes, P: Plant, C: Controller, O, F> Dynamics<S, Fault> for FlightRow<'_, S, P, C, O, F>
 where
     O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
     F: Fn(S, &[S], &[S], &mut [S]) -> Result<(), Fault>,

@@ -3,7 +3,7 @@
 use super::accuracy::{self, Accuracy, Clocked, Taken};
 use super::system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
 use std::ops::{ControlFlow, Deref};
-use wingbeat_math::{Dynamics, RK4, Steps, Workspace};
+use wingbeat_math::{Dynamics, EqualSteps, RK4, Workspace};
 use wingbeat_ocp::plant::Fault;
 
 /// Halvings of a step that place an event in it: to 1e-12 of the step.
@@ -15,7 +15,7 @@ pub struct Saved<M = ()> {
     x: Vec<f64>,
     u: Vec<f64>,
     memory: M,
-    clock: Steps,
+    clock: EqualSteps,
 }
 
 impl Saved {
@@ -26,7 +26,7 @@ impl Saved {
 
     /// What [`parts`](Self::parts) gave.
     pub fn of_parts(x: Vec<f64>, u: Vec<f64>, (start, length, first): (f64, f64, usize)) -> Self {
-        Self { x, u, memory: (), clock: Steps { first, ..Steps::new(start, length, 0) } }
+        Self { x, u, memory: (), clock: EqualSteps { first, ..EqualSteps::new(start, length, 0) } }
     }
 }
 
@@ -74,7 +74,7 @@ pub struct Stepper<R: Deref<Target: System>> {
     u: Vec<f64>,
     memory: <R::Target as System>::Memory,
     /// `first` steps of `length` were taken since `start`; `count` is of no meaning here.
-    clock: Steps,
+    clock: EqualSteps,
     work: Workspace<f64>,
 }
 
@@ -89,7 +89,7 @@ impl<R: Deref<Target: System>> Stepper<R> {
             x: vec![0.0; states],
             u: vec![0.0; inputs],
             memory: Default::default(),
-            clock: Steps::new(t, 0.0, 0),
+            clock: EqualSteps::new(t, 0.0, 0),
             work: Workspace::new(states, RK4.b.len()),
             system,
         };
@@ -120,7 +120,7 @@ impl<R: Deref<Target: System>> Stepper<R> {
     }
     /// Sets the clock, s, and nothing else: what is periodic begins its next cycle.
     pub fn set_time(&mut self, t: f64) {
-        self.clock = Steps::new(t, 0.0, 0);
+        self.clock = EqualSteps::new(t, 0.0, 0);
     }
     /// State, in the units of its channels.
     pub fn state(&self) -> &[f64] {
@@ -198,7 +198,7 @@ impl<R: Deref<Target: System>> Stepper<R> {
     /// Moves the clock on by `steps` steps of `dt` seconds that were taken elsewhere.
     pub(super) fn count_steps(&mut self, dt: f64, steps: usize) {
         if self.clock.length != dt {
-            self.clock = Steps::new(self.time(), dt, 0);
+            self.clock = EqualSteps::new(self.time(), dt, 0);
         }
         self.clock.first += steps;
     }
@@ -242,10 +242,10 @@ impl<R: Deref<Target: System>> Stepper<R> {
         self.count_steps(dt, 0);
         let began = self.clock.first;
         let Self { system, x, u, memory, clock, work } = self;
-        let todo = Steps { count: steps, ..*clock };
+        let todo = EqualSteps { count: steps, ..*clock };
         // Kept only where an event may end a step.
         let before = if driver.event(todo.time(todo.first), x).is_finite() { x.clone() } else { Vec::new() };
-        let mut run = Run { system: &**system, memory, u, clock, began, driver, before };
+        let mut run = StepperRun { system: &**system, memory, u, clock, began, driver, before };
         let end = run.boundary(x).and_then(|flow| match flow {
             ControlFlow::Break(()) => Ok(false),
             ControlFlow::Continue(()) => integrate(&mut run, todo, x, work),
@@ -259,22 +259,26 @@ impl<R: Deref<Target: System>> Stepper<R> {
 }
 
 /// Takes steps of a run; says whether all were taken.
-type Integrate<'a, S> =
-    &'a mut dyn FnMut(&mut Run<'_, S>, Steps, &mut [f64], &mut Workspace<f64>) -> Result<bool, Fault>;
+type Integrate<'a, S> = &'a mut dyn FnMut(
+    &mut StepperRun<'_, S>,
+    EqualSteps,
+    &mut [f64],
+    &mut Workspace<f64>,
+) -> Result<bool, Fault>;
 
 /// A run as the integrator sees it.
-struct Run<'a, S: System + ?Sized> {
+struct StepperRun<'a, S: System + ?Sized> {
     system: &'a S,
     memory: &'a mut S::Memory,
     u: &'a mut [f64],
-    clock: &'a mut Steps,
+    clock: &'a mut EqualSteps,
     began: usize,
     driver: &'a mut dyn Driver<S::Memory>,
     /// State at the start of the step, where an event may end it.
     before: Vec<f64>,
 }
 
-impl<S: System + ?Sized> Run<'_, S> {
+impl<S: System + ?Sized> StepperRun<'_, S> {
     /// Ends the step `k`, at whose end the state is `x`, at the event within it.
     ///
     /// Equation: flight.event
@@ -300,7 +304,7 @@ impl<S: System + ?Sized> Run<'_, S> {
         let t = start + late * length;
         self.set_inputs(t);
         self.system.advance(t, late * length, x, self.u, self.memory)?;
-        *self.clock = Steps::new(t, length, 0);
+        *self.clock = EqualSteps::new(t, length, 0);
         self.driver.ended(Moment { t, x, u: self.u, memory: self.memory })?;
         Ok(ControlFlow::Break(()))
     }
@@ -319,7 +323,7 @@ impl<S: System + ?Sized> Run<'_, S> {
     }
 }
 
-impl<S: System + ?Sized> Dynamics<f64, Fault> for Run<'_, S> {
+impl<S: System + ?Sized> Dynamics<f64, Fault> for StepperRun<'_, S> {
     fn slope(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
         self.set_inputs(t);
         self.system.slope(Moment { t, x, u: self.u, memory: self.memory }, dx)
@@ -337,7 +341,7 @@ impl<S: System + ?Sized> Dynamics<f64, Fault> for Run<'_, S> {
     }
 }
 
-impl<S: System + ?Sized> Clocked for Run<'_, S> {
+impl<S: System + ?Sized> Clocked for StepperRun<'_, S> {
     fn next(&self, k: usize) -> usize {
         self.driver.next(k - self.began).saturating_add(self.began)
     }

@@ -3,7 +3,7 @@
 use super::Stepper;
 use super::system::upright;
 use std::ops::{ControlFlow, Deref};
-use wingbeat_math::{Dynamics, Lanes, RK4, Steps, Workspace};
+use wingbeat_math::{Dynamics, EqualSteps, Lanes, RK4, Workspace};
 use wingbeat_ocp::plant::{Fault, Plant, PlantLanes};
 
 /// Room to step up to [`Lanes::WIDTH`] steppers of one plant at once, by the steps of [`Stepper::step`] with inputs held.
@@ -44,8 +44,8 @@ impl<S: PlantLanes> Together<S> {
             *u = S::of(|lane| members[lane.min(last)].inputs()[i]);
         }
         let start = S::of(|lane| members[lane.min(last)].time());
-        let mut run = Run { plant: members[0].system(), u: &self.u };
-        let todo = Steps::new(start, S::from(dt), steps);
+        let mut run = LaneRun { plant: members[0].system(), u: &self.u };
+        let todo = EqualSteps::new(start, S::from(dt), steps);
         if RK4.integrate(&mut run, todo, &mut self.x, &mut self.work).is_err() {
             self.x.fill(S::from(f64::NAN));
         }
@@ -59,12 +59,12 @@ impl<S: PlantLanes> Together<S> {
 }
 
 /// The lanes as the integrator sees them.
-struct Run<'a, S, P> {
+struct LaneRun<'a, S, P> {
     plant: &'a P,
     u: &'a [S],
 }
 
-impl<S: PlantLanes, P: Plant> Dynamics<S, Fault> for Run<'_, S, P> {
+impl<S: PlantLanes, P: Plant> Dynamics<S, Fault> for LaneRun<'_, S, P> {
     fn slope(&mut self, t: S, x: &[S], dx: &mut [S]) -> Result<(), Fault> {
         S::rates_of(self.plant, t, x, self.u, dx)
     }

@@ -22,7 +22,7 @@ pub use ground::Plane;
 pub use numbers::WingNumbers;
 pub use outline::Shape;
 pub use recorder::TetherRun;
-pub use run::{Clock, Motion, Reference, Tether};
+pub use run::{Clock, CoefficientScales, Motion, Tether};
 pub use sensitivity::CycleWrenches;
 pub use spar::{Bent, STRAIN, Spar, Steady};
 pub use wing::{Frame, Hinge, HingeKind, Side, TetheredBody, Wing};

@@ -77,7 +77,7 @@ impl WindAxes {
 }
 
 /// Rows as they come.
-pub(super) struct Recorder {
+pub(super) struct TetherRecorder {
     loads: Record,
     strips: StripRecorder,
     axes: WindAxes,
@@ -85,7 +85,7 @@ pub(super) struct Recorder {
     powers: Powers,
 }
 
-impl Recorder {
+impl TetherRecorder {
     pub fn new(tether: &Tether) -> Self {
         let rows = tether.clock.steps() + 1;
         Self {

@@ -1,6 +1,6 @@
 //! Time stepping of a tethered wing.
 
-use super::recorder::Recorder;
+use super::recorder::TetherRecorder;
 use super::spar::{Bent, Spar};
 use super::wing::Frame;
 use super::{Coordinate, Plane, Side, TetherRun, TetheredBody, Wing};
@@ -99,7 +99,7 @@ impl Motion {
 
 /// Scales of the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reference {
+pub struct CoefficientScales {
     /// Density, kg/m3.
     pub density_kg_m3: f64,
     /// Speed, m/s.
@@ -124,7 +124,7 @@ pub struct Tether {
     /// Whose loads count: a half alone has a mirror plane at its root.
     pub side: Side,
     /// Scales of the coefficients.
-    pub reference: Reference,
+    pub reference: CoefficientScales,
     /// Cycles and steps.
     pub clock: Clock,
     /// The beam that carries each half, where the wing is not rigid.
@@ -144,7 +144,7 @@ impl Tether {
             let allowed = format!("{}: one angle per hinge", self.wing.hinges().len());
             return Err(Error::invalid("hinges", self.motion.hinges.len(), allowed));
         }
-        Recorder::columns(self)?;
+        TetherRecorder::columns(self)?;
         self.check_ground()?;
         if let Some(spar) = &self.spar {
             spar.check(self)?;
@@ -177,7 +177,7 @@ impl Tether {
     /// # Errors
     /// Two hinges of one name.
     pub fn columns(&self) -> Result<Record, Error> {
-        Recorder::columns(self)
+        TetherRecorder::columns(self)
     }
 
     /// The same with other steps per cycle.
@@ -280,7 +280,7 @@ impl Tether {
         if let Some(spar) = &self.spar {
             return spar.run(self, &mut progress);
         }
-        let mut recorder = Recorder::new(self);
+        let mut recorder = TetherRecorder::new(self);
         let steps = self.clock.steps();
         let mut watch = Held(|step: usize, at: Moment| {
             recorder.sample(self, step, &self.observed(at)?, None)?;

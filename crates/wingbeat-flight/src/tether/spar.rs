@@ -1,6 +1,6 @@
 //! A wing whose halves are bent by the air: beams between its root and its strips.
 
-use super::recorder::Recorder;
+use super::recorder::TetherRecorder;
 use super::wing::{Frame, motion};
 use super::{Coordinate, Side, Tether, TetherRun};
 use crate::simulate::{Column, Held, Moment, Observed, Sizes, Stepper, System};
@@ -10,7 +10,8 @@ use wingbeat_aero::{Aero, Loads, SectionMotion};
 use wingbeat_math::{Error, Jet, Mat3, Scalar, Vec3, Wrench, require};
 use wingbeat_ocp::plant::{Early, Fault};
 use wingbeat_structure::{
-    Beam, Factors, Implicit, Place, Rule, Setting, Stage, Swung, frequencies, linear, of_first_order, step,
+    Beam, Implicit, Place, Rule, Setting, Stage, StepFactors, Swung, frequencies, linear, of_first_order,
+    step,
 };
 
 /// Newton steps in the search of a shape at rest.
@@ -82,11 +83,11 @@ pub struct Steady {
 struct Memory {
     a: Vec<f64>,
     w: Vec<f64>,
-    factors: Factors,
+    factors: StepFactors,
 }
 
 /// A wing with the air and its beam.
-struct Coupled<'a> {
+struct CoupledSpar<'a> {
     tether: &'a Tether,
     spar: &'a Spar,
     /// Held as it is at this time, where it is.
@@ -96,7 +97,7 @@ struct Coupled<'a> {
 }
 
 /// A way to evaluate the model of the air in one kind of number.
-type Air<'a, S> = dyn Fn(&[SectionMotion<S>], Vec3<S>, &[S], &mut [S], &mut Loads<S>) + 'a;
+type SparAir<'a, S> = dyn Fn(&[SectionMotion<S>], Vec3<S>, &[S], &mut [S], &mut Loads<S>) + 'a;
 
 fn lifted<S: Scalar>(m: &SectionMotion<f64>) -> SectionMotion<S> {
     let v = |v: Vec3| v.each(S::from);
@@ -285,7 +286,7 @@ impl Spar {
             if k == 1 {
                 (at.q, at.x) = (zero(n), zero(m));
             }
-            let coupled = Coupled { tether, spar: self, still: Some(0.0), share };
+            let coupled = CoupledSpar { tether, spar: self, still: Some(0.0), share };
             found = false;
             for _ in 0..MOST {
                 coupled.residual(0.0, &at, &mut out);
@@ -327,7 +328,7 @@ impl Spar {
 
     /// Growth rate and frequency of the motion that decays least about a shape at rest.
     fn least_damped(&self, tether: &Tether, at: &Stage) -> [f64; 2] {
-        let coupled = Coupled { tether, spar: self, still: Some(0.0), share: 1.0 };
+        let coupled = CoupledSpar { tether, spar: self, still: Some(0.0), share: 1.0 };
         let found = coupled.eigenvalues(at);
         let least = found.into_iter().filter(|s| s.1 >= 0.0).max_by(|a, b| a.0.total_cmp(&b.0));
         least.map_or([f64::NAN; 2], |(growth, frequency)| [growth, frequency])
@@ -335,9 +336,9 @@ impl Spar {
 
     /// Runs all cycles from the shape at rest.
     pub(super) fn run(&self, tether: &Tether, progress: &mut dyn FnMut(f64) -> ControlFlow<()>) -> TetherRun {
-        let mut recorder = Recorder::new(tether);
+        let mut recorder = TetherRecorder::new(tether);
         let steps = tether.clock.steps();
-        let coupled = Coupled { tether, spar: self, still: None, share: 1.0 };
+        let coupled = CoupledSpar { tether, spar: self, still: None, share: 1.0 };
         let mut steady = self.steady(tether);
         steady.grid_change = self.grid_change(tether, &steady).filter(|_| steady.found);
         let n = self.beam.coordinates();
@@ -365,14 +366,14 @@ impl Spar {
     }
 }
 
-impl Coupled<'_> {
+impl CoupledSpar<'_> {
     /// Residuals of the beam and rates of the air; what holds the root.
     fn evaluate<S: Scalar>(
         &self,
         t: f64,
         [q, v, a]: [&[S]; 3],
         x: &[S],
-        air: &Air<'_, S>,
+        air: &SparAir<'_, S>,
         (out, dx, loads): (&mut [S], &mut [S], &mut Loads<S>),
     ) -> Wrench<S> {
         let Self { tether, spar, .. } = self;
@@ -478,7 +479,7 @@ impl Coupled<'_> {
     }
 }
 
-impl Implicit for Coupled<'_> {
+impl Implicit for CoupledSpar<'_> {
     /// The ringing of a stiff spar, which no step resolves, dies away.
     fn rule(&self) -> Rule {
         Rule::Radau
@@ -500,7 +501,7 @@ impl Implicit for Coupled<'_> {
 }
 
 /// Its states are the beam's coordinates, their rates, and those of the air; an implicit step moves them after each step of the clock.
-impl System for Coupled<'_> {
+impl System for CoupledSpar<'_> {
     type Memory = Memory;
 
     fn sizes(&self) -> Sizes {
@@ -524,7 +525,7 @@ impl System for Coupled<'_> {
     }
 }
 
-impl Coupled<'_> {
+impl CoupledSpar<'_> {
     fn stage(&self, x: &[f64], memory: &Memory) -> Stage {
         let n = self.spar.beam.coordinates();
         let or_zero = |of: &[f64], n: usize| if of.is_empty() { vec![0.0; n] } else { of.to_vec() };
@@ -539,7 +540,7 @@ impl Coupled<'_> {
     }
 }
 
-impl Observed for Coupled<'_> {
+impl Observed for CoupledSpar<'_> {
     type Observation = (Loads<f64>, Bent);
 
     /// The accelerations are those that the state asks for: the residual is linear in them.

@@ -39,7 +39,7 @@ impl Signal {
 
 /// How the box numbers its records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Numbers {
+pub enum RecordNumbering {
     /// By one and by the samples between, as the box does.
     #[default]
     Counted,
@@ -55,7 +55,7 @@ pub enum Numbers {
 
 /// What the records say of the loads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Loads {
+pub enum LoadPattern {
     /// What the cell feels.
     #[default]
     Measured,
@@ -101,9 +101,9 @@ pub struct Faults {
     /// Number before the first record of a stream and of the box's own count, to see numbers wrap.
     pub sequence: u32,
     /// How records are numbered.
-    pub numbers: Numbers,
+    pub numbers: RecordNumbering,
     /// What records say of the loads.
-    pub loads: Loads,
+    pub loads: LoadPattern,
     /// Seed of all this.
     pub seed: u64,
 }

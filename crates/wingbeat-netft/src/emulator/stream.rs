@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use wingbeat::math::Random;
 use wingbeat::rig::netft::{Command, RECORD_BYTES, RdtRecord, Request};
 
-use super::{Faults, Loads, Numbers, SCALE, Sent, Signal};
+use super::{Faults, LoadPattern, RecordNumbering, SCALE, Sent, Signal};
 
 /// Records of a buffered datagram.
 const PACK: usize = 28;
@@ -159,11 +159,11 @@ impl Stream {
     fn numbers(&mut self, client: &Client) -> (u32, u32) {
         let (rdt, ft, first) = (client.rdt_sequence, client.ft_sequence, self.faults.sequence);
         match self.faults.numbers {
-            Numbers::Counted => (rdt, ft),
-            Numbers::Random => (self.random.bits() as u32, ft),
-            Numbers::Backward => (0_u32.wrapping_sub(rdt), 0_u32.wrapping_sub(ft)),
-            Numbers::Frozen => (first.wrapping_add(1), first),
-            Numbers::FrozenSamples => (rdt, first),
+            RecordNumbering::Counted => (rdt, ft),
+            RecordNumbering::Random => (self.random.bits() as u32, ft),
+            RecordNumbering::Backward => (0_u32.wrapping_sub(rdt), 0_u32.wrapping_sub(ft)),
+            RecordNumbering::Frozen => (first.wrapping_add(1), first),
+            RecordNumbering::FrozenSamples => (rdt, first),
         }
     }
 
@@ -172,10 +172,10 @@ impl Stream {
         let [fx, fy, _, tx, ty, tz] = measured;
         let first = self.signal.at(0);
         match self.faults.loads {
-            Loads::Measured => measured,
-            Loads::Zero => [0.0; 6],
-            Loads::StuckFz => [fx, fy, first[2], tx, ty, tz],
-            Loads::Frozen => first,
+            LoadPattern::Measured => measured,
+            LoadPattern::Zero => [0.0; 6],
+            LoadPattern::StuckFz => [fx, fy, first[2], tx, ty, tz],
+            LoadPattern::Frozen => first,
         }
     }
 

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use wingbeat_netft::{
-    Emulator, Ending, Faults, Options, Report, Row, Sent, Signal, read_config, read_log, record,
+    Emulator, Faults, RecordingEnd, RecordingOptions, Report, Row, Sent, Signal, read_config, read_log,
+    record,
 };
 
 /// All rows of a log.
@@ -20,11 +21,16 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// Records `count` records of an emulator with `faults`; the last ones may be missing in its books.
-fn run(name: &str, offset: u16, faults: Faults, set: impl Fn(&mut Options)) -> (Report, Sent, PathBuf) {
+fn run(
+    name: &str,
+    offset: u16,
+    faults: Faults,
+    set: impl Fn(&mut RecordingOptions),
+) -> (Report, Sent, PathBuf) {
     let home = IpAddr::V4(Ipv4Addr::LOCALHOST);
     let emulator = Emulator::start(home, offset, Signal::Flapping, faults).unwrap();
     let config = read_config(emulator.http).unwrap();
-    let mut options = Options::new(emulator.rdt);
+    let mut options = RecordingOptions::new(emulator.rdt);
     options.count = 7000;
     options.duration = Some(Duration::from_secs(20));
     set(&mut options);
@@ -37,7 +43,7 @@ fn run(name: &str, offset: u16, faults: Faults, set: impl Fn(&mut Options)) -> (
 #[test]
 fn a_clean_stream_is_recorded_whole() {
     let (report, _, path) = run("clean", 8001, Faults::default(), |_| {});
-    assert_eq!(report.ending, Ending::Complete);
+    assert_eq!(report.ending, RecordingEnd::Complete);
     let a = &report.account;
     assert_eq!((a.received, a.lost, a.duplicates, a.reordered, a.malformed), (7000, 0, 0, 0, 0));
     assert!((report.rate_hz - 7000.0).abs() < 200.0, "{}", report.rate_hz);
@@ -121,7 +127,7 @@ fn garbage_saturation_and_delay_are_seen() {
 fn a_stall_is_survived_or_ends_the_recording() {
     let faults = Faults { stall_after: 3000, ..Default::default() };
     let (report, _, path) = run("stall", 8006, faults, |o| o.stall = Duration::from_millis(200));
-    assert_eq!((report.ending, report.account.received), (Ending::Complete, 7000));
+    assert_eq!((report.ending, report.account.received), (RecordingEnd::Complete, 7000));
     let a = &report.account;
     assert_eq!((report.stalls, a.restarts, a.reboots), (2, 2, 0));
     // The box goes on sampling while it does not send: two silences of at least 0.2 s and the pause of 0.1 s.
@@ -134,7 +140,7 @@ fn a_stall_is_survived_or_ends_the_recording() {
         o.stall = Duration::from_millis(200);
         o.reconnects = 0;
     });
-    assert_eq!((report.ending, report.account.received), (Ending::Silent, 3000));
+    assert_eq!((report.ending, report.account.received), (RecordingEnd::Silent, 3000));
     std::fs::remove_dir_all(path).unwrap();
 }
 
@@ -143,7 +149,7 @@ fn a_box_that_restarts_is_asked_again_until_it_answers() {
     let faults = Faults { restart_after: 3000, ..Default::default() };
     let (report, sent, path) = run("reboot", 8010, faults, |o| o.stall = Duration::from_millis(200));
     let a = &report.account;
-    assert_eq!((report.ending, a.received, a.lost, a.duplicates), (Ending::Complete, 7000, 0, 0));
+    assert_eq!((report.ending, a.received, a.lost, a.duplicates), (RecordingEnd::Complete, 7000, 0, 0));
     assert_eq!((sent.restarts, report.stalls, a.restarts, a.reboots), (2, 2, 2, 2));
     assert!(report.longest_silence >= Duration::from_secs(1), "{:?}", report.longest_silence);
     std::fs::remove_dir_all(path).unwrap();
@@ -154,7 +160,7 @@ fn a_restart_whose_count_passes_the_old_one_is_booked_by_the_clock() {
     let faults = Faults { restart_after: 3000, restart_at: 30_000, ..Default::default() };
     let (report, _, path) = run("passing", 8014, faults, |o| o.stall = Duration::from_millis(200));
     let a = &report.account;
-    assert_eq!((report.ending, a.received, a.reboots), (Ending::Complete, 7000, 2));
+    assert_eq!((report.ending, a.received, a.reboots), (RecordingEnd::Complete, 7000, 2));
     let rows = rows(&report.files[0]);
     let seconds = (rows[6999].arrival_ns() - rows[0].arrival_ns()) as f64 * 1e-9;
     assert!((a.booked() as f64 / 7000.0 - seconds).abs() < 0.1, "{} {seconds}", a.booked());
@@ -177,7 +183,7 @@ fn noise_alone_is_silence() {
         o.stall = Duration::from_millis(200);
         o.reconnects = 1;
     });
-    assert_eq!((report.ending, report.account.received), (Ending::Silent, 0));
+    assert_eq!((report.ending, report.account.received), (RecordingEnd::Silent, 0));
     assert!(report.account.malformed > 100 && report.stalls == 1, "{:?}", report.account);
     std::fs::remove_dir_all(path).unwrap();
 }
@@ -250,7 +256,7 @@ fn a_silent_box_does_not_hold_the_recorder() {
     let began = std::time::Instant::now();
     // The observer is asked while nothing comes, so that Ctrl-C works.
     let mut idle = 0;
-    let report = record(&Options::new(emulator.rdt), &scale, &path, "run", |row| {
+    let report = record(&RecordingOptions::new(emulator.rdt), &scale, &path, "run", |row| {
         idle += usize::from(row.is_none());
         idle < 3
     });
@@ -277,6 +283,8 @@ fn taken_ports_and_closed_folders_are_explained() {
     assert!(clash.to_string().contains("--port-offset"), "{clash}");
     let scale = read_config(refused.http).unwrap().scale;
     let nowhere =
-        record(&Options::new(refused.rdt), &scale, std::path::Path::new("/proc/no"), "run", |_| true);
+        record(&RecordingOptions::new(refused.rdt), &scale, std::path::Path::new("/proc/no"), "run", |_| {
+            true
+        });
     assert!(nowhere.unwrap_err().to_string().contains("/proc/no"));
 }

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use wingbeat::rig::netft::Scale;
-use wingbeat_netft::{Ending, Options, Report, Row, read_config, read_log, record};
+use wingbeat_netft::{RecordingEnd, RecordingOptions, Report, Row, read_config, read_log, record};
 
 /// A running box.py; dropped, it ends.
 struct Box {
@@ -35,7 +35,7 @@ impl Box {
 
     /// Records `count` records.
     fn record(&self, count: u64, buffered: bool) -> (Report, Vec<Row>) {
-        let mut options = Options::new(self.rdt);
+        let mut options = RecordingOptions::new(self.rdt);
         (options.count, options.buffered) = (count, buffered);
         options.duration = Some(Duration::from_secs(60));
         let folder = std::env::temp_dir().join(format!("wingbeat-box-{buffered}-{}", std::process::id()));
@@ -79,7 +79,7 @@ fn every_sample_of_another_box_is_read() {
     for (buffered, count) in [(false, 3500), (true, 3520)] {
         let (report, rows) = other.record(count, buffered);
         let a = &report.account;
-        assert_eq!(report.ending, Ending::Complete);
+        assert_eq!(report.ending, RecordingEnd::Complete);
         assert_eq!((a.received, a.lost, a.duplicates, a.malformed, a.restarts), (count, 0, 0, 0, 0));
         for (k, row) in rows.iter().enumerate() {
             assert_eq!(row.record.rdt_sequence as usize, k + 1);

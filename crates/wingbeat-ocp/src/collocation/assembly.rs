@@ -1,7 +1,7 @@
 //! Derivatives of a collocated problem, interval by interval, dense over the
 //! columns of the interval: its own unknowns, then times and parameters.
 
-use super::layout::{Layout, StateOf};
+use super::layout::{StateOf, UnknownLayout};
 use super::points::MIDDLE;
 use super::*;
 
@@ -60,7 +60,7 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    pub fn new(setup: &Setup, scheme: &Scheme, layout: &Layout) -> Self {
+    pub fn new(setup: &Setup, scheme: &Scheme, layout: &UnknownLayout) -> Self {
         let own = layout.intervals[0].columns[1] - layout.intervals[0].columns[0];
         let (width, points) = (own + 2 + setup.parameters.len(), scheme.points());
         let intervals = layout.intervals.iter().enumerate();
@@ -102,7 +102,7 @@ impl Assembly {
 
 /// Shares of the local unknowns of point `i`; those of a middle state follow
 /// from the rates at the ends and are left zero.
-fn shares(setup: &Setup, layout: &Layout, i: usize, k: usize) -> Vec<Shares> {
+fn shares(setup: &Setup, layout: &UnknownLayout, i: usize, k: usize) -> Vec<Shares> {
     let (place, [first, end]) = (&layout.points[i], layout.intervals[k].columns);
     let (n, m, own) = (setup.states.len(), setup.inputs.len(), end - first);
     let mut map = vec![[(own, 1.0 - place.sigma), (own + 1, place.sigma)]];

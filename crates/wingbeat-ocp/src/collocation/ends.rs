@@ -2,7 +2,7 @@
 
 use super::super::nlp::EvaluationError;
 use super::super::problem::{Ends, OptimalControl, Setup};
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use wingbeat_math::{Scalar, Tape};
 
 /// Values and derivatives of the functions of the ends, over their unknowns
@@ -28,7 +28,7 @@ pub(super) struct EndFunctions {
 
 impl EndFunctions {
     /// The functions of `problem`; their non-zeros are found near the unknowns `w`.
-    pub fn new<P: OptimalControl>(problem: &P, setup: &Setup, layout: &Layout, w: &[f64]) -> Self {
+    pub fn new<P: OptimalControl>(problem: &P, setup: &Setup, layout: &UnknownLayout, w: &[f64]) -> Self {
         let n = setup.states.len();
         let (first, last) = (layout.nodes[0], layout.nodes[layout.nodes.len() - 1]);
         let mut columns = vec![layout.times, layout.times + 1];

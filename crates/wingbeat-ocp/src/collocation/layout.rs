@@ -1,7 +1,7 @@
 //! Where the unknowns and the constraints of a collocated problem are.
 
 use super::super::problem::Setup;
-use super::super::scaled::Sizes;
+use super::super::scaled::TypicalSizes;
 use super::super::scheme::{InputShape, Scheme};
 use crate::plant::Channel;
 
@@ -43,7 +43,7 @@ pub(super) struct IntervalPlace {
 /// The unknowns stage by stage (x, u of a node, then the points inside), then
 /// initial time, final time and parameters; the constraints likewise.
 #[derive(Clone, Debug)]
-pub(super) struct Layout {
+pub(super) struct UnknownLayout {
     pub points: Vec<PointPlace>,
     /// First state of each node among the unknowns.
     pub nodes: Vec<usize>,
@@ -57,10 +57,10 @@ pub(super) struct Layout {
     pub variable_block: Vec<usize>,
     pub constraint_block: Vec<usize>,
     /// Typical sizes of variables and constraints.
-    pub sizes: Sizes,
+    pub sizes: TypicalSizes,
 }
 
-impl Layout {
+impl UnknownLayout {
     pub fn new(setup: &Setup, scheme: &Scheme, mesh: &[f64], cost_at_nodes: bool) -> Self {
         let mut layout = Self {
             points: Vec::new(),
@@ -72,7 +72,7 @@ impl Layout {
             constraints: Vec::new(),
             variable_block: Vec::new(),
             constraint_block: Vec::new(),
-            sizes: Sizes::default(),
+            sizes: TypicalSizes::default(),
         };
         let last = mesh.len() - 1;
         for k in 0..last {

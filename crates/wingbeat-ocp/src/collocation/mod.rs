@@ -9,13 +9,13 @@ mod points;
 use super::multipliers::Multipliers;
 use super::nlp::{Derivatives, EvaluationError, Program, Structure};
 use super::problem::{OptimalControl, Setup};
-use super::scaled::Sizes;
+use super::scaled::TypicalSizes;
 use super::scheme::Scheme;
 use super::trajectory::Trajectory;
 use crate::plant::Channel;
 use assembly::Assembly;
 use ends::EndFunctions;
-use layout::{Layout, PointPlace, StateOf};
+use layout::{PointPlace, StateOf, UnknownLayout};
 use points::{MIDDLE, Points};
 
 /// How a problem is collocated.
@@ -44,7 +44,7 @@ pub struct Collocation<'a, P> {
     problem: &'a P,
     setup: Setup,
     pub(super) transcribed: Transcribed,
-    layout: Layout,
+    layout: UnknownLayout,
     points: Points,
     ends: EndFunctions,
     /// Weights of the outputs in the Lagrangian, per time span.
@@ -59,7 +59,8 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
     /// `problem` on the mesh of `transcribed`, which has at least one interval.
     pub fn new(problem: &'a P, transcribed: Transcribed, guess: &Trajectory) -> Self {
         let setup = problem.setup();
-        let layout = Layout::new(&setup, &transcribed.scheme, &transcribed.mesh, transcribed.cost_at_nodes);
+        let layout =
+            UnknownLayout::new(&setup, &transcribed.scheme, &transcribed.mesh, transcribed.cost_at_nodes);
         let points = Points::new(&setup, &layout);
         let mut collocation = Self {
             problem,
@@ -113,7 +114,7 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
     }
 
     /// Typical sizes of the unknowns and of the constraints.
-    pub(super) fn sizes(&self) -> Sizes {
+    pub(super) fn sizes(&self) -> TypicalSizes {
         self.layout.sizes.clone()
     }
 

@@ -2,7 +2,7 @@
 
 use super::super::nlp::EvaluationError;
 use super::super::problem::{Instant, OptimalControl, Setup};
-use super::layout::{Layout, StateOf};
+use super::layout::{StateOf, UnknownLayout};
 use crate::plant::Fault;
 use wingbeat_math::{Scalar, Tape};
 
@@ -28,7 +28,7 @@ pub(super) struct Points {
 }
 
 impl Points {
-    pub fn new(setup: &Setup, layout: &Layout) -> Self {
+    pub fn new(setup: &Setup, layout: &UnknownLayout) -> Self {
         let (states, inputs, path) = (setup.states.len(), setup.inputs.len(), setup.path.len());
         let (outputs, locals) = (states + 1 + path, 1 + states + inputs + setup.parameters.len());
         let count = layout.points.len();
@@ -65,7 +65,7 @@ impl Points {
 
     /// Gathers the local unknowns of point `i` from the unknowns `w`; a middle
     /// state also from the rates at the nodes.
-    fn gather(&mut self, w: &[f64], layout: &Layout, i: usize) {
+    fn gather(&mut self, w: &[f64], layout: &UnknownLayout, i: usize) {
         let (n, m, place) = (self.states, self.inputs, &layout.points[i]);
         let times = layout.times;
         self.local[0] = w[times] * (1.0 - place.sigma) + w[times + 1] * place.sigma;
@@ -80,8 +80,8 @@ impl Points {
         self.local[1 + n + m..].copy_from_slice(&w[times + 2..]);
     }
 
-    /// x_c = (x_0 + x_1)/2 + h/8 (f_0 - f_1), as [`Interval::middle`](crate::Interval::middle).
-    fn gather_middle(&mut self, w: &[f64], layout: &Layout, k: usize) {
+    /// x_c = (x_0 + x_1)/2 + h/8 (f_0 - f_1), as [`Interval::middle`](crate::IntervalEnds::middle).
+    fn gather_middle(&mut self, w: &[f64], layout: &UnknownLayout, k: usize) {
         let interval = &layout.intervals[k];
         let [f0, f1] = interval.ends.map(|i| i * self.outputs);
         let [x0, x1] = [layout.nodes[k], layout.nodes[k + 1]];
@@ -109,7 +109,7 @@ impl Points {
     }
 
     /// Time, state and input of point `i`.
-    pub fn at(&mut self, w: &[f64], layout: &Layout, i: usize) -> (f64, &[f64], &[f64]) {
+    pub fn at(&mut self, w: &[f64], layout: &UnknownLayout, i: usize) -> (f64, &[f64], &[f64]) {
         self.gather(w, layout, i);
         let (x, rest) = self.local[1..].split_at(self.states);
         (self.local[0], x, &rest[..self.inputs])
@@ -121,7 +121,7 @@ impl Points {
         &mut self,
         problem: &P,
         setup: &Setup,
-        layout: &Layout,
+        layout: &UnknownLayout,
         w: &[f64],
         points: impl Iterator<Item = usize>,
     ) -> Result<(), EvaluationError> {
@@ -141,7 +141,7 @@ impl Points {
     pub fn differentiate<P: OptimalControl>(
         &mut self,
         problem: &P,
-        layout: &Layout,
+        layout: &UnknownLayout,
         i: usize,
         w: &[f64],
         weights: &[f64],

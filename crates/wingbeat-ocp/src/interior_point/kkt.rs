@@ -1,6 +1,6 @@
 //! The Newton system of the barrier problem and its inertia correction.
 
-use super::runs::{Run, add_scaled, dot, runs};
+use super::runs::{EntryRun, add_scaled, dot, runs};
 use super::standard::Standard;
 use wingbeat_math::multifrontal::{Factors, Inertia, Pattern};
 
@@ -23,7 +23,7 @@ pub(super) struct Kkt {
     factors: Factors,
     values: Vec<f64>,
     /// The entries of the matrix, by rows.
-    entries: Vec<Run>,
+    entries: Vec<EntryRun>,
     /// Entries that belong to variables that are not free.
     fixed: Vec<usize>,
     /// Diagonal of the variables' part: barrier, or one where not free.

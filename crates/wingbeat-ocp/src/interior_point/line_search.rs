@@ -2,7 +2,7 @@
 //! (Waechter & Biegler 2006, algorithm A).
 
 use super::filter::{GAMMA_PHI, GAMMA_THETA};
-use super::solver::{Solver, Step};
+use super::solver::{SearchStep, Solver};
 
 /// Armijo's share of the predicted decrease.
 const ETA: f64 = 1e-8;
@@ -59,7 +59,7 @@ impl Here {
 
 impl Solver<'_> {
     /// Moves the point along the Newton step as far as the filter allows.
-    pub(super) fn search(&mut self) -> Step {
+    pub(super) fn search(&mut self) -> SearchStep {
         let tau = LEAST_TAU.max(1.0 - self.mu);
         let here = Here {
             theta: self.point.theta(&self.standard),
@@ -68,7 +68,7 @@ impl Solver<'_> {
         };
         let longest = self.point.longest_step(&self.standard, &self.dw, tau);
         if self.is_tiny() {
-            return if self.evaluate_trial(longest) { self.take(longest, tau) } else { Step::None };
+            return if self.evaluate_trial(longest) { self.take(longest, tau) } else { SearchStep::None };
         }
         let shortest = here.shortest(self.theta_small);
         let mut alpha = longest;
@@ -86,7 +86,7 @@ impl Solver<'_> {
             }
             alpha *= 0.5;
         }
-        Step::None
+        SearchStep::None
     }
 
     fn is_tiny(&self) -> bool {
@@ -170,7 +170,7 @@ impl Solver<'_> {
     }
 
     /// Makes the trial point the present one.
-    fn take(&mut self, alpha: f64, tau: f64) -> Step {
+    fn take(&mut self, alpha: f64, tau: f64) -> SearchStep {
         self.step = alpha;
         std::mem::swap(&mut self.point.w, &mut self.trial.w);
         std::mem::swap(&mut self.point.g, &mut self.trial.g);
@@ -179,6 +179,6 @@ impl Solver<'_> {
             *y += alpha * d;
         }
         self.point.step_limits(&self.standard, &self.trial.w, &self.dw, self.mu, tau);
-        Step::Taken
+        SearchStep::Taken
     }
 }

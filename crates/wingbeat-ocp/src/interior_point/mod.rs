@@ -14,7 +14,7 @@ mod standard;
 mod status;
 mod stopwatch;
 
-pub use status::{Iteration, Options, Solution, Status};
+pub use status::{Iteration, Options, Solution, SolveStatus};
 pub(crate) use {best::Quality, stopwatch::Stopwatch};
 
 use super::nlp::Program;
@@ -45,34 +45,34 @@ pub fn solve(
     let mut solver = Solver::new(program, options, Stopwatch::start());
     let status = match solver.begin(start) {
         Ok(()) => solver.run(&mut hook),
-        Err(error) => Status::NumericalTrouble { cause: error.to_string() },
+        Err(error) => SolveStatus::NumericalTrouble { cause: error.to_string() },
     };
     Solution { time: begin.elapsed(), ..solver.solution(status) }
 }
 
 /// What makes a program unsolvable before any iteration.
-fn refusal(program: &dyn Program, start: &[f64]) -> Option<Status> {
+fn refusal(program: &dyn Program, start: &[f64]) -> Option<SolveStatus> {
     let channels = || program.variables().iter().chain(program.constraints());
     if start.len() != program.variables().len() {
         let (given, wanted) = (start.len(), program.variables().len());
         let cause = format!("the start has {given} values for {wanted} variables");
-        return Some(Status::NumericalTrouble { cause });
+        return Some(SolveStatus::NumericalTrouble { cause });
     }
     if let Some(c) = channels().find(|c| c.low.is_nan() || c.high.is_nan()) {
         let cause = format!("a limit of {} is not a number", c.name);
-        return Some(Status::NumericalTrouble { cause });
+        return Some(SolveStatus::NumericalTrouble { cause });
     }
     if let Some(c) = channels().find(|c| c.low > c.high || c.low == f64::INFINITY || c.high == -f64::INFINITY)
     {
         let violation = c.low - c.high;
-        return Some(Status::Infeasible { channel: c.name.clone(), violation });
+        return Some(SolveStatus::Infeasible { channel: c.name.clone(), violation });
     }
     let bad = start.iter().position(|x| !x.is_finite())?;
     let cause = format!("the start of {} is {}", program.variables()[bad].name, start[bad]);
-    Some(Status::NumericalTrouble { cause })
+    Some(SolveStatus::NumericalTrouble { cause })
 }
 
-fn refused(program: &dyn Program, start: &[f64], status: Status) -> Solution {
+fn refused(program: &dyn Program, start: &[f64], status: SolveStatus) -> Solution {
     let m = program.constraints().len();
     Solution {
         status,

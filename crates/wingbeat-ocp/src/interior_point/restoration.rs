@@ -5,7 +5,7 @@
 use super::super::nlp::{Derivatives, EvaluationError, Program, Structure};
 use super::iterate::inside;
 use super::solver::{Hook, Solver};
-use super::status::{Iteration, Options, Status};
+use super::status::{Iteration, Options, SolveStatus};
 use crate::plant::Channel;
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -132,7 +132,7 @@ fn split(c: f64, penalty: f64, mu: f64) -> (f64, f64) {
 impl Solver<'_> {
     /// Looks for a point that the filter accepts and that is clearly less
     /// infeasible; returns the end of the solve when there is none.
-    pub(super) fn restore(&mut self, hook: &mut Hook) -> Option<Status> {
+    pub(super) fn restore(&mut self, hook: &mut Hook) -> Option<SolveStatus> {
         let (n, m) = (self.standard.n, self.standard.m);
         let (theta, phi) = (self.point.theta(&self.standard), self.point.phi(&self.standard, self.mu));
         self.filter.add(theta, phi);
@@ -157,7 +157,7 @@ impl Solver<'_> {
         if let Err(error) = self.settle(1e-8) {
             // Its functions are those of another point.
             self.point.objective = f64::NAN;
-            return Some(Status::NumericalTrouble { cause: error.to_string() });
+            return Some(SolveStatus::NumericalTrouble { cause: error.to_string() });
         }
         self.judge(status, theta)
     }
@@ -204,7 +204,7 @@ impl Solver<'_> {
         };
         let status = match inner.begin(start) {
             Ok(()) => inner.run(&mut watch),
-            Err(error) => Status::NumericalTrouble { cause: error.to_string() },
+            Err(error) => SolveStatus::NumericalTrouble { cause: error.to_string() },
         };
         let x = inner.point.w[..n].to_vec();
         let used = inner.count;
@@ -213,21 +213,21 @@ impl Solver<'_> {
     }
 
     /// Goes on from the restored point, or names what cannot be met.
-    fn judge(&mut self, end: Restored, before: f64) -> Option<Status> {
+    fn judge(&mut self, end: Restored, before: f64) -> Option<SolveStatus> {
         let theta = self.point.theta(&self.standard);
         match end {
             Restored::Enough => {}
             Restored::Ended(status) if status.is_success() => {
                 if theta > 1e-6 * before.max(1.0) && theta > self.options.acceptable {
                     let (channel, violation) = self.standard.worst_violation(&self.point.g);
-                    return Some(Status::Infeasible { channel, violation });
+                    return Some(SolveStatus::Infeasible { channel, violation });
                 }
             }
-            Restored::Ended(Status::NumericalTrouble { .. }) if theta > self.options.acceptable => {
+            Restored::Ended(SolveStatus::NumericalTrouble { .. }) if theta > self.options.acceptable => {
                 let (channel, violation) = self.standard.worst_violation(&self.point.g);
-                return Some(Status::Infeasible { channel, violation });
+                return Some(SolveStatus::Infeasible { channel, violation });
             }
-            Restored::Ended(Status::NumericalTrouble { .. }) => {}
+            Restored::Ended(SolveStatus::NumericalTrouble { .. }) => {}
             Restored::Ended(status) => return Some(status),
         }
         self.restorations += 1;
@@ -243,5 +243,5 @@ enum Restored {
     /// The point improves enough.
     Enough,
     /// The elastic program ended by itself.
-    Ended(Status),
+    Ended(SolveStatus),
 }

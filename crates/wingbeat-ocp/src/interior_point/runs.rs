@@ -3,7 +3,7 @@
 
 /// Consecutive entries of one row, in consecutive columns.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(super) struct EntryRun {
     pub row: usize,
     pub column: usize,
     /// First entry, and number of entries.
@@ -11,7 +11,7 @@ pub(super) struct Run {
     pub length: usize,
 }
 
-impl Run {
+impl EntryRun {
     /// The entries of the run among `values`.
     pub fn of<'v>(&self, values: &'v [f64]) -> &'v [f64] {
         &values[self.entry..self.entry + self.length]
@@ -23,12 +23,12 @@ impl Run {
 }
 
 /// The runs of `entries` (row, column), in order.
-pub(super) fn runs(entries: &[(usize, usize)]) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
+pub(super) fn runs(entries: &[(usize, usize)]) -> Vec<EntryRun> {
+    let mut runs: Vec<EntryRun> = Vec::new();
     for (entry, &(row, column)) in entries.iter().enumerate() {
         match runs.last_mut() {
             Some(run) if run.row == row && run.column + run.length == column => run.length += 1,
-            _ => runs.push(Run { row, column, entry, length: 1 }),
+            _ => runs.push(EntryRun { row, column, entry, length: 1 }),
         }
     }
     runs

@@ -6,7 +6,7 @@ use super::filter::Filter;
 use super::iterate::{Errors, Iterate, inside};
 use super::kkt::Kkt;
 use super::standard::Standard;
-use super::status::{Iteration, Options, Solution, Status};
+use super::status::{Iteration, Options, Solution, SolveStatus};
 use super::stopwatch::Stopwatch;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -31,7 +31,7 @@ const RESTARTS: usize = 3;
 pub(super) type Hook<'h> = dyn FnMut(&Iteration, &Solver) -> ControlFlow<()> + 'h;
 
 /// What a line search found.
-pub(super) enum Step {
+pub(super) enum SearchStep {
     Taken,
     None,
 }
@@ -193,24 +193,24 @@ impl<'a> Solver<'a> {
     }
 
     /// Iterates to an end.
-    pub fn run(&mut self, hook: &mut Hook) -> Status {
+    pub fn run(&mut self, hook: &mut Hook) -> SolveStatus {
         loop {
             if let Err(error) = self.standard.differentiate(&self.point.w[..self.standard.n], &self.point.y) {
-                return Status::NumericalTrouble { cause: error.to_string() };
+                return SolveStatus::NumericalTrouble { cause: error.to_string() };
             }
             let errors = self.errors(0.0);
             if !self.nested {
                 self.best.see(&self.point, errors.feasibility, self.options.acceptable);
             }
             if hook(&self.line(&errors), self).is_break() {
-                return Status::Stopped;
+                return SolveStatus::Stopped;
             }
             if let Some(status) = self.finished(&errors) {
                 return status;
             }
             self.lower_barrier();
-            let step = if self.newton_step() { self.search() } else { Step::None };
-            if let Step::None = step
+            let step = if self.newton_step() { self.search() } else { SearchStep::None };
+            if let SearchStep::None = step
                 && let Some(status) = self.without_step(&errors, hook)
             {
                 return status;
@@ -236,23 +236,23 @@ impl<'a> Solver<'a> {
         }
     }
 
-    fn finished(&mut self, errors: &Errors) -> Option<Status> {
+    fn finished(&mut self, errors: &Errors) -> Option<SolveStatus> {
         let options = self.options;
         let error = errors.largest();
         if error <= options.tolerance && errors.complementarity <= options.complementarity {
-            return Some(Status::Solved);
+            return Some(SolveStatus::Solved);
         }
         self.acceptable = if error <= options.acceptable { self.acceptable + 1 } else { 0 };
         if self.acceptable >= ACCEPTABLE_ITERATIONS {
-            return Some(Status::Acceptable);
+            return Some(SolveStatus::Acceptable);
         }
         if self.point.objective < UNBOUNDED && errors.feasibility <= options.acceptable {
-            return Some(Status::Unbounded);
+            return Some(SolveStatus::Unbounded);
         }
         if self.count >= options.iterations {
-            return Some(Status::IterationLimit);
+            return Some(SolveStatus::IterationLimit);
         }
-        (self.stopwatch.elapsed() >= self.options.time).then_some(Status::TimeLimit)
+        (self.stopwatch.elapsed() >= self.options.time).then_some(SolveStatus::TimeLimit)
     }
 
     /// Lowers the barrier while its problem is solved well enough.
@@ -281,17 +281,17 @@ impl<'a> Solver<'a> {
 
     /// What to do where no step was found: restore feasibility, or start anew
     /// with fresh multipliers, or end.
-    fn without_step(&mut self, errors: &Errors, hook: &mut Hook) -> Option<Status> {
+    fn without_step(&mut self, errors: &Errors, hook: &mut Hook) -> Option<SolveStatus> {
         let feasible = errors.feasibility <= self.options.tolerance.max(1e-8);
         if !feasible && !self.nested {
             return self.restore(hook);
         }
         if errors.largest() <= self.options.acceptable {
-            return Some(Status::Acceptable);
+            return Some(SolveStatus::Acceptable);
         }
         if self.restarts >= RESTARTS {
             let cause = "no step improves the objective or the constraints".into();
-            return Some(Status::NumericalTrouble { cause });
+            return Some(SolveStatus::NumericalTrouble { cause });
         }
         self.restarts += 1;
         self.restart();
@@ -329,7 +329,7 @@ impl<'a> Solver<'a> {
     }
 
     /// The result at the present point of an optimum, and at the best one of any other end.
-    pub fn solution(mut self, status: Status) -> Solution {
+    pub fn solution(mut self, status: SolveStatus) -> Solution {
         if !status.is_success() {
             self.go_back();
         }

@@ -1,7 +1,7 @@
 //! The scaled program with slacks: min f(x), g(x) - s = 0, low <= (x, s) <= high.
 
 use super::super::nlp::{Derivatives, EvaluationError, Program, Structure};
-use super::runs::{Run, add_scaled, runs};
+use super::runs::{EntryRun, add_scaled, runs};
 
 /// Gradients above this are scaled down to it (Waechter & Biegler 2006, 3.8).
 const LARGEST_GRADIENT: f64 = 100.0;
@@ -27,7 +27,7 @@ pub(super) struct Standard<'a> {
     pub derivatives: Derivatives,
     multipliers: Vec<f64>,
     /// The Jacobian's entries, by rows.
-    rows: Vec<Run>,
+    rows: Vec<EntryRun>,
 }
 
 impl<'a> Standard<'a> {

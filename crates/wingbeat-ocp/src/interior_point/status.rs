@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// How a solve ended.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Status {
+pub enum SolveStatus {
     /// All optimality conditions hold to the tolerance.
     Solved,
     /// They hold to the looser, acceptable tolerance, and no better point was found.
@@ -37,14 +37,14 @@ pub enum Status {
     Stopped,
 }
 
-impl Status {
+impl SolveStatus {
     /// True when the result is an optimum to one of the tolerances.
     pub fn is_success(&self) -> bool {
         matches!(self, Self::Solved | Self::Acceptable)
     }
 }
 
-impl fmt::Display for Status {
+impl fmt::Display for SolveStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Solved => write!(f, "solved"),
@@ -147,7 +147,7 @@ impl Default for Options {
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// How it ended.
-    pub status: Status,
+    pub status: SolveStatus,
     /// The variables.
     pub x: Vec<f64>,
     /// The objective there.

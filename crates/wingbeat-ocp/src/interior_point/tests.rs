@@ -38,7 +38,7 @@ fn run<F: Functions>(functions: &F, start: &[f64]) -> Solution {
 #[test]
 fn hs71_is_solved_with_its_multipliers() {
     let solution = run(&Hs71, &[1.0, 5.0, 5.0, 1.0]);
-    assert_eq!(solution.status, Status::Solved);
+    assert_eq!(solution.status, SolveStatus::Solved);
     assert!((solution.objective - 17.0140172891520).abs() < 1e-8);
     assert!(solution.multipliers[0] < 0.0 && solution.multipliers[1].abs() > 0.1);
 }
@@ -71,7 +71,7 @@ impl Functions for DiscAndLine {
 fn infeasible_constraints_are_named() {
     assert!((run(&DiscAndLine { sum: 1.0 }, &[3.0, 1.0]).objective).abs() < 1e-7);
     let solution = run(&DiscAndLine { sum: 5.0 }, &[3.0, 1.0]);
-    assert!(matches!(solution.status, Status::Infeasible { .. }), "{}", solution.status);
+    assert!(matches!(solution.status, SolveStatus::Infeasible { .. }), "{}", solution.status);
 }
 
 /// ln x with a start where it is not a number.
@@ -96,7 +96,7 @@ impl Functions for Logarithm {
 fn broken_models_and_limits_get_an_answer() {
     assert!((run(&Logarithm { low: -1.0 }, &[4.0]).objective - 1.0).abs() < 1e-9);
     let broken = run(&Logarithm { low: -5.0 }, &[-3.0]);
-    assert!(matches!(broken.status, Status::NumericalTrouble { .. }), "{}", broken.status);
+    assert!(matches!(broken.status, SolveStatus::NumericalTrouble { .. }), "{}", broken.status);
     let empty = run(&Logarithm { low: 11.0 }, &[4.0]);
-    assert_eq!(empty.status, Status::Infeasible { channel: "x".into(), violation: 1.0 });
+    assert_eq!(empty.status, SolveStatus::Infeasible { channel: "x".into(), violation: 1.0 });
 }

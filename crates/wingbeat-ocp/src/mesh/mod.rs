@@ -2,7 +2,7 @@
 //! error and the change of its objective are small.
 
 use crate::collocation::{Collocation, Transcribed};
-use crate::interior_point::{Iteration, Options, Quality, Solution, Status, Stopwatch, solve};
+use crate::interior_point::{Iteration, Options, Quality, Solution, SolveStatus, Stopwatch, solve};
 use crate::interpolant::Interpolant;
 use crate::multipliers::Multipliers;
 use crate::problem::{OptimalControl, Setup};
@@ -71,7 +71,7 @@ pub struct Pass {
     /// Intervals.
     pub intervals: usize,
     /// Solver's end.
-    pub status: Status,
+    pub status: SolveStatus,
     /// Solver's iterations.
     pub iterations: usize,
     /// Objective, in the unit of the problem's cost.
@@ -93,7 +93,7 @@ pub enum Progress<'a> {
 #[derive(Clone, Debug)]
 pub struct Optimum {
     /// How it ended.
-    pub status: Status,
+    pub status: SolveStatus,
     /// Objective on the last mesh, in the unit of the problem's cost.
     pub objective: f64,
     /// The solution as functions of time; none when nothing could be evaluated.
@@ -157,7 +157,7 @@ pub fn optimise<P: OptimalControl>(
 ) -> Optimum {
     let (begin, stopwatch) = (Instant::now(), Stopwatch::start());
     let mut run =
-        Run { problem, refinement, observer, stopwatch, iterations: 0, passes: Vec::new(), ended_on: 0 };
+        MeshRun { problem, refinement, observer, stopwatch, iterations: 0, passes: Vec::new(), ended_on: 0 };
     let (status, last) = match refusal(&problem.setup(), guess) {
         Some(status) => (status, None),
         None => run.meshes(guess),
@@ -166,7 +166,7 @@ pub fn optimise<P: OptimalControl>(
     let misses = last.as_ref().map(|l| l.misses.clone());
     let (solution, multipliers) = last.map(|l| (l.interpolant, l.multipliers)).unzip();
     let (time, processor_time) = (begin.elapsed(), stopwatch.elapsed());
-    let Run { passes, iterations, ended_on, .. } = run;
+    let MeshRun { passes, iterations, ended_on, .. } = run;
     Optimum {
         status,
         objective,
@@ -183,8 +183,8 @@ pub fn optimise<P: OptimalControl>(
 }
 
 /// What makes a problem unsolvable before anything is computed.
-fn refusal(setup: &Setup, guess: &Trajectory) -> Option<Status> {
-    let trouble = |cause: String| Some(Status::NumericalTrouble { cause });
+fn refusal(setup: &Setup, guess: &Trajectory) -> Option<SolveStatus> {
+    let trouble = |cause: String| Some(SolveStatus::NumericalTrouble { cause });
     if setup.states.is_empty() {
         return trouble("the problem has no states".into());
     }
@@ -201,7 +201,10 @@ fn refusal(setup: &Setup, guess: &Trajectory) -> Option<Status> {
     let [initial, last] = setup.times;
     if !(last[1] > initial[0]) {
         let violation = initial[0] - last[1];
-        return Some(Status::Infeasible { channel: "final time (the horizon is empty)".into(), violation });
+        return Some(SolveStatus::Infeasible {
+            channel: "final time (the horizon is empty)".into(),
+            violation,
+        });
     }
     None
 }
@@ -225,7 +228,7 @@ impl Solved {
     }
 }
 
-struct Run<'a, P> {
+struct MeshRun<'a, P> {
     problem: &'a P,
     refinement: &'a Refinement,
     observer: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -237,8 +240,8 @@ struct Run<'a, P> {
     ended_on: usize,
 }
 
-impl<P: OptimalControl> Run<'_, P> {
-    fn meshes(&mut self, guess: &Trajectory) -> (Status, Option<Solved>) {
+impl<P: OptimalControl> MeshRun<'_, P> {
+    fn meshes(&mut self, guess: &Trajectory) -> (SolveStatus, Option<Solved>) {
         let (mut status, mut last) = self.first(guess);
         while let (true, Some(solved)) = (status.is_success(), &last) {
             let objective = solved.objective;
@@ -252,8 +255,11 @@ impl<P: OptimalControl> Run<'_, P> {
             let full = mesh.len() > self.refinement.most_intervals + 1 || mesh.len() == solved.mesh.len();
             if full || self.passes.len() >= self.refinement.meshes {
                 let accurate = solved.error <= NEARLY * self.refinement.tolerance;
-                status =
-                    if accurate { Status::Acceptable } else { Status::CoarseMesh { error: solved.error } };
+                status = if accurate {
+                    SolveStatus::Acceptable
+                } else {
+                    SolveStatus::CoarseMesh { error: solved.error }
+                };
                 break;
             }
             let start = resample(solved, &mesh);
@@ -264,8 +270,8 @@ impl<P: OptimalControl> Run<'_, P> {
                 }
                 (next_status, _) => {
                     // The coarser solution stands, as far as it is accurate.
-                    let stopped = next_status == Status::Stopped;
-                    status = if accurate && !stopped { Status::Acceptable } else { next_status };
+                    let stopped = next_status == SolveStatus::Stopped;
+                    status = if accurate && !stopped { SolveStatus::Acceptable } else { next_status };
                     break;
                 }
             }
@@ -275,11 +281,11 @@ impl<P: OptimalControl> Run<'_, P> {
 
     /// A finer mesh from the solution on a coarser one: a warm start, and a
     /// cold one where that fails.
-    fn finer(&mut self, mesh: Vec<f64>, start: &Trajectory) -> (Status, Option<Solved>) {
+    fn finer(&mut self, mesh: Vec<f64>, start: &Trajectory) -> (SolveStatus, Option<Solved>) {
         let solver = self.refinement.solver.clone();
         let warm = Options { barrier: WARM_BARRIER, margin: WARM_MARGIN, ..solver.clone() };
         let (status, solved) = self.solve_mesh(mesh.clone(), start, warm);
-        let over = status == Status::Stopped || self.is_over();
+        let over = status == SolveStatus::Stopped || self.is_over();
         if status.is_success() || over { (status, solved) } else { self.solve_mesh(mesh, start, solver) }
     }
 
@@ -290,13 +296,15 @@ impl<P: OptimalControl> Run<'_, P> {
     }
 
     /// The first mesh, uniform; a finer one where the solver finds nothing.
-    fn first(&mut self, guess: &Trajectory) -> (Status, Option<Solved>) {
+    fn first(&mut self, guess: &Trajectory) -> (SolveStatus, Option<Solved>) {
         let mut intervals = self.refinement.intervals.max(1);
         let mut result = self.uniform(intervals, guess);
         for _ in 0..RETRIES {
             let again = matches!(
                 result.0,
-                Status::Infeasible { .. } | Status::IterationLimit | Status::NumericalTrouble { .. }
+                SolveStatus::Infeasible { .. }
+                    | SolveStatus::IterationLimit
+                    | SolveStatus::NumericalTrouble { .. }
             );
             let fits = 2 * intervals <= self.refinement.most_intervals && !self.is_over();
             if !again || result.1.is_none() || !fits {
@@ -315,7 +323,7 @@ impl<P: OptimalControl> Run<'_, P> {
         result
     }
 
-    fn uniform(&mut self, intervals: usize, guess: &Trajectory) -> (Status, Option<Solved>) {
+    fn uniform(&mut self, intervals: usize, guess: &Trajectory) -> (SolveStatus, Option<Solved>) {
         let mesh = (0..=intervals).map(|k| k as f64 / intervals as f64).collect();
         self.solve_mesh(mesh, guess, self.refinement.solver.clone())
     }
@@ -325,7 +333,7 @@ impl<P: OptimalControl> Run<'_, P> {
         mesh: Vec<f64>,
         guess: &Trajectory,
         options: Options,
-    ) -> (Status, Option<Solved>) {
+    ) -> (SolveStatus, Option<Solved>) {
         self.ended_on = mesh.len() - 1;
         let time = options.time.saturating_sub(self.stopwatch.elapsed());
         let iterations = options.iterations.min(self.refinement.iterations.saturating_sub(self.iterations));
@@ -362,7 +370,7 @@ impl<P: OptimalControl> Run<'_, P> {
         let pass = Pass { number, intervals, status: status.clone(), iterations, objective, error };
         let stopped = (self.observer)(Progress::Pass(&pass)).is_break();
         self.passes.push(pass);
-        let status = if stopped { Status::Stopped } else { status };
+        let status = if stopped { SolveStatus::Stopped } else { status };
         (status, Some(Solved { mesh, objective, errors, error, interpolant, multipliers, misses }))
     }
 }

@@ -60,18 +60,27 @@ fn bad_problems_get_a_clear_answer() {
     for unreachable in [short, slow] {
         let status = run(&unreachable, &Refinement::default()).status;
         assert!(
-            matches!(&status, Status::Infeasible { channel, .. } if channel.contains("dynamics of")),
+            matches!(&status, SolveStatus::Infeasible { channel, .. } if channel.contains("dynamics of")),
             "{status}"
         );
     }
     let status = run(&Cart { speed: [2.0, 1.0], ..CART }, &Refinement::default()).status;
-    assert!(matches!(&status, Status::Infeasible { channel, .. } if channel.contains("speed")), "{status}");
+    assert!(
+        matches!(&status, SolveStatus::Infeasible { channel, .. } if channel.contains("speed")),
+        "{status}"
+    );
     let status = run(&Cart { wall: -1.0, ..CART }, &Refinement::default()).status;
-    assert!(matches!(&status, Status::NumericalTrouble { cause } if cause.contains("speed")), "{status}");
+    assert!(
+        matches!(&status, SolveStatus::NumericalTrouble { cause } if cause.contains("speed")),
+        "{status}"
+    );
     let status = run(&Cart { wall: 0.4, ..CART }, &Refinement::default()).status;
     assert!(!status.is_success(), "{status}");
     let status = run(&Cart { time: [0.0, 0.0], ..CART }, &Refinement::default()).status;
-    assert!(matches!(&status, Status::Infeasible { channel, .. } if channel.contains("horizon")), "{status}");
+    assert!(
+        matches!(&status, SolveStatus::Infeasible { channel, .. } if channel.contains("horizon")),
+        "{status}"
+    );
 }
 
 /// x' = u / x: singular where the straight line starts.
@@ -91,7 +100,10 @@ impl OptimalControl for Singular {
 #[test]
 fn singular_dynamics_are_reported() {
     let status = run(&Singular, &Refinement::default()).status;
-    assert!(matches!(&status, Status::NumericalTrouble { cause } if cause.contains("rate of x")), "{status}");
+    assert!(
+        matches!(&status, SolveStatus::NumericalTrouble { cause } if cause.contains("rate of x")),
+        "{status}"
+    );
 }
 
 /// The cart on up to three meshes with a limit of iterations.
@@ -107,7 +119,7 @@ fn a_limit_of_iterations_returns_the_best_that_was_met() {
     // Within the first mesh: the best of its points, feasible as far as its own number says.
     for iterations in [1, 3, first - 1] {
         let found = limited(iterations);
-        assert_eq!((&found.status, found.iterations), (&Status::IterationLimit, iterations));
+        assert_eq!((&found.status, found.iterations), (&SolveStatus::IterationLimit, iterations));
         let misses = found.misses.clone().unwrap();
         let shown = defects(&CART, &Scheme::hermite_simpson(), &found.solution.unwrap().unknowns()).unwrap();
         let worst = shown.iter().flatten().fold(0.0_f64, |m, d| m.max(d.abs()));
@@ -140,7 +152,7 @@ fn a_limit_of_time_counts_the_processor_alone() {
     assert!(found.processor_time < Duration::from_millis(400));
     let none = Options { time: Duration::ZERO, ..Options::default() };
     let found = run(&CART, &Refinement { solver: none, ..Refinement::default() });
-    assert_eq!(found.status, Status::TimeLimit);
+    assert_eq!(found.status, SolveStatus::TimeLimit);
     assert!(found.objective.is_finite() && found.solution.is_some());
 }
 

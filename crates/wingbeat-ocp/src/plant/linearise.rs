@@ -33,7 +33,7 @@ type Runs = ArrayVec<Range<usize>, 8>;
 
 /// The states whose directions the early passes carry; after them come inputs.
 #[derive(Default)]
-struct Directions {
+struct EarlyDirections {
     /// In the order of the directions.
     runs: Runs,
     /// How many of them are by states that move places.
@@ -66,7 +66,7 @@ impl Linearisation {
             row[unfelt.clone()].fill(0.0);
         }
         let known = self.by_known(plant, t, x, u, true)?;
-        self.by_early(plant, t, x, u, &Directions::of(plant, known))?;
+        self.by_early(plant, t, x, u, &EarlyDirections::of(plant, known))?;
         if known && !plant.derived_states().is_empty() {
             plant.derive(x, &self.f, &self.known, &mut self.a);
         }
@@ -92,7 +92,7 @@ impl Linearisation {
         if self.by_known(plant, t, x, u, false)? {
             return Ok(());
         }
-        self.by_early(plant, t, x, u, &Directions { inputs: u.len(), ..Directions::default() })
+        self.by_early(plant, t, x, u, &EarlyDirections { inputs: u.len(), ..EarlyDirections::default() })
     }
 
     /// f and B, where the plant knows them; says whether it does.
@@ -121,7 +121,7 @@ impl Linearisation {
         t: f64,
         x: &[f64],
         u: &[f64],
-        of: &Directions,
+        of: &EarlyDirections,
     ) -> Result<(), Fault> {
         let (n, m, states) = (x.len(), u.len(), of.states());
         let directions = states + of.inputs;
@@ -174,7 +174,7 @@ impl Linearisation {
     }
 }
 
-impl Directions {
+impl EarlyDirections {
     /// Those by all early states of `plant` that are felt, and by inputs; where some derivatives are `known`, only by those states that
     /// they do not give.
     fn of<P: Plant>(plant: &P, known: bool) -> Self {

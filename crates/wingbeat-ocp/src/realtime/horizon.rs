@@ -1,6 +1,6 @@
 //! What a predictive controller needs of the solver of its horizon.
 
-use super::{Plan, RealTime, Statistics, Status, Tracking};
+use super::{Plan, RealTime, Statistics, Tracking, UpdateStatus};
 use crate::plant::Plant;
 
 /// Improves a plan from update to update. [`RealTime`] is the one that ships.
@@ -15,7 +15,7 @@ pub trait HorizonSolver<P: Plant, T: Tracking> {
     fn shift(&mut self, plant: &P, dt: f64);
     /// Improves the plan from the state `x0` at the time `t0`, s, by at most `iterations` iterations.
     /// Leaves it as it was unless the status says that it was updated.
-    fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> Status;
+    fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> UpdateStatus;
     /// Measures of the last update.
     fn statistics(&self) -> Statistics;
 }
@@ -35,7 +35,7 @@ macro_rules! handed_on {
         fn shift(&mut self, plant: &P, dt: f64) {
             <$to>::shift(self, plant, dt);
         }
-        fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> Status {
+        fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> UpdateStatus {
             <$to>::solve(self, plant, tracking, t0, x0, iterations)
         }
         fn statistics(&self) -> Statistics {

@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use wingbeat_math::Scalar;
-//! use wingbeat_ocp::realtime::{RealTime, Settings, Status, Tracking};
+//! use wingbeat_ocp::realtime::{RealTime, Settings, UpdateStatus, Tracking};
 //! use wingbeat_ocp::plant::{Channel, Fault, Plant};
 //!
 //! /// A mass of 1 kg on a rail.
@@ -49,7 +49,7 @@
 //! let mut solver = RealTime::new(&mass, &Origin, Settings::new(10, 0.1))?;
 //! let x = [1.0, 0.0];
 //! solver.reset(&mass, &x);
-//! assert_eq!(solver.solve(&mass, &Origin, 0.0, &x, 5), Status::Solved);
+//! assert_eq!(solver.solve(&mass, &Origin, 0.0, &x, 5), UpdateStatus::Solved);
 //! assert_eq!(solver.input(0), [-0.2]);
 //! solver.shift(&mass, 0.02); // the warm start of an update 20 ms later
 //! # Ok(())
@@ -69,7 +69,7 @@ mod tracking;
 pub use active_set::{ActiveSet, QpEnd, QuadraticProgram};
 pub use horizon::HorizonSolver;
 pub use plan::{Horizon, Plan};
-pub use status::{Limit, Statistics, Status};
+pub use status::{Limit, Statistics, UpdateStatus};
 pub use tracking::{Component, LinearLimit, Tracking};
 
 use crate::plant::{Fault, Linearisation, Plant};
@@ -234,7 +234,7 @@ impl RealTime {
         t0: f64,
         x0: &[f64],
         iterations: usize,
-    ) -> Status {
+    ) -> UpdateStatus {
         self.statistics = Statistics::default();
         self.trial.copy_from(&self.plan);
         self.trial.start = t0;
@@ -258,7 +258,7 @@ impl RealTime {
         plant: &P,
         tracking: &T,
         iterations: usize,
-    ) -> Result<Status, Status> {
+    ) -> Result<UpdateStatus, UpdateStatus> {
         self.curvature.start();
         for _ in 0..iterations {
             self.iterate(plant, tracking)?;
@@ -266,12 +266,12 @@ impl RealTime {
                 break;
             }
         }
-        self.trial.evaluate_rates(plant).map_err(Status::ModelFault)?;
-        Ok(if self.converged() { Status::Solved } else { Status::IterationLimit })
+        self.trial.evaluate_rates(plant).map_err(UpdateStatus::ModelFault)?;
+        Ok(if self.converged() { UpdateStatus::Solved } else { UpdateStatus::IterationLimit })
     }
 
     /// One full Gauss-Newton step of the trial plan.
-    fn iterate<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T) -> Result<(), Status> {
+    fn iterate<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T) -> Result<(), UpdateStatus> {
         self.linearise(plant)?;
         self.reduction.cost(tracking, &self.trial, &self.states, self.columns, &mut self.qp);
         let channels = [plant.states(), plant.inputs()];
@@ -289,13 +289,13 @@ impl RealTime {
         self.statistics.active = self.solver.active();
         match end {
             QpEnd::Solved => self.step(plant),
-            QpEnd::Infeasible { worst } => Err(Status::Infeasible { worst: self.meaning(worst) }),
-            QpEnd::Trouble => Err(Status::NumericalTrouble),
+            QpEnd::Infeasible { worst } => Err(UpdateStatus::Infeasible { worst: self.meaning(worst) }),
+            QpEnd::Trouble => Err(UpdateStatus::NumericalTrouble),
         }
     }
 
     /// Linearises the plant at nodes and midpoints and eliminates the states.
-    fn linearise<P: Plant>(&mut self, plant: &P) -> Result<(), Status> {
+    fn linearise<P: Plant>(&mut self, plant: &P) -> Result<(), UpdateStatus> {
         let h = self.settings.step;
         for (k, node) in self.nodes.iter_mut().enumerate() {
             let (t, x, u) = (self.trial.time(k), self.trial.state(k), self.trial.input(k));
@@ -317,21 +317,21 @@ impl RealTime {
             };
             Transcription::HermiteSimpson
                 .defect(&interval, copy_rates, &mut self.point, &mut self.defect)
-                .map_err(Status::ModelFault)?;
+                .map_err(UpdateStatus::ModelFault)?;
             let largest = self.defect.iter().fold(0.0_f64, |d, x| d.max(x.abs()));
             self.statistics.defect = self.statistics.defect.max(largest);
             if !self.states.advance(k, self.columns, &self.middle, &self.nodes[k + 1], &self.defect) {
-                return Err(Status::NumericalTrouble);
+                return Err(UpdateStatus::NumericalTrouble);
             }
         }
         Ok(())
     }
 
     /// Takes the step of the quadratic program.
-    fn step<P: Plant>(&mut self, plant: &P) -> Result<(), Status> {
+    fn step<P: Plant>(&mut self, plant: &P) -> Result<(), UpdateStatus> {
         let z = &self.solver.z;
         if z.iter().any(|z| !z.is_finite()) {
-            return Err(Status::NumericalTrouble);
+            return Err(UpdateStatus::NumericalTrouble);
         }
         self.statistics.stationarity = (self.qp.hessian.chunks_exact(z.len()))
             .fold(0.0, |worst: f64, row| worst.max(dense::dot(row, z).abs()));
@@ -352,7 +352,7 @@ impl RealTime {
             }
         }
         if self.trial.x.iter().any(|x| !x.is_finite()) {
-            return Err(Status::NumericalTrouble);
+            return Err(UpdateStatus::NumericalTrouble);
         }
         Ok(())
     }
@@ -381,8 +381,8 @@ fn evaluate<P: Plant>(
     x: &[f64],
     u: &[f64],
     inputs_only: bool,
-) -> Result<(), Status> {
-    let fault = |fault: Fault| Status::ModelFault(fault);
+) -> Result<(), UpdateStatus> {
+    let fault = |fault: Fault| UpdateStatus::ModelFault(fault);
     let end =
         if inputs_only { point.evaluate_inputs(plant, t, x, u) } else { point.evaluate(plant, t, x, u) };
     end.map_err(fault)?;

@@ -1,8 +1,8 @@
 //! The planned trajectory at its nodes.
 
 use crate::plant::{Channel, Fault, Plant};
-use crate::{Interval, Transcription};
-use wingbeat_math::{RK4, Steps, Workspace};
+use crate::{IntervalEnds, Transcription};
+use wingbeat_math::{EqualSteps, RK4, Workspace};
 
 /// Sizes of a horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,8 +81,8 @@ impl Plan {
     }
 
     /// The interval from node `k` to the next.
-    pub fn interval(&self, k: usize) -> Interval<'_, f64> {
-        Interval {
+    pub fn interval(&self, k: usize) -> IntervalEnds<'_, f64> {
+        IntervalEnds {
             t: self.time(k),
             h: self.horizon.step,
             x: [self.state(k), self.state(k + 1)],
@@ -174,7 +174,7 @@ impl Plan {
                 }
                 let (x, u) = (&mut self.x[k * n..][..n], &self.u[k * m..][..m]);
                 let steps = ((t - reached) / substep).ceil().max(1.0);
-                let steps = Steps::new(reached, (t - reached) / steps, steps as usize);
+                let steps = EqualSteps::new(reached, (t - reached) / steps, steps as usize);
                 let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates_in_numbers(t, x, u, dx);
                 let stopped = RK4.integrate(&mut rates, steps, x, work).is_err();
                 // A component that is not finite stays so whatever is added to it.

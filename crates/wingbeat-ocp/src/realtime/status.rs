@@ -49,7 +49,7 @@ impl Limit {
 
 /// End of an update. Only `Solved` and `IterationLimit` change the plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Status {
+pub enum UpdateStatus {
     /// Steps and defects fell below the tolerance.
     Solved,
     /// The iterations asked for were made; the plan is the last iterate. The
@@ -66,7 +66,7 @@ pub enum Status {
     ModelFault(Fault),
 }
 
-impl Status {
+impl UpdateStatus {
     /// True when the update changed the plan.
     pub fn updated(&self) -> bool {
         matches!(self, Self::Solved | Self::IterationLimit)

@@ -1,7 +1,7 @@
 //! Mass matrix and bias of the whole tree with its joints prescribed, gravity, joint torques.
 
 use super::MAX_LINKS;
-use super::inertia::{Inertia, Reaction, Symmetric};
+use super::inertia::{LinkInertia, Reaction, Symmetric};
 use super::motion::LinkMotion;
 use super::tree::{JointKind, Tree};
 use wingbeat_math::{Jet, Mat3, Meets, Over, Scalar, Vec3, Wrench};
@@ -85,7 +85,7 @@ impl<P: Scalar> Tree<P> {
     pub(super) fn massive<'a, S: Scalar + Meets<P>>(
         &'a self,
         motions: &'a [LinkMotion<S>],
-    ) -> impl Iterator<Item = (&'a Inertia<P>, &'a LinkMotion<S>)> {
+    ) -> impl Iterator<Item = (&'a LinkInertia<P>, &'a LinkMotion<S>)> {
         self.nodes.iter().zip(motions).filter_map(|(node, motion)| Some((node.inertia.as_ref()?, motion)))
     }
 

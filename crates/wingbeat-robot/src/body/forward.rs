@@ -3,7 +3,7 @@
 use super::dynamics::BaseAcceleration;
 use super::inertia::{Reaction, Symmetric};
 use super::motion::LinkMotion;
-use super::tree::{Node, Tree};
+use super::tree::{LinkNode, Tree};
 use wingbeat_math::linear::solve_symmetric;
 use wingbeat_math::{Mat3, Meets, Scalar, Vec3, Wrench};
 
@@ -28,7 +28,7 @@ struct Articulated<S: Scalar> {
 
 /// What the outward pass needs of one joint.
 #[derive(Clone, Copy)]
-struct Hinge<S: Scalar> {
+struct JointPass<S: Scalar> {
     /// Acceleration field about the body origin per unit joint acceleration.
     axis: BaseAcceleration<S>,
     /// Articulated inertia times `axis`.
@@ -63,7 +63,7 @@ impl<P: Scalar> Tree<P> {
         external: &[Wrench<S>; N],
     ) -> Option<FreeAcceleration<N, S>> {
         let mut bodies = [Articulated::ZERO; N];
-        let mut hinges = [Hinge::ZERO; N];
+        let mut hinges = [JointPass::ZERO; N];
         let mut base = Articulated::ZERO;
         base.add_body(self.base.mass, &self.base.reaction_of_base(&w_b), g_b);
         base.bias += -base_wrench;
@@ -73,7 +73,7 @@ impl<P: Scalar> Tree<P> {
                 body.add_body(inertia.mass, &inertia.reaction(&motions[i]), g_b);
             }
             body.bias += -external[i];
-            let hinge = Hinge::new(node, &motions[i], body, torques[i])?;
+            let hinge = JointPass::new(node, &motions[i], body, torques[i])?;
             let seen = body.through(&hinge);
             hinges[i] = hinge;
             match node.parent {
@@ -89,7 +89,7 @@ impl<P: Scalar> Tree<P> {
     fn outward<const N: usize, S: Scalar + Meets<P>>(
         &self,
         base: BaseAcceleration<S>,
-        hinges: &[Hinge<S>; N],
+        hinges: &[JointPass<S>; N],
     ) -> [S; N] {
         let mut fields = [base; N];
         let mut joints = [S::ZERO; N];
@@ -105,7 +105,7 @@ impl<P: Scalar> Tree<P> {
     }
 }
 
-impl<S: Scalar> Hinge<S> {
+impl<S: Scalar> JointPass<S> {
     const ZERO: Self = Self {
         axis: BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO },
         reaction: Wrench::ZERO,
@@ -115,7 +115,7 @@ impl<S: Scalar> Hinge<S> {
 
     #[inline]
     fn new<P: Scalar>(
-        node: &Node<P>,
+        node: &LinkNode<P>,
         motion: &LinkMotion<S>,
         body: &Articulated<S>,
         torque: S,
@@ -179,7 +179,7 @@ impl<S: Scalar> Articulated<S> {
 
     /// As felt through the hinge: I - U U'/D, p + U u/D.
     #[inline]
-    fn through(&self, hinge: &Hinge<S>) -> Self {
+    fn through(&self, hinge: &JointPass<S>) -> Self {
         let (mut seen, Wrench { force, moment }) = (*self, hinge.reaction);
         let (f, m) = (force * -hinge.inverse, moment * -hinge.inverse);
         seen.linear.add_product(&f, &force);

@@ -1,8 +1,8 @@
 //! Joint coordinates over the flapping cycle.
 
 use serde::{Deserialize, Serialize};
+use wingbeat_math::{DeclaredQuantity, Jet, Meets, Parameters, Scalar, Walk};
 use wingbeat_math::{Error, require};
-use wingbeat_math::{Jet, Meets, Parameters, Quantity, Scalar, Walk};
 
 /// Most harmonics of a series.
 pub const MAX_HARMONICS: usize = 64;
@@ -85,7 +85,7 @@ impl<P: Scalar> FourierSeries<P> {
 }
 
 /// An angle, or the length of a joint that slides.
-const ANGLE: Quantity = Quantity::free("rad");
+const ANGLE: DeclaredQuantity = DeclaredQuantity::free("rad");
 
 impl<P: Scalar> Parameters<P> for FourierSeries<P> {
     type In<Q: Scalar> = FourierSeries<Q>;

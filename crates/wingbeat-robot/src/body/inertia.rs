@@ -4,12 +4,12 @@ use super::motion::LinkMotion;
 use wingbeat_math::Error;
 use wingbeat_math::range::Range;
 use wingbeat_math::require;
-use wingbeat_math::{Mat3, Meets, Parameters, Quantity, Scalar, Vec3, Walk, Wrench, polar};
+use wingbeat_math::{DeclaredQuantity, Mat3, Meets, Parameters, Scalar, Vec3, Walk, Wrench, polar};
 
 /// Constant inertia of a rigid body, with its principal axes found once so that
 /// turning it into other axes takes two outer products.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Inertia<P: Scalar> {
+pub(super) struct LinkInertia<P: Scalar> {
     pub(super) mass: P,
     /// Centre of mass in link axes, m.
     pub(super) com: Vec3<P>,
@@ -33,11 +33,11 @@ pub struct BodyNumbers<P: Scalar = f64> {
 }
 
 /// Mass of a body.
-pub const MASS: Quantity = Quantity::within("kg", Range::NOT_NEGATIVE, 0.0, 1e3);
+pub const MASS: DeclaredQuantity = DeclaredQuantity::within("kg", Range::NOT_NEGATIVE, 0.0, 1e3);
 /// Principal moment of inertia of a body.
-pub const INERTIA: Quantity = Quantity::within("kg m2", Range::NOT_NEGATIVE, 0.0, 1e6);
+pub const INERTIA: DeclaredQuantity = DeclaredQuantity::within("kg m2", Range::NOT_NEGATIVE, 0.0, 1e6);
 /// A coordinate of a point.
-pub const PLACE: Quantity = Quantity::free("m");
+pub const PLACE: DeclaredQuantity = DeclaredQuantity::free("m");
 
 /// A link without mass keeps none: its numbers have no names.
 impl<P: Scalar> Parameters<P> for BodyNumbers<P> {
@@ -104,7 +104,7 @@ impl<S: Scalar> Symmetric<S> {
     }
 }
 
-impl Inertia<f64> {
+impl LinkInertia<f64> {
     /// Checks and stores; `inertia` is about the centre of mass, in link axes.
     ///
     /// # Errors
@@ -133,7 +133,7 @@ impl Inertia<f64> {
     }
 }
 
-impl<P: Scalar> Inertia<P> {
+impl<P: Scalar> LinkInertia<P> {
     fn about(mass: P, com: Vec3<P>, moments: Vec3<P>, axes: [Vec3; 2]) -> Self {
         let mut body = Self { mass, com, moments, axes, about_origin: Symmetric::default() };
         body.about_origin = body.steiner(body.about_com(&Mat3::IDENTITY), &com);
@@ -141,8 +141,8 @@ impl<P: Scalar> Inertia<P> {
     }
 
     /// The same axes with the numbers of `body`.
-    pub(super) fn with<Q: Scalar>(&self, body: &BodyNumbers<Q>) -> Inertia<Q> {
-        Inertia::about(body.mass, body.com, body.moments, self.axes)
+    pub(super) fn with<Q: Scalar>(&self, body: &BodyNumbers<Q>) -> LinkInertia<Q> {
+        LinkInertia::about(body.mass, body.com, body.moments, self.axes)
     }
 
     /// Its numbers.
@@ -217,7 +217,7 @@ pub(super) struct Reaction<S: Scalar> {
     pub(super) bias: Wrench<S>,
 }
 
-impl<P: Scalar> Inertia<P> {
+impl<P: Scalar> LinkInertia<P> {
     /// Equation: body.newton_euler
     /// `F = m a_c, T = c x F + I w' + w x I w`
     /// Source: Newton-Euler.
@@ -235,7 +235,7 @@ impl<P: Scalar> Inertia<P> {
         Reaction { com, about_origin: self.steiner(about_com, &com), bias: Wrench { force, moment } }
     }
 
-    /// [`Inertia::reaction`] of the base, whose axes are B: F = m w x (w x c), T = w x I w.
+    /// [`LinkInertia::reaction`] of the base, whose axes are B: F = m w x (w x c), T = w x I w.
     #[inline]
     pub(super) fn reaction_of_base<S: Scalar + Meets<P>>(&self, w_b: &Vec3<S>) -> Reaction<S> {
         let com = self.com.met();

@@ -4,14 +4,14 @@ use wingbeat_math::{Mat3, Scalar, Vec3};
 
 /// Axis of rotation; the coordinate axes are told apart because they are cheap.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Axis {
+pub(super) enum RotationAxis {
     /// `sign` times the coordinate axis `index`.
     Coordinate { index: usize, sign: f64 },
     /// Any unit vector.
     General(Vec3),
 }
 
-impl Axis {
+impl RotationAxis {
     /// The axis along the unit vector `axis`.
     pub(super) fn new(axis: Vec3) -> Self {
         match (0..3).find(|&i| axis[i].abs() == 1.0) {

@@ -1,7 +1,7 @@
 //! Motion of every link, outwards from the base.
 
 use super::dynamics::BaseAcceleration;
-use super::tree::{JointKind, Node, Tree};
+use super::tree::{JointKind, LinkNode, Tree};
 use std::ops::Mul;
 use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3};
 
@@ -110,7 +110,7 @@ impl<S: Scalar> LinkMotion<S> {
 
     /// Moves `out`, carried by this link, as its joint does.
     #[inline]
-    fn articulate<P: Scalar>(&self, node: &Node<P>, joint: &Jet<S>, out: &mut Self)
+    fn articulate<P: Scalar>(&self, node: &LinkNode<P>, joint: &Jet<S>, out: &mut Self)
     where
         S: Meets<P>,
     {

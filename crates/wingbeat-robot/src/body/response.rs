@@ -5,7 +5,7 @@ use wingbeat_math::Error;
 use wingbeat_math::linear::{lu_factor, lu_solve};
 use wingbeat_math::range::Range;
 use wingbeat_math::require;
-use wingbeat_math::{Jet, Meets, Over, Parameters, Quantity, Scalar, Walk};
+use wingbeat_math::{DeclaredQuantity, Jet, Meets, Over, Parameters, Scalar, Walk};
 
 /// [y'; y''] = A [y; y'] + B omega for `n` displacements y and `m` commands omega.
 /// The state is [y; y'], 2n numbers.
@@ -236,9 +236,9 @@ impl<P: Scalar> Response<P> {
 }
 
 /// Stiffness per unit inertia.
-const STIFFNESS: Quantity = Quantity::within("1/s2", Range::NOT_NEGATIVE, 0.0, 1e6);
+const STIFFNESS: DeclaredQuantity = DeclaredQuantity::within("1/s2", Range::NOT_NEGATIVE, 0.0, 1e6);
 /// Damping per unit inertia, or what an acceleration gains per unit of a commanded rate.
-const DAMPING: Quantity = Quantity::within("1/s", Range::NOT_NEGATIVE, 0.0, 1e6);
+const DAMPING: DeclaredQuantity = DeclaredQuantity::within("1/s", Range::NOT_NEGATIVE, 0.0, 1e6);
 
 impl<P: Scalar> Parameters<P> for Element<P> {
     type In<Q: Scalar> = Element<Q>;
@@ -267,7 +267,7 @@ impl<P: Scalar> Parameters<P> for Coupled<P> {
                            unit: fn(usize, usize) -> &'static str| {
             let entry = |(k, value): (usize, &P)| {
                 let (row, column) = (k / width, k % width);
-                let quantity = Quantity::free(unit(column, n));
+                let quantity = DeclaredQuantity::free(unit(column, n));
                 at.item(key, "states", n + row, |at| {
                     at.item("", columns, column, |at| at.here(&quantity, *value))
                 })

@@ -2,12 +2,12 @@
 
 use super::MAX_LINKS;
 use super::dynamics::BaseAcceleration;
-use super::inertia::{BodyNumbers, Inertia, PLACE};
-use super::joint::Axis;
+use super::inertia::{BodyNumbers, LinkInertia, PLACE};
+use super::joint::RotationAxis;
 use super::motion::LinkMotion;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
-use wingbeat_math::{Mat3, Parameters, Quantity, Scalar, Vec3, Walk, axial, polar};
+use wingbeat_math::{DeclaredQuantity, Mat3, Parameters, Scalar, Vec3, Walk, axial, polar};
 
 /// The floating base body.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +67,7 @@ pub struct Link {
 
 /// One link prepared for evaluation.
 #[derive(Clone, Debug)]
-pub(super) struct Node<P: Scalar = f64> {
+pub(super) struct LinkNode<P: Scalar = f64> {
     pub(super) parent: Option<usize>,
     pub(super) origin: Vec3<P>,
     /// None when it is the identity.
@@ -76,9 +76,9 @@ pub(super) struct Node<P: Scalar = f64> {
     mount: Option<Mat3>,
     turn: Vec3<P>,
     pub(super) kind: JointKind,
-    pub(super) axis: Axis,
+    pub(super) axis: RotationAxis,
     /// None when massless.
-    pub(super) inertia: Option<Inertia<P>>,
+    pub(super) inertia: Option<LinkInertia<P>>,
     /// The links that the joint carries, the own among them, as bits.
     pub(super) carried: u64,
 }
@@ -104,14 +104,14 @@ impl<P: Scalar> Parameters<P> for JointNumbers<P> {
 }
 
 /// A turn beside how things are drawn.
-const TURN: Quantity = Quantity { given: [-0.5, 0.5], ..Quantity::free("rad") };
+const TURN: DeclaredQuantity = DeclaredQuantity { given: [-0.5, 0.5], ..DeclaredQuantity::free("rad") };
 
 /// A floating base and its links. Constant; every evaluation brings its own
 /// scratch and allocates nothing. Masses, inertias and places of joints are of type `P`, so that they may carry derivatives.
 #[derive(Clone, Debug)]
 pub struct Tree<P: Scalar = f64> {
-    pub(super) base: Inertia<P>,
-    pub(super) nodes: Vec<Node<P>>,
+    pub(super) base: LinkInertia<P>,
+    pub(super) nodes: Vec<LinkNode<P>>,
     names: Vec<String>,
 }
 
@@ -129,14 +129,14 @@ impl Tree {
         if !(base.mass > 0.0) {
             return Err(Error::invalid("base.mass_kg", base.mass, "more than zero"));
         }
-        let stored = Inertia::new(base.mass, base.com, base.inertia).map_err(|e| e.within("base"))?;
-        let mut nodes: Vec<Node> = Vec::with_capacity(links.len());
+        let stored = LinkInertia::new(base.mass, base.com, base.inertia).map_err(|e| e.within("base"))?;
+        let mut nodes: Vec<LinkNode> = Vec::with_capacity(links.len());
         for (i, link) in links.iter().enumerate() {
             if links[..i].iter().any(|other| other.name == link.name) {
                 return Err(Error::invalid("links.name", &link.name, "a name of its own"));
             }
             let key = format!("links.{}", link.name);
-            nodes.push(Node::new(i, link).map_err(|e| e.within(&key))?);
+            nodes.push(LinkNode::new(i, link).map_err(|e| e.within(&key))?);
         }
         for i in (0..nodes.len()).rev() {
             nodes[i].carried |= 1 << i;
@@ -151,7 +151,9 @@ impl Tree {
 impl<P: Scalar> Tree<P> {
     /// Numbers of the base, then of the links; of a link without mass they are zero.
     pub fn numbers(&self) -> Vec<BodyNumbers<P>> {
-        let link = |node: &Node<P>| node.inertia.as_ref().map_or_else(BodyNumbers::default, Inertia::numbers);
+        let link = |node: &LinkNode<P>| {
+            node.inertia.as_ref().map_or_else(BodyNumbers::default, LinkInertia::numbers)
+        };
         std::iter::once(self.base.numbers()).chain(self.nodes.iter().map(link)).collect()
     }
 
@@ -168,7 +170,7 @@ impl<P: Scalar> Tree<P> {
     pub fn with<Q: Scalar>(&self, numbers: &[BodyNumbers<Q>], places: &[JointNumbers<Q>]) -> Tree<Q> {
         assert_eq!(numbers.len(), 1 + self.nodes.len(), "numbers of the base and of every link");
         assert_eq!(places.len(), self.nodes.len(), "a place for every joint");
-        let node = |((node, numbers), place): ((&Node<P>, &BodyNumbers<Q>), &JointNumbers<Q>)| Node {
+        let node = |((node, numbers), place): ((&LinkNode<P>, &BodyNumbers<Q>), &JointNumbers<Q>)| LinkNode {
             parent: node.parent,
             origin: place.origin,
             orientation: turned(place.turn, node.mount),
@@ -209,7 +211,7 @@ impl<P: Scalar> Tree<P> {
     /// Whether the joint of a link turns it about the y axis of its own frame, which lies along the span.
     pub fn turns_about_y(&self, link: usize) -> bool {
         let node = &self.nodes[link];
-        node.kind == JointKind::Revolute && matches!(node.axis, Axis::Coordinate { index: 1, .. })
+        node.kind == JointKind::Revolute && matches!(node.axis, RotationAxis::Coordinate { index: 1, .. })
     }
 
     /// Axis of the joint of a link that moves as `motion`, a unit vector in B.
@@ -223,7 +225,7 @@ impl<P: Scalar> Tree<P> {
     }
 }
 
-impl<P: Scalar> Node<P> {
+impl<P: Scalar> LinkNode<P> {
     /// The field of motion about the body origin that a unit rate of the joint gives the links it
     /// carries, in B.
     #[inline]
@@ -236,7 +238,7 @@ impl<P: Scalar> Node<P> {
     }
 }
 
-impl Node {
+impl LinkNode {
     fn new(index: usize, link: &Link) -> Result<Self, Error> {
         if let Some(p) = link.parent.filter(|&p| p >= index) {
             return Err(Error::invalid(
@@ -258,7 +260,7 @@ impl Node {
                 "a rotation matrix",
             ));
         }
-        let inertia = Inertia::new(link.mass, link.com, link.inertia)?;
+        let inertia = LinkInertia::new(link.mass, link.com, link.inertia)?;
         let mount = (link.orientation != Mat3::IDENTITY).then_some(link.orientation);
         Ok(Self {
             parent: link.parent,
@@ -267,7 +269,7 @@ impl Node {
             mount,
             turn: Vec3::ZERO,
             kind: link.kind,
-            axis: Axis::new(link.axis),
+            axis: RotationAxis::new(link.axis),
             inertia: (!inertia.is_massless()).then_some(inertia),
             carried: 0,
         })

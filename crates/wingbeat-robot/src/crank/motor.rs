@@ -4,7 +4,7 @@ use super::{Drive, Shaft, Turns};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::{Meets, Parameters, Quantity, Scalar, Walk};
+use wingbeat_math::{DeclaredQuantity, Meets, Parameters, Scalar, Walk};
 
 /// Share of the stall torque over which the corner of the gearbox's friction is rounded off.
 const TORQUE_ROUNDING: f64 = 1e-3;
@@ -27,15 +27,15 @@ pub struct Motor<P = f64> {
 }
 
 /// Torque of the shaft held still at full supply.
-const STALL_TORQUE: Quantity = Quantity::within("N m", Range::POSITIVE, 0.0, 1e6);
+const STALL_TORQUE: DeclaredQuantity = DeclaredQuantity::within("N m", Range::POSITIVE, 0.0, 1e6);
 /// Speed of the free shaft at full supply.
-const NO_LOAD_SPEED: Quantity = Quantity::within("rad/s", Range::POSITIVE, 0.0, 1e6);
+const NO_LOAD_SPEED: DeclaredQuantity = DeclaredQuantity::within("rad/s", Range::POSITIVE, 0.0, 1e6);
 /// Turns of the shaft per turn of the crank.
-const GEAR_RATIO: Quantity = Quantity::within("", Range::POSITIVE, 0.0, 1e6);
+const GEAR_RATIO: DeclaredQuantity = DeclaredQuantity::within("", Range::POSITIVE, 0.0, 1e6);
 /// Share of the power that passes the gearbox.
-const EFFICIENCY: Quantity = Quantity::within("", Range::over(0.0, 1.0), 1e-3, 1.0);
+const EFFICIENCY: DeclaredQuantity = DeclaredQuantity::within("", Range::over(0.0, 1.0), 1e-3, 1.0);
 /// Inertia of rotor and crank about the crank's axis.
-const CRANK_INERTIA: Quantity = Quantity::within("kg m2", Range::POSITIVE, 0.0, 1e6);
+const CRANK_INERTIA: DeclaredQuantity = DeclaredQuantity::within("kg m2", Range::POSITIVE, 0.0, 1e6);
 
 impl<P: Scalar> Parameters<P> for Motor<P> {
     type In<Q: Scalar> = Motor<Q>;

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use wingbeat::aero::{Loads, Planform};
 use wingbeat::math::{Vec3, Wrench};
 use wingbeat::simulate::{Held, Moment, Observed, Stepper};
-use wingbeat::tether::{Clock, Coordinate, Hinge, HingeKind, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Hinge, HingeKind, Motion, Side, Tether, Wing};
 
 /// Flapping frequency of all cases, Hz.
 const FREQUENCY: f64 = 3.5;
@@ -83,7 +83,7 @@ impl Flap {
             aero,
             wind: Vec3::new(-alpha.cos(), 0.0, alpha.sin()) * SPEED,
             side: Side::Both,
-            reference: Reference {
+            reference: CoefficientScales {
                 density_kg_m3: 1.225,
                 speed_m_s: SPEED,
                 area_m2: 2.0 * CHORD * self.half_span,

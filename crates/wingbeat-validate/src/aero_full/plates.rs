@@ -7,7 +7,7 @@ use crate::curve::{START, SampledCurve, eldredge};
 use crate::{ComparisonRow, Error, reference_table};
 use wingbeat::aero::Loads;
 use wingbeat::math::{CubicSpline, Vec3};
-use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Motion, Side, Tether, Wing};
 
 /// Airspeed and chord of the rigid plate, m/s and m.
 const SPEED: f64 = 5.0;
@@ -15,8 +15,8 @@ const CHORD: f64 = 0.0688;
 const DENSITY: f64 = 1.208;
 
 /// Force coefficients [forward, up] of a flat rectangle of that aspect ratio in unsteady or steady motion.
-fn coefficients(loads: &Loads<f64>, reference: Reference) -> [f64; 2] {
-    let Reference { density_kg_m3, speed_m_s, area_m2, .. } = reference;
+fn coefficients(loads: &Loads<f64>, reference: CoefficientScales) -> [f64; 2] {
+    let CoefficientScales { density_kg_m3, speed_m_s, area_m2, .. } = reference;
     let scale = 0.5 * density_kg_m3 * speed_m_s * speed_m_s * area_m2;
     [loads.wrench.force[0] / scale, loads.wrench.force[2] / scale]
 }
@@ -35,7 +35,7 @@ fn pitching(
         motion: Motion { nose_up, ..Motion::at_rest() },
         wind: Vec3::new(-speed, 0.0, 0.0),
         side: Side::Both,
-        reference: Reference {
+        reference: CoefficientScales {
             density_kg_m3: density,
             speed_m_s: speed,
             area_m2: planform.area(),

@@ -8,7 +8,7 @@ use crate::{ComparisonRow, Error, reference_table};
 use std::f64::consts::PI;
 use wingbeat::aero::{Aero, JONES_RATES, JONES_WEIGHTS, LagSet, Planform};
 use wingbeat::math::Vec3;
-use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Motion, Side, Tether, Wing};
 
 /// A wing that heaves and pitches like cosines of one frequency, in a level wind.
 pub(super) struct Waving {
@@ -44,7 +44,7 @@ impl Waving {
             },
             wind: Vec3::new(-self.speed, 0.0, 0.0),
             side: Side::Both,
-            reference: Reference {
+            reference: CoefficientScales {
                 density_kg_m3: self.density,
                 speed_m_s: self.speed,
                 area_m2: planform.area(),

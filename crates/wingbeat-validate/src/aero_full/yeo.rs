@@ -6,7 +6,7 @@ use crate::{ComparisonRow, Error, ReferenceTable, reference_table};
 use std::f64::consts::PI;
 use wingbeat::aero::{Aero, Loads, Planform, PlanformStation, SurfaceNumbers};
 use wingbeat::math::Vec3;
-use wingbeat::tether::{Clock, Coordinate, Hinge, HingeKind, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Hinge, HingeKind, Motion, Side, Tether, Wing};
 
 const FREQUENCY: f64 = 3.3;
 const SPEED: f64 = 2.9;
@@ -182,7 +182,7 @@ fn strips_of(
         motion: Motion { hinges: vec![("root".into(), flap.clone())], ..Motion::at_rest() },
         wind: Vec3::new(-SPEED, 0.0, 0.0),
         side: Side::Both,
-        reference: Reference {
+        reference: CoefficientScales {
             density_kg_m3: DENSITY,
             speed_m_s: SPEED,
             area_m2: planform.area(),

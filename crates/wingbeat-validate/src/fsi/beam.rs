@@ -10,8 +10,8 @@ use apart::TaperedBeam;
 use std::f64::consts::PI;
 use wingbeat::math::{Mat3, Vec3};
 use wingbeat::structure::{
-    Beam, Grid, Load, Place, Section, Setting, Station, Status, Strain, Swung, eigenvalues, frequencies,
-    hold, linear,
+    Beam, CrossSection, Grid, Load, Place, SectionStation, Setting, StaticsStatus, Strain, Swung,
+    eigenvalues, frequencies, hold, linear,
 };
 
 /// The comparisons.
@@ -36,10 +36,10 @@ const SLENDER: f64 = 1e-9;
 
 /// A section with bending about y (out of the plane of rotation) and torsion as in [`TaperedBeam`], bending about z `wide` times
 /// stiffer.
-fn section([bend, twist, mass, inertia]: [f64; 4], offset: f64, wide: f64) -> Section {
+fn section([bend, twist, mass, inertia]: [f64; 4], offset: f64, wide: f64) -> CrossSection {
     // About the centre of mass: the library moves it to the axis. A plate's, as what turns about x must lie somewhere.
     let own = inertia - mass * offset * offset;
-    Section::isotropic(1e9, [twist, bend, wide * bend]).with_mass(
+    CrossSection::isotropic(1e9, [twist, bend, wide * bend]).with_mass(
         mass,
         Vec3::new(0.0, offset, 0.0),
         Mat3::diagonal(Vec3::new(own, SLENDER, own)),
@@ -48,7 +48,7 @@ fn section([bend, twist, mass, inertia]: [f64; 4], offset: f64, wide: f64) -> Se
 
 fn beam(of: &TaperedBeam, elements: usize, order: usize) -> Result<Beam, Error> {
     let stations = [(0.0, of.root), (1.0, of.tip)]
-        .map(|(arc_m, n)| Station { arc_m, section: section(n, of.offset, 1e6) });
+        .map(|(arc_m, n)| SectionStation { arc_m, section: section(n, of.offset, 1e6) });
     let grid = Grid { elements, order, strains: Strain::INEXTENSIBLE, arcs: Vec::new() };
     Ok(Beam::new(&stations, &[], &grid)?)
 }
@@ -110,7 +110,7 @@ fn bent(load: Load, steps: usize, elements: usize, order: usize) -> Result<Vec3,
     let beam = beam(&UNIFORM, elements, order)?;
     let load = Load { node: beam.tip(), ..load };
     let held = hold(&beam, &Setting { loads: vec![load], ..Setting::default() }, steps);
-    if held.status != Status::Converged {
+    if held.status != StaticsStatus::Converged {
         return Err(Error::NoAnswer(format!("a static shape: {:?} {:e}", held.status, held.residual)));
     }
     Ok(beam.places(&Place::IDENTITY, &held.q)[beam.tip()].p)

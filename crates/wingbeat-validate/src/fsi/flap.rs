@@ -1,9 +1,9 @@
 //! A flap on a spring in plane flow: at rest against Glauert's theory, moving against thin-aerofoil theory by series.
 
+use super::C;
 use super::membrane::SailSheet;
 use super::theodorsen::deficiency;
 use crate::{ComparisonRow, Error};
-use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 use wingbeat::aero::{
     FlapSpec, LagSet, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, SectionSettings,
@@ -11,8 +11,6 @@ use wingbeat::aero::{
 };
 use wingbeat::math::{RK4, Vec3, Workspace};
 use wingbeat::tether::{Clock, Coordinate, Motion};
-
-type C = Complex<f64>;
 
 /// A flap of that share of the chord on a spring of that stiffness, N/rad; every other number is chosen.
 fn flap(chord_fraction: f64, stiffness_n_rad: f64, rest_deg: f64) -> FlapSpec {
@@ -93,25 +91,25 @@ fn series(k: f64, deficiency: C, share: f64, wash: impl Fn(f64) -> C) -> Answer 
 
 /// The chord heaves with the rate cos, or pitches about its middle by cos, with a flap on its spring.
 #[derive(Clone, Copy, PartialEq)]
-enum Moved {
+enum FlapMotion {
     Heave,
     Pitch,
 }
 
 /// Amplitudes over that of the motion: lift, moment about mid chord, angle of the flap, in units of half chord, speed and density.
-struct Moving {
+struct FlapAnswer {
     lift: C,
     moment: C,
     angle: C,
 }
 
 /// By the series and the balance of the hinge: I b'' + (motion of the sheet) + k (1 + i w tau) b = moment of the air.
-fn exact(share: f64, stiffness: f64, k: f64, moved: Moved, deficiency: C) -> Moving {
+fn exact(share: f64, stiffness: f64, k: f64, moved: FlapMotion, deficiency: C) -> FlapAnswer {
     let (hinge, i) = (1.0 - 2.0 * share, C::i() * k);
     let chord = |x: f64| match moved {
         // Down is positive for the wash.
-        Moved::Heave => C::from(-1.0),
-        Moved::Pitch => 1.0 + i * x,
+        FlapMotion::Heave => C::from(-1.0),
+        FlapMotion::Pitch => 1.0 + i * x,
     };
     let bent = |x: f64| if x > hinge { 1.0 + i * (x - hinge) } else { C::ZERO };
     let (of_chord, of_flap) = (series(k, deficiency, share, chord), series(k, deficiency, share, bent));
@@ -119,15 +117,15 @@ fn exact(share: f64, stiffness: f64, k: f64, moved: Moved, deficiency: C) -> Mov
     let (length, mass) = (2.0 * share, 2.0 * DENSITY);
     let [first, second] = [mass * length * length / 2.0, mass * length.powi(3) / 3.0];
     let along = match moved {
-        Moved::Heave => -i * first,
-        Moved::Pitch => i * i * (first * hinge + second),
+        FlapMotion::Heave => -i * first,
+        FlapMotion::Pitch => i * i * (first * hinge + second),
     };
     // Moments over rho V^2 b^2 and span: the spring's is over rho V^2 c^2 where c is 1.
     let spring = 4.0 * stiffness * (1.0 + i * 2.0 * DAMPING);
     let angle = (of_chord.hinge - along) / (spring + i * i * second - of_flap.hinge);
     // The wing bears the inertia of the sheet besides.
     let turning = i * i * angle;
-    Moving {
+    FlapAnswer {
         lift: of_chord.lift + of_flap.lift * angle + turning * first,
         moment: of_chord.moment + of_flap.moment * angle - turning * (first * hinge + second),
         angle,
@@ -140,18 +138,20 @@ const AMPLITUDE: f64 = 1e-3;
 const STEPS: usize = 400;
 
 /// The same of preset full.
-fn strips(share: f64, stiffness: f64, k: f64, moved: Moved) -> Result<Moving, Error> {
+fn strips(share: f64, stiffness: f64, k: f64, moved: FlapMotion) -> Result<FlapAnswer, Error> {
     let rate = 2.0 * k;
     let clock = Clock { frequency_hz: rate / TAU, cycles: 8, steps_per_cycle: STEPS };
     let fourier =
         |cos: Vec<f64>, sin: Vec<f64>| Coordinate::Fourier { frequency_hz: rate / TAU, mean: 0.0, cos, sin };
     let motion = match moved {
-        Moved::Heave => Motion { heave: fourier(Vec::new(), vec![AMPLITUDE / rate]), ..Motion::at_rest() },
-        Moved::Pitch => Motion { nose_up: fourier(vec![AMPLITUDE], Vec::new()), ..Motion::at_rest() },
+        FlapMotion::Heave => {
+            Motion { heave: fourier(Vec::new(), vec![AMPLITUDE / rate]), ..Motion::at_rest() }
+        }
+        FlapMotion::Pitch => Motion { nose_up: fourier(vec![AMPLITUDE], Vec::new()), ..Motion::at_rest() },
     };
     let flap = Some(flap(share, stiffness, 0.0));
     let (cycle, area) = SailSheet { membrane: None, flap, law: LiftLaw::Linear, motion, clock }.loads()?;
-    let mut found = Moving { lift: C::ZERO, moment: C::ZERO, angle: C::ZERO };
+    let mut found = FlapAnswer { lift: C::ZERO, moment: C::ZERO, angle: C::ZERO };
     for (step, loads) in cycle.iter().enumerate() {
         let turn = C::from_polar(2.0 / STEPS as f64 / AMPLITUDE, -TAU * step as f64 / STEPS as f64);
         found.lift += turn * (2.0 * loads.wrench.force[2] / area);
@@ -172,7 +172,7 @@ fn lagged(k: f64) -> C {
 pub fn moving() -> Result<Vec<ComparisonRow>, Error> {
     let source = "thin-aerofoil theory by 160 terms (Theodorsen 1935), own";
     let mut worst = [[0.0_f64; 3]; 2];
-    for moved in [Moved::Heave, Moved::Pitch] {
+    for moved in [FlapMotion::Heave, FlapMotion::Pitch] {
         for k in [0.1, 0.3, 0.6] {
             for (share, stiffness) in [(0.15, 0.01), (0.3, 0.05), (0.3, 1.0), (0.6, 0.3)] {
                 let found = strips(share, stiffness, k, moved)?;

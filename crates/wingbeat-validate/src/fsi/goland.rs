@@ -8,7 +8,9 @@ use crate::{Case, ComparisonRow, Error};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 use wingbeat::math::{Mat3, Vec3};
-use wingbeat::structure::{Beam, Grid, Section, Setting, Station, Strain, frequencies, linear, turning};
+use wingbeat::structure::{
+    Beam, CrossSection, Grid, SectionStation, Setting, Strain, frequencies, linear, turning,
+};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -41,12 +43,12 @@ fn beam(arcs: Vec<f64>) -> Result<Beam, Error> {
     let offset = (CENTRE - AXIS) * 2.0 * SEMI_CHORD;
     let own = INERTIA - MASS * offset * offset;
     // In its plane it is taken a hundred times stiffer.
-    let section = Section::isotropic(1e10, [TORSION, BENDING, 100.0 * BENDING]).with_mass(
+    let section = CrossSection::isotropic(1e10, [TORSION, BENDING, 100.0 * BENDING]).with_mass(
         MASS,
         Vec3::new(0.0, offset, 0.0),
         Mat3::diagonal(Vec3::new(own, 1e-6 * own, own)),
     );
-    let stations = [0.0, SPAN].map(|arc_m| Station { arc_m, section });
+    let stations = [0.0, SPAN].map(|arc_m| SectionStation { arc_m, section });
     Ok(Beam::new(&stations, &[], &Grid { elements: 1, order: 6, strains: Strain::INEXTENSIBLE, arcs })?)
 }
 

@@ -13,7 +13,7 @@ use wingbeat::aero::{
     StripModel, StripSettings,
 };
 use wingbeat::math::Vec3;
-use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Motion, Side, Tether, Wing};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -73,7 +73,12 @@ impl SailSheet {
             motion: self.motion,
             wind: Vec3::new(-1.0, 0.0, 0.0),
             side: Side::Both,
-            reference: Reference { density_kg_m3: 1.0, speed_m_s: 1.0, area_m2: ASPECT, chord_m: 1.0 },
+            reference: CoefficientScales {
+                density_kg_m3: 1.0,
+                speed_m_s: 1.0,
+                area_m2: ASPECT,
+                chord_m: 1.0,
+            },
             clock: self.clock,
             wing: Wing::new(planform, Vec::new())?,
         })

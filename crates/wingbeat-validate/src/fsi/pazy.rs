@@ -4,9 +4,10 @@ use crate::{Case, ComparisonRow, Error, ReferenceTable, reference_table};
 use wingbeat::aero::{Aero, LiftLaw, Planform, PlanformStation, SectionSettings, StripModel, StripSettings};
 use wingbeat::math::{GRAVITY, Mat3, Vec3};
 use wingbeat::structure::{
-    Beam, Grid, Load, Lump, Place, Section, Setting, Station, Status, Strain, frequencies, hold, linear,
+    Beam, CrossSection, Grid, Load, Lump, Place, SectionStation, Setting, StaticsStatus, Strain, frequencies,
+    hold, linear,
 };
-use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Spar, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Motion, Side, Spar, Tether, Wing};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -79,7 +80,7 @@ fn beam(arcs: Vec<f64>, change: BeamChange) -> Result<Beam, Error> {
             numbers[2] = length / (length / numbers[2] + change.clamp.recip());
         }
         let section = section(numbers);
-        stations.extend([pair[0], pair[1]].map(|arc_m| Station { arc_m, section }));
+        stations.extend([pair[0], pair[1]].map(|arc_m| SectionStation { arc_m, section }));
     }
     let numbers: Vec<Vec<f64>> =
         ["mass_kg", "cg_x_m", "cg_y_m", "cg_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"]
@@ -102,9 +103,9 @@ fn beam(arcs: Vec<f64>, change: BeamChange) -> Result<Beam, Error> {
 }
 
 /// The section of an element: its shear is not given and taken as stiff.
-fn section([ea, gj, flap, lag, k12, k13, k14, k23, k24, k34]: [f64; 10]) -> Section {
+fn section([ea, gj, flap, lag, k12, k13, k14, k23, k24, k34]: [f64; 10]) -> CrossSection {
     // Twist about theirs y is ours about x; bending about theirs x is ours about y; about theirs z minus ours about z.
-    let mut s = Section::isotropic(ea, [gj, flap, lag]);
+    let mut s = CrossSection::isotropic(ea, [gj, flap, lag]);
     let mut pair = |i: usize, j: usize, value: f64| (s.stiffness[i][j], s.stiffness[j][i]) = (value, value);
     pair(0, 3, k12);
     pair(1, 3, k13);
@@ -124,7 +125,7 @@ fn height(beam: &Beam, change: BeamChange, mass: f64) -> Result<f64, Error> {
     let setting = Setting { loads: vec![load], gravity: Vec3::new(0.0, 0.0, -GRAVITY), ..Setting::default() };
     let held = hold(beam, &setting, 6);
     match held.status {
-        Status::Converged => Ok(beam.places(&Place::IDENTITY, &held.q)[beam.tip()].p[2]),
+        StaticsStatus::Converged => Ok(beam.places(&Place::IDENTITY, &held.q)[beam.tip()].p[2]),
         status => Err(Error::NoAnswer(format!("Pazy wing under {mass} kg: {status:?}"))),
     }
 }
@@ -279,7 +280,7 @@ fn displaced(speed: f64, change: BeamChange) -> Result<f64, Error> {
         motion: Motion { nose_up: Coordinate::Constant(5.0_f64.to_radians()), ..Motion::at_rest() },
         wind: Vec3::new(-speed, 0.0, 0.0),
         side: Side::Left,
-        reference: Reference {
+        reference: CoefficientScales {
             density_kg_m3: DENSITY,
             speed_m_s: speed,
             area_m2: half_span * CHORD,

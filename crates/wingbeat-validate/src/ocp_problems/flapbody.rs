@@ -4,7 +4,7 @@ use crate::flapbody::{DIFFERENCE, FlapBody, initial_state};
 use crate::{Case, ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Scalar;
-use wingbeat::ocp::interior_point::{Options, Solution, Status, solve};
+use wingbeat::ocp::interior_point::{Options, Solution, SolveStatus, solve};
 use wingbeat::ocp::{
     Collocation, Ends, FREE, Instant, Limits, OptimalControl, Scheme, Setup, Trajectory, Transcribed,
 };
@@ -74,7 +74,7 @@ fn compare() -> Result<Vec<ComparisonRow>, Error> {
     let instances = [("ocp.flapbody_B", 50, 0.255202142811), ("ocp.flapbody_B.fine", 100, 0.252703900518)];
     for (id, intervals, optimum) in instances {
         let solution = TurnIn::default().solve(intervals, &Options::default());
-        if solution.status != Status::Solved {
+        if solution.status != SolveStatus::Solved {
             return Err(Error::NoAnswer(solution.status.to_string()));
         }
         let value = (solution.objective - optimum).abs() / optimum;

@@ -4,7 +4,7 @@
 use crate::{Case, ComparisonRow, Error};
 use std::ops::ControlFlow;
 use wingbeat::math::Scalar;
-use wingbeat::ocp::interior_point::{Options, Status, solve};
+use wingbeat::ocp::interior_point::{Options, SolveStatus, solve};
 use wingbeat::ocp::nlp::{Dense, Functions};
 use wingbeat::plant::Channel;
 
@@ -51,7 +51,7 @@ fn compare<F: Functions>(
 ) -> Result<Vec<ComparisonRow>, Error> {
     let mut quiet = |_: &_| ControlFlow::Continue(());
     let solution = solve(&mut Dense::new(functions), start, &Options::default(), &mut quiet);
-    if solution.status != Status::Solved {
+    if solution.status != SolveStatus::Solved {
         return Err(Error::NoAnswer(solution.status.to_string()));
     }
     let value = (solution.objective - optimum).abs() / optimum.abs().max(1.0);

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::time::Duration;
 use wingbeat::math::{GRAVITY, Scalar};
-use wingbeat::ocp::interior_point::{Options, Status};
+use wingbeat::ocp::interior_point::{Options, SolveStatus};
 use wingbeat::ocp::{Ends, FREE, Instant, Limits, OptimalControl, Refinement, Scheme, Setup, optimise};
 use wingbeat::plant::{Channel, Fault};
 
@@ -37,7 +37,7 @@ pub(super) fn compare_by(
     let guess = problem.setup().straight_line();
     let mut quiet = |_: wingbeat::ocp::Progress| ControlFlow::Continue(());
     let found = optimise(problem, &guess, &refinement, &mut quiet);
-    if found.status != Status::Solved {
+    if found.status != SolveStatus::Solved {
         return Err(Error::NoAnswer(found.status.to_string()));
     }
     let value = (found.objective - optimum).abs() / optimum.abs();

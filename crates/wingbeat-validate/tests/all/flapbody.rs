@@ -2,7 +2,7 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use wingbeat::ocp::realtime::{Limit, RealTime, Settings, Status, Tracking};
+use wingbeat::ocp::realtime::{Limit, RealTime, Settings, Tracking, UpdateStatus};
 use wingbeat::plant::{Channel, Fault, Plant};
 use wingbeat_validate::flapbody::{self, BankTurn, FlapBody, INTERVALS, STEP};
 
@@ -38,7 +38,7 @@ fn all_recorded_instances_reach_their_optimal_inputs() {
     for (i, instance) in flapbody::instances().unwrap().iter().enumerate() {
         solver.reset(&plant, &instance.state);
         let status = solver.solve(&plant, &instance.problem, instance.time, &instance.state, 20);
-        assert_eq!(status, Status::Solved, "instance {i}");
+        assert_eq!(status, UpdateStatus::Solved, "instance {i}");
         let error = largest_difference(&solver.plan().u, &instance.inputs);
         assert!(error < 1e-6, "instance {i}: {error:e}");
     }
@@ -100,7 +100,7 @@ fn warm_starts_by_shifting_need_fewer_iterations() {
                 solver.reset(&plant, &pair[1].state);
             }
             let status = solver.solve(&plant, &pair[1].problem, pair[1].time, &pair[1].state, 20);
-            assert_eq!(status, Status::Solved);
+            assert_eq!(status, UpdateStatus::Solved);
             iterations[warm] += solver.statistics().iterations;
         }
     }
@@ -118,7 +118,7 @@ fn a_state_beyond_its_limit_is_infeasible_and_named() {
     let mut far = instance.state.clone();
     far[9] = 1.9;
     let status = solver.solve(&plant, &instance.problem, instance.time, &far, 1);
-    let Status::Infeasible { worst } = status else { panic!("{status:?}") };
+    let UpdateStatus::Infeasible { worst } = status else { panic!("{status:?}") };
     let name = worst.name(&plant, &instance.problem);
     assert!(name == "stroke_1" || name == "stroke_1 - stroke_2", "{worst:?} {name}");
     assert!(matches!(worst, Limit::State { node: 1, .. } | Limit::Linear { node: 1, .. }));
@@ -166,7 +166,7 @@ fn a_broken_model_is_reported_and_leaves_the_plan() {
         let kept = solver.plan().clone();
         for t0 in [0.58, 1.0] {
             let status = solver.solve(&plant, &instance.problem, t0, &instance.state, 2);
-            assert!(matches!(status, Status::ModelFault(_)), "{status:?}");
+            assert!(matches!(status, UpdateStatus::ModelFault(_)), "{status:?}");
             assert_eq!((&kept.u, &kept.x), (&solver.plan().u, &solver.plan().x));
         }
     }
@@ -195,7 +195,7 @@ fn a_plan_that_leads_nowhere_is_made_anew() {
     solver.reset(&plant, &instance.state);
     solver.plan_mut().state_mut(2)[7] = f64::INFINITY;
     let status = solver.solve(&plant, &instance.problem, instance.time, &instance.state, 20);
-    assert!(status == Status::Solved && solver.statistics().restarted);
+    assert!(status == UpdateStatus::Solved && solver.statistics().restarted);
     assert!(largest_difference(&solver.plan().u, &instance.inputs) < 1e-6);
 }
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::judge::Status;
 use wingbeat::math::{GRAVITY, RK4, Workspace};
-use wingbeat::orbit::{Course, Section, intervals};
+use wingbeat::orbit::{Course, OrbitSection, intervals};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{Document, Scenario, Trimmed};
 use wingbeat::simulate::{Controller, Measurement};
@@ -150,7 +150,7 @@ fn a_flight_from_its_orbit_stays_on_it_open_loop() {
 #[test]
 fn the_section_gives_the_state_back() {
     let scenario = scenario("passive_20g", &["start.roll_deg=12.0", "start.velocity_m_s=[3.0, 0.2, -0.4]"]);
-    let section = Section::new(scenario.robot()).unwrap();
+    let section = OrbitSection::new(scenario.robot()).unwrap();
     let x = scenario.start();
     let l = scenario.robot().layout();
     let mut z = vec![0.0; section.len()];

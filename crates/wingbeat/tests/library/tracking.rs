@@ -1,7 +1,7 @@
 //! The real-time solver against linear-quadratic theory.
 
 use wingbeat::math::Scalar;
-use wingbeat::ocp::realtime::{RealTime, Settings, Status, Tracking};
+use wingbeat::ocp::realtime::{RealTime, Settings, Tracking, UpdateStatus};
 use wingbeat::plant::{Channel, Fault, Plant};
 
 const STEP: f64 = 0.1;
@@ -93,7 +93,7 @@ fn an_unlimited_linear_problem_has_the_riccati_solution() {
     let x0 = [0.7, -0.4];
     solver.reset(&plant, &x0);
     let status = solver.solve(&plant, &Origin, 0.0, &x0, 1);
-    assert_eq!(status, Status::IterationLimit);
+    assert_eq!(status, UpdateStatus::IterationLimit);
     let (gains, p) = riccati();
     let mut s = [x0[0], x0[1], -(p[2][0] * x0[0] + p[2][1] * x0[1]) / p[2][2]];
     for k in 0..=INTERVALS {
@@ -103,7 +103,7 @@ fn an_unlimited_linear_problem_has_the_riccati_solution() {
             s = advance(s, -(0..3).map(|i| gains[k][i] * s[i]).sum::<f64>());
         }
     }
-    assert_eq!(solver.solve(&plant, &Origin, 0.0, &x0, 3), Status::Solved);
+    assert_eq!(solver.solve(&plant, &Origin, 0.0, &x0, 3), UpdateStatus::Solved);
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn limited_inputs_bind_and_shift_with_time() {
     let plant = Mass::new(0.3);
     let mut solver = RealTime::new(&plant, &Origin, Settings::new(INTERVALS, STEP)).unwrap();
     solver.reset(&plant, &[2.0, 0.0]);
-    assert_eq!(solver.solve(&plant, &Origin, 0.0, &[2.0, 0.0], 4), Status::Solved);
+    assert_eq!(solver.solve(&plant, &Origin, 0.0, &[2.0, 0.0], 4), UpdateStatus::Solved);
     assert_eq!(solver.input(0)[0], -0.3);
     assert!(solver.statistics().active > 0);
     // Moving on by a quarter interval follows the interpolant and, past the
@@ -164,7 +164,7 @@ fn the_rate_of_an_input_is_limited_from_the_held_one_on() {
         let mut solver = RealTime::new(&plant, &Gently(rate), settings).unwrap();
         solver.reset(&plant, &[2.0, 0.0]);
         let status = solver.solve(&plant, &Gently(rate), 0.0, &[2.0, 0.0], 4);
-        assert_eq!(status, Status::Solved);
+        assert_eq!(status, UpdateStatus::Solved);
         solver.plan().u.clone()
     };
     let changes = |u: &[f64]| u.windows(2).map(|p| (p[1] - p[0]).abs()).fold(0.0, f64::max);

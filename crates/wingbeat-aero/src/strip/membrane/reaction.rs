@@ -1,8 +1,8 @@
 //! What a membrane that gives way does to the wing that holds it, and what it stores and loses.
 
-use super::super::influence::Column;
-use super::super::response::Response;
-use super::super::{Flow, StripModel};
+use super::super::influence::StripColumn;
+use super::super::response::StripResponse;
+use super::super::{StripFlow, StripModel};
 use super::{Camber, Membrane};
 use crate::Loads;
 use wingbeat_math::{Meets, Over, Scalar};
@@ -16,7 +16,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn shared_mass<K: Scalar + Meets<P>, G: Scalar, const N: usize>(
         &self,
         i: usize,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         membrane: &Membrane<P>,
     ) -> K {
         flow.unit_left[i] * (self.carried_mass(i) * SHARED_AIR) + self.film_mass(i, membrane)
@@ -39,9 +39,9 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
+        flow: &StripFlow<K, G, N>,
         camber: &Camber<'_, S, N>,
-        impulses: [&mut Column<S, N>; 2],
+        impulses: [&mut StripColumn<S, N>; 2],
     ) {
         let Some(membrane) = &self.membrane else { return };
         let [impulse, rate] = impulses;
@@ -60,8 +60,8 @@ impl<P: Scalar> StripModel<P> {
         const N: usize,
     >(
         &self,
-        flow: &Flow<K, G, N>,
-        response: &Response<'_, S, N>,
+        flow: &StripFlow<K, G, N>,
+        response: &StripResponse<'_, S, N>,
         (x, dx): (&[S], &[S]),
         loads: &mut Loads<S>,
     ) {

@@ -1,6 +1,6 @@
 //! A membrane by itself: its bays, tensions and rates under given loads.
 
-use super::super::grid::Grid;
+use super::super::grid::StripGrid;
 use crate::{MAX_STRIPS, MembraneNumbers, Planform};
 use arrayvec::ArrayVec;
 use std::f64::consts::{PI, TAU};
@@ -80,7 +80,7 @@ impl<P: Scalar> Membrane<P> {
         numbers: &MembraneNumbers<P>,
         ribs_m: &[f64],
         planform: &Planform<P>,
-        grid: &Grid<P>,
+        grid: &StripGrid<P>,
     ) -> Result<Self, Error> {
         let mut ribs = Vec::new();
         for (k, &arc) in ribs_m.iter().enumerate() {
@@ -135,7 +135,7 @@ impl<P: Scalar> Membrane<P> {
         &mut self,
         strips: std::ops::Range<usize>,
         ribs: &[P],
-        grid: &Grid<P>,
+        grid: &StripGrid<P>,
         numbers: &MembraneNumbers<P>,
     ) {
         let arc = |k: usize| match k {
@@ -400,7 +400,7 @@ mod tests {
             damping,
         };
         let arc = |k: usize| 0.2 - 0.1 * k as f64;
-        let grid = Grid {
+        let grid = StripGrid {
             arcs: (0..6).map(|k| arc(k) + 0.05).collect(),
             control_arcs: (0..5).map(arc).collect(),
             fraction: vec![0.5; 5],

@@ -4,7 +4,7 @@ use super::super::search::VarySpec;
 use crate::{Document, Scenario};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::ops::ControlFlow;
-use wingbeat_flight::orbit::{Course, Cycle, Point, Section, drift, settle};
+use wingbeat_flight::orbit::{Course, Cycle, OrbitSection, Point, drift, settle};
 use wingbeat_math::{GRAVITY, parallel};
 
 /// Most steps, and steps that may fail one after another.
@@ -31,7 +31,7 @@ const NEARLY: f64 = 0.15;
 
 /// A gait on its way to balance.
 #[derive(Clone, Debug)]
-pub(super) struct Gait {
+pub(super) struct BalancingGait {
     /// Shares of the ranges.
     pub x: Vec<f64>,
     pub point: Point,
@@ -47,7 +47,7 @@ pub(super) struct Balance<'a> {
 }
 
 /// A gait and its mean accelerations over gravity.
-type Weighed = (Gait, Vector3<f64>);
+type Weighed = (BalancingGait, Vector3<f64>);
 
 impl Balance<'_> {
     /// The scenario with numbers at the shares `x` of their ranges.
@@ -68,7 +68,7 @@ impl Balance<'_> {
     }
 
     /// The gait after `cycles` of settling, and what is off balance then.
-    fn settled(&self, mut gait: Gait, cycles: usize) -> Result<Weighed, String> {
+    fn settled(&self, mut gait: BalancingGait, cycles: usize) -> Result<Weighed, String> {
         let x = gait.x.clone();
         self.with(&x, |cycle, course| {
             for _ in 0..cycles {
@@ -93,10 +93,10 @@ impl Balance<'_> {
     }
 
     /// `gait` moved by `step`, in the sizes of the unknowns.
-    fn moved(&self, gait: &Gait, step: &[f64]) -> Gait {
+    fn moved(&self, gait: &BalancingGait, step: &[f64]) -> BalancingGait {
         let mut next = gait.clone();
         let pitch = (gait.pitch + PITCH * step[0]).clamp(PITCHES[0], PITCHES[1]);
-        next.point.z[Section::PITCH] += pitch - gait.pitch;
+        next.point.z[OrbitSection::PITCH] += pitch - gait.pitch;
         next.pitch = pitch;
         next.point.pace = (gait.point.pace * (PACE * step[1]).exp()).clamp(1.0 / PACES, PACES);
         for (x, step) in next.x.iter_mut().zip(&step[2..]) {
@@ -106,7 +106,7 @@ impl Balance<'_> {
     }
 
     /// Differences of what is off balance by each unknown, forward or where its range ends backward.
-    fn slopes(&self, gait: &Gait, off: &Vector3<f64>) -> Result<DMatrix<f64>, String> {
+    fn slopes(&self, gait: &BalancingGait, off: &Vector3<f64>) -> Result<DMatrix<f64>, String> {
         let count = 2 + gait.x.len();
         let columns: Vec<usize> = (0..count).collect();
         let column = |_: usize, &i: &usize| -> Result<Vector3<f64>, String> {
@@ -123,7 +123,7 @@ impl Balance<'_> {
     }
 
     /// How far each unknown may go on, down and up, in its size.
-    fn room(&self, gait: &Gait) -> Vec<[f64; 2]> {
+    fn room(&self, gait: &BalancingGait) -> Vec<[f64; 2]> {
         let pitch = PITCHES.map(|end| (end - gait.pitch) / PITCH);
         let pace = [-PACES.ln(), PACES.ln()].map(|end| (end - gait.point.pace.ln()) / PACE);
         let shares = gait.x.iter().map(|x| [-x / SHARE, (1.0 - x) / SHARE]);
@@ -137,9 +137,9 @@ impl Balance<'_> {
     /// What stays off balance, or why the model cannot be evaluated.
     pub fn near(
         &self,
-        start: Gait,
+        start: BalancingGait,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-    ) -> Result<Gait, String> {
+    ) -> Result<BalancingGait, String> {
         let (mut gait, mut off) = self.settled(start, SETTLING)?;
         let (mut damping, mut failures) = (1e-3, 0);
         for iteration in 1..=STEPS {
@@ -179,7 +179,7 @@ impl Balance<'_> {
     }
 
     /// Frequency of a gait, Hz.
-    fn frequency(&self, gait: &Gait) -> Result<f64, String> {
+    fn frequency(&self, gait: &BalancingGait) -> Result<f64, String> {
         self.with(&gait.x, |cycle, _| Ok(1.0 / cycle.duration(gait.point.pace)))
     }
 }

@@ -17,13 +17,13 @@ use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec};
 use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
 use crate::{ConfigError, Document, Scenario, ScenarioSpec, written};
-use balance::{Balance, Gait};
+use balance::{Balance, BalancingGait};
 use begin::{FASTEST, flaps, frequency_key, let_flap, longest_chord, with_actuators, without_motor};
 use guess::Size;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use wingbeat_flight::orbit::{Found, Measures, Point, Section, measure, search, search_from};
+use wingbeat_flight::orbit::{FoundOrbit, Measures, OrbitSection, Point, measure, search, search_from};
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Status, Warning};
 use wingbeat_math::Error;
@@ -422,11 +422,11 @@ impl RobotTrim {
         let first = balance.scenario(&x)?;
         let cycle = first.cycle().map_err(|error| error.to_string())?;
         let mut z = vec![0.0; cycle.section().len()];
-        (z[Section::VELOCITY.start], z[Section::PITCH]) = (speed, pitch);
+        (z[OrbitSection::VELOCITY.start], z[OrbitSection::PITCH]) = (speed, pitch);
         let joints = first.model().start_coordinates();
-        z[Section::BODY..][..joints.len()].copy_from_slice(&joints);
+        z[OrbitSection::BODY..][..joints.len()].copy_from_slice(&joints);
         let inputs = first.held_commands();
-        let gait = Gait { x, point: Point { z, pace, inputs }, pitch };
+        let gait = BalancingGait { x, point: Point { z, pace, inputs }, pitch };
         let gait = balance.near(gait, tell)?;
         let scenario = balance.scenario(&gait.x)?;
         let cycle = scenario.cycle().map_err(|error| error.to_string())?;
@@ -482,7 +482,7 @@ impl RobotTrim {
     }
 
     /// An orbit beside the limits of the verdict.
-    fn candidate(&self, spec: ScenarioSpec, found: &Found, measures: &Measures, mass: f64) -> Candidate {
+    fn candidate(&self, spec: ScenarioSpec, found: &FoundOrbit, measures: &Measures, mass: f64) -> Candidate {
         let power = measures.cost.positive_power / mass;
         let frequency = 1.0 / found.orbit.end.duration;
         let least = measures.least_clearance.unwrap_or(f64::INFINITY);

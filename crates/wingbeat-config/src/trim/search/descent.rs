@@ -22,7 +22,7 @@ pub(super) const KEPT: f64 = 1e-3;
 /// What is seen at a point: objective and limits, all scaled: they are dimensionless; a limit is kept where its number is at
 /// most 0.
 #[derive(Clone, Debug)]
-pub struct Seen<P> {
+pub struct DescentPoint<P> {
     /// Value of the objective.
     pub objective: f64,
     /// Values of the limits, kept where at most 0.
@@ -31,7 +31,7 @@ pub struct Seen<P> {
     pub more: P,
 }
 
-impl<P> Seen<P> {
+impl<P> DescentPoint<P> {
     /// The worst limit missed, dimensionless.
     pub fn violation(&self) -> f64 {
         self.limits.iter().fold(0.0, |most, c| c.max(most))
@@ -55,9 +55,9 @@ pub trait Landscape {
     /// What belongs to a point beside its numbers.
     type More;
     /// What is at `x`, close to `near`; `None` where there is nothing.
-    fn look(&self, x: &[f64], near: &Seen<Self::More>) -> Option<Seen<Self::More>>;
+    fn look(&self, x: &[f64], near: &DescentPoint<Self::More>) -> Option<DescentPoint<Self::More>>;
     /// Derivatives at `x`; `None` where there are none.
-    fn slopes(&self, x: &[f64], seen: &mut Seen<Self::More>) -> Option<Slopes>;
+    fn slopes(&self, x: &[f64], seen: &mut DescentPoint<Self::More>) -> Option<Slopes>;
 }
 
 /// How a descent ended.
@@ -91,20 +91,20 @@ impl Ended {
 /// Where a descent came to.
 pub struct Descent<P> {
     pub x: Vec<f64>,
-    pub seen: Seen<P>,
+    pub seen: DescentPoint<P>,
     pub iterations: usize,
     pub ended: Ended,
 }
 
 /// Hears the number of an iteration and where it stands; may stop the descent.
-pub(super) type Tell<'a, P> = dyn FnMut(usize, &Seen<P>) -> ControlFlow<()> + 'a;
+pub(super) type Tell<'a, P> = dyn FnMut(usize, &DescentPoint<P>) -> ControlFlow<()> + 'a;
 
 /// Follows the landscape down from the shares `x` of the ranges; `tell` hears iteration, objective and violation, and may stop
 /// it.
 pub fn descend<L: Landscape>(
     landscape: &L,
     mut x: Vec<f64>,
-    mut seen: Seen<L::More>,
+    mut seen: DescentPoint<L::More>,
     most: usize,
     tell: &mut Tell<L::More>,
 ) -> Option<Descent<L::More>> {

@@ -1,12 +1,12 @@
 //! Gaits as points of a search: the orbit of each, and what it takes.
 
-use super::descent::{Landscape, Seen, Slopes};
+use super::descent::{DescentPoint, Landscape, Slopes};
 use super::spec::{Goal, SearchSpec};
 use crate::sweep::with_all;
 use crate::{Document, Scenario};
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{
-    Cycle, Failure, Found, Measures, Point, Tangent, floquet, measure, search_near,
+    Cycle, Failure, FoundOrbit, Measures, Point, Tangent, floquet, measure, search_near,
 };
 use wingbeat_math::parallel;
 use wingbeat_ocp::plant::Fault;
@@ -38,8 +38,8 @@ pub(super) struct Facts {
 }
 
 /// An orbit with one number of strips.
-struct Flown {
-    found: Found,
+struct FlownOrbit {
+    found: FoundOrbit,
     measures: Measures,
     multiplier: f64,
     speed: f64,
@@ -83,14 +83,14 @@ impl<'a> Gaits<'a> {
     }
 
     /// The gait at `x`, found as `wingbeat trim` does.
-    pub fn first(&mut self, x: &[f64]) -> Result<Seen<Gait>, String> {
+    pub fn first(&mut self, x: &[f64]) -> Result<DescentPoint<Gait>, String> {
         let seen = self.anew(x)?;
         self.scale = seen.objective.abs();
         self.anew(x)
     }
 
     /// The gait at `x` from its scenario's own start.
-    fn anew(&self, x: &[f64]) -> Result<Seen<Gait>, String> {
+    fn anew(&self, x: &[f64]) -> Result<DescentPoint<Gait>, String> {
         self.gait(x, |_, scenario, cycle| {
             let found = scenario.find_orbit(cycle, &mut |_, _| ControlFlow::Continue(()));
             found.map_err(|error| error.to_string())?.map_err(|failure| failure.to_string())
@@ -98,7 +98,12 @@ impl<'a> Gaits<'a> {
     }
 
     /// The gait at the shares `x` of the ranges: from its scenario's own start, or step by step from `own` at `from`.
-    pub fn reached(&self, x: &[f64], from: &[f64], own: &Seen<Gait>) -> Result<Seen<Gait>, String> {
+    pub fn reached(
+        &self,
+        x: &[f64],
+        from: &[f64],
+        own: &DescentPoint<Gait>,
+    ) -> Result<DescentPoint<Gait>, String> {
         self.anew(x).or_else(|_| {
             let between = |k: usize| -> Vec<f64> {
                 let share = k as f64 / PARTS as f64;
@@ -112,7 +117,12 @@ impl<'a> Gaits<'a> {
     }
 
     /// The gait at `x` from one close by.
-    fn near(&self, x: &[f64], close: &Seen<Gait>, tangents: &[Tangent]) -> Result<Seen<Gait>, String> {
+    fn near(
+        &self,
+        x: &[f64],
+        close: &DescentPoint<Gait>,
+        tangents: &[Tangent],
+    ) -> Result<DescentPoint<Gait>, String> {
         self.gait(x, |model, scenario, cycle| {
             let (course, free) = scenario.asked_of_orbit(cycle).map_err(|error| error.to_string())?;
             let point = close.more.points[model].clone();
@@ -120,7 +130,7 @@ impl<'a> Gaits<'a> {
         })
     }
 
-    fn tangents(&self, x: &[f64], seen: &Seen<Gait>) -> Result<Vec<Tangent>, String> {
+    fn tangents(&self, x: &[f64], seen: &DescentPoint<Gait>) -> Result<Vec<Tangent>, String> {
         let of = |(model, point): (usize, &Point)| {
             let scenario = self.scenario(model, x)?;
             let cycle = scenario.cycle().map_err(|error| error.to_string())?;
@@ -133,9 +143,9 @@ impl<'a> Gaits<'a> {
     fn gait(
         &self,
         x: &[f64],
-        find: impl Fn(usize, &Scenario, &Cycle) -> Result<Found, String>,
-    ) -> Result<Seen<Gait>, String> {
-        let flown = |model: usize| -> Result<Flown, String> {
+        find: impl Fn(usize, &Scenario, &Cycle) -> Result<FoundOrbit, String>,
+    ) -> Result<DescentPoint<Gait>, String> {
+        let flown = |model: usize| -> Result<FlownOrbit, String> {
             let scenario = self.scenario(model, x)?;
             let cycle = scenario.cycle().map_err(|error| error.to_string())?;
             let found = find(model, &scenario, &cycle)?;
@@ -146,19 +156,19 @@ impl<'a> Gaits<'a> {
                 None => f64::NAN,
             };
             let (speed, mass) = (found.orbit.course.speed, scenario.model().mass());
-            Ok(Flown { found, measures, multiplier, speed, mass })
+            Ok(FlownOrbit { found, measures, multiplier, speed, mass })
         };
-        let flown: Vec<Flown> = (0..self.documents.len()).map(flown).collect::<Result<_, _>>()?;
+        let flown: Vec<FlownOrbit> = (0..self.documents.len()).map(flown).collect::<Result<_, _>>()?;
         Ok(self.seen(&flown))
     }
 
-    fn seen(&self, flown: &[Flown]) -> Seen<Gait> {
+    fn seen(&self, flown: &[FlownOrbit]) -> DescentPoint<Gait> {
         let own = &flown[0];
-        let least = |flown: &Flown| flown.measures.least_clearance.unwrap_or(f64::INFINITY);
-        let power = |flown: &Flown| flown.measures.cost.positive_power / flown.mass;
+        let least = |flown: &FlownOrbit| flown.measures.least_clearance.unwrap_or(f64::INFINITY);
+        let power = |flown: &FlownOrbit| flown.measures.cost.positive_power / flown.mass;
         let asked = &self.spec.limits;
         let shares = [asked.stall_fraction_12, asked.stall_fraction_20];
-        let beyond = |flown: &Flown| {
+        let beyond = |flown: &FlownOrbit| {
             let excess = flown.measures.stalled.iter().zip(shares);
             excess.filter_map(|(share, limit)| limit.map(|limit| share - limit)).fold(0.0, f64::max)
         };
@@ -193,19 +203,19 @@ impl<'a> Gaits<'a> {
         at_most(facts.power_per_mass, asked.power_w_kg, facts.power_per_mass);
         let points = flown.iter().map(|flown| flown.found.orbit.point.clone()).collect();
         let more = Gait { points, tangents: Vec::new(), facts };
-        Seen { objective: objective / self.scale, limits, more }
+        DescentPoint { objective: objective / self.scale, limits, more }
     }
 }
 
 impl Landscape for Gaits<'_> {
     type More = Gait;
 
-    fn look(&self, x: &[f64], near: &Seen<Gait>) -> Option<Seen<Gait>> {
+    fn look(&self, x: &[f64], near: &DescentPoint<Gait>) -> Option<DescentPoint<Gait>> {
         self.near(x, near, &near.more.tangents).ok()
     }
 
     /// Differences of orbits found anew beside this one, on all cores.
-    fn slopes(&self, x: &[f64], seen: &mut Seen<Gait>) -> Option<Slopes> {
+    fn slopes(&self, x: &[f64], seen: &mut DescentPoint<Gait>) -> Option<Slopes> {
         seen.more.tangents = self.tangents(x, seen).ok()?;
         let columns: Vec<usize> = (0..x.len()).collect();
         let beside = |_: usize, &i: &usize| {

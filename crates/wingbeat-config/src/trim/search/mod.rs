@@ -12,7 +12,7 @@ pub use spec::{Goal, LimitsSpec, SearchSpec, VarySpec};
 use super::super::sweep::with_all;
 use super::super::{ConfigError, Document, Scenario, written};
 use super::{TrimProgress, Trimmed};
-use descent::{Descent, KEPT, Seen, descend};
+use descent::{Descent, DescentPoint, KEPT, descend};
 use gaits::{Gait, Gaits};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -91,7 +91,7 @@ pub struct GaitSearch<'a> {
     gaits: Gaits<'a>,
     /// Shares of the scenario's own gait, and its orbit.
     own: Vec<f64>,
-    first: Seen<Gait>,
+    first: DescentPoint<Gait>,
 }
 
 /// A search that was made.
@@ -275,7 +275,7 @@ impl GaitSearch<'_> {
     }
 
     /// Where start `start` begins: beside the own gait, as near as it needs to be for an orbit.
-    fn begin(&self, start: usize) -> Option<(Vec<f64>, Seen<Gait>)> {
+    fn begin(&self, start: usize) -> Option<(Vec<f64>, DescentPoint<Gait>)> {
         let mut random = Random::stream(self.spec.seed, start as u64);
         let spread = if start == 0 { 0.0 } else { self.spec.spread };
         let beside: Vec<f64> = self.own.iter().map(|_| spread * random.between(-1.0, 1.0)).collect();

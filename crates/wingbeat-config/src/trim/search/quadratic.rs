@@ -9,7 +9,7 @@ use wingbeat_ocp::nlp::{Derivatives, EvaluationError, Program, Structure};
 use wingbeat_ocp::plant::Channel;
 
 /// A step and the multipliers of the limits.
-pub struct Step {
+pub struct QuadraticStep {
     /// Change of each coordinate, as a share of its range.
     pub d: Vec<f64>,
     /// Multiplier of each limit, dimensionless.
@@ -25,7 +25,7 @@ pub struct Step {
 /// Test: `a_step_is_where_its_conditions_say`.
 ///
 /// min g d + d B d / 2 + weight s,  limits + A d <= s,  s >= 0,  |d| <= radius,  0 <= x + d <= 1
-struct Quadratic<'a> {
+struct StepProblem<'a> {
     slopes: &'a Slopes,
     hessian: &'a DMatrix<f64>,
     weight: f64,
@@ -40,13 +40,13 @@ pub fn step(
     hessian: &DMatrix<f64>,
     weight: f64,
     radius: f64,
-) -> Option<Step> {
+) -> Option<QuadraticStep> {
     let mut variables: Vec<Channel> =
         x.iter().map(|x| Channel::limited("step", "", "", (-radius).max(-x), radius.min(1.0 - x))).collect();
     variables.push(Channel::limited("excess", "", "", 0.0, f64::INFINITY));
     let constraints =
         limits.iter().map(|c| Channel::limited("limit", "", "", f64::NEG_INFINITY, -c)).collect();
-    let mut program = Quadratic { slopes, hessian, weight, variables, constraints };
+    let mut program = StepProblem { slopes, hessian, weight, variables, constraints };
     let excess = |d: &[f64]| {
         let ahead = limits.iter().zip(&slopes.limits).map(|(c, row)| c + dot(row, d));
         ahead.fold(0.0, f64::max)
@@ -70,14 +70,14 @@ pub fn step(
     let v = DVector::from_column_slice(&d);
     let model = dot(&slopes.objective, &d) + 0.5 * v.dot(&(hessian * &v));
     let gain = weight * (excess(&none) - excess(&d)) - model;
-    Some(Step { d, multipliers: solution.multipliers, gain })
+    Some(QuadraticStep { d, multipliers: solution.multipliers, gain })
 }
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-impl Program for Quadratic<'_> {
+impl Program for StepProblem<'_> {
     fn variables(&self) -> &[Channel] {
         &self.variables
     }

@@ -1,9 +1,9 @@
 //! Adaptation in flight to an unknown air: the acceleration that the controller's model misses, by the phase of the gait, and the rate of the crank that takes over what the other commands hold for long.
 
-use super::family::Reference;
+use super::family::OrbitReference;
 use super::feedback::{MISSED, waves};
 use crate::guide::history::STEP;
-use crate::orbit::{Cycle, Deviations, Failure, Found, Free, Point, search_from};
+use crate::orbit::{Cycle, Deviations, Failure, FoundOrbit, Free, Point, search_from};
 use crate::simulate::{AXES, Column, Stepper};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -65,22 +65,27 @@ impl AdaptSpec {
 
 /// How the orbit of the start changes with the rate of the crank, at the same speed and climb.
 #[derive(Clone, Debug)]
-pub(super) struct Tangent {
+pub(super) struct CrankTangent {
     /// Change of what deviates, at every step of a cycle, per rad/s of the crank.
     pub steps: Vec<Vec<f64>>,
     /// Change of the commands.
     pub commands: Vec<f64>,
 }
 
-impl Tangent {
+impl CrankTangent {
     /// From the orbit `found`, whose reference is `reference`, and one whose crank turns faster with other commands of `free`.
-    pub fn new(cycle: &Cycle, free: &[Free], found: &Found, reference: &Reference) -> Result<Self, Failure> {
+    pub fn new(
+        cycle: &Cycle,
+        free: &[Free],
+        found: &FoundOrbit,
+        reference: &OrbitReference,
+    ) -> Result<Self, Failure> {
         let orbit = &found.orbit;
         let guess = Point { pace: orbit.point.pace * (1.0 + FASTER), ..orbit.point.clone() };
         let held: Vec<Free> = free.iter().filter(|free| **free != Free::Frequency).cloned().collect();
         let other = search_from(cycle, &orbit.course, &held, guess, &mut |_, _| ControlFlow::Continue(()))?;
         let faster = cycle.rate(other.orbit.point.pace) - cycle.rate(orbit.point.pace);
-        let other = Reference::new(cycle, &Deviations::new(cycle), &other)?;
+        let other = OrbitReference::new(cycle, &Deviations::new(cycle), &other)?;
         let change = |(to, from): (&f64, &f64)| (to - from) / faster;
         let steps = other.steps.iter().zip(&reference.steps);
         let mut commands: Vec<f64> = other.commands.iter().zip(&reference.commands).map(change).collect();
@@ -208,7 +213,7 @@ impl<'a> Adaptation<'a> {
     ///
     /// Moves the rate of the crank down the gradient of the cost of the commands `held` beyond those `asked`, in the units of
     /// their channels, each measured by its limit, along the orbits of one course, on which the air carries the robot alike.
-    pub fn pace(&mut self, tangent: &Tangent, inputs: &[Channel], asked: &[f64], held: &[f64]) {
+    pub fn pace(&mut self, tangent: &CrankTangent, inputs: &[Channel], asked: &[f64], held: &[f64]) {
         let (Some(crank), Some(time)) = (&mut self.crank, self.spec.crank_s) else { return };
         let own = crank.pacer.input;
         let (mut along, mut size) = (0.0, 0.0);

@@ -49,7 +49,7 @@ pub(super) trait Parts: Sync {
 }
 
 /// A plan under way: the states between the parts, the commands of every part, its cost.
-pub(super) struct Flown {
+pub(super) struct TrialPlan {
     pub nodes: Vec<Vec<f64>>,
     pub commands: Vec<DVector<f64>>,
     pub cost: f64,
@@ -83,7 +83,7 @@ pub(super) fn solve(
     commands: Vec<DVector<f64>>,
     until: Until,
     damped: f64,
-) -> Result<Flown, Fault> {
+) -> Result<TrialPlan, Fault> {
     let none = Fault::NotFinite { state: 0, time: 0.0 };
     let mut best = roll(of, begin, &mut |k, _| commands[k].clone()).ok_or(none)?;
     let (mut damping, mut little) = (DAMPING[0], 0);
@@ -104,7 +104,7 @@ pub(super) fn solve(
         };
         damping = (damping / 5.0).max(DAMPING[0]);
         let less = (best.cost - better.cost) / better.cost;
-        best = Flown { saved: less, ..better };
+        best = TrialPlan { saved: less, ..better };
         little = if less < until.saved { little + 1 } else { 0 };
         if little == until.on_end {
             break;
@@ -118,7 +118,7 @@ fn roll(
     of: &dyn Parts,
     begin: &[f64],
     command: &mut dyn FnMut(usize, &[f64]) -> DVector<f64>,
-) -> Option<Flown> {
+) -> Option<TrialPlan> {
     let mut nodes = vec![begin.to_vec()];
     let Commanded { parts, effort, .. } = of.commanded();
     let mut commands = Vec::with_capacity(*parts);
@@ -132,11 +132,11 @@ fn roll(
         commands.push(v);
     }
     cost += of.cost(*parts, &nodes[*parts]);
-    cost.is_finite().then_some(Flown { nodes, commands, cost, saved: f64::INFINITY })
+    cost.is_finite().then_some(TrialPlan { nodes, commands, cost, saved: f64::INFINITY })
 }
 
 /// For every part the change of its command and its feedback; none where the damping is too little.
-fn backward(of: &dyn Parts, all: &[[DMatrix<f64>; 2]], flown: &Flown, damping: f64) -> Option<Policy> {
+fn backward(of: &dyn Parts, all: &[[DMatrix<f64>; 2]], flown: &TrialPlan, damping: f64) -> Option<Policy> {
     let Commanded { parts, low, high, effort } = of.commanded();
     let parts = *parts;
     let (mut p, mut g) = of.quadratic(parts, &flown.nodes[parts])?;
@@ -167,7 +167,7 @@ fn backward(of: &dyn Parts, all: &[[DMatrix<f64>; 2]], flown: &Flown, damping: f
 }
 
 /// The flight by `policy` about the plan `flown`, by the first share of its steps that costs less.
-fn forward(of: &dyn Parts, flown: &Flown, policy: &Policy) -> Option<Flown> {
+fn forward(of: &dyn Parts, flown: &TrialPlan, policy: &Policy) -> Option<TrialPlan> {
     let Commanded { low, high, .. } = of.commanded();
     let by = |share: f64| {
         let found = roll(of, &flown.nodes[0], &mut |k, s| {

@@ -1,11 +1,11 @@
 //! A dive: from a level orbit the nose goes down and the robot pulls out to the same orbit below, by commands that are planned on the
 //! whole model before the flight, and feedback about the plan.
 
-use super::ddp::{self, Commanded, Flown, Parts, Quadratic, Until};
+use super::ddp::{self, Commanded, Parts, Quadratic, TrialPlan, Until};
 use super::family::Asked;
 use super::feedback::{DEVIATIONS, Feedback, INTEGRAL, back, costs_of, effort, measured, with_integral};
 use super::spec::OrbitWeights;
-use crate::orbit::{Cycle, Deviations, Direction, Interval, Point, Section, alone, fly_part, interval};
+use crate::orbit::{Cycle, Deviations, Direction, Interval, OrbitSection, Point, alone, fly_part, interval};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
@@ -84,7 +84,7 @@ pub(super) struct Level<'a> {
 }
 
 /// Costs and limits of a plan.
-struct Problem<'a> {
+struct DiveProblem<'a> {
     level: &'a Level<'a>,
     channels: &'a [Channel],
     directions: Vec<Direction>,
@@ -103,7 +103,7 @@ impl Dive {
     pub fn plan(spec: &DiveSpec, level: &Level, channels: &[Channel]) -> Result<Self, Error> {
         let cost = level.feedback.cost(0.0).root;
         let cost = &cost * cost.transpose();
-        let problem = Problem::new(spec, level, channels, &cost)?;
+        let problem = DiveProblem::new(spec, level, channels, &cost)?;
         let broken = |fault: Fault| Error::invalid("nose_down_deg", fault, "a dive that the model can fly");
         let flown = problem.solve().map_err(broken)?;
         let reached = flown.nodes[problem.commanded.parts / 2][Deviations::PITCH];
@@ -179,7 +179,7 @@ pub(super) fn gain_at(gains: &[DMatrix<f64>], done: f64) -> DMatrix<f64> {
     &gains[k] * (1.0 - share) + &gains[k + 1] * share
 }
 
-impl<'a> Problem<'a> {
+impl<'a> DiveProblem<'a> {
     fn new(
         spec: &DiveSpec,
         level: &'a Level<'a>,
@@ -229,7 +229,7 @@ impl<'a> Problem<'a> {
     }
 
     fn between(&self, s: &[f64], from: &[f64]) -> DVector<f64> {
-        let along = |d: &Direction| Section::along(d, s) - Section::along(d, from);
+        let along = |d: &Direction| OrbitSection::along(d, s) - OrbitSection::along(d, from);
         DVector::from_iterator(self.directions.len(), self.directions.iter().map(along))
     }
 
@@ -271,7 +271,7 @@ impl<'a> Problem<'a> {
     /// Test: `a_dive_pulls_out_within_its_height`.
     ///
     /// From the level flight on.
-    fn solve(&self) -> Result<Flown, Fault> {
+    fn solve(&self) -> Result<TrialPlan, Fault> {
         let still = vec![DVector::zeros(self.commanded.low.len()); self.commanded.parts];
         ddp::solve(
             self,
@@ -325,7 +325,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-impl Parts for Problem<'_> {
+impl Parts for DiveProblem<'_> {
     fn commanded(&self) -> &Commanded {
         &self.commanded
     }

@@ -1,14 +1,14 @@
 //! Orbits along the legs of a flight, as references, and the feedback about them.
 
-use super::adapt::Tangent;
+use super::adapt::CrankTangent;
 use super::dive::{Dive, Level};
 use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
 use super::landing::{Approach, Landing, LandingSpec};
 use super::predictive::PredictiveSpec;
-use super::schedule::{Place, Schedule, Stretch};
+use super::schedule::{CourseSchedule, Stretch, StretchPlace};
 use super::spec::AboutOrbitSpec;
 use crate::orbit::{
-    Course, Cycle, Deviations, Direction, Failure, Found, Free, Point, Section, intervals, search,
+    Course, Cycle, Deviations, Direction, Failure, FoundOrbit, Free, OrbitSection, Point, intervals, search,
     search_from,
 };
 use nalgebra::DMatrix;
@@ -29,7 +29,7 @@ const PITCHES: [f64; 4] = [-0.2, 0.0, -0.4, -0.1];
 
 /// An orbit as a reference: what may deviate, at every step of a cycle, and the commands held. Heights are those above
 /// the mean path.
-pub(super) struct Reference {
+pub(super) struct OrbitReference {
     pub steps: Vec<Vec<f64>>,
     /// How far it is off its mean path over the ground at every step.
     off_path: Vec<[f64; OFF_PATH]>,
@@ -47,18 +47,18 @@ pub(super) struct Asked {
 }
 
 /// The references of a stretch in its order, and the shares of it at which there is feedback.
-struct Way {
+struct StretchOrder {
     references: Vec<usize>,
     feedback: Vec<(f64, usize)>,
 }
 
 /// Orbits and feedback.
-pub(super) struct Family {
-    references: Vec<Reference>,
+pub(super) struct ReferenceFamily {
+    references: Vec<OrbitReference>,
     feedback: Vec<Feedback>,
-    ways: Vec<Way>,
+    ways: Vec<StretchOrder>,
     /// How the first orbit changes with the rate of the crank, where the controller adapts it.
-    tangent: Option<Tangent>,
+    tangent: Option<CrankTangent>,
     /// State at phase 0 of the first orbit.
     start: Vec<f64>,
     /// The dive out of it.
@@ -75,7 +75,7 @@ struct Search<'a> {
     cycle: &'a Cycle<'a>,
     straight: Vec<Free>,
     turning: Vec<Free>,
-    found: Vec<Found>,
+    found: Vec<FoundOrbit>,
     ways: Vec<Vec<usize>>,
 }
 
@@ -87,8 +87,8 @@ impl Search<'_> {
         let mut found = Err(Failure::Stopped);
         for pitch in PITCHES {
             let mut z = vec![0.0; self.cycle.section().len()];
-            (z[Section::VELOCITY.start], z[Section::PITCH]) = (course.speed, pitch);
-            z[Section::BODY..][..joints.len()].copy_from_slice(&joints);
+            (z[OrbitSection::VELOCITY.start], z[OrbitSection::PITCH]) = (course.speed, pitch);
+            z[OrbitSection::BODY..][..joints.len()].copy_from_slice(&joints);
             let guess = Point { z, pace: 1.0, inputs: vec![0.0; robot.inputs().len()] };
             let next = search(self.cycle, course, self.free(course), guess, &mut go_on);
             let done = next.is_ok();
@@ -107,7 +107,7 @@ impl Search<'_> {
     }
 
     /// The orbits along `stretch`, from the last that was found.
-    fn along(&mut self, schedule: &Schedule, stretch: &Stretch) -> Result<(), Failure> {
+    fn along(&mut self, schedule: &CourseSchedule, stretch: &Stretch) -> Result<(), Failure> {
         if let Some(back) = schedule.back(stretch).filter(|&back| back < self.ways.len()) {
             let way = self.ways[back].iter().rev().copied().collect();
             self.ways.push(way);
@@ -144,7 +144,7 @@ impl Search<'_> {
     }
 
     /// Keeps an orbit whose crank can be paced.
-    fn take(&mut self, found: Found) -> Result<usize, Failure> {
+    fn take(&mut self, found: FoundOrbit) -> Result<usize, Failure> {
         if let Some((input, value)) = self.cycle.pacing(found.orbit.point.pace) {
             let channel = &self.cycle.robot().inputs()[input];
             let (low, high) = (channel.low, channel.high);
@@ -162,12 +162,12 @@ fn go_on(_: usize, _: f64) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-impl Family {
+impl ReferenceFamily {
     /// Orbits along `schedule`, and feedback by `inputs` about every few of them; a landing ends at the `perch`.
     pub fn new(
         spec: &AboutOrbitSpec,
         cycle: &Cycle,
-        schedule: &Schedule,
+        schedule: &CourseSchedule,
         (inputs, perch): (&[usize], Option<&Perch>),
     ) -> Result<Self, Error> {
         let robot = cycle.robot();
@@ -186,12 +186,12 @@ impl Family {
         let Search { found, ways, .. } = search;
         let broken = |fault: Fault| Error::invalid("", fault, "orbits that can be flown");
         let deviations = Deviations::new(cycle);
-        let references = found.iter().map(|found| Reference::new(cycle, &deviations, found));
+        let references = found.iter().map(|found| OrbitReference::new(cycle, &deviations, found));
         let references = references.collect::<Result<Vec<_>, _>>().map_err(broken)?;
         let adapted = spec.adapt.filter(|adapt| adapt.crank_s.is_some());
         let tangent = adapted.map(|_| {
             let straight = spec.free(robot, false)?;
-            Tangent::new(cycle, &straight, &found[0], &references[0]).map_err(none("adapt.crank_s"))
+            CrankTangent::new(cycle, &straight, &found[0], &references[0]).map_err(none("adapt.crank_s"))
         });
         let tangent = tangent.transpose()?;
         let mut about: Vec<usize> = ways.iter().flat_map(|way| sparse(way).map(|(_, orbit)| orbit)).collect();
@@ -221,7 +221,7 @@ impl Family {
             .map(|made| made.map_err(broken).and_then(|feedback| feedback.ok_or_else(missing)))
             .collect::<Result<Vec<_>, _>>()?;
         let place = |orbit: usize| about.partition_point(|other| *other < orbit);
-        let ways = ways.iter().map(|way| Way {
+        let ways = ways.iter().map(|way| StretchOrder {
             references: way.clone(),
             feedback: sparse(way).map(|(share, orbit)| (share, place(orbit))).collect(),
         });
@@ -302,14 +302,15 @@ impl Family {
     }
 
     /// The reference at `place` and the phase `cycles` of the gait, in cycles.
-    pub fn asked(&self, place: Option<Place>, cycles: f64) -> Asked {
+    pub fn asked(&self, place: Option<StretchPlace>, cycles: f64) -> Asked {
         let Between(one, other, between) = self.between(place);
         let (one, other) = (&self.references[one], &self.references[other]);
         let step = cycles.rem_euclid(1.0) * (one.steps.len() - 1) as f64;
         let i = (step as usize).min(one.steps.len() - 2);
         let share = step - i as f64;
-        let at = |orbit: &Reference, j: usize| lerp(orbit.steps[i][j], orbit.steps[i + 1][j], share);
-        let off = |orbit: &Reference, j: usize| lerp(orbit.off_path[i][j], orbit.off_path[i + 1][j], share);
+        let at = |orbit: &OrbitReference, j: usize| lerp(orbit.steps[i][j], orbit.steps[i + 1][j], share);
+        let off =
+            |orbit: &OrbitReference, j: usize| lerp(orbit.off_path[i][j], orbit.off_path[i + 1][j], share);
         let numbers = (0..one.steps[0].len()).map(|j| lerp(at(one, j), at(other, j), between)).collect();
         let commands = one.commands.iter().zip(&other.commands).map(|(a, b)| lerp(*a, *b, between)).collect();
         Asked {
@@ -320,7 +321,7 @@ impl Family {
     }
 
     /// How the first orbit changes with the rate of the crank.
-    pub fn tangent(&self) -> Option<&Tangent> {
+    pub fn tangent(&self) -> Option<&CrankTangent> {
         self.tangent.as_ref()
     }
 
@@ -342,7 +343,7 @@ impl Family {
     }
 
     /// Commands for what the model is learned to miss, by its waves, in the units of commands over those of accelerations.
-    pub fn ahead(&self, place: Option<Place>, cycles: f64) -> Option<DMatrix<f64>> {
+    pub fn ahead(&self, place: Option<StretchPlace>, cycles: f64) -> Option<DMatrix<f64>> {
         match self.made(place) {
             (one, None) => one.ahead(cycles),
             (one, Some((other, share))) => {
@@ -352,8 +353,8 @@ impl Family {
     }
 
     /// The orbits on both sides of `place`.
-    fn between(&self, place: Option<Place>) -> Between {
-        let Some(Place { stretch, share }) = place else { return Between(0, 0, 0.0) };
+    fn between(&self, place: Option<StretchPlace>) -> Between {
+        let Some(StretchPlace { stretch, share }) = place else { return Between(0, 0, 0.0) };
         let way = &self.ways[stretch].references;
         let at = share * (way.len() - 1) as f64;
         let k = (at as usize).min(way.len() - 2);
@@ -362,7 +363,7 @@ impl Family {
 
     /// The feedback there, in the units of commands over those of deviations, linear between the orbits about which it was
     /// made.
-    pub fn gain(&self, place: Option<Place>, cycles: f64) -> DMatrix<f64> {
+    pub fn gain(&self, place: Option<StretchPlace>, cycles: f64) -> DMatrix<f64> {
         match self.made(place) {
             (one, None) => one.at(cycles),
             (one, Some((other, share))) => one.at(cycles) * (1.0 - share) + other.at(cycles) * share,
@@ -370,7 +371,7 @@ impl Family {
     }
 
     /// The cost of a change of the commands there, dimensionless over their units squared, linear between the orbits.
-    pub fn hessian(&self, place: Option<Place>, cycles: f64) -> DMatrix<f64> {
+    pub fn hessian(&self, place: Option<StretchPlace>, cycles: f64) -> DMatrix<f64> {
         match self.made(place) {
             (one, None) => one.hessian(cycles),
             (one, Some((other, share))) => {
@@ -380,7 +381,7 @@ impl Family {
     }
 
     /// The cost, dimensionless, of deviations from there on, linear between the orbits.
-    pub fn cost(&self, place: Option<Place>, cycles: f64) -> CostToGo {
+    pub fn cost(&self, place: Option<StretchPlace>, cycles: f64) -> CostToGo {
         match self.made(place) {
             (one, None) => one.cost(cycles),
             (one, Some((other, share))) => one.cost(cycles).towards(other.cost(cycles), share),
@@ -388,8 +389,8 @@ impl Family {
     }
 
     /// Feedback about an orbit at `place`, or before it and after it with how far it is from the one to the other.
-    fn made(&self, place: Option<Place>) -> (&Feedback, Option<(&Feedback, f64)>) {
-        let Some(Place { stretch, share }) = place else { return (&self.feedback[0], None) };
+    fn made(&self, place: Option<StretchPlace>) -> (&Feedback, Option<(&Feedback, f64)>) {
+        let Some(StretchPlace { stretch, share }) = place else { return (&self.feedback[0], None) };
         let made = &self.ways[stretch].feedback;
         let k = made.partition_point(|(at, _)| *at <= share).clamp(1, made.len() - 1);
         let ((from, one), (to, other)) = (made[k - 1], made[k]);
@@ -407,8 +408,8 @@ fn sparse(way: &[usize]) -> impl Iterator<Item = (f64, usize)> {
     })
 }
 
-impl Reference {
-    pub fn new(cycle: &Cycle, deviations: &Deviations, found: &Found) -> Result<Self, Fault> {
+impl OrbitReference {
+    pub fn new(cycle: &Cycle, deviations: &Deviations, found: &FoundOrbit) -> Result<Self, Fault> {
         let (point, climb) = (&found.orbit.point, found.orbit.course.climb);
         let (mut steps, mut ground) = (Vec::with_capacity(cycle.steps() + 1), Vec::new());
         let mut add = |t: f64, x: &[f64]| {

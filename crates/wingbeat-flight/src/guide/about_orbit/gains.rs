@@ -2,7 +2,7 @@
 
 use super::feedback::{DEVIATIONS, Feedback};
 use super::spec::OrbitWeights;
-use crate::orbit::{Cycle, Deviations, Orbit, Section, intervals};
+use crate::orbit::{Cycle, Deviations, Orbit, OrbitSection, intervals};
 use std::fmt::Write;
 use wingbeat_ocp::plant::{Fault, Plant};
 
@@ -12,7 +12,7 @@ const UNITS: [&str; DEVIATIONS + Deviations::BODY] =
 
 /// The feedback that holds an orbit.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct HoldingGains {
     /// Gains.
     pub table: String,
     /// Largest multiplier of a deviation over a cycle under this feedback, dimensionless.
@@ -25,7 +25,7 @@ pub struct Held {
 ///
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.
-pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<Option<Held>, Fault> {
+pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<Option<HoldingGains>, Fault> {
     let robot = cycle.robot();
     let deviations = Deviations::new(cycle);
     let (elements, from) = (deviations.moved(), DEVIATIONS + deviations.elements_from());
@@ -44,7 +44,7 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
         return Ok(None);
     };
     let mut told: Vec<(usize, String)> = Vec::new();
-    let body = cycle.section().names().iter().take(Section::BODY).map(String::as_str);
+    let body = cycle.section().names().iter().take(OrbitSection::BODY).map(String::as_str);
     for (column, name) in ["height_integral", "height"].into_iter().chain(body).enumerate() {
         told.push((column, format!("{name} [{}]", UNITS[column])));
     }
@@ -69,5 +69,5 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
             table += "\n";
         }
     }
-    Ok(Some(Held { table, multiplier: feedback.multiplier(&all) }))
+    Ok(Some(HoldingGains { table, multiplier: feedback.multiplier(&all) }))
 }

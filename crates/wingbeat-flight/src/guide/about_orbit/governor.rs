@@ -41,7 +41,7 @@ pub(super) struct Governor<'a> {
 }
 
 /// The cycle ahead: the elements' states at every look, and the clearances where they were looked at.
-struct Ahead {
+struct CycleAhead {
     states: Vec<DVector<f64>>,
     clearances: Vec<OnceCell<Vec<f64>>>,
 }
@@ -176,7 +176,7 @@ impl<'a> Governor<'a> {
     }
 
     /// The cycle ahead under the commands `first` for one update, then `after`, looked at wherever it may come too close.
-    fn ahead(&self, t: f64, elements: &[f64], after: &[f64], first: &[f64]) -> Result<Ahead, Fault> {
+    fn ahead(&self, t: f64, elements: &[f64], after: &[f64], first: &[f64]) -> Result<CycleAhead, Fault> {
         let mut state = DVector::from_column_slice(elements);
         let [first, after] = [first, after].map(|u| &self.by_command * DVector::from_column_slice(u));
         let next = |look: usize| {
@@ -185,7 +185,7 @@ impl<'a> Governor<'a> {
         };
         let states: Vec<DVector<f64>> = (0..self.reach.len()).map(next).collect();
         let clearances = states.iter().map(|_| OnceCell::new()).collect();
-        let ahead = Ahead { states, clearances };
+        let ahead = CycleAhead { states, clearances };
         let last = self.reach.len() / SELDOM - 1;
         let look = |k: usize| k * SELDOM + SELDOM - 1;
         for k in 0..=last {
@@ -207,7 +207,7 @@ impl<'a> Governor<'a> {
     }
 
     /// The clearances of the cycle `ahead` at a look after the time `t`.
-    fn seen<'s>(&self, ahead: &'s Ahead, t: f64, look: usize) -> Result<&'s [f64], Fault> {
+    fn seen<'s>(&self, ahead: &'s CycleAhead, t: f64, look: usize) -> Result<&'s [f64], Fault> {
         let cell = &ahead.clearances[look];
         if cell.get().is_none() {
             let mut values = vec![0.0; self.robot.clearances().len()];
@@ -218,7 +218,7 @@ impl<'a> Governor<'a> {
     }
 
     /// Whether the parts themselves keep the clearance wherever the cycle `ahead` of the time `t` was found to come closer.
-    fn keeps(&self, ahead: &Ahead, t: f64) -> Result<bool, Fault> {
+    fn keeps(&self, ahead: &CycleAhead, t: f64) -> Result<bool, Fault> {
         for Short { look, pair, .. } in self.short(ahead) {
             let least = self.robot.least_clearances(self.time(t, look), ahead.states[look].as_slice())?;
             if least[pair] < self.clearance * (1.0 - MISSED) {
@@ -229,7 +229,7 @@ impl<'a> Governor<'a> {
     }
 
     /// Where the cycle `ahead` comes closer than is asked, what a parabola through three looks falls below them by included.
-    fn short(&self, ahead: &Ahead) -> Vec<Short> {
+    fn short(&self, ahead: &CycleAhead) -> Vec<Short> {
         let mut found = Vec::new();
         let last = ahead.clearances.len() - 1;
         for (look, seen) in ahead.clearances.iter().enumerate() {

@@ -16,30 +16,30 @@ mod tracking;
 
 pub use adapt::AdaptSpec;
 pub use dive::DiveSpec;
-pub use gains::{Held, gains_of};
+pub use gains::{HoldingGains, gains_of};
 pub use landing::LandingSpec;
 pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
 
-use super::controllers::{ControllerSpec, Prepared, Task};
+use super::controllers::{ControllerSpec, ControllerTask, Prepared};
 use super::inertial;
 use super::receding;
 use crate::orbit::{Deviations, Free};
 use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use adapt::Adaptation;
 use ahead::Ahead;
-use family::{Asked, Family};
+use family::{Asked, ReferenceFamily};
 use feedback::{DEVIATIONS, INTEGRAL, effort};
 use governor::Governor;
 use landing::{Airs, Begun, Landing};
 use nalgebra::DVector;
 use predictive::{Height, Predictive};
-use schedule::{Place, Schedule};
+use schedule::{CourseSchedule, StretchPlace};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
-use tracking::{Demand, Tracking};
+use tracking::{Demand, PathTracking};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -53,10 +53,10 @@ struct AboutOrbit<'a> {
     robot: &'a Robot,
     period: f64,
     deviations: Deviations,
-    schedule: Schedule,
-    family: Arc<Family>,
+    schedule: CourseSchedule,
+    family: Arc<ReferenceFamily>,
     /// The path, where one is followed.
-    tracking: Option<Tracking>,
+    tracking: Option<PathTracking>,
     /// Numbers of the inputs that are fed back.
     inputs: Vec<usize>,
     /// The plan, where commands are planned.
@@ -88,7 +88,7 @@ impl ControllerSpec for AboutOrbitSpec {
         self.period_s
     }
 
-    fn check(&self, task: Task) -> Result<(), Error> {
+    fn check(&self, task: ControllerTask) -> Result<(), Error> {
         self.checked(task.model)?;
         self.tracked(&task)?;
         if self.landing.is_some() && task.perch.is_none() {
@@ -113,20 +113,21 @@ impl ControllerSpec for AboutOrbitSpec {
         self.estimator.is_some()
     }
 
-    fn prepare(&self, task: Task) -> Result<Option<Prepared>, Error> {
+    fn prepare(&self, task: ControllerTask) -> Result<Option<Prepared>, Error> {
         let (cycle, schedule) = self.checked(task.model)?;
-        let family = Family::new(self, &cycle, &schedule, (&self.inputs(task.model)?, task.perch.as_ref()))?;
+        let family =
+            ReferenceFamily::new(self, &cycle, &schedule, (&self.inputs(task.model)?, task.perch.as_ref()))?;
         Ok(Some(Arc::new(family)))
     }
 
-    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+    fn build<'a>(&self, task: ControllerTask<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         let robot = task.model;
         let (cycle, schedule) = self.checked(robot)?;
         let tracking = self.tracked(&task)?;
         let inputs = self.inputs(robot)?;
         let family = match task.prepared.and_then(|prepared| prepared.downcast().ok()) {
             Some(family) => family,
-            None => Arc::new(Family::new(self, &cycle, &schedule, (&inputs, task.perch.as_ref()))?),
+            None => Arc::new(ReferenceFamily::new(self, &cycle, &schedule, (&inputs, task.perch.as_ref()))?),
         };
         let deviations = Deviations::new(&cycle);
         let predictive = self.predictive.as_ref().map(|spec| {
@@ -173,12 +174,12 @@ impl ControllerSpec for AboutOrbitSpec {
 
 impl AboutOrbitSpec {
     /// The path of `task` as it is to be followed, if it is.
-    fn tracked(&self, task: &Task) -> Result<Option<Tracking>, Error> {
+    fn tracked(&self, task: &ControllerTask) -> Result<Option<PathTracking>, Error> {
         let Some(spec) = self.tracking else { return Ok(None) };
         let path = spec.checked(task.path.as_ref(), self.speed_m_s).map_err(|e| e.within("tracking"))?;
         let planned = self.predictive.as_ref();
         let left = planned.map_or([false; 2], |spec| [spec.cross_m, spec.along_m].map(|size| size.is_some()));
-        Ok(Some(Tracking::new(spec, path, self.speed_m_s, self.period_s, left)))
+        Ok(Some(PathTracking::new(spec, path, self.speed_m_s, self.period_s, left)))
     }
 
     /// Numbers of the inputs that are fed back.
@@ -237,7 +238,7 @@ impl AboutOrbit<'_> {
     /// The [`Fault`] of the gait over the cycle ahead, where a clearance is kept.
     fn regulate(
         &mut self,
-        place: Option<Place>,
+        place: Option<StretchPlace>,
         (t, cycles, since): (f64, f64, f64),
         asked: Asked,
         error: &[f64],
@@ -377,7 +378,7 @@ impl Controller for AboutOrbit<'_> {
         let landing = LANDING.into_iter();
         let landing = landing.map(|(name, unit)| Column::new(name, unit, ""));
         let landing = landing.filter(|_| self.family.landing().is_some());
-        let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
+        let path = self.tracking.as_ref().map_or(Vec::new(), PathTracking::columns);
         let adapted = self.adaptation.as_ref().map_or(Vec::new(), Adaptation::columns);
         let governed = GOVERNED.into_iter().map(|(name, unit)| Column::new(name, unit, ""));
         let governed = governed.filter(|_| self.governor.is_some());
@@ -400,7 +401,7 @@ impl Controller for AboutOrbit<'_> {
             (Some(dive), None) => row.extend([self.seen[4], dive.saved]),
             (None, None) => {}
         }
-        row.extend(self.tracking.iter().flat_map(Tracking::numbers));
+        row.extend(self.tracking.iter().flat_map(PathTracking::numbers));
         row.extend(self.adaptation.iter().flat_map(Adaptation::numbers));
         row.extend(self.governor.iter().flat_map(Governor::numbers));
         self.estimator.diagnostics(row);

@@ -1,10 +1,10 @@
 //! Predictive control about orbits: commands by a plan of the coming strokes that keeps within their limits.
 
 use super::cycles;
-use super::family::{Asked, Family};
+use super::family::{Asked, ReferenceFamily};
 use super::feedback::{CostToGo, DEVIATIONS, INTEGRAL, OFF_PATH};
 use super::spec::OrbitWeights;
-use super::tracking::{Beside, Demand};
+use super::tracking::{Demand, OffsetPlace};
 use crate::guide::angle_error;
 use crate::guide::mpc::{MAX_INTERVALS, clearance_width};
 use crate::guide::receding::Receding;
@@ -125,14 +125,14 @@ impl PredictiveSpec {
 }
 
 /// A node of the horizon.
-struct Node {
+struct HorizonNode {
     asked: Asked,
     /// Where the plan was beside the path.
-    beside: Option<Beside>,
+    beside: Option<OffsetPlace>,
 }
 
 /// What a plan costs.
-struct Cost<'a> {
+struct PlanCost<'a> {
     chart: LocalChart<'a, Robot>,
     deviations: Deviations,
     /// Deviations that cost as much as a full command.
@@ -145,7 +145,7 @@ struct Cost<'a> {
     /// Number of the last node, and how it costs.
     last: usize,
     terminal: Terminal,
-    nodes: Vec<Node>,
+    nodes: Vec<HorizonNode>,
     to_go: CostToGo,
     /// Integral of the height's deviation at the last node, m s.
     integral: f64,
@@ -155,7 +155,7 @@ struct Cost<'a> {
 
 /// Predictive control.
 pub(super) struct Predictive<'a> {
-    cost: Cost<'a>,
+    cost: PlanCost<'a>,
     receding: Receding<RealTime>,
     robot: &'a Robot,
     state: Vec<f64>,
@@ -170,7 +170,7 @@ pub(super) struct Height {
     pub integral: f64,
 }
 
-impl Cost<'_> {
+impl PlanCost<'_> {
     /// Root of the share of the controller's update that an interval is.
     fn share(&self) -> f64 {
         (self.interval / self.to_go.interval).sqrt()
@@ -191,7 +191,7 @@ impl Cost<'_> {
         let mut state = [S::ZERO; MAX_STATES];
         let state = &mut state[..=x.len()];
         self.chart.globalise(x, state);
-        let Node { asked, beside } = &self.nodes[node];
+        let HorizonNode { asked, beside } = &self.nodes[node];
         e[INTEGRAL] = S::from(self.integral);
         let (own, off_path) = e[DEVIATIONS..].split_at_mut(asked.numbers.len());
         let heading = self.deviations.of(state, own);
@@ -205,7 +205,7 @@ impl Cost<'_> {
     }
 }
 
-impl Tracking for Cost<'_> {
+impl Tracking for PlanCost<'_> {
     fn residuals(&self, node: usize) -> usize {
         let costing = match node {
             0 => 0,
@@ -270,7 +270,7 @@ impl<'a> Predictive<'a> {
         inputs: &[usize],
         spec: &PredictiveSpec,
         weights: &OrbitWeights,
-        family: &Family,
+        family: &ReferenceFamily,
     ) -> Result<Self, Error> {
         let half =
             |c: &Channel| if c.high.is_finite() && c.low.is_finite() { 0.5 * (c.high - c.low) } else { 1.0 };
@@ -278,7 +278,7 @@ impl<'a> Predictive<'a> {
         let per_command =
             |(i, c): (usize, &Channel)| if inputs.contains(&i) { 1.0 / c.high } else { LED / half(c) };
         let asked = family.asked(None, 0.0);
-        let cost = Cost {
+        let cost = PlanCost {
             chart: LocalChart::new(robot),
             deviations: deviations.clone(),
             sizes: weights.sizes(),
@@ -288,7 +288,7 @@ impl<'a> Predictive<'a> {
             clearance: spec.soft_clearance(robot)?,
             last: spec.intervals,
             terminal: spec.terminal,
-            nodes: (0..=spec.intervals).map(|_| Node { asked: asked.clone(), beside: None }).collect(),
+            nodes: (0..=spec.intervals).map(|_| HorizonNode { asked: asked.clone(), beside: None }).collect(),
             to_go: family.cost(None, 0.0),
             integral: 0.0,
             interval: spec.interval_s,
@@ -307,13 +307,13 @@ impl<'a> Predictive<'a> {
         t: f64,
         x: &[f64],
         height: Height,
-        family: &Family,
+        family: &ReferenceFamily,
         mut demand: impl FnMut(f64, Vec3) -> Demand,
         begun: Instant,
     ) -> Update {
         let Self { cost, receding, robot, state } = self;
         let position = cost.deviations.position();
-        if !receding.follow::<_, Cost>(&mut cost.chart, t, x) {
+        if !receding.follow::<_, PlanCost>(&mut cost.chart, t, x) {
             let place = demand(t, Vec3::from_slice(&x[position..])).place;
             fly_on(&mut receding.solver, &cost.chart, t, &family.asked(place, cycles(robot, t, x)).commands);
         }

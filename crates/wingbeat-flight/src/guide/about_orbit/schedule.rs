@@ -5,7 +5,7 @@ use crate::orbit::Course;
 
 /// Courses after another.
 #[derive(Clone, Debug)]
-pub(super) struct Schedule {
+pub(super) struct CourseSchedule {
     /// That of the begin.
     pub first: Course,
     /// In the order of time.
@@ -27,23 +27,23 @@ pub(super) struct Stretch {
 
 /// Where a stretch of a schedule is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct StretchPlace {
     /// Number of the stretch.
     pub stretch: usize,
     /// Share of it that is done.
     pub share: f64,
 }
 
-impl Schedule {
+impl CourseSchedule {
     /// The stretch before that led the other way.
     pub fn back(&self, stretch: &Stretch) -> Option<usize> {
         self.stretches.iter().position(|other| other.from == stretch.to && other.to == stretch.from)
     }
 
     /// Where the time `t` is; `None` before the first stretch begins.
-    pub fn place(&self, t: f64) -> Option<Place> {
+    pub fn place(&self, t: f64) -> Option<StretchPlace> {
         let stretch = self.stretches.partition_point(|stretch| stretch.start <= t).checked_sub(1)?;
-        Some(Place { stretch, share: self.stretches[stretch].share(t) })
+        Some(StretchPlace { stretch, share: self.stretches[stretch].share(t) })
     }
 
     /// What is asked at the time `t`.
@@ -95,14 +95,14 @@ mod tests {
             from: course(from),
             to: course(to),
         };
-        let schedule = Schedule {
+        let schedule = CourseSchedule {
             first: course(0.2),
             stretches: vec![stretch(1.0, 0.2, -2.0), stretch(3.0, -2.0, 0.5)],
             fan: false,
         };
         let climb = |t: f64| match schedule.place(t) {
             None => 0.2,
-            Some(Place { stretch, share }) => {
+            Some(StretchPlace { stretch, share }) => {
                 let s = &schedule.stretches[stretch];
                 s.from.climb + (s.to.climb - s.from.climb) * share
             }

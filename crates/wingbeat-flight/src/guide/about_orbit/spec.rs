@@ -5,7 +5,7 @@ use super::dive::DiveSpec;
 use super::governor::Governor;
 use super::landing::LandingSpec;
 use super::predictive::PredictiveSpec;
-use super::schedule::{Schedule, Stretch};
+use super::schedule::{CourseSchedule, Stretch};
 use super::tracking::TrackingSpec;
 use crate::guide::inertial::EstimatorSpec;
 use crate::orbit::{Course, Cycle, Deviations, Free};
@@ -150,7 +150,7 @@ ranges!(OrbitWeights {
 
 impl AboutOrbitSpec {
     /// All that can be said without looking for orbits; the cycle and the schedule that they are looked for with.
-    pub(super) fn checked<'a>(&self, robot: &'a Robot) -> Result<(Cycle<'a>, Schedule), Error> {
+    pub(super) fn checked<'a>(&self, robot: &'a Robot) -> Result<(Cycle<'a>, CourseSchedule), Error> {
         self.in_range()?;
         self.weights.in_range().map_err(|e| e.within("weights"))?;
         for (i, leg) in self.legs.iter().enumerate() {
@@ -248,13 +248,13 @@ impl AboutOrbitSpec {
     }
 
     /// The legs with where each begins and ends.
-    fn schedule(&self) -> Result<Schedule, Error> {
+    fn schedule(&self) -> Result<CourseSchedule, Error> {
         let mut course = Course { speed: self.speed_m_s, climb: self.climb_m_s, bank: 0.0 };
         if let Some(tracking) = &self.tracking {
             tracking.in_range().map_err(|e| e.within("tracking"))?;
             return Ok(tracking.fan(course));
         }
-        let mut schedule = Schedule { first: course, stretches: Vec::new(), fan: false };
+        let mut schedule = CourseSchedule { first: course, stretches: Vec::new(), fan: false };
         for (i, leg) in self.legs.iter().enumerate() {
             let key = |name: &str| format!("legs[{i}].{name}");
             let to = Course {

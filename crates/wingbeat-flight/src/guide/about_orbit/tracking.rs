@@ -1,6 +1,6 @@
 //! Following a path: the bank, speed and height that it asks of the regulator about orbits.
 
-use super::schedule::{Place, Schedule, Stretch};
+use super::schedule::{CourseSchedule, Stretch, StretchPlace};
 use crate::guide::path::{self, Path, PathSpec, Station};
 use crate::orbit::Course;
 use crate::simulate::Column;
@@ -68,18 +68,18 @@ ranges!(TrackingSpec {
 /// What the path asks of the controller.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Demand {
-    pub place: Option<Place>,
+    pub place: Option<StretchPlace>,
     /// Height of the mean path, m.
     pub height: f64,
     /// Speed beyond that of the orbits, m/s.
     pub faster: f64,
     /// The path, where one is followed.
-    pub beside: Option<Beside>,
+    pub beside: Option<OffsetPlace>,
 }
 
 /// A place beside a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Beside {
+pub(super) struct OffsetPlace {
     /// Where the path is nearest to it.
     station: Station,
     /// Arc from where the path should be followed by now to there, m; negative where it is missing.
@@ -88,7 +88,7 @@ pub(super) struct Beside {
     cross: f64,
 }
 
-impl Beside {
+impl OffsetPlace {
     /// Heading of the path, rad.
     pub fn heading(&self) -> f64 {
         self.station.heading
@@ -106,7 +106,7 @@ impl Beside {
 
 /// What was found of the path at the last update.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+struct PathSighting {
     arc: f64,
     cross: f64,
     along: f64,
@@ -115,14 +115,14 @@ struct Seen {
 }
 
 /// A path as it is followed.
-pub(super) struct Tracking {
+pub(super) struct PathTracking {
     spec: TrackingSpec,
     path: Path,
     speed: f64,
     period: f64,
     /// Whether distances across and along the path are left to what follows it.
     left: [bool; 2],
-    seen: Seen,
+    seen: PathSighting,
 }
 
 impl TrackingSpec {
@@ -143,7 +143,7 @@ impl TrackingSpec {
     }
 
     /// Stretches to the limits of the bank on both sides.
-    pub(super) fn fan(&self, first: Course) -> Schedule {
+    pub(super) fn fan(&self, first: Course) -> CourseSchedule {
         let stretch = |bank_deg: f64| Stretch {
             start: 0.0,
             duration: 1.0,
@@ -151,14 +151,14 @@ impl TrackingSpec {
             to: Course { bank: bank_deg.to_radians(), ..first },
         };
         let stretches = vec![stretch(self.bank_limit_deg), stretch(-self.bank_limit_deg)];
-        Schedule { first, stretches, fan: true }
+        CourseSchedule { first, stretches, fan: true }
     }
 }
 
-impl Tracking {
+impl PathTracking {
     /// `path` at `speed`, with an update every `period` s; of `left` the distances across and along it ask for nothing.
     pub fn new(spec: TrackingSpec, path: Path, speed: f64, period: f64, left: [bool; 2]) -> Self {
-        Self { spec, path, speed, period, left, seen: Seen::default() }
+        Self { spec, path, speed, period, left, seen: PathSighting::default() }
     }
 
     /// Columns of [`numbers`](Self::numbers).
@@ -176,7 +176,7 @@ impl Tracking {
 
     /// What the last update found of the path, in the units of the columns.
     pub fn numbers(&self) -> [f64; 7] {
-        let Seen { arc, cross, along, bank, nearest: Vec3([x, y, z]) } = self.seen;
+        let PathSighting { arc, cross, along, bank, nearest: Vec3([x, y, z]) } = self.seen;
         [arc, cross, along, bank, x, y, z]
     }
 
@@ -199,7 +199,8 @@ impl Tracking {
         let bank = ((aside - ahead * speed * speed) / GRAVITY).atan().clamp(-limit, limit);
         let bank = self.seen.bank + (bank - self.seen.bank) * (1.0 - (-self.period / spec.smooth_s).exp());
         let along = beside.arc - speed * t;
-        self.seen = Seen { arc: beside.arc, cross: beside.cross, along, bank, nearest: station.place };
+        self.seen =
+            PathSighting { arc: beside.arc, cross: beside.cross, along, bank, nearest: station.place };
         self.asked(station, along, beside.cross)
     }
 
@@ -215,10 +216,10 @@ impl Tracking {
         let faster = (-spec.along_per_s * self.seen.along).clamp(-spec.faster_m_s, spec.faster_m_s);
         let share = bank.abs() / spec.bank_limit_deg.to_radians();
         Demand {
-            place: Some(Place { stretch: usize::from(bank < 0.0), share }),
+            place: Some(StretchPlace { stretch: usize::from(bank < 0.0), share }),
             height: station.place[2],
             faster: if self.left[1] { 0.0 } else { faster },
-            beside: Some(Beside { station, along, cross }),
+            beside: Some(OffsetPlace { station, along, cross }),
         }
     }
 }
@@ -230,15 +231,15 @@ mod tests {
     const SPEED: f64 = 4.2;
     const PERIOD: f64 = 0.0075;
 
-    fn tracking(path: &str) -> Tracking {
+    fn tracking(path: &str) -> PathTracking {
         let path: PathSpec = toml::from_str(path).unwrap();
         let spec: TrackingSpec =
             toml::from_str("bank_limit_deg = 35.0\nlead_s = 0.0\nsmooth_s = 0.01").unwrap();
-        Tracking::new(spec, spec.checked(Some(&path), SPEED).unwrap(), SPEED, PERIOD, [false; 2])
+        PathTracking::new(spec, spec.checked(Some(&path), SPEED).unwrap(), SPEED, PERIOD, [false; 2])
     }
 
     /// A point that turns as its bank says, from `aside` of the path's begin for `time` s; its distances across.
-    fn flown(mut tracking: Tracking, aside: f64, time: f64) -> Vec<f64> {
+    fn flown(mut tracking: PathTracking, aside: f64, time: f64) -> Vec<f64> {
         let (mut place, mut heading) = (Vec3::new(0.0, aside, 0.0), 0.0_f64);
         let limit = tracking.spec.bank_limit_deg.to_radians();
         let step = |k: usize| {

@@ -1,7 +1,7 @@
 //! Small errors of a believed flight: how they grow and what instruments see of them.
 
 use super::{BIAS, BODY, MISSED, State};
-use crate::simulate::{Erring, Instrument, Motion, Places};
+use crate::simulate::{Erring, FeltMotion, Instrument, Places};
 use nalgebra::{SMatrix, SVector};
 use wingbeat_math::{Dual, Quat, Scalar, Vec3};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
@@ -11,15 +11,15 @@ use wingbeat_robot::Robot;
 /// angular acceleration missed by the model, in B.
 pub(super) type Square<const N: usize> = SMatrix<f64, N, N>;
 /// One number by those errors.
-pub(super) type Row<const N: usize> = SVector<f64, N>;
+pub(super) type ErrorRow<const N: usize> = SVector<f64, N>;
 
 /// Directions of the body's own errors, then of what is missed.
 type Wide = Erring;
 const _: () = assert!(Wide::LANES == BODY + MISSED);
 
 /// What is felt at a state, with derivatives by the errors of body and what is missed.
-pub(super) struct Linear {
-    motion: Motion<Wide>,
+pub(super) struct FeltLinearisation {
+    motion: FeltMotion<Wide>,
     rate: Vec3,
 }
 
@@ -44,7 +44,7 @@ fn widened(narrow: Early) -> Wide {
     wide
 }
 
-impl Linear {
+impl FeltLinearisation {
     /// At the time `t` in the state `x` under `u`, `missed` being the accelerations missed there (m/s2 and rad/s2).
     pub fn new(
         robot: &Robot,
@@ -96,22 +96,27 @@ impl Linear {
     }
 
     /// What instrument number `i` would read, in its unit, its bias being `bias`, and its derivatives by the errors.
-    pub fn reading<const N: usize>(&self, i: usize, instrument: &Instrument, bias: f64) -> (f64, Row<N>) {
+    pub fn reading<const N: usize>(
+        &self,
+        i: usize,
+        instrument: &Instrument,
+        bias: f64,
+    ) -> (f64, ErrorRow<N>) {
         let (read, mut by_errors) = self.felt(instrument);
         by_errors[BIAS + i] = 1.0;
         (read + bias, by_errors)
     }
 
     /// The same of an instrument without a bias.
-    pub fn felt<const N: usize>(&self, instrument: &Instrument) -> (f64, Row<N>) {
+    pub fn felt<const N: usize>(&self, instrument: &Instrument) -> (f64, ErrorRow<N>) {
         let read = instrument.reads_erring(&self.motion);
         (read.value(), row(&read))
     }
 }
 
 /// Derivatives of a number by the errors.
-fn row<const N: usize>(wide: &Wide) -> Row<N> {
-    let mut row = Row::zeros();
+fn row<const N: usize>(wide: &Wide) -> ErrorRow<N> {
+    let mut row = ErrorRow::zeros();
     for (i, slope) in wide.eps.iter().enumerate() {
         row[if i < BODY { i } else { i + N - (BODY + MISSED) }] = *slope;
     }
@@ -132,7 +137,7 @@ pub(super) fn grown<const N: usize>(f: &Square<N>, dt: f64) -> Square<N> {
 
 impl<const N: usize> State<N> {
     /// Takes in the errors `d`.
-    pub fn correct(&mut self, places: &Places, d: &Row<N>) {
+    pub fn correct(&mut self, places: &Places, d: &ErrorRow<N>) {
         let at = |first: usize| Vec3::new(d[first], d[first + 1], d[first + 2]);
         self.x[places.height] += d[0];
         let attitude = Quat::from_wxyz(&self.x[places.attitude..]) * Quat::exp(at(1));
@@ -193,12 +198,12 @@ mod tests {
             model.step(0.5 * dt).unwrap();
             model.state().to_vec()
         };
-        let linear = Linear::new(&robot, &places, 0.5 * dt, &middle, &u, &[0.0; MISSED]).unwrap();
+        let linear = FeltLinearisation::new(&robot, &places, 0.5 * dt, &middle, &u, &[0.0; MISSED]).unwrap();
         let growth: Square<{ BODY + 8 + MISSED }> = grown(&linear.rates(0.1), dt);
         let (size, nominal) = (1e-5, flown(&x));
         for column in 0..BODY {
             let mut off = state(Square::<{ BODY + 8 + MISSED }>::identity());
-            let mut error = Row::zeros();
+            let mut error = ErrorRow::zeros();
             error[column] = size;
             off.correct(&places, &error);
             let end = flown(&off.x);

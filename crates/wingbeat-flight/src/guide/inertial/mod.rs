@@ -8,14 +8,14 @@ mod spec;
 pub use spec::EstimatorSpec;
 
 use super::history::History;
-use crate::orbit::Section;
+use crate::orbit::OrbitSection;
 use crate::simulate::{
     AXES, Column, Estimator, Instrument, Measurement, NoEstimate, Places, Quantity, Reading, SensorSpec,
     Stepper,
 };
-use linear::{Linear, Row, Square, erring, grown};
+use linear::{ErrorRow, FeltLinearisation, Square, erring, grown};
 use nalgebra::SMatrix;
-use observable::Seen;
+use observable::ObservedFlight;
 use wingbeat_math::Error;
 use wingbeat_math::{Dual, Quat, Vec3};
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -107,7 +107,7 @@ impl Kind {
 /// longest delay. From there a copy goes on to now, by what has arrived already, then by the model alone.
 struct Inertial<'a, const N: usize> {
     robot: &'a Robot,
-    section: Section,
+    section: OrbitSection,
     places: Places,
     instruments: Vec<Instrument>,
     /// Longest delay, s.
@@ -134,14 +134,14 @@ pub(super) fn filter<'a>(
     spec: EstimatorSpec,
     sensors: &SensorSpec,
     robot: &'a Robot,
-    section: &Section,
+    section: &OrbitSection,
     x: Vec<f64>,
     u: &[f64],
 ) -> Result<Box<dyn Estimator + 'a>, Error> {
     let places = Places::of(robot.states())
         .ok_or_else(|| Error::invalid("", "given", "an estimator of a robot with a body"))?;
     let instruments = sensors.instruments();
-    Seen { robot, section, places: &places, x: &x, u }.check(&spec, &instruments)?;
+    ObservedFlight { robot, section, places: &places, x: &x, u }.check(&spec, &instruments)?;
     match instruments.len() {
         n if n <= ROOMS[0] => {
             Ok(Box::new(Inertial::<FEW>::new(spec, instruments, places, robot, section.clone(), x)))
@@ -162,7 +162,7 @@ impl<'a, const N: usize> Inertial<'a, N> {
         instruments: Vec<Instrument>,
         places: Places,
         robot: &'a Robot,
-        section: Section,
+        section: OrbitSection,
         x: Vec<f64>,
     ) -> Self {
         let mut deviations = [0.0; N];
@@ -172,7 +172,7 @@ impl<'a, const N: usize> Inertial<'a, N> {
         }
         deviations[N - MISSED..][..3].fill(spec.missed_m_s2);
         deviations[N - MISSED + 3..].fill(spec.missed_rad_s2);
-        let p = Square::from_diagonal(&Row::from_iterator(deviations.iter().map(|d| d * d)));
+        let p = Square::from_diagonal(&ErrorRow::from_iterator(deviations.iter().map(|d| d * d)));
         let behind = State { t: 0.0, x, biases: vec![0.0; instruments.len()], missed: [0.0; MISSED], p };
         Self {
             section,
@@ -211,7 +211,7 @@ impl<'a, const N: usize> Inertial<'a, N> {
     fn piece(&mut self, state: &mut State<N>, u: &[f64], end: f64) -> Result<(), Fault> {
         let length = end - state.t;
         self.fly(state, u, 0.5 * length)?;
-        let linear = Linear::new(self.robot, &self.places, state.t, &state.x, u, &state.missed)?;
+        let linear = FeltLinearisation::new(self.robot, &self.places, state.t, &state.x, u, &state.missed)?;
         self.fly(state, u, 0.5 * length)?;
         state.t = end;
         let growth = grown(&linear.rates(self.spec.missed_s), length);
@@ -250,11 +250,12 @@ impl<'a, const N: usize> Inertial<'a, N> {
     /// Test: `the_filter_knows_how_well_it_knows`.
     fn take_in(&mut self, state: &mut State<N>, readings: &[Reading]) -> Result<(), Fault> {
         let Some((commands, _)) = self.history.at(state.t + ROUNDING) else { return Ok(()) };
-        let linear = Linear::new(self.robot, &self.places, state.t, &state.x, commands, &state.missed)?;
-        let mut errors = Row::<N>::zeros();
+        let linear =
+            FeltLinearisation::new(self.robot, &self.places, state.t, &state.x, commands, &state.missed)?;
+        let mut errors = ErrorRow::<N>::zeros();
         for reading in readings {
             let (i, instrument) = (reading.instrument, &self.instruments[reading.instrument]);
-            let (expected, by_errors): (f64, Row<N>) = linear.reading(i, instrument, state.biases[i]);
+            let (expected, by_errors): (f64, ErrorRow<N>) = linear.reading(i, instrument, state.biases[i]);
             let innovation = reading.value - expected - by_errors.dot(&errors);
             let spread = state.p * by_errors;
             let variance = by_errors.dot(&spread) + instrument.noise * instrument.noise;

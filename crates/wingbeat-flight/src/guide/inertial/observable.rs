@@ -1,9 +1,9 @@
 //! Whether instruments tell what is fed back.
 
-use super::linear::{Linear, Square, erring, grown};
+use super::linear::{FeltLinearisation, Square, erring, grown};
 use super::spec::EstimatorSpec;
 use super::{BODY, MISSED, NAMES, PIECE, SEEN, STEP};
-use crate::orbit::Section;
+use crate::orbit::OrbitSection;
 use crate::simulate::{Instrument, Places, SensorSpec, Stepper};
 use nalgebra::{SMatrix, SVector};
 use wingbeat_math::Dual;
@@ -21,18 +21,18 @@ const FAULTLESS: f64 = 1e-6;
 /// Largest share of a fed back number's deviation that may lie in directions that are not observable. *Choice.*
 const HIDDEN: f64 = 0.1;
 
-type Body = SMatrix<f64, BODY, BODY>;
+type BodyMatrix = SMatrix<f64, BODY, BODY>;
 
 /// A flight that is to be seen: it begins in the state `x` under the inputs `u`.
-pub(super) struct Seen<'a> {
+pub(super) struct ObservedFlight<'a> {
     pub robot: &'a Robot,
-    pub section: &'a Section,
+    pub section: &'a OrbitSection,
     pub places: &'a Places,
     pub x: &'a [f64],
     pub u: &'a [f64],
 }
 
-impl Seen<'_> {
+impl ObservedFlight<'_> {
     /// Refuses `instruments` that leave a number which is fed back unobservable over a cycle; says which, and which sensor would tell it.
     ///
     /// Equation: guide.observability
@@ -69,7 +69,7 @@ impl Seen<'_> {
 
     /// Numbers of [`NAMES`] that the readings of a cycle do not tell.
     fn hidden(&self, spec: &EstimatorSpec, instruments: &[Instrument]) -> Result<Vec<usize>, Fault> {
-        let scale = Body::from_diagonal(&SVector::from(spec.of_body()));
+        let scale = BodyMatrix::from_diagonal(&SVector::from(spec.of_body()));
         let information = (scale * self.information(spec, instruments)? * scale).symmetric_eigen();
         let numbers = self.fed_back() * scale;
         let unseen = |row: usize| {
@@ -82,16 +82,17 @@ impl Seen<'_> {
     }
 
     /// What the readings of a cycle tell of the errors at its start: the sum of Phi' H' H Phi / r over the readings.
-    fn information(&self, spec: &EstimatorSpec, instruments: &[Instrument]) -> Result<Body, Fault> {
+    fn information(&self, spec: &EstimatorSpec, instruments: &[Instrument]) -> Result<BodyMatrix, Fault> {
         let cycle = self.robot.frequency_hz().recip();
         let pieces = (cycle / PIECE).ceil();
         let length = cycle / pieces;
         let mut model = Stepper::new(self.robot, 0.0, self.x);
         model.set_inputs(self.u);
-        let (mut flow, mut sum) = (Body::identity(), Body::zeros());
+        let (mut flow, mut sum) = (BodyMatrix::identity(), BodyMatrix::zeros());
         for piece in 0..pieces as usize {
             let t = length * piece as f64;
-            let linear = Linear::new(self.robot, self.places, t, model.state(), self.u, &[0.0; MISSED])?;
+            let linear =
+                FeltLinearisation::new(self.robot, self.places, t, model.state(), self.u, &[0.0; MISSED])?;
             for instrument in instruments {
                 let row = flow.transpose() * linear.felt::<ERRORS>(instrument).1.fixed_rows::<BODY>(0);
                 // A piece holds that many readings of the instrument.

@@ -48,7 +48,7 @@ pub struct Path {
 
 /// Where a place lies beside a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beside {
+pub struct PathOffset {
     /// Arc of the nearest point over the ground, m.
     pub arc: f64,
     /// Distance to the left of it, m.
@@ -118,7 +118,7 @@ impl Path {
     /// `(p - P(s)) . T(s) = 0 by Newton, slope -(1 - k e); e = (p - P) . N`
     /// Source: Frenet frame.
     /// Test: `what_lies_beside_is_found_again`.
-    pub fn beside(&self, place: Vec3, from: f64) -> Beside {
+    pub fn beside(&self, place: Vec3, from: f64) -> PathOffset {
         let mut arc = from;
         for _ in 0..20 {
             let station = self.at(arc);
@@ -130,7 +130,7 @@ impl Path {
                 break;
             }
         }
-        Beside { arc, cross: self.at(arc).offset(place).1 }
+        PathOffset { arc, cross: self.at(arc).offset(place).1 }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Airspeed: pitot tube.
 
-use super::{DELAY, Instrument, Motion, PLACE, Quantity, Sensor, quantity};
+use super::{DELAY, FeltMotion, Instrument, PLACE, Quantity, Sensor, quantity};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -52,7 +52,7 @@ impl Sensor for AirspeedSpec {
     }
 }
 
-impl<S: Scalar> Motion<S> {
+impl<S: Scalar> FeltMotion<S> {
     /// Velocity, m/s, of `place` (m, B) against the air, along body x.
     ///
     /// Equation: simulate.airspeed

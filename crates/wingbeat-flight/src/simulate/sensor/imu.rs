@@ -1,6 +1,6 @@
 //! Gyroscope and accelerometer.
 
-use super::{DELAY, Instrument, Motion, PLACE, Quantity, Sensor, quantity};
+use super::{DELAY, FeltMotion, Instrument, PLACE, Quantity, Sensor, quantity};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -81,7 +81,7 @@ impl Sensor for InertialSpec {
     }
 }
 
-impl<S: Scalar> Motion<S> {
+impl<S: Scalar> FeltMotion<S> {
     /// Specific force, m/s2 in B, at `place` (m, B): what an accelerometer feels there, gravity not being felt.
     ///
     /// Equation: simulate.specific_force

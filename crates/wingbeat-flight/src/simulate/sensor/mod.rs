@@ -58,15 +58,18 @@ pub struct Quantity {
     /// Frame.
     pub frame: &'static str,
     /// The reading of a motion by an instrument, in `unit`.
-    pub plain: fn(&Motion, &Instrument) -> f64,
+    pub plain: fn(&FeltMotion, &Instrument) -> f64,
     /// The same with derivatives.
-    pub erring: fn(&Motion<Erring>, &Instrument) -> Erring,
+    pub erring: fn(&FeltMotion<Erring>, &Instrument) -> Erring,
 }
 
 /// A [`Quantity`] of name, kind, unit and frame that is the expression of a motion and of the instrument that reads it.
 macro_rules! quantity {
     ($name:literal, $kind:literal, $unit:literal, $frame:literal, |$motion:ident, $instrument:ident| $read:expr) => {{
-        fn read<S: wingbeat_math::Scalar>($motion: &super::Motion<S>, $instrument: &super::Instrument) -> S {
+        fn read<S: wingbeat_math::Scalar>(
+            $motion: &super::FeltMotion<S>,
+            $instrument: &super::Instrument,
+        ) -> S {
             $read
         }
         let (name, kind, unit, frame) = ($name, $kind, $unit, $frame);
@@ -113,7 +116,7 @@ pub struct Reading {
 
 /// What instruments feel of a body.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<S: Scalar = f64> {
+pub struct FeltMotion<S: Scalar = f64> {
     /// Height of its origin, m.
     pub height: S,
     /// R_WB.
@@ -156,8 +159,8 @@ impl Places {
     }
 
     /// What is felt in the state `x` with the rates `dx` in air that moves with `wind` (m/s) in W.
-    pub fn motion<S: Scalar>(&self, x: &[S], dx: &[S], wind: Vec3) -> Motion<S> {
-        Motion {
+    pub fn motion<S: Scalar>(&self, x: &[S], dx: &[S], wind: Vec3) -> FeltMotion<S> {
+        FeltMotion {
             height: x[self.height],
             attitude: Quat::from_wxyz(&x[self.attitude..]).matrix(),
             velocity: Vec3::from_slice(&x[self.velocity..]),
@@ -176,12 +179,12 @@ impl Instrument {
     }
 
     /// What it would read without noise and offset, in the unit of its quantity.
-    pub fn reads(&self, motion: &Motion) -> f64 {
+    pub fn reads(&self, motion: &FeltMotion) -> f64 {
         (self.quantity.plain)(motion, self)
     }
 
     /// The same with derivatives by the errors of what is believed.
-    pub fn reads_erring(&self, motion: &Motion<Erring>) -> Erring {
+    pub fn reads_erring(&self, motion: &FeltMotion<Erring>) -> Erring {
         (self.quantity.erring)(motion, self)
     }
 }
@@ -192,10 +195,10 @@ mod tests {
     use wingbeat_math::GRAVITY;
 
     /// A body that turns at a constant rate about an axis away from its origin, at rest elsewhere.
-    fn turning(rate: Vec3, center: Vec3) -> Motion {
+    fn turning(rate: Vec3, center: Vec3) -> FeltMotion {
         let attitude = Mat3::from_roll_pitch_yaw(0.3, -0.2, 0.9);
         let arm = center * -1.0;
-        Motion {
+        FeltMotion {
             height: 1.2,
             attitude,
             velocity: attitude * rate.cross(arm),
@@ -220,7 +223,7 @@ mod tests {
     #[test]
     fn a_body_that_falls_feels_nothing() {
         let still = turning(Vec3::ZERO, Vec3::ZERO);
-        let falling = Motion { acceleration: Vec3::new(0.0, 0.0, -GRAVITY), ..still };
+        let falling = FeltMotion { acceleration: Vec3::new(0.0, 0.0, -GRAVITY), ..still };
         assert_eq!(falling.specific_force(Vec3::new(0.1, 0.2, 0.3)), Vec3::ZERO);
     }
 }

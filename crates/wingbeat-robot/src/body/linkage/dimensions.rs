@@ -2,7 +2,7 @@
 
 use wingbeat_math::Error;
 use wingbeat_math::range::Range;
-use wingbeat_math::{Jet, Meets, Named, Parameters, Quantity, Scalar, Walk};
+use wingbeat_math::{DeclaredQuantity, Jet, Meets, NamedNumber, Parameters, Scalar, Walk};
 
 use serde::{Deserialize, Serialize};
 
@@ -142,17 +142,17 @@ impl<P: Scalar> LinkageDimensions<P> {
 }
 
 /// Length of a link.
-const LENGTH: Quantity = Quantity { range: Range::POSITIVE, ..PLACE };
+const LENGTH: DeclaredQuantity = DeclaredQuantity { range: Range::POSITIVE, ..PLACE };
 /// Coordinate of a joint.
-const PLACE: Quantity = Quantity::free("m");
+const PLACE: DeclaredQuantity = DeclaredQuantity::free("m");
 /// Angle within a link.
-const ANGLE: Quantity = Quantity::free("deg");
+const ANGLE: DeclaredQuantity = DeclaredQuantity::free("deg");
 /// Turn of the whole mechanism.
-const TURN: Quantity = Quantity::within("deg", Range::between(-180.0, 180.0), -180.0, 180.0);
+const TURN: DeclaredQuantity = DeclaredQuantity::within("deg", Range::between(-180.0, 180.0), -180.0, 180.0);
 /// Shortest and longest length of a regulated link as factors.
-const FACTORS: [Quantity; 2] = [
-    Quantity::within("", Range::over(0.0, 1.0), 0.0, 1.0),
-    Quantity::within("", Range::between(1.0, LONGEST), 1.0, LONGEST),
+const FACTORS: [DeclaredQuantity; 2] = [
+    DeclaredQuantity::within("", Range::over(0.0, 1.0), 0.0, 1.0),
+    DeclaredQuantity::within("", Range::between(1.0, LONGEST), 1.0, LONGEST),
 ];
 
 /// The numbers that decide the pose.
@@ -201,6 +201,6 @@ impl LinkageDimensions {
     /// Checks each dimension by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
         LENGTH.range.check("l7a_m", self.l7a_m)?;
-        self.named(&|_, _, _| None).iter().try_for_each(Named::check)
+        self.named(&|_, _, _| None).iter().try_for_each(NamedNumber::check)
     }
 }

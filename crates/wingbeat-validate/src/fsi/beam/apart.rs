@@ -1,7 +1,7 @@
 //! Beams by equations written apart from the library: shooting along the span, and the elastica.
 
 use crate::Error;
-use wingbeat::math::{RK4, Steps, Workspace};
+use wingbeat::math::{EqualSteps, RK4, Workspace};
 
 /// Steps of the shooting along the span.
 const STEPS: usize = 2000;
@@ -94,8 +94,13 @@ pub fn elastica(load: f64) -> Result<[f64; 2], Error> {
             dy.copy_from_slice(&[y[1], -load * y[0].cos(), y[0].sin(), y[0].cos()]);
             Ok(())
         };
-        RK4.integrate(&mut { slope }, Steps::new(0.0, 1.0 / 4000.0, 4000), &mut y, &mut Workspace::new(4, 4))
-            .map(|_| y)
+        RK4.integrate(
+            &mut { slope },
+            EqualSteps::new(0.0, 1.0 / 4000.0, 4000),
+            &mut y,
+            &mut Workspace::new(4, 4),
+        )
+        .map(|_| y)
     };
     let (mut low, mut high) = (0.0, load);
     while high - low > 1e-14 * high {
@@ -115,7 +120,12 @@ pub fn followed(load: f64) -> Result<[f64; 2], Error> {
         dy.copy_from_slice(&[y[1], -load * y[0].cos(), y[0].cos(), y[0].sin()]);
         Ok(())
     };
-    RK4.integrate(&mut { slope }, Steps::new(0.0, 1.0 / 4000.0, 4000), &mut y, &mut Workspace::new(4, 4))?;
+    RK4.integrate(
+        &mut { slope },
+        EqualSteps::new(0.0, 1.0 / 4000.0, 4000),
+        &mut y,
+        &mut Workspace::new(4, 4),
+    )?;
     // Tip seen from the root: the way back, turned so that the root's tangent lies along x.
     let (sin, cos) = y[0].sin_cos();
     Ok([y[2] * cos + y[3] * sin, (y[2] * sin - y[3] * cos).abs()])

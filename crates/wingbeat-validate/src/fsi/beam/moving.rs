@@ -5,8 +5,8 @@ use crate::{ComparisonRow, Error};
 use nalgebra::DMatrix;
 use wingbeat::math::{GRAVITY, Jet, Mat3, Random, Scalar, Vec3, Wrench};
 use wingbeat::structure::{
-    Beam, Factors, Grid, Implicit, Load, Place, Section, Setting, Stage, Station, Strain, Swung, hold, step,
-    turning,
+    Beam, CrossSection, Grid, Implicit, Load, Place, SectionStation, Setting, Stage, StepFactors, Strain,
+    Swung, hold, step, turning,
 };
 
 /// A beam whose root is where a function of time says; the state of first order is the work done at the root.
@@ -49,7 +49,7 @@ fn run(
     steps: usize,
     mut see: impl FnMut(f64, &Stage),
 ) -> Result<Stage, Error> {
-    let mut factors: Factors = None;
+    let mut factors: StepFactors = None;
     for k in 0..steps {
         let t = k as f64 * h;
         if !step(moving, t, h, &mut at, &mut factors).converged {
@@ -110,12 +110,12 @@ pub fn flapping() -> Result<Vec<ComparisonRow>, Error> {
 
 /// A limp strip of rubber with its mass off the axis.
 fn limp(order: usize) -> Result<Beam, Error> {
-    let section = Section::isotropic(1e4, [0.02, 0.03, 0.4]).with_mass(
+    let section = CrossSection::isotropic(1e4, [0.02, 0.03, 0.4]).with_mass(
         0.15,
         Vec3::new(0.0, 0.01, 0.002),
         Mat3::diagonal(Vec3::new(6e-5, 5e-6, 5.5e-5)),
     );
-    let stations = [0.0, 0.5].map(|arc_m| Station { arc_m, section });
+    let stations = [0.0, 0.5].map(|arc_m| SectionStation { arc_m, section });
     let grid = Grid { elements: 1, order, strains: Strain::INEXTENSIBLE, arcs: Vec::new() };
     Ok(Beam::new(&stations, &[], &grid)?)
 }

@@ -7,7 +7,7 @@ use wingbeat::aero::{
     StripModel, StripSettings, membrane_height,
 };
 use wingbeat::math::Vec3;
-use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, CoefficientScales, Coordinate, Motion, Side, Tether, Wing};
 
 const SOURCE: &str = "Rojratsirikul et al. 2011, measured";
 const CHORD: f64 = 0.0688;
@@ -54,8 +54,12 @@ fn wing(speed: f64, alpha_deg: f64, prestrain: [f64; 2], strips: usize) -> Resul
         ..Default::default()
     };
     let alpha = alpha_deg.to_radians();
-    let reference =
-        Reference { density_kg_m3: DENSITY, speed_m_s: speed, area_m2: planform.area(), chord_m: CHORD };
+    let reference = CoefficientScales {
+        density_kg_m3: DENSITY,
+        speed_m_s: speed,
+        area_m2: planform.area(),
+        chord_m: CHORD,
+    };
     let tether = Tether {
         spar: None,
         ground: None,

@@ -1,6 +1,6 @@
 use std::ops::ControlFlow;
 
-use wingbeat_config::inside::{Ended, Landscape, Seen, Slopes, descend};
+use wingbeat_config::inside::{DescentPoint, Ended, Landscape, Slopes, descend};
 
 /// The banana's valley (Rosenbrock 1960) in shares of [-2, 2]^2, above a line that cuts off its lowest point.
 struct Valley;
@@ -11,12 +11,12 @@ fn place(x: &[f64]) -> [f64; 2] {
 
 impl Landscape for Valley {
     type More = ();
-    fn look(&self, x: &[f64], _: &Seen<()>) -> Option<Seen<()>> {
+    fn look(&self, x: &[f64], _: &DescentPoint<()>) -> Option<DescentPoint<()>> {
         let [a, b] = place(x);
         let objective = (1.0 - a).powi(2) + 10.0 * (b - a * a).powi(2);
-        Some(Seen { objective, limits: vec![a + b - 1.0], more: () })
+        Some(DescentPoint { objective, limits: vec![a + b - 1.0], more: () })
     }
-    fn slopes(&self, x: &[f64], _: &mut Seen<()>) -> Option<Slopes> {
+    fn slopes(&self, x: &[f64], _: &mut DescentPoint<()>) -> Option<Slopes> {
         let [a, b] = place(x);
         let (by_a, by_b) = (-2.0 * (1.0 - a) - 40.0 * a * (b - a * a), 20.0 * (b - a * a));
         Some(Slopes { objective: vec![4.0 * by_a, 4.0 * by_b], limits: vec![vec![4.0, 4.0]] })
@@ -25,7 +25,7 @@ impl Landscape for Valley {
 
 #[test]
 fn a_descent_ends_on_the_limit_at_the_lowest_point() {
-    let none = Seen { objective: 0.0, limits: Vec::new(), more: () };
+    let none = DescentPoint { objective: 0.0, limits: Vec::new(), more: () };
     let start = vec![0.3, 0.8];
     let seen = Valley.look(&start, &none).unwrap();
     let found = descend(&Valley, start, seen, 200, &mut |_, _| ControlFlow::Continue(())).unwrap();

@@ -102,7 +102,7 @@ pub(super) struct Landing {
     duration: f64,
     cycle: f64,
     /// Under the law that is known, and under the others.
-    plans: Vec<Planned>,
+    plans: Vec<PlannedLanding>,
     /// The robot under the law of each plan, where there are several.
     robots: Vec<Arc<Robot>>,
     /// Numbers of the inputs that are fed back.
@@ -117,7 +117,7 @@ pub(super) struct Landing {
 }
 
 /// A plan and the feedback about it, by parts of a cycle.
-struct Planned {
+struct PlannedLanding {
     /// States at every step.
     steps: Vec<Vec<f64>>,
     /// Commands of every part.
@@ -180,7 +180,7 @@ impl Landing {
         let Approach { cycle, point, .. } = *approach;
         let robot = cycle.robot();
         let begin = cycle.start(point);
-        let mut plans = vec![Planned::new(spec, approach, &begin, None)?];
+        let mut plans = vec![PlannedLanding::new(spec, approach, &begin, None)?];
         let under = |(i, law): (usize, &LiftLaw)| {
             spec.check_law(i, robot)?;
             robot.under(*law).map(Arc::new).map_err(|e| e.within(&format!("laws[{i}]")))
@@ -191,14 +191,14 @@ impl Landing {
             let step = cycle.duration(1.0) / cycle.steps() as f64 * (1.0 + 1e-9);
             let (cycle, begin) = (Cycle::new(robot, step)?, robot.named_as(cycle.robot(), &begin));
             let other =
-                Planned::new(spec, &Approach { cycle: &cycle, ..*approach }, &begin, Some(&plans[0]))?;
+                PlannedLanding::new(spec, &Approach { cycle: &cycle, ..*approach }, &begin, Some(&plans[0]))?;
             plans.push(other);
         }
         if !robots.is_empty() {
             robots.insert(0, Arc::new(robot.clone()));
         }
-        let worst = |of: fn(&Planned) -> f64| plans.iter().map(of).fold(0.0, f64::max);
-        let reached = [worst(|plan| plan.saved), worst(Planned::speed), worst(|plan| plan.over)];
+        let worst = |of: fn(&PlannedLanding) -> f64| plans.iter().map(of).fold(0.0, f64::max);
+        let reached = [worst(|plan| plan.saved), worst(PlannedLanding::speed), worst(|plan| plan.over)];
         Ok(Self {
             duration: spec.cycles as f64 * cycle.duration(1.0),
             cycle: cycle.duration(1.0),
@@ -243,7 +243,7 @@ impl Landing {
     /// the share of it that is done.
     fn off(
         &self,
-        plan: &Planned,
+        plan: &PlannedLanding,
         begun: &Begun,
         perch: &Perch,
         (t, cycles): (f64, f64),
@@ -305,7 +305,7 @@ impl Landing {
     }
 
     /// Commands of `plan` over the coming `period`, where it is done up to `done`.
-    fn planned(&self, plan: &Planned, done: f64, period: f64) -> Vec<f64> {
+    fn planned(&self, plan: &PlannedLanding, done: f64, period: f64) -> Vec<f64> {
         let parts = plan.commands.len() as f64;
         let per = parts / self.duration;
         let from = (done * parts).min(parts - 1e-6);
@@ -313,7 +313,7 @@ impl Landing {
     }
 
     /// The commands `planned` and the feedback of what is `off` the `plan`, where it is done up to `done`.
-    fn fed_back(&self, plan: &Planned, planned: &[f64], off: &[f64], done: f64) -> Vec<f64> {
+    fn fed_back(&self, plan: &PlannedLanding, planned: &[f64], off: &[f64], done: f64) -> Vec<f64> {
         let (gain, mut commands) = (gain_at(&plan.gains, done), planned.to_vec());
         for (row, input) in self.inputs.iter().enumerate() {
             commands[*input] -= off.iter().enumerate().map(|(j, off)| gain[(row, j)] * off).sum::<f64>();

@@ -1,9 +1,9 @@
 //! The plan of a landing on the whole model, and the feedback about it.
 
-use super::super::ddp::{self, Commanded, Flown, Parts, Quadratic, Until};
+use super::super::ddp::{self, Commanded, Parts, Quadratic, TrialPlan, Until};
 use super::super::feedback::{back, effort};
-use super::{Approach, LandingSpec, Planned};
-use crate::orbit::{Direction, Section, alone, fly_held};
+use super::{Approach, LandingSpec, PlannedLanding};
+use crate::orbit::{Direction, OrbitSection, alone, fly_held};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use wingbeat_math::parallel;
@@ -39,7 +39,7 @@ const BODY: usize = 12;
 type Differentiated<'a> = dyn Fn(&[Early], &[Early]) -> Result<Vec<Early>, Fault> + 'a;
 
 /// Costs and limits of a plan.
-struct Problem<'a> {
+struct LandingProblem<'a> {
     approach: &'a Approach<'a>,
     robot: &'a Robot,
     directions: Vec<Direction>,
@@ -52,7 +52,7 @@ struct Problem<'a> {
     beside: Option<Perch>,
 }
 
-impl Planned {
+impl PlannedLanding {
     /// Of the approach, from the state `begin`, in the units of the states, on; near to a plan under another law, where there is one, and to where that ends.
     ///
     /// # Errors
@@ -64,7 +64,7 @@ impl Planned {
         near: Option<&Self>,
     ) -> Result<Self, Error> {
         let broken = |fault: Fault| Error::invalid("cycles", fault, "a landing that the model can fly");
-        let mut problem = Problem::new(spec, approach)?;
+        let mut problem = LandingProblem::new(spec, approach)?;
         let flown = match near {
             None => problem.solve(begin, spec.iterations),
             Some(near) => problem.solve_near(near, begin, spec.iterations),
@@ -140,7 +140,7 @@ pub(super) fn claw_of<S: Scalar>(l: &Layout, x: &[S], claw: Vec3) -> [Vec3<S>; 2
     [Vec3::from_slice(&x[l.position..]) + attitude * arm, Vec3::from_slice(&x[l.velocity..]) + swept]
 }
 
-impl<'a> Problem<'a> {
+impl<'a> LandingProblem<'a> {
     fn new(spec: &LandingSpec, approach: &'a Approach<'a>) -> Result<Self, Error> {
         let (cycle, pairs) = (approach.cycle, approach.pairs);
         let robot = cycle.robot();
@@ -173,7 +173,7 @@ impl<'a> Problem<'a> {
     /// Test: `a_landing_ends_upside_down_at_the_perch`.
     ///
     /// From the level flight on, by ends on the way to the landing; the last one, whose place along the way is then kept, past the perch.
-    fn solve(&mut self, begin: &[f64], iterations: usize) -> Result<Flown, Fault> {
+    fn solve(&mut self, begin: &[f64], iterations: usize) -> Result<TrialPlan, Fault> {
         let [vx, vz, pitch, ..] = self.ends(begin);
         let mut commands = vec![DVector::zeros(self.commanded.low.len()); self.commanded.parts];
         let mut flown = None;
@@ -200,7 +200,12 @@ impl<'a> Problem<'a> {
     }
 
     /// As [`solve`](Self::solve), from the commands on by which the feedback of the plan `near` would land.
-    fn solve_near(&mut self, near: &Planned, begin: &[f64], iterations: usize) -> Result<Flown, Fault> {
+    fn solve_near(
+        &mut self,
+        near: &PlannedLanding,
+        begin: &[f64],
+        iterations: usize,
+    ) -> Result<TrialPlan, Fault> {
         let air = near.layout.aero - 1;
         let (mut commands, mut x) = (Vec::with_capacity(self.commanded.parts), begin.to_vec());
         let steps = self.approach.cycle.steps() / self.approach.cycle.parts();
@@ -351,7 +356,7 @@ impl<'a> Problem<'a> {
         let (_, all) = self.columns((x, directions), (v, v.len()), &|x, v| {
             let end = self.fly(k, x, &held(v), &mut |_| ())?;
             let off = apart(l, next, &end);
-            Ok(directions.iter().map(|direction| Section::along(direction, &off)).collect())
+            Ok(directions.iter().map(|direction| OrbitSection::along(direction, &off)).collect())
         })?;
         let n = directions.len();
         Ok([all.columns(0, n).into(), all.columns(n, v.len()).into()])
@@ -403,7 +408,7 @@ fn symmetric(robot: &Robot) -> Result<Vec<Direction>, Error> {
     Ok(body.into_iter().chain(own.map(pair)).collect())
 }
 
-impl Parts for Problem<'_> {
+impl Parts for LandingProblem<'_> {
     fn commanded(&self) -> &Commanded {
         &self.commanded
     }
@@ -414,7 +419,7 @@ impl Parts for Problem<'_> {
 
     fn apart(&self, s: &[f64], from: &[f64]) -> DVector<f64> {
         let off = apart(self.robot.layout(), from, s);
-        let along = |direction: &Direction| Section::along(direction, &off);
+        let along = |direction: &Direction| OrbitSection::along(direction, &off);
         DVector::from_iterator(self.directions.len(), self.directions.iter().map(along))
     }
 
