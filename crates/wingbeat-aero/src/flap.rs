@@ -38,7 +38,7 @@ fn damping() -> f64 {
     1e-3
 }
 
-const STIFFNESS_RANGE: Range = Range::between(0.0, 1e6);
+const STIFFNESS_RANGE: Range = Range::between(0.0, 1e4);
 const DENSITY_RANGE: Range = Range::over(0.0, 1e4);
 const DAMPING_RANGE: Range = Range::between(0.0, 10.0);
 const REST_DEG: f64 = 60.0;
@@ -91,7 +91,7 @@ pub struct FlapNumbers<P: Scalar = f64> {
     pub rest: P,
 }
 
-const STIFFNESS: DeclaredQuantity = DeclaredQuantity::within("N/rad", STIFFNESS_RANGE, 0.0, 1e6);
+const STIFFNESS: DeclaredQuantity = DeclaredQuantity::within("N/rad", STIFFNESS_RANGE, 0.0, 1e4);
 const AREAL_DENSITY: DeclaredQuantity = DeclaredQuantity::within("kg/m2", DENSITY_RANGE, 1e-6, 1e4);
 const DAMPING: DeclaredQuantity = DeclaredQuantity::within("s", DAMPING_RANGE, 0.0, 10.0);
 const REST: DeclaredQuantity = DeclaredQuantity::within("rad", Range::between(-1.05, 1.05), -1.05, 1.05);
