@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget};
+use indicatif::ProgressBar;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::ocp::Progress;
 use wingbeat::ocp::interior_point::Iteration;
@@ -17,6 +17,7 @@ use crate::fly::draw;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::outcome::overridden;
+use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
 
@@ -27,13 +28,13 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
-    let progress = progress(options.quiet);
+    let bar = iterations(options.quiet);
     let planned = scenario.plan(&mut |step| {
         // From now on there is something to be kept: the solver hears of the signal at its next iteration.
         interrupt.patient();
         match step {
-            Progress::Iteration(iteration) => progress.set_message(iteration.to_string()),
-            Progress::Pass(pass) => progress.println(format!(
+            Progress::Iteration(iteration) => bar.set_message(iteration.to_string()),
+            Progress::Pass(pass) => bar.println(format!(
                 "mesh {} of {} intervals: {} after {} iterations, objective {:.6}, error {:.1e}",
                 pass.number + 1,
                 pass.intervals,
@@ -46,7 +47,7 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
         interrupt.flow()
     });
     let planned = planned.map_err(|error| scenario.explain(&error))?;
-    progress.finish_and_clear();
+    bar.finish_and_clear();
     if planned.nodes.is_none() {
         interrupt.check()?;
     }
@@ -83,9 +84,8 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
     printed
 }
 
-fn progress(quiet: bool) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(None, target);
+fn iterations(quiet: bool) -> ProgressBar {
+    let bar = progress::bar(None, "{spinner} {msg}", quiet);
     bar.println(Iteration::HEADING);
     bar
 }

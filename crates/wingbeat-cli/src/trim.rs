@@ -4,7 +4,6 @@ mod search;
 
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget};
 use wingbeat::scenario::{AloneSummary, Document, RobotTrim, Scenario, TrimProgress, TrimSummary, Trimmed};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{FigureMaker, family, multipliers, orbit};
@@ -15,6 +14,7 @@ use crate::error::Error;
 use crate::fly::draw;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
 use crate::watch::{ConvergenceWatch, SearchIteration};
@@ -49,8 +49,7 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
         Some(search) => Some(search::searched(search, &folder, &interrupt, options.quiet, &watch)?),
         None => None,
     };
-    let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(None, target);
+    let bar = progress::bar(None, "{spinner} {elapsed}  {msg}", options.quiet);
     let mut tell = |at: TrimProgress| {
         if let TrimProgress::Orbit { orbits, iteration, residual } = at {
             watch.see(|| orbit_point(orbits, residual));
@@ -82,8 +81,7 @@ fn alone(arguments: &Trim, document: Document, interrupt: &Interrupt, start: Ins
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     let watch =
         ConvergenceWatch::begin(&arguments.live, &scenario.spec.name, "trim under way", &scenario.resolved)?;
-    let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(None, target);
+    let bar = progress::bar(None, "{spinner} {elapsed}  {msg}", options.quiet);
     let trimmed = asked.trim(&mut |at| {
         bar.set_message(match at {
             TrimProgress::Orbit { orbits, iteration, residual } => {

@@ -13,8 +13,8 @@ pub struct Moved {
     pub speed_m_s: f64,
     /// Least distance from the ground, m, where there is one.
     pub ground_m: Option<f64>,
-    /// Cycles, of a motion that repeats.
-    pub cycles: Option<usize>,
+    /// Cycles and reduced frequency, of a motion that repeats.
+    pub repeated: Option<(usize, f64)>,
 }
 
 impl Moved {
@@ -24,7 +24,7 @@ impl Moved {
             crossing: tether.crossing_fraction(),
             speed_m_s: tether.largest_speed(),
             ground_m: tether.ground_distance(),
-            cycles: tether.repeats().then_some(tether.clock.cycles),
+            repeated: tether.repeats().then(|| (tether.clock.cycles, tether.reduced_frequency())),
         }
     }
 
@@ -36,8 +36,9 @@ impl Moved {
         for limit in [&range::COMPRESSED, &range::MACH] {
             judge.hold(limit, self.speed_m_s / range::SOUND_M_S);
         }
-        if let Some(cycles) = self.cycles {
+        if let Some((cycles, reduced_frequency)) = self.repeated {
             judge.hold(&tether::FIRST, cycles as f64);
+            judge.hold(&tether::REDUCED, reduced_frequency);
         }
     }
 }

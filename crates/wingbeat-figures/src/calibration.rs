@@ -164,7 +164,7 @@ pub struct ShadedCells {
 pub fn correlations(names: &[String], values: Vec<Vec<f64>>) -> Figure {
     cells(&ShadedCells {
         name: "correlations",
-        title: "correlations of the estimates".into(),
+        title: "correlations of the estimates, dark where large of either sign".into(),
         rows: names.to_vec(),
         columns: names.to_vec(),
         values,

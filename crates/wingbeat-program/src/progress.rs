@@ -1,10 +1,82 @@
 //! The bar that shows how far long work has come.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
+use std::io::{self, IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-/// A bar of `length` steps, or one without an end, on stderr; hidden when `quiet`.
+/// Time between two lines where stderr is no terminal: a log of an hour has 120. *Choice.*
+const PACE: Duration = Duration::from_secs(30);
+
+/// A bar of `length` steps, or one without an end, on stderr; hidden when `quiet`. Where stderr is no terminal it is a line every half
+/// minute.
 pub fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::with_draw_target(length, target).with_style(style)
+    ProgressBar::with_draw_target(length, target(quiet)).with_style(style)
+}
+
+/// Where a bar is drawn, as in [`bar`].
+pub fn target(quiet: bool) -> ProgressDrawTarget {
+    match (quiet, io::stderr().is_terminal()) {
+        (true, _) => ProgressDrawTarget::hidden(),
+        (false, true) => ProgressDrawTarget::stderr(),
+        (false, false) => ProgressDrawTarget::term_like_with_hz(Box::new(LogLines::new()), 1),
+    }
+}
+
+/// What takes a bar's lines to a log: the newest of each [`PACE`].
+#[derive(Debug)]
+struct LogLines {
+    /// When the last line was written.
+    last: Mutex<Instant>,
+}
+
+impl LogLines {
+    fn new() -> Self {
+        Self { last: Mutex::new(Instant::now()) }
+    }
+}
+
+impl TermLike for LogLines {
+    fn width(&self) -> u16 {
+        100
+    }
+
+    fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn write_line(&self, line: &str) -> io::Result<()> {
+        self.write_str(line)
+    }
+
+    fn write_str(&self, text: &str) -> io::Result<()> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let line = text.trim_end();
+        if line.is_empty() || last.elapsed() < PACE {
+            return Ok(());
+        }
+        *last = Instant::now();
+        writeln!(io::stderr(), "{line}")
+    }
+
+    fn clear_line(&self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn flush(&self) -> io::Result<()> {
+        Ok(())
+    }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
@@ -16,6 +16,7 @@ use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::outcome::overridden;
+use crate::progress;
 use crate::run_folder::{RunFolder, named_after};
 use crate::say;
 
@@ -45,8 +46,7 @@ pub fn simulate(arguments: &RigSimulate) -> Result<(), Error> {
     let runs = runs::load(&arguments.file, &options.all_overrides())?;
     let name = named_after(&arguments.file, options.out.as_deref())?;
     let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
-    let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bars = MultiProgress::with_draw_target(target);
+    let bars = MultiProgress::with_draw_target(progress::target(options.quiet));
     let folders = runs.iter().map(|run| folder.folder(&run.spec.name)).collect::<Result<Vec<_>, _>>()?;
     let summaries = parallel::map(&runs, |index, run| {
         let bar = bars.add(bar(&run.spec.name));

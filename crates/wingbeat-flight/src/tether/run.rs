@@ -5,6 +5,7 @@ use super::spar::{Bent, Spar};
 use super::wing::Frame;
 use super::{Coordinate, Plane, Side, TetherRun, TetheredBody, Wing};
 use crate::simulate::{Held, Moment, Observed, Record, Sizes, Stepper, System};
+use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use wingbeat_aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
 use wingbeat_math::Error;
@@ -234,6 +235,26 @@ impl Tether {
         let speeds =
             self.instants().flat_map(|t| edges(t).into_iter().take(self.aero.arcs().len()).flatten());
         speeds.map(|v| (v - self.wind).norm()).fold(0.0, f64::max)
+    }
+
+    /// Reduced frequency k = omega c / (2 V) of a motion that repeats: c the mean chord over the arc, V the root mean square over
+    /// the last cycle of the speed at which the middles of the strips move through the air, weighted by their areas.
+    pub fn reduced_frequency(&self) -> f64 {
+        let (mut width, mut area, mut square) = (0.0, 0.0, 0.0);
+        for t in self.instants() {
+            let sections = self.sections(t);
+            for (pair, ends) in sections.windows(2).zip(self.aero.arcs().windows(2)) {
+                let [at, to] = [&pair[0], &pair[1]];
+                // Arcs run from left to right; what stands behind the last is no strip.
+                let across = (ends[0] - ends[1]).max(0.0);
+                let part = 0.5 * ((at.le - at.te).norm() + (to.le - to.te).norm()) * across;
+                let speed = (at.v_le + at.v_te + to.v_le + to.v_te) * 0.25 - self.wind;
+                width += across;
+                area += part;
+                square += speed.dot(speed) * part;
+            }
+        }
+        PI * self.clock.frequency_hz * (area / width) / (square / area).sqrt()
     }
 
     /// Whether the motion repeats with the clock, and is one.

@@ -49,7 +49,13 @@ pub const LIGHT: JudgedLimit = JudgedLimit::warn_below("tether.spar_over_air", 0
 pub const SLENDER: JudgedLimit = JudgedLimit::warn_below("tether.aspect_ratio", 1.0, "").on(
     "strips and lifting line hold for wings that are wide (are the chords in m?): span over the mean chord",
 );
+/// Reduced frequency by the root mean square of the speed. Lift is compared up to 1; beyond 2 the wing meets its own wake of the last
+/// stroke within a chord or two, which rolls up where the models keep it in place. *Choice.*
+pub const REDUCED: JudgedLimit = JudgedLimit::warn_above("tether.reduced_frequency", 2.0, "").on(
+    "the wing hardly leaves its wake of the stroke before (are chords in m and the frequency in Hz?): pi f times the mean chord over the root mean square of its speed through the air",
+);
 
 /// All of them.
-pub const ALL: [JudgedLimit; 12] =
-    [STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER];
+pub const ALL: [JudgedLimit; 13] = [
+    STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER, REDUCED,
+];

@@ -192,7 +192,7 @@ fn judged(watch: &CourseWatch<'_>, asked: &CourseRequest, limits: &RunLimits) ->
             judge.hold(&wake::CORE, asked.core);
             let moved = watch.course.moved;
             moved.iter().for_each(|moved| moved.hold(&mut judge));
-            if moved.is_none_or(|moved| moved.cycles.is_some()) {
+            if moved.is_none_or(|moved| moved.repeated.is_some()) {
                 judge.hold(&wake::STEPS, watch.course.clock.steps as f64);
                 judge.hold(&wake::FEW_STEPS, watch.course.clock.steps as f64);
             }

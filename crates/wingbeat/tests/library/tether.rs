@@ -104,6 +104,24 @@ fn peaks_that_move_with_the_steps_are_not_resolved() {
 }
 
 #[test]
+fn a_wing_that_hardly_leaves_its_wake_is_told() {
+    // Small motion in a wind of 1 m/s on a chord of 1 m: k = pi f c / U.
+    for preset in PRESETS.iter().chain(&["as_printed"]) {
+        let slow = case("plunge", &[&format!("aero.preset={preset}")]);
+        let speed = 1.0 + 0.5 * 0.05_f64.powi(2);
+        assert!((slow.tether.reduced_frequency() - 0.5 / speed.sqrt()).abs() < 1e-12, "{preset}");
+    }
+    let few = ["time.steps_per_cycle=32", "time.cycles=2"];
+    for (frequency, told) in [("time.frequency_hz=0.6", false), ("time.frequency_hz=0.7", true)] {
+        let case = case("plunge", &[few[0], few[1], frequency]);
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        let verdict = case.summary(&run, None, None).verdict;
+        let of = verdict.judged.iter().find(|judged| judged.id == "tether.reduced_frequency");
+        assert_eq!(!of.unwrap().met, told, "{frequency}: {of:?}");
+    }
+}
+
+#[test]
 fn the_impulse_of_the_circulation_turns_with_the_section() {
     let (degrees, frequency, speed) = (2.0_f64, 3.5, 1.5);
     let flap = "wing.hinges[0].angle_deg={fourier={sin=[2.0]}}";
