@@ -32,6 +32,7 @@ mod implicit;
 mod modes;
 mod motion;
 mod section;
+mod spectrum;
 mod statics;
 
 pub use beam::{Beam, Grid, Lump, MAX_COORDINATES};
@@ -40,4 +41,5 @@ pub use implicit::{Implicit, Rule, Stage, StepFactors, Stepped, step};
 pub use modes::{SmallMotionMatrices, eigenvalues, frequencies, linear, of_first_order};
 pub use motion::{Energy, Load, Setting, Swung, turning};
 pub use section::{CrossSection, SectionStation, Strain};
+pub use spectrum::spectrum;
 pub use statics::{HeldShape, StaticsStatus, hold};

@@ -2,6 +2,7 @@
 
 use crate::beam::Beam;
 use crate::motion::Setting;
+use crate::spectrum;
 use nalgebra::{Complex, DMatrix};
 
 /// Mass, damping (with gyroscopic terms) and stiffness of small motions, by the coordinates. With coordinates in the units of
@@ -35,18 +36,15 @@ pub fn eigenvalues(linear: &SmallMotionMatrices) -> Vec<Complex<f64>> {
     of_first_order(&rates, n)
 }
 
-/// Eigenvalues of the states q (`n` of them), v and x where q' = v and (v', x')' = -`rates` (q, v, x)', rad/s; none where one is not
-/// finite.
+/// Eigenvalues of the states q (`n` of them), v and x where q' = v and (v', x')' = -`rates` (q, v, x)', rad/s; none where a rate
+/// is not finite.
 pub fn of_first_order(rates: &DMatrix<f64>, n: usize) -> Vec<Complex<f64>> {
     let size = rates.ncols();
     let matrix = DMatrix::from_fn(size, size, |i, j| match i.checked_sub(n) {
         None => f64::from(u8::from(j == i + n)),
         Some(i) => -rates[(i, j)],
     });
-    if !matrix.iter().all(|x| x.is_finite()) {
-        return Vec::new();
-    }
-    matrix.complex_eigenvalues().iter().copied().collect()
+    spectrum(&matrix).unwrap_or_default()
 }
 
 /// Frequencies of the oscillations, rad/s, ascending, and their shapes by the coordinates, of unit mass, without damping and

@@ -7,6 +7,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use wingbeat_ocp::plant::{Early, Fault};
+use wingbeat_structure::spectrum;
 
 /// In which directions a disturbance lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,7 +136,7 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
         // In the orbit's own scales, so that a mode's shares can be compared.
         let scaled =
             DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * scales[j] / scales[i]);
-        for multiplier in scaled.complex_eigenvalues().iter() {
+        for multiplier in &spectrum(&scaled).ok_or(Fault::Multipliers { size: scaled.nrows() })? {
             let along = shares(&scaled, *multiplier);
             let most = (0..along.len()).max_by(|&i, &j| along[i].total_cmp(&along[j]));
             let label =

@@ -146,6 +146,14 @@ pub enum Fault {
         /// Time, s.
         time: f64,
     },
+    /// The eigenvalues of the change over a cycle were not found.
+    #[error(
+        "the {size} multipliers of the motion over a cycle are not found: it grows without bound, or does not settle"
+    )]
+    Multipliers {
+        /// How many states.
+        size: usize,
+    },
     /// A number to be recorded is not finite.
     #[error("column {column} of the record is not finite at t = {time:.4} s")]
     NotRecorded {

@@ -6,6 +6,7 @@ use crate::orbit::{Deviations, Interval};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::f64::consts::TAU;
 use wingbeat_math::interpolation::lerp;
+use wingbeat_structure::spectrum;
 
 /// Cycles after which the feedback of an orbit must have settled.
 const CYCLES: usize = 80;
@@ -132,14 +133,16 @@ impl Feedback {
     /// Source: Floquet 1883, of the closed loop.
     /// Test: `a_bound_is_periodic_and_held`.
     ///
-    /// By what ratio the slowest deviation decays over a cycle under the feedback, the integral of the height among them.
+    /// By what ratio the slowest deviation decays over a cycle under the feedback, the integral of the height among them; infinite
+    /// where it is not found.
     pub fn multiplier(&self, all: &[Interval]) -> f64 {
         let n = self.gains.0[0].ncols();
         let over = all.iter().zip(&self.gains.0).fold(DMatrix::identity(n, n), |product, (of, gain)| {
             let (a, b) = with_integral(of, self.interval, n);
             (a - b * gain) * product
         });
-        over.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+        let found = spectrum(&over);
+        found.map_or(f64::INFINITY, |all| all.iter().map(|value| value.norm()).fold(0.0, f64::max))
     }
 
     /// Commands by deviations, in the units of both, at `cycles` of the gait's phase.

@@ -1,0 +1,66 @@
+//! Eigenvalues of a square matrix, by an iteration that ends.
+
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+
+/// Steps of the QR iteration for each eigenvalue, ten times what one takes on average (Golub & Van Loan 2013, section 7.5). *Choice.*
+const STEPS: usize = 30;
+/// Similar matrices that are tried. *Choice.*
+const TRIES: usize = 4;
+
+/// Eigenvalues of a square matrix, in no order; none where an entry is not finite or the iteration does not end.
+///
+/// The double shift of Francis turns in circles on some matrices, such as cyclic permutations. With a reflection H = I - 2 v v'
+/// the matrix H A H has the same eigenvalues and another iteration.
+pub fn spectrum(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let size = matrix.nrows();
+    if size == 0 {
+        return Some(Vec::new());
+    }
+    let mut tried = matrix.clone();
+    for turn in 1..=TRIES {
+        if let Some(found) = Schur::try_new(tried, f64::EPSILON, STEPS * size) {
+            return Some(found.complex_eigenvalues().iter().copied().collect());
+        }
+        let axis = DVector::from_fn(size, |i, _| ((turn * (i + 1)) as f64).sin()).normalize();
+        let reflection = DMatrix::identity(size, size) - &axis * axis.transpose() * 2.0;
+        tried = &reflection * matrix * &reflection;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrices_on_which_the_shift_turns_in_circles_have_eigenvalues() {
+        for size in 1..=12 {
+            let root = 1.7748_f64.powf(1.0 / size as f64);
+            let cyclic = DMatrix::from_fn(size, size, |i, j| match (i, j) {
+                (0, j) if j + 1 == size => 1.7748,
+                (i, j) if i == j + 1 => 1.0,
+                _ => 0.0,
+            });
+            let found = spectrum(&cyclic).unwrap();
+            for k in 0..size {
+                let wanted = Complex::from_polar(root, std::f64::consts::TAU * k as f64 / size as f64);
+                let nearest = found.iter().map(|value| (value - wanted).norm()).fold(f64::MAX, f64::min);
+                assert!(nearest < 1e-12, "{size}, {wanted}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_with_numbers_that_are_none_has_no_eigenvalues() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut matrix = DMatrix::identity(4, 4);
+            matrix[(2, 1)] = bad;
+            assert_eq!(spectrum(&matrix), None);
+        }
+        assert_eq!(spectrum(&DMatrix::zeros(0, 0)), Some(Vec::new()));
+        assert_eq!(spectrum(&DMatrix::zeros(3, 3)).map(|all| all.len()), Some(3));
+    }
+}
