@@ -3,11 +3,14 @@
 use crate::found::{CalibrationResult, FoundRun};
 use crate::measured::{PhaseShift, shift};
 use crate::problem::group;
+use crate::solve::rms;
 use crate::{HarmonicLayout, Label};
 use std::ops::Range;
 use wingbeat::judge::limits::calibration;
 use wingbeat::judge::{Judge, RunLimits, Verdict, Warning};
 
+/// Power of the residuals of a channel over that of the noise above which noise alone does not make them. *Choice.*
+const MISSED: f64 = 9.0;
 /// Smallest correlation, once shifted, at which a shift means something. *Choice.*
 const ALIKE: f64 = 0.8;
 /// Smallest gain of the correlation by the shift, in parts of what the measured cycle itself loses by it. *Choice.*
@@ -41,6 +44,9 @@ impl CalibrationResult {
             }
         }
         judge.hold_if(&calibration::COLOURED, self.residual_autocorrelation());
+        if let Some((share, name)) = self.most_reversed() {
+            judge.hold_about(&calibration::REVERSED, share, &format!("of {name}"));
+        }
         self.judge_parameters(&mut judge);
         judge.verdict()
     }
@@ -77,6 +83,23 @@ impl CalibrationResult {
             (after / before, name)
         });
         grown.filter(|(growth, _)| growth.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The channel that is missed beyond the noise whose residuals lose most if its sign is the other one, and what share is left of them.
+    fn most_reversed(&self) -> Option<(f64, String)> {
+        let missed = self.residual_over_noise();
+        let channels = self.channels().into_iter().enumerate().filter(|(k, _)| missed[*k] > MISSED);
+        let shares = channels.map(|(channel, name)| {
+            let power = |sign: f64| -> f64 {
+                let of = |run: &FoundRun| {
+                    let cycle: Vec<f64> = run.after.cycle.iter().map(|load| sign * load).collect();
+                    rms(&run.observed, &cycle)[channel].powi(2)
+                };
+                self.fitted().filter(|run| run.observed.is_measured(channel)).map(of).sum()
+            };
+            (power(-1.0) / power(1.0), name)
+        });
+        shares.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     fn judge_parameters(&self, judge: &mut Judge) {

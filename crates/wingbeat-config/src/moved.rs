@@ -1,6 +1,7 @@
 //! What a prescribed motion is, whatever becomes of the air.
 
-use wingbeat_flight::tether::{Tether, TetherRun};
+use std::f64::consts::PI;
+use wingbeat_flight::tether::{Clock, Tether, TetherRun};
 use wingbeat_judge::limits::{range, tether};
 use wingbeat_judge::{Judge, Warning};
 
@@ -13,18 +14,24 @@ pub struct Moved {
     pub speed_m_s: f64,
     /// Least distance from the ground, m, where there is one.
     pub ground_m: Option<f64>,
-    /// Cycles and reduced frequency, of a motion that repeats.
+    /// Cycles, of a motion that repeats, and reduced frequency k = omega c / (2 V) by the mean speed.
     pub repeated: Option<(usize, f64)>,
+    /// Density of the fluid, kg/m3, and Reynolds number by the mean chord and speed.
+    pub fluid: [f64; 2],
 }
 
 impl Moved {
     /// That of `tether`.
     pub fn new(tether: &Tether) -> Self {
+        let [chord, speed] = tether.mean_chord_and_speed();
+        let Clock { cycles, frequency_hz, .. } = tether.clock;
+        let density = tether.reference.density_kg_m3;
         Self {
             crossing: tether.crossing_fraction(),
             speed_m_s: tether.largest_speed(),
             ground_m: tether.ground_distance(),
-            repeated: tether.repeats().then(|| (tether.clock.cycles, tether.reduced_frequency())),
+            repeated: tether.repeats().then(|| (cycles, PI * frequency_hz * chord / speed)),
+            fluid: [density, density * speed * chord / range::viscosity(density)],
         }
     }
 
@@ -35,6 +42,11 @@ impl Moved {
         judge.hold_if(&tether::GROUND, self.ground_m);
         for limit in [&range::COMPRESSED, &range::MACH] {
             judge.hold(limit, self.speed_m_s / range::SOUND_M_S);
+        }
+        let [density, reynolds] = self.fluid;
+        if density > 0.0 {
+            judge.hold(&range::THIN, density);
+            judge.hold(&tether::VISCOUS, reynolds);
         }
         if let Some((cycles, reduced_frequency)) = self.repeated {
             judge.hold(&tether::FIRST, cycles as f64);

@@ -9,6 +9,7 @@ use wingbeat_robot::Robot;
 /// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes and flaps against their links.
 pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());
+    judge.hold_if(&range::THIN, Some(robot.density()).filter(|density| *density > 0.0));
     judge.hold_if(&flap::MASS, robot.flap_over_link());
     let width =
         |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());

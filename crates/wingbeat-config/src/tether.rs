@@ -171,8 +171,7 @@ impl TetherCase {
             Ending::Complete => {}
             Ending::Stopped => judge.find(Status::Interrupted, "stopped"),
             Ending::Fault(fault) if fault.is_not_finite() => {
-                let mend =
-                    "loads grew without bound; take more time.steps_per_cycle, or less motion and speed";
+                let mend = "loads grew without bound; take more time.steps_per_cycle, or less motion and speed (are they in m, deg and m/s?)";
                 judge.find(Status::Failed, format!("not finite: {fault}: {mend}"));
             }
             Ending::Fault(fault) => judge.find(Status::Failed, fault.to_string()),

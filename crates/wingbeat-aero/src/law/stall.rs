@@ -13,7 +13,9 @@ impl Section for Stall {
         states: &[],
         attachment: Attachment::AtOnce,
         edge_vortex: false,
-        beyond_stall: Some("is quasi-steady, so its forces are only within +-50 % there"),
+        beyond_stall: Some(
+            "is quasi-steady, so that lift is only within +-50 % there, and a mean thrust may have the other sign",
+        ),
     };
 }
 

@@ -81,7 +81,7 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
     let prepared = calibration.prepared().unwrap();
     prepared.check().unwrap();
     assert_eq!((prepared.runs[0].cycles.len(), prepared.runs[0].unmeasured.clone()), (CYCLES, vec![1, 3, 5]));
-    let found = prepared.fit(&mut (), &mut |_: &FitProgress| ControlFlow::Continue(())).unwrap();
+    let mut found = prepared.fit(&mut (), &mut |_: &FitProgress| ControlFlow::Continue(())).unwrap();
     for (k, (name, truth)) in TRUTH.iter().enumerate() {
         let (value, error) = (found.values[k], found.errors[k]);
         println!("{name}: {value} +- {error}, truth {truth}");
@@ -97,6 +97,13 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
     let given: GivenNumbers = toml::from_str(&numbers).unwrap();
     assert!(given.len() == TRUTH.len() && given.verdict.unwrap().is_ok());
     assert!(found.record().is_ok());
+    // A drag that is too small to be refused before the fit.
+    let observed = &mut found.runs[0].observed;
+    let drag = observed.layout.at(0, 0)..observed.layout.at(1, 0);
+    observed.mean[drag].iter_mut().for_each(|load| *load = -*load);
+    let told = found.verdict(calibration.limits()).warnings;
+    let reversed = told.iter().find(|warning| warning.id == "calibration.reversed_fraction").unwrap();
+    assert!(reversed.text.contains("of Fx"), "{reversed:?}");
     let flipped = text.replace("compare.scale.force_z=-1e-3", "compare.scale.force_z=1e-3");
     let flipped = calibrated(&flipped).prepared().map(drop).unwrap_err().to_string();
     assert!(flipped.contains("Fz is -Fz of the file") && flipped.contains("compare.scale"), "{flipped}");

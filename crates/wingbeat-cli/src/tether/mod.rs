@@ -198,6 +198,13 @@ fn is_printed(name: &str) -> bool {
     PRINTED.contains(&name) || ["torque_", "power_"].iter().any(|kind| name.starts_with(kind))
 }
 
+/// A number in a column of eleven characters.
+fn cell(number: f64) -> String {
+    // As far as the column goes with a blank before it.
+    let plain = format!("{number:>11.5}");
+    if plain.len() > 11 || plain.starts_with(|c: char| c != ' ') { format!("{number:>11.3e}") } else { plain }
+}
+
 /// The table of means over the last cycle, with the cautions below.
 fn table(summary: &TetherSummary) -> String {
     let TetherSummary { name, preset, lift_law, .. } = summary;
@@ -208,7 +215,7 @@ fn table(summary: &TetherSummary) -> String {
     text += &format!("{:<22}{:>11}{:>11}{:>11}\n", "", "mean", "least", "most");
     for row in summary.cycle.iter().filter(|row| is_printed(&row.name)) {
         let CycleMean { name, unit, mean, low, high, .. } = row;
-        text += format!("{name:<22}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
+        text += format!("{name:<22}{}{}{}  {unit}", cell(*mean), cell(*low), cell(*high)).trim_end();
         text.push('\n');
     }
     if let (Some(positive), Some(net)) = (summary.mean_positive_power_w, summary.mean_power_w) {

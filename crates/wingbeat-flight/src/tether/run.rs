@@ -5,7 +5,6 @@ use super::spar::{Bent, Spar};
 use super::wing::Frame;
 use super::{Coordinate, Plane, Side, TetherRun, TetheredBody, Wing};
 use crate::simulate::{Held, Moment, Observed, Record, Sizes, Stepper, System};
-use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use wingbeat_aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
 use wingbeat_math::Error;
@@ -237,9 +236,9 @@ impl Tether {
         speeds.map(|v| (v - self.wind).norm()).fold(0.0, f64::max)
     }
 
-    /// Reduced frequency k = omega c / (2 V) of a motion that repeats: c the mean chord over the arc, V the root mean square over
-    /// the last cycle of the speed at which the middles of the strips move through the air, weighted by their areas.
-    pub fn reduced_frequency(&self) -> f64 {
+    /// Mean chord over the arc, m, and the root mean square over the last cycle of the speed at which the middles of the strips move
+    /// through the air, weighted by their areas, m/s.
+    pub fn mean_chord_and_speed(&self) -> [f64; 2] {
         let (mut width, mut area, mut square) = (0.0, 0.0, 0.0);
         for t in self.instants() {
             let sections = self.sections(t);
@@ -254,7 +253,7 @@ impl Tether {
                 square += speed.dot(speed) * part;
             }
         }
-        PI * self.clock.frequency_hz * (area / width) / (square / area).sqrt()
+        [area / width, (square / area).sqrt()]
     }
 
     /// Whether the motion repeats with the clock, and is one.

@@ -35,6 +35,10 @@ pub const PHASE: JudgedLimit = JudgedLimit::at_most("calibration.phase_deg", 5.0
 /// each of n channels, which of a force with eight harmonics reaches half in one of 50, of three in one of 5000.
 pub const COLOURED: JudgedLimit = JudgedLimit::warn_above("calibration.residual_autocorrelation", 0.5, "")
     .on("the residual is not noise but a curve over the cycle: its correlation from one phase to the next");
+/// Power of the residuals of a channel, its sign the other one, over that which the fit leaves, least of the channels that are missed
+/// beyond the noise. Models whose drag is wrong by half keep its sign: they have 2 and more.
+pub const REVERSED: JudgedLimit = JudgedLimit::warn_below("calibration.reversed_fraction", 0.25, "")
+    .on("a channel is met better with its sign reversed: power of its residuals, its sign the other one, over that which is left");
 /// Parameters that the fit found: without any, the fit says nothing.
 pub const IDENTIFIED: JudgedLimit =
     JudgedLimit::at_least("calibration.identified_fraction", 1e-3, "", OffTarget)
@@ -44,7 +48,7 @@ pub const CORRELATION: JudgedLimit =
     JudgedLimit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 10] = [
+pub const ALL: [JudgedLimit; 11] = [
     EXPLAINED,
     MODEL_ERROR,
     WORSE,
@@ -53,6 +57,7 @@ pub const ALL: [JudgedLimit; 10] = [
     BEYOND_NOISE,
     PHASE,
     COLOURED,
+    REVERSED,
     IDENTIFIED,
     CORRELATION,
 ];

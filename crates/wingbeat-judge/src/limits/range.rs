@@ -27,6 +27,14 @@ pub const LOADING: JudgedLimit = JudgedLimit::warn_above("range.span_loading_n_m
 /// Mass of a link over that of the body that carries it. Shipped robots have 0.3 and less. *Choice.*
 pub const LINK: JudgedLimit = JudgedLimit::warn_above("range.link_over_body", 5.0, "")
     .on("a link that is heavy for its body (is it in kg?): largest mass of a link over that of the body");
+/// Density of the fluid: air has 1.2 kg/m3 at sea level and 0.09 at 20 km, in which nothing here flies (ISO 2533). *Choice.*
+pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.05, "kg/m3")
+    .on("air that is nearly a vacuum (is its density in kg/m3?): density");
+
+/// Dynamic viscosity, Pa s, of the fluid with a density in kg/m3: air at 20 degrees C (ISO 2533), from 100 kg/m3 on water (IAPWS 2008).
+pub fn viscosity(density: f64) -> f64 {
+    if density < 100.0 { 1.81e-5 } else { 1.002e-3 }
+}
 
 /// All of them.
-pub const ALL: [JudgedLimit; 7] = [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LOADING, LINK];
+pub const ALL: [JudgedLimit; 8] = [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LOADING, LINK, THIN];

@@ -54,8 +54,13 @@ pub const SLENDER: JudgedLimit = JudgedLimit::warn_below("tether.aspect_ratio", 
 pub const REDUCED: JudgedLimit = JudgedLimit::warn_above("tether.reduced_frequency", 2.0, "").on(
     "the wing hardly leaves its wake of the stroke before (are chords in m and the frequency in Hz?): pi f times the mean chord over the root mean square of its speed through the air",
 );
+/// Reynolds number of the mean chord and speed below which no section law here was measured, thin plates from 1e3 on.
+pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3, "").on(
+    "the laws of sections are those of thin plates at Reynolds numbers of 1e3 to 1e5 (are lengths in m and speeds in m/s?): that of the mean chord and speed",
+);
 
 /// All of them.
-pub const ALL: [JudgedLimit; 13] = [
+pub const ALL: [JudgedLimit; 14] = [
     STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER, REDUCED,
+    VISCOUS,
 ];

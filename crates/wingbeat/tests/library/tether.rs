@@ -105,11 +105,15 @@ fn peaks_that_move_with_the_steps_are_not_resolved() {
 
 #[test]
 fn a_wing_that_hardly_leaves_its_wake_is_told() {
-    // Small motion in a wind of 1 m/s on a chord of 1 m: k = pi f c / U.
+    // Small motion in a wind of 1 m/s on a chord of 1 m, whose speed is the root of 1 + (k h)^2 / 2 with 2 k = 1 and h = 0.05.
     for preset in PRESETS.iter().chain(&["as_printed"]) {
         let slow = case("plunge", &[&format!("aero.preset={preset}")]);
-        let speed = 1.0 + 0.5 * 0.05_f64.powi(2);
-        assert!((slow.tether.reduced_frequency() - 0.5 / speed.sqrt()).abs() < 1e-12, "{preset}");
+        let speed: f64 = 1.0 + 0.5 * 0.05_f64.powi(2);
+        let [chord, mean] = slow.tether.mean_chord_and_speed();
+        assert!(
+            (chord - 1.0).abs() < 1e-12 && (mean - speed.sqrt()).abs() < 1e-12,
+            "{preset}: {chord}, {mean}"
+        );
     }
     let few = ["time.steps_per_cycle=32", "time.cycles=2"];
     for (frequency, told) in [("time.frequency_hz=0.6", false), ("time.frequency_hz=0.7", true)] {
@@ -118,6 +122,13 @@ fn a_wing_that_hardly_leaves_its_wake_is_told() {
         let verdict = case.summary(&run, None, None).verdict;
         let of = verdict.judged.iter().find(|judged| judged.id == "tether.reduced_frequency");
         assert_eq!(!of.unwrap().met, told, "{frequency}: {of:?}");
+    }
+    for (speed, told) in [("wind.speed_m_s=0.015", false), ("wind.speed_m_s=0.01", true)] {
+        let case = case("plunge", &[few[0], few[1], speed, "time.frequency_hz=0.001"]);
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        let verdict = case.summary(&run, None, None).verdict;
+        let of = verdict.judged.iter().find(|judged| judged.id == "tether.reynolds");
+        assert_eq!(!of.unwrap().met, told, "{speed}: {of:?}");
     }
 }
 
