@@ -2,7 +2,11 @@
 
 use crate::beam::Beam;
 use crate::motion::Setting;
+use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{Complex, DMatrix};
+
+/// Steps of the QR iteration for each row of a matrix, as in LAPACK's `dhseqr`.
+const QR_STEPS: usize = 30;
 
 /// Mass, damping (with gyroscopic terms) and stiffness of small motions, by the coordinates. With coordinates in the units of
 /// their strains the rows are generalised forces: J over those units.
@@ -36,7 +40,7 @@ pub fn eigenvalues(linear: &SmallMotionMatrices) -> Vec<Complex<f64>> {
 }
 
 /// Eigenvalues of the states q (`n` of them), v and x where q' = v and (v', x')' = -`rates` (q, v, x)', rad/s; none where one is not
-/// finite.
+/// finite, or the QR iteration finds no end.
 pub fn of_first_order(rates: &DMatrix<f64>, n: usize) -> Vec<Complex<f64>> {
     let size = rates.ncols();
     let matrix = DMatrix::from_fn(size, size, |i, j| match i.checked_sub(n) {
@@ -46,7 +50,15 @@ pub fn of_first_order(rates: &DMatrix<f64>, n: usize) -> Vec<Complex<f64>> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return Vec::new();
     }
-    matrix.complex_eigenvalues().iter().copied().collect()
+    // Rows of very unlike size, as a soft sheet beside a stiff spar has, are made alike where the iteration does not end.
+    let ended = |matrix: DMatrix<f64>| Schur::try_new(matrix, f64::EPSILON, QR_STEPS * size);
+    let balanced = || {
+        let mut alike = matrix.clone();
+        balance_parlett_reinsch(&mut alike);
+        ended(alike)
+    };
+    let found = ended(matrix.clone()).or_else(balanced);
+    found.map_or_else(Vec::new, |schur| schur.complex_eigenvalues().iter().copied().collect())
 }
 
 /// Frequencies of the oscillations, rad/s, ascending, and their shapes by the coordinates, of unit mass, without damping and
