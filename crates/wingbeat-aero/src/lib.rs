@@ -36,7 +36,9 @@ pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumber
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
 pub use station::{Ground, SectionField, SectionMotion, Sections};
-pub use strip::{ByStates, LagSet, Lags, MembraneScales, StripModel, StripSettings, spacing as lan_spacing};
+pub use strip::{
+    AngleMap, ByStates, LagSet, Lags, MembraneScales, StripModel, StripSettings, spacing as lan_spacing,
+};
 pub use surfaces::{Surface, Surfaces};
 pub use wingbeat_math::Wrench;
 

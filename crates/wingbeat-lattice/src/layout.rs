@@ -1,7 +1,7 @@
 //! Where panels lie on a wing's planform.
 
 use crate::Error;
-use wingbeat::aero::{Planform, lan_spacing};
+use wingbeat::aero::{AngleMap, Planform, lan_spacing};
 
 /// How strips lie along the span.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl PanelLayout {
         }
         let (arcs, fractions) = match spacing {
             Spacing::Lan => {
-                let (edges, fractions) = lan_spacing(planform, spanwise, hinge_arcs)?;
+                let (edges, fractions) = lan_spacing(planform, spanwise, hinge_arcs, AngleMap::Straight)?;
                 // Edges are laid against the arc coordinate.
                 (edges.into_iter().map(|edge| -edge).collect(), fractions)
             }

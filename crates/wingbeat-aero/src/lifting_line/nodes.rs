@@ -1,7 +1,7 @@
 //! The nodes of the lifting line: places, weights and constants.
 
 use super::LiftingLineSettings;
-use crate::strip::spacing;
+use crate::strip::{AngleMap, spacing};
 use crate::{Planform, SurfaceNumbers};
 use std::f64::consts::PI;
 use wingbeat_math::Error;
@@ -103,7 +103,7 @@ pub(super) fn cells<P: Scalar>(
     set: &LiftingLineSettings,
 ) -> Result<Cells<P>, Error> {
     let named = |e: Error| e.renamed(&[("strips", "nodes")]);
-    let (edges, fraction) = spacing(planform, set.nodes, hinge_arcs).map_err(named)?;
+    let (edges, fraction) = spacing(planform, set.nodes, hinge_arcs, AngleMap::Straight).map_err(named)?;
     let (half, last) = (planform.half_span(), set.nodes - 1);
     let angle = |arc: P| (arc / half).clamped(-1.0, 1.0).acos();
     let (mut arcs, mut cells, mut angles) = (Vec::new(), Vec::new(), Vec::new());

@@ -2,9 +2,8 @@
 
 use crate::Planform;
 use std::f64::consts::PI;
-use wingbeat_math::Error;
-use wingbeat_math::Scalar;
 use wingbeat_math::interpolation::piecewise_linear;
+use wingbeat_math::{CubicSpline, Error, Scalar};
 
 /// Constants of the strips, from left tip to right tip.
 #[derive(Clone, Debug)]
@@ -29,13 +28,28 @@ pub(super) struct StripGrid<P = f64> {
     pub cos_three_quarter: Vec<P>,
     /// Mean chord, m.
     pub mean_chord: P,
+    /// Distance between the quarter-chord points of the tips of the flat wing, m.
+    pub tip_to_tip: P,
     /// Arc span over mean chord.
     pub aspect: P,
 }
 
+/// How Lan's angles move where an edge of theirs is to lie on each hinge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AngleMap {
+    /// By straight lines between hinges, so that the widths of strips jump there.
+    Straight,
+    /// By a natural cubic spline through hinges and tips, where it ascends; else as `Straight`.
+    Smooth,
+}
+
+/// Least slope of a spline that takes the place of straight lines, over the least of theirs. *Choice*: narrower strips would
+/// crowd beside wide ones.
+const LEAST_SLOPE: f64 = 0.25;
+
 impl<P: Scalar> StripGrid<P> {
     pub fn new(planform: &Planform<P>, strips: usize, hinge_arcs: &[P]) -> Result<Self, Error> {
-        let (edges, fraction) = spacing(planform, strips, hinge_arcs)?;
+        let (edges, fraction) = spacing(planform, strips, hinge_arcs, AngleMap::Smooth)?;
         let arcs: Vec<P> = edges.iter().map(|s| -*s).collect();
         let outline: Vec<(P, P)> = arcs.iter().map(|&s| planform.edges(s)).collect();
         // The chord direction is -x on the flat planform: widths are differences of arc.
@@ -61,7 +75,9 @@ impl<P: Scalar> StripGrid<P> {
         let area = chord.iter().enumerate().fold(P::ZERO, |sum, (i, c)| sum + *c * kept(i));
         let span = (0..strips).fold(P::ZERO, |sum, i| sum + kept(i));
         let mean_chord = area / span;
+        let quarter = |(le, te): (P, P)| le + (te - le) * 0.25;
         Ok(Self {
+            tip_to_tip: (arcs[0] - arcs[strips]).hypot(quarter(outline[0]) - quarter(outline[strips])),
             control_arcs,
             fraction,
             cos_half: cosine(0.5),
@@ -129,6 +145,7 @@ pub fn spacing<P: Scalar>(
     planform: &Planform<P>,
     strips: usize,
     hinge_arcs: &[P],
+    map: AngleMap,
 ) -> Result<(Vec<P>, Vec<P>), Error> {
     let pieces = pieces(planform, strips)?;
     let tip = planform.half_span();
@@ -149,7 +166,7 @@ pub fn spacing<P: Scalar>(
     let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));
     for piece in &pieces {
         if planform.covers((piece.from + piece.to) * 0.5) {
-            let (edge, fraction) = piece.spacing(&hinges, strips).map_err(|e| {
+            let (edge, fraction) = piece.spacing(&hinges, strips, map).map_err(|e| {
                 let arcs = (0..hinge_arcs.len()).map(|k| format!("hinge_arcs_m[{k}]"));
                 e.against(arcs).against(["half_span"])
             })?;
@@ -168,22 +185,33 @@ pub fn spacing<P: Scalar>(
 impl<P: Scalar> ArcPiece<P> {
     /// Strip edges and the place of the control point in each strip: with t = (s - middle) over
     /// the half length, edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)),
-    /// i = 1..N; a piecewise-linear map of the angle puts an edge on each hinge.
+    /// i = 1..N; a map of the angle puts an edge on each hinge.
+    ///
+    /// Lan's sum over such nodes is exact for the downwash of all sines of the angle that N strips resolve. It keeps its order where
+    /// the map m is smooth with all its continuations past the tips: s = -cos m must be even there, so m(-t) = -m(t) and m - t is
+    /// odd and periodic. The cubic spline of an odd periodic function through knots is the natural one between the tips. Where the
+    /// map has corners, widths jump, and the sum at the strips beside them errs by as much as one strip's share.
     ///
     /// Equation: aero.strip.spacing
-    /// `edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)), an edge on each hinge; each piece between
-    /// gaps by itself`
-    /// Source: Lan 1974, J. Aircraft 11(9).
-    /// Test: `bad_settings_are_refused`.
-    fn spacing(&self, hinges: &[P], strips: usize) -> Result<(Vec<P>, Vec<P>), Error> {
+    /// `edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)); a natural cubic spline of the angle puts an edge on each hinge;
+    /// each piece between gaps by itself`
+    /// Source: Lan 1974, J. Aircraft 11(9); the spline: own derivation.
+    /// Test: `the_lift_of_a_folded_wing_converges_with_its_strips`.
+    fn spacing(&self, hinges: &[P], strips: usize, map: AngleMap) -> Result<(Vec<P>, Vec<P>), Error> {
         let n = self.strips as f64;
         let edge: Vec<f64> = (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
-        let middle = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0));
+        let middle: Vec<f64> = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0)).collect();
         let (from, to) = self.hinge_map(&edge, hinges, strips)?;
-        let moved = |angle: f64| -piecewise_linear(&from, &to, P::from(angle)).cos();
+        let spline = (map == AngleMap::Smooth).then(|| Spline::through(&from, &to)).transpose()?;
+        let spline = spline.filter(|spline| spline.ascends(edge.iter().chain(&middle)));
+        let straight = |angle: f64| {
+            let knots: Vec<P> = from.iter().map(|knot| P::from(*knot)).collect();
+            piecewise_linear(&knots, &to, P::from(angle))
+        };
+        let moved = |angle: f64| -spline.as_ref().map_or_else(|| straight(angle), |s| s.at(angle)).cos();
         let edge: Vec<P> = edge.into_iter().map(moved).collect();
         let between = |(t, e): (P, &[P])| (t - e[0]) / (e[1] - e[0]);
-        let fraction = middle.map(moved).zip(edge.windows(2)).map(between).collect();
+        let fraction = middle.into_iter().map(moved).zip(edge.windows(2)).map(between).collect();
         let (centre, half) = self.middle();
         Ok((edge.iter().map(|t| centre + half * *t).collect(), fraction))
     }
@@ -194,7 +222,7 @@ impl<P: Scalar> ArcPiece<P> {
     }
 
     /// Knots of the angle map: an edge moves onto each hinge.
-    fn hinge_map(&self, edge: &[f64], hinges: &[P], strips: usize) -> Result<(Vec<P>, Vec<P>), Error> {
+    fn hinge_map(&self, edge: &[f64], hinges: &[P], strips: usize) -> Result<(Vec<f64>, Vec<P>), Error> {
         let (centre, half) = self.middle();
         let inside = hinges.iter().filter(|s| **s > self.from && **s < self.to);
         let angles: Vec<P> = inside.map(|s| (-(*s - centre) / half).acos()).collect();
@@ -203,8 +231,9 @@ impl<P: Scalar> ArcPiece<P> {
             let allowed = "enough that every hinge has an edge of its own";
             return Err(Error::invalid("strips", strips, allowed));
         };
-        let knots = |at: Vec<P>| std::iter::once(P::ZERO).chain(at).chain([P::from(PI)]).collect();
-        Ok((knots(taken.iter().map(|&j| P::from(edge[j])).collect()), knots(angles)))
+        let from = taken.iter().map(|&j| edge[j]);
+        let to = std::iter::once(P::ZERO).chain(angles).chain([P::from(PI)]).collect();
+        Ok((std::iter::once(0.0).chain(from).chain([PI]).collect(), to))
     }
 
     /// The edge of each hinge: in increasing order with the least squared difference of angle, the same
@@ -244,6 +273,37 @@ impl<P: Scalar> ArcPiece<P> {
         let left = in_order(edge.get(1..first_past).unwrap_or(&[]), &angles[..side])?;
         let left: Vec<usize> = left.iter().map(|j| j + 1).collect();
         Some([&left[..], &middle, &mirrored(&left)].concat())
+    }
+}
+
+/// A natural cubic spline of the angle. It is linear in the values at its knots, which may carry derivatives: the sum of as
+/// many splines that are one at a knot and zero at the others.
+struct Spline<P> {
+    at_knots: Vec<(CubicSpline, P)>,
+    /// Least slope of the straight lines between the knots.
+    straight: f64,
+}
+
+impl<P: Scalar> Spline<P> {
+    fn through(from: &[f64], to: &[P]) -> Result<Self, Error> {
+        let unit = |k: usize| -> Vec<f64> { (0..from.len()).map(|j| f64::from(u8::from(j == k))).collect() };
+        let at_knot = |(k, value): (usize, &P)| CubicSpline::natural(from, &unit(k)).map(|s| (s, *value));
+        let slopes = from.windows(2).zip(to.windows(2)).map(|(x, y)| (y[1] - y[0]).value() / (x[1] - x[0]));
+        Ok(Self {
+            straight: slopes.fold(f64::INFINITY, f64::min),
+            at_knots: to.iter().enumerate().map(at_knot).collect::<Result<_, _>>()?,
+        })
+    }
+
+    fn at(&self, angle: f64) -> P {
+        self.at_knots.iter().fold(P::ZERO, |sum, (unit, value)| sum + *value * unit.at(angle).x)
+    }
+
+    /// Whether it leaves room for a strip everywhere.
+    fn ascends<'a>(&self, angles: impl Iterator<Item = &'a f64>) -> bool {
+        let slope =
+            |angle: f64| self.at_knots.iter().map(|(unit, to)| unit.at(angle).d * to.value()).sum::<f64>();
+        angles.copied().map(slope).all(|slope| slope >= LEAST_SLOPE * self.straight)
     }
 }
 
@@ -330,6 +390,29 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn angles_move_smoothly_onto_hinges_where_strips_keep_their_room() {
+        let stations =
+            [0.0, 1.0].map(|arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -0.3 });
+        let planform = Planform::new(&stations).unwrap();
+        let widths = |hinges: &[f64], map| {
+            let (edges, _) = spacing(&planform, 24, hinges, map).unwrap();
+            edges.windows(2).map(|e| e[1] - e[0]).collect::<Vec<_>>()
+        };
+        // Steps of the angle are equal where it does not move: the largest jump from one to the next.
+        let jump = |map| {
+            let (edges, _) = spacing(&planform, 24, &[0.45], map).unwrap();
+            let angles: Vec<f64> = edges.iter().map(|edge| edge.acos()).collect();
+            let steps: Vec<f64> = angles.windows(2).map(|a| (a[1] - a[0]).abs()).collect();
+            steps.windows(2).map(|s| (s[1] / s[0]).ln().abs()).fold(0.0, f64::max)
+        };
+        let [straight, smooth] = [AngleMap::Straight, AngleMap::Smooth].map(jump);
+        assert!(straight > 0.03 && smooth < 0.5 * straight, "{smooth} for {straight}");
+        // Hinges that lie so that a spline would fold back keep the straight lines.
+        let close = [0.02, 0.6, 0.62];
+        assert_eq!(widths(&close, AngleMap::Straight), widths(&close, AngleMap::Smooth));
     }
 
     #[test]

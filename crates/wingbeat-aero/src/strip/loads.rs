@@ -342,7 +342,7 @@ impl<P: Scalar> StripModel<P> {
     /// Spanwise force of the impulse of the bound circulation as a section turns about its chord, and its couple as it drifts along
     /// its span. The jump of potential that a circulation G spreads over the chord has the impulse rho dy b G n, which turns with the
     /// normal. What turns towards the chord, -2 m w_l q, is part of Garrick's suction (`aero.pitch_suction`); this is what turns
-    /// towards the span, where the edges of the tips and the folds bear it. None unless `turning_impulse` is set.
+    /// towards the span, where the edges of the tips and the folds bear it. None without `turning_impulse`.
     ///
     /// Equation: aero.strip.turned_circulation
     /// `F = rho dy b G (e_span . dn/dt) e_span, couple v_span e_span x rho dy b G n, G = g lw`

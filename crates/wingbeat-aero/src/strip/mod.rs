@@ -22,7 +22,7 @@ mod settings;
 mod tables;
 
 pub use constants::Lags;
-pub use grid::spacing;
+pub use grid::{AngleMap, spacing};
 pub use late::ByStates;
 pub use membrane::MembraneScales;
 pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
@@ -80,6 +80,8 @@ struct StripFlow<K: Scalar, S: Scalar, const N: usize> {
     impulse_rate: StripColumn<S, N>,
     /// Added-mass matrix on [acceleration; angular acceleration] about the body origin.
     added_mass: [[K; 6]; 6],
+    /// How much sooner the wash of the wakes comes than on the flat wing.
+    sooner: K,
 }
 
 /// Where an evaluation writes what the strips know of the air. A thread keeps it, so that it is not set to zero each time: each
@@ -438,6 +440,7 @@ impl<P: Scalar> StripModel<P> {
         } else {
             self.move_on(sections, wind, &mut flow.strips, wakes);
         }
+        flow.sooner = self.sooner(wakes);
         let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
         Targets::new(&flow.strips, &self.cores, places).wash(wakes, n, beside, &mut wash);
         if !self.settings.wake_wash {
@@ -498,6 +501,7 @@ impl<K: Scalar, S: Over<K>, const N: usize> StripFlow<K, S, N> {
             impulse: zero,
             impulse_rate: zero,
             added_mass: [[K::ZERO; 6]; 6],
+            sooner: K::ONE,
         }
     };
 }

@@ -3,7 +3,7 @@
 use super::constants::FOLLOWING_TIME;
 use super::influence::{StripColumn, column, lanes, multiply, plain};
 use super::membrane::{Camber, SectionAirs};
-use super::motion::Strips;
+use super::motion::{Strips, Wakes};
 use super::mutual::Foreign;
 use super::{StripFlow, StripModel};
 use crate::LagNumbers;
@@ -459,6 +459,24 @@ impl<P: Scalar> StripModel<P> {
         }
     }
 
+    /// One over the share to which the delays of the wakes shrink as the wing folds. Far behind, what is left of a wake acts by its
+    /// area alone: rows of vortices shed at s leave the wash G B.n / (4 pi s^2) for each length of it, B the vector between
+    /// its edges. So the span b by which a wake is near or far is the distance between the tips, as they lie now, and the law
+    /// tau ~ (b/c)^p of the flat wings holds with it. Beside the mean chord c the distance is nothing, where the tips meet.
+    ///
+    /// Equation: aero.strip.wake_delay
+    /// `tau = t c (b/c)^p ((B^2 + c^2)/(B_0^2 + c^2))^(p/2), B between the tips' quarter chords, B_0 on the flat wing`
+    /// Source: far field of a vortex sheet: Saffman 1992, section 3.2; c^2 a choice.
+    /// Test: `the_wake_of_a_folded_wing_comes_sooner`.
+    pub(super) fn sooner<K: Scalar + Meets<P>, S: Over<K>, const N: usize>(
+        &self,
+        wakes: &Wakes<K, S, N>,
+    ) -> K {
+        let between = wakes.edge(0).bound - wakes.edge(self.settings.strips).bound;
+        let reach = between.norm_squared() + self.tables.chord_square;
+        (reach * self.tables.inverse_reach).powf(-0.5 * self.lags.exponent)
+    }
+
     /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
     fn advance_lags<
         K: Scalar + Meets<P>,
@@ -487,8 +505,9 @@ impl<P: Scalar> StripModel<P> {
                     rates[i] = (wash[i] - block[i]) * (speed[i] * (*rate * self.tables.turnover[i]));
                 }
             } else if let Some(inverse) = self.tables.inverse_wake_length.get(k - lags.rate.len()) {
+                let inverse = flow.sooner * *inverse;
                 for i in 0..n.min(N) {
-                    rates[i] = (circulation[i] - block[i]) * (speed[i] * *inverse);
+                    rates[i] = (circulation[i] - block[i]) * (speed[i] * inverse);
                 }
             }
         }

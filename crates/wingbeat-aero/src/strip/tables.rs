@@ -53,6 +53,9 @@ pub(super) struct Tables<P: Scalar> {
     pub jump_weights: ArrayVec<P, MAX_WASH_LAGS>,
     /// One over the lengths over which the wake lags act, 1/m.
     pub inverse_wake_length: Vec<P>,
+    /// Square of the mean chord, m2, and one over its sum with that of the distance between the tips of the flat wing, 1/m2.
+    pub chord_square: P,
+    pub inverse_reach: P,
 }
 
 impl<P: Scalar> Tables<P> {
@@ -104,6 +107,8 @@ impl<P: Scalar> Tables<P> {
                 .zip(lags.lift)
                 .fold(P::from(0.5), |rest, (lag, weight)| rest - (lag.weight - *weight)),
             jump_weights: numbers.lags.iter().enumerate().map(|(k, lag)| lags.jump(k, lag)).collect(),
+            chord_square: grid.mean_chord.squared(),
+            inverse_reach: (grid.mean_chord.squared() + grid.tip_to_tip.squared()).recip(),
             inverse_wake_length: lags.wake_delay.iter().map(|t| (delay_scale * *t).recip()).collect(),
         }
     }

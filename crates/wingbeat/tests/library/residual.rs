@@ -7,7 +7,7 @@ use wingbeat::robot::{Residual, ResidualSpec};
 use wingbeat::scenario::Scenario;
 
 /// Fx = 1 + .2 u, with .1 w in its first cosine; Ty = -.05 u w in its second sine.
-const SAID: &str = "{ frequency_hz = 8.0, place_m = [-0.1, 0.0, 0.02], low_m_s = [2.0, 0.0, -3.0], high_m_s = [6.0, 0.0, 1.0], terms = [\"1\", \"u\", \"w\", \"uw\"], \
+const SAID: &str = "{ frequency_hz = 9.0, place_m = [-0.1, 0.0, 0.02], low_m_s = [2.0, 0.0, -3.0], high_m_s = [6.0, 0.0, 1.0], terms = [\"1\", \"u\", \"w\", \"uw\"], \
      loads = { Fx = [[1.0, 0.2, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0], [0.0, 0.0, 0.0, 0.0]], \
      Ty = [[0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, -0.05]] } }";
 
@@ -25,7 +25,7 @@ fn scenario(residual: &str) -> Result<Scenario, String> {
     Scenario::load(&file, &overrides).map_err(|error| error.to_string())
 }
 
-const RATE: f64 = std::f64::consts::TAU * 8.0;
+const RATE: f64 = std::f64::consts::TAU * 9.0;
 
 #[test]
 fn a_wrench_is_its_sum_of_waves_and_terms() {
@@ -117,8 +117,8 @@ fn plans_know_its_derivatives() {
 fn what_is_no_wrench_is_refused_with_its_key() {
     let refused = |from: &str, to: &str| scenario(&SAID.replace(from, to)).err().unwrap_or_default();
     for (from, to, told) in [
-        ("frequency_hz = 8.0", "frequency_hz = 7.0", "robot.residual.frequency_hz = 7"),
-        ("frequency_hz = 8.0", "frequency_hz = 0.0", "robot.residual.frequency_hz = 0"),
+        ("frequency_hz = 9.0", "frequency_hz = 7.0", "robot.residual.frequency_hz = 7"),
+        ("frequency_hz = 9.0", "frequency_hz = 0.0", "robot.residual.frequency_hz = 0"),
         ("\"uw\"]", "\"ux\"]", "robot.residual.terms[3] = \"ux\""),
         ("\"uw\"]", "\"uwww\"]", "robot.residual.terms[3]"),
         ("\"uw\"]", "\"uw\", \"ww\"]", "robot.residual.loads.Fx[0] = 4 factors"),
@@ -127,8 +127,8 @@ fn what_is_no_wrench_is_refused_with_its_key() {
         ("low_m_s = [2.0", "low_m_s = [7.0", "robot.residual.low_m_s[0] = 7"),
         ("[1.0, 0.2", "[nan, 0.2", "robot.residual.loads.Fx[0][0]"),
         ("\"w\", \"uw\"]", "\"uw\", \"wu\"]", "robot.residual.terms[3] = \"wu\""),
-        ("frequency_hz = 8.0", "law = \"stall\", frequency_hz = 8.0", "robot.residual.law = \"stall\""),
-        ("frequency_hz = 8.0", "preset = \"paper\", frequency_hz = 8.0", "robot.residual.preset = \"paper\""),
+        ("frequency_hz = 9.0", "law = \"stall\", frequency_hz = 9.0", "robot.residual.law = \"stall\""),
+        ("frequency_hz = 9.0", "preset = \"paper\", frequency_hz = 9.0", "robot.residual.preset = \"paper\""),
     ] {
         let seen = refused(from, to);
         assert!(seen.contains(told), "{to}: {seen}");
@@ -144,7 +144,7 @@ fn another_air_has_no_wrench_and_a_free_frequency_stays_where_it_was_measured() 
         scenario.robot().residual_frequencies()
     };
     let [low, high] = flown("flight.record_every_s=1e-3").unwrap();
-    assert!((low - 7.92).abs() < 1e-9 && (high - 8.08).abs() < 1e-9);
+    assert!((low - 8.91).abs() < 1e-9 && (high - 9.09).abs() < 1e-9);
     assert_eq!(flown("mismatch.aero={ preset = \"full\", law = \"lev\" }"), None);
     assert_eq!(flown("mismatch.numbers={}"), None);
     assert!(flown("mismatch.mass=1.1").is_some());

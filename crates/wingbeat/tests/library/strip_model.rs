@@ -382,6 +382,50 @@ fn steady_strips(half_span: f64, gaps: &[Gap], strips: usize) -> (f64, f64) {
     (lift / (0.5 * wing.area() * alpha), drag / trefftz)
 }
 
+/// Lift of the wing at rest with `strips`, folded to the dihedrals `shoulder` and `elbow` (rad), in a wind that has blown for long.
+fn folded_lift(strips: usize, [shoulder, elbow]: [f64; 2]) -> f64 {
+    let model = model(settings(strips));
+    let sections = Wing::still(shoulder, elbow).sections(model.arcs(), &planform());
+    let mut x = vec![0.0; model.states()];
+    let mut lift = 0.0;
+    for _ in 0..1500 {
+        let (dx, loads) = evaluate(&model, &sections, Vec3::new(-2.0, 0.0, 0.02), &x);
+        x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 1e-3 * d);
+        lift = loads.wrench.force[2];
+    }
+    lift
+}
+
+#[test]
+fn the_lift_of_a_folded_wing_converges_with_its_strips() {
+    for fold in [[0.0, 0.0], [0.3, -1.2], [0.5, -0.8]] {
+        let fine = folded_lift(32, fold);
+        for strips in [9, 10, 12, 16, 20] {
+            let error = folded_lift(strips, fold) / fine - 1.0;
+            assert!(error.abs() < 0.02, "{strips} strips, {fold:?}: {error}");
+        }
+    }
+}
+
+#[test]
+fn the_wake_of_a_folded_wing_comes_sooner() {
+    let model = model(settings(16));
+    // Circulation by the first lag alone, nothing in the wake.
+    let x: Vec<f64> = (0..model.states()).map(|i| if i < 16 { 0.1 } else { 0.0 }).collect();
+    let rate = |shoulder: f64, elbow: f64| {
+        let sections = Wing::still(shoulder, elbow).sections(model.arcs(), &planform());
+        let wind = Vec3::new(-2.0, 0.0, 0.0);
+        let (dx, _) = evaluate(&model, &sections, wind, &x);
+        let quarter = |s: &SectionMotion<f64>| s.le + (s.te - s.le) * 0.25;
+        (dx[2 * 16 + 3], (quarter(&sections[0]) - quarter(&sections[16])).norm())
+    };
+    let ((flat, span), (folded, between)) = (rate(0.0, 0.0), rate(0.4, -1.3));
+    let chord = planform().area() / 0.5;
+    let expected = ((between.powi(2) + chord.powi(2)) / (span.powi(2) + chord.powi(2))).powf(-0.5 * 0.19827);
+    assert!((folded / flat / expected - 1.0).abs() < 2e-3, "{folded} over {flat}, {expected} by the tips");
+    assert!(expected > 1.05);
+}
+
 #[test]
 fn rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake() {
     // Slopes of the linear lifting surface, validation/lifting_surface/steady.csv.

@@ -443,8 +443,10 @@ fn strips_and_steps_converge_with_their_orders() {
         (16, 96, mean(&again, "force_wind_lift"))
     );
     for quantity in &table.quantities {
-        let (strips, steps) = (quantity.order_strips.unwrap(), quantity.order_steps.unwrap());
-        assert!((1.0..3.0).contains(&strips) && (3.0..5.0).contains(&steps), "{quantity:?}");
+        assert!((1.0..3.0).contains(&quantity.order_strips.unwrap()), "{quantity:?}");
+        // The largest of the samples lies beside the peak, by less in turn.
+        let of_means = quantity.order_steps.filter(|_| !quantity.quantity.starts_with("peak"));
+        assert!(of_means.is_none_or(|order| (3.0..5.0).contains(&order)), "{quantity:?}");
     }
     assert!(table.spread > 1e-4 && table.spread < 0.1, "{table:?}");
     assert_eq!(table.status == "converged", table.spread <= 0.02, "{}", table.verdict);
@@ -644,7 +646,7 @@ fn a_preset_that_lacks_the_turning_impulse_says_so() {
         let found = summary.verdict.warnings.into_iter().find(|warning| warning.id == "aero.unheard");
         found.map(|warning| warning.text)
     };
-    let text = warned("paper", true).unwrap();
+    let text = warned("paper", false).unwrap();
     assert!(text.contains("aero.full.turning_impulse") && text.contains("`paper`"), "{text}");
-    assert_eq!([warned("paper", false), warned("full", true)], [None, None]);
+    assert_eq!([warned("paper", true), warned("full", false)], [None, None]);
 }

@@ -24,7 +24,7 @@ const OTHER_AIR: &str = "mismatch.aero.law=stall";
 
 #[test]
 fn a_flight_that_falls_is_off_target_without_a_goal() {
-    let lost = fly("bank15_beta_lev", &[OTHER_AIR, "flight.duration_s=6"]);
+    let lost = fly("bank30_20g_lev", &[OTHER_AIR, "flight.duration_s=6"]);
     assert!(lost.status >= Status::OffTarget, "{:?}", lost.reason);
     let missed = missed(&lost);
     assert!(
@@ -94,7 +94,7 @@ fn a_free_flight_that_tumbles_gets_a_warning_and_a_glide_none() {
 
 #[test]
 fn wings_that_cross_put_the_flight_outside_of_its_model() {
-    let crossed = fly("cruise_beta_lev", &[]);
+    let crossed = fly("cruise_beta_lev", &["robot.links[1].driven.mean_rad=-0.45"]);
     assert_eq!(crossed.status, Status::Outside, "{:?}", crossed.reason);
     assert_eq!(missed(&crossed), ["flight.crossing_fraction"]);
 }

@@ -411,6 +411,7 @@ mod tests {
             cos_half: vec![1.0; 5],
             cos_three_quarter: vec![1.0; 5],
             mean_chord: 0.2,
+            tip_to_tip: 1.0,
             aspect: 2.5,
         };
         let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.1, trailing_edge_m: -0.1 };
