@@ -19,10 +19,10 @@ use super::recorder::Recorder;
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, written};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use wingbeat_flight::guide::{HeldCommands, OrbitWeights, gains_of};
+use wingbeat_flight::guide::{HeldCommands, OrbitWeights, gains_of, holding_inputs};
 use wingbeat_flight::orbit::{
-    Course, Cycle, Failure, FoundOrbit, Free, Modes, Orbit, Point, Sector, floquet, measure, search,
-    search_from,
+    Course, Cycle, Failure, FoundOrbit, Free, Interval, Modes, Orbit, Point, Sector, floquet, floquet_over,
+    intervals, measure, search, search_from,
 };
 use wingbeat_flight::simulate::{Column, Record, Sample};
 use wingbeat_math::Error;
@@ -128,11 +128,12 @@ impl Scenario {
         let found = self.find_orbit(&cycle, &mut tell)?;
         let search = started.elapsed();
         let mut summary = self.asked(&cycle, spec, search);
+        let inputs = holding_inputs(&cycle);
         let (found, measured) = match found.and_then(|found| {
             let areas = self.strip_areas();
             let measures = measure(&cycle, &found.orbit, &areas)?;
-            let modes = floquet(&cycle, &found.orbit)?;
-            Ok((found, (measures, modes)))
+            let (modes, all) = modes_and_intervals(&cycle, &found.orbit, &inputs)?;
+            Ok((found, (measures, modes, all)))
         }) {
             Ok(both) => both,
             Err(failure) => {
@@ -140,10 +141,10 @@ impl Scenario {
                 return Ok(Trimmed::nothing(summary));
             }
         };
-        let (measures, modes) = measured;
+        let (measures, modes, all) = measured;
         summary.found(&cycle, &found, &measures, &modes);
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
-        let gains = gains_of(&cycle, &found.orbit, &OrbitWeights::default()).map_err(broken)?;
+        let gains = gains_of(&cycle, &found.orbit, &inputs, &all, &OrbitWeights::default());
         summary.held_multiplier = gains.as_ref().map(|held| held.multiplier);
         summary.judge(cycle.robot(), &self.spec, &self.limits);
         let family =
@@ -326,6 +327,19 @@ impl Scenario {
             commands: filled(commands.map(|(channel, u)| (channel.name.clone(), *u))),
         }
     }
+}
+
+/// The modes of `orbit` and, where its feedback has `inputs`, the intervals by which it is made; then these give the modes too.
+fn modes_and_intervals(
+    cycle: &Cycle,
+    orbit: &Orbit,
+    inputs: &[usize],
+) -> Result<(Modes, Vec<Interval>), Fault> {
+    if inputs.is_empty() {
+        return Ok((floquet(cycle, orbit)?, Vec::new()));
+    }
+    let all = intervals(cycle, &orbit.point, cycle.parts(), inputs)?;
+    Ok((floquet_over(cycle, orbit, &all), all))
 }
 
 /// Multipliers as a record, a row each: its place, growth and frequency, sector, and the shares of the coordinates.

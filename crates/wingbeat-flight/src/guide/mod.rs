@@ -39,11 +39,11 @@ fn processor_time(limit_s: Option<f64>) -> std::time::Duration {
         .unwrap_or(std::time::Duration::MAX)
 }
 
-pub use about_orbit::gains_of;
 pub use about_orbit::{
     AboutOrbitSpec, AdaptSpec, DiveSpec, HoldingGains, LandingSpec, LegSpec, OrbitWeights, PredictiveSpec,
     Terminal, TrackingSpec,
 };
+pub use about_orbit::{gains_of, holding_inputs};
 pub use attitude_tracking::AttitudeTracking;
 pub use controllers::{ControllerSpec, ControllerTask, Prepared, RobotSolver, SolverSpec};
 pub use free_end::FreeEnd;

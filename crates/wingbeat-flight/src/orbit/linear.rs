@@ -61,6 +61,11 @@ impl Deviations {
         Self { section: cycle.section().clone(), structure: robot.strokes().len(), elements }
     }
 
+    /// Place of a coordinate of the section among them.
+    pub const fn coordinate(coordinate: usize) -> usize {
+        1 + coordinate
+    }
+
     /// Elements whose displacements and rates are among them.
     pub fn moved(&self) -> &[usize] {
         &self.elements

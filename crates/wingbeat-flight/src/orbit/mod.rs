@@ -23,7 +23,7 @@ pub use failure::Failure;
 pub use linear::{Deviations, Interval, alone, interval, intervals};
 pub(crate) use linear::{fly_held, fly_part};
 pub use measure::{Measures, SKIN, StripAreas, measure};
-pub use modes::{Mode, Modes, Sector, floquet};
+pub use modes::{Mode, Modes, Sector, floquet, floquet_over};
 pub use newton::{FoundOrbit, Orbit, search};
 pub use newton::{Tangent, search_from, search_near};
 pub use recoil::{drift, settle};

@@ -1,6 +1,7 @@
 //! Floquet multipliers: how small disturbances of an orbit grow over a cycle.
 
 use super::cycle::{Cycle, Point};
+use super::linear::{Deviations, Interval};
 use super::newton::Orbit;
 use super::section::{Direction, OrbitSection};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -92,6 +93,31 @@ fn monodromy(cycle: &Cycle, point: &Point, directions: &[Direction]) -> Result<D
     Ok(DMatrix::from_fn(directions.len(), directions.len(), |i, j| matrix[i][j]))
 }
 
+/// The same by the chain rule: the product of the matrices A of the intervals of the cycle, in which height and elements are no
+/// directions.
+fn monodromy_over(all: &[Interval], directions: &[Direction]) -> DMatrix<f64> {
+    let size = all.first().map_or(0, |interval| interval.a.nrows());
+    let product = all.iter().fold(DMatrix::identity(size, size), |product, interval| &interval.a * product);
+    let place = Deviations::coordinate;
+    DMatrix::from_fn(directions.len(), directions.len(), |i, j| {
+        let moved = |row: usize| -> f64 {
+            directions[j].iter().map(|(column, share)| product[(place(row), place(*column))] * share).sum()
+        };
+        let along: f64 = directions[i].iter().map(|(row, share)| moved(*row) * share).sum();
+        along / directions[i].len() as f64
+    })
+}
+
+/// The directions in which modes are told: those that keep left and right alike, then the others.
+fn all_directions(cycle: &Cycle) -> Vec<Direction> {
+    [cycle.section().symmetric(), cycle.section().antisymmetric()].concat()
+}
+
+/// As [`floquet`], by the intervals of a whole cycle of `orbit` in turn, which [`intervals`](super::intervals) gives.
+pub fn floquet_over(cycle: &Cycle, orbit: &Orbit, all: &[Interval]) -> Modes {
+    modes_of(cycle, orbit, &monodromy_over(all, &all_directions(cycle)))
+}
+
 /// Multipliers and modes of `orbit`, of a straight one of a robot whose sides are alike split into what keeps left and right alike and what does not.
 ///
 /// Equation: orbit.floquet
@@ -104,13 +130,17 @@ fn monodromy(cycle: &Cycle, point: &Point, directions: &[Direction]) -> Result<D
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.
 pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
+    Ok(modes_of(cycle, orbit, &monodromy(cycle, &orbit.point, &all_directions(cycle))?))
+}
+
+/// The modes of a monodromy in [`all_directions`].
+fn modes_of(cycle: &Cycle, orbit: &Orbit, whole: &DMatrix<f64>) -> Modes {
     let section = cycle.section();
-    let (symmetric, antisymmetric) = (section.symmetric(), section.antisymmetric());
-    let all = [symmetric, antisymmetric].concat();
+    let all = all_directions(cycle);
     let sectors: Vec<(Sector, Range<usize>)> = if cycle.coupled(&orbit.course) {
         vec![(Sector::Coupled, 0..all.len())]
     } else {
-        let first = symmetric.len();
+        let first = section.symmetric().len();
         vec![(Sector::Longitudinal, 0..first), (Sector::Lateral, first..all.len())]
     };
     let duration = orbit.end.duration;
@@ -125,7 +155,6 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
     let neutral = sectors.last().map_or(Sector::Lateral, |s| s.0);
     let mut modes = vec![mode(Complex::new(1.0, 0.0), neutral, HEADING.into(), vec![0.0; section.len()])];
     let mut coupling: f64 = 0.0;
-    let whole = monodromy(cycle, &orbit.point, &all)?;
     for (sector, own) in &sectors {
         let directions = &all[own.clone()];
         let others = (0..all.len()).filter(|i| !own.contains(i));
@@ -149,7 +178,7 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
         }
     }
     wingbeat_math::order::descend_by(&mut modes, |item| item.size());
-    Ok(Modes { modes, coupling })
+    Modes { modes, coupling }
 }
 
 /// What counts as one of the coordinate `i`: velocities a share of the speed V, angles 1 rad, rates the crank's; of the air's states

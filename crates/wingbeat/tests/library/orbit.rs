@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::judge::Status;
 use wingbeat::math::{GRAVITY, RK4, Workspace};
-use wingbeat::orbit::{Course, OrbitSection, intervals};
+use wingbeat::orbit::{Course, OrbitSection, floquet, floquet_over, intervals};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{Document, Scenario, Trimmed};
 use wingbeat::simulate::{Controller, Measurement};
@@ -358,6 +358,12 @@ fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
             // The height, before the coordinates, moves nothing else.
             assert!((product[(i + 1, j + 1)] - m).abs() < 1e-8 * largest, "{i} {j}");
         }
+    }
+    // The multipliers follow from the intervals too.
+    let [modes, over] = [floquet(&cycle, &found.orbit).unwrap(), floquet_over(&cycle, &found.orbit, &parts)];
+    assert_eq!(modes.modes.len(), over.modes.len());
+    for (mode, over) in modes.modes.iter().zip(&over.modes) {
+        assert!((mode.size() - over.size()).abs() < 1e-9, "{mode:?} {over:?}");
     }
 
     let trimmed = scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap();

@@ -2,9 +2,9 @@
 
 use super::feedback::{DEVIATIONS, Feedback};
 use super::spec::OrbitWeights;
-use crate::orbit::{Cycle, Deviations, Orbit, OrbitSection, intervals};
+use crate::orbit::{Cycle, Deviations, Interval, Orbit, OrbitSection};
 use std::fmt::Write;
-use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_ocp::plant::Plant;
 
 /// Units of the integral of the height, the height and the coordinates of the body.
 const UNITS: [&str; DEVIATIONS + Deviations::BODY] =
@@ -19,30 +19,35 @@ pub struct HoldingGains {
     pub multiplier: f64,
 }
 
-/// The periodic controller about `orbit` by all inputs but that of the crank, as comma-separated values: of every phase (share of the cycle) a row for each
+/// The inputs that the feedback about an orbit of `cycle` has: all that displace an element at rest, but that of the crank.
+pub fn holding_inputs(cycle: &Cycle) -> Vec<usize> {
+    let (robot, deviations) = (cycle.robot(), Deviations::new(cycle));
+    let (commands, rest) = (robot.inputs().len(), robot.rest_gains());
+    let moves =
+        |input: &usize| deviations.moved().iter().any(|element| rest[element * commands + input] != 0.0);
+    (0..commands).filter(moves).collect()
+}
+
+/// The periodic controller about `orbit` by its [`holding_inputs`], as comma-separated values: of every phase (share of the cycle) a row for each
 /// input, of every deviation that is fed back a column with its unit. The command is that of the orbit less the sum of gains times
-/// deviations. None where nothing is fed back or the controller does not settle.
-///
-/// # Errors
-/// The [`Fault`] that makes the model unusable on the way.
-pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<Option<HoldingGains>, Fault> {
+/// deviations. `all` are the intervals between these phases, with the derivatives by these inputs. None where nothing is fed back or
+/// the controller does not settle.
+pub fn gains_of(
+    cycle: &Cycle,
+    orbit: &Orbit,
+    inputs: &[usize],
+    all: &[Interval],
+    weights: &OrbitWeights,
+) -> Option<HoldingGains> {
+    if inputs.is_empty() {
+        return None;
+    }
     let robot = cycle.robot();
     let deviations = Deviations::new(cycle);
     let (elements, from) = (deviations.moved(), DEVIATIONS + deviations.elements_from());
-    let (commands, rest) = (robot.inputs().len(), robot.rest_gains());
-    let moves = |input: &usize| elements.iter().any(|element| rest[element * commands + input] != 0.0);
-    let inputs: Vec<usize> = (0..commands).filter(moves).collect();
-    if inputs.is_empty() {
-        return Ok(None);
-    }
     let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
-    let coordinates = cycle.section().len();
-    let parts = cycle.parts();
-    let all = intervals(cycle, &orbit.point, parts, &inputs)?;
-    let Some(feedback) = Feedback::new(weights, None, &all, coordinates, &limits, orbit.end.duration, None)
-    else {
-        return Ok(None);
-    };
+    let (coordinates, parts) = (cycle.section().len(), all.len());
+    let feedback = Feedback::new(weights, None, all, coordinates, &limits, orbit.end.duration, None)?;
     let mut told: Vec<(usize, String)> = Vec::new();
     let body = cycle.section().names().iter().take(OrbitSection::BODY).map(String::as_str);
     for (column, name) in ["height_integral", "height"].into_iter().chain(body).enumerate() {
@@ -69,5 +74,5 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
             table += "\n";
         }
     }
-    Ok(Some(HoldingGains { table, multiplier: feedback.multiplier(&all) }))
+    Some(HoldingGains { table, multiplier: feedback.multiplier(all) })
 }

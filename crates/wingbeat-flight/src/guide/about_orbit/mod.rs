@@ -16,7 +16,7 @@ mod tracking;
 
 pub use adapt::AdaptSpec;
 pub use dive::DiveSpec;
-pub use gains::{HoldingGains, gains_of};
+pub use gains::{HoldingGains, gains_of, holding_inputs};
 pub use landing::LandingSpec;
 pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
