@@ -339,7 +339,7 @@ fn modes_and_intervals(
         return Ok((floquet(cycle, orbit)?, Vec::new()));
     }
     let all = intervals(cycle, &orbit.point, cycle.parts(), inputs)?;
-    Ok((floquet_over(cycle, orbit, &all), all))
+    Ok((floquet_over(cycle, orbit, &all)?, all))
 }
 
 /// Multipliers as a record, a row each: its place, growth and frequency, sector, and the shares of the coordinates.

@@ -114,7 +114,10 @@ fn all_directions(cycle: &Cycle) -> Vec<Direction> {
 }
 
 /// As [`floquet`], by the intervals of a whole cycle of `orbit` in turn, which [`intervals`](super::intervals) gives.
-pub fn floquet_over(cycle: &Cycle, orbit: &Orbit, all: &[Interval]) -> Modes {
+///
+/// # Errors
+/// [`Fault::Multipliers`].
+pub fn floquet_over(cycle: &Cycle, orbit: &Orbit, all: &[Interval]) -> Result<Modes, Fault> {
     modes_of(cycle, orbit, &monodromy_over(all, &all_directions(cycle)))
 }
 
@@ -130,11 +133,11 @@ pub fn floquet_over(cycle: &Cycle, orbit: &Orbit, all: &[Interval]) -> Modes {
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.
 pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
-    Ok(modes_of(cycle, orbit, &monodromy(cycle, &orbit.point, &all_directions(cycle))?))
+    modes_of(cycle, orbit, &monodromy(cycle, &orbit.point, &all_directions(cycle))?)
 }
 
 /// The modes of a monodromy in [`all_directions`].
-fn modes_of(cycle: &Cycle, orbit: &Orbit, whole: &DMatrix<f64>) -> Modes {
+fn modes_of(cycle: &Cycle, orbit: &Orbit, whole: &DMatrix<f64>) -> Result<Modes, Fault> {
     let section = cycle.section();
     let all = all_directions(cycle);
     let sectors: Vec<(Sector, Range<usize>)> = if cycle.coupled(&orbit.course) {
@@ -178,7 +181,7 @@ fn modes_of(cycle: &Cycle, orbit: &Orbit, whole: &DMatrix<f64>) -> Modes {
         }
     }
     wingbeat_math::order::descend_by(&mut modes, |item| item.size());
-    Modes { modes, coupling }
+    Ok(Modes { modes, coupling })
 }
 
 /// What counts as one of the coordinate `i`: velocities a share of the speed V, angles 1 rad, rates the crank's; of the air's states

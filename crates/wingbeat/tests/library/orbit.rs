@@ -360,7 +360,8 @@ fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
         }
     }
     // The multipliers follow from the intervals too.
-    let [modes, over] = [floquet(&cycle, &found.orbit).unwrap(), floquet_over(&cycle, &found.orbit, &parts)];
+    let [modes, over] =
+        [floquet(&cycle, &found.orbit).unwrap(), floquet_over(&cycle, &found.orbit, &parts).unwrap()];
     assert_eq!(modes.modes.len(), over.modes.len());
     for (mode, over) in modes.modes.iter().zip(&over.modes) {
         assert!((mode.size() - over.size()).abs() < 1e-9, "{mode:?} {over:?}");
