@@ -21,7 +21,7 @@ mod strip;
 mod surfaces;
 
 pub use camber::ThinSection;
-pub use flap::{FlapNumbers, FlapSpec, flap_points};
+pub use flap::{FlapNumbers, FlapSpec, flap_hinge, flap_points};
 pub use law::{
     Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
     SectionSpec, StripState, ZERO_LIFT_ANGLE,

@@ -41,6 +41,10 @@ pub trait Sections<S: Scalar> {
     fn ground(&self) -> Option<Ground<S>> {
         None
     }
+    /// Acceleration of gravity, m/s2 in B, which turns flaps; none where what carries the sections does not tell it.
+    fn gravity(&self) -> Vec3<S> {
+        Vec3::ZERO
+    }
     /// How section `i` moves per unit rate of `coordinate`.
     fn field(&self, _i: usize, _coordinate: usize) -> SectionField<S> {
         SectionField::default()

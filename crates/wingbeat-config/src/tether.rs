@@ -264,7 +264,7 @@ impl TetherCase {
         let last = self.tether.clock.steps_per_cycle * self.tether.aero.strips();
         let angles = run.strips.values("flap")?;
         let first = angles.len().saturating_sub(last);
-        let flap = FlapSummary::of(&self.tether.aero, angles[first..].iter().copied());
+        let flap = FlapSummary::tethered(&self.tether.aero, angles[first..].iter().copied());
         flap.filter(|_| run.ending == Ending::Complete)
     }
 

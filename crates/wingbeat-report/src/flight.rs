@@ -107,6 +107,7 @@ pub fn add_outline(surface: &mut SurfaceTrack, outline: &Outline) {
         surface.covered.clone_from(&outline.covered);
         surface.side = sides(&outline.ribs);
         surface.raised.resize_with(outline.raised.len(), Default::default);
+        surface.hinge = outline.hinge;
     }
     let raised = outline.raised.as_flattened().iter();
     let points = outline.ribs.as_flattened().iter().chain(raised);

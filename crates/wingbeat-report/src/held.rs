@@ -40,6 +40,8 @@ pub fn wing(
     };
     let strains = strains(case, loads);
     let heights = strips.and_then(|strips| heights(strips, loads.rows(), tether.aero.strips()));
+    let flaps = strips.and_then(|strips| strips.values("flap"));
+    let flaps = flaps.filter(|flaps| flaps.len() == loads.rows() * tether.aero.strips());
     let mut surface = SurfaceTrack::default();
     for (&t, &row) in t.iter().zip(shown) {
         let frame = tether.motion.body(t).frame();
@@ -49,7 +51,8 @@ pub fn wing(
         let spar: Vec<f64> = strains.iter().map(|strain| strain[row]).collect();
         let count = tether.aero.strips();
         let heights = heights.map(|heights| heights.map(|of| &of[row * count..(row + 1) * count]));
-        let shape = Shape { spar: &spar, heights: heights.unwrap_or_default() };
+        let flaps = flaps.map_or(&[][..], |flaps| &flaps[row * count..][..count]);
+        let shape = Shape { spar: &spar, heights: heights.unwrap_or_default(), flaps };
         let mut seen = tether.outline(t, &arcs, shape);
         let inside = |point: &mut Vec3| *point = rotation.transpose_mul(*point - origin);
         seen.ribs.as_flattened_mut().iter_mut().for_each(inside);

@@ -30,8 +30,10 @@ pub struct SurfaceTrack {
     pub covered: Vec<bool>,
     /// Of each panel 0 on the left, 1 on the right, 2 on neither.
     pub side: Vec<usize>,
-    /// Points of a membrane above each rib at [`MEMBRANE_DRAWN`](wingbeat::aero::MEMBRANE_DRAWN); none of a rigid surface.
+    /// Points of a membrane or a flap above each rib, of [`Outline::raised`](wingbeat::robot::Outline::raised); none of a rigid surface.
     pub raised: Vec<[PointTrack; 3]>,
+    /// Which of these points is the hinge of a flap.
+    pub hinge: Option<usize>,
     /// Its strips, from left to right.
     pub strips: Vec<StripTrack>,
 }

@@ -292,6 +292,9 @@ fn of_surface(surface: &SurfaceTrack, reach: f64, without: Without, pack: &mut P
             raised.push(points.each_ref().map(|point| track(point, CAMBER * reach, pack)));
         }
         value["raised"] = json!(raised);
+        if let Some(hinge) = surface.hinge {
+            value["hinge"] = json!(hinge + 1);
+        }
     }
     value
 }

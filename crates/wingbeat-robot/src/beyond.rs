@@ -85,14 +85,21 @@ impl Robot {
         let Moving { e, base, moving, wind: [wind, wind_dot], .. } = &seen;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
-        carriers.follow(base, &self.carriers, moving, *wind_dot);
+        carriers.follow(base, &self.carriers, moving, [*wind_dot, self.gravity(e.attitude)]);
         carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;
         let mut loads = Loads::default();
         let mut motions = ArrayVec::new();
         self.covering.motions(&carriers, &mut motions);
         let (x, dx) = (&x[aero..], &mut dx[aero..]);
-        self.covering.aero.evaluate_over(carriers.ground, &motions, *wind, x, dx, &mut loads);
+        self.covering.aero.evaluate_under(
+            (carriers.ground, carriers.gravity),
+            &motions,
+            *wind,
+            x,
+            dx,
+            &mut loads,
+        );
         Ok(self.attached(&carriers, &loads))
     }
 

@@ -141,7 +141,7 @@ impl<P: Scalar> Robot<P> {
             let mut moving = Links::new();
             moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
             let mut carriers = Carriers::none(&coordinates);
-            carriers.follow(&base, &self.carriers, &moving, wind_dot);
+            carriers.follow(&base, &self.carriers, &moving, [wind_dot, gravity]);
             let second_rates = self
                 .second_rates(&moving, &carriers, gravity, (wind, clock.d), (x, beyond), dx)
                 .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
@@ -151,7 +151,7 @@ impl<P: Scalar> Robot<P> {
         let mut moving = Links::new();
         moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
         let mut carriers = Carriers::none(&still);
-        carriers.follow(&base, &self.carriers, &moving, wind_dot);
+        carriers.follow(&base, &self.carriers, &moving, [wind_dot, gravity]);
         let (structure_state, x) = x.split_at(structure);
         let dx = &mut dx[structure..];
         let mut loads = Loads::default();
@@ -197,7 +197,7 @@ impl<P: Scalar> Robot<P> {
         let (wind, wind_dot) = self.wind(clock.x, body.attitude);
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
-        carriers.follow(&LinkMotion::base(v, body.rate), &self.carriers, &links, wind_dot);
+        carriers.follow(&LinkMotion::base(v, body.rate), &self.carriers, &links, [wind_dot, Vec3::ZERO]);
         self.covering.settle(&carriers, wind, air);
         Ok(())
     }
@@ -278,7 +278,7 @@ impl<P: Scalar> Robot<P> {
         let covering = &self.covering;
         let mut motions = ArrayVec::new();
         covering.motions(carriers, &mut motions);
-        covering.aero.evaluate_over(carriers.ground, &motions, wind, x, dx, loads);
+        covering.aero.evaluate_under((carriers.ground, carriers.gravity), &motions, wind, x, dx, loads);
         let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
             loads.strip[..loads.strips].iter().map(StripLoads::total).collect();
         let mut external = External::new();

@@ -98,8 +98,9 @@ impl Plant for Robot {
         self.known_columns(t, x, u, dx, known)
     }
     fn derived_states(&self) -> Range<usize> {
-        // Over a ground and at a perch the attitude is felt beside what the air and gravity are seen in it.
-        let derived = if self.perch.is_some() || self.ground.is_some() { 0 } else { 4 };
+        // Over a ground and at a perch the attitude is felt beside what the air and gravity are seen in it; flaps feel gravity by themselves.
+        let felt = self.perch.is_some() || self.ground.is_some() || self.covering.aero.have_flaps();
+        let derived = if felt { 0 } else { 4 };
         self.layout.attitude..self.layout.attitude + derived
     }
     fn derive(&self, x: &[f64], f: &[f64], known: &Known, a: &mut [f64]) {
@@ -238,7 +239,7 @@ impl<P: Scalar> Robot<P> {
         let InstantSetting { attitude, wind, wind_dot, gravity, .. } = setting;
         let Evaluation { links, base, coordinates, second_rates, .. } = out;
         let mut carriers = Carriers::none(coordinates);
-        carriers.follow(base, &self.carriers, links, wind_dot);
+        carriers.follow(base, &self.carriers, links, [wind_dot, gravity]);
         carriers.ground = self.ground_below(attitude, x[l.position + 2]);
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self

@@ -63,7 +63,7 @@ impl Robot {
         }
         let Evaluation { links, base, coordinates, .. } = &out;
         let mut carriers = Carriers::none(coordinates);
-        carriers.follow(base, &self.carriers, links, setting.wind_dot);
+        carriers.follow(base, &self.carriers, links, [setting.wind_dot, setting.gravity]);
         carriers.ground = self.ground_below(setting.attitude, early[l.position + 2]);
         let mut system = BodySystem::<f64, f64>::new();
         let BodySystem { mass: matrix, forces, .. } = &mut system;

@@ -136,7 +136,7 @@ impl Robot {
         let (joints, links, body, wind) = (&e.joints, &e.links, *body, *wind);
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
-        carriers.follow(base, &self.carriers, moving, *wind_dot);
+        carriers.follow(base, &self.carriers, moving, [*wind_dot, self.gravity(e.attitude)]);
         carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;
         let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);

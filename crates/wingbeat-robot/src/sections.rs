@@ -134,24 +134,27 @@ pub(super) struct Carriers<'a, S: Scalar> {
     pub coordinates: &'a Coordinates<S>,
     /// The plane that the air does not cross.
     pub ground: Option<Ground<S>>,
+    /// Acceleration of gravity, m/s2 in B.
+    pub gravity: Vec3<S>,
 }
 
 impl<'a, S: Scalar> Carriers<'a, S> {
     /// Room for them, which is large and so filled in place.
     #[inline(always)]
     pub fn none(coordinates: &'a Coordinates<S>) -> Self {
-        Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates, ground: None }
+        Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates, ground: None, gravity: Vec3::ZERO }
     }
 
-    /// Takes the body and the links `carriers`, in air that accelerates by `wind_dot` (m/s2, B).
+    /// Takes the body and the links `carriers`, in air that accelerates by `wind_dot`, under `gravity` (m/s2, B).
     #[inline(always)]
     pub fn follow(
         &mut self,
         base: &LinkMotion<S>,
         carriers: &[usize],
         links: &[LinkMotion<S>],
-        wind_dot: Vec3<S>,
+        [wind_dot, gravity]: [Vec3<S>; 2],
     ) {
+        self.gravity = gravity;
         self.base.follow(base, wind_dot);
         append_copies(&mut self.links, Carrier::ZERO, carriers.len());
         for i in 0..carriers.len() {
@@ -193,6 +196,9 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     }
     fn ground(&self) -> Option<Ground<S>> {
         self.carriers.ground
+    }
+    fn gravity(&self) -> Vec3<S> {
+        self.carriers.gravity
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
         let field = self.carriers.coordinates.field(coordinate, self.sections[i].link);

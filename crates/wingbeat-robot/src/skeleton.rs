@@ -4,7 +4,7 @@ use super::Robot;
 use super::dynamics::Evaluation;
 use super::sections::SurfaceSection;
 use crate::body::{JointKind, LinkMotion};
-use wingbeat_aero::{Surface, flap_points, membrane_points};
+use wingbeat_aero::{Surface, flap_hinge, flap_points, membrane_points};
 use wingbeat_math::{Mat3, Vec3};
 use wingbeat_ocp::plant::Fault;
 
@@ -40,6 +40,8 @@ pub struct Outline {
     pub covered: Vec<bool>,
     /// Of a membrane or a flap the points of each rib at [`MEMBRANE_DRAWN`](wingbeat_aero::MEMBRANE_DRAWN), likewise; none of a rigid surface.
     pub raised: Vec<[Vec3; 3]>,
+    /// Which of these points is the hinge of a flap.
+    pub hinge: Option<usize>,
 }
 
 /// The robot at one instant, in B.
@@ -91,7 +93,8 @@ impl Robot {
                 let heights = aero.membrane().map(|membrane| membrane.camber_of(states));
                 heights.map_or_else(Vec::new, |heights| membrane_points(&ribs, &laid.stations, aero, heights))
             });
-            Outline { name: laid.name.clone(), ribs, covered: laid.covered.clone(), raised }
+            let hinge = self.covering.aero.surfaces().get(k).and_then(|surface| flap_hinge(surface.aero()));
+            Outline { name: laid.name.clone(), ribs, covered: laid.covered.clone(), raised, hinge }
         };
         Ok(Skeleton {
             links: (0..tree.links()).map(place).collect(),

@@ -94,7 +94,7 @@ impl Robot {
         let (base, links) = self.moving_at(at)?;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
-        carriers.follow(&base, &self.carriers, &links, Vec3::ZERO);
+        carriers.follow(&base, &self.carriers, &links, [Vec3::ZERO; 2]);
         let placement = &self.covering.laid[surface].placement;
         let sections: Vec<SurfaceSection> =
             arcs.iter().map(|s| placement.section(*s, &self.carriers)).collect();

@@ -8,7 +8,7 @@ const STEPS: usize = 30;
 /// Reflections that are tried. *Choice.*
 const TRIES: usize = 4;
 
-/// Eigenvalues of a square matrix, in no order; none where an entry is not finite or the iteration does not end.
+/// Eigenvalues of a square matrix, in no order and in the unit of its entries; none where an entry is not finite or the iteration does not end.
 ///
 /// The double shift of Francis turns in circles on some matrices: on those with rows of very unlike size, such as of a soft sheet beside a
 /// stiff spar, which a balanced one mends (Parlett & Reinsch 1969), and on cyclic permutations. With a reflection H = I - 2 v v' the matrix

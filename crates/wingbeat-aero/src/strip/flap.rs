@@ -87,7 +87,7 @@ impl<P: Scalar> StripModel<P> {
         hinges.on.iter().enumerate().map(mass).collect()
     }
 
-    /// Largest angle by which its weight would turn the flap of a strip, m g r/k, rad; none without a flap.
+    /// Largest angle by which its weight would turn the flap of a strip against its spring, m g r/k, rad; none without a flap.
     pub fn flap_sag(&self) -> Option<f64> {
         let (hinges, flap) = (self.hinges.as_ref()?, self.numbers.flap.as_ref()?);
         let sag = |(i, _): (usize, &bool)| {
@@ -131,6 +131,17 @@ impl<P: Scalar> StripModel<P> {
         let (Some(hinges), Some(flap)) = (&self.hinges, &self.numbers.flap) else { return P::ZERO };
         let length = self.tables.chord[i] * hinges.fraction;
         flap.areal_density * length * length * (self.grid.width[i] * 0.5)
+    }
+
+    /// Weight of the flap of strip `i` times its arm, N m, along the normal, the chord and across.
+    fn flap_weight<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        flow: &StripFlow<K, G, N>,
+    ) -> [G; 3] {
+        let strips = &flow.strips;
+        let axes = [strips.normal.get(i), strips.chordwise.get(i), strips.across.get(i)];
+        axes.map(|axis| axis.dot_over(flow.gravity) * self.flap_moment(i))
     }
 
     /// The flaps in the state `x`: beta' = (p - m_w w - m_q q)/m_b, w the wash of the chord at its middle.
@@ -213,10 +224,10 @@ impl<P: Scalar> StripModel<P> {
 
     /// Rates of the flaps under the circulation that the `lift_wash` makes, and what they do to the strips: washes at the edge and couples of
     /// `camber`, whose `slope` holds impulses (N s) and their rates (N). The moments of circulation and vortex come with the lift; a plate in
-    /// separated flow presses evenly.
+    /// separated flow presses evenly. The weight of a turned flap has the couple -S beta n x g besides.
     ///
     /// Equation: aero.flap_hinge
-    /// `p' = -k (beta - beta_0) - k tau beta' + S (turn of the normal in the air) + rho b^3 dy f [(2 T9 + T4/2) q + T4 T11/(2 pi) beta'] V -
+    /// `p' = -k (beta - beta_0) - k tau beta' + S (turn of the normal in the air - n.g) + rho b^3 dy f [(2 T9 + T4/2) q + T4 T11/(2 pi) beta'] V -
     /// rho b^2 dy V^2 (T5 - T4 T10)/pi beta - (L + F_vortex) b T12/(2 pi) - F_plate b (1 - c)^2/4`
     /// Source: Theodorsen 1935, NACA Rep. 496; even pressure of the plate a choice, as in aero.camber_load.
     /// Test: `a_flap_at_rest_turns_and_lifts_as_glauert_says`.
@@ -256,7 +267,8 @@ impl<P: Scalar> StripModel<P> {
             let moment = (flap.rate * of.damped[0] + of_air) * passing
                 - pressed * flap.angle * of.held
                 - self.borne(i, &flow.strips, [attached[i], lift_wash[i]], vortices.map(|v| v[i])) * b;
-            let turned = flow.strips.turning(i) * self.flap_moment(i);
+            let weight = self.flap_weight(i, flow);
+            let turned = flow.strips.turning(i) * self.flap_moment(i) - weight[0];
             let rate = moment - bent - damped + turned;
             let strips = &flow.strips;
             let known = strips.wash_half_rate[i] * masses.heave + strips.pitch_rate[i] * masses.pitch;
@@ -268,7 +280,8 @@ impl<P: Scalar> StripModel<P> {
             camber.slope[1][i] = speeding * masses.heave + flap.rate * (wind * (carried * of.impulse));
             let turning = flap.rate * (passing * of.couple[1]);
             let bending = pressed * flap.angle * of.couple[0];
-            camber.couple[i] = -(speeding * masses.pitch + turning + bending);
+            camber.couple[i] = -(speeding * masses.pitch + turning + bending + flap.angle * weight[1]);
+            camber.about_chord[i] = flap.angle * weight[2];
         }
     }
 
@@ -363,9 +376,11 @@ impl<P: Scalar> StripModel<P> {
             let (stiffness, bent) = (spring.stiffness * self.grid.width[i], flap.angle - spring.rest);
             loads.flap[first + i] = flap.angle;
             let (work, lost) = (&mut loads.membrane, flap.rate.squared() * (stiffness * spring.damping));
-            // Loads and inertia together balance the spring.
-            work.given += bent * flap.rate * stiffness + lost;
-            work.stored += bent.squared() * (stiffness * 0.5);
+            // Loads and inertia together balance spring and weight.
+            let [lift, _, _] = self.flap_weight(i, flow);
+            let lifting = flow.strips.normal_rate.get(i).dot(flow.gravity) * self.flap_moment(i);
+            work.given += bent * flap.rate * stiffness + lost + flap.rate * lift + flap.angle * lifting;
+            work.stored += bent.squared() * (stiffness * 0.5) + flap.angle * lift;
             work.lost += lost;
             let momentum = flap.rate * self.flap_moment(i);
             work.momentum -= flow.strips.normal.get(i).times(momentum);

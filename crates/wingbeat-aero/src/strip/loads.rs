@@ -335,6 +335,7 @@ impl<P: Scalar> StripModel<P> {
             && (self.settings.section.section_moment || self.hinges.is_some())
         {
             force.nose_up += camber.couple[i];
+            force.about_chord += camber.about_chord[i];
         }
         force
     }

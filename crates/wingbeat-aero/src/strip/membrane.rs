@@ -29,6 +29,8 @@ pub(super) struct Camber<'x, S: Scalar, const N: usize> {
     pub of_chord: Shapes<&'x [S]>,
     /// Nose-up couple about the quarter chord, N m.
     pub couple: ArrayVec<S, N>,
+    /// Couple of the weight of a flap about the chord, N m.
+    pub about_chord: ArrayVec<S, N>,
     /// Lift wash without what the slopes add: the wash of the flat chord, m/s.
     pub flat: ArrayVec<S, N>,
     /// What the slope at the leading edge takes of that wash there, m/s.
@@ -44,9 +46,9 @@ pub(super) struct Camber<'x, S: Scalar, const N: usize> {
 impl<S: Scalar, const N: usize> Camber<'_, S, N> {
     /// Fills the columns with zeros of `count` lanes.
     pub fn open(&mut self, count: usize) {
-        let Self { couple, flat, nose, followed, slope, .. } = self;
+        let Self { couple, about_chord, flat, nose, followed, slope, .. } = self;
         let moving = followed.iter_mut().chain(slope.iter_mut());
-        for column in [couple, flat, nose].into_iter().chain(moving) {
+        for column in [couple, about_chord, flat, nose].into_iter().chain(moving) {
             append_copies(column, S::ZERO, count);
         }
     }
@@ -55,8 +57,17 @@ impl<S: Scalar, const N: usize> Camber<'_, S, N> {
     #[inline(always)]
     pub fn none() -> Self {
         let empty = || [ArrayVec::new(), ArrayVec::new()];
-        let ([couple, flat], [nose, _]) = (empty(), empty());
-        Self { of_chord: [&[]; MODES], couple, flat, nose, followed: empty(), slope: empty(), given: None }
+        let ([couple, flat], [nose, about_chord]) = (empty(), empty());
+        Self {
+            of_chord: [&[]; MODES],
+            couple,
+            about_chord,
+            flat,
+            nose,
+            followed: empty(),
+            slope: empty(),
+            given: None,
+        }
     }
 }
 

@@ -82,6 +82,8 @@ struct StripFlow<K: Scalar, S: Scalar, const N: usize> {
     added_mass: [[K; 6]; 6],
     /// How much sooner the wash of the wakes comes than on the flat wing.
     sooner: K,
+    /// Acceleration of gravity that turns flaps, m/s2 in B; not written without one.
+    gravity: Vec3<S>,
 }
 
 /// Where an evaluation writes what the strips know of the air. A thread keeps it, so that it is not set to zero each time: each
@@ -463,6 +465,7 @@ impl<P: Scalar> StripModel<P> {
         flow.unit_left = multiply(&flow.relief, &[K::ONE; N], n);
         self.carry_air(flow);
         if self.hinges.is_some() {
+            flow.gravity = sections.gravity();
             self.relieve(flow);
         }
     }
@@ -502,6 +505,7 @@ impl<K: Scalar, S: Over<K>, const N: usize> StripFlow<K, S, N> {
             impulse_rate: zero,
             added_mass: [[K::ZERO; 6]; 6],
             sooner: K::ONE,
+            gravity: Vec3::ZERO,
         }
     };
 }

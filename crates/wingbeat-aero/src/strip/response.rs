@@ -390,7 +390,7 @@ impl<P: Scalar> StripModel<P> {
             self.turn_flaps((flow, flaps), [&attached, &lift_wash], x, dx, camber);
         }
         let bulging = skin.map(|skin| {
-            let Camber { of_chord, couple, flat, nose, followed, slope, given } = &mut *camber;
+            let Camber { of_chord, couple, flat, nose, followed, slope, given, .. } = &mut *camber;
             *of_chord = self.cambers(x);
             let washes = [&mut wash, &mut lift_wash, &mut flat[..], &mut nose[..], &mut couple[..]];
             let moving = [followed, slope].map(|of| of.each_mut().map(|column| &mut column[..]));

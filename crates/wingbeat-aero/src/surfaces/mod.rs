@@ -278,6 +278,11 @@ impl<P: Scalar> Surfaces<P> {
         self.surfaces.iter().any(|surface| surface.aero.follows_impulse())
     }
 
+    /// Whether a surface has a flap.
+    pub fn have_flaps(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.aero.flap().is_some())
+    }
+
     /// Whether [`settle`](Self::settle) sets states.
     pub fn settles(&self) -> bool {
         self.surfaces.iter().any(|surface| surface.aero.settles())
@@ -314,14 +319,30 @@ impl<P: Scalar> Surfaces<P> {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        if let ([only], false) = (&self.surfaces[..], self.grounded) {
-            return only.aero.evaluate(sections, wind, x, dx, loads);
-        }
+        self.evaluate_under((ground, Vec3::ZERO), sections, wind, x, dx, loads);
+    }
+
+    /// The same under gravity (m/s2, B), which flaps feel.
+    pub fn evaluate_under<S: Scalar + Meets<P>>(
+        &self,
+        (ground, gravity): (Option<Ground<S>>, Vec3<S>),
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
         loads.clear();
+        let sections = HeavySections { all: sections, gravity };
+        if let ([only], false) = (&self.surfaces[..], self.grounded) {
+            (loads.wrench, loads.added_mass) = only.aero.append(&sections, wind, x, dx, None, loads);
+            return;
+        }
         let vortices = self.vortices(&sections, wind, x, ground);
         let mut sum = Sum::ZERO;
         for surface in &self.surfaces {
-            let (own, states) = (&sections[surface.sections()], surface.states());
+            let own = Following { all: &sections, first: surface.sections.start };
+            let states = surface.states();
             let (dx, arriving) = dx.split_at_mut(self.own_states());
             let others = self.others(surface, &vortices, x, arriving);
             sum.add(surface.aero.append(&own, wind, &x[states.clone()], &mut dx[states], others, loads));
@@ -456,6 +477,21 @@ impl Surfaces {
     }
 }
 
+/// Sections under gravity, m/s2 in B.
+struct HeavySections<'a, S: Scalar> {
+    all: &'a [SectionMotion<S>],
+    gravity: Vec3<S>,
+}
+
+impl<S: Scalar> Sections<S> for HeavySections<'_, S> {
+    fn section(&self, i: usize) -> SectionMotion<S> {
+        self.all[i]
+    }
+    fn gravity(&self) -> Vec3<S> {
+        self.gravity
+    }
+}
+
 /// The sections of all surfaces from one on.
 struct Following<'a, T: ?Sized> {
     all: &'a T,
@@ -472,6 +508,9 @@ impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
     }
     fn ground(&self) -> Option<Ground<S>> {
         self.all.ground()
+    }
+    fn gravity(&self) -> Vec3<S> {
+        self.all.gravity()
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
         self.all.field(self.first + i, coordinate)

@@ -108,7 +108,7 @@ impl Drawing {
         self.labels.push((place(robot.center_of_mass), "centre of mass of all".into()));
     }
 
-    /// A surface: its panels, edges and ribs, left and right in the colours of the sides.
+    /// A surface: its panels, edges and ribs, and the hinge line of a flap, left and right in the colours of the sides.
     pub fn outline(&mut self, outline: &wingbeat::robot::Outline, at: &Pose) {
         let edge = |p: Vec3| at.point(p).0;
         let count = outline.covered.len();
@@ -119,8 +119,16 @@ impl Drawing {
             let (_, side) = style::SIDES[usize::from(2 * i >= count)];
             let [[a, b], [c, d]] = [pair[0].map(edge), pair[1].map(edge)];
             let colour = style::colour(side);
-            self.areas.push((vec![a, c, d, b], colour, 0.35));
-            for line in [vec![a, c], vec![b, d], vec![a, b], vec![c, d]] {
+            let hinge = outline.hinge.map(|k| [i, i + 1].map(|rib| edge(outline.raised[rib][k])));
+            let (areas, [left, right]) = match hinge {
+                Some([h, k]) => {
+                    self.lines.push((vec![h, k], LineLook::line(colour, 0.9)));
+                    (vec![vec![a, c, k, h], vec![h, k, d, b]], [vec![a, h, b], vec![c, k, d]])
+                }
+                None => (vec![vec![a, c, d, b]], [vec![a, b], vec![c, d]]),
+            };
+            self.areas.extend(areas.into_iter().map(|area| (area, colour, 0.35)));
+            for line in [vec![a, c], vec![b, d], left, right] {
                 self.lines.push((line, LineLook::line(colour, 0.9)));
             }
         }

@@ -1,7 +1,7 @@
 //! The wing as a drawing needs it.
 
 use super::{Bent, Tether};
-use wingbeat_aero::membrane_points;
+use wingbeat_aero::{flap_hinge, flap_points, membrane_points};
 use wingbeat_math::{Jet, Vec3, Wrench};
 use wingbeat_robot::Outline;
 
@@ -12,6 +12,8 @@ pub struct Shape<'a> {
     pub spar: &'a [f64],
     /// Heights of its membrane over the chord, strip by strip; nothing of a rigid one.
     pub heights: [&'a [f64]; 2],
+    /// Angles of its flap, strip by strip, rad; nothing without one.
+    pub flaps: &'a [f64],
 }
 
 impl Tether {
@@ -37,14 +39,16 @@ impl Tether {
         let bent = Bent { q: [shape.spar.to_vec(), still.clone(), still], root: Wrench::ZERO };
         let bent = (!shape.spar.is_empty()).then_some(&bent);
         let sections = self.sections_at(arcs, &body, &angles, bent);
-        let ribs: Vec<[Vec3; 2]> = sections.iter().map(|section| [section.le, section.te]).collect();
+        let mut ribs: Vec<[Vec3; 2]> = sections.iter().map(|section| [section.le, section.te]).collect();
         let planform = self.wing.planform();
         let there = |arc: f64| planform.covers(arc) && (arc == 0.0 || self.side.holds(arc.signum()));
         let covered = arcs.windows(2).map(|pair| there(0.5 * (pair[0] + pair[1]))).collect();
         let raised = match shape.heights[0] {
-            [] => Vec::new(),
+            [] if shape.flaps.is_empty() => Vec::new(),
+            [] => flap_points(&mut ribs, arcs, &self.aero, shape.flaps),
             _ => membrane_points(&ribs, arcs, &self.aero, shape.heights),
         };
-        Outline { name: "wing".into(), ribs, covered, raised }
+        let hinge = flap_hinge(&self.aero).filter(|_| !raised.is_empty());
+        Outline { name: "wing".into(), ribs, covered, raised, hinge }
     }
 }

@@ -10,12 +10,15 @@ pub const ANGLE: JudgedLimit = JudgedLimit::warn_above("flap.angle_deg", 15.0, "
 /// A flap that leaves thin-aerofoil theory.
 pub const BEYOND_ANGLE: JudgedLimit =
     JudgedLimit::at_most("flap.angle_outside_deg", 40.0, "deg", Outside).on("largest angle of a flap");
-/// Weight of a flap, which turns no flap here.
-pub const WEIGHT: JudgedLimit = JudgedLimit::warn_above("flap.weight_fraction", 0.1, "")
-    .on("gravity does not turn a flap here: angle by its weight over its largest angle");
+/// What is left out of the weight of a flap: in a robot its moment along the chord, on a tether all of it.
+pub const WEIGHT: JudgedLimit = JudgedLimit::warn_above("flap.weight_fraction", 0.1, "").on(WEIGHT_SHARE);
+/// Weight left out that turns a flap as much as what is known of it: its angle has no error bound then.
+pub const BEYOND_WEIGHT: JudgedLimit =
+    JudgedLimit::at_most("flap.weight_outside_fraction", 1.0, "", Outside).on(WEIGHT_SHARE);
+const WEIGHT_SHARE: &str = "weight of a flap that is left out over what its spring bears: in a robot along its chord, on a tether all of it,";
 /// A flap cannot be heavier than the link whose mass holds its own.
 pub const MASS: JudgedLimit = JudgedLimit::at_most("flap.mass_fraction", 1.0, "", Outside)
     .on("the masses of links hold those of flaps: largest mass of a flap on a link over that of the link");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 4] = [ANGLE, BEYOND_ANGLE, WEIGHT, MASS];
+pub const ALL: [JudgedLimit; 5] = [ANGLE, BEYOND_ANGLE, WEIGHT, BEYOND_WEIGHT, MASS];

@@ -94,15 +94,15 @@ class Motion {
     this.p = this.at(this.position);
   }
   at(track) { const { i, j, s } = this; return [0, 1, 2].map(k => track[k][i] + s * (track[k][j] - track[k][i])); }
-  // Points along a rib from the leading to the trailing edge, those of a membrane `size` times as high above its chord as they are.
+  // Points along a rib from the leading to the trailing edge, those of a membrane, not of a flap, `size` times as high above its chord as they are.
   along(surface, k, size) {
     const [a, b] = surface.ribs[k].map(edge => this.at(edge)), points = surface.raised ? surface.raised[k] : [];
-    return [a, ...points.map((p, n) => { const flat = mixed(a, b, (n + 1) / (points.length + 1)); return mixed(flat, this.at(p), size); }), b];
+    return [a, ...points.map((p, n) => { const flat = mixed(a, b, (n + 1) / (points.length + 1)); return mixed(flat, this.at(p), surface.hinge ? 1 : size); }), b];
   }
   // Largest height of a membrane over the chord, of a rib in the middle and of any frame.
   camberMost() {
     let most = 0;
-    for (const s of this.surfaces) for (let k = 0; s.raised && k < s.ribs.length; k++) for (this.i = 0; this.i < this.n; this.i++) {
+    for (const s of this.surfaces) for (let k = 0; s.raised && !s.hinge && k < s.ribs.length; k++) for (this.i = 0; this.i < this.n; this.i++) {
       this.j = this.i; this.s = 0;
       const [a, b] = s.ribs[k].map(edge => this.at(edge)), chord = norm(sub(b, a));
       if (chord > 1e-3 * this.reach) most = Math.max(most, norm(sub(this.at(s.raised[k][1]), mixed(a, b, 0.5))) / chord);
@@ -176,6 +176,7 @@ function addRobot(scene, m, look, scale, floor, detailed, table) {
       }
       const dark = [paint[0] * 0.45, paint[1] * 0.45, paint[2] * 0.45, 1];
       scene.line(a, c, 2, dark); scene.line(b, d, 1, dark);
+      if (surface.hinge) scene.line(one[surface.hinge], next[surface.hinge], 1, dark);
       if (detailed) scene.line(a, b, 0.8, faded(dark, 0.6));
       if (floor !== undefined && [a, b, c, d].every(lit)) { const down = p => [p[0], p[1], floor]; scene.veil(down(a), down(c), down(d), down(b), [0, 0, 0, 0.28]); }
     }

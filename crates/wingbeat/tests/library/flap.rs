@@ -4,7 +4,7 @@ use super::mechanism::{FLAPPER, Preset, moving, robot};
 use std::f64::consts::PI;
 use wingbeat::aero::{
     Aero, FlapSpec, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, SectionSettings,
-    StripModel, StripSettings, flap_points,
+    StripModel, StripSettings, Surfaces, flap_hinge, flap_points,
 };
 use wingbeat::math::{GRAVITY, RK4, Vec3, Workspace};
 use wingbeat::plant::Plant;
@@ -157,6 +157,46 @@ fn a_flap_keeps_energy_and_momentum_with_its_wing() {
     assert!(lacking < 1e-7, "{lacking}");
 }
 
+/// Without air a flap hangs at m g r/k and pulls at its hinge with its weight aside; one that falls with its wing does not turn: the weight
+/// is what the same acceleration of the wing would ask.
+#[test]
+fn a_flap_hangs_by_its_weight_and_falls_with_its_wing() {
+    let model = wing(1e-12, LiftLaw::Linear, FlapSpec { damping_s: 0.3, ..spring() });
+    let (n, gravity) = (model.states(), Vec3([0.03, -0.05, -0.1]));
+    let at = model.channels().iter().position(|c| c.name == "flap_0").unwrap();
+    let still = sections(&model, 0.0, [0.0; 2]);
+    let aero = Surfaces::from(Aero::Strip(model.clone()));
+    let evaluate = |x: &[f64], dx: &mut [f64]| {
+        let mut loads = Loads::default();
+        aero.evaluate_under((None, gravity), &still, Vec3::ZERO, x, dx, &mut loads);
+        loads
+    };
+    let (mut x, mut dx) = (vec![0.0; n], vec![0.0; n]);
+    let (loads, m) = (evaluate(&x, &mut dx), evaluate(&x, &mut dx).added_mass);
+    for i in 0..6 {
+        let weight = if i < 3 { loads.wrench.force[i] } else { loads.wrench.moment[i - 3] };
+        let falling: f64 = (0..3).map(|c| m[i][c] * gravity[c]).sum();
+        assert!((weight - falling).abs() < 1e-12, "{i}: {weight} {falling}");
+    }
+    assert!(loads.wrench.force[2].abs() > 1e-3);
+    let rates = |_: f64, x: &[f64], dx: &mut [f64]| -> Result<(), std::convert::Infallible> {
+        evaluate(x, dx);
+        Ok(())
+    };
+    let mut work = Workspace::new(n, 4);
+    for k in 0..4000 {
+        RK4.step(rates, f64::from(k) * 5e-3, 5e-3, &mut x, &mut work).unwrap();
+    }
+    let loads = evaluate(&x, &mut dx);
+    let first = DENSITY * SHARE * SHARE / 2.0;
+    let sag = first * 0.1 / STIFFNESS;
+    assert!((x[at] / sag - 1.0).abs() < 1e-6, "{} {sag}", x[at]);
+    let area: f64 = model.widths().iter().sum();
+    let aside = Vec3([0.0, 0.0, -first * area * sag]).cross(gravity);
+    let Loads { wrench, .. } = loads;
+    assert!(wrench.force.norm() < 1e-9 && (wrench.moment - aside).norm() < 1e-8, "{wrench:?} {aside:?}");
+}
+
 /// Wings on hinges, one of which twists a strip whose edges ride on two links: by differences over small steps.
 #[test]
 fn links_and_flaps_of_a_flapper_account_for_momentum_and_energy() {
@@ -209,6 +249,7 @@ fn a_flap_is_drawn_where_it_stands() {
         assert!((rib[1] - turned).norm() < 1e-12, "{rib:?}");
         assert!((points[2] - Vec3([-0.25, y, 0.0])).norm() < 1e-12, "{points:?}");
     }
+    assert_eq!(flap_hinge(&aero), Some(2));
 }
 
 #[test]

@@ -52,6 +52,16 @@ fn a_membrane_is_as_thin_and_light_as_one() {
     assert!(seen > 0.01 && seen < 0.5, "{seen}");
 }
 
+/// The part of its weight that is left out would rule a flap without a spring.
+#[test]
+fn a_flap_without_a_spring_is_outside() {
+    use wingbeat::judge::Status;
+    let free = ["robot.surfaces[0].flap.stiffness_n_rad=0".into(), "flight.duration_s=0.02".into()];
+    let run = shipped("flap_glide", &free).fly(|_| std::ops::ControlFlow::Continue(())).unwrap();
+    let told = run.summary.reason.clone().unwrap_or_default();
+    assert!(run.summary.status == Status::Outside && told.contains("flap.weight_outside_fraction"), "{told}");
+}
+
 /// A turn on wings that bend and twist, about its orbits and by a plan whose intervals resolve the bending.
 #[test]
 #[ignore = "long: cargo xtask long tests"]
