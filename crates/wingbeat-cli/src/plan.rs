@@ -34,15 +34,18 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
         interrupt.patient();
         match step {
             Progress::Iteration(iteration) => bar.set_message(iteration.to_string()),
-            Progress::Pass(pass) => bar.println(format!(
-                "mesh {} of {} intervals: {} after {} iterations, objective {:.6}, error {:.1e}",
-                pass.number + 1,
-                pass.intervals,
-                pass.status,
-                pass.iterations,
-                pass.objective,
-                pass.error
-            )),
+            Progress::Pass(pass) => progress::line(
+                &bar,
+                &format!(
+                    "mesh {} of {} intervals: {} after {} iterations, objective {:.6}, error {:.1e}",
+                    pass.number + 1,
+                    pass.intervals,
+                    pass.status,
+                    pass.iterations,
+                    pass.objective,
+                    pass.error
+                ),
+            ),
         }
         interrupt.flow()
     });
@@ -86,7 +89,7 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
 
 fn iterations(quiet: bool) -> ProgressBar {
     let bar = progress::bar(None, "{spinner} {msg}", quiet);
-    bar.println(Iteration::HEADING);
+    progress::line(&bar, Iteration::HEADING);
     bar
 }
 

@@ -5,12 +5,15 @@ use wingbeat_aero::Aero;
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::flap::{ANGLE, BEYOND_ANGLE, BEYOND_WEIGHT, WEIGHT};
 
+/// Angle of a flap, rad, beside which a sag that is left out is held where the flap turns by less: 5 deg, half of what is small. *Choice.*
+const SMALL: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
 /// Flaps of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FlapSummary {
     /// Largest angle, deg.
     pub angle_max_deg: f64,
-    /// Weight of a flap that is left out over what its spring bears: of a robot m g r/k, along the chord; on a tether that over the largest angle.
+    /// Weight of a flap that is left out over what its spring bears: of a robot m g r/k, along the chord; on a tether that over the largest angle or 5 deg.
     pub weight_fraction: f64,
 }
 
@@ -26,7 +29,7 @@ impl FlapSummary {
     pub fn tethered(aero: &Aero, angles: impl Iterator<Item = f64>) -> Option<Self> {
         let all = Self::of(aero, angles)?;
         let sag = all.weight_fraction;
-        let weight_fraction = if sag == 0.0 { 0.0 } else { sag / all.angle_max_deg.to_radians() };
+        let weight_fraction = sag / all.angle_max_deg.to_radians().max(SMALL);
         Some(Self { weight_fraction, ..all })
     }
 

@@ -250,9 +250,14 @@ impl TetherCase {
         // Cycles of another frequency are none.
         if !found.iter().any(|finding| finding.id == "data.frequency") {
             let of = |kind: &str, ours: &str| cycle.values(&format!("{kind}_{ours}")).unwrap_or_default();
+            let sampled = |(ours, _): &(String, String)| {
+                let sampled = if is_sparse(phase) { as_sampled(run.last_cycle(ours)?, phase) } else { None };
+                Some(sampled.unwrap_or_else(|| of("computed", ours).to_vec()))
+            };
+            let all: Vec<Vec<f64>> = channels.iter().map(|pair| sampled(pair).unwrap_or_default()).collect();
             let mut pairs = Vec::new();
-            for (ours, theirs) in channels {
-                let (measured, computed) = (of("measured", ours), of("computed", ours));
+            for ((ours, theirs), computed) in channels.iter().zip(&all) {
+                let measured = of("measured", ours);
                 pairs.push(CyclePair { name: theirs, unit: unit(ours), measured, computed });
             }
             let beside = compared(MEASURED, &pairs, &self.limits).into_iter();
@@ -262,6 +267,23 @@ impl TetherCase {
         found.into_iter().map(mended_in_compare).collect()
     }
 }
+
+/// Whether samples at these phases (cycles) are so few of a cycle that its harmonics turn into one another.
+fn is_sparse(phase: &[f64]) -> bool {
+    let cycles = phase.last().zip(phase.first()).map_or(0.0, |(last, first)| last - first);
+    (phase.len() as f64) < SPARSE * cycles
+}
+
+/// The mean cycle that samples at these phases (cycles) show of a computed one: as what is measured, so that both have the same
+/// harmonics.
+fn as_sampled(computed: &[f64], phase: &[f64]) -> Option<Vec<f64>> {
+    let curve = smooth(computed).ok()?;
+    let samples: Vec<f64> = phase.iter().map(|phase| curve.at(*phase).x).collect();
+    Some(cycle_of(phase, &samples).ok()?.mean)
+}
+
+/// Samples of a cycle below which it counts as sparse. *Choice*: loads of flapping wings have 20 harmonics at most.
+const SPARSE: f64 = 40.0;
 
 /// What findings call the file of a comparison.
 const MEASURED: &str = "the measured file";

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 /// Time between two lines where stderr is no terminal: a log of an hour has 120. *Choice.*
 const PACE: Duration = Duration::from_secs(30);
 
-/// A bar of `length` steps, or one without an end, on stderr; hidden when `quiet`. Where stderr is no terminal it is a line every half
-/// minute.
+/// A bar of `length` steps, or one without an end, on stderr; hidden when `quiet`. Where stderr is no terminal it is a line at most every
+/// half minute, as it moves.
 pub fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::with_draw_target(length, target(quiet)).with_style(style)
@@ -24,7 +24,14 @@ pub fn target(quiet: bool) -> ProgressDrawTarget {
     }
 }
 
-/// What takes a bar's lines to a log: the newest of each [`PACE`].
+/// Writes a line above a bar, at once; none above a hidden one. An stderr that is closed takes none.
+pub fn line(bar: &ProgressBar, text: &str) {
+    if !bar.is_hidden() {
+        let _ = bar.suspend(|| writeln!(io::stderr(), "{text}"));
+    }
+}
+
+/// What takes the lines of bars to a log: the first that is drawn after each [`PACE`].
 #[derive(Debug)]
 struct LogLines {
     /// When the last line was written.
@@ -34,6 +41,16 @@ struct LogLines {
 impl LogLines {
     fn new() -> Self {
         Self { last: Mutex::new(Instant::now()) }
+    }
+
+    /// Whether the last line is older than `pace`; then there is one now.
+    fn is_due(&self, pace: Duration) -> bool {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let due = last.elapsed() >= pace;
+        if due {
+            *last = Instant::now();
+        }
+        due
     }
 }
 
@@ -63,13 +80,8 @@ impl TermLike for LogLines {
     }
 
     fn write_str(&self, text: &str) -> io::Result<()> {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let line = text.trim_end();
-        if line.is_empty() || last.elapsed() < PACE {
-            return Ok(());
-        }
-        *last = Instant::now();
-        writeln!(io::stderr(), "{line}")
+        if line.is_empty() || !self.is_due(PACE) { Ok(()) } else { writeln!(io::stderr(), "{line}") }
     }
 
     fn clear_line(&self) -> io::Result<()> {
@@ -78,5 +90,20 @@ impl TermLike for LogLines {
 
     fn flush(&self) -> io::Result<()> {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_has_a_line_for_each_pace() {
+        let lines = LogLines::new();
+        assert!(!lines.is_due(PACE));
+        let pace = Duration::from_millis(20);
+        std::thread::sleep(pace);
+        assert!(lines.is_due(pace));
+        assert!(!lines.is_due(PACE));
     }
 }

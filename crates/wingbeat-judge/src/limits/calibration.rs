@@ -38,7 +38,7 @@ pub const COLOURED: JudgedLimit = JudgedLimit::warn_above("calibration.residual_
 /// Power of the residuals of a channel, its sign the other one, over that which the fit leaves, least of the channels that are missed
 /// beyond the noise. Models whose drag is wrong by half keep its sign: they have 2 and more.
 pub const REVERSED: JudgedLimit = JudgedLimit::warn_below("calibration.reversed_fraction", 0.25, "")
-    .on("a channel is met better with its sign reversed: power of its residuals, its sign the other one, over that which is left");
+    .on("a channel is met better with its sign reversed: power of its residuals with the sign reversed over that which is left");
 /// Parameters that the fit found: without any, the fit says nothing.
 pub const IDENTIFIED: JudgedLimit =
     JudgedLimit::at_least("calibration.identified_fraction", 1e-3, "", OffTarget)
