@@ -484,7 +484,7 @@ impl Scenario {
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
         let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
-        summary.warnings.extend(unheard::turning_impulse(self.spec.flown_aero(), surfaces));
+        summary.warnings.extend(unheard::strip_keys(self.spec.flown_aero(), surfaces));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
         summary.warnings.extend(self.spec.near_ground(summary.ground_distance_m));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })

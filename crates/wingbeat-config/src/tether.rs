@@ -6,7 +6,7 @@ use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::unheard::turning_impulse;
+use super::unheard::strip_keys;
 use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -183,7 +183,12 @@ impl TetherCase {
                 judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
             }
             judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
-            judge.hold_if(&tether::FLUTTER, run.steady.as_ref().and_then(|steady| self.growth(steady)));
+            let growth = run.steady.as_ref().and_then(|steady| self.growth(steady));
+            if growth.is_some_and(|growth| !growth.is_finite()) {
+                let text = "no growth of small disturbances of the wing at rest in the wind was found: it may flutter or diverge";
+                judge.find(Status::NotResolved, text);
+            }
+            judge.hold_if(&tether::FLUTTER, growth.filter(|growth| growth.is_finite()));
             let spar = self.spec.spar.as_ref();
             let planform = self.tether.wing.planform();
             judge.hold_if(&tether::MASSLESS, spar.map(|spar| spar.least_mass(planform)));
@@ -212,7 +217,7 @@ impl TetherCase {
             .chain(repeating(run, self.tether.clock.frequency_hz))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
-            .chain(turning_impulse(&self.spec.aero, [&self.tether.aero]))
+            .chain(strip_keys(&self.spec.aero, [&self.tether.aero]))
             .chain(run.steady.iter().flat_map(|steady| {
                 let still = self.tether.motion.is_still();
                 SparSummary::of(steady).warnings(&self.spec.time, still)
@@ -226,11 +231,12 @@ impl TetherCase {
         judge.verdict()
     }
 
-    /// Growth rate of small disturbances of a wing that is held still over the lowest angular frequency of its spar.
+    /// Growth rate of small disturbances of a wing that is held still over the lowest angular frequency of its spar; not finite where the
+    /// eigenvalues were not found.
     fn growth(&self, steady: &Steady) -> Option<f64> {
         let [growth, _] = steady.least_damped;
         let lowest = std::f64::consts::TAU * steady.frequencies_hz.first()?;
-        (steady.found && growth.is_finite() && self.tether.motion.is_still()).then(|| growth / lowest)
+        (steady.found && self.tether.motion.is_still()).then(|| growth / lowest)
     }
 
     /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a

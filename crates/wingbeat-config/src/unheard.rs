@@ -1,20 +1,28 @@
 //! What a run says of keys that none of its models hears.
 
-use super::spec::AeroSpec;
+use super::spec::{AeroSpec, FullAeroSpec};
 use wingbeat_aero::{Aero, Preset};
 use wingbeat_judge::Warning;
 
-/// The key whose term the strip model alone has.
-const TURNING_IMPULSE: &str = "aero.full.turning_impulse";
+/// A key whose term the strip model alone has, the value that is not the default, and whether settings have it.
+type StripKey = (&'static str, bool, fn(&FullAeroSpec) -> bool);
 
-/// The warning that `aero` leaves out the turning impulse and none of `models` is the strip model of preset `full`.
-pub(super) fn turning_impulse<'a>(
+/// All of them.
+const STRIP_KEYS: [StripKey; 2] = [
+    ("aero.full.turning_impulse", false, |full| full.turning_impulse),
+    ("aero.full.side_edges", true, |full| full.side_edges),
+];
+
+/// The warnings that `aero` changes a term and none of `models` is the strip model of preset `full`.
+pub(super) fn strip_keys<'a>(
     aero: &AeroSpec,
     models: impl IntoIterator<Item = &'a Aero>,
-) -> Option<Warning> {
+) -> impl Iterator<Item = Warning> + use<'a> {
     let presets: Vec<Preset> = models.into_iter().map(Aero::preset).collect();
-    let deaf = !aero.full.turning_impulse && !presets.contains(&Preset::Full);
-    let preset = presets.first().filter(|_| deaf)?.name();
-    let text = format!("{TURNING_IMPULSE} = false has no effect: preset `{preset}` lacks the term");
-    Some(Warning::new("aero.unheard", text).key(TURNING_IMPULSE))
+    let preset = presets.first().filter(|_| !presets.contains(&Preset::Full)).map(|preset| preset.name());
+    let changed = STRIP_KEYS.map(|(key, value, of)| (of(&aero.full) == value).then_some((key, value)));
+    changed.into_iter().flatten().filter_map(move |(key, value)| {
+        let text = format!("{key} = {value} has no effect: preset `{}` lacks the term", preset?);
+        Some(Warning::new("aero.unheard", text).key(key))
+    })
 }

@@ -71,7 +71,8 @@ impl<P: Scalar> StripModel<P> {
         };
         let load = |i: usize| {
             let carried = self.carried_air(i, flow, response) + self.turned_circulation(i, flow, response);
-            strips.wrench(i, forces.lift.at(i) + carried + forces.drag.at(i))
+            let force = forces.lift.at(i) + carried + forces.drag.at(i);
+            strips.wrench(i, self.side_edge(i, response).map_or(force, |edge| force + edge))
         };
         let total = if const { plain::<S>() } {
             let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
@@ -127,8 +128,9 @@ impl<P: Scalar> StripModel<P> {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
             let along_chord = wrench(plain.at(i));
+            let at_tip = self.side_edge(i, response).map_or(Wrench::ZERO, wrench);
             loads.strip[at] = StripLoads {
-                circulatory: along_chord + wrench(self.turned_circulation(i, flow, response)),
+                circulatory: along_chord + wrench(self.turned_circulation(i, flow, response)) + at_tip,
                 induced_drag: wrench(forces.lift.at(i)) + -along_chord,
                 added_mass: wrench(self.carried_air(i, flow, response)),
                 profile_drag: wrench(forces.drag.at(i)),
@@ -165,6 +167,7 @@ impl<P: Scalar> StripModel<P> {
         for (i, part) in detail.iter_mut().enumerate().take(self.settings.strips) {
             let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
             let vortex = response.edges.as_ref().map_or(S::ZERO, |e| self.vortex_force(i, response, e));
+            let vortex = self.side_edge(i, response).map_or(vortex, |edge| vortex + edge.normal);
             *part = ForceDetail {
                 suction: chordwise.times(plain.chordwise[i]),
                 vortex: normal.times(vortex),

@@ -19,6 +19,7 @@ mod motion;
 mod mutual;
 mod response;
 mod settings;
+mod side_edge;
 mod tables;
 
 pub use constants::Lags;

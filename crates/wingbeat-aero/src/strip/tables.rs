@@ -1,7 +1,7 @@
 //! What of each strip never changes, padded so that loops over lanes need no end.
 
 use super::grid::StripGrid;
-use super::{Lags, StripSettings};
+use super::{Lags, StripSettings, side_edge};
 use crate::{MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
 use arrayvec::ArrayVec;
 use std::f64::consts::PI;
@@ -39,6 +39,8 @@ pub(super) struct Tables<P: Scalar> {
     pub own_ring: StripConstants<P>,
     /// Circulatory force over wash and speed, rho dy a0 b cos(sweep), kg/m.
     pub lift_scale: StripConstants<P>,
+    /// Force of the vortex of a side edge over the square of the wash, kg/m: that of the two outermost strips.
+    pub side_edge: StripConstants<P>,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
     pub drag_scale: StripConstants<P>,
     /// Leading-edge suction over wash squared and `drag_scale`: a0 cos(sweep).
@@ -94,6 +96,9 @@ impl<P: Scalar> Tables<P> {
                 (chord[i] * PI * cos[i]).recip() + P::from(2.0) / (chord[i] * PI * cos34[i])
             }),
             lift_scale: scale(&|i| chord[i] * cos[i]).map(|scale| half_slope * scale),
+            side_edge: std::array::from_fn(|i| {
+                if i > last { P::ZERO } else { side_edge::scale(grid, i, numbers.density, half_slope * chord[i] * cos[i]) }
+            }),
             drag_scale: scale(&|i| chord[i] * 0.5),
             edge_slope: carried(&|i| cos[i]).map(|cosine| numbers.section_slope * cosine),
             share: std::array::from_fn(|i| {

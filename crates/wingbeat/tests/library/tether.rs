@@ -638,16 +638,18 @@ fn a_tethered_wing_feels_the_ground() {
 }
 
 #[test]
-fn a_preset_that_lacks_the_turning_impulse_says_so() {
-    let warned = |preset: &str, turns: bool| {
-        let set = [format!("aero.preset={preset}"), format!("aero.full.turning_impulse={turns}")];
+fn a_preset_that_lacks_a_term_of_the_strips_says_so() {
+    let warned = |preset: &str, key: &str| {
+        let set = [format!("aero.preset={preset}"), format!("aero.full.{key}")];
         let case = case("flap_f2", &set.each_ref().map(String::as_str));
         let run = case.tether.run(|_| ControlFlow::Continue(()));
         let summary = case.summary(&run, None, None);
         let found = summary.verdict.warnings.into_iter().find(|warning| warning.id == "aero.unheard");
         found.map(|warning| warning.text)
     };
-    let text = warned("paper", false).unwrap();
-    assert!(text.contains("aero.full.turning_impulse") && text.contains("`paper`"), "{text}");
-    assert_eq!([warned("paper", true), warned("full", false)], [None, None]);
+    for (key, [changed, default]) in [("turning_impulse", [false, true]), ("side_edges", [true, false])] {
+        let text = warned("paper", &format!("{key}={changed}")).unwrap();
+        assert!(text.contains(&format!("aero.full.{key} = {changed}")) && text.contains("`paper`"), "{text}");
+        assert_eq!([("paper", default), ("full", changed)].map(|(p, v)| warned(p, &format!("{key}={v}"))), [None, None]);
+    }
 }
