@@ -485,6 +485,8 @@ impl Scenario {
         summary.warnings.extend(fit::of_flown(&self.spec));
         let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
         summary.warnings.extend(unheard::strip_keys(self.spec.flown_aero(), surfaces));
+        let past_stall = summary.stall_fraction;
+        summary.warnings.extend(unheard::side_edges(self.spec.flown_aero(), past_stall));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
         summary.warnings.extend(self.spec.near_ground(summary.ground_distance_m));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })

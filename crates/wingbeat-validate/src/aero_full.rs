@@ -61,6 +61,7 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.yeo", quick: true, run: yeo::yeo },
     Case { id: "aero.plates", quick: true, run: plates::plates },
     Case { id: "aero.mancini", quick: true, run: plates::mancini },
+    Case { id: "aero.side_edges", quick: true, run: plates::side_edges },
     Case { id: "aero.scherer", quick: true, run: || mean::scherer(ComparedPreset::Full) },
     Case { id: "aero.uvlm_small_flap", quick: true, run: || flapping::lattice(ComparedPreset::Full) },
     Case { id: "aero.five_lags.slope", quick: true, run: || small::slope(ComparedPreset::FiveLags) },
@@ -109,6 +110,7 @@ pub struct SectionLaw {
     stall_angle_deg: f64,
     critical_suction: f64,
     drag: ProfileDrag,
+    side_edges: bool,
 }
 
 impl SectionLaw {
@@ -118,6 +120,7 @@ impl SectionLaw {
         stall_angle_deg: STALL_ANGLE.default,
         critical_suction: CRITICAL_SUCTION.default,
         drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+        side_edges: false,
     };
     /// A thin plate under law `lev`, as the laws have it by default.
     pub const PLATE: Self = Self {
@@ -138,6 +141,11 @@ impl SectionLaw {
     /// The same section under law `lev3d`.
     pub const fn lev3d(self) -> Self {
         Self { law: LiftLaw::Lev3d, ..self }
+    }
+
+    /// The same section with vortices above the side edges of the wing.
+    pub const fn with_side_edges(self) -> Self {
+        Self { side_edges: true, ..self }
     }
 
     /// The same section with the stall angle that follows from its critical suction: see [`stalling_at`](Self::stalling_at).
@@ -210,7 +218,7 @@ impl ComparedPreset {
         density: f64,
         least: f64,
     ) -> Result<Aero, Error> {
-        let SectionLaw { law, stall_angle_deg, critical_suction, drag } = section;
+        let SectionLaw { law, stall_angle_deg, critical_suction, drag, side_edges } = section;
         let stall_angle_rad = stall_angle_deg.to_radians();
         if self == Self::Paper {
             let settings = LiftingLineSettings {
@@ -234,6 +242,7 @@ impl ComparedPreset {
             hinge_arcs_m: hinges.to_vec(),
             regularisation_m_s: least,
             lags: if self == Self::Full { LagSet::Three } else { LagSet::Five },
+            side_edges,
             section: SectionSettings {
                 law,
                 stall_angle_rad,

@@ -5,17 +5,18 @@ use super::grid::StripGrid;
 use super::response::StripResponse;
 use crate::section::SectionForce;
 use std::f64::consts::PI;
-use wingbeat_math::{Meets, Over, Scalar};
+use wingbeat_math::{Meets, Scalar};
 
-/// Mean over the chord at a side edge of products of the shares of the circulation that lie ahead of a point, of the flat chord with
-/// itself, with a parabolic camber, and of the camber with itself. Of flat and evenly cambered rectangles by a vortex lattice, 10 x 80:
-/// 0.70 to 0.77, 0.20 to 0.31 and 0.26 to 0.27 at aspect ratios of 1 to 8; taken at 2. A long wing far from its tips has 0.615, 0.445 and
-/// 0.356: near a tip the load lies further ahead.
-const AHEAD: [f64; 3] = [0.72, 0.26, 0.26];
-/// The same products times the distance behind mid chord over the chord: there 0.06 to 0.08, 0.10 to 0.12 and 0.06 to 0.09.
-const BEHIND_MIDDLE: [f64; 3] = [0.07, 0.11, 0.07];
+/// Pull of a side edge over [`scale`] and products of the lift washes at the outermost strip: of the flat chord squared, twice the flat
+/// chord times a parabolic camber, camber squared. What of the circulation G lies ahead of a point of the chord makes them: mean((A/G)^2)
+/// is 0.615 of a flat section far from the tips and 0.72 beside them. *Fitted* to a vortex lattice of flat and evenly cambered rectangles
+/// (`validation/lifting_surface/side_edges.csv`), as strips have a G beside the tips that is an eighth larger: at aspect ratios of 1, 2, 4
+/// and 8 it has 0.61, 0.58, 0.57, 0.57 first, 0.22, 0.26, 0.28, 0.29 in the middle and 0.43, 0.35, 0.32, 0.31 last.
+const PULL: [f64; 3] = [0.575, 0.273, 0.33];
+/// The same times the distance behind mid chord over the chord: 0.045 to 0.049, 0.10 to 0.14, 0.088 to 0.090.
+const PULL_BEHIND: [f64; 3] = [0.048, 0.11, 0.089];
 
-/// Force at a tip over the square of the wash there and what [`AHEAD`] says, kg/m: rho (pi/16) (c b/(d (b - d))) slope^2.
+/// Force at a tip over the square of the wash there and [`PULL`], kg/m: rho (pi/16) (c b/(d (b - d))) slope^2.
 pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope: P) -> P {
     let last = grid.width.len() - 1;
     let (from, to) = (grid.arcs[0], grid.arcs[last + 1]);
@@ -34,11 +35,11 @@ impl<P: Scalar> StripModel<P> {
     /// goes as G = k sqrt(d), of which the share F(x) lies ahead of the station x. The sheet there has the strength
     /// dG/dy = k F/(2 sqrt(d)), as that of a leading edge, 2 A/sqrt(d), which is pulled by pi rho A^2 for each length. The pull along the
     /// span is so (pi/16) rho k^2 c mean(F^2); where the flow leaves the edge it turns to the normal, on the side of the wash, whole and at
-    /// once, as far as the flow is attached. Between the tips of the span b an elliptic circulation has
-    /// k^2 = G^2 b/(d (b - d)).
+    /// once. What counts of the circulation is what stays attached, so that the force has the square of that share. Between the tips
+    /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)).
     ///
     /// Equation: aero.strip.side_edge
-    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, of the attached share`
+    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, times the attached share`
     /// Source: Lamar 1974, NASA TR R-428 (side edges lose their suction as leading edges do, Polhamus 1966); own derivation; mean(F^2)
     /// by a vortex lattice; at once: a choice.
     /// Test: `side_edges_have_the_suction_of_a_vortex_lattice`.
@@ -56,11 +57,11 @@ impl<P: Scalar> StripModel<P> {
         let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
         let camber = wash - flat;
         let products = [flat.squared(), flat * camber * 2.0, camber.squared()];
-        let side = wash * wash.smooth_abs(self.floor).recip() * response.attached[i];
+        let side = wash * wash.smooth_abs(self.floor).recip() * response.attached[i].squared();
         let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * side;
         let scale = self.tables.side_edge[i];
-        let mut force = SectionForce::in_plane(S::ZERO, sum(AHEAD) * scale, S::ZERO);
-        force.nose_up = -(sum(BEHIND_MIDDLE) * (scale * self.tables.chord[i]));
+        let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
+        force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
         Some(force)
     }
 }

@@ -97,7 +97,11 @@ impl<P: Scalar> Tables<P> {
             }),
             lift_scale: scale(&|i| chord[i] * cos[i]).map(|scale| half_slope * scale),
             side_edge: std::array::from_fn(|i| {
-                if i > last { P::ZERO } else { side_edge::scale(grid, i, numbers.density, half_slope * chord[i] * cos[i]) }
+                if i > last {
+                    P::ZERO
+                } else {
+                    side_edge::scale(grid, i, numbers.density, half_slope * chord[i] * cos[i])
+                }
             }),
             drag_scale: scale(&|i| chord[i] * 0.5),
             edge_slope: carried(&|i| cos[i]).map(|cosine| numbers.section_slope * cosine),

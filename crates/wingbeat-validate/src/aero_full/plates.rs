@@ -21,15 +21,21 @@ fn coefficients(loads: &Loads<f64>, reference: CoefficientScales) -> [f64; 2] {
     [loads.wrench.force[0] / scale, loads.wrench.force[2] / scale]
 }
 
-/// A flat rectangular plate that pitches nose up about its leading edge, or stands at an incidence.
+/// Share of the wind below which speeds are rounded off, and one beside which the wash at a tip is large at small incidence.
+const FLOOR: f64 = 0.004;
+const LOW_FLOOR: f64 = 1e-5;
+
+/// A flat rectangular plate that pitches nose up about its leading edge, or stands at an incidence; speeds below the share `floor` of the
+/// wind are rounded off.
 fn pitching(
     section: SectionLaw,
     [aspect, chord, speed, density]: [f64; 4],
     nose_up: Coordinate,
     clock: Clock,
+    floor: f64,
 ) -> Result<Tether, Error> {
     let planform = rectangle(aspect * chord, chord)?;
-    let aero = ComparedPreset::Full.model_with(section, STRIPS, &planform, &[], density, 0.004 * speed)?;
+    let aero = ComparedPreset::Full.model_with(section, STRIPS, &planform, &[], density, floor * speed)?;
     Ok(Tether {
         aero,
         motion: Motion { nose_up, ..Motion::at_rest() },
@@ -56,9 +62,15 @@ const AVERAGED: f64 = 20.0;
 /// # Errors
 /// [`Error`] when the model cannot be built.
 pub fn steady_normal_force(section: SectionLaw, aspect: f64, alpha_deg: f64) -> Result<f64, Error> {
+    normal_force_above(FLOOR, section, aspect, alpha_deg)
+}
+
+/// The same with speeds below the share `floor` of the wind rounded off.
+fn normal_force_above(floor: f64, section: SectionLaw, aspect: f64, alpha_deg: f64) -> Result<f64, Error> {
     let alpha = alpha_deg.to_radians();
     let clock = Clock { frequency_hz: SPEED / CHORD / AVERAGED, cycles: 4, steps_per_cycle: 100 };
-    let tether = pitching(section, [aspect, CHORD, SPEED, DENSITY], Coordinate::Constant(alpha), clock)?;
+    let tether =
+        pitching(section, [aspect, CHORD, SPEED, DENSITY], Coordinate::Constant(alpha), clock, floor)?;
     let cycle = last_cycle(&tether)?;
     let normal = |loads: &Loads<f64>| {
         let [forward, up] = coefficients(loads, tether.reference);
@@ -104,7 +116,7 @@ pub fn fast_pitch(section: SectionLaw, start: f64) -> Result<Ramp, Error> {
         cycles: 1,
         steps_per_cycle: (TRAVEL * STEPS as f64) as usize,
     };
-    let tether = pitching(section, [4.0, chord, speed, 1000.0], nose_up, clock)?;
+    let tether = pitching(section, [4.0, chord, speed, 1000.0], nose_up, clock, FLOOR)?;
     let loads = last_cycle(&tether)?;
     let travel = (0..loads.len()).map(|k| k as f64 / STEPS as f64 - 0.5).collect();
     let (forward, lift): (Vec<f64>, Vec<f64>) =
@@ -134,6 +146,9 @@ fn plate_error(section: SectionLaw, counts: impl Fn(f64) -> bool) -> Result<f64,
     Ok(sum / count)
 }
 
+/// Incidence at which forces go by its square, degrees.
+const SMALL_DEG: f64 = 2.0;
+
 /// A thin plate under the other laws, by their names.
 const OTHERS: [(&str, SectionLaw); 3] = [
     ("lev", SectionLaw::PLATE),
@@ -154,6 +169,12 @@ pub fn plates() -> Result<Vec<ComparisonRow>, Error> {
         shown("rising", "the same up to 16 deg", plate_error(plate, |a| a <= 16.0)?),
         shown("stalled", "the same from 22 deg on", plate_error(plate, |a| a >= 22.0)?),
     ];
+    let edged = plate.with_side_edges();
+    rows.extend([
+        shown("side_edges", "the same as the first with side_edges", plate_error(edged, |_| true)?),
+        shown("side_edges.rising", "the same up to 12 deg", plate_error(edged, |a| a <= 12.0)?),
+        shown("without.rising", "the same without", plate_error(plate, |a| a <= 12.0)?),
+    ]);
     for (law, section) in OTHERS {
         let metric = format!("the same as the first under law {law}");
         rows.push(shown(&format!("law_{law}"), &metric, plate_error(section, |_| true)?));
@@ -199,11 +220,40 @@ pub fn mancini() -> Result<Vec<ComparisonRow>, Error> {
         ),
         shown("mean_lift.later", "the same with the ramp 0.04 chords later", error(plate, LATER, QUARTER)?),
     ];
+    let windows = [("lift", "at the points", POINT), ("mean_lift", "of means", QUARTER)];
     for (law, section) in OTHERS {
-        for (name, what, window) in [("lift", "at the points", POINT), ("mean_lift", "of means", QUARTER)] {
+        for (name, what, window) in windows {
             let value = error(section, START, window)?;
             rows.push(shown(&format!("{name}.law_{law}"), &format!("under law {law}, {what}"), value));
         }
+    }
+    for (name, what, window) in windows {
+        let value = error(plate.with_side_edges(), START, window)?;
+        rows.push(shown(
+            &format!("{name}.side_edges"),
+            &format!("under law lev3d with side_edges, {what}"),
+            value,
+        ));
+    }
+    Ok(rows)
+}
+
+/// Pull of the side edges of flat rectangles over q S a^2.
+pub fn side_edges() -> Result<Vec<ComparisonRow>, Error> {
+    let table = reference_table!("lifting_surface/side_edges.csv")?;
+    let (aspects, pulls) = (table.column("aspect")?, table.column("flat")?);
+    let alpha = SMALL_DEG.to_radians();
+    let mut rows = Vec::new();
+    for (aspect, pull) in aspects.iter().zip(pulls) {
+        let force = |section| normal_force_above(LOW_FLOOR, section, *aspect, SMALL_DEG);
+        let flat = SectionLaw::INVISCID;
+        let found = (force(flat.with_side_edges())? - force(flat)?) / (alpha * alpha);
+        let metric = format!(
+            "AR {aspect}: normal force of the side edges over q S a^2, less that of the lattice, over it"
+        );
+        let (id, source) =
+            (format!("aero.side_edges.ar{aspect}"), "own vortex lattice (validation/lifting_surface)");
+        rows.push(ComparisonRow::judged(&id, source, &metric, (found / pull - 1.0).abs(), 0.08, ""));
     }
     Ok(rows)
 }

@@ -172,6 +172,14 @@ fn a_wing_beyond_its_speed_of_flutter_is_outside() {
     assert_eq!(still.status, Status::Outside, "{still:?}");
     assert!(still.reason.as_ref().unwrap().contains("limits.tether.growth_fraction"), "{still:?}");
     assert_eq!(verdict(&[]).status, Status::Ok);
+    let blind = {
+        let case = pazy(&coarse);
+        let mut steady = case.tether.spar.as_ref().unwrap().steady(&case.tether);
+        steady.least_damped = [f64::NAN; 2];
+        case.summary(&TetherRun { steady: Some(steady), ..run(&case) }, Some(SAME), None).verdict
+    };
+    assert_eq!(blind.status, Status::NotResolved, "{blind:?}");
+    assert!(blind.reason.as_ref().unwrap().contains("no growth of small disturbances"), "{blind:?}");
     let moved = verdict(&["wind.speed_m_s=100.0", "body.heave_m={fourier={sin=[0.001]}}"]);
     assert!(moved.warnings.iter().any(|warning| warning.id == "tether.flutter"), "{moved:?}");
     assert!(moved.judged.iter().all(|judged| judged.id != "tether.growth_fraction"));

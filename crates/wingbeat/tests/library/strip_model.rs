@@ -45,6 +45,7 @@ fn variants() -> Vec<StripModel> {
         .map(|(law, lags)| {
             model(StripSettings {
                 lags,
+                side_edges: matches!((law, lags), (LiftLaw::Lev3d, LagSet::Three)),
                 section: SectionSettings { law, ..settings(10).section },
                 ..settings(10)
             })
@@ -345,30 +346,79 @@ fn steady_rectangle(aspect: f64) -> (f64, f64) {
     steady_strips(0.5 * aspect, &[], 16)
 }
 
+/// Incidence of wings at rest, rad.
+const SMALL: f64 = 1e-3;
+
+/// A flat wing of unit chord at rest in a wind that has blown for long.
+struct SteadyWing {
+    planform: Planform,
+    settings: StripSettings,
+    sections: Vec<SectionMotion<f64>>,
+    wind: Vec3,
+    x: Vec<f64>,
+}
+
+impl SteadyWing {
+    fn new(half_span: f64, gaps: &[Gap], strips: usize) -> Self {
+        let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
+        let planform = Planform::new(&[station(0.0), station(half_span)]).unwrap().with_gaps(gaps).unwrap();
+        let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
+        let settings = StripSettings {
+            strips,
+            regularisation_m_s: 1e-6,
+            section: SectionSettings { drag, density_kg_m3: 1.0, ..Default::default() },
+            ..Default::default()
+        };
+        let model = StripModel::new(&planform, settings.clone()).unwrap();
+        let at = |x: f64, s: f64| Vec3::new(x, s, 0.0);
+        let still = |&s: &f64| SectionMotion { le: at(0.0, s), te: at(-1.0, s), ..SectionMotion::default() };
+        let sections: Vec<_> = model.arcs().iter().map(still).collect();
+        let wind = Vec3::new(-SMALL.cos(), 0.0, SMALL.sin());
+        let mut x = vec![0.0; model.states()];
+        for _ in 0..6000 {
+            let (dx, _) = evaluate(&model, &sections, wind, &x);
+            x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.05 * d);
+        }
+        Self { planform, settings, sections, wind, x }
+    }
+
+    /// The model and its loads, with or without vortices above its side edges.
+    fn loads(&self, side_edges: bool) -> (StripModel, Loads<f64>) {
+        let settings = StripSettings { side_edges, ..self.settings.clone() };
+        let model = StripModel::new(&self.planform, settings).unwrap();
+        let (_, loads) = evaluate(&model, &self.sections, self.wind, &self.x);
+        (model, loads)
+    }
+}
+
+/// Only the outermost strips bear it, along the normal.
+#[test]
+fn side_edges_have_the_suction_of_a_vortex_lattice() {
+    // The lattice of validation/lifting_surface/side_edges.csv: pull over q S a^2, that times the distance behind mid chord.
+    for (aspect, [pull, behind]) in [(2.0, [1.5698, 0.1315]), (8.0, [0.5477, 0.0454])] {
+        let wing = SteadyWing::new(0.5 * aspect, &[], 16);
+        let [without, with] = [false, true].map(|side_edges| wing.loads(side_edges).1);
+        let scale = 0.5 * aspect * SMALL * SMALL;
+        let normal = (with.wrench.force[2] - without.wrench.force[2]) / scale;
+        assert!((normal / pull - 1.0).abs() < 0.03, "AR {aspect}: {normal} {pull}");
+        // The moment is nose down about mid chord, at x = -0.5.
+        let moment = (with.wrench.moment[1] - without.wrench.moment[1]) / scale - 0.5 * normal;
+        assert!((moment / behind - 1.0).abs() < 0.06, "AR {aspect}: {moment} {behind}");
+        let added = |i: usize| with.strip[i].total().force[2] - without.strip[i].total().force[2];
+        let uneven =
+            (added(0) / added(15) - 1.0).abs() + ((added(0) + added(15)) / (normal * scale) - 1.0).abs();
+        assert!(uneven < 1e-6, "AR {aspect}: {uneven}");
+        let across: f64 =
+            [0, 1].iter().map(|k| (with.wrench.force[*k] - without.wrench.force[*k]).abs()).sum();
+        assert!(across < 1e-6 * normal * scale, "{across}");
+    }
+}
+
 /// The same of a wing of unit chord with gaps, given its half span.
 fn steady_strips(half_span: f64, gaps: &[Gap], strips: usize) -> (f64, f64) {
-    let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
-    let wing = Planform::new(&[station(0.0), station(half_span)]).unwrap().with_gaps(gaps).unwrap();
-    let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
-    let set = StripSettings {
-        strips,
-        regularisation_m_s: 1e-6,
-        section: SectionSettings { drag, density_kg_m3: 1.0, ..Default::default() },
-        ..Default::default()
-    };
-    let model = StripModel::new(&wing, set).unwrap();
-    let at = |x: f64, s: f64| Vec3::new(x, s, 0.0);
-    let still = |&s: &f64| SectionMotion { le: at(0.0, s), te: at(-1.0, s), ..SectionMotion::default() };
-    let sections: Vec<_> = model.arcs().iter().map(still).collect();
-    let alpha: f64 = 1e-3;
-    let wind = Vec3::new(-alpha.cos(), 0.0, alpha.sin());
-    let mut x = vec![0.0; model.states()];
-    let mut loads = Loads::default();
-    for _ in 0..6000 {
-        let (dx, now) = evaluate(&model, &sections, wind, &x);
-        x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.05 * d);
-        loads = now;
-    }
+    let wing = SteadyWing::new(half_span, gaps, strips);
+    let (alpha, wind) = (SMALL, wing.wind);
+    let (model, loads) = wing.loads(false);
     let lift = loads.wrench.force.dot(Vec3::new(alpha.sin(), 0.0, alpha.cos()));
     let drag = loads.wrench.force.dot(wind);
     let (gamma, edges, middles) = (&loads.circulation, model.arcs(), model.strip_arcs());
@@ -379,7 +429,7 @@ fn steady_strips(half_span: f64, gaps: &[Gap], strips: usize) -> (f64, f64) {
             0.5 * gamma[i] * (edges[i] - edges[i + 1]) * downwash
         })
         .sum();
-    (lift / (0.5 * wing.area() * alpha), drag / trefftz)
+    (lift / (0.5 * wing.planform.area() * alpha), drag / trefftz)
 }
 
 /// Lift of the wing at rest with `strips`, folded to the dihedrals `shoulder` and `elbow` (rad), in a wind that has blown for long.

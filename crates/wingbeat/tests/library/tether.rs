@@ -650,6 +650,9 @@ fn a_preset_that_lacks_a_term_of_the_strips_says_so() {
     for (key, [changed, default]) in [("turning_impulse", [false, true]), ("side_edges", [true, false])] {
         let text = warned("paper", &format!("{key}={changed}")).unwrap();
         assert!(text.contains(&format!("aero.full.{key} = {changed}")) && text.contains("`paper`"), "{text}");
-        assert_eq!([("paper", default), ("full", changed)].map(|(p, v)| warned(p, &format!("{key}={v}"))), [None, None]);
+        assert_eq!(
+            [("paper", default), ("full", changed)].map(|(p, v)| warned(p, &format!("{key}={v}"))),
+            [None, None]
+        );
     }
 }
