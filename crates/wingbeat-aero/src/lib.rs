@@ -37,7 +37,8 @@ pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
 pub use station::{Ground, SectionField, SectionMotion, Sections};
 pub use strip::{
-    AngleMap, ByStates, LagSet, Lags, MembraneScales, StripModel, StripSettings, spacing as lan_spacing,
+    AngleMap, ByStates, LagSet, Lags, MembraneScales, StripModel, StripSettings, StripSpacing,
+    spacing as lan_spacing,
 };
 pub use surfaces::{Surface, Surfaces};
 pub use wingbeat_math::Wrench;

@@ -484,7 +484,7 @@ impl Scenario {
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
         let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
-        summary.warnings.extend(unheard::strip_keys(self.spec.flown_aero(), surfaces));
+        summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), surfaces));
         let past_stall = summary.stall_fraction;
         summary.warnings.extend(unheard::side_edges(self.spec.flown_aero(), past_stall));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));

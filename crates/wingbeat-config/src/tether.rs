@@ -6,7 +6,7 @@ use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::unheard::{side_edges, strip_keys};
+use super::unheard::{of_strips, side_edges};
 use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -218,7 +218,7 @@ impl TetherCase {
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .chain(side_edges(&self.spec.aero, Some(run.stall_fraction)))
-            .chain(strip_keys(&self.spec.aero, [&self.tether.aero]))
+            .chain(of_strips(&self.spec.aero, [&self.tether.aero]))
             .chain(run.steady.iter().flat_map(|steady| {
                 let still = self.tether.motion.is_still();
                 SparSummary::of(steady).warnings(&self.spec.time, still)

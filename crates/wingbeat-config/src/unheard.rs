@@ -1,4 +1,4 @@
-//! What a run says of keys of the strips that none of its models hears, or where they mislead.
+//! What a run says of strips: keys that none of its models hears, keys that mislead, hinges that crowd them.
 
 use super::spec::{AeroSpec, FullAeroSpec};
 use wingbeat_aero::{Aero, Preset};
@@ -13,16 +13,27 @@ const STRIP_KEYS: [StripKey; 2] = [
     ("aero.full.side_edges", true, |full| full.side_edges),
 ];
 
-/// The warnings that `aero` changes a term and none of `models` is the strip model of preset `full`.
-pub(super) fn strip_keys<'a>(aero: &AeroSpec, models: impl IntoIterator<Item = &'a Aero>) -> Vec<Warning> {
-    let presets: Vec<Preset> = models.into_iter().map(Aero::preset).collect();
+/// The warning that hinges of one of `models` lie too close for its strips.
+fn crowded(models: &[&Aero]) -> Option<Warning> {
+    let is_crowded = |model: &&&Aero| matches!(model, Aero::Strip(strips) if strips.is_crowded());
+    let strips = models.iter().find(is_crowded)?.strips();
+    let text = format!(
+        "hinges lie so close for {strips} strips that widths jump beside them, and a folded wing's lift errs by as much as one strip's share: take more strips"
+    );
+    Some(Warning::new("aero.strips_crowded", text).size(strips as f64).key("aero.full.strips"))
+}
+
+/// The warnings that `aero` changes a term and none of `models` is the strip model of preset `full`, or that hinges crowd its strips.
+pub(super) fn of_strips<'a>(aero: &AeroSpec, models: impl IntoIterator<Item = &'a Aero>) -> Vec<Warning> {
+    let models: Vec<&Aero> = models.into_iter().collect();
+    let presets: Vec<Preset> = models.iter().map(|model| model.preset()).collect();
     let preset = presets.first().filter(|_| !presets.contains(&Preset::Full)).map(|preset| preset.name());
     let changed = STRIP_KEYS.map(|(key, value, of)| (of(&aero.full) == value).then_some((key, value)));
     let said = |(key, value)| {
         let text = format!("{key} = {value} has no effect: preset `{}` lacks the term", preset?);
         Some(Warning::new("aero.unheard", text).key(key))
     };
-    changed.into_iter().flatten().filter_map(said).collect()
+    changed.into_iter().flatten().filter_map(said).chain(crowded(&models)).collect()
 }
 
 /// The warning that the vortices of side edges push too hard where the share `past_stall` of the strips is beyond the stall angle: those

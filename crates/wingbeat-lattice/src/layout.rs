@@ -48,7 +48,8 @@ impl PanelLayout {
         }
         let (arcs, fractions) = match spacing {
             Spacing::Lan => {
-                let (edges, fractions) = lan_spacing(planform, spanwise, hinge_arcs, AngleMap::Straight)?;
+                let laid = lan_spacing(planform, spanwise, hinge_arcs, AngleMap::Straight)?;
+                let (edges, fractions) = (laid.edges, laid.fractions);
                 // Edges are laid against the arc coordinate.
                 (edges.into_iter().map(|edge| -edge).collect(), fractions)
             }

@@ -103,7 +103,8 @@ pub(super) fn cells<P: Scalar>(
     set: &LiftingLineSettings,
 ) -> Result<Cells<P>, Error> {
     let named = |e: Error| e.renamed(&[("strips", "nodes")]);
-    let (edges, fraction) = spacing(planform, set.nodes, hinge_arcs, AngleMap::Straight).map_err(named)?;
+    let laid = spacing(planform, set.nodes, hinge_arcs, AngleMap::Straight).map_err(named)?;
+    let (edges, fraction) = (laid.edges, laid.fractions);
     let (half, last) = (planform.half_span(), set.nodes - 1);
     let angle = |arc: P| (arc / half).clamped(-1.0, 1.0).acos();
     let (mut arcs, mut cells, mut angles) = (Vec::new(), Vec::new(), Vec::new());

@@ -32,6 +32,8 @@ pub(super) struct StripGrid<P = f64> {
     pub tip_to_tip: P,
     /// Arc span over mean chord.
     pub aspect: P,
+    /// Whether widths jump at hinges: see [`StripSpacing::crowded`].
+    pub crowded: bool,
 }
 
 /// How Lan's angles move where an edge of theirs is to lie on each hinge.
@@ -49,7 +51,8 @@ const LEAST_SLOPE: f64 = 0.25;
 
 impl<P: Scalar> StripGrid<P> {
     pub fn new(planform: &Planform<P>, strips: usize, hinge_arcs: &[P]) -> Result<Self, Error> {
-        let (edges, fraction) = spacing(planform, strips, hinge_arcs, AngleMap::Smooth)?;
+        let laid = spacing(planform, strips, hinge_arcs, AngleMap::Smooth)?;
+        let StripSpacing { edges, fractions: fraction, crowded } = laid;
         let arcs: Vec<P> = edges.iter().map(|s| -*s).collect();
         let outline: Vec<(P, P)> = arcs.iter().map(|&s| planform.edges(s)).collect();
         // The chord direction is -x on the flat planform: widths are differences of arc.
@@ -84,6 +87,7 @@ impl<P: Scalar> StripGrid<P> {
             cos_three_quarter: cosine(0.75),
             mean_chord,
             aspect: span / mean_chord,
+            crowded,
             covered,
             arcs,
             outline,
@@ -137,7 +141,18 @@ fn pieces<P: Scalar>(planform: &Planform<P>, strips: usize) -> Result<Vec<ArcPie
     Ok(all)
 }
 
-/// Arc coordinates of the strip edges from the right tip to the left one, m, and the place of the control point in each strip.
+/// Where strips lie along the span.
+#[derive(Clone, Debug)]
+pub struct StripSpacing<P = f64> {
+    /// Arc coordinates of the edges from the right tip to the left one, m.
+    pub edges: Vec<P>,
+    /// Place of the control point in each strip, 0 to 1.
+    pub fractions: Vec<P>,
+    /// Whether hinges move the edges by straight lines where a spline was asked for, since it would have left no room for a strip.
+    pub crowded: bool,
+}
+
+/// Lays strips between the tips, an edge of theirs on each hinge.
 ///
 /// # Errors
 /// [`Error::Invalid`] when a hinge lies beyond the tip or the strips are too few for hinges and gaps.
@@ -146,7 +161,7 @@ pub fn spacing<P: Scalar>(
     strips: usize,
     hinge_arcs: &[P],
     map: AngleMap,
-) -> Result<(Vec<P>, Vec<P>), Error> {
+) -> Result<StripSpacing<P>, Error> {
     let pieces = pieces(planform, strips)?;
     let tip = planform.half_span();
     let mut hinges = Vec::new();
@@ -164,14 +179,16 @@ pub fn spacing<P: Scalar>(
     wingbeat_math::order::ascend_by(&mut hinges, |item| item.value());
     hinges.dedup_by(|a, b| *a == *b);
     let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));
+    let mut crowded = false;
     for piece in &pieces {
         if planform.covers((piece.from + piece.to) * 0.5) {
-            let (edge, fraction) = piece.spacing(&hinges, strips, map).map_err(|e| {
+            let laid = piece.spacing(&hinges, strips, map).map_err(|e| {
                 let arcs = (0..hinge_arcs.len()).map(|k| format!("hinge_arcs_m[{k}]"));
                 e.against(arcs).against(["half_span"])
             })?;
-            edges.extend(edge);
-            fractions.extend(fraction);
+            edges.extend(laid.edges);
+            fractions.extend(laid.fractions);
+            crowded |= laid.crowded;
         } else {
             // Between the outermost edges of its neighbours.
             let step = (piece.to - piece.from) / piece.strips as f64;
@@ -179,7 +196,7 @@ pub fn spacing<P: Scalar>(
             fractions.extend(std::iter::repeat_n(P::from(0.5), piece.strips));
         }
     }
-    Ok((edges, fractions))
+    Ok(StripSpacing { edges, fractions, crowded })
 }
 
 impl<P: Scalar> ArcPiece<P> {
@@ -197,7 +214,7 @@ impl<P: Scalar> ArcPiece<P> {
     /// each piece between gaps by itself`
     /// Source: Lan 1974, J. Aircraft 11(9); the spline: own derivation.
     /// Test: `the_lift_of_a_folded_wing_converges_with_its_strips`.
-    fn spacing(&self, hinges: &[P], strips: usize, map: AngleMap) -> Result<(Vec<P>, Vec<P>), Error> {
+    fn spacing(&self, hinges: &[P], strips: usize, map: AngleMap) -> Result<StripSpacing<P>, Error> {
         let n = self.strips as f64;
         let edge: Vec<f64> = (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
         let middle: Vec<f64> = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0)).collect();
@@ -211,9 +228,10 @@ impl<P: Scalar> ArcPiece<P> {
         let moved = |angle: f64| -spline.as_ref().map_or_else(|| straight(angle), |s| s.at(angle)).cos();
         let edge: Vec<P> = edge.into_iter().map(moved).collect();
         let between = |(t, e): (P, &[P])| (t - e[0]) / (e[1] - e[0]);
-        let fraction = middle.into_iter().map(moved).zip(edge.windows(2)).map(between).collect();
+        let fractions = middle.into_iter().map(moved).zip(edge.windows(2)).map(between).collect();
         let (centre, half) = self.middle();
-        Ok((edge.iter().map(|t| centre + half * *t).collect(), fraction))
+        let crowded = map == AngleMap::Smooth && spline.is_none();
+        Ok(StripSpacing { edges: edge.iter().map(|t| centre + half * *t).collect(), fractions, crowded })
     }
 
     /// Its middle, and half its length, m.
@@ -398,12 +416,12 @@ mod tests {
             [0.0, 1.0].map(|arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -0.3 });
         let planform = Planform::new(&stations).unwrap();
         let widths = |hinges: &[f64], map| {
-            let (edges, _) = spacing(&planform, 24, hinges, map).unwrap();
+            let edges = spacing(&planform, 24, hinges, map).unwrap().edges;
             edges.windows(2).map(|e| e[1] - e[0]).collect::<Vec<_>>()
         };
         // Steps of the angle are equal where it does not move: the largest jump from one to the next.
         let jump = |map| {
-            let (edges, _) = spacing(&planform, 24, &[0.45], map).unwrap();
+            let edges = spacing(&planform, 24, &[0.45], map).unwrap().edges;
             let angles: Vec<f64> = edges.iter().map(|edge| edge.acos()).collect();
             let steps: Vec<f64> = angles.windows(2).map(|a| (a[1] - a[0]).abs()).collect();
             steps.windows(2).map(|s| (s[1] / s[0]).ln().abs()).fold(0.0, f64::max)

@@ -23,7 +23,7 @@ mod side_edge;
 mod tables;
 
 pub use constants::Lags;
-pub use grid::{AngleMap, spacing};
+pub use grid::{AngleMap, StripSpacing, spacing};
 pub use late::ByStates;
 pub use membrane::MembraneScales;
 pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
@@ -182,6 +182,10 @@ impl<P: Scalar> StripModel<P> {
     /// Number of strips.
     pub fn strips(&self) -> usize {
         self.settings.strips
+    }
+    /// Whether hinges lie too close for so many strips, so that widths jump there: see [`StripSpacing::crowded`].
+    pub fn is_crowded(&self) -> bool {
+        self.grid.crowded
     }
     /// Number of states: for each wash lag, then for each wake lag, for each state of the
     /// law, for the impulse where it is followed, for the camber of a membrane and for a flap blocks of one value per strip, left tip to

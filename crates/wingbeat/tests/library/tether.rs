@@ -6,7 +6,7 @@ use wingbeat::judge::Status;
 use wingbeat::math::{Random, Vec3};
 use wingbeat::scenario::{Convergence, ConvergenceRun, Document, TetherCase};
 use wingbeat::simulate::{Ending, Record};
-use wingbeat::tether::{Tether, TetherRun};
+use wingbeat::tether::{Shape, Tether, TetherRun};
 
 /// Aerodynamic presets.
 const PRESETS: [&str; 2] = ["paper", "full"];
@@ -129,6 +129,50 @@ fn a_wing_that_hardly_leaves_its_wake_is_told() {
         let verdict = case.summary(&run, None, None).verdict;
         let of = verdict.judged.iter().find(|judged| judged.id == "tether.reynolds");
         assert_eq!(!of.unwrap().met, told, "{speed}: {of:?}");
+    }
+    for (density, told) in [("wind.density_kg_m3=0.06", false), ("wind.density_kg_m3=0.001225", true)] {
+        let case = case("plunge", &[few[0], few[1], density]);
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        let verdict = case.summary(&run, None, None).verdict;
+        let of = verdict.judged.iter().find(|judged| judged.id == "range.density_kg_m3");
+        assert_eq!(!of.unwrap().met, told, "{density}: {of:?}");
+        let warned = verdict.warnings.iter().any(|warning| warning.id == "range.density_kg_m3");
+        assert_eq!(warned, told, "{density}");
+    }
+}
+
+#[test]
+fn hinges_that_crowd_the_strips_are_told() {
+    for (strips, arc, told) in [(6, 0.01, true), (16, 0.01, false), (6, 0.1125, false)] {
+        let set = [
+            format!("aero.full.strips={strips}"),
+            format!("wing.hinges[1].arc_m={arc}"),
+            "time.steps_per_cycle=32".into(),
+        ];
+        let case = case("flap_fold", &set.each_ref().map(String::as_str));
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        let warnings = case.summary(&run, None, None).verdict.warnings;
+        let found = warnings.iter().any(|warning| warning.id == "aero.strips_crowded");
+        assert_eq!(found, told, "{strips} strips, hinge at {arc}: {warnings:?}");
+    }
+}
+
+/// Trailing edges turn about the hinge line by the angles of the strips; what lies ahead of it stays.
+#[test]
+fn a_tethered_flap_is_drawn_turned() {
+    let flap = "wing.flap={chord_fraction=0.3,stiffness_n_rad=1.0,areal_density_kg_m2=0.1}";
+    let tether = case("flap_f2", &[flap]).tether;
+    let arcs = tether.drawn_arcs(8);
+    let flat = tether.outline(0.0, &arcs, Shape::default());
+    let angle = 0.2_f64;
+    let flaps = vec![angle; tether.aero.strips()];
+    let turned = tether.outline(0.0, &arcs, Shape { flaps: &flaps, ..Shape::default() });
+    assert_eq!((flat.hinge, flat.raised.len()), (None, 0));
+    assert!(turned.hinge.is_some() && turned.raised.len() == arcs.len());
+    for ([le, te], [edge, tail]) in flat.ribs.iter().zip(&turned.ribs) {
+        let (chord, moved) = ((*te - *le).norm(), (*tail - *te).norm());
+        assert!((*edge - *le).norm() < 1e-15);
+        assert!((moved - 0.3 * chord * 2.0 * (0.5 * angle).sin()).abs() < 1e-12, "{moved}");
     }
 }
 
