@@ -55,6 +55,9 @@ pub const MAX_SURFACES: usize = 8;
 /// Largest number of sections of all surfaces together: strips lie between sections.
 pub const MAX_SECTIONS: usize = MAX_STRIPS + MAX_SURFACES;
 
+/// Angle of attack, rad, from which a section meets the wind from behind rather than broadside on. *Choice.*
+pub const FROM_BEHIND: f64 = 0.75 * std::f64::consts::PI;
+
 /// The aerodynamic models by name.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,

@@ -4,7 +4,7 @@ use super::hinged::FlapSummary;
 use super::perch::{self, PerchSpec};
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
-use wingbeat_aero::{Aero, LiftLaw, LoadSource, Loads, StripState};
+use wingbeat_aero::{Aero, FROM_BEHIND, LiftLaw, LoadSource, Loads, StripState};
 use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{
     AXES, Column, Controller, Cost, Ending, Flight, Record, Sample, StripRecorder,
@@ -56,6 +56,8 @@ pub struct Recorded {
 pub struct FlightMeans {
     /// Share of strips past the stall angle.
     pub stall_fraction: f64,
+    /// Share of strips that the wind meets from behind, at an angle of attack above 135 degrees.
+    pub reversed_fraction: f64,
     /// Laws under which strips were past the stall angle, with their shares of all samples.
     pub stalled: Vec<(LiftLaw, f64)>,
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
@@ -232,6 +234,7 @@ impl<'a> Recorder<'a> {
             samples.filter(|(a, (of, limit))| *of == law && a.abs() > *limit).count() as f64 / count
         };
         let stalled = LiftLaw::ALL.map(|law| (law, past(law)));
+        let reversed = self.incidence.iter().filter(|a| a.abs() > FROM_BEHIND).count() as f64 / count;
         let stall_fraction = stalled.iter().map(|(_, share)| share).sum();
         let stalled = stalled.into_iter().filter(|(_, share)| *share > 0.0).collect();
         let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
@@ -243,6 +246,7 @@ impl<'a> Recorder<'a> {
             membrane: skins(self.robot, &self.record),
             flap: flaps(self.robot, &self.record),
             stall_fraction,
+            reversed_fraction: reversed,
             stalled,
         };
         let strips = self.strips.map(|strips| strips.recorder.finish());

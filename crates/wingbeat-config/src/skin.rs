@@ -6,7 +6,7 @@ use wingbeat_aero::{Aero, membrane_height};
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::membrane::{
     BENDING, BEYOND_BENDING, BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, CAMBER, FREQUENCY, LAG, SLACK,
-    WEIGHT,
+    SLACK_SPAN, WEIGHT,
 };
 
 /// Membranes of a run.
@@ -16,6 +16,9 @@ pub struct MembraneSummary {
     pub camber_max: f64,
     /// Share of strips and instants in which the membrane is slack along the chord.
     pub slack_fraction: f64,
+    /// Strain along the span at rest where ribs hold it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prestrain_span: Option<f64>,
     /// Frequency of the motion over the least one of the membranes with the mean tension along the chord.
     pub frequency_fraction: f64,
     /// Angular frequency of the motion times `damping_s`, rad.
@@ -48,6 +51,7 @@ impl MembraneSummary {
         Some(Self {
             camber_max,
             slack_fraction: slack / count,
+            prestrain_span: model.membrane_prestrain_span(),
             frequency_fraction: over(frequency_hz, scales.frequency_hz),
             lag_rad: TAU * frequency_hz * scales.damping_s,
             weight_fraction: over(scales.weight_rise, camber_max),
@@ -60,6 +64,10 @@ impl MembraneSummary {
         Self {
             camber_max: self.camber_max.max(other.camber_max),
             slack_fraction: self.slack_fraction.max(other.slack_fraction),
+            prestrain_span: [self.prestrain_span, other.prestrain_span]
+                .into_iter()
+                .flatten()
+                .reduce(f64::min),
             frequency_fraction: self.frequency_fraction.max(other.frequency_fraction),
             lag_rad: self.lag_rad.max(other.lag_rad),
             weight_fraction: self.weight_fraction.max(other.weight_fraction),
@@ -72,6 +80,7 @@ impl MembraneSummary {
         judge.hold(&CAMBER, self.camber_max);
         judge.hold(&BEYOND_CAMBER, self.camber_max);
         judge.hold(&SLACK, self.slack_fraction);
+        judge.hold_if(&SLACK_SPAN, self.prestrain_span);
         judge.hold(&FREQUENCY, self.frequency_fraction);
         judge.hold(&BEYOND_FREQUENCY, self.frequency_fraction);
         judge.hold(&LAG, self.lag_rad);

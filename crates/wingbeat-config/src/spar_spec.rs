@@ -1,8 +1,11 @@
 //! What a case says of the beams that carry the halves of its wing.
 
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 use wingbeat_aero::{Aero, Planform};
-use wingbeat_flight::tether::Spar;
+use wingbeat_flight::tether::{Spar, Steady};
+use wingbeat_judge::Judge;
+use wingbeat_judge::limits::tether;
 use wingbeat_math::order::ascend;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, GRAVITY, Mat3, Vec3, require};
@@ -207,6 +210,42 @@ impl SparSpec {
         let mut all: Vec<f64> = self.stations.iter().map(of).collect();
         ascend(&mut all);
         all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Largest distance of the line or of a centre of mass from the chord, beyond its edges or across it, over the chord; least and largest
+    /// radius of gyration about the span over the chord. Of stations with a chord.
+    fn placed(&self, planform: &Planform) -> (f64, Option<[f64; 2]>) {
+        let (mut off, mut radii) = (0.0_f64, None);
+        for station in &self.stations {
+            let (leading, trailing) = planform.edges(station.arc_m);
+            let chord = leading - trailing;
+            if !(chord > 0.0) {
+                continue;
+            }
+            for at in [self.ahead_m, self.ahead_m - station.aft_m] {
+                off = off.max((at - leading).max(trailing - at) / chord);
+            }
+            off = off.max(station.up_m.abs() / chord);
+            if station.mass_kg_m > 0.0 {
+                let radius = (station.inertia_kg_m / station.mass_kg_m).sqrt() / chord;
+                let [least, most] = radii.unwrap_or([radius; 2]);
+                radii = Some([radius.min(least), radius.max(most)]);
+            }
+        }
+        (off, radii)
+    }
+
+    /// Holds the numbers of the spar against what spars have; `steady` tells its frequencies.
+    pub(super) fn judge(&self, planform: &Planform, steady: Option<&Steady>, judge: &mut Judge) {
+        let (off, radii) = self.placed(planform);
+        judge.hold(&tether::OFF_CHORD, off);
+        if let Some([least, most]) = radii {
+            judge.hold(&tether::GYRATION, most);
+            judge.hold(&tether::ROD, least);
+        }
+        judge.hold(&tether::GRAVITY, Vec3(self.gravity_m_s2).norm());
+        let lowest = steady.and_then(|steady| steady.frequencies_hz.first());
+        judge.hold_if(&tether::DAMPED, lowest.map(|hz| PI * hz * self.damping_s));
     }
 
     fn stations(&self, tip: f64) -> Result<Vec<SectionStation>, Error> {

@@ -17,7 +17,7 @@ use wingbeat_flight::tether::{
     TetherRun, Wing, WingNumbers,
 };
 use wingbeat_judge::data::Finding;
-use wingbeat_judge::limits::tether;
+use wingbeat_judge::limits::{range, tether};
 use wingbeat_judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
@@ -194,6 +194,12 @@ impl TetherCase {
             judge.hold_if(&tether::MASSLESS, spar.map(|spar| spar.least_mass(planform)));
             let density = self.spec.wind.density_kg_m3;
             judge.hold_if(&tether::LIGHT, spar.map(|spar| spar.over_air(planform, density)));
+            if let Some(spar) = spar {
+                spar.judge(planform, run.steady.as_ref(), &mut judge);
+            }
+            for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
+                judge.hold(limit, run.reversed_fraction);
+            }
             judge.hold(&tether::SLENDER, 2.0 * planform.covered_half_span() / mean_chord(planform));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
@@ -214,7 +220,7 @@ impl TetherCase {
                 mean_chord(self.tether.wing.planform()),
                 "wind.ground_m",
             ))
-            .chain(repeating(run, self.tether.clock.frequency_hz))
+            .chain(repeating(run, self.tether.clock.frequency_hz).filter(|_| !self.tether.motion.is_still()))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .chain(side_edges(&self.spec.aero, Some(run.stall_fraction)))

@@ -48,17 +48,21 @@ pub struct ConvergenceRun {
     scales: [f64; 2],
 }
 
+/// Power over force and speed below which it is rounding: that of a wing at rest. *Choice.*
+const NO_POWER: f64 = 1e-6;
+
 /// Names of the quantities of a cell.
 pub const QUANTITIES: [&str; 4] = ["mean_lift_n", "mean_thrust_n", "peak_lift_n", "mean_power_w"];
 
 impl ConvergenceRun {
-    /// Of a run; none when it did not end.
-    pub fn of(strips: usize, steps_per_cycle: usize, run: &TetherRun) -> Self {
+    /// Of a run at the speed of reference `speed_m_s` (m/s); not-a-number when it did not end.
+    pub fn of(strips: usize, steps_per_cycle: usize, run: &TetherRun, speed_m_s: f64) -> Self {
         let row = |name: &str| {
             run.means.iter().find(|row| row.name == name && matches!(run.ending, Ending::Complete))
         };
         let mean = |name: &str| row(name).map_or(f64::NAN, |row| row.mean);
         let largest = |name: &str| row(name).map_or(0.0, CycleMean::largest);
+        let force = largest("force_wind_lift").max(largest("thrust"));
         Self {
             strips,
             steps_per_cycle,
@@ -66,7 +70,7 @@ impl ConvergenceRun {
             mean_thrust_n: mean("thrust"),
             peak_lift_n: row("force_wind_lift").map_or(f64::NAN, |row| row.high),
             mean_power_w: mean("power"),
-            scales: [largest("force_wind_lift").max(largest("thrust")), largest("power")],
+            scales: [force, largest("power").max(NO_POWER * force * speed_m_s)],
         }
     }
 
@@ -162,7 +166,10 @@ impl TetherCase {
             &order,
             |_, &cell| {
                 let (strips, steps, case) = &cells[cell];
-                ConvergenceRun::of(*strips, *steps, &case.tether.run(|_| watch()))
+                {
+                    let run = case.tether.run(|_| watch());
+                    ConvergenceRun::of(*strips, *steps, &run, case.tether.reference.speed_m_s)
+                }
             },
             |index, run| {
                 runs[order[index]] = Some(run);

@@ -42,7 +42,7 @@ pub(super) fn of_strips<'a>(aero: &AeroSpec, models: impl IntoIterator<Item = &'
 pub(super) fn side_edges(aero: &AeroSpec, past_stall: Option<f64>) -> Option<Warning> {
     let share = past_stall.filter(|share| aero.full.side_edges && *share > 0.0)?;
     let text = format!(
-        "aero.full.side_edges makes the lift too large past stall and in fast motion; on {:.1} % of the strips the angle of attack exceeds the stall angle",
+        "aero.full.side_edges makes the lift too large past stall and in fast motion; on {:.1} % of the strips the angle of attack exceeds stall_angle_deg",
         100.0 * share
     );
     Some(Warning::new("aero.side_edges", text).size(share).key("aero.full.side_edges"))

@@ -131,6 +131,12 @@ impl<P: Scalar> StripModel<P> {
         Some(membrane.prestrain.value() + 0.5 * (ARC[0] * camber * camber + ARC[1] * forward * forward))
     }
 
+    /// Strain of the flat membrane along the span at rest, dimensionless; none without two ribs between which it is tense.
+    pub fn membrane_prestrain_span(&self) -> Option<f64> {
+        let membrane = self.membrane.as_ref()?;
+        (membrane.ribs.len() > 1).then(|| membrane.prestrain_span.value())
+    }
+
     /// Arcs of the ribs that hold the membrane to the chord, from the left tip to the right, m; nothing without one.
     pub fn membrane_ribs(&self) -> &[f64] {
         self.membrane.as_ref().map_or(&[], |membrane| &membrane.ribs)

@@ -5,7 +5,7 @@ use super::cycle::{self, CycleMean, Periodicity};
 use super::power::Powers;
 use super::spar::{Bent, Spar, Steady};
 use crate::simulate::{AXES, Column, Ending, Record, StripRecorder, detail_columns};
-use wingbeat_aero::{LoadSource, Loads};
+use wingbeat_aero::{FROM_BEHIND, LoadSource, Loads};
 use wingbeat_math::Error;
 use wingbeat_math::{Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
@@ -30,6 +30,8 @@ pub struct TetherRun {
     pub periodicity: Option<Periodicity>,
     /// Share of strips past the stall angle over the last cycle.
     pub stall_fraction: f64,
+    /// Share of strips that the wind meets from behind, at an angle of attack above 135 degrees, over the last cycle.
+    pub reversed_fraction: f64,
     /// Mean separated share of the flow over the strips of the last cycle.
     pub separated_fraction: f64,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
@@ -173,6 +175,7 @@ impl TetherRecorder {
             periodicity: Periodicity::of(&means, tether.wind.norm()),
             efficiency: efficiency(&means, tether.wind.norm()),
             stall_fraction: mean_of("incidence", |a, limit| if a.abs() > limit { 1.0 } else { 0.0 }),
+            reversed_fraction: mean_of("incidence", |a, _| if a.abs() > FROM_BEHIND { 1.0 } else { 0.0 }),
             separated_fraction: mean_of("separated", |share, _| share),
             suction_lost_fraction: mean_of("suction_lost", |share, _| share),
             loads: self.loads,

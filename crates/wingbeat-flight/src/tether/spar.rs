@@ -158,6 +158,13 @@ impl Spar {
                 "0 of a wing with a spar, whose halves bend alike",
             );
         }
+        if self.gravity[1] != 0.0 && tether.side == Side::Both {
+            return refused(
+                "spar.gravity_m_s2",
+                format!("{:?}", self.gravity.0),
+                "no part to the left of a wing with both halves, which bend alike; wing.side = \"left\" has one",
+            );
+        }
         for (i, hinge) in tether.wing.hinges().iter().enumerate() {
             if hinge.arc_m > self.root_m || hinge.to_arc_m.is_some() || hinge.side != Side::Both {
                 let allowed = format!("at most {}, the root of the spar, of both halves", self.root_m);

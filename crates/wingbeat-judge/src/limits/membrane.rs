@@ -13,6 +13,10 @@ pub const BEYOND_CAMBER: JudgedLimit =
 /// Membranes that are slack for long.
 pub const SLACK: JudgedLimit = JudgedLimit::warn_above("membrane.slack_fraction", 0.05, "")
     .on("a slack membrane wrinkles, which the model does not know: share of the strips and of the time in which it is slack along the chord");
+/// A membrane that is slack along its span at rest, where ribs hold it: it wrinkles until its bulge takes it up.
+pub const SLACK_SPAN: JudgedLimit = JudgedLimit::warn_below("membrane.prestrain_span", 0.0, "").on(
+    "a membrane that is slack along its span wrinkles, which the model does not know: strain along the span at rest",
+);
 /// Frequency of the motion up to which a membrane may feel its inertia late; what is lost is of the order of the square.
 pub const FREQUENCY: JudgedLimit = JudgedLimit::warn_above("membrane.frequency_fraction", 0.25, "").on(
     "only a membrane's first shape feels inertia, and late: frequency of the motion over that of the membrane",
@@ -43,10 +47,11 @@ pub const MASS: JudgedLimit = JudgedLimit::at_most("membrane.mass_fraction", 1.0
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 11] = [
+pub const ALL: [JudgedLimit; 12] = [
     CAMBER,
     BEYOND_CAMBER,
     SLACK,
+    SLACK_SPAN,
     FREQUENCY,
     BEYOND_FREQUENCY,
     LAG,

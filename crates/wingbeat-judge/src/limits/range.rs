@@ -31,10 +31,20 @@ pub const LINK: JudgedLimit = JudgedLimit::warn_above("range.link_over_body", 5.
 pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.05, "kg/m3")
     .on("air that is nearly a vacuum (is its density in kg/m3?): density");
 
+/// Sections that the wind meets from behind. No law here knows them: they take lift at the quarter chord behind the nominal leading
+/// edge, where it acts at three quarters. *Choice.*
+pub const REVERSED: JudgedLimit = JudgedLimit::warn_above("range.reversed_fraction", 0.1, "")
+    .on("no law knows wind from behind (is the leading edge ahead?): share of strips and time with an angle of attack above 135 deg");
+/// Mostly so: lift acts at the wrong end of the chord. *Choice.*
+pub const REVERSED_OUTSIDE: JudgedLimit =
+    JudgedLimit::at_most("range.reversed_outside_fraction", 0.5, "", Outside)
+        .on("share of strips and time with the wind from behind, an angle of attack above 135 deg");
+
 /// Dynamic viscosity, Pa s, of the fluid with a density in kg/m3: air at 20 degrees C (ISO 2533), from 100 kg/m3 on water (IAPWS 2008).
 pub fn viscosity(density: f64) -> f64 {
     if density < 100.0 { 1.81e-5 } else { 1.002e-3 }
 }
 
 /// All of them.
-pub const ALL: [JudgedLimit; 8] = [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LOADING, LINK, THIN];
+pub const ALL: [JudgedLimit; 10] =
+    [COMPRESSED, MACH, GYRATION, COMPACT, CENTRE, LOADING, LINK, THIN, REVERSED, REVERSED_OUTSIDE];

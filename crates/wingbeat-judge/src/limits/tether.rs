@@ -44,6 +44,25 @@ pub const MASSLESS: JudgedLimit = JudgedLimit::at_least("tether.spar_mass_fracti
 pub const LIGHT: JudgedLimit = JudgedLimit::warn_below("tether.spar_over_air", 0.1, "").on(
     "a wing that is lighter than the air about it (is its mass in kg/m?): mass of the spar per length over that of the fluid in the circle on the chord, median of the stations,",
 );
+/// Line and centres of mass of a spar beyond the edges of its chord, where no wing has them: mass balances reach some tenths. *Choice.*
+pub const OFF_CHORD: JudgedLimit = JudgedLimit::at_most("tether.spar_off_chord", 1.0, "", Outside).on(
+    "a spar lies in its wing (are ahead_m, aft_m and up_m in m?): largest distance of its line or of a centre of mass from the chord, over the chord,",
+);
+/// Radius of gyration about the span over the chord: 0.29 of an even plate. *Choice.*
+pub const GYRATION: JudgedLimit = JudgedLimit::at_most("tether.spar_gyration", 1.0, "", Outside).on(
+    "an inertia that is large for its mass (is inertia_kg_m in kg m?): largest radius of gyration of a station about the span over the chord,",
+);
+/// The same where a wing is a rod alone. *Choice.*
+pub const ROD: JudgedLimit = JudgedLimit::warn_below("tether.spar_gyration_least", 0.005, "").on(
+    "an inertia that is small for its mass (is inertia_kg_m in kg m?): least radius of gyration of a station about the span over the chord,",
+);
+/// Gravity that a spar feels: three times that of the earth. *Choice.*
+pub const GRAVITY: JudgedLimit = JudgedLimit::warn_above("tether.spar_gravity_m_s2", 30.0, "m/s2")
+    .on("a spar feels more than gravity (is gravity_m_s2 in m/s2?): acceleration");
+/// Damping ratio of the lowest frequency of a spar: 0.5 omega damping_s. Structures have 0.05 and less. *Choice.*
+pub const DAMPED: JudgedLimit = JudgedLimit::warn_above("tether.spar_damping_ratio", 0.3, "").on(
+    "a spar that hardly oscillates (is damping_s in s?): damping ratio of its lowest frequency without air",
+);
 /// Span over mean chord below which strips and lifting line are far off: at one they give 4/3 of the lift of a slender wing (R. T. Jones,
 /// NACA report 835, 1946), at a half 8/5.
 pub const SLENDER: JudgedLimit = JudgedLimit::warn_below("tether.aspect_ratio", 1.0, "").on(
@@ -60,7 +79,7 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3,
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 14] = [
-    STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, SLENDER, REDUCED,
-    VISCOUS,
+pub const ALL: [JudgedLimit; 19] = [
+    STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, OFF_CHORD,
+    GYRATION, ROD, GRAVITY, DAMPED, SLENDER, REDUCED, VISCOUS,
 ];

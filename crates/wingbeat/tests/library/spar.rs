@@ -15,10 +15,14 @@ fn none(_: &Path) -> Result<Record, String> {
 /// No change with other steps.
 const SAME: StepChange = StepChange { mean: 0.0, peak: 0.0 };
 
-fn pazy(overrides: &[&str]) -> TetherCase {
+fn try_pazy(overrides: &[&str]) -> Result<TetherCase, String> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/pazy.toml");
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
-    TetherCase::load(&path, &overrides, &none).unwrap()
+    TetherCase::load(&path, &overrides, &none).map_err(|error| error.to_string())
+}
+
+fn pazy(overrides: &[&str]) -> TetherCase {
+    try_pazy(overrides).unwrap()
 }
 
 /// A light wing that flaps, on spars of the bending stiffness `bending` N m2.
@@ -183,6 +187,41 @@ fn a_wing_beyond_its_speed_of_flutter_is_outside() {
     let moved = verdict(&["wind.speed_m_s=100.0", "body.heave_m={fourier={sin=[0.001]}}"]);
     assert!(moved.warnings.iter().any(|warning| warning.id == "tether.flutter"), "{moved:?}");
     assert!(moved.judged.iter().all(|judged| judged.id != "tether.growth_fraction"));
+}
+
+#[test]
+fn a_spar_in_other_units_is_told() {
+    let coarse = [
+        "aero.full.strips=12",
+        "spar.order=1",
+        "time.cycles=2",
+        "time.steps_per_cycle=16",
+        "limits.tether.spar_grid_fraction=1",
+    ];
+    let pazy_run = run(&pazy(&coarse));
+    for (set, id, status) in [
+        ("spar.ahead_m=7.5", "tether.spar_off_chord", Status::Outside),
+        ("spar.stations[3].aft_m=0.5", "tether.spar_off_chord", Status::Outside),
+        ("spar.stations[3].inertia_kg_m=0.05", "tether.spar_gyration", Status::Outside),
+        ("spar.gravity_m_s2=[0,0,-981]", "tether.spar_gravity_m_s2", Status::Ok),
+        ("spar.damping_s=1", "tether.spar_damping_ratio", Status::Ok),
+    ] {
+        let case = pazy(&[&coarse[..], &[set]].concat());
+        let verdict = case.summary(&pazy_run, Some(SAME), None).verdict;
+        let held = verdict.judged.iter().find(|judged| judged.id == id).unwrap();
+        assert!(!held.met, "{set}: {held:?}");
+        assert_eq!(verdict.status, status, "{set}: {verdict:?}");
+    }
+    let own = pazy(&coarse).summary(&pazy_run, Some(SAME), None).verdict;
+    assert!(own.judged.iter().all(|judged| judged.met), "{own:?}");
+}
+
+#[test]
+fn gravity_to_the_side_is_refused_of_both_halves() {
+    let sideways = |side: &str| try_pazy(&["spar.gravity_m_s2=[0,-9.8,0]", &format!("wing.side={side}")]);
+    assert!(sideways("left").is_ok());
+    let error = sideways("both").unwrap_err();
+    assert!(error.contains("spar.gravity_m_s2") && error.contains("wing.side"), "{error}");
 }
 
 #[test]

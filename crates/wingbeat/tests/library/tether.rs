@@ -141,6 +141,34 @@ fn a_wing_that_hardly_leaves_its_wake_is_told() {
     }
 }
 
+/// A film on a symmetric wing bulges alike on both sides, wherever ribs lie beside the strips.
+#[test]
+fn a_sail_is_as_symmetric_as_its_wing() {
+    let film = "thickness_m=1e-4,modulus_pa=1.5e6,density_kg_m3=950.0,prestrain=0.05,ribs_m=[0.0,0.2]";
+    for strips in [8, 16, 32] {
+        let set = [format!("aero.full.strips={strips}"), format!("wing.membrane={{{film}}}")];
+        let run = run("flap_f2", &[set[0].as_str(), set[1].as_str(), "time.cycles=1"]);
+        let camber = run.strips.values("camber").unwrap();
+        let last = &camber[camber.len() - strips..];
+        let most = last.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        assert!(most > 1e-3, "{strips}: {most}");
+        for i in 0..strips / 2 {
+            let apart = (last[i] - last[strips - 1 - i]).abs();
+            assert!(apart < 1e-9 * most, "{strips}, strip {i}: {apart} of {most}");
+        }
+    }
+}
+
+#[test]
+fn wind_from_behind_is_told() {
+    for (speed, status) in [("wind.speed_m_s=1.5", Status::Ok), ("wind.speed_m_s=-1.5", Status::Outside)] {
+        let case = case("step", &[speed, "aero.law=lev", "time.steps_per_cycle=100"]);
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        let verdict = case.summary(&run, None, None).verdict;
+        assert_eq!(verdict.status, status, "{speed}: {verdict:?}");
+    }
+}
+
 #[test]
 fn hinges_that_crowd_the_strips_are_told() {
     for (strips, arc, told) in [(6, 0.01, true), (16, 0.01, false), (6, 0.1125, false)] {
@@ -477,7 +505,7 @@ fn strips_and_steps_converge_with_their_orders() {
     let none = |_: &std::path::Path| Err::<Record, String>("no table".into());
     let one = |(strips, steps): (usize, usize)| {
         let run = own.refined(strips, steps, &none).unwrap().tether.run(|_| ControlFlow::Continue(()));
-        ConvergenceRun::of(strips, steps, &run)
+        ConvergenceRun::of(strips, steps, &run, 1.0)
     };
     let table = Convergence::new(levels, levels.cells().into_iter().map(one).collect());
     assert_eq!(table.cells.len(), 9);

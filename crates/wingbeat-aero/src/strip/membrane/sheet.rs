@@ -10,7 +10,7 @@ use wingbeat_math::{Error, GRAVITY, Meets, Scalar};
 const STRAIN_WIDTH: f64 = 1e-4;
 /// Stretch over which the size of the tension is rounded off in the membrane's own damping. *Choice.*
 const DAMPED_WIDTH: f64 = 1e-3;
-/// Least distance of a strip's middle from a rib, over the width of the bay's first strip. *Choice.*
+/// Least distance of a strip's middle from its neighbour or a rib, over the width of the narrower strip beside. *Choice.*
 const LEAST_TIE: f64 = 0.1;
 /// Shapes of a strip.
 pub(super) const MODES: usize = 2;
@@ -50,7 +50,7 @@ impl<P> Bay<P> {
 #[derive(Clone, Debug)]
 pub(in super::super) struct Membrane<P> {
     pub(super) prestrain: P,
-    prestrain_span: P,
+    pub(super) prestrain_span: P,
     pub(super) damping: P,
     pub(super) areal_density: P,
     chord: Vec<P>,
@@ -143,9 +143,11 @@ impl<P: Scalar> Membrane<P> {
             k if k > strips.len() => ribs[1],
             k => grid.control_arcs[strips.start + k - 1],
         };
-        let chord = |k: usize| grid.chord[(strips.start + k.max(1) - 1).min(strips.end - 1)];
+        let beside = |k: usize| (strips.start + k.max(1) - 1).min(strips.end - 1);
+        let chord = |k: usize| grid.chord[beside(k)];
+        let width = |k: usize| grid.width[beside(k)].value();
         let tie = |k: usize| {
-            let least = (grid.width[strips.start] * LEAST_TIE).value();
+            let least = width(k).min(width(k + 1)) * LEAST_TIE;
             let mut step = arc(k) - arc(k + 1);
             if step.value() < least {
                 step = P::from(least);
@@ -413,6 +415,7 @@ mod tests {
             mean_chord: 0.2,
             tip_to_tip: 1.0,
             aspect: 2.5,
+            crowded: false,
         };
         let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.1, trailing_edge_m: -0.1 };
         let planform = Planform::new(&[station(0.0), station(0.25)]).unwrap();
