@@ -53,6 +53,9 @@ pub struct StripSettings {
     /// Without it a wing that folds by 50 degrees in the upstroke lifts 25 % more than the free lattice, with it as much; one that
     /// folds in the downstroke errs more with it, by -3.6 in place of 2.6 % of the lift's swing.
     pub turning_impulse: bool,
+    /// Spanwise forces as the edges of the outline bear them: suction square to a swept leading edge, and of the impulses that turn
+    /// with a section the share that a side edge at the tip bears. Without it pointed wings bear the whole, like rectangular ones.
+    pub edge_suction: bool,
     /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
     /// two pass on the flat wing: 0.01 to 0.5.
     pub vortex_core: f64,
@@ -79,6 +82,7 @@ impl Default for StripSettings {
             doublet_wash: true,
             folding_rates: false,
             turning_impulse: true,
+            edge_suction: false,
             vortex_core: 0.3,
             force_tilt: true,
             section: SectionSettings::default(),
