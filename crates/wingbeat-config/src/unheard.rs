@@ -8,9 +8,10 @@ use wingbeat_judge::Warning;
 type StripKey = (&'static str, bool, fn(&FullAeroSpec) -> bool);
 
 /// All of them.
-const STRIP_KEYS: [StripKey; 2] = [
+const STRIP_KEYS: [StripKey; 3] = [
     ("aero.full.turning_impulse", false, |full| full.turning_impulse),
     ("aero.full.side_edges", true, |full| full.side_edges),
+    ("aero.full.edge_suction", true, |full| full.edge_suction),
 ];
 
 /// The warning that hinges of one of `models` lie too close for its strips.

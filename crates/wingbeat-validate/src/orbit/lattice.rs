@@ -54,6 +54,12 @@ fn attached(spec: &mut ScenarioSpec) {
     }
 }
 
+/// The same with 24 strips.
+fn finely(spec: &mut ScenarioSpec) {
+    attached(spec);
+    spec.aero.full.strips = 24;
+}
+
 /// What is found of an orbit by strips: the law that found it, `linear`.
 struct StripMeans {
     motion: OrbitMotion,
@@ -78,12 +84,24 @@ impl StripMeans {
 /// What a replay by strips changes: name, words, change.
 type ReplayChange = (&'static str, &'static str, fn(&mut ScenarioSpec));
 
-const CHANGES: [ReplayChange; 4] = [
-    ("linear", "law linear without profile drag", attached),
-    ("linear_24", "the same, 24 strips", |spec| {
-        attached(spec);
-        spec.aero.full.strips = 24;
+/// What spanwise forces are worth.
+const FINELY: [ReplayChange; 3] = [
+    ("linear_24", "the same, 24 strips", finely),
+    ("unturned", "the same, 24 strips without the impulse of the circulation turning", |spec| {
+        finely(spec);
+        spec.aero.full.turning_impulse = false;
     }),
+    ("edges", "the same, 24 strips with it, edges bearing the spanwise forces", |spec| {
+        finely(spec);
+        spec.aero.full.edge_suction = true;
+    }),
+];
+
+const CHANGES: [ReplayChange; 6] = [
+    ("linear", "law linear without profile drag", attached),
+    FINELY[0],
+    FINELY[1],
+    FINELY[2],
     ("lev", "law lev", |spec| spec.aero.law = LiftLaw::Lev),
     ("strips_24", "24 strips", |spec| spec.aero.full.strips = 24),
 ];
@@ -129,10 +147,17 @@ pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 3], Error> 
     ])
 }
 
-/// Rms difference of the lift by the lattice from that by law `linear` over its rms, of the first orbit with its strokes times `share`.
-fn apart(share: f64) -> Result<f64, Error> {
+/// Rms differences of the lift by the lattice from that by strips changed by `changes`, over its rms, of the first orbit with its strokes
+/// times `share`.
+fn apart(share: f64, changes: &[ReplayChange]) -> Result<Vec<f64>, Error> {
     let motion = OrbitMotion::of(REPLAYED[0])?.gentler(share)?;
-    let ([_, lattice], strips) = (motion.lattice(FINE)?, motion.strips(&motion.driven(attached)?)?);
+    let [_, lattice] = motion.lattice(FINE)?;
+    let of = |(.., change): &ReplayChange| Ok(lift_apart(&lattice, &motion.strips(&motion.driven(change)?)?));
+    changes.iter().map(of).collect()
+}
+
+/// Rms difference of the lift of a cycle by the lattice from that by `strips` over its rms.
+fn lift_apart(lattice: &[InstantLoads], strips: &[InstantLoads]) -> f64 {
     let phases: Vec<f64> = (0..=strips.len()).map(|k| k as f64 / strips.len() as f64).collect();
     // The cycle closes.
     let lift: Vec<f64> = strips.iter().chain(&strips[..1]).map(|instant| instant.up).collect();
@@ -142,7 +167,7 @@ fn apart(share: f64) -> Result<f64, Error> {
         apart += (of_strips - instant.up).powi(2);
         all += instant.up.powi(2);
     }
-    Ok((apart / all).sqrt())
+    (apart / all).sqrt()
 }
 
 /// The comparisons with the lattice; none where they were ended.
@@ -199,18 +224,25 @@ pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Erro
         }
         rows.extend(by_orbit.next().into_iter().flat_map(|found| beside(&id, strips, found)));
     }
+    rows.extend(over_the_cycle()?);
+    Ok(rows)
+}
+
+/// How the lift of the first orbit differs over the cycle.
+fn over_the_cycle() -> Result<Vec<ComparisonRow>, Error> {
     let strokes = [("whole", "as it is", 1.0), ("gentle", "strokes of the joints times .15", GENTLE)];
-    let apart = parallel::map(&strokes, |_, (.., share)| apart(*share));
-    for ((end, words, _), apart) in strokes.iter().zip(apart) {
-        let metric =
-            format!("cruise_20g, {words}: rms difference of the lift by law linear over the rms of the lift");
-        rows.push(ComparisonRow::shown(
-            &format!("trim.lattice.{end}"),
-            "own vortex lattice",
-            &metric,
-            apart?,
-            "",
-        ));
+    let changes = [&CHANGES[..1], &FINELY[..]].concat();
+    let apart = parallel::map(&strokes, |_, (.., share)| apart(*share, &changes));
+    let mut rows = Vec::new();
+    for ((stroke, words, _), apart) in strokes.iter().zip(apart) {
+        for ((end, changed, _), apart) in changes.iter().zip(apart?) {
+            let id = match *end {
+                "linear" => format!("trim.lattice.{stroke}"),
+                end => format!("trim.lattice.{stroke}.{end}"),
+            };
+            let metric = format!("cruise_20g, {words}, {changed}: rms difference of the lift over its rms");
+            rows.push(ComparisonRow::shown(&id, "own vortex lattice", &metric, apart, ""));
+        }
     }
     Ok(rows)
 }
