@@ -29,7 +29,7 @@ const MOST: usize = WIDE * BLOCKS;
 
 /// Derivatives of a number on each strip by one lane.
 type StripSlopes = StripColumn<f64, WIDE>;
-/// Derivatives of the rates of both shapes on each strip by something on one strip of its bay.
+/// Derivatives of the rates of both shapes on each strip by something on one strip.
 type BaySlopes = [StripSlopes; 2];
 
 /// Derivatives by all states of a surface.
@@ -129,16 +129,16 @@ impl<const L: usize> Spread<Dual<L>, WIDE> for Cut<'_, L> {
 }
 
 /// Derivatives of the rates of a membrane's heights by the loads on both shapes and by both heights over the chord, `heights`, at what is
-/// `pressed`, all else held. Bays do not know each other: of each the strip at the same place moves at once. For every place in a bay one
-/// of these by each load, then by each height.
+/// `pressed`, all else held: by each load, then by each height, a strip after another. Bays do not know each other: of each the strip at the same
+/// place moves at once.
 fn slopes_of_heights<const L: usize>(
     membrane: &Membrane<f64>,
     heights: Shapes<&[f64]>,
     pressed: &MembraneLoads<Dual<L>>,
     slopes: &mut Vec<BaySlopes>,
 ) {
-    let places = membrane.places();
-    let most = membrane.largest_bay();
+    let (places, most) = (membrane.places(), membrane.largest_bay());
+    slopes.resize(4 * places.len(), [[0.0; WIDE]; 2]);
     let number = |value: f64| Dual::<L>::constant(value);
     let held = |of: &[Dual<L>]| of.iter().map(|value| number(value.re)).collect::<ArrayVec<_, MAX_STRIPS>>();
     let heights =
@@ -160,12 +160,17 @@ fn slopes_of_heights<const L: usize>(
             crossings: held(&pressed.crossings),
         };
         membrane.give_way([&first, &second], &mut pressed);
-        for lane in 0..L.min(4 * most - from) {
-            slopes.push(pressed.rates.each_ref().map(|rates| {
-                let mut column = [0.0; WIDE];
-                column.iter_mut().zip(rates).for_each(|(slope, rate)| *slope = rate.eps[lane]);
-                column
-            }));
+        for direction in from..(from + L).min(4 * most) {
+            let (kind, place) = (direction / most, direction % most);
+            for (i, own) in places.iter().enumerate() {
+                // The strip at this place of the bay of strip `i`; one behind its end has moved nothing there.
+                let mover = i - own + place;
+                if places.get(mover) == Some(&place) {
+                    for (mode, rates) in pressed.rates.iter().enumerate() {
+                        slopes[kind * places.len() + mover][mode][i] = rates[i].eps[direction - from];
+                    }
+                }
+            }
         }
     }
 }
@@ -375,29 +380,24 @@ impl StripModel {
     /// of [`slopes_of_heights`].
     fn heights_along(&self, slopes: &[BaySlopes], along: &[StripSlopes; 2], s: usize) -> BaySlopes {
         let (n, at, mut rates) = (self.settings.strips, self.camber_states(), [[0.0; WIDE]; 2]);
-        let Some(membrane) = &self.membrane else { return rates };
-        let (places, most) = (membrane.places(), slopes.len() / 4);
-        let mut heights = [[0.0; WIDE]; 2];
-        if let Some(height) = s.checked_sub(at).filter(|height| *height < 2 * n) {
-            heights[height / n][height % n] = 1.0;
-        }
-        for (kind, moved) in along.iter().chain(&heights).enumerate() {
-            if moved.iter().all(|moved| *moved == 0.0) {
-                continue;
-            }
-            for (place, of_rates) in slopes[kind * most..][..most].iter().enumerate() {
-                let mut there = [0.0; WIDE];
-                for i in 0..n {
-                    // Where its bay has no such place, the slope is none.
-                    there[i] = moved[(i - places[i] + place).min(WIDE - 1)];
-                }
-                for (rates, slopes) in rates.iter_mut().zip(of_rates) {
-                    for i in 0..WIDE {
-                        rates[i] = slopes[i].mul_add(there[i], rates[i]);
-                    }
-                }
+        let heights =
+            s.checked_sub(at).filter(|height| *height < 2 * n).map(|height| (&1.0, &slopes[2 * n + height]));
+        let shares = along.iter().flat_map(|along| &along[..n]).zip(slopes);
+        for (share, of) in shares.filter(|(share, _)| **share != 0.0).chain(heights) {
+            for (rates, slopes) in rates.iter_mut().zip(of) {
+                *rates = added(rates, *share, slopes);
             }
         }
         rates
     }
+}
+
+/// A column with a share of another.
+#[inline(always)]
+fn added(column: &StripSlopes, share: f64, other: &StripSlopes) -> StripSlopes {
+    let mut sum = *column;
+    for i in 0..WIDE {
+        sum[i] = other[i].mul_add(share, sum[i]);
+    }
+    sum
 }

@@ -226,7 +226,7 @@ impl GrownColumns {
         Self { states: robot.states().len(), count, attitude: robot.layout().attitude, moved }
     }
 
-    /// Writes A X + B U, of `here` and the columns X.
+    /// Writes A X + B U, of `here` and the columns X, in the units of these per s.
     pub fn growth(&self, here: &Linearisation, grown: &[f64], growth: &mut [f64]) {
         let (n, m) = (self.states, here.b.len() / self.states);
         growth.fill(0.0);
@@ -236,7 +236,8 @@ impl GrownColumns {
         }
     }
 
-    /// Makes the derivatives of q those of q/|q| = p, the attitude in the state `x`: dp = (dq - p (p . dq)) / |q|.
+    /// Makes the derivatives of q those of q/|q| = p, the attitude in the state `x`, all dimensionless over the units of what is moved:
+    /// dp = (dq - p (p . dq)) / |q|.
     pub fn settle(&self, x: &[f64], inverse: f64, grown: &mut [f64]) {
         let p = &x[self.attitude..][..4];
         for column in 0..self.count {
