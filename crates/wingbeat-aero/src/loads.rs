@@ -318,6 +318,15 @@ impl<S: Scalar> Loads<S> {
         first
     }
 
+    /// As [`extend`](Self::extend), of strips that do not give way and meet no others: what they have not is zero, and all else is to be
+    /// pushed, strip after strip.
+    pub(super) fn extend_rigid(&mut self, count: usize) {
+        self.strips += count;
+        for of in [&mut self.camber, &mut self.camber_forward, &mut self.flap, &mut self.wash_of_others] {
+            append_copies(of, S::ZERO, count);
+        }
+    }
+
     /// Empty loads that are to tell the parts of the forces too, where they are large: on the heap.
     pub fn boxed() -> Box<Self> {
         let mut loads = Box::<Self>::default();

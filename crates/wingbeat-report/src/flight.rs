@@ -1,8 +1,8 @@
 //! The motion of a recorded flight: the robot of its scenario, in the states that the record holds.
 
-use wingbeat::aero::Circulation;
+use wingbeat::aero::{Circulation, Loads};
 use wingbeat::math::Vec3;
-use wingbeat::plant::{Channel, Plant};
+use wingbeat::plant::{Channel, Fault, Plant};
 use wingbeat::robot::{Outline, Robot, Skeleton};
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Record;
@@ -59,27 +59,36 @@ pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<R
     // Where the lattice gives the attached flow, the model's strips are not those that flew; a vacuum has none.
     let strips = scenario.spec.lattice.is_none() && !robot.is_in_vacuum();
     motion.circulation = strips.then(|| told(robot));
+    let mut loads = strips.then(Loads::boxed);
     for &row in shown {
         let at = |columns: &[&[f64]]| columns.iter().map(|column| column[row]).collect::<Vec<f64>>();
         let (x, u) = (at(&states), at(&inputs));
-        let seen = robot.skeleton(t[row], &x, &u).map_err(|fault| format!("t = {} s: {fault}", t[row]))?;
-        add_skeleton(&mut motion, &seen);
-        if strips {
-            let seen = robot.observe(t[row], &x, &u).map_err(|fault| format!("t = {} s: {fault}", t[row]))?;
-            let mut first = 0;
-            for (surface, (_, aero)) in motion.surfaces.iter_mut().zip(robot.surfaces()) {
-                surface.strips.resize_with(aero.strips(), StripTrack::default);
-                for (k, strip) in surface.strips.iter_mut().enumerate() {
-                    push(&mut strip.quarter_chord, seen.strips.quarter_chord[first + k]);
-                    push(&mut strip.force, seen.strips.strip[first + k].total().force);
-                    strip.circulation.push(seen.strips.circulation[first + k]);
-                }
-                first += aero.strips();
-            }
-        }
+        let faulty = |fault: Fault| format!("t = {} s: {fault}", t[row]);
+        let Some(room) = loads.take() else {
+            add_skeleton(&mut motion, &robot.skeleton(t[row], &x, &u).map_err(faulty)?);
+            continue;
+        };
+        let (drawn, seen) = robot.observe_drawn(t[row], &x, &u, room).map_err(faulty)?;
+        add_skeleton(&mut motion, &drawn);
+        add_strips(&mut motion, robot, &seen.strips);
+        loads = Some(seen.strips);
     }
     motion.surfaces.iter_mut().for_each(SurfaceTrack::place_strips);
     Ok(motion)
+}
+
+/// Adds the strips of all surfaces in one frame.
+fn add_strips(motion: &mut RunMotion, robot: &Robot, loads: &Loads<f64>) {
+    let mut first = 0;
+    for (surface, (_, aero)) in motion.surfaces.iter_mut().zip(robot.surfaces()) {
+        surface.strips.resize_with(aero.strips(), StripTrack::default);
+        for (k, strip) in surface.strips.iter_mut().enumerate() {
+            push(&mut strip.quarter_chord, loads.quarter_chord[first + k]);
+            push(&mut strip.force, loads.strip[first + k].total().force);
+            strip.circulation.push(loads.circulation[first + k]);
+        }
+        first += aero.strips();
+    }
 }
 
 /// What the circulations of the robot's strips are.

@@ -52,7 +52,7 @@ impl Robot {
         beyond: &[Wrench<f64>],
         strips: Box<Loads<f64>>,
     ) -> Result<Observation, Fault> {
-        let mut seen = self.look(t, x, u, beyond, strips)?;
+        let ((), mut seen) = self.look((t, x, u), beyond, strips, |_, _| ())?;
         seen.air = with_beyond(seen.air, beyond);
         if !beyond.is_empty() {
             // The sum has neither suction nor vortex of its own.

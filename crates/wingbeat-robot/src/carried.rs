@@ -253,6 +253,9 @@ impl<P: Scalar> Robot<P> {
         ratios: &Ratios<S>,
         second_rates: &[S],
     ) {
+        if second_rates.is_empty() {
+            return;
+        }
         for (&joint, rate) in self.mechanism.coordinates.iter().zip(second_rates) {
             joints[joint].dd = *rate;
         }

@@ -8,7 +8,7 @@ use crate::MotorWork;
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, drive_power, joint_power};
 use arrayvec::ArrayVec;
 use wingbeat_aero::{ForceDetail, LoadSource, Loads, StripLoads};
-use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench, append_copies};
+use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
 
 /// One instant of a flight.
@@ -116,23 +116,37 @@ impl Robot {
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
     pub fn observe(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Observation, Fault> {
-        self.look(t, x, u, &[], Loads::boxed())
+        Ok(self.look((t, x, u), &[], Loads::boxed(), |_, _| ())?.1)
     }
 
     /// The same with loads on links and body from beyond the surfaces' models, which [`Observation::air`] lacks; `strips` are written over.
-    pub(super) fn look(
+    /// Before it what `draw` makes of body and links.
+    #[inline]
+    pub(super) fn look<T>(
         &self,
-        t: f64,
-        x: &[f64],
-        u: &[f64],
+        (t, x, u): (f64, &[f64], &[f64]),
         beyond: &[Wrench<f64>],
-        mut strips: Box<Loads<f64>>,
-    ) -> Result<Observation, Fault> {
+        strips: Box<Loads<f64>>,
+        draw: impl FnOnce(&LinkMotion, &[LinkMotion]) -> T,
+    ) -> Result<(T, Observation), Fault> {
         let mut dx = vec![0.0; x.len()];
         let (mut e, mut moving) = (Evaluation::empty(), Links::new());
         let mut seen = Moving::still(&mut e, &mut moving);
         self.moving((t, x, u), beyond, &mut dx, &mut seen)?;
-        let Moving { e, body, base, moving, wind: [wind, wind_dot] } = &seen;
+        let drawn = draw(&seen.e.base, &seen.e.links);
+        Ok((drawn, self.observed(&seen, (t, x, u), beyond, &mut dx, strips)?))
+    }
+
+    /// What is worth seeing of what has been `seen` at (t, x, u).
+    fn observed(
+        &self,
+        seen: &Moving<'_>,
+        (t, x, u): (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+        dx: &mut [f64],
+        mut strips: Box<Loads<f64>>,
+    ) -> Result<Observation, Fault> {
+        let Moving { e, body, base, moving, wind: [wind, wind_dot] } = seen;
         let (joints, links, body, wind) = (&e.joints, &e.links, *body, *wind);
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
@@ -222,10 +236,7 @@ impl Robot {
         self.let_go(&mut e.joints, &mut e.links, &e.coordinates, &e.ratios, &e.second_rates);
         seen.body = BaseAcceleration::from_slice(&seen.e.acceleration);
         seen.base = seen.e.base.accelerated(&seen.body);
-        append_copies(seen.moving, LinkMotion::REST, seen.e.links.len());
-        for i in 0..seen.e.links.len() {
-            seen.moving[i] = seen.e.links[i].accelerated(&seen.body);
-        }
+        seen.moving.extend(seen.e.links.iter().map(|link| link.accelerated(&seen.body)));
         let (wind, rate) = self.wind(t, seen.e.attitude);
         seen.wind = [wind, rate];
         Ok(())

@@ -2,9 +2,10 @@
 
 use super::Robot;
 use super::dynamics::Evaluation;
+use super::observe::Observation;
 use super::sections::SurfaceSection;
 use crate::body::{JointKind, LinkMotion};
-use wingbeat_aero::{Surface, flap_hinge, flap_points, membrane_points};
+use wingbeat_aero::{Loads, Surface, flap_hinge, flap_points, membrane_points};
 use wingbeat_math::{Mat3, Vec3};
 use wingbeat_ocp::plant::Fault;
 
@@ -65,7 +66,28 @@ impl Robot {
     pub fn skeleton(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Skeleton, Fault> {
         let (mut dx, mut e) = (vec![0.0; x.len()], Evaluation::empty());
         self.evaluate(t, x, u, &[], &mut dx, &mut e)?;
-        let (tree, links) = (&self.mechanism.tree, &e.links);
+        Ok(self.drawn(x, &e.base, &e.links))
+    }
+
+    /// As [`observe`](Self::observe), with the robot as a drawing needs it by the same evaluation. The observation takes `strips`, those of
+    /// one before or [`Loads::boxed`], and writes over them.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn observe_drawn(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        strips: Box<Loads<f64>>,
+    ) -> Result<(Skeleton, Observation), Fault> {
+        let draw = |base: &LinkMotion, links: &[LinkMotion]| self.drawn(x, base, links);
+        self.look((t, x, u), &[], strips, draw)
+    }
+
+    /// The robot in the state `x` with body and links where they are.
+    fn drawn(&self, x: &[f64], base: &LinkMotion, links: &[LinkMotion]) -> Skeleton {
+        let tree = &self.mechanism.tree;
         let numbers = tree.numbers();
         let place = |i: usize| {
             let (motion, body) = (&links[i], &numbers[i + 1]);
@@ -80,7 +102,7 @@ impl Robot {
                 com: motion.point(body.com),
             }
         };
-        let edges = |s: &SurfaceSection| s.edges(s.link.map_or(&e.base, |i: usize| &links[i] as &LinkMotion));
+        let edges = |s: &SurfaceSection| s.edges(s.link.map_or(base, |i| &links[i]));
         let outline = |(k, laid): (usize, &super::surface::Laid)| {
             let mut ribs: Vec<[Vec3; 2]> = laid.ribs.iter().map(edges).collect();
             // In a vacuum there is none.
@@ -96,12 +118,12 @@ impl Robot {
             let hinge = self.covering.aero.surfaces().get(k).and_then(|surface| flap_hinge(surface.aero()));
             Outline { name: laid.name.clone(), ribs, covered: laid.covered.clone(), raised, hinge }
         };
-        Ok(Skeleton {
+        Skeleton {
             links: (0..tree.links()).map(place).collect(),
             body: (numbers[0].mass, numbers[0].com),
             center_of_mass: tree.center_of_mass(links),
             outlines: self.covering.laid.iter().enumerate().map(outline).collect(),
-        })
+        }
     }
 
     /// The robot with its body at rest, `t` s after the start of its gait, regulators at rest.

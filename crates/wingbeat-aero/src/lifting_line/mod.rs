@@ -307,25 +307,25 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> (Wrench<S>, [[S; 6]; 6]) {
         let mut wrench = Wrench::ZERO;
         let mut added_mass = [[S::ZERO; 6]; 6];
-        let first = loads.extend(self.strips());
+        loads.extend_rigid(self.strips());
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
             let flow = self.flow(i, &section, printed, x, dx);
-            let at = first + i;
-            loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
+            let strip = self.by_source(node, &section, &flow, &mut added_mass);
+            wrench += strip.total();
+            loads.strip.push(strip);
             if let Some(detail) = &mut loads.detail {
-                detail[at] = self.detail(node, &section, &flow);
+                detail.push(self.detail(node, &section, &flow));
             }
-            loads.incidence[at] = flow.wash.atan2(section.uc);
-            loads.wash[at] = flow.wash;
-            loads.separated[at] = S::ONE - flow.attached;
-            loads.suction_lost[at] = flow.edge.map_or(S::ZERO, |edge| S::ONE - edge.held);
-            loads.circulation[at] = self.circulation(stream, x[i]);
-            loads.quarter_chord[at] = sections.section(i).point(0.25);
-            wrench += loads.strip[at].total();
+            loads.incidence.push(flow.wash.atan2(section.uc));
+            loads.wash.push(flow.wash);
+            loads.separated.push(S::ONE - flow.attached);
+            loads.suction_lost.push(flow.edge.map_or(S::ZERO, |edge| S::ONE - edge.held));
+            loads.circulation.push(self.circulation(stream, x[i]));
+            loads.quarter_chord.push(sections.section(i).point(0.25));
         }
         mirror_upper(&mut added_mass);
         (wrench, added_mass)

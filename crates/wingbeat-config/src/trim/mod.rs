@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 use wingbeat_flight::guide::{HeldCommands, OrbitWeights, gains_of, holding_inputs};
 use wingbeat_flight::orbit::{
     Course, Cycle, Failure, FoundOrbit, Free, Interval, Modes, Orbit, Point, Sector, floquet, floquet_over,
-    intervals, measure, search, search_from,
+    intervals_along, measure, search, search_from,
 };
 use wingbeat_flight::simulate::{Column, Record, Sample};
 use wingbeat_math::Error;
@@ -338,7 +338,7 @@ fn modes_and_intervals(
     if inputs.is_empty() {
         return Ok((floquet(cycle, orbit)?, Vec::new()));
     }
-    let all = intervals(cycle, &orbit.point, cycle.parts(), inputs)?;
+    let all = intervals_along(cycle, &orbit.point, cycle.parts(), inputs)?;
     Ok((floquet_over(cycle, orbit, &all)?, all))
 }
 

@@ -147,6 +147,12 @@ impl<'a> Cycle<'a> {
         (steps >= COARSEST).then_some(Self { robot: self.robot, section, steps, rest })
     }
 
+    /// The same cycle in so many `steps` for each of `parts` equal parts of it.
+    pub(super) fn in_steps(&self, parts: usize, steps: usize) -> Self {
+        let (section, rest) = (self.section.clone(), self.rest.clone());
+        Self { robot: self.robot, section, steps: parts * steps, rest }
+    }
+
     /// The robot.
     pub fn robot(&self) -> &'a Robot {
         self.robot

@@ -128,7 +128,7 @@ impl Deviations {
     }
 
     /// The state with heading zero above the origin that has the numbers `s`.
-    fn state<S: Scalar>(&self, s: &[S]) -> Vec<S> {
+    pub(super) fn state<S: Scalar>(&self, s: &[S]) -> Vec<S> {
         let l = self.section.layout();
         let (n, first) = (self.structure, self.elements_from());
         let mut structure = vec![S::ZERO; 2 * n];
@@ -199,14 +199,56 @@ fn fly_state<S: CycleScalar>(
 }
 
 /// The steps of part `part` of a cycle in so many equal parts as are given second.
-fn clock(cycle: &Cycle, pace: f64, [part, parts]: [usize; 2]) -> EqualSteps {
+pub(super) fn clock(cycle: &Cycle, pace: f64, [part, parts]: [usize; 2]) -> EqualSteps {
     let length = cycle.duration(pace) / cycle.steps() as f64;
     let steps = cycle.steps() / parts;
     EqualSteps { start: 0.0, length, first: part * steps, count: steps }
 }
 
-/// A robot under held commands whose state comes with its derivatives: the numbers of the state, then by rows, as many columns each, those
-/// of their derivatives.
+/// Derivatives of a state by rows, as many columns each: along directions, then by commands.
+pub(super) struct GrownColumns {
+    states: usize,
+    /// Number of columns.
+    pub count: usize,
+    /// Place of the attitude in the state.
+    attitude: usize,
+    /// U: derivatives of the commands, by rows.
+    moved: Vec<f64>,
+}
+
+impl GrownColumns {
+    pub fn new(robot: &Robot, commands: usize, [directions, inputs]: [&[Direction]; 2]) -> Self {
+        let count = directions.len() + inputs.len();
+        let mut moved = vec![0.0; commands * count];
+        for (column, input) in (directions.len()..).zip(inputs) {
+            input.iter().for_each(|(i, share)| moved[i * count + column] = *share);
+        }
+        Self { states: robot.states().len(), count, attitude: robot.layout().attitude, moved }
+    }
+
+    /// Writes A X + B U, of `here` and the columns X, in the units of these per s.
+    pub fn growth(&self, here: &Linearisation, grown: &[f64], growth: &mut [f64]) {
+        let (n, m) = (self.states, here.b.len() / self.states);
+        growth.fill(0.0);
+        for (i, row) in growth.chunks_exact_mut(self.count.max(1)).enumerate() {
+            add_rows(row, &here.a[i * n..][..n], grown);
+            add_rows(row, &here.b[i * m..][..m], &self.moved);
+        }
+    }
+
+    /// Makes the derivatives of q those of q/|q| = p, the attitude in the state `x`, all dimensionless over the units of what is moved:
+    /// dp = (dq - p (p . dq)) / |q|.
+    pub fn settle(&self, x: &[f64], inverse: f64, grown: &mut [f64]) {
+        let p = &x[self.attitude..][..4];
+        for column in 0..self.count {
+            let at = |i: usize| (self.attitude + i) * self.count + column;
+            let along: f64 = (0..4).map(|i| p[i] * grown[at(i)]).sum();
+            (0..4).for_each(|i| grown[at(i)] = (grown[at(i)] - p[i] * along) * inverse);
+        }
+    }
+}
+
+/// A robot under held commands whose state comes with its derivatives: the numbers of the state, then the columns.
 ///
 /// Equation: orbit.variation
 /// `X' = A X + B U beside x' = f, with A and B at each stage of a step`
@@ -215,52 +257,26 @@ fn clock(cycle: &Cycle, pace: f64, [part, parts]: [usize; 2]) -> EqualSteps {
 struct Growing<'a> {
     robot: &'a Robot,
     u: &'a [f64],
-    /// U: derivatives of the commands, by rows.
-    moved: Vec<f64>,
-    columns: usize,
+    columns: GrownColumns,
     here: Linearisation,
-}
-
-impl<'a> Growing<'a> {
-    fn new(robot: &'a Robot, u: &'a [f64], [directions, inputs]: [&[Direction]; 2]) -> Self {
-        let columns = directions.len() + inputs.len();
-        let mut moved = vec![0.0; u.len() * columns];
-        for (column, input) in (directions.len()..).zip(inputs) {
-            input.iter().for_each(|(i, share)| moved[i * columns + column] = *share);
-        }
-        let here = Linearisation::new(robot.states().len(), u.len());
-        Self { robot, u, moved, columns, here }
-    }
 }
 
 impl Dynamics<f64, Fault> for Growing<'_> {
     fn slope(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
-        let (n, m) = (self.robot.states().len(), self.u.len());
+        let n = self.robot.states().len();
         let (x, grown) = x.split_at(n);
         let (rates, growth) = dx.split_at_mut(n);
         self.here.evaluate(self.robot, t, x, self.u)?;
         rates.copy_from_slice(&self.here.f);
-        growth.fill(0.0);
-        let columns = self.columns.max(1);
-        for (i, row) in growth.chunks_exact_mut(columns).enumerate() {
-            add_rows(row, &self.here.a[i * n..][..n], grown);
-            add_rows(row, &self.here.b[i * m..][..m], &self.moved);
-        }
+        self.columns.growth(&self.here, grown, growth);
         Ok(())
     }
     fn after_step(&mut self, _: usize, t: f64, x: &mut [f64]) -> Result<ControlFlow<()>, Fault> {
-        let n = self.robot.states().len();
-        let (x, grown) = x.split_at_mut(n);
+        let (x, grown) = x.split_at_mut(self.robot.states().len());
         let first = self.robot.layout().attitude;
-        // Of q/|q| = p: dp = (dq - p (p . dq)) / |q|.
         let inverse = x[first..first + 4].iter().map(|q| q * q).sum::<f64>().sqrt().recip();
         settle(self.robot, t, x)?;
-        let p = &x[first..first + 4];
-        for column in 0..self.columns {
-            let at = |i: usize| (first + i) * self.columns + column;
-            let along: f64 = (0..4).map(|i| p[i] * grown[at(i)]).sum();
-            (0..4).for_each(|i| grown[at(i)] = (grown[at(i)] - p[i] * along) * inverse);
-        }
+        self.columns.settle(x, inverse, grown);
         Ok(ControlFlow::Continue(()))
     }
 }
@@ -293,26 +309,41 @@ pub fn interval(
 ) -> Result<(Vec<f64>, Interval), Fault> {
     let paced = (pace != 1.0).then(|| cycle.robot().paced(pace));
     let robot = paced.as_ref().unwrap_or(cycle.robot());
-    let n = robot.states().len();
-    let mut growing = Growing::new(robot, held, along);
-    let columns = growing.columns;
-    let mut x = vec![0.0; n * (1 + columns)];
-    let blocks = || (0..columns.max(1)).step_by(Early::LANES);
-    for first in blocks() {
+    let columns = GrownColumns::new(robot, held.len(), along);
+    let here = Linearisation::new(robot.states().len(), held.len());
+    let mut growing = Growing { robot, u: held, columns, here };
+    let mut x = begin(deviations, nominal, along);
+    let mut work = Workspace::new(x.len(), RK4.b.len());
+    RK4.integrate(&mut growing, clock(cycle, pace, part), &mut x, &mut work)?;
+    Ok(told(deviations, &x, along))
+}
+
+/// The state at the numbers `nominal`, in the units of the states, and the columns behind it, by rows.
+pub(super) fn begin(deviations: &Deviations, nominal: &[f64], along: [&[Direction]; 2]) -> Vec<f64> {
+    let columns = along[0].len() + along[1].len();
+    let mut x = Vec::new();
+    for first in blocks(columns) {
         let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
         for (lane, direction) in along[0].iter().skip(first).take(Early::LANES).enumerate() {
             direction.iter().for_each(|(i, share)| s[*i].eps[lane] = *share);
         }
-        let count = Early::LANES.min(columns - first);
-        for (i, state) in deviations.state(&s).iter().enumerate() {
+        let (count, states) = (Early::LANES.min(columns - first), deviations.state(&s));
+        let n = states.len();
+        x.resize(n * (1 + columns), 0.0);
+        for (i, state) in states.iter().enumerate() {
             x[i] = state.re;
             x[n + i * columns + first..][..count].copy_from_slice(&state.eps[..count]);
         }
     }
-    let mut work = Workspace::new(x.len(), RK4.b.len());
-    RK4.integrate(&mut growing, clock(cycle, pace, part), &mut x, &mut work)?;
+    x
+}
+
+/// What deviates in the state `x` with its columns behind it, in the units of the states, and how it grew.
+pub(super) fn told(deviations: &Deviations, x: &[f64], along: [&[Direction]; 2]) -> (Vec<f64>, Interval) {
+    let columns = along[0].len() + along[1].len();
+    let n = x.len() / (1 + columns);
     let (mut over, mut next) = (Interval::zeros(along.map(<[Direction]>::len)), Vec::new());
-    for first in blocks() {
+    for first in blocks(columns) {
         let count = Early::LANES.min(columns - first);
         let state = |i: usize| {
             let mut state = Early::constant(x[i]);
@@ -329,7 +360,12 @@ pub fn interval(
         over.set(&IntervalColumns { first, count, rows, ground: ground.map(|over| over.re) });
         next = end.iter().map(|end| end.re).collect();
     }
-    Ok((next, over))
+    (next, over)
+}
+
+/// The first of the columns that are told together, at least one.
+fn blocks(columns: usize) -> impl Iterator<Item = usize> {
+    (0..columns.max(1)).step_by(Early::LANES)
 }
 
 impl Interval {

@@ -6,6 +6,7 @@
 //! [`Course`]. [`search`] finds the orbit by a recoil start and Newton's method on exact derivatives of the flow over
 //! a cycle; [`floquet`] tells how small disturbances grow.
 
+mod along;
 mod course;
 mod cycle;
 mod failure;
@@ -16,6 +17,7 @@ mod newton;
 mod recoil;
 mod section;
 
+pub use along::intervals_along;
 pub use course::Course;
 pub use cycle::PARTS;
 pub use cycle::{Cycle, End, Free, Point};

@@ -4,7 +4,9 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::judge::Status;
 use wingbeat::math::{GRAVITY, RK4, Workspace};
-use wingbeat::orbit::{Course, OrbitSection, floquet, floquet_over, intervals};
+use wingbeat::orbit::{
+    Course, Interval, OrbitSection, Point, floquet, floquet_over, intervals, intervals_along,
+};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{Document, Scenario, Trimmed};
 use wingbeat::simulate::{Controller, Measurement};
@@ -378,6 +380,43 @@ fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
     let last = values("t").len() - 1;
     assert!(values("orbit_height_error")[last].abs() < 0.01, "{}", values("orbit_height_error")[last]);
     assert!(values("roll")[last].abs() < 0.02, "{}", values("roll")[last]);
+}
+
+/// Largest difference of the matrices of two lists of intervals, over the largest number of its column.
+fn apart(intervals: &[Interval], others: &[Interval]) -> f64 {
+    assert_eq!(intervals.len(), others.len());
+    let pairs = intervals.iter().zip(others).flat_map(|(one, other)| {
+        [(&one.a, &other.a), (&one.b, &other.b)].map(|(a, b)| {
+            let columns = a.column_iter().zip(b.column_iter());
+            columns.map(|(a, b)| (a - b).amax() / a.amax()).fold(0.0, f64::max)
+        })
+    });
+    pairs.fold(0.0, f64::max)
+}
+
+/// Off an orbit, with the crank ahead of the gait: of fourth order at least, with an even and an odd number of steps in each interval; in
+/// steps that are too long for it equal to the last bit.
+#[test]
+fn intervals_by_a_known_flight_are_those_of_the_flow() {
+    let error = |preset: &str, steps: usize| {
+        let step = format!("trim.step_s={}", 1.0 / (5.9443 * 20.0 * (steps as f64 - 0.5)));
+        let preset = format!("aero.preset='{preset}'");
+        let gait = "robot.gait.fourier.frequency_hz=5.9443";
+        let scenario = scenario("cruise_20g", &[&preset, "aero.paper.nodes=6", gait, &step]);
+        let cycle = scenario.cycle().unwrap();
+        assert_eq!(cycle.steps(), 20 * steps);
+        let mut z = vec![0.0; cycle.section().len()];
+        cycle.section().coordinates(&scenario.start(), &mut z);
+        let inputs: Vec<f64> = scenario.robot().inputs().iter().map(|channel| 0.1 * channel.high).collect();
+        let moved: Vec<usize> = (0..inputs.len()).collect();
+        let point = Point { z, pace: 1.1, inputs };
+        let exact = intervals(&cycle, &point, 20, &moved).unwrap();
+        apart(&exact, &intervals_along(&cycle, &point, 20, &moved).unwrap())
+    };
+    let [odd, coarse, fine] = [7, 16, 32].map(|steps| error("paper", steps));
+    assert!(odd < 2e-5 && coarse < 2e-5, "{odd} {coarse}");
+    assert!((coarse / fine).log2() > 4.0, "{coarse} {fine}");
+    assert_eq!(error("full", 4), 0.0);
 }
 
 /// Commands of the first update of the controller of `scenario` from the state `x` at the begin.

@@ -8,8 +8,8 @@ use super::predictive::PredictiveSpec;
 use super::schedule::{CourseSchedule, Stretch, StretchPlace};
 use super::spec::AboutOrbitSpec;
 use crate::orbit::{
-    Course, Cycle, Deviations, Direction, Failure, FoundOrbit, Free, OrbitSection, Point, intervals, search,
-    search_from,
+    Course, Cycle, Deviations, Direction, Failure, FoundOrbit, Free, OrbitSection, Point, intervals_along,
+    search, search_from,
 };
 use nalgebra::DMatrix;
 use std::ops::ControlFlow;
@@ -202,7 +202,7 @@ impl ReferenceFamily {
         let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
         let made = parallel::map(&about, |_, &orbit| {
             let orbit = &found[orbit].orbit;
-            let intervals = intervals(cycle, &orbit.point, cycle.parts(), inputs)?;
+            let intervals = intervals_along(cycle, &orbit.point, cycle.parts(), inputs)?;
             let coordinates = cycle.section().len();
             let path = spec.predictive.as_ref().and_then(PredictiveSpec::path);
             Ok(Feedback::new(
