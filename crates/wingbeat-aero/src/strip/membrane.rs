@@ -94,37 +94,6 @@ pub(super) struct Skin<'a, P, G: Scalar, S> {
     of_chord: Shapes<&'a [S]>,
 }
 
-/// What presses on the shapes of each strip and what resists their rates; the rates that follow come in place of the loads.
-pub(super) struct MembraneLoads<S> {
-    /// Loads, N, then rates of the heights, m/s.
-    pub rates: Shapes<ArrayVec<S, MAX_STRIPS>>,
-    /// Fall of the loads with the rate of each shape, N s/m.
-    pub resistances: Shapes<ArrayVec<S, MAX_STRIPS>>,
-    /// Growth of that on the second shape with the rate of the first, N s/m.
-    pub crossings: ArrayVec<S, MAX_STRIPS>,
-}
-
-impl<S> MembraneLoads<S> {
-    /// None yet.
-    #[inline(always)]
-    pub fn none() -> Self {
-        let empty = || [ArrayVec::new(), ArrayVec::new()];
-        Self { rates: empty(), resistances: empty(), crossings: ArrayVec::new() }
-    }
-}
-
-impl<P: Scalar> Membrane<P> {
-    /// Turns what presses at the heights over chord `camber` into the rates of the heights.
-    pub(super) fn give_way<S: Scalar + Meets<P>>(
-        &self,
-        camber: Shapes<&[S]>,
-        pressed: &mut MembraneLoads<S>,
-    ) {
-        let MembraneLoads { rates: [first, second], resistances, crossings } = pressed;
-        self.rates(camber, resistances.each_ref().map(|of| &of[..]), crossings, &mut [first, second]);
-    }
-}
-
 impl<P: Scalar> StripModel<P> {
     /// Whether the surface is a membrane.
     pub fn is_membrane(&self) -> bool {
@@ -181,7 +150,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Where the cambers begin among the states.
-    pub(super) fn camber_states(&self) -> usize {
+    fn camber_states(&self) -> usize {
         self.followed_states() + if self.follows() { self.settings.strips } else { 0 }
     }
 
@@ -305,7 +274,6 @@ impl<P: Scalar> StripModel<P> {
     ///
     /// Rates of the cambers, and what they make of washes and lags: the rate h_1' lowers the wash by h_1'/2, and with it at once the
     /// load, so that the air damps the camber; that damping is taken for both shapes, whose second has no other effect of its rate.
-    /// `heights` may turn loads into rates in place of the membrane, and says whether it does.
     #[inline(never)]
     pub(super) fn bulge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
@@ -313,12 +281,14 @@ impl<P: Scalar> StripModel<P> {
         attached: &[S],
         [wash, lift_wash, flat, nose, couple]: [&mut [S]; 5],
         ([follows, slope], wanted): ([[&mut [S]; 2]; 2], bool),
-        (x, dx): (&[S], &mut [S]),
-        heights: &mut dyn FnMut(&mut MembraneLoads<S>) -> bool,
+        x: &[S],
+        dx: &mut [S],
     ) -> S {
         let (n, tables, at) = (self.settings.strips, &self.tables, self.camber_states());
         let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
-        let mut pressed = MembraneLoads::none();
+        let (mut first, mut second) = (ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new());
+        let mut resistances = [ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new()];
+        let mut crossings = ArrayVec::<S, MAX_STRIPS>::new();
         let (felt, per_time) = (at + MODES * n, membrane.damping.recip());
         for (i, air) in airs.iter().enumerate() {
             // The rate of the momentum as a state follows it: accelerations are not yet known here.
@@ -329,18 +299,17 @@ impl<P: Scalar> StripModel<P> {
             let vortex = vortices.map_or(S::ZERO, |vortices| vortices[i]);
             let section = (lift_wash[i], attached[i], vortex, dx[felt + i] - turning);
             let load = self.camber_load(i, air, of_chord.map(|shape| shape[i]), section);
-            (0..MODES).for_each(|mode| pressed.rates[mode].push(load[mode]));
+            first.push(load[0]);
+            second.push(load[1]);
             let scale = tables.lift_scale[i] * tables.at_once * 0.25;
             let of_air = attached[i] * (wind * scale);
-            pressed.resistances[0].push(of_air + self.camber_mass(i, membrane) * per_time);
-            pressed.resistances[1].push(of_air);
-            pressed.crossings.push(self.crossing(i, wind, attached[i]));
+            resistances[0].push(of_air + self.camber_mass(i, membrane) * per_time);
+            resistances[1].push(of_air);
+            crossings.push(self.crossing(i, wind, attached[i]));
         }
-        let loads = wanted.then(|| pressed.rates.clone());
-        if !heights(&mut pressed) {
-            membrane.give_way(of_chord, &mut pressed);
-        }
-        let MembraneLoads { rates: [first, second], resistances, crossings } = &pressed;
+        let loads = wanted.then(|| [first.clone(), second.clone()]);
+        let resistances = resistances.each_ref().map(|of| &of[..]);
+        membrane.rates(of_chord, resistances, &crossings, &mut [&mut first, &mut second]);
         let power = |[on_first, on_second]: [ArrayVec<S, MAX_STRIPS>; 2]| {
             (0..n).fold(S::ZERO, |sum, i| {
                 let fore = on_second[i] + crossings[i] * first[i] - resistances[1][i] * second[i];
@@ -362,7 +331,7 @@ impl<P: Scalar> StripModel<P> {
             for (k, lag) in self.numbers.lags.iter().enumerate() {
                 dx[k * n + i] += fallen * (air.speed * (lag.rate * tables.turnover[i]));
             }
-            for (m, rate) in [first, second].into_iter().enumerate() {
+            for (m, rate) in [&first, &second].into_iter().enumerate() {
                 dx[at + m * n + i] = rate[i] * tables.chord[i].recip();
             }
         }

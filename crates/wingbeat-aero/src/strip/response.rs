@@ -2,7 +2,7 @@
 
 use super::constants::FOLLOWING_TIME;
 use super::influence::{StripColumn, column, lanes, multiply, plain};
-use super::membrane::{Camber, MembraneLoads, SectionAirs};
+use super::membrane::{Camber, SectionAirs};
 use super::motion::{Strips, Wakes};
 use super::mutual::Foreign;
 use super::{StripFlow, StripModel};
@@ -72,11 +72,6 @@ pub(super) trait Spread<S: Scalar, const N: usize> {
     #[inline(always)]
     fn turned(&mut self, _seen: &StripColumn<S, N>) -> Option<[StripColumn<S, N>; 2]> {
         None
-    }
-    /// Turns what presses on a membrane into the rates of its heights, and says whether it does.
-    #[inline(always)]
-    fn heights(&mut self, _pressed: &mut MembraneLoads<S>) -> bool {
-        false
     }
 }
 
@@ -399,8 +394,7 @@ impl<P: Scalar> StripModel<P> {
             *of_chord = self.cambers(x);
             let washes = [&mut wash, &mut lift_wash, &mut flat[..], &mut nose[..], &mut couple[..]];
             let moving = [followed, slope].map(|of| of.each_mut().map(|column| &mut column[..]));
-            let heights = &mut |pressed: &mut MembraneLoads<S>| spread.heights(pressed);
-            let power = self.bulge(&skin, &attached, washes, (moving, given.is_some()), (x, dx), heights);
+            let power = self.bulge(&skin, &attached, washes, (moving, given.is_some()), x, dx);
             *given = given.map(|_| power);
         });
         let camber = (bulging.is_some() || flaps.is_some()).then_some(&*camber);

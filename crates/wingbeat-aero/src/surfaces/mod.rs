@@ -448,7 +448,7 @@ impl<P: Scalar> Surfaces<P> {
 
 impl Surfaces {
     /// As [`evaluate_sum`](Self::evaluate_sum) with the derivatives by all states in `out`; none where these surfaces do not give them: where they
-    /// are several, over a ground, of preset `paper`, with flaps, or of more than 16 strips.
+    /// are several, over a ground, of preset `paper`, of membranes, or of more than 16 strips.
     pub fn by_states(
         &self,
         sections: &impl Sections<f64>,

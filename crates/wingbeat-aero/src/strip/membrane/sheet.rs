@@ -56,8 +56,6 @@ pub(in super::super) struct Membrane<P> {
     chord: Vec<P>,
     pub(super) width: Vec<P>,
     bays: Vec<Bay<P>>,
-    /// Place of each strip in its bay, from 0.
-    places: Vec<usize>,
     /// Arcs of the ribs from the left tip to the right, m.
     pub(super) ribs: Vec<f64>,
 }
@@ -104,7 +102,6 @@ impl<P: Scalar> Membrane<P> {
             chord: grid.chord.clone(),
             width: grid.width.clone(),
             bays: Vec::new(),
-            places: Vec::new(),
             ribs: ribs.iter().map(|rib| rib.value()).collect(),
         };
         let strips = grid.chord.len();
@@ -119,18 +116,7 @@ impl<P: Scalar> Membrane<P> {
             next = to;
         }
         laid.loose(next..strips, numbers);
-        laid.places = laid.bays.iter().flat_map(|bay| 0..bay.strips().len()).collect();
         Ok(laid)
-    }
-
-    /// Place of each strip in its bay, from 0.
-    pub fn places(&self) -> &[usize] {
-        &self.places
-    }
-
-    /// Strips of the bay that has most.
-    pub fn largest_bay(&self) -> usize {
-        self.places.iter().fold(0, |most, place| most.max(place + 1))
     }
 
     /// Strips that nothing holds at their sides.
