@@ -217,9 +217,7 @@ impl JudgedFlight<'_> {
                 judge.hold_if(limit, apart);
             }
         }
-        for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
-            judge.hold_if(limit, self.context.means.map(|means| means.reversed_fraction));
-        }
+        judge.hold_if(&range::REVERSED, self.context.means.map(|means| means.reversed_fraction));
         for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
             if let Some(what) = law.about().beyond_stall {
                 let text = format!(

@@ -16,7 +16,7 @@ pub struct MembraneSummary {
     pub camber_max: f64,
     /// Share of strips and instants in which the membrane is slack along the chord.
     pub slack_fraction: f64,
-    /// Strain along the span at rest where ribs hold it.
+    /// Strain along the span at rest where ribs hold it, dimensionless.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prestrain_span: Option<f64>,
     /// Frequency of the motion over the least one of the membranes with the mean tension along the chord.

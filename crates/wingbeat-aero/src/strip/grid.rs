@@ -182,7 +182,7 @@ pub struct StripSpacing<P = f64> {
     pub crowded: bool,
 }
 
-/// Lays strips between the tips, an edge of theirs on each hinge.
+/// Lays strips between the tips, an edge of theirs on each hinge; arcs are in m.
 ///
 /// # Errors
 /// [`Error::Invalid`] when a hinge lies beyond the tip or the strips are too few for hinges and gaps.

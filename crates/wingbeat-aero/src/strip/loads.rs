@@ -73,7 +73,7 @@ impl<P: Scalar> StripModel<P> {
             let carried = self.carried_air(i, flow, response) + self.turned_circulation(i, flow, response);
             let lift = self.swept_suction(i, forces.lift.at(i));
             let force = lift + carried + forces.drag.at(i);
-            strips.wrench(i, self.side_edge(i, response).map_or(force, |edge| force + edge))
+            strips.wrench(i, if self.has_side_edge(i) { force + self.side_edge(i, response) } else { force })
         };
         let total = if const { plain::<S>() } {
             let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
@@ -129,13 +129,15 @@ impl<P: Scalar> StripModel<P> {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
             let along_chord = wrench(self.swept_suction(i, plain.at(i)));
-            let at_tip = self.side_edge(i, response).map_or(Wrench::ZERO, wrench);
             loads.strip[at] = StripLoads {
-                circulatory: along_chord + wrench(self.turned_circulation(i, flow, response)) + at_tip,
+                circulatory: along_chord + wrench(self.turned_circulation(i, flow, response)),
                 induced_drag: wrench(self.swept_suction(i, forces.lift.at(i))) + -along_chord,
                 added_mass: wrench(self.carried_air(i, flow, response)),
                 profile_drag: wrench(forces.drag.at(i)),
             };
+            if self.has_side_edge(i) {
+                loads.strip[at].circulatory += wrench(self.side_edge(i, response));
+            }
             if self.grid.covered[i] {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
@@ -168,7 +170,8 @@ impl<P: Scalar> StripModel<P> {
         for (i, part) in detail.iter_mut().enumerate().take(self.settings.strips) {
             let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
             let vortex = response.edges.as_ref().map_or(S::ZERO, |e| self.vortex_force(i, response, e));
-            let vortex = self.side_edge(i, response).map_or(vortex, |edge| vortex + edge.normal);
+            let vortex =
+                if self.has_side_edge(i) { vortex + self.side_edge(i, response).normal } else { vortex };
             *part = ForceDetail {
                 suction: chordwise.times(plain.chordwise[i]),
                 vortex: normal.times(vortex),
@@ -379,25 +382,14 @@ impl<P: Scalar> StripModel<P> {
 
     /// The force of an impulse that turns with section `i`, with as much towards the span as side edges bear.
     #[inline(always)]
-    fn borne_by_side_edges<S: Scalar + Meets<P>>(
-        &self,
-        i: usize,
-        mut force: SectionForce<S>,
-    ) -> SectionForce<S> {
-        if self.settings.edge_suction {
-            force.across *= self.tables.side_share[i];
-            force.about_chord *= self.tables.side_share[i];
-        }
-        force
+    fn borne_by_side_edges<S: Scalar + Meets<P>>(&self, i: usize, force: SectionForce<S>) -> SectionForce<S> {
+        if self.settings.edge_suction { force.towards_span(self.tables.side_share[i]) } else { force }
     }
 
     /// A force on section `i` whose part along the chord is suction of its leading edge, square to that edge.
     #[inline(always)]
-    fn swept_suction<S: Scalar + Meets<P>>(&self, i: usize, mut force: SectionForce<S>) -> SectionForce<S> {
-        if self.settings.edge_suction {
-            force.across -= force.chordwise * self.tables.edge_run[i];
-        }
-        force
+    fn swept_suction<S: Scalar + Meets<P>>(&self, i: usize, force: SectionForce<S>) -> SectionForce<S> {
+        if self.settings.edge_suction { force.swept(self.tables.edge_run[i]) } else { force }
     }
 
     /// Added mass that resists pitching of the section, kg.

@@ -31,7 +31,7 @@ pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope:
 }
 
 impl<P: Scalar> StripModel<P> {
-    /// Force of the vortex of a side edge on the outermost strip `i`, none on the others. At the distance d from a tip the circulation
+    /// Force of the vortex of a side edge on the outermost strip `i`. At the distance d from a tip the circulation
     /// goes as G = k sqrt(d), of which the share F(x) lies ahead of the station x. The sheet there has the strength
     /// dG/dy = k F/(2 sqrt(d)), as that of a leading edge, 2 A/sqrt(d), which is pulled by pi rho A^2 for each length. The pull along the
     /// span is so (pi/16) rho k^2 c mean(F^2); where the flow leaves the edge it turns to the normal, on the side of the wash, whole and at
@@ -43,16 +43,12 @@ impl<P: Scalar> StripModel<P> {
     /// Source: Lamar 1974, NASA TR R-428 (side edges lose their suction as leading edges do, Polhamus 1966); own derivation; mean(F^2)
     /// by a vortex lattice; at once: a choice.
     /// Test: `side_edges_have_the_suction_of_a_vortex_lattice`.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn side_edge<S: Scalar + Meets<P>, const N: usize>(
         &self,
         i: usize,
         response: &StripResponse<'_, S, N>,
-    ) -> Option<SectionForce<S>> {
-        let at_tip = i == 0 || i + 1 == self.settings.strips;
-        if !(self.settings.side_edges && at_tip) {
-            return None;
-        }
+    ) -> SectionForce<S> {
         let wash = response.lift_wash[i];
         let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
         let camber = wash - flat;
@@ -62,6 +58,12 @@ impl<P: Scalar> StripModel<P> {
         let scale = self.tables.side_edge[i];
         let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
         force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
-        Some(force)
+        force
+    }
+
+    /// Whether the strip `i` bears such a vortex.
+    #[inline(always)]
+    pub(super) fn has_side_edge(&self, i: usize) -> bool {
+        self.settings.side_edges && (i == 0 || i + 1 == self.settings.strips)
     }
 }

@@ -35,7 +35,7 @@ pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.0
 /// edge, where it acts at three quarters. *Choice.*
 pub const REVERSED: JudgedLimit = JudgedLimit::warn_above("range.reversed_fraction", 0.1, "")
     .on("no law knows wind from behind (is the leading edge ahead?): share of strips and time with an angle of attack above 135 deg");
-/// Mostly so: lift acts at the wrong end of the chord. *Choice.*
+/// Mostly so, of a wing that is held in its wind: lift acts at the wrong end of the chord. *Choice.*
 pub const REVERSED_OUTSIDE: JudgedLimit =
     JudgedLimit::at_most("range.reversed_outside_fraction", 0.5, "", Outside)
         .on("share of strips and time with the wind from behind, an angle of attack above 135 deg");

@@ -29,15 +29,15 @@ struct MembraneState {
 
 /// The film as it is fitted, with or without the vortices of the side edges of its frame.
 #[derive(Clone, Copy)]
-struct Film {
+struct LatexFilm {
     /// Strain of the flat membrane along chord and span.
     prestrain: [f64; 2],
     side_edges: bool,
 }
 
 /// The wing in a wind of `speed` m/s at the incidence `alpha_deg` with so many strips.
-fn wing(speed: f64, alpha_deg: f64, film: Film, strips: usize) -> Result<MembraneState, Error> {
-    let Film { prestrain, side_edges } = film;
+fn wing(speed: f64, alpha_deg: f64, film: LatexFilm, strips: usize) -> Result<MembraneState, Error> {
+    let LatexFilm { prestrain, side_edges } = film;
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -CHORD };
     let planform = Planform::new(&[station(0.0), station(0.5 * SPAN)])?;
     let settings = StripSettings {
@@ -101,7 +101,7 @@ fn wing(speed: f64, alpha_deg: f64, film: Film, strips: usize) -> Result<Membran
 }
 
 /// Root of the mean square of the error over that of what was measured: normal force, displacement.
-fn errors(speed: f64, film: Film, counts: impl Fn(f64) -> bool) -> Result<[f64; 2], Error> {
+fn errors(speed: f64, film: LatexFilm, counts: impl Fn(f64) -> bool) -> Result<[f64; 2], Error> {
     let table = reference_table!("membrane/latex_ar2.csv")?;
     let (alpha, column) =
         (table.column("alpha_deg")?, |name: &str| table.column(&format!("{name}_{speed}_m_s")));
@@ -121,9 +121,9 @@ fn errors(speed: f64, film: Film, counts: impl Fn(f64) -> bool) -> Result<[f64; 
 
 /// Strain of the flat membrane along chord and span, *fitted* at 5 m/s, 4 to 16 deg, as pretension and slack are not reported: the
 /// least sum of the squares of both errors among pairs that are not slack, by steps along the axes that are halved.
-fn fitted(side_edges: bool) -> Result<Film, Error> {
+fn fitted(side_edges: bool) -> Result<LatexFilm, Error> {
     let miss = |prestrain: [f64; 2]| -> Result<f64, Error> {
-        Ok(errors(5.0, Film { prestrain, side_edges }, |alpha| JUDGED.contains(&alpha))?
+        Ok(errors(5.0, LatexFilm { prestrain, side_edges }, |alpha| JUDGED.contains(&alpha))?
             .iter()
             .map(|e| e * e)
             .sum())
@@ -146,7 +146,7 @@ fn fitted(side_edges: bool) -> Result<Film, Error> {
             step *= 0.5;
         }
     }
-    Ok(Film { prestrain: best, side_edges })
+    Ok(LatexFilm { prestrain: best, side_edges })
 }
 
 /// The rows.
