@@ -115,6 +115,7 @@ impl<P: Scalar> StripGrid<P> {
     /// `F_span = -F_chord dx_LE/ds + (c_t/c)^2 F_turn, likewise its couple; the share at most 1`
     /// Source: own derivation: energy released at an edge; suction square to the edge: Garrick 1936. The bound of 1 is a choice.
     /// Test: `edges_alone_bear_spanwise_forces`.
+    #[inline(never)]
     pub fn edges_bear(&self, edges: bool) -> [Vec<P>; 2] {
         let (ones, none) = (vec![P::ONE; self.chord.len()], vec![P::ZERO; self.chord.len()]);
         if !edges {

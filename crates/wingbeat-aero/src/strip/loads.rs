@@ -129,15 +129,14 @@ impl<P: Scalar> StripModel<P> {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
             let along_chord = wrench(self.swept_suction(i, plain.at(i)));
+            let turned = self.turned_circulation(i, flow, response);
+            let turned = if self.has_side_edge(i) { turned + self.side_edge(i, response) } else { turned };
             loads.strip[at] = StripLoads {
-                circulatory: along_chord + wrench(self.turned_circulation(i, flow, response)),
+                circulatory: along_chord + wrench(turned),
                 induced_drag: wrench(self.swept_suction(i, forces.lift.at(i))) + -along_chord,
                 added_mass: wrench(self.carried_air(i, flow, response)),
                 profile_drag: wrench(forces.drag.at(i)),
             };
-            if self.has_side_edge(i) {
-                loads.strip[at].circulatory += wrench(self.side_edge(i, response));
-            }
             if self.grid.covered[i] {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
