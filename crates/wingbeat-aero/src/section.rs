@@ -269,27 +269,6 @@ impl<S: Scalar> SectionForce<S> {
         Self { chordwise, normal, across: S::ZERO, nose_up: normal * ahead, about_chord: S::ZERO }
     }
 
-    /// The same with the share `share` of what acts along the span.
-    #[inline(never)]
-    pub fn towards_span<P: Scalar>(mut self, share: P) -> Self
-    where
-        S: Meets<P>,
-    {
-        self.across *= share;
-        self.about_chord *= share;
-        self
-    }
-
-    /// The same square to an edge that runs so far towards the trailing edge for each length from left tip to right tip.
-    #[inline(never)]
-    pub fn swept<P: Scalar>(mut self, run: P) -> Self
-    where
-        S: Meets<P>,
-    {
-        self.across -= self.chordwise * run;
-        self
-    }
-
     /// The same force with more derivatives, all zero.
     #[inline]
     pub fn lifted<T: Over<S>>(self) -> SectionForce<T> {

@@ -499,7 +499,6 @@ impl AeroSpec {
             folding_rates: self.full.folding_rates,
             turning_impulse: self.full.turning_impulse,
             side_edges: self.full.side_edges,
-            edge_suction: self.full.edge_suction,
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
             section: self.section(outline, density_kg_m3),

@@ -486,7 +486,8 @@ impl Scenario {
         let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
         summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), surfaces));
         let past_stall = summary.stall_fraction;
-        summary.warnings.extend(unheard::side_edges(self.spec.flown_aero(), past_stall));
+        let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
+        summary.warnings.extend(unheard::side_edges(self.spec.flown_aero(), surfaces, past_stall));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
         summary.warnings.extend(self.spec.near_ground(summary.ground_distance_m));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })

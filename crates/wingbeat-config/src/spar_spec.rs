@@ -1,5 +1,6 @@
 //! What a case says of the beams that carry the halves of its wing.
 
+use super::grounded::mean_chord;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use wingbeat_aero::{Aero, Planform};
@@ -212,16 +213,13 @@ impl SparSpec {
         all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Largest distance of the line or of a centre of mass from the chord, beyond its edges or across it, over the chord; least and largest
-    /// radius of gyration about the span over the chord. Of stations with a chord.
+    /// Largest distance of the line or of a centre of mass from the chord, beyond its edges or across it, over the mean chord; least and
+    /// largest radius of gyration about the span over the mean chord, of stations with mass.
     fn placed(&self, planform: &Planform) -> (f64, Option<[f64; 2]>) {
         let (mut off, mut radii) = (0.0_f64, None);
+        let chord = mean_chord(planform);
         for station in &self.stations {
             let (leading, trailing) = planform.edges(station.arc_m);
-            let chord = leading - trailing;
-            if !(chord > 0.0) {
-                continue;
-            }
             for at in [self.ahead_m, self.ahead_m - station.aft_m] {
                 off = off.max((at - leading).max(trailing - at) / chord);
             }

@@ -104,31 +104,6 @@ impl<P: Scalar> StripGrid<P> {
 }
 
 impl<P: Scalar> StripGrid<P> {
-    /// How edges bear spanwise forces, by strip: the run of the leading edge along the chord over that across, and the share of the
-    /// turning impulses that side edges bear. Without edges nothing runs, and the share is whole.
-    ///
-    /// A thin wing bears forces in its plane at its edges alone. The flow about a section of the chord c that meets the wash w has the
-    /// energy k c^2 w^2/2 per span, and a side edge at the tip bears that of the tip, k c_t^2 w_t^2/2. On a wing that turns about its root
-    /// with the rate w' that is the sum of c_t^2 k w w' over the span: the impulse k c^2 w that turns, (c_t/c)^2 of it.
-    ///
-    /// Equation: aero.strip.edges
-    /// `F_span = -F_chord dx_LE/ds + (c_t/c)^2 F_turn, likewise its couple; the share at most 1`
-    /// Source: own derivation: energy released at an edge; suction square to the edge: Garrick 1936. The bound of 1 is a choice.
-    /// Test: `edges_alone_bear_spanwise_forces`.
-    #[inline(never)]
-    pub fn edges_bear(&self, edges: bool) -> [Vec<P>; 2] {
-        let (ones, none) = (vec![P::ONE; self.chord.len()], vec![P::ZERO; self.chord.len()]);
-        if !edges {
-            return [none, ones];
-        }
-        let run = |i: usize| (self.outline[i].0 - self.outline[i + 1].0) / self.width[i];
-        let share = |chord: &P| {
-            let share = (self.tip_chord / *chord).squared();
-            if share < P::ONE { share } else { P::ONE }
-        };
-        [(0..self.chord.len()).map(run).collect(), self.chord.iter().map(share).collect()]
-    }
-
     /// Half width of the narrower strip beside each edge, at most half the chord, m: a core that grows
     /// with a wide strip would reach its own bound vortex.
     pub fn half_widths(&self) -> impl Iterator<Item = P> {

@@ -71,8 +71,7 @@ impl<P: Scalar> StripModel<P> {
         };
         let load = |i: usize| {
             let carried = self.carried_air(i, flow, response) + self.turned_circulation(i, flow, response);
-            let lift = self.swept_suction(i, forces.lift.at(i));
-            let force = lift + carried + forces.drag.at(i);
+            let force = forces.lift.at(i) + carried + forces.drag.at(i);
             strips.wrench(i, if self.has_side_edge(i) { force + self.side_edge(i, response) } else { force })
         };
         let total = if const { plain::<S>() } {
@@ -128,12 +127,12 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..self.settings.strips {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
-            let along_chord = wrench(self.swept_suction(i, plain.at(i)));
+            let along_chord = wrench(plain.at(i));
             let turned = self.turned_circulation(i, flow, response);
             let turned = if self.has_side_edge(i) { turned + self.side_edge(i, response) } else { turned };
             loads.strip[at] = StripLoads {
                 circulatory: along_chord + wrench(turned),
-                induced_drag: wrench(self.swept_suction(i, forces.lift.at(i))) + -along_chord,
+                induced_drag: wrench(forces.lift.at(i)) + -along_chord,
                 added_mass: wrench(self.carried_air(i, flow, response)),
                 profile_drag: wrench(forces.drag.at(i)),
             };
@@ -330,7 +329,6 @@ impl<P: Scalar> StripModel<P> {
             nose_up: S::ZERO,
             about_chord: impulse * strips.drift[i],
         };
-        force = self.swept_suction(i, self.borne_by_side_edges(i, force));
         if self.settings.section.section_moment {
             let b = self.tables.chord[i] * 0.5;
             let moment =
@@ -376,19 +374,7 @@ impl<P: Scalar> StripModel<P> {
             force.across = impulse * strips.across.get(i).dot_over(strips.normal_rate.get(i));
             force.about_chord = impulse * strips.drift[i];
         }
-        self.borne_by_side_edges(i, force)
-    }
-
-    /// The force of an impulse that turns with section `i`, with as much towards the span as side edges bear.
-    #[inline(always)]
-    fn borne_by_side_edges<S: Scalar + Meets<P>>(&self, i: usize, force: SectionForce<S>) -> SectionForce<S> {
-        if self.settings.edge_suction { force.towards_span(self.tables.side_share[i]) } else { force }
-    }
-
-    /// A force on section `i` whose part along the chord is suction of its leading edge, square to that edge.
-    #[inline(always)]
-    fn swept_suction<S: Scalar + Meets<P>>(&self, i: usize, force: SectionForce<S>) -> SectionForce<S> {
-        if self.settings.edge_suction { force.swept(self.tables.edge_run[i]) } else { force }
+        force
     }
 
     /// Added mass that resists pitching of the section, kg.

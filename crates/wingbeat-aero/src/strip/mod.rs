@@ -126,6 +126,12 @@ impl<P: Scalar> StripModel<P> {
             return Err(Error::invalid("planform", "none", "an outline"));
         };
         let grid = StripGrid::new(planform, settings.strips, &numbers.hinges)?;
+        let whole =
+            numbers.hinges.iter().all(|arc| arc.is_zero()) && grid.covered.iter().all(|covered| *covered);
+        if settings.side_edges && !(whole && settings.flap.is_none() && settings.strips > 1) {
+            let allowed = "false of a wing with a hinge beyond its root, a flap, a gap or one strip: this was derived of whole flat wings";
+            return Err(Error::invalid("side_edges", true, allowed));
+        }
         let lags = settings.lags.lags();
         let ribs = settings.membrane.iter().flat_map(|membrane| &membrane.ribs_m);
         let ribs: Vec<f64> = ribs.copied().collect();

@@ -56,9 +56,6 @@ pub struct StripSettings {
     /// Vortices above the tips of a wing that ends in sharp side edges, after Lamar: a normal force that grows with the square of the
     /// lift. A plate of aspect ratio 2 lifts a twentieth more with it at 5 degrees, a tenth at 10; past stall and in fast motion too much.
     pub side_edges: bool,
-    /// Spanwise forces as the edges of the outline bear them: suction square to a swept leading edge, and of the impulses that turn
-    /// with a section the share that a side edge at the tip bears. Without it pointed wings bear the whole, like rectangular ones.
-    pub edge_suction: bool,
     /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
     /// two pass on the flat wing: 0.01 to 0.5.
     pub vortex_core: f64,
@@ -86,7 +83,6 @@ impl Default for StripSettings {
             folding_rates: false,
             turning_impulse: true,
             side_edges: false,
-            edge_suction: false,
             vortex_core: 0.3,
             force_tilt: true,
             section: SectionSettings::default(),

@@ -16,7 +16,10 @@ const PULL: [f64; 3] = [0.575, 0.273, 0.33];
 /// The same times the distance behind mid chord over the chord: 0.045 to 0.049, 0.10 to 0.14, 0.088 to 0.090.
 const PULL_BEHIND: [f64; 3] = [0.048, 0.11, 0.089];
 
-/// Force at a tip over the square of the wash there and [`PULL`], kg/m: rho (pi/16) (c b/(d (b - d))) slope^2.
+/// Wash below which its size is rounded off, so that it has a derivative, m/s. *Choice.*
+const ROUNDING: f64 = 1e-9;
+
+/// Force at a tip over the square of the wash there and [`PULL`], kg/m: rho (pi/16) (c b/(d (b - d))) slope^2, c the chord at the tip.
 pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope: P) -> P {
     let last = grid.width.len() - 1;
     let (from, to) = (grid.arcs[0], grid.arcs[last + 1]);
@@ -24,7 +27,7 @@ pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope:
     let at = grid.control_arcs[i];
     let inboard = if i == 0 { from - at } else { at - to };
     if i == 0 || i == last {
-        density * (PI / 16.0) * grid.chord[i] * span * slope * slope / (inboard * (span - inboard))
+        density * (PI / 16.0) * grid.tip_chord * span * slope * slope / (inboard * (span - inboard))
     } else {
         P::ZERO
     }
@@ -36,7 +39,7 @@ impl<P: Scalar> StripModel<P> {
     /// dG/dy = k F/(2 sqrt(d)), as that of a leading edge, 2 A/sqrt(d), which is pulled by pi rho A^2 for each length. The pull along the
     /// span is so (pi/16) rho k^2 c mean(F^2); where the flow leaves the edge it turns to the normal, on the side of the wash, whole and at
     /// once. What counts of the circulation is what stays attached, so that the force has the square of that share. Between the tips
-    /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)).
+    /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)). The parts of flat chord and camber push each to its own side.
     ///
     /// Equation: aero.strip.side_edge
     /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, times the attached share`
@@ -52,9 +55,10 @@ impl<P: Scalar> StripModel<P> {
         let wash = response.lift_wash[i];
         let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
         let camber = wash - flat;
-        let products = [flat.squared(), flat * camber * 2.0, camber.squared()];
-        let side = wash * wash.smooth_abs(self.floor).recip() * response.attached[i].squared();
-        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * side;
+        let [flat_size, camber_size] = [flat, camber].map(|wash| wash.smooth_abs(ROUNDING));
+        let products = [flat * flat_size, flat * camber_size + camber * flat_size, camber * camber_size];
+        let share = response.attached[i].squared();
+        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * share;
         let scale = self.tables.side_edge[i];
         let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
         force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));

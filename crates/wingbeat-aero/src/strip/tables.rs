@@ -49,10 +49,6 @@ pub(super) struct Tables<P: Scalar> {
     pub share: StripConstants<P>,
     /// Added mass as part of an infinite wing, kg.
     pub mass: StripConstants<P>,
-    /// Run of the leading edge towards the trailing edge over that from left tip to right tip; none without `edge_suction`.
-    pub edge_run: StripConstants<P>,
-    /// Share of the turning impulses that the side edges at the tips bear; one without `edge_suction`.
-    pub side_share: StripConstants<P>,
     /// Weight of the wash that acts at once in the lift wash: 1/2 with the weights that the set of lags has.
     pub at_once: P,
     /// Weights of the lags in the potential jump left on the chord.
@@ -85,10 +81,7 @@ impl<P: Scalar> Tables<P> {
         let area = covered.fold(P::ZERO, |sum, i| sum + chord[i] * grid.width[i]);
         let half_slope = numbers.section_slope * 0.5;
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
-        let [edge_run, side_share] = grid.edges_bear(settings.edge_suction);
         Self {
-            edge_run: repeated(&|i| edge_run[i]),
-            side_share: repeated(&|i| side_share[i]),
             covered: carried(&|_| P::ONE),
             fraction: repeated(&|i| grid.fraction[i]),
             chord: repeated(&|i| chord[i]),

@@ -51,6 +51,9 @@ impl TrimSummary {
         let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
         judge_slow(&mut judge, self.speed_m_s, slow);
         said_of(spec, robot).for_each(|warning| judge.warn(warning));
+        let surfaces = robot.surfaces().map(|(_, aero)| aero);
+        let edges = unheard::side_edges(&spec.aero, surfaces, self.stall_fraction_12);
+        edges.into_iter().for_each(|warning| judge.warn(warning));
         self.take(judge.verdict());
     }
 

@@ -147,7 +147,7 @@ pub fn intervals_along(
     count: usize,
     inputs: &[usize],
 ) -> Result<Vec<Interval>, Fault> {
-    let steps = (cycle.steps() / count).max(STRETCH).next_multiple_of(STEP);
+    let steps = (cycle.steps() / count).next_multiple_of(STRETCH);
     let cycle = &cycle.in_steps(count, steps);
     let deviations = Deviations::new(cycle);
     let (directions, inputs) = (alone(0..deviations.len()), alone(inputs.iter().copied()));

@@ -46,15 +46,15 @@ pub const LIGHT: JudgedLimit = JudgedLimit::warn_below("tether.spar_over_air", 0
 );
 /// Line and centres of mass of a spar beyond the edges of its chord, where no wing has them: mass balances reach some tenths. *Choice.*
 pub const OFF_CHORD: JudgedLimit = JudgedLimit::at_most("tether.spar_off_chord", 1.0, "", Outside).on(
-    "a spar lies in its wing (are ahead_m, aft_m and up_m in m?): largest distance of its line or of a centre of mass from the chord, over the chord,",
+    "a spar lies in its wing (are ahead_m, aft_m and up_m in m?): largest distance of its line or of a centre of mass from the chord, over the mean chord,",
 );
 /// Radius of gyration about the span over the chord: 0.29 of an even plate. *Choice.*
 pub const GYRATION: JudgedLimit = JudgedLimit::at_most("tether.spar_gyration", 1.0, "", Outside).on(
-    "an inertia that is large for its mass (is inertia_kg_m in kg m?): largest radius of gyration of a station about the span over the chord,",
+    "an inertia that is large for its mass (is inertia_kg_m in kg m?): largest radius of gyration of a station about the span over the mean chord,",
 );
 /// The same where a wing is a rod alone. *Choice.*
 pub const ROD: JudgedLimit = JudgedLimit::warn_below("tether.spar_gyration_least", 0.005, "").on(
-    "an inertia that is small for its mass (is inertia_kg_m in kg m?): least radius of gyration of a station about the span over the chord,",
+    "an inertia that is small for its mass (is inertia_kg_m in kg m?): least radius of gyration of a station about the span over the mean chord,",
 );
 /// Gravity that a spar feels: three times that of the earth. *Choice.*
 pub const GRAVITY: JudgedLimit = JudgedLimit::warn_above("tether.spar_gravity_m_s2", 30.0, "m/s2")

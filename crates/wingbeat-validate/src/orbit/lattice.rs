@@ -85,23 +85,18 @@ impl StripMeans {
 type ReplayChange = (&'static str, &'static str, fn(&mut ScenarioSpec));
 
 /// What spanwise forces are worth.
-const FINELY: [ReplayChange; 3] = [
+const FINELY: [ReplayChange; 2] = [
     ("linear_24", "the same, 24 strips", finely),
     ("unturned", "the same, 24 strips without the impulse of the circulation turning", |spec| {
         finely(spec);
         spec.aero.full.turning_impulse = false;
     }),
-    ("edges", "the same, 24 strips with it, edges bearing the spanwise forces", |spec| {
-        finely(spec);
-        spec.aero.full.edge_suction = true;
-    }),
 ];
 
-const CHANGES: [ReplayChange; 6] = [
+const CHANGES: [ReplayChange; 5] = [
     ("linear", "law linear without profile drag", attached),
     FINELY[0],
     FINELY[1],
-    FINELY[2],
     ("lev", "law lev", |spec| spec.aero.law = LiftLaw::Lev),
     ("strips_24", "24 strips", |spec| spec.aero.full.strips = 24),
 ];

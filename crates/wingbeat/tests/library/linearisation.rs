@@ -12,15 +12,7 @@ const FLOWN: [(&str, &[&str]); 19] = [
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.law=lev", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "aero.law=stall"]),
-    (
-        "banking_turn.toml",
-        &[
-            "aero.preset=full",
-            "aero.full.strips=16",
-            "aero.full.turning_impulse=false",
-            "aero.full.side_edges=true",
-        ],
-    ),
+    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.turning_impulse=false"]),
     ("as_printed_fourier.toml", &[]),
     ("banking_turn_beta.toml", &[]),
     ("cruise_linkage.toml", &[]),
@@ -32,7 +24,7 @@ const FLOWN: [(&str, &[&str]); 19] = [
     ("motor_flapper.toml", &[]),
     ("glider.toml", &[]),
     ("four_wings.toml", &[]),
-    ("glider.toml", &["aero.preset=full", "air.ground_m=-0.3"]),
+    ("glider.toml", &["aero.preset=full", "air.ground_m=-0.3", "aero.full.side_edges=true"]),
     (
         "glide.toml",
         &["perch={place_m=[0.0,0.0,0.02],capture_m=0.001,speed_within_m_s=0.1,attitude_within_deg=5.0}"],

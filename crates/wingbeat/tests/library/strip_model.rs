@@ -45,7 +45,6 @@ fn variants() -> Vec<StripModel> {
         .map(|(law, lags)| {
             model(StripSettings {
                 lags,
-                side_edges: matches!((law, lags), (LiftLaw::Lev3d, LagSet::Three)),
                 section: SectionSettings { law, ..settings(10).section },
                 ..settings(10)
             })
@@ -412,6 +411,17 @@ fn side_edges_have_the_suction_of_a_vortex_lattice() {
             [0, 1].iter().map(|k| (with.wrench.force[*k] - without.wrench.force[*k]).abs()).sum();
         assert!(across < 1e-6 * normal * scale, "{across}");
     }
+}
+
+#[test]
+fn wings_that_are_not_whole_and_flat_refuse_side_edges() {
+    let refused =
+        |set: StripSettings| StripModel::new(&planform(), StripSettings { side_edges: true, ..set }).err();
+    assert!(refused(StripSettings { hinge_arcs_m: vec![0.0], ..settings(10) }).is_none());
+    assert!(refused(settings(10)).unwrap().to_string().contains("side_edges"));
+    let half = planform().with_gaps(&[Gap { from_arc_m: 0.0, to_arc_m: 0.02 }]).unwrap();
+    let set = StripSettings { side_edges: true, hinge_arcs_m: vec![], ..settings(10) };
+    assert!(StripModel::new(&half, set).is_err());
 }
 
 /// The same of a wing of unit chord with gaps, given its half span.

@@ -235,31 +235,6 @@ fn the_impulse_of_the_circulation_turns_with_the_section() {
 }
 
 #[test]
-fn edges_alone_bear_spanwise_forces() {
-    let flap = "wing.hinges[0].angle_deg={fourier={sin=[20.0]}}";
-    let keys = |edges: bool| format!("aero.full.edge_suction={edges}");
-    let [without, with] = [false, true].map(|edges| run("flap_f2", &[flap, "aero.law=linear", &keys(edges)]));
-    for name in ["force_x", "force_y", "force_z", "moment_x", "moment_y"] {
-        let (a, b) = (without.loads.values(name).unwrap(), with.loads.values(name).unwrap());
-        // A rectangle has no swept edge, and its side edges are whole.
-        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{name}");
-    }
-    // Nearly pointed: the leading edge goes back by 0.06 over 0.2 m, and no side edge is left.
-    let pointed = "wing.planform=[{arc_m=0.0,leading_edge_m=0.04,trailing_edge_m=-0.08},{arc_m=0.2,leading_edge_m=-0.02,trailing_edge_m=-0.0201}]";
-    let run = run("flap_f2", &[flap, pointed, "aero.law=linear", &keys(true)]);
-    let column = |name: &str| run.strips.values(name).unwrap();
-    let (mut error, mut largest) = (0.0_f64, 0.0_f64);
-    for k in 0..column("t").len() {
-        let outward = Vec3::new(0.0, column("quarter_chord_y")[k], column("quarter_chord_z")[k]).unit();
-        let force = Vec3::new(column("force_x")[k], column("force_y")[k], column("force_z")[k]);
-        // The suction stands square to the leading edge.
-        error = error.max((force.dot(outward) - 0.3 * force[0]).abs());
-        largest = largest.max(force[0].abs());
-    }
-    assert!(largest > 1e-4 && error < 0.01 * largest, "{error} of {largest} N");
-}
-
-#[test]
 fn a_half_wing_at_a_wall_carries_half_the_load() {
     let (whole, half) = (run("flap_fold", &[]), run("flap_fold", &["wing.side=left"]));
     for name in ["force_x", "force_z", "moment_y"] {
@@ -744,9 +719,7 @@ fn a_preset_that_lacks_a_term_of_the_strips_says_so() {
         let found = summary.verdict.warnings.into_iter().find(|warning| warning.id == "aero.unheard");
         found.map(|warning| warning.text)
     };
-    for (key, [changed, default]) in
-        [("turning_impulse", [false, true]), ("side_edges", [true, false]), ("edge_suction", [true, false])]
-    {
+    for (key, [changed, default]) in [("turning_impulse", [false, true]), ("side_edges", [true, false])] {
         let text = warned("paper", &format!("{key}={changed}")).unwrap();
         assert!(text.contains(&format!("aero.full.{key} = {changed}")) && text.contains("`paper`"), "{text}");
         assert_eq!(
