@@ -98,8 +98,22 @@ pub fn draw(
     draws: &[FigureMaker],
     interrupt: &Interrupt,
 ) -> Result<(), Error> {
+    let draws: Vec<_> = draws.iter().map(|draw| (record, *draw)).collect();
+    draw_each(folder, &draws, asked, interrupt)
+}
+
+/// As [`draw`] for figures of several records.
+pub fn draw_each(
+    folder: &RunFolder,
+    draws: &[(&Record, FigureMaker)],
+    asked: FigureTargets,
+    interrupt: &Interrupt,
+) -> Result<(), Error> {
+    if draws.is_empty() {
+        return Ok(());
+    }
     let figures = folder.folder("figures")?;
-    let drawn = parallel::map(draws, |_, draw| {
+    let drawn = parallel::map(draws, |_, (record, draw)| {
         interrupt.check()?;
         Ok::<_, Error>(draw(record, asked).and_then(|figure| wingbeat_figures::write(&figures, &figure)))
     });

@@ -11,7 +11,7 @@ use wingbeat_io::write_parquet;
 
 use crate::args::Trim;
 use crate::error::Error;
-use crate::fly::draw;
+use crate::fly::draw_each;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::progress;
@@ -39,6 +39,7 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
         Some(_) => RunFolder::resume(out, name, options.force, ("scenario.toml", &scenario.resolved))?,
         None => RunFolder::create(out, name, options.force)?,
     };
+    wingbeat_figures::prepare();
     let watch = ConvergenceWatch::begin(
         &arguments.live,
         &scenario.spec.name,
@@ -79,6 +80,7 @@ fn alone(arguments: &Trim, document: Document, interrupt: &Interrupt, start: Ins
     let asked = RobotTrim::new(document, &options.all_overrides(), arguments.bank.unwrap_or(0.0))?;
     let scenario = &asked.scenario;
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
+    wingbeat_figures::prepare();
     let watch =
         ConvergenceWatch::begin(&arguments.live, &scenario.spec.name, "trim under way", &scenario.resolved)?;
     let bar = progress::bar(None, "{spinner} {elapsed}  {msg}", options.quiet);
@@ -132,11 +134,9 @@ fn written(
         (&trimmed.multipliers, |record, _| multipliers(record)),
         (&trimmed.family, |record, _| family(record)),
     ];
-    for (record, figure) in &draws {
-        if let Some(record) = record {
-            draw(&folder, record, wingbeat_figures::FigureTargets::default(), &[*figure], interrupt)?;
-        }
-    }
+    let draws: Vec<_> =
+        draws.iter().filter_map(|(record, figure)| record.as_ref().map(|record| (record, *figure))).collect();
+    draw_each(&folder, &draws, wingbeat_figures::FigureTargets::default(), interrupt)?;
     for (name, text) in &trimmed.files {
         folder.write(name, text)?;
     }

@@ -25,6 +25,7 @@ pub mod inside;
 mod lattice;
 #[cfg(feature = "learn")]
 pub mod learn;
+mod link_spar;
 mod measure;
 mod mismatch;
 mod motion_table;

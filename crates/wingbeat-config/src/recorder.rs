@@ -1,6 +1,7 @@
 //! From an observed robot to the columns of a record.
 
 use super::hinged::FlapSummary;
+use super::link_spar::LinkSparSummary;
 use super::perch::{self, PerchSpec};
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
@@ -71,6 +72,8 @@ pub struct FlightMeans {
     pub membrane: Option<MembraneSummary>,
     /// Flaps, likewise.
     pub flap: Option<FlapSummary>,
+    /// Spars, likewise.
+    pub spar: Option<LinkSparSummary>,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -245,6 +248,7 @@ impl<'a> Recorder<'a> {
             beyond_residual_fraction: (self.beyond[1] > 0.0).then(|| self.beyond[0] / self.beyond[1]),
             membrane: skins(self.robot, &self.record),
             flap: flaps(self.robot, &self.record),
+            spar: LinkSparSummary::of(self.robot, &self.record),
             stall_fraction,
             reversed_fraction: reversed,
             stalled,

@@ -10,6 +10,7 @@ use super::grounded::ground_distance;
 use super::hinged::FlapSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
+use super::link_spar::LinkSparSummary;
 use super::measure::Measured;
 use super::perch::{PerchSpec, PerchSummary};
 use super::recorder::{FlightMeans, momentum_change};
@@ -118,6 +119,9 @@ pub struct Summary {
     /// Flaps: largest angle, and that by their weight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flap: Option<FlapSummary>,
+    /// Spars: largest angle between two pieces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spar: Option<LinkSparSummary>,
     /// Means of the states that the flown laws declare; not part of the file.
     #[serde(skip)]
     pub law_states: Vec<LawState>,
@@ -380,6 +384,7 @@ impl Summary {
             suction_lost_fraction: means.map(|means| means.suction_lost_fraction),
             membrane: means.and_then(|means| means.membrane),
             flap: means.and_then(|means| means.flap),
+            spar: means.and_then(|means| means.spar),
             law_states: means.map_or(Vec::new(), |means| means.law_states.clone()),
             beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),

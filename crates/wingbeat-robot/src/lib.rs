@@ -319,6 +319,10 @@ impl Robot {
     pub fn is_elastic(&self, joint: usize) -> bool {
         self.mechanism.coordinates.contains(&joint)
     }
+    /// The joints at which the pieces of spars turn against each other.
+    pub fn spar_joints(&self) -> &[usize] {
+        &self.mechanism.pieces
+    }
     /// Whether the joint `joint` twists a wing: it turns a link of one side, which carries a surface, about its span.
     pub fn is_twist(&self, joint: usize) -> bool {
         let sided = self.mechanism.twins[joint] != joint;

@@ -20,6 +20,8 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     pub twins: Vec<usize>,
     /// Joints whose coordinates are states, in order.
     pub coordinates: Vec<usize>,
+    /// Joints between the pieces of spars.
+    pub pieces: Vec<usize>,
     /// The linkage that the gait turns, one on each side.
     pub linkage: Option<Box<Linkage<P>>>,
 }
@@ -119,8 +121,13 @@ impl Mechanism {
         if let Some(wing) = &spec.wing {
             add_wing(wing, &spec.gait, &mut parts)?;
         }
+        let mut pieces = Vec::new();
         for (i, link) in spec.all_links() {
+            let first = parts.len();
             add_link(&link, &spec.gait, &mut parts).map_err(|e| e.within(&format!("links[{i}]")))?;
+            if link.name != spec.links[i].name && link.elastic.is_some() {
+                pieces.extend(first..parts.len());
+            }
         }
         let body = &spec.body;
         let inertia = Mat3::diagonal(Vec3(body.inertia_kg_m2));
@@ -135,7 +142,7 @@ impl Mechanism {
         }
         let twins = parts.iter().map(|p| p.twin).collect();
         let drives: Vec<JointDrive> = parts.into_iter().map(|p| p.drive).collect();
-        Ok(Self { tree, alike: alike(&drives), drives, twins, coordinates, linkage })
+        Ok(Self { tree, alike: alike(&drives), drives, twins, coordinates, pieces, linkage })
     }
 
     /// Index of the link called `name` on the left (0) or right (1) side: of a mirrored pair by the
@@ -197,6 +204,7 @@ impl<P: Scalar> Mechanism<P> {
             drives,
             twins: self.twins.clone(),
             coordinates: self.coordinates.clone(),
+            pieces: self.pieces.clone(),
             linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
                 .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),
         }

@@ -44,6 +44,7 @@ const BLOCKS: [(&str, &[&str]); 5] = [
             "limits of range",
             "limits of membrane",
             "limits of flap",
+            "limits of spar",
             "limits of trim",
             "limits of plan",
             "limits of sweep",

@@ -15,6 +15,7 @@ pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 use verdict::said_of;
 
+use super::link_spar::LinkSparSummary;
 use super::recorder::Recorder;
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, written};
 use std::ops::ControlFlow;
@@ -146,12 +147,14 @@ impl Scenario {
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
         let gains = gains_of(&cycle, &found.orbit, &inputs, &all, &OrbitWeights::default());
         summary.held_multiplier = gains.as_ref().map(|held| held.multiplier);
+        let record = self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?;
+        summary.spar = LinkSparSummary::of(cycle.robot(), &record);
         summary.judge(cycle.robot(), &self.spec, &self.limits);
         let family =
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let gains = gains.map(|held| ("gains.csv", held.table));
         Ok(Trimmed {
-            record: Some(self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?),
+            record: Some(record),
             multipliers: Some(multipliers(&modes, cycle.section().names())?),
             family,
             starts: None,

@@ -4,6 +4,7 @@ use super::alone::AloneSummary;
 use super::search::SearchSummary;
 use crate::CostSummary;
 use crate::hinged::FlapSummary;
+use crate::link_spar::LinkSparSummary;
 use crate::skin::MembraneSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -106,6 +107,9 @@ pub struct TrimSummary {
     /// Flaps: largest angle, and that by their weight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flap: Option<FlapSummary>,
+    /// Spars: largest angle between two pieces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spar: Option<LinkSparSummary>,
     /// Least of all clearances over the cycle, m.
     pub least_clearance_m: Option<f64>,
     /// Mean roll, deg; positive is right wing down.

@@ -48,6 +48,9 @@ impl TrimSummary {
         if let Some(flap) = self.flap {
             flap.judge(&mut judge);
         }
+        if let Some(spar) = self.spar {
+            spar.judge(&mut judge);
+        }
         let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
         judge_slow(&mut judge, self.speed_m_s, slow);
         said_of(spec, robot).for_each(|warning| judge.warn(warning));

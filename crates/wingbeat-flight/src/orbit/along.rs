@@ -11,7 +11,7 @@ const STRETCH: usize = 4;
 /// Steps in the other.
 const STEP: usize = STRETCH / 2;
 /// Largest error over an interval, over the largest derivative by the same deviation or command, up to which this is done. *Choice.*
-const MOST_ERROR: f64 = 2e-5;
+pub(super) const MOST_ERROR: f64 = 2e-5;
 /// Difference of a rule of fourth order to that in steps twice as long over its error: 2^4 - 1.
 const GAIN: f64 = 15.0;
 

@@ -3,8 +3,8 @@
 //! An orbit returns after a cycle to the state it began with, but for its place and heading: level and climbing flight
 //! are periodic up to a displacement, turns up to a rotation about the vertical too (relative periodic orbits).
 //! Unknown are the state at phase 0 ([`OrbitSection`]) and the numbers that may be chosen ([`Free`]); asked is a
-//! [`Course`]. [`search`] finds the orbit by a recoil start and Newton's method on exact derivatives of the flow over
-//! a cycle; [`floquet`] tells how small disturbances grow.
+//! [`Course`]. [`search`] finds the orbit by a recoil start and Newton's method on derivatives of the flow over
+//! a cycle, exact at first and then learned from its steps; [`floquet`] tells how small disturbances grow.
 
 mod along;
 mod course;

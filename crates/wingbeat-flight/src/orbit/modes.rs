@@ -1,5 +1,6 @@
 //! Floquet multipliers: how small disturbances of an orbit grow over a cycle.
 
+use super::along::MOST_ERROR;
 use super::cycle::{Cycle, Point};
 use super::linear::{Deviations, Interval};
 use super::newton::Orbit;
@@ -78,8 +79,8 @@ impl Modes {
     }
 }
 
-/// What a multiplier may exceed 1 by rounding.
-const NEUTRAL: f64 = 1e-9;
+/// What a multiplier may exceed 1 by the error of the intervals' derivatives.
+const NEUTRAL: f64 = MOST_ERROR;
 /// Label of the mode that is neutral by the symmetry of space.
 const HEADING: &str = "heading";
 

@@ -173,7 +173,7 @@ fn started(
     }
 }
 
-/// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more free
+/// Finds the orbit of `course` from `point` by Newton's method on derivatives of the flow over a cycle, exact at first and then learned from its steps; with more free
 /// numbers than conditions by steps of least norm in them, each measured by half of its range. `observe` hears iteration and
 /// residual (in SI units).
 ///

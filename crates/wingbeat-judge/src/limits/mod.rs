@@ -11,6 +11,7 @@ pub mod plan;
 pub mod range;
 pub mod recording;
 pub mod rig;
+pub mod spar;
 pub mod sweep;
 pub mod tether;
 pub mod trim;
@@ -82,11 +83,12 @@ impl JudgedLimit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static JudgedLimit> {
-    let kinds: [&'static [JudgedLimit]; 14] = [
+    let kinds: [&'static [JudgedLimit]; 15] = [
         &flight::ALL,
         &range::ALL,
         &membrane::ALL,
         &flap::ALL,
+        &spar::ALL,
         &trim::ALL,
         &plan::ALL,
         &sweep::ALL,

@@ -1,0 +1,30 @@
+//! What a run says of the spars of its links.
+
+use serde::Serialize;
+use wingbeat_flight::simulate::Record;
+use wingbeat_judge::Judge;
+use wingbeat_judge::limits::spar::{ANGLE, BEYOND_ANGLE};
+use wingbeat_robot::Robot;
+
+/// Spars of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct LinkSparSummary {
+    /// Largest angle by which a piece of a spar turns against the one before it, deg.
+    pub angle_max_deg: f64,
+}
+
+impl LinkSparSummary {
+    /// Of the spars of `robot` from the columns that `record` has of their joints; none without a spar or a row.
+    pub fn of(robot: &Robot, record: &Record) -> Option<Self> {
+        let names: Vec<&str> = robot.joint_names().collect();
+        let angles = robot.spar_joints().iter().filter_map(|joint| record.values(names[*joint]));
+        let largest = angles.flatten().map(|angle| angle.abs()).reduce(f64::max)?;
+        Some(Self { angle_max_deg: largest.to_degrees() })
+    }
+
+    /// Holds them against their limits.
+    pub fn judge(&self, judge: &mut Judge) {
+        judge.hold(&ANGLE, self.angle_max_deg);
+        judge.hold(&BEYOND_ANGLE, self.angle_max_deg);
+    }
+}
