@@ -72,9 +72,9 @@ impl FlapSpec {
         }
     }
 
-    /// Whether it lies at the arc `arc` (m), of either half.
+    /// Whether it lies at the arc `arc` from the root, m.
     pub(super) fn covers(&self, arc: f64) -> bool {
-        arc.abs() >= self.from_arc_m && self.to_arc_m.is_none_or(|end| arc.abs() <= end)
+        arc >= self.from_arc_m && self.to_arc_m.is_none_or(|end| arc <= end)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::grounded::mean_chord;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use wingbeat_aero::{Aero, Planform};
 use wingbeat_flight::tether::{Spar, Steady};
-use wingbeat_judge::Judge;
 use wingbeat_judge::limits::tether;
+use wingbeat_judge::{Judge, Status};
 use wingbeat_math::order::ascend;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Error, GRAVITY, Mat3, Vec3, require};
@@ -178,7 +178,7 @@ impl SparSpec {
 
     /// Least mass or inertia per length at a station, over the second or the fourth power of its chord, beside the median of all: 1 of
     /// wings whose sections are alike.
-    pub(super) fn least_mass(&self, planform: &Planform) -> f64 {
+    fn least_mass(&self, planform: &Planform) -> f64 {
         let chord = |arc: f64| {
             let (leading, trailing) = planform.edges(arc);
             leading - trailing
@@ -203,10 +203,10 @@ impl SparSpec {
     }
 
     /// Mass per length over that of the fluid of `density` in the circle on the chord, the median of the stations.
-    pub(super) fn over_air(&self, planform: &Planform, density: f64) -> f64 {
+    fn over_air(&self, planform: &Planform, density: f64) -> f64 {
         let of = |station: &SparStationSpec| {
             let (leading, trailing) = planform.edges(station.arc_m);
-            station.mass_kg_m / (0.25 * std::f64::consts::PI * density * (leading - trailing).powi(2))
+            station.mass_kg_m / (0.25 * PI * density * (leading - trailing).powi(2))
         };
         let mut all: Vec<f64> = self.stations.iter().map(of).collect();
         ascend(&mut all);
@@ -214,33 +214,70 @@ impl SparSpec {
     }
 
     /// Largest distance of the line or of a centre of mass from the chord, beyond its edges or across it, over the mean chord; least and
-    /// largest radius of gyration about the span over the mean chord, of stations with mass.
+    /// largest radius of gyration about the span over the mean chord, of stations with mass, and largest of its `masses` about any axis.
     fn placed(&self, planform: &Planform) -> (f64, Option<[f64; 2]>) {
-        let (mut off, mut radii) = (0.0_f64, None);
+        let (mut off, mut radii) = (0.0_f64, None::<[f64; 2]>);
         let chord = mean_chord(planform);
+        let mut put = |arc: f64, ahead: f64, up: f64| {
+            let (leading, trailing) = planform.edges(arc);
+            off = off.max((ahead - leading).max(trailing - ahead).max(up.abs()) / chord);
+        };
         for station in &self.stations {
-            let (leading, trailing) = planform.edges(station.arc_m);
-            for at in [self.ahead_m, self.ahead_m - station.aft_m] {
-                off = off.max((at - leading).max(trailing - at) / chord);
-            }
-            off = off.max(station.up_m.abs() / chord);
+            put(station.arc_m, self.ahead_m, 0.0);
+            put(station.arc_m, self.ahead_m - station.aft_m, station.up_m);
             if station.mass_kg_m > 0.0 {
                 let radius = (station.inertia_kg_m / station.mass_kg_m).sqrt() / chord;
                 let [least, most] = radii.unwrap_or([radius; 2]);
                 radii = Some([radius.min(least), radius.max(most)]);
             }
         }
+        for mass in &self.masses {
+            put(mass.arc_m, self.ahead_m - mass.aft_m, mass.up_m);
+            put(mass.arc_m, self.ahead_m, mass.outboard_m);
+            let inertia = mass.inertia_kg_m2.into_iter().fold(0.0, f64::max);
+            if let (Some([_, most]), true) = (&mut radii, mass.mass_kg > 0.0) {
+                *most = most.max((inertia / mass.mass_kg).sqrt() / chord);
+            }
+        }
         (off, radii)
     }
 
-    /// Holds the numbers of the spar against what spars have; `steady` tells its frequencies.
-    pub(super) fn judge(&self, planform: &Planform, steady: Option<&Steady>, judge: &mut Judge) {
+    /// Largest of the `masses` over the mass of the spar without them; none without either.
+    fn lump_over_spar(&self) -> Option<f64> {
+        let largest = self.masses.iter().map(|mass| mass.mass_kg).reduce(f64::max)?;
+        let pairs = self.stations.windows(2);
+        let spar: f64 =
+            pairs.map(|p| 0.5 * (p[1].arc_m - p[0].arc_m) * (p[0].mass_kg_m + p[1].mass_kg_m)).sum();
+        (spar > 0.0).then(|| largest / spar)
+    }
+
+    /// Holds the spar of a wing in a fluid of that density, kg/m3, against what spars have, and its shape at rest against what is asked of
+    /// one; of a wing that is `held` still the growth of small disturbances too.
+    pub(super) fn judge(
+        &self,
+        (planform, density): (&Planform, f64),
+        (steady, held): (Option<&Steady>, bool),
+        judge: &mut Judge,
+    ) {
+        if steady.is_some_and(|steady| !steady.found) {
+            judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
+        }
+        judge.hold_if(&tether::SPAR, steady.and_then(|steady| steady.grid_change));
+        let growth = steady.filter(|steady| held && steady.found).and_then(growth);
+        if growth.is_some_and(|growth| !growth.is_finite()) {
+            let text = "no growth of small disturbances of the wing at rest in the wind was found: it may flutter or diverge";
+            judge.find(Status::NotResolved, text);
+        }
+        judge.hold_if(&tether::FLUTTER, growth.filter(|growth| growth.is_finite()));
+        judge.hold(&tether::MASSLESS, self.least_mass(planform));
+        judge.hold(&tether::LIGHT, self.over_air(planform, density));
         let (off, radii) = self.placed(planform);
         judge.hold(&tether::OFF_CHORD, off);
         if let Some([least, most]) = radii {
             judge.hold(&tether::GYRATION, most);
             judge.hold(&tether::ROD, least);
         }
+        judge.hold_if(&tether::LUMP, self.lump_over_spar());
         judge.hold(&tether::GRAVITY, Vec3(self.gravity_m_s2).norm());
         let lowest = steady.and_then(|steady| steady.frequencies_hz.first());
         judge.hold_if(&tether::DAMPED, lowest.map(|hz| PI * hz * self.damping_s));
@@ -280,6 +317,12 @@ impl SparSpec {
         }
         Ok(stations)
     }
+}
+
+/// Growth rate of small disturbances over the lowest angular frequency of the spar; not finite where the eigenvalues were not found.
+fn growth(steady: &Steady) -> Option<f64> {
+    let [growth, _] = steady.least_damped;
+    Some(growth / (TAU * steady.frequencies_hz.first()?))
 }
 
 impl SparStationSpec {

@@ -179,23 +179,10 @@ impl TetherCase {
         if run.ending == Ending::Complete {
             judge.hold_if(&tether::STEPS, step_change.map(|change| change.mean));
             Moved::new(&self.tether).hold(&mut judge);
-            if run.steady.as_ref().is_some_and(|steady| !steady.found) {
-                judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
-            }
-            judge.hold_if(&tether::SPAR, run.steady.as_ref().and_then(|steady| steady.grid_change));
-            let growth = run.steady.as_ref().and_then(|steady| self.growth(steady));
-            if growth.is_some_and(|growth| !growth.is_finite()) {
-                let text = "no growth of small disturbances of the wing at rest in the wind was found: it may flutter or diverge";
-                judge.find(Status::NotResolved, text);
-            }
-            judge.hold_if(&tether::FLUTTER, growth.filter(|growth| growth.is_finite()));
-            let spar = self.spec.spar.as_ref();
             let planform = self.tether.wing.planform();
-            judge.hold_if(&tether::MASSLESS, spar.map(|spar| spar.least_mass(planform)));
-            let density = self.spec.wind.density_kg_m3;
-            judge.hold_if(&tether::LIGHT, spar.map(|spar| spar.over_air(planform, density)));
-            if let Some(spar) = spar {
-                spar.judge(planform, run.steady.as_ref(), &mut judge);
+            if let Some(spar) = &self.spec.spar {
+                let held = self.tether.motion.is_still();
+                spar.judge((planform, self.spec.wind.density_kg_m3), (run.steady.as_ref(), held), &mut judge);
             }
             for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
                 judge.hold(limit, run.reversed_fraction);
@@ -236,14 +223,6 @@ impl TetherCase {
         let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
         found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
-    }
-
-    /// Growth rate of small disturbances of a wing that is held still over the lowest angular frequency of its spar; not finite where the
-    /// eigenvalues were not found.
-    fn growth(&self, steady: &Steady) -> Option<f64> {
-        let [growth, _] = steady.least_damped;
-        let lowest = std::f64::consts::TAU * steady.frequencies_hz.first()?;
-        (steady.found && self.tether.motion.is_still()).then(|| growth / lowest)
     }
 
     /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a

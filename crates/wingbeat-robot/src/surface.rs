@@ -104,8 +104,11 @@ impl RobotSpec {
         let others = self.surfaces.iter().enumerate();
         let others = others.map(|(i, s)| (format!("surfaces[{i}]"), self.over_spars(s.clone())));
         let outline = |(key, surface): (String, SurfaceSpec)| {
+            let planform = surface.outline().map_err(|e| e.within(&key))?;
+            let tip = planform.station_arcs().last().copied().unwrap_or_default();
+            self.spars_within(&surface, tip)?;
             Ok(SurfaceOutline {
-                planform: surface.outline().map_err(|e| e.within(&key))?,
+                planform,
                 hinges: surface.panels[1..].iter().map(|p| p.from_arc_m).collect(),
                 cd0: surface.cd0,
                 cd90: surface.cd90,

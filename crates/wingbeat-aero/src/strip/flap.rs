@@ -49,7 +49,7 @@ struct MovingFlap<K, S> {
 pub(super) struct Flaps<K, S, const N: usize>(ArrayVec<Option<MovingFlap<K, S>>, N>);
 
 impl Hinges {
-    /// On strips with their middles at `arcs` (m), where `covered` says that there is a wing.
+    /// On strips with their middles at the arcs `arcs` from the root (m), where `covered` says that there is a wing.
     pub fn new<P: Scalar>(spec: &FlapSpec, arcs: &[P], covered: &[bool]) -> Self {
         let on = arcs.iter().zip(covered).map(|(arc, covered)| *covered && spec.covers(arc.value()));
         let fraction = spec.chord_fraction;

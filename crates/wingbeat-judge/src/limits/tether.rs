@@ -46,15 +46,19 @@ pub const LIGHT: JudgedLimit = JudgedLimit::warn_below("tether.spar_over_air", 0
 );
 /// Line and centres of mass of a spar beyond the edges of its chord, where no wing has them: mass balances reach some tenths. *Choice.*
 pub const OFF_CHORD: JudgedLimit = JudgedLimit::at_most("tether.spar_off_chord", 1.0, "", Outside).on(
-    "a spar lies in its wing (are ahead_m, aft_m and up_m in m?): largest distance of its line or of a centre of mass from the chord, over the mean chord,",
+    "a spar lies in its wing (are ahead_m, aft_m, up_m and outboard_m in m?): largest distance of its line or of a centre of mass from the chord, over the mean chord,",
 );
 /// Radius of gyration about the span over the chord: 0.29 of an even plate. *Choice.*
 pub const GYRATION: JudgedLimit = JudgedLimit::at_most("tether.spar_gyration", 1.0, "", Outside).on(
-    "an inertia that is large for its mass (is inertia_kg_m in kg m?): largest radius of gyration of a station about the span over the mean chord,",
+    "an inertia that is large for its mass (is inertia_kg_m in kg m, inertia_kg_m2 in kg m2?): largest radius of gyration of a station or a mass over the mean chord,",
 );
 /// The same where a wing is a rod alone. *Choice.*
 pub const ROD: JudgedLimit = JudgedLimit::warn_below("tether.spar_gyration_least", 0.005, "").on(
     "an inertia that is small for its mass (is inertia_kg_m in kg m?): least radius of gyration of a station about the span over the mean chord,",
+);
+/// A mass that hangs on a spar in a test of bending has ten times its mass. *Choice.*
+pub const LUMP: JudgedLimit = JudgedLimit::warn_above("tether.spar_lump_fraction", 30.0, "").on(
+    "a mass that is large for its spar (is mass_kg in kg?): largest of masses over the mass of the spar,",
 );
 /// Gravity that a spar feels: three times that of the earth. *Choice.*
 pub const GRAVITY: JudgedLimit = JudgedLimit::warn_above("tether.spar_gravity_m_s2", 30.0, "m/s2")
@@ -79,7 +83,7 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3,
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 19] = [
+pub const ALL: [JudgedLimit; 20] = [
     STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, OFF_CHORD,
-    GYRATION, ROD, GRAVITY, DAMPED, SLENDER, REDUCED, VISCOUS,
+    GYRATION, ROD, LUMP, GRAVITY, DAMPED, SLENDER, REDUCED, VISCOUS,
 ];

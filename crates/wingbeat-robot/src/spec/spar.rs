@@ -182,6 +182,24 @@ impl RobotSpec {
         })
     }
 
+    /// Refuses spars with joints beyond the `tip` (arc, m) of a `surface` that they carry.
+    pub(in super::super) fn spars_within(&self, surface: &SurfaceSpec, tip: f64) -> Result<(), Error> {
+        for (i, link) in self.links.iter().enumerate() {
+            let Some(spar) = link.spar else { continue };
+            for panel in surface.panels.iter().filter(|panel| panel.link == link.name) {
+                let root = panel.from_arc_m - panel.origin_m[1];
+                if root + spar.joint(spar.segments) >= tip {
+                    let longest = (tip - root) * spar.length_m / spar.joint(spar.segments);
+                    let allowed = format!(
+                        "less than {longest}: a joint of the spar lies at or beyond the tip of a surface, {tip}"
+                    );
+                    return Err(Error::invalid(format!("links[{i}].spar.length_m"), spar.length_m, allowed));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// `surface` with a panel for each piece of the spars that carry it.
     pub(in super::super) fn over_spars(&self, surface: SurfaceSpec) -> SurfaceSpec {
         let spar = |panel: &PanelSpec| self.links.iter().find(|l| l.name == panel.link).and_then(|l| l.spar);

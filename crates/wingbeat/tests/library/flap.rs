@@ -4,7 +4,7 @@ use super::mechanism::{FLAPPER, Preset, moving, robot};
 use std::f64::consts::PI;
 use wingbeat::aero::{
     Aero, FlapSpec, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, SectionSettings,
-    StripModel, StripSettings, Surfaces, flap_hinge, flap_points,
+    Span, StripModel, StripSettings, Surfaces, flap_hinge, flap_points,
 };
 use wingbeat::math::{GRAVITY, RK4, Vec3, Workspace};
 use wingbeat::plant::Plant;
@@ -60,6 +60,26 @@ fn sections(model: &StripModel, alpha: f64, [v_le, v_te]: [f64; 2]) -> Vec<Secti
         ..Default::default()
     };
     model.arcs().iter().map(section).collect()
+}
+
+#[test]
+fn a_flap_of_one_half_lies_where_its_arcs_say() {
+    let outline = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.5, trailing_edge_m: -0.5 };
+    let half = |span, flap| {
+        let planform = Planform::new(&[outline(0.0), outline(SPAN)]).unwrap().spanning(span).unwrap();
+        StripModel::new(&planform, StripSettings { strips: 8, flap: Some(flap), ..Default::default() })
+    };
+    for span in [Span::Left, Span::Right] {
+        let flap = FlapSpec { from_arc_m: 0.7 * SPAN, ..spring() };
+        let model = half(span, flap).unwrap();
+        let reach: f64 = model.flap_masses().iter().sum::<f64>() / (DENSITY * SHARE);
+        assert!((0.1 * SPAN..0.5 * SPAN).contains(&reach), "{span:?}: {reach}");
+        let middle = model.flap_masses().iter().zip(model.arcs()).map(|(m, s)| m * s).sum::<f64>();
+        assert_eq!(middle > 0.0, span == Span::Left);
+    }
+    let error =
+        half(Span::Left, FlapSpec { to_arc_m: Some(1.1 * SPAN), ..spring() }).unwrap_err().to_string();
+    assert!(error.contains("flap.to_arc_m") && error.contains("at most 10"), "{error}");
 }
 
 /// Lift 2 pi a + 2 (f + sin f) b, f the angle of the hinge from the trailing edge, under every law; the spring bears the moment of the hinge; no

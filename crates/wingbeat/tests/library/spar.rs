@@ -205,6 +205,17 @@ fn a_spar_in_other_units_is_told() {
         ("spar.stations[3].inertia_kg_m=0.05", "tether.spar_gyration", Status::Outside),
         ("spar.gravity_m_s2=[0,0,-981]", "tether.spar_gravity_m_s2", Status::Ok),
         ("spar.damping_s=1", "tether.spar_damping_ratio", Status::Ok),
+        ("spar.masses=[{ arc_m = 0.5, mass_kg = 50 }]", "tether.spar_lump_fraction", Status::Ok),
+        (
+            "spar.masses=[{ arc_m = 0.5, mass_kg = 0.1, outboard_m = 39 }]",
+            "tether.spar_off_chord",
+            Status::Outside,
+        ),
+        (
+            "spar.masses=[{ arc_m = 0.5, mass_kg = 0.1, inertia_kg_m2 = [0.1, 0.1, 0.1] }]",
+            "tether.spar_gyration",
+            Status::Outside,
+        ),
     ] {
         let case = pazy(&[&coarse[..], &[set]].concat());
         let verdict = case.summary(&pazy_run, Some(SAME), None).verdict;
