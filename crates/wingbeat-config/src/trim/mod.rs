@@ -15,8 +15,7 @@ pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 use verdict::said_of;
 
-use super::link_spar::LinkSparSummary;
-use super::recorder::Recorder;
+use super::recorder::{Recorded, Recorder};
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, written};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -147,9 +146,9 @@ impl Scenario {
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
         let gains = gains_of(&cycle, &found.orbit, &inputs, &all, &OrbitWeights::default());
         summary.held_multiplier = gains.as_ref().map(|held| held.multiplier);
-        let record = self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?;
-        summary.spar = LinkSparSummary::of(cycle.robot(), &record);
-        summary.judge(cycle.robot(), &self.spec, &self.limits);
+        let Recorded { record, means, .. } = self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?;
+        summary.spar = means.as_ref().and_then(|means| means.spar);
+        summary.judge(cycle.robot(), &self.spec, &self.limits, means.map(|means| means.reversed_fraction));
         let family =
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let gains = gains.map(|held| ("gains.csv", held.table));
@@ -278,7 +277,7 @@ impl Scenario {
     }
 
     /// One cycle as `fly` records it, at every step.
-    fn cycle_record(&self, cycle: &Cycle, orbit: &Orbit) -> Result<Result<Record, Fault>, Error> {
+    fn cycle_record(&self, cycle: &Cycle, orbit: &Orbit) -> Result<Result<Recorded, Fault>, Error> {
         let robot = self.model.paced(orbit.point.pace);
         let held = HeldCommands(orbit.point.inputs.clone());
         let mut recorder = Recorder::new(&robot, None, &held, cycle.steps() + 1, None)?;
@@ -289,7 +288,7 @@ impl Scenario {
         let flown = sample(0.0, &cycle.start(&orbit.point)).and_then(|()| {
             cycle.fly(&orbit.point.z, orbit.point.pace, &orbit.point.inputs, |_, t, x| sample(t, x))
         });
-        Ok(flown.map(|_| recorder.finish().record))
+        Ok(flown.map(|_| recorder.finish()))
     }
 
     /// What `[trim]` asks of straight flight: its course, and what is free.

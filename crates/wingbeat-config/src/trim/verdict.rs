@@ -3,14 +3,20 @@
 use super::summary::{TrimSummary, hover_wash};
 use crate::spec::{AirSpec, ScenarioSpec};
 use crate::{fit, plausible, unheard};
-use wingbeat_judge::limits::trim;
+use wingbeat_judge::limits::{range, trim};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_robot::Robot;
 
 impl TrimSummary {
     /// Judges the orbit that was found.
-    pub(super) fn judge(&mut self, robot: &Robot, spec: &ScenarioSpec, limits: &RunLimits) {
+    pub(super) fn judge(
+        &mut self,
+        robot: &Robot,
+        spec: &ScenarioSpec,
+        limits: &RunLimits,
+        reversed: Option<f64>,
+    ) {
         let mut judge = Judge::new(limits);
         let steps = spec
             .trim
@@ -42,6 +48,7 @@ impl TrimSummary {
             }
         }
         plausible::hold(&mut judge, robot);
+        judge.hold_if(&range::REVERSED, reversed);
         if let Some(membrane) = self.membrane {
             membrane.judge(&mut judge);
         }
