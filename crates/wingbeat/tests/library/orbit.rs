@@ -290,7 +290,7 @@ fn an_orbit_is_judged() {
     let coarse = "trim.step_s=1e-3";
     let well = trim(&[coarse]);
     assert!(well.status == Status::Ok && well.reason.is_none() && well.warnings.is_empty(), "{well:?}");
-    assert!(well.judged.iter().all(|judged| judged.met) && well.judged.len() == 17);
+    assert!(well.judged.iter().all(|judged| judged.met) && well.judged.len() == 18);
 
     let rocket = trim(&["trim.climb_m_s=30"]);
     let reason = rocket.reason.unwrap();

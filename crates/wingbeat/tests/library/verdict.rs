@@ -98,3 +98,25 @@ fn wings_that_cross_put_the_flight_outside_of_its_model() {
     assert_eq!(crossed.status, Status::Outside, "{:?}", crossed.reason);
     assert_eq!(missed(&crossed), ["flight.crossing_fraction"]);
 }
+
+#[test]
+fn a_spar_that_winds_up_is_outside() {
+    let soft = |share: f64| {
+        let [bending, torsion] = [0.038, 0.062].map(|stiffness| share * stiffness);
+        let spar = "robot.links[2].spar";
+        let [bending, torsion] =
+            [format!("{spar}.bending_n_m2={bending}"), format!("{spar}.torsion_n_m2={torsion}")];
+        fly("soft_20g", &[&bending, &torsion, "flight.duration_s=0.2"])
+    };
+    let [own, weak] = [1.0, 1e-3].map(soft);
+    let told = |summary: &Summary| summary.judged.iter().find(|j| j.id == "spar.angle_outside_deg").cloned();
+    assert!(told(&own).unwrap().met && own.spar.unwrap().angle_max_deg < 30.0, "{:?}", own.spar);
+    assert!(!told(&weak).unwrap().met, "{:?}", weak.spar);
+    assert_eq!(weak.status, Status::Outside);
+}
+
+#[test]
+fn a_spar_longer_than_its_wing_is_refused_by_its_key() {
+    let error = scenario("soft_20g", &["robot.links[2].spar.length_m=1.32"]).map(|_| ()).unwrap_err();
+    assert!(error.contains("links[2].spar.length_m") && error.contains("0.2027"), "{error}");
+}
