@@ -134,8 +134,11 @@ fn written(
         (&trimmed.multipliers, |record, _| multipliers(record)),
         (&trimmed.family, |record, _| family(record)),
     ];
-    let draws: Vec<_> =
+    let mut draws: Vec<_> =
         draws.iter().filter_map(|(record, figure)| record.as_ref().map(|record| (record, *figure))).collect();
+    let given_way =
+        |record| wingbeat_figures::of_deformation(record).into_iter().map(move |draw| (record, draw));
+    draws.extend(trimmed.record.iter().flat_map(given_way));
     draw_each(&folder, &draws, wingbeat_figures::FigureTargets::default(), interrupt)?;
     for (name, text) in &trimmed.files {
         folder.write(name, text)?;

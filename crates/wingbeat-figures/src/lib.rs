@@ -9,6 +9,7 @@ pub mod calibration;
 pub mod chart;
 mod commands;
 mod cycle;
+mod deformation;
 mod end_points;
 mod error;
 mod estimate;
@@ -42,6 +43,7 @@ mod write;
 pub use average::{DEVIATION, averaged};
 pub use bench::{comparison, convergence};
 pub use commands::commands;
+pub use deformation::{camber, flap};
 pub use end_points::{EndPoints, end_points};
 pub use error::Error;
 pub use estimate::estimate;
@@ -88,24 +90,40 @@ pub const FLIGHT: [FigureMaker; 4] = [
     |record, _| forces(record),
 ];
 
+/// Those of what gives way, likewise.
+const DEFORMATION: [(&str, FigureMaker); 2] =
+    [("camber_0", |record, _| camber(record)), ("flap_0", |record, _| flap(record))];
+
 // A figure of a flight is a file of its own, its name among the modules above, and its line here.
-/// Figures of flights in their order, each with what the name of a column begins with that a record must have for it.
+/// Figures of flights in their order, each with what the name of a column holds that a record must have for it.
 const OF_FLIGHTS: &[(&str, FigureMaker)] = &[
     ("", FLIGHT[0]),
     ("", FLIGHT[1]),
     ("command_", FLIGHT[2]),
     ("", FLIGHT[3]),
     ("estimate_t", |record, _| estimate(record)),
+    DEFORMATION[0],
+    DEFORMATION[1],
     ("path_arc", |record, _| ground(record)),
     ("path_arc", |record, _| tracking(record)),
     ("hover_error_x", |record, _| hover(record)),
 ];
 
 /// The figures of the flight that `record` is of: without commands where there is nothing to command, with an estimator
-/// what it knew, along a path how it was followed, in a hover how still it was.
+/// what it knew, along a path how it was followed, in a hover how still it was, of membranes and flaps how they gave way.
 pub fn of_flight(record: &Record) -> Vec<FigureMaker> {
-    let has = |begin: &str| record.columns().iter().any(|column| column.name.starts_with(begin));
-    OF_FLIGHTS.iter().filter(|(begin, _)| has(begin)).map(|(_, draw)| *draw).collect()
+    can_draw(record, OF_FLIGHTS)
+}
+
+/// The figures of what gives way in the flight that `record` is of: membranes and flaps.
+pub fn of_deformation(record: &Record) -> Vec<FigureMaker> {
+    can_draw(record, &DEFORMATION)
+}
+
+/// Those `figures` for which `record` has a column.
+fn can_draw(record: &Record, figures: &[(&str, FigureMaker)]) -> Vec<FigureMaker> {
+    let has = |part: &str| record.columns().iter().any(|column| column.name.contains(part));
+    figures.iter().filter(|(part, _)| has(part)).map(|(_, draw)| *draw).collect()
 }
 
 /// The figures of a planned gait.
