@@ -6,7 +6,7 @@ use crate::panel::{FigurePanel, MOST_NAMED, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, cycle, needed, style};
 
-/// Rise of the membrane at half of the chord on strips of either half, over the last cycle or, where there is none, over time.
+/// Rise of the membrane at half of the chord on strips of either half from the middle on, over the last cycle or, where there is none, over time.
 ///
 /// Needs `t` and the columns `camber_<strip>`, after the name of any surface but the first.
 pub fn camber(record: &Record) -> Result<Figure, Error> {
@@ -46,10 +46,12 @@ fn of_strips(
     }
     let mut panels = Vec::new();
     for (surface, columns) in &surfaces {
-        let (left, right) = columns.split_at(columns.len() / 2);
-        let from_root: [(&str, Vec<&&str>); 2] =
-            [("left", left.iter().rev().collect()), ("right", right.iter().collect())];
-        for (side, strips) in from_root {
+        // A strip in the middle belongs to both.
+        let middle = columns.len() / 2;
+        let (left, right) = (&columns[..columns.len() - middle], &columns[middle..]);
+        let outward: [(&str, Vec<&&str>); 2] =
+            [("to the left", left.iter().rev().collect()), ("to the right", right.iter().collect())];
+        for (side, strips) in outward {
             let every = strips.len().div_ceil(MOST_NAMED).max(1);
             let shown = strips.iter().rev().step_by(every).rev().enumerate();
             let curves = shown.map(|(index, column)| {
@@ -58,7 +60,7 @@ fn of_strips(
                 Ok(PanelCurve::new(format!("strip {number}"), &x, values.collect(), index))
             });
             let wing = surface.trim_end_matches('_').replace('_', " ");
-            let title = format!("{side}{}{wing}: {title}", if wing.is_empty() { "" } else { " " });
+            let title = format!("{wing}{}{side}: {title}", if wing.is_empty() { "" } else { " " });
             panels.push(FigurePanel::new(title, curves.collect::<Result<_, Error>>()?));
         }
     }
@@ -82,7 +84,7 @@ mod tests {
             Record::new(["t".to_owned()].into_iter().chain(names).map(column).collect(), 0).unwrap()
         };
         assert_eq!(camber(&of(membrane.concat())).unwrap().name, "camber");
-        assert!(camber(&of(membrane.concat())).unwrap().svg().contains("right tail"));
+        assert!(camber(&of(membrane.concat())).unwrap().svg().contains("tail to the right"));
         assert_eq!(flap(&of(strips("flap"))).unwrap().name, "flap");
         assert!(matches!(flap(&of(strips("camber"))), Err(Error::Column(_))));
     }
