@@ -1,5 +1,6 @@
 //! A run of the bench from its plan to its samples.
 
+use super::unheard::{of_strips, side_edges};
 use super::{LatticeSummary, RigRun};
 use serde::Serialize;
 use wingbeat_flight::simulate::Record;
@@ -109,6 +110,9 @@ impl RigRun {
         judge.hold(&rig::CROSSED, crossing);
         let cautions = lattice.iter().flat_map(LatticeSummary::cautions);
         cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
+        let surfaces = || self.robot.surfaces().map(|(_, aero)| aero);
+        let edges = side_edges(&self.spec.aero, surfaces(), Some(outcome.stall_fraction));
+        of_strips(&self.spec.aero, surfaces()).into_iter().chain(edges).for_each(|said| judge.warn(said));
         Ok(SimulatedRun {
             verdict: judge.verdict(),
             ending: "ok",
