@@ -380,6 +380,10 @@ impl SparSummary {
             let text = "no shape at rest in the wind was found, so that the wing begins unbent in still air";
             warnings.push(Warning::new("tether.spar_shape", text).key("wind.speed_m_s"));
         }
+        if self.found && !still && self.growth_1_s.is_none() {
+            let text = "no growth of small disturbances of the wing at rest in the wind was found: it may flutter or diverge";
+            warnings.push(Warning::new("tether.flutter", text).key("wind.speed_m_s"));
+        }
         if let (Some(growth), Some(frequency)) = (self.growth_1_s, self.frequency_hz)
             && growth > 0.0
             && !still
