@@ -31,7 +31,9 @@ use loads::ImpulseRow;
 pub use loads::{
     Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, MembraneWork, StripLoads,
 };
-pub use membrane::{MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_height, membrane_points};
+pub use membrane::{
+    MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_height, membrane_points, membrane_rise,
+};
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;

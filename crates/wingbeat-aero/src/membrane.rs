@@ -127,6 +127,14 @@ pub fn membrane_height(camber: f64, forward: f64, x: f64) -> f64 {
     4.0 * x * (1.0 - x) * (camber + forward * (1.0 - 2.0 * x))
 }
 
+/// Largest size of [`membrane_height`] over the chord, by tenths of it around the middle.
+pub fn membrane_rise(camber: f64, forward: f64) -> f64 {
+    [0.3, 0.4, 0.5, 0.6, 0.7]
+        .into_iter()
+        .map(|x| membrane_height(camber, forward, x).abs())
+        .fold(0.0, f64::max)
+}
+
 /// Places over the chord, from the leading edge, of the points of a membrane that are drawn.
 pub const MEMBRANE_DRAWN: [f64; 3] = [0.25, 0.5, 0.75];
 

@@ -3,11 +3,13 @@
 use super::unheard::{of_strips, side_edges};
 use super::{LatticeSummary, RigRun};
 use serde::Serialize;
+use wingbeat_aero::Aero;
 use wingbeat_flight::simulate::Record;
-use wingbeat_judge::limits::rig;
+use wingbeat_judge::limits::{flap, membrane, rig, spar};
 use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Plant;
+use wingbeat_robot::Deflections;
 
 /// What became of a simulated run.
 #[derive(Clone, Debug)]
@@ -105,6 +107,17 @@ impl RigRun {
         let lattice = outcome.coupling.map(|of| LatticeSummary::new(of, self.spec.lattice.as_ref()));
         judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
         judge.hold(&rig::STALLED, outcome.stall_fraction);
+        let (Deflections { camber, flap, spar }, [soft, hinged]) = (outcome.deflections, self.gives_way());
+        for (limit, value, there) in [
+            (&membrane::CAMBER, camber, soft),
+            (&membrane::BEYOND_CAMBER, camber, soft),
+            (&flap::ANGLE, flap.to_degrees(), hinged),
+            (&flap::BEYOND_ANGLE, flap.to_degrees(), hinged),
+            (&spar::ANGLE, spar.to_degrees(), !self.robot.spar_joints().is_empty()),
+            (&spar::BEYOND_ANGLE, spar.to_degrees(), !self.robot.spar_joints().is_empty()),
+        ] {
+            judge.hold_if(limit, there.then_some(value));
+        }
         let crossing = self.crossing_fraction();
         judge.hold(&rig::CROSSING, crossing);
         judge.hold(&rig::CROSSED, crossing);
@@ -122,6 +135,12 @@ impl RigRun {
             stall_fraction: Some(outcome.stall_fraction),
             lattice,
         })
+    }
+
+    /// Whether a surface has a membrane, and whether one has a flap.
+    fn gives_way(&self) -> [bool; 2] {
+        let any = |has: fn(&Aero) -> bool| self.robot.surfaces().any(|(_, aero)| has(aero));
+        [any(|aero| aero.membrane().is_some()), any(|aero| aero.flap().is_some())]
     }
 
     /// Share of the cycle of the gait in which a clearance is below zero, elastic joints at rest.

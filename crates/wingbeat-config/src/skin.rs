@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use std::f64::consts::TAU;
-use wingbeat_aero::{Aero, membrane_height};
+use wingbeat_aero::{Aero, membrane_rise};
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::membrane::{
     BENDING, BEYOND_BENDING, BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, CAMBER, FREQUENCY, LAG, SLACK,
@@ -35,9 +35,7 @@ impl MembraneSummary {
         let model = aero.membrane()?;
         let (mut camber_max, mut slack, mut taut, mut count) = (0.0_f64, 0.0, 0.0, 0.0);
         for [camber, forward] in heights {
-            for x in [0.3, 0.4, 0.5, 0.6, 0.7] {
-                camber_max = camber_max.max(membrane_height(camber, forward, x).abs());
-            }
+            camber_max = camber_max.max(membrane_rise(camber, forward));
             let stretch = model.membrane_stretch(camber, forward).unwrap_or_default();
             slack += if stretch < 0.0 { 1.0 } else { 0.0 };
             taut += stretch.max(0.0);

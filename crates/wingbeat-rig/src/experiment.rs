@@ -12,8 +12,8 @@ use wingbeat_flight::simulate::{
 use wingbeat_math::Error;
 use wingbeat_math::{Jet, Mat3, Quat, Random, Scalar, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
-use wingbeat_robot::MotorWork;
 use wingbeat_robot::{BodyMotion, CarriedLoads, Compiled, Robot, Stance};
+use wingbeat_robot::{Deflections, MotorWork};
 
 /// A run ready to be simulated.
 #[derive(Debug)]
@@ -57,6 +57,8 @@ pub struct Outcome {
     pub saturated: usize,
     /// Share of strips and samples after the rest that are past their stall angle.
     pub stall_fraction: f64,
+    /// Largest deflections after the rest.
+    pub deflections: Deflections,
     /// How the robot and the air that was stepped beside it were brought together.
     pub coupling: Option<AirCoupling>,
 }
@@ -76,6 +78,8 @@ pub struct CellLoads {
     pub motor: Option<MotorWork>,
     /// Share of the strips past their stall angle.
     pub stalled: f64,
+    /// How far what is soft gives way.
+    pub deflections: Deflections,
 }
 
 /// A state with the loads of the air from beyond the robot's models.
@@ -96,7 +100,7 @@ impl Experiment<'_> {
         let samples = self.samples();
         let mut record = Record::new(self.columns(), samples + 1)?;
         let mut row = Vec::new();
-        let (mut saturated, mut stalled) = (0, (0, 0.0));
+        let (mut saturated, mut stalled, mut deflections) = (0, (0, 0.0), Deflections::default());
         let begun = match self.still(self.robot, (&self.numbers.mount(self.mount), &self.numbers), -self.rest)
         {
             Ok(x) => x,
@@ -114,6 +118,7 @@ impl Experiment<'_> {
             }
             if t >= 0.0 {
                 stalled = (stalled.0 + 1, stalled.1 + now.stalled);
+                deflections = deflections.largest(now.deflections);
             }
             if k == 0 {
                 cell.rest(&now.wrench);
@@ -144,7 +149,7 @@ impl Experiment<'_> {
         match ending {
             Ending::Fault(fault) => Ok(Err(fault)),
             Ending::Complete | Ending::Stopped => {
-                Ok(Ok(Outcome { record, saturated, stall_fraction, coupling }))
+                Ok(Ok(Outcome { record, saturated, stall_fraction, deflections, coupling }))
             }
         }
     }
@@ -231,7 +236,8 @@ impl Experiment<'_> {
         let wrench = mount.to_cell(&loads.total()) + mount.wrench(&cell);
         let (phase, motor) = self.robot.carried_crank(&self.clock(t), x);
         let air = loads.air.total() + loads.body_drag;
-        Ok(CellLoads { wrench, air, inertia: loads.inertia, phase, motor, stalled: loads.stalled })
+        let CarriedLoads { inertia, stalled, deflections, .. } = loads;
+        Ok(CellLoads { wrench, air, inertia, phase, motor, stalled, deflections })
     }
 
     fn columns(&self) -> Vec<Column> {

@@ -7,7 +7,7 @@ use super::surface::External;
 use super::{Joints, Links, Robot};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
 use arrayvec::ArrayVec;
-use wingbeat_aero::{LoadSource, Loads, MAX_STRIPS, StripLoads};
+use wingbeat_aero::{LoadSource, Loads, MAX_STRIPS, StripLoads, membrane_rise};
 use wingbeat_math::{Jet, Mat3, Meets, Quat, Scalar, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, MAX_COORDINATES};
 
@@ -55,6 +55,31 @@ pub struct CarriedLoads<S: Scalar = f64> {
     pub center_of_mass: Vec3<S>,
     /// Share of the strips past their stall angle.
     pub stalled: f64,
+    /// How far membranes, flaps and spars give way.
+    pub deflections: Deflections,
+}
+
+/// How far the parts of a robot that the loads deform give way: the largest of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deflections {
+    /// Rise of a membrane over its chord, dimensionless.
+    pub camber: f64,
+    /// Angle of a flap, rad.
+    pub flap: f64,
+    /// Angle between two pieces of a spar, rad.
+    pub spar: f64,
+}
+
+impl Deflections {
+    /// The larger of both, kind by kind.
+    #[must_use]
+    pub fn largest(self, other: Self) -> Self {
+        Self {
+            camber: self.camber.max(other.camber),
+            flap: self.flap.max(other.flap),
+            spar: self.spar.max(other.spar),
+        }
+    }
 }
 
 impl<S: Scalar> CarriedLoads<S> {
@@ -169,6 +194,7 @@ impl<P: Scalar> Robot<P> {
                 + body_drag.force.dot(v)
                 + body_drag.moment.dot(body.rate),
             stalled: self.stalled(&loads),
+            deflections: self.deflections(&loads, &joints),
             center_of_mass: self.mechanism.tree.center_of_mass(&links),
             joints,
         })
@@ -209,6 +235,18 @@ impl<P: Scalar> Robot<P> {
         let strips = loads.incidence[..loads.strips].iter().zip(limits);
         strips.filter(|(incidence, limit)| incidence.value().abs() > *limit).count() as f64
             / loads.strips.max(1) as f64
+    }
+
+    /// The largest deflections under `loads` with the `joints` as they are.
+    fn deflections<S: Scalar>(&self, loads: &Loads<S>, joints: &[Jet<S>]) -> Deflections {
+        let heights = loads.camber.iter().zip(&loads.camber_forward);
+        let rises = heights.map(|(camber, forward)| membrane_rise(camber.value(), forward.value()));
+        let spars = self.spar_joints().iter().map(|joint| joints[*joint].x.value().abs());
+        Deflections {
+            camber: rises.fold(0.0, f64::max),
+            flap: loads.flap.iter().map(|angle| angle.value().abs()).fold(0.0, f64::max),
+            spar: spars.fold(0.0, f64::max),
+        }
     }
 
     /// Number of states of the structure: elements, elastic joints, crank.

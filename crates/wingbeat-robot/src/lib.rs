@@ -38,7 +38,7 @@ mod thrust;
 mod weight;
 
 pub use air::{Air, Pulse, Wind};
-pub use carried::{BodyMotion, CarriedLoads};
+pub use carried::{BodyMotion, CarriedLoads, Deflections};
 pub use compiled::{Compiled, CycleScalar};
 pub use crank::*;
 pub use dryden::Dryden;
