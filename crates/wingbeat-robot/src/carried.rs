@@ -241,7 +241,7 @@ impl<P: Scalar> Robot<P> {
     fn deflections<S: Scalar>(&self, loads: &Loads<S>, joints: &[Jet<S>]) -> Deflections {
         let heights = loads.camber.iter().zip(&loads.camber_forward);
         let rises = heights.map(|(camber, forward)| membrane_rise(camber.value(), forward.value()));
-        let spars = self.spar_joints().iter().map(|joint| joints[*joint].x.value().abs());
+        let spars = self.mechanism.pieces.iter().map(|joint| joints[*joint].x.value().abs());
         Deflections {
             camber: rises.fold(0.0, f64::max),
             flap: loads.flap.iter().map(|angle| angle.value().abs()).fold(0.0, f64::max),
