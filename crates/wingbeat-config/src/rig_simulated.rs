@@ -124,8 +124,8 @@ impl RigRun {
         let cautions = lattice.iter().flat_map(LatticeSummary::cautions);
         cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
         let surfaces = || self.robot.surfaces().map(|(_, aero)| aero);
-        let edges = side_edges(&self.spec.aero, surfaces(), Some(outcome.stall_fraction));
-        of_strips(&self.spec.aero, surfaces()).into_iter().chain(edges).for_each(|said| judge.warn(said));
+        let edges = side_edges(&self.spec.rig.aero, surfaces(), Some(outcome.stall_fraction));
+        of_strips(&self.spec.rig.aero, surfaces()).into_iter().chain(edges).for_each(|said| judge.warn(said));
         Ok(SimulatedRun {
             verdict: judge.verdict(),
             ending: "ok",
