@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use wingbeat::judge::{Status, Verdict};
 use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3};
 use wingbeat::plant::Plant;
 use wingbeat::robot::BodyMotion;
@@ -56,6 +57,35 @@ fn a_motor_turns_the_crank_on_the_rig() {
     let mean = (phase[t.len() - 1] - phase[late]) / (t[t.len() - 1] - t[late]);
     let (gait, free) = (TAU * run.frequency(), free / gear);
     assert!(mean > 0.1 * free && mean < free && (mean / gait - 1.0).abs() > 0.02, "{mean} of {free} rad/s");
+}
+
+#[test]
+fn a_soft_robot_is_judged_on_the_rig() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let simulated = |robot: &str, also: &[&str]| {
+        let robot = format!("rig.robot={}", root.join("robots").join(robot).display());
+        let brief = ["rig.cell.rate_hz=2000.0", "hold.each_s=0.6", "rig.rest_s=0.1", "rig.aero.preset=full"];
+        let overrides =
+            brief.iter().chain(also).map(|set| (*set).to_owned()).chain([robot]).collect::<Vec<_>>();
+        let run = RigRun::load(&root.join("rigs/runs/bench.toml"), &overrides).unwrap();
+        run.simulated(1, |_| ()).unwrap().verdict
+    };
+    let told = |verdict: &Verdict, id: &str| verdict.judged.iter().find(|judged| judged.id == id).cloned();
+    let stiff = simulated("soft_20g.toml", &[]);
+    assert!(
+        told(&stiff, "spar.angle_deg").unwrap().met && told(&stiff, "flap.angle_deg").is_none(),
+        "{stiff:?}"
+    );
+    let weak = simulated(
+        "soft_20g.toml",
+        &["rig.robot.links[2].spar.bending_n_m2=1e-4", "rig.robot.links[2].spar.torsion_n_m2=1e-4"],
+    );
+    assert!(
+        !told(&weak, "spar.angle_outside_deg").unwrap().met && weak.status == Status::Outside,
+        "{weak:?}"
+    );
+    let film = simulated("aerobat_membrane.toml", &[]);
+    assert!(told(&film, "membrane.camber_fraction").unwrap().value > 0.0, "{film:?}");
 }
 
 #[test]
