@@ -64,7 +64,7 @@ fn a_soft_robot_is_judged_on_the_rig() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let simulated = |robot: &str, also: &[&str]| {
         let robot = format!("rig.robot={}", root.join("robots").join(robot).display());
-        let brief = ["rig.cell.rate_hz=2000.0", "hold.each_s=0.6", "rig.rest_s=0.1", "rig.aero.preset=full"];
+        let brief = ["rig.cell.rate_hz=3500.0", "hold.each_s=0.6", "rig.rest_s=0.1", "rig.aero.preset=full"];
         let overrides =
             brief.iter().chain(also).map(|set| (*set).to_owned()).chain([robot]).collect::<Vec<_>>();
         let run = RigRun::load(&root.join("rigs/runs/bench.toml"), &overrides).unwrap();
