@@ -50,10 +50,13 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
                     return wingbeat::Error::invalid("lattice.chordwise", given, allowed);
                 }
                 "zero_lift_angle_deg" => format!("aero.{key}"),
-                "membrane.stiffness_n_m" | "flap.stiffness_n_rad" => format!("robot.surfaces.{key}"),
                 key => format!("lattice.{key}"),
             };
             wingbeat::Error::invalid(key, value, allowed)
+        }
+        Error::Bent { key } => {
+            let key = format!("robot.surfaces.{key}");
+            wingbeat::Error::invalid(key, "given", "none: the panels of the lattice are flat")
         }
         Error::Rings { rings, most } => {
             let allowed = format!("steps whose wake has at most {most} rings: give lattice.longest_age_s");

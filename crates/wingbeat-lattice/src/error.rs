@@ -13,6 +13,12 @@ pub enum Error {
         /// What is allowed.
         allowed: String,
     },
+    /// A part of a surface that bends its section.
+    #[error("{key}: allowed is none, the panels of the lattice are flat")]
+    Bent {
+        /// Key of the part.
+        key: &'static str,
+    },
     /// A wake of too many rings.
     #[error(
         "cycles times steps times spanwise panels are {rings} rings of the wake: allowed are at most {most}"

@@ -80,13 +80,11 @@ pub struct FlappingWing {
 
 /// Refuses sections that lift at no incidence, membranes and flaps.
 pub(crate) fn require_flat(aero: &Aero) -> Result<(), Error> {
-    if let Some(skin) = aero.numbers().membrane {
-        let allowed = "no membrane here: the panels are flat".into();
-        return Err(Error::Setting { key: "membrane.stiffness_n_m", value: skin.stiffness, allowed });
+    if aero.membrane().is_some() {
+        return Err(Error::Bent { key: "membrane" });
     }
-    if let Some(flap) = aero.numbers().flap {
-        let allowed = "no flap here: the panels are flat".into();
-        return Err(Error::Setting { key: "flap.stiffness_n_rad", value: flap.stiffness, allowed });
+    if aero.flap().is_some() {
+        return Err(Error::Bent { key: "flap" });
     }
     let zero_lift = match aero {
         Aero::LiftingLine(line) => line.settings().section.zero_lift_angle_rad,
