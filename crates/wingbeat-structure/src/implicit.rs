@@ -36,6 +36,11 @@ pub trait Implicit {
     fn rule(&self) -> Rule {
         Rule::Gauss
     }
+    /// Sizes of the coordinates and of the states of first order, in the caller's units, below which they are rounding: changes of smaller
+    /// ones are measured by these.
+    fn least(&self) -> [f64; 2] {
+        [f64::MIN_POSITIVE; 2]
+    }
     /// Writes F.
     fn residual(&self, t: f64, at: &Stage, out: &mut [f64]);
     /// Derivatives of F by q, v, a, x and w.
@@ -133,10 +138,11 @@ pub fn step(system: &impl Implicit, t: f64, h: f64, at: &mut Stage, factors: &mu
         let largest_of = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let mut largest = 0.0_f64;
         for (rates, change) in rates.chunks_exact(size).zip(change.as_slice().chunks_exact(size)) {
+            let [least_moved, least_flowed] = system.least();
             let moved = largest_of(&at.q) + h * largest_of(&at.v) + h * h * largest_of(&rates[..n]);
             let flowed = largest_of(&at.x) + h * largest_of(&rates[n..]);
-            largest = largest.max(h * h * largest_of(&change[..n]) / moved.max(f64::MIN_POSITIVE));
-            largest = largest.max(h * largest_of(&change[n..]) / flowed.max(f64::MIN_POSITIVE));
+            largest = largest.max(h * h * largest_of(&change[..n]) / moved.max(least_moved));
+            largest = largest.max(h * largest_of(&change[n..]) / flowed.max(least_flowed));
         }
         // Only the tangents of this very step tell rounding from slow convergence.
         let stays = largest > 0.5 * before;

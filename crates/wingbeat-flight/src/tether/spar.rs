@@ -18,6 +18,10 @@ use wingbeat_structure::{
 const MOST: usize = 25;
 /// Change of the strains over their size at which a shape is found.
 const FOUND: f64 = 1e-9;
+/// Twist and curvature, rad/m, that are none. *Choice.*
+const NO_STRAIN: f64 = 1e-6;
+/// States of the air over the speed of reference that are none, m/s over m/s: below them differences of washes are rounding. *Choice.*
+const NO_WASH: f64 = 1e-3;
 /// Shares of the loads under which the shape is sought one after another.
 const SHARES: usize = 4;
 
@@ -309,8 +313,7 @@ impl Spar {
                 let change = matrix.lu().solve(&DVector::from_column_slice(&out));
                 let Some(change) = change.filter(|c| c.iter().all(|x| x.is_finite())) else { break };
                 at.q.iter_mut().chain(&mut at.x).zip(change.iter()).for_each(|(x, c)| *x -= c);
-                // Strains of 1e-6 per metre are none.
-                let size = at.q.iter().fold(1e-6, |most: f64, q| most.max(q.abs()));
+                let size = at.q.iter().fold(NO_STRAIN, |most: f64, q| most.max(q.abs()));
                 found = change.rows(0, n).amax() < FOUND * size;
                 if found {
                     break;
@@ -490,6 +493,10 @@ impl Implicit for CoupledSpar<'_> {
     /// The ringing of a stiff spar, which no step resolves, dies away.
     fn rule(&self) -> Rule {
         Rule::Radau
+    }
+    /// Air that bears nothing has states that are rounding of the wind.
+    fn least(&self) -> [f64; 2] {
+        [NO_STRAIN, NO_WASH * self.tether.reference.speed_m_s]
     }
     fn residual(&self, t: f64, at: &Stage, out: &mut [f64]) {
         let (own, air) = out.split_at_mut(at.q.len());

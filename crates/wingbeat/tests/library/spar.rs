@@ -162,6 +162,35 @@ fn a_bent_wing_is_drawn_as_it_bends() {
     assert!(mirrored < 1e-12 && bent.covered.iter().all(|covered| *covered), "{mirrored}");
 }
 
+/// The tip of a cantilever under its own weight, m g L^3/(E I) = 1.256: its deflection by the exact elastica.
+#[test]
+fn a_wing_droops_by_its_weight_where_the_air_bears_nothing() {
+    let station = |arc: f64| {
+        format!(
+            "{{ arc_m = {arc}, bending_n_m2 = 0.05, edge_bending_n_m2 = 5.0, torsion_n_m2 = 0.05, mass_kg_m = 0.1, inertia_kg_m = 1.5e-5 }}"
+        )
+    };
+    let text = format!(
+        r#"
+name = "droop"
+wing = {{ side = "left", planform = [
+  {{ arc_m = 0.0, leading_edge_m = 0.02, trailing_edge_m = -0.02 }},
+  {{ arc_m = 0.4, leading_edge_m = 0.02, trailing_edge_m = -0.02 }},
+] }}
+spar = {{ elements = 2, damping_s = 1e-4, stations = [{}, {}] }}
+wind = {{ speed_m_s = 1.0, density_kg_m3 = 1.225 }}
+aero = {{ preset = "full", law = "linear", full.strips = 12 }}
+time = {{ frequency_hz = 5.0, cycles = 1, steps_per_cycle = 32 }}
+"#,
+        station(0.0),
+        station(0.4)
+    );
+    let case = TetherCase::new(Document::text("droop", &text).unwrap(), &none).unwrap();
+    let run = run(&case);
+    let tip = run.loads.values("tip_up").unwrap().last().copied().unwrap();
+    assert!((tip + 0.061568).abs() < 2e-5, "{tip}");
+}
+
 /// Beyond 80 m/s the wing leaves the shape whose loads are told; a wing that flaps through such a wind is only warned of.
 #[test]
 fn a_wing_beyond_its_speed_of_flutter_is_outside() {
