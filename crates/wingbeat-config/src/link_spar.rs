@@ -3,7 +3,7 @@
 use serde::Serialize;
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::Judge;
-use wingbeat_judge::limits::spar::{ANGLE, BEYOND_ANGLE};
+use wingbeat_judge::limits::spar::{ANGLE, BEYOND_ANGLE, END, FREQUENCY, GYRATION, OFF_CHORD};
 use wingbeat_robot::Robot;
 
 /// Spars of a run.
@@ -11,6 +11,8 @@ use wingbeat_robot::Robot;
 pub struct LinkSparSummary {
     /// Largest angle by which a piece of a spar turns against the one before it, deg.
     pub angle_max_deg: f64,
+    /// Error of the lowest bending frequency by the few segments, as a share of it: that of a chain over that of a beam, less one.
+    pub frequency_error: f64,
 }
 
 impl LinkSparSummary {
@@ -18,8 +20,9 @@ impl LinkSparSummary {
     pub fn of(robot: &Robot, record: &Record) -> Option<Self> {
         let names: Vec<&str> = robot.joint_names().collect();
         let angles = robot.spar_joints().iter().filter_map(|joint| record.values(names[*joint]));
+        let frequency_error = robot.spar_shape()?.frequency_error;
         let largest = angles.flatten().map(|angle| angle.abs()).reduce(f64::max)?;
-        Some(Self { angle_max_deg: largest.to_degrees() })
+        Some(Self { angle_max_deg: largest.to_degrees(), frequency_error })
     }
 
     /// Holds them against their limits.
@@ -27,4 +30,13 @@ impl LinkSparSummary {
         judge.hold(&ANGLE, self.angle_max_deg);
         judge.hold(&BEYOND_ANGLE, self.angle_max_deg);
     }
+}
+
+/// Holds the spars of `robot` against what spars have.
+pub fn hold_shape(judge: &mut Judge, robot: &Robot) {
+    let Some(shape) = robot.spar_shape() else { return };
+    judge.hold(&FREQUENCY, shape.frequency_error.abs());
+    judge.hold(&END, shape.end_fraction);
+    judge.hold(&OFF_CHORD, shape.off_chord);
+    judge.hold(&GYRATION, shape.gyration);
 }

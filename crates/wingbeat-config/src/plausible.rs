@@ -1,5 +1,6 @@
 //! Whether the bodies of a robot are such as wings carry: a unit that was mistaken makes them a thousand times too large or small.
 
+use super::link_spar;
 use wingbeat_aero::Aero;
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::{flap, membrane, range};
@@ -11,6 +12,7 @@ pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());
     judge.hold_if(&range::THIN, Some(robot.density()).filter(|density| *density > 0.0));
     judge.hold_if(&flap::MASS, robot.flap_over_link());
+    link_spar::hold_shape(judge, robot);
     let width =
         |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());
     let span = robot.surfaces().map(|(_, aero)| width(aero)).fold(0.0, f64::max);

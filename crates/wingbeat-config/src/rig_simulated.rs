@@ -1,5 +1,6 @@
 //! A run of the bench from its plan to its samples.
 
+use super::link_spar;
 use super::unheard::{of_strips, side_edges};
 use super::{LatticeSummary, RigRun};
 use serde::Serialize;
@@ -118,6 +119,7 @@ impl RigRun {
         ] {
             judge.hold_if(limit, there.then_some(value));
         }
+        link_spar::hold_shape(&mut judge, &self.robot);
         let crossing = self.crossing_fraction();
         judge.hold(&rig::CROSSING, crossing);
         judge.hold(&rig::CROSSED, crossing);

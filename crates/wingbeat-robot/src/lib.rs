@@ -323,6 +323,10 @@ impl Robot {
     pub fn spar_joints(&self) -> &[usize] {
         &self.mechanism.pieces
     }
+    /// How the spars of its links stand for beams in their surfaces, as the file gives them; none without one.
+    pub fn spar_shape(&self) -> Option<SparShape> {
+        self.mechanism.spar_shape
+    }
     /// Whether the joint `joint` twists a wing: it turns a link of one side, which carries a surface, about its span.
     pub fn is_twist(&self, joint: usize) -> bool {
         let sided = self.mechanism.twins[joint] != joint;

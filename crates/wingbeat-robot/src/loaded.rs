@@ -56,7 +56,8 @@ impl Loaded {
         let cranked = mechanism.drives.iter().filter(|drive| drive.cranked()).count();
         let shares: usize = all.iter().map(|loaded| loaded.joints.len()).sum();
         let coordinates = mechanism.coordinates.len();
-        if coordinates + 1 + all.len() > MAX_COORDINATES || coordinates + cranked + shares > MAX_LINKS {
+        let many = !all.is_empty() && coordinates + 1 + all.len() > MAX_COORDINATES;
+        if many || coordinates + cranked + shares > MAX_LINKS {
             let most = MAX_COORDINATES - 1;
             let allowed =
                 format!("at most {most} elements with an inertia and elastic or free joints together");

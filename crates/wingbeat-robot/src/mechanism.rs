@@ -1,7 +1,9 @@
 //! From what a robot file says of links and joints to the tree and what moves each joint.
 
 use super::numbers::{Numbers, SpringNumbers, StopNumbers};
-use super::spec::{ElasticSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, RobotSpec, WingSpec};
+use super::spec::{
+    ElasticSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, RobotSpec, SparShape, WingSpec,
+};
 use crate::body::{Base, FourierSeries, JointKind, Link, Linkage, Tree};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
@@ -22,6 +24,8 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     pub coordinates: Vec<usize>,
     /// Joints between the pieces of spars.
     pub pieces: Vec<usize>,
+    /// How its spars stand for beams.
+    pub spar_shape: Option<SparShape>,
     /// The linkage that the gait turns, one on each side.
     pub linkage: Option<Box<Linkage<P>>>,
 }
@@ -142,7 +146,16 @@ impl Mechanism {
         }
         let twins = parts.iter().map(|p| p.twin).collect();
         let drives: Vec<JointDrive> = parts.into_iter().map(|p| p.drive).collect();
-        Ok(Self { tree, alike: alike(&drives), drives, twins, coordinates, pieces, linkage })
+        Ok(Self {
+            tree,
+            alike: alike(&drives),
+            drives,
+            twins,
+            coordinates,
+            pieces,
+            spar_shape: spec.spar_shape(),
+            linkage,
+        })
     }
 
     /// Index of the link called `name` on the left (0) or right (1) side: of a mirrored pair by the
@@ -205,6 +218,7 @@ impl<P: Scalar> Mechanism<P> {
             twins: self.twins.clone(),
             coordinates: self.coordinates.clone(),
             pieces: self.pieces.clone(),
+            spar_shape: self.spar_shape,
             linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
                 .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),
         }

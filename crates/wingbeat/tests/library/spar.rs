@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use wingbeat::judge::Status;
+use wingbeat::robot::LinkSparSpec;
 use wingbeat::scenario::{Document, StepChange, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::{STRAIN, Shape, TetherRun};
@@ -298,6 +299,28 @@ fn a_coarse_spar_is_not_resolved() {
         (steady.found, steady.grid_change) = (false, None);
     }
     assert_eq!(case.summary(&run, Some(SAME), None).verdict.status, Status::NotResolved);
+}
+
+/// Against 1.875^2 sqrt(E I/(m L^4)) of a uniform cantilever, and the rows `fsi.beam.segments` of chains in a robot.
+#[test]
+fn few_pieces_bend_at_the_frequencies_of_the_page() {
+    let spar = |segments| LinkSparSpec {
+        length_m: 0.2,
+        segments,
+        bending_n_m2: 2e-3,
+        torsion_n_m2: None,
+        mass_kg_m: 0.03,
+        ahead_m: 0.0,
+        inertia_kg_m: 0.0,
+        taper: 1.0,
+        damping_s: 0.0,
+    };
+    let beam = 1.8751041_f64.powi(2) / (2.0 * PI) * (2e-3_f64 / (0.03 * 0.2_f64.powi(4))).sqrt();
+    assert!((spar(64).bending_frequency_hz() / beam - 1.0).abs() < 1e-4);
+    for (segments, error) in [(1, 0.393), (2, 0.0608), (3, 0.0261), (4, 0.0145)] {
+        let found = spar(segments).frequency_error();
+        assert!((found - error).abs() < 2e-3 * (1.0 + error), "{segments}: {found}");
+    }
 }
 
 /// A robot's link with a spar: the pieces weigh what the spar weighs, carry the surface, and raise its tip when they bend.

@@ -116,6 +116,27 @@ fn a_spar_that_winds_up_is_outside() {
 }
 
 #[test]
+fn spars_of_links_in_other_units_or_of_few_pieces_are_told() {
+    let judged = |set: &str| {
+        let spar = format!("robot.links[2].spar.{set}");
+        fly("soft_20g", &[&spar, "flight.duration_s=0.02"])
+    };
+    for (set, id, status) in [
+        ("inertia_kg_m=0.06", "spar.gyration", Some(Status::Outside)),
+        ("ahead_m=-0.9", "spar.off_chord", Some(Status::Outside)),
+        ("length_m=0.1", "spar.end_fraction", None),
+        ("segments=1", "spar.frequency_fraction", None),
+    ] {
+        let summary = judged(set);
+        assert!(!summary.judged.iter().find(|judged| judged.id == id).unwrap().met, "{set}: {summary:?}");
+        assert!(status.is_none_or(|status| summary.status == status), "{set}: {:?}", summary.status);
+    }
+    let own = judged("segments=2");
+    assert!(own.judged.iter().filter(|j| j.id.starts_with("spar.")).all(|judged| judged.met), "{own:?}");
+    assert!((0.0..0.1).contains(&own.spar.unwrap().frequency_error.abs()), "{:?}", own.spar);
+}
+
+#[test]
 fn a_spar_longer_than_its_wing_is_refused_by_its_key() {
     let error = scenario("soft_20g", &["robot.links[2].spar.length_m=1.32"]).map(|_| ()).unwrap_err();
     assert!(error.contains("links[2].spar.length_m") && error.contains("0.2027"), "{error}");
