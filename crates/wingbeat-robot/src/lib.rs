@@ -53,8 +53,9 @@ pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::is_of_rig;
 pub use spec::{
     BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
-    GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, PanelSpec, RegulatorSpec,
-    ResidualSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
+    GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec, LinkageOutput, PanelSpec,
+    RegulatorSpec, ResidualSpec, RobotSpec, SparShape, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec,
+    WingLinkSpec, WingSpec,
 };
 #[cfg(feature = "schema")]
 pub use spec::{file_or, file_or_numbers, numbers_table};
