@@ -118,14 +118,15 @@ fn a_spar_that_winds_up_is_outside() {
 #[test]
 fn spars_of_links_in_other_units_or_of_few_pieces_are_told() {
     let judged = |set: &str| {
-        let spar = format!("robot.links[2].spar.{set}");
-        fly("soft_20g", &[&spar, "flight.duration_s=0.02"])
+        let spar = set.split(", ").map(|set| format!("robot.links[2].spar.{set}"));
+        let all: Vec<String> = spar.chain(["flight.duration_s=0.02".into()]).collect();
+        fly("soft_20g", &all.iter().map(String::as_str).collect::<Vec<_>>())
     };
     for (set, id, status) in [
         ("inertia_kg_m=0.06", "spar.gyration", Some(Status::Outside)),
         ("ahead_m=-0.9", "spar.off_chord", Some(Status::Outside)),
         ("length_m=0.1", "spar.end_fraction", None),
-        ("segments=1", "spar.frequency_fraction", None),
+        ("segments=1, taper=1.0", "spar.frequency_fraction", None),
     ] {
         let summary = judged(set);
         assert!(!summary.judged.iter().find(|judged| judged.id == id).unwrap().met, "{set}: {summary:?}");
