@@ -6,7 +6,7 @@ use wingbeat_aero::{Aero, membrane_rise};
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::membrane::{
     BENDING, BEYOND_BENDING, BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, CAMBER, FREQUENCY, LAG, SLACK,
-    SLACK_SPAN, WEIGHT,
+    SLACK_SPAN, STRAIN, WEIGHT,
 };
 
 /// Membranes of a run.
@@ -14,6 +14,8 @@ use wingbeat_judge::limits::membrane::{
 pub struct MembraneSummary {
     /// Largest rise over the chord.
     pub camber_max: f64,
+    /// Largest strain along the chord, or along the span at rest, dimensionless.
+    pub strain_max: f64,
     /// Share of strips and instants in which the membrane is slack along the chord.
     pub slack_fraction: f64,
     /// Strain along the span at rest where ribs hold it, dimensionless.
@@ -34,9 +36,11 @@ impl MembraneSummary {
     pub fn of(aero: &Aero, heights: impl Iterator<Item = [f64; 2]>, frequency_hz: f64) -> Option<Self> {
         let model = aero.membrane()?;
         let (mut camber_max, mut slack, mut taut, mut count) = (0.0_f64, 0.0, 0.0, 0.0);
+        let mut strain_max = model.membrane_prestrain_span().unwrap_or(0.0);
         for [camber, forward] in heights {
             camber_max = camber_max.max(membrane_rise(camber, forward));
             let stretch = model.membrane_stretch(camber, forward).unwrap_or_default();
+            strain_max = strain_max.max(stretch);
             slack += if stretch < 0.0 { 1.0 } else { 0.0 };
             taut += stretch.max(0.0);
             count += 1.0;
@@ -48,6 +52,7 @@ impl MembraneSummary {
         let over = |part: f64, whole: f64| if part == 0.0 { 0.0 } else { part / whole };
         Some(Self {
             camber_max,
+            strain_max,
             slack_fraction: slack / count,
             prestrain_span: model.membrane_prestrain_span(),
             frequency_fraction: over(frequency_hz, scales.frequency_hz),
@@ -61,6 +66,7 @@ impl MembraneSummary {
     pub fn worse(self, other: Self) -> Self {
         Self {
             camber_max: self.camber_max.max(other.camber_max),
+            strain_max: self.strain_max.max(other.strain_max),
             slack_fraction: self.slack_fraction.max(other.slack_fraction),
             prestrain_span: [self.prestrain_span, other.prestrain_span]
                 .into_iter()
@@ -76,6 +82,7 @@ impl MembraneSummary {
     /// Holds them against their limits.
     pub fn judge(&self, judge: &mut Judge) {
         judge.hold(&CAMBER, self.camber_max);
+        judge.hold(&STRAIN, self.strain_max);
         judge.hold(&BEYOND_CAMBER, self.camber_max);
         judge.hold(&SLACK, self.slack_fraction);
         judge.hold_if(&SLACK_SPAN, self.prestrain_span);

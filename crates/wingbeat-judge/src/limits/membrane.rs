@@ -46,8 +46,13 @@ pub const MASS: JudgedLimit = JudgedLimit::at_most("membrane.mass_fraction", 1.0
     "the masses of links hold those of membranes: largest mass of a membrane on a link over that of the link",
 );
 
+/// Strain up to which the tension of rubber grows with it; films of plastic yield below a tenth of it.
+pub const STRAIN: JudgedLimit = JudgedLimit::warn_above("membrane.strain", 0.3, "")
+    .on("the tension of a membrane grows with its strain, which materials leave: largest strain");
+
 /// All of them.
-pub const ALL: [JudgedLimit; 12] = [
+pub const ALL: [JudgedLimit; 13] = [
+    STRAIN,
     CAMBER,
     BEYOND_CAMBER,
     SLACK,
