@@ -47,15 +47,18 @@ impl JudgedFlight<'_> {
 
     /// Why the flight ended before its time.
     fn broken(&self) -> Option<(Status, String)> {
+        let shorter = || plausible::of_short_periods(self.context.robot, "a shorter flight.step_s");
         match self.flight.ending {
             Ending::Complete => None,
             Ending::Stopped => Some((Status::Interrupted, "stopped from outside".into())),
             Ending::Fault(Fault::NotRecorded { column, time }) => {
                 let name =
                     self.record.columns().get(column).map_or("a column", |column| column.name.as_str());
-                Some((Status::Failed, format!("{name} is not finite at t = {time:.4} s")))
+                Some((Status::Failed, format!("{name} is not finite at t = {time:.4} s{}", shorter())))
             }
-            Ending::Fault(fault) if fault.is_not_finite() => Some((Status::Failed, fault.to_string())),
+            Ending::Fault(fault) if fault.is_not_finite() => {
+                Some((Status::Failed, format!("{fault}{}", shorter())))
+            }
             Ending::Fault(fault) => {
                 Some((Status::Failed, format!("{fault}, after {:.4} s", self.flight.duration)))
             }

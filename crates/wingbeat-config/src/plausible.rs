@@ -7,6 +7,18 @@ use wingbeat_judge::limits::{flap, membrane, range};
 use wingbeat_math::GRAVITY;
 use wingbeat_robot::Robot;
 
+/// What a run that broke down says of `robot` where springs, membranes or flaps may move faster than its steps, which `key` sets; nothing
+/// of a rigid one.
+pub(super) fn of_short_periods(robot: &Robot, key: &str) -> String {
+    let springs = (0..robot.tree().links()).any(|joint| robot.is_elastic(joint));
+    let soft = robot.surfaces().any(|(_, aero)| aero.membrane().is_some() || aero.flap().is_some());
+    if springs || soft {
+        format!(": stiff springs, spars, membranes and flaps need {key}")
+    } else {
+        String::new()
+    }
+}
+
 /// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes and flaps against their links.
 pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());

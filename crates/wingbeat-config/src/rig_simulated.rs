@@ -1,8 +1,8 @@
 //! A run of the bench from its plan to its samples.
 
-use super::link_spar;
 use super::unheard::{of_strips, side_edges};
 use super::{LatticeSummary, RigRun};
+use super::{link_spar, plausible};
 use serde::Serialize;
 use wingbeat_aero::Aero;
 use wingbeat_flight::simulate::Record;
@@ -101,7 +101,8 @@ impl RigRun {
         let outcome = match self.simulate_truth(&carrier, window_s, seed, progress)? {
             Ok(outcome) => outcome,
             Err(fault) => {
-                judge.find(Status::Failed, fault.to_string());
+                let finer = plausible::of_short_periods(&self.robot, "a higher rig.cell.rate_hz");
+                judge.find(Status::Failed, format!("{fault}{finer}"));
                 return Ok(SimulatedRun::without_samples("fault", judge.verdict(), window_s));
             }
         };

@@ -16,7 +16,7 @@ pub use summary::{Multiplier, TrimSummary};
 use verdict::said_of;
 
 use super::recorder::{Recorded, Recorder};
-use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, written};
+use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, plausible, written};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use wingbeat_flight::guide::{HeldCommands, OrbitWeights, gains_of, holding_inputs};
@@ -137,7 +137,10 @@ impl Scenario {
         }) {
             Ok(both) => both,
             Err(failure) => {
-                summary.reason = Some(failure.to_string());
+                let broke = matches!(&failure, Failure::Fault(fault) if fault.is_not_finite());
+                let shorter =
+                    broke.then(|| plausible::of_short_periods(cycle.robot(), "a shorter trim.step_s"));
+                summary.reason = Some(format!("{failure}{}", shorter.unwrap_or_default()));
                 return Ok(Trimmed::nothing(summary));
             }
         };
