@@ -60,7 +60,8 @@ impl JudgedFlight<'_> {
                 Some((Status::Failed, format!("{fault}{}", shorter())))
             }
             Ending::Fault(fault) => {
-                Some((Status::Failed, format!("{fault}, after {:.4} s", self.flight.duration)))
+                let text = format!("{fault}, after {:.4} s{}", self.flight.duration, shorter());
+                Some((Status::Failed, text))
             }
         }
     }

@@ -29,8 +29,9 @@ const FOOT: f64 = 46.0;
 const SAMPLE: f64 = 34.0;
 /// Room before and after the sample, px.
 const BESIDE: f64 = 8.0;
-/// From name to name in the legend, px.
+/// From name to name in the legend, px, and the least where a low panel has many.
 const LINE: f64 = 17.0;
+const CLOSE: f64 = 13.5;
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
 
@@ -170,7 +171,7 @@ fn stacked_from(
     let legends: Vec<Vec<Primitive>> = panels
         .iter()
         .enumerate()
-        .map(|(row, panel)| named(&panel.curves, (beside, top(row) + HEAD + BESIDE)))
+        .map(|(row, panel)| named(&panel.curves, (beside, top(row) + HEAD + BESIDE), height))
         .collect();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels
         .into_iter()
@@ -269,17 +270,20 @@ fn plot(curve: PanelCurve) -> Plot {
     line.into()
 }
 
-/// A sample and the name of each curve that has one, from the middle of the first sample's left end `(x, y)` down.
-fn named(curves: &[PanelCurve], (x, y): (f64, f64)) -> Vec<Primitive> {
+/// A sample and the name of each curve that has one, from the middle of the first sample's left end `(x, y)` down by less than `height`,
+/// where the legend of the next panel begins.
+fn named(curves: &[PanelCurve], (x, y): (f64, f64), height: f64) -> Vec<Primitive> {
     let named: Vec<&PanelCurve> = curves.iter().filter(|curve| !curve.name.is_empty()).collect();
-    let shown = if named.len() > MOST_NAMED { MOST_NAMED - 1 } else { named.len() };
+    let most = MOST_NAMED.min((height / CLOSE) as usize).max(1);
+    let shown = if named.len() > most { most - 1 } else { named.len() };
+    let line = (height / named.len().min(most) as f64).min(LINE);
     let left = (named.len() > shown).then(|| {
         let words = format!("and {} more", named.len() - shown);
-        style::words(x + SAMPLE + BESIDE, y + LINE * shown as f64 + 4.5, words, TextAnchor::Start, false)
+        style::words(x + SAMPLE + BESIDE, y + line * shown as f64 + 4.5, words, TextAnchor::Start, false)
     });
     let named = named.into_iter().take(shown).enumerate();
     let entry = |(row, curve): (usize, &PanelCurve)| {
-        let y = y + LINE * row as f64;
+        let y = y + line * row as f64;
         let sample = style::sample((x, y), (x + SAMPLE, y), &curve.colour, curve.weight, curve.dashes);
         let name = style::words(x + SAMPLE + BESIDE, y + 4.5, &curve.name, TextAnchor::Start, false);
         [sample, name]

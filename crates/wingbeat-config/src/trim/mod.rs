@@ -137,7 +137,7 @@ impl Scenario {
         }) {
             Ok(both) => both,
             Err(failure) => {
-                let broke = matches!(&failure, Failure::Fault(fault) if fault.is_not_finite());
+                let broke = matches!(&failure, Failure::Fault(_));
                 let shorter =
                     broke.then(|| plausible::of_short_periods(cycle.robot(), "a shorter trim.step_s"));
                 summary.reason = Some(format!("{failure}{}", shorter.unwrap_or_default()));
