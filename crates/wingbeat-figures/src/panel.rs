@@ -276,7 +276,7 @@ fn named(curves: &[PanelCurve], (x, y): (f64, f64), height: f64) -> Vec<Primitiv
     let named: Vec<&PanelCurve> = curves.iter().filter(|curve| !curve.name.is_empty()).collect();
     let most = MOST_NAMED.min((height / CLOSE) as usize).max(1);
     let shown = if named.len() > most { most - 1 } else { named.len() };
-    let line = (height / named.len().min(most) as f64).min(LINE);
+    let line = (height / (named.len().min(most) as f64 + 0.5)).min(LINE);
     let left = (named.len() > shown).then(|| {
         let words = format!("and {} more", named.len() - shown);
         style::words(x + SAMPLE + BESIDE, y + line * shown as f64 + 4.5, words, TextAnchor::Start, false)
