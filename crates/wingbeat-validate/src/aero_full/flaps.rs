@@ -21,7 +21,7 @@ const CHORDWISE: usize = 12;
 /// Strips of the model.
 const STRIPS: usize = 16;
 const SOURCE: &str = "linear vortex lattice, 6 and 12 x 32 panels";
-/// Largest error of the normal force: half as much again as is asked of plunge.
+/// Largest error of the normal force. *Choice*: half as much again as is asked of plunge.
 const LIMIT: f64 = 0.03;
 /// Powers of the distance from the middle that weigh the force: all of it, its moment, the tips.
 const POWERS: [i32; 3] = [0, 1, 4];
