@@ -2,6 +2,7 @@
 //! lifting line, which are shown without a limit.
 
 mod flapping;
+mod flaps;
 mod folds;
 mod impulse;
 pub mod lattice;
@@ -39,6 +40,7 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.full.step", quick: true, run: || small::step(ComparedPreset::Full) },
     Case { id: "aero.full.other_wings", quick: true, run: || small::other_wings(ComparedPreset::Full) },
     Case { id: "aero.full.folded_aerobat", quick: false, run: folds::folded_aerobat },
+    Case { id: "aero.full.small_flap", quick: false, run: flaps::small_flap },
     Case { id: "aero.full.span_loading", quick: false, run: || small::span_loading(ComparedPreset::Full) },
     Case { id: "aero.full.trefftz", quick: true, run: mean::trefftz },
     Case { id: "aero.full.oracle", quick: true, run: flapping::oracle },

@@ -8,7 +8,7 @@ mod shedding;
 mod small;
 mod span;
 mod wake;
-mod wings;
+pub(crate) mod wings;
 
 pub(crate) use ground::{elliptic_over, rectangle_over, rectangle_pair};
 

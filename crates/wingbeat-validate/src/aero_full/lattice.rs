@@ -194,16 +194,27 @@ impl HarmonicLattice {
     /// # Errors
     /// [`Error::NoAnswer`] when the lattice is singular.
     pub fn lift(&self, motions: &[RigidMotion]) -> Result<Vec<Complex>, Error> {
+        let sum = |strips: Vec<Complex>| strips.iter().fold((0.0, 0.0), |sum, f| (sum.0 + f.0, sum.1 + f.1));
+        Ok(self.strip_lift(motions)?.into_iter().map(sum).collect())
+    }
+
+    /// Vertical force of each strip of the left half, from the tip inwards, and of its image, per unit of each small motion, N in air
+    /// of 1 kg/m3. Of a wing that flaps its panels lie flat.
+    ///
+    /// # Errors
+    /// [`Error::NoAnswer`] when the lattice is singular.
+    pub fn strip_lift(&self, motions: &[RigidMotion]) -> Result<Vec<Vec<Complex>>, Error> {
         let wash = |motion: usize, p: Vec3| match motions[motion] {
             RigidMotion::Plunge => (0.0, self.omega),
             RigidMotion::Pitch(axis) => (1.0, self.omega * (axis - p[0])),
+            RigidMotion::Flap(hinge) => (0.0, -self.omega * (p[1].abs() - hinge.arc_m).max(0.0)),
         };
         let width = |j: usize| self.edges[j][0][1] - self.edges[j + 1][0][1];
-        let lift = |rings: Vec<Complex>| {
-            let strips = self.force(&rings).into_iter().enumerate();
-            strips.fold((0.0, 0.0), |sum, (j, f)| (sum.0 + f.0 * width(j), sum.1 + f.1 * width(j)))
+        let strips = |rings: Vec<Complex>| {
+            let forces = self.force(&rings).into_iter().enumerate();
+            forces.map(|(j, f)| (f.0 * width(j), f.1 * width(j))).collect()
         };
-        Ok(self.solve(motions.len(), wash)?.into_iter().map(lift).collect())
+        Ok(self.solve(motions.len(), wash)?.into_iter().map(strips).collect())
     }
 }
 

@@ -17,6 +17,17 @@ pub enum RigidMotion {
     Plunge,
     /// Nose-up pitch about the axis, m ahead of the hinge line.
     Pitch(f64),
+    /// Flapping up about a hinge that the wing has on both sides.
+    Flap(FlapHinge),
+}
+
+/// A hinge of a wing about which it flaps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlapHinge {
+    /// Its place among the wing's hinges.
+    pub place: usize,
+    /// Its arc, m.
+    pub arc_m: f64,
 }
 
 /// x' = A x + B [q, q', q''], y = C x + D [q, q', q''], with y the upward force and then those of
@@ -55,7 +66,7 @@ impl SmallMotion {
                     x[*i] = D::variable(0.0, lane);
                 }
             }
-            columns.extend(derivatives(model, wing, &body(motion, together), &x, together.len()));
+            columns.extend(derivatives(model, wing, motion, together, &x));
         }
         let orders = columns.split_off(n);
         let [i0, i1, i2] = std::array::from_fn(|order| orders[order].clone());
@@ -151,27 +162,32 @@ fn mix(columns: &[Vec<f64>; 3], i: usize, powers: &[Complex; 3]) -> Complex {
     columns.iter().zip(powers).fold((0.0, 0.0), |y, (v, p)| (y.0 + v[i] * p.0, y.1 + v[i] * p.1))
 }
 
-/// The body at rest, with derivatives along those `directions` that are of q.
-fn body(motion: RigidMotion, directions: &[DerivativeDirection]) -> TetheredBody<D> {
+/// q = 0, with derivatives along those `directions` that are of it.
+fn seeded(directions: &[DerivativeDirection]) -> Jet<D> {
     let lane =
         |order| directions.iter().position(|direction| *direction == DerivativeDirection::Order(order));
     let unit = |order| lane(order).map_or(D::ZERO, |lane| D::variable(0.0, lane));
-    let q = Jet::new(unit(0), unit(1), unit(2));
-    match motion {
-        RigidMotion::Plunge => TetheredBody { heave: -q, ..TetheredBody::rest() },
-        RigidMotion::Pitch(axis_ahead_m) => TetheredBody { nose_up: q, axis_ahead_m, ..TetheredBody::rest() },
-    }
+    Jet::new(unit(0), unit(1), unit(2))
 }
 
-/// The first `count` columns of the linearisation by the directions that body and states carry.
+/// The columns of the linearisation by `directions`, of which the states `x` carry theirs.
 fn derivatives(
     model: &Aero,
     still: &Still,
-    body: &TetheredBody<D>,
+    motion: RigidMotion,
+    directions: &[DerivativeDirection],
     x: &[D],
-    count: usize,
 ) -> Vec<DerivativeColumn> {
-    let angles: Vec<_> = still.angles.iter().map(|a| Jet::from(a.x)).collect();
+    let (q, count) = (seeded(directions), directions.len());
+    let mut angles: Vec<_> = still.angles.iter().map(|a| Jet::from(a.x)).collect();
+    let body = match motion {
+        RigidMotion::Plunge => TetheredBody { heave: -q, ..TetheredBody::rest() },
+        RigidMotion::Pitch(axis_ahead_m) => TetheredBody { nose_up: q, axis_ahead_m, ..TetheredBody::rest() },
+        RigidMotion::Flap(hinge) => {
+            angles[hinge.place] = angles[hinge.place] + q;
+            TetheredBody::rest()
+        }
+    };
     let frame = body.frame();
     let sections: Vec<_> = model.arcs().iter().map(|&arc| still.wing.section(arc, &frame, &angles)).collect();
     let mut dx = vec![D::ZERO; x.len()];
