@@ -1,7 +1,7 @@
 //! A flap at the trailing edge of a surface: what a surface says of it, its numbers, and Theodorsen's functions of its hinge.
 
-use super::Aero;
 use super::membrane::MEMBRANE_DRAWN;
+use super::{Aero, Planform};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use wingbeat_math::interpolation::piecewise_linear;
@@ -60,6 +60,20 @@ impl FlapSpec {
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
         self.in_range()
+    }
+
+    /// Refuses an end beyond the tip of that outline.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn end_within(&self, planform: &Planform) -> Result<(), Error> {
+        let tip = planform.station_arcs().last().copied().unwrap_or_default();
+        match self.to_arc_m.filter(|end| *end > tip * (1.0 + 1e-9)) {
+            Some(end) => {
+                Err(Error::invalid("flap.to_arc_m", end, format!("at most {tip}, the arc of the tip")))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The numbers that may carry derivatives, as set.

@@ -11,7 +11,8 @@ use wingbeat_robot::Robot;
 pub struct LinkSparSummary {
     /// Largest angle by which a piece of a spar turns against the one before it, deg.
     pub angle_max_deg: f64,
-    /// Error of the lowest bending frequency by the few segments, as a share of it: that of a chain over that of a beam, less one.
+    /// Error of the lowest frequencies of bending and of twist by the few segments, the larger, as a share: that of the chain over that of the
+    /// beam, less one.
     pub frequency_error: f64,
 }
 
@@ -36,7 +37,7 @@ impl LinkSparSummary {
 pub fn hold_shape(judge: &mut Judge, robot: &Robot) {
     let Some(shape) = robot.spar_shape() else { return };
     judge.hold(&FREQUENCY, shape.frequency_error.abs());
-    judge.hold(&END, shape.end_fraction);
-    judge.hold(&OFF_CHORD, shape.off_chord);
-    judge.hold(&GYRATION, shape.gyration);
+    judge.hold_if(&END, shape.in_wing.map(|spar| spar.end_fraction));
+    judge.hold_if(&OFF_CHORD, shape.in_wing.map(|spar| spar.off_chord));
+    judge.hold_if(&GYRATION, shape.in_wing.map(|spar| spar.gyration));
 }

@@ -598,6 +598,11 @@ impl TetherSpec {
         let (motion, tables) = self.motion(folder, read, limits)?;
         let clock = self.time.clock();
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
+        self.wing
+            .flap
+            .iter()
+            .try_for_each(|flap| flap.end_within(&planform))
+            .map_err(|e| e.within("wing"))?;
         let outer = self.wing.hinges.iter().enumerate().filter(|(_, hinge)| hinge.arc_m > 0.0);
         let (keys, arcs): (Vec<String>, Vec<f64>) =
             outer.map(|(i, hinge)| (format!("wing.hinges[{i}].arc_m"), hinge.arc_m)).unzip();

@@ -54,8 +54,8 @@ pub use spec::is_of_rig;
 pub use spec::{
     BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
     GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec, LinkageOutput, PanelSpec,
-    RegulatorSpec, ResidualSpec, RobotSpec, SparShape, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec,
-    WingLinkSpec, WingSpec,
+    RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec, StructureSpec, SurfaceSpec,
+    ThrusterSpec, WingLinkSpec, WingSpec,
 };
 #[cfg(feature = "schema")]
 pub use spec::{file_or, file_or_numbers, numbers_table};

@@ -100,13 +100,17 @@ impl RobotSpec {
     /// # Errors
     /// [`Error::Invalid`] with the key of the robot file.
     pub fn outlines(&self) -> Result<Vec<SurfaceOutline>, Error> {
+        self.check_spars()?;
         let wing = self.wing.as_ref().map(|w| ("wing".into(), w.surface()));
         let others = self.surfaces.iter().enumerate();
         let others = others.map(|(i, s)| (format!("surfaces[{i}]"), self.over_spars(s.clone())));
         let outline = |(key, surface): (String, SurfaceSpec)| {
             let planform = surface.outline().map_err(|e| e.within(&key))?;
-            let tip = planform.station_arcs().last().copied().unwrap_or_default();
-            self.spars_within(&surface, tip)?;
+            surface
+                .flap
+                .iter()
+                .try_for_each(|flap| flap.end_within(&planform))
+                .map_err(|e| e.within(&key))?;
             Ok(SurfaceOutline {
                 planform,
                 hinges: surface.panels[1..].iter().map(|p| p.from_arc_m).collect(),

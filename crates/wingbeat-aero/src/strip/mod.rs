@@ -139,11 +139,6 @@ impl<P: Scalar> StripModel<P> {
         let from_root: Vec<P> = grid.control_arcs.iter().map(|s| planform.from_root(*s)).collect();
         let hinges = |spec| Hinges::new(spec, &from_root, &grid.covered);
         let hinges = settings.flap.as_ref().map(hinges);
-        let (tip, flap) =
-            (planform.station_arcs().last().map_or(0.0, |tip| tip.value()), settings.flap.as_ref());
-        if let Some(end) = flap.and_then(|flap| flap.to_arc_m).filter(|end| *end > tip * (1.0 + 1e-9)) {
-            return Err(Error::invalid("flap.to_arc_m", end, format!("at most {tip}, the arc of the tip")));
-        }
         if let (Some(0), Some(flap)) = (hinges.as_ref().map(Hinges::count), &settings.flap) {
             let allowed = "below the arc of the middle of a strip: no strip has a flap";
             return Err(

@@ -18,7 +18,7 @@ pub use gait::GaitSpec;
 pub use given::{FitVerdict, GivenNumbers};
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
 pub use residual::ResidualSpec;
-pub use spar::{LinkSparSpec, SparShape};
+pub use spar::{LinkSparSpec, SparInWing, SparShape};
 pub use structure::{ElementSpec, RegulatorSpec, StructureSpec};
 pub use surface::{PanelSpec, SurfaceSpec};
 pub use thruster::ThrusterSpec;

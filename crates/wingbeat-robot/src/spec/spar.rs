@@ -1,8 +1,9 @@
 //! Spars of links: chains of rigid pieces on springs that stand for a beam.
 
 use super::super::numbers::{DAMPING, STIFFNESS};
-use super::{ElasticSpec, LinkSpec, PanelSpec, RobotSpec, SurfaceSpec};
+use super::{ElasticSpec, LinkSide, LinkSpec, PanelSpec, RobotSpec, SurfaceSpec};
 use crate::body::{INERTIA, MASS};
+use crate::mechanism::SIDES;
 use serde::{Deserialize, Serialize};
 use wingbeat_aero::Planform;
 use wingbeat_math::Error;
@@ -53,11 +54,11 @@ ranges!(LinkSparSpec {
     damping_s: Range::NOT_NEGATIVE,
 });
 
-/// Segments of a chain that stands for the beam itself: its frequency is off by 6e-5 of it where that of 2 is by 6 %.
+/// Segments of a chain that stands for the beam itself: of order two, it errs a thousand times less than 2. *Choice.*
 const MANY: usize = 64;
-/// Stretches of a spar over which its chord is looked at.
+/// Stretches of a spar over which its chord is looked at. *Choice.*
 const STATIONS: usize = 8;
-/// Steps of the power method; the second motion fades by 40 in each of a uniform beam.
+/// Steps of the power method, in each of which the second motion of a uniform beam fades by 40, that of its twist by 9. *Choice.*
 const POWERS: usize = 40;
 
 fn one() -> f64 {
@@ -118,30 +119,40 @@ impl LinkSparSpec {
         (self.mass_kg_m * self.share(0.5 * (from + to)) * (to - from), to - from)
     }
 
-    /// Lowest frequency at which the chain bends, clamped at its root and without air, Hz.
+    /// Lowest frequencies at which the chain bends and twists by itself, clamped at its root and without air, its masses on its line, Hz.
     ///
     /// Equation: robot.spar_frequency
-    /// `k_j t_j = w^2 sum_k M_jk t_k, M_jk = sum over pieces i >= j, k of m_i (c_i - y_j)(c_i - y_k) + m_i l_i^2/12`
+    /// `k_j t_j = w^2 sum_k M_jk t_k; bending: M_jk = sum over pieces i >= j, k of m_i (c_i - y_j)(c_i - y_k) + m_i l_i^2/12; torsion: of I_i + m_i a^2`
     /// Source: Lagrange's equations of rigid pieces on springs, small angles t_j.
-    /// Test: `few_pieces_bend_at_the_frequencies_of_the_page`.
-    pub fn bending_frequency_hz(&self) -> f64 {
+    /// Test: `few_pieces_bend_and_twist_at_the_frequencies_of_the_page`.
+    pub fn frequencies_hz(&self) -> [Option<f64>; 2] {
+        [Some(self.lowest(self.bending_n_m2, true)), self.torsion_n_m2.map(|stiff| self.lowest(stiff, false))]
+    }
+
+    /// One of these, of the stiffness `root` at the root; it `bends` or twists.
+    fn lowest(&self, root: f64, bends: bool) -> f64 {
         let joints = 1..=self.segments;
+        let about =
+            if bends { 0.0 } else { self.inertia_kg_m / self.mass_kg_m + self.ahead_m * self.ahead_m };
+        // Mass, distance to its centre along the spar, and inertia of a piece.
         let piece = |i: usize| {
             let (mass, length) = self.weighed(i);
-            (mass, self.piece(i).from + 0.5 * length, mass * length * length / 12.0)
+            let own = if bends { length * length / 12.0 } else { about };
+            (mass, self.piece(i).from + 0.5 * length, mass * own)
         };
         let pieces: Vec<(f64, f64, f64)> = joints.clone().map(piece).collect();
         let arcs: Vec<f64> = joints.clone().map(|j| self.joint(j)).collect();
-        let stiffness: Vec<f64> = joints.map(|j| self.spring(j, self.bending_n_m2).stiffness).collect();
-        // The slowest motion bears the power method's growth 1/w^2.
+        let stiffness: Vec<f64> = joints.map(|j| self.spring(j, root).stiffness).collect();
+        let arm = |centre: f64, j: usize| if bends { centre - arcs[j] } else { 0.0 };
+        // The slowest motion grows most by the power method, by 1/w^2.
         let (mut turned, mut growth) = (vec![1.0; arcs.len()], 0.0);
         for _ in 0..POWERS {
             let mut torques = vec![0.0; arcs.len()];
             for (i, (mass, centre, inertia)) in pieces.iter().enumerate() {
                 let angle: f64 = turned[..=i].iter().sum();
-                let moved: f64 = (0..=i).map(|j| turned[j] * (centre - arcs[j])).sum();
+                let moved: f64 = (0..=i).map(|j| turned[j] * arm(*centre, j)).sum();
                 for j in 0..=i {
-                    torques[j] += mass * moved * (centre - arcs[j]) + inertia * angle;
+                    torques[j] += mass * moved * arm(*centre, j) + inertia * angle;
                 }
             }
             let next: Vec<f64> = torques.iter().zip(&stiffness).map(|(torque, k)| torque / k).collect();
@@ -151,10 +162,14 @@ impl LinkSparSpec {
         growth.sqrt().recip() / std::f64::consts::TAU
     }
 
-    /// Error of that frequency by the few segments: over that of a chain of many, less one.
+    /// Error of these frequencies by the few segments, the larger: over that of a chain of many, less one. What is without inertia does not
+    /// twist by itself.
     pub fn frequency_error(&self) -> f64 {
         let many = Self { segments: MANY, ..*self };
-        self.bending_frequency_hz() / many.bending_frequency_hz() - 1.0
+        let pairs = self.frequencies_hz().into_iter().zip(many.frequencies_hz());
+        let errors =
+            pairs.filter_map(|(few, many)| Some(few? / many? - 1.0)).filter(|error| error.is_finite());
+        errors.fold(0.0, larger)
     }
 
     /// The links that stand for the spar of `link`: the piece at its root, fixed to it, and one or two for each joint.
@@ -228,62 +243,87 @@ impl LinkSparSpec {
 /// How a spar stands for a beam in its wing, as the file gives it; of several the worst of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SparShape {
-    /// Error of its lowest bending frequency by its few segments, as a share of it.
+    /// Error of its lowest frequencies by its few segments, as a share of them.
     pub frequency_error: f64,
+    /// How it lies in the surface that it carries, if it carries one.
+    pub in_wing: Option<SparInWing>,
+}
+
+/// How a spar lies in the surface that it carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SparInWing {
     /// Distance of the centres of mass from the chord, beyond its edges, over the mean chord; negative within.
     pub off_chord: f64,
     /// Radius of gyration about the span over the mean chord.
     pub gyration: f64,
-    /// Distance of its end from the tip of the surface that it carries, over its length.
+    /// Distance of its end from that of its part of the surface, over its length.
     pub end_fraction: f64,
 }
 
-impl SparShape {
+/// The one of larger size.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.abs() > a.abs() { b } else { a }
+}
+
+/// Arcs at which the spar of the panel `k` of `surface` begins and at which its part of the surface ends, at the next panel or at the `tip`, m.
+fn reach(surface: &SurfaceSpec, k: usize, tip: f64) -> (f64, f64) {
+    let panel = &surface.panels[k];
+    let end = surface.panels.get(k + 1).map_or(tip, |next| next.from_arc_m.min(tip));
+    (panel.from_arc_m - panel.origin_m[1], end)
+}
+
+impl SparInWing {
     fn worse(self, other: Self) -> Self {
         Self {
-            frequency_error: self.frequency_error.max(other.frequency_error),
             off_chord: self.off_chord.max(other.off_chord),
             gyration: self.gyration.max(other.gyration),
             end_fraction: self.end_fraction.max(other.end_fraction),
         }
     }
 
-    /// Of a `spar` on the `panel` of a surface with that outline.
-    fn of(spar: &LinkSparSpec, panel: &PanelSpec, planform: &Planform) -> Self {
-        let root = panel.from_arc_m - panel.origin_m[1];
-        let tip = planform.station_arcs().last().copied().unwrap_or_default();
-        let end = root + spar.length_m;
-        let edges = |k: usize| {
-            let arc = root + (end.min(tip) - root) * k as f64 / STATIONS as f64;
+    /// Of a `spar` on the panel `k` of a `surface` with that outline.
+    fn of(spar: &LinkSparSpec, (surface, k): (&SurfaceSpec, usize), planform: &Planform) -> Self {
+        let (root, end) = reach(surface, k, tip_of(planform));
+        let edges = |station: usize| {
+            let arc = root + (end.min(root + spar.length_m) - root) * station as f64 / STATIONS as f64;
             planform.edges(planform.coordinates(arc)[0])
         };
-        let chords = (0..=STATIONS).map(|k| edges(k).0 - edges(k).1);
+        let chords = (0..=STATIONS).map(|station| edges(station).0 - edges(station).1);
         let chord = chords.sum::<f64>() / (STATIONS + 1) as f64;
-        let ahead = spar.ahead_m - panel.origin_m[0];
+        let ahead = spar.ahead_m - surface.panels[k].origin_m[0] - surface.planform_shift_m;
         let beyond = |(leading, trailing): (f64, f64)| (ahead - leading).max(trailing - ahead) / chord;
         Self {
-            frequency_error: spar.frequency_error(),
-            off_chord: (0..=STATIONS).map(|k| beyond(edges(k))).fold(f64::NEG_INFINITY, f64::max),
+            off_chord: (0..=STATIONS).map(|station| beyond(edges(station))).fold(f64::NEG_INFINITY, f64::max),
             gyration: (spar.inertia_kg_m / spar.mass_kg_m).sqrt() / chord,
-            end_fraction: (end - tip).abs() / spar.length_m,
+            end_fraction: (root + spar.length_m - end).abs() / spar.length_m,
         }
     }
 }
 
+/// Arc of the tip, m.
+fn tip_of(planform: &Planform) -> f64 {
+    planform.station_arcs().last().copied().unwrap_or_default()
+}
+
 impl RobotSpec {
+    /// The panels of surfaces that links with spars carry, each with its surface, its place there and the place of the link.
+    fn on_spars(&self) -> impl Iterator<Item = (&SurfaceSpec, usize, usize)> {
+        let spar = |name: &str| self.links.iter().position(|link| link.spar.is_some() && link.name == name);
+        let of = move |surface| {
+            let panels = SurfaceSpec::panels_of(surface);
+            panels.filter_map(move |(k, name)| Some((surface, k, spar(name)?)))
+        };
+        self.surfaces.iter().flat_map(of)
+    }
+
     /// How the spars of the links stand for beams in the surfaces that they carry; none without one.
     pub(in super::super) fn spar_shape(&self) -> Option<SparShape> {
-        let carried = self.surfaces.iter().flat_map(|surface| {
-            let planform = surface.outline().ok();
-            let spars = surface.panels.iter().filter_map(|panel| {
-                let link = self.links.iter().find(|link| link.name == panel.link)?;
-                Some((panel, link.spar?))
-            });
-            spars.filter_map(move |(panel, spar)| {
-                planform.as_ref().map(|planform| SparShape::of(&spar, panel, planform))
-            })
+        let spars = self.links.iter().filter_map(|link| link.spar);
+        let frequency_error = spars.map(|spar| spar.frequency_error()).reduce(larger)?;
+        let carried = self.on_spars().filter_map(|(surface, k, link)| {
+            Some(SparInWing::of(&self.links[link].spar?, (surface, k), &surface.outline().ok()?))
         });
-        carried.reduce(SparShape::worse)
+        Some(SparShape { frequency_error, in_wing: carried.reduce(SparInWing::worse) })
     }
 
     /// The links with those of their spars, each after its parent, and the place in the file of the link that each belongs to.
@@ -294,18 +334,40 @@ impl RobotSpec {
         })
     }
 
-    /// Refuses spars with joints beyond the `tip` (arc, m) of a `surface` that they carry.
-    pub(in super::super) fn spars_within(&self, surface: &SurfaceSpec, tip: f64) -> Result<(), Error> {
-        for (i, link) in self.links.iter().enumerate() {
-            let Some(spar) = link.spar else { continue };
-            for panel in surface.panels.iter().filter(|panel| panel.link == link.name) {
-                let root = panel.from_arc_m - panel.origin_m[1];
-                if root + spar.joint(spar.segments) >= tip {
-                    let longest = (tip - root) * spar.length_m / spar.joint(spar.segments);
-                    let allowed = format!(
-                        "less than {longest}: a joint of the spar lies at or beyond the tip of a surface, {tip}"
-                    );
-                    return Err(Error::invalid(format!("links[{i}].spar.length_m"), spar.length_m, allowed));
+    /// Refuses spars whose joints lie beyond their part of a surface, that do not run along it, or that carry a surface of one side alone.
+    pub(in super::super) fn check_spars(&self) -> Result<(), Error> {
+        for (surface, k, i) in self.on_spars() {
+            let (Some(spar), panel) = (self.links[i].spar, &surface.panels[k]) else { continue };
+            let (root, end) = reach(surface, k, tip_of(&surface.outline()?));
+            let last = spar.joint(spar.segments);
+            if root + last >= end {
+                let allowed = format!(
+                    "less than {}: a joint of the spar lies at or beyond the end of its part of the surface, {end}",
+                    (end - root) * spar.length_m / last
+                );
+                return Err(Error::invalid(format!("links[{i}].spar.length_m"), spar.length_m, allowed));
+            }
+            let [x, y, z] = panel.direction;
+            if !(y > 0.0 && x == 0.0 && z == 0.0) {
+                let key = format!("surfaces.{}.panels[{k}].direction", surface.name);
+                return Err(Error::invalid(
+                    key,
+                    format!("{:?}", panel.direction),
+                    "along y, as the spar runs",
+                ));
+            }
+        }
+        for surface in &self.surfaces {
+            for (k, name) in SurfaceSpec::panels_of(surface) {
+                let sided = |link: &&LinkSpec| {
+                    let ends = SIDES.iter().any(|side| name.strip_suffix(side) == Some(link.name.as_str()));
+                    ends && link.spar.is_some() && link.side == LinkSide::Mirrored
+                };
+                if let Some(link) = self.links.iter().find(sided) {
+                    let key = format!("surfaces.{}.panels[{k}].link", surface.name);
+                    let allowed =
+                        format!("{:?} in a symmetric surface: its spar bends both halves alike", link.name);
+                    return Err(Error::invalid(key, format!("{name:?}"), allowed));
                 }
             }
         }

@@ -84,6 +84,11 @@ fn left() -> [f64; 3] {
 ranges!(SurfaceSpec { cd0: CD0.range, cd90: CD90.range, strips: Range::between(1.0, MAX_STRIPS as f64) });
 
 impl SurfaceSpec {
+    /// The panels with their places and the links that they name.
+    pub(super) fn panels_of(surface: &Self) -> impl Iterator<Item = (usize, &str)> {
+        surface.panels.iter().map(|panel| panel.link.as_str()).enumerate()
+    }
+
     /// The outline.
     pub fn outline(&self) -> Result<Planform, Error> {
         Planform::new(&self.planform)?.with_gaps(&self.gaps)?.spanning(self.span)
