@@ -13,7 +13,7 @@ pub(super) fn of_short_periods(robot: &Robot, key: &str) -> String {
     let springs = (0..robot.tree().links()).any(|joint| robot.is_elastic(joint));
     let soft = robot.surfaces().any(|(_, aero)| aero.membrane().is_some() || aero.flap().is_some());
     if springs || soft {
-        format!(": stiff springs, spars, membranes and flaps need {key}")
+        format!(": stiff springs, spars, membranes and flaps may need {key}")
     } else {
         String::new()
     }

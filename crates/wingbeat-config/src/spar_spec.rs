@@ -213,11 +213,12 @@ impl SparSpec {
         all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Largest distance of the line or of a centre of mass from the chord, beyond its edges or across it, over the mean chord; least and
-    /// largest radius of gyration about the span over the mean chord, of stations with mass, and largest of its `masses` about any axis.
+    /// Largest distance of the line or of a centre of mass from the chord, beyond its edges, across it or beyond the tip, over the mean chord;
+    /// least and largest radius of gyration about the span over the mean chord, of stations with mass, the largest of its `masses` too.
     fn placed(&self, planform: &Planform) -> (f64, Option<[f64; 2]>) {
         let (mut off, mut radii) = (0.0_f64, None::<[f64; 2]>);
         let chord = mean_chord(planform);
+        let (tip, mut beyond) = (planform.station_arcs().last().copied().unwrap_or_default(), 0.0_f64);
         let mut put = |arc: f64, ahead: f64, up: f64| {
             let (leading, trailing) = planform.edges(arc);
             off = off.max((ahead - leading).max(trailing - ahead).max(up.abs()) / chord);
@@ -233,13 +234,14 @@ impl SparSpec {
         }
         for mass in &self.masses {
             put(mass.arc_m, self.ahead_m - mass.aft_m, mass.up_m);
-            put(mass.arc_m, self.ahead_m, mass.outboard_m);
-            let inertia = mass.inertia_kg_m2.into_iter().fold(0.0, f64::max);
-            if let (Some([_, most]), true) = (&mut radii, mass.mass_kg > 0.0) {
-                *most = most.max((inertia / mass.mass_kg).sqrt() / chord);
+            beyond = beyond.max((mass.arc_m + mass.outboard_m - tip) / chord);
+            if mass.mass_kg > 0.0 {
+                let radius = (mass.inertia_kg_m2[0] / mass.mass_kg).sqrt() / chord;
+                let [least, most] = radii.unwrap_or([f64::INFINITY, radius]);
+                radii = Some([least, radius.max(most)]);
             }
         }
-        (off, radii)
+        (off.max(beyond), radii)
     }
 
     /// Largest of the `masses` over the mass of the spar without them; none without either.

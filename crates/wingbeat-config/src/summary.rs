@@ -119,7 +119,7 @@ pub struct Summary {
     /// Flaps: largest angle, and that by their weight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flap: Option<FlapSummary>,
-    /// Spars: largest angle between two pieces.
+    /// Spars: largest angle between two pieces, error by their number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spar: Option<LinkSparSummary>,
     /// Means of the states that the flown laws declare; not part of the file.

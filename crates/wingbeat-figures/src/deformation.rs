@@ -6,7 +6,7 @@ use crate::panel::{FigurePanel, MOST_NAMED, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, cycle, needed, style};
 
-/// Rise of the membrane at half of the chord on strips of either half from the middle on, over the last cycle or, where there is none, over time.
+/// Rise of the membrane at half of the chord on strips from the middle on, over the last cycle or, where there is none, over time.
 ///
 /// Needs `t` and the columns `camber_<strip>`, after the name of any surface but the first.
 pub fn camber(record: &Record) -> Result<Figure, Error> {
@@ -21,7 +21,8 @@ pub fn flap(record: &Record) -> Result<Figure, Error> {
     of_strips(record, ("flap", "flap_", "angle of the flap, trailing edge down [°]"), degrees)
 }
 
-/// A panel for each half of each surface with the columns that are called `kind` and a number, times `scale`.
+/// Two panels for each surface with the columns that are called `kind` and a number, times `scale`: from the middle strip to the first, at the
+/// left tip or end, and to the last. Of many strips each second, third and so on is drawn, from the ends on.
 fn of_strips(
     record: &Record,
     (name, kind, title): (&'static str, &str, &str),
@@ -49,9 +50,8 @@ fn of_strips(
         // A strip in the middle belongs to both.
         let middle = columns.len() / 2;
         let (left, right) = (&columns[..columns.len() - middle], &columns[middle..]);
-        let outward: [(&str, Vec<&&str>); 2] =
-            [("to the left", left.iter().rev().collect()), ("to the right", right.iter().collect())];
-        for (side, strips) in outward {
+        let outward: [Vec<&&str>; 2] = [left.iter().rev().collect(), right.iter().collect()];
+        for strips in outward {
             let every = strips.len().div_ceil(MOST_NAMED).max(1);
             let shown = strips.iter().rev().step_by(every).rev().enumerate();
             let curves = shown.map(|(index, column)| {
@@ -60,7 +60,11 @@ fn of_strips(
                 Ok(PanelCurve::new(format!("strip {number}"), &x, values.collect(), index))
             });
             let wing = surface.trim_end_matches('_').replace('_', " ");
-            let title = format!("{wing}{}{side}: {title}", if wing.is_empty() { "" } else { " " });
+            let number =
+                |strip: Option<&&&str>| strip.and_then(|name| name.rsplit('_').next()).unwrap_or_default();
+            let [from, to] = [number(strips.first()), number(strips.last())];
+            let title =
+                format!("{wing}{}strips {from} to {to}: {title}", if wing.is_empty() { "" } else { ", " });
             panels.push(FigurePanel::new(title, curves.collect::<Result<_, Error>>()?));
         }
     }
@@ -84,7 +88,7 @@ mod tests {
             Record::new(["t".to_owned()].into_iter().chain(names).map(column).collect(), 0).unwrap()
         };
         assert_eq!(camber(&of(membrane.concat())).unwrap().name, "camber");
-        assert!(camber(&of(membrane.concat())).unwrap().svg().contains("tail to the right"));
+        assert!(camber(&of(membrane.concat())).unwrap().svg().contains("tail, strips 2 to 3"));
         assert_eq!(flap(&of(strips("flap"))).unwrap().name, "flap");
         assert!(matches!(flap(&of(strips("camber"))), Err(Error::Column(_))));
     }

@@ -95,7 +95,7 @@ const DEFORMATION: [(&str, FigureMaker); 2] =
     [("camber_0", |record, _| camber(record)), ("flap_0", |record, _| flap(record))];
 
 // A figure of a flight is a file of its own, its name among the modules above, and its line here.
-/// Figures of flights in their order, each with what the name of a column holds that a record must have for it.
+/// Figures of flights in their order, each with what the name of a column begins with that a record must have for it, after the name of its surface where that ends in 0.
 const OF_FLIGHTS: &[(&str, FigureMaker)] = &[
     ("", FLIGHT[0]),
     ("", FLIGHT[1]),
@@ -122,8 +122,13 @@ pub fn of_deformation(record: &Record) -> Vec<FigureMaker> {
 
 /// Those `figures` for which `record` has a column.
 fn can_draw(record: &Record, figures: &[(&str, FigureMaker)]) -> Vec<FigureMaker> {
-    let has = |part: &str| record.columns().iter().any(|column| column.name.contains(part));
-    figures.iter().filter(|(part, _)| has(part)).map(|(_, draw)| *draw).collect()
+    let of_later_surface =
+        |name: &str, of: &str| name.strip_suffix(of).is_some_and(|rest| rest.ends_with('_'));
+    let has = |begin: &str| {
+        let mut names = record.columns().iter().map(|column| column.name.as_str());
+        names.any(|name| name.starts_with(begin) || (begin.ends_with("_0") && of_later_surface(name, begin)))
+    };
+    figures.iter().filter(|(begin, _)| has(begin)).map(|(_, draw)| *draw).collect()
 }
 
 /// The figures of a planned gait.

@@ -107,7 +107,7 @@ pub struct TrimSummary {
     /// Flaps: largest angle, and that by their weight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flap: Option<FlapSummary>,
-    /// Spars: largest angle between two pieces.
+    /// Spars: largest angle between two pieces, error by their number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spar: Option<LinkSparSummary>,
     /// Least of all clearances over the cycle, m.

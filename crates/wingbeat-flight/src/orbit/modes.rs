@@ -79,7 +79,7 @@ impl Modes {
     }
 }
 
-/// What a multiplier may exceed 1 by the error of the intervals' derivatives.
+/// What a multiplier may exceed 1 by where derivatives of intervals err by as much. *Choice.*
 const NEUTRAL: f64 = MOST_ERROR;
 /// Label of the mode that is neutral by the symmetry of space.
 const HEADING: &str = "heading";

@@ -20,7 +20,7 @@ const MOST: usize = 25;
 const FOUND: f64 = 1e-9;
 /// Twist and curvature, rad/m, that are none. *Choice.*
 const NO_STRAIN: f64 = 1e-6;
-/// States of the air over the speed of reference that are none, m/s over m/s: below them differences of washes are rounding. *Choice.*
+/// Size of the states of the air over the speed of reference, m/s over m/s, by which changes of smaller ones are measured. *Choice.*
 const NO_WASH: f64 = 1e-3;
 /// Shares of the loads under which the shape is sought one after another.
 const SHARES: usize = 4;
@@ -494,7 +494,7 @@ impl Implicit for CoupledSpar<'_> {
     fn rule(&self) -> Rule {
         Rule::Radau
     }
-    /// Air that bears nothing has states that are rounding of the wind.
+    /// Where the air bears nothing, its states are the rounding of differences of washes.
     fn least(&self) -> [f64; 2] {
         [NO_STRAIN, NO_WASH * self.tether.reference.speed_m_s]
     }

@@ -77,8 +77,10 @@ fn a_flap_of_one_half_lies_where_its_arcs_say() {
         let middle = model.flap_masses().iter().zip(model.arcs()).map(|(m, s)| m * s).sum::<f64>();
         assert_eq!(middle > 0.0, span == Span::Left);
     }
-    let error =
-        half(Span::Left, FlapSpec { to_arc_m: Some(1.1 * SPAN), ..spring() }).unwrap_err().to_string();
+    let planform = Planform::new(&[outline(0.0), outline(SPAN)]).unwrap().spanning(Span::Left).unwrap();
+    let end = |to_arc_m| FlapSpec { to_arc_m, ..spring() }.end_within(&planform);
+    assert!(end(None).is_ok() && end(Some(SPAN)).is_ok());
+    let error = end(Some(1.1 * SPAN)).unwrap_err().to_string();
     assert!(error.contains("flap.to_arc_m") && error.contains("at most 10"), "{error}");
 }
 

@@ -301,9 +301,9 @@ fn a_coarse_spar_is_not_resolved() {
     assert_eq!(case.summary(&run, Some(SAME), None).verdict.status, Status::NotResolved);
 }
 
-/// Against 1.875^2 sqrt(E I/(m L^4)) of a uniform cantilever, and the rows `fsi.beam.segments` of chains in a robot.
+/// Against 1.875^2 sqrt(E I/(m L^4)) and pi/2 sqrt(G J/(I L^2)) of a uniform cantilever, and the rows `fsi.beam.segments` of chains in a robot.
 #[test]
-fn few_pieces_bend_at_the_frequencies_of_the_page() {
+fn few_pieces_bend_and_twist_at_the_frequencies_of_the_page() {
     let spar = |segments| LinkSparSpec {
         length_m: 0.2,
         segments,
@@ -316,10 +316,20 @@ fn few_pieces_bend_at_the_frequencies_of_the_page() {
         damping_s: 0.0,
     };
     let beam = 1.8751041_f64.powi(2) / (2.0 * PI) * (2e-3_f64 / (0.03 * 0.2_f64.powi(4))).sqrt();
-    assert!((spar(64).bending_frequency_hz() / beam - 1.0).abs() < 1e-4);
+    let [bending, twist] = spar(64).frequencies_hz();
+    assert!((bending.unwrap() / beam - 1.0).abs() < 1e-4 && twist.is_none());
     for (segments, error) in [(1, 0.393), (2, 0.0608), (3, 0.0261), (4, 0.0145)] {
         let found = spar(segments).frequency_error();
         assert!((found - error).abs() < 2e-3 * (1.0 + error), "{segments}: {found}");
+    }
+    let twisting = |segments| {
+        let twisted = LinkSparSpec { torsion_n_m2: Some(1e-3), inertia_kg_m: 2e-6, ..spar(segments) };
+        twisted.frequencies_hz()[1].unwrap()
+    };
+    let rod = 0.25 / 0.2 * (1e-3_f64 / 2e-6).sqrt();
+    for (segments, error) in [(64, 0.0), (1, 0.0997), (2, 0.0255), (3, 0.0114), (4, 0.00641)] {
+        let found = twisting(segments) / rod - 1.0;
+        assert!((found.abs() - error).abs() < 2e-3, "{segments}: {found}");
     }
 }
 
