@@ -279,7 +279,7 @@ pub trait Plant: Sync {
         self.rates_in_early(t, x, u, dx)
     }
     /// [`rates_in_early`](Self::rates_in_early), or where nothing `places` [`rates_in_moving`](Self::rates_in_moving), at a point of which the
-    /// plant [knows](Self::known) its accelerations and their mass matrix.
+    /// plant [knows](Self::known) its accelerations and their mass matrix: rates in the units of the states over s.
     ///
     /// # Errors
     /// Those of `rates`.
