@@ -45,6 +45,10 @@ pub trait Sections<S: Scalar> {
     fn gravity(&self) -> Vec3<S> {
         Vec3::ZERO
     }
+    /// Whether the motions hold all accelerations, so that nobody asks for the added mass on those that they leave out.
+    fn complete(&self) -> bool {
+        false
+    }
     /// How section `i` moves per unit rate of `coordinate`.
     fn field(&self, _i: usize, _coordinate: usize) -> SectionField<S> {
         SectionField::default()

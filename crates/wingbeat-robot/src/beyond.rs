@@ -93,7 +93,7 @@ impl Robot {
         self.covering.motions(&carriers, &mut motions);
         let (x, dx) = (&x[aero..], &mut dx[aero..]);
         self.covering.aero.evaluate_under(
-            (carriers.ground, carriers.gravity),
+            (carriers.ground, carriers.gravity, true),
             &motions,
             *wind,
             x,

@@ -271,10 +271,11 @@ impl<P: Scalar> Robot<P> {
             moving,
             gravity,
             carriers.coordinates,
-            &mut system.mass,
+            Some(&mut system.mass),
             &mut system.forces,
         );
-        self.add_efforts(&x[..structure], supply, &mut system);
+        self.add_efforts(&x[..structure], supply, &mut system.forces);
+        self.add_rotor(&mut system.mass);
         self.add_beyond(beyond, carriers, &mut system.forces);
         // The rates of the air are those of the loads that follow, with these second rates.
         system.add_air::<S, P>(self, carriers, (wind, None), &x[structure..], &mut dx[structure..]);
@@ -319,7 +320,8 @@ impl<P: Scalar> Robot<P> {
         let covering = &self.covering;
         let mut motions = ArrayVec::new();
         covering.motions(carriers, &mut motions);
-        covering.aero.evaluate_under((carriers.ground, carriers.gravity), &motions, wind, x, dx, loads);
+        let around = (carriers.ground, carriers.gravity, true);
+        covering.aero.evaluate_under(around, &motions, wind, x, dx, loads);
         let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
             loads.strip[..loads.strips].iter().map(StripLoads::total).collect();
         let mut external = External::new();

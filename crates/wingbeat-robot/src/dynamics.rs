@@ -6,7 +6,7 @@ use super::perch::BodyPose;
 use super::sections::Carriers;
 use super::surface::{External, MechanismLoads};
 use super::{Joints, Links, Robot};
-use crate::body::{Coordinates, LinkMotion};
+use crate::body::{BaseAcceleration, Coordinates, LinkMotion};
 use arrayvec::ArrayVec;
 use std::ops::Range;
 use wingbeat_aero::{Ground, ImpulseRates};
@@ -65,6 +65,9 @@ pub(super) struct InstantSetting<G: Scalar> {
     /// Drag of the body.
     drag: Wrench<G>,
 }
+
+/// Mass matrix of body and coordinates.
+pub(super) type DegreeMatrix<G> = [[G; MAX_DEGREES]; MAX_DEGREES];
 
 /// Mass matrix of body and links, the wrench on the body of all but the air on the surfaces, and what led to them.
 type InstantForces<G> = ([[G; 6]; 6], Wrench<G>, InstantSetting<G>);
@@ -137,6 +140,18 @@ impl Plant for Robot {
         let (t, (early, air)) = (Early::from(t), x.split_at(self.layout.aero));
         let clock = Jet::new(t, Early::ONE, Early::ZERO);
         self.evaluate_parts::<f64, _, _>(t, &clock, early, air, u, &[], dx, &mut Evaluation::empty())
+    }
+    fn rates_about(
+        &self,
+        known: &Known,
+        places: bool,
+        (t, x, u): (f64, &[Early], &[Early]),
+        dx: &mut [Early],
+    ) -> Result<(), Fault> {
+        match places {
+            true => self.balanced_rates::<Early>(known, (t, x, u), dx),
+            false => self.balanced_rates::<f64>(known, (t, x, u), dx),
+        }
     }
     fn rates_in_late(
         &self,
@@ -235,7 +250,7 @@ impl<P: Scalar> Robot<P> {
     ) -> Result<(), Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
-        let (ref mut mass, body, setting) = self.instant((t, clock), x, u, beyond, dx, out)?;
+        let (ref mut mass, body, setting) = self.instant((t, clock), x, u, (beyond, None), dx, out)?;
         let InstantSetting { attitude, wind, wind_dot, gravity, .. } = setting;
         let Evaluation { links, base, coordinates, second_rates, .. } = out;
         let mut carriers = Carriers::none(coordinates);
@@ -261,14 +276,15 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// The mass matrix of body and links and the wrench on the body of all but the air on the surfaces, with what led to them; `dx` gets
-    /// the rates that follow from the state alone.
+    /// the rates that follow from the state alone. Where accelerations of body and coordinates are `held`, links and body move with them and
+    /// their inertia is in the wrench.
     #[inline(always)]
     pub(super) fn instant<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         (t, clock): (G, &Jet<G>),
         x: &[G],
         u: &[G],
-        beyond: &[Wrench<f64>],
+        (beyond, held): (&[Wrench<f64>], Option<&[f64]>),
         dx: &mut [S],
         out: &mut Evaluation<G, S>,
     ) -> Result<InstantForces<G>, Fault> {
@@ -277,10 +293,22 @@ impl<P: Scalar> Robot<P> {
         let Evaluation { joints, ratios, .. } = out;
         self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
         let setting = self.set_out((t, clock), x, u, dx, out);
-        let Evaluation { links, base, .. } = out;
+        let held: Option<ArrayVec<G, MAX_DEGREES>> =
+            held.map(|held| held.iter().map(|a| G::from(*a)).collect());
+        let Evaluation { joints, links, base, coordinates, ratios, .. } = out;
+        if let Some(held) = &held {
+            self.let_go(joints, links, coordinates, ratios, &held[6..]);
+        }
         let tree = &self.mechanism.tree;
         let (mass, bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links);
         let mut body = tree.weight(setting.gravity, first_moment) + setting.drag + -bias;
+        if let Some(held) = &held {
+            let needed = |i: usize| (0..6).fold(G::ZERO, |sum, j| sum + mass[i][j] * held[j]);
+            body += -Wrench { force: Vec3([0, 1, 2].map(needed)), moment: Vec3([3, 4, 5].map(needed)) };
+            let field = BaseAcceleration::from_slice(held);
+            *base = base.accelerated(&field);
+            links.iter_mut().for_each(|link| *link = link.accelerated(&field));
+        }
         if !self.thrusters.is_empty() {
             body += self.thrust(structure);
         }
@@ -353,8 +381,9 @@ impl<P: Scalar> Robot<P> {
         }
         let mut system = BodySystem::new();
         let BodySystem { mass: matrix, forces, .. } = &mut system;
-        self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, matrix, forces);
-        self.add_efforts(structure, G::ONE, &mut system);
+        self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, Some(matrix), forces);
+        self.add_efforts(structure, G::ONE, &mut system.forces);
+        self.add_rotor(&mut system.mass);
         self.add_beyond(beyond, carriers, &mut system.forces);
         let mut impulses = ImpulseRates::none();
         let lacking = follows.then_some(&mut impulses);
@@ -365,6 +394,28 @@ impl<P: Scalar> Robot<P> {
         impulses.complete(&degrees[..6 + coordinates.count()], air_rates);
         second_rates.extend(degrees[6..][..coordinates.count()].iter().copied());
         Some(std::array::from_fn(|i| degrees[i]))
+    }
+
+    /// Adds the forces of the air on the coordinates of `carriers` to `forces`; returns its wrench (N and N m, B) on the whole and the added
+    /// mass. What is `wanted` beside: the mass matrix of the coordinates and what the rates of followed impulses lack.
+    #[inline(always)]
+    pub(super) fn bear_air<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, S: Over<G> + Over<K> + Meets<P>>(
+        &self,
+        carriers: &Carriers<G>,
+        wind: Vec3<G>,
+        (x, dx): (&[S], &mut [S]),
+        (mass, impulses): (Option<&mut DegreeMatrix<G>>, Option<&mut ImpulseRates<G>>),
+        forces: &mut [S],
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        let links = self.mechanism.tree.links();
+        let mut external = External::<S>::new();
+        external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
+        let coupled = Some(MechanismLoads { mass, external: &mut external, impulses });
+        let sum = self.covering.sum::<K, _, _>(carriers, wind, x, dx, coupled);
+        for (link, load) in external.iter().enumerate().take(links) {
+            carriers.project(link, load, forces);
+        }
+        sum
     }
 
     /// Motion of the links with the joints at `joints`, the body moving with `v` and `w` in B.
@@ -409,23 +460,24 @@ impl<P: Scalar> Robot<P> {
         }
     }
 
-    /// Adds the efforts of springs, dampers and motor to the forces on the coordinates, and the inertia
-    /// of the motor; `structure` as for [`Robot::joints`], `supply` the share of the voltage that the motor
-    /// receives.
-    pub(super) fn add_efforts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
-        &self,
-        structure: &[G],
-        supply: G,
-        system: &mut BodySystem<G, S>,
-    ) {
+    /// Adds the efforts of springs, dampers and motor to the `forces` on the coordinates; `structure` as for [`Robot::joints`],
+    /// `supply` the share of the voltage that the motor receives.
+    pub(super) fn add_efforts<G: Scalar + Meets<P>>(&self, structure: &[G], supply: G, forces: &mut [G]) {
         let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
         for (c, spring) in self.mechanism.springs().enumerate() {
             let moved = self.rest_displaced(c, structure);
-            system.forces[c] += spring.effort(states[c], states[count + c], moved);
+            forces[c] += spring.effort(states[c], states[count + c], moved);
         }
         if let Some(motor) = &self.motor {
-            system.forces[count - 1] += motor.crank_torque(states[2 * count - 1], supply);
-            system.mass[5 + count][5 + count] += G::from(motor.inertia());
+            forces[count - 1] += motor.crank_torque(states[2 * count - 1], supply);
+        }
+    }
+
+    /// Adds the inertia of the motor to the mass matrix of body and coordinates.
+    pub(super) fn add_rotor<G: Scalar + Meets<P>>(&self, mass: &mut DegreeMatrix<G>) {
+        if let Some(motor) = &self.motor {
+            let crank = 5 + self.degrees();
+            mass[crank][crank] += G::from(motor.inertia());
         }
     }
 
@@ -499,7 +551,7 @@ pub(super) fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S
 
 /// Mass matrix and forces of body and coordinates.
 pub(super) struct BodySystem<G: Scalar, S: Over<G>> {
-    pub mass: [[G; MAX_DEGREES]; MAX_DEGREES],
+    pub mass: DegreeMatrix<G>,
     /// Forces on the coordinates that the states of the air do not enter.
     pub forces: [G; MAX_COORDINATES],
     /// Forces of the air on the coordinates.
@@ -529,15 +581,9 @@ impl<G: Scalar, S: Over<G>> BodySystem<G, S> {
         G: Over<K> + Meets<P>,
         S: Over<K> + Meets<P>,
     {
-        let links = robot.mechanism.tree.links();
-        let mut external = External::<S>::new();
-        external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
-        let coupled = Some(MechanismLoads { mass: &mut self.mass, external: &mut external, impulses });
-        let (net, ref added) = robot.covering.sum::<K, _, _>(carriers, wind, x, dx, coupled);
+        let wanted = (Some(&mut self.mass), impulses);
+        let (net, ref added) = robot.bear_air::<K, G, S>(carriers, wind, (x, dx), wanted, &mut self.of_air);
         add(&mut self.mass, added);
-        for (link, load) in external.iter().enumerate().take(links) {
-            carriers.project(link, load, &mut self.of_air);
-        }
         net
     }
 

@@ -9,7 +9,7 @@ use super::{Joints, MAX_ELEMENTS};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
 use wingbeat_aero::{ByStates, Coupling, ImpulseRates, MAX_STRIPS};
-use wingbeat_math::linear::{solve_symmetric, solve_symmetric_leading};
+use wingbeat_math::linear::solve_symmetric_leading;
 use wingbeat_math::{Dual, GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench, kept};
 use wingbeat_ocp::plant::{Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES};
 
@@ -57,7 +57,7 @@ impl Robot {
         let ((early, air), clock) = (x.split_at(l.aero), Jet::new(t, 1.0, 0.0));
         let structure = &early[l.structure..];
         let mut out = Evaluation::empty();
-        let (mass, mut net, setting) = self.instant((t, &clock), early, u, &[], dx, &mut out)?;
+        let (mass, mut net, setting) = self.instant((t, &clock), early, u, (&[], None), dx, &mut out)?;
         if !self.add_elements(&clock, structure, &mut out)? {
             return Ok(false);
         }
@@ -67,18 +67,19 @@ impl Robot {
         carriers.ground = self.ground_below(setting.attitude, early[l.position + 2]);
         let mut system = BodySystem::<f64, f64>::new();
         let BodySystem { mass: matrix, forces, .. } = &mut system;
-        self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, matrix, forces);
-        self.add_efforts(structure, 1.0, &mut system);
+        self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, Some(matrix), forces);
+        self.add_efforts(structure, 1.0, &mut system.forces);
+        self.add_rotor(&mut system.mass);
         add(&mut system.mass, &mass);
         let of_links: Field = system.mass.map(|[x, y, z, ..]| [x, y, z]);
         let mut impulses = ImpulseRates::none();
         let lacking = self.covering.aero.follow_impulses().then_some(&mut impulses);
         let (wind, rates) = (setting.wind, &mut dx[l.aero..]);
-        // The forces of the air on coordinates come by links, of which derivatives by its states are not told.
-        let late = known.wants_late && own == 0 && self.covering.aero.know_by_states();
+        let late = known.wants_late && self.covering.aero.know_by_states();
         net += if late {
+            self.weigh_strips(&carriers, own, &mut by_states.weights);
             let mut strips = [Wrench::ZERO; MAX_STRIPS];
-            let coupling = Coupling { mass: &mut system.mass, strips: &mut strips, impulses: lacking };
+            let coupling = Coupling { mass: Some(&mut system.mass), strips: &mut strips, impulses: lacking };
             let riding = self.covering.riding(&carriers);
             let Some((load, added)) =
                 self.covering.aero.by_states(&riding, wind, air, rates, coupling, by_states)
@@ -86,6 +87,11 @@ impl Robot {
                 return Ok(false);
             };
             add(&mut system.mass, &added);
+            let of_strips = by_states.weights.chunks_exact(self.covering.strips());
+            for (force, weights) in system.of_air.iter_mut().zip(of_strips) {
+                *force +=
+                    weights.iter().zip(&strips).map(|(weights, load)| weighed(weights, load)).sum::<f64>();
+            }
             load
         } else {
             system.add_air::<f64, f64>(self, &carriers, (wind, lacking), air, rates)
@@ -93,6 +99,7 @@ impl Robot {
         let singular = Fault::MassMatrix { time: t };
         let accelerations = system.responses(&net, &of_links, [own, self.elements.len()]).ok_or(singular)?;
         known.clear(x.len(), u.len(), if late { air.len() } else { 0 });
+        self.put_degrees((&accelerations, &system.mass), &impulses, known);
         self.put_columns(&accelerations, (&setting.attitude, &impulses), early, dx, known);
         if late {
             system.accelerate(by_states).ok_or(singular)?;
@@ -102,6 +109,51 @@ impl Robot {
         (known.wind, known.accelerations) = (wind, [Vec3::new(0.0, 0.0, -GRAVITY), wind_dot]);
         (known.position, known.velocity, known.rate) = (l.position, l.velocity, l.rate);
         Ok(true)
+    }
+
+    /// What the loads of the strips weigh in the forces on `count` coordinates, as [`ByStates::weights`] has them.
+    fn weigh_strips(&self, carriers: &Carriers<f64>, count: usize, weights: &mut Vec<[f64; 6]>) {
+        let strips = self.covering.strips();
+        weights.clear();
+        weights.resize(count * strips, [0.0; 6]);
+        if count == 0 {
+            return;
+        }
+        let riding = self.covering.riding(carriers);
+        for (i, k) in (0..strips).flat_map(|i| (0..6).map(move |k| (i, k))) {
+            let mut unit = [0.0; 6];
+            unit[k] = 1.0;
+            let load = Wrench { force: Vec3::from_slice(&unit), moment: Vec3::from_slice(&unit[3..]) };
+            let mut forces = [0.0; MAX_COORDINATES];
+            self.covering.share_strip(i, &riding, &load, |link, load| {
+                if let Some(link) = link {
+                    carriers.project(link, &load, &mut forces);
+                }
+            });
+            for c in 0..count {
+                weights[c * strips + i][k] = forces[c];
+            }
+        }
+    }
+
+    /// Notes the accelerations found and the mass matrix on them, and what falls with them.
+    fn put_degrees(
+        &self,
+        (accelerations, mass): (&[Late; MAX_DEGREES], &[[f64; MAX_DEGREES]; MAX_DEGREES]),
+        impulses: &ImpulseRates<f64>,
+        known: &mut Known,
+    ) {
+        let count = 6 + self.degrees();
+        known.degrees.clear();
+        known.mass.clear();
+        known.falling.clear();
+        // A matrix of the body alone costs no more with derivatives.
+        if count == 6 {
+            return;
+        }
+        known.degrees.extend(accelerations[..count].iter().map(|acceleration| acceleration.re));
+        mass[..count].iter().for_each(|row| known.mass.extend(&row[..count]));
+        known.falling.extend(impulses.rows().map(|(state, by)| (self.layout.aero + state, *by)));
     }
 
     /// Completes the rates, and writes their derivatives by inputs and by uniform accelerations, from the accelerations of the body and
@@ -165,7 +217,7 @@ impl Robot {
         (attitude, impulses): (&Mat3, &ImpulseRates<f64>),
         known: &mut Known,
     ) {
-        let (l, n) = (&self.layout, by_states.states);
+        let (l, n, own) = (&self.layout, by_states.states, self.degrees());
         let mut add = |row: usize, factor: f64, of: usize| {
             let row = known.late[row * n..][..n].iter_mut();
             row.zip(&by_states.loads[of * n..]).for_each(|(sum, value)| *sum = factor.mul_add(*value, *sum));
@@ -174,8 +226,9 @@ impl Robot {
             (0..3).for_each(|k| add(l.velocity + i, attitude.0[i][k], k));
             add(l.rate + i, 1.0, 3 + i);
         }
+        (0..own).for_each(|c| add(l.joints + own + c, 1.0, 6 + c));
         for (state, by) in impulses.rows() {
-            (0..6).for_each(|k| add(l.aero + state, -by[k], k));
+            (0..6 + own).for_each(|k| add(l.aero + state, -by[k], k));
         }
         let own = known.late[l.aero * n..].iter_mut();
         own.zip(&by_states.rates).for_each(|(sum, value)| *sum += value);
@@ -273,21 +326,26 @@ impl BodySystem<f64, f64> {
         solve_symmetric_leading(6 + own, &mut { self.mass }, rhs)
     }
 
-    /// Turns the derivatives of loads by states into those of the accelerations of a body without coordinates.
+    /// Turns the derivatives of loads by states into those of the accelerations of body and coordinates.
     fn accelerate(&self, by_states: &mut ByStates) -> Option<()> {
         let n = by_states.states;
-        let leading = |i: usize| std::array::from_fn(|j| self.mass[i][j]);
-        let mass: [[f64; 6]; 6] = std::array::from_fn(leading);
+        let degrees = by_states.loads.len() / n;
         for first in (0..n).step_by(Late::LANES) {
             let width = Late::LANES.min(n - first);
-            let mut rhs = [Late::constant(0.0); 6];
-            for (i, value) in rhs.iter_mut().enumerate() {
+            let mut rhs = [Late::constant(0.0); MAX_DEGREES];
+            for (i, value) in rhs.iter_mut().enumerate().take(degrees) {
                 value.eps[..width].copy_from_slice(&by_states.loads[i * n + first..][..width]);
             }
-            for (i, value) in solve_symmetric(mass, rhs)?.iter().enumerate() {
+            let solved = solve_symmetric_leading(degrees, &mut { self.mass }, rhs)?;
+            for (i, value) in solved.iter().enumerate().take(degrees) {
                 by_states.loads[i * n + first..][..width].copy_from_slice(&value.eps[..width]);
             }
         }
         Some(())
     }
+}
+
+/// The load of a strip by `weights` of its force and moment.
+fn weighed(weights: &[f64; 6], load: &Wrench<f64>) -> f64 {
+    Vec3::from_slice(weights).dot(load.force) + Vec3::from_slice(&weights[3..]).dot(load.moment)
 }

@@ -6,6 +6,7 @@
 extern crate wingbeat_no_schema as schemars;
 
 mod air;
+mod balance;
 mod beyond;
 pub mod body;
 mod carried;

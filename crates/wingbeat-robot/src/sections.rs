@@ -136,13 +136,16 @@ pub(super) struct Carriers<'a, S: Scalar> {
     pub ground: Option<Ground<S>>,
     /// Acceleration of gravity, m/s2 in B.
     pub gravity: Vec3<S>,
+    /// Whether accelerations leave nothing out.
+    pub complete: bool,
 }
 
 impl<'a, S: Scalar> Carriers<'a, S> {
     /// Room for them, which is large and so filled in place.
     #[inline(always)]
     pub fn none(coordinates: &'a Coordinates<S>) -> Self {
-        Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates, ground: None, gravity: Vec3::ZERO }
+        let (base, links) = (Carrier::ZERO, ArrayVec::new());
+        Self { base, links, coordinates, ground: None, gravity: Vec3::ZERO, complete: false }
     }
 
     /// Takes the body and the links `carriers`, in air that accelerates by `wind_dot`, under `gravity` (m/s2, B).
@@ -199,6 +202,9 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     }
     fn gravity(&self) -> Vec3<S> {
         self.carriers.gravity
+    }
+    fn complete(&self) -> bool {
+        self.carriers.complete
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
         let field = self.carriers.coordinates.field(coordinate, self.sections[i].link);

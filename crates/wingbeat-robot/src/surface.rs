@@ -13,7 +13,7 @@ use wingbeat_aero::{
     Wrench,
 };
 use wingbeat_math::Error;
-use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3};
+use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3, append_copies};
 use wingbeat_ocp::plant::MAX_DEGREES;
 
 /// What a scenario needs to know of a surface to choose its aerodynamic model.
@@ -362,7 +362,8 @@ impl<P: Scalar> Covering<P> {
         let Some(MechanismLoads { mass, external, impulses }) = coupled else {
             return self.aero.sum_over_places::<K, G, S>(&riding, wind, x, dx, None);
         };
-        let mut strips = [Wrench::ZERO; MAX_STRIPS];
+        let mut strips = ArrayVec::<Wrench<S>, MAX_STRIPS>::new();
+        append_copies(&mut strips, Wrench::ZERO, self.strips());
         let coupling = Coupling { mass, strips: &mut strips, impulses };
         let sum = self.aero.sum_over_places::<K, G, S>(&riding, wind, x, dx, Some(coupling));
         self.share(&riding, &strips, external);
@@ -386,6 +387,11 @@ impl<P: Scalar> Covering<P> {
         }
     }
 
+    /// Number of strips of all surfaces.
+    pub fn strips(&self) -> usize {
+        self.mounts.len()
+    }
+
     /// Adds the loads (N and N m, B) of the strips to the links that bear them.
     pub fn share<G: Scalar + Meets<P>, S: Over<G>>(
         &self,
@@ -394,26 +400,38 @@ impl<P: Scalar> Covering<P> {
         external: &mut External<S>,
     ) {
         let body = external.len() - 1;
-        for (mount, load) in self.mounts.iter().zip(strips) {
-            let own = mount.link.unwrap_or(body);
-            let Some((edges, share)) = mount.edges else {
-                external[own] += *load;
-                continue;
-            };
-            let at = edges.map(|edge| riding.section(edge));
-            let (shares, rest) = between_edges(&at, G::from(share), load);
-            for (edge, load) in edges.into_iter().zip(shares) {
-                external[self.sections[edge].link.unwrap_or(body)] += load;
-            }
-            external[own] += Wrench { force: Vec3::ZERO, moment: rest };
+        for (i, load) in strips.iter().enumerate().take(self.mounts.len()) {
+            self.share_strip(i, riding, load, |link, load| external[link.unwrap_or(body)] += load);
         }
+    }
+
+    /// Tells the links, or the body, what they bear of the load (N and N m, B) of the strip `i`.
+    #[inline(always)]
+    pub fn share_strip<G: Scalar + Meets<P>, S: Over<G>>(
+        &self,
+        i: usize,
+        riding: &Riding<P, G>,
+        load: &Wrench<S>,
+        mut bear: impl FnMut(Option<usize>, Wrench<S>),
+    ) {
+        let mount = &self.mounts[i];
+        let Some((edges, share)) = mount.edges else {
+            bear(mount.link, *load);
+            return;
+        };
+        let at = edges.map(|edge| riding.section(edge));
+        let (shares, rest) = between_edges(&at, G::from(share), load);
+        for (edge, load) in edges.into_iter().zip(shares) {
+            bear(self.sections[edge].link, load);
+        }
+        bear(mount.link, Wrench { force: Vec3::ZERO, moment: rest });
     }
 }
 
 /// What the coordinates of the mechanism take from all surfaces.
 pub(super) struct MechanismLoads<'a, G: Scalar, S: Scalar> {
-    /// Mass matrix of body and coordinates.
-    pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Mass matrix of body and coordinates; none where nobody asks for it.
+    pub mass: Option<&'a mut [[G; MAX_DEGREES]; MAX_DEGREES]>,
     /// Loads on the links, the body last.
     pub external: &'a mut External<S>,
     /// What the rates of followed impulses lack, where there are any.

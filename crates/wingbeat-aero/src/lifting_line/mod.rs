@@ -307,6 +307,7 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> (Wrench<S>, [[S; 6]; 6]) {
         let mut wrench = Wrench::ZERO;
         let mut added_mass = [[S::ZERO; 6]; 6];
+        let mut matrix = (!sections.complete()).then_some(&mut added_mass);
         loads.extend_rigid(self.strips());
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
@@ -314,7 +315,7 @@ impl<P: Scalar> LiftingLine<P> {
             let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
             let flow = self.flow(i, &section, printed, x, dx);
-            let strip = self.by_source(node, &section, &flow, &mut added_mass);
+            let strip = self.by_source(node, &section, &flow, matrix.as_deref_mut());
             wrench += strip.total();
             loads.strip.push(strip);
             if let Some(detail) = &mut loads.detail {
@@ -353,12 +354,14 @@ impl<P: Scalar> LiftingLine<P> {
             let flow = self.flow(i, &section, printed, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow, self.numbers.drag())
-                + self.carried_air(node, &section, flow.speed, added_mass);
+                + self.carried_air(node, &section, flow.speed, Some(&mut *added_mass));
             let load = section.wrench(force);
             *wrench += load;
             if let Some(coupling) = &mut coupling {
-                let (mass, inertia) = self.carried_masses(node);
-                section.add_coupled_inertia(mass, inertia, i, sections, self.zero_lift, coupling.mass);
+                if let Some(matrix) = &mut coupling.mass {
+                    let (mass, inertia) = self.carried_masses(node);
+                    section.add_coupled_inertia(mass, inertia, i, sections, self.zero_lift, matrix);
+                }
                 coupling.strips[i] = load;
             }
         }
@@ -373,7 +376,7 @@ impl<P: Scalar> LiftingLine<P> {
         node: &LineNode<P>,
         section: &SectionFlow<S>,
         flow: &NodeFlow<S, S>,
-        added_mass: &mut [[S; 6]; 6],
+        added_mass: Option<&mut [[S; 6]; 6]>,
     ) -> StripLoads<S> {
         let lift = section.wrench(flow.lift(node));
         let circulatory = section.wrench(flow.lift_without_turning(node));
@@ -419,20 +422,22 @@ impl<P: Scalar> LiftingLine<P> {
         SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }
 
-    /// Force and couple of the carried air, its inertia added to the matrix.
+    /// Force and couple of the carried air, its inertia added to the matrix, if there is one.
     #[inline(always)]
     fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         node: &LineNode<P>,
         section: &SectionFlow<G>,
         speed: G,
-        matrix: &mut [[G; 6]; 6],
+        matrix: Option<&mut [[G; 6]; 6]>,
     ) -> SectionForce<S> {
         let (mass, inertia) = self.carried_masses(node);
         let turned = if self.settings.section.section_moment { node.mass } else { P::ZERO };
         let mut force = section.added_mass(mass);
         force.nose_up = section.section_moment(turned, node.half_chord, speed);
-        section.add_inertia(mass, inertia, matrix);
+        if let Some(matrix) = matrix {
+            section.add_inertia(mass, inertia, matrix);
+        }
         force.lifted()
     }
 

@@ -12,13 +12,39 @@ use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
 type CarriedDrive<S> = [S; 8];
 
 impl<P: Scalar> StripModel<P> {
-    /// What A0^-1 leaves of the motion, the impulse of the carried air and its inertia.
+    /// What A0^-1 leaves of the motion, the impulse of the carried air and, unless motions are `complete`, its inertia.
     pub(super) fn carry_air<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
         flow: &mut StripFlow<K, G, N>,
+        complete: bool,
+    ) {
+        let mut rate_left = [G::ZERO; N];
+        if !complete {
+            self.add_inertia(flow, &mut rate_left);
+        }
+        if complete || const { size_of::<G>() > size_of::<K>() } {
+            flow.half_left = multiply(&flow.relief, &flow.strips.wash_half, self.settings.strips);
+            rate_left = multiply(&flow.relief, &flow.strips.wash_half_rate, self.settings.strips);
+        }
+        if self.settings.section.added_mass {
+            self.impulses_of_motion(flow, &rate_left);
+        } else {
+            (flow.impulse, flow.impulse_rate) = ([G::ZERO; N], [G::ZERO; N]);
+        }
+        if !complete {
+            self.finish_added_mass(flow);
+        }
+    }
+
+    /// Adds the inertia of the carried air, not yet symmetric, and sets what A0^-1 leaves of the wash at 1/2 chord and, in `rate_left`, of
+    /// its rate, as far as places tell them.
+    #[inline(always)]
+    fn add_inertia<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut StripFlow<K, G, N>,
+        rate_left: &mut StripColumn<G, N>,
     ) {
         let drives = self.drives(flow);
-        let mut rate_left = [G::ZERO; N];
         for i in 0..lanes::<K, N>(self.settings.strips) {
             let left = self.left_at(i, flow, &drives);
             (flow.half_left[i], rate_left[i]) = (G::from(left[6]), G::from(left[7]));
@@ -30,16 +56,6 @@ impl<P: Scalar> StripModel<P> {
                 }
             }
         }
-        if const { size_of::<G>() > size_of::<K>() } {
-            flow.half_left = multiply(&flow.relief, &flow.strips.wash_half, self.settings.strips);
-            rate_left = multiply(&flow.relief, &flow.strips.wash_half_rate, self.settings.strips);
-        }
-        if self.settings.section.added_mass {
-            self.impulses_of_motion(flow, &rate_left);
-        } else {
-            (flow.impulse, flow.impulse_rate) = ([G::ZERO; N], [G::ZERO; N]);
-        }
-        self.finish_added_mass(flow);
     }
 
     fn drives<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(

@@ -9,6 +9,7 @@ use super::{Room, StripFlow, StripModel};
 use crate::{Coupling, Sections, Wrench};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Dual, Scalar, Vec3, append_copies, kept};
+use wingbeat_ocp::plant::MAX_DEGREES;
 
 /// Most derivatives that the pass carries: by the states of a strip, five at most, and by three washes. *Choice*: two registers of AVX2.
 const LANES: usize = 8;
@@ -30,8 +31,17 @@ pub struct ByStates {
     pub states: usize,
     /// Of the rates of the states, n x n, row-major, in the unit of the row over that of the column, per s.
     pub rates: Vec<f64>,
-    /// Of the force (N) and the moment (N m) about the body origin, in B, 6 x n, row-major, over the unit of the column.
+    /// Of the force (N) and the moment (N m) about the body origin, in B, then of the forces on coordinates (in N m over their unit), a
+    /// row of n for each, over the unit of the column.
     pub loads: Vec<f64>,
+    /// What the force (N) and the moment (N m) of each strip about the body origin, in B, weigh in the force on each coordinate: one
+    /// coordinate after another, given by the caller.
+    pub weights: Vec<[f64; 6]>,
+}
+
+/// A load without its derivatives.
+fn plain<const N: usize>(load: &Wrench<Dual<N>>) -> Wrench<f64> {
+    Wrench { force: load.force.each(|f| f.re), moment: load.moment.each(|m| m.re) }
 }
 
 /// What spreads over the strips, found in plain numbers; derivatives begin anew from it.
@@ -142,11 +152,13 @@ impl StripModel {
             || Box::new(Room::<f64, f64, WIDE>::NEW),
             |room| {
                 self.flow(sections, wind, room);
-                self.couple(&room.flow, sections, coupling.mass);
+                if let Some(mass) = coupling.mass {
+                    self.couple(&room.flow, sections, mass);
+                }
                 if let (Some(rates), true) = (coupling.impulses, self.follows()) {
                     self.follow(&room.flow, sections, rates);
                 }
-                (self.differentiate(&room.flow, x, dx, out), room.flow.added_mass)
+                (self.differentiate(&room.flow, x, (dx, coupling.strips), out), room.flow.added_mass)
             },
         )
     }
@@ -156,7 +168,7 @@ impl StripModel {
         &self,
         flow: &StripFlow<f64, f64, WIDE>,
         x: &[f64],
-        dx: &mut [f64],
+        (dx, by_strip): (&mut [f64], &mut [Wrench<f64>]),
         out: &mut ByStates,
     ) -> Wrench<f64> {
         let (n, states) = (self.settings.strips, self.states());
@@ -179,9 +191,11 @@ impl StripModel {
         }
         out.states = states;
         out.rates.resize(states * states, 0.0);
-        out.loads.resize(6 * states, 0.0);
         self.assemble(&cut, &rates, &strips, out);
-        Wrench { force: total.force.each(|f| f.re), moment: total.moment.each(|m| m.re) }
+        for (load, strip) in by_strip.iter_mut().zip(&strips[..n]) {
+            *load = plain(strip);
+        }
+        plain(&total)
     }
 
     /// Puts the derivatives together.
@@ -194,11 +208,27 @@ impl StripModel {
         }
         let by = |value: &dyn Fn(usize) -> Local| ByWashes::of(first, n, value);
         let [delayed, open] = [by(&|i| cut.delayed[1][i]), by(&|i| cut.open[1][i])];
-        let load = |i: usize, r: usize| {
-            let Wrench { force, moment } = &strips[i];
-            if r < 3 { force[r] } else { moment[r - 3] }
-        };
-        let of_loads: [ByWashes; 6] = std::array::from_fn(|r| by(&|i| load(i, r)));
+        let mut loads = ArrayVec::<[Local; WIDE], MAX_DEGREES>::new();
+        for r in 0..6 + out.weights.len() / n {
+            loads.push([Local::ZERO; WIDE]);
+            for i in 0..n {
+                let ([a, b, c], [d, e, f]) = (strips[i].force.0, strips[i].moment.0);
+                let parts = [a, b, c, d, e, f];
+                loads[r][i] = match r.checked_sub(6) {
+                    None => parts[r],
+                    Some(coordinate) => {
+                        let weights = &out.weights[coordinate * n + i];
+                        let mut sum = Local::ZERO;
+                        for k in 0..6 {
+                            sum += parts[k] * weights[k];
+                        }
+                        sum
+                    }
+                };
+            }
+        }
+        let of_loads: ArrayVec<ByWashes, MAX_DEGREES> = loads.iter().map(|of| by(&|i| of[i])).collect();
+        out.loads.resize(loads.len() * states, 0.0);
         let of_rates: ArrayVec<ByWashes, LANES> =
             (0..first).map(|block| by(&|i| rates[block * n + i])).collect();
         for s in 0..states {
@@ -228,7 +258,7 @@ impl StripModel {
             }
             for (r, of_loads) in of_loads.iter().enumerate() {
                 let column = of_loads.along(&washes);
-                out.loads[r * states + s] = sum(&column) + load(j, r).eps[block];
+                out.loads[r * states + s] = sum(&column) + loads[r][j].eps[block];
             }
         }
     }

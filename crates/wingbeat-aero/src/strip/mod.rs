@@ -394,7 +394,9 @@ impl<P: Scalar> StripModel<P> {
             self.note_flaps(flow, x, loads);
         }
         let strips = coupling.map(|Coupling { mass, strips, impulses }| {
-            self.couple(flow, sections, mass);
+            if let Some(mass) = mass {
+                self.couple(flow, sections, mass);
+            }
             if let (Some(rates), true) = (impulses, self.follows()) {
                 self.follow(flow, sections, rates);
             }
@@ -475,7 +477,7 @@ impl<P: Scalar> StripModel<P> {
         }
         invert(&mut flow.relief, n);
         flow.unit_left = multiply(&flow.relief, &[K::ONE; N], n);
-        self.carry_air(flow);
+        self.carry_air(flow, sections.complete());
         if self.hinges.is_some() {
             flow.gravity = sections.gravity();
             self.relieve(flow);

@@ -319,13 +319,14 @@ impl<P: Scalar> Surfaces<P> {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        self.evaluate_under((ground, Vec3::ZERO), sections, wind, x, dx, loads);
+        self.evaluate_under((ground, Vec3::ZERO, false), sections, wind, x, dx, loads);
     }
 
-    /// The same under gravity (m/s2, B), which flaps feel.
+    /// The same under gravity (m/s2, B), which flaps feel; where the motions of the sections are `complete`, as
+    /// [`Sections::complete`] has it, without the added mass.
     pub fn evaluate_under<S: Scalar + Meets<P>>(
         &self,
-        (ground, gravity): (Option<Ground<S>>, Vec3<S>),
+        (ground, gravity, complete): (Option<Ground<S>>, Vec3<S>, bool),
         sections: &[SectionMotion<S>],
         wind: Vec3<S>,
         x: &[S],
@@ -333,7 +334,7 @@ impl<P: Scalar> Surfaces<P> {
         loads: &mut Loads<S>,
     ) {
         loads.clear();
-        let sections = HeavySections { all: sections, gravity };
+        let sections = HeavySections { all: sections, gravity, complete };
         if let ([only], false) = (&self.surfaces[..], self.grounded) {
             (loads.wrench, loads.added_mass) = only.aero.append(&sections, wind, x, dx, None, loads);
             return;
@@ -437,7 +438,8 @@ impl<P: Scalar> Surfaces<P> {
                 if let Some(impulses) = impulses.as_mut() {
                     impulses.first_state = states.start;
                 }
-                Coupling { mass: &mut *all.mass, strips: &mut all.strips[surface.strips()], impulses }
+                let mass = all.mass.as_deref_mut();
+                Coupling { mass, strips: &mut all.strips[surface.strips()], impulses }
             });
             let (x, dx) = (&x[states.clone()], &mut dx[states]);
             sum.add(surface.aero.sum::<K, G, S>(&own, wind, x, dx, others, coupling));
@@ -481,6 +483,7 @@ impl Surfaces {
 struct HeavySections<'a, S: Scalar> {
     all: &'a [SectionMotion<S>],
     gravity: Vec3<S>,
+    complete: bool,
 }
 
 impl<S: Scalar> Sections<S> for HeavySections<'_, S> {
@@ -489,6 +492,9 @@ impl<S: Scalar> Sections<S> for HeavySections<'_, S> {
     }
     fn gravity(&self) -> Vec3<S> {
         self.gravity
+    }
+    fn complete(&self) -> bool {
+        self.complete
     }
 }
 
@@ -511,6 +517,9 @@ impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
     }
     fn gravity(&self) -> Vec3<S> {
         self.all.gravity()
+    }
+    fn complete(&self) -> bool {
+        self.all.complete()
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
         self.all.field(self.first + i, coordinate)

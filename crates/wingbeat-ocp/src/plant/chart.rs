@@ -211,6 +211,15 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
     fn rates_in_moving(&self, t: f64, local: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
         self.localised(local, 0, dx, |x, dx| self.plant.rates_in_moving(t, x, u, dx))
     }
+    fn rates_about(
+        &self,
+        known: &Known,
+        places: bool,
+        (t, local, u): (f64, &[Early], &[Early]),
+        dx: &mut [Early],
+    ) -> Result<(), Fault> {
+        self.localised(local, 0, dx, |x, dx| self.plant.rates_about(known, places, (t, x, u), dx))
+    }
     fn rates_in_late(
         &self,
         t: f64,

@@ -1,5 +1,6 @@
 //! Derivatives that follow from those which an evaluation carries.
 
+use super::MAX_DEGREES;
 use wingbeat_math::{Dual, Mat3, Vec3};
 
 /// What a plant knows of its derivatives without carrying them through an evaluation: those by inputs that enter by accelerations
@@ -20,6 +21,14 @@ pub struct Known {
     pub wind: Vec3,
     /// Accelerations of gravity and of the air in W, m/s2.
     pub accelerations: [Vec3; 2],
+    /// Accelerations that the plant's dynamics decide at this point: along the axes of B in m/s2 and rad/s2, then the second rates of its
+    /// coordinates in their units over s2.
+    pub degrees: Vec<f64>,
+    /// Mass matrix on them, row-major, in SI units; empty where the plant does not tell it.
+    pub mass: Vec<f64>,
+    /// States of the plant whose rates fall with these accelerations, and by how much, in the units of the rates over those of the
+    /// accelerations.
+    pub falling: Vec<(usize, [f64; MAX_DEGREES])>,
     /// Place of the position in the state.
     pub position: usize,
     /// Place of the velocity in the state.
@@ -39,6 +48,9 @@ impl Known {
             late: Vec::with_capacity((states + 1) * states),
             wind: Vec3::ZERO,
             accelerations: [Vec3::ZERO; 2],
+            degrees: Vec::with_capacity(MAX_DEGREES),
+            mass: Vec::with_capacity(MAX_DEGREES * MAX_DEGREES),
+            falling: Vec::with_capacity(states),
             position: 0,
             velocity: 0,
             rate: 0,

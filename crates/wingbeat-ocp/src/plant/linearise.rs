@@ -40,6 +40,8 @@ struct EarlyDirections {
     placing: usize,
     /// How many are by inputs: all or none.
     inputs: usize,
+    /// Whether the plant knows the accelerations and the mass matrix on them.
+    about: bool,
 }
 
 impl Linearisation {
@@ -66,7 +68,8 @@ impl Linearisation {
             row[unfelt.clone()].fill(0.0);
         }
         let known = self.by_known(plant, t, x, u, true)?;
-        self.by_early(plant, t, x, u, &EarlyDirections::of(plant, known))?;
+        let of = EarlyDirections::of(plant, known);
+        self.by_early(plant, t, x, u, &EarlyDirections { about: !self.known.mass.is_empty(), ..of })?;
         if known && !plant.derived_states().is_empty() {
             plant.derive(x, &self.f, &self.known, &mut self.a);
         }
@@ -129,11 +132,14 @@ impl Linearisation {
         for (value, late) in self.x[late..].iter_mut().zip(&x[late..]) {
             *value = Early::constant(*late);
         }
-        for first in (0..directions.max(1)).step_by(Early::LANES) {
+        for first in (0..directions.max(usize::from(!of.about))).step_by(Early::LANES) {
             let count = Early::LANES.min(directions - first);
             seed(&mut self.x[..late], x, first, |i| of.direction(i));
             seed(&mut self.u, u, first, |i| (i < of.inputs).then_some(states + i));
-            if first < of.placing {
+            let places = first < of.placing;
+            if of.about {
+                plant.rates_about(&self.known, places, (t, &self.x, &self.u), &mut self.dx)?;
+            } else if places {
                 plant.rates_in_early(t, &self.x, &self.u, &mut self.dx)?;
             } else {
                 plant.rates_in_moving(t, &self.x, &self.u, &mut self.dx)?;
@@ -147,8 +153,10 @@ impl Linearisation {
                 scatter(&self.dx, &block, states..directions, &mut self.b, m, 0);
             }
         }
-        for (f, rate) in self.f.iter_mut().zip(&self.dx) {
-            *f = rate.re;
+        if !of.about {
+            for (f, rate) in self.f.iter_mut().zip(&self.dx) {
+                *f = rate.re;
+            }
         }
         Ok(())
     }
@@ -187,7 +195,7 @@ impl EarlyDirections {
         }
         let count = placing.iter().map(Range::len).sum();
         let inputs = if known { 0 } else { plant.inputs().len() };
-        Self { runs: placing.into_iter().chain(others).collect(), placing: count, inputs }
+        Self { runs: placing.into_iter().chain(others).collect(), placing: count, inputs, about: false }
     }
     /// Number of states among the directions.
     fn states(&self) -> usize {

@@ -278,6 +278,21 @@ pub trait Plant: Sync {
     fn rates_in_moving(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
         self.rates_in_early(t, x, u, dx)
     }
+    /// [`rates_in_early`](Self::rates_in_early), or where nothing `places` [`rates_in_moving`](Self::rates_in_moving), at a point of which the
+    /// plant [knows](Self::known) its accelerations and their mass matrix: rates in the units of the states over s.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_about(
+        &self,
+        known: &Known,
+        places: bool,
+        (t, x, u): (f64, &[Early], &[Early]),
+        dx: &mut [Early],
+    ) -> Result<(), Fault> {
+        let _ = known;
+        if places { self.rates_in_early(t, x, u, dx) } else { self.rates_in_moving(t, x, u, dx) }
+    }
     /// [`rates_by_late`](Self::rates_by_late) with the derivatives by late states that one pass of a [`Linearisation`] carries.
     ///
     /// # Errors

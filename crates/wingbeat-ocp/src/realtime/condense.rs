@@ -34,7 +34,7 @@ impl Columns {
 }
 
 /// Sensitivities of the states to the inputs: dx_k = S_k [1; du], with the
-/// rates df_k = A_k dx_k + B_k du_k beside them.
+/// rates df_k = A_k dx_k + B_k du_k beside them, but at the last node.
 #[derive(Clone, Debug)]
 pub struct Elimination {
     horizon: Horizon,
@@ -138,6 +138,10 @@ impl Elimination {
         add_inputs(x1, w1, old, h / 3.0, &middle.b, m);
         multiply_add(x1, 2.0 * h / 3.0, &middle.a, known, w1, &mut self.terms);
         solve(&self.matrix, stride, &self.pivots, x1, w1, &mut self.terms);
+        if k + 1 == self.horizon.intervals {
+            // No interval starts from there.
+            return true;
+        }
         let f1 = &mut self.rates[k + 1][..n * w1];
         f1.fill(0.0);
         add_inputs(f1, w1, new, 1.0, &end.b, m);

@@ -115,7 +115,7 @@ impl<P: Scalar> Tree<P> {
     /// Rows and columns 6.. of the mass matrix on [acceleration of the body origin; angular
     /// acceleration; second rates of the coordinates], M_cx = sum over links of F_c . I F_x with the
     /// fields F, added to `mass`; and weight less reaction, F_c . (m g - bias), added to `forces`
-    /// (composite rigid bodies: Featherstone 2008, section 6.2, projected on the coordinates).
+    /// (composite rigid bodies: Featherstone 2008, section 6.2, projected on the coordinates). Without `mass` the forces alone.
     ///
     /// `motions` comes from [`Tree::motions`] with no second rates of the coordinates; `g_b` is
     /// gravity in B.
@@ -125,12 +125,14 @@ impl<P: Scalar> Tree<P> {
         motions: &[LinkMotion<S>],
         g_b: Vec3<S>,
         coordinates: &Coordinates<S>,
-        mass: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
+        mut mass: Option<&mut [[S; MAX_DEGREES]; MAX_DEGREES]>,
         forces: &mut [S],
     ) {
         for &(coordinate, [effort, inertia]) in &coordinates.own {
             forces[coordinate] += effort;
-            mass[6 + coordinate][6 + coordinate] += inertia;
+            if let Some(mass) = &mut mass {
+                mass[6 + coordinate][6 + coordinate] += inertia;
+            }
         }
         for (link, (node, motion)) in self.nodes.iter().zip(motions).enumerate() {
             let Some(inertia) = &node.inertia else { continue };
@@ -138,6 +140,7 @@ impl<P: Scalar> Tree<P> {
             let weight = g_b.scaled(inertia.mass);
             let load = Wrench { force: weight, moment: reaction.com.cross(weight) } + -reaction.bias;
             coordinates.project(link, &load, forces);
+            let Some(mass) = &mut mass else { continue };
             for row in &coordinates.shares {
                 if row.links >> link & 1 == 0 {
                     continue;

@@ -190,7 +190,7 @@ fn a_flap_hangs_by_its_weight_and_falls_with_its_wing() {
     let aero = Surfaces::from(Aero::Strip(model.clone()));
     let evaluate = |x: &[f64], dx: &mut [f64]| {
         let mut loads = Loads::default();
-        aero.evaluate_under((None, gravity), &still, Vec3::ZERO, x, dx, &mut loads);
+        aero.evaluate_under((None, gravity, false), &still, Vec3::ZERO, x, dx, &mut loads);
         loads
     };
     let (mut x, mut dx) = (vec![0.0; n], vec![0.0; n]);

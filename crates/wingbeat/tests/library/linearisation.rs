@@ -6,7 +6,7 @@ use wingbeat::plant::{Early, Linearisation, LocalChart, MAX_STATES, Plant};
 use wingbeat::scenario::Scenario;
 
 /// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes, a ground, a perch.
-const FLOWN: [(&str, &[&str]); 19] = [
+const FLOWN: [(&str, &[&str]); 22] = [
     ("banking_turn.toml", &[]),
     ("banking_turn.toml", &["aero.law=stall", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
@@ -21,6 +21,9 @@ const FLOWN: [(&str, &[&str]); 19] = [
     ("aerobat_membrane.toml", &[]),
     ("aerobat_membrane.toml", &["aero.law=lev", "aero.full.strips=12"]),
     ("aerobat_membrane.toml", &["aero.law=linear", "aero.full.strips=16", "air.gust_m_s=0.3"]),
+    ("soft_20g.toml", &[]),
+    ("soft_20g.toml", &["aero.law=lev", "aero.full.strips=12"]),
+    ("flap_glide.toml", &[]),
     ("motor_flapper.toml", &[]),
     ("glider.toml", &[]),
     ("four_wings.toml", &[]),
