@@ -60,9 +60,10 @@ fn of_strips(
                 Ok(PanelCurve::new(format!("strip {number}"), &x, values.collect(), index))
             });
             let wing = surface.trim_end_matches('_').replace('_', " ");
-            let number =
-                |strip: Option<&&&str>| strip.and_then(|name| name.rsplit('_').next()).unwrap_or_default();
-            let [from, to] = [number(strips.first()), number(strips.last())];
+            let number = |name: &str| name.rsplit('_').next().unwrap_or_default().to_owned();
+            let (from, to) =
+                (strips.first().map(|name| number(name)), strips.last().map(|name| number(name)));
+            let (from, to) = (from.unwrap_or_default(), to.unwrap_or_default());
             let title =
                 format!("{wing}{}strips {from} to {to}: {title}", if wing.is_empty() { "" } else { ", " });
             panels.push(FigurePanel::new(title, curves.collect::<Result<_, Error>>()?));
