@@ -56,7 +56,7 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
         }
         Error::Bent { key } => {
             let key = format!("robot.surfaces.{key}");
-            wingbeat::Error::invalid(key, "given", "none: the panels of the lattice are flat")
+            wingbeat::Error::invalid(key, "given", "none: the panels are flat")
         }
         Error::Rings { rings, most } => {
             let allowed = format!("steps whose wake has at most {most} rings: give lattice.longest_age_s");
