@@ -184,7 +184,7 @@ fn derivatives(
         RigidMotion::Plunge => TetheredBody { heave: -q, ..TetheredBody::rest() },
         RigidMotion::Pitch(axis_ahead_m) => TetheredBody { nose_up: q, axis_ahead_m, ..TetheredBody::rest() },
         RigidMotion::Flap(hinge) => {
-            angles[hinge.place] = angles[hinge.place] + q;
+            angles[hinge.place] += q;
             TetheredBody::rest()
         }
     };
