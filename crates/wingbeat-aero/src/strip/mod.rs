@@ -322,7 +322,7 @@ impl<P: Scalar> StripModel<P> {
             };
         }
         // Columns of plain numbers are as wide as there are strips, in whole registers; of others only their room is.
-        if const { S::RECORDED } {
+        if const { S::RECORDED || !plain::<P>() } {
             self.evaluate_in::<G, G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted)
         } else if const { size_of::<K>() < size_of::<G>() } {
             // One copy of the code: what it spares matters less where there are many strips.
