@@ -8,8 +8,8 @@ use wingbeat::plant::Fault;
 use wingbeat::scenario::{ConfigError, TetherCase};
 use wingbeat::simulate::Record;
 
-/// Columns of the loads that a case may be fitted to, in the order of the channels Fx .. Tz: the wrench about the body's origin in B.
-pub const LOADS: [&str; 6] = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"];
+/// Columns of the loads that a case may be fitted to, in the order of the channels Fx .. Tz.
+pub use wingbeat::tether::BODY_LOADS as LOADS;
 /// Largest distance of a phase from a whole number of cycles that is rounding, cycles.
 const ROUNDING: f64 = 1e-9;
 
@@ -74,10 +74,9 @@ impl CaseTarget {
     /// # Errors
     /// A model without an answer.
     pub fn slopes(&self, to: &[(&str, f64)], count: usize) -> Result<Vec<Vec<f64>>, Error> {
-        let tether = self.case.adjusted(&self.own(to))?;
         let own = self.own(&to[..count]);
         let keys: Vec<&str> = own.iter().map(|(name, _)| *name).collect();
-        let rows = self.case.differentiated(&tether, &keys)?.map_err(|fault| self.named(fault))?;
+        let rows = self.case.differentiated(&self.own(to), &keys)?.map_err(|fault| self.named(fault))?;
         let mut found = rows.iter().map(|rows| self.layout().of_steps(rows));
         let mut one = |name: &str| match keys.contains(&name) {
             true => found.next().unwrap_or_default(),

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use wingbeat::rig::Pose;
 use wingbeat::rig::arm::MAX_JOINTS;
-use wingbeat::robot::Skeleton;
+use wingbeat::robot::{Robot, Skeleton};
 use wingbeat::scenario::{Document, RigRun, Scenario, TetherCase};
 use wingbeat::tether::Shape;
 use wingbeat_figures::{Drawing, Figure};
@@ -88,13 +88,21 @@ fn robot(scenario: &Scenario, path: &Path) -> Result<Figure, Error> {
     drawing.frame("body B: x forward, y left, z up", &wingbeat::rig::Pose::IDENTITY);
     drawing.note(&format!(
         "{}: {:.1} g, {} links, phase of the gait {:.3} rad, actuators at rest. Left wing blue, right wing orange; \
-         hinge axes dashed, centres of mass grey.",
+         hinge axes dashed, centres of mass grey.{}",
         path.file_name().unwrap_or_default().to_string_lossy(),
         1e3 * robot.mass(),
         skeleton.links.len(),
         robot.phase(0.0),
+        unloaded(robot),
     ));
     Ok(drawing.views("show", &format!("robot {}", scenario.spec.robot.name)))
+}
+
+/// What is said of a robot of which parts give way under loads, which it is drawn without.
+fn unloaded(robot: &Robot) -> &'static str {
+    let elastic = (0..robot.joint_names().count()).any(|joint| robot.is_elastic(joint));
+    let soft = robot.surfaces().any(|(_, aero)| aero.membrane().is_some() || aero.flap().is_some());
+    if elastic || soft { " Without loads: membranes flat, flaps and elastic joints at rest." } else { "" }
 }
 
 /// Refuses a phase that is no number, by its option.
@@ -136,7 +144,7 @@ fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
     drawing.frame("W: x forward, y left, z up", &Pose::IDENTITY);
     drawing.note(&format!(
         "{}: wind {} m/s, {frequency:.4} Hz, phase {phase:.3} rad, area {:.5} m2, half span {:.4} m. Left wing blue, right \
-         wing orange; a line across the wing at each hinge.{}",
+         wing orange; a line across the wing at each hinge.{}{}",
         arguments.file.file_name().unwrap_or_default().to_string_lossy(),
         case.spec.wind.speed_m_s,
         planform.area(),
@@ -146,6 +154,7 @@ fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
             Some(_) => " No shape of the spar at rest in the wind was found: it is drawn unbent.",
             None => "",
         },
+        if tether.aero.membrane().is_some() { " The membrane is drawn flat." } else { "" },
     ));
     Ok(drawing.views("show", &format!("case {}", case.spec.name)))
 }
@@ -177,11 +186,12 @@ fn rig(run: RigRun, arguments: &Show) -> Result<Figure, Error> {
     drawing.mounted(&seen(run.robot.at_rest(t))?, &run.mount, &tool, true);
     let cell = &run.spec.rig.cell;
     drawing.note(&format!(
-        "arm {}, load cell of {} N at {} Hz, robot {:.1} g; {posture}. Axes of the joints dashed.",
+        "arm {}, load cell of {} N at {} Hz, robot {:.1} g; {posture}. Axes of the joints dashed.{}",
         run.arm.name,
         cell.calibration.range()[2],
         cell.rate_hz,
         1e3 * run.robot.mass(),
+        unloaded(&run.robot),
     ));
     Ok(drawing.views("show", &format!("rig of {}", run.spec.name)))
 }

@@ -50,6 +50,7 @@ mod shared;
 mod side_by_side;
 mod skin;
 mod sound;
+mod spar_numbers;
 mod spar_spec;
 mod spec;
 mod step_error;

@@ -20,7 +20,7 @@ impl LinkSparSummary {
     /// Of the spars of `robot` from the columns that `record` has of their joints; none without a spar or a row.
     pub fn of(robot: &Robot, record: &Record) -> Option<Self> {
         let names: Vec<&str> = robot.joint_names().collect();
-        let angles = robot.spar_joints().iter().filter_map(|joint| record.values(names[*joint]));
+        let angles = robot.spar_joints().into_iter().filter_map(|joint| record.values(names[joint]));
         let frequency_error = robot.spar_shape()?.frequency_error;
         let largest = angles.flatten().map(|angle| angle.abs()).reduce(f64::max)?;
         Some(Self { angle_max_deg: largest.to_degrees(), frequency_error })

@@ -1,12 +1,13 @@
 //! A run of the bench from its plan to its samples.
 
+use super::skin::MembraneSummary;
 use super::unheard::{of_strips, side_edges};
 use super::{LatticeSummary, RigRun};
 use super::{link_spar, plausible};
 use serde::Serialize;
 use wingbeat_aero::Aero;
 use wingbeat_flight::simulate::Record;
-use wingbeat_judge::limits::{flap, membrane, rig, spar};
+use wingbeat_judge::limits::{flap, rig, spar};
 use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Plant;
@@ -29,6 +30,8 @@ pub struct SimulatedRun {
     pub stall_fraction: Option<f64>,
     /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
     pub lattice: Option<LatticeSummary>,
+    /// Membranes; none of a robot without one, or without samples.
+    pub membrane: Option<MembraneSummary>,
 }
 
 /// `summary.json` of a simulated run.
@@ -52,11 +55,23 @@ pub struct SimulatedSummary {
     /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lattice: Option<LatticeSummary>,
+    /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub membrane: Option<MembraneSummary>,
 }
 
 impl SimulatedRun {
     fn without_samples(ending: &'static str, verdict: Verdict, window_s: (f64, f64)) -> Self {
-        Self { verdict, ending, window_s, record: None, saturated: 0, stall_fraction: None, lattice: None }
+        Self {
+            verdict,
+            ending,
+            window_s,
+            record: None,
+            saturated: 0,
+            stall_fraction: None,
+            lattice: None,
+            membrane: None,
+        }
     }
 
     /// What is written of it; `run` is whose it is.
@@ -70,6 +85,7 @@ impl SimulatedRun {
             saturated: self.saturated,
             stall_fraction: self.stall_fraction,
             lattice: self.lattice,
+            membrane: self.membrane,
         }
     }
 }
@@ -109,10 +125,15 @@ impl RigRun {
         let lattice = outcome.coupling.map(|of| LatticeSummary::new(of, self.spec.lattice.as_ref()));
         judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
         judge.hold(&rig::STALLED, outcome.stall_fraction);
-        let (Deflections { camber, flap, spar }, [soft, hinged]) = (outcome.deflections, self.gives_way());
+        let skin = |((_, aero), heights): ((&str, &Aero), &Vec<[f64; 2]>)| {
+            MembraneSummary::of(aero, heights.iter().copied(), self.frequency())
+        };
+        let membrane =
+            self.robot.surfaces().zip(&outcome.heights).filter_map(skin).reduce(MembraneSummary::worse);
+        membrane.iter().for_each(|membrane| membrane.judge(&mut judge));
+        let Deflections { flap, spar } = outcome.deflections;
+        let hinged = self.robot.surfaces().any(|(_, aero)| aero.flap().is_some());
         for (limit, value, there) in [
-            (&membrane::CAMBER, camber, soft),
-            (&membrane::BEYOND_CAMBER, camber, soft),
             (&flap::ANGLE, flap.to_degrees(), hinged),
             (&flap::BEYOND_ANGLE, flap.to_degrees(), hinged),
             (&spar::ANGLE, spar.to_degrees(), !self.robot.spar_joints().is_empty()),
@@ -137,13 +158,8 @@ impl RigRun {
             saturated: outcome.saturated,
             stall_fraction: Some(outcome.stall_fraction),
             lattice,
+            membrane,
         })
-    }
-
-    /// Whether a surface has a membrane, and whether one has a flap.
-    fn gives_way(&self) -> [bool; 2] {
-        let any = |has: fn(&Aero) -> bool| self.robot.surfaces().any(|(_, aero)| has(aero));
-        [any(|aero| aero.membrane().is_some()), any(|aero| aero.flap().is_some())]
     }
 
     /// Share of the cycle of the gait in which a clearance is below zero, elastic joints at rest.

@@ -5,6 +5,7 @@ use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
+use super::spar_numbers::SparNumbers;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::unheard::{of_strips, side_edges};
 use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
@@ -13,8 +14,8 @@ use std::path::{Path, PathBuf};
 use wingbeat_aero::{Aero, CD0, Planform, Preset};
 use wingbeat_flight::simulate::Ending;
 use wingbeat_flight::tether::{
-    CoefficientScales, CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Plane, Side, Steady, Tether,
-    TetherRun, Wing, WingNumbers,
+    CoefficientScales, CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Plane, Side, Spar, Steady,
+    Tether, TetherRun, Wing, WingNumbers,
 };
 use wingbeat_judge::data::Finding;
 use wingbeat_judge::limits::{range, tether};
@@ -44,6 +45,8 @@ pub struct TetherCase {
     pub found: Vec<Finding>,
     /// What the verdict is held against.
     pub limits: RunLimits,
+    /// The numbers of its spar.
+    spar_numbers: Option<SparNumbers>,
     pub(super) document: Document,
 }
 
@@ -96,7 +99,8 @@ impl TetherCase {
         let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
         let built = spec.build(&|key| document.folder(key), read, &limits);
         let (tether, MotionTables { smoothed, found }) = built.map_err(|error| document.explain(&error))?;
-        Ok(Self { spec, resolved, tether, smoothed, found, limits, document })
+        let spar_numbers = spec.spar_numbers();
+        Ok(Self { spec, resolved, tether, smoothed, found, limits, spar_numbers, document })
     }
 
     /// The case as TOML, each table under the name that `name` gives for its file, beside the case.
@@ -180,9 +184,13 @@ impl TetherCase {
             judge.hold_if(&tether::STEPS, step_change.map(|change| change.mean));
             Moved::new(&self.tether).hold(&mut judge);
             let planform = self.tether.wing.planform();
-            if let Some(spar) = &self.spec.spar {
+            if let Some((spar, numbers)) = self.spec.spar.as_ref().zip(self.spar_numbers) {
                 let held = self.tether.motion.is_still();
-                spar.judge((planform, self.spec.wind.density_kg_m3), (run.steady.as_ref(), held), &mut judge);
+                numbers.on(spar).judge(
+                    (planform, self.spec.wind.density_kg_m3),
+                    (run.steady.as_ref(), held),
+                    &mut judge,
+                );
             }
             for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
                 judge.hold(limit, run.reversed_fraction);
@@ -518,10 +526,14 @@ fn is_own(name: &str) -> bool {
     !ELSEWHERE.contains(&of) && !DriveSpec::NAMES.contains(&of)
 }
 
-/// A model with those of the numbers `to` that are its own.
-fn renumbered(aero: &Aero, to: &[(&str, f64)]) -> Result<Aero, Error> {
-    let numbers = WingNumbers::of(aero);
-    let known = numbers.named(&|_, _, _| None);
+/// A model, and its spar, with those of the numbers `to` that are their own.
+fn renumbered(
+    aero: &Aero,
+    spar: Option<SparNumbers>,
+    to: &[(&str, f64)],
+) -> Result<(Aero, Option<SparNumbers>), Error> {
+    let wing = WingNumbers::of(aero);
+    let known = named(&wing, spar.as_ref());
     for (name, value) in to.iter().filter(|(name, _)| is_own(name)) {
         let Some(number) = known.iter().find(|number| number.name == *name) else {
             let names: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
@@ -536,9 +548,22 @@ fn renumbered(aero: &Aero, to: &[(&str, f64)]) -> Result<Aero, Error> {
     let given = |number: Declared, own| {
         to.iter().find(|(name, _)| *name == number.name).map_or(own, |(_, value)| *value)
     };
-    let WingNumbers(numbers) = numbers.map_named(&|_, _, _| None, |own| own, given);
-    aero.with(&numbers)
+    let WingNumbers(numbers) = wing.map_named(&|_, _, _| None, |own| own, given);
+    let spar = spar.map(|spar| spar.map_named(&|_, _, _| None, |own| own, given));
+    Ok((aero.with(&numbers)?, spar))
 }
+
+/// The numbers of a wing and of its spar, with what is declared of them.
+fn named(wing: &WingNumbers, spar: Option<&SparNumbers>) -> Vec<NamedNumber> {
+    let mut known = wing.named(&|_, _, _| None);
+    known.extend(spar.into_iter().flat_map(|spar| spar.named(&|_, _, _| None)));
+    known
+}
+
+/// Change of a number of a bent wing for a difference, over its value or, where that is less, over [`LEAST`].
+const DIFFERENCE: f64 = 1e-3;
+/// Least size of such a number.
+const LEAST: f64 = 1e-3;
 
 impl TetherCase {
     /// Says where the value that `error` refuses was given.
@@ -554,7 +579,7 @@ impl TetherCase {
 
     /// The same with what is declared of them.
     pub fn parameters(&self) -> Vec<NamedNumber> {
-        WingNumbers::of(&self.tether.aero).named(&|_, _, _| None)
+        named(&WingNumbers::of(&self.tether.aero), self.spar_numbers.as_ref())
     }
 
     /// The wing in its wind with other numbers, in their declared units; those of what a wing alone has not do not count.
@@ -562,28 +587,62 @@ impl TetherCase {
     /// # Errors
     /// A number that the wing has not, or that cannot be.
     pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Tether, Error> {
-        let aero = renumbered(&self.tether.aero, to)?;
+        let (aero, numbers) = renumbered(&self.tether.aero, self.spar_numbers, to)?;
         let ground = self.tether.ground.as_ref().map(|plane| Plane::new(&aero, plane.height_m));
-        Ok(Tether { aero, ground, ..self.tether.clone() })
+        let spar = self.spec.built_spar(&aero, self.tether.wing.planform(), numbers)?;
+        // Loads do not ask how fine the shape at rest is.
+        let spar = spar.map(|spar| Spar { finer: None, ..spar });
+        Ok(Tether { aero, ground, spar, ..self.tether.clone() })
     }
 
-    /// The derivatives of the loads of `tether` over its last cycle by the numbers called `keys`, in their order; no load depends on
-    /// what a wing alone has not.
+    /// The derivatives of the loads over the last cycle by the numbers called `keys`, in their order, where the numbers are `to`; no load
+    /// depends on what a wing alone has not. Those of a wing that bends are central differences.
     ///
     /// # Errors
     /// A number that the wing has not; a fault of the model.
     pub fn differentiated(
         &self,
-        tether: &Tether,
+        to: &[(&str, f64)],
         keys: &[&str],
     ) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
+        if self.tether.spar.is_some() {
+            return keys.iter().map(|key| self.difference(to, key)).collect();
+        }
+        let tether = self.adjusted(to)?;
         let varied: Vec<&str> = keys.iter().copied().filter(|key| is_own(key)).collect();
         Ok(tether.differentiated(&varied)?.map(|found| {
             let mut found = found.into_iter();
-            let none = || vec![[0.0; 6]; tether.clock.steps_per_cycle];
+            let none = || self.no_loads();
             let one = |key: &&str| is_own(key).then(|| found.next()).flatten().unwrap_or_else(none);
             keys.iter().map(one).collect()
         }))
+    }
+
+    fn no_loads(&self) -> CycleWrenches {
+        vec![[0.0; 6]; self.tether.clock.steps_per_cycle]
+    }
+
+    /// The derivative by the number called `key`, by a central difference.
+    fn difference(&self, to: &[(&str, f64)], key: &str) -> Result<Result<CycleWrenches, Fault>, Error> {
+        if !is_own(key) {
+            return Ok(Ok(self.no_loads()));
+        }
+        let given = to.iter().find(|(name, _)| *name == key).map(|(_, value)| *value);
+        let of_file = || self.parameters().into_iter().find(|number| number.name == key);
+        let value = given.or_else(|| of_file().map(|number| number.value)).unwrap_or(0.0);
+        let step = DIFFERENCE * value.abs().max(LEAST);
+        let at = |value: f64| -> Result<Result<CycleWrenches, Fault>, Error> {
+            let others = to.iter().copied().filter(|(name, _)| *name != key);
+            let moved: Vec<(&str, f64)> = others.chain([(key, value)]).collect();
+            Ok(self.adjusted(&moved)?.last_wrenches())
+        };
+        // What must not be negative is not asked below zero.
+        let low = if value >= 0.0 { (value - step).max(0.0) } else { value - step };
+        let (below, above) = (at(low)?, at(value + step)?);
+        let slope = |(below, above): (&[f64; 6], &[f64; 6])| -> [f64; 6] {
+            std::array::from_fn(|k| (above[k] - below[k]) / (value + step - low))
+        };
+        Ok(below.and_then(|below| Ok(below.iter().zip(&above?).map(slope).collect())))
     }
 }
 
@@ -630,9 +689,9 @@ impl TetherSpec {
             law: None,
             strips: None,
         };
-        let aero = self.numbered(self.aero.build(&outline, self.wind.density_kg_m3, &names)?)?;
-        let spar = self.spar.as_ref().map(|spar| spar.build(&aero, planform.half_span())).transpose();
-        let spar = spar.map_err(|e| e.within("spar"))?;
+        let aero = self.aero.build(&outline, self.wind.density_kg_m3, &names)?;
+        let (aero, numbers) = self.numbered(&aero)?;
+        let spar = self.built_spar(&aero, &planform, numbers)?;
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
         let area = planform.area() * halves;
         let tether = Tether {
@@ -669,11 +728,29 @@ impl TetherSpec {
         Ok(self.reference.speed_m_s.unwrap_or(wind.abs()))
     }
 
-    /// The wing's model with those of `numbers` that are its own; those of bodies, gait and rig do not count.
-    fn numbered(&self, aero: Aero) -> Result<Aero, Error> {
+    /// The wing's model and its spar with those of `numbers` that are their own; those of bodies, gait and rig do not count.
+    fn numbered(&self, aero: &Aero) -> Result<(Aero, Option<SparNumbers>), Error> {
         let given: Vec<(&str, f64)> =
             self.numbers.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-        renumbered(&aero, &given)
+        renumbered(aero, self.spar.as_ref().map(SparNumbers::of), &given)
+    }
+
+    /// The numbers of its spar.
+    fn spar_numbers(&self) -> Option<SparNumbers> {
+        let given = |number: Declared, own| self.numbers.get(number.name).copied().unwrap_or(own);
+        Some(SparNumbers::of(self.spar.as_ref()?).map_named(&|_, _, _| None, |own| own, given))
+    }
+
+    /// The spar with these numbers, for a wing of that model and outline.
+    fn built_spar(
+        &self,
+        aero: &Aero,
+        planform: &Planform,
+        numbers: Option<SparNumbers>,
+    ) -> Result<Option<Spar>, Error> {
+        let spar = self.spar.as_ref().zip(numbers);
+        let built = spar.map(|(spar, numbers)| numbers.on(spar).build(aero, planform.half_span()));
+        built.transpose().map_err(|e| e.within("spar"))
     }
 
     fn motion(

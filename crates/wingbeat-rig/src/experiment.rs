@@ -59,6 +59,8 @@ pub struct Outcome {
     pub stall_fraction: f64,
     /// Largest deflections after the rest.
     pub deflections: Deflections,
+    /// Heights over the chord of the strips of each membrane after the rest, dimensionless.
+    pub heights: Vec<Vec<[f64; 2]>>,
     /// How the robot and the air that was stepped beside it were brought together.
     pub coupling: Option<AirCoupling>,
 }
@@ -82,6 +84,9 @@ pub struct CellLoads {
     pub deflections: Deflections,
 }
 
+/// Instants at which membranes are looked at, at most. *Choice.*
+const MOST_LOOKS: usize = 20_000;
+
 /// A state with the loads of the air from beyond the robot's models.
 type At<'a> = (f64, (&'a [f64], &'a [f64]), &'a [Wrench<f64>]);
 
@@ -101,6 +106,8 @@ impl Experiment<'_> {
         let mut record = Record::new(self.columns(), samples + 1)?;
         let mut row = Vec::new();
         let (mut saturated, mut stalled, mut deflections) = (0, (0, 0.0), Deflections::default());
+        let mut heights = vec![Vec::new(); self.robot.surfaces().count()];
+        let thin = samples / MOST_LOOKS + 1;
         let begun = match self.still(self.robot, (&self.numbers.mount(self.mount), &self.numbers), -self.rest)
         {
             Ok(x) => x,
@@ -119,6 +126,10 @@ impl Experiment<'_> {
             if t >= 0.0 {
                 stalled = (stalled.0 + 1, stalled.1 + now.stalled);
                 deflections = deflections.largest(now.deflections);
+                if k.is_multiple_of(thin) {
+                    let now = self.robot.membrane_heights(states.0);
+                    heights.iter_mut().zip(now).for_each(|(all, now)| all.extend(now));
+                }
             }
             if k == 0 {
                 cell.rest(&now.wrench);
@@ -149,7 +160,7 @@ impl Experiment<'_> {
         match ending {
             Ending::Fault(fault) => Ok(Err(fault)),
             Ending::Complete | Ending::Stopped => {
-                Ok(Ok(Outcome { record, saturated, stall_fraction, deflections, coupling }))
+                Ok(Ok(Outcome { record, saturated, stall_fraction, deflections, heights, coupling }))
             }
         }
     }

@@ -7,7 +7,7 @@ use super::surface::External;
 use super::{Joints, Links, Robot};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
 use arrayvec::ArrayVec;
-use wingbeat_aero::{LoadSource, Loads, MAX_STRIPS, StripLoads, membrane_rise};
+use wingbeat_aero::{LoadSource, Loads, MAX_STRIPS, StripLoads, Surface};
 use wingbeat_math::{Jet, Mat3, Meets, Quat, Scalar, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, MAX_COORDINATES};
 
@@ -62,8 +62,6 @@ pub struct CarriedLoads<S: Scalar = f64> {
 /// How far the parts of a robot that the loads deform give way: the largest of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deflections {
-    /// Rise of a membrane over its chord, dimensionless.
-    pub camber: f64,
     /// Angle of a flap, rad.
     pub flap: f64,
     /// Angle between two pieces of a spar, rad.
@@ -74,11 +72,7 @@ impl Deflections {
     /// The larger of both, kind by kind.
     #[must_use]
     pub fn largest(self, other: Self) -> Self {
-        Self {
-            camber: self.camber.max(other.camber),
-            flap: self.flap.max(other.flap),
-            spar: self.spar.max(other.spar),
-        }
+        Self { flap: self.flap.max(other.flap), spar: self.spar.max(other.spar) }
     }
 }
 
@@ -239,14 +233,23 @@ impl<P: Scalar> Robot<P> {
 
     /// The largest deflections under `loads` with the `joints` as they are.
     fn deflections<S: Scalar>(&self, loads: &Loads<S>, joints: &[Jet<S>]) -> Deflections {
-        let heights = loads.camber.iter().zip(&loads.camber_forward);
-        let rises = heights.map(|(camber, forward)| membrane_rise(camber.value(), forward.value()));
-        let spars = self.mechanism.pieces.iter().map(|joint| joints[*joint].x.value().abs());
+        let spars = self.mechanism.pieces().map(|joint| joints[joint].x.value().abs());
         Deflections {
-            camber: rises.fold(0.0, f64::max),
             flap: loads.flap.iter().map(|angle| angle.value().abs()).fold(0.0, f64::max),
             spar: spars.fold(0.0, f64::max),
         }
+    }
+
+    /// Heights over the chord of the strips of its membranes in the state `x` of structure and air, surface by surface, dimensionless; none of
+    /// a surface that is no membrane.
+    pub fn membrane_heights(&self, x: &[f64]) -> Vec<Vec<[f64; 2]>> {
+        let air = &x[self.structure_states()..];
+        let of = |surface: &Surface<P>| {
+            let heights = surface.aero().membrane().map(|of| of.camber_of(&air[surface.states()]));
+            let [camber, forward] = heights.unwrap_or_default();
+            camber.iter().zip(forward).map(|(a, b)| [*a, *b]).collect()
+        };
+        self.covering.aero.surfaces().iter().map(of).collect()
     }
 
     /// Number of states of the structure: elements, elastic joints, crank.

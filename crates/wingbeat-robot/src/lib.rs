@@ -32,6 +32,7 @@ mod regulators;
 mod residual;
 mod sections;
 mod skeleton;
+mod spar;
 mod spec;
 mod stance;
 mod surface;
@@ -322,8 +323,8 @@ impl Robot {
         self.mechanism.coordinates.contains(&joint)
     }
     /// The joints at which the pieces of spars turn against each other.
-    pub fn spar_joints(&self) -> &[usize] {
-        &self.mechanism.pieces
+    pub fn spar_joints(&self) -> Vec<usize> {
+        self.mechanism.pieces().collect()
     }
     /// How the spars of its links stand for beams in their surfaces, as the file gives them; none without one.
     pub fn spar_shape(&self) -> Option<SparShape> {

@@ -1,6 +1,7 @@
 //! From what a robot file says of links and joints to the tree and what moves each joint.
 
 use super::numbers::{Numbers, SpringNumbers, StopNumbers};
+use super::spar::SparJoints;
 use super::spec::{
     ElasticSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, RobotSpec, SparShape, WingSpec,
 };
@@ -22,8 +23,8 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     pub twins: Vec<usize>,
     /// Joints whose coordinates are states, in order.
     pub coordinates: Vec<usize>,
-    /// Joints between the pieces of spars.
-    pub pieces: Vec<usize>,
+    /// The spars of its links.
+    pub spars: Vec<SparJoints>,
     /// How its spars stand for beams.
     pub spar_shape: Option<SparShape>,
     /// The linkage that the gait turns, one on each side.
@@ -125,12 +126,13 @@ impl Mechanism {
         if let Some(wing) = &spec.wing {
             add_wing(wing, &spec.gait, &mut parts)?;
         }
-        let mut pieces = Vec::new();
+        let mut spars: Vec<SparJoints> = spec.links.iter().filter_map(SparJoints::of).collect();
         for (i, link) in spec.all_links() {
             let first = parts.len();
             add_link(&link, &spec.gait, &mut parts).map_err(|e| e.within(&format!("links[{i}]")))?;
-            if link.name != spec.links[i].name && link.elastic.is_some() {
-                pieces.extend(first..parts.len());
+            let of = |spar: &&mut SparJoints| spar.name == spec.links[i].name && spar.name != link.name;
+            if let Some(spar) = spars.iter_mut().find(of).filter(|_| link.elastic.is_some()) {
+                spar.take(&link, first..parts.len());
             }
         }
         let body = &spec.body;
@@ -152,7 +154,7 @@ impl Mechanism {
             drives,
             twins,
             coordinates,
-            pieces,
+            spars,
             spar_shape: spec.spar_shape(),
             linkage,
         })
@@ -178,6 +180,11 @@ impl Mechanism {
 }
 
 impl<P: Scalar> Mechanism<P> {
+    /// Joints between the pieces of spars.
+    pub fn pieces(&self) -> impl Iterator<Item = usize> {
+        self.spars.iter().flat_map(|spar| spar.bends.iter().chain(&spar.twists).copied())
+    }
+
     /// Springs of the coordinates.
     pub fn springs(&self) -> impl Iterator<Item = &Spring<P>> {
         self.drives.iter().filter_map(|d| match d {
@@ -217,7 +224,7 @@ impl<P: Scalar> Mechanism<P> {
             drives,
             twins: self.twins.clone(),
             coordinates: self.coordinates.clone(),
-            pieces: self.pieces.clone(),
+            spars: self.spars.clone(),
             spar_shape: self.spar_shape,
             linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
                 .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),

@@ -2,7 +2,7 @@
 
 use super::loaded::INERTIA;
 use super::mechanism::SIDES;
-use super::{PlacementNumbers, Robot};
+use super::{PlacementNumbers, Robot, spar};
 use crate::CrankMotor;
 use crate::body::{BodyNumbers, FourierSeries, JointNumbers, Linkage, LinkageDimensions, Response};
 use wingbeat_aero::{AIR_DENSITY, DENSITY, SurfaceNumbers};
@@ -238,13 +238,21 @@ impl Robot {
 
     /// The numbers that may carry derivatives, with their names and what is declared of them: `links.twist_left.mass_kg`,
     /// `surfaces.wing.cd0`, `air.density_kg_m3`. Several numbers may share one name.
+    /// The numbers of spars, which stand for those of their springs, come last.
     pub fn parameters(&self) -> Vec<NamedNumber> {
-        self.numbers().named(&self.labels())
+        let mut all = self.numbers().named(&self.labels());
+        all.extend(self.spar_parameters());
+        all
     }
 
     /// Names and values of the same, in their declared units.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
         self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
+    }
+
+    /// What of the value at `key` a number takes that is `value` now: of its own, of that of a pair, or of that of a spar.
+    fn share(&self, key: &str, number: Declared, value: f64) -> Option<f64> {
+        share(key, number).or_else(|| self.spar_share(key, number, value))
     }
 
     /// Numbers in another scalar: `f` of what is declared of each and its value, `plain` of those that are fixed.
@@ -309,7 +317,7 @@ impl Robot {
     fn varied_by(&self, keys: [Option<&str>; TOGETHER]) -> Result<Robot<Varying>, Error> {
         self.check_names(keys.into_iter().flatten())?;
         let numbers = self.each_number(Varying::constant, |number, value| {
-            let eps = keys.map(|key| key.and_then(|key| share(key, number)).unwrap_or(0.0));
+            let eps = keys.map(|key| key.and_then(|key| self.share(key, number, value)).unwrap_or(0.0));
             Dual { re: value, eps }
         });
         self.with(&numbers)
@@ -337,14 +345,21 @@ impl Robot {
     /// [`varied`](Self::varied).
     ///
     /// # Errors
-    /// [`Error::Invalid`] with the names that there are when one is unknown. Values are not checked.
+    /// [`Error::Invalid`] with the names that there are when one is unknown, or as [`with`](Self::with). Values are not checked.
     pub fn given(&self, to: &[(&str, f64)]) -> Result<Numbers, Error> {
         self.check_names(to.iter().map(|(key, _)| *key))?;
-        let given = |number: Declared, value| {
-            let of = |(key, value): &(&str, f64)| Some(share(key, number)? * value);
-            to.iter().rev().find_map(of).unwrap_or(value)
+        let (last, first): (Vec<_>, Vec<_>) = to.iter().partition(|(key, _)| spar::follows(key));
+        let numbers = self.after(&first);
+        if last.is_empty() { Ok(numbers) } else { Ok(self.with(&numbers)?.after(&last)) }
+    }
+
+    /// The robot's numbers, those called by the keys at these values.
+    fn after(&self, to: &[(&str, f64)]) -> Numbers {
+        let given = |number: Declared, own| {
+            let of = |(key, value): &(&str, f64)| Some(self.share(key, number, own)? * value);
+            to.iter().rev().find_map(of).unwrap_or(own)
         };
-        Ok(self.each_number(|value| value, given))
+        self.each_number(|value| value, given)
     }
 
     /// The robot with the numbers called by the keys at these values in their declared units; keys as for

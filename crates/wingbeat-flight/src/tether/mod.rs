@@ -23,6 +23,6 @@ pub use numbers::WingNumbers;
 pub use outline::Shape;
 pub use recorder::TetherRun;
 pub use run::{Clock, CoefficientScales, Motion, Tether};
-pub use sensitivity::CycleWrenches;
+pub use sensitivity::{BODY_LOADS, CycleWrenches};
 pub use spar::{Bent, STRAIN, Spar, Steady};
 pub use wing::{Frame, Hinge, HingeKind, Side, TetheredBody, Wing};

@@ -11,6 +11,8 @@ use wingbeat_math::{Declared, Parameters, Scalar, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_robot::{TOGETHER, Varying};
 
+/// Columns of the wrench about the body's origin in B.
+pub const BODY_LOADS: [&str; 6] = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"];
 /// Forces and moments about the body's origin in B, N and N m, one per step of a cycle.
 pub type CycleWrenches = Vec<[f64; 6]>;
 
@@ -20,8 +22,26 @@ impl Tether {
     /// # Errors
     /// A fault of the model.
     pub fn last_wrenches(&self) -> Result<CycleWrenches, Fault> {
+        if self.spar.is_some() {
+            return self.last_of_run();
+        }
         let weights = self.strip_weights();
         self.last_cycle(self, &self.start(), |t, loads| self.in_body(t, loads, &weights))
+    }
+
+    /// The same of a wing that bends, from its record.
+    fn last_of_run(&self) -> Result<CycleWrenches, Fault> {
+        let run = self.run(|_| ControlFlow::Continue(()));
+        if let Ending::Fault(fault) = run.ending {
+            return Err(fault);
+        }
+        if run.steady.is_some_and(|steady| !steady.found) {
+            return Err(Fault::Structure { time: 0.0 });
+        }
+        let columns = BODY_LOADS.map(|name| run.loads.values(name).unwrap_or_default());
+        let last = self.clock.steps() - self.clock.steps_per_cycle..self.clock.steps();
+        let row = |step: usize| columns.map(|column| column.get(step).copied().unwrap_or(f64::NAN));
+        Ok(last.map(row).collect())
     }
 
     /// The derivatives of [`last_wrenches`](Self::last_wrenches) by the numbers called `keys`, as a robot calls those of its wing, in their order. They

@@ -102,7 +102,7 @@ impl LinkSparSpec {
     }
 
     /// The spring of the joint `i` of the stiffness `root` at the root.
-    fn spring(&self, i: usize, root: f64) -> ElasticSpec {
+    pub(in super::super) fn spring(&self, i: usize, root: f64) -> ElasticSpec {
         let stiffness = root * self.share(self.joint(i)) / self.segment();
         ElasticSpec { stiffness, damping: self.damping_s * stiffness, rest: 0.0, start: None, stops: None }
     }

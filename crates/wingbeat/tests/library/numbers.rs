@@ -162,3 +162,60 @@ fn overrides_set_numbers_by_name() {
     };
     assert_eq!((mass("0.02"), mass("0.03")), (0.02, 0.03));
 }
+
+/// The numbers of a spar are those of its file, in any order, and so are derivatives by them.
+#[test]
+fn a_number_of_a_spar_is_that_of_all_its_springs() {
+    let springs = |overrides: &[&str]| shipped("soft_20g.toml", overrides).unwrap().robot().numbers().springs;
+    let own = shipped("soft_20g.toml", &[]).unwrap();
+    let listed = own.robot().named_numbers();
+    let keys = ["bending_n_m2", "torsion_n_m2", "damping_s"].map(|key| format!("links.twist.spar.{key}"));
+    for (key, value) in keys.iter().zip([0.038, 0.062, 2e-4]) {
+        let found = listed.iter().find(|(name, _)| name == key).unwrap().1;
+        assert!((found / value - 1.0).abs() < 1e-14, "{key}: {found}");
+    }
+    let file = "robot.links[2].spar";
+    let in_file = springs(&[
+        &format!("{file}.bending_n_m2=0.05"),
+        &format!("{file}.torsion_n_m2=0.07"),
+        &format!("{file}.damping_s=3e-4"),
+    ]);
+    let values = [0.05, 0.07, 3e-4];
+    for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
+        let given: Vec<(&str, f64)> = order.iter().map(|&k| (keys[k].as_str(), values[k])).collect();
+        let numbers = own.robot().given(&given).unwrap();
+        for (a, b) in numbers.springs.iter().zip(&in_file) {
+            assert!((a.stiffness / b.stiffness - 1.0).abs() < 1e-13, "{order:?}: {a:?}, {b:?}");
+            assert!((a.damping / b.damping - 1.0).abs() < 1e-13, "{order:?}: {a:?}, {b:?}");
+        }
+        assert_eq!(numbers.springs.len(), in_file.len());
+    }
+    let numbers = "robot.numbers={'links.twist.spar.bending_n_m2'=0.05}";
+    let alone = springs(&[&format!("{file}.bending_n_m2=0.05")]);
+    assert!(
+        springs(&[numbers]).iter().zip(&alone).all(|(a, b)| (a.stiffness / b.stiffness - 1.0).abs() < 1e-13)
+    );
+
+    let names: Vec<&str> = keys.iter().map(String::as_str).collect();
+    let varied = own.robot().varied(&names).unwrap().numbers().springs;
+    for (k, value) in [0.038, 0.062, 2e-4].into_iter().enumerate() {
+        let [less, more] = [1.0 - 1e-4, 1.0 + 1e-4]
+            .map(|share| own.robot().given(&[(names[k], share * value)]).unwrap().springs);
+        for (i, spring) in varied.iter().enumerate() {
+            let slope = |less: f64, more: f64| (more - less) / (2e-4 * value);
+            let (stiffness, damping) =
+                (slope(less[i].stiffness, more[i].stiffness), slope(less[i].damping, more[i].damping));
+            assert!((spring.stiffness.eps[k] - stiffness).abs() <= 1e-9 * (1.0 + stiffness.abs()));
+            assert!((spring.damping.eps[k] - damping).abs() <= 1e-9 * (1.0 + damping.abs()));
+        }
+    }
+
+    for (numbers, text) in [
+        ("links.twist.spar.bending_n_m2'=0.0", "0.000000001 to 1000000"),
+        ("links.elbow.spar.bending_n_m2'=0.1", "links.twist.spar.bending_n_m2"),
+    ] {
+        let told =
+            shipped("soft_20g.toml", &[&format!("robot.numbers={{'{numbers}}}")]).map(drop).unwrap_err();
+        assert!(told.contains(text), "{told}");
+    }
+}

@@ -86,6 +86,10 @@ fn a_soft_robot_is_judged_on_the_rig() {
     );
     let film = simulated("aerobat_membrane.toml", &[]);
     assert!(told(&film, "membrane.camber_fraction").unwrap().value > Some(0.0), "{film:?}");
+    assert!(["membrane.slack_fraction", "membrane.strain"].iter().all(|id| told(&film, id).is_some()));
+    let late = simulated("aerobat_membrane.toml", &["rig.robot.surfaces[0].membrane.damping_s=0.1"]);
+    let lag = |verdict: &Verdict| told(verdict, "membrane.lag_rad").unwrap();
+    assert!(lag(&film).met && !lag(&late).met, "{late:?}");
 }
 
 #[test]

@@ -385,3 +385,48 @@ frequency_hz = 5.0
     spec.links[0].spar.as_mut().unwrap().segments = 0;
     assert!(spec.check().unwrap_err().to_string().starts_with("links[0].spar.segments = 0"));
 }
+
+/// Scales act as stations do that are stiffer, couplings with them, and are judged and refused as numbers are.
+#[test]
+fn a_spar_is_scaled_as_its_stations_are() {
+    let coupled = |bending: f64, edge: f64, torsion: f64, coupling: f64| {
+        let station = |arc: f64| {
+            format!(
+                "{{ arc_m = {arc}, bending_n_m2 = {bending}, edge_bending_n_m2 = {edge}, torsion_n_m2 = {torsion}, couplings_n_m2 = [{coupling}, 0.0, 0.0], \
+                 mass_kg_m = 0.02, inertia_kg_m = 1e-5 }}"
+            )
+        };
+        format!("spar.stations=[{}, {}]", station(0.02), station(0.2))
+    };
+    let of = |overrides: &[&str]| {
+        let flapper = flapper(0.1, "").unwrap();
+        let document =
+            overrides.iter().fold(Document::text("case", &flapper.resolved).unwrap(), |d, o| d.set(*o));
+        TetherCase::new(document, &none).map_err(|error| error.to_string())
+    };
+    let tip = |case: &TetherCase| case.tether.spar.as_ref().unwrap().steady(&case.tether).tip;
+    let (soft, stiff) = (coupled(0.1, 2.0, 0.2, 0.02), coupled(0.2, 1.0, 0.1, 0.02));
+    let scales = r#"numbers={"spar.bending_scale"=2.0, "spar.edge_bending_scale"=0.5, "spar.torsion_scale"=0.5, "spar.damping_s"=2e-3}"#;
+    let scaled = of(&[&soft, scales]).unwrap();
+    let written = of(&[&stiff, "spar.damping_s=2e-3"]).unwrap();
+    let adjusted = of(&[&soft]).unwrap();
+    let to = [
+        ("spar.bending_scale", 2.0),
+        ("spar.edge_bending_scale", 0.5),
+        ("spar.torsion_scale", 0.5),
+        ("spar.damping_s", 2e-3),
+    ];
+    let adjusted = adjusted.adjusted(&to).unwrap();
+    let spar = adjusted.spar.as_ref().unwrap();
+    for (a, b) in
+        tip(&scaled).iter().zip(tip(&written)).chain(spar.steady(&adjusted).tip.iter().zip(tip(&written)))
+    {
+        assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{a}, {b}");
+    }
+    assert_eq!((spar.damping_s, scaled.tether.spar.as_ref().unwrap().damping_s), (2e-3, 2e-3));
+    assert!((tip(&of(&[&soft]).unwrap())[0] / tip(&written)[0] - 1.0).abs() > 0.1);
+    let wide = of(&[r#"numbers={"spar.bending_scale"=0.0}"#]).map(drop).unwrap_err();
+    assert!(wide.contains("0.001 to 1000"), "{wide}");
+    let unknown = of(&[r#"numbers={"spar.bending_n_m2"=0.1}"#]).map(drop).unwrap_err();
+    assert!(unknown.contains("spar.bending_scale"), "{unknown}");
+}
