@@ -181,6 +181,7 @@ impl JudgedFlight<'_> {
         if let Some([chordwise, spanwise]) = self.context.panels {
             judge.hold(&wake::ALONG, chordwise as f64);
             judge.hold(&wake::ACROSS, spanwise as f64);
+            judge.hold_if(&wake::INFLOW, self.summary.lattice.map(|lattice| lattice.inflow_fraction));
         }
         if let Some(crossing) = self.crossing {
             judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());

@@ -133,6 +133,9 @@ pub struct LatticeSummary {
     /// Largest way of a vortex in a step that has left a leading edge, mean chords; none in attached flow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sheet_way_chords: Option<f64>,
+    /// Share of trailing edges and steps at which the air comes in over the edge.
+    #[serde(default)]
+    pub inflow_fraction: f64,
     /// Length of the wake where it was forgotten at an age: way of the trailing edges until then, mean chords.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wake_chords: Option<f64>,
@@ -162,6 +165,7 @@ impl LatticeSummary {
             way_panels: fineness.panels,
             way_cores: fineness.cores,
             sheet_way_chords: fineness.sheet,
+            inflow_fraction: fineness.inflow,
         }
     }
 

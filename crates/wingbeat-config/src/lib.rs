@@ -480,8 +480,7 @@ impl Scenario {
         let error = error.and_then(|error| error.at_end(flight.duration)).or(measured);
         let mut recorded = recorder.finish();
         let cut = recorded.cut(&flight.ending);
-        let mut summary = self.summarise(&recorded, &flight, schedule, error.filter(|_| !cut));
-        summary.lattice = coupling;
+        let mut summary = self.summarise(&recorded, &flight, schedule, error.filter(|_| !cut), coupling);
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
@@ -511,9 +510,11 @@ impl Scenario {
         flight: &Flight,
         schedule: &Schedule,
         step_error_m: Option<f64>,
+        lattice: Option<LatticeSummary>,
     ) -> Summary {
         let context = summary::Context {
             robot: &self.robot,
+            lattice,
             panels: self.spec.lattice.as_ref().map(|spec| [spec.chordwise, spec.spanwise]),
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),

@@ -296,6 +296,8 @@ pub(super) struct Context<'a> {
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],
     pub robot: &'a Robot,
+    /// How motion and lattice were brought together, of a flight in one.
+    pub lattice: Option<LatticeSummary>,
     /// Panels along chord and span, of a flight in a lattice.
     pub panels: Option<[usize; 2]>,
     pub preset: String,
@@ -377,7 +379,7 @@ impl Summary {
             cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot.mass()),
             measured: Measured::new(&settled),
             aero_preset: context.preset.clone(),
-            lattice: None,
+            lattice: context.lattice,
             lift_law: context.law.clone(),
             stall_fraction: means.map(|means| means.stall_fraction),
             separated_fraction: means.map(|means| means.separated_fraction),

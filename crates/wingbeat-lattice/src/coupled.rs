@@ -111,11 +111,16 @@ struct EdgeTravel {
     edges: usize,
     /// Sums of squares, m2 and chords of a panel.
     squares: [f64; 2],
+    /// Widths over whose trailing edge the air comes in, and all, m.
+    inflow: [f64; 2],
 }
 
 impl EdgeTravel {
     /// Goes on by those of `meshes` in a step of `step` s.
     fn go(&mut self, meshes: &[Mesh], wind: Vec3, step: f64) {
+        for [inward, all] in meshes.iter().map(|mesh| mesh.inflow(wind)) {
+            self.inflow = [self.inflow[0] + inward, self.inflow[1] + all];
+        }
         for (mesh, edge) in meshes.iter().flat_map(|mesh| mesh.edges.iter().map(move |edge| (mesh, edge))) {
             let way = (edge.v_te - wind).norm() * step;
             if way > 0.0 {
@@ -227,7 +232,9 @@ impl Flow for CoupledLattice {
         let [way, panels] = self.way.squares.map(|sum| (sum / self.way.edges.max(1) as f64).sqrt());
         let settings = self.lattice.settings();
         let sheet = settings.critical_suction.map(|_| self.lattice.farthest() / self.chord);
-        Fineness { panels, cores: way / settings.core.radius_m, sheet }
+        let [inward, all] = self.way.inflow;
+        let inflow = inward / all.max(f64::MIN_POSITIVE);
+        Fineness { panels, cores: way / settings.core.radius_m, sheet, inflow }
     }
 }
 

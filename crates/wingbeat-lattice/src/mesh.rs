@@ -140,6 +140,23 @@ impl Mesh {
         self.mean_chord
     }
 
+    /// Width of the strips over whose trailing edge the air comes in, in the wind `wind` m/s, and of all, m.
+    pub(crate) fn inflow(&self, wind: Vec3) -> [f64; 2] {
+        let (mut inward, mut all) = (0.0, 0.0);
+        for (pair, arcs) in self.edges.windows(2).zip(self.arcs.windows(2)) {
+            let (left, right) = (&pair[0], &pair[1]);
+            let edge = right.te - left.te;
+            let chord = left.te - left.le + right.te - right.le;
+            let outward = chord * edge.norm_squared() - edge * edge.dot(chord);
+            let width = (arcs[1] - arcs[0]).abs();
+            all += width;
+            if (wind * 2.0 - left.v_te - right.v_te).dot(outward) < 0.0 {
+                inward += width;
+            }
+        }
+        [inward, all]
+    }
+
     /// Where [`controls`](Self::controls), [`fronts`](Self::fronts) and [`legs`](Self::legs) lie along the arc, m, one after another.
     pub(crate) fn places(&self) -> impl Iterator<Item = f64> {
         let along = self.arcs.windows(2).enumerate();

@@ -48,6 +48,8 @@ pub struct Fineness {
     /// Largest way of a vortex in a step that has left a leading edge, as a ratio to the length of the air; none in attached
     /// flow.
     pub sheet: Option<f64>,
+    /// Share of trailing edges and steps at which the air comes in.
+    pub inflow: f64,
 }
 
 /// How the motion of a robot and the air beside it were brought together.

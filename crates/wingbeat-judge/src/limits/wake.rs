@@ -24,6 +24,16 @@ pub const ACROSS: JudgedLimit = JudgedLimit::at_least("wake.panels_along_span", 
 pub const CORE: JudgedLimit = JudgedLimit::warn_above("wake.core_fraction", 0.2, "").on(
     "vortices of the wake are smeared over a large part of the wing: radius of their cores over the mean chord",
 );
+/// Trailing edges that the air crosses inward: no Kutta condition holds there, and the wake that they shed passes through the wing. *Choice.*
+pub const INFLOW: JudgedLimit = JudgedLimit::warn_above("wake.inflow_fraction", 0.01, "").on(
+    "the air flows in over trailing edges, whose wake passes through the wing: loads need cores of a sixth of a panel's chord and more \
+     (compare two sizes): share of trailing edges and steps",
+);
+/// Both ways to the force differ by 0.03 to 0.2 where the lattice is resolved (narrow wings have suction at their side edges), and by 1 and
+/// more where thin cores meet bound vortices. *Choice.*
+pub const APART: JudgedLimit = JudgedLimit::at_most("wake.force_apart_fraction", 0.5, "", NotResolved).on(
+    "difference of the forces by Joukowski and by Bernoulli in the last cycle, root mean square, over that of the latter",
+);
 
 /// Vortices that have left a leading edge and come near to others or to the wing in long steps.
 pub const RUNS: JudgedLimit = JudgedLimit::warn_above("wake.sheet_way_chords", 0.5, "mean chords").on(
@@ -48,5 +58,5 @@ pub const FEW_STEPS: JudgedLimit =
     JudgedLimit::warn_below("wake.few_steps_per_cycle", 24.0, "").on("number of steps of a cycle");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 11] =
-    [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE, RUNS, RUN_AWAY, SHEDS, STEPS, FEW_STEPS];
+pub const ALL: [JudgedLimit; 13] =
+    [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE, INFLOW, APART, RUNS, RUN_AWAY, SHEDS, STEPS, FEW_STEPS];

@@ -190,6 +190,8 @@ fn judged(watch: &CourseWatch<'_>, asked: &CourseRequest, limits: &RunLimits) ->
             }
             judge.hold(&wake::ACROSS, asked.spanwise as f64);
             judge.hold(&wake::CORE, asked.core);
+            judge.hold(&wake::INFLOW, watch.inflow());
+            judge.hold_if(&wake::APART, watch.apart());
             let moved = watch.course.moved;
             moved.iter().for_each(|moved| moved.hold(&mut judge));
             if moved.is_none_or(|moved| moved.repeated.is_some()) {

@@ -32,6 +32,9 @@ pub struct Strongest {
     pub in_downstroke: bool,
 }
 
+/// Force that is rounding, over density times the square of speed and mean chord. *Choice.*
+const NO_FORCE: f64 = 1e-6;
+
 /// What is gathered step by step.
 pub struct CourseWatch<'a> {
     /// What was stepped through.
@@ -52,6 +55,8 @@ pub struct CourseWatch<'a> {
     pub far: Option<(f64, f64)>,
     /// Sum and count of the share of strips that shed at the leading edge, over the last cycle.
     shed: (f64, f64),
+    /// Widths of trailing edges over which the air comes in, and of all, summed over the last cycle, m.
+    inflow: [f64; 2],
     asymmetry: f64,
     largest: f64,
     /// Sum and count of the mean bound circulation of the left and right half, in down- and upstroke.
@@ -91,6 +96,7 @@ impl<'a> CourseWatch<'a> {
             farthest: 0.0,
             far: None,
             shed: (0.0, 0.0),
+            inflow: [0.0; 2],
             asymmetry: 0.0,
             largest: 0.0,
             halves: [[(0.0, 0.0); 2]; 2],
@@ -123,6 +129,10 @@ impl<'a> CourseWatch<'a> {
         let first_of_last = clock.first_of_last();
         if k < first_of_last {
             return;
+        }
+        let wind = lattice.scene().wind;
+        for [inward, all] in lattice.meshes().iter().map(|mesh| mesh.inflow(wind)) {
+            self.inflow = [self.inflow[0] + inward, self.inflow[1] + all];
         }
         self.shed = (self.shed.0 + lattice.shed_share(), self.shed.1 + 1.0);
         let phase = ((k - first_of_last) as f64 + 0.5) / clock.steps as f64;
@@ -217,6 +227,30 @@ impl<'a> CourseWatch<'a> {
     /// Share of strips and instants of the last cycle that shed at the leading edge; none in attached flow.
     pub fn shed(&self) -> Option<f64> {
         self.course.critical_suction.map(|_| self.shed.0 / f64::max(self.shed.1, 1.0))
+    }
+
+    /// Share of trailing edges and steps of the last cycle at which the air comes in.
+    pub fn inflow(&self) -> f64 {
+        self.inflow[0] / self.inflow[1].max(f64::MIN_POSITIVE)
+    }
+
+    /// Root mean square over the last cycle of the difference of the forces by Joukowski and by Bernoulli over that of the latter; none of a
+    /// model's circulations, or where they are rounding.
+    pub fn apart(&self) -> Option<f64> {
+        let first = self.course.clock.first_of_last();
+        let (mut apart, mut all) = (0.0, 0.0);
+        for axis in ["x", "y", "z"] {
+            let [own, other] = ["joukowski", "bernoulli"].map(|way| {
+                self.record.values(&format!("{way}_force_{axis}")).and_then(|all| all.get(first..))
+            });
+            for (own, other) in own?.iter().zip(other?) {
+                (apart, all) = (apart + (own - other).powi(2), all + other * other);
+            }
+        }
+        let (scene, clock) = (&self.course.scene, self.course.clock);
+        let speed = scene.edge_speed(clock.total() as f64 * clock.step_s());
+        let scale = scene.density_kg_m3 * (speed * self.course.chord).powi(2);
+        (all > clock.steps as f64 * (NO_FORCE * scale).powi(2)).then(|| (apart / all).sqrt())
     }
 
     /// Largest relative change of the mean bound circulation of a half within the last cycle, over it: none of a steady wing.

@@ -1,6 +1,7 @@
 //! The lattice by itself, along flights and below runs on the rig.
 
 mod coupled;
+mod inflow;
 mod physics;
 mod rig;
 mod shedding;

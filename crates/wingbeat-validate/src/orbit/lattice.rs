@@ -9,7 +9,7 @@ use wingbeat::math::interpolation::piecewise_linear;
 use wingbeat::parallel;
 use wingbeat::scenario::ScenarioSpec;
 
-use super::replay::{CycleMeans, InstantLoads, LatticeFineness, OrbitMotion, Twisted};
+use super::replay::{CycleMeans, InstantLoads, LatticeFineness, OrbitMotion, Twisted, extrapolated};
 use crate::shipped::Shipped;
 use crate::{CaseWatch, ComparisonRow, Error};
 
@@ -25,20 +25,27 @@ const REPLAYED: [Shipped; 8] = [
     "passive_linkage",
 ];
 
-/// What the rows compare, and what its panels, steps and cores are worth.
-const FINE: LatticeFineness =
-    LatticeFineness { chordwise: 8, spanwise: 40, core: 0.02, twisted: Twisted::Joined(0.0) };
+/// What the rows are extrapolated from. Cores are about a third of a panel's chord; their size is a choice.
+const COARSE: LatticeFineness =
+    LatticeFineness { chordwise: 8, spanwise: 40, core: 0.32, twisted: Twisted::Joined(0.0) };
+const FINE: LatticeFineness = LatticeFineness { chordwise: 12, spanwise: 60, ..COARSE };
+/// What strips and cores are worth, beside the coarse lattice.
 const OTHERS: [LatticeFineness; 3] = [
-    LatticeFineness { chordwise: 4, ..FINE },
-    LatticeFineness { spanwise: 24, ..FINE },
-    LatticeFineness { core: 0.05, ..FINE },
+    LatticeFineness { spanwise: 60, ..COARSE },
+    LatticeFineness { core: 0.16, ..COARSE },
+    LatticeFineness { core: 0.64, ..COARSE },
 ];
 /// Other wings than that of the strips, which know no slit: joined over 20 and 40 mm, and not at all.
 const WINGS: [LatticeFineness; 3] = [
-    LatticeFineness { twisted: Twisted::Joined(0.02), ..FINE },
-    LatticeFineness { twisted: Twisted::Joined(0.04), ..FINE },
-    LatticeFineness { twisted: Twisted::Slit, ..FINE },
+    LatticeFineness { twisted: Twisted::Joined(0.02), ..COARSE },
+    LatticeFineness { twisted: Twisted::Joined(0.04), ..COARSE },
+    LatticeFineness { twisted: Twisted::Slit, ..COARSE },
 ];
+
+/// A cycle extrapolated from the coarse and the fine lattice.
+fn endless(coarse: &[InstantLoads], fine: &[InstantLoads]) -> Vec<InstantLoads> {
+    extrapolated(coarse, fine, COARSE.chordwise as f64 / FINE.chordwise as f64)
+}
 
 /// Share of the strokes at which the flow is attached.
 const GENTLE: f64 = 0.15;
@@ -134,7 +141,7 @@ fn by_strips(shipped: &Shipped) -> Result<Vec<ComparisonRow>, Error> {
 /// A cycle of the first orbit by strips under both laws and by the lattice, with their names.
 pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 3], Error> {
     let motion = OrbitMotion::of(REPLAYED[0])?;
-    let [_, lattice] = motion.lattice(FINE)?;
+    let [_, lattice] = motion.lattice(COARSE)?;
     Ok([
         ("full, law stall", motion.strips(&motion.driven(|_| ())?)?),
         ("full, law linear, no profile drag", motion.strips(&motion.driven(attached)?)?),
@@ -142,13 +149,14 @@ pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 3], Error> 
     ])
 }
 
-/// Rms differences of the lift by the lattice from that by strips changed by `changes`, over its rms, of the first orbit with its strokes
-/// times `share`.
+/// Rms differences of the lift by the lattice, for endless panels, from that by strips changed by `changes`, over its rms, of the first orbit
+/// with its strokes times `share`; first that of the fine lattice from it.
 fn apart(share: f64, changes: &[ReplayChange]) -> Result<Vec<f64>, Error> {
     let motion = OrbitMotion::of(REPLAYED[0])?.gentler(share)?;
-    let [_, lattice] = motion.lattice(FINE)?;
+    let ([_, coarse], [_, fine]) = (motion.lattice(COARSE)?, motion.lattice(FINE)?);
+    let lattice = endless(&coarse, &fine);
     let of = |(.., change): &ReplayChange| Ok(lift_apart(&lattice, &motion.strips(&motion.driven(change)?)?));
-    changes.iter().map(of).collect()
+    std::iter::once(Ok(lift_apart(&lattice, &fine))).chain(changes.iter().map(of)).collect()
 }
 
 /// Rms difference of the lift of a cycle by the lattice from that by `strips` over its rms.
@@ -168,7 +176,7 @@ fn lift_apart(lattice: &[InstantLoads], strips: &[InstantLoads]) -> f64 {
 /// The comparisons with the lattice; none where they were ended.
 pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Error> {
     let strips = StripMeans::all()?;
-    let finenesses: Vec<LatticeFineness> = [&[FINE][..], &OTHERS, &WINGS].concat();
+    let finenesses: Vec<LatticeFineness> = [&[COARSE, FINE][..], &OTHERS, &WINGS].concat();
     let mut crossing = Vec::new();
     for found in &strips {
         crossing.push(found.motion.passes_through_itself()?);
@@ -176,7 +184,7 @@ pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Erro
     let clear = |orbit: &usize| crossing[*orbit] == 0.0;
     let each = |orbit: usize| finenesses.iter().map(move |fineness| (orbit, *fineness));
     let jobs: Vec<(usize, LatticeFineness)> = (0..strips.len()).filter(clear).flat_map(each).collect();
-    let mut found: Vec<Option<[CycleMeans; 2]>> = vec![None; jobs.len()];
+    let mut found: Vec<Option<LatticeCycles>> = vec![None; jobs.len()];
     let (mut done, mut failed) = (0, None);
     if watch(0, jobs.len()).is_break() {
         return Ok(Vec::new());
@@ -186,7 +194,7 @@ pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Erro
         |_, (orbit, fineness)| strips[*orbit].motion.lattice(*fineness),
         |job, cycles| match cycles {
             Ok(cycles) => {
-                found[job] = Some(cycles.map(|cycle| CycleMeans::of(&cycle)));
+                found[job] = Some(cycles);
                 done += 1;
                 watch(done, jobs.len())
             }
@@ -199,7 +207,7 @@ pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Erro
     if let Some(error) = failed {
         return Err(error);
     }
-    let Some(found) = found.into_iter().collect::<Option<Vec<[CycleMeans; 2]>>>() else {
+    let Some(found) = found.into_iter().collect::<Option<Vec<LatticeCycles>>>() else {
         return Ok(Vec::new());
     };
     let mut by_orbit = found.chunks(finenesses.len());
@@ -223,6 +231,9 @@ pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Erro
     Ok(rows)
 }
 
+/// The last two cycles of an orbit in a lattice.
+type LatticeCycles = [Vec<InstantLoads>; 2];
+
 /// How the lift of the first orbit differs over the cycle.
 fn over_the_cycle() -> Result<Vec<ComparisonRow>, Error> {
     let strokes = [("whole", "as it is", 1.0), ("gentle", "strokes of the joints times .15", GENTLE)];
@@ -230,13 +241,18 @@ fn over_the_cycle() -> Result<Vec<ComparisonRow>, Error> {
     let apart = parallel::map(&strokes, |_, (.., share)| apart(*share, &changes));
     let mut rows = Vec::new();
     for ((stroke, words, _), apart) in strokes.iter().zip(apart) {
-        for ((end, changed, _), apart) in changes.iter().zip(apart?) {
+        let apart = apart?;
+        for ((end, changed, _), rms) in changes.iter().zip(&apart[1..]) {
             let id = match *end {
                 "linear" => format!("trim.lattice.{stroke}"),
                 end => format!("trim.lattice.{stroke}.{end}"),
             };
-            let metric = format!("cruise_20g, {words}, {changed}: rms difference of the lift over its rms");
-            rows.push(ComparisonRow::shown(&id, "own vortex lattice", &metric, apart, ""));
+            let metric = format!(
+                "cruise_20g, {words}, {changed}: rms difference of the lift from that of the lattice for endless panels over its rms; that of \
+                 12 x 60 panels {:.3}",
+                apart[0]
+            );
+            rows.push(ComparisonRow::shown(&id, "own vortex lattice", &metric, *rms, ""));
         }
     }
     Ok(rows)
@@ -253,28 +269,30 @@ const COMPARED: [ComparedMean; 3] = [
     }),
 ];
 
-/// The rows of an orbit: the lattice less law `linear`. `found` are the last two cycles at every fineness.
+/// The rows of an orbit: the lattice for endless panels less law `linear`. `found` are the last two cycles at every fineness.
 fn beside(
     id: &str,
     StripMeans { own, linear, .. }: &StripMeans,
-    found: &[[CycleMeans; 2]],
+    found: &[LatticeCycles],
 ) -> Vec<ComparisonRow> {
+    let means: Vec<CycleMeans> = found.iter().map(|[_, last]| CycleMeans::of(last)).collect();
+    let before = CycleMeans::of(&found[0][0]);
+    let endless = CycleMeans::of(&endless(&found[0][1], &found[1][1]));
     let mut rows = Vec::new();
     for (end, words, unit, of) in COMPARED {
-        let last = |at: usize| of(&found[at][1]);
-        let same = 1..=OTHERS.len();
-        let low = same.clone().map(last).fold(last(0), f64::min);
-        let high = same.map(last).fold(last(0), f64::max);
-        let [near, wide, slit] = std::array::from_fn(|wing| last(1 + OTHERS.len() + wing));
+        let [coarse, fine, many, thin, thick, near, wide, slit] = std::array::from_fn(|at| of(&means[at]));
+        let sure = of(&endless);
+        let moves = [many, thin, thick].iter().fold((sure - fine).abs(), |m, v| m.max((v - coarse).abs()));
+        let value = sure - of(linear);
+        let resolved = if moves > value.abs() { "; not resolved" } else { "" };
         let metric = format!(
-            "{words}, lattice less law linear without profile drag: {:.3} ({low:.3} to {high:.3} by panels, steps, cores; wings joined over 20 and \
-             40 mm {near:.3} and {wide:.3}, slit {slit:.3}) less {:.3}; law of the orbit {:.3}; {:+.1e} since the cycle before",
-            last(0),
+            "{words}, lattice less law linear without profile drag: {sure:.3} from {coarse:.3} and {fine:.3} with 8 x 40 and 12 x 60 panels, \
+             +-{moves:.3} (8 x 60 {many:.3}, cores of half and twice the size {thin:.3} and {thick:.3}; wings joined over 20 and 40 mm {near:.3} \
+             and {wide:.3}, slit {slit:.3}) less {:.3}; law of the orbit {:.3}; {:+.1e} since the cycle before{resolved}",
             of(linear),
             of(own),
-            last(0) - of(&found[0][0]),
+            coarse - of(&before),
         );
-        let value = last(0) - of(linear);
         rows.push(ComparisonRow::shown(&format!("{id}.{end}"), "own vortex lattice", &metric, value, unit));
     }
     rows

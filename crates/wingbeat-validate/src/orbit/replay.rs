@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use wingbeat::aero::SectionMotion;
 use wingbeat::body::Harmonic;
+use wingbeat::math::interpolation::piecewise_linear;
 use wingbeat::math::{GRAVITY, Jet, Quat, RK4, Vec3, Workspace, Wrench};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::robot::{BodyMotion, DrivenSpec, Robot};
@@ -25,7 +26,7 @@ const HARMONICS: usize = 24;
 /// Cycles under strips, whose slowest lags last some.
 const STRIP_CYCLES: usize = 20;
 /// Cycles in the lattice.
-const LATTICE_CYCLES: usize = 4;
+const LATTICE_CYCLES: usize = 3;
 /// How far from a hinge a chord line belongs to one of its links, m.
 const BESIDE: f64 = 1e-6;
 /// Share of the chord by which chord lines on both sides of a hinge at least differ where the wing twists.
@@ -38,7 +39,8 @@ pub struct LatticeFineness {
     pub chordwise: usize,
     /// Strips along the whole span.
     pub spanwise: usize,
-    /// Core of the wake, mean chords.
+    /// Core of the wake, mean chords of a panel. Rows of the wake are a panel's chord apart; where they pass through the wing, as behind a
+    /// hinge that twists, loads converge if the cores shrink with the panels, and diverge with the inverse of cores that are thinner.
     pub core: f64,
     /// How a wing that twists at a hinge goes on there.
     pub twisted: Twisted,
@@ -65,6 +67,29 @@ pub struct OrbitMotion {
     x: Vec<Vec<f64>>,
     dx: Vec<Vec<f64>>,
 }
+
+/// A cycle of the lattice for endless panels, at the instants of `fine`, from it and from `coarse`, whose panels along the chord are `share`
+/// times those of `fine`, at first order.
+pub fn extrapolated(coarse: &[InstantLoads], fine: &[InstantLoads], share: f64) -> Vec<InstantLoads> {
+    let phases: Vec<f64> = (0..=coarse.len()).map(|k| k as f64 / coarse.len() as f64).collect();
+    // The cycle closes.
+    let closed = || coarse.iter().chain(&coarse[..1]).copied();
+    let columns = LOADS.map(|load| closed().map(|mut instant| *load(&mut instant)).collect::<Vec<f64>>());
+    let of = |(k, instant): (usize, &InstantLoads)| {
+        let mut instant = *instant;
+        for (load, column) in LOADS.iter().zip(&columns) {
+            let value = load(&mut instant);
+            let before = piecewise_linear(&phases, column, k as f64 / fine.len() as f64);
+            *value += (*value - before) * share / (1.0 - share);
+        }
+        instant
+    };
+    fine.iter().enumerate().map(of).collect()
+}
+
+/// All that wings bear.
+const LOADS: [fn(&mut InstantLoads) -> &mut f64; 4] =
+    [|i| &mut i.up, |i| &mut i.forward, |i| &mut i.body_up, |i| &mut i.power];
 
 /// What wings bear at an instant, and what the joints give to the air for it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -313,7 +338,7 @@ impl OrbitMotion {
         Ok(record)
     }
 
-    /// The last two cycles in the lattice.
+    /// The last two cycles in the lattice, which has the left half of the wings and its mirror image.
     pub fn lattice(&self, fineness: LatticeFineness) -> Result<[Vec<InstantLoads>; 2], Error> {
         let LatticeFineness { chordwise, spanwise, core, twisted } = fineness;
         let outlines = self.scenario.spec.robot.outlines()?;
@@ -328,11 +353,15 @@ impl OrbitMotion {
             let hinges = self.twisting(*number, &outlines[*number].hinges)?;
             surfaces.extend(twisted.surfaces(surface, &hinges));
         }
-        scene.surfaces = surfaces;
+        let half = |LatticeSurface { layout, sections }| {
+            Some(LatticeSurface { layout: PanelLayout::left_half(&layout)?, sections })
+        };
+        scene.surfaces = surfaces.into_iter().filter_map(half).collect();
+        scene.symmetric = true;
         let way = scene.edge_speed(self.duration) * self.duration;
         let steps = (way * chordwise as f64 / chord).round() as usize;
-        let mut lattice =
-            Lattice::new(scene, LatticeSettings::new(self.duration / steps as f64, core * chord))?;
+        let core = core * chord / chordwise as f64;
+        let mut lattice = Lattice::new(scene, LatticeSettings::new(self.duration / steps as f64, core))?;
         let mut cycles: [Vec<InstantLoads>; 2] = Default::default();
         for _ in 0..LATTICE_CYCLES {
             cycles.rotate_left(1);

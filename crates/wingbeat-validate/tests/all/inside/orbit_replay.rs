@@ -19,3 +19,14 @@ fn a_way_pierces_the_triangle_that_it_passes_through() {
     assert!(pierces(way(0.2, 0.3, 1.0), triangle));
     assert!(!pierces(way(0.2, 0.3, -0.1), triangle) && !pierces(way(0.7, 0.7, 1.0), triangle));
 }
+
+#[test]
+fn an_error_with_the_size_of_panels_is_extrapolated() {
+    let cycle = |n: usize, error: f64| -> Vec<InstantLoads> {
+        let up = |k: usize| 1.0 + error + 2.0 * (1.0 - 2.0 * k as f64 / n as f64).abs();
+        (0..n).map(|k| InstantLoads { up: up(k), power: -error, ..InstantLoads::default() }).collect()
+    };
+    let endless = extrapolated(&cycle(8, 0.3), &cycle(12, 0.2), 8.0 / 12.0);
+    let off = |(k, i): (usize, &InstantLoads)| (i.up - cycle(12, 0.0)[k].up).abs().max(i.power.abs());
+    assert!(endless.iter().enumerate().map(off).fold(0.0, f64::max) < 1e-12 && endless.len() == 12);
+}
