@@ -33,6 +33,7 @@ mod moved;
 mod name;
 mod perch;
 mod plan;
+mod planned;
 mod plausible;
 mod recorder;
 mod rig;
@@ -90,6 +91,7 @@ pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use moved::Moved;
 pub use name::RunName;
+pub use planned::ReducedPlanSummary;
 pub use perch::{PerchKind, PerchSpec, PerchSummary};
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,

@@ -24,6 +24,8 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     pub coordinates: Vec<usize>,
     /// Joints between the pieces of spars.
     pub pieces: Vec<usize>,
+    /// Those of them whose motion is given.
+    pub given: Vec<usize>,
     /// How its spars stand for beams.
     pub spar_shape: Option<SparShape>,
     /// The linkage that the gait turns, one on each side.
@@ -43,6 +45,8 @@ pub(super) enum JointDrive<P: Scalar = f64> {
     Linkage(usize, LinkageOutput),
     /// Its spring: the coordinate is a state.
     Elastic(Spring<P>),
+    /// Who flies it: the coordinate, its rate and its acceleration are given.
+    Given,
 }
 
 /// Spring, damper and stops of a joint; all zero for a free one.
@@ -153,6 +157,7 @@ impl Mechanism {
             twins,
             coordinates,
             pieces,
+            given: Vec::new(),
             spar_shape: spec.spar_shape(),
             linkage,
         })
@@ -178,6 +183,15 @@ impl Mechanism {
 }
 
 impl<P: Scalar> Mechanism<P> {
+    /// The same mechanism, the motion of whose spars is given.
+    pub fn with_spars_given(&self) -> Self {
+        let mut other = self.clone();
+        other.given.clone_from(&self.pieces);
+        other.coordinates.retain(|joint| !self.pieces.contains(joint));
+        self.pieces.iter().for_each(|joint| other.drives[*joint] = JointDrive::Given);
+        other
+    }
+
     /// Springs of the coordinates.
     pub fn springs(&self) -> impl Iterator<Item = &Spring<P>> {
         self.drives.iter().filter_map(|d| match d {
@@ -200,6 +214,7 @@ impl<P: Scalar> Mechanism<P> {
         let drive = |drive: &JointDrive<P>| match drive {
             JointDrive::Fixed => JointDrive::Fixed,
             JointDrive::Held => JointDrive::Held,
+            JointDrive::Given => JointDrive::Given,
             JointDrive::Series(..) => {
                 let (series, lag) = series.next().expect("numbers of every series");
                 JointDrive::Series(series.clone(), *lag)
@@ -218,6 +233,7 @@ impl<P: Scalar> Mechanism<P> {
             twins: self.twins.clone(),
             coordinates: self.coordinates.clone(),
             pieces: self.pieces.clone(),
+            given: self.given.clone(),
             spar_shape: self.spar_shape,
             linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
                 .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),
