@@ -91,12 +91,12 @@ pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use moved::Moved;
 pub use name::RunName;
-pub use planned::ReducedPlanSummary;
 pub use perch::{PerchKind, PerchSpec, PerchSummary};
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,
     Planned, RollInSummary, SolverNumbers,
 };
+pub use planned::ReducedPlanSummary;
 pub use rig::RigRun;
 pub use rig_model::Modelled;
 pub use rig_process::{Processed, TiltWeighing};

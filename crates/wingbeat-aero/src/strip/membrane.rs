@@ -320,7 +320,8 @@ impl<P: Scalar> StripModel<P> {
             }
             S::ZERO
         } else {
-            let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
+            let vortices =
+                self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
             let mut resistances = [ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new()];
             let mut crossings = ArrayVec::<S, MAX_STRIPS>::new();
             for (i, air) in airs.iter().enumerate() {

@@ -233,8 +233,10 @@ impl<P: Scalar> StripModel<P> {
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
         let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
-        let camber =
-            self.membrane.iter().flat_map(|_| self.shape_states().iter().map(|(of, unit)| ((*of).to_owned(), *unit)));
+        let camber = self
+            .membrane
+            .iter()
+            .flat_map(|_| self.shape_states().iter().map(|(of, unit)| ((*of).to_owned(), *unit)));
         let turns = self.hinges.iter().flat_map(|_| flap::STATES.map(|(of, unit)| (of.to_owned(), unit)));
         wash.chain(wake)
             .chain(law)

@@ -195,7 +195,8 @@ impl<P: Scalar> Surfaces<P> {
         for surface in &self.surfaces {
             all.add(surface.name.clone(), surface.aero.with_shapes_given());
             let end = all.own_states();
-            let count = all.surfaces.last().and_then(|last| last.aero.membrane()).map_or(0, StripModel::given);
+            let count =
+                all.surfaces.last().and_then(|last| last.aero.membrane()).map_or(0, StripModel::given);
             given.extend((count > 0).then(|| end - count..end));
         }
         all.pair();

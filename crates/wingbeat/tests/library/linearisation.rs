@@ -150,7 +150,9 @@ fn a_robot_whose_shape_is_given_moves_as_the_one_that_found_it() {
         chart.rates_in_numbers(0.13, &local, &u, &mut found).unwrap();
         assert!(found.len() + 16 < x.len(), "{name}: {} of {} states are left", found.len(), x.len());
         for (channel, found) in chart.states().iter().zip(&found) {
-            let Some(i) = robot.states().iter().position(|other| other.name == channel.name) else { continue };
+            let Some(i) = robot.states().iter().position(|other| other.name == channel.name) else {
+                continue;
+            };
             let apart = (found - rates[i]).abs() / (1.0 + rates[i].abs());
             assert!(apart < 1e-10, "{name} {}: {found} {}", channel.name, rates[i]);
         }

@@ -410,6 +410,8 @@ impl Controller for AboutOrbit<'_> {
         row.extend(self.governor.iter().flat_map(Governor::numbers));
         self.estimator.diagnostics(row);
         row.extend(self.predictive.iter().flat_map(|p| receding::measures(&p.statistics())));
-        row.extend(self.predictive.iter().filter(|planned| planned.is_reduced()).map(|planned| planned.missed));
+        row.extend(
+            self.predictive.iter().filter(|planned| planned.is_reduced()).map(|planned| planned.missed),
+        );
     }
 }

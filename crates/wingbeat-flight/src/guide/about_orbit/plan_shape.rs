@@ -1,7 +1,5 @@
 //! The shape of soft wings in a plan that does not find it: that of the orbit at the phase of the plan.
 
-use super::family::ReferenceFamily;
-use super::schedule::StretchPlace;
 use crate::orbit::{Deviations, OrbitSection};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Scalar;
@@ -32,7 +30,8 @@ pub(super) struct OrbitShape {
     kept: Vec<usize>,
     /// The other states of the robot, with their numbers among those that deviate.
     left_out: Vec<[usize; 2]>,
-    sources: Vec<ShapeSource>,
+    /// What each given state is taken from.
+    pub sources: Vec<ShapeSource>,
     /// Number of states of the robot.
     states: usize,
 }
@@ -72,16 +71,5 @@ impl OrbitShape {
         self.kept.iter().zip(kept).for_each(|(i, value)| room[*i] = *value);
         self.left_out.iter().for_each(|[i, number]| room[*i] = S::from(numbers[*number]));
         &room[..self.states]
-    }
-
-    /// Adds the given states to `row` at `place` and the phase `cycles` of the gait, which grows by `pace` cycles per s.
-    pub fn add(
-        &self,
-        family: &ReferenceFamily,
-        place: Option<StretchPlace>,
-        [cycles, pace]: [f64; 2],
-        row: &mut Vec<f64>,
-    ) {
-        family.shape(place, [cycles, pace], &self.sources, row);
     }
 }
