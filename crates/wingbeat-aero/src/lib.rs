@@ -230,6 +230,13 @@ impl<P: Scalar> Aero<P> {
             _ => None,
         }
     }
+    /// The same model whose membrane moves as it is given: see [`StripModel::with_shapes_given`].
+    fn with_shapes_given(&self) -> Self {
+        match self {
+            Self::LiftingLine(_) => self.clone(),
+            Self::Strip(model) => Self::Strip(model.with_shapes_given()),
+        }
+    }
     /// The strip model with a flap, where that is what it is.
     pub fn flap(&self) -> Option<&StripModel<P>> {
         match self {

@@ -133,6 +133,9 @@ impl JudgedFlight<'_> {
         if let Some(governed) = &summary.governed {
             governed.judge(judge);
         }
+        if let Some(plan) = &summary.plan {
+            plan.judge(judge);
+        }
         match &summary.dive {
             Some(dive) => dive.judge(judge),
             None if self.record.values("orbit_dive").is_some() => {

@@ -33,6 +33,7 @@ mod moved;
 mod name;
 mod perch;
 mod plan;
+mod planned;
 mod plausible;
 mod recorder;
 mod rig;
@@ -96,6 +97,7 @@ pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,
     Planned, RollInSummary, SolverNumbers,
 };
+pub use planned::ReducedPlanSummary;
 pub use rig::RigRun;
 pub use rig_model::Modelled;
 pub use rig_process::{Processed, TiltWeighing};

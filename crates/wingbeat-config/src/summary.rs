@@ -13,6 +13,7 @@ use super::lattice::LatticeSummary;
 use super::link_spar::LinkSparSummary;
 use super::measure::Measured;
 use super::perch::{PerchSpec, PerchSummary};
+use super::planned::ReducedPlanSummary;
 use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
@@ -137,6 +138,9 @@ pub struct Summary {
     /// How the clearance that the controller is asked to keep was kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub governed: Option<GovernedSummary>,
+    /// How well a plan that leaves out the structure foretold the flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<ReducedPlanSummary>,
     /// Share of the records in which a clearance is below zero.
     pub crossing_fraction: Option<f64>,
     /// Least distance of the body's origin and of the wings from `air.ground_m`, m; negative where something passes through it.
@@ -394,6 +398,7 @@ impl Summary {
             governed: crossing
                 .as_ref()
                 .and_then(|c| GovernedSummary::new(record, c.least_m, flight.updates.len())),
+            plan: ReducedPlanSummary::new(record),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),

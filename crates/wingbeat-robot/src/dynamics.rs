@@ -116,6 +116,9 @@ impl Plant for Robot {
     fn late_states(&self) -> usize {
         self.layout.aero
     }
+    fn given_states(&self) -> &[Range<usize>] {
+        &self.given
+    }
     fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
         self.state_rates(t, x, u, dx)
     }
@@ -495,7 +498,7 @@ impl<P: Scalar> Robot<P> {
         }
         let dx = &mut dx[2 * elements..];
         lift(&structure[2 * elements + count..][..count], dx);
-        dx[count..].copy_from_slice(&second_rates[..count]);
+        dx[count..2 * count].copy_from_slice(&second_rates[..count]);
     }
 
     /// Velocity and acceleration of the air, resolved in B.

@@ -214,13 +214,18 @@ impl<P: Scalar> Robot<P> {
         Ok(())
     }
 
-    /// Coordinates and rates of elastic joints.
+    /// Coordinates and rates of elastic joints, and of those whose motion is given with their accelerations.
     #[inline(always)]
     fn decided<G: Scalar + Meets<P>>(&self, structure: &[G], joints: &mut Joints<G>) {
         let states = &structure[2 * self.elements.len()..];
         let count = self.degrees();
         for (i, &joint) in self.mechanism.coordinates.iter().enumerate() {
             joints[joint] = Jet::new(states[i], states[count + i], G::ZERO);
+        }
+        let given = self.mechanism.given.len();
+        for (i, &joint) in self.mechanism.given.iter().enumerate() {
+            let [x, d, dd] = [0, 1, 2].map(|of| states[2 * count + of * given + i]);
+            joints[joint] = Jet::new(x, d, dd);
         }
     }
 
@@ -251,7 +256,7 @@ impl<P: Scalar> Robot<P> {
         for (joint, drive) in self.mechanism.drives.iter().enumerate() {
             let alike = self.mechanism.alike[joint];
             joints[joint] = match drive {
-                JointDrive::Fixed | JointDrive::Held | JointDrive::Elastic(_) => continue,
+                JointDrive::Fixed | JointDrive::Held | JointDrive::Elastic(_) | JointDrive::Given => continue,
                 JointDrive::Series(..) if alike < joint => joints[alike],
                 JointDrive::Series(series, lag) => series.angle(phase.shifted(-*lag)),
                 JointDrive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],

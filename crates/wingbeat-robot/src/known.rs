@@ -98,7 +98,7 @@ impl Robot {
         };
         let singular = Fault::MassMatrix { time: t };
         let accelerations = system.responses(&net, &of_links, [own, self.elements.len()]).ok_or(singular)?;
-        known.clear(x.len(), u.len(), if late { air.len() } else { 0 });
+        known.clear(x.len(), u.len(), if late { by_states.states } else { 0 });
         self.put_degrees((&accelerations, &system.mass), &impulses, known);
         self.put_columns(&accelerations, (&setting.attitude, &impulses), early, dx, known);
         if late {

@@ -72,6 +72,7 @@ use clearance::Clearances;
 use joints::{CRANK, Displaced, Placed};
 use loaded::Loaded;
 use mechanism::Mechanism;
+use std::ops::Range;
 use std::sync::Arc;
 use surface::Covering;
 use wingbeat_aero::{Aero, LiftLaw, Surfaces};
@@ -145,6 +146,8 @@ pub struct Robot<P: Scalar = f64> {
     perch: Option<Perch>,
     layout: Layout,
     states: Vec<Channel>,
+    /// Those of them that are given.
+    given: Vec<Range<usize>>,
     inputs: Vec<Channel>,
 }
 
@@ -182,7 +185,7 @@ impl Robot {
             return Err(Error::invalid(format!("structure.elements[{i}].moves"), CRANK, allowed));
         }
         let air_states = covering.aero.states();
-        let layout = Layout::new(elements.len(), mechanism.coordinates.len(), motor.is_some(), air_states);
+        let layout = Layout::new(elements.len(), &mechanism, motor.is_some(), air_states);
         let response = spec.structure.build().map_err(|e| e.within("structure"))?;
         let residual =
             spec.residual.as_ref().map(Residual::new).transpose().map_err(|e| e.within("residual"))?;
@@ -203,6 +206,7 @@ impl Robot {
             perch: None,
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
+            given: Vec::new(),
             inputs,
             loaded: Loaded::all(spec, &elements, &mechanism)?,
             thrusters: Thruster::all(&own.thrusters, own.structure.elements.len()),
@@ -290,11 +294,37 @@ impl Robot {
     }
     /// The states anew, of which those of the air come last.
     fn lay_states(mut self) -> Self {
-        let (elements, coordinates) = (self.elements.len(), self.mechanism.coordinates.len());
         let air = &self.covering.aero;
-        self.layout = Layout::new(elements, coordinates, self.motor.is_some(), air.states());
+        self.layout = Layout::new(self.elements.len(), &self.mechanism, self.motor.is_some(), air.states());
         self.states = self.layout.channels(&self.elements, &self.mechanism, air);
         self
+    }
+    /// The same robot, the shape of whose wings is given: joints of spars with their rates and accelerations, membranes with both heights,
+    /// their rates and the rate as followed. They stand among the states and have no rates of their own; the air, body and the other
+    /// joints feel them as before.
+    ///
+    /// Equation: robot.given_shape
+    /// `M_rr a_r = F_r(x, s, s') - M_rs s''; s spars and cambers as functions of time, their own balance left out`
+    /// Source: rheonomic constraint (Goldstein 1980, section 1.3), the multipliers of which the rows left out hold.
+    /// Test: `a_robot_whose_shape_is_given_moves_as_the_one_that_found_it`.
+    #[must_use]
+    pub fn with_shape_given(&self) -> Self {
+        let mut other = self.clone();
+        let spars = 3 * self.mechanism.pieces().count();
+        other.mechanism = self.mechanism.with_spars_given();
+        let (air, given) = self.covering.aero.with_shapes_given();
+        other.covering.aero = air;
+        other = other.lay_states();
+        let aero = other.layout.aero;
+        other.given = given.into_iter().map(|run| aero + run.start..aero + run.end).collect();
+        if spars > 0 {
+            other.given.insert(0, aero - spars..aero);
+        }
+        other
+    }
+    /// Whether its wings give way: it has spars or membranes.
+    pub fn is_soft(&self) -> bool {
+        !self.mechanism.spars.is_empty() || self.surfaces().any(|(_, aero)| aero.membrane().is_some())
     }
     /// Height of the plane that the air does not cross, m in W.
     pub fn ground(&self) -> Option<f64> {
@@ -411,11 +441,12 @@ fn carriers(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Vec<usize>, Error
 }
 
 impl Layout {
-    fn new(elements: usize, coordinates: usize, motor: bool, aero_states: usize) -> Self {
+    fn new(elements: usize, mechanism: &Mechanism, motor: bool, aero_states: usize) -> Self {
         let joints = 13 + 2 * elements;
-        let degrees = coordinates + usize::from(motor);
-        let aero = joints + 2 * degrees;
-        let crank = motor.then_some([joints + degrees - 1, aero - 1]);
+        let degrees = mechanism.coordinates.len() + usize::from(motor);
+        let given = joints + 2 * degrees;
+        let aero = given + 3 * mechanism.given.len();
+        let crank = motor.then_some([joints + degrees - 1, given - 1]);
         let len = aero + aero_states;
         Self { position: 0, attitude: 3, velocity: 7, rate: 10, structure: 13, joints, crank, aero, len }
     }
@@ -436,6 +467,10 @@ impl Layout {
             named.map(move |(k, (name, unit))| Channel::free(name, unit, "").of(role(k)))
         };
         let crank = |name, unit, role| self.crank.map(|_| Channel::free(name, unit, "").of(role));
+        let spar = |prefix: &'static str, unit: &'static str| {
+            let names = mechanism.given.iter().map(|&joint| mechanism.tree.name(joint));
+            names.map(move |name| Channel::free(format!("{prefix}_{name}"), unit, ""))
+        };
         axes("p_WB", "m", "W", "xyz", Role::Position)
             .chain(axes("quat", "", "WB", "wxyz", Role::Attitude))
             .chain(axes("v_WB_W", "m/s", "W", "xyz", Role::Velocity))
@@ -446,6 +481,9 @@ impl Layout {
             .chain(crank("crank_angle", "rad", Role::Crank))
             .chain(joint("coordinate_rate", 1, Role::CoordinateRate))
             .chain(crank("crank_rate", "rad/s", Role::CrankRate))
+            .chain(spar("coordinate", "rad"))
+            .chain(spar("coordinate_rate", "rad/s"))
+            .chain(spar("rate_of_coordinate_rate", "rad/s2"))
             .chain(air.channels().into_iter().map(|c| c.of(Role::Air)))
             .collect()
     }

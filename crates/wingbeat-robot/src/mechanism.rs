@@ -25,6 +25,8 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     pub coordinates: Vec<usize>,
     /// The spars of its links.
     pub spars: Vec<SparJoints>,
+    /// Joints between their pieces whose motion is given.
+    pub given: Vec<usize>,
     /// How its spars stand for beams.
     pub spar_shape: Option<SparShape>,
     /// The linkage that the gait turns, one on each side.
@@ -44,6 +46,8 @@ pub(super) enum JointDrive<P: Scalar = f64> {
     Linkage(usize, LinkageOutput),
     /// Its spring: the coordinate is a state.
     Elastic(Spring<P>),
+    /// Who flies it: the coordinate, its rate and its acceleration are given.
+    Given,
 }
 
 /// Spring, damper and stops of a joint; all zero for a free one.
@@ -155,6 +159,7 @@ impl Mechanism {
             twins,
             coordinates,
             spars,
+            given: Vec::new(),
             spar_shape: spec.spar_shape(),
             linkage,
         })
@@ -185,6 +190,15 @@ impl<P: Scalar> Mechanism<P> {
         self.spars.iter().flat_map(|spar| spar.bends.iter().chain(&spar.twists).copied())
     }
 
+    /// The same mechanism, the motion of whose spars is given.
+    pub fn with_spars_given(&self) -> Self {
+        let mut other = self.clone();
+        other.given = self.pieces().collect();
+        other.coordinates.retain(|joint| !other.given.contains(joint));
+        other.given.iter().for_each(|joint| other.drives[*joint] = JointDrive::Given);
+        other
+    }
+
     /// Springs of the coordinates.
     pub fn springs(&self) -> impl Iterator<Item = &Spring<P>> {
         self.drives.iter().filter_map(|d| match d {
@@ -207,6 +221,7 @@ impl<P: Scalar> Mechanism<P> {
         let drive = |drive: &JointDrive<P>| match drive {
             JointDrive::Fixed => JointDrive::Fixed,
             JointDrive::Held => JointDrive::Held,
+            JointDrive::Given => JointDrive::Given,
             JointDrive::Series(..) => {
                 let (series, lag) = series.next().expect("numbers of every series");
                 JointDrive::Series(series.clone(), *lag)
@@ -225,6 +240,7 @@ impl<P: Scalar> Mechanism<P> {
             twins: self.twins.clone(),
             coordinates: self.coordinates.clone(),
             spars: self.spars.clone(),
+            given: self.given.clone(),
             spar_shape: self.spar_shape,
             linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
                 .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),

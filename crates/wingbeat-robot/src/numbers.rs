@@ -295,6 +295,7 @@ impl Robot {
             perch: self.perch,
             layout: self.layout,
             states: self.states.clone(),
+            given: self.given.clone(),
             inputs: self.inputs.clone(),
         })
     }

@@ -65,16 +65,17 @@ pub(super) fn follows(key: &str) -> bool {
 }
 
 impl Robot {
-    fn spring(&self, joint: usize) -> SpringNumbers {
+    /// The spring of a joint; none where the joint's motion is given.
+    fn spring(&self, joint: usize) -> Option<SpringNumbers> {
         match &self.mechanism.drives[joint] {
-            JointDrive::Elastic(spring) => spring.numbers,
-            _ => SpringNumbers::default(),
+            JointDrive::Elastic(spring) => Some(spring.numbers),
+            _ => None,
         }
     }
 
     /// A number of a spar as its first spring has it; none where it has none.
     fn spar_number(&self, spar: &SparJoints, key: SparKey) -> Option<f64> {
-        let first = |joints: &[usize]| Some(self.spring(*joints.first()?));
+        let first = |joints: &[usize]| self.spring(*joints.first()?);
         match key {
             SparKey::Bending => Some(first(&spar.bends)?.stiffness / spar.over_root),
             SparKey::Torsion => Some(first(&spar.twists)?.stiffness / spar.over_root),
@@ -112,7 +113,7 @@ impl Robot {
         match (key, of) {
             (SparKey::Bending, "stiffness" | "damping") if bends => proportional(),
             (SparKey::Torsion, "stiffness" | "damping") if twists => proportional(),
-            (SparKey::Damping, "damping") if bends || twists => Some(self.spring(joint).stiffness),
+            (SparKey::Damping, "damping") if bends || twists => Some(self.spring(joint)?.stiffness),
             _ => None,
         }
     }

@@ -17,8 +17,8 @@ const LANES: usize = 8;
 const WASHES: usize = 3;
 /// Lanes of columns, and most strips for which this is done.
 const WIDE: usize = 16;
-/// Most states.
-const MOST: usize = WIDE * (LANES - WASHES);
+/// Most states, those that are given too, of which there are as many.
+const MOST: usize = 2 * WIDE * (LANES - WASHES);
 
 type Local = Dual<LANES>;
 /// Derivatives of a number on each strip by one lane.
@@ -124,13 +124,14 @@ impl ByWashes {
 }
 
 impl StripModel {
-    /// Whether [`by_states`](Self::by_states) takes this model: a membrane spreads over the strips too, and a flap has states of its own.
+    /// Whether [`by_states`](Self::by_states) takes this model: a membrane that is not given spreads over the strips too, and a flap has
+    /// states of its own.
     pub(crate) fn knows_by_states(&self) -> bool {
         let n = self.settings.strips;
         n <= WIDE
-            && self.membrane.is_none()
+            && (self.membrane.is_none() || self.given() > 0)
             && self.hinges.is_none()
-            && self.states() + WASHES * n <= LANES * n
+            && self.states() - self.given() + WASHES * n <= LANES * n
     }
 
     /// As an evaluation of one surface alone, with the derivatives by all of its states.
@@ -171,14 +172,16 @@ impl StripModel {
         (dx, by_strip): (&mut [f64], &mut [Wrench<f64>]),
         out: &mut ByStates,
     ) -> Wrench<f64> {
-        let (n, states) = (self.settings.strips, self.states());
+        let (n, all) = (self.settings.strips, self.states());
+        let states = all - self.given();
         let first = states / n;
         let mut seeded = ArrayVec::<Local, MOST>::new();
         for (s, value) in x[..states].iter().enumerate() {
             seeded.push(Local::variable(*value, s / n));
         }
+        seeded.extend(x[states..all].iter().map(|value| Local::constant(*value)));
         let mut rates = ArrayVec::<Local, MOST>::new();
-        append_copies(&mut rates, Local::ZERO, states);
+        append_copies(&mut rates, Local::ZERO, all);
         let mut strips = [Wrench::ZERO; WIDE];
         let zero = [Local::ZERO; WIDE];
         let mut cut =

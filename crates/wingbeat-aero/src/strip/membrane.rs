@@ -18,10 +18,16 @@ use wingbeat_math::{Meets, Over, Scalar, append_copies};
 
 /// What each strip carries for it: the heights over the chord, the momentum that the parabola feels and the rate of its height, as
 /// followed.
-pub(super) const STATES: [(&str, &str); BLOCKS] =
+const STATES: [(&str, &str); MODES + 2] =
     [("camber", ""), ("camber_forward", ""), ("camber_momentum", "N s"), ("camber_rate", "m/s")];
-/// Number of its states per strip.
-pub(super) const BLOCKS: usize = MODES + 2;
+/// The same where the shapes are given: their heights with their rates, and the rate as followed.
+const GIVEN: [(&str, &str); 2 * MODES + 1] = [
+    ("camber", ""),
+    ("camber_forward", ""),
+    ("rate_of_camber", "1/s"),
+    ("rate_of_camber_forward", "1/s"),
+    ("camber_rate", "m/s"),
+];
 
 /// What the camber does on each strip, of a membrane or a flap; columns end with the last strip that is computed, and are empty without.
 pub(super) struct Camber<'x, S: Scalar, const N: usize> {
@@ -98,6 +104,23 @@ impl<P: Scalar> StripModel<P> {
     /// Whether the surface is a membrane.
     pub fn is_membrane(&self) -> bool {
         self.membrane.is_some()
+    }
+
+    /// The same surface whose membrane, if there is one, moves as it is given: heights of both shapes with their rates and the rate as
+    /// followed, all per strip, are the last of the states, and have no rates of their own.
+    #[must_use]
+    pub fn with_shapes_given(&self) -> Self {
+        Self { shapes_given: self.membrane.is_some(), ..self.clone() }
+    }
+
+    /// Number of the states that are given.
+    pub fn given(&self) -> usize {
+        if self.shapes_given { GIVEN.len() * self.settings.strips } else { 0 }
+    }
+
+    /// Names and units of what each strip carries for a membrane.
+    pub(super) fn shape_states(&self) -> &'static [(&'static str, &'static str)] {
+        if self.shapes_given { &GIVEN } else { &STATES }
     }
 
     /// What the motion of the membrane is held against at the strain `stretch` (dimensionless) along its chord; none without
@@ -285,52 +308,67 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
     ) -> S {
         let (n, tables, at) = (self.settings.strips, &self.tables, self.camber_states());
-        let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
         let (mut first, mut second) = (ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new());
-        let mut resistances = [ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new()];
-        let mut crossings = ArrayVec::<S, MAX_STRIPS>::new();
         let (felt, per_time) = (at + MODES * n, membrane.damping.recip());
-        for (i, air) in airs.iter().enumerate() {
-            // The rate of the momentum as a state follows it: accelerations are not yet known here.
-            let [momentum, turning] = self.camber_momentum(i, air, membrane);
-            let wind = air.along.smooth_abs(self.floor);
-            slope[0][i] = of_chord[1][i] * (wind * (self.carried_mass(i) * 0.5));
-            dx[felt + i] = (x[felt + i] - momentum - slope[0][i]) * -per_time;
-            let vortex = vortices.map_or(S::ZERO, |vortices| vortices[i]);
-            let section = (lift_wash[i], attached[i], vortex, dx[felt + i] - turning);
-            let load = self.camber_load(i, air, of_chord.map(|shape| shape[i]), section);
-            first.push(load[0]);
-            second.push(load[1]);
-            let scale = tables.lift_scale[i] * tables.at_once * 0.25;
-            let of_air = attached[i] * (wind * scale);
-            resistances[0].push(of_air + self.camber_mass(i, membrane) * per_time);
-            resistances[1].push(of_air);
-            crossings.push(self.crossing(i, wind, attached[i]));
-        }
-        let loads = wanted.then(|| [first.clone(), second.clone()]);
-        let resistances = resistances.each_ref().map(|of| &of[..]);
-        membrane.rates(of_chord, resistances, &crossings, &mut [&mut first, &mut second]);
-        let power = |[on_first, on_second]: [ArrayVec<S, MAX_STRIPS>; 2]| {
-            (0..n).fold(S::ZERO, |sum, i| {
-                let fore = on_second[i] + crossings[i] * first[i] - resistances[1][i] * second[i];
-                sum + (on_first[i] - resistances[0][i] * first[i]) * first[i] + fore * second[i]
-            })
+        let followed = felt + n * if self.shapes_given { MODES } else { 1 };
+        let given = if self.shapes_given {
+            for (i, air) in airs.iter().enumerate() {
+                let wind = air.along.smooth_abs(self.floor);
+                slope[0][i] = of_chord[1][i] * (wind * (self.carried_mass(i) * 0.5));
+                first.push(x[felt + i] * tables.chord[i]);
+                second.push(x[felt + n + i] * tables.chord[i]);
+            }
+            S::ZERO
+        } else {
+            let vortices =
+                self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
+            let mut resistances = [ArrayVec::<S, MAX_STRIPS>::new(), ArrayVec::<S, MAX_STRIPS>::new()];
+            let mut crossings = ArrayVec::<S, MAX_STRIPS>::new();
+            for (i, air) in airs.iter().enumerate() {
+                // The rate of the momentum as a state follows it: accelerations are not yet known here.
+                let [momentum, turning] = self.camber_momentum(i, air, membrane);
+                let wind = air.along.smooth_abs(self.floor);
+                slope[0][i] = of_chord[1][i] * (wind * (self.carried_mass(i) * 0.5));
+                dx[felt + i] = (x[felt + i] - momentum - slope[0][i]) * -per_time;
+                let vortex = vortices.map_or(S::ZERO, |vortices| vortices[i]);
+                let section = (lift_wash[i], attached[i], vortex, dx[felt + i] - turning);
+                let load = self.camber_load(i, air, of_chord.map(|shape| shape[i]), section);
+                first.push(load[0]);
+                second.push(load[1]);
+                let scale = tables.lift_scale[i] * tables.at_once * 0.25;
+                let of_air = attached[i] * (wind * scale);
+                resistances[0].push(of_air + self.camber_mass(i, membrane) * per_time);
+                resistances[1].push(of_air);
+                crossings.push(self.crossing(i, wind, attached[i]));
+            }
+            let loads = wanted.then(|| [first.clone(), second.clone()]);
+            let resistances = resistances.each_ref().map(|of| &of[..]);
+            membrane.rates(of_chord, resistances, &crossings, &mut [&mut first, &mut second]);
+            let power = |[on_first, on_second]: [ArrayVec<S, MAX_STRIPS>; 2]| {
+                (0..n).fold(S::ZERO, |sum, i| {
+                    let fore = on_second[i] + crossings[i] * first[i] - resistances[1][i] * second[i];
+                    sum + (on_first[i] - resistances[0][i] * first[i]) * first[i] + fore * second[i]
+                })
+            };
+            loads.map_or(S::ZERO, power)
         };
-        let given = loads.map_or(S::ZERO, power);
         for (i, air) in airs.iter().enumerate() {
             let (fallen, wind) = (first[i] * -0.5, air.along.smooth_abs(self.floor));
             wash[i] += fallen;
             lift_wash[i] += fallen * tables.at_once;
             nose[i] = of_chord[1][i] * wind;
             flat[i] = lift_wash[i] - of_chord[0][i] * (wind * 2.0) + nose[i];
-            dx[felt + i] -= first[i] * (self.camber_mass(i, membrane) * per_time);
-            dx[felt + n + i] = (first[i] - x[felt + n + i]) * per_time;
-            (follows[0][i], follows[1][i]) = (x[felt + n + i], dx[felt + n + i]);
+            (follows[0][i], follows[1][i]) = (x[followed + i], (first[i] - x[followed + i]) * per_time);
             slope[1][i] = second[i] * (wind * (self.carried_mass(i) * 0.5 / tables.chord[i]));
             couple[i] = self.camber_moment(i, wind, attached[i], of_chord.map(|shape| shape[i]), first[i]);
             for (k, lag) in self.numbers.lags.iter().enumerate() {
                 dx[k * n + i] += fallen * (air.speed * (lag.rate * tables.turnover[i]));
             }
+            if self.shapes_given {
+                continue;
+            }
+            dx[felt + i] -= first[i] * (self.camber_mass(i, membrane) * per_time);
+            dx[followed + i] = follows[1][i];
             for (m, rate) in [&first, &second].into_iter().enumerate() {
                 dx[at + m * n + i] = rate[i] * tables.chord[i].recip();
             }

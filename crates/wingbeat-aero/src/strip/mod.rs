@@ -60,6 +60,8 @@ pub struct StripModel<P: Scalar = f64> {
     tables: Tables<P>,
     cores: Cores<P>,
     membrane: Option<Membrane<P>>,
+    /// Whether the shapes of the membrane are given with their rates, and not found.
+    shapes_given: bool,
     hinges: Option<Hinges>,
 }
 
@@ -148,6 +150,7 @@ impl<P: Scalar> StripModel<P> {
         Ok(Self {
             hinges,
             membrane: numbers.membrane.as_ref().map(skin).transpose()?,
+            shapes_given: false,
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
@@ -198,7 +201,7 @@ impl<P: Scalar> StripModel<P> {
     /// law, for the impulse where it is followed, for the camber of a membrane and for a flap blocks of one value per strip, left tip to
     /// right tip.
     pub fn states(&self) -> usize {
-        let shapes = if self.membrane.is_some() { membrane::BLOCKS } else { 0 };
+        let shapes = if self.membrane.is_some() { self.shape_states().len() } else { 0 };
         let turns = if self.hinges.is_some() { flap::BLOCKS } else { 0 };
         let blocks = usize::from(self.follows()) + shapes + turns;
         self.followed_states() + blocks * self.settings.strips
@@ -230,8 +233,10 @@ impl<P: Scalar> StripModel<P> {
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
         let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
-        let camber =
-            self.membrane.iter().flat_map(|_| membrane::STATES.map(|(of, unit)| (of.to_owned(), unit)));
+        let camber = self
+            .membrane
+            .iter()
+            .flat_map(|_| self.shape_states().iter().map(|(of, unit)| ((*of).to_owned(), *unit)));
         let turns = self.hinges.iter().flat_map(|_| flap::STATES.map(|(of, unit)| (of.to_owned(), unit)));
         wash.chain(wake)
             .chain(law)

@@ -187,6 +187,22 @@ impl<P: Scalar> Surfaces<P> {
         Ok(all)
     }
 
+    /// The same surfaces whose membranes move as they are given, and the states that are: see [`StripModel::with_shapes_given`].
+    #[must_use]
+    pub fn with_shapes_given(&self) -> (Self, Vec<Range<usize>>) {
+        let mut all = Self { grounded: self.grounded, ..Self::none() };
+        let mut given = Vec::new();
+        for surface in &self.surfaces {
+            all.add(surface.name.clone(), surface.aero.with_shapes_given());
+            let end = all.own_states();
+            let count =
+                all.surfaces.last().and_then(|last| last.aero.membrane()).map_or(0, StripModel::given);
+            given.extend((count > 0).then(|| end - count..end));
+        }
+        all.pair();
+        (all, given)
+    }
+
     /// Number of states of the surfaces themselves.
     fn own_states(&self) -> usize {
         self.surfaces.last().map_or(0, |surface| surface.states.end)

@@ -32,6 +32,11 @@ impl<H> Receding<H> {
         }
     }
 
+    /// Whether there was an update.
+    pub fn begun(&self) -> bool {
+        self.last_update.is_some()
+    }
+
     /// Moves the plan on to `t` and centres `chart` at the state `x` of the plant; false at the first update, which
     /// finds a plan that rests there.
     pub fn follow<'a, P: Plant, T: Tracking>(

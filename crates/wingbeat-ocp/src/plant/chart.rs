@@ -2,30 +2,97 @@
 
 use super::{Channel, Early, Fault, Known, Late, MAX_STATES, Plant, Role};
 use arrayvec::ArrayVec;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use wingbeat_math::{Dual, Mat3, Over, Quat, Scalar, Vec3, append, append_copies, lift};
 
 /// The plant seen in a chart around a reference attitude: q_WB = q_ref exp(d),
 /// with the rotation vector d (rad, body axes) in place of the quaternion, so
 /// that the plan has as many states as degrees of freedom.
 ///
-/// Regular for |d| < 2 pi; re-centre it at every plan.
+/// Regular for |d| < 2 pi; re-centre it at every plan. [Given states](Plant::given_states) of the plant are none of the chart: they
+/// move as [`motion_mut`](Self::motion_mut) says.
 pub struct LocalChart<'a, P: Plant> {
-    plant: &'a P,
+    plant: Charted<'a, P>,
     reference: Quat,
     states: Vec<Channel>,
+    motion: GivenMotion,
+}
+
+/// A plant of another, or one of its own.
+enum Charted<'a, P> {
+    Of(&'a P),
+    Own(Box<P>),
+}
+
+impl<P> Deref for Charted<'_, P> {
+    type Target = P;
+    #[inline]
+    fn deref(&self) -> &P {
+        match self {
+            Self::Of(plant) => plant,
+            Self::Own(plant) => plant,
+        }
+    }
+}
+
+/// Given states over time: linear between rows at equal steps, held before the first and after the last.
+#[derive(Clone, Debug, Default)]
+pub struct GivenMotion {
+    /// Number of given states.
+    pub width: usize,
+    /// Time of the first row, s.
+    pub start: f64,
+    /// Time from row to row, s.
+    pub step: f64,
+    /// The states in their order, row by row, in the units of their channels.
+    pub rows: Vec<f64>,
+}
+
+impl GivenMotion {
+    /// The states at the time `t`, s.
+    fn at(&self, t: f64) -> ArrayVec<f64, MAX_STATES> {
+        let last = (self.rows.len() / self.width).saturating_sub(1);
+        let place = ((t - self.start) / self.step).clamp(0.0, last as f64);
+        let k = (place as usize).min(last.saturating_sub(1));
+        let share = place - k as f64;
+        let (one, other) = (&self.rows[k * self.width..], &self.rows[(k + 1).min(last) * self.width..]);
+        let mut states = ArrayVec::new();
+        for i in 0..self.width {
+            states.push(one[i] + (other[i] - one[i]) * share);
+        }
+        states
+    }
 }
 
 impl<'a, P: Plant> LocalChart<'a, P> {
     /// A chart of `plant` centred at no rotation.
     pub fn new(plant: &'a P) -> Self {
+        Self::charting(Charted::Of(plant))
+    }
+
+    /// A chart that has its `plant`.
+    pub fn owning(plant: P) -> Self {
+        Self::charting(Charted::Own(Box::new(plant)))
+    }
+
+    fn charting(plant: Charted<'a, P>) -> Self {
         let mut states = plant.states().to_vec();
+        for run in plant.given_states().iter().rev() {
+            states.drain(run.clone());
+        }
         if let Some(a) = plant.attitude() {
             let axis =
                 |(i, name)| Channel::free(format!("rotation_{name}"), "rad", "B").of(Role::Rotation(i));
             states.splice(a..a + 4, ["x", "y", "z"].into_iter().enumerate().map(axis));
         }
-        Self { plant, reference: Quat::IDENTITY, states }
+        let width = plant.given_states().iter().map(Range::len).sum();
+        let motion = GivenMotion { width, rows: vec![0.0; width], step: 1.0, ..GivenMotion::default() };
+        Self { plant, reference: Quat::IDENTITY, states, motion }
+    }
+
+    /// How the given states move.
+    pub fn motion_mut(&mut self) -> &mut GivenMotion {
+        &mut self.motion
     }
 
     /// Centres the chart at the attitude of the plant state `x`.
@@ -73,7 +140,7 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         }
     }
 
-    /// Plant state of the local coordinates, in the units of its channels.
+    /// Plant state of the local coordinates, in the units of its channels, without the states that are given.
     pub fn globalise<S: Scalar>(&self, local: &[S], x: &mut [S]) {
         let Some(a) = self.plant.attitude() else {
             x.copy_from_slice(local);
@@ -84,14 +151,50 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         x[a + 4..].copy_from_slice(&local[a + 3..]);
     }
 
-    /// As [`globalise`](Self::globalise) into room not yet filled, the attitude being at `a`.
-    fn extend_globally<S: Scalar>(&self, local: &[S], a: usize, x: &mut States<S>) {
-        let n = local.len() + 1;
+    /// As [`globalise`](Self::globalise) into room not yet filled, the attitude being at `a`, with what is given at the time `t`, s.
+    fn extend_globally<S: Scalar>(&self, t: f64, local: &[S], a: usize, x: &mut States<S>) {
+        let n = local.len() + 1 + self.motion.width;
         assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
         let Quat { w, v } = self.attitude_of(local, a);
-        for values in [&local[..a], &[w, v[0], v[1], v[2]], &local[a + 3..]] {
+        for values in [&local[..a], &[w, v[0], v[1], v[2]]] {
             append(x, values);
         }
+        match self.motion.width {
+            0 => append(x, &local[a + 3..]),
+            _ => self.extend_given(t, a + 4, &local[a + 3..], x),
+        }
+    }
+
+    /// `values` of the plant's states from `first` on, at the time `t` (s), behind those in `x`, with the given states among and after them.
+    #[inline(never)]
+    fn extend_given<S: From<f64> + Copy>(&self, t: f64, first: usize, mut values: &[S], x: &mut States<S>) {
+        let given = self.motion.at(t);
+        let (mut at, mut passed) = (first, 0);
+        for run in self.plant.given_states() {
+            if run.start >= at {
+                let count = (run.start - at).min(values.len());
+                append(x, &values[..count]);
+                values = &values[count..];
+                at += count;
+                if run.start > at {
+                    return;
+                }
+                given[passed..passed + run.len()].iter().for_each(|value| x.push(S::from(*value)));
+                at = run.end;
+            }
+            passed += run.len();
+        }
+        append(x, values);
+    }
+
+    /// The `late` states of the plant at the time `t`, s; `room` is where those with given ones among them are put together.
+    #[inline(always)]
+    fn late_of<'v, S: From<f64> + Copy>(&self, t: f64, late: &'v [S], room: &'v mut States<S>) -> &'v [S] {
+        if self.motion.width == 0 {
+            return late;
+        }
+        self.extend_given(t, self.plant.late_states(), late, room);
+        room
     }
 
     fn attitude_of<S: Scalar>(&self, local: &[S], a: usize) -> Quat<S> {
@@ -131,7 +234,7 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         self.plant.inputs()
     }
     fn rates<S: Scalar>(&self, t: S, local: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
-        self.localised(local, 0, dx, |x, dx| self.plant.rates(t, x, u, dx))
+        self.localised(t.value(), local, 0, dx, |x, dx| self.plant.rates(t, x, u, dx))
     }
     fn clearances(&self) -> &[Channel] {
         self.plant.clearances()
@@ -141,7 +244,7 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
             return self.plant.clear(t, local, values);
         };
         let mut x = States::new();
-        self.extend_globally(local, a, &mut x);
+        self.extend_globally(t.value(), local, a, &mut x);
         self.plant.clear(t, &x, values)
     }
     fn unfelt_states(&self) -> Range<usize> {
@@ -160,11 +263,12 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         known: &mut Known,
     ) -> Result<bool, Fault> {
         let mut knows = false;
-        self.localised(local, 0, dx, |x, dx| {
+        self.localised(t, local, 0, dx, |x, dx| {
             knows = self.plant.known(t, x, u, dx, known)?;
             Ok(())
         })?;
         if let (Some(a), true) = (self.plant.attitude(), knows) {
+            known.leave_out_runs(self.plant.given_states(), u.len());
             known.leave_out(a, u.len());
         }
         Ok(knows)
@@ -190,7 +294,9 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         }
     }
     fn late_states(&self) -> usize {
-        self.plant.late_states() - usize::from(self.plant.attitude().is_some())
+        let late = self.plant.late_states();
+        let given = self.plant.given_states().iter().filter(|run| run.start < late);
+        late - usize::from(self.plant.attitude().is_some()) - given.map(Range::len).sum::<usize>()
     }
     fn rates_by_late<S: Over<f64>>(
         &self,
@@ -200,16 +306,18 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         u: &[f64],
         dx: &mut [S],
     ) -> Result<(), Fault> {
-        self.localised(early, late.len(), dx, |x, dx| self.plant.rates_by_late(t, x, late, u, dx))
+        let mut room = States::new();
+        let late = self.late_of(t, late, &mut room);
+        self.localised(t, early, late.len(), dx, |x, dx| self.plant.rates_by_late(t, x, late, u, dx))
     }
     fn rates_in_numbers(&self, t: f64, local: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
-        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_numbers(t, x, u, dx))
+        self.localised(t, local, 0, dx, |x, dx| self.plant.rates_in_numbers(t, x, u, dx))
     }
     fn rates_in_early(&self, t: f64, local: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
-        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_early(t, x, u, dx))
+        self.localised(t, local, 0, dx, |x, dx| self.plant.rates_in_early(t, x, u, dx))
     }
     fn rates_in_moving(&self, t: f64, local: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
-        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_moving(t, x, u, dx))
+        self.localised(t, local, 0, dx, |x, dx| self.plant.rates_in_moving(t, x, u, dx))
     }
     fn rates_about(
         &self,
@@ -218,7 +326,7 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         (t, local, u): (f64, &[Early], &[Early]),
         dx: &mut [Early],
     ) -> Result<(), Fault> {
-        self.localised(local, 0, dx, |x, dx| self.plant.rates_about(known, places, (t, x, u), dx))
+        self.localised(t, local, 0, dx, |x, dx| self.plant.rates_about(known, places, (t, x, u), dx))
     }
     fn rates_in_late(
         &self,
@@ -228,15 +336,18 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         u: &[f64],
         dx: &mut [Late],
     ) -> Result<(), Fault> {
-        self.localised(early, late.len(), dx, |x, dx| self.plant.rates_in_late(t, x, late, u, dx))
+        let mut room = States::new();
+        let late = self.late_of(t, late, &mut room);
+        self.localised(t, early, late.len(), dx, |x, dx| self.plant.rates_in_late(t, x, late, u, dx))
     }
 }
 
 impl<P: Plant> LocalChart<'_, P> {
-    /// Rates of the coordinates `local`, and of `beyond` states after them, from the `rates` of the plant.
+    /// Rates of the coordinates `local` at the time `t` (s), and of `beyond` states of the plant after them, from its `rates`.
     #[inline(always)]
     fn localised<G: Scalar, S: Over<G>>(
         &self,
+        t: f64,
         local: &[G],
         beyond: usize,
         dx: &mut [S],
@@ -246,9 +357,12 @@ impl<P: Plant> LocalChart<'_, P> {
             return rates(local, dx);
         };
         let (mut x, mut plant_dx) = (States::new(), States::new());
-        self.extend_globally(local, a, &mut x);
+        self.extend_globally(t, local, a, &mut x);
         rest(&mut plant_dx, x.len() + beyond);
         rates(&x, &mut plant_dx)?;
+        for run in self.plant.given_states().iter().rev() {
+            plant_dx.drain(run.clone());
+        }
         localise_rates(a, &x, local, &plant_dx, dx);
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Derivatives that follow from those which an evaluation carries.
 
 use super::MAX_DEGREES;
+use std::ops::Range;
 use wingbeat_math::{Dual, Mat3, Vec3};
 
 /// What a plant knows of its derivatives without carrying them through an evaluation: those by inputs that enter by accelerations
@@ -73,6 +74,16 @@ impl Known {
         }
         for place in [&mut self.position, &mut self.velocity, &mut self.rate] {
             *place -= usize::from(*place > row);
+        }
+    }
+
+    /// Leaves out the rows in ascending `runs`, which are all zero, among states with so many `inputs`.
+    pub(super) fn leave_out_runs(&mut self, runs: &[Range<usize>], inputs: usize) {
+        let late = self.late.len() * 6 / self.fields.len();
+        for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6), (&mut self.late, late)] {
+            for run in runs.iter().rev() {
+                values.drain(run.start * width..run.end * width);
+            }
         }
     }
 

@@ -5,7 +5,7 @@ mod chart;
 mod known;
 mod linearise;
 
-pub use chart::LocalChart;
+pub use chart::{GivenMotion, LocalChart};
 pub use known::Known;
 pub use linearise::{Early, Late, Linearisation};
 
@@ -230,6 +230,12 @@ pub trait Plant: Sync {
     /// Writes the columns of the [derived](Self::derived_states) states into A (n x n, row-major), which holds those of the velocity;
     /// `f` are the rates at the state `x`, all in the units of the states and s.
     fn derive(&self, _x: &[f64], _f: &[f64], _known: &Known, _a: &mut [f64]) {}
+
+    /// States of a plant with an attitude that move as they are given, in ascending runs behind it and beside those of these kinds; they have
+    /// no rates. A [`LocalChart`] gives them as functions of time.
+    fn given_states(&self) -> &[Range<usize>] {
+        &[]
+    }
 
     /// Index of the first late state. Late states enter only the end of an evaluation, so that
     /// derivatives by them need not follow the rest; all of them come after the others.

@@ -3,6 +3,7 @@
 use std::path::Path;
 use wingbeat::math::Random;
 use wingbeat::plant::{Early, Linearisation, LocalChart, MAX_STATES, Plant};
+use wingbeat::robot::Robot;
 use wingbeat::scenario::Scenario;
 
 /// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes, a ground, a perch.
@@ -102,8 +103,59 @@ fn what_has_no_derivative_is_left_out_and_nothing_else() {
             local[layout.attitude..layout.attitude + 3].copy_from_slice(&[0.05, -0.1, 0.2]);
             largest = largest.max(apart(&chart, 0.13, &local, &u));
         }
+        if robot.is_soft() {
+            let (chart, local) = given(robot, &x, &u);
+            largest = largest.max(apart(&chart, 0.13, &local, &u));
+        }
         println!("{name} {overrides:?}: {largest:.1e}");
         assert!(largest < 1e-12, "{name} {overrides:?}: {largest:.1e}");
+    }
+}
+
+/// A chart of `robot` whose shape moves as it does in the state `x` under the commands `u`, and that state in it.
+fn given<'a>(robot: &Robot, x: &[f64], u: &[f64]) -> (LocalChart<'a, Robot>, Vec<f64>) {
+    let mut rates = x.to_vec();
+    robot.rates_in_numbers(0.13, x, u, &mut rates).unwrap();
+    let other = robot.with_shape_given();
+    let (mut kept, mut row) = (Vec::new(), Vec::new());
+    for (i, channel) in other.states().iter().enumerate() {
+        let of = channel.name.replacen("rate_of_", "", 1);
+        let state = robot.states().iter().position(|channel| channel.name == of).unwrap();
+        let value = if of == channel.name { x[state] } else { rates[state] };
+        let is_given = other.given_states().iter().any(|run| run.contains(&i));
+        if is_given { row.push(value) } else { kept.push(value) }
+    }
+    let mut chart = LocalChart::owning(other);
+    chart.motion_mut().rows = row;
+    chart.center_at(&kept);
+    let mut local = vec![0.0; chart.states().len()];
+    chart.localise(&kept, &mut local);
+    (chart, local)
+}
+
+/// The rates that are left are those of the whole: what holds the given shape is what moved it.
+#[test]
+fn a_robot_whose_shape_is_given_moves_as_the_one_that_found_it() {
+    for name in ["soft_20g.toml", "aerobat_membrane.toml"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(name);
+        let scenario = Scenario::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let (robot, mut x, mut random) = (scenario.robot(), scenario.start(), Random::new(3));
+        let layout = robot.layout();
+        x[layout.velocity..].iter_mut().for_each(|v| *v += random.between(-0.01, 0.01));
+        let u: Vec<f64> = robot.inputs().iter().map(|_| random.between(-0.01, 0.01)).collect();
+        let mut rates = x.clone();
+        robot.rates_in_numbers(0.13, &x, &u, &mut rates).unwrap();
+        let (chart, local) = given(robot, &x, &u);
+        let mut found = local.clone();
+        chart.rates_in_numbers(0.13, &local, &u, &mut found).unwrap();
+        assert!(found.len() + 16 < x.len(), "{name}: {} of {} states are left", found.len(), x.len());
+        for (channel, found) in chart.states().iter().zip(&found) {
+            let Some(i) = robot.states().iter().position(|other| other.name == channel.name) else {
+                continue;
+            };
+            let apart = (found - rates[i]).abs() / (1.0 + rates[i].abs());
+            assert!(apart < 1e-10, "{name} {}: {found} {}", channel.name, rates[i]);
+        }
     }
 }
 

@@ -484,3 +484,49 @@ fn near_an_orbit_a_short_plan_asks_what_the_regulator_does() {
         }
     }
 }
+
+/// Without the states of the film a plan asks nothing on the orbit, and off it what the whole plan does but for what the film adds; a stiffer film
+/// adds less. What it missed stands in the record.
+#[test]
+fn a_plan_may_take_the_shape_of_the_wings_from_the_orbit() {
+    let with = |structure: &str, stiffer: f64| {
+        let keys = [
+            "controller.orbit.legs=[]".into(),
+            format!(
+                "controller.orbit.predictive={{intervals=3, interval_s=0.0075, structure='{structure}'}}"
+            ),
+            format!("robot.surfaces[0].membrane.modulus_pa={}", 2e8 * stiffer),
+        ];
+        scenario("membrane_bank15", &keys.each_ref().map(String::as_str))
+    };
+    let missed = [1.0, 8.0].map(|stiffer| {
+        let plans = ["full", "orbit"].map(|structure| with(structure, stiffer));
+        let orbit = plans[0].start();
+        let on_orbit = plans.each_ref().map(|plan| commands(plan, &orbit));
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = apart(&on_orbit[0], &on_orbit[1]);
+        assert!(off < 3e-3, "on the orbit the plans ask for commands {off} apart");
+        let mut moved = orbit.clone();
+        moved[state(&plans[0], "w_WB_B_x")] += 0.1;
+        let asked = [0, 1].map(|i| {
+            let all = commands(&plans[i], &moved);
+            all.iter().zip(&on_orbit[i]).map(|(off, on)| off - on).collect::<Vec<f64>>()
+        });
+        apart(&asked[0], &asked[1]) / apart(&asked[0], &vec![0.0; asked[0].len()])
+    });
+    println!("{missed:?}");
+    assert!(missed[0] > 0.0 && missed[0] < 0.1 && missed[1] < missed[0], "{missed:?}");
+}
+
+#[test]
+fn a_plan_without_the_structure_is_refused_where_there_is_none() {
+    let key = "controller.orbit.predictive={intervals=3, interval_s=0.009, structure='orbit'}";
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let error = Scenario::load(&path.join("bank15_20g.toml"), &[key.into()]).err().unwrap().to_string();
+    assert!(error.contains("structure") && error.contains("neither a spar nor a membrane"), "{error}");
+    let keys = [key.into(), "aero.full.strips=14".into()];
+    let error = Scenario::load(&path.join("membrane_bank15.toml"), &keys).err().unwrap().to_string();
+    assert!(error.contains("structure") && error.contains("at most 160 states"), "{error}");
+    let error = Scenario::load(&path.join("banking_turn.toml"), &["controller.structure='orbit'".into()]);
+    assert!(error.err().unwrap().to_string().contains("structure"));
+}

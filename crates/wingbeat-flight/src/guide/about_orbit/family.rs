@@ -4,6 +4,7 @@ use super::adapt::CrankTangent;
 use super::dive::{Dive, Level};
 use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
 use super::landing::{Approach, Landing, LandingSpec};
+use super::plan_shape::ShapeSource;
 use super::predictive::PredictiveSpec;
 use super::schedule::{CourseSchedule, Stretch, StretchPlace};
 use super::spec::AboutOrbitSpec;
@@ -318,6 +319,35 @@ impl ReferenceFamily {
             commands,
             off_path: std::array::from_fn(|j| lerp(off(one, j), off(other, j), between)),
         }
+    }
+
+    /// Adds what `sources` say to `row`, at `place` and the phase `cycles` of the gait, which grows by `pace` cycles per s: s and s' of the
+    /// orbit, linear between its steps, the rate by central differences over one of them.
+    ///
+    /// Equation: guide.plan_shape
+    /// `s(t) = s_orbit(phase(t)), s' = [s_orbit(phase + d) - s_orbit(phase - d)]/(2 d) phase', d a step of the orbit`
+    /// Source: choice: the deviation of the structure from its orbit is left out.
+    /// Test: `a_plan_may_take_the_shape_of_the_wings_from_the_orbit`.
+    pub fn shape(
+        &self,
+        place: Option<StretchPlace>,
+        [cycles, pace]: [f64; 2],
+        sources: &[ShapeSource],
+        row: &mut Vec<f64>,
+    ) {
+        let Between(one, other, between) = self.between(place);
+        let orbits = [&self.references[one].steps, &self.references[other].steps];
+        let count = orbits[0].len() - 1;
+        let at = |number: usize, by: f64| {
+            let step = (cycles * count as f64 + by).rem_euclid(count as f64);
+            let i = (step as usize).min(count - 1);
+            let of = |orbit: &[Vec<f64>]| lerp(orbit[i][number], orbit[i + 1][number], step - i as f64);
+            lerp(of(orbits[0]), of(orbits[1]), between)
+        };
+        row.extend(sources.iter().map(|&ShapeSource { number, is_rate }| match is_rate {
+            true => (at(number, 1.0) - at(number, -1.0)) * (0.5 * count as f64 * pace),
+            false => at(number, 0.0),
+        }));
     }
 
     /// How the first orbit changes with the rate of the crank.

@@ -9,6 +9,7 @@ mod feedback;
 mod gains;
 mod governor;
 mod landing;
+mod plan_shape;
 mod predictive;
 mod schedule;
 mod spec;
@@ -18,6 +19,7 @@ pub use adapt::AdaptSpec;
 pub use dive::DiveSpec;
 pub use gains::{HoldingGains, gains_of, holding_inputs};
 pub use landing::LandingSpec;
+pub use plan_shape::PlanStructure;
 pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
@@ -383,6 +385,7 @@ impl Controller for AboutOrbit<'_> {
         let governed = GOVERNED.into_iter().map(|(name, unit)| Column::new(name, unit, ""));
         let governed = governed.filter(|_| self.governor.is_some());
         let solver = self.predictive.iter().flat_map(|_| receding::columns());
+        let missed = self.predictive.iter().filter(|planned| planned.is_reduced());
         own.into_iter()
             .chain(dive.into_iter().flatten())
             .chain(landing)
@@ -391,6 +394,7 @@ impl Controller for AboutOrbit<'_> {
             .chain(governed)
             .chain(self.estimator.columns())
             .chain(solver)
+            .chain(missed.map(|_| Column::new("orbit_plan_error", "", "")))
             .collect()
     }
 
@@ -406,5 +410,8 @@ impl Controller for AboutOrbit<'_> {
         row.extend(self.governor.iter().flat_map(Governor::numbers));
         self.estimator.diagnostics(row);
         row.extend(self.predictive.iter().flat_map(|p| receding::measures(&p.statistics())));
+        row.extend(
+            self.predictive.iter().filter(|planned| planned.is_reduced()).map(|planned| planned.missed),
+        );
     }
 }

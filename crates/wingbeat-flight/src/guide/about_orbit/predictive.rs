@@ -3,6 +3,7 @@
 use super::cycles;
 use super::family::{Asked, ReferenceFamily};
 use super::feedback::{CostToGo, DEVIATIONS, INTEGRAL, OFF_PATH};
+use super::plan_shape::{OrbitShape, PlanStructure};
 use super::spec::OrbitWeights;
 use super::tracking::{Demand, OffsetPlace};
 use crate::guide::angle_error;
@@ -12,6 +13,7 @@ use crate::guide::soft_clearance::SoftClearance;
 use crate::orbit::Deviations;
 use crate::simulate::Update;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::time::Instant;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -22,6 +24,9 @@ use wingbeat_robot::Robot;
 
 /// Weight of the commands that are led and not fed back, per half of their range: no other cost moves them.
 const LED: f64 = 1e3;
+
+/// Rows of the given shape in an interval: at its ends and in its middle, where the plant is linearised.
+const ROWS: usize = 2;
 
 /// A plan of commands that costs what the controller's do, deviations and commands alike, and that at its end costs what the
 /// controller still needs from there on.
@@ -43,6 +48,9 @@ pub struct PredictiveSpec {
     /// What the end of the plan costs.
     #[serde(default)]
     pub terminal: Terminal,
+    /// What the plan knows of spars and membranes.
+    #[serde(default)]
+    pub structure: PlanStructure,
     /// Weight of the change of a command over an interval, per half of its range, beside the command itself.
     #[serde(default)]
     pub command_change: f64,
@@ -102,6 +110,18 @@ impl PredictiveSpec {
             return Err(Error::invalid("interval_s", self.interval_s, allowed));
         }
         self.soft_clearance(robot)?;
+        let (structure, states) = match self.structure {
+            PlanStructure::Full => ("full", robot.states().len()),
+            PlanStructure::Orbit if robot.is_soft() => ("orbit", robot.with_shape_given().states().len()),
+            PlanStructure::Orbit => {
+                let allowed = "full: the robot has neither a spar nor a membrane";
+                return Err(Error::invalid("structure", "orbit", allowed).against(["robot"]));
+            }
+        };
+        if states > MAX_STATES {
+            let allowed = format!("a robot with at most {MAX_STATES} states, not {states}: fewer strips");
+            return Err(Error::invalid("structure", structure, allowed));
+        }
         let needs = [
             ("cross_m", self.cross_m, tracking, "tracking"),
             ("along_m", self.along_m, self.cross_m.is_some(), "cross_m"),
@@ -134,6 +154,8 @@ struct HorizonNode {
 /// What a plan costs.
 struct PlanCost<'a> {
     chart: LocalChart<'a, Robot>,
+    /// The shape of the wings, where it is none of the plan's states.
+    shape: Option<OrbitShape>,
     deviations: Deviations,
     /// Deviations that cost as much as a full command.
     sizes: [f64; Deviations::BODY],
@@ -159,6 +181,11 @@ pub(super) struct Predictive<'a> {
     receding: Receding<RealTime>,
     robot: &'a Robot,
     state: Vec<f64>,
+    /// What the plan knows of the state.
+    known: Vec<f64>,
+    /// Root mean square, over the deviations of the body from what is asked, of what the plan before missed now, by deviations that cost as much
+    /// as a full command.
+    pub missed: f64,
 }
 
 /// What is known of the height at an update.
@@ -171,9 +198,66 @@ pub(super) struct Height {
 }
 
 impl PlanCost<'_> {
+    /// Gives the plan from the state `x` at `t` the shape of the wings as it is on the orbits that are asked for, at the phase that the last plan
+    /// leads to.
+    fn give_shape(
+        &mut self,
+        robot: &Robot,
+        (t, x): (f64, &[f64]),
+        receding: &Receding<RealTime>,
+        family: &ReferenceFamily,
+        demand: &mut impl FnMut(f64, Vec3) -> Demand,
+    ) {
+        let Some(shape) = &self.shape else { return };
+        let rows = ROWS * self.last + 1;
+        let step = self.interval / ROWS as f64;
+        let (mut local, mut state) = (vec![0.0; self.chart.states().len()], x.to_vec());
+        let mut given = std::mem::take(&mut self.chart.motion_mut().rows);
+        given.clear();
+        for row in 0..rows {
+            let at = t + row as f64 * step;
+            if receding.begun() {
+                receding.solver.plan().state_at(at, &mut local);
+                self.chart.globalise(&local, &mut state);
+            }
+            let place = demand(at, Vec3::from_slice(&state[self.deviations.position()..])).place;
+            let faster = robot.pacer().map_or(0.0, |pacer| {
+                state[robot.layout().structure + robot.response().elements() + pacer.element]
+            });
+            let pace = robot.frequency_hz() + faster / TAU;
+            family.shape(place, [cycles(robot, at, &state), pace], &shape.sources, &mut given);
+        }
+        let motion = self.chart.motion_mut();
+        (motion.start, motion.step, motion.rows) = (t, step, given);
+    }
+
     /// Root of the share of the controller's update that an interval is.
     fn share(&self) -> f64 {
         (self.interval / self.to_go.interval).sqrt()
+    }
+
+    /// Root mean square of the deviations of the body between the state `x` and that of the plan for it, `planned` in the chart, by deviations that cost as
+    /// much as a full command.
+    ///
+    /// Equation: guide.plan_error
+    /// `sqrt(mean of ((planned - found)/size)^2) over height, velocity, roll, pitch and rates at the update after that of the plan`
+    /// Source: one-step prediction error (Ljung 1999, System Identification, 3.2).
+    /// Test: `a_plan_may_take_the_shape_of_the_wings_from_the_orbit`.
+    fn miss(&self, planned: &[f64], x: &[f64]) -> f64 {
+        let mut ahead = x.to_vec();
+        self.chart.globalise(planned, &mut ahead);
+        let [found, planned] = [x, &ahead].map(|kept| {
+            let mut numbers = vec![0.0; self.deviations.len()];
+            let mut whole = [0.0; MAX_STATES];
+            let state = match &self.shape {
+                None => kept,
+                Some(shape) => shape.complete(kept, &numbers, &mut whole),
+            };
+            self.deviations.of(state, &mut numbers);
+            numbers
+        });
+        let over = |i: usize| ((planned[i] - found[i]) / self.sizes[i]).powi(2);
+        ((0..self.sizes.len()).map(over).sum::<f64>() / self.sizes.len() as f64).sqrt()
     }
 
     /// Whether `node` costs what the controller needs from there on.
@@ -192,6 +276,14 @@ impl PlanCost<'_> {
         let state = &mut state[..=x.len()];
         self.chart.globalise(x, state);
         let HorizonNode { asked, beside } = &self.nodes[node];
+        let mut whole;
+        let state = match &self.shape {
+            None => state,
+            Some(shape) => {
+                whole = [S::ZERO; MAX_STATES];
+                shape.complete(state, &asked.numbers, &mut whole)
+            }
+        };
         e[INTEGRAL] = S::from(self.integral);
         let (own, off_path) = e[DEVIATIONS..].split_at_mut(asked.numbers.len());
         let heading = self.deviations.of(state, own);
@@ -278,8 +370,17 @@ impl<'a> Predictive<'a> {
         let per_command =
             |(i, c): (usize, &Channel)| if inputs.contains(&i) { 1.0 / c.high } else { LED / half(c) };
         let asked = family.asked(None, 0.0);
+        let (chart, shape) = match spec.structure {
+            PlanStructure::Full => (LocalChart::new(robot), None),
+            PlanStructure::Orbit => {
+                let given = robot.with_shape_given();
+                let shape = OrbitShape::new(robot, &given);
+                (LocalChart::owning(given), Some(shape))
+            }
+        };
         let cost = PlanCost {
-            chart: LocalChart::new(robot),
+            chart,
+            shape,
             deviations: deviations.clone(),
             sizes: weights.sizes(),
             path: spec.path(),
@@ -296,7 +397,8 @@ impl<'a> Predictive<'a> {
         let solver = RealTime::new(&cost.chart, &cost, Settings::new(spec.intervals, spec.interval_s))?;
         let plan = solver.plan().clone();
         let receding = Receding::new(solver, plan, spec.deadline_s, spec.iterations);
-        Ok(Self { cost, receding, robot, state: vec![0.0; robot.states().len()] })
+        let state = vec![0.0; cost.chart.states().len() + 1];
+        Ok(Self { cost, receding, robot, known: state.clone(), state, missed: 0.0 })
     }
 
     /// Plans from the state `x` at `t`, where what is asked at later times is said by `demand`, of the time (s) and the place
@@ -311,13 +413,22 @@ impl<'a> Predictive<'a> {
         mut demand: impl FnMut(f64, Vec3) -> Demand,
         begun: Instant,
     ) -> Update {
-        let Self { cost, receding, robot, state } = self;
+        let Self { cost, receding, robot, state, known, missed } = self;
         let position = cost.deviations.position();
+        match &cost.shape {
+            None => known.copy_from_slice(x),
+            Some(shape) => shape.keep(x, known),
+        }
+        let x = &known[..];
+        cost.give_shape(robot, (t, x), receding, family, &mut demand);
         if !receding.follow::<_, PlanCost>(&mut cost.chart, t, x) {
             let place = demand(t, Vec3::from_slice(&x[position..])).place;
             fly_on(&mut receding.solver, &cost.chart, t, &family.asked(place, cycles(robot, t, x)).commands);
         }
         let plan = receding.solver.plan();
+        if cost.shape.is_some() {
+            *missed = cost.miss(plan.state(0), x);
+        }
         for (k, node) in cost.nodes.iter_mut().enumerate() {
             let at = t + k as f64 * cost.interval;
             cost.chart.globalise(plan.state(k), state);
@@ -333,6 +444,11 @@ impl<'a> Predictive<'a> {
         }
         cost.integral = height.integral + height.error * cost.interval * cost.last as f64;
         receding.improve(&cost.chart, &*cost, t, begun)
+    }
+
+    /// Whether the plan leaves out the structure.
+    pub fn is_reduced(&self) -> bool {
+        self.cost.shape.is_some()
     }
 
     /// The plan, in the chart of the last update.
