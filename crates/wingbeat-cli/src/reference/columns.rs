@@ -243,6 +243,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("orbit_governed", &[FLIGHT], &[""], "", "Largest change of a command by `controller.orbit.clearance_m` at the last update, as a share of its upper limit."),
     column("orbit_clearance_asked", &[FLIGHT], M, "", "The clearance `controller.orbit.clearance_m`."),
     column("orbit_not_kept", &[FLIGHT], ONE, "", "Updates so far with no commands that keep this over a cycle."),
+    column("orbit_plan_error", &[FLIGHT], &[""], "", "What a plan without the structure missed at the last update: root mean square over height, velocity, roll, pitch and rates, each over the deviation that costs a full command."),
     column("orbit_roll_error", &[FLIGHT], RAD, "WB", "Roll less that of the reference at the same phase, at the last update, as measured, under `[controller.orbit]`."),
     column("orbit_pitch_error", &[FLIGHT], RAD, "WB", "Pitch, likewise."),
     column("thrust_moment_<axis>", &[FLIGHT], NM, "B", "Moment of the thrusters about the body's origin."),

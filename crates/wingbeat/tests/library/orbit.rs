@@ -524,7 +524,7 @@ fn a_plan_without_the_structure_is_refused_where_there_is_none() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
     let error = Scenario::load(&path.join("bank15_20g.toml"), &[key.into()]).err().unwrap().to_string();
     assert!(error.contains("structure") && error.contains("neither a spar nor a membrane"), "{error}");
-    let keys = [key.into(), "aero.full.strips=14".into()];
+    let keys = [key.into(), "aero.full.strips=18".into()];
     let error = Scenario::load(&path.join("membrane_bank15.toml"), &keys).err().unwrap().to_string();
     assert!(error.contains("structure") && error.contains("at most 160 states"), "{error}");
     let error = Scenario::load(&path.join("banking_turn.toml"), &["controller.structure='orbit'".into()]);
