@@ -69,7 +69,7 @@ pub struct OrbitMotion {
 }
 
 /// A cycle of the lattice for endless panels, at the instants of `fine`, from it and from `coarse`, whose panels along the chord are `share`
-/// times those of `fine`, at first order.
+/// (dimensionless) times those of `fine`, at first order.
 pub fn extrapolated(coarse: &[InstantLoads], fine: &[InstantLoads], share: f64) -> Vec<InstantLoads> {
     let phases: Vec<f64> = (0..=coarse.len()).map(|k| k as f64 / coarse.len() as f64).collect();
     // The cycle closes.
