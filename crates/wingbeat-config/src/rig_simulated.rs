@@ -7,7 +7,7 @@ use super::{link_spar, plausible};
 use serde::Serialize;
 use wingbeat_aero::Aero;
 use wingbeat_flight::simulate::Record;
-use wingbeat_judge::limits::{flap, rig, spar};
+use wingbeat_judge::limits::{flap, rig, spar, wake};
 use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Plant;
@@ -125,6 +125,7 @@ impl RigRun {
         let lattice = outcome.coupling.map(|of| LatticeSummary::new(of, self.spec.lattice.as_ref()));
         judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
         judge.hold(&rig::STALLED, outcome.stall_fraction);
+        judge.hold_if(&wake::INFLOW, lattice.map(|lattice| lattice.inflow_fraction));
         let skin = |((_, aero), heights): ((&str, &Aero), &Vec<[f64; 2]>)| {
             MembraneSummary::of(aero, heights.iter().copied(), self.frequency())
         };

@@ -596,7 +596,7 @@ impl TetherCase {
     }
 
     /// The derivatives of the loads over the last cycle by the numbers called `keys`, in their order, where the numbers are `to`; no load
-    /// depends on what a wing alone has not. Those of a wing that bends are central differences.
+    /// depends on what a wing alone has not. Those of a wing that bends are differences, central but at the ends of what a number may be.
     ///
     /// # Errors
     /// A number that the wing has not; a fault of the model.
@@ -622,25 +622,26 @@ impl TetherCase {
         vec![[0.0; 6]; self.tether.clock.steps_per_cycle]
     }
 
-    /// The derivative by the number called `key`, by a central difference.
+    /// The derivative by the number called `key`, by a difference.
     fn difference(&self, to: &[(&str, f64)], key: &str) -> Result<Result<CycleWrenches, Fault>, Error> {
         if !is_own(key) {
             return Ok(Ok(self.no_loads()));
         }
-        let given = to.iter().find(|(name, _)| *name == key).map(|(_, value)| *value);
-        let of_file = || self.parameters().into_iter().find(|number| number.name == key);
-        let value = given.or_else(|| of_file().map(|number| number.value)).unwrap_or(0.0);
+        let own = self.parameters().into_iter().find(|number| number.name == key);
+        let own = own.ok_or_else(|| Error::invalid("numbers", format!("{key:?}"), "a number of the wing"))?;
+        let value = to.iter().find(|(name, _)| *name == key).map_or(own.value, |(_, value)| *value);
         let step = DIFFERENCE * value.abs().max(LEAST);
+        // Within what the number is given, and may be.
+        let [least, most] = own.quantity.given;
+        let (low, high) = ((value - step).max(least), (value + step).min(most));
         let at = |value: f64| -> Result<Result<CycleWrenches, Fault>, Error> {
             let others = to.iter().copied().filter(|(name, _)| *name != key);
             let moved: Vec<(&str, f64)> = others.chain([(key, value)]).collect();
             Ok(self.adjusted(&moved)?.last_wrenches())
         };
-        // What must not be negative is not asked below zero.
-        let low = if value >= 0.0 { (value - step).max(0.0) } else { value - step };
-        let (below, above) = (at(low)?, at(value + step)?);
+        let (below, above) = (at(low)?, at(high)?);
         let slope = |(below, above): (&[f64; 6], &[f64; 6])| -> [f64; 6] {
-            std::array::from_fn(|k| (above[k] - below[k]) / (value + step - low))
+            std::array::from_fn(|k| (above[k] - below[k]) / (high - low))
         };
         Ok(below.and_then(|below| Ok(below.iter().zip(&above?).map(slope).collect())))
     }

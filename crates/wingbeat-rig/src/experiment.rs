@@ -84,8 +84,10 @@ pub struct CellLoads {
     pub deflections: Deflections,
 }
 
-/// Instants at which membranes are looked at, at most. *Choice.*
-const MOST_LOOKS: usize = 20_000;
+/// How often membranes are looked at, as the records of flights are, Hz. *Choice.*
+const LOOKS_HZ: f64 = 1000.0;
+/// Instants at which they are, at most. *Choice.*
+const MOST_LOOKS: usize = 100_000;
 
 /// A state with the loads of the air from beyond the robot's models.
 type At<'a> = (f64, (&'a [f64], &'a [f64]), &'a [Wrench<f64>]);
@@ -107,7 +109,7 @@ impl Experiment<'_> {
         let mut row = Vec::new();
         let (mut saturated, mut stalled, mut deflections) = (0, (0, 0.0), Deflections::default());
         let mut heights = vec![Vec::new(); self.robot.surfaces().count()];
-        let thin = samples / MOST_LOOKS + 1;
+        let thin = ((self.cell.rate_hz / LOOKS_HZ) as usize).max(samples / MOST_LOOKS + 1);
         let begun = match self.still(self.robot, (&self.numbers.mount(self.mount), &self.numbers), -self.rest)
         {
             Ok(x) => x,

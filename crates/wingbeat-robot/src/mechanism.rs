@@ -135,8 +135,8 @@ impl Mechanism {
             let first = parts.len();
             add_link(&link, &spec.gait, &mut parts).map_err(|e| e.within(&format!("links[{i}]")))?;
             let of = |spar: &&mut SparJoints| spar.name == spec.links[i].name && spar.name != link.name;
-            if let Some(spar) = spars.iter_mut().find(of).filter(|_| link.elastic.is_some()) {
-                spar.take(&link, first..parts.len());
+            if let (Some(joints), Some(spar)) = (spars.iter_mut().find(of), &spec.links[i].spar) {
+                joints.take(spar, &link, first..parts.len());
             }
         }
         let body = &spec.body;
@@ -187,7 +187,7 @@ impl Mechanism {
 impl<P: Scalar> Mechanism<P> {
     /// Joints between the pieces of spars.
     pub fn pieces(&self) -> impl Iterator<Item = usize> {
-        self.spars.iter().flat_map(|spar| spar.bends.iter().chain(&spar.twists).copied())
+        self.spars.iter().flat_map(SparJoints::joints)
     }
 
     /// The same mechanism, the motion of whose spars is given.

@@ -392,11 +392,11 @@ impl Robot {
 }
 
 impl Robot {
-    /// Refuses keys that name nothing.
-    fn check_names<'a>(&self, mut keys: impl Iterator<Item = &'a str>) -> Result<(), Error> {
-        let known = self.parameters();
-        let unknown = |key: &&str| !known.iter().any(|number| stands_for(key, &number.name).is_some());
-        let Some(unknown) = keys.find(unknown) else { return Ok(()) };
+    /// Refuses keys that name nothing, or a number twice.
+    fn check_names<'a>(&self, keys: impl Iterator<Item = &'a str>) -> Result<(), Error> {
+        let (known, keys) = (self.parameters(), keys.collect::<Vec<_>>());
+        let unknown = |key: &&&str| !known.iter().any(|number| stands_for(key, &number.name).is_some());
+        let Some(unknown) = keys.iter().find(unknown) else { return self.check_spar_numbers(&keys, &known) };
         let names: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
         let allowed = self
             .renamed(unknown)

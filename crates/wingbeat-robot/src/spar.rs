@@ -2,9 +2,10 @@
 
 use super::Robot;
 use super::mechanism::JointDrive;
-use super::numbers::SpringNumbers;
-use super::spec::LinkSpec;
+use super::numbers::{SpringNumbers, stands_for};
+use super::spec::{LinkSparSpec, LinkSpec};
 use std::ops::Range;
+use wingbeat_math::Error;
 use wingbeat_math::range;
 use wingbeat_math::{Declared, DeclaredQuantity, NamedNumber};
 
@@ -12,6 +13,9 @@ use wingbeat_math::{Declared, DeclaredQuantity, NamedNumber};
 const STIFFNESS: DeclaredQuantity = DeclaredQuantity::within("N m2", range::Range::POSITIVE, 1e-9, 1e6);
 /// Damping over stiffness.
 const DAMPING: DeclaredQuantity = DeclaredQuantity::within("s", range::Range::NOT_NEGATIVE, 0.0, 1e3);
+
+/// What the name of a number of a spar has between link and key.
+const SPAR: &str = ".spar.";
 
 /// What a number of a spar is.
 #[derive(Clone, Copy, PartialEq)]
@@ -39,29 +43,51 @@ pub(super) struct SparJoints {
     /// What the file calls its link.
     pub name: String,
     /// Those that bend, from the root on.
-    pub bends: Vec<usize>,
+    bends: Vec<SparJoint>,
     /// Those that twist.
-    pub twists: Vec<usize>,
-    /// Stiffness of the first spring over that of the beam at the root, 1/m.
+    twists: Vec<SparJoint>,
+}
+
+/// A joint between two pieces.
+#[derive(Clone, Copy, Debug)]
+struct SparJoint {
+    joint: usize,
+    /// Stiffness of its spring over that of the beam at the root, 1/m.
     over_root: f64,
+}
+
+/// Relative difference of springs that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+fn alike(a: f64, b: f64) -> bool {
+    (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
 }
 
 impl SparJoints {
     /// That of a link, without joints yet; none of a link without a spar.
     pub fn of(link: &LinkSpec) -> Option<Self> {
-        let over_root = link.spar?.spring(1, 1.0).stiffness;
-        Some(Self { name: link.name.clone(), bends: Vec::new(), twists: Vec::new(), over_root })
+        link.spar.map(|_| Self { name: link.name.clone(), bends: Vec::new(), twists: Vec::new() })
     }
 
-    /// Takes the joints at `places` of a piece, which bend where they turn about x.
-    pub fn take(&mut self, piece: &LinkSpec, places: Range<usize>) {
-        if piece.axis[0] == 0.0 { &mut self.twists } else { &mut self.bends }.extend(places);
+    /// Takes the joints at `places` of a piece of the spar `of`, which bend where they turn about x.
+    pub fn take(&mut self, of: &LinkSparSpec, piece: &LinkSpec, places: Range<usize>) {
+        let Some(spring) = piece.elastic else { return };
+        let (all, root) = match piece.axis[0] == 0.0 {
+            true => (&mut self.twists, of.torsion_n_m2.unwrap_or(of.bending_n_m2)),
+            false => (&mut self.bends, of.bending_n_m2),
+        };
+        all.extend(places.map(|joint| SparJoint { joint, over_root: spring.stiffness / root }));
+    }
+
+    /// All of them.
+    pub fn joints(&self) -> impl Iterator<Item = usize> {
+        self.bends.iter().chain(&self.twists).map(|of| of.joint)
     }
 }
 
 /// Whether the number at `key` is the damping of a spar, which follows its stiffness.
 pub(super) fn follows(key: &str) -> bool {
-    key.split_once(".spar.").is_some_and(|(_, end)| end == SparKey::Damping.name())
+    key.split_once(SPAR).is_some_and(|(_, end)| end == SparKey::Damping.name())
 }
 
 impl Robot {
@@ -73,14 +99,39 @@ impl Robot {
         }
     }
 
-    /// A number of a spar as its first spring has it; none where it has none.
+    /// A number of a spar; none where it has none, or where its springs are not those of one beam.
     fn spar_number(&self, spar: &SparJoints, key: SparKey) -> Option<f64> {
-        let first = |joints: &[usize]| self.spring(*joints.first()?);
-        match key {
-            SparKey::Bending => Some(first(&spar.bends)?.stiffness / spar.over_root),
-            SparKey::Torsion => Some(first(&spar.twists)?.stiffness / spar.over_root),
-            SparKey::Damping => first(&spar.bends).map(|spring| spring.damping / spring.stiffness),
+        let of = |of: &SparJoint| {
+            let spring = self.spring(of.joint)?;
+            Some(match key {
+                SparKey::Damping => spring.damping / spring.stiffness,
+                SparKey::Bending | SparKey::Torsion => spring.stiffness / of.over_root,
+            })
+        };
+        let mut all = match key {
+            SparKey::Bending => spar.bends.iter().chain(&[]),
+            SparKey::Torsion => spar.twists.iter().chain(&[]),
+            SparKey::Damping => spar.bends.iter().chain(&spar.twists),
+        };
+        let first = of(all.next()?)?;
+        all.all(|other| of(other).is_some_and(|other| alike(other, first))).then_some(first)
+    }
+
+    /// Refuses a number of a spar beside one of a spring for which it stands.
+    pub(super) fn check_spar_numbers(&self, keys: &[&str], known: &[NamedNumber]) -> Result<(), Error> {
+        for spar in keys.iter().filter(|key| key.contains(SPAR)) {
+            let stands = |number: &&NamedNumber| {
+                let declared = Declared { name: &number.name, quantity: &number.quantity };
+                self.spar_share(spar, declared, number.value).is_some()
+            };
+            for spring in known.iter().filter(stands) {
+                if let Some(key) = keys.iter().find(|key| stands_for(key, &spring.name).is_some()) {
+                    let allowed = format!("one of it and {spar:?}, which stands for it");
+                    return Err(Error::invalid("numbers", format!("{key:?}"), allowed));
+                }
+            }
         }
+        Ok(())
     }
 
     /// The numbers of the spars with what is declared of them.
@@ -103,12 +154,12 @@ impl Robot {
     /// Source: `robot.spar`; damping over stiffness is t everywhere.
     /// Test: `a_number_of_a_spar_is_that_of_all_its_springs`.
     pub(super) fn spar_share(&self, key: &str, number: Declared, value: f64) -> Option<f64> {
-        let (link, end) = key.strip_prefix("links.")?.split_once(".spar.")?;
+        let (link, end) = key.strip_prefix("links.")?.split_once(SPAR)?;
         let spar = self.mechanism.spars.iter().find(|spar| spar.name == link)?;
         let key = SparKey::ALL.into_iter().find(|key| key.name() == end)?;
         let (piece, of) = number.name.strip_prefix("links.")?.split_once(".elastic.")?;
         let joint = self.tree().find(piece)?;
-        let [bends, twists] = [&spar.bends, &spar.twists].map(|joints| joints.contains(&joint));
+        let [bends, twists] = [&spar.bends, &spar.twists].map(|all| all.iter().any(|of| of.joint == joint));
         let proportional = || Some(value / self.spar_number(spar, key)?);
         match (key, of) {
             (SparKey::Bending, "stiffness" | "damping") if bends => proportional(),

@@ -168,7 +168,10 @@ impl<P: Scalar> StripModel<P> {
     /// # Errors
     /// [`Error::Invalid`] when the strips do not fit the outline.
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<StripModel<Q>, Error> {
-        StripModel::laid(numbers.clone(), self.settings.clone())
+        Ok(StripModel {
+            shapes_given: self.shapes_given,
+            ..StripModel::laid(numbers.clone(), self.settings.clone())?
+        })
     }
 
     /// The same strips under another law.
@@ -178,7 +181,7 @@ impl<P: Scalar> StripModel<P> {
     pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
         let section = SectionSettings { law, ..self.settings.section };
         let settings = StripSettings { section, ..self.settings.clone() };
-        Self::laid(self.numbers.clone(), settings)
+        Ok(Self { shapes_given: self.shapes_given, ..Self::laid(self.numbers.clone(), settings)? })
     }
 
     /// The numbers in use.

@@ -47,6 +47,11 @@ pub struct CourseSummary {
     pub leading_edge_shed: Option<f64>,
     /// Largest way in a step of a vortex that has left a leading edge, mean chords; null in attached flow.
     pub sheet_way_chords: Option<f64>,
+    /// Share of trailing edges and steps of the last cycle at which the air comes in over the edge.
+    pub inflow_fraction: f64,
+    /// Root mean square over the last cycle of the difference of the forces by Joukowski and by Bernoulli over that of the latter; null where they are
+    /// rounding.
+    pub force_apart_fraction: Option<f64>,
     /// Sum of all circulations over the largest (Kelvin).
     pub circulation_error: f64,
     /// Largest difference of a ring and its mirror image over the largest ring.
@@ -123,6 +128,8 @@ impl CourseSummary {
             mean_lift_bernoulli_n: watch.mean("bernoulli", axes.up),
             mean_drag_n: watch.mean("joukowski", -axes.flight),
             mean_drag_bernoulli_n: watch.mean("bernoulli", -axes.flight),
+            inflow_fraction: watch.inflow(),
+            force_apart_fraction: watch.apart(),
             circulation_error: watch.circulation_error,
             symmetry_error: watch.symmetry_error(),
             down_over_up: DownOverUp { left: over_up(0), right: over_up(1) },
@@ -149,6 +156,8 @@ impl CourseSummary {
             ("", self.mean_lift_bernoulli_n, "N, by Bernoulli with leading-edge suction"),
             ("mean drag", self.mean_drag_n, "N, by Joukowski"),
             ("", self.mean_drag_bernoulli_n, "N, by Bernoulli with leading-edge suction"),
+            ("", self.force_apart_fraction, "of the force between both"),
+            ("air comes in", Some(self.inflow_fraction), "share of trailing edges and steps"),
             ("circulation error", Some(self.circulation_error), ""),
             ("symmetry error", self.symmetry_error, ""),
             ("down over up, left", self.down_over_up.left, bound),

@@ -356,7 +356,14 @@ impl OrbitMotion {
         let half = |LatticeSurface { layout, sections }| {
             Some(LatticeSurface { layout: PanelLayout::left_half(&layout)?, sections })
         };
+        let strips = |surfaces: &[LatticeSurface]| -> usize {
+            surfaces.iter().map(|surface| surface.layout.strips()).sum()
+        };
+        let whole = strips(&surfaces);
         scene.surfaces = surfaces.into_iter().filter_map(half).collect();
+        if 2 * strips(&scene.surfaces) != whole {
+            return Err(Error::reference("orbit", format!("{whole} strips that are not two halves")));
+        }
         scene.symmetric = true;
         let way = scene.edge_speed(self.duration) * self.duration;
         let steps = (way * chordwise as f64 / chord).round() as usize;

@@ -196,6 +196,12 @@ fn a_number_of_a_spar_is_that_of_all_its_springs() {
         springs(&[numbers]).iter().zip(&alone).all(|(a, b)| (a.stiffness / b.stiffness - 1.0).abs() < 1e-13)
     );
 
+    // Springs that are not those of one beam have no number in common.
+    let apart =
+        own.robot().adjusted(&[("links.twist_bend1.elastic.stiffness", 1.0)]).unwrap().named_numbers();
+    let has = |key: &String| apart.iter().any(|(name, _)| name == key);
+    assert_eq!(keys.each_ref().map(has), [false, true, false]);
+
     let names: Vec<&str> = keys.iter().map(String::as_str).collect();
     let varied = own.robot().varied(&names).unwrap().numbers().springs;
     for (k, value) in [0.038, 0.062, 2e-4].into_iter().enumerate() {
@@ -213,6 +219,14 @@ fn a_number_of_a_spar_is_that_of_all_its_springs() {
     for (numbers, text) in [
         ("links.twist.spar.bending_n_m2'=0.0", "0.000000001 to 1000000"),
         ("links.elbow.spar.bending_n_m2'=0.1", "links.twist.spar.bending_n_m2"),
+        (
+            "links.twist.spar.bending_n_m2'=0.05, 'links.twist_bend1.elastic.stiffness'=1.0",
+            "which stands for it",
+        ),
+        (
+            "links.twist_1_left.elastic.damping'=1e-3, 'links.twist.spar.damping_s'=1e-4",
+            "which stands for it",
+        ),
     ] {
         let told =
             shipped("soft_20g.toml", &[&format!("robot.numbers={{'{numbers}}}")]).map(drop).unwrap_err();

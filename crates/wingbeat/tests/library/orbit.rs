@@ -514,8 +514,19 @@ fn a_plan_may_take_the_shape_of_the_wings_from_the_orbit() {
         });
         apart(&asked[0], &asked[1]) / apart(&asked[0], &vec![0.0; asked[0].len()])
     });
-    println!("{missed:?}");
     assert!(missed[0] > 0.0 && missed[0] < 0.1 && missed[1] < missed[0], "{missed:?}");
+    let flown = |structure: &str| {
+        let key = format!(
+            "controller.orbit.predictive={{intervals=3, interval_s=0.0075, structure='{structure}'}}"
+        );
+        let scenario =
+            scenario("membrane_bank15", &["controller.orbit.legs=[]", "flight.duration_s=0.06", &key]);
+        scenario.fly(|_| ControlFlow::Continue(())).unwrap().record
+    };
+    let errors = flown("orbit").values("orbit_plan_error").unwrap().to_vec();
+    let largest = errors.iter().copied().fold(0.0, f64::max);
+    assert!(errors[0] == 0.0 && largest > 0.0 && largest < 0.1, "{errors:?}");
+    assert!(flown("full").values("orbit_plan_error").is_none());
 }
 
 #[test]

@@ -425,6 +425,14 @@ fn a_spar_is_scaled_as_its_stations_are() {
     }
     assert_eq!((spar.damping_s, scaled.tether.spar.as_ref().unwrap().damping_s), (2e-3, 2e-3));
     assert!((tip(&of(&[&soft]).unwrap())[0] / tip(&written)[0] - 1.0).abs() > 0.1);
+    // A slope at an end of what a number may be asks for none beyond it.
+    let short = of(&["time.cycles=1", "time.steps_per_cycle=16", "spar.order=1"]).unwrap();
+    let slope = |value: f64| {
+        let found = short.differentiated(&[("spar.bending_scale", value)], &["spar.bending_scale"]);
+        found.unwrap().unwrap()[0].iter().flatten().map(|slope| slope.abs()).fold(0.0, f64::max)
+    };
+    let (stiff, middle) = (slope(1e3), slope(2.0));
+    assert!(stiff < 1e-3 * middle && middle > 0.0, "{stiff}, {middle}");
     let wide = of(&[r#"numbers={"spar.bending_scale"=0.0}"#]).map(drop).unwrap_err();
     assert!(wide.contains("0.001 to 1000"), "{wide}");
     let unknown = of(&[r#"numbers={"spar.bending_n_m2"=0.1}"#]).map(drop).unwrap_err();

@@ -35,6 +35,8 @@ pub(super) struct OrbitReference {
     /// How far it is off its mean path over the ground at every step.
     off_path: Vec<[f64; OFF_PATH]>,
     pub commands: Vec<f64>,
+    /// Its period, s.
+    period: f64,
 }
 
 /// What is asked at a phase.
@@ -321,11 +323,11 @@ impl ReferenceFamily {
         }
     }
 
-    /// Adds what `sources` say to `row`, at `place` and the phase `cycles` of the gait, which grows by `pace` cycles per s: s and s' of the
-    /// orbit, linear between its steps, the rate by central differences over one of them.
+    /// Adds what `sources` say to `row`, at `place` and the phase `cycles` of the gait, which grows by `pace` cycles per s: numbers of the
+    /// orbit, linear between its steps; those that are rates grow with that of the phase, and rates of numbers are central differences.
     ///
     /// Equation: guide.plan_shape
-    /// `s(t) = s_orbit(phase(t)), s' = [s_orbit(phase + d) - s_orbit(phase - d)]/(2 d) phase', d a step of the orbit`
+    /// `s(t) = s_orbit(phase), s' = p s'_orbit(phase), p = T phase'; rate of x: [x(phase + d) - x(phase - d)]/(2 d) phase', d a step of the orbit`
     /// Source: choice: the deviation of the structure from its orbit is left out.
     /// Test: `a_plan_may_take_the_shape_of_the_wings_from_the_orbit`.
     pub fn shape(
@@ -344,9 +346,14 @@ impl ReferenceFamily {
             let of = |orbit: &[Vec<f64>]| lerp(orbit[i][number], orbit[i + 1][number], step - i as f64);
             lerp(of(orbits[0]), of(orbits[1]), between)
         };
-        row.extend(sources.iter().map(|&ShapeSource { number, is_rate }| match is_rate {
-            true => (at(number, 1.0) - at(number, -1.0)) * (0.5 * count as f64 * pace),
-            false => at(number, 0.0),
+        let period = lerp(self.references[one].period, self.references[other].period, between);
+        row.extend(sources.iter().map(|&ShapeSource { number, is_rate, of_rate }| {
+            let scale = if of_rate { period * pace } else { 1.0 };
+            scale
+                * match is_rate {
+                    true => (at(number, 1.0) - at(number, -1.0)) * (0.5 * count as f64 * pace),
+                    false => at(number, 0.0),
+                }
         }));
     }
 
@@ -458,6 +465,6 @@ impl OrbitReference {
         if let Some((input, value)) = cycle.pacing(point.pace) {
             commands[input] = value;
         }
-        Ok(Self { steps, off_path: MeanPath::new(&ground).off, commands })
+        Ok(Self { steps, off_path: MeanPath::new(&ground).off, commands, period: found.orbit.end.duration })
     }
 }

@@ -22,6 +22,8 @@ pub enum PlanStructure {
 pub(super) struct ShapeSource {
     pub number: usize,
     pub is_rate: bool,
+    /// Whether the number is itself a rate, which grows with that of the phase.
+    pub of_rate: bool,
 }
 
 /// The shape of the wings of a robot along its orbits.
@@ -49,11 +51,18 @@ impl OrbitShape {
         let source = |i: usize| {
             let of = name(i).replacen("rate_of_", "", 1);
             let is_rate = of != name(i);
-            place(&of).map(|state| ShapeSource { number: number(state), is_rate })
+            place(&of).map(|state| ShapeSource {
+                number: number(state),
+                is_rate,
+                of_rate: of.contains("_rate"),
+            })
         };
         let states = robot.states().len();
+        let wanted = all.clone().filter(is_given).count();
+        let sources: Vec<ShapeSource> = all.filter(is_given).filter_map(source).collect();
+        assert_eq!(sources.len(), wanted, "each given state is one of the robot or its rate");
         Self {
-            sources: all.filter(is_given).filter_map(source).collect(),
+            sources,
             left_out: (0..states).filter(|i| !kept.contains(i)).map(|i| [i, number(i)]).collect(),
             kept,
             states,
