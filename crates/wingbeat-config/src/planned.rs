@@ -12,7 +12,7 @@ pub struct ReducedPlanSummary {
     /// Error of the plan of an update at the next one, of height, velocity, roll, pitch and rates, each over the deviation that costs as much as a full
     /// command: root mean square over these and over the flight.
     pub error_rms: f64,
-    /// Largest of it at an update.
+    /// Largest of it at an update, dimensionless.
     pub error_max: f64,
 }
 

@@ -595,8 +595,8 @@ impl TetherCase {
         Ok(Tether { aero, ground, spar, ..self.tether.clone() })
     }
 
-    /// The derivatives of the loads over the last cycle by the numbers called `keys`, in their order, where the numbers are `to`; no load
-    /// depends on what a wing alone has not. Those of a wing that bends are differences, central but at the ends of what a number may be.
+    /// The derivatives of the loads over the last cycle, N and N m over the units of the numbers called `keys`, in their order, where the
+    /// numbers are `to`; no load depends on what a wing alone has not. Those of a wing that bends are differences, central but at the ends of what a number may be.
     ///
     /// # Errors
     /// A number that the wing has not; a fault of the model.

@@ -69,13 +69,14 @@ impl OrbitShape {
         }
     }
 
-    /// What of the state `x` of the robot is left to the plan.
+    /// What of the state `x` of the robot, in the units of its channels, is left to the plan.
     pub fn keep(&self, x: &[f64], kept: &mut Vec<f64>) {
         kept.clear();
         kept.extend(self.kept.iter().map(|i| x[*i]));
     }
 
-    /// The state of the robot with the states `kept`, whose others are those of its `numbers` that may deviate from an orbit; in `room`.
+    /// The state of the robot, in the units of its channels, with the states `kept`, whose others are those of its `numbers` that may deviate
+    /// from an orbit; in `room`.
     pub fn complete<'x, S: Scalar>(&self, kept: &[S], numbers: &[f64], room: &'x mut [S]) -> &'x [S] {
         self.kept.iter().zip(kept).for_each(|(i, value)| room[*i] = *value);
         self.left_out.iter().for_each(|[i, number]| room[*i] = S::from(numbers[*number]));
