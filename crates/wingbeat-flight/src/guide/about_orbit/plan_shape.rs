@@ -1,9 +1,11 @@
 //! The shape of soft wings in a plan that does not find it: that of the orbit at the phase of the plan.
 
 use crate::orbit::{Deviations, OrbitSection};
+use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Scalar;
-use wingbeat_ocp::plant::Plant;
+use wingbeat_math::append_copies;
+use wingbeat_ocp::plant::{MAX_STATES, Plant};
 use wingbeat_robot::Robot;
 
 /// What a plan knows of wings that give way.
@@ -76,10 +78,16 @@ impl OrbitShape {
     }
 
     /// The state of the robot, in the units of its channels, with the states `kept`, whose others are those of its `numbers` that may deviate
-    /// from an orbit; in `room`.
-    pub fn complete<'x, S: Scalar>(&self, kept: &[S], numbers: &[f64], room: &'x mut [S]) -> &'x [S] {
+    /// from an orbit; in `room`, which is empty.
+    pub fn complete<'x, S: Scalar>(
+        &self,
+        kept: &[S],
+        numbers: &[f64],
+        room: &'x mut ArrayVec<S, MAX_STATES>,
+    ) -> &'x [S] {
+        append_copies(room, S::ZERO, self.states);
         self.kept.iter().zip(kept).for_each(|(i, value)| room[*i] = *value);
         self.left_out.iter().for_each(|[i, number]| room[*i] = S::from(numbers[*number]));
-        &room[..self.states]
+        room
     }
 }

@@ -12,10 +12,12 @@ use crate::guide::receding::Receding;
 use crate::guide::soft_clearance::SoftClearance;
 use crate::orbit::Deviations;
 use crate::simulate::Update;
+use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::time::Instant;
 use wingbeat_math::Error;
+use wingbeat_math::append_copies;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::{Scalar, Vec3};
 use wingbeat_ocp::plant::{Channel, LocalChart, MAX_STATES, Plant};
@@ -248,7 +250,7 @@ impl PlanCost<'_> {
         self.chart.globalise(planned, &mut ahead);
         let [found, planned] = [x, &ahead].map(|kept| {
             let mut numbers = vec![0.0; self.deviations.len()];
-            let mut whole = [0.0; MAX_STATES];
+            let mut whole = ArrayVec::new();
             let state = match &self.shape {
                 None => kept,
                 Some(shape) => shape.complete(kept, &numbers, &mut whole),
@@ -272,17 +274,13 @@ impl PlanCost<'_> {
 
     /// Those of the state `x` in the chart from what `node` asks, at its time the integral of the height included.
     fn deviate<S: Scalar>(&self, node: usize, x: &[S], e: &mut [S]) {
-        let mut state = [S::ZERO; MAX_STATES];
-        let state = &mut state[..=x.len()];
-        self.chart.globalise(x, state);
+        let (mut state, mut whole) = (ArrayVec::<S, MAX_STATES>::new(), ArrayVec::new());
+        append_copies(&mut state, S::ZERO, x.len() + 1);
+        self.chart.globalise(x, &mut state);
         let HorizonNode { asked, beside } = &self.nodes[node];
-        let mut whole;
         let state = match &self.shape {
-            None => state,
-            Some(shape) => {
-                whole = [S::ZERO; MAX_STATES];
-                shape.complete(state, &asked.numbers, &mut whole)
-            }
+            None => &state[..],
+            Some(shape) => shape.complete(&state, &asked.numbers, &mut whole),
         };
         e[INTEGRAL] = S::from(self.integral);
         let (own, off_path) = e[DEVIATIONS..].split_at_mut(asked.numbers.len());
