@@ -199,6 +199,16 @@ fn controller(summary: &Summary) -> Vec<PaperLine> {
             own("update, 99.9 %", number(1e-3 * controller.p999_us), "ms"),
         ]);
     }
+    if let Some(prepared) = &summary.prepared {
+        rows.extend([
+            own(
+                "update, from its measurement to its commands, median",
+                number(1e-3 * controller.answer_median_us),
+                "ms",
+            ),
+            own("attitude off that prepared for, largest", number(prepared.missed_max_deg), "deg"),
+        ]);
+    }
     rows.push(own("real-time factor", number(summary.real_time_factor), ""));
     rows
 }

@@ -133,6 +133,9 @@ impl JudgedFlight<'_> {
         if let Some(governed) = &summary.governed {
             governed.judge(judge);
         }
+        if let Some(prepared) = &summary.prepared {
+            prepared.judge(judge);
+        }
         if let Some(plan) = &summary.plan {
             plan.judge(judge);
         }

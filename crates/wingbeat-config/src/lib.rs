@@ -97,7 +97,7 @@ pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,
     Planned, RollInSummary, SolverNumbers,
 };
-pub use planned::ReducedPlanSummary;
+pub use planned::{PreparedSummary, ReducedPlanSummary};
 pub use rig::RigRun;
 pub use rig_model::Modelled;
 pub use rig_process::{Processed, TiltWeighing};

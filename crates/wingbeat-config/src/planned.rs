@@ -1,4 +1,4 @@
-//! How well a reduced plan foretold its flight.
+//! How well plans foretold their flight.
 
 use super::summary::mean;
 use serde::Serialize;
@@ -26,5 +26,29 @@ impl ReducedPlanSummary {
 
     pub(super) fn judge(&self, judge: &mut Judge) {
         judge.hold(&flight::PLAN_ERROR, self.error_rms);
+    }
+}
+
+/// A flight whose updates are prepared before their measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct PreparedSummary {
+    /// Angle between the attitude for which an update was prepared and that which it found, deg: root mean square over the flight.
+    pub missed_rms_deg: f64,
+    /// Largest of it, deg.
+    pub missed_max_deg: f64,
+}
+
+impl PreparedSummary {
+    /// Of a record; none where no update is prepared.
+    pub(super) fn new(record: &Record) -> Option<Self> {
+        let angles = record.values("plan_missed_attitude")?;
+        let square = mean(&angles.iter().map(|angle| angle * angle).collect::<Vec<_>>())?;
+        let largest = angles.iter().copied().fold(0.0, f64::max);
+        let [missed_rms_deg, missed_max_deg] = [square.sqrt(), largest].map(f64::to_degrees);
+        Some(Self { missed_rms_deg, missed_max_deg })
+    }
+
+    pub(super) fn judge(&self, judge: &mut Judge) {
+        judge.hold(&flight::PREPARED_MISSED, self.missed_max_deg);
     }
 }

@@ -13,12 +13,13 @@ use super::lattice::LatticeSummary;
 use super::link_spar::LinkSparSummary;
 use super::measure::Measured;
 use super::perch::{PerchSpec, PerchSummary};
-use super::planned::ReducedPlanSummary;
+use super::planned::{PreparedSummary, ReducedPlanSummary};
 use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
 use serde::Serialize;
+use std::time::Duration;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
 use wingbeat_judge::{Judged, RunLimits, Status, Warning};
@@ -141,6 +142,9 @@ pub struct Summary {
     /// How well a plan that leaves out the structure foretold the flight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<ReducedPlanSummary>,
+    /// How far what was found lay from what updates were prepared for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prepared: Option<PreparedSummary>,
     /// Share of the records in which a clearance is below zero.
     pub crossing_fraction: Option<f64>,
     /// Least distance of the body's origin and of the wings from `air.ground_m`, m; negative where something passes through it.
@@ -194,17 +198,26 @@ pub struct ControllerSummary {
     pub p999_us: f64,
     /// Longest, microseconds.
     pub max_us: f64,
+    /// Wall time from a measurement to its commands, microseconds: less than an update where updates are prepared.
+    pub answer_median_us: f64,
+    /// The same at the 99.9th percentile.
+    pub answer_p999_us: f64,
 }
 
 impl ControllerSummary {
     /// Order statistics of the update times.
     pub fn new(flight: &Flight, period_s: Option<f64>) -> Self {
-        let mut us: Vec<f64> = flight.updates.iter().map(|d| d.as_secs_f64() * 1e6).collect();
-        wingbeat_math::order::ascend(&mut us);
-        let quantile = |q: f64| match us.len() {
+        let ascending = |times: &[Duration]| {
+            let mut us: Vec<f64> = times.iter().map(|d| d.as_secs_f64() * 1e6).collect();
+            wingbeat_math::order::ascend(&mut us);
+            us
+        };
+        let [us, answers] = [&flight.updates, &flight.answers].map(|times| ascending(times));
+        let among = |us: &[f64], q: f64| match us.len() {
             0 => 0.0,
             n => us[((n as f64 * q).ceil() as usize).clamp(1, n) - 1],
         };
+        let quantile = |q: f64| among(&us, q);
         Self {
             updates: us.len(),
             failures: flight.failures,
@@ -216,6 +229,8 @@ impl ControllerSummary {
             p99_us: quantile(0.99),
             p999_us: quantile(0.999),
             max_us: quantile(1.0),
+            answer_median_us: among(&answers, 0.5),
+            answer_p999_us: among(&answers, 0.999),
         }
     }
 }
@@ -399,6 +414,7 @@ impl Summary {
                 .as_ref()
                 .and_then(|c| GovernedSummary::new(record, c.least_m, flight.updates.len())),
             plan: ReducedPlanSummary::new(record),
+            prepared: PreparedSummary::new(record),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),

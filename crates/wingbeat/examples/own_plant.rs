@@ -71,6 +71,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         interval_s: Some(0.05),
         horizon_cycles: None,
         horizon_between_cycles: None,
+        prepared: false,
         iterations: 2,
         continuous_input: false,
         input_rate_per_s: BTreeMap::new(),

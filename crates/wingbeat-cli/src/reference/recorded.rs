@@ -167,6 +167,7 @@ fn columns_of_flights_and_strips_are_in_the_reference() {
     fly(&mut met, "scenarios/glider.toml", &["air.ground_m=-5.0"]);
     let reduced = "controller.orbit.predictive={intervals=3, interval_s=0.0075, structure='orbit'}";
     fly(&mut met, "scenarios/membrane_bank15.toml", &["controller.orbit.legs=[]", reduced]);
+    fly(&mut met, "scenarios/banking_turn.toml", &["controller.prepared=true"]);
     fly(&mut met, "scenarios/paper_turn.toml", &["controller.horizon_between_cycles=[0.5, 1.5]"]);
     met.all_of(FLIGHT);
 }

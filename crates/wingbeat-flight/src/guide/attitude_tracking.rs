@@ -154,6 +154,7 @@ mod tests {
             interval_s: Some(0.02),
             horizon_cycles: None,
             horizon_between_cycles: None,
+            prepared: false,
             iterations: 1,
             continuous_input: true,
             input_rate_per_s: BTreeMap::new(),

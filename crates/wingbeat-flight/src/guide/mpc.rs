@@ -48,6 +48,10 @@ pub struct MpcSpec {
     pub horizon_between_cycles: Option<[f64; 2]>,
     /// Iterations of sequential quadratic programming per update.
     pub iterations: usize,
+    /// Each update is prepared before its measurement: the problem is linearised about the state that the plan leads to, and the state
+    /// that is found enters by that linearisation. The commands then come soon after the measurement (`answer_median_us` of the summary).
+    #[serde(default)]
+    pub prepared: bool,
     /// The plan's first input is the last one applied; else it may jump.
     #[serde(default)]
     pub continuous_input: bool,
@@ -122,6 +126,10 @@ impl ControllerSpec for MpcSpec {
             None => {
                 Box::new(Mpc::with(task.model, manoeuvre, &in_seconds, Told::new(task.model), RealTime::new)?)
             }
+            Some(_) if self.prepared => {
+                let allowed = "false with a solver of its own: the shipped one prepares updates";
+                return Err(Error::invalid("prepared", true, allowed).against(["solver"]));
+            }
             Some(solver) => {
                 let make = |chart: &_, tracking: &_, settings| {
                     solver.build(chart, tracking, settings).map_err(|e| e.within("solver"))
@@ -177,6 +185,10 @@ impl MpcSpec {
             let allowed = "a range around horizon_cycles, which gives the first length";
             return Err(Error::invalid(key, format!("{between:?}"), allowed).against(["horizon_cycles"]));
         };
+        if self.prepared {
+            let allowed = "false where the horizon is free: two solvers take turns";
+            return Err(Error::invalid("prepared", true, allowed).against([key]));
+        }
         if let Some(deadline) = self.deadline_s {
             let allowed =
                 "left out where the horizon is free: a late update takes back a plan of another length";
@@ -270,7 +282,11 @@ pub struct Mpc<'a, P: Plant, E = TrueState, H = RealTime> {
     receding: Receding<H>,
     estimator: E,
     estimate: Vec<f64>,
+    /// The state that the plan leads to.
+    expected: Vec<f64>,
     applied: Vec<f64>,
+    /// Whether updates are prepared.
+    prepared: bool,
     /// Whether the length of the horizon is chosen too, and recorded.
     free_horizon: bool,
 }
@@ -314,6 +330,7 @@ where
         let chart = &tracking.chart;
         let settings = Settings {
             hold_first_input: spec.continuous_input,
+            prepared: spec.prepared,
             ..Settings::new(spec.intervals, spec.interval()?)
         };
         let solver = make(chart, &tracking, settings)?;
@@ -322,7 +339,9 @@ where
             receding: Receding::new(solver, plan, spec.deadline_s, spec.iterations),
             estimator,
             estimate: vec![0.0; plant.states().len()],
+            expected: vec![0.0; plant.states().len()],
             applied: vec![0.0; plant.inputs().len()],
+            prepared: spec.prepared,
             free_horizon: spec.horizon_between_cycles.is_some(),
             tracking,
         })
@@ -340,8 +359,18 @@ where
     E: Estimator,
     H: HorizonSolver<LocalChart<'a, P>, AttitudeTracking<'a, P>>,
 {
+    fn prepare(&mut self, t: f64) {
+        let expected = &mut self.expected;
+        if self.prepared
+            && self.receding.expect::<_, AttitudeTracking<P>>(&mut self.tracking.chart, t, expected)
+        {
+            self.receding.prepare(&self.tracking.chart, &self.tracking);
+        }
+    }
+
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         let begun = Instant::now();
+        self.prepare(t);
         self.receding.solver.plan().input_at(t, &mut self.applied);
         let mut x = std::mem::take(&mut self.estimate);
         let estimated = self.estimator.estimate(t, measurement, &self.applied, &mut x);
@@ -361,7 +390,8 @@ where
         let last = self.receding.solver.plan().nodes() - 1;
         let angles = ["roll", "pitch", "yaw"].map(|a| Column::new(format!("plan_{a}_{last}"), "rad", "WB"));
         let horizon = self.free_horizon.then(|| Column::new("horizon", "s", ""));
-        angles.into_iter().chain(receding::columns()).chain(horizon).collect()
+        let missed = self.prepared.then(|| Column::new("plan_missed_attitude", "rad", ""));
+        angles.into_iter().chain(receding::columns()).chain(horizon).chain(missed).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
@@ -371,6 +401,9 @@ where
         row.extend(receding::measures(&self.receding.solver.statistics()));
         if self.free_horizon {
             row.push(plan.horizon.step * plan.horizon.intervals as f64);
+        }
+        if self.prepared {
+            row.push(self.receding.missed);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::simulate::{Column, Update};
 use std::time::{Duration, Instant};
+use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::{LocalChart, Plant};
 use wingbeat_ocp::realtime::{HorizonSolver, Plan, Statistics, Tracking};
 
@@ -15,8 +16,22 @@ pub(super) struct Receding<H> {
     previous: Plan,
     deadline: Option<Duration>,
     iterations: usize,
+    /// Start of the plan, s; none before the first update.
     last_update: Option<f64>,
     local: Vec<f64>,
+    /// The update that is expected, where the plan was moved on to it.
+    expected: Option<ExpectedUpdate>,
+    /// Angle between the attitude that the last update expected and that which it found, rad.
+    pub missed: f64,
+}
+
+/// An update whose state is not measured yet.
+#[derive(Clone, Copy)]
+struct ExpectedUpdate {
+    /// Its time, s.
+    t: f64,
+    /// Whether the solver can answer.
+    ready: bool,
 }
 
 impl<H> Receding<H> {
@@ -29,6 +44,8 @@ impl<H> Receding<H> {
             local: vec![0.0; previous.horizon.states],
             previous,
             solver,
+            expected: None,
+            missed: 0.0,
         }
     }
 
@@ -49,8 +66,16 @@ impl<H> Receding<H> {
         H: HorizonSolver<LocalChart<'a, P>, T>,
     {
         let last = self.last_update.replace(t);
-        if let Some(last) = last {
+        let expected = self.expected.filter(|expected| expected.t == t);
+        if let Some(last) = last.filter(|_| expected.is_none()) {
             self.solver.shift(chart, t - last);
+        }
+        if let (Some(expected), Some(r)) = (expected, chart.rotation()) {
+            chart.localise(x, &mut self.local);
+            self.missed = Vec3::from_slice(&self.local[r..]).norm();
+            if expected.ready {
+                return true;
+            }
         }
         let old = chart.reference();
         chart.center_at(x);
@@ -62,6 +87,41 @@ impl<H> Receding<H> {
         let plan = self.solver.plan_mut();
         (0..plan.nodes()).for_each(|k| chart.adopt(old, plan.state_mut(k)));
         true
+    }
+
+    /// Moves the plan on to `t`, where nothing is measured yet, and centres `chart` at the state that it leads to, which is left in `state`.
+    /// False before the first update, and where it was done.
+    pub fn expect<'a, P: Plant, T: Tracking>(
+        &mut self,
+        chart: &mut LocalChart<'a, P>,
+        t: f64,
+        state: &mut [f64],
+    ) -> bool
+    where
+        H: HorizonSolver<LocalChart<'a, P>, T>,
+    {
+        let Some(last) = self.last_update.filter(|_| self.expected.is_none_or(|expected| expected.t != t))
+        else {
+            return false;
+        };
+        self.solver.shift(chart, t - last);
+        (self.last_update, self.expected) = (Some(t), Some(ExpectedUpdate { t, ready: false }));
+        let old = chart.reference();
+        chart.globalise(self.solver.plan().state(0), state);
+        chart.center_at(state);
+        let plan = self.solver.plan_mut();
+        (0..plan.nodes()).for_each(|k| chart.adopt(old, plan.state_mut(k)));
+        true
+    }
+
+    /// Does what can be done for the update that is [expected](Self::expect) before its state is measured.
+    pub fn prepare<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T)
+    where
+        H: HorizonSolver<P, T>,
+    {
+        if let Some(expected) = &mut self.expected {
+            expected.ready = self.solver.prepare(plant, tracking, expected.t, self.iterations);
+        }
     }
 
     /// Solves for the plan at `t`, to which it was moved; the deadline counts from `begun`.
@@ -76,7 +136,11 @@ impl<H> Receding<H> {
         H: HorizonSolver<P, T>,
     {
         self.previous.clone_from(self.solver.plan());
-        let status = self.solver.solve(plant, tracking, t, &self.local, self.iterations);
+        let ready = self.expected.take().is_some_and(|expected| expected.ready && expected.t == t);
+        let status = match ready {
+            true => self.solver.answer(plant, tracking, &self.local),
+            false => self.solver.solve(plant, tracking, t, &self.local, self.iterations),
+        };
         if !status.updated() {
             return Update::Kept;
         }

@@ -13,6 +13,8 @@ use wingbeat_ocp::plant::{Fault, Plant};
 
 /// What decides the plant's inputs.
 pub trait Controller {
+    /// Does what can be done for the update at time `t`, s, before it is measured. An update that was not prepared gives the same commands.
+    fn prepare(&mut self, _t: f64) {}
     /// Plans anew at time `t` from what is measured. A failure leaves the previous plan in force.
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update;
     /// Writes the planned inputs at time `t`, the very function the plan was made with.
@@ -27,6 +29,9 @@ pub trait Controller {
 }
 
 impl<C: Controller + ?Sized> Controller for Box<C> {
+    fn prepare(&mut self, t: f64) {
+        (**self).prepare(t);
+    }
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         (**self).update(t, measurement)
     }
@@ -103,8 +108,10 @@ pub struct Flight {
     pub duration: f64,
     /// Wall time of the loop.
     pub wall: Duration,
-    /// Wall time of each controller update.
+    /// Wall time of each controller update, with its preparation.
     pub updates: Vec<Duration>,
+    /// Wall time of each from the measurement to the commands.
+    pub answers: Vec<Duration>,
     /// Updates that failed and kept the previous plan.
     pub failures: usize,
     /// Updates that came late and kept the previous plan.
@@ -183,6 +190,7 @@ pub(super) struct Pilot<'a, P, C: ?Sized, O> {
     observe: O,
     start: Instant,
     updates: Vec<Duration>,
+    answers: Vec<Duration>,
     failures: usize,
     late: usize,
 }
@@ -206,6 +214,7 @@ impl<'a, P, C: ?Sized, O> Pilot<'a, P, C, O> {
             observe,
             start: Instant::now(),
             updates: Vec::with_capacity(updates),
+            answers: Vec::with_capacity(updates),
             failures: 0,
             late: 0,
         }
@@ -218,6 +227,7 @@ impl<'a, P, C: ?Sized, O> Pilot<'a, P, C, O> {
             duration,
             wall: self.start.elapsed(),
             updates: self.updates,
+            answers: self.answers,
             failures: self.failures,
             late: self.late,
             taken: None,
@@ -267,12 +277,16 @@ where
             return;
         }
         let begun = Instant::now();
+        self.controller.prepare(t);
+        let measured = Instant::now();
         match self.controller.update(t, &self.sensors.measure(t, x)) {
             Update::Fresh => {}
             Update::Kept => self.failures += 1,
             Update::Late => self.late += 1,
         }
-        self.updates.push(begun.elapsed());
+        let ended = Instant::now();
+        self.updates.push(ended - begun);
+        self.answers.push(ended - measured);
     }
 
     fn planned(&self, t: f64, u: &mut [f64]) {

@@ -100,8 +100,13 @@ pub const DIVE_PITCH: JudgedLimit = JudgedLimit::at_most("flight.dive_pitch_deg"
 pub const PLAN_ERROR: JudgedLimit = JudgedLimit::warn_above("flight.plan_error", 0.1, "")
     .on("rms error of the plan at the next update, of height, velocity, roll, pitch and rates over the deviations that cost a full command (controller.orbit.predictive.structure)");
 
+/// Attitude that an update found against that which it was prepared for: *choice*, from where the linearisation of the attitude is off by some
+/// .4 % (1 - sin x/x).
+pub const PREPARED_MISSED: JudgedLimit = JudgedLimit::warn_above("flight.prepared_missed_deg", 9.0, "deg")
+    .on("largest angle between the attitude that an update found and that which it was prepared for (controller.prepared)");
+
 /// All of them.
-pub const ALL: [JudgedLimit; 29] = [
+pub const ALL: [JudgedLimit; 30] = [
     DIVE_HEIGHT,
     PERCH_CLEARANCE,
     DIVE_PLAN,
@@ -131,4 +136,5 @@ pub const ALL: [JudgedLimit; 29] = [
     TURBULENCE_SPEED,
     TURBULENCE_ELSEWHERE,
     PLAN_ERROR,
+    PREPARED_MISSED,
 ];

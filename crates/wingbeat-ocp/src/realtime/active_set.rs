@@ -111,6 +111,77 @@ impl ActiveSet {
         if !self.unconstrained_minimum(qp) {
             return QpEnd::Trouble;
         }
+        self.improve(qp)
+    }
+
+    /// Solves a program that differs from the last one, which was solved, by its gradient and limits alone: from the constraints that bound
+    /// there, less those that would pull.
+    ///
+    /// Equation: ocp.moved_program
+    /// `z = J [y1; -J2' g], R' y1 = b, R u = y1 + J1' g; the least u below zero is released until none is`
+    /// Source: Goldfarb & Idnani 1983, of the minimum on the binding constraints N' z = b with J' N = [R; 0].
+    /// Test: `a_moved_program_has_the_solution_that_it_has_alone`.
+    pub fn solve_moved(&mut self, qp: &QuadraticProgram) -> QpEnd {
+        self.changes = 0;
+        while let Some(pulling) = self.minimum_on_binding(qp) {
+            self.changes += 1;
+            self.drop(pulling);
+        }
+        match self.z.iter().all(|z| z.is_finite()) {
+            true => self.improve(qp),
+            false => QpEnd::Trouble,
+        }
+    }
+
+    /// The minimum where what binds does so, with its multipliers; returns the constraint whose multiplier is the least below zero.
+    fn minimum_on_binding(&mut self, qp: &QuadraticProgram) -> Option<usize> {
+        let (n, q) = (self.n, self.binding.len());
+        for (p, row) in self.projected.iter_mut().zip(self.basis.chunks_exact(n)) {
+            *p = dot(row, &qp.gradient);
+        }
+        for j in 0..q {
+            let Bound { constraint, sign, .. } = self.binding[j];
+            let limits = match (constraint.checked_sub(n), sign > 0.0) {
+                (None, true) => &qp.low,
+                (None, false) => &qp.high,
+                (Some(_), true) => &qp.row_low,
+                (Some(_), false) => &qp.row_high,
+            };
+            let column = &self.triangle[j * n..][..n];
+            let limit = sign * limits[constraint.checked_sub(n).unwrap_or(constraint)];
+            self.dual_step[j] = (limit - dot(&column[..j], &self.dual_step[..j])) / column[j];
+        }
+        self.z.fill(0.0);
+        for (j, row) in self.basis.chunks_exact(n).enumerate() {
+            let along = if j < q { self.dual_step[j] } else { -self.projected[j] };
+            axpy(&mut self.z, along, row);
+        }
+        for j in 0..q {
+            self.dual_step[j] += self.projected[j];
+        }
+        self.back_substitute(q);
+        let mut least = (0.0, None);
+        for (j, (bound, u)) in self.binding.iter_mut().zip(&self.dual_step).enumerate() {
+            bound.multiplier = *u;
+            if *u < least.0 {
+                least = (*u, Some(j));
+            }
+        }
+        least.1
+    }
+
+    /// Solves R r = v in place of the first `q` numbers of the dual step.
+    fn back_substitute(&mut self, q: usize) {
+        for j in (0..q).rev() {
+            let column = &self.triangle[j * self.n..][..self.n];
+            let r = self.dual_step[j] / column[j];
+            axpy(&mut self.dual_step[..j], -r, &column[..j]);
+            self.dual_step[j] = r;
+        }
+    }
+
+    /// Lets the constraint that is violated most bind until none is.
+    fn improve(&mut self, qp: &QuadraticProgram) -> QpEnd {
         let limit = 20 * (qp.size() + qp.row_low.len()) + 20;
         while let Some((mut bound, mut slack)) = self.most_violated(qp) {
             loop {
@@ -213,12 +284,7 @@ impl ActiveSet {
             axpy(&mut self.direction, *p, row);
         }
         self.dual_step[..q].copy_from_slice(&self.projected[..q]);
-        for j in (0..q).rev() {
-            let column = &self.triangle[j * n..][..n];
-            let r = self.dual_step[j] / column[j];
-            axpy(&mut self.dual_step[..j], -r, &column[..j]);
-            self.dual_step[j] = r;
-        }
+        self.back_substitute(q);
         let mut room = (f64::INFINITY, 0);
         for (j, (b, r)) in self.binding.iter().zip(&self.dual_step).enumerate() {
             if *r > 0.0 && b.multiplier / r < room.0 {
@@ -345,6 +411,36 @@ mod tests {
             most_active = most_active.max(solver.active());
         }
         assert!(most_active > 8);
+    }
+
+    #[test]
+    fn a_moved_program_has_the_solution_that_it_has_alone() {
+        let mut seed = 11;
+        let (mut released, mut bound) = (0, 0);
+        for trial in 0..200 {
+            let (n, rows) = (2 + trial % 20, trial % 13);
+            let mut qp = random_program(n, rows, &mut seed);
+            let mut solver = ActiveSet::new(n);
+            assert_eq!(solver.solve(&qp), QpEnd::Solved);
+            let before = solver.active();
+            let moved = [&mut qp.gradient, &mut qp.row_low, &mut qp.row_high, &mut qp.low, &mut qp.high];
+            for number in moved.into_iter().flatten() {
+                *number += 0.1 * noise(&mut seed);
+            }
+            let mut alone = ActiveSet::new(n);
+            assert_eq!(
+                (solver.solve_moved(&qp), alone.solve(&qp)),
+                (QpEnd::Solved, QpEnd::Solved),
+                "{trial}"
+            );
+            assert!(kkt_error(&qp, &solver) < 1e-8, "trial {trial}: {}", kkt_error(&qp, &solver));
+            let apart =
+                solver.z.iter().zip(&alone.z).fold(0.0_f64, |most, (z, other)| most.max((z - other).abs()));
+            assert!(apart < 1e-8, "trial {trial}: {apart}");
+            released += usize::from(solver.active() < before);
+            bound += usize::from(solver.active() > before);
+        }
+        assert!(released > 10 && bound > 10, "{released}, {bound}");
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Elimination of the states: every node's state as a linear function of the
 //! inputs, interval by interval.
 
-use super::dense::{PACK, Terms, factor, multiply_add, packs, packs_mut, padded, solve};
+use super::dense::{
+    PACK, Terms, factor, multiply_add, multiply_add_one, packs, packs_mut, padded, solve, solve_one,
+};
 use super::plan::Horizon;
 use crate::plant::Linearisation;
 
@@ -43,16 +45,23 @@ pub struct Elimination {
     /// df_k for each node, the same shape.
     rates: Vec<Vec<f64>>,
     middle: Vec<f64>,
-    matrix: Vec<f64>,
+    /// What each interval was solved with: of all of them where states are moved afterwards, else of the last.
+    factors: Vec<Factor>,
     /// A_{k+1} with padded rows.
     end: Vec<f64>,
-    pivots: Vec<usize>,
     terms: Terms,
 }
 
+/// The derivative of a defect by the state at the end of its interval, factored.
+#[derive(Clone, Debug)]
+struct Factor {
+    matrix: Vec<f64>,
+    pivots: Vec<usize>,
+}
+
 impl Elimination {
-    /// Storage for a horizon.
-    pub fn new(horizon: Horizon) -> Self {
+    /// Storage for a horizon that keeps what `kept` intervals were solved with.
+    pub fn new(horizon: Horizon, kept: usize) -> Self {
         let n = horizon.states;
         let width = |node| Columns { inputs: horizon.inputs, first: 0 }.width(node);
         let blocks = || (0..=horizon.intervals).map(|k| vec![0.0; n * width(k)]).collect();
@@ -60,10 +69,9 @@ impl Elimination {
             horizon,
             states: blocks(),
             rates: blocks(),
-            middle: vec![0.0; n * width(horizon.intervals)],
-            matrix: vec![0.0; n * padded(n)],
+            middle: vec![0.0; (n * width(horizon.intervals)).max(2 * padded(n))],
+            factors: vec![Factor { matrix: vec![0.0; n * padded(n)], pivots: vec![0; n] }; kept],
             end: vec![0.0; n * padded(n)],
-            pivots: vec![0; n],
             terms: Terms::new(n),
         }
     }
@@ -109,27 +117,19 @@ impl Elimination {
         let Horizon { states: n, inputs: m, step: h, .. } = self.horizon;
         let (w0, w1) = (columns.width(k), columns.width(k + 1));
         let stride = padded(n);
-        self.end_matrix(&middle.a, &end.a);
-        if !factor(&mut self.matrix, n, stride, &mut self.pivots) {
+        let slot = k % self.factors.len();
+        self.end_matrix(slot, &middle.a, &end.a);
+        let Factor { matrix, pivots } = &mut self.factors[slot];
+        if !factor(matrix, n, stride, pivots) {
             return false;
         }
         let known = &mut self.middle[..n * w1];
         let (done, rest) = self.states.split_at_mut(k + 1);
         let (x0, f0) = (&done[k][..n * w0], &self.rates[k][..n * w0]);
         let x1 = &mut rest[0][..n * w1];
+        carry(h, (x0, f0, w0), (x1, known, w1));
         for i in 0..n {
-            let (right, known) = (&mut x1[i * w1..][..w1], &mut known[i * w1..][..w1]);
-            let (x, f) = (packs(&x0[i * w0..][..w0]), packs(&f0[i * w0..][..w0]));
-            let (to, also) = (packs_mut(right), packs_mut(known));
-            for c in 0..x.len() {
-                for l in 0..PACK {
-                    to[c][l] = x[c][l] + h / 6.0 * f[c][l];
-                    also[c][l] = 0.5 * x[c][l] + h / 8.0 * f[c][l];
-                }
-            }
-            right[w0..].fill(0.0);
-            known[w0..].fill(0.0);
-            right[0] -= defect[i];
+            x1[i * w1] -= defect[i];
         }
         let (old, new) = (columns.of(k), columns.of(k + 1));
         add_inputs(known, w1, new, -h / 8.0, &end.b, m);
@@ -137,7 +137,7 @@ impl Elimination {
         add_inputs(x1, w1, new, h / 3.0, &middle.b, m);
         add_inputs(x1, w1, old, h / 3.0, &middle.b, m);
         multiply_add(x1, 2.0 * h / 3.0, &middle.a, known, w1, &mut self.terms);
-        solve(&self.matrix, stride, &self.pivots, x1, w1, &mut self.terms);
+        solve(matrix, stride, pivots, x1, w1, &mut self.terms);
         if k + 1 == self.horizon.intervals {
             // No interval starts from there.
             return true;
@@ -149,13 +149,52 @@ impl Elimination {
         true
     }
 
+    /// Moves the states of all nodes by what follows, at inputs unchanged, from the move of the first, with the linearisations at the
+    /// `nodes` and in the `middles` of all intervals. `moved` has a padded row for each node, in the units
+    /// of the states: the first node's is given, the others' are written.
+    ///
+    /// Equation: ocp.moved_start
+    /// `dx1 - dx0 - h/6 (A0 dx0 + 4 dfc + A1 dx1) = 0, dfc = Ac ((dx0 + dx1)/2 + h/8 (A0 dx0 - A1 dx1)), from dx = x measured - x predicted`
+    /// Source: initial value embedding, Diehl, Bock & Schloeder 2005, A real-time iteration scheme for nonlinear optimization in optimal
+    /// feedback control, SIAM J. Control Optim. 43.
+    /// Test: `an_answer_from_where_it_was_prepared_is_the_whole_update`.
+    pub fn move_start(
+        &mut self,
+        columns: Columns,
+        nodes: &[Linearisation],
+        middles: &[Linearisation],
+        moved: &mut [f64],
+    ) {
+        let Horizon { states: n, intervals, step: h, .. } = self.horizon;
+        let row = padded(n);
+        for k in 0..=intervals {
+            let (done, rest) = moved.split_at_mut(k * row);
+            let here = &mut rest[..row];
+            if k > 0 {
+                let (before, interval) = (&done[(k - 1) * row..], k - 1);
+                let (rates, known) = self.middle[..2 * row].split_at_mut(row);
+                rates.fill(0.0);
+                multiply_add_one(&mut rates[..n], 1.0, &nodes[interval].a, &before[..n]);
+                carry(h, (before, rates, row), (here, known, row));
+                multiply_add_one(&mut here[..n], 2.0 * h / 3.0, &middles[interval].a, &known[..n]);
+                let Factor { matrix, pivots } = &self.factors[interval];
+                solve_one(matrix, row, pivots, &mut here[..n]);
+            }
+            let width = columns.width(k);
+            for i in 0..n {
+                self.states[k][i * width] += here[i];
+            }
+        }
+    }
+
     /// Derivative of the defect by the end state:
     /// I - h/6 A_{k+1} - 2h/3 A_c (I/2 - h/8 A_{k+1}).
-    fn end_matrix(&mut self, middle: &[f64], end: &[f64]) {
+    fn end_matrix(&mut self, slot: usize, middle: &[f64], end: &[f64]) {
         let Horizon { states: n, step: h, .. } = self.horizon;
         let stride = padded(n);
+        let matrix = &mut self.factors[slot].matrix;
         for i in 0..n {
-            let row = &mut self.matrix[i * stride..][..n];
+            let row = &mut matrix[i * stride..][..n];
             let (ac, a1) = (&middle[i * n..][..n], &end[i * n..][..n]);
             for j in 0..n {
                 row[j] = -h / 6.0 * a1[j] - h / 3.0 * ac[j];
@@ -163,7 +202,25 @@ impl Elimination {
             row[i] += 1.0;
             self.end[i * stride..][..n].copy_from_slice(&end[i * n..][..n]);
         }
-        multiply_add(&mut self.matrix, h * h / 12.0, middle, &self.end, stride, &mut self.terms);
+        multiply_add(matrix, h * h / 12.0, middle, &self.end, stride, &mut self.terms);
+    }
+}
+
+/// What an interval of `h` s knows of its end from the states and rates at its begin, and the state in its middle: dx_k + h/6 df_k and
+/// dx_k/2 + h/8 df_k, in the columns that the begin has.
+fn carry(h: f64, (x0, f0, w0): (&[f64], &[f64], usize), (end, middle, w1): (&mut [f64], &mut [f64], usize)) {
+    for i in 0..end.len() / w1 {
+        let (right, known) = (&mut end[i * w1..][..w1], &mut middle[i * w1..][..w1]);
+        let (x, f) = (packs(&x0[i * w0..][..w0]), packs(&f0[i * w0..][..w0]));
+        let (to, also) = (packs_mut(right), packs_mut(known));
+        for c in 0..x.len() {
+            for l in 0..PACK {
+                to[c][l] = x[c][l] + h / 6.0 * f[c][l];
+                also[c][l] = 0.5 * x[c][l] + h / 8.0 * f[c][l];
+            }
+        }
+        right[w0..].fill(0.0);
+        known[w0..].fill(0.0);
     }
 }
 

@@ -28,7 +28,10 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
             sum[l] = fused(xs[i][l], ys[i][l], sum[l]);
         }
     }
-    let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum();
+    let mut rest = 0.0;
+    for i in 0..x_rest.len() {
+        rest += x_rest[i] * y_rest[i];
+    }
     (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
 }
 
@@ -124,6 +127,29 @@ pub fn multiply_add(c: &mut [f64], alpha: f64, a: &[f64], b: &[f64], width: usiz
     for (c, a) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
         terms.gather(alpha, a);
         terms.add_to(c, b);
+    }
+}
+
+/// c += alpha A x for one x, A row-major with as many columns.
+pub fn multiply_add_one(c: &mut [f64], alpha: f64, a: &[f64], x: &[f64]) {
+    for i in 0..c.len() {
+        c[i] = fused(alpha, dot(&a[i * x.len()..][..x.len()], x), c[i]);
+    }
+}
+
+/// As [`solve`] for one right side.
+pub fn solve_one(lu: &[f64], stride: usize, pivots: &[usize], b: &mut [f64]) {
+    let n = pivots.len();
+    for k in (0..n).rev() {
+        b.swap(pivots[k], k);
+    }
+    for k in (0..n).rev() {
+        let (above, below) = b[..n].split_at_mut(k + 1);
+        above[k] -= dot(&lu[k * stride + k + 1..k * stride + n], below);
+    }
+    for k in 0..n {
+        let (above, rest) = b.split_at_mut(k);
+        rest[0] = (rest[0] - dot(&lu[k * stride..][..k], above)) / lu[k * stride + k];
     }
 }
 

@@ -16,6 +16,15 @@ pub trait HorizonSolver<P: Plant, T: Tracking> {
     /// Improves the plan from the state `x0` at the time `t0`, s, by at most `iterations` iterations.
     /// Leaves it as it was unless the status says that it was updated.
     fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> UpdateStatus;
+    /// First phase of an update in two: what can be done for the time `t0`, s, before the state is found, from the first state of the plan.
+    /// False where the update is left to [`solve`](Self::solve), as by default.
+    fn prepare(&mut self, _plant: &P, _tracking: &T, _t0: f64, _iterations: usize) -> bool {
+        false
+    }
+    /// Second phase of an update that was prepared, from the state `x0` that was found, in the units of the plant's channels.
+    fn answer(&mut self, _plant: &P, _tracking: &T, _x0: &[f64]) -> UpdateStatus {
+        UpdateStatus::NumericalTrouble
+    }
     /// Measures of the last update.
     fn statistics(&self) -> Statistics;
 }
@@ -37,6 +46,12 @@ macro_rules! handed_on {
         }
         fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> UpdateStatus {
             <$to>::solve(self, plant, tracking, t0, x0, iterations)
+        }
+        fn prepare(&mut self, plant: &P, tracking: &T, t0: f64, iterations: usize) -> bool {
+            <$to>::prepare(self, plant, tracking, t0, iterations)
+        }
+        fn answer(&mut self, plant: &P, tracking: &T, x0: &[f64]) -> UpdateStatus {
+            <$to>::answer(self, plant, tracking, x0)
         }
         fn statistics(&self) -> Statistics {
             <$to>::statistics(self)

@@ -76,6 +76,7 @@ use crate::plant::{Fault, Linearisation, Plant};
 use crate::{Midpoint, Transcription};
 use condense::{Columns, Elimination};
 use curvature::Correction;
+use dense::padded;
 use plan::check_finite;
 use reduced::{Reduction, limited, rate_limited};
 use wingbeat_math::Error;
@@ -95,12 +96,15 @@ pub struct Settings {
     pub tolerance: f64,
     /// Longest Runge-Kutta step beyond the old horizon when shifting, s.
     pub substep: f64,
+    /// Updates can be in two phases, [`RealTime::prepare`] and [`RealTime::answer`], for which the linearisation of the whole horizon is
+    /// kept.
+    pub prepared: bool,
 }
 
 impl Settings {
     /// `intervals` of `step` seconds, first input free, tolerance 1e-8.
     pub fn new(intervals: usize, step: f64) -> Self {
-        Self { intervals, step, hold_first_input: false, tolerance: 1e-8, substep: 2.5e-3 }
+        Self { intervals, step, hold_first_input: false, tolerance: 1e-8, substep: 2.5e-3, prepared: false }
     }
 }
 
@@ -111,7 +115,8 @@ pub struct RealTime {
     plan: Plan,
     trial: Plan,
     nodes: Vec<Linearisation>,
-    middle: Linearisation,
+    /// In the middles of all intervals where updates are prepared, else of the last.
+    middles: Vec<Linearisation>,
     point: Midpoint<f64>,
     defect: Vec<f64>,
     states: Elimination,
@@ -122,6 +127,14 @@ pub struct RealTime {
     columns: Columns,
     work: Workspace<f64>,
     statistics: Statistics,
+    /// Moves of the nodes' states by the measured one, in padded rows.
+    moved: Vec<f64>,
+    /// Whether an answer can be given.
+    ready: bool,
+    /// Whether the limits that bind without a move of the first state are known.
+    solved: bool,
+    /// Whether the plan has no rates yet.
+    without_rates: bool,
 }
 
 impl RealTime {
@@ -138,22 +151,28 @@ impl RealTime {
         let rates = rate_limited(tracking, m).count();
         let rows = settings.intervals * (limited(plant.states()).count() + tracking.limits().len() + rates);
         let residuals = (0..=settings.intervals).map(|k| tracking.residuals(k)).max().unwrap_or(0);
+        let kept = if settings.prepared { settings.intervals } else { 1 };
+        let nodes_kept = if settings.prepared { settings.intervals + 1 } else { 1 };
         Ok(Self {
             settings,
             plan: Plan::new(horizon),
             trial: Plan::new(horizon),
             nodes: vec![Linearisation::new(n, m); settings.intervals + 1],
-            middle: Linearisation::new(n, m),
+            middles: vec![Linearisation::new(n, m); kept],
             point: Midpoint::new(n, m),
             defect: vec![0.0; n],
-            states: Elimination::new(horizon),
-            reduction: Reduction::new(horizon, residuals, rows),
+            states: Elimination::new(horizon, kept),
+            reduction: Reduction::new(horizon, residuals, rows, nodes_kept),
             qp: QuadraticProgram::new(variables, rows),
             solver: ActiveSet::new(variables),
             curvature: Correction::new(variables),
             columns,
             work: Workspace::new(n, 4),
             statistics: Statistics::default(),
+            moved: vec![0.0; if settings.prepared { (settings.intervals + 1) * padded(n) } else { 0 }],
+            ready: false,
+            solved: false,
+            without_rates: false,
         })
     }
 
@@ -196,6 +215,7 @@ impl RealTime {
 
     /// Moves the plan on by `dt`, s: the warm start of the next update.
     pub fn shift<P: Plant>(&mut self, plant: &P, dt: f64) {
+        self.complete(plant);
         self.trial.shift_from(&self.plan, dt, plant, self.settings.substep, &mut self.work);
         std::mem::swap(&mut self.plan, &mut self.trial);
     }
@@ -212,6 +232,13 @@ impl RealTime {
         self.trial.shift_from(&self.plan, 0.0, plant, self.settings.substep, &mut self.work);
         std::mem::swap(&mut self.plan, &mut self.trial);
         self.cut(step);
+    }
+
+    /// Gives the plan of an answer the rates that its states are interpolated with; none where the model fails.
+    fn complete<P: Plant>(&mut self, plant: &P) {
+        if std::mem::take(&mut self.without_rates) && self.plan.evaluate_rates(plant).is_err() {
+            self.plan.f.fill(0.0);
+        }
     }
 
     /// Has all storage know the length of an interval.
@@ -236,6 +263,8 @@ impl RealTime {
         iterations: usize,
     ) -> UpdateStatus {
         self.statistics = Statistics::default();
+        self.ready = false;
+        self.complete(plant);
         self.trial.copy_from(&self.plan);
         self.trial.start = t0;
         self.trial.state_mut(0).copy_from_slice(x0);
@@ -250,6 +279,52 @@ impl RealTime {
             std::mem::swap(&mut self.plan, &mut self.trial);
         }
         end.unwrap_or_else(|failure| failure)
+    }
+
+    /// First phase of an update: makes all iterations but the last from the first state of the plan, which is the state expected at the
+    /// time `t0`, s, and linearises for the last. False where the plan leads nowhere: then the whole update is left to
+    /// [`solve`](Self::solve). The plan is left as it is.
+    ///
+    /// # Panics
+    /// Without [`Settings::prepared`].
+    pub fn prepare<P: Plant, T: Tracking>(
+        &mut self,
+        plant: &P,
+        tracking: &T,
+        t0: f64,
+        iterations: usize,
+    ) -> bool {
+        assert!(self.settings.prepared, "updates in two phases are asked for by the settings");
+        self.statistics = Statistics::default();
+        self.trial.copy_from(&self.plan);
+        self.trial.start = t0;
+        self.curvature.start();
+        self.ready = (1..iterations).try_for_each(|_| self.iterate(plant, tracking)).is_ok()
+            && self.assemble(plant, tracking).is_ok();
+        self.solved = self.ready && self.solver.solve(&self.qp) == QpEnd::Solved;
+        self.ready
+    }
+
+    /// Second phase of an update: improves the plan from the state `x0` that was found, in the units of the plant's channels, by the
+    /// linearisation that was prepared. The plan is left as it was unless the status says it was updated.
+    ///
+    /// # Panics
+    /// Unless [`prepare`](Self::prepare) said so.
+    pub fn answer<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T, x0: &[f64]) -> UpdateStatus {
+        assert!(std::mem::take(&mut self.ready), "an answer comes after its preparation");
+        let expected = self.trial.state(0);
+        for (moved, (x, expected)) in self.moved.iter_mut().zip(x0.iter().zip(expected)) {
+            *moved = x - expected;
+        }
+        self.states.move_start(self.columns, &self.nodes, &self.middles, &mut self.moved);
+        self.reduction.move_start(tracking, &self.moved, self.columns, &mut self.qp);
+        let from = if self.solved { ActiveSet::solve_moved } else { ActiveSet::solve };
+        if let Err(failure) = self.conclude(plant, from) {
+            return failure;
+        }
+        std::mem::swap(&mut self.plan, &mut self.trial);
+        self.without_rates = true;
+        if self.converged() { UpdateStatus::Solved } else { UpdateStatus::IterationLimit }
     }
 
     /// Iterates on the trial plan and checks that its nodes can be evaluated.
@@ -272,13 +347,28 @@ impl RealTime {
 
     /// One full Gauss-Newton step of the trial plan.
     fn iterate<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T) -> Result<(), UpdateStatus> {
+        self.assemble(plant, tracking)?;
+        self.conclude(plant, ActiveSet::solve)
+    }
+
+    /// Makes the quadratic program of a step of the trial plan.
+    fn assemble<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T) -> Result<(), UpdateStatus> {
         self.linearise(plant)?;
         self.reduction.cost(tracking, &self.trial, &self.states, self.columns, &mut self.qp);
         let channels = [plant.states(), plant.inputs()];
         self.reduction.limits(channels, tracking, &self.trial, &self.states, self.columns, &mut self.qp);
         self.curvature.learn(&self.qp.gradient, &self.qp.hessian);
         self.curvature.add_to(&mut self.qp.hessian);
-        let mut end = self.solver.solve(&self.qp);
+        Ok(())
+    }
+
+    /// Solves the quadratic program and takes its step.
+    fn conclude<P: Plant>(
+        &mut self,
+        plant: &P,
+        solve: fn(&mut ActiveSet, &QuadraticProgram) -> QpEnd,
+    ) -> Result<(), UpdateStatus> {
+        let mut end = solve(&mut self.solver, &self.qp);
         if end == QpEnd::Trouble {
             self.curvature.withdraw(&mut self.qp.hessian);
             end = self.solver.solve(&self.qp);
@@ -299,8 +389,8 @@ impl RealTime {
         let h = self.settings.step;
         for (k, node) in self.nodes.iter_mut().enumerate() {
             let (t, x, u) = (self.trial.time(k), self.trial.state(k), self.trial.input(k));
-            // The first state is given: only its inputs can move.
-            let inputs_only = k == 0;
+            // The first state is given, and unless it is found later only its inputs can move.
+            let inputs_only = k == 0 && !self.settings.prepared;
             evaluate(node, plant, t, x, u, inputs_only)?;
             let n = node.f.len();
             self.trial.f[k * n..][..n].copy_from_slice(&node.f);
@@ -310,9 +400,11 @@ impl RealTime {
         for k in 0..self.settings.intervals {
             let interval = self.trial.interval(k);
             interval.middle(&mut self.point);
-            evaluate(&mut self.middle, plant, interval.t + 0.5 * h, &self.point.x, &self.point.u, false)?;
+            let slot = k % self.middles.len();
+            let middle = &mut self.middles[slot];
+            evaluate(middle, plant, interval.t + 0.5 * h, &self.point.x, &self.point.u, false)?;
             let copy_rates = |_: f64, _: &[f64], _: &[f64], f: &mut [f64]| {
-                f.copy_from_slice(&self.middle.f);
+                f.copy_from_slice(&middle.f);
                 Ok(())
             };
             Transcription::HermiteSimpson
@@ -320,7 +412,7 @@ impl RealTime {
                 .map_err(UpdateStatus::ModelFault)?;
             let largest = self.defect.iter().fold(0.0_f64, |d, x| d.max(x.abs()));
             self.statistics.defect = self.statistics.defect.max(largest);
-            if !self.states.advance(k, self.columns, &self.middle, &self.nodes[k + 1], &self.defect) {
+            if !self.states.advance(k, self.columns, middle, &self.nodes[k + 1], &self.defect) {
                 return Err(UpdateStatus::NumericalTrouble);
             }
         }

@@ -2,7 +2,7 @@
 
 use super::active_set::QuadraticProgram;
 use super::condense::{Columns, Elimination};
-use super::dense::{Terms, axpy, multiply_add, padded};
+use super::dense::{Terms, axpy, dot, multiply_add, padded};
 use super::plan::{Horizon, Plan};
 use super::status::Limit;
 use super::tracking::{Component, Tracking};
@@ -19,18 +19,25 @@ pub struct Reduction {
     x: Vec<Dual<LANES>>,
     u: Vec<Dual<LANES>>,
     r: Vec<Dual<LANES>>,
-    by_state: Vec<f64>,
     by_input: Vec<f64>,
-    /// Residuals' derivatives by [1, du], residuals x columns.
-    reduced: Vec<f64>,
+    /// Slopes of the residuals: of all nodes where states are moved afterwards, else of the last.
+    slopes: Vec<ResidualSlopes>,
     terms: Terms,
     /// Meaning of each row of the program.
     pub meaning: Vec<Limit>,
 }
 
+/// Derivatives of the residuals of a node.
+#[derive(Clone, Debug)]
+struct ResidualSlopes {
+    by_state: Vec<f64>,
+    /// By [1, du], residuals x columns.
+    reduced: Vec<f64>,
+}
+
 impl Reduction {
-    /// Storage for residual vectors of at most `residuals` and `rows` limits.
-    pub fn new(horizon: Horizon, residuals: usize, rows: usize) -> Self {
+    /// Storage for residual vectors of at most `residuals` and `rows` limits that keeps the slopes of `kept` nodes.
+    pub fn new(horizon: Horizon, residuals: usize, rows: usize, kept: usize) -> Self {
         let Horizon { states: n, inputs: m, intervals, .. } = horizon;
         let zero = Dual::constant(0.0);
         Self {
@@ -38,9 +45,14 @@ impl Reduction {
             x: vec![zero; n],
             u: vec![zero; m],
             r: vec![zero; residuals],
-            by_state: vec![0.0; residuals * n],
             by_input: vec![0.0; residuals * m],
-            reduced: vec![0.0; residuals * padded(1 + (intervals + 1) * m)],
+            slopes: vec![
+                ResidualSlopes {
+                    by_state: vec![0.0; residuals * n],
+                    reduced: vec![0.0; residuals * padded(1 + (intervals + 1) * m)],
+                };
+                kept
+            ],
             terms: Terms::new(n),
             meaning: Vec::with_capacity(rows),
         }
@@ -90,7 +102,9 @@ impl Reduction {
         let (count, size) = (tracking.residuals(node), qp.gradient.len());
         let (width, used) = (columns.width(node), columns.through(node));
         self.differentiate(tracking, plan, node, count);
-        let reduced = &mut self.reduced[..count * width];
+        let slot = node % self.slopes.len();
+        let ResidualSlopes { by_state, reduced } = &mut self.slopes[slot];
+        let reduced = &mut reduced[..count * width];
         for ((row, r), by_input) in
             reduced.chunks_exact_mut(width).zip(&self.r).zip(self.by_input.chunks_exact(m))
         {
@@ -100,7 +114,7 @@ impl Reduction {
                 row[first..first + m].copy_from_slice(by_input);
             }
         }
-        let by_state = &self.by_state[..count * n];
+        let by_state = &by_state[..count * n];
         multiply_add(reduced, 1.0, by_state, states.state(node, columns), width, &mut self.terms);
         for row in reduced.chunks_exact(width) {
             let (r, slope) = (row[0], &row[1..used]);
@@ -111,9 +125,45 @@ impl Reduction {
         }
     }
 
+    /// Moves gradient and limits of `qp` by the move of each node's states, in padded rows: dg = 2 J' r_x dx.
+    pub fn move_start<T: Tracking>(
+        &self,
+        tracking: &T,
+        moved: &[f64],
+        columns: Columns,
+        qp: &mut QuadraticProgram,
+    ) {
+        let n = self.horizon.states;
+        let by = |node: usize| &moved[node * padded(n)..][..n];
+        for (node, ResidualSlopes { by_state, reduced }) in self.slopes.iter().enumerate() {
+            let (width, used) = (columns.width(node), columns.through(node));
+            for i in 0..tracking.residuals(node) {
+                let more = dot(&by_state[i * n..][..n], by(node));
+                axpy(&mut qp.gradient, 2.0 * more, &reduced[i * width + 1..i * width + used]);
+            }
+        }
+        for (row, limit) in self.meaning.iter().enumerate() {
+            let more = match *limit {
+                Limit::State { channel, node } => by(node)[channel],
+                Limit::Linear { row, node } => {
+                    let terms = tracking.limits()[row].terms.iter();
+                    let state = |&(component, c): &(Component, f64)| match component {
+                        Component::State(i) => c * by(node)[i],
+                        Component::Input(_) => 0.0,
+                    };
+                    terms.map(state).sum()
+                }
+                Limit::Input { .. } | Limit::Rate { .. } => 0.0,
+            };
+            qp.row_low[row] -= more;
+            qp.row_high[row] -= more;
+        }
+    }
+
     /// Residuals of `node` and their derivatives by state and input.
     fn differentiate<T: Tracking>(&mut self, tracking: &T, plan: &Plan, node: usize, count: usize) {
         let (n, m) = (self.horizon.states, self.horizon.inputs);
+        let slot = node % self.slopes.len();
         for (d, x) in self.x.iter_mut().zip(plan.state(node)) {
             *d = Dual::constant(*x);
         }
@@ -129,8 +179,11 @@ impl Reduction {
             let r = &mut self.r[..count];
             tracking.residual(node, plan.time(node), &self.x, &self.u, r);
             for j in block {
-                let (matrix, stride, column) =
-                    if j < n { (&mut self.by_state, n, j) } else { (&mut self.by_input, m, j - n) };
+                let (matrix, stride, column) = if j < n {
+                    (&mut self.slopes[slot].by_state, n, j)
+                } else {
+                    (&mut self.by_input, m, j - n)
+                };
                 for (i, r) in r.iter().enumerate() {
                     matrix[i * stride + column] = r.eps[j - first];
                 }

@@ -83,6 +83,10 @@ fn what_a_solver_refuses_is_told_by_its_own_key_and_place() {
     let document = turn().put("solver", table).unwrap();
     let refused = Scenario::open(document, &doors).map(|_| ()).unwrap_err().to_string();
     assert!(refused.starts_with("mine.toml:2: solver.mine.step = 7"), "{refused}");
+    let table = Document::text("mine.toml", "[mine]\nstep = 7.0").unwrap();
+    let document = turn().put("solver", table).unwrap().set("controller.prepared=true");
+    let refused = Scenario::open(document, &doors).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.contains("controller.prepared = true") && refused.contains("solver"), "{refused}");
 }
 
 #[test]

@@ -92,3 +92,34 @@ fn a_free_horizon_keeps_to_its_range_and_one_without_room_is_the_given_one() {
     assert!(lengths.iter().all(|length| (0.5 * cycle - 1e-12..=1.5 * cycle + 1e-12).contains(length)));
     assert!(lengths.iter().any(|length| (length - first).abs() > 1e-3), "{first} s throughout");
 }
+
+#[test]
+fn updates_may_be_prepared_before_their_measurement() {
+    let turn = |overrides: &[&str]| {
+        let document = Document::file(&folder().join("banking_turn.toml")).unwrap();
+        let short = ["flight.duration_s=0.3", "goal.settle_s=0.1"];
+        let document = short.iter().chain(overrides).fold(document, |document, text| document.set(*text));
+        Scenario::new(document).map_err(|e| e.to_string())
+    };
+    let flown = |overrides: &[&str]| turn(overrides).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
+    let [whole, prepared] =
+        [false, true].map(|prepared| flown(&[&format!("controller.prepared={prepared}")]));
+    assert!(whole.summary.prepared.is_none() && whole.record.values("plan_missed_attitude").is_none());
+    let missed = prepared.summary.prepared.unwrap();
+    assert!(0.0 < missed.missed_rms_deg && missed.missed_rms_deg < missed.missed_max_deg);
+    assert!(missed.missed_max_deg < 0.5, "{missed:?}");
+    assert_eq!(prepared.summary.controller.failures, 0);
+    let rolls = [&whole, &prepared].map(|run| run.record.values("roll").unwrap().to_vec());
+    let apart = rolls[0].iter().zip(&rolls[1]).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(0.0 < apart && apart < 0.02, "{apart:.3e} rad");
+    // A model that knows the robot less well leads to another attitude.
+    let mistaken = flown(&["controller.prepared=true", "mismatch.com_x_m=0.02"]);
+    assert!(mistaken.summary.prepared.unwrap().missed_rms_deg > 1.5 * missed.missed_rms_deg);
+}
+
+#[test]
+fn updates_of_a_free_horizon_are_not_prepared() {
+    let free = "controller.horizon_between_cycles=[0.5, 1.5]";
+    let refused = turn(&[free, "controller.prepared=true"]).unwrap_err();
+    assert!(refused.contains("controller.prepared = true") && refused.contains("horizon"), "{refused}");
+}

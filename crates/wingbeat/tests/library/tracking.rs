@@ -1,7 +1,7 @@
 //! The real-time solver against linear-quadratic theory.
 
 use wingbeat::math::Scalar;
-use wingbeat::ocp::realtime::{RealTime, Settings, Tracking, UpdateStatus};
+use wingbeat::ocp::realtime::{Component, LinearLimit, RealTime, Settings, Tracking, UpdateStatus};
 use wingbeat::plant::{Channel, Fault, Plant};
 
 const STEP: f64 = 0.1;
@@ -179,4 +179,100 @@ fn the_rate_of_an_input_is_limited_from_the_held_one_on() {
         let error = RealTime::new(&plant, &Gently(bad), settings).unwrap_err().to_string();
         assert!(error.contains("rate_limit.force"), "{error}");
     }
+}
+
+/// A pendulum, turned by the input.
+struct Pendulum(Mass);
+
+impl Plant for Pendulum {
+    fn states(&self) -> &[Channel] {
+        self.0.states()
+    }
+    fn inputs(&self) -> &[Channel] {
+        self.0.inputs()
+    }
+    fn rates<S: Scalar>(&self, _t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+        (dx[0], dx[1]) = (x[1], u[0] - x[0].sin() * 4.0);
+        Ok(())
+    }
+}
+
+/// Keeps the origin with a limit on a sum of position and speed, and with forces that change slowly.
+struct Corner(Vec<LinearLimit>);
+
+impl Corner {
+    fn new(high: f64) -> Self {
+        let terms = vec![(Component::State(0), 1.0), (Component::State(1), 0.5), (Component::Input(0), 0.1)];
+        Self(vec![LinearLimit { name: "corner".into(), terms, low: -high, high }])
+    }
+}
+
+impl Tracking for Corner {
+    fn residuals(&self, node: usize) -> usize {
+        Origin.residuals(node)
+    }
+    fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]) {
+        Origin.residual(node, t, x, u, r);
+        // The state of the first node counts too.
+        r[2] += x[0] * 0.3;
+    }
+    fn rate_limit(&self, _: usize) -> f64 {
+        4.0
+    }
+    fn limits(&self) -> &[LinearLimit] {
+        &self.0
+    }
+}
+
+/// Plans after an update from a state that lies `off` times a fixed distance from the expected one, to which so many
+/// iterations were made before: whole, and in two phases.
+fn both_ways<P: Plant>(plant: &P, tracking: &Corner, off: f64, before: usize) -> [RealTime; 2] {
+    let settings = Settings { prepared: true, ..Settings::new(INTERVALS, STEP) };
+    let mut whole = RealTime::new(plant, tracking, settings).unwrap();
+    let start = [0.5, 0.3];
+    whole.reset(plant, &start);
+    assert!(whole.solve(plant, tracking, 0.0, &start, 3).updated());
+    whole.shift(plant, 0.3 * STEP);
+    let expected = whole.state(0).to_vec();
+    assert!(whole.solve(plant, tracking, 0.3 * STEP, &expected, before).updated());
+    let found = [expected[0] + 0.1 * off, expected[1] - 0.2 * off];
+    let mut phased = whole.clone();
+    assert!(phased.prepare(plant, tracking, 0.3 * STEP, 1));
+    let ends = [whole.solve(plant, tracking, 0.3 * STEP, &found, 1), phased.answer(plant, tracking, &found)];
+    assert!(ends.iter().all(UpdateStatus::updated), "{ends:?}");
+    assert_eq!(phased.state(0), found);
+    [whole, phased]
+}
+
+/// Largest difference of the states and inputs of two plans.
+fn apart([one, other]: &[RealTime; 2]) -> f64 {
+    let numbers = |of: &RealTime| [of.plan().x.clone(), of.plan().u.clone()].concat();
+    numbers(one).iter().zip(numbers(other)).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
+#[test]
+fn an_answer_from_where_it_was_prepared_is_the_whole_update() {
+    let pendulum = Pendulum(Mass::new(1.5));
+    let tracking = Corner::new(0.45);
+    let plans = both_ways(&pendulum, &tracking, 0.0, 1);
+    assert!(apart(&plans) < 1e-12, "{}", apart(&plans));
+    assert!(plans[0].statistics().active > 2, "{}", plans[0].statistics().active);
+    // Elsewhere the linearisation is another: where the plan is the best there, it is off by the square of the distance.
+    let [near, far] = [0.05, 0.1].map(|off| apart(&both_ways(&pendulum, &tracking, off, 30)));
+    assert!(near > 1e-9 && (3.0..5.0).contains(&(far / near)), "{near:.3e}, {far:.3e}");
+}
+
+#[test]
+fn a_plan_goes_on_after_an_answer_as_after_a_whole_update() {
+    let pendulum = Pendulum(Mass::new(1.5));
+    let tracking = Corner::new(0.45);
+    let mut plans = both_ways(&pendulum, &tracking, 0.0, 1);
+    for plan in &mut plans {
+        plan.shift(&pendulum, 0.4 * STEP);
+    }
+    assert!(apart(&plans) < 1e-12, "{}", apart(&plans));
+    // What was prepared is used once: a whole update follows.
+    let x = plans[0].state(0).to_vec();
+    let ends = plans.each_mut().map(|plan| plan.solve(&pendulum, &tracking, 0.7 * STEP, &x, 2));
+    assert!(ends[0] == ends[1] && apart(&plans) < 1e-12, "{ends:?}");
 }
