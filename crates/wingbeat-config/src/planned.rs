@@ -32,9 +32,9 @@ impl ReducedPlanSummary {
 /// A flight whose updates are prepared before their measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PreparedSummary {
-    /// Angle between the attitude for which an update was prepared and that which it found, deg: root mean square over the flight.
+    /// Angle between the attitude for which an update was prepared and that which it found, deg: root mean square over the record.
     pub missed_rms_deg: f64,
-    /// Largest of it, deg.
+    /// Largest of it over all updates, deg.
     pub missed_max_deg: f64,
 }
 
@@ -43,7 +43,7 @@ impl PreparedSummary {
     pub(super) fn new(record: &Record) -> Option<Self> {
         let angles = record.values("plan_missed_attitude")?;
         let square = mean(&angles.iter().map(|angle| angle * angle).collect::<Vec<_>>())?;
-        let largest = angles.iter().copied().fold(0.0, f64::max);
+        let largest = *record.values("plan_missed_attitude_largest")?.last()?;
         let [missed_rms_deg, missed_max_deg] = [square.sqrt(), largest].map(f64::to_degrees);
         Some(Self { missed_rms_deg, missed_max_deg })
     }

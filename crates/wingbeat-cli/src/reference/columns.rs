@@ -145,6 +145,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("plan_<angle>_<n>", &[FLIGHT], RAD, "WB", "Angle that the newest plan of the controller ends with, at node n; signs as roll, pitch, yaw."),
     column("horizon", &[FLIGHT], &["s"], "", "Length of the horizon, where the controller chooses it: `horizon_between_cycles`."),
     column("plan_missed_attitude", &[FLIGHT], RAD, "", "Angle between the attitude that the newest update found and that which it was prepared for (`controller.prepared`)."),
+    column("plan_missed_attitude_largest", &[FLIGHT], RAD, "", "Largest of these so far."),
     column("solver_<measure>", &[FLIGHT], ONE, "", "Of the newest update of the controller: iterations, qp_changes (changes of the set of active limits), active_limits, stationarity, defect."),
     column("torque_<joint>", &[FLIGHT, GAIT], &["N m", "N"], "", "Effort that the joint needs along its coordinate: what drive, spring or stop gives."),
     column("joint_power", &[FLIGHT, GAIT], W, "", "Mechanical power into the driven joints: drive and actuators."),

@@ -59,8 +59,8 @@ pub struct MpcSpec {
     /// others have none. Needs `continuous_input`: a jump has no finite rate.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub input_rate_per_s: BTreeMap<String, f64>,
-    /// An update that takes longer by the wall clock is dropped and counted, s;
-    /// without it none is. A flight with a deadline does not repeat to the bit.
+    /// An update that takes longer by the wall clock, its preparation included, is dropped and
+    /// counted, s; without it none is. A flight with a deadline does not repeat to the bit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deadline_s: Option<f64>,
     /// Clearance below which the soft limit `weights.clearance` counts, m.
@@ -390,7 +390,9 @@ where
         let last = self.receding.solver.plan().nodes() - 1;
         let angles = ["roll", "pitch", "yaw"].map(|a| Column::new(format!("plan_{a}_{last}"), "rad", "WB"));
         let horizon = self.free_horizon.then(|| Column::new("horizon", "s", ""));
-        let missed = self.prepared.then(|| Column::new("plan_missed_attitude", "rad", ""));
+        let missed = ["attitude", "attitude_largest"]
+            .map(|what| Column::new(format!("plan_missed_{what}"), "rad", ""));
+        let missed = missed.into_iter().filter(|_| self.prepared);
         angles.into_iter().chain(receding::columns()).chain(horizon).chain(missed).collect()
     }
 
@@ -403,7 +405,7 @@ where
             row.push(plan.horizon.step * plan.horizon.intervals as f64);
         }
         if self.prepared {
-            row.push(self.receding.missed);
+            row.extend([self.receding.missed, self.receding.missed_largest]);
         }
     }
 }

@@ -86,6 +86,12 @@ impl<C: Controller> Playback<C> {
 }
 
 impl<C: Controller> Controller for Playback<C> {
+    fn prepare(&mut self, t: f64) {
+        if t < self.times[0] {
+            self.approach.prepare(t);
+        }
+    }
+
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         if t < self.times[0] { self.approach.update(t, measurement) } else { Update::Fresh }
     }

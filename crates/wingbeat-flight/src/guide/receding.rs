@@ -21,8 +21,14 @@ pub(super) struct Receding<H> {
     local: Vec<f64>,
     /// The update that is expected, where the plan was moved on to it.
     expected: Option<ExpectedUpdate>,
+    /// Whether the last update gave a new plan, so that it begins where something was measured.
+    fresh: bool,
+    /// Time that the preparation of the update took.
+    spent: Duration,
     /// Angle between the attitude that the last update expected and that which it found, rad.
     pub missed: f64,
+    /// Largest of it so far, rad.
+    pub missed_largest: f64,
 }
 
 /// An update whose state is not measured yet.
@@ -45,7 +51,10 @@ impl<H> Receding<H> {
             previous,
             solver,
             expected: None,
+            fresh: false,
+            spent: Duration::ZERO,
             missed: 0.0,
+            missed_largest: 0.0,
         }
     }
 
@@ -73,6 +82,10 @@ impl<H> Receding<H> {
         if let (Some(expected), Some(r)) = (expected, chart.rotation()) {
             chart.localise(x, &mut self.local);
             self.missed = Vec3::from_slice(&self.local[r..]).norm();
+            // What is no number is further off than any.
+            if self.missed > self.missed_largest || self.missed.is_nan() {
+                self.missed_largest = self.missed;
+            }
             if expected.ready {
                 return true;
             }
@@ -114,14 +127,17 @@ impl<H> Receding<H> {
         true
     }
 
-    /// Does what can be done for the update that is [expected](Self::expect) before its state is measured.
+    /// Does what can be done for the update that is [expected](Self::expect) before its state is measured. A plan that was kept begins where
+    /// nothing was measured: the update after it is made whole.
     pub fn prepare<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T)
     where
         H: HorizonSolver<P, T>,
     {
-        if let Some(expected) = &mut self.expected {
+        let begun = Instant::now();
+        if let Some(expected) = self.expected.as_mut().filter(|_| self.fresh) {
             expected.ready = self.solver.prepare(plant, tracking, expected.t, self.iterations);
         }
+        self.spent = begun.elapsed();
     }
 
     /// Solves for the plan at `t`, to which it was moved; the deadline counts from `begun`.
@@ -137,17 +153,18 @@ impl<H> Receding<H> {
     {
         self.previous.clone_from(self.solver.plan());
         let ready = self.expected.take().is_some_and(|expected| expected.ready && expected.t == t);
-        let status = match ready {
-            true => self.solver.answer(plant, tracking, &self.local),
-            false => self.solver.solve(plant, tracking, t, &self.local, self.iterations),
-        };
-        if !status.updated() {
+        self.fresh = false;
+        let answered = ready && self.solver.answer(plant, tracking, &self.local).updated();
+        let solve = |solver: &mut H| solver.solve(plant, tracking, t, &self.local, self.iterations);
+        if !answered && !solve(&mut self.solver).updated() {
             return Update::Kept;
         }
-        if self.deadline.is_some_and(|limit| begun.elapsed() > limit) {
+        let spent = std::mem::take(&mut self.spent);
+        if self.deadline.is_some_and(|limit| spent + begun.elapsed() > limit) {
             self.solver.plan_mut().clone_from(&self.previous);
             return Update::Late;
         }
+        self.fresh = true;
         Update::Fresh
     }
 }

@@ -82,6 +82,8 @@ pub struct ActiveSet {
     binding: Vec<Bound>,
     /// Constraints added or dropped in the last solve.
     pub changes: usize,
+    /// Whether that found the minimum.
+    solved: bool,
 }
 
 impl ActiveSet {
@@ -98,6 +100,7 @@ impl ActiveSet {
             direction: vec![0.0; n],
             binding: Vec::with_capacity(n + 1),
             changes: 0,
+            solved: false,
         }
     }
 
@@ -114,23 +117,24 @@ impl ActiveSet {
         self.improve(qp)
     }
 
-    /// Solves a program that differs from the last one, which was solved, by its gradient and limits alone: from the constraints that bound
-    /// there, less those that would pull.
+    /// Solves a program that differs from the last one by its gradient and limits alone: from the constraints that bound there, less those
+    /// that would pull. Where that one had no solution, or these lead to none, as [`solve`](Self::solve).
     ///
     /// Equation: ocp.moved_program
     /// `z = J [y1; -J2' g], R' y1 = b, R u = y1 + J1' g; the least u below zero is released until none is`
     /// Source: Goldfarb & Idnani 1983, of the minimum on the binding constraints N' z = b with J' N = [R; 0].
     /// Test: `a_moved_program_has_the_solution_that_it_has_alone`.
     pub fn solve_moved(&mut self, qp: &QuadraticProgram) -> QpEnd {
+        if !std::mem::take(&mut self.solved) {
+            return self.solve(qp);
+        }
         self.changes = 0;
         while let Some(pulling) = self.minimum_on_binding(qp) {
             self.changes += 1;
             self.drop(pulling);
         }
-        match self.z.iter().all(|z| z.is_finite()) {
-            true => self.improve(qp),
-            false => QpEnd::Trouble,
-        }
+        let finite = self.z.iter().all(|z| z.is_finite());
+        if finite && self.improve(qp) == QpEnd::Solved { QpEnd::Solved } else { self.solve(qp) }
     }
 
     /// The minimum where what binds does so, with its multipliers; returns the constraint whose multiplier is the least below zero.
@@ -213,6 +217,7 @@ impl ActiveSet {
             }
         }
         self.settle(qp);
+        self.solved = true;
         QpEnd::Solved
     }
 
@@ -226,7 +231,7 @@ impl ActiveSet {
 
     /// z = -H^-1 g and J = L^-T; false if H is not positive definite.
     fn unconstrained_minimum(&mut self, qp: &QuadraticProgram) -> bool {
-        self.changes = 0;
+        (self.changes, self.solved) = (0, false);
         self.binding.clear();
         self.factor.copy_from_slice(&qp.hessian);
         if !cholesky(&mut self.factor, self.n) {
@@ -421,7 +426,9 @@ mod tests {
             let (n, rows) = (2 + trial % 20, trial % 13);
             let mut qp = random_program(n, rows, &mut seed);
             let mut solver = ActiveSet::new(n);
-            assert_eq!(solver.solve(&qp), QpEnd::Solved);
+            // Without a solution before it a program is solved from the beginning.
+            assert_eq!(solver.solve_moved(&qp), QpEnd::Solved);
+            assert!(kkt_error(&qp, &solver) < 1e-9);
             let before = solver.active();
             let moved = [&mut qp.gradient, &mut qp.row_low, &mut qp.row_high, &mut qp.low, &mut qp.high];
             for number in moved.into_iter().flatten() {

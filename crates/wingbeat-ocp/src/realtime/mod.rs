@@ -131,10 +131,10 @@ pub struct RealTime {
     moved: Vec<f64>,
     /// Whether an answer can be given.
     ready: bool,
-    /// Whether the limits that bind without a move of the first state are known.
-    solved: bool,
     /// Whether the plan has no rates yet.
     without_rates: bool,
+    /// Whether the model fails on the plan of the last answer.
+    failed: bool,
 }
 
 impl RealTime {
@@ -171,8 +171,8 @@ impl RealTime {
             statistics: Statistics::default(),
             moved: vec![0.0; if settings.prepared { (settings.intervals + 1) * padded(n) } else { 0 }],
             ready: false,
-            solved: false,
             without_rates: false,
+            failed: false,
         })
     }
 
@@ -183,6 +183,7 @@ impl RealTime {
 
     /// The plan, to move its states into other coordinates or to set a guess.
     pub fn plan_mut(&mut self) -> &mut Plan {
+        self.ready = false;
         &mut self.plan
     }
 
@@ -211,11 +212,13 @@ impl RealTime {
     pub fn reset<P: Plant>(&mut self, plant: &P, x0: &[f64]) {
         self.plan.rest(x0, plant.inputs(), 0);
         self.plan.f.fill(0.0);
+        (self.ready, self.without_rates, self.failed) = (false, false, false);
     }
 
     /// Moves the plan on by `dt`, s: the warm start of the next update.
     pub fn shift<P: Plant>(&mut self, plant: &P, dt: f64) {
         self.complete(plant);
+        self.ready = false;
         self.trial.shift_from(&self.plan, dt, plant, self.settings.substep, &mut self.work);
         std::mem::swap(&mut self.plan, &mut self.trial);
     }
@@ -223,11 +226,14 @@ impl RealTime {
     /// Takes another plan of the same sizes, with its step.
     pub fn take(&mut self, plan: &Plan) {
         self.plan.copy_from(plan);
+        (self.ready, self.without_rates, self.failed) = (false, false, false);
         self.cut(plan.horizon.step);
     }
 
     /// Moves the nodes of the plan to intervals of `step` s from the same start, as [`shift`](Self::shift) moves them on.
     pub fn stretch<P: Plant>(&mut self, plant: &P, step: f64) {
+        self.complete(plant);
+        self.ready = false;
         self.trial.horizon.step = step;
         self.trial.shift_from(&self.plan, 0.0, plant, self.settings.substep, &mut self.work);
         std::mem::swap(&mut self.plan, &mut self.trial);
@@ -238,6 +244,7 @@ impl RealTime {
     fn complete<P: Plant>(&mut self, plant: &P) {
         if std::mem::take(&mut self.without_rates) && self.plan.evaluate_rates(plant).is_err() {
             self.plan.f.fill(0.0);
+            self.failed = true;
         }
     }
 
@@ -282,11 +289,8 @@ impl RealTime {
     }
 
     /// First phase of an update: makes all iterations but the last from the first state of the plan, which is the state expected at the
-    /// time `t0`, s, and linearises for the last. False where the plan leads nowhere: then the whole update is left to
-    /// [`solve`](Self::solve). The plan is left as it is.
-    ///
-    /// # Panics
-    /// Without [`Settings::prepared`].
+    /// time `t0`, s, and linearises for the last. False where the whole update is left to [`solve`](Self::solve): where the plan leads
+    /// nowhere, and without [`Settings::prepared`]. The plan is left as it is.
     pub fn prepare<P: Plant, T: Tracking>(
         &mut self,
         plant: &P,
@@ -294,32 +298,42 @@ impl RealTime {
         t0: f64,
         iterations: usize,
     ) -> bool {
-        assert!(self.settings.prepared, "updates in two phases are asked for by the settings");
+        self.complete(plant);
+        if std::mem::take(&mut self.failed) || !self.settings.prepared {
+            return false;
+        }
         self.statistics = Statistics::default();
         self.trial.copy_from(&self.plan);
         self.trial.start = t0;
         self.curvature.start();
         self.ready = (1..iterations).try_for_each(|_| self.iterate(plant, tracking)).is_ok()
             && self.assemble(plant, tracking).is_ok();
-        self.solved = self.ready && self.solver.solve(&self.qp) == QpEnd::Solved;
+        if self.ready {
+            // Only what binds there is of use: the answer begins with it.
+            self.solver.solve(&self.qp);
+            self.statistics.qp_changes += self.solver.changes;
+        }
         self.ready
     }
 
     /// Second phase of an update: improves the plan from the state `x0` that was found, in the units of the plant's channels, by the
-    /// linearisation that was prepared. The plan is left as it was unless the status says it was updated.
-    ///
-    /// # Panics
-    /// Unless [`prepare`](Self::prepare) said so.
+    /// linearisation that was [prepared](Self::prepare); without one that is trouble. The plan is left as it was unless the status says it
+    /// was updated. The rates at its nodes come with the next call: until then they are those of the plan that was linearised, and a model
+    /// that fails there is found by then.
     pub fn answer<P: Plant, T: Tracking>(&mut self, plant: &P, tracking: &T, x0: &[f64]) -> UpdateStatus {
-        assert!(std::mem::take(&mut self.ready), "an answer comes after its preparation");
+        if !std::mem::take(&mut self.ready) {
+            return UpdateStatus::NumericalTrouble;
+        }
         let expected = self.trial.state(0);
         for (moved, (x, expected)) in self.moved.iter_mut().zip(x0.iter().zip(expected)) {
             *moved = x - expected;
         }
+        // The plan begins off the state that was found.
+        let off = self.moved[..x0.len()].iter().fold(0.0_f64, |most, moved| most.max(moved.abs()));
+        self.statistics.defect = self.statistics.defect.max(off);
         self.states.move_start(self.columns, &self.nodes, &self.middles, &mut self.moved);
         self.reduction.move_start(tracking, &self.moved, self.columns, &mut self.qp);
-        let from = if self.solved { ActiveSet::solve_moved } else { ActiveSet::solve };
-        if let Err(failure) = self.conclude(plant, from) {
+        if let Err(failure) = self.conclude(plant, ActiveSet::solve_moved) {
             return failure;
         }
         std::mem::swap(&mut self.plan, &mut self.trial);

@@ -112,6 +112,14 @@ fn updates_may_be_prepared_before_their_measurement() {
     let rolls = [&whole, &prepared].map(|run| run.record.values("roll").unwrap().to_vec());
     let apart = rolls[0].iter().zip(&rolls[1]).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(0.0 < apart && apart < 0.02, "{apart:.3e} rad");
+    // The limit is of all updates, however rarely they are recorded.
+    let rare = flown(&["controller.prepared=true", "flight.record_every_s=0.1"]);
+    assert_eq!(rare.summary.prepared.unwrap().missed_max_deg, missed.missed_max_deg);
+    // A plan that was kept begins where nothing was measured; all updates come late here.
+    let late = flown(&["controller.prepared=true", "controller.deadline_s=1e-7"]);
+    assert_eq!(late.summary.controller.late, late.summary.controller.updates);
+    let commands = late.record.values("roll").unwrap();
+    assert!(commands.iter().all(|roll| roll.is_finite()));
     // A model that knows the robot less well leads to another attitude.
     let mistaken = flown(&["controller.prepared=true", "mismatch.com_x_m=0.02"]);
     assert!(mistaken.summary.prepared.unwrap().missed_rms_deg > 1.5 * missed.missed_rms_deg);

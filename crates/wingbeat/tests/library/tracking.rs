@@ -263,6 +263,40 @@ fn an_answer_from_where_it_was_prepared_is_the_whole_update() {
 }
 
 #[test]
+fn an_answer_needs_its_own_preparation() {
+    let pendulum = Pendulum(Mass::new(1.5));
+    let tracking = Corner::new(0.45);
+    let [mut plan, _] = both_ways(&pendulum, &tracking, 0.0, 1);
+    let x = plan.state(0).to_vec();
+    assert!(plan.prepare(&pendulum, &tracking, 0.03, 2) && plan.statistics().iterations == 1);
+    plan.shift(&pendulum, 0.01);
+    assert_eq!(plan.answer(&pendulum, &tracking, &x), UpdateStatus::NumericalTrouble);
+    let mut whole = RealTime::new(&pendulum, &tracking, Settings::new(INTERVALS, STEP)).unwrap();
+    whole.reset(&pendulum, &x);
+    assert!(!whole.prepare(&pendulum, &tracking, 0.0, 1));
+    // A limit that no input can keep from there.
+    assert!(plan.prepare(&pendulum, &tracking, 0.03, 1));
+    let kept = plan.plan().clone();
+    let end = plan.answer(&pendulum, &tracking, &[40.0, 0.0]);
+    assert!(matches!(end, UpdateStatus::Infeasible { .. }), "{end:?}");
+    assert_eq!(plan.plan().x, kept.x);
+}
+
+#[test]
+fn a_saturated_plan_that_began_elsewhere_is_not_solved() {
+    let plant = Mass::new(0.3);
+    let settings = Settings { prepared: true, ..Settings::new(INTERVALS, STEP) };
+    let mut plan = RealTime::new(&plant, &Origin, settings).unwrap();
+    plan.reset(&plant, &[20.0, 0.0]);
+    assert_eq!(plan.solve(&plant, &Origin, 0.0, &[20.0, 0.0], 4), UpdateStatus::Solved);
+    assert!(plan.prepare(&plant, &Origin, 0.0, 1));
+    assert_eq!(plan.answer(&plant, &Origin, &[20.5, 0.0]), UpdateStatus::IterationLimit);
+    assert!((plan.statistics().defect - 0.5).abs() < 1e-12);
+    assert!(plan.prepare(&plant, &Origin, 0.0, 1));
+    assert_eq!(plan.answer(&plant, &Origin, &[20.5, 0.0]), UpdateStatus::Solved);
+}
+
+#[test]
 fn a_plan_goes_on_after_an_answer_as_after_a_whole_update() {
     let pendulum = Pendulum(Mass::new(1.5));
     let tracking = Corner::new(0.45);

@@ -7,13 +7,15 @@ use super::data::{GLIDE, SWEEP};
 use super::place::CaseFolder;
 
 /// Keys of a summary that hold times.
-const TIMES: [&str; 11] = [
+const TIMES: [&str; 13] = [
     "search_s",
     "real_time_factor",
     "median_us",
     "p99_us",
     "p999_us",
     "max_us",
+    "answer_median_us",
+    "answer_p999_us",
     "late",
     "wall_s",
     "solve_s",
