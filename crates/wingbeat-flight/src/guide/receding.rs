@@ -102,7 +102,8 @@ impl<H> Receding<H> {
         true
     }
 
-    /// Moves the plan on to `t`, where nothing is measured yet, and centres `chart` at the state that it leads to, which is left in `state`.
+    /// Moves the plan on to `t`, s, where nothing is measured yet, and centres `chart` at the state that it leads to, which is left in `state`,
+    /// in the units of the plant's channels.
     /// False before the first update, and where it was done.
     pub fn expect<'a, P: Plant, T: Tracking>(
         &mut self,

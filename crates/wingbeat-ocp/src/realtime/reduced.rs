@@ -125,7 +125,8 @@ impl Reduction {
         }
     }
 
-    /// Moves gradient and limits of `qp` by the move of each node's states, in padded rows: dg = 2 J' r_x dx.
+    /// Moves gradient and limits of `qp` by the move of each node's states, in padded rows and the units of the states:
+    /// dg = 2 J' r_x dx.
     pub fn move_start<T: Tracking>(
         &self,
         tracking: &T,
