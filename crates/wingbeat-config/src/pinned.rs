@@ -11,7 +11,7 @@ use wingbeat_robot::{PinDeflection, Robot};
 pub struct PinSummary {
     /// Largest deflection of a pin from the rest of its spring, deg.
     pub deflection_max_deg: f64,
-    /// Largest deflection over the `limit` of the spring; missing where no spring has one.
+    /// Largest deflection over the `limit` of the spring, as a share; missing where no spring has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_fraction: Option<f64>,
 }

@@ -12,7 +12,7 @@ pub trait MovingSections: Send + Sync {
     /// Puts the motion of the sections at the arc coordinates `arcs` (m, left positive) at `t` s in place of what `out` holds.
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>);
 
-    /// Puts how these sections are bent, with the rates, in place of what `out` holds; nothing where they are straight. The sections then
+    /// Puts how these sections are bent, with the rates (1/s and rad/s), in place of what `out` holds; nothing where they are straight. The sections then
     /// also have their spans and angular rates.
     fn bends(&self, _t: f64, _arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
         out.clear();

@@ -224,7 +224,7 @@ fn bent_wings_lift_along_a_record_as_by_strips() {
             surface.sections = Arc::new(Straight(surface.sections.clone()));
         }
         let [bent, straight] = [course.scene.clone(), straight].map(lift);
-        assert!((bent - 1.0).abs() < 0.01, "{name}: {bent}");
+        assert!((bent - 1.0).abs() < 0.015, "{name}: {bent}");
         assert!(bent - straight > share, "{name}: {bent} {straight}");
     }
 }

@@ -131,6 +131,33 @@ fn drives_dampers_and_springs_on_pins_account_for_the_energy() {
     }
 }
 
+/// Over a turn of a crank under a motor, lengths on elements that the loads push: the change of the energy is what drive and actuators
+/// give and the air and the dampers take, by Simpson's rule over the steps.
+#[test]
+fn the_energy_of_a_cycle_closes() {
+    let robot = aerobat(SPRINGS, Some(1e-5), Some(0.05));
+    let (mut x, steps) = (in_flight(&robot), 4000);
+    let step = 1.0 / (robot.frequency_hz() * f64::from(steps));
+    let mut work = Workspace::new(x.len(), RK4.b.len());
+    let (mut given, mut size, mut energies) = (0.0, 0.0, [0.0; 2]);
+    for k in 0..=steps {
+        let t = f64::from(k) * step;
+        let seen = robot.observe(t, &x, &U).unwrap();
+        let power = seen.power + seen.air_power - seen.dissipation;
+        let weight = if k == 0 || k == steps { 1.0 } else { f64::from(2 + 2 * (k % 2)) } * step / 3.0;
+        given += weight * power;
+        size += weight * (seen.power.abs() + seen.air_power.abs() + seen.dissipation);
+        if k == 0 || k == steps {
+            energies[usize::from(k > 0)] = seen.energy;
+        }
+        if k < steps {
+            RK4.step(|t, x, dx| robot.rates_in_numbers(t, x, &U, dx), t, step, &mut x, &mut work).unwrap();
+        }
+    }
+    let missing = energies[1] - energies[0] - given;
+    assert!(missing.abs() < 1e-8 * size, "{missing} of {size}");
+}
+
 /// At a constant rate the crank gives the springs over a turn what the dampers take, and in between more either way.
 #[test]
 fn over_a_cycle_springs_give_back_what_they_take() {
