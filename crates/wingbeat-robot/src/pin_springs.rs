@@ -88,6 +88,12 @@ impl PinSpring {
 }
 
 impl<P: Scalar> PinSpring<P> {
+    /// Its deflection with the pin at `angle`, rad.
+    fn deflection<S: Scalar + Meets<P>>(&self, angle: S) -> PinDeflection {
+        let angle = (angle - self.spring.numbers.rest).value().abs();
+        PinDeflection { angle, fraction: self.limit.map(|limit| angle / limit) }
+    }
+
     /// The same with other numbers.
     pub fn with<Q: Scalar>(&self, numbers: &SpringNumbers<Q>) -> PinSpring<Q> {
         let spring = Spring { numbers: *numbers, start: self.spring.start };
@@ -110,7 +116,7 @@ impl<P: Scalar> Robot<P> {
         Ok(angles)
     }
 
-    /// The same with what `of` gives each.
+    /// The springs of both sides, each with what belongs to it: an item of `angles`, in their order.
     fn each_pin_spring<'a, S: Copy>(
         &'a self,
         angles: &'a [S],
@@ -181,11 +187,8 @@ impl<P: Scalar> Robot<P> {
         held.iter_mut().zip(&structure[..self.elements.len()]).for_each(|(held, y)| held.x = *y);
         let phase = self.phase_of(clock, structure, &held);
         let angles = self.pin_angles(phase, &held)?;
-        let of = |(of, angle): (&PinSpring<P>, Jet<S>)| {
-            let angle = (angle.x - of.spring.numbers.rest).value().abs();
-            PinDeflection { angle, fraction: of.limit.map(|limit| angle / limit) }
-        };
-        Ok(self.each_pin_spring(&angles).map(of).fold(PinDeflection::default(), PinDeflection::largest))
+        let all = self.each_pin_spring(&angles).map(|(of, angle)| of.deflection(angle.x));
+        Ok(all.fold(PinDeflection::default(), PinDeflection::largest))
     }
 }
 
@@ -201,12 +204,9 @@ impl Robot {
     /// The largest deflection of the pins that have a spring from their rests; `angles` in rad, in the order of
     /// [`pin_names`](Self::pin_names).
     pub fn pin_deflection(&self, angles: impl IntoIterator<Item = f64>) -> PinDeflection {
-        let of = |(of, angle): (&PinSpring, f64)| {
-            let angle = (angle - of.spring.numbers.rest).abs();
-            PinDeflection { angle, fraction: of.limit.map(|limit| angle / limit) }
-        };
-        let springs = self.mechanism.pin_springs.iter().cycle();
-        springs.zip(angles).map(of).fold(PinDeflection::default(), PinDeflection::largest)
+        let all =
+            self.mechanism.pin_springs.iter().cycle().zip(angles).map(|(of, angle)| of.deflection(angle));
+        all.fold(PinDeflection::default(), PinDeflection::largest)
     }
 
     /// Whether its linkage has springs on its pins.

@@ -211,7 +211,8 @@ fn bent_wings_lift_along_a_record_as_by_strips() {
         let last = |name: &str| *run.record.values(name).unwrap().last().unwrap();
         let by = |source: &str| last(&format!("force_{source}_z"));
         let strips = by("circulatory") + by("induced_drag") + by("added_mass");
-        let asked = CourseRequest { prescribed: true, ..CourseRequest::default() };
+        let asked =
+            CourseRequest { prescribed: true, chordwise: 4, spanwise: 16, ..CourseRequest::default() };
         let flight = RecordedFlight::new(scenario, run.record.clone()).unwrap();
         let course = &flight.courses(&asked).unwrap()[0];
         let lift = |scene: Scene| {
