@@ -78,6 +78,12 @@ fn up(sections: &[[Vec3; 2]], k: usize) -> Vec3 {
     if normal.norm() > 0.0 { normal.unit() * chord.norm() } else { Vec3::ZERO }
 }
 
+/// The point of a bent section at the share `x` of its chord from the leading edge `le`, m.
+fn raised(le: Vec3, [chord, up]: [Vec3; 2], bend: &ChordBend, x: f64) -> Vec3 {
+    let [along, above] = bend.at(x);
+    le + chord * along + up * above
+}
+
 /// Points above the sections `sections` at the arcs `arcs`, leading and trailing edge from the left tip to the right, of the membrane of
 /// `aero` at the places [`MEMBRANE_DRAWN`]; `heights` are [`Loads::camber`](crate::Loads::camber) and
 /// [`Loads::camber_forward`](crate::Loads::camber_forward) of its strips. Between strips and ribs, which hold it, heights go linearly.
@@ -90,10 +96,7 @@ pub fn membrane_points(
     let bends = aero.chord_bends(&heights.concat(), arcs);
     let points = |(k, ([le, te], bend)): (usize, (&[Vec3; 2], &ChordBend))| {
         let (chord, up) = (*te - *le, up(sections, k));
-        MEMBRANE_DRAWN.map(|x| {
-            let [along, above] = bend.at(x);
-            *le + chord * along + up * above
-        })
+        MEMBRANE_DRAWN.map(|x| raised(*le, [chord, up], bend, x))
     };
     sections.iter().zip(&bends).enumerate().map(points).collect()
 }
@@ -119,12 +122,8 @@ pub fn flap_points(sections: &mut [[Vec3; 2]], arcs: &[f64], aero: &Aero, angles
     places[drawn_hinge(flap.chord_fraction)] = 1.0 - flap.chord_fraction;
     let points = |(k, ([le, te], bend)): (usize, (&mut [Vec3; 2], &ChordBend))| {
         let (front, chord, up) = (*le, *te - *le, up(&flat, k));
-        let at = |x: f64| {
-            let [along, above] = bend.at(x);
-            front + chord * along + up * above
-        };
-        *te = at(1.0);
-        places.map(at)
+        *te = raised(front, [chord, up], bend, 1.0);
+        places.map(|x| raised(front, [chord, up], bend, x))
     };
     sections.iter_mut().zip(&bends).enumerate().map(points).collect()
 }
