@@ -1,12 +1,10 @@
 //! A flap at the trailing edge of a surface: what a surface says of it, its numbers, and Theodorsen's functions of its hinge.
 
-use super::membrane::MEMBRANE_DRAWN;
-use super::{Aero, Planform};
+use super::Planform;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::{DeclaredQuantity, Error, Parameters, Scalar, Vec3, Walk};
+use wingbeat_math::{DeclaredQuantity, Error, Parameters, Scalar, Walk};
 
 /// A flap on a hinge along a surface that the pressure difference turns against a spring, on every strip by itself. Preset `full` only.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -185,43 +183,6 @@ impl HingeFunctions {
             damped: [t4 * t11 / (2.0 * PI * PI), (twice_t9 + 0.5 * t4) / PI],
         }
     }
-}
-
-/// Which of the points of [`flap_points`] is the hinge, that of a flap of that share of the chord.
-fn drawn_hinge(chord_fraction: f64) -> usize {
-    if chord_fraction > 0.5 { 0 } else { 2 }
-}
-
-/// The same of the flap of `aero`; none without one.
-pub fn flap_hinge(aero: &Aero) -> Option<usize> {
-    Some(drawn_hinge(aero.flap()?.settings().flap?.chord_fraction))
-}
-
-/// Turns the trailing edges of the sections `sections` (leading and trailing edge, m) at the arcs `arcs` (m) by the flap of `aero`, `angles` (rad)
-/// those of its strips, from the left tip to the right; returns the points of each section at the places
-/// [`MEMBRANE_DRAWN`](crate::MEMBRANE_DRAWN), m, with the hinge in place of that one of the outer two on whose side of mid chord it lies.
-/// Between strips angles go linearly.
-pub fn flap_points(sections: &mut [[Vec3; 2]], arcs: &[f64], aero: &Aero, angles: &[f64]) -> Vec<[Vec3; 3]> {
-    let Some(flap) = aero.flap().and_then(|model| model.settings().flap) else { return Vec::new() };
-    // From the right tip on, as the interpolation asks.
-    let [along, angles] =
-        [aero.strip_arcs(), angles].map(|of| of.iter().rev().copied().collect::<Vec<f64>>());
-    let (flat, hinge) = (sections.to_vec(), 1.0 - flap.chord_fraction);
-    let mut places = MEMBRANE_DRAWN;
-    places[drawn_hinge(flap.chord_fraction)] = hinge;
-    let points = |(k, [le, te]): (usize, &mut [Vec3; 2])| {
-        let beside = [flat[k.saturating_sub(1)], flat[(k + 1).min(flat.len() - 1)]];
-        let across = beside[1][0] + beside[1][1] - beside[0][0] - beside[0][1];
-        let (front, chord) = (*le, *te - *le);
-        let normal = chord.cross(across);
-        let up = if normal.norm() > 0.0 { normal.unit() * chord.norm() } else { Vec3::ZERO };
-        let (sine, cosine) = piecewise_linear(&along, &angles, arcs[k]).sin_cos();
-        let turned = chord * cosine - up * sine;
-        let at = |x: f64| front + chord * x.min(hinge) + turned * (x - hinge).max(0.0);
-        *te = front + chord * hinge + turned * flap.chord_fraction;
-        places.map(at)
-    };
-    sections.iter_mut().enumerate().map(points).collect()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 #[cfg(not(feature = "schema"))]
 extern crate wingbeat_no_schema as schemars;
 
+mod bend;
 mod camber;
 mod compiled;
 mod flap;
@@ -20,8 +21,9 @@ mod station;
 mod strip;
 mod surfaces;
 
+pub use bend::{ChordBend, flap_hinge, flap_points, membrane_height, membrane_points};
 pub use camber::ThinSection;
-pub use flap::{FlapNumbers, FlapSpec, flap_hinge, flap_points};
+pub use flap::{FlapNumbers, FlapSpec};
 pub use law::{
     Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
     SectionSpec, StripState, ZERO_LIFT_ANGLE,
@@ -31,9 +33,7 @@ use loads::ImpulseRow;
 pub use loads::{
     Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, MembraneWork, StripLoads,
 };
-pub use membrane::{
-    MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_height, membrane_points, membrane_rise,
-};
+pub use membrane::{MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_rise};
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
@@ -242,6 +242,13 @@ impl<P: Scalar> Aero<P> {
         match self {
             Self::Strip(model) if model.has_flap() => Some(model),
             _ => None,
+        }
+    }
+    /// Where the states lie that say how the chords of its strips are bent: see [`StripModel::bent_states`].
+    pub fn bent_states(&self) -> std::ops::Range<usize> {
+        match self {
+            Self::LiftingLine(_) => 0..0,
+            Self::Strip(model) => model.bent_states(),
         }
     }
     /// The lift law.

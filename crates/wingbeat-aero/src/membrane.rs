@@ -1,10 +1,9 @@
 //! A skin that gives way: what a surface says of it, and its numbers.
 
-use crate::Aero;
+use crate::membrane_height;
 use serde::{Deserialize, Serialize};
-use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::{DeclaredQuantity, Error, Parameters, Scalar, Vec3, Walk};
+use wingbeat_math::{DeclaredQuantity, Error, Parameters, Scalar, Walk};
 
 /// A membrane between leading and trailing edge of a surface: every strip is cambered by the pressure difference as far as the
 /// tension lets it. Preset `full` only.
@@ -121,12 +120,6 @@ impl<P: Scalar> Parameters<P> for MembraneNumbers<P> {
     }
 }
 
-/// Height of a membrane over the chord at the share `x` of the chord from the leading edge, from [`Loads::camber`](crate::Loads::camber) and
-/// [`Loads::camber_forward`](crate::Loads::camber_forward): sin^2 t (h_1 + h_2 cos t), cos t = 1 - 2 x.
-pub fn membrane_height(camber: f64, forward: f64, x: f64) -> f64 {
-    4.0 * x * (1.0 - x) * (camber + forward * (1.0 - 2.0 * x))
-}
-
 /// Largest size of [`membrane_height`] over the chord, by tenths of it around the middle.
 pub fn membrane_rise(camber: f64, forward: f64) -> f64 {
     [0.3, 0.4, 0.5, 0.6, 0.7]
@@ -137,32 +130,3 @@ pub fn membrane_rise(camber: f64, forward: f64) -> f64 {
 
 /// Places over the chord, from the leading edge, of the points of a membrane that are drawn.
 pub const MEMBRANE_DRAWN: [f64; 3] = [0.25, 0.5, 0.75];
-
-/// Points above the sections `sections` at the arcs `arcs`, leading and trailing edge from the left tip to the right, of the membrane of
-/// `aero` at the places [`MEMBRANE_DRAWN`]; `heights` are [`Loads::camber`](crate::Loads::camber) and
-/// [`Loads::camber_forward`](crate::Loads::camber_forward) of its strips. Between strips and ribs, which hold it, heights go linearly.
-pub fn membrane_points(
-    sections: &[[Vec3; 2]],
-    arcs: &[f64],
-    aero: &Aero,
-    heights: [&[f64]; 2],
-) -> Vec<[Vec3; 3]> {
-    let strips = aero.strip_arcs().iter().enumerate().map(|(i, arc)| (*arc, heights.map(|of| of[i])));
-    let ribs = aero.membrane().map_or(&[][..], |model| model.membrane_ribs());
-    let mut knots: Vec<(f64, [f64; 2])> = strips.chain(ribs.iter().map(|arc| (*arc, [0.0; 2]))).collect();
-    // From the right tip on, as the interpolation asks.
-    wingbeat_math::order::ascend_by(&mut knots, |item| item.0);
-    let along: Vec<f64> = knots.iter().map(|knot| knot.0).collect();
-    let heights = [0, 1].map(|m| knots.iter().map(|knot| knot.1[m]).collect::<Vec<f64>>());
-    let points = |(k, [le, te]): (usize, &[Vec3; 2])| {
-        let beside = [sections[k.saturating_sub(1)], sections[(k + 1).min(sections.len() - 1)]];
-        let across = beside[1][0] + beside[1][1] - beside[0][0] - beside[0][1];
-        let chord = *te - *le;
-        // A pointed tip has no chord, and nothing rises over it.
-        let normal = chord.cross(across);
-        let up = if normal.norm() > 0.0 { normal.unit() * chord.norm() } else { Vec3::ZERO };
-        let [camber, forward] = heights.each_ref().map(|of| piecewise_linear(&along, of, arcs[k]));
-        MEMBRANE_DRAWN.map(|x| *le + chord * x + up * membrane_height(camber, forward, x))
-    };
-    sections.iter().enumerate().map(points).collect()
-}

@@ -214,6 +214,9 @@ impl JudgedFlight<'_> {
         if let Some(spar) = self.summary.spar {
             spar.judge(judge);
         }
+        if let Some(pins) = self.summary.pin_springs {
+            pins.judge(judge);
+        }
         if self.flight.duration >= WHOLE_CYCLES {
             for limit in [&trim::POWER, &trim::HIGH_POWER] {
                 judge.hold_if(limit, self.summary.cost.positive_power_w_kg);

@@ -32,6 +32,7 @@ mod motion_table;
 mod moved;
 mod name;
 mod perch;
+mod pinned;
 mod plan;
 mod planned;
 mod plausible;

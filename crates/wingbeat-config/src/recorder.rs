@@ -3,6 +3,7 @@
 use super::hinged::FlapSummary;
 use super::link_spar::LinkSparSummary;
 use super::perch::{self, PerchSpec};
+use super::pinned::PinSummary;
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
 use wingbeat_aero::{Aero, FROM_BEHIND, LiftLaw, LoadSource, Loads, StripState};
@@ -74,6 +75,8 @@ pub struct FlightMeans {
     pub flap: Option<FlapSummary>,
     /// Spars, likewise.
     pub spar: Option<LinkSparSummary>,
+    /// Springs on pins of the linkage, likewise.
+    pub pin_springs: Option<PinSummary>,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -171,6 +174,7 @@ impl<'a> Recorder<'a> {
         row.extend(o.attitude.roll_pitch_yaw().0);
         row.extend(&o.joints);
         row.extend(&o.torques);
+        row.extend(&o.pins);
         row.extend([o.power, o.separate_power, o.drive_power, o.regulator_power]);
         row.extend(o.motor.iter().flat_map(|m| [m.shaft_torque, m.shaft_power, m.electrical_power]));
         row.extend(source_values(&o.parts()));
@@ -249,6 +253,7 @@ impl<'a> Recorder<'a> {
             membrane: skins(self.robot, &self.record),
             flap: flaps(self.robot, &self.record),
             spar: LinkSparSummary::of(self.robot, &self.record),
+            pin_springs: PinSummary::of(self.robot, &self.record),
             stall_fraction,
             reversed_fraction: reversed,
             stalled,
@@ -321,6 +326,7 @@ fn columns(robot: &Robot) -> Vec<Column> {
     let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
     columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
     columns.extend(joint_columns(robot));
+    columns.extend(robot.pin_names().map(|name| Column::new(name, "rad", "")));
     let powers = ["joint_power", "separate_power", "drive_power", "regulator_power"];
     columns.extend(powers.map(|n| Column::new(n, "W", "")));
     if robot.motor().is_some() {

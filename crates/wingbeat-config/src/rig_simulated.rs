@@ -1,5 +1,6 @@
 //! A run of the bench from its plan to its samples.
 
+use super::pinned::PinSummary;
 use super::skin::MembraneSummary;
 use super::unheard::{of_strips, side_edges};
 use super::{LatticeSummary, RigRun};
@@ -132,7 +133,7 @@ impl RigRun {
         let membrane =
             self.robot.surfaces().zip(&outcome.heights).filter_map(skin).reduce(MembraneSummary::worse);
         membrane.iter().for_each(|membrane| membrane.judge(&mut judge));
-        let Deflections { flap, spar } = outcome.deflections;
+        let Deflections { flap, spar, pin } = outcome.deflections;
         let hinged = self.robot.surfaces().any(|(_, aero)| aero.flap().is_some());
         for (limit, value, there) in [
             (&flap::ANGLE, flap.to_degrees(), hinged),
@@ -141,6 +142,9 @@ impl RigRun {
             (&spar::BEYOND_ANGLE, spar.to_degrees(), !self.robot.spar_joints().is_empty()),
         ] {
             judge.hold_if(limit, there.then_some(value));
+        }
+        if self.robot.has_pin_springs() {
+            PinSummary::new(pin).judge(&mut judge);
         }
         link_spar::hold_shape(&mut judge, &self.robot);
         let crossing = self.crossing_fraction();

@@ -13,7 +13,12 @@ use super::lattice::LatticeSummary;
 use super::link_spar::LinkSparSummary;
 use super::measure::Measured;
 use super::perch::{PerchSpec, PerchSummary};
+<<<<<<< HEAD
 use super::planned::{PreparedSummary, ReducedPlanSummary};
+=======
+use super::pinned::PinSummary;
+use super::planned::ReducedPlanSummary;
+>>>>>>> soft
 use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
@@ -124,6 +129,9 @@ pub struct Summary {
     /// Spars: largest angle between two pieces, error by their number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spar: Option<LinkSparSummary>,
+    /// Springs on pins of the linkage: largest deflection from rest, that over its limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pin_springs: Option<PinSummary>,
     /// Means of the states that the flown laws declare; not part of the file.
     #[serde(skip)]
     pub law_states: Vec<LawState>,
@@ -406,6 +414,7 @@ impl Summary {
             membrane: means.and_then(|means| means.membrane),
             flap: means.and_then(|means| means.flap),
             spar: means.and_then(|means| means.spar),
+            pin_springs: means.and_then(|means| means.pin_springs),
             law_states: means.map_or(Vec::new(), |means| means.law_states.clone()),
             beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),

@@ -560,9 +560,9 @@ fn named(wing: &WingNumbers, spar: Option<&SparNumbers>) -> Vec<NamedNumber> {
     known
 }
 
-/// Change of a number of a bent wing for a difference, over its value or, where that is less, over [`LEAST`].
+/// Change of a number of a bent wing for a difference, over its value or, where that is less, over [`LEAST`]. *Choice.*
 const DIFFERENCE: f64 = 1e-3;
-/// Least size of such a number.
+/// Least size of such a number, in its unit. *Choice.*
 const LEAST: f64 = 1e-3;
 
 impl TetherCase {

@@ -4,7 +4,7 @@ use crate::course::{CROSSING, FAST_FROM, MOST_RINGS};
 use crate::flown::laid;
 use crate::layout::{PanelLayout, Spacing};
 use crate::mesh::Mesh;
-use crate::motion::{LatticeSurface, MovingSections, Panels, Scene};
+use crate::motion::{LatticeSurface, MovingSections, Panels, Scene, require_rigid};
 use crate::settings::{LatticeSettings, WakeMotion};
 use crate::{Error, Lattice};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -56,7 +56,7 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
         }
         Error::Bent { key } => {
             let key = format!("robot.surfaces.{key}");
-            wingbeat::Error::invalid(key, "given", "none: the panels are flat")
+            wingbeat::Error::invalid(key, "given", "none: the panels of a flight are rigid")
         }
         Error::Rings { rings, most } => {
             let allowed = format!("steps whose wake has at most {most} rings: give lattice.longest_age_s");
@@ -146,6 +146,7 @@ impl CoupledLattice {
         let LatticeTask { spec, robot, outlines, density_kg_m3, every, steps } = task;
         let (chordwise, spanwise) = (spec.chordwise, spec.spanwise);
         let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
+        robot.surfaces().try_for_each(|(_, aero)| require_rigid(aero))?;
         let layouts = laid(robot, outlines, panels)?;
         let longest_age_s = spec.longest_age_s.unwrap_or(f64::INFINITY);
         let rows = (*steps as f64).min(longest_age_s / spec.step_s);

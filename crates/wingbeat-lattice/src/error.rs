@@ -14,7 +14,7 @@ pub enum Error {
         allowed: String,
     },
     /// A part of a surface that bends its section.
-    #[error("{key}: allowed is none: the panels are flat")]
+    #[error("{key}: allowed is none: the panels are rigid")]
     Bent {
         /// Key of the part.
         key: &'static str,

@@ -4,9 +4,9 @@ use crate::layout::PanelLayout;
 use crate::motion::{LatticeSurface, MovingSections, Panels, Scene, require_flat};
 use crate::{Error, RecordError};
 use std::sync::Arc;
-use wingbeat::aero::{Circulation, SectionMotion};
-use wingbeat::math::Vec3;
+use wingbeat::aero::{ChordBend, Circulation, SectionMotion};
 use wingbeat::math::interpolation::{hermite, piecewise_linear};
+use wingbeat::math::{Dual, Vec3};
 use wingbeat::plant::Plant;
 use wingbeat::robot::{Observation, Robot, SurfaceOutline};
 use wingbeat::simulate::Record;
@@ -74,14 +74,34 @@ impl FlightStretch {
     /// The states at `t` s, in the units of their channels.
     pub fn state(&self, t: f64) -> Vec<f64> {
         let i = self.row(t);
+        (0..self.states[i].len()).map(|k| self.moving(t, i, k)[0]).collect()
+    }
+
+    /// The state number `k` at `t` s, after the row `i`, with its rate.
+    fn moving(&self, t: f64, i: usize, k: usize) -> [f64; 2] {
         let Some(h) = self.times.get(i + 1).map(|next| next - self.times[i]) else {
-            return self.states[i].clone();
+            return [self.states[i][k], self.rates[i][k]];
         };
-        let at = |k: usize| {
-            let of = |rows: &[Vec<f64>]| [rows[i][k], rows[i + 1][k]];
-            hermite(t - self.times[i], h, of(&self.states), of(&self.rates)).0
-        };
-        (0..self.states[i].len()).map(at).collect()
+        let of = |rows: &[Vec<f64>]| [rows[i][k], rows[i + 1][k]];
+        hermite(t - self.times[i], h, of(&self.states), of(&self.rates)).into()
+    }
+
+    /// How the chord lines of the surface number `surface` are bent at `t` s at the arcs `arcs` (m), with the rates.
+    fn bends(&self, t: f64, surface: usize, arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
+        out.clear();
+        let Some((_, aero)) = self.robot.surfaces().nth(surface) else { return };
+        let places = self.robot.bent_states_of(surface);
+        let i = self.row(t);
+        let [now, rates] = [0, 1].map(|of| {
+            let bent: Vec<f64> = places.clone().map(|k| self.moving(t, i, k)[of]).collect();
+            aero.chord_bends(&bent, arcs)
+        });
+        let dual = |re: f64, rate: f64| Dual { re, eps: [rate] };
+        out.extend(now.iter().zip(&rates).map(|(now, rate)| ChordBend {
+            heights: [0, 1].map(|m| dual(now.heights[m], rate.heights[m])),
+            angle: dual(now.angle, rate.angle),
+            hinge: now.hinge,
+        }));
     }
 
     /// Place of the body's origin, m, and its velocity, m/s, in W at `t` s.
@@ -140,6 +160,10 @@ impl MovingSections for FlownSurface {
             out.clear();
             out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
         }
+    }
+
+    fn bends(&self, t: f64, arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
+        self.flight.bends(t + self.from_s, self.surface, arcs, out);
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::kernel::VortexGrid;
 use crate::motion::LatticeSurface;
 use std::f64::consts::PI;
-use wingbeat::aero::SectionMotion;
-use wingbeat::math::Vec3;
+use wingbeat::aero::{ChordBend, SectionMotion};
+use wingbeat::math::{Dual, Vec3};
 
 /// Place of a panel's bound vortex along its chord.
 const VORTEX: f64 = 0.25;
@@ -53,6 +53,8 @@ pub struct Mesh {
     pub strips: usize,
     /// The strips' edges.
     pub edges: Vec<SectionMotion<f64>>,
+    /// How their chord lines are bent, with the rates; none where they are straight.
+    bends: Vec<ChordBend<Dual<1>>>,
     /// Vortex rings: a row of vertices per row of panels, the trailing edge, where the last rings bend, and their ends. With a
     /// peer's conventions the last rings are flat.
     pub bound: VortexGrid,
@@ -82,10 +84,27 @@ pub struct Mesh {
     sheds: bool,
 }
 
-/// What the point at the chord fraction `x` of a section is and does.
-fn at(section: &SectionMotion<f64>, x: f64) -> (Vec3, Vec3) {
+/// What a point of a section is and does.
+#[derive(Clone, Copy)]
+struct MovingPoint {
+    at: Vec3,
+    velocity: Vec3,
+}
+
+/// The point at the share `x` of the chord of a section.
+fn on_chord(section: &SectionMotion<f64>, x: f64) -> MovingPoint {
     let mix = |a: Vec3, b: Vec3| a + (b - a) * x;
-    (mix(section.le, section.te), mix(section.v_le, section.v_te))
+    MovingPoint { at: mix(section.le, section.te), velocity: mix(section.v_le, section.v_te) }
+}
+
+/// The same of a section that is bent: p = p_le + a c + b n, n as long as the chord c and square to it and to the span, with the rates of a
+/// and b and those of c and n, which turn with the section.
+fn on_bend(section: &SectionMotion<f64>, bend: &ChordBend<Dual<1>>, x: f64) -> MovingPoint {
+    let [a, b] = bend.at(Dual::constant(x));
+    let (chord, turning) = (section.te - section.le, section.v_te - section.v_le);
+    let up = chord.cross(section.span);
+    let rate = section.w.cross(up) * b.re + chord * a.eps[0] + up * b.eps[0];
+    MovingPoint { at: section.le + chord * a.re + up * b.re, velocity: section.v_le + turning * a.re + rate }
 }
 
 impl Mesh {
@@ -120,6 +139,7 @@ impl Mesh {
                     ((edge.le - from.0) * step.recip(), (edge.te - from.1) * step.recip());
             }
         }
+        surface.sections.bends(t, &self.arcs, &mut self.bends);
         let chords: f64 = self.edges.iter().map(|edge| (edge.te - edge.le).norm()).sum();
         self.mean_chord = chords / self.edges.len() as f64;
         self.place_rings(wind, step);
@@ -127,6 +147,25 @@ impl Mesh {
         self.place_elements();
         if chased {
             self.reach_ends();
+        }
+    }
+
+    /// The point at the share `x` of the chord of the edge `j`.
+    fn at(&self, j: usize, x: f64) -> MovingPoint {
+        match self.bends.get(j) {
+            Some(bend) => on_bend(&self.edges[j], bend, x),
+            None => on_chord(&self.edges[j], x),
+        }
+    }
+
+    /// The trailing edge of the edge `j`.
+    fn tail(&self, j: usize) -> MovingPoint {
+        match self.bends.is_empty() {
+            true => {
+                let SectionMotion { te, v_te, .. } = self.edges[j];
+                MovingPoint { at: te, velocity: v_te }
+            }
+            false => self.at(j, 1.0),
         }
     }
 
@@ -143,14 +182,15 @@ impl Mesh {
     /// Width of the strips over whose trailing edge the air comes in, in the wind `wind` m/s, and of all, m.
     pub(crate) fn inflow(&self, wind: Vec3) -> [f64; 2] {
         let (mut inward, mut all) = (0.0, 0.0);
-        for (pair, arcs) in self.edges.windows(2).zip(self.arcs.windows(2)) {
-            let (left, right) = (&pair[0], &pair[1]);
-            let edge = right.te - left.te;
-            let chord = left.te - left.le + right.te - right.le;
+        for (j, arcs) in self.arcs.windows(2).enumerate() {
+            let (left, right) = (self.tail(j), self.tail(j + 1));
+            let edge = right.at - left.at;
+            let (a, b) = (&self.edges[j], &self.edges[j + 1]);
+            let chord = a.te - a.le + b.te - b.le;
             let outward = chord * edge.norm_squared() - edge * edge.dot(chord);
             let width = (arcs[1] - arcs[0]).abs();
             all += width;
-            if (wind * 2.0 - left.v_te - right.v_te).dot(outward) < 0.0 {
+            if (wind * 2.0 - left.velocity - right.velocity).dot(outward) < 0.0 {
                 inward += width;
             }
         }
@@ -173,31 +213,35 @@ impl Mesh {
 
     /// The corner between row `i` and strip `j` of panels, m.
     pub fn corner(&self, i: usize, j: usize) -> Vec3 {
-        at(&self.edges[j], i as f64 / self.chordwise as f64).0
+        self.at(j, i as f64 / self.chordwise as f64).at
     }
 
     /// The middle of the panel of row `i` and strip `j`, m, and its velocity, m/s.
     pub(crate) fn middle(&self, i: usize, j: usize) -> (Vec3, Vec3) {
         let x = (i as f64 + 0.5) / self.chordwise as f64;
-        let [left, right] = [j, j + 1].map(|j| at(&self.edges[j], x));
-        ((left.0 + right.0) * 0.5, (left.1 + right.1) * 0.5)
+        let [left, right] = [j, j + 1].map(|j| self.at(j, x));
+        ((left.at + right.at) * 0.5, (left.velocity + right.velocity) * 0.5)
     }
 
     fn place_rings(&mut self, wind: Vec3, step: f64) {
-        let (m, edges) = (self.chordwise as f64, &self.edges);
-        let row = |i: usize| edges.iter().map(move |edge| at(edge, (i as f64 + VORTEX) / m).0);
-        let ends = || edges.iter().map(|edge| edge.te + (wind - edge.v_te) * (BEHIND * step));
-        let (bound, trailing) = (&mut self.bound, &mut self.trailing);
-        for grid in [&mut *bound, &mut *trailing] {
-            grid.columns = edges.len();
-            grid.points.clear();
+        let (m, count) = (self.chordwise as f64, self.edges.len());
+        let [mut front, mut ends] = [&mut self.bound, &mut self.trailing].map(|grid| {
+            grid.columns = count;
+            std::mem::take(&mut grid.points)
+        });
+        front.clear();
+        ends.clear();
+        for i in 0..self.chordwise {
+            front.extend((0..count).map(|j| self.at(j, (i as f64 + VORTEX) / m).at));
         }
-        bound.points.extend((0..self.chordwise).flat_map(row));
+        let tails = || (0..count).map(|j| self.tail(j));
         if self.core == 0.0 {
-            bound.points.extend(edges.iter().map(|edge| edge.te));
+            front.extend(tails().map(|tail| tail.at));
         }
-        bound.points.extend(ends());
-        trailing.points.extend(ends());
+        ends.extend(tails().map(|tail| tail.at + (wind - tail.velocity) * (BEHIND * step)));
+        front.extend_from_slice(&ends);
+        let (bound, trailing) = (&mut self.bound, &mut self.trailing);
+        (bound.points, trailing.points) = (front, ends);
         let square = if self.rounded { 1.0 } else { self.core * self.core };
         bound.arcs.clone_from(&self.arcs);
         bound.soften(|_, _| square, |_, _| square);
@@ -263,19 +307,48 @@ impl Mesh {
         self.controls.clear();
         for i in 0..self.chordwise {
             for (j, fraction) in self.fractions.iter().enumerate() {
-                let [left, right] = [j, j + 1].map(|j| at(&self.edges[j], (i as f64 + CONTROL) / m));
+                let [left, right] = [j, j + 1].map(|j| self.at(j, (i as f64 + CONTROL) / m));
                 let forward = self.corner(i + 1, j) - self.corner(i, j + 1);
                 let back = self.corner(i + 1, j + 1) - self.corner(i, j);
                 let twice = forward.cross(back);
                 self.controls.push(Control {
-                    at: left.0 + (right.0 - left.0) * *fraction,
-                    velocity: left.1 + (right.1 - left.1) * *fraction,
-                    normal: twice.unit(),
+                    at: left.at + (right.at - left.at) * *fraction,
+                    velocity: left.velocity + (right.velocity - left.velocity) * *fraction,
+                    normal: match self.bends.is_empty() {
+                        true => twice.unit(),
+                        false => self.tilted((i, j), right.at - left.at),
+                    },
                     area: 0.5 * twice.norm(),
                     arc: self.arcs[j] + (self.arcs[j + 1] - self.arcs[j]) * *fraction,
                 });
             }
         }
+    }
+
+    /// The normal of the panel of row `i` and strip `j`: that of the straight panel, tilted as the bent chord lines are around its control
+    /// point, between the shares of the chord half a panel before and behind it; `across` leads from left to right there. At
+    /// the point itself the hinge of a flap would count a quarter of a panel too late.
+    ///
+    /// Equation: lattice.bent_normal
+    /// `n = n_straight + unit(s x l) - unit(c x l), s along the bent chord lines, c along the straight ones, l across`
+    /// Source: thin-aerofoil theory: the slope of the camber line in the wash (Katz & Plotkin 2001, section 5.4); its mean a choice.
+    /// Test: `bent_panels_lift_as_thin_aerofoil_theory_says`.
+    fn tilted(&self, (i, j): (usize, usize), across: Vec3) -> Vec3 {
+        let m = self.chordwise as f64;
+        let corner = |i: usize, j: usize| on_chord(&self.edges[j], i as f64 / m).at;
+        let forward = corner(i + 1, j) - corner(i, j + 1);
+        let straight = forward.cross(corner(i + 1, j + 1) - corner(i, j)).unit();
+        let [from, to] = [-0.5, 0.5].map(|share| (i as f64 + CONTROL + share) / m);
+        let (mut bent, mut flat) = (Vec3::ZERO, Vec3::ZERO);
+        for (j, share) in [(j, 1.0 - self.fractions[j]), (j + 1, self.fractions[j])] {
+            let (section, bend) = (&self.edges[j], &self.bends[j]);
+            let (chord, ends) = (section.te - section.le, [from, to].map(|x| bend.at(Dual::constant(x))));
+            let [along, above] = [0, 1].map(|k| ends[1][k].re - ends[0][k].re);
+            bent += (chord * along + chord.cross(section.span) * above) * share;
+            flat += chord * ((to - from) * share);
+        }
+        let tilt = bent.cross(across).unit() - flat.cross(across).unit();
+        if tilt.norm() == 0.0 { straight } else { (straight + tilt).unit() }
     }
 
     /// Where between the edges of strip `j` the air of its bound vortices is taken: where Lan's sums over strips are exact, as at its
@@ -286,26 +359,27 @@ impl Mesh {
 
     fn place_elements(&mut self) {
         let m = self.chordwise as f64;
-        let element = |a: (Vec3, Vec3), b: (Vec3, Vec3), fraction: f64| VortexElement {
-            at: a.0 + (b.0 - a.0) * fraction,
-            velocity: a.1 + (b.1 - a.1) * fraction,
-            along: b.0 - a.0,
+        let element = |a: MovingPoint, b: MovingPoint, fraction: f64| VortexElement {
+            at: a.at + (b.at - a.at) * fraction,
+            velocity: a.velocity + (b.velocity - a.velocity) * fraction,
+            along: b.at - a.at,
         };
         let fractions: Vec<f64> = (0..self.strips).map(|j| self.front_fraction(j)).collect();
-        let edges = &self.edges;
-        self.fronts.clear();
-        self.legs.clear();
+        let [mut fronts, mut legs] = [&mut self.fronts, &mut self.legs].map(std::mem::take);
+        fronts.clear();
+        legs.clear();
+        let count = self.edges.len();
         for i in 0..self.chordwise {
             let x = (i as f64 + VORTEX) / m;
             let end = (x + 1.0 / m).min(1.0);
-            let pairs = edges.windows(2).zip(&fractions);
-            self.fronts.extend(pairs.map(|(pair, f)| element(at(&pair[0], x), at(&pair[1], x), *f)));
-            self.legs.extend(edges.iter().map(|edge| element(at(edge, x), at(edge, end), 0.5)));
+            let front = |(j, f): (usize, &f64)| element(self.at(j, x), self.at(j + 1, x), *f);
+            fronts.extend(fractions.iter().enumerate().map(front));
+            legs.extend((0..count).map(|j| element(self.at(j, x), self.at(j, end), 0.5)));
         }
         if self.sheds {
-            let nose = edges.iter().map(|edge| element(at(edge, 0.0), at(edge, VORTEX / m), 0.5));
-            self.legs.extend(nose);
+            legs.extend((0..count).map(|j| element(self.at(j, 0.0), self.at(j, VORTEX / m), 0.5)));
         }
+        (self.fronts, self.legs) = (fronts, legs);
     }
 
     /// Lets the last legs reach to the ends of their rings, with what is behind the trailing edge.
@@ -319,10 +393,9 @@ impl Mesh {
 
     /// The ends of the last rings, from left to right, as they move with the trailing edge.
     pub fn ends(&self) -> impl Iterator<Item = VortexElement> {
-        let pairs = self.trailing.points.windows(2).zip(self.edges.windows(2));
-        pairs.map(|(ends, edges)| VortexElement {
+        self.trailing.points.windows(2).enumerate().map(|(j, ends)| VortexElement {
             at: (ends[0] + ends[1]) * 0.5,
-            velocity: (edges[0].v_te + edges[1].v_te) * 0.5,
+            velocity: (self.tail(j).velocity + self.tail(j + 1).velocity) * 0.5,
             along: ends[1] - ends[0],
         })
     }

@@ -3,14 +3,20 @@
 use crate::Error;
 use crate::layout::{PanelLayout, Spacing};
 use std::sync::Arc;
-use wingbeat::aero::{Aero, SectionMotion};
-use wingbeat::math::Vec3;
+use wingbeat::aero::{Aero, ChordBend, SectionMotion};
+use wingbeat::math::{Dual, Vec3};
 use wingbeat::tether::{Coordinate, Motion, Side, Tether, Wing};
 
 /// Where the sections of a wing are at any time, in W.
 pub trait MovingSections: Send + Sync {
     /// Puts the motion of the sections at the arc coordinates `arcs` (m, left positive) at `t` s in place of what `out` holds.
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>);
+
+    /// Puts how these sections are bent, with the rates (1/s and rad/s), in place of what `out` holds; nothing where they are straight. The sections then
+    /// also have their spans and angular rates.
+    fn bends(&self, _t: f64, _arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
+        out.clear();
+    }
 }
 
 /// A hinged wing in prescribed motion.
@@ -78,14 +84,17 @@ pub struct FlappingWing {
     pub ground: Option<f64>,
 }
 
-/// Refuses sections that lift at no incidence, membranes and flaps.
+/// Refuses membranes and flaps, whose motion nobody gives.
+pub(crate) fn require_rigid(aero: &Aero) -> Result<(), Error> {
+    match (aero.membrane(), aero.flap()) {
+        (Some(_), _) => Err(Error::Bent { key: "membrane" }),
+        (_, Some(_)) => Err(Error::Bent { key: "flap" }),
+        (None, None) => Ok(()),
+    }
+}
+
+/// Refuses sections that lift at no incidence.
 pub(crate) fn require_flat(aero: &Aero) -> Result<(), Error> {
-    if aero.membrane().is_some() {
-        return Err(Error::Bent { key: "membrane" });
-    }
-    if aero.flap().is_some() {
-        return Err(Error::Bent { key: "flap" });
-    }
     let zero_lift = match aero {
         Aero::LiftingLine(line) => line.settings().section.zero_lift_angle_rad,
         Aero::Strip(model) => model.settings().section.zero_lift_angle_rad,
@@ -113,6 +122,7 @@ impl TryFrom<&Tether> for FlappingWing {
             Side::Left => return half("left"),
             Side::Right => return half("right"),
         }
+        require_rigid(&tether.aero)?;
         require_flat(&tether.aero)?;
         Ok(Self {
             wing: tether.wing.clone(),

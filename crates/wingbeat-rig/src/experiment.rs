@@ -109,6 +109,7 @@ impl Experiment<'_> {
         let mut row = Vec::new();
         let (mut saturated, mut stalled, mut deflections) = (0, (0, 0.0), Deflections::default());
         let mut heights = vec![Vec::new(); self.robot.surfaces().count()];
+        let bent = self.robot.bent_states();
         let thin = ((self.cell.rate_hz / LOOKS_HZ) as usize).max(samples / MOST_LOOKS + 1);
         let begun = match self.still(self.robot, (&self.numbers.mount(self.mount), &self.numbers), -self.rest)
         {
@@ -138,7 +139,7 @@ impl Experiment<'_> {
             }
             let reading = cell.sample(&load);
             saturated += usize::from(reading.saturated);
-            self.fill(&mut row, t, &now, &reading.values);
+            self.fill(&mut row, t, &now, &reading.values, bent.iter().map(|i| states.0[*i]));
             record.append_finite(&row)?;
             if k.is_multiple_of(512) {
                 progress(k as f64 / samples as f64);
@@ -271,6 +272,8 @@ impl Experiment<'_> {
         for (prefix, frame) in [("true", "C"), ("air", "B"), ("inertia", "B")] {
             columns.extend(CHANNELS.map(|(name, unit)| Column::new(format!("{prefix}_{name}"), unit, frame)));
         }
+        let bent = self.robot.bent_states().into_iter();
+        columns.extend(bent.map(|i| Column::from(&self.robot.states()[self.robot.layout().structure + i])));
         if self.robot.motor().is_some() {
             columns.extend(MOTOR.map(|(name, unit)| Column::new(name, unit, "")));
         }
@@ -284,7 +287,14 @@ impl Experiment<'_> {
         }
     }
 
-    fn fill(&self, row: &mut Vec<f64>, t: f64, now: &CellLoads, reading: &[f64; 6]) {
+    fn fill(
+        &self,
+        row: &mut Vec<f64>,
+        t: f64,
+        now: &CellLoads,
+        reading: &[f64; 6],
+        bent: impl Iterator<Item = f64>,
+    ) {
         row.clear();
         row.extend([t, now.phase + self.deviations.encoder_rad]);
         match self.carrier.joints(t) {
@@ -296,6 +306,7 @@ impl Experiment<'_> {
         }
         row.extend(reading);
         row.extend(six(&now.wrench).into_iter().chain(six(&now.air)).chain(six(&now.inertia)));
+        row.extend(bent);
         row.extend(
             now.motor.iter().flat_map(|m| [m.crank_rate, m.shaft_torque, m.shaft_power, m.electrical_power]),
         );

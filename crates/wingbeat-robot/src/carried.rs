@@ -2,6 +2,7 @@
 
 use super::drive::Ratios;
 use super::dynamics::{BodySystem, of_numbers};
+use super::pin_springs::PinDeflection;
 use super::sections::Carriers;
 use super::surface::External;
 use super::{Joints, Links, Robot};
@@ -66,13 +67,19 @@ pub struct Deflections {
     pub flap: f64,
     /// Angle between two pieces of a spar, rad.
     pub spar: f64,
+    /// Of the pins of the linkage from the rests of their springs.
+    pub pin: PinDeflection,
 }
 
 impl Deflections {
     /// The larger of both, kind by kind.
     #[must_use]
     pub fn largest(self, other: Self) -> Self {
-        Self { flap: self.flap.max(other.flap), spar: self.spar.max(other.spar) }
+        Self {
+            flap: self.flap.max(other.flap),
+            spar: self.spar.max(other.spar),
+            pin: self.pin.largest(other.pin),
+        }
     }
 }
 
@@ -178,6 +185,10 @@ impl<P: Scalar> Robot<P> {
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += of_numbers(beyond));
         seen(&carriers, &loads);
         let body_drag = self.body_load(clock, (structure_state, u), (v - wind, body.rate));
+        let pin = match self.mechanism.pin_springs.is_empty() {
+            true => PinDeflection::default(),
+            false => self.pin_deflection_at(clock, structure_state)?,
+        };
         Ok(CarriedLoads {
             air: loads.by_source(),
             body_drag,
@@ -188,7 +199,7 @@ impl<P: Scalar> Robot<P> {
                 + body_drag.force.dot(v)
                 + body_drag.moment.dot(body.rate),
             stalled: self.stalled(&loads),
-            deflections: self.deflections(&loads, &joints),
+            deflections: self.deflections(&loads, &joints, pin),
             center_of_mass: self.mechanism.tree.center_of_mass(&links),
             joints,
         })
@@ -232,11 +243,12 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// The largest deflections under `loads` with the `joints` as they are.
-    fn deflections<S: Scalar>(&self, loads: &Loads<S>, joints: &[Jet<S>]) -> Deflections {
+    fn deflections<S: Scalar>(&self, loads: &Loads<S>, joints: &[Jet<S>], pin: PinDeflection) -> Deflections {
         let spars = self.mechanism.pieces().map(|joint| joints[joint].x.value().abs());
         Deflections {
             flap: loads.flap.iter().map(|angle| angle.value().abs()).fold(0.0, f64::max),
             spar: spars.fold(0.0, f64::max),
+            pin,
         }
     }
 
@@ -250,6 +262,21 @@ impl<P: Scalar> Robot<P> {
             camber.iter().zip(forward).map(|(a, b)| [*a, *b]).collect()
         };
         self.covering.aero.surfaces().iter().map(of).collect()
+    }
+
+    /// Places in the state of the carried robot of what says how its shape gives way: coordinates of elastic and free joints, heights of
+    /// membranes and angles of flaps.
+    pub fn bent_states(&self) -> Vec<usize> {
+        let (l, coordinates) = (&self.layout, self.mechanism.coordinates.len());
+        let surfaces = (0..self.covering.aero.surfaces().len()).flat_map(|k| self.bent_states_of(k));
+        (l.joints..l.joints + coordinates).chain(surfaces).map(|place| place - l.structure).collect()
+    }
+
+    /// Places in the state of the flying robot of what says how the chords of the surface number `surface` are bent.
+    pub fn bent_states_of(&self, surface: usize) -> std::ops::Range<usize> {
+        let surface = &self.covering.aero.surfaces()[surface];
+        let (first, bent) = (self.layout.aero + surface.states().start, surface.aero().bent_states());
+        first + bent.start..first + bent.end
     }
 
     /// Number of states of the structure: elements, elastic joints, crank.

@@ -6,7 +6,7 @@ use wingbeat_ocp::plant::Fault;
 
 impl Robot {
     /// Places and velocities of the chord lines of the surface number `surface` at the arc coordinates `arcs` (m, left positive) of
-    /// a robot as it is `at`, in W, in place of what `out` holds; the rest of a section's motion is left zero. A chord line on a
+    /// a robot as it is `at`, in W, in place of what `out` holds; accelerations are left zero. A chord line on a
     /// hinge belongs to the inner link.
     ///
     /// # Errors
@@ -31,6 +31,8 @@ impl Robot {
                     te: origin + attitude * section.te,
                     v_le: attitude * section.v_le,
                     v_te: attitude * section.v_te,
+                    span: attitude * section.span,
+                    w: attitude * section.w,
                     ..SectionMotion::default()
                 }
             }));

@@ -15,15 +15,17 @@ pub(super) struct Ratios<S> {
     pub crank: ArrayVec<S, MAX_LINKS>,
     /// dq/dy of the joints of every element with an inertia, one element after the other.
     pub loaded: ArrayVec<S, MAX_LINKS>,
-    /// Efforts of the actuators of these elements, N m or N.
+    /// Efforts of the actuators of these elements and of springs on pins along them, N m or N.
     pub pushes: ArrayVec<S, MAX_ELEMENTS>,
+    /// Effort of springs on pins along a crank under a motor, N m.
+    pub crank_push: S,
 }
 
-impl<S> Ratios<S> {
+impl<S: Scalar> Ratios<S> {
     /// None yet.
     #[inline]
     pub fn new() -> Self {
-        Self { crank: ArrayVec::new(), loaded: ArrayVec::new(), pushes: ArrayVec::new() }
+        Self { crank: ArrayVec::new(), loaded: ArrayVec::new(), pushes: ArrayVec::new(), crank_push: S::ZERO }
     }
 }
 
@@ -150,9 +152,12 @@ impl<P: Scalar> Robot<P> {
         ratios: &Ratios<S>,
         coordinates: &mut Coordinates<S>,
     ) {
+        let crank = self.mechanism.coordinates.len();
+        if !self.mechanism.pin_springs.is_empty() {
+            coordinates.add_own(crank, ratios.crank_push, S::ZERO);
+        }
         for (joint, drive) in self.mechanism.drives.iter().enumerate() {
             if drive.cranked() {
-                let crank = self.mechanism.coordinates.len();
                 coordinates.add_joint(crank, &self.mechanism.tree, joint, ratios.crank[joint], links);
             }
         }
@@ -162,7 +167,7 @@ impl<P: Scalar> Robot<P> {
 impl Robot {
     /// Power that the efforts of the joints take from drive and regulators, W, by virtual work:
     /// a joint's rate is dq/dphase phase' by the drive and, the phase held, that of its displacements by
-    /// the regulators.
+    /// the regulators; what they give to springs on pins is told.
     ///
     /// Equation: robot.power_split
     /// `sum_j tau_j q_j' = sum_j tau_j dq_j/dphase phase' + sum_j tau_j (q_j' at phase held)`
@@ -174,13 +179,17 @@ impl Robot {
         structure: &[f64],
         displacements: &[Jet; MAX_ELEMENTS],
         torques: &[f64],
+        [of_drive, of_regulators]: [f64; 2],
     ) -> Result<[f64; 2], Fault> {
         let (mut ratios, mut displaced) = (ArrayVec::new(), Joints::new());
         self.ratios(phase.x, displacements, &mut ratios)?;
         self.driven(Jet::new(phase.x, 0.0, 0.0), displacements, &mut displaced)?;
         let drive: f64 = torques.iter().zip(&ratios).map(|(torque, ratio)| torque * ratio).sum();
         let regulators: f64 = torques.iter().zip(&displaced).map(|(torque, q)| torque * q.d).sum();
-        Ok([drive * phase.d, regulators + self.rest_power(structure, displacements)])
+        Ok([
+            drive * phase.d + of_drive,
+            regulators + of_regulators + self.rest_power(structure, displacements),
+        ])
     }
 
     /// Power that moves the rests of the springs, W: -k (q - rest) rest' of each.

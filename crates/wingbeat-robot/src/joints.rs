@@ -4,7 +4,7 @@ use super::drive::Ratios;
 use super::mechanism::{JointDrive, Mechanism};
 use super::spec::{ElementSpec, GaitSpec, LinkageOutput, RobotSpec};
 use super::{Joints, MAX_ELEMENTS, Robot};
-use crate::body::REGULATED;
+use crate::body::{LinkagePose, REGULATED};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::{Jet, Meets, Over, Scalar, append_copies};
@@ -194,6 +194,7 @@ impl<P: Scalar> Robot<P> {
             self.ratios(phase.x, &displacements, &mut ratios.crank)?;
         }
         self.loaded_ratios(phase.x, &displacements, ratios)?;
+        self.load_by_pins(&phase, &displacements, ratios)?;
         self.decided(structure, joints);
         Ok(())
     }
@@ -229,15 +230,14 @@ impl<P: Scalar> Robot<P> {
         }
     }
 
-    /// Joint coordinates by the gait alone, its linkages with their lengths displaced.
-    #[inline(never)]
-    pub(super) fn drive<G: Scalar + Meets<P>>(
+    /// Shows the poses of the linkages of left (0) and right wing (1), where there is one, their lengths displaced.
+    #[inline(always)]
+    pub(super) fn poses<G: Scalar + Meets<P>>(
         &self,
         phase: Jet<G>,
         displacements: &[Jet<G>],
-        joints: &mut Joints<G>,
+        mut see: impl FnMut(usize, &LinkagePose<G>),
     ) -> Result<(), Fault> {
-        let mut poses = [[Jet::ZERO; 2]; 2];
         if let Some(linkage) = &self.mechanism.linkage {
             let mut lengths = [[Jet::ZERO; REGULATED.len()]; 2];
             for (i, element) in self.elements.iter().enumerate() {
@@ -248,10 +248,24 @@ impl<P: Scalar> Robot<P> {
                 }
             }
             for wing in 0..2 {
-                let pose = linkage.pose(phase, lengths[wing])?;
-                poses[wing] = [pose.humerus, pose.radius - pose.humerus];
+                see(wing, &linkage.pose(phase, lengths[wing])?);
             }
         }
+        Ok(())
+    }
+
+    /// Joint coordinates by the gait alone, its linkages with their lengths displaced.
+    #[inline(never)]
+    pub(super) fn drive<G: Scalar + Meets<P>>(
+        &self,
+        phase: Jet<G>,
+        displacements: &[Jet<G>],
+        joints: &mut Joints<G>,
+    ) -> Result<(), Fault> {
+        let mut poses = [[Jet::ZERO; 2]; 2];
+        self.poses(phase, displacements, |wing, pose| {
+            poses[wing] = [pose.humerus, pose.radius - pose.humerus];
+        })?;
         append_copies(joints, Jet::ZERO, self.mechanism.drives.len());
         for (joint, drive) in self.mechanism.drives.iter().enumerate() {
             let alike = self.mechanism.alike[joint];

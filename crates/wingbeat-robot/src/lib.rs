@@ -27,6 +27,7 @@ mod numbers;
 mod observe;
 mod perch;
 mod physical;
+mod pin_springs;
 mod placement;
 mod regulators;
 mod residual;
@@ -49,6 +50,7 @@ pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying};
 pub use numbers::{check_given, former, stands_for};
 pub use observe::Observation;
 pub use perch::{Contact, Perch, PerchShape, Seen};
+pub use pin_springs::PinDeflection;
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
@@ -56,8 +58,8 @@ pub use spec::is_of_rig;
 pub use spec::{
     BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
     GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec, LinkageOutput, PanelSpec,
-    RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec, StructureSpec, SurfaceSpec,
-    ThrusterSpec, WingLinkSpec, WingSpec,
+    PinSpringSpec, RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec, StructureSpec,
+    SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 #[cfg(feature = "schema")]
 pub use spec::{file_or, file_or_numbers, numbers_table};

@@ -1,6 +1,7 @@
 //! From what a robot file says of links and joints to the tree and what moves each joint.
 
 use super::numbers::{Numbers, SpringNumbers, StopNumbers};
+use super::pin_springs::PinSpring;
 use super::spar::SparJoints;
 use super::spec::{
     ElasticSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, RobotSpec, SparShape, WingSpec,
@@ -31,6 +32,8 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     pub spar_shape: Option<SparShape>,
     /// The linkage that the gait turns, one on each side.
     pub linkage: Option<Box<Linkage<P>>>,
+    /// Springs on its pins.
+    pub pin_springs: Vec<PinSpring<P>>,
 }
 
 /// What moves a joint.
@@ -119,12 +122,14 @@ impl Mechanism {
     /// # Errors
     /// [`Error::Invalid`] with the key of the robot file.
     pub fn new(spec: &RobotSpec) -> Result<Self, Error> {
-        let linkage = match &spec.gait {
-            GaitSpec::Linkage { dimensions, .. } => {
+        let (linkage, pin_springs) = match &spec.gait {
+            GaitSpec::Linkage { dimensions, springs, .. } => {
                 let built = Linkage::new(*dimensions.clone());
-                Some(Box::new(built.map_err(|e| e.within("gait.linkage.dimensions"))?))
+                let built = built.map_err(|e| e.within("gait.linkage.dimensions"))?;
+                let springs = PinSpring::all(springs, &built);
+                (Some(Box::new(built)), springs.map_err(|e| e.within("gait.linkage.springs"))?)
             }
-            GaitSpec::Fourier { .. } => None,
+            GaitSpec::Fourier { .. } => (None, Vec::new()),
         };
         let mut parts = Vec::new();
         if let Some(wing) = &spec.wing {
@@ -162,6 +167,7 @@ impl Mechanism {
             given: Vec::new(),
             spar_shape: spec.spar_shape(),
             linkage,
+            pin_springs,
         })
     }
 
@@ -244,6 +250,12 @@ impl<P: Scalar> Mechanism<P> {
             spar_shape: self.spar_shape,
             linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
                 .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),
+            pin_springs: self
+                .pin_springs
+                .iter()
+                .zip(&numbers.pin_springs)
+                .map(|(of, n)| of.with(n))
+                .collect(),
         }
     }
 }

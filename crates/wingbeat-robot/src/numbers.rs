@@ -105,6 +105,8 @@ pub struct Numbers<P: Scalar = f64> {
     pub series: Vec<(FourierSeries<P>, P)>,
     /// Dimensions of the linkage, where there is one.
     pub linkage: Option<LinkageDimensions<P>>,
+    /// Springs on the pins of the linkage.
+    pub pin_springs: Vec<SpringNumbers<P>>,
     /// Response of the structure's elements.
     pub response: Response<P>,
     /// Inertias of the elements that bear what their joints bear, kg m2 or kg.
@@ -144,6 +146,9 @@ impl<P: Scalar> Parameters<P> for Numbers<P> {
                 at.within("driven", |at| (series.walk(at), at.number("lag_rad", &PHASE, *lag)))
             }),
             linkage: self.linkage.as_ref().map(|linkage| at.within("linkage", |at| linkage.walk(at))),
+            pin_springs: at.within("linkage", |at| {
+                at.list(("springs", "pins"), &self.pin_springs, |at, spring| spring.walk(at))
+            }),
             response: at.within("structure", |at| self.response.walk(at)),
             inertias: at.within("structure", |at| {
                 at.list(("elements", "loaded"), &self.inertias, |at, of| at.number("inertia", &INERTIA, *of))
@@ -187,6 +192,7 @@ impl<P: Scalar> Robot<P> {
             places: self.mechanism.tree.places(),
             series: self.mechanism.series().map(|(_, series, lag)| (series.clone(), lag)).collect(),
             linkage: self.mechanism.linkage.as_ref().map(|linkage| linkage.dimensions().clone()),
+            pin_springs: self.mechanism.pin_springs.iter().map(|of| of.spring.numbers).collect(),
             response: self.response.clone(),
             inertias: self.loaded.iter().map(|loaded| loaded.inertia).collect(),
             springs: self.mechanism.springs().map(|spring| spring.numbers).collect(),
@@ -220,6 +226,7 @@ impl Robot {
                 let name = within.strip_prefix("surfaces.")?;
                 self.covering.laid.iter().find(|laid| laid.name == name)?.panel(place)
             }
+            "pins" => self.mechanism.pin_springs.get(place).map(|of| of.pin.name()),
             "loaded" => Some(self.elements.get(self.loaded.get(place)?.element)?.name.as_str()),
             "elements" => self.elements.get(place).map(|element| element.name.as_str()),
             "regulators" => {
@@ -385,6 +392,7 @@ impl Robot {
             numbers.linkage.as_ref().filter(|_| numbers.linkage != self.numbers().linkage)
         {
             let linkage = Linkage::new(dimensions.clone()).map_err(|e| e.within("linkage"))?;
+            robot.mechanism.pin_springs.iter_mut().for_each(|spring| *spring = spring.on(&linkage));
             robot.mechanism.linkage = Some(Box::new(linkage));
         }
         Ok(robot)

@@ -18,6 +18,8 @@ pub struct Observation {
     pub attitude: Mat3,
     /// Joint coordinates, rad or m; order of the tree.
     pub joints: Vec<f64>,
+    /// Angles of the pins of the linkage that have a spring, rad; in the order of [`Robot::pin_names`].
+    pub pins: Vec<f64>,
     /// Joint efforts, N m or N.
     pub torques: Vec<f64>,
     /// Phase of the gait, rad.
@@ -32,11 +34,11 @@ pub struct Observation {
     pub regulator_power: f64,
     /// The motor, where one turns the crank.
     pub motor: Option<MotorWork>,
-    /// Kinetic energy plus potential energy above z = 0, in the springs of elastic joints and in membranes, J.
+    /// Kinetic energy plus potential energy above z = 0, in the springs of elastic joints and pins and in membranes, J.
     pub energy: f64,
     /// Power that the surfaces, their membranes and the body take from the air, W; that of the membranes' own inertia is in it.
     pub air_power: f64,
-    /// Power that the dampers of elastic joints and membranes take, W.
+    /// Power that the dampers of elastic joints, pins and membranes take, W.
     pub dissipation: f64,
     /// Aerodynamic loads summed over the strips of all surfaces, by source, in B about the body origin.
     pub air: StripLoads<f64>,
@@ -174,7 +176,10 @@ impl Robot {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         let phase = self.phase_of(&Jet::new(t, 1.0, 0.0), structure, &displacements);
-        let [drive_power, regulator_power] = self.power_split(phase, structure, &displacements, &torques)?;
+        let pins = self.pin_work(phase, &displacements)?;
+        let pin_power = pins.given[0] + pins.given[1];
+        let [drive_power, regulator_power] =
+            self.power_split(phase, structure, &displacements, &torques, pins.given)?;
         let rest_power = self.rest_power(structure, &displacements);
         let center_of_mass = tree.center_of_mass(links);
         let momentum = tree.momentum(e.base.velocity, e.base.rate, links, center_of_mass);
@@ -185,21 +190,24 @@ impl Robot {
             drive_power,
             regulator_power,
             motor: self.motor_work(phase, 1.0),
-            separate_power: self.separate_power(&torques, joints) + rest_power.max(0.0),
-            power: joint_power(&torques, joints) + rest_power
+            separate_power: self.separate_power(&torques, joints) + rest_power.max(0.0) + pin_power.max(0.0),
+            power: joint_power(&torques, joints) + rest_power + pin_power
                 - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, links)
                 + tree.potential_energy(g, links, datum)
                 + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>()
+                + pins.energy
                 + strips.membrane.stored,
             air_power: super::carried::air_power(base, links, &external)
                 + body_drag.force.dot(e.base.velocity)
                 + body_drag.moment.dot(e.base.rate)
                 + strips.membrane.given,
             dissipation: springs().map(|(spring, joint, _)| spring.dissipation(joint.d)).sum::<f64>()
+                + pins.dissipation
                 + strips.membrane.lost,
             inertia: self.momentum_reaction(e.base.rate, links, body),
             joints: joints.iter().map(|j| j.x).collect(),
+            pins: pins.angles,
             torques: torques.to_vec(),
             air: strips.by_source(),
             detail: strips.detail_sum(&[]),

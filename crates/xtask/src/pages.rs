@@ -45,6 +45,7 @@ const BLOCKS: [(&str, &[&str]); 5] = [
             "limits of membrane",
             "limits of flap",
             "limits of spar",
+            "limits of linkage",
             "limits of trim",
             "limits of plan",
             "limits of sweep",

@@ -69,7 +69,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Where the flaps begin among the states.
-    fn flap_states(&self) -> usize {
+    pub(super) fn flap_states(&self) -> usize {
         self.states() - BLOCKS * self.settings.strips
     }
 

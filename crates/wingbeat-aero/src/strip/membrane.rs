@@ -172,6 +172,16 @@ impl<P: Scalar> StripModel<P> {
         std::array::from_fn(|mode| x.get(from(mode)..from(mode) + strips).unwrap_or_default())
     }
 
+    /// Where the states lie that say how the chords of its strips are bent: both heights of a membrane, or the angles of flaps.
+    pub fn bent_states(&self) -> std::ops::Range<usize> {
+        let n = self.settings.strips;
+        match (self.membrane.is_some(), self.has_flap()) {
+            (true, _) => self.camber_states()..self.camber_states() + MODES * n,
+            (_, true) => self.flap_states()..self.flap_states() + n,
+            _ => 0..0,
+        }
+    }
+
     /// Where the cambers begin among the states.
     fn camber_states(&self) -> usize {
         self.followed_states() + if self.follows() { self.settings.strips } else { 0 }

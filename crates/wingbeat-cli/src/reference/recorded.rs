@@ -165,6 +165,8 @@ fn columns_of_flights_and_strips_are_in_the_reference() {
     }
     fly(&mut met, "scenarios/glider.toml", &["aero.preset=as_printed"]);
     fly(&mut met, "scenarios/glider.toml", &["air.ground_m=-5.0"]);
+    let flexure = "robot.gait.linkage.springs=[{pin='coupler_rod', stiffness=1e-3}]";
+    fly(&mut met, "scenarios/cruise_linkage.toml", &[flexure]);
     let reduced = "controller.orbit.predictive={intervals=3, interval_s=0.0075, structure='orbit'}";
     fly(&mut met, "scenarios/membrane_bank15.toml", &["controller.orbit.legs=[]", reduced]);
     fly(&mut met, "scenarios/banking_turn.toml", &["controller.prepared=true"]);
@@ -252,9 +254,13 @@ fn columns_of_the_rig_are_in_the_reference() {
             met.see(ENVELOPE, all.envelope.columns(), &[]);
         }
     }
-    let motor = format!("rig.robot={}", root().join("robots/motor_flapper.toml").display());
-    let run = RigRun::load(&root().join("rigs/runs/bench.toml"), &[&brief[..], &[motor]].concat()).unwrap();
-    met.see(RIG, run.simulate(&run.carrier(None), 0, |_| {}).unwrap().unwrap().record.columns(), &[]);
+    for robot in ["motor_flapper", "aerobat_membrane", "flap_glider"] {
+        let robot = format!("rig.robot={}", root().join(format!("robots/{robot}.toml")).display());
+        let full = "rig.aero.preset=full".to_owned();
+        let run = RigRun::load(&root().join("rigs/runs/bench.toml"), &[&brief[..], &[robot, full]].concat());
+        let run = run.unwrap();
+        met.see(RIG, run.simulate(&run.carrier(None), 0, |_| {}).unwrap().unwrap().record.columns(), &[]);
+    }
     met.all_of(RIG);
     met.all_of(AVERAGE);
     met.all_of(ENVELOPE);

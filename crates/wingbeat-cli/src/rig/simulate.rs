@@ -113,6 +113,12 @@ fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Simu
     let simulated = simulated.map_err(|error| run.explain(&error))?;
     if let Some(record) = &simulated.record {
         write_parquet(&folder.join("record.parquet"), record)?;
+        let place = folder.join("figures");
+        for draw in wingbeat_figures::of_deformation(record) {
+            std::fs::create_dir_all(&place).map_err(|source| Error::file(&place, source))?;
+            let figure = draw(record, wingbeat_figures::FigureTargets::default());
+            crate::fly::left_out(figure.and_then(|figure| wingbeat_figures::write(&place, &figure)))?;
+        }
     }
     Ok(SimulationSummary { told: simulated.summary(run), wall_s: start.elapsed().as_secs_f64() })
 }

@@ -151,6 +151,7 @@ impl Scenario {
         summary.held_multiplier = gains.as_ref().map(|held| held.multiplier);
         let Recorded { record, means, .. } = self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?;
         summary.spar = means.as_ref().and_then(|means| means.spar);
+        summary.pin_springs = means.as_ref().and_then(|means| means.pin_springs);
         summary.judge(cycle.robot(), &self.spec, &self.limits, means.map(|means| means.reversed_fraction));
         let family =
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;

@@ -5,6 +5,7 @@ use super::search::SearchSummary;
 use crate::CostSummary;
 use crate::hinged::FlapSummary;
 use crate::link_spar::LinkSparSummary;
+use crate::pinned::PinSummary;
 use crate::skin::MembraneSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -110,6 +111,9 @@ pub struct TrimSummary {
     /// Spars: largest angle between two pieces, error by their number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spar: Option<LinkSparSummary>,
+    /// Springs on pins of the linkage: largest deflection from rest, that over its limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pin_springs: Option<PinSummary>,
     /// Least of all clearances over the cycle, m.
     pub least_clearance_m: Option<f64>,
     /// Mean roll, deg; positive is right wing down.

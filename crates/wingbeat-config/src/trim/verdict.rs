@@ -58,6 +58,9 @@ impl TrimSummary {
         if let Some(spar) = self.spar {
             spar.judge(&mut judge);
         }
+        if let Some(pins) = self.pin_springs {
+            pins.judge(&mut judge);
+        }
         let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
         judge_slow(&mut judge, self.speed_m_s, slow);
         said_of(spec, robot).for_each(|warning| judge.warn(warning));

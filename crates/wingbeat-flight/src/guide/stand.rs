@@ -41,6 +41,10 @@ impl<'a> Stand<'a> {
             let allowed = "nothing here: the plan chooses the rate of the crank, which a motor leaves to torque and load; fly what it finds with the motor";
             return Err(Error::invalid("robot.drive.motor", "given", allowed));
         }
+        if robot.has_pin_springs() {
+            let allowed = "none here: the power of the plan is that of the joints alone";
+            return Err(Error::invalid("robot.gait.linkage.springs", "given", allowed));
+        }
         if robot.carried_states() > MAX_STATES {
             let allowed = format!("at most {MAX_STATES} states");
             return Err(Error::invalid("aero", robot.carried_states(), allowed));

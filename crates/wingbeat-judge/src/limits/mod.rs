@@ -5,6 +5,7 @@ pub mod calibration;
 pub mod data;
 pub mod flap;
 pub mod flight;
+pub mod linkage;
 pub mod membrane;
 pub mod paper;
 pub mod plan;
@@ -83,12 +84,13 @@ impl JudgedLimit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static JudgedLimit> {
-    let kinds: [&'static [JudgedLimit]; 15] = [
+    let kinds: [&'static [JudgedLimit]; 16] = [
         &flight::ALL,
         &range::ALL,
         &membrane::ALL,
         &flap::ALL,
         &spar::ALL,
+        &linkage::ALL,
         &trim::ALL,
         &plan::ALL,
         &sweep::ALL,

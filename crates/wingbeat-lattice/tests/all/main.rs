@@ -1,5 +1,6 @@
 //! The lattice by itself, along flights and below runs on the rig.
 
+mod bent;
 mod coupled;
 mod inflow;
 mod physics;

@@ -4,8 +4,10 @@
 
 mod closure;
 mod dimensions;
+mod pins;
 
 pub use dimensions::LinkageDimensions;
+pub use pins::LinkagePin;
 
 use super::planar::Planar;
 use closure::Loop;
@@ -87,6 +89,15 @@ impl Linkage {
         }
         linkage.middle = [middle(path.map(|a| a[0])), middle(path.map(|a| a[1]))];
         Ok(linkage)
+    }
+
+    /// Middle of the travel of a pin over a turn of the crank at nominal lengths, rad.
+    pub fn pin_middle(&self, pin: LinkagePin) -> f64 {
+        middle(std::array::from_fn(|k| {
+            let crank = Jet::from(std::f64::consts::TAU * k as f64 / TRIALS as f64);
+            // It closed there when it was made.
+            self.pose(crank, [Jet::ZERO; 3]).map_or(0.0, |pose| pin.angle(&pose.directions, 0.0).x)
+        }))
     }
 
     /// Limits of the displacement of each regulated length about its nominal value, m.

@@ -19,7 +19,7 @@ pub use dynamics::{BaseAcceleration, drive_power, joint_power};
 pub use forward::FreeAcceleration;
 pub use gait::{FourierSeries, Harmonic, MAX_HARMONICS};
 pub use inertia::{BodyNumbers, INERTIA, MASS, PLACE};
-pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePose, MARGIN_LIMIT, REGULATED};
+pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePin, LinkagePose, MARGIN_LIMIT, REGULATED};
 pub use momentum::Momentum;
 pub use motion::LinkMotion;
 pub use planar::Planar;

@@ -1,10 +1,12 @@
 //! How the joints are driven over the flapping cycle.
 
+use super::super::numbers::{DAMPING, STIFFNESS};
 use super::bound::BoundSpec;
-use crate::body::{FourierSeries, LinkageDimensions};
+use crate::body::{FourierSeries, LinkageDimensions, LinkagePin};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
-use wingbeat_math::require::not_negative;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require::{finite, not_negative};
 
 /// What turns the driven joints.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -31,7 +33,47 @@ pub enum GaitSpec {
         /// Dimensions of the linkage.
         #[serde(default)]
         dimensions: Box<LinkageDimensions>,
+        /// Springs on its pins, the same on both sides: the flexures of a compliant mechanism.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        springs: Vec<PinSpringSpec>,
     },
+}
+
+/// A spring on a pin of the linkage: effort = -stiffness (angle - rest) - damping angle'.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct PinSpringSpec {
+    /// The pin; its angle is that of the second body that it joins against the first.
+    pub pin: LinkagePin,
+    /// N m/rad.
+    pub stiffness: f64,
+    /// N m s/rad.
+    #[serde(default)]
+    pub damping: f64,
+    /// Angle without effort, rad; the middle of the pin's travel over a turn of the crank where it is not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest: Option<f64>,
+    /// Deflection from rest that it bears, rad; a run that goes beyond is `outside`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
+}
+
+ranges!(PinSpringSpec { stiffness: STIFFNESS.range, damping: DAMPING.range, limit: Range::POSITIVE });
+
+impl PinSpringSpec {
+    /// That no pin has two springs.
+    fn check(all: &[Self]) -> Result<(), Error> {
+        for (i, spring) in all.iter().enumerate() {
+            let key = |of: &str| format!("linkage.springs[{i}].{of}");
+            spring.in_range().map_err(|e| e.within(&format!("linkage.springs[{i}]")))?;
+            if all[..i].iter().any(|before| before.pin == spring.pin) {
+                return Err(Error::invalid(key("pin"), spring.pin.name(), "a pin that has no spring yet"));
+            }
+            spring.rest.map_or(Ok(()), |rest| finite(&key("rest"), &[rest]))?;
+        }
+        Ok(())
+    }
 }
 
 impl Default for GaitSpec {
@@ -76,7 +118,10 @@ impl GaitSpec {
     pub(super) fn check(&self, winged: bool) -> Result<(), Error> {
         not_negative(&format!("{}.frequency_hz", self.kind()), self.frequency_hz())?;
         self.bound().map_or(Ok(()), |bound| bound.check().map_err(|e| e.within("fourier.bound")))?;
-        let Self::Fourier { shoulder, elbow, .. } = self else { return Ok(()) };
+        let (shoulder, elbow) = match self {
+            Self::Fourier { shoulder, elbow, .. } => (shoulder, elbow),
+            Self::Linkage { springs, .. } => return PinSpringSpec::check(springs),
+        };
         for (key, series) in [("fourier.shoulder", shoulder), ("fourier.elbow", elbow)] {
             match (winged, series) {
                 (true, None) => {

@@ -14,7 +14,7 @@ mod wing;
 
 pub use bound::BoundSpec;
 pub use clearance::{CapsuleSpec, ClearanceSpec};
-pub use gait::GaitSpec;
+pub use gait::{GaitSpec, PinSpringSpec};
 pub use given::{FitVerdict, GivenNumbers};
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
 pub use residual::ResidualSpec;

@@ -35,6 +35,7 @@ mod numbers;
 mod orbit;
 mod outline;
 mod perch;
+mod pin_springs;
 mod power;
 #[cfg(target_arch = "x86_64")]
 mod processor;

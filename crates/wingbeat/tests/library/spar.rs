@@ -433,6 +433,22 @@ fn a_spar_is_scaled_as_its_stations_are() {
     };
     let (stiff, middle) = (slope(1e3), slope(2.0));
     assert!(stiff < 1e-3 * middle && middle > 0.0, "{stiff}, {middle}");
+    // It is that of a difference of fourth order with steps twenty times as long.
+    for key in ["spar.bending_scale", "spar.damping_s"] {
+        let at = |value: f64| short.adjusted(&[(key, value)]).unwrap().last_wrenches().unwrap();
+        let (value, step) = if key == "spar.damping_s" { (2e-3, 4e-5) } else { (2.0, 0.04) };
+        let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(value + k * step));
+        let found = &short.differentiated(&[(key, value)], &[key]).unwrap().unwrap()[0];
+        let (mut apart, mut largest) = (0.0_f64, 0.0_f64);
+        for (row, found) in found.iter().enumerate() {
+            for (k, found) in found.iter().enumerate() {
+                let slope = (8.0 * (c[row][k] - b[row][k]) - (d[row][k] - a[row][k])) / (12.0 * step);
+                apart = apart.max((slope - found).abs());
+                largest = largest.max(slope.abs());
+            }
+        }
+        assert!(apart < 1e-3 * largest && largest > 0.0, "{key}: {apart} {largest}");
+    }
     let wide = of(&[r#"numbers={"spar.bending_scale"=0.0}"#]).map(drop).unwrap_err();
     assert!(wide.contains("0.001 to 1000"), "{wide}");
     let unknown = of(&[r#"numbers={"spar.bending_n_m2"=0.1}"#]).map(drop).unwrap_err();
