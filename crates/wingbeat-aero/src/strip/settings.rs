@@ -51,7 +51,7 @@ pub struct StripSettings {
     pub folding_rates: bool,
     /// Impulse of the bound circulation as a section turns about its chord and drifts along its span: a spanwise force and a couple.
     /// Without it a rectangular wing that folds by 50 degrees in the upstroke lifts 25 % more than the free lattice, with it as much. On
-    /// wings with a swept trailing edge it is too large: at whole strokes the lift of shipped gaits errs by 0.32 to 0.48 of its rms with
+    /// wings with a swept trailing edge it is too large: over the cycle the lift of shipped gaits errs by 0.33 to 0.47 of its rms with
     /// it, by 0.14 to 0.23 without.
     pub turning_impulse: bool,
     /// Vortices above the tips of a wing that ends in sharp side edges, after Lamar: a normal force that grows with the square of the
