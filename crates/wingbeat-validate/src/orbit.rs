@@ -52,7 +52,7 @@ pub const CASES: &[Case] = &[
 ];
 
 /// Those that take minutes.
-pub const LONG: &[LongCase] = &[LongCase { id: "trim.lattice", core_minutes: 12.0, run: lattice::rows }];
+pub const LONG: &[LongCase] = &[LongCase { id: "trim.lattice", core_minutes: 5.0, run: lattice::rows }];
 
 /// Level flight of 20 g with a driven twist, and with a twist that the air moves.
 const DRIVEN: Shipped = "cruise_20g";

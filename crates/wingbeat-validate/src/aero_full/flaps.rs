@@ -30,7 +30,7 @@ const STROKE_DEG: f64 = 5.0;
 const STEPPED_K: f64 = 0.73;
 /// Way until its start is forgotten, mean chords.
 const FORGOTTEN: f64 = 12.0;
-/// End of the row's name, panels along the chord, cores of the wake in mean chords: first those of replayed orbits.
+/// End of the row's name, panels along the chord, cores of the wake in mean chords.
 const STEPPED: [(&str, usize, f64); 4] =
     [("lattice", 8, 0.02), ("thick_cores", 8, 0.05), ("thin_cores", 8, 0.002), ("fine", 16, 0.002)];
 

@@ -112,7 +112,7 @@ pub fn pipeline() -> Result<Figure, Error> {
 /// Lift and power of an orbit's motion, prescribed, over the cycle.
 pub fn replay() -> Result<Figure, Error> {
     let cycles = crate::orbit::replayed()?;
-    let looks = [(Look::Line, 0), (Look::Dashed, 1), (Look::Dotted, 2)];
+    let looks = [(Look::Line, 0), (Look::Dashed, 1), (Look::Line, 3), (Look::Dotted, 2)];
     let panel = |label: &str, of: fn(&crate::orbit::InstantLoads) -> f64| {
         let line =
             |((name, cycle), (look, index)): (&(&str, Vec<crate::orbit::InstantLoads>), (Look, usize))| {

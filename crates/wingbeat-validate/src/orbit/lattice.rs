@@ -9,7 +9,7 @@ use wingbeat::math::interpolation::piecewise_linear;
 use wingbeat::parallel;
 use wingbeat::scenario::ScenarioSpec;
 
-use super::replay::{CycleMeans, InstantLoads, LatticeFineness, OrbitMotion, Twisted, extrapolated};
+use super::replay::{CycleMeans, InstantLoads, LatticeFineness, OrbitMotion, extrapolated};
 use crate::shipped::Shipped;
 use crate::{CaseWatch, ComparisonRow, Error};
 
@@ -25,22 +25,17 @@ const REPLAYED: [Shipped; 8] = [
     "passive_linkage",
 ];
 
-/// What the rows are extrapolated from. Cores are about a third of a panel's chord; their size is a choice.
-const COARSE: LatticeFineness =
-    LatticeFineness { chordwise: 8, spanwise: 40, core: 0.32, twisted: Twisted::Joined(0.0) };
-const FINE: LatticeFineness = LatticeFineness { chordwise: 12, spanwise: 60, ..COARSE };
-/// What strips and cores are worth, beside the coarse lattice.
+/// What the rows are extrapolated from, on the wing of the strips that found the orbits. Their number in each strip and their cores are choices.
+const COARSE: LatticeFineness = LatticeFineness { chordwise: 8, strips: 9, parts: 4, core: 0.08 };
+const FINE: LatticeFineness = LatticeFineness { chordwise: 12, ..COARSE };
+/// What narrower strips, half and twice the cores are worth, beside the coarse lattice.
 const OTHERS: [LatticeFineness; 3] = [
-    LatticeFineness { spanwise: 60, ..COARSE },
+    LatticeFineness { parts: 6, ..COARSE },
+    LatticeFineness { core: 0.04, ..COARSE },
     LatticeFineness { core: 0.16, ..COARSE },
-    LatticeFineness { core: 0.64, ..COARSE },
 ];
-/// Other wings than that of the strips, which know no slit: joined over 20 and 40 mm, and not at all.
-const WINGS: [LatticeFineness; 3] = [
-    LatticeFineness { twisted: Twisted::Joined(0.02), ..COARSE },
-    LatticeFineness { twisted: Twisted::Joined(0.04), ..COARSE },
-    LatticeFineness { twisted: Twisted::Slit, ..COARSE },
-];
+/// On the wing of 24 strips, where a hinge that twists is closed within a third of the width.
+const MANY: LatticeFineness = LatticeFineness { strips: 24, parts: 2, ..FINE };
 
 /// A cycle extrapolated from the coarse and the fine lattice.
 fn endless(coarse: &[InstantLoads], fine: &[InstantLoads]) -> Vec<InstantLoads> {
@@ -67,19 +62,21 @@ fn finely(spec: &mut ScenarioSpec) {
     spec.aero.full.strips = 24;
 }
 
-/// What is found of an orbit by strips: the law that found it, `linear`.
-struct StripMeans {
+/// What is found of an orbit by strips: the means by the law that found it, cycles by [`LINEAR`].
+struct StripCycles {
     motion: OrbitMotion,
     own: CycleMeans,
-    linear: CycleMeans,
+    linear: [Vec<InstantLoads>; LINEAR.len()],
 }
 
-impl StripMeans {
+impl StripCycles {
     fn of(shipped: &Shipped) -> Result<Self, Error> {
         let motion = OrbitMotion::of(shipped)?;
-        let means = |cycle: Vec<InstantLoads>| CycleMeans::of(&cycle);
-        let own = means(motion.strips(&motion.driven(|_| ())?)?);
-        let linear = means(motion.strips(&motion.driven(attached)?)?);
+        let own = CycleMeans::of(&motion.strips(&motion.driven(|_| ())?)?);
+        let mut linear: [Vec<InstantLoads>; LINEAR.len()] = Default::default();
+        for (cycle, change) in linear.iter_mut().zip(LINEAR) {
+            *cycle = motion.strips(&motion.driven(change)?)?;
+        }
         Ok(Self { motion, own, linear })
     }
 
@@ -87,6 +84,18 @@ impl StripMeans {
         parallel::map(&REPLAYED, |_, shipped| Self::of(shipped)).into_iter().collect()
     }
 }
+
+/// Without the impulse of the circulation turning.
+fn unturned(spec: &mut ScenarioSpec) {
+    attached(spec);
+    spec.aero.full.turning_impulse = false;
+}
+
+/// Law `linear` with and without the impulse of the circulation turning; the same with 24 strips.
+const LINEAR: [fn(&mut ScenarioSpec); 4] = [attached, unturned, finely, |spec| {
+    finely(spec);
+    unturned(spec);
+}];
 
 /// What a replay by strips changes: name, words, change.
 type ReplayChange = (&'static str, &'static str, fn(&mut ScenarioSpec));
@@ -138,25 +147,16 @@ fn by_strips(shipped: &Shipped) -> Result<Vec<ComparisonRow>, Error> {
     Ok(rows)
 }
 
-/// A cycle of the first orbit by strips under both laws and by the lattice, with their names.
-pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 3], Error> {
+/// A cycle of the first orbit by strips and by the lattice, with their names.
+pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 4], Error> {
     let motion = OrbitMotion::of(REPLAYED[0])?;
     let [_, lattice] = motion.lattice(COARSE)?;
     Ok([
         ("full, law stall", motion.strips(&motion.driven(|_| ())?)?),
         ("full, law linear, no profile drag", motion.strips(&motion.driven(attached)?)?),
+        ("the same, turning_impulse = false", motion.strips(&motion.driven(unturned)?)?),
         ("vortex lattice", lattice),
     ])
-}
-
-/// Rms differences of the lift by the lattice, for endless panels, from that by strips changed by `changes`, over its rms, of the first orbit
-/// with its strokes times `share`; first that of the fine lattice from it.
-fn apart(share: f64, changes: &[ReplayChange]) -> Result<Vec<f64>, Error> {
-    let motion = OrbitMotion::of(REPLAYED[0])?.gentler(share)?;
-    let ([_, coarse], [_, fine]) = (motion.lattice(COARSE)?, motion.lattice(FINE)?);
-    let lattice = endless(&coarse, &fine);
-    let of = |(.., change): &ReplayChange| Ok(lift_apart(&lattice, &motion.strips(&motion.driven(change)?)?));
-    std::iter::once(Ok(lift_apart(&lattice, &fine))).chain(changes.iter().map(of)).collect()
 }
 
 /// Rms difference of the lift of a cycle by the lattice from that by `strips` over its rms.
@@ -175,8 +175,8 @@ fn lift_apart(lattice: &[InstantLoads], strips: &[InstantLoads]) -> f64 {
 
 /// The comparisons with the lattice; none where they were ended.
 pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Error> {
-    let strips = StripMeans::all()?;
-    let finenesses: Vec<LatticeFineness> = [&[COARSE, FINE][..], &OTHERS, &WINGS].concat();
+    let strips = StripCycles::all()?;
+    let finenesses: Vec<LatticeFineness> = [&[COARSE, FINE][..], &OTHERS, &[MANY]].concat();
     let mut crossing = Vec::new();
     for found in &strips {
         crossing.push(found.motion.passes_through_itself()?);
@@ -227,35 +227,53 @@ pub(super) fn rows(watch: &mut CaseWatch<'_>) -> Result<Vec<ComparisonRow>, Erro
         }
         rows.extend(by_orbit.next().into_iter().flat_map(|found| beside(&id, strips, found)));
     }
-    rows.extend(over_the_cycle()?);
+    rows.extend(gentle()?);
     Ok(rows)
 }
 
 /// The last two cycles of an orbit in a lattice.
 type LatticeCycles = [Vec<InstantLoads>; 2];
 
-/// How the lift of the first orbit differs over the cycle.
-fn over_the_cycle() -> Result<Vec<ComparisonRow>, Error> {
-    let strokes = [("whole", "as it is", 1.0), ("gentle", "strokes of the joints times .15", GENTLE)];
-    let changes = [&CHANGES[..1], &FINELY[..]].concat();
-    let apart = parallel::map(&strokes, |_, (.., share)| apart(*share, &changes));
-    let mut rows = Vec::new();
-    for ((stroke, words, _), apart) in strokes.iter().zip(apart) {
-        let apart = apart?;
-        for ((end, changed, _), rms) in changes.iter().zip(&apart[1..]) {
-            let id = match *end {
-                "linear" => format!("trim.lattice.{stroke}"),
-                end => format!("trim.lattice.{stroke}.{end}"),
-            };
-            let metric = format!(
-                "cruise_20g, {words}, {changed}: rms difference of the lift from that of the lattice for endless panels over its rms; that of \
-                 12 x 60 panels {:.3}",
-                apart[0]
-            );
-            rows.push(ComparisonRow::shown(&id, "own vortex lattice", &metric, *rms, ""));
-        }
+/// How the lift of the first orbit differs over the cycle with gentle strokes.
+fn gentle() -> Result<Vec<ComparisonRow>, Error> {
+    let motion = OrbitMotion::of(REPLAYED[0])?.gentler(GENTLE)?;
+    let ([_, coarse], [_, fine]) = (motion.lattice(COARSE)?, motion.lattice(FINE)?);
+    let lattice = endless(&coarse, &fine);
+    let mut linear = Vec::new();
+    for change in &LINEAR[..2] {
+        linear.push(motion.strips(&motion.driven(change)?)?);
     }
-    Ok(rows)
+    Ok(over_the_cycle(
+        "trim.lattice.gentle",
+        "cruise_20g, strokes of the joints times .15",
+        &lattice,
+        &fine,
+        &linear,
+    ))
+}
+
+/// How the lift differs over the cycle from that by `linear`, with and without the impulse of the circulation turning.
+fn over_the_cycle(
+    id: &str,
+    what: &str,
+    lattice: &[InstantLoads],
+    fine: &[InstantLoads],
+    linear: &[Vec<InstantLoads>],
+) -> Vec<ComparisonRow> {
+    let ends = [
+        ("over_the_cycle", ""),
+        ("over_the_cycle.unturned", " without the impulse of the circulation turning"),
+    ];
+    let row = |((end, changed), strips): (&(&str, &str), &Vec<InstantLoads>)| {
+        let metric = format!(
+            "{what}, law linear without profile drag{changed}: rms difference of the lift from that of the lattice for endless panels over its \
+             rms; that of 12 panels along the chord {:.3}",
+            lift_apart(lattice, fine)
+        );
+        let apart = lift_apart(lattice, strips);
+        ComparisonRow::shown(&format!("{id}.{end}"), "own vortex lattice", &metric, apart, "")
+    };
+    ends.iter().zip(linear).map(row).collect()
 }
 
 /// What of the means is compared: end of the row's name, words, unit, value.
@@ -272,28 +290,43 @@ const COMPARED: [ComparedMean; 3] = [
 /// The rows of an orbit: the lattice for endless panels less law `linear`. `found` are the last two cycles at every fineness.
 fn beside(
     id: &str,
-    StripMeans { own, linear, .. }: &StripMeans,
+    StripCycles { own, linear, .. }: &StripCycles,
     found: &[LatticeCycles],
 ) -> Vec<ComparisonRow> {
     let means: Vec<CycleMeans> = found.iter().map(|[_, last]| CycleMeans::of(last)).collect();
     let before = CycleMeans::of(&found[0][0]);
-    let endless = CycleMeans::of(&endless(&found[0][1], &found[1][1]));
+    let lattice = endless(&found[0][1], &found[1][1]);
+    let endless = CycleMeans::of(&lattice);
+    let strips = linear.each_ref().map(|cycle| CycleMeans::of(cycle));
     let mut rows = Vec::new();
     for (end, words, unit, of) in COMPARED {
-        let [coarse, fine, many, thin, thick, near, wide, slit] = std::array::from_fn(|at| of(&means[at]));
+        let [coarse, fine, narrow, thin, thick, many] = std::array::from_fn(|at| of(&means[at]));
+        let [with, without, with_many, without_many] = strips.each_ref().map(of);
         let sure = of(&endless);
-        let moves = [many, thin, thick].iter().fold((sure - fine).abs(), |m, v| m.max((v - coarse).abs()));
-        let value = sure - of(linear);
-        let resolved = if moves > value.abs() { "; not resolved" } else { "" };
-        let metric = format!(
-            "{words}, lattice less law linear without profile drag: {sure:.3} from {coarse:.3} and {fine:.3} with 8 x 40 and 12 x 60 panels, \
-             +-{moves:.3} (8 x 60 {many:.3}, cores of half and twice the size {thin:.3} and {thick:.3}; wings joined over 20 and 40 mm {near:.3} \
-             and {wide:.3}, slit {slit:.3}) less {:.3}; law of the orbit {:.3}; {:+.1e} since the cycle before{resolved}",
-            of(linear),
-            of(own),
-            coarse - of(&before),
-        );
-        rows.push(ComparisonRow::shown(&format!("{id}.{end}"), "own vortex lattice", &metric, value, unit));
+        let moves = [narrow, thin, thick].iter().fold((sure - fine).abs(), |m, v| m.max((v - coarse).abs()));
+        for (suffix, changed, value) in
+            [("", "", with), (".unturned", " and the impulse of the circulation turning", without)]
+        {
+            let apart = sure - value;
+            let resolved = if moves > apart.abs() { "; not resolved" } else { "" };
+            let metric = format!(
+                "{words}, lattice less law linear without profile drag{changed}: {sure:.3} from {coarse:.3} and {fine:.3} with 8 and 12 panels \
+                 along the chord, +-{moves:.3} (6 in place of 4 in each strip {narrow:.3}, cores of half and twice the size {thin:.3} and \
+                 {thick:.3}) less {value:.3}; on the wing of 24 strips {many:.3} less {:.3}; law of the orbit {:.3}; {:+.1e} since the cycle \
+                 before{resolved}",
+                if suffix.is_empty() { with_many } else { without_many },
+                of(own),
+                coarse - of(&before),
+            );
+            rows.push(ComparisonRow::shown(
+                &format!("{id}.{end}{suffix}"),
+                "own vortex lattice",
+                &metric,
+                apart,
+                unit,
+            ));
+        }
     }
+    rows.extend(over_the_cycle(id, "the orbit", &lattice, &found[1][1], &linear[..2]));
     rows
 }

@@ -29,30 +29,21 @@ const STRIP_CYCLES: usize = 20;
 const LATTICE_CYCLES: usize = 3;
 /// How far from a hinge a chord line belongs to one of its links, m.
 const BESIDE: f64 = 1e-6;
-/// Share of the chord by which chord lines on both sides of a hinge at least differ where the wing twists.
-const JUMP: f64 = 1e-3;
 
 /// How fine a lattice is.
 #[derive(Clone, Copy, Debug)]
 pub struct LatticeFineness {
     /// Panels along the chord; the way of the trailing edges in a step, rms, is one of them.
     pub chordwise: usize,
-    /// Strips along the whole span.
-    pub spanwise: usize,
-    /// Core of the wake, mean chords of a panel. Rows of the wake are a panel's chord apart; where they pass through the wing, as behind a
-    /// hinge that twists, loads converge if the cores shrink with the panels, and diverge with the inverse of cores that are thinner.
+    /// Strips of preset `full`, whose wing the lattice has: straight between the chord lines at their edges. So it has the surface that closes
+    /// a hinge which twists, and that is as wide as one of these strips.
+    pub strips: usize,
+    /// Strips of the lattice in each of them.
+    pub parts: usize,
+    /// Core of the wake, mean chords of a panel. The vortex nearest to a trailing edge lies half of that behind the last control points, so that
+    /// a core of 0.32 takes 0.3 of what it does there, and lift that swings is 0.15 too large with 8 panels; this goes with the root of
+    /// their size.
     pub core: f64,
-    /// How a wing that twists at a hinge goes on there.
-    pub twisted: Twisted,
-}
-
-/// How a wing that twists at a hinge goes on there.
-#[derive(Clone, Copy, Debug)]
-pub enum Twisted {
-    /// With a slit: what lies beyond is a wing of its own.
-    Slit,
-    /// Within this width, m, half on either side: the chord lines go over from one link to the next linearly.
-    Joined(f64),
 }
 
 /// A cycle of an orbit at even times.
@@ -338,32 +329,31 @@ impl OrbitMotion {
         Ok(record)
     }
 
+    /// The edges of so many strips of preset `full` on the wing, m, from left to right.
+    fn strip_edges(&self, strips: usize) -> Result<Vec<f64>, Error> {
+        let mut spec = self.scenario.spec.clone();
+        spec.start.states.clear();
+        spec.aero.full.strips = strips;
+        let robot = self.built(&spec)?.1;
+        Ok(robot.surfaces().next().map_or_else(Vec::new, |(_, aero)| aero.arcs().to_vec()))
+    }
+
     /// The last two cycles in the lattice, which has the left half of the wings and its mirror image.
     pub fn lattice(&self, fineness: LatticeFineness) -> Result<[Vec<InstantLoads>; 2], Error> {
-        let LatticeFineness { chordwise, spanwise, core, twisted } = fineness;
+        let LatticeFineness { chordwise, strips, parts, core } = fineness;
         let outlines = self.scenario.spec.robot.outlines()?;
         let planform = &outlines[0].planform;
         let chord = planform.area() / (2.0 * planform.half_span());
         let flight = Arc::new(self.flight()?);
-        let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
+        let panels = Panels { chordwise, spanwise: strips * parts, spacing: Spacing::Lan };
         let density = self.scenario.spec.air.density_kg_m3;
-        let (mut scene, layouts) = Scene::flown(&flight, &outlines, 0.0, density, panels)?;
-        let mut surfaces = Vec::new();
-        for (surface, (number, _)) in scene.surfaces.into_iter().zip(&layouts) {
-            let hinges = self.twisting(*number, &outlines[*number].hinges)?;
-            surfaces.extend(twisted.surfaces(surface, &hinges));
-        }
-        let half = |LatticeSurface { layout, sections }| {
-            Some(LatticeSurface { layout: PanelLayout::left_half(&layout)?, sections })
+        let (mut scene, _) = Scene::flown(&flight, &outlines, 0.0, density, panels)?;
+        let [LatticeSurface { layout, sections }] = &mut scene.surfaces[..] else {
+            return Err(Error::reference("orbit", format!("{} pieces of wing", scene.surfaces.len())));
         };
-        let strips = |surfaces: &[LatticeSurface]| -> usize {
-            surfaces.iter().map(|surface| surface.layout.strips()).sum()
-        };
-        let whole = strips(&surfaces);
-        scene.surfaces = surfaces.into_iter().filter_map(half).collect();
-        if 2 * strips(&scene.surfaces) != whole {
-            return Err(Error::reference("orbit", format!("{whole} strips that are not two halves")));
-        }
+        let edges = self.strip_edges(strips)?;
+        *layout = left_half(chordwise, &edges, parts);
+        *sections = Arc::new(StraightBetween { sections: sections.clone(), edges });
         scene.symmetric = true;
         let way = scene.edge_speed(self.duration) * self.duration;
         let steps = (way * chordwise as f64 / chord).round() as usize;
@@ -387,23 +377,6 @@ impl OrbitMotion {
         let mut found = Vec::new();
         self.robot.chord_lines(&at, surface, &[arc], &mut found)?;
         Ok([found[0].le, found[0].te])
-    }
-
-    /// Those of `hinges` at which the chord line jumps, the first hinge first.
-    fn twisting(&self, surface: usize, hinges: &[f64]) -> Result<Vec<f64>, Fault> {
-        let mut twisting = Vec::new();
-        for hinge in hinges.iter().copied().filter(|hinge| *hinge > 0.0) {
-            let jumps = (0..self.x.len()).map(|k| -> Result<bool, Fault> {
-                let ([a, b], [c, d]) =
-                    (self.line(surface, k, hinge - BESIDE)?, self.line(surface, k, hinge + BESIDE)?);
-                Ok((a - c).norm().max((b - d).norm()) > JUMP * (a - b).norm())
-            });
-            if jumps.collect::<Result<Vec<bool>, Fault>>()?.contains(&true) {
-                twisting.push(hinge);
-            }
-        }
-        wingbeat::math::order::ascend(&mut twisting);
-        Ok(twisting)
     }
 
     /// Share of the cycle in which the first chord line beyond a hinge of the first surface passes through the panel before the hinge, which
@@ -454,66 +427,36 @@ pub fn pierces([a, b]: [Vec3; 2], [p, q, r]: [Vec3; 3]) -> bool {
     apart && (around.iter().all(|v| *v > 0.0) || around.iter().all(|v| *v < 0.0))
 }
 
-impl Twisted {
-    /// The pieces of `surface`, which twists at `hinges`.
-    fn surfaces(self, surface: LatticeSurface, hinges: &[f64]) -> Vec<LatticeSurface> {
-        let Self::Joined(width) = self else { return slit(surface, hinges) };
-        let LatticeSurface { layout, sections } = surface;
-        let sections = Joined { sections, hinges: hinges.to_vec(), half_width: 0.5 * width };
-        vec![LatticeSurface { layout, sections: Arc::new(sections) }]
+/// Panels of the left half of a wing: each stretch between `edges` (m, from left to right) divided evenly in `parts`.
+pub fn left_half(chordwise: usize, edges: &[f64], parts: usize) -> PanelLayout {
+    let mut arcs = Vec::new();
+    for pair in edges.windows(2).filter(|pair| pair[0] > BESIDE) {
+        // A strip across the middle is halved.
+        let end = if pair[1] > BESIDE { pair[1] } else { 0.0 };
+        arcs.extend((0..parts).map(|k| pair[0] + (end - pair[0]) * k as f64 / parts as f64));
     }
+    let fractions = vec![0.5; arcs.len()];
+    arcs.push(0.0);
+    PanelLayout { chordwise, arcs, fractions }
 }
 
-/// The pieces of `surface` between `hinges` on both sides.
-fn slit(surface: LatticeSurface, hinges: &[f64]) -> Vec<LatticeSurface> {
-    let PanelLayout { chordwise, arcs, fractions } = &surface.layout;
-    let on_hinge = |arc: f64| hinges.iter().any(|hinge| (arc.abs() - hinge).abs() < BESIDE);
-    let mut ends: Vec<usize> = (1..arcs.len() - 1).filter(|i| on_hinge(arcs[*i])).collect();
-    ends.insert(0, 0);
-    ends.push(arcs.len() - 1);
-    let piece = |pair: &[usize]| {
-        let mut layout = PanelLayout {
-            chordwise: *chordwise,
-            arcs: arcs[pair[0]..=pair[1]].to_vec(),
-            fractions: fractions[pair[0]..pair[1]].to_vec(),
-        };
-        // A chord line on a hinge belongs to the inner link.
-        let middle = 0.5 * (arcs[pair[0]] + arcs[pair[1]]);
-        for arc in layout.arcs.iter_mut().filter(|arc| on_hinge(**arc)) {
-            *arc += BESIDE * (middle - *arc).signum();
-        }
-        LatticeSurface { layout, sections: surface.sections.clone() }
-    };
-    ends.windows(2).map(piece).collect()
-}
-
-/// Sections that go over from one link to the next within a width about each hinge, linearly: wings twist at their hinges, and a slit is no
-/// wing.
-struct Joined {
+/// The wing as strips have it: straight between the chord lines at their edges.
+struct StraightBetween {
     sections: Arc<dyn MovingSections>,
-    hinges: Vec<f64>,
-    half_width: f64,
+    /// From left to right, m.
+    edges: Vec<f64>,
 }
 
-impl MovingSections for Joined {
+impl MovingSections for StraightBetween {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
-        let hinge = |arc: f64| {
-            let near = |hinge: &&f64| (arc.abs() - **hinge).abs() < self.half_width;
-            self.hinges.iter().find(near).map(|hinge| hinge.copysign(arc))
-        };
-        let ends = |arc: &f64| match hinge(*arc) {
-            Some(hinge) => [hinge - self.half_width, hinge + self.half_width],
-            None => [*arc, *arc],
-        };
-        let asked: Vec<f64> = arcs.iter().flat_map(ends).collect();
         let mut found = Vec::new();
-        self.sections.sections(t, &asked, &mut found);
+        self.sections.sections(t, &self.edges, &mut found);
         out.clear();
-        out.extend(arcs.iter().enumerate().map(|(i, arc)| {
-            let (a, b) = (&found[2 * i], &found[2 * i + 1]);
-            let way = asked[2 * i + 1] - asked[2 * i];
-            let share = if way > 0.0 { (arc - asked[2 * i]) / way } else { 0.0 };
-            let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
+        out.extend(arcs.iter().map(|arc| {
+            let right = self.edges.partition_point(|edge| edge >= arc).clamp(1, self.edges.len() - 1);
+            let (a, b) = (&found[right - 1], &found[right]);
+            let (from, to) = (self.edges[right - 1], self.edges[right]);
+            let mix = |a: Vec3, b: Vec3| a + (b - a) * ((from - arc) / (from - to));
             SectionMotion {
                 le: mix(a.le, b.le),
                 te: mix(a.te, b.te),
