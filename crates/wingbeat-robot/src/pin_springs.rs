@@ -216,7 +216,8 @@ impl Robot {
 
     /// What the springs on the pins do, the crank at `phase`.
     pub(super) fn pin_work(&self, phase: Jet, displacements: &[Jet; MAX_ELEMENTS]) -> Result<PinWork, Fault> {
-        let mut work = PinWork::default();
+        // What is added to nothing must leave the sign of a zero.
+        let mut work = PinWork { given: [-0.0; 2], ..PinWork::default() };
         if !self.has_pin_springs() {
             return Ok(work);
         }
