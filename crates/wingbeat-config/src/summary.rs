@@ -13,12 +13,8 @@ use super::lattice::LatticeSummary;
 use super::link_spar::LinkSparSummary;
 use super::measure::Measured;
 use super::perch::{PerchSpec, PerchSummary};
-<<<<<<< HEAD
-use super::planned::{PreparedSummary, ReducedPlanSummary};
-=======
 use super::pinned::PinSummary;
-use super::planned::ReducedPlanSummary;
->>>>>>> soft
+use super::planned::{PreparedSummary, ReducedPlanSummary};
 use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
