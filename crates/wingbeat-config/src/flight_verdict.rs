@@ -2,9 +2,10 @@
 
 use super::plausible;
 use super::spec::GoalSpec;
-use super::summary::{Context, PartClearance, Summary};
+use super::summary::{Context, PartClearance, Summary, mean};
+use std::f64::consts::TAU;
 use wingbeat_flight::simulate::{Ending, Flight, Record};
-use wingbeat_judge::limits::{asked, flight, range, trim, wake};
+use wingbeat_judge::limits::{asked, flight, linkage, range, trim, wake};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
@@ -181,6 +182,7 @@ impl JudgedFlight<'_> {
     /// Holds the flight against the range in which its model, its fit and its steps are good.
     fn model(&self, judge: &mut Judge) {
         plausible::hold(judge, self.context.robot);
+        judge.hold_if(&linkage::CRANK_RATE, self.crank_rate_fraction());
         for limit in [&range::COMPRESSED, &range::MACH] {
             judge.hold(limit, self.largest_airspeed() / range::SOUND_M_S);
         }
@@ -245,6 +247,12 @@ impl JudgedFlight<'_> {
                 judge.warn(Warning::new("flight.beyond_stall", text).size(*share).key("aero.law"));
             }
         }
+    }
+
+    /// Mean rate of a crank under a motor over that of the gait, once settled.
+    fn crank_rate_fraction(&self) -> Option<f64> {
+        let settled = self.record.values("crank_rate")?.get(self.first..)?;
+        Some(mean(settled)? / (TAU * self.context.robot.frequency_hz()))
     }
 
     /// Largest distance from the altitude at the start once settled, m.

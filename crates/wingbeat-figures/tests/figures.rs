@@ -101,7 +101,7 @@ fn written(folder: &Path, figure: &Figure) -> String {
     let png = fs::read(path.with_extension("png")).unwrap();
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
     let width = u32::from_be_bytes(png[16..20].try_into().unwrap());
-    assert_eq!(width, 2150);
+    assert_eq!(width, 1290);
     fs::read_to_string(path.with_extension("svg")).unwrap()
 }
 

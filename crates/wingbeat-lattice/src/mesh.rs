@@ -326,11 +326,11 @@ impl Mesh {
     }
 
     /// The normal of the panel of row `i` and strip `j`: that of the straight panel, tilted as the bent chord lines are around its control
-    /// point, between the shares of the chord half a panel before and behind it; `across` leads from left to right there. At
-    /// the point itself the hinge of a flap would count a quarter of a panel too late.
+    /// point, between the shares of the chord half a panel before and behind it; `across` leads from left to right there on the bent wing, so
+    /// that a bend which grows along the span tilts it too. At the point itself the hinge of a flap would count a quarter of a panel too late.
     ///
     /// Equation: lattice.bent_normal
-    /// `n = n_straight + unit(s x l) - unit(c x l), s along the bent chord lines, c along the straight ones, l across`
+    /// `n = n_straight + unit(s x l) - unit(c x l_0), s along the bent chord lines, c along the straight ones, l across between the bent ones, l_0 between the straight ones`
     /// Source: thin-aerofoil theory: the slope of the camber line in the wash (Katz & Plotkin 2001, section 5.4); its mean a choice.
     /// Test: `bent_panels_lift_as_thin_aerofoil_theory_says`.
     fn tilted(&self, (i, j): (usize, usize), across: Vec3) -> Vec3 {
@@ -339,6 +339,7 @@ impl Mesh {
         let forward = corner(i + 1, j) - corner(i, j + 1);
         let straight = forward.cross(corner(i + 1, j + 1) - corner(i, j)).unit();
         let [from, to] = [-0.5, 0.5].map(|share| (i as f64 + CONTROL + share) / m);
+        let [left, right] = [j, j + 1].map(|j| on_chord(&self.edges[j], (i as f64 + CONTROL) / m).at);
         let (mut bent, mut flat) = (Vec3::ZERO, Vec3::ZERO);
         for (j, share) in [(j, 1.0 - self.fractions[j]), (j + 1, self.fractions[j])] {
             let (section, bend) = (&self.edges[j], &self.bends[j]);
@@ -347,7 +348,7 @@ impl Mesh {
             bent += (chord * along + chord.cross(section.span) * above) * share;
             flat += chord * ((to - from) * share);
         }
-        let tilt = bent.cross(across).unit() - flat.cross(across).unit();
+        let tilt = bent.cross(across).unit() - flat.cross(right - left).unit();
         if tilt.norm() == 0.0 { straight } else { (straight + tilt).unit() }
     }
 

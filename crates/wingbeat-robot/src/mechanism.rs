@@ -157,6 +157,11 @@ impl Mechanism {
         }
         let twins = parts.iter().map(|p| p.twin).collect();
         let drives: Vec<JointDrive> = parts.into_iter().map(|p| p.drive).collect();
+        if !pin_springs.is_empty() && !drives.iter().any(|drive| matches!(drive, JointDrive::Linkage(..))) {
+            let allowed = "none where no joint is driven by the linkage";
+            let given = format!("{} springs", pin_springs.len());
+            return Err(Error::invalid("gait.linkage.springs", given, allowed));
+        }
         Ok(Self {
             tree,
             alike: alike(&drives),

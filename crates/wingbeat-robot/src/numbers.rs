@@ -395,6 +395,10 @@ impl Robot {
             robot.mechanism.pin_springs.iter_mut().for_each(|spring| *spring = spring.on(&linkage));
             robot.mechanism.linkage = Some(Box::new(linkage));
         }
+        for spring in &robot.mechanism.pin_springs {
+            let key = format!("linkage.springs.{}", spring.pin.name());
+            spring.check_rest().map_err(|e| e.within(&key))?;
+        }
         Ok(robot)
     }
 }

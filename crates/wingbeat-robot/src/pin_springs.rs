@@ -70,20 +70,32 @@ impl PinSpring {
             let PinSpringSpec { pin, stiffness, damping, limit, .. } = *spec;
             let middle = linkage.pin_middle(pin);
             let rest = spec.rest.unwrap_or(middle);
-            if !((rest - middle).abs() < PI) {
-                let allowed =
-                    format!("within half a turn of the middle of the pin's travel, {middle:.4} rad");
-                return Err(Error::invalid(format!("[{i}].rest"), rest, allowed));
-            }
             let numbers = SpringNumbers { stiffness, damping, rest, stops: None };
-            Ok(Self { pin, spring: Spring { numbers, start: rest }, limit, middle })
+            let spring = Self { pin, spring: Spring { numbers, start: rest }, limit, middle };
+            spring.check_rest().map_err(|e| e.within(&format!("[{i}]")))?;
+            Ok(spring)
         };
         specs.iter().enumerate().map(of).collect()
     }
 
-    /// The same on a linkage of other dimensions.
+    /// The same on a linkage of other dimensions; a rest in the middle of the travel stays there.
     pub fn on(&self, linkage: &Linkage) -> Self {
-        Self { middle: linkage.pin_middle(self.pin), ..self.clone() }
+        let middle = linkage.pin_middle(self.pin);
+        let Spring { mut numbers, mut start } = self.spring;
+        if numbers.rest == self.middle {
+            (numbers.rest, start) = (middle, middle);
+        }
+        Self { middle, spring: Spring { numbers, start }, ..self.clone() }
+    }
+
+    /// Refuses a rest that the pin cannot reach.
+    pub fn check_rest(&self) -> Result<(), Error> {
+        let (rest, middle) = (self.spring.numbers.rest, self.middle);
+        if (rest - middle).abs() < PI {
+            return Ok(());
+        }
+        let allowed = format!("within half a turn of the middle of the pin's travel, {middle:.4} rad");
+        Err(Error::invalid("rest", rest, allowed))
     }
 }
 

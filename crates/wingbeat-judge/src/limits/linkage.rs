@@ -1,4 +1,4 @@
-//! Limits of the springs on the pins of a linkage. All values are choices but the deflection that a file states.
+//! Limits of the crank and of the springs on the pins of a linkage. All values are choices but the deflection that a file states.
 
 use super::JudgedLimit;
 use crate::Status::Outside;
@@ -11,5 +11,9 @@ pub const ANGLE: JudgedLimit = JudgedLimit::warn_above("linkage.spring_angle_deg
 pub const BEYOND: JudgedLimit = JudgedLimit::at_most("linkage.spring_fraction", 1.0, "", Outside)
     .on("a spring on a pin of the linkage bears so much: largest deflection from rest over its `limit`");
 
+/// A crank that stands, or all but: what it turns does not flap.
+pub const CRANK_RATE: JudgedLimit = JudgedLimit::at_least("linkage.crank_rate_fraction", 0.1, "", Outside)
+    .on("the motor does not turn the crank: mean rate of the crank over that of the gait");
+
 /// All of them.
-pub const ALL: [JudgedLimit; 2] = [ANGLE, BEYOND];
+pub const ALL: [JudgedLimit; 3] = [ANGLE, BEYOND, CRANK_RATE];

@@ -68,6 +68,24 @@ fn run(lattice: &mut Lattice, steps: usize) -> Vec<LatticeLoads> {
 
 const SMALL: f64 = 1e-3;
 
+/// z = .1 y sin^2 t of the first shape: normals along (-dz/dx, -dz/dy, 1) with x backward from the leading edge at 3/4 of each panel; the slope
+/// along the chord is that mean around it which the parabola has there.
+#[test]
+fn normals_of_bends_that_grow_along_the_span_are_those_of_the_surface() {
+    let grow: fn(Dual<1>, f64) -> Bend = |_, arc| sail([Dual::constant(0.1 * arc), Dual::constant(0.0)]);
+    let plate = BentPlate { of: Some(grow), pitch: level };
+    let mut lattice = lattice(plate, 2.0, [8, 6], LatticeSettings::new(1e6, 1e-6));
+    run(&mut lattice, 1);
+    let controls = &lattice.meshes()[0].controls;
+    assert_eq!(controls.len(), 48);
+    for control in controls {
+        let (x, y) = (-control.at[0], control.at[1]);
+        let [by_x, by_y] = [0.4 * y * (1.0 - 2.0 * x), 0.4 * x * (1.0 - x)];
+        let exact = Vec3::new(by_x, -by_y, 1.0).unit();
+        assert!((control.normal - exact).norm() < 2e-4, "{:?} at {x:.3}, {y:.3}: {exact:?}", control.normal);
+    }
+}
+
 /// Steady lift and moment about the leading edge of a long wing of each shape of a membrane and of a flap of a quarter of the chord, by
 /// both ways to the force, on 4, 8 and 16 panels; Glauert 1926, ch. 7: lift 2 pi (A0 + A1/2), moment about 1/4 chord pi/4 (A2 - A1).
 #[test]

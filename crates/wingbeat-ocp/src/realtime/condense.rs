@@ -46,7 +46,7 @@ pub struct Elimination {
     rates: Vec<Vec<f64>>,
     middle: Vec<f64>,
     /// What each interval was solved with: of all of them where states are moved afterwards, else of the last.
-    factors: Vec<Factor>,
+    factors: Vec<IntervalFactor>,
     /// A_{k+1} with padded rows.
     end: Vec<f64>,
     terms: Terms,
@@ -54,7 +54,7 @@ pub struct Elimination {
 
 /// The derivative of a defect by the state at the end of its interval, factored.
 #[derive(Clone, Debug)]
-struct Factor {
+struct IntervalFactor {
     matrix: Vec<f64>,
     pivots: Vec<usize>,
 }
@@ -70,7 +70,7 @@ impl Elimination {
             states: blocks(),
             rates: blocks(),
             middle: vec![0.0; (n * width(horizon.intervals)).max(2 * padded(n))],
-            factors: vec![Factor { matrix: vec![0.0; n * padded(n)], pivots: vec![0; n] }; kept],
+            factors: vec![IntervalFactor { matrix: vec![0.0; n * padded(n)], pivots: vec![0; n] }; kept],
             end: vec![0.0; n * padded(n)],
             terms: Terms::new(n),
         }
@@ -119,7 +119,7 @@ impl Elimination {
         let stride = padded(n);
         let slot = k % self.factors.len();
         self.end_matrix(slot, &middle.a, &end.a);
-        let Factor { matrix, pivots } = &mut self.factors[slot];
+        let IntervalFactor { matrix, pivots } = &mut self.factors[slot];
         if !factor(matrix, n, stride, pivots) {
             return false;
         }
@@ -177,7 +177,7 @@ impl Elimination {
                 multiply_add_one(&mut rates[..n], 1.0, &nodes[interval].a, &before[..n]);
                 carry(h, (before, rates, row), (here, known, row));
                 multiply_add_one(&mut here[..n], 2.0 * h / 3.0, &middles[interval].a, &known[..n]);
-                let Factor { matrix, pivots } = &self.factors[interval];
+                let IntervalFactor { matrix, pivots } = &self.factors[interval];
                 solve_one(matrix, row, pivots, &mut here[..n]);
             }
             let width = columns.width(k);

@@ -352,6 +352,11 @@ impl OrbitMotion {
             return Err(Error::reference("orbit", format!("{} pieces of wing", scene.surfaces.len())));
         };
         let edges = self.strip_edges(strips)?;
+        let mut bends = Vec::new();
+        sections.bends(0.0, &edges, &mut bends);
+        if !bends.is_empty() {
+            return Err(Error::reference("orbit", "a wing that bends".to_owned()));
+        }
         *layout = left_half(chordwise, &edges, parts);
         *sections = Arc::new(StraightBetween { sections: sections.clone(), edges });
         scene.symmetric = true;

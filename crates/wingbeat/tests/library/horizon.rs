@@ -120,6 +120,11 @@ fn updates_may_be_prepared_before_their_measurement() {
     assert_eq!(late.summary.controller.late, late.summary.controller.updates);
     let commands = late.record.values("roll").unwrap();
     assert!(commands.iter().all(|roll| roll.is_finite()));
+    // Where updates are rare and a gust is strong, what is found is far from what was expected.
+    let gust = "air.gusts=[{start_s=0.05, duration_s=0.2, velocity_m_s=[0.0, 8.0, 4.0]}]";
+    let far = flown(&["controller.prepared=true", "controller.period_s=0.05", gust]);
+    let warned = far.summary.warnings.iter().any(|warning| warning.id == "flight.prepared_missed_deg");
+    assert!(warned && far.summary.prepared.unwrap().missed_max_deg > 9.0, "{:?}", far.summary.prepared);
     // A model that knows the robot less well leads to another attitude.
     let mistaken = flown(&["controller.prepared=true", "mismatch.com_x_m=0.02"]);
     assert!(mistaken.summary.prepared.unwrap().missed_rms_deg > 1.5 * missed.missed_rms_deg);

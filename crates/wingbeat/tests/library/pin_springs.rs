@@ -286,6 +286,25 @@ fn numbers_of_springs_on_pins_have_names() {
     }
     let file = aerobat(&SPRINGS.replace("1e-3, rest", "4e-3, rest"), Some(1e-5), None);
     assert_eq!(rates(&file, &x), rates(&robot.adjusted(&[(&of("stiffness"), 4e-3)]).unwrap(), &x));
+    let wound = robot.adjusted(&[(&of("rest"), 9.0)]).map(drop).unwrap_err().to_string();
+    assert!(wound.contains("linkage.springs.coupler_rod.rest") && wound.contains("half a turn"), "{wound}");
+}
+
+#[test]
+fn a_rest_in_the_middle_of_the_travel_follows_the_linkage() {
+    let springs = "springs = [{ pin = \"bell_crank\", stiffness = 1e-3 }]\n";
+    let turned = [("linkage.turned_deg", 64.178)];
+    let robot = aerobat(springs, Some(1e-5), None);
+    let own = |robot: &Robot| {
+        let numbers = robot.named_numbers();
+        numbers.into_iter().find(|(name, _)| name == "linkage.springs.bell_crank.rest").unwrap().1
+    };
+    let by_number = robot.adjusted(&turned).unwrap();
+    let before = own(&robot);
+    assert!((own(&by_number) - before).abs() > 1e-3, "{before}");
+    // A rest that was given stays.
+    let given = aerobat(&springs.replace("1e-3 }", "1e-3, rest = 0.3 }"), Some(1e-5), None);
+    assert_eq!(own(&given.adjusted(&turned).unwrap()), 0.3);
 }
 
 #[test]

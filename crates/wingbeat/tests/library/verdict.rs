@@ -93,6 +93,21 @@ fn a_free_flight_that_tumbles_gets_a_warning_and_a_glide_none() {
 }
 
 #[test]
+fn a_crank_that_its_motor_does_not_turn_is_outside() {
+    let told = |summary: &Summary| {
+        summary.judged.iter().find(|judged| judged.id == "linkage.crank_rate_fraction").cloned().unwrap()
+    };
+    let turning = fly("motor_flapper", &["flight.duration_s=0.3"]);
+    assert!(told(&turning).met && turning.status != Status::Outside, "{:?}", turning.reason);
+    let weak = ["flight.duration_s=0.3", "robot.drive.motor.stall_torque_n_m=1e-9"];
+    let stalled = fly("motor_flapper", &weak);
+    assert!(!told(&stalled).met && stalled.status == Status::Outside, "{:?}", told(&stalled));
+    // Of gaits at a constant rate nothing is said.
+    let constant = fly("cruise_20g", &["flight.duration_s=0.1"]);
+    assert!(constant.judged.iter().all(|judged| judged.id != "linkage.crank_rate_fraction"));
+}
+
+#[test]
 fn wings_that_cross_put_the_flight_outside_of_its_model() {
     let crossed = fly("cruise_beta_lev", &["robot.links[1].driven.mean_rad=-0.45"]);
     assert_eq!(crossed.status, Status::Outside, "{:?}", crossed.reason);
