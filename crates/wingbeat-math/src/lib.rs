@@ -20,6 +20,7 @@ pub mod processor;
 mod random;
 pub mod range;
 mod room;
+pub mod rows;
 mod runge_kutta;
 mod scalar;
 mod segment;

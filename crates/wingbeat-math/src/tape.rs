@@ -4,6 +4,7 @@
 //! number of outputs (Griewank & Walther 2008, ch. 5, forward over reverse).
 
 use super::Scalar;
+use super::rows::fused;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -67,7 +68,7 @@ impl Traced {
             (_, CONSTANT) => self.unary(value, slope[0], curvature[0]),
             (CONSTANT, _) => o.unary(value, slope[1], curvature[2]),
             (a, b) => {
-                let curved = curvature != [0.0; 3];
+                let curved = curvature[0] != 0.0 || curvature[1] != 0.0 || curvature[2] != 0.0;
                 Self::push(value, TapeNode { parents: [a, b], slope, curvature, curved })
             }
         }
@@ -256,8 +257,12 @@ pub struct Tape {
     traced: Vec<Traced>,
     live: Vec<bool>,
     adjoint: Vec<f64>,
+    /// Derivatives of the nodes along the lanes, and which nodes have any.
     tangent: Vec<[f64; LANES]>,
+    moves: Vec<bool>,
+    /// The same of the adjoints.
     bend: Vec<[f64; LANES]>,
+    bends: Vec<bool>,
 }
 
 impl Tape {
@@ -307,28 +312,39 @@ impl Tape {
     fn store_jacobian(&self, first: usize, jacobian: &mut [f64]) {
         let n = self.inputs;
         for (row, output) in jacobian.chunks_exact_mut(n).zip(&self.outputs) {
+            let constant = output.node == CONSTANT;
+            let slopes = if constant { [0.0; LANES] } else { self.tangent[output.node as usize] };
             for j in first..(first + LANES).min(n) {
-                row[j] =
-                    if output.node == CONSTANT { 0.0 } else { self.tangent[output.node as usize][j - first] };
+                row[j] = slopes[j - first];
             }
         }
     }
 
     /// Derivatives of every node along inputs first .. first + LANES.
     fn sweep_forward(&mut self, first: usize) {
-        let n = self.inputs;
-        self.tangent.clear();
-        self.tangent.resize(self.nodes.len(), [0.0; LANES]);
+        let (n, count) = (self.inputs, self.nodes.len());
+        let Self { nodes, tangent, moves, .. } = self;
+        moves.clear();
+        moves.resize(count, false);
+        tangent.clear();
+        tangent.resize(count, [0.0; LANES]);
         for lane in 0..LANES.min(n - first) {
-            self.tangent[first + lane][lane] = 1.0;
+            tangent[first + lane][lane] = 1.0;
+            moves[first + lane] = true;
         }
-        for (i, node) in self.nodes.iter().enumerate().skip(n) {
-            let a = self.tangent[node.parents[0] as usize];
-            let mut t = a.map(|x| x * node.slope[0]);
-            if node.parents[1] != CONSTANT {
-                add_scaled(&mut t, node.slope[1], &self.tangent[node.parents[1] as usize]);
+        for i in n..count {
+            let TapeNode { parents: [a, b], slope, .. } = nodes[i];
+            // A node without a second operand takes the first, with a slope of zero.
+            let (a, b) = (a as usize, if b == CONSTANT { a as usize } else { b as usize });
+            moves[i] = moves[a] | moves[b];
+            if !moves[i] {
+                continue;
             }
-            self.tangent[i] = t;
+            let (x, y) = (tangent[a], tangent[b]);
+            let t = &mut tangent[i];
+            for l in 0..LANES {
+                t[l] = fused(slope[1], y[l], slope[0] * x[l]);
+            }
         }
     }
 
@@ -348,11 +364,12 @@ impl Tape {
             if !self.live[i] {
                 continue;
             }
-            let (node, adjoint) = (self.nodes[i], self.adjoint[i]);
-            for (parent, slope) in node.parents.into_iter().zip(node.slope) {
-                if parent != CONSTANT {
-                    self.adjoint[parent as usize] += slope * adjoint;
-                    self.live[parent as usize] = true;
+            let (node, adjoint) = (&self.nodes[i], self.adjoint[i]);
+            for side in 0..2 {
+                let parent = node.parents[side] as usize;
+                if parent != CONSTANT as usize {
+                    self.adjoint[parent] += node.slope[side] * adjoint;
+                    self.live[parent] = true;
                 }
             }
         }
@@ -360,40 +377,51 @@ impl Tape {
 
     /// Derivatives of the adjoints along the lanes of the last forward sweep.
     fn sweep_backward(&mut self) {
-        self.bend.clear();
-        self.bend.resize(self.nodes.len(), [0.0; LANES]);
-        for i in (self.inputs..self.nodes.len()).rev() {
-            if !self.live[i] {
+        let (n, count) = (self.inputs, self.nodes.len());
+        let Self { nodes, live, adjoint, tangent, moves, bend, bends, .. } = self;
+        bends.clear();
+        bends.resize(count, false);
+        bend.clear();
+        bend.resize(count, [0.0; LANES]);
+        for i in (n..count).rev() {
+            if !live[i] {
                 continue;
             }
-            let (node, adjoint, bend) = (&self.nodes[i], self.adjoint[i], self.bend[i]);
-            let [a, b] = node.parents;
+            let TapeNode { parents: [a, b], slope, curvature, curved } = nodes[i];
             let (a, two) = (a as usize, b != CONSTANT);
-            add_scaled(&mut self.bend[a], node.slope[0], &bend);
-            if two {
-                add_scaled(&mut self.bend[b as usize], node.slope[1], &bend);
-            }
-            if !node.curved {
+            let b = if two { b as usize } else { a };
+            let curved = curved && (moves[a] | moves[b]);
+            if !(curved | bends[i]) {
                 continue;
             }
-            let [caa, cab, cbb] = node.curvature.map(|c| c * adjoint);
-            let ta = self.tangent[a];
-            add_scaled(&mut self.bend[a], caa, &ta);
+            let own = bend[i];
+            let (mut to_a, mut to_b) = ([0.0; LANES], [0.0; LANES]);
+            for l in 0..LANES {
+                to_a[l] = slope[0] * own[l];
+                to_b[l] = slope[1] * own[l];
+            }
+            if curved {
+                let [aa, ab, bb] = curvature;
+                let (aa, ab, bb) = (aa * adjoint[i], ab * adjoint[i], bb * adjoint[i]);
+                let (along_a, along_b) = (&tangent[a], &tangent[b]);
+                for l in 0..LANES {
+                    to_a[l] = fused(aa, along_a[l], fused(ab, along_b[l], to_a[l]));
+                    to_b[l] = fused(ab, along_a[l], fused(bb, along_b[l], to_b[l]));
+                }
+            }
+            bends[a] = true;
+            let sum = &mut bend[a];
+            for l in 0..LANES {
+                sum[l] += to_a[l];
+            }
             if two {
-                let tb = self.tangent[b as usize];
-                add_scaled(&mut self.bend[a], cab, &tb);
-                add_scaled(&mut self.bend[b as usize], cab, &ta);
-                add_scaled(&mut self.bend[b as usize], cbb, &tb);
+                bends[b] = true;
+                let sum = &mut bend[b];
+                for l in 0..LANES {
+                    sum[l] += to_b[l];
+                }
             }
         }
-    }
-}
-
-/// y += a x
-#[inline]
-fn add_scaled(y: &mut [f64; LANES], a: f64, x: &[f64; LANES]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += a * x;
     }
 }
 

@@ -1,6 +1,7 @@
 //! One dense front: its partial factorisation and its part of the solves.
 
 use super::Inertia;
+use crate::rows::{axpy, dot, fused};
 
 /// A dense symmetric matrix over the unknowns `rows`, of which the first
 /// `candidates` may be eliminated. Upper triangle, row-major, full stride.
@@ -59,13 +60,14 @@ impl Front {
         let n = self.rows.len();
         for i in 0..self.candidates {
             let row = &self.values[i * n + i..(i + 1) * n];
-            let mut largest = self.scale[i];
-            for (scale, v) in self.scale[i..].iter_mut().zip(row) {
-                let v = v.abs();
+            let scale = &mut self.scale[i..][..row.len()];
+            let mut largest = scale[0];
+            for j in 0..row.len() {
+                let v = row[j].abs();
                 largest = if v > largest { v } else { largest };
-                *scale = if v > *scale { v } else { *scale };
+                scale[j] = if v > scale[j] { v } else { scale[j] };
             }
-            self.scale[i] = largest;
+            scale[0] = largest;
         }
     }
 
@@ -79,9 +81,14 @@ impl Front {
     pub fn add_along(&mut self, i: usize, j: usize, down: bool, values: &[f64]) {
         let (n, first) = (self.rows.len(), i * self.rows.len() + j);
         if down {
-            self.values[first..].iter_mut().step_by(n).zip(values).for_each(|(x, v)| *x += v);
+            for k in 0..values.len() {
+                self.values[first + k * n] += values[k];
+            }
         } else {
-            self.values[first..].iter_mut().zip(values).for_each(|(x, v)| *x += v);
+            let row = &mut self.values[first..][..values.len()];
+            for k in 0..values.len() {
+                row[k] += values[k];
+            }
         }
     }
 
@@ -93,9 +100,9 @@ impl Front {
             if i < child.candidates {
                 self.scale[p] = self.scale[p].max(child.scale[i]);
             }
-            for (j, value) in child.values[i * m..(i + 1) * m].iter().enumerate().skip(i) {
+            for j in i..m {
                 let q = position[child.rows[j]];
-                self.add(p.min(q), p.max(q), *value);
+                self.add(p.min(q), p.max(q), child.values[i * m + j]);
             }
         }
     }
@@ -145,7 +152,12 @@ impl Front {
     fn largest_right(&self, k: usize) -> f64 {
         let n = self.rows.len();
         let row = &self.values[k * n + k + 1..(k + 1) * n];
-        row.iter().fold(0.0, |m, v| if v.abs() > m { v.abs() } else { m })
+        let mut largest = 0.0;
+        for j in 0..row.len() {
+            let v = row[j].abs();
+            largest = if v > largest { v } else { largest };
+        }
+        largest
     }
 
     fn choose(&self, k: usize, threshold: f64) -> Choice {
@@ -214,12 +226,13 @@ impl Front {
         for i in rows {
             let row = &mut below[(i - k) * n + i..(i - k + 1) * n];
             if pending == PANEL {
-                let factors = std::array::from_fn(|p| factor(p, i));
-                subtract_panel(row, factors, std::array::from_fn(|p| &self.pivots[p][i..n]));
+                let [one, two, three, four] = &self.pivots;
+                let rows = [&one[i..n], &two[i..n], &three[i..n], &four[i..n]];
+                subtract_panel(row, [factor(0, i), factor(1, i), factor(2, i), factor(3, i)], rows);
                 continue;
             }
             for p in 0..pending {
-                subtract(row, factor(p, i), &self.pivots[p][i..n]);
+                axpy(row, -factor(p, i), &self.pivots[p][i..n]);
             }
         }
     }
@@ -244,7 +257,9 @@ impl Front {
         }
         self.pivots[pending].clear();
         self.pivots[pending].extend(&*row);
-        row[k + 1..].iter_mut().for_each(|v| *v /= d);
+        for j in k + 1..n {
+            row[j] /= d;
+        }
     }
 
     fn pivot_two(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
@@ -272,8 +287,8 @@ impl Front {
         }
         for (i, (fc, fe)) in first.iter().zip(second.iter()).enumerate() {
             let row = &mut below[i * n + k + 2 + i..(i + 1) * n];
-            subtract(row, *fc, &one[i..]);
-            subtract(row, *fe, &two[i..]);
+            axpy(row, -fc, &one[i..]);
+            axpy(row, -fe, &two[i..]);
         }
     }
 
@@ -323,10 +338,10 @@ impl Pivots {
         local.extend(self.rows.iter().map(|&i| x[i]));
         for (k, row) in self.pivot_rows() {
             let (head, tail) = local.split_at_mut(k + 1);
-            subtract(tail, head[k], &row[k + 1..]);
+            axpy(tail, -head[k], &row[k + 1..]);
         }
-        for (&i, v) in self.rows.iter().zip(local.iter()) {
-            x[i] = *v;
+        for k in 0..self.rows.len() {
+            x[self.rows[k]] = local[k];
         }
     }
 
@@ -338,8 +353,8 @@ impl Pivots {
         for (k, row) in self.pivot_rows().rev() {
             local[k] -= dot(&row[k + 1..], &local[k + 1..]);
         }
-        for (&i, v) in self.rows[..self.count].iter().zip(local.iter()) {
-            x[i] = *v;
+        for k in 0..self.count {
+            x[self.rows[k]] = local[k];
         }
     }
 
@@ -361,33 +376,12 @@ impl Pivots {
     }
 }
 
-/// a . b in four partial sums.
-#[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (heads, tails) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = heads.remainder().iter().zip(tails.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in heads.zip(tails) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
-/// y -= a x
-#[inline]
-fn subtract(y: &mut [f64], a: f64, x: &[f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y -= a * x;
-    }
-}
-
 /// y -= sum_p a_p x_p
 #[inline]
 fn subtract_panel(y: &mut [f64], a: [f64; PANEL], x: [&[f64]; PANEL]) {
-    let [x0, x1, x2, x3] = x.map(|x| &x[..y.len()]);
-    for (j, y) in y.iter_mut().enumerate() {
-        *y -= a[0] * x0[j] + a[1] * x1[j] + a[2] * x2[j] + a[3] * x3[j];
+    let n = y.len();
+    let [x0, x1, x2, x3] = [&x[0][..n], &x[1][..n], &x[2][..n], &x[3][..n]];
+    for j in 0..n {
+        y[j] -= fused(a[0], x0[j], fused(a[1], x1[j], fused(a[2], x2[j], a[3] * x3[j])));
     }
 }

@@ -4,6 +4,7 @@
 use super::layout::{StateOf, UnknownLayout};
 use super::points::MIDDLE;
 use super::*;
+use wingbeat_math::rows::axpy;
 
 /// A local unknown of a point as shares of two columns of its interval.
 pub(super) type Shares = [(usize, f64); 2];
@@ -29,11 +30,19 @@ impl PointMap {
     /// row += factor (slopes over the locals, as columns).
     fn add(&self, row: &mut [f64], factor: f64, slopes: &[f64]) {
         let run = 1..1 + self.run;
-        for (r, slope) in row[self.start..].iter_mut().zip(&slopes[run.clone()]) {
-            *r += factor * slope;
-        }
-        for v in (0..slopes.len()).filter(|v| !run.contains(v)) {
-            self.shares[v].iter().for_each(|&(c, share)| row[c] += factor * slopes[v] * share);
+        axpy(&mut row[self.start..], factor, &slopes[run.clone()]);
+        self.add_apart(row, factor, slopes, 0..run.start);
+        self.add_apart(row, factor, slopes, run.end..slopes.len());
+    }
+
+    /// The same of locals that are no columns of their own.
+    fn add_apart(&self, row: &mut [f64], factor: f64, slopes: &[f64], locals: std::ops::Range<usize>) {
+        for v in locals {
+            if slopes[v] != 0.0 {
+                let [(a, one), (b, two)] = self.shares[v];
+                row[a] += factor * slopes[v] * one;
+                row[b] += factor * slopes[v] * two;
+            }
         }
     }
 }
@@ -116,14 +125,17 @@ fn shares(setup: &Setup, layout: &UnknownLayout, i: usize, k: usize) -> Vec<Shar
     map
 }
 
-/// y += a x
-fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
-    if a != 0.0 {
-        y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+/// row += factor (slopes . rows), of rows as long as `row`.
+fn add_rows(row: &mut [f64], factor: f64, slopes: &[f64], rows: &[f64]) {
+    let width = row.len();
+    for v in 0..slopes.len() {
+        if slopes[v] != 0.0 {
+            axpy(row, factor * slopes[v], &rows[v * width..][..width]);
+        }
     }
 }
 
-impl<P: OptimalControl> Collocation<'_, P> {
+impl Discretisation {
     /// d locals / d columns of the middle point of interval `k`: shares, and
     /// the slopes of the middle of the cubic.
     pub(super) fn map_middle(&mut self, k: usize, span: f64) {
@@ -174,9 +186,7 @@ impl<P: OptimalControl> Collocation<'_, P> {
                     row[own] += factor * f[r];
                     row[own + 1] -= factor * f[r];
                     if middle {
-                        for (map, slope) in self.assembly.middle.chunks_exact(width).zip(slopes) {
-                            add_scaled(row, -factor * span * slope, map);
-                        }
+                        add_rows(row, -factor * span, slopes, &self.assembly.middle);
                     } else {
                         map.add(row, -factor * span, slopes);
                     }
@@ -212,7 +222,11 @@ impl<P: OptimalControl> Collocation<'_, P> {
         let (n, locals) = (self.setup.states.len(), self.points.locals);
         let jacobian = self.points.jacobian(i);
         let weights = &self.weights[i * self.points.outputs..][..=n];
-        weights.iter().enumerate().map(|(r, w)| w * jacobian[r * locals + v]).sum()
+        let mut slope = 0.0;
+        for r in 0..=n {
+            slope += weights[r] * jacobian[r * locals + v];
+        }
+        slope
     }
 
     /// Adds a point whose state is unknown to the Hessian.
@@ -254,13 +268,18 @@ impl<P: OptimalControl> Collocation<'_, P> {
         product.fill(0.0);
         let hessian = self.points.hessian(i).chunks_exact(locals);
         for (out, row) in product.chunks_exact_mut(width).zip(hessian) {
-            for (map, h) in middle.chunks_exact(width).zip(row) {
-                add_scaled(out, *h, map);
-            }
+            add_rows(out, 1.0, row, middle);
         }
-        for (map, out) in middle.chunks_exact(width).zip(product.chunks_exact(width)) {
-            for (c, share) in map.iter().enumerate() {
-                add_scaled(&mut block[c * width..=c * width + c], *share, out);
+        for v in 0..locals {
+            let straight = self.points.hessian(i)[v * locals..][..locals].iter().all(|h| *h == 0.0);
+            if straight {
+                continue;
+            }
+            let (map, out) = (&middle[v * width..][..width], &product[v * width..][..width]);
+            for c in 0..width {
+                if map[c] != 0.0 {
+                    axpy(&mut block[c * width..=c * width + c], map[c], out);
+                }
             }
         }
         for v in 0..locals {

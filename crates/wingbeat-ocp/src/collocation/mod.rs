@@ -42,8 +42,14 @@ impl Transcribed {
 /// running cost, with the defects as equations.
 pub struct Collocation<'a, P> {
     problem: &'a P,
+    parts: Discretisation,
+}
+
+/// What a mesh makes of any problem: where its unknowns and rows are, what the functions of the problem were at the last point, and how
+/// the derivatives of the program follow from theirs.
+struct Discretisation {
     setup: Setup,
-    pub(super) transcribed: Transcribed,
+    transcribed: Transcribed,
     layout: UnknownLayout,
     points: Points,
     ends: EndFunctions,
@@ -62,8 +68,7 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         let layout =
             UnknownLayout::new(&setup, &transcribed.scheme, &transcribed.mesh, transcribed.cost_at_nodes);
         let points = Points::new(&setup, &layout);
-        let mut collocation = Self {
-            problem,
+        let mut parts = Discretisation {
             ends: EndFunctions::new(problem, &setup, &layout, &vec![0.5; layout.variables.len()]),
             weights: vec![0.0; layout.points.len() * points.outputs],
             scaled: vec![0.0; points.outputs],
@@ -75,13 +80,36 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             layout,
             points,
         };
-        let w = collocation.unknowns(guess);
-        collocation.ends = EndFunctions::new(problem, &collocation.setup, &collocation.layout, &w);
-        collocation
+        let w = parts.unknowns(guess);
+        parts.ends = EndFunctions::new(problem, &parts.setup, &parts.layout, &w);
+        Self { problem, parts }
     }
 
     /// The unknowns of a trajectory sampled at the collocation points.
     pub fn unknowns(&self, guess: &Trajectory) -> Vec<f64> {
+        self.parts.unknowns(guess)
+    }
+
+    /// The trajectory of the unknowns `w` at all collocation points; what is
+    /// not unknown inside an interval follows the scheme.
+    pub fn trajectory(&mut self, w: &[f64]) -> Result<Trajectory, EvaluationError> {
+        self.parts.trajectory(self.problem, w)
+    }
+
+    /// Typical sizes of the unknowns and of the constraints.
+    pub(super) fn sizes(&self) -> TypicalSizes {
+        self.parts.layout.sizes.clone()
+    }
+
+    /// What the multipliers `y` of the constraints say at the unknowns `w`. The costate in the middle of an interval is the
+    /// mean of those at its ends, the sum of its defects' multipliers and that of the last one.
+    pub(super) fn multipliers(&self, w: &[f64], y: &[f64], z: &[f64]) -> Multipliers {
+        self.parts.multipliers(w, y, z)
+    }
+}
+
+impl Discretisation {
+    fn unknowns(&self, guess: &Trajectory) -> Vec<f64> {
         let layout = &self.layout;
         let mut w = vec![0.0; layout.variables.len()];
         for place in &layout.points {
@@ -98,12 +126,14 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         w
     }
 
-    /// The trajectory of the unknowns `w` at all collocation points; what is
-    /// not unknown inside an interval follows the scheme.
-    pub fn trajectory(&mut self, w: &[f64]) -> Result<Trajectory, EvaluationError> {
+    fn trajectory<P: OptimalControl>(
+        &mut self,
+        problem: &P,
+        w: &[f64],
+    ) -> Result<Trajectory, EvaluationError> {
         let times = self.layout.times;
         let mut out = Trajectory { p: w[times + 2..].to_vec(), ..Trajectory::default() };
-        self.points.evaluate(self.problem, &self.setup, &self.layout, w, self.layout.unknown_states())?;
+        self.points.evaluate(problem, &self.setup, &self.layout, w, self.layout.unknown_states())?;
         for i in 0..self.layout.points.len() {
             let (t, x, u) = self.points.at(w, &self.layout, i);
             out.t.push(t);
@@ -113,14 +143,7 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         Ok(out)
     }
 
-    /// Typical sizes of the unknowns and of the constraints.
-    pub(super) fn sizes(&self) -> TypicalSizes {
-        self.layout.sizes.clone()
-    }
-
-    /// What the multipliers `y` of the constraints say at the unknowns `w`. The costate in the middle of an interval is the
-    /// mean of those at its ends, the sum of its defects' multipliers and that of the last one.
-    pub(super) fn multipliers(&self, w: &[f64], y: &[f64], z: &[f64]) -> Multipliers {
+    fn multipliers(&self, w: &[f64], y: &[f64], z: &[f64]) -> Multipliers {
         let (n, layout) = (self.setup.states.len(), &self.layout);
         let (begin, span) = (w[layout.times], w[layout.times + 1] - w[layout.times]);
         let at = |sigma: f64| begin + span * sigma;
@@ -195,21 +218,26 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
 
     /// Differentiates all points: middle states first, whose slopes add to the
     /// weights of the rates at the ends that they follow from.
-    fn differentiate_points(&mut self, w: &[f64], multipliers: &[f64]) -> Result<(), EvaluationError> {
+    fn differentiate_points<P: OptimalControl>(
+        &mut self,
+        problem: &P,
+        w: &[f64],
+        multipliers: &[f64],
+    ) -> Result<(), EvaluationError> {
         let span = w[self.layout.times + 1] - w[self.layout.times];
         if self.transcribed.scheme.compressed {
             let nodes = self.layout.unknown_states();
-            self.points.evaluate(self.problem, &self.setup, &self.layout, w, nodes)?;
+            self.points.evaluate(problem, &self.setup, &self.layout, w, nodes)?;
         }
         for i in 0..self.layout.points.len() {
             if let StateOf::Middle(k) = self.layout.points[i].x {
-                self.differentiate_point(i, w, span, multipliers)?;
+                self.differentiate_point(problem, i, w, span, multipliers)?;
                 self.carry(i, k, span);
             }
         }
         for i in 0..self.layout.points.len() {
             if let StateOf::Unknown(_) = self.layout.points[i].x {
-                self.differentiate_point(i, w, span, multipliers)?;
+                self.differentiate_point(problem, i, w, span, multipliers)?;
             }
         }
         Ok(())
@@ -217,8 +245,9 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
 
     /// The weights of the outputs as they enter the Hessian: the time span
     /// multiplies rates and cost, path values have their own multipliers.
-    fn differentiate_point(
+    fn differentiate_point<P: OptimalControl>(
         &mut self,
+        problem: &P,
         i: usize,
         w: &[f64],
         span: f64,
@@ -232,7 +261,7 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             Some(first) => self.scaled[n + 1..].copy_from_slice(&multipliers[first..][..outputs - n - 1]),
             None => self.scaled[n + 1..].fill(0.0),
         }
-        self.points.differentiate(self.problem, &self.layout, i, w, &self.scaled)
+        self.points.differentiate(problem, &self.layout, i, w, &self.scaled)
     }
 
     /// Weights of the rates at the ends of interval `k` through its middle state.

@@ -4,13 +4,45 @@ use super::*;
 
 impl<P: OptimalControl> Program for Collocation<'_, P> {
     fn variables(&self) -> &[Channel] {
-        &self.layout.variables
+        &self.parts.layout.variables
     }
 
     fn constraints(&self) -> &[Channel] {
-        &self.layout.constraints
+        &self.parts.layout.constraints
     }
 
+    fn structure(&self) -> Structure {
+        self.parts.structure()
+    }
+
+    fn evaluate(&mut self, w: &[f64], g: &mut [f64]) -> Result<f64, EvaluationError> {
+        let Discretisation { setup, layout, points, ends, .. } = &mut self.parts;
+        let order = layout.unknown_states().chain(layout.middle_states());
+        points.evaluate(self.problem, setup, layout, w, order)?;
+        ends.evaluate(self.problem, setup, w)?;
+        Ok(self.parts.values(w, g))
+    }
+
+    fn differentiate(
+        &mut self,
+        w: &[f64],
+        weight: f64,
+        multipliers: &[f64],
+        out: &mut Derivatives,
+    ) -> Result<(), EvaluationError> {
+        let parts = &mut self.parts;
+        parts.weigh(weight, multipliers);
+        parts.differentiate_points(self.problem, w, multipliers)?;
+        parts.end_weights[0] = weight;
+        parts.end_weights[1..].copy_from_slice(&multipliers[parts.layout.ends..]);
+        parts.ends.differentiate(self.problem, w, &parts.end_weights);
+        parts.assemble(w, weight, out);
+        Ok(())
+    }
+}
+
+impl Discretisation {
+    /// Non-zeros and elimination blocks.
     fn structure(&self) -> Structure {
         let mut structure = Structure {
             variable_block: self.layout.variable_block.clone(),
@@ -45,10 +77,8 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
         structure
     }
 
-    fn evaluate(&mut self, w: &[f64], g: &mut [f64]) -> Result<f64, EvaluationError> {
-        let order = self.layout.unknown_states().chain(self.layout.middle_states());
-        self.points.evaluate(self.problem, &self.setup, &self.layout, w, order)?;
-        self.ends.evaluate(self.problem, &self.setup, w)?;
+    /// The objective at the unknowns `w`, where the functions were evaluated; writes the constraint values.
+    fn values(&self, w: &[f64], g: &mut [f64]) -> f64 {
         let (n, times) = (self.setup.states.len(), self.layout.times);
         let (span, scheme) = (w[times + 1] - w[times], &self.transcribed.scheme);
         for interval in &self.layout.intervals {
@@ -71,23 +101,13 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
             }
         }
         g[self.layout.ends..].copy_from_slice(&self.ends.values[1..]);
-        Ok(self.ends.values[0] + span * cost + self.input_change(w, None))
+        self.ends.values[0] + span * cost + self.input_change(w, None)
     }
 
-    fn differentiate(
-        &mut self,
-        w: &[f64],
-        weight: f64,
-        multipliers: &[f64],
-        out: &mut Derivatives,
-    ) -> Result<(), EvaluationError> {
+    /// The derivatives of the program at the unknowns `w`, where those of the functions were taken.
+    fn assemble(&mut self, w: &[f64], weight: f64, out: &mut Derivatives) {
         let (n, times) = (self.setup.states.len(), self.layout.times);
         let span = w[times + 1] - w[times];
-        self.weigh(weight, multipliers);
-        self.differentiate_points(w, multipliers)?;
-        self.end_weights[0] = weight;
-        self.end_weights[1..].copy_from_slice(&multipliers[self.layout.ends..]);
-        self.ends.differentiate(self.problem, w, &self.end_weights);
         self.begin_gradient(w);
         out.jacobian.clear();
         out.hessian.clear();
@@ -108,11 +128,8 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
         out.jacobian.extend(self.ends.jacobian.iter().map(|&(i, j)| self.ends.slopes[i * size + j]));
         out.hessian.extend(self.ends.hessian.iter().map(|&(i, j)| self.ends.curvature[i * size + j]));
         out.gradient.copy_from_slice(&self.gradient);
-        Ok(())
     }
-}
 
-impl<P: OptimalControl> Collocation<'_, P> {
     /// Jacobian rows of the path constraints that belong to interval `k`.
     fn path_rows(&self, k: usize, n: usize, out: &mut Vec<f64>) {
         let locals = self.points.locals;

@@ -1,8 +1,9 @@
 //! The Newton system of the barrier problem and its inertia correction.
 
-use super::runs::{EntryRun, add_scaled, dot, runs};
+use super::runs::{EntryRun, runs};
 use super::standard::Standard;
 use wingbeat_math::multifrontal::{Factors, Inertia, Pattern};
+use wingbeat_math::rows::{axpy, dot};
 
 /// Stability threshold of the pivots.
 const PIVOT_THRESHOLD: f64 = 1e-6;
@@ -171,7 +172,7 @@ impl Kkt {
             for run in &self.entries {
                 let (values, columns) = (run.of(&self.values), run.columns());
                 residual[run.row] -= dot(values, &x[columns.clone()]);
-                add_scaled(&mut residual[columns.clone()], -x[run.row], values);
+                axpy(&mut residual[columns.clone()], -x[run.row], values);
                 if columns.contains(&run.row) {
                     residual[run.row] += values[run.row - run.column] * x[run.row];
                 }

@@ -34,16 +34,6 @@ pub(super) fn runs(entries: &[(usize, usize)]) -> Vec<EntryRun> {
     runs
 }
 
-/// y += a x
-pub(super) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
-}
-
-/// a . b
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,8 @@
 //! The scaled program with slacks: min f(x), g(x) - s = 0, low <= (x, s) <= high.
 
 use super::super::nlp::{Derivatives, EvaluationError, Program, Structure};
-use super::runs::{EntryRun, add_scaled, runs};
+use super::runs::{EntryRun, runs};
+use wingbeat_math::rows::axpy;
 
 /// Gradients above this are scaled down to it (Waechter & Biegler 2006, 3.8).
 const LARGEST_GRADIENT: f64 = 100.0;
@@ -134,7 +135,7 @@ impl<'a> Standard<'a> {
     /// out += A' y over x.
     pub fn add_transposed(&self, y: &[f64], out: &mut [f64]) {
         for run in &self.rows {
-            add_scaled(&mut out[run.columns()], y[run.row], run.of(&self.derivatives.jacobian));
+            axpy(&mut out[run.columns()], y[run.row], run.of(&self.derivatives.jacobian));
         }
     }
 

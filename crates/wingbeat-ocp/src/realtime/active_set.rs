@@ -1,7 +1,8 @@
 //! Dense strictly convex quadratic programs by the dual active-set method (Goldfarb & Idnani 1983): exact, cold-started, no
 //! allocation after set-up. Variables, rows and cost are in the caller's units.
 
-use super::dense::{axpy, cholesky, dot, invert_lower};
+use super::dense::{cholesky, invert_lower};
+use wingbeat_math::rows::{axpy, dot};
 
 /// min 1/2 z'Hz + g'z with low <= z <= high and row_low <= C z <= row_high.
 #[derive(Clone, Debug, Default)]

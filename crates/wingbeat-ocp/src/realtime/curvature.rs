@@ -1,6 +1,6 @@
 //! The part of the curvature that Gauss-Newton leaves out. Gradients, steps and curvatures are in the caller's units.
 
-use super::dense::{axpy, dot};
+use wingbeat_math::rows::{axpy, dot};
 
 /// A symmetric correction A to the Gauss-Newton Hessian G, learnt from the
 /// reduced gradients of successive iterates by symmetric rank-one updates, so

@@ -81,6 +81,7 @@ use plan::check_finite;
 use reduced::{Reduction, limited, rate_limited};
 use wingbeat_math::Error;
 use wingbeat_math::Workspace;
+use wingbeat_math::rows;
 
 /// How a horizon is cut and when it counts as solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -440,13 +441,13 @@ impl RealTime {
             return Err(UpdateStatus::NumericalTrouble);
         }
         self.statistics.stationarity = (self.qp.hessian.chunks_exact(z.len()))
-            .fold(0.0, |worst: f64, row| worst.max(dense::dot(row, z).abs()));
+            .fold(0.0, |worst: f64, row| worst.max(rows::dot(row, z).abs()));
         self.statistics.step = 0.0;
         for node in 0..=self.settings.intervals {
             let (width, used) = (self.columns.width(node), self.columns.through(node));
             let rows = self.states.state(node, self.columns).chunks_exact(width);
             for (x, s) in self.trial.state_mut(node).iter_mut().zip(rows) {
-                *x += s[0] + dense::dot(&s[1..used], z);
+                *x += s[0] + rows::dot(&s[1..used], z);
             }
             let Some(first) = self.columns.of(node) else { continue };
             let inputs = self.trial.input_mut(node).iter_mut().zip(plant.inputs());

@@ -2,12 +2,13 @@
 
 use super::active_set::QuadraticProgram;
 use super::condense::{Columns, Elimination};
-use super::dense::{Terms, axpy, dot, multiply_add, padded};
+use super::dense::{Terms, multiply_add, padded};
 use super::plan::{Horizon, Plan};
 use super::status::Limit;
 use super::tracking::{Component, Tracking};
 use crate::plant::Channel;
 use wingbeat_math::Dual;
+use wingbeat_math::rows::{axpy, dot};
 
 /// Directions of one residual evaluation.
 const LANES: usize = 8;
