@@ -94,7 +94,7 @@ impl<P: Scalar> StripModel<P> {
     /// `F = [S tan(sweep of leading edge) +- side edge] e_span + rho v_span dy [b dG/dy - G tan(sweep of half chord)] n, G = g lw`
     /// Source: Bernoulli on a lifting surface; suction square to an edge: Lamar 1974, NASA TR R-428; own derivation; flat
     /// sweeps a choice.
-    /// Test: `suction_is_square_to_swept_edges`, `a_drifting_section_feels_the_circulation_beside_it`.
+    /// Test: `suction_is_square_to_swept_edges`.
     #[inline(never)]
     pub(super) fn along_span<
         K: Scalar + Meets<P>,
