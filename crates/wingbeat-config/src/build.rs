@@ -498,6 +498,7 @@ impl AeroSpec {
             doublet_wash: self.full.doublet_wash,
             folding_rates: self.full.folding_rates,
             turning_impulse: self.full.turning_impulse,
+            edge_suction: self.full.edge_suction,
             side_edges: self.full.side_edges,
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,

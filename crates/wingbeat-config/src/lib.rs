@@ -487,8 +487,6 @@ impl Scenario {
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
-        let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
-        summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), surfaces));
         let past_stall = summary.stall_fraction;
         let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
         summary.warnings.extend(unheard::side_edges(self.spec.flown_aero(), surfaces, past_stall));
@@ -535,6 +533,9 @@ impl Scenario {
             perch: self.spec.perch.as_ref(),
             wind: Vec3(self.spec.air.wind_m_s),
         };
-        Summary::new(&recorded.record, flight, &context)
+        let mut summary = Summary::new(&recorded.record, flight, &context);
+        let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
+        summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), surfaces));
+        summary
     }
 }

@@ -125,12 +125,13 @@ impl ByWashes {
 
 impl StripModel {
     /// Whether [`by_states`](Self::by_states) takes this model: a membrane that is not given spreads over the strips too, and a flap has
-    /// states of its own.
+    /// states of its own; with `edge_suction` a drifting strip feels the circulation of those beside it.
     pub(crate) fn knows_by_states(&self) -> bool {
         let n = self.settings.strips;
         n <= WIDE
             && (self.membrane.is_none() || self.given() > 0)
             && self.hinges.is_none()
+            && !self.settings.edge_suction
             && self.states() - self.given() + WASHES * n <= LANES * n
     }
 

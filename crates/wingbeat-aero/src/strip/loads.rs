@@ -70,7 +70,8 @@ impl<P: Scalar> StripModel<P> {
             drag: self.profile_drag(strips, &response.attached, self.numbers.drag()),
         };
         let load = |i: usize| {
-            let carried = self.carried_air(i, flow, response) + self.turned_circulation(i, flow, response);
+            let carried = self.carried_air(i, flow, response)
+                + self.beside(i, flow, response, forces.lift.chordwise[i]);
             let force = forces.lift.at(i) + carried + forces.drag.at(i);
             strips.wrench(i, if self.has_side_edge(i) { force + self.side_edge(i, response) } else { force })
         };
@@ -128,10 +129,10 @@ impl<P: Scalar> StripModel<P> {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
             let along_chord = wrench(plain.at(i));
-            let turned = self.turned_circulation(i, flow, response);
-            let turned = if self.has_side_edge(i) { turned + self.side_edge(i, response) } else { turned };
+            let beside = self.beside(i, flow, response, forces.lift.chordwise[i]);
+            let edges = if self.has_side_edge(i) { beside + self.side_edge(i, response) } else { beside };
             loads.strip[at] = StripLoads {
-                circulatory: along_chord + wrench(turned),
+                circulatory: along_chord + wrench(edges),
                 induced_drag: wrench(forces.lift.at(i)) + -along_chord,
                 added_mass: wrench(self.carried_air(i, flow, response)),
                 profile_drag: wrench(forces.drag.at(i)),
@@ -345,10 +346,34 @@ impl<P: Scalar> StripModel<P> {
         force
     }
 
+    /// What the circulation bears beside the plane of section `i`, whose suction is `suction`, by the law that the settings choose.
+    #[inline(always)]
+    fn beside<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
+        &self,
+        i: usize,
+        flow: &StripFlow<K, G, N>,
+        response: &StripResponse<'_, S, N>,
+        suction: S,
+    ) -> SectionForce<S> {
+        if self.settings.edge_suction {
+            self.along_span(i, flow, response, suction)
+        } else if self.settings.turning_impulse {
+            self.turned_circulation(i, flow, response)
+        } else {
+            SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO)
+        }
+    }
+
     /// Spanwise force of the impulse of the bound circulation as a section turns about its chord, and its couple as it drifts along
     /// its span. The jump of potential that a circulation G spreads over the chord has the impulse rho dy b G n, which turns with the
     /// normal. What turns towards the chord, -2 m w_l q, is part of Garrick's suction (`aero.pitch_suction`); this is what turns
-    /// towards the span, where the edges of the tips and the folds bear it. None without `turning_impulse`.
+    /// towards the span, where the edges of the tips and the folds bear it. None without `turning_impulse`, and with
+    /// `edge_suction`, which has the same by edges (`aero.strip.along_span`).
     ///
     /// A plate bears nothing along its span but the suction of its edges. The impulse has this in two parts: the one that turns, and
     /// rho G w tan(sweep) dy, w the wash, of the wake that leaves a swept trailing edge. The second is left out: on rectangular wings there
@@ -372,13 +397,11 @@ impl<P: Scalar> StripModel<P> {
         response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
         let mut force = SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO);
-        if self.settings.turning_impulse {
-            let strips = &flow.strips;
-            let circulation = response.lift_wash[i] * response.attached[i] * self.tables.lift_scale[i];
-            let impulse = circulation * (self.tables.chord[i] * 0.5);
-            force.across = impulse * strips.across.get(i).dot_over(strips.normal_rate.get(i));
-            force.about_chord = impulse * strips.drift[i];
-        }
+        let strips = &flow.strips;
+        let circulation = response.lift_wash[i] * response.attached[i] * self.tables.lift_scale[i];
+        let impulse = circulation * (self.tables.chord[i] * 0.5);
+        force.across = impulse * strips.across.get(i).dot_over(strips.normal_rate.get(i));
+        force.about_chord = impulse * strips.drift[i];
         force
     }
 

@@ -200,6 +200,11 @@ impl<P: Scalar> StripModel<P> {
     pub fn is_crowded(&self) -> bool {
         self.grid.crowded
     }
+    /// Whether the wing has hinges and a trailing edge that is swept.
+    pub fn folds_swept(&self) -> bool {
+        let bent = |pair: &[(P, P)]| pair[0].1 != pair[1].1;
+        !self.settings.hinge_arcs_m.is_empty() && self.grid.outline.windows(2).any(bent)
+    }
     /// Number of states: for each wash lag, then for each wake lag, for each state of the
     /// law, for the impulse where it is followed, for the camber of a membrane and for a flap blocks of one value per strip, left tip to
     /// right tip.

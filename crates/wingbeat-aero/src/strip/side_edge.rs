@@ -1,11 +1,12 @@
-//! Vortices above the side edges of a wing: what a sharp tip loses of its suction pushes along the normal there.
+//! What the edges of a wing do along its span: suction of swept leading edges and of side edges, and the vortices that take its place
+//! above sharp tips.
 
-use super::StripModel;
 use super::grid::StripGrid;
 use super::response::StripResponse;
+use super::{StripFlow, StripModel};
 use crate::section::SectionForce;
 use std::f64::consts::PI;
-use wingbeat_math::{Meets, Scalar};
+use wingbeat_math::{Meets, Over, Scalar};
 
 /// Pull of a side edge over [`scale`] and products of the lift washes at the outermost strip: of the flat chord squared, twice the flat
 /// chord times a parabolic camber, camber squared. What of the circulation G lies ahead of a point of the chord makes them: mean((A/G)^2)
@@ -15,6 +16,10 @@ use wingbeat_math::{Meets, Scalar};
 const PULL: [f64; 3] = [0.575, 0.273, 0.33];
 /// The same times the distance behind mid chord over the chord: 0.045 to 0.049, 0.10 to 0.14, 0.088 to 0.090.
 const PULL_BEHIND: [f64; 3] = [0.048, 0.11, 0.089];
+
+/// Share of [`PULL`] that the circulation has in steady flow: the impulse of the carried air has the other, whose F is sqrt(1 - x^2)/pi
+/// from -1 to 1 along the chord, its square 2/(3 pi^2) of 0.615 in the mean.
+const OF_CIRCULATION: f64 = 1.0 - 2.0 / (3.0 * PI * PI * 0.615);
 
 /// Wash below which its size is rounded off, so that it has a derivative, m/s. *Choice.*
 const ROUNDING: f64 = 1e-9;
@@ -52,16 +57,80 @@ impl<P: Scalar> StripModel<P> {
         i: usize,
         response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
+        let scale = self.tables.side_edge[i];
+        let sum = |of| self.side_pull(i, response, of, |wash| wash.smooth_abs(ROUNDING));
+        let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
+        force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
+        force
+    }
+
+    /// The products of the lift washes of flat chord and camber, each wash times its `size`, times `of`, m2/s2.
+    #[inline(always)]
+    fn side_pull<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        response: &StripResponse<'_, S, N>,
+        of: [f64; 3],
+        size: impl Fn(S) -> S,
+    ) -> S {
         let wash = response.lift_wash[i];
         let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
         let camber = wash - flat;
-        let [flat_size, camber_size] = [flat, camber].map(|wash| wash.smooth_abs(ROUNDING));
+        let [flat_size, camber_size] = [size(flat), size(camber)];
         let products = [flat * flat_size, flat * camber_size + camber * flat_size, camber * camber_size];
-        let share = response.attached[i].squared();
-        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * share;
-        let scale = self.tables.side_edge[i];
-        let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
-        force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
+        (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * response.attached[i].squared()
+    }
+
+    /// What the circulation bears beside the plane of section `i`, whose `suction` points along the chord, N. A plate feels pressure along
+    /// its normal and suction at its edges, square to them: at a leading edge swept by L the suction S has S tan(L) along the span, and the
+    /// side edge at a tip has the pull of [`Self::side_edge`], outward, unless a vortex takes its place. Where the section drifts
+    /// with the speed v along its span, the pressure is rho (v dphi/dy) more: the jump phi of the circulation G, with the integral
+    /// b G along the chord, gives rho v d(bG)/dy less what the trailing edge cuts off, rho v G tan, and so rho v b dG/dy behind 5/8 of
+    /// the chord and -rho v G tan of the half-chord line at its middle. Sweeps are those of the flat wing. The impulse of
+    /// the carried air holds its own share of all this (`aero.strip.carried_air`), as what turns with the normal. With
+    /// `edge_suction` alone.
+    ///
+    /// Equation: aero.strip.along_span
+    /// `F = [S tan(sweep of leading edge) +- side edge] e_span + rho v_span dy [b dG/dy - G tan(sweep of half chord)] n, G = g lw`
+    /// Source: Bernoulli on a lifting surface; suction square to an edge: Lamar 1974, NASA TR R-428; own derivation; flat
+    /// sweeps a choice.
+    /// Test: `suction_is_square_to_swept_edges`.
+    #[inline(never)]
+    pub(super) fn along_span<
+        K: Scalar + Meets<P>,
+        G: Over<K> + Meets<P>,
+        S: Over<G> + Over<K> + Meets<P>,
+        const N: usize,
+    >(
+        &self,
+        i: usize,
+        flow: &StripFlow<K, G, N>,
+        response: &StripResponse<'_, S, N>,
+        suction: S,
+    ) -> SectionForce<S> {
+        let mut force = SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO);
+        if i >= self.settings.strips {
+            return force;
+        }
+        let (tables, last) = (&self.tables, self.settings.strips - 1);
+        let bound = |k: usize| {
+            response.lift_wash[k] * response.attached[k] * tables.lift_scale[k] * tables.inverse_width[k]
+        };
+        // Half the sum at an edge, which in Lan's angle lies midway; none at tips and gaps.
+        let own = bound(i);
+        let at = |k: usize, beside: usize| (own + bound(beside)) * tables.joined[k];
+        let right = if i < last { at(i, i + 1) } else { S::ZERO };
+        let left = if i > 0 { at(i - 1, i - 1) } else { S::ZERO };
+        let drift = flow.strips.drift[i];
+        let spread = (left - right) * (tables.chord[i] * 0.5) * drift;
+        force.normal = spread + own * tables.half_run[i] * drift;
+        force.nose_up = spread * (tables.chord[i] * -0.125);
+        force.across = -(suction * tables.leading_slope[i]);
+        if !self.settings.side_edges && (i == 0 || i == last) {
+            let pull =
+                self.side_pull(i, response, PULL, |wash| wash) * (tables.side_edge[i] * OF_CIRCULATION);
+            force.across += if i == 0 { -pull } else { pull };
+        }
         force
     }
 

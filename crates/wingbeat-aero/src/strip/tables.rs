@@ -39,6 +39,14 @@ pub(super) struct Tables<P: Scalar> {
     pub own_ring: StripConstants<P>,
     /// Circulatory force over wash and speed, rho dy a0 b cos(sweep), kg/m.
     pub lift_scale: StripConstants<P>,
+    /// One over the width, 1/m; zero in a gap.
+    pub inverse_width: StripConstants<P>,
+    /// One half where the strip and the next to the right carry, else zero.
+    pub joined: StripConstants<P>,
+    /// How far aft the leading edge runs over the width.
+    pub leading_slope: StripConstants<P>,
+    /// How far aft the half-chord line runs, m.
+    pub half_run: StripConstants<P>,
     /// Force of the vortex of a side edge over the square of the wash, kg/m: that of the two outermost strips.
     pub side_edge: StripConstants<P>,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
@@ -80,6 +88,11 @@ impl<P: Scalar> Tables<P> {
         let covered = (0..=last).filter(|i| grid.covered[*i]);
         let area = covered.fold(P::ZERO, |sum, i| sum + chord[i] * grid.width[i]);
         let half_slope = numbers.section_slope * 0.5;
+        // How far aft the line at the share `x` of the chord runs from left to right.
+        let run = |i: usize, x: f64| {
+            let ahead = |(leading, trailing): (P, P)| leading + (trailing - leading) * x;
+            ahead(grid.outline[i]) - ahead(grid.outline[i + 1])
+        };
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Self {
             covered: carried(&|_| P::ONE),
@@ -96,6 +109,13 @@ impl<P: Scalar> Tables<P> {
                 (chord[i] * PI * cos[i]).recip() + P::from(2.0) / (chord[i] * PI * cos34[i])
             }),
             lift_scale: scale(&|i| chord[i] * cos[i]).map(|scale| half_slope * scale),
+            inverse_width: carried(&|i| grid.width[i].recip()),
+            joined: std::array::from_fn(|i| {
+                let both = i < last && grid.covered[i] && grid.covered[i + 1];
+                if both { P::from(0.5) } else { P::ZERO }
+            }),
+            leading_slope: carried(&|i| run(i, 0.0) / grid.width[i]),
+            half_run: carried(&|i| run(i, 0.5)),
             side_edge: std::array::from_fn(|i| {
                 if i > last {
                     P::ZERO

@@ -54,6 +54,9 @@ const OTHERS: [(&str, [f64; 2]); 2] = [("less", [20.0, 30.0]), ("downstroke", [-
 /// A folding wing whose circulation has no impulse that turns.
 const UNTURNED: &str = "aero.full.turning_impulse=false";
 
+/// One whose edges bear what the impulse stands for.
+const EDGES: &str = "aero.full.edge_suction=true";
+
 /// Mean added-mass force over the mean lift in the last cycle of a case under `law`.
 fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
     let set: &[&str] = if case.0 == STAND.0 { &[] } else { &[SETTLED] };
@@ -117,26 +120,40 @@ fn turned_rows([free, fixed]: [f64; 2], source: &str) -> Result<Vec<ComparisonRo
     let metric =
         format!("the same over the lattice's with a prescribed wake of cores of {CORE} chords, less 1");
     rows.push(ComparisonRow::shown(&format!("{id}.prescribed"), source, &metric, error(fixed), ""));
+    let (_, edges) = means(FOLDING[1], LiftLaw::Linear, &[EDGES])?;
+    let error = |lattice: f64| (edges / lattice - 1.0).abs();
+    let metric = format!(
+        "with the suction of edges in its place ({edges:.4} N), over the lattice's with a free wake, less 1"
+    );
+    let id = "aero.full.deep_fold.edges";
+    rows.push(ComparisonRow::judged(id, source, &metric, error(free), 0.1, ""));
+    let metric = "the same over the lattice's with that prescribed wake, less 1";
+    rows.push(ComparisonRow::shown(&format!("{id}.prescribed"), source, metric, error(fixed), ""));
     for (name, angles) in OTHERS {
-        rows.push(other_fold(name, angles, source)?);
+        rows.extend(other_fold(name, angles, source)?);
     }
     Ok(rows)
 }
 
 /// The mean lift of another folding wing less that of the free lattice, over how far the lattice's swings.
-fn other_fold(name: &str, [flap, fold]: [f64; 2], source: &str) -> Result<ComparisonRow, Error> {
+fn other_fold(name: &str, [flap, fold]: [f64; 2], source: &str) -> Result<[ComparisonRow; 2], Error> {
     let down = 0.5 * fold;
     let shoulder = format!("wing.hinges[0].angle_deg={{fourier={{sin=[{flap:?}]}}}}");
     let elbow = format!("wing.hinges[1].angle_deg={{fourier={{mean=-{down:?},cos=[-{down:?}]}}}}");
     let lift = |set: &[&str]| Ok::<_, Error>(means(FOLDING[1], LiftLaw::Linear, set)?.1);
     let (without, with) = (lift(&[&shoulder, &elbow, UNTURNED])?, lift(&[&shoulder, &elbow])?);
+    let edges = lift(&[&shoulder, &elbow, EDGES])?;
     let FoldedLift { joukowski, swing, .. } =
         flapping_lattice::deep_fold([flap, fold], WakeMotion::Free, CORE)?;
     let metric = format!(
         "flapping by {flap:.0}, folding by {fold:.0} deg: mean lift {with:.4} N with it, {without:.4} N without, less the free lattice's {joukowski:.4} N, over the rms swing of that"
     );
-    let value = (with - joukowski).abs() / swing;
-    Ok(ComparisonRow::shown(&format!("aero.full.deep_fold.turned.{name}"), source, &metric, value, ""))
+    let of_edges = format!("the same with the suction of edges in its place, {edges:.4} N");
+    let row = |end: &str, metric: &str, lift: f64| {
+        let id = format!("aero.full.deep_fold.{end}.{name}");
+        ComparisonRow::shown(&id, source, metric, (lift - joukowski).abs() / swing, "")
+    };
+    Ok([row("turned", &metric, with), row("edges", &of_edges, edges)])
 }
 
 /// The worst law of some cases.

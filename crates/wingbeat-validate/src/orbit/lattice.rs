@@ -91,11 +91,27 @@ fn unturned(spec: &mut ScenarioSpec) {
     spec.aero.full.turning_impulse = false;
 }
 
-/// Law `linear` with and without the impulse of the circulation turning; the same with 24 strips.
-const LINEAR: [fn(&mut ScenarioSpec); 4] = [attached, unturned, finely, |spec| {
-    finely(spec);
-    unturned(spec);
-}];
+/// With the suction of edges in its place.
+fn edges(spec: &mut ScenarioSpec) {
+    attached(spec);
+    spec.aero.full.edge_suction = true;
+}
+
+/// Law `linear` with and without the impulse of the circulation turning, and with the suction of edges in its place; the same with 24 strips.
+const LINEAR: [fn(&mut ScenarioSpec); 6] = [
+    attached,
+    unturned,
+    edges,
+    finely,
+    |spec| {
+        finely(spec);
+        unturned(spec);
+    },
+    |spec| {
+        finely(spec);
+        edges(spec);
+    },
+];
 
 /// What a replay by strips changes: name, words, change.
 type ReplayChange = (&'static str, &'static str, fn(&mut ScenarioSpec));
@@ -154,7 +170,7 @@ pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 4], Error> 
     Ok([
         ("full, law stall", motion.strips(&motion.driven(|_| ())?)?),
         ("full, law linear, no profile drag", motion.strips(&motion.driven(attached)?)?),
-        ("the same, turning_impulse = false", motion.strips(&motion.driven(unturned)?)?),
+        ("the same, edge_suction = true", motion.strips(&motion.driven(edges)?)?),
         ("vortex lattice", lattice),
     ])
 }
@@ -240,7 +256,7 @@ fn gentle() -> Result<Vec<ComparisonRow>, Error> {
     let ([_, coarse], [_, fine]) = (motion.lattice(COARSE)?, motion.lattice(FINE)?);
     let lattice = endless(&coarse, &fine);
     let mut linear = Vec::new();
-    for change in &LINEAR[..2] {
+    for change in &LINEAR[..3] {
         linear.push(motion.strips(&motion.driven(change)?)?);
     }
     Ok(over_the_cycle(
@@ -252,7 +268,7 @@ fn gentle() -> Result<Vec<ComparisonRow>, Error> {
     ))
 }
 
-/// How the lift differs over the cycle from that by `linear`, with and without the impulse of the circulation turning.
+/// How the lift differs over the cycle from that by `linear`, by the first three of [`LINEAR`].
 fn over_the_cycle(
     id: &str,
     what: &str,
@@ -263,6 +279,7 @@ fn over_the_cycle(
     let ends = [
         ("over_the_cycle", ""),
         ("over_the_cycle.unturned", " without the impulse of the circulation turning"),
+        ("over_the_cycle.edges", " with the suction of edges in its place"),
     ];
     let row = |((end, changed), strips): (&(&str, &str), &Vec<InstantLoads>)| {
         let metric = format!(
@@ -301,12 +318,16 @@ fn beside(
     let mut rows = Vec::new();
     for (end, words, unit, of) in COMPARED {
         let [coarse, fine, narrow, thin, thick, many] = std::array::from_fn(|at| of(&means[at]));
-        let [with, without, with_many, without_many] = strips.each_ref().map(of);
+        let by_strips = strips.each_ref().map(of);
         let sure = of(&endless);
         let moves = [narrow, thin, thick].iter().fold((sure - fine).abs(), |m, v| m.max((v - coarse).abs()));
-        for (suffix, changed, value) in
-            [("", "", with), (".unturned", " and the impulse of the circulation turning", without)]
-        {
+        let laws = [
+            ("", ""),
+            (".unturned", " and the impulse of the circulation turning"),
+            (".edges", ", edges in place of that impulse"),
+        ];
+        for (at, (suffix, changed)) in laws.into_iter().enumerate() {
+            let value = by_strips[at];
             let apart = sure - value;
             let resolved = if moves > apart.abs() { "; not resolved" } else { "" };
             let metric = format!(
@@ -314,7 +335,7 @@ fn beside(
                  along the chord, +-{moves:.3} (6 in place of 4 in each strip {narrow:.3}, cores of half and twice the size {thin:.3} and \
                  {thick:.3}) less {value:.3}; on the wing of 24 strips {many:.3} less {:.3}; law of the orbit {:.3}; {:+.1e} since the cycle \
                  before{resolved}",
-                if suffix.is_empty() { with_many } else { without_many },
+                by_strips[at + laws.len()],
                 of(own),
                 coarse - of(&before),
             );
@@ -327,6 +348,6 @@ fn beside(
             ));
         }
     }
-    rows.extend(over_the_cycle(id, "the orbit", &lattice, &found[1][1], &linear[..2]));
+    rows.extend(over_the_cycle(id, "the orbit", &lattice, &found[1][1], &linear[..3]));
     rows
 }

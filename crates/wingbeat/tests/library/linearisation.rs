@@ -13,7 +13,7 @@ const FLOWN: [(&str, &[&str]); 22] = [
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.law=lev", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "aero.law=stall"]),
-    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.turning_impulse=false"]),
+    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.edge_suction=true"]),
     ("as_printed_fourier.toml", &[]),
     ("banking_turn_beta.toml", &[]),
     ("cruise_linkage.toml", &[]),

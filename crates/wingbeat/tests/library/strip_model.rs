@@ -359,7 +359,15 @@ struct SteadyWing {
 
 impl SteadyWing {
     fn new(half_span: f64, gaps: &[Gap], strips: usize) -> Self {
-        let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
+        Self::swept(half_span, gaps, strips, 0.0)
+    }
+
+    /// The edges run aft by `slope` times the arc.
+    fn swept(half_span: f64, gaps: &[Gap], strips: usize, slope: f64) -> Self {
+        let station = |arc_m| {
+            let leading_edge_m = -slope * arc_m;
+            PlanformStation { arc_m, leading_edge_m, trailing_edge_m: leading_edge_m - 1.0 }
+        };
         let planform = Planform::new(&[station(0.0), station(half_span)]).unwrap().with_gaps(gaps).unwrap();
         let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
         let settings = StripSettings {
@@ -370,7 +378,10 @@ impl SteadyWing {
         };
         let model = StripModel::new(&planform, settings.clone()).unwrap();
         let at = |x: f64, s: f64| Vec3::new(x, s, 0.0);
-        let still = |&s: &f64| SectionMotion { le: at(0.0, s), te: at(-1.0, s), ..SectionMotion::default() };
+        let still = |&s: &f64| {
+            let le = at(-slope * s.abs(), s);
+            SectionMotion { le, te: le + at(-1.0, 0.0), ..SectionMotion::default() }
+        };
         let sections: Vec<_> = model.arcs().iter().map(still).collect();
         let wind = Vec3::new(-SMALL.cos(), 0.0, SMALL.sin());
         let mut x = vec![0.0; model.states()];
@@ -379,6 +390,20 @@ impl SteadyWing {
             x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.05 * d);
         }
         Self { planform, settings, sections, wind, x }
+    }
+
+    /// Its edges and the forces of its strips in a wind that drifts by `drift` m/s along y, without and with the suction of edges.
+    fn with_edges(&self, drift: f64) -> (Vec<f64>, [Vec<Vec3>; 2]) {
+        let wind = self.wind + Vec3::new(0.0, drift, 0.0);
+        let mut arcs = Vec::new();
+        let forces = [false, true].map(|edge_suction| {
+            let settings = StripSettings { edge_suction, turning_impulse: false, ..self.settings.clone() };
+            let model = StripModel::new(&self.planform, settings).unwrap();
+            arcs = model.arcs().to_vec();
+            let (_, loads) = evaluate(&model, &self.sections, wind, &self.x);
+            loads.strip.iter().map(|strip| strip.circulatory.force + strip.induced_drag.force).collect()
+        });
+        (arcs, forces)
     }
 
     /// The model and its loads, with or without vortices above its side edges.
@@ -410,6 +435,52 @@ fn side_edges_have_the_suction_of_a_vortex_lattice() {
         let across: f64 =
             [0, 1].iter().map(|k| (with.wrench.force[*k] - without.wrench.force[*k]).abs()).sum();
         assert!(across < 1e-6 * normal * scale, "{across}");
+    }
+}
+
+#[test]
+fn suction_is_square_to_swept_edges() {
+    for slope in [-0.3, 0.0, 0.5] {
+        let wing = SteadyWing::swept(2.0, &[], 16, slope);
+        let (arcs, [without, with]) = wing.with_edges(0.0);
+        let [plain, vortices] = [false, true].map(|side_edges| wing.loads(side_edges).1);
+        let mut least = f64::MAX;
+        for i in 0..16 {
+            let outward = if arcs[i] > 1e-9 { 1.0 } else { -1.0 };
+            let added = with[i] - without[i];
+            // No drag: what points forward is suction. The circulation has 0.89 of the pull of a tip.
+            let tip = vortices.strip[i].total().force[2] - plain.strip[i].total().force[2];
+            let expected = outward * (slope * without[i][0] + 0.89017 * tip.abs());
+            least = least.min(without[i][0]);
+            let off = (added - Vec3::new(0.0, expected, 0.0)).norm();
+            assert!(
+                off < 1e-4 * (without[i][0] + expected.abs()),
+                "{slope}, strip {i}: {added:?}, {expected}"
+            );
+            assert_eq!(tip.abs() > 0.0, i == 0 || i == 15);
+        }
+        assert!(least > 0.0);
+    }
+}
+
+#[test]
+fn a_drifting_section_feels_the_circulation_beside_it() {
+    for slope in [0.0, 0.5] {
+        let (arcs, [without, with]) = SteadyWing::swept(2.0, &[], 16, slope).with_edges(0.2);
+        // The sections' axis points to the right, against the drift; the speed along the chord is one.
+        let bound: Vec<f64> = (0..16).map(|i| without[i][2] / (arcs[i] - arcs[i + 1])).collect();
+        let edge = |j: usize| if j == 0 || j == 16 { 0.0 } else { 0.5 * (bound[j - 1] + bound[j]) };
+        let largest = bound.iter().fold(0.0_f64, |m, b| m.max(*b));
+        for i in 0..16 {
+            let width = arcs[i] - arcs[i + 1];
+            let aft = slope * (arcs[i + 1].abs() - arcs[i].abs());
+            let expected = -0.2 * (0.5 * (edge(i + 1) - edge(i)) - bound[i] * aft);
+            let found = with[i][2] - without[i][2];
+            assert!(
+                (found - expected).abs() < 1e-3 * largest * width,
+                "{slope}, strip {i}: {found} {expected}"
+            );
+        }
     }
 }
 

@@ -719,7 +719,9 @@ fn a_preset_that_lacks_a_term_of_the_strips_says_so() {
         let found = summary.verdict.warnings.into_iter().find(|warning| warning.id == "aero.unheard");
         found.map(|warning| warning.text)
     };
-    for (key, [changed, default]) in [("turning_impulse", [false, true]), ("side_edges", [true, false])] {
+    let keys =
+        [("turning_impulse", [false, true]), ("edge_suction", [true, false]), ("side_edges", [true, false])];
+    for (key, [changed, default]) in keys {
         let text = warned("paper", &format!("{key}={changed}")).unwrap();
         assert!(text.contains(&format!("aero.full.{key} = {changed}")) && text.contains("`paper`"), "{text}");
         assert_eq!(
