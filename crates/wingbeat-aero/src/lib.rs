@@ -39,7 +39,7 @@ pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
 pub use station::{Ground, SectionField, SectionMotion, Sections};
 pub use strip::{
-    AngleMap, ByStates, LagSet, Lags, MembraneScales, StripModel, StripSettings, StripSpacing,
+    AngleMap, ByStates, LagSet, Lags, MembraneScales, SkinSheet, StripModel, StripSettings, StripSpacing,
     spacing as lan_spacing,
 };
 pub use surfaces::{Surface, Surfaces};
@@ -244,6 +244,11 @@ impl<P: Scalar> Aero<P> {
             _ => None,
         }
     }
+    /// What bends the chords of its strips, a membrane or flaps; none of another model.
+    pub fn bent(&self) -> Option<&StripModel<P>> {
+        self.membrane().or_else(|| self.flap())
+    }
+
     /// Where the states lie that say how the chords of its strips are bent: see [`StripModel::bent_states`].
     pub fn bent_states(&self) -> std::ops::Range<usize> {
         match self {

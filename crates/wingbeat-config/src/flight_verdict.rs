@@ -219,6 +219,7 @@ impl JudgedFlight<'_> {
         if let Some(pins) = self.summary.pin_springs {
             pins.judge(judge);
         }
+        judge.hold_if(&trim::PEAK, self.peak_power().map(|power| power / self.context.robot.mass()));
         if self.flight.duration >= WHOLE_CYCLES {
             for limit in [&trim::POWER, &trim::HIGH_POWER] {
                 judge.hold_if(limit, self.summary.cost.positive_power_w_kg);
@@ -247,6 +248,11 @@ impl JudgedFlight<'_> {
                 judge.warn(Warning::new("flight.beyond_stall", text).size(*share).key("aero.law"));
             }
         }
+    }
+
+    /// Largest size of the power of the driven joints, W.
+    fn peak_power(&self) -> Option<f64> {
+        self.record.values("joint_power")?.iter().map(|power| power.abs()).reduce(f64::max)
     }
 
     /// Mean rate of a crank under a motor over that of the gait, once settled.

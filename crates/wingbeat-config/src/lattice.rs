@@ -8,7 +8,8 @@ use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::{Robot, SurfaceOutline};
 
-/// An unsteady vortex lattice in place of all that the aerodynamic model says of attached flow; profile drag is the model's.
+/// An unsteady vortex lattice in place of all that the aerodynamic model says of attached flow; profile drag is the model's. Membranes and flaps
+/// bear its pressure, their own inertia and weight; what a law of separated flow presses on them is left out.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]

@@ -21,9 +21,14 @@ impl LinkSparSummary {
     pub fn of(robot: &Robot, record: &Record) -> Option<Self> {
         let names: Vec<&str> = robot.joint_names().collect();
         let angles = robot.spar_joints().into_iter().filter_map(|joint| record.values(names[joint]));
-        let frequency_error = robot.spar_shape()?.frequency_error;
         let largest = angles.flatten().map(|angle| angle.abs()).reduce(f64::max)?;
-        Some(Self { angle_max_deg: largest.to_degrees(), frequency_error })
+        Self::new(robot, largest)
+    }
+
+    /// Of the largest angle between two pieces, rad; none without a spar.
+    pub fn new(robot: &Robot, angle: f64) -> Option<Self> {
+        let frequency_error = robot.spar_shape()?.frequency_error;
+        Some(Self { angle_max_deg: angle.to_degrees(), frequency_error })
     }
 
     /// Holds them against their limits.

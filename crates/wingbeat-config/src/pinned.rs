@@ -1,5 +1,6 @@
 //! What a run says of the springs on the pins of its linkage.
 
+use super::summary::mean;
 use serde::Serialize;
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::Judge;
@@ -14,6 +15,10 @@ pub struct PinSummary {
     /// Largest deflection over the `limit` of the spring, as a share; missing where no spring has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_fraction: Option<f64>,
+    /// Largest power that drive and actuators give to springs and dampers, W.
+    pub power_max_w: f64,
+    /// Mean of that power over the record, W: what dampers take, over whole cycles.
+    pub power_mean_w: f64,
 }
 
 impl PinSummary {
@@ -22,12 +27,14 @@ impl PinSummary {
         let pins: Vec<&[f64]> = robot.pin_names().filter_map(|name| record.values(&name)).collect();
         let rows = pins.first().map_or(0, |pin| pin.len());
         let at = |row: usize| robot.pin_deflection(pins.iter().map(|pin| pin[row]));
-        (0..rows).map(at).reduce(PinDeflection::largest).map(Self::new)
-    }
-
-    /// Of the largest deflection.
-    pub fn new(of: PinDeflection) -> Self {
-        Self { deflection_max_deg: of.angle.to_degrees(), limit_fraction: of.fraction }
+        let of = (0..rows).map(at).reduce(PinDeflection::largest)?;
+        let power = record.values("pin_power")?;
+        Some(Self {
+            deflection_max_deg: of.angle.to_degrees(),
+            limit_fraction: of.fraction,
+            power_max_w: power.iter().copied().fold(0.0, f64::max),
+            power_mean_w: mean(power)?,
+        })
     }
 
     /// Holds them against their limits.

@@ -9,7 +9,7 @@ use super::summary::{LawState, mean};
 use wingbeat_aero::{Aero, FROM_BEHIND, LiftLaw, LoadSource, Loads, StripState};
 use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{
-    AXES, Column, Controller, Cost, Ending, Flight, Record, Sample, StripRecorder,
+    AXES, Column, Controller, Cost, Ending, Flight, Record, Sample, StripRecorder, pin_columns,
 };
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Vec3, Wrench};
@@ -175,6 +175,7 @@ impl<'a> Recorder<'a> {
         row.extend(&o.joints);
         row.extend(&o.torques);
         row.extend(&o.pins);
+        row.extend(self.robot.has_pin_springs().then_some(o.pin_power));
         row.extend([o.power, o.separate_power, o.drive_power, o.regulator_power]);
         row.extend(o.motor.iter().flat_map(|m| [m.shaft_torque, m.shaft_power, m.electrical_power]));
         row.extend(source_values(&o.parts()));
@@ -326,7 +327,7 @@ fn columns(robot: &Robot) -> Vec<Column> {
     let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
     columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
     columns.extend(joint_columns(robot));
-    columns.extend(robot.pin_names().map(|name| Column::new(name, "rad", "")));
+    columns.extend(pin_columns(robot));
     let powers = ["joint_power", "separate_power", "drive_power", "regulator_power"];
     columns.extend(powers.map(|n| Column::new(n, "W", "")));
     if robot.motor().is_some() {

@@ -1,14 +1,15 @@
 //! A run of the bench from its plan to its samples.
 
+use super::link_spar::{LinkSparSummary, hold_shape};
 use super::pinned::PinSummary;
+use super::plausible;
 use super::skin::MembraneSummary;
 use super::unheard::{of_strips, side_edges};
 use super::{LatticeSummary, RigRun};
-use super::{link_spar, plausible};
 use serde::Serialize;
 use wingbeat_aero::Aero;
 use wingbeat_flight::simulate::Record;
-use wingbeat_judge::limits::{flap, rig, spar, wake};
+use wingbeat_judge::limits::{flap, rig, trim, wake};
 use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Plant;
@@ -33,6 +34,8 @@ pub struct SimulatedRun {
     pub lattice: Option<LatticeSummary>,
     /// Membranes; none of a robot without one, or without samples.
     pub membrane: Option<MembraneSummary>,
+    /// Springs on pins of the linkage, likewise.
+    pub pin_springs: Option<PinSummary>,
 }
 
 /// `summary.json` of a simulated run.
@@ -59,6 +62,9 @@ pub struct SimulatedSummary {
     /// Membranes: largest rise over the chord, slack share, frequency of the gait over theirs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub membrane: Option<MembraneSummary>,
+    /// Springs on pins of the linkage: largest deflection from rest, that over its limit, power.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pin_springs: Option<PinSummary>,
 }
 
 impl SimulatedRun {
@@ -72,6 +78,7 @@ impl SimulatedRun {
             stall_fraction: None,
             lattice: None,
             membrane: None,
+            pin_springs: None,
         }
     }
 
@@ -87,6 +94,7 @@ impl SimulatedRun {
             stall_fraction: self.stall_fraction,
             lattice: self.lattice,
             membrane: self.membrane,
+            pin_springs: self.pin_springs,
         }
     }
 }
@@ -133,20 +141,18 @@ impl RigRun {
         let membrane =
             self.robot.surfaces().zip(&outcome.heights).filter_map(skin).reduce(MembraneSummary::worse);
         membrane.iter().for_each(|membrane| membrane.judge(&mut judge));
-        let Deflections { flap, spar, pin } = outcome.deflections;
+        let Deflections { flap, spar } = outcome.deflections;
         let hinged = self.robot.surfaces().any(|(_, aero)| aero.flap().is_some());
-        for (limit, value, there) in [
-            (&flap::ANGLE, flap.to_degrees(), hinged),
-            (&flap::BEYOND_ANGLE, flap.to_degrees(), hinged),
-            (&spar::ANGLE, spar.to_degrees(), !self.robot.spar_joints().is_empty()),
-            (&spar::BEYOND_ANGLE, spar.to_degrees(), !self.robot.spar_joints().is_empty()),
-        ] {
+        for (limit, value, there) in
+            [(&flap::ANGLE, flap.to_degrees(), hinged), (&flap::BEYOND_ANGLE, flap.to_degrees(), hinged)]
+        {
             judge.hold_if(limit, there.then_some(value));
         }
-        if self.robot.has_pin_springs() {
-            PinSummary::new(pin).judge(&mut judge);
-        }
-        link_spar::hold_shape(&mut judge, &self.robot);
+        LinkSparSummary::new(&self.robot, spar).iter().for_each(|spar| spar.judge(&mut judge));
+        let pin_springs = PinSummary::of(&self.robot, &outcome.record);
+        pin_springs.iter().for_each(|pins| pins.judge(&mut judge));
+        judge.hold_if(&trim::PEAK, pin_springs.map(|pins| pins.power_max_w / self.robot.mass()));
+        hold_shape(&mut judge, &self.robot);
         let crossing = self.crossing_fraction();
         judge.hold(&rig::CROSSING, crossing);
         judge.hold(&rig::CROSSED, crossing);
@@ -164,6 +170,7 @@ impl RigRun {
             stall_fraction: Some(outcome.stall_fraction),
             lattice,
             membrane,
+            pin_springs,
         })
     }
 

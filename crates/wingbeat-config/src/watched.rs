@@ -4,8 +4,9 @@ use crate::Scenario;
 use crate::recorder::Recorder;
 use std::time::Duration;
 use wingbeat_flight::simulate::{AtRest, Record, Sample};
-use wingbeat_math::{Error, Wrench};
+use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
+use wingbeat_robot::BeyondLoads;
 
 /// A sample that outlives the instant at which it was shown.
 #[derive(Clone, Debug)]
@@ -13,13 +14,13 @@ pub struct ShownSample {
     t: f64,
     x: Vec<f64>,
     u: Vec<f64>,
-    beyond: Vec<Wrench<f64>>,
+    beyond: BeyondLoads,
 }
 
 impl ShownSample {
     /// A copy of a sample.
     pub fn of(sample: &Sample) -> Self {
-        Self { t: sample.t, x: sample.x.to_vec(), u: sample.u.to_vec(), beyond: sample.beyond.to_vec() }
+        Self { t: sample.t, x: sample.x.to_vec(), u: sample.u.to_vec(), beyond: sample.beyond.clone() }
     }
 }
 

@@ -4,14 +4,16 @@ use crate::course::{CROSSING, FAST_FROM, MOST_RINGS};
 use crate::flown::laid;
 use crate::layout::{PanelLayout, Spacing};
 use crate::mesh::Mesh;
-use crate::motion::{LatticeSurface, MovingSections, Panels, Scene, require_rigid};
+use crate::motion::{LatticeSurface, MovingSections, Panels, Scene};
 use crate::settings::{LatticeSettings, WakeMotion};
+use crate::skin::{BentPiece, moving_bends};
 use crate::{Error, Lattice};
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
-use wingbeat::aero::SectionMotion;
-use wingbeat::math::{Quat, Vec3, Wrench};
+use wingbeat::aero::{ChordBend, SectionMotion};
+use wingbeat::math::{Dual, Quat, Vec3, Wrench};
 use wingbeat::plant::Fault;
-use wingbeat::robot::{Robot, Stance, SurfaceOutline};
+use wingbeat::robot::{BeyondLoads, Robot, Stance, SurfaceOutline};
 use wingbeat::scenario::{Doors, LatticeSpec, LatticeTask};
 use wingbeat::simulate::{Fineness, Flow};
 
@@ -54,10 +56,6 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
             };
             wingbeat::Error::invalid(key, value, allowed)
         }
-        Error::Bent { key } => {
-            let key = format!("robot.surfaces.{key}");
-            wingbeat::Error::invalid(key, "given", "none: the panels of a flight are rigid")
-        }
         Error::Rings { rings, most } => {
             let allowed = format!("steps whose wake has at most {most} rings: give lattice.longest_age_s");
             wingbeat::Error::invalid("lattice.step_s", format!("{rings} rings of the wake"), allowed)
@@ -77,6 +75,8 @@ type SharedStance = Arc<Mutex<Stance>>;
 struct Posed {
     robot: Arc<Robot>,
     surface: usize,
+    /// Where its surface stands among all that bends.
+    bends: Range<usize>,
     pose: SharedStance,
 }
 
@@ -90,6 +90,20 @@ impl MovingSections for Posed {
             out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
         }
     }
+
+    fn bends(&self, _: f64, arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
+        out.clear();
+        let pose = self.pose.lock().unwrap_or_else(PoisonError::into_inner);
+        let (Some(bent), Some((_, aero))) =
+            (pose.bends.get(self.bends.clone()), self.robot.surfaces().nth(self.surface))
+        else {
+            return;
+        };
+        if !bent.is_empty() {
+            let [now, rates] = [0, 1].map(|of| bent.iter().map(|bend| bend[of]).collect::<Vec<f64>>());
+            moving_bends(aero, [&now, &rates], arcs, out);
+        }
+    }
 }
 
 /// A lattice on the surfaces of a robot, stepped beside its flight.
@@ -97,11 +111,14 @@ pub struct CoupledLattice {
     robot: Arc<Robot>,
     lattice: Lattice,
     layouts: Vec<(usize, PanelLayout)>,
+    /// What bends, by layout, and how much of it the robot has.
+    bent: Vec<Option<BentPiece>>,
+    bends: usize,
     pose: SharedStance,
     every: usize,
     chord: f64,
     /// What was asked for last at this instant, with its loads.
-    last: Option<(Stance, Vec<Wrench<f64>>)>,
+    last: Option<(Stance, BeyondLoads)>,
     way: EdgeTravel,
 }
 
@@ -146,7 +163,6 @@ impl CoupledLattice {
         let LatticeTask { spec, robot, outlines, density_kg_m3, every, steps } = task;
         let (chordwise, spanwise) = (spec.chordwise, spec.spanwise);
         let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
-        robot.surfaces().try_for_each(|(_, aero)| require_rigid(aero))?;
         let layouts = laid(robot, outlines, panels)?;
         let longest_age_s = spec.longest_age_s.unwrap_or(f64::INFINITY);
         let rows = (*steps as f64).min(longest_age_s / spec.step_s);
@@ -162,8 +178,21 @@ impl CoupledLattice {
         let coordinates = robot.start_coordinates();
         x[robot.layout().joints..][..coordinates.len()].copy_from_slice(&coordinates);
         let pose = Arc::new(Mutex::new(robot.stance(0.0, &x)));
+        let mut bends = 0;
+        let mut places = Vec::new();
+        for (_, aero) in robot.surfaces() {
+            let first = bends;
+            bends += aero.bent_states().len();
+            places.push(first..bends);
+        }
+        let piece = |(number, layout): &(usize, PanelLayout)| {
+            let (_, aero) = robot.surfaces().nth(*number)?;
+            BentPiece::new(aero, layout, places[*number].start)
+        };
+        let bent = layouts.iter().map(piece).collect();
         let surface = |(number, layout): &(usize, PanelLayout)| {
-            let posed = Posed { robot: robot.clone(), surface: *number, pose: pose.clone() };
+            let bends = places[*number].clone();
+            let posed = Posed { robot: robot.clone(), surface: *number, bends, pose: pose.clone() };
             LatticeSurface { layout: layout.clone(), sections: Arc::new(posed) }
         };
         let scene = Scene {
@@ -183,6 +212,8 @@ impl CoupledLattice {
             robot,
             lattice,
             layouts,
+            bent,
+            bends,
             pose,
             every: *every,
             chord,
@@ -201,7 +232,7 @@ impl Flow for CoupledLattice {
         self.chord
     }
 
-    fn loads(&mut self, t: f64, at: &Stance) -> Result<Vec<Wrench<f64>>, Fault> {
+    fn loads(&mut self, t: f64, at: &Stance) -> Result<BeyondLoads, Fault> {
         if let Some((_, borne)) = self.last.as_ref().filter(|(last, _)| last == at) {
             return Ok(borne.clone());
         }
@@ -213,10 +244,19 @@ impl Flow for CoupledLattice {
             force: attitude.transpose_mul(load.force),
             moment: attitude.transpose_mul(load.moment - origin.cross(load.force)),
         };
-        let mut borne = vec![Wrench::ZERO; self.robot.bearers()];
-        for ((number, layout), panels) in self.layouts.iter().zip(&loads.panels) {
-            let strips: Vec<Wrench<f64>> = panels.strips.iter().map(in_body).collect();
-            self.robot.bear(at, (*number, &layout.arcs), &strips, &mut borne)?;
+        let mut borne = BeyondLoads {
+            links: std::iter::repeat_n(Wrench::ZERO, self.robot.bearers()).collect(),
+            bends: vec![0.0; self.bends],
+        };
+        let step = self.lattice.settings().step_s;
+        let pieces = self.layouts.iter().zip(self.lattice.meshes()).zip(&mut self.bent);
+        for ((((number, layout), mesh), bent), panels) in pieces.zip(&loads.panels) {
+            let mut strips = panels.strips.clone();
+            if let Some(bent) = bent {
+                bent.bear(mesh, panels, step, &mut borne.bends, &mut strips);
+            }
+            let strips: Vec<Wrench<f64>> = strips.iter().map(in_body).collect();
+            self.robot.bear(at, (*number, &layout.arcs), &strips, &mut borne.links)?;
         }
         self.last = Some((at.clone(), borne.clone()));
         Ok(borne)
@@ -224,6 +264,7 @@ impl Flow for CoupledLattice {
 
     fn keep(&mut self) {
         self.last = None;
+        self.bent.iter_mut().flatten().for_each(BentPiece::keep);
         let (wind, step) = (self.lattice.scene().wind, self.lattice.settings().step_s);
         self.way.go(self.lattice.meshes(), wind, step);
         self.lattice.keep();

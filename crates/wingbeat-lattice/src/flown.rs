@@ -2,6 +2,7 @@
 
 use crate::layout::PanelLayout;
 use crate::motion::{LatticeSurface, MovingSections, Panels, Scene, require_flat};
+use crate::skin::moving_bends;
 use crate::{Error, RecordError};
 use std::sync::Arc;
 use wingbeat::aero::{ChordBend, Circulation, SectionMotion};
@@ -92,16 +93,9 @@ impl FlightStretch {
         let Some((_, aero)) = self.robot.surfaces().nth(surface) else { return };
         let places = self.robot.bent_states_of(surface);
         let i = self.row(t);
-        let [now, rates] = [0, 1].map(|of| {
-            let bent: Vec<f64> = places.clone().map(|k| self.moving(t, i, k)[of]).collect();
-            aero.chord_bends(&bent, arcs)
-        });
-        let dual = |re: f64, rate: f64| Dual { re, eps: [rate] };
-        out.extend(now.iter().zip(&rates).map(|(now, rate)| ChordBend {
-            heights: [0, 1].map(|m| dual(now.heights[m], rate.heights[m])),
-            angle: dual(now.angle, rate.angle),
-            hinge: now.hinge,
-        }));
+        let [now, rates] =
+            [0, 1].map(|of| places.clone().map(|k| self.moving(t, i, k)[of]).collect::<Vec<f64>>());
+        moving_bends(aero, [&now, &rates], arcs, out);
     }
 
     /// Place of the body's origin, m, and its velocity, m/s, in W at `t` s.

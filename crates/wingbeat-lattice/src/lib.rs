@@ -34,6 +34,7 @@ mod multipole;
 mod picture;
 mod settings;
 mod shedding;
+mod skin;
 mod spread;
 mod tree;
 mod trefftz;

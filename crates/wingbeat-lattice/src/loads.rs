@@ -1,7 +1,7 @@
 //! Forces on the panels, by Joukowski and by Bernoulli.
 
 use crate::influence::mirrored;
-use crate::mesh::{Mesh, VortexElement};
+use crate::mesh::{Mesh, VORTEX, VortexElement};
 use crate::motion::Scene;
 use wingbeat::math::{Vec3, Wrench};
 
@@ -29,6 +29,9 @@ pub struct PanelLoads {
     pub suction: Vec<Vec3>,
     /// Force and moment about W's origin by Joukowski, by strip, N and N m.
     pub strips: Vec<Wrench<f64>>,
+    /// Virtual work of Bernoulli's forces by strip, per unit of both heights of its bend over the chord and of its angle, N m;
+    /// nothing where chord lines are straight.
+    pub bends: Vec<[f64; 3]>,
 }
 
 /// Loads of an instant, resolved in W, about W's origin, the mirror image of a half included.
@@ -194,6 +197,9 @@ impl LoadedSurface<'_> {
             sums[1] += suction;
             sums[2] += suction;
         }
+        if self.mesh.is_bent() {
+            panels.bends = self.work_on_bends();
+        }
         panels
     }
 
@@ -209,7 +215,7 @@ impl LoadedSurface<'_> {
     /// `rho A n d/dt(3/4 G_i + 1/4 G_i-1)`
     /// Source: Katz & Plotkin 2001, section 13.12; shares own: the ring before reaches to the bound vortex.
     /// Test: `a_long_wing_starts_as_wagner_says`.
-    fn growth(&self, i: usize, j: usize) -> Wrench<f64> {
+    fn grown(&self, i: usize, j: usize) -> (Vec3, Vec3) {
         let n = self.mesh.strips;
         let at_edge = || self.jump_rates.get(j).copied().unwrap_or(0.0);
         let before = if i > 0 { self.rates[(i - 1) * n + j] } else { at_edge() };
@@ -217,7 +223,12 @@ impl LoadedSurface<'_> {
         let rate = if self.emulates { own } else { 0.75 * own + 0.25 * before };
         let control = &self.mesh.controls[i * n + j];
         let (middle, _) = self.mesh.middle(i, j);
-        Wrench::at(middle, control.normal * (self.density * rate * control.area))
+        (middle, control.normal * (self.density * rate * control.area))
+    }
+
+    fn growth(&self, i: usize, j: usize) -> Wrench<f64> {
+        let (middle, force) = self.grown(i, j);
+        Wrench::at(middle, force)
     }
 
     /// Force on a panel by Joukowski: on its bound vortex, on its share of the legs beside it, and of the growth of its rings; the power
@@ -267,21 +278,51 @@ impl LoadedSurface<'_> {
     /// Source: unsteady Bernoulli; Katz & Plotkin 2001, section 13.12.
     /// Test: `both_ways_to_the_force_agree`.
     fn bernoulli(&self, i: usize, j: usize) -> Wrench<f64> {
+        let mut sum = Wrench::ZERO;
+        self.pressed(i, j, |place, force, _, _| sum += Wrench::at(place, force));
+        sum
+    }
+
+    /// Shows `bear` the parts of the force on a panel by Bernoulli: where each acts (m), the force (N), the share of the chord at which that is,
+    /// and the shares of both edges of the strip in the place.
+    fn pressed(&self, i: usize, j: usize, mut bear: impl FnMut(Vec3, Vec3, f64, [f64; 2])) {
         let n = self.mesh.strips;
         let at = i * n + j;
         let (control, v) = (&self.mesh.controls[at], self.controls[at]);
-        let along = |circulation: f64, length: Vec3, place: Vec3| {
+        let along = |circulation: f64, length: Vec3| {
             let normal = v.cross(length).dot(control.normal);
-            Wrench::at(place, control.normal * (self.density * circulation * normal))
+            control.normal * (self.density * circulation * normal)
         };
-        let front = &self.mesh.fronts[at];
-        let mut sum = along(self.front(i, j), front.along, front.at);
-        for side in [j, j + 1] {
+        let [vortex, middle] = [VORTEX, 0.5].map(|share| (i as f64 + share) / self.mesh.chordwise as f64);
+        let (front, right) = (&self.mesh.fronts[at], self.mesh.front_fraction(j));
+        bear(front.at, along(self.front(i, j), front.along), vortex, [1.0 - right, right]);
+        for (side, shares) in [(j, [1.0, 0.0]), (j + 1, [0.0, 1.0])] {
             let [from, to] = [i, i + 1].map(|i| self.mesh.corner(i, side));
             let circulation = 0.75 * self.leg(i, side) + 0.25 * self.leg_before(i, side);
-            sum += along(self.share(side) * circulation, to - from, (from + to) * 0.5);
+            bear((from + to) * 0.5, along(self.share(side) * circulation, to - from), middle, shares);
         }
-        sum + self.growth(i, j)
+        let (place, force) = self.grown(i, j);
+        bear(place, force, middle, [0.5; 2]);
+    }
+
+    /// What the forces by Bernoulli do along the bends of the strips, whose edges bend alike; the suction of the leading edge does nothing there, which no bend
+    /// moves.
+    ///
+    /// Equation: lattice.bent_work
+    /// `Q_k = sum over panels F . dp/db_k, b both heights of aero.chord_bend over the chord and its angle`
+    /// Source: virtual work of the pressure on the panels.
+    /// Test: `pressure_bears_on_bends_as_thin_aerofoil_theory_says`.
+    fn work_on_bends(&self) -> Vec<[f64; 3]> {
+        let mut work = vec![[0.0; 3]; self.mesh.strips];
+        for (i, j) in (0..self.mesh.chordwise).flat_map(|i| (0..self.mesh.strips).map(move |j| (i, j))) {
+            self.pressed(i, j, |_, force, x, shares| {
+                for (side, share) in [j, j + 1].into_iter().zip(shares) {
+                    let raised = self.mesh.raised(j, side, x);
+                    (0..3).for_each(|k| work[j][k] += share * force.dot(raised[k]));
+                }
+            });
+        }
+        work
     }
 
     /// Suction of the leading edge of strip `j`, in its plane and square to the edge: vorticity that grows as C/sqrt(x) towards an

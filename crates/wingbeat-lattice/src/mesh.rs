@@ -7,7 +7,7 @@ use wingbeat::aero::{ChordBend, SectionMotion};
 use wingbeat::math::{Dual, Vec3};
 
 /// Place of a panel's bound vortex along its chord.
-const VORTEX: f64 = 0.25;
+pub(crate) const VORTEX: f64 = 0.25;
 /// Place of a panel's control point along its chord.
 const CONTROL: f64 = 0.75;
 /// Share of a step's way behind the trailing edge at which the last rings end: as their bound vortices stand at 1/4 of a panel,
@@ -223,6 +223,32 @@ impl Mesh {
         ((left.at + right.at) * 0.5, (left.velocity + right.velocity) * 0.5)
     }
 
+    /// How places at the share `x` of the chord of the edge `side` go with both heights of its bend and with the angle, m, up being that of the
+    /// strip `j` beside it; nowhere where it is straight.
+    pub(crate) fn raised(&self, j: usize, side: usize, x: f64) -> [Vec3; 3] {
+        let Some(bend) = self.bends.get(side) else { return [Vec3::ZERO; 3] };
+        let [camber, forward] = [0, 1].map(|k| Dual::<3>::variable(bend.heights[k].re, k));
+        let angle = Dual::variable(bend.angle.re, 2);
+        let bend = ChordBend { heights: [camber, forward], angle, hinge: bend.hinge };
+        let [a, b] = bend.at(Dual::constant(x));
+        let chord = self.edges[side].te - self.edges[side].le;
+        let [left, right] = [j, j + 1].map(|j| self.edges[j].le + self.edges[j].te);
+        let up = chord.cross(right - left).unit() * chord.norm();
+        std::array::from_fn(|k| chord * a.eps[k] + up * b.eps[k])
+    }
+
+    /// Places (m) and velocities (m/s) in the middle of the strip `j` at the share `x` of its chord: as it is bent, and on the straight
+    /// chord.
+    pub(crate) fn moved(&self, j: usize, x: f64) -> [[Vec3; 2]; 2] {
+        let middle = |[a, b]: [MovingPoint; 2]| [(a.at + b.at) * 0.5, (a.velocity + b.velocity) * 0.5];
+        [middle([j, j + 1].map(|j| self.at(j, x))), middle([j, j + 1].map(|j| on_chord(&self.edges[j], x)))]
+    }
+
+    /// Whether chord lines are bent.
+    pub(crate) fn is_bent(&self) -> bool {
+        !self.bends.is_empty()
+    }
+
     fn place_rings(&mut self, wind: Vec3, step: f64) {
         let (m, count) = (self.chordwise as f64, self.edges.len());
         let [mut front, mut ends] = [&mut self.bound, &mut self.trailing].map(|grid| {
@@ -354,7 +380,7 @@ impl Mesh {
 
     /// Where between the edges of strip `j` the air of its bound vortices is taken: where Lan's sums over strips are exact, as at its
     /// control points; vortices with cores, as another program has them, in the middle.
-    fn front_fraction(&self, j: usize) -> f64 {
+    pub(crate) fn front_fraction(&self, j: usize) -> f64 {
         if self.core == 0.0 { self.fractions[j] } else { 0.5 }
     }
 

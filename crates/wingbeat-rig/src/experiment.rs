@@ -7,13 +7,13 @@ use super::{BenchDeviations, FrameMotion, Pose, Unrest};
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{
     AirCoupling, Bears, Beyond, Column, Ending, Flow, Held, Moment, Observed, Record, Sizes, Steers, Stepper,
-    System, step_in,
+    System, pin_columns, step_in,
 };
 use wingbeat_math::Error;
 use wingbeat_math::{Jet, Mat3, Quat, Random, Scalar, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_robot::{BeyondLoads, Deflections, MotorWork};
 use wingbeat_robot::{BodyMotion, CarriedLoads, Compiled, Robot, Stance};
-use wingbeat_robot::{Deflections, MotorWork};
 
 /// A run ready to be simulated.
 #[derive(Debug)]
@@ -90,7 +90,7 @@ const LOOKS_HZ: f64 = 1000.0;
 const MOST_LOOKS: usize = 100_000;
 
 /// A state with the loads of the air from beyond the robot's models.
-type At<'a> = (f64, (&'a [f64], &'a [f64]), &'a [Wrench<f64>]);
+type At<'a> = (f64, (&'a [f64], &'a [f64]), &'a BeyondLoads);
 
 impl Experiment<'_> {
     /// Simulates the run sample by sample at the cell's rate, in the air `flow` if there is one; `progress` sees the share done.
@@ -140,6 +140,12 @@ impl Experiment<'_> {
             let reading = cell.sample(&load);
             saturated += usize::from(reading.saturated);
             self.fill(&mut row, t, &now, &reading.values, bent.iter().map(|i| states.0[*i]));
+            if self.robot.has_pin_springs() {
+                let (_, clock, _) = self.motion(&self.numbers.mount(self.mount), &self.numbers, t);
+                let pins = self.robot.carried_pins(&clock, states)?;
+                row.extend(&pins.angles);
+                row.push(pins.by_wing[0] + pins.by_wing[1]);
+            }
             record.append_finite(&row)?;
             if k.is_multiple_of(512) {
                 progress(k as f64 / samples as f64);
@@ -148,7 +154,8 @@ impl Experiment<'_> {
         };
         let (ending, coupling) = match flow {
             None => {
-                let mut watched = Held(|k: usize, at: Moment| measure(k, (at.t, (at.x, at.u), &[])));
+                let mut watched =
+                    Held(|k: usize, at: Moment| measure(k, (at.t, (at.x, at.u), &BeyondLoads::NONE)));
                 (Stepper::new(self, -self.rest, &begun).run(step, samples, &mut watched), None)
             }
             Some(flow) => {
@@ -277,6 +284,7 @@ impl Experiment<'_> {
         if self.robot.motor().is_some() {
             columns.extend(MOTOR.map(|(name, unit)| Column::new(name, unit, "")));
         }
+        columns.extend(pin_columns(self.robot));
         columns
     }
 
@@ -320,7 +328,7 @@ impl System for Experiment<'_> {
         Sizes { states: self.robot.carried_states(), inputs: self.robot.inputs().len() }
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
-        self.carried_now((at.t, (at.x, at.u), &[]), dx).map(|_| ())
+        self.carried_now((at.t, (at.x, at.u), &BeyondLoads::NONE), dx).map(|_| ())
     }
 }
 
@@ -328,7 +336,7 @@ impl Observed for Experiment<'_> {
     type Observation = CellLoads;
 
     fn observed(&self, at: Moment) -> Result<CellLoads, Fault> {
-        self.look((at.t, (at.x, at.u), &[]))
+        self.look((at.t, (at.x, at.u), &BeyondLoads::NONE))
     }
 }
 
@@ -350,18 +358,24 @@ impl Bears for CoupledRun<'_> {
     fn robot(&self) -> &Robot {
         self.0.robot
     }
-    fn stance(&self, t: f64, x: &[f64]) -> Stance {
-        let mount = self.0.numbers.mount(self.0.mount);
+    fn stance(&self, t: f64, x: &[f64], u: &[f64], beyond: &BeyondLoads) -> Result<Stance, Fault> {
+        let (mount, robot) = (self.0.numbers.mount(self.0.mount), self.0.robot);
         let (cell, clock, body) = self.0.motion(&mount, &self.0.numbers, t);
-        self.0.robot.carried_stance(&clock, cell.pose.point(mount.body.origin), &body, x)
+        let stance = robot.carried_stance(&clock, cell.pose.point(mount.body.origin), &body, x);
+        if !robot.has_bent_chords() {
+            return Ok(stance);
+        }
+        let (mut dx, air) = (vec![0.0; x.len()], robot.layout().aero - robot.layout().structure);
+        self.0.carried_now((t, (x, u), beyond), &mut dx)?;
+        Ok(robot.bent_as(stance, (&x[air..], &dx[air..])))
     }
     fn attached_loads(
         &self,
         t: f64,
         x: &[f64],
         u: &[f64],
-        beyond: &[Wrench<f64>],
-    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        beyond: &BeyondLoads,
+    ) -> Result<BeyondLoads, Fault> {
         let mount = self.0.numbers.mount(self.0.mount);
         let (_, clock, body) = self.0.motion(&mount, &self.0.numbers, t);
         self.0.robot.carried_attached_loads(&clock, &body, (x, u), beyond)
@@ -376,7 +390,7 @@ impl<F: FnMut(usize, At) -> Result<ControlFlow<()>, Fault>> Steers for WatchedRu
         &mut self,
         k: usize,
         (t, x, u): (f64, &[f64], &[f64]),
-        beyond: &[Wrench<f64>],
+        beyond: &BeyondLoads,
     ) -> Result<ControlFlow<()>, Fault> {
         (self.0)(k, (t, (x, u), beyond))
     }

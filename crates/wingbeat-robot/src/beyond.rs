@@ -7,9 +7,38 @@ use super::surface::{External, between_edges};
 use super::{BodyMotion, CarriedLoads, Links, Robot, Stance};
 use crate::body::Coordinates;
 use arrayvec::ArrayVec;
-use wingbeat_aero::{ForceDetail, Loads, StripLoads};
-use wingbeat_math::{Jet, Wrench};
+use wingbeat_aero::{ForceDetail, Loads, StripLoads, Surface};
+use wingbeat_math::{Jet, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
+
+/// Loads of air from beyond the robot's models.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BeyondLoads {
+    /// On the links in the order of the tree, the body last, about the body origin, in B, N and N m; none, or one for each.
+    pub links: External<f64>,
+    /// On what bends the chords of the surfaces, N m by the heights over the chord and the angles, in the order of
+    /// [`Robot::bent_chords`]; none, or one for each.
+    pub bends: Vec<f64>,
+}
+
+impl BeyondLoads {
+    /// None.
+    pub const NONE: Self = Self { links: External::new_const(), bends: Vec::new() };
+
+    /// Number by number (N, N m) what `with` makes of those of both.
+    #[must_use]
+    pub fn with(&self, other: &Self, with: impl Fn(f64, f64) -> f64) -> Self {
+        let three = |a: Vec3, b: Vec3| Vec3::new(with(a[0], b[0]), with(a[1], b[1]), with(a[2], b[2]));
+        let both = |(a, b): (&Wrench<f64>, &Wrench<f64>)| Wrench {
+            force: three(a.force, b.force),
+            moment: three(a.moment, b.moment),
+        };
+        Self {
+            links: self.links.iter().zip(&other.links).map(both).collect(),
+            bends: self.bends.iter().zip(&other.bends).map(|(a, b)| with(*a, *b)).collect(),
+        }
+    }
+}
 
 /// `air` with the loads `beyond`, if there are any.
 fn with_beyond(air: StripLoads<f64>, beyond: &[Wrench<f64>]) -> StripLoads<f64> {
@@ -22,8 +51,7 @@ fn with_beyond(air: StripLoads<f64>, beyond: &[Wrench<f64>]) -> StripLoads<f64> 
 }
 
 impl Robot {
-    /// As [`Plant::rates`](wingbeat_ocp::plant::Plant::rates), with the loads `beyond` (N and N m) on the links in the order of
-    /// the tree, the body last, about the body origin, in B; none, or one for each.
+    /// As [`Plant::rates`](wingbeat_ocp::plant::Plant::rates), with the loads `beyond`.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -32,10 +60,13 @@ impl Robot {
         t: f64,
         x: &[f64],
         u: &[f64],
-        beyond: &[Wrench<f64>],
+        beyond: &BeyondLoads,
         dx: &mut [f64],
     ) -> Result<(), Fault> {
-        self.evaluate(t, x, u, beyond, dx, &mut Evaluation::empty())
+        self.evaluate(t, x, u, &beyond.links, dx, &mut Evaluation::empty())?;
+        let air = self.layout.aero;
+        self.yield_to(&beyond.bends, &x[air..], &mut dx[air..]);
+        Ok(())
     }
 
     /// As [`observe`](Self::observe), under the loads `beyond` (N and N m): with them the loads of the surfaces but for the
@@ -49,12 +80,15 @@ impl Robot {
         t: f64,
         x: &[f64],
         u: &[f64],
-        beyond: &[Wrench<f64>],
+        beyond: &BeyondLoads,
         strips: Box<Loads<f64>>,
     ) -> Result<Observation, Fault> {
-        let ((), mut seen) = self.look((t, x, u), beyond, strips, |_, _| ())?;
-        seen.air = with_beyond(seen.air, beyond);
-        if !beyond.is_empty() {
+        let ((), mut seen) = self.look((t, x, u), &beyond.links, strips, |_, _| ())?;
+        seen.air = with_beyond(seen.air, &beyond.links);
+        if !beyond.bends.is_empty() {
+            self.see_yielding((t, x, u), beyond, &mut seen)?;
+        }
+        if !beyond.links.is_empty() {
             // The sum has neither suction nor vortex of its own.
             seen.detail = ForceDetail { plate: seen.detail.plate, ..ForceDetail::default() };
         }
@@ -66,8 +100,8 @@ impl Robot {
         self.mechanism.tree.links() + 1
     }
 
-    /// Loads of the surfaces' own models but for the profile drag, as they are while the loads `beyond` act, on links and body:
-    /// N and N m about the body origin, in B.
+    /// Loads of the surfaces' own models but for the profile drag, as they are while the loads `beyond` act; of what bends, all that it bears
+    /// but `beyond`.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -76,12 +110,12 @@ impl Robot {
         t: f64,
         x: &[f64],
         u: &[f64],
-        beyond: &[Wrench<f64>],
-    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        beyond: &BeyondLoads,
+    ) -> Result<BeyondLoads, Fault> {
         let mut dx = vec![0.0; x.len()];
         let (mut e, mut links) = (Evaluation::empty(), Links::new());
         let mut seen = Moving::still(&mut e, &mut links);
-        self.moving((t, x, u), beyond, &mut dx, &mut seen)?;
+        self.moving((t, x, u), &beyond.links, &mut dx, &mut seen)?;
         let Moving { e, base, moving, wind: [wind, wind_dot], .. } = &seen;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
@@ -100,18 +134,92 @@ impl Robot {
             dx,
             &mut loads,
         );
-        Ok(self.attached(&carriers, &loads))
+        let bends = self.held_bends(&beyond.bends, x, dx);
+        Ok(BeyondLoads { links: self.attached(&carriers, &loads), bends })
+    }
+
+    /// Places in the state of the flying robot of what bends the chords of its surfaces: heights of membranes and angles of flaps.
+    pub fn bent_chords(&self) -> impl Iterator<Item = usize> {
+        (0..self.covering.aero.surfaces().len()).flat_map(|k| self.bent_states_of(k))
+    }
+
+    /// Lets the chords yield to the loads `bends` on top of those of the strips' air: adds to the rates `dx` of the air in the state `x`.
+    fn yield_to(&self, mut bends: &[f64], x: &[f64], dx: &mut [f64]) {
+        if bends.is_empty() {
+            return;
+        }
+        for surface in self.covering.aero.surfaces() {
+            let Some(model) = surface.aero().bent() else { continue };
+            let (own, rest) = bends.split_at(model.bent_states().len());
+            model.yield_to(own, &x[surface.states()], &mut dx[surface.states()]);
+            bends = rest;
+        }
+    }
+
+    /// What the chords bear by tension, springs and damping in the state `x` of the air with the rates `dx`.
+    fn bent_efforts(&self, x: &[f64], dx: &[f64]) -> Vec<f64> {
+        let surfaces = self.covering.aero.surfaces().iter();
+        let of = |surface: &Surface| {
+            let states = surface.states();
+            let model = surface.aero().bent()?;
+            Some(model.bent_efforts(&x[states.clone()], &dx[states]))
+        };
+        surfaces.filter_map(of).flatten().collect()
+    }
+
+    /// What chords in the state `x` of the air bear but the loads `bends`, while they yield to these; `dx` are the rates without them.
+    fn held_bends(&self, bends: &[f64], x: &[f64], dx: &mut [f64]) -> Vec<f64> {
+        self.yield_to(bends, x, dx);
+        let mut held = self.bent_efforts(x, dx);
+        held.iter_mut().zip(bends).for_each(|(held, beyond)| *held -= beyond);
+        held
+    }
+
+    /// How the chords are bent in the state `x` of the air with the rates `dx`, and how fast, in the order of [`bent_chords`](Self::bent_chords).
+    pub(super) fn bends_of(&self, x: &[f64], dx: &[f64]) -> Vec<[f64; 2]> {
+        let first = self.layout.aero;
+        self.bent_chords().map(|place| [x[place - first], dx[place - first]]).collect()
+    }
+
+    /// Corrects what membranes get and lose in `seen`, which yield to the loads `beyond` too.
+    fn see_yielding(
+        &self,
+        (t, x, u): (f64, &[f64], &[f64]),
+        beyond: &BeyondLoads,
+        seen: &mut Observation,
+    ) -> Result<(), Fault> {
+        let mut dx = vec![0.0; x.len()];
+        self.rates_beyond(t, x, u, beyond, &mut dx)?;
+        let (x, dx) = (&x[self.layout.aero..], &dx[self.layout.aero..]);
+        let (mut given, mut lost) = (0.0, 0.0);
+        for surface in self.covering.aero.surfaces() {
+            let Some(model) = surface.aero().membrane() else { continue };
+            let (x, dx) = (&x[surface.states()], &dx[surface.states()]);
+            let still = vec![0.0; dx.len()];
+            let efforts = [dx, &still].map(|dx| model.bent_efforts(x, dx));
+            for ((rate, all), stored) in dx[model.bent_states()].iter().zip(&efforts[0]).zip(&efforts[1]) {
+                given += all * rate;
+                lost += (all - stored) * rate;
+            }
+        }
+        if self.covering.aero.surfaces().iter().any(|surface| surface.aero().membrane().is_some()) {
+            let work = &mut seen.strips.membrane;
+            seen.air_power += given - work.given;
+            seen.dissipation += lost - work.lost;
+            (work.given, work.lost) = (given, lost);
+        }
+        Ok(())
     }
 
     /// `loads` of the strips but for the profile drag, on links and body.
-    fn attached(&self, carriers: &Carriers<f64>, loads: &Loads<f64>) -> Vec<Wrench<f64>> {
+    fn attached(&self, carriers: &Carriers<f64>, loads: &Loads<f64>) -> External<f64> {
         let strips = loads.strip[..loads.strips].iter();
         let attached: Vec<Wrench<f64>> =
             strips.map(|strip| strip.circulatory + strip.induced_drag + strip.added_mass).collect();
         let mut external = External::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, self.bearers()));
         self.covering.share(&self.covering.riding(carriers), &attached, &mut external);
-        external.to_vec()
+        external
     }
 
     /// [`attached_loads`](Self::attached_loads) of a robot that is carried, as for [`carried`](Self::carried).
@@ -123,12 +231,14 @@ impl Robot {
         clock: &Jet,
         body: &BodyMotion,
         (x, u): (&[f64], &[f64]),
-        beyond: &[Wrench<f64>],
-    ) -> Result<Vec<Wrench<f64>>, Fault> {
-        let mut attached = Vec::new();
-        let seen = |carriers: &Carriers<f64>, loads: &Loads<f64>| attached = self.attached(carriers, loads);
-        self.carry(clock, body, (x, u), beyond, &mut vec![0.0; x.len()], seen)?;
-        Ok(attached)
+        beyond: &BeyondLoads,
+    ) -> Result<BeyondLoads, Fault> {
+        let (mut links, mut dx) = (External::new(), vec![0.0; x.len()]);
+        let seen = |carriers: &Carriers<f64>, loads: &Loads<f64>| links = self.attached(carriers, loads);
+        self.carry(clock, body, (x, u), &beyond.links, &mut dx, seen)?;
+        let air = self.layout.aero - self.layout.structure;
+        let bends = self.held_bends(&beyond.bends, &x[air..], &mut dx[air..]);
+        Ok(BeyondLoads { links, bends })
     }
 
     /// As [`carried`](Self::carried), under the loads `beyond` as [`rates_beyond`](Self::rates_beyond) takes them: with them the loads
@@ -141,11 +251,13 @@ impl Robot {
         clock: &Jet,
         body: &BodyMotion,
         (x, u): (&[f64], &[f64]),
-        beyond: &[Wrench<f64>],
+        beyond: &BeyondLoads,
         dx: &mut [f64],
     ) -> Result<CarriedLoads, Fault> {
-        let mut loads = self.carry(clock, body, (x, u), beyond, dx, |_, _| ())?;
-        loads.air = with_beyond(loads.air, beyond);
+        let mut loads = self.carry(clock, body, (x, u), &beyond.links, dx, |_, _| ())?;
+        loads.air = with_beyond(loads.air, &beyond.links);
+        let air = self.layout.aero - self.layout.structure;
+        self.yield_to(&beyond.bends, &x[air..], &mut dx[air..]);
         Ok(loads)
     }
 

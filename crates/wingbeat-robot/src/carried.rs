@@ -2,7 +2,6 @@
 
 use super::drive::Ratios;
 use super::dynamics::{BodySystem, of_numbers};
-use super::pin_springs::PinDeflection;
 use super::sections::Carriers;
 use super::surface::External;
 use super::{Joints, Links, Robot};
@@ -56,7 +55,7 @@ pub struct CarriedLoads<S: Scalar = f64> {
     pub center_of_mass: Vec3<S>,
     /// Share of the strips past their stall angle.
     pub stalled: f64,
-    /// How far membranes, flaps and spars give way.
+    /// How far flaps and spars give way.
     pub deflections: Deflections,
 }
 
@@ -67,19 +66,13 @@ pub struct Deflections {
     pub flap: f64,
     /// Angle between two pieces of a spar, rad.
     pub spar: f64,
-    /// Of the pins of the linkage from the rests of their springs.
-    pub pin: PinDeflection,
 }
 
 impl Deflections {
     /// The larger of both, kind by kind.
     #[must_use]
     pub fn largest(self, other: Self) -> Self {
-        Self {
-            flap: self.flap.max(other.flap),
-            spar: self.spar.max(other.spar),
-            pin: self.pin.largest(other.pin),
-        }
+        Self { flap: self.flap.max(other.flap), spar: self.spar.max(other.spar) }
     }
 }
 
@@ -185,10 +178,6 @@ impl<P: Scalar> Robot<P> {
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += of_numbers(beyond));
         seen(&carriers, &loads);
         let body_drag = self.body_load(clock, (structure_state, u), (v - wind, body.rate));
-        let pin = match self.mechanism.pin_springs.is_empty() {
-            true => PinDeflection::default(),
-            false => self.pin_deflection_at(clock, structure_state)?,
-        };
         Ok(CarriedLoads {
             air: loads.by_source(),
             body_drag,
@@ -199,7 +188,7 @@ impl<P: Scalar> Robot<P> {
                 + body_drag.force.dot(v)
                 + body_drag.moment.dot(body.rate),
             stalled: self.stalled(&loads),
-            deflections: self.deflections(&loads, &joints, pin),
+            deflections: self.deflections(&loads, &joints),
             center_of_mass: self.mechanism.tree.center_of_mass(&links),
             joints,
         })
@@ -243,12 +232,11 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// The largest deflections under `loads` with the `joints` as they are.
-    fn deflections<S: Scalar>(&self, loads: &Loads<S>, joints: &[Jet<S>], pin: PinDeflection) -> Deflections {
+    fn deflections<S: Scalar>(&self, loads: &Loads<S>, joints: &[Jet<S>]) -> Deflections {
         let spars = self.mechanism.pieces().map(|joint| joints[joint].x.value().abs());
         Deflections {
             flap: loads.flap.iter().map(|angle| angle.value().abs()).fold(0.0, f64::max),
             spar: spars.fold(0.0, f64::max),
-            pin,
         }
     }
 

@@ -41,6 +41,7 @@ mod thrust;
 mod weight;
 
 pub use air::{Air, Pulse, Wind};
+pub use beyond::BeyondLoads;
 pub use carried::{BodyMotion, CarriedLoads, Deflections};
 pub use compiled::{Compiled, CycleScalar};
 pub use crank::*;
@@ -50,7 +51,7 @@ pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying};
 pub use numbers::{check_given, former, stands_for};
 pub use observe::Observation;
 pub use perch::{Contact, Perch, PerchShape, Seen};
-pub use pin_springs::PinDeflection;
+pub use pin_springs::{PinDeflection, PinWork};
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};

@@ -32,6 +32,8 @@ pub struct Observation {
     pub drive_power: f64,
     /// Part of it that the actuators give, displacing the structure, W.
     pub regulator_power: f64,
+    /// Part of `power` that drive and actuators give to springs and dampers on pins of the linkage, W.
+    pub pin_power: f64,
     /// The motor, where one turns the crank.
     pub motor: Option<MotorWork>,
     /// Kinetic energy plus potential energy above z = 0, in the springs of elastic joints and pins and in membranes, J.
@@ -190,7 +192,10 @@ impl Robot {
             drive_power,
             regulator_power,
             motor: self.motor_work(phase, 1.0),
-            separate_power: self.separate_power(&torques, joints) + rest_power.max(0.0) + pin_power.max(0.0),
+            separate_power: self.separate_power(&torques, joints)
+                + rest_power.max(0.0)
+                + pins.by_wing.map(|power| power.max(0.0)).iter().sum::<f64>(),
+            pin_power,
             power: joint_power(&torques, joints) + rest_power + pin_power
                 - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, links)

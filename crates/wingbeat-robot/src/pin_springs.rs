@@ -28,15 +28,17 @@ type PinAngles<S> = ArrayVec<Jet<S>, { 2 * LinkagePin::COUNT }>;
 
 /// What the springs on the pins do at one instant.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PinWork {
-    /// Angles of the pins, rad.
+pub struct PinWork {
+    /// Angles of the pins, rad, in the order of [`Robot::pin_names`].
     pub angles: Vec<f64>,
     /// Energy stored, J.
     pub energy: f64,
     /// Power that the dampers take, W.
     pub dissipation: f64,
-    /// Power that drive and regulators give to springs and dampers, W.
+    /// Power that drive and actuators give to springs and dampers, W.
     pub given: [f64; 2],
+    /// The same by wing, the left one first, W.
+    pub by_wing: [f64; 2],
 }
 
 /// Largest deflection of pins from the rests of their springs.
@@ -187,23 +189,6 @@ impl<P: Scalar> Robot<P> {
     }
 }
 
-impl<P: Scalar> Robot<P> {
-    /// The largest deflection of the pins with the crank at `phase`, the structure in the state `structure`.
-    #[inline(never)]
-    pub(super) fn pin_deflection_at<S: Scalar + Meets<P>>(
-        &self,
-        clock: &Jet<S>,
-        structure: &[S],
-    ) -> Result<PinDeflection, Fault> {
-        let mut held = [Jet::ZERO; MAX_ELEMENTS];
-        held.iter_mut().zip(&structure[..self.elements.len()]).for_each(|(held, y)| held.x = *y);
-        let phase = self.phase_of(clock, structure, &held);
-        let angles = self.pin_angles(phase, &held)?;
-        let all = self.each_pin_spring(&angles).map(|(of, angle)| of.deflection(angle.x));
-        Ok(all.fold(PinDeflection::default(), PinDeflection::largest))
-    }
-}
-
 impl Robot {
     /// Names of the pins that have a spring, as records have them: those of the left wing first.
     pub fn pin_names(&self) -> impl Iterator<Item = String> {
@@ -226,6 +211,16 @@ impl Robot {
         !self.mechanism.pin_springs.is_empty()
     }
 
+    /// What the springs on the pins of a carried robot do in the state `x` under the inputs `u`; `clock` as for [`Robot::carried`].
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn carried_pins(&self, clock: &Jet, (x, u): (&[f64], &[f64])) -> Result<PinWork, Fault> {
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        self.response.displacements(x, u, &mut displacements);
+        self.pin_work(self.phase_of(clock, x, &displacements), &displacements)
+    }
+
     /// What the springs on the pins do, the crank at `phase`.
     pub(super) fn pin_work(&self, phase: Jet, displacements: &[Jet; MAX_ELEMENTS]) -> Result<PinWork, Fault> {
         // What is added to nothing must leave the sign of a zero.
@@ -241,6 +236,8 @@ impl Robot {
             work.dissipation += of.spring.dissipation(angle.d);
             work.given[0] -= effort * (angle.d - held.d);
             work.given[1] -= effort * held.d;
+            let wing = work.angles.len() / self.mechanism.pin_springs.len();
+            work.by_wing[wing] -= effort * angle.d;
             work.angles.push(angle.x);
         }
         Ok(work)

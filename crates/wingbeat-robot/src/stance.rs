@@ -23,13 +23,17 @@ pub struct Stance {
     pub rate: Vec3,
     /// States of the structure, in the units of their channels.
     pub structure: Vec<f64>,
+    /// How the chords of the surfaces are bent, and how fast, in the order of [`Robot::bent_chords`]: heights over the chord and 1/s, angles
+    /// in rad and rad/s; none where they count as straight.
+    pub bends: Vec<[f64; 2]>,
 }
 
 impl PartialEq for Stance {
     fn eq(&self, other: &Self) -> bool {
         let clock = |at: &Self| (at.clock.x, at.clock.d);
         let body = |at: &Self| (at.attitude, at.origin, at.velocity, at.rate);
-        clock(self) == clock(other) && body(self) == body(other) && self.structure == other.structure
+        let soft = self.structure == other.structure && self.bends == other.bends;
+        clock(self) == clock(other) && body(self) == body(other) && soft
     }
 }
 
@@ -44,6 +48,7 @@ impl Robot {
             velocity: Vec3::from_slice(&x[l.velocity..]),
             rate: Vec3::from_slice(&x[l.rate..]),
             structure: x[l.structure..l.aero].to_vec(),
+            bends: Vec::new(),
         }
     }
 
@@ -56,7 +61,19 @@ impl Robot {
             velocity: body.velocity,
             rate: body.rate,
             structure: x[..self.layout.aero - self.layout.structure].to_vec(),
+            bends: Vec::new(),
         }
+    }
+
+    /// The same with its chords bent as `air` says, the states of the air with their rates.
+    #[must_use]
+    pub fn bent_as(&self, stance: Stance, (air, rates): (&[f64], &[f64])) -> Stance {
+        Stance { bends: self.bends_of(air, rates), ..stance }
+    }
+
+    /// Whether the chords of a surface bend.
+    pub fn has_bent_chords(&self) -> bool {
+        self.bent_chords().next().is_some()
     }
 
     /// Power that loads on links and body, in B about the body's origin and the body's last, give to a robot as it is `at`, W.

@@ -11,6 +11,7 @@ pub mod goland;
 pub mod membrane;
 pub mod pazy;
 pub mod section;
+mod soft;
 pub mod theodorsen;
 
 use crate::aero_full::ComparedPreset;
@@ -28,6 +29,8 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.flap.moving", quick: true, run: flap::moving },
     Case { id: "fsi.flap.energy", quick: true, run: flap::energy },
     Case { id: "fsi.flap.flight", quick: false, run: energy::flap_rows },
+    Case { id: "fsi.springs", quick: true, run: soft::springs },
+    Case { id: "fsi.lattice", quick: true, run: soft::bends },
 ];
 
 /// A complex number.

@@ -56,6 +56,11 @@ impl Hinges {
         Self { of: HingeFunctions::new(fraction), fraction, on: on.collect() }
     }
 
+    /// Whether strip `i` has a flap.
+    pub fn has(&self, i: usize) -> bool {
+        self.on[i]
+    }
+
     /// Number of strips that have a flap.
     pub fn count(&self) -> usize {
         self.on.iter().filter(|on| **on).count()
@@ -194,6 +199,16 @@ impl<P: Scalar> StripModel<P> {
         }
     }
 
+    /// Moments of spring and damper of the flap of strip `i`, N m.
+    #[inline(always)]
+    pub(super) fn hinge_spring<S: Scalar + Meets<P>>(&self, i: usize, angle: S, rate: S) -> [S; 2] {
+        let (Some(spring), width) = (&self.numbers.flap, self.grid.width[i]) else { return [S::ZERO; 2] };
+        [
+            (angle - spring.rest) * (spring.stiffness * width),
+            rate * (spring.stiffness * spring.damping * width),
+        ]
+    }
+
     /// Speed along the chord, m/s, never negative.
     fn flap_wind<K: Scalar, G: Scalar, const N: usize>(&self, i: usize, strips: &Strips<K, G, N>) -> G {
         strips.along[i].smooth_abs(self.floor)
@@ -245,7 +260,7 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
         camber: &mut Camber<'_, S, N>,
     ) {
-        let (Some(hinges), Some(spring)) = (&self.hinges, &self.numbers.flap) else { return };
+        let Some(hinges) = &self.hinges else { return };
         let (n, at, of) = (self.settings.strips, self.flap_states(), &hinges.of);
         let vortices = self.settings.section.law.about().edge_vortex.then(|| &x[self.law_states()..][..n]);
         for (i, moving) in flaps.0.iter().enumerate() {
@@ -260,9 +275,7 @@ impl<P: Scalar> StripModel<P> {
             let carried = if added { self.section_mass(i, flow) } else { K::ZERO };
             let passing = wind * (carried * b);
             let pressed = attached[i] * (wind.squared() * (self.tables.lift_scale[i] * b * (0.5 / PI)));
-            let width = self.grid.width[i];
-            let bent = (flap.angle - spring.rest) * (spring.stiffness * width);
-            let damped = flap.rate * (spring.stiffness * spring.damping * width);
+            let [bent, damped] = self.hinge_spring(i, flap.angle, flap.rate);
             let of_air = flow.strips.pitch[i] * of.damped[1];
             let moment = (flap.rate * of.damped[0] + of_air) * passing
                 - pressed * flap.angle * of.held

@@ -11,9 +11,9 @@ mod sheet;
 use super::{StripFlow, StripModel};
 use crate::MAX_STRIPS;
 use arrayvec::ArrayVec;
+use sheet::ARC;
 pub use sheet::MembraneScales;
-use sheet::{ARC, MODES};
-pub(super) use sheet::{Membrane, Shapes};
+pub(super) use sheet::{MODES, Membrane, Shapes};
 use wingbeat_math::{Meets, Over, Scalar, append_copies};
 
 /// What each strip carries for it: the heights over the chord, the momentum that the parabola feels and the rate of its height, as
@@ -239,7 +239,7 @@ impl<P: Scalar> StripModel<P> {
     /// `8/15 m + 7/12 pi rho b^2 dy, as in aero.membrane.frequency`
     /// Source: Theodorsen 1935; Peters, Hsieh & Torrero 2007 (modes of camber); own derivation.
     /// Test: `a_membrane_let_go_moves_by_its_mass_tension_and_delay`.
-    fn camber_mass(&self, i: usize, membrane: &Membrane<P>) -> P {
+    pub(super) fn camber_mass(&self, i: usize, membrane: &Membrane<P>) -> P {
         self.membrane_mass(i, membrane) * (8.0 / 15.0) + self.carried_mass(i) * (7.0 / 12.0)
     }
 

@@ -6,6 +6,7 @@
 //! low aspect ratio; flow is tangent at 3/4 chord under the true horseshoes of
 //! the folded, moving wing. Valid for attached flow, aspect ratio 3 and more.
 
+mod bent;
 mod carried;
 mod constants;
 mod cores;
@@ -22,6 +23,7 @@ mod settings;
 mod side_edge;
 mod tables;
 
+pub use bent::SkinSheet;
 pub use constants::Lags;
 pub use grid::{AngleMap, StripSpacing, spacing};
 pub use late::ByStates;

@@ -29,6 +29,7 @@ use wingbeat_math::Error;
 use wingbeat_math::order::filled;
 use wingbeat_math::{Quat, Vec3};
 use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_robot::BeyondLoads;
 
 /// Largest step of the bank from orbit to orbit on the way to a turn, deg.
 const BANK_STEP_DEG: f64 = 3.0;
@@ -286,8 +287,10 @@ impl Scenario {
         let held = HeldCommands(orbit.point.inputs.clone());
         let mut recorder = Recorder::new(&robot, None, &held, cycle.steps() + 1, None)?;
         let mut sample = |t: f64, x: &[f64]| {
-            recorder
-                .sample(&Sample { t, x, u: &orbit.point.inputs, beyond: &[], elapsed: Duration::ZERO }, &held)
+            recorder.sample(
+                &Sample { t, x, u: &orbit.point.inputs, beyond: &BeyondLoads::NONE, elapsed: Duration::ZERO },
+                &held,
+            )
         };
         let flown = sample(0.0, &cycle.start(&orbit.point)).and_then(|()| {
             cycle.fly(&orbit.point.z, orbit.point.pace, &orbit.point.inputs, |_, t, x| sample(t, x))

@@ -2,7 +2,7 @@
 
 use super::record::{Column, Record};
 use std::f64::consts::TAU;
-use wingbeat_robot::{Observation, WeightPart, WeightShares};
+use wingbeat_robot::{Observation, Robot, WeightPart, WeightShares};
 
 /// Strokes that rounding may lack.
 const ROUNDING: f64 = 1e-9;
@@ -100,6 +100,12 @@ fn before_whole_strokes(phase: &[f64]) -> usize {
     // The row that is whole strokes before the last one is the same instant of the stroke, and counts once.
     let begin = last - TAU * (strokes - ROUNDING);
     phase.partition_point(|phase| *phase <= begin)
+}
+
+/// Columns of the springs on pins of the linkage: their angles and the power that they get; none without springs.
+pub fn pin_columns(robot: &Robot) -> impl Iterator<Item = Column> {
+    let power = robot.has_pin_springs().then(|| Column::new("pin_power", "W", ""));
+    robot.pin_names().map(|name| Column::new(name, "rad", "")).chain(power)
 }
 
 #[cfg(test)]

@@ -5,15 +5,10 @@ use super::secant::Secant;
 use super::sensor::Sensors;
 use super::stepper::Stepper;
 use super::system::{Driver, Ending, Moment, Sizes, System, upright};
-use arrayvec::ArrayVec;
 use std::ops::ControlFlow;
 use wingbeat_math::{GRAVITY, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
-use wingbeat_robot::body::MAX_LINKS;
-use wingbeat_robot::{Robot, Stance};
-
-/// Loads on links and body.
-type OnLinks = ArrayVec<Wrench<f64>, { MAX_LINKS + 1 }>;
+use wingbeat_robot::{BeyondLoads, Robot, Stance};
 
 /// Air that is stepped beside a robot: it takes the place of all that the robot's own models say of attached flow, profile drag is
 /// theirs.
@@ -24,12 +19,13 @@ pub trait Flow {
     /// Length with which moments are compared with forces, m.
     fn length(&self) -> f64;
 
-    /// Loads (N and N m) of the air on links and body at its next instant, `t` s, if the robot is then as it is `at`: as
-    /// [`Robot::rates_beyond`] takes them, those of attached flow whole. The first instant is the begin.
+    /// Loads of the air on links, body and what bends at its next instant, `t` s, if the robot is then as it is `at`: as
+    /// [`Robot::rates_beyond`] takes them, those of attached flow whole, with what bends bears of its own inertia and weight. The first
+    /// instant is the begin.
     ///
     /// # Errors
     /// [`Fault::Flow`].
-    fn loads(&mut self, t: f64, at: &Stance) -> Result<Vec<Wrench<f64>>, Fault>;
+    fn loads(&mut self, t: f64, at: &Stance) -> Result<BeyondLoads, Fault>;
 
     /// Goes on from what was asked for last to the instant after it.
     fn keep(&mut self);
@@ -77,18 +73,14 @@ const MOST: usize = 40;
 pub struct Beyond {
     from: f64,
     length: f64,
-    ends: [Vec<Wrench<f64>>; 2],
+    ends: [BeyondLoads; 2],
 }
 
 impl Beyond {
-    /// The loads at `t` s, N and N m.
-    pub fn at(&self, t: f64) -> OnLinks {
+    /// The loads at `t` s.
+    pub fn at(&self, t: f64) -> BeyondLoads {
         let share = (t - self.from) / self.length;
-        let between = |(a, b): (&Wrench<f64>, &Wrench<f64>)| Wrench {
-            force: a.force + (b.force - a.force) * share,
-            moment: a.moment + (b.moment - a.moment) * share,
-        };
-        self.ends[0].iter().zip(&self.ends[1]).map(between).collect()
+        self.ends[0].with(&self.ends[1], |a, b| a + (b - a) * share)
     }
 }
 
@@ -97,10 +89,13 @@ pub trait Bears: System<Memory = Beyond> {
     /// The robot.
     fn robot(&self) -> &Robot;
 
-    /// How the robot is in the state `x` at `t` s.
-    fn stance(&self, t: f64, x: &[f64]) -> Stance;
+    /// How the robot is in the state `x` at `t` s under the inputs `u` and the loads `beyond`.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    fn stance(&self, t: f64, x: &[f64], u: &[f64], beyond: &BeyondLoads) -> Result<Stance, Fault>;
 
-    /// As [`Robot::attached_loads`], N and N m.
+    /// As [`Robot::attached_loads`].
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -109,8 +104,8 @@ pub trait Bears: System<Memory = Beyond> {
         t: f64,
         x: &[f64],
         u: &[f64],
-        beyond: &[Wrench<f64>],
-    ) -> Result<Vec<Wrench<f64>>, Fault>;
+        beyond: &BeyondLoads,
+    ) -> Result<BeyondLoads, Fault>;
 }
 
 /// A robot in flight.
@@ -138,16 +133,22 @@ impl Bears for FlyingRobot<'_> {
     fn robot(&self) -> &Robot {
         self.0
     }
-    fn stance(&self, t: f64, x: &[f64]) -> Stance {
-        self.0.stance(t, x)
+    fn stance(&self, t: f64, x: &[f64], u: &[f64], beyond: &BeyondLoads) -> Result<Stance, Fault> {
+        let stance = self.0.stance(t, x);
+        if !self.0.has_bent_chords() {
+            return Ok(stance);
+        }
+        let (mut dx, air) = (vec![0.0; x.len()], self.0.layout().aero);
+        self.0.rates_beyond(t, x, u, beyond, &mut dx)?;
+        Ok(self.0.bent_as(stance, (&x[air..], &dx[air..])))
     }
     fn attached_loads(
         &self,
         t: f64,
         x: &[f64],
         u: &[f64],
-        beyond: &[Wrench<f64>],
-    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        beyond: &BeyondLoads,
+    ) -> Result<BeyondLoads, Fault> {
         self.0.attached_loads(t, x, u, beyond)
     }
 }
@@ -168,7 +169,7 @@ pub trait Steers {
         &mut self,
         k: usize,
         at: (f64, &[f64], &[f64]),
-        beyond: &[Wrench<f64>],
+        beyond: &BeyondLoads,
     ) -> Result<ControlFlow<()>, Fault>;
 }
 
@@ -258,11 +259,11 @@ impl CoupledSteps<'_> {
         steering: &mut dyn Steers,
     ) -> Result<Ending, Fault> {
         let (every, mut taken) = (self.flow.every(), 0);
-        let mut loads = self.asked(stepper)?;
+        let mut loads = self.asked(stepper, &BeyondLoads::NONE)?;
         self.flow.keep();
         // All begins at once: what air and motion agree on at the end of the first step holds from its begin on.
-        let mut begin: Option<Vec<Wrench<f64>>> = None;
-        let mut before: Option<Vec<Wrench<f64>>> = None;
+        let mut begin: Option<BeyondLoads> = None;
+        let mut before: Option<BeyondLoads> = None;
         loop {
             let t = stepper.time();
             steering.update(taken, t, stepper.state());
@@ -270,18 +271,14 @@ impl CoupledSteps<'_> {
             steering.planned(t, &mut u);
             stepper.set_inputs(&u);
             let settled = begin.take().map(|begin| self.settled(stepper, &loads, begin)).transpose()?;
-            let known = settled.clone().unwrap_or_else(|| vec![Wrench::ZERO; loads.len()]);
+            let known = settled.clone().unwrap_or_else(|| loads.with(&loads, |_, _| 0.0));
             if taken == steps {
                 let (x, u) = (stepper.state().to_vec(), stepper.inputs().to_vec());
                 let flow = steering.see(taken, (t, &x, &u), &known)?;
                 return Ok(if flow.is_break() { Ending::Stopped } else { Ending::Complete });
             }
-            let goes_on = |(now, before): (&Wrench<f64>, &Wrench<f64>)| Wrench {
-                force: now.force * 2.0 - before.force,
-                moment: now.moment * 2.0 - before.moment,
-            };
             let guess = match &before {
-                Some(before) => known.iter().zip(before).map(goes_on).collect(),
+                Some(before) => known.with(before, |now, before| now * 2.0 - before),
                 None => known.clone(),
             };
             let saved = stepper.save();
@@ -292,7 +289,7 @@ impl CoupledSteps<'_> {
                 stepper.restore(&saved);
                 stepper.memory_mut().clone_from(&memory);
                 stepper.run(step, every, &mut TrialSteers(&*steering)).check()?;
-                loads = self.asked(stepper)?;
+                loads = self.asked(stepper, &memory.ends[1])?;
                 tried += 1;
                 let found = self.beyond(stepper, &loads, &memory.ends[1])?;
                 if self.apart(stepper, &memory.ends[1], &found) <= TOLERANCE {
@@ -324,37 +321,37 @@ impl CoupledSteps<'_> {
             if now < every {
                 let beyond = memory.at(stepper.time());
                 let own = own_loads(stepper, &beyond)?;
-                loads = beyond.iter().zip(own).map(|(load, own)| *load + own).collect();
+                loads = beyond.with(&own, |load, own| load + own);
             }
             before = settled;
-            begin = Some(memory.at(stepper.time()).to_vec());
+            begin = Some(memory.at(stepper.time()));
         }
     }
 
     /// Loads of the air where the stepper is.
-    fn asked<B: Bears>(&mut self, stepper: &Stepper<&B>) -> Result<Vec<Wrench<f64>>, Fault> {
+    fn asked<B: Bears>(&mut self, stepper: &Stepper<&B>, beyond: &BeyondLoads) -> Result<BeyondLoads, Fault> {
         let (t, x) = (stepper.time(), stepper.state());
-        self.flow.loads(t, &stepper.system().stance(t, x))
+        let at = stepper.system().stance(t, x, stepper.inputs(), beyond)?;
+        self.flow.loads(t, &at)
     }
 
     /// What the air bears beyond the robot's models where the stepper is, its loads being `loads`, while `beyond` acts.
     fn beyond<B: Bears>(
         &self,
         stepper: &Stepper<&B>,
-        loads: &[Wrench<f64>],
-        beyond: &[Wrench<f64>],
-    ) -> Result<Vec<Wrench<f64>>, Fault> {
-        let own = own_loads(stepper, beyond)?;
-        Ok(loads.iter().zip(own).map(|(load, own)| *load + -own).collect())
+        loads: &BeyondLoads,
+        beyond: &BeyondLoads,
+    ) -> Result<BeyondLoads, Fault> {
+        Ok(loads.with(&own_loads(stepper, beyond)?, |load, own| load - own))
     }
 
     /// That at which the sum is `loads` in the state as it is: the robot's own models feel the acceleration.
     fn settled<B: Bears>(
         &self,
         stepper: &Stepper<&B>,
-        loads: &[Wrench<f64>],
-        mut guess: Vec<Wrench<f64>>,
-    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        loads: &BeyondLoads,
+        mut guess: BeyondLoads,
+    ) -> Result<BeyondLoads, Fault> {
         let mut secant = Secant::default();
         for _ in 0..MOST {
             let found = self.beyond(stepper, loads, &guess)?;
@@ -371,16 +368,20 @@ impl CoupledSteps<'_> {
         &self,
         stepper: &Stepper<&B>,
         secant: &mut Secant,
-        guess: &[Wrench<f64>],
-        found: &[Wrench<f64>],
-    ) -> Vec<Wrench<f64>> {
+        guess: &BeyondLoads,
+        found: &BeyondLoads,
+    ) -> BeyondLoads {
         let [force, moment] = self.units(stepper);
         let next = secant.next(&self.numbers(stepper, guess), &self.numbers(stepper, found));
         let load = |n: &[f64]| Wrench {
             force: Vec3::new(n[0], n[1], n[2]) * force,
             moment: Vec3::new(n[3], n[4], n[5]) * moment,
         };
-        next.chunks_exact(6).map(load).collect()
+        let (links, bends) = next.split_at(6 * guess.links.len());
+        BeyondLoads {
+            links: links.chunks_exact(6).map(load).collect(),
+            bends: bends.iter().map(|of| of * moment).collect(),
+        }
     }
 
     /// Units of force and moment.
@@ -389,16 +390,16 @@ impl CoupledSteps<'_> {
         [weight, weight * self.flow.length()]
     }
 
-    fn numbers<B: Bears>(&self, stepper: &Stepper<&B>, loads: &[Wrench<f64>]) -> Vec<f64> {
+    fn numbers<B: Bears>(&self, stepper: &Stepper<&B>, loads: &BeyondLoads) -> Vec<f64> {
         let [force, moment] = self.units(stepper);
         let of = |load: &Wrench<f64>| {
             load.force.0.map(|f| f / force).into_iter().chain(load.moment.0.map(|m| m / moment))
         };
-        loads.iter().flat_map(of).collect()
+        loads.links.iter().flat_map(of).chain(loads.bends.iter().map(|of| of / moment)).collect()
     }
 
     /// Largest difference.
-    fn apart<B: Bears>(&self, stepper: &Stepper<&B>, one: &[Wrench<f64>], other: &[Wrench<f64>]) -> f64 {
+    fn apart<B: Bears>(&self, stepper: &Stepper<&B>, one: &BeyondLoads, other: &BeyondLoads) -> f64 {
         let (one, other) = (self.numbers(stepper, one), self.numbers(stepper, other));
         // What is no number is no agreement.
         let far = |(a, b): (&f64, &f64)| if (a - b).is_finite() { (a - b).abs() } else { f64::INFINITY };
@@ -407,6 +408,6 @@ impl CoupledSteps<'_> {
 }
 
 /// Loads of the robot's own models where the stepper is, while `beyond` acts.
-fn own_loads<B: Bears>(stepper: &Stepper<&B>, beyond: &[Wrench<f64>]) -> Result<Vec<Wrench<f64>>, Fault> {
+fn own_loads<B: Bears>(stepper: &Stepper<&B>, beyond: &BeyondLoads) -> Result<BeyondLoads, Fault> {
     stepper.system().attached_loads(stepper.time(), stepper.state(), stepper.inputs(), beyond)
 }

@@ -8,8 +8,8 @@ use super::stepper::Stepper;
 use super::system::{Driver, Ending, Moment};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use wingbeat_math::Wrench;
 use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_robot::BeyondLoads;
 
 /// What decides the plant's inputs.
 pub trait Controller {
@@ -92,9 +92,8 @@ pub struct Sample<'a> {
     pub x: &'a [f64],
     /// Inputs in force, in the units of the plant's channels.
     pub u: &'a [f64],
-    /// Loads, N and N m, on links and body from beyond the robot's own models, as
-    /// [`Robot::rates_beyond`](wingbeat_robot::Robot::rates_beyond) takes them.
-    pub beyond: &'a [Wrench<f64>],
+    /// Loads from beyond the robot's own models, as [`Robot::rates_beyond`](wingbeat_robot::Robot::rates_beyond) takes them.
+    pub beyond: &'a BeyondLoads,
     /// Wall time since the flight began.
     pub elapsed: Duration,
 }
@@ -254,7 +253,7 @@ where
 
     fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
         self.sensors.watch(k, self.plant, at.t, at.x, at.u)?;
-        self.see(k, (at.t, at.x, at.u), &[])
+        self.see(k, (at.t, at.x, at.u), &BeyondLoads::NONE)
     }
 
     fn event(&self, t: f64, x: &[f64]) -> f64 {
@@ -262,7 +261,7 @@ where
     }
 
     fn ended(&mut self, at: Moment) -> Result<(), Fault> {
-        self.see(0, (at.t, at.x, at.u), &[]).map(drop)
+        self.see(0, (at.t, at.x, at.u), &BeyondLoads::NONE).map(drop)
     }
 }
 
@@ -298,7 +297,7 @@ where
         &mut self,
         k: usize,
         (t, x, u): (f64, &[f64], &[f64]),
-        beyond: &[Wrench<f64>],
+        beyond: &BeyondLoads,
     ) -> Result<ControlFlow<()>, Fault> {
         if !k.is_multiple_of(self.schedule.steps_per_sample) {
             return Ok(ControlFlow::Continue(()));

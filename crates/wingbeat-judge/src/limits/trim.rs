@@ -11,6 +11,10 @@ pub const HIGH_POWER: JudgedLimit = JudgedLimit::warn_above("trim.high_power_w_k
 /// Power that neither muscles nor the motors of robots of this size give over whole cycles.
 pub const POWER: JudgedLimit = JudgedLimit::at_most("trim.power_w_kg", 400.0, "W/kg", Outside)
     .on("mean of the positive mechanical power over the mass");
+/// Power at one instant that nothing gives, ten times what is `outside` over whole cycles. *Choice*: it holds for flights shorter than a cycle,
+/// whose power has no mean.
+pub const PEAK: JudgedLimit = JudgedLimit::at_most("trim.peak_power_w_kg", 4000.0, "W/kg", Outside)
+    .on("size of the mechanical power at an instant over the mass");
 /// Stall beyond which an orbit rests on laws that were not tested there.
 pub const BEYOND_12: JudgedLimit = JudgedLimit::warn_above("trim.stall_fraction_12", 0.5, "")
     .on("only four published experiments test the lift laws in stall: share of U^2 c dy dt beyond 12 deg angle of attack");
@@ -41,6 +45,7 @@ pub const STEPS: JudgedLimit = JudgedLimit::warn_below("trim.steps_per_cycle", 4
     .on("the steps of the integration are long (shorten trim.step_s): number of steps of a cycle");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 11] = [
-    HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, GROWS, GAINS_GROW, RESIDUAL, STEPS,
+pub const ALL: [JudgedLimit; 12] = [
+    HIGH_POWER, POWER, PEAK, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, GROWS, GAINS_GROW, RESIDUAL,
+    STEPS,
 ];

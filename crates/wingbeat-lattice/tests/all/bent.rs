@@ -120,6 +120,62 @@ fn bent_panels_lift_as_thin_aerofoil_theory_says() {
     }
 }
 
+/// Virtual work of the pressure on a long wing at a small incidence, along both shapes of a membrane and the angle of a flap of a quarter of
+/// the chord, on 4, 8 and 16 panels. Of the camber aero.camber_load at rest: Q_1 = pi (a + 3 h_1 - h_2)/2, Q_2 = pi (a + 2 h_2)/8;
+/// of the flap -b^2 [(T5 - T4 T10)/pi angle + T12 (2 a + T10/pi angle)/2], Theodorsen's functions of its hinge (Glauert 1927).
+#[test]
+fn pressure_bears_on_bends_as_thin_aerofoil_theory_says() {
+    let c = 0.5_f64;
+    let (root, arc) = ((1.0 - c * c).sqrt(), c.acos());
+    let t4 = -arc + c * root;
+    let t5 = -(1.0 - c * c) - arc * arc + 2.0 * c * root * arc;
+    let (t10, t12) = (root + arc, root * (2.0 + c) - arc * (2.0 * c + 1.0));
+    let held = -0.25 * ((t5 - t4 * t10) / PI + t12 * t10 / PI);
+    let flat: fn(Dual<1>, f64) -> Bend =
+        |_, _| ChordBend { angle: Dual::constant(0.0), hinge: 0.75, ..sail([0.0; 2].map(Dual::constant)) };
+    let turned: fn(Dual<1>, f64) -> Bend =
+        |_, _| ChordBend { angle: Dual::constant(SMALL), hinge: 0.75, ..sail([0.0; 2].map(Dual::constant)) };
+    let inclined: fn(Jet) -> Jet = |_| Jet::new(SMALL, 0.0, 0.0);
+    let nothing = f64::NAN;
+    // Bend, incidence, works, and how near they are on 4 panels, over the larger of each and pi/8; the error falls by the square.
+    type Case = (fn(Dual<1>, f64) -> Bend, fn(Jet) -> Jet, [f64; 3], [f64; 3]);
+    let cases: [Case; 5] = [
+        (
+            |_, _| sail([SMALL, 0.0].map(Dual::constant)),
+            level,
+            [1.5 * PI, 0.0, nothing],
+            [0.001, 0.22, nothing],
+        ),
+        (
+            |_, _| sail([0.0, SMALL].map(Dual::constant)),
+            level,
+            [-0.5 * PI, 0.25 * PI, nothing],
+            [0.25, 0.14, nothing],
+        ),
+        (
+            |_, _| sail([0.0; 2].map(Dual::constant)),
+            inclined,
+            [0.5 * PI, 0.125 * PI, nothing],
+            [0.04, 0.13, nothing],
+        ),
+        (flat, inclined, [nothing, nothing, -0.25 * t12], [nothing, nothing, 0.15]),
+        (turned, level, [nothing, nothing, held], [nothing, nothing, 0.1]),
+    ];
+    for (of, pitch, exact, within) in cases {
+        for chordwise in [4, 8, 16] {
+            let settings = LatticeSettings::new(1e6, 1e-6);
+            let mut lattice = lattice(BentPlate { of: Some(of), pitch }, 1e4, [chordwise, 4], settings);
+            let bends = &run(&mut lattice, 2)[1].panels[0].bends;
+            for k in (0..3).filter(|k| exact[*k].is_finite()) {
+                let found = bends.iter().map(|strip| strip[k]).sum::<f64>() / (1e4 * SMALL);
+                let size = exact[k].abs().max(if k < 2 { PI / 8.0 } else { 0.0 });
+                let (off, finer) = ((found - exact[k]).abs() / size, 16.0 / (chordwise * chordwise) as f64);
+                assert!(off < (1.15 * within[k] * finer).max(2e-4), "{chordwise} {k}: {found} {}", exact[k]);
+            }
+        }
+    }
+}
+
 /// A flap hinged at the leading edge is a plate that pitches about it: places, velocities, normals and forces are the same.
 #[test]
 fn a_flap_from_the_leading_edge_is_a_plate_that_pitches() {

@@ -6,3 +6,4 @@ mod inflow;
 mod physics;
 mod rig;
 mod shedding;
+mod soft;

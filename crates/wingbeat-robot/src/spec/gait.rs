@@ -4,6 +4,7 @@ use super::super::numbers::{DAMPING, STIFFNESS};
 use super::bound::BoundSpec;
 use crate::body::{FourierSeries, LinkageDimensions, LinkagePin};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require::{finite, not_negative};
@@ -54,12 +55,12 @@ pub struct PinSpringSpec {
     /// Angle without effort, rad; the middle of the pin's travel over a turn of the crank where it is not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<f64>,
-    /// Deflection from rest that it bears, rad; a run that goes beyond is `outside`.
+    /// Deflection from rest that it bears, rad, at most half a turn; a run that goes beyond is `outside`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<f64>,
 }
 
-ranges!(PinSpringSpec { stiffness: STIFFNESS.range, damping: DAMPING.range, limit: Range::POSITIVE });
+ranges!(PinSpringSpec { stiffness: STIFFNESS.range, damping: DAMPING.range, limit: Range::over(0.0, PI) });
 
 impl PinSpringSpec {
     /// That no pin has two springs.

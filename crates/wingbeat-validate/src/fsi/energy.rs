@@ -18,7 +18,7 @@ const DURATION: f64 = 0.25;
 /// Step, s.
 const STEP: f64 = 4e-4;
 
-fn model(
+pub(super) fn model(
     preset: ComparedPreset,
     law: LiftLaw,
     density_kg_m3: f64,

@@ -5,6 +5,7 @@ use std::hint::black_box;
 
 use wingbeat::aero::Loads;
 use wingbeat::plant::{Linearisation, Plant};
+use wingbeat::robot::BeyondLoads;
 
 use super::scenario;
 
@@ -26,7 +27,9 @@ pub fn count(arguments: &[String]) -> Option<()> {
             "jacobian" => linearisation.evaluate(robot, t, x, u).ok()?,
             "inputs" => linearisation.evaluate_inputs(robot, t, x, u).ok()?,
             "sample" => {
-                loads = Some(black_box(robot.observe_beyond(t, x, u, &[], loads.take()?).ok()?).strips)
+                loads = Some(
+                    black_box(robot.observe_beyond(t, x, u, &BeyondLoads::NONE, loads.take()?).ok()?).strips,
+                )
             }
             _ => return None,
         }

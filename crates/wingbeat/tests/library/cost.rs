@@ -5,7 +5,7 @@ use std::path::Path;
 use wingbeat::aero::{LoadSource, Loads};
 use wingbeat::math::{GRAVITY, Quat, Vec3, Wrench};
 use wingbeat::plant::Plant;
-use wingbeat::robot::WeightPart;
+use wingbeat::robot::{BeyondLoads, WeightPart};
 use wingbeat::scenario::{Run, Scenario};
 use wingbeat::simulate::{Cost, Record};
 
@@ -116,9 +116,10 @@ fn loads_from_beyond_the_model_are_shared_once() {
     let scenario = scenario("banking_turn.toml", &["aero.law=lev", "aero.preset=full"]);
     let robot = scenario.robot();
     let (x, u) = (scenario.start(), vec![0.0; robot.inputs().len()]);
-    let beyond: Vec<Wrench<f64>> = (0..robot.bearers())
+    let links = (0..robot.bearers())
         .map(|k| Wrench { force: Vec3::new(0.01 * k as f64, -0.02, 0.03), moment: Vec3::ZERO })
         .collect();
+    let beyond = BeyondLoads { links, bends: Vec::new() };
     let seen = robot.observe_beyond(0.0, &x, &u, &beyond, Loads::boxed()).unwrap();
     let shares = seen.weight_shares(robot.mass());
     let up = (seen.attitude * (seen.air.total() + seen.body_drag + seen.thrust).force)[2];
@@ -139,7 +140,7 @@ fn loads_written_over_are_those_of_fresh_room() {
     let [other, scenario] = &robots;
     let look = |of: &Scenario, strips| {
         let (robot, x) = (of.robot(), of.start());
-        robot.observe_beyond(0.02, &x, &vec![0.01; robot.inputs().len()], &[], strips).unwrap()
+        robot.observe_beyond(0.02, &x, &vec![0.01; robot.inputs().len()], &BeyondLoads::NONE, strips).unwrap()
     };
     let over = look(scenario, look(other, Loads::boxed()).strips);
     let fresh = look(scenario, Loads::boxed());

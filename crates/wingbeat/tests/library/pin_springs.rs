@@ -1,12 +1,14 @@
 //! Springs on the pins of the linkage: work, energy, statics, names and refusals.
 
 use super::mechanism::{Preset, moving, robot};
+use std::ops::ControlFlow;
 use wingbeat::body::{Linkage, LinkageDimensions, LinkagePin};
 use wingbeat::guide::Stand;
+use wingbeat::judge::Status;
 use wingbeat::math::{Jet, Mat3, RK4, Scalar, Vec3, Workspace};
 use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::robot::{Air, BodyMotion, Robot, Wind};
-use wingbeat::scenario::Document;
+use wingbeat::scenario::{Document, RigRun, Scenario};
 
 const BETA: &str = include_str!("../../../../robots/aerobat_beta.toml");
 const SPRINGS: &str = "springs = [
@@ -290,6 +292,88 @@ fn numbers_of_springs_on_pins_have_names() {
     assert!(wound.contains("linkage.springs.coupler_rod.rest") && wound.contains("half a turn"), "{wound}");
 }
 
+/// A wing's springs take back what those of the other give: apart they cost more than together, where both sides move apart.
+#[test]
+fn drives_that_share_nothing_feed_the_springs_of_each_wing() {
+    let robot = aerobat(SPRINGS, None, None);
+    let x = in_flight(&robot);
+    let [with, without] =
+        [&robot, &aerobat("", None, None)].map(|robot| robot.observe(0.05, &x, &U).unwrap());
+    let l = robot.layout();
+    let clock = Jet::new(0.05, 1.0, 0.0);
+    let work = robot.carried_pins(&clock, (&x[l.structure..], &U)).unwrap();
+    assert!((work.by_wing[0] - work.by_wing[1]).abs() > 1e-3 * work.by_wing[0].abs());
+    let both = work.by_wing[0] + work.by_wing[1];
+    assert!((both - work.given[0] - work.given[1]).abs() < 1e-12 && (both - with.pin_power).abs() < 1e-12);
+    let added = with.separate_power - without.separate_power;
+    let exact: f64 = work.by_wing.iter().map(|power| power.max(0.0)).sum();
+    assert!((added - exact).abs() < 1e-12, "{added} {exact}");
+}
+
+/// The springs of a run on the rig, crank at an even rate: its record has angles and power, and over cycles the power is the rate of the energy
+/// stored with what dampers lose; the summary is that of a flight.
+#[test]
+fn springs_on_a_rig_are_told_as_those_of_a_flight() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let spring = "{ pin = 'coupler_rod', stiffness = STIFF, damping = 2e-5, limit = 2.0 }";
+    let open = |stiffness: &str| {
+        let springs = format!("rig.robot.gait.linkage.springs=[{}]", spring.replace("STIFF", stiffness));
+        let set = [
+            format!("rig.robot={}", root.join("robots/aerobat_beta.toml").display()),
+            springs,
+            "rig.cell.rate_hz=3500.0".into(),
+            "rig.rest_s=0.1".into(),
+        ];
+        let document = Document::file(&root.join("rigs/runs/bench.toml")).unwrap();
+        let document = set.iter().fold(document, |document, set| document.set(set.as_str()));
+        RigRun::new(document, &|_, _| None).unwrap()
+    };
+    let run = open("1e-3");
+    let simulated = run.simulated(0, |_| {}).unwrap();
+    let record = simulated.record.as_ref().unwrap();
+    let column = |name: &str| record.values(name).unwrap();
+    let (t, power) = (column("t"), column("pin_power"));
+    let angles = ["pin_coupler_rod_left", "pin_coupler_rod_right"].map(column);
+    let rest =
+        aerobat(&format!("springs = [{}]\n", "{ pin = \"coupler_rod\", stiffness = 1e-3 }"), None, None)
+            .named_numbers()
+            .into_iter()
+            .find(|(name, _)| name == "linkage.springs.coupler_rod.rest")
+            .unwrap()
+            .1;
+    let stored = |k: usize| angles.iter().map(|angle| 0.5e-3 * (angle[k] - rest).powi(2)).sum::<f64>();
+    let (first, last) = (t.iter().position(|t| *t >= 0.5).unwrap(), t.len() - 1);
+    let (mut given, mut lost) = (0.0, 0.0);
+    for k in first..last {
+        let h = t[k + 1] - t[k];
+        given += 0.5 * h * (power[k] + power[k + 1]);
+        lost += angles.iter().map(|angle| 2e-5 * (angle[k + 1] - angle[k]).powi(2) / h).sum::<f64>();
+    }
+    let size = power[first..].iter().fold(0.0_f64, |most, power| most.max(power.abs()));
+    let off = (given - lost - (stored(last) - stored(first))).abs();
+    assert!(lost > 0.0 && off < 1e-3 * given.abs().max(1e-3 * size), "{given} {lost} {off}");
+    let pins = simulated.summary(&run).pin_springs.unwrap();
+    assert!((pins.power_max_w - power.iter().copied().fold(0.0, f64::max)).abs() < 1e-15);
+    assert!(pins.power_mean_w > 0.0 && pins.deflection_max_deg > 1.0 && pins.limit_fraction.unwrap() < 1.0);
+    let wound = open("1e11").simulated(0, |_| {}).unwrap();
+    assert!(wound.verdict.reason.unwrap().contains("trim.peak_power_w_kg"));
+}
+
+/// What no drive gives is told in a flight that is shorter than a cycle.
+#[test]
+fn absurd_springs_end_a_short_flight_outside() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/cruise_linkage.toml");
+    let status = |stiffness: &str| {
+        let springs = format!("robot.gait.linkage.springs=[{{pin='coupler_rod', stiffness={stiffness}}}]");
+        let set = ["flight.duration_s=0.02".to_owned(), springs];
+        let run = Scenario::load(&path, &set).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
+        (run.summary.status, run.summary.reason.unwrap_or_default())
+    };
+    let (absurd, reason) = status("1e11");
+    assert!(absurd == Status::Outside && reason.contains("trim.peak_power_w_kg"), "{absurd} {reason}");
+    assert_eq!(status("1e-3").0, Status::Ok);
+}
+
 #[test]
 fn a_rest_in_the_middle_of_the_travel_follows_the_linkage() {
     let springs = "springs = [{ pin = \"bell_crank\", stiffness = 1e-3 }]\n";
@@ -320,6 +404,10 @@ fn springs_that_no_linkage_has_are_refused_by_key() {
         ("{ pin = \"crank\", stiffness = 1e-3 }", &["crank", "shoulder", "coupler_rod", "rod_radius"][..]),
         ("{ pin = \"elbow\", stiffness = -1e-3 }", &["gait.linkage.springs[0].stiffness"]),
         ("{ pin = \"elbow\", stiffness = 1e-3, limit = 0.0 }", &["gait.linkage.springs[0].limit"]),
+        (
+            "{ pin = \"elbow\", stiffness = 1e-3, limit = 1e11 }",
+            &["gait.linkage.springs[0].limit", "3.14159"],
+        ),
         ("{ pin = \"elbow\", stiffness = nan }", &["gait.linkage.springs[0].stiffness"]),
         (
             "{ pin = \"elbow\", stiffness = 1e-3, rest = 9.0 }",

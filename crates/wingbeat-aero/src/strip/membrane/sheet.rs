@@ -13,7 +13,7 @@ const DAMPED_WIDTH: f64 = 1e-3;
 /// Least distance of a strip's middle from its neighbour or a rib, over the width of the narrower strip beside. *Choice.*
 const LEAST_TIE: f64 = 0.1;
 /// Shapes of a strip.
-pub(super) const MODES: usize = 2;
+pub(in super::super) const MODES: usize = 2;
 /// Rate of the arc's strain, the mean of z'^2/2 along the chord, by h/c of each shape, over h/c.
 pub(super) const ARC: [f64; MODES] = [16.0 / 3.0, 16.0 / 5.0];
 /// Mean square of each shape along the chord.
@@ -51,8 +51,8 @@ impl<P> Bay<P> {
 pub(in super::super) struct Membrane<P> {
     pub(super) prestrain: P,
     pub(super) prestrain_span: P,
-    pub(super) damping: P,
-    pub(super) areal_density: P,
+    pub(in super::super) damping: P,
+    pub(in super::super) areal_density: P,
     chord: Vec<P>,
     pub(super) width: Vec<P>,
     bays: Vec<Bay<P>>,
@@ -206,7 +206,7 @@ impl<P: Scalar> Membrane<P> {
     /// Source: plane stress, energy of a membrane that wrinkles across a slack direction (Pipkin 1986, IMA J. Appl. Math. 36); in a slack
     /// span E t/(1 - nu^2) in place of E t, a choice.
     /// Test: `the_forces_of_a_membrane_are_the_slopes_of_its_energy`.
-    pub(super) fn stored<S: Scalar + Meets<P>>(&self, camber: Shapes<&[S]>) -> S {
+    pub(in super::super) fn stored<S: Scalar + Meets<P>>(&self, camber: Shapes<&[S]>) -> S {
         let mut sum = S::ZERO;
         for bay in &self.bays {
             let span = self.span_strain(bay, camber);
@@ -224,7 +224,11 @@ impl<P: Scalar> Membrane<P> {
     }
 
     /// Power h' tau K h' that the membrane's own damping takes at the heights over chord `camber` and their rates, 1/s, W.
-    pub(super) fn lost<S: Scalar + Meets<P>>(&self, camber: Shapes<&[S]>, rates: Shapes<&[S]>) -> S {
+    pub(in super::super) fn lost<S: Scalar + Meets<P>>(
+        &self,
+        camber: Shapes<&[S]>,
+        rates: Shapes<&[S]>,
+    ) -> S {
         let (mut sum, mut along) = (S::ZERO, Tensions::new());
         for bay in &self.bays {
             let [_, held] = self.tensions(bay, camber, &mut along);
