@@ -534,8 +534,10 @@ impl Scenario {
             wind: Vec3(self.spec.air.wind_m_s),
         };
         let mut summary = Summary::new(&recorded.record, flight, &context);
-        let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
-        summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), surfaces));
+        let (lattice, surfaces) =
+            (self.spec.lattice.as_ref(), || self.robot.surfaces().map(|(_, aero)| aero));
+        summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), lattice, surfaces()));
+        summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary
     }
 }

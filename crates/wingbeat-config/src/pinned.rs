@@ -15,9 +15,9 @@ pub struct PinSummary {
     /// Largest deflection over the `limit` of the spring, as a share; missing where no spring has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_fraction: Option<f64>,
-    /// Largest power that drive and actuators give to springs and dampers, W.
+    /// Largest size of the power that drive and actuators give to springs and dampers, W.
     pub power_max_w: f64,
-    /// Mean of that power over the record, W: what dampers take, over whole cycles.
+    /// Mean of that power over all rows of the record, W: what dampers take where these are whole cycles.
     pub power_mean_w: f64,
 }
 
@@ -32,7 +32,7 @@ impl PinSummary {
         Some(Self {
             deflection_max_deg: of.angle.to_degrees(),
             limit_fraction: of.fraction,
-            power_max_w: power.iter().copied().fold(0.0, f64::max),
+            power_max_w: power.iter().fold(0.0, |most, power| power.abs().max(most)),
             power_mean_w: mean(power)?,
         })
     }

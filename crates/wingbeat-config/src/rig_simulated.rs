@@ -1,5 +1,6 @@
 //! A run of the bench from its plan to its samples.
 
+use super::lattice;
 use super::link_spar::{LinkSparSummary, hold_shape};
 use super::pinned::PinSummary;
 use super::plausible;
@@ -160,7 +161,10 @@ impl RigRun {
         cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
         let surfaces = || self.robot.surfaces().map(|(_, aero)| aero);
         let edges = side_edges(&self.spec.rig.aero, surfaces(), Some(outcome.stall_fraction));
-        of_strips(&self.spec.rig.aero, surfaces()).into_iter().chain(edges).for_each(|said| judge.warn(said));
+        let flow = self.spec.lattice.as_ref();
+        let soft = lattice::soft(flow, surfaces());
+        let said = of_strips(&self.spec.rig.aero, flow, surfaces()).into_iter().chain(edges).chain(soft);
+        said.for_each(|said| judge.warn(said));
         Ok(SimulatedRun {
             verdict: judge.verdict(),
             ending: "ok",

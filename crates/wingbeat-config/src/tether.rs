@@ -219,7 +219,7 @@ impl TetherCase {
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .chain(side_edges(&self.spec.aero, [&self.tether.aero], Some(run.stall_fraction)))
-            .chain(of_strips(&self.spec.aero, [&self.tether.aero]))
+            .chain(of_strips(&self.spec.aero, None, [&self.tether.aero]))
             .chain(run.steady.iter().flat_map(|steady| {
                 let still = self.tether.motion.is_still();
                 SparSummary::of(steady).warnings(&self.spec.time, still)

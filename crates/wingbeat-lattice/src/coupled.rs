@@ -56,6 +56,12 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
             };
             wingbeat::Error::invalid(key, value, allowed)
         }
+        Error::Bent { key } => {
+            let key = format!("robot.surfaces.{key}");
+            let allowed =
+                "none: in the lattice of a flight flaps swing from strip to strip where panels are as wide";
+            wingbeat::Error::invalid(key, "given", allowed)
+        }
         Error::Rings { rings, most } => {
             let allowed = format!("steps whose wake has at most {most} rings: give lattice.longest_age_s");
             wingbeat::Error::invalid("lattice.step_s", format!("{rings} rings of the wake"), allowed)
@@ -163,6 +169,9 @@ impl CoupledLattice {
         let LatticeTask { spec, robot, outlines, density_kg_m3, every, steps } = task;
         let (chordwise, spanwise) = (spec.chordwise, spec.spanwise);
         let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
+        if robot.surfaces().any(|(_, aero)| aero.flap().is_some()) {
+            return Err(Error::Bent { key: "flap" });
+        }
         let layouts = laid(robot, outlines, panels)?;
         let longest_age_s = spec.longest_age_s.unwrap_or(f64::INFINITY);
         let rows = (*steps as f64).min(longest_age_s / spec.step_s);

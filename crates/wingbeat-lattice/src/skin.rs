@@ -38,6 +38,8 @@ pub(crate) struct BentPiece {
     /// Velocities of the points that carry its mass, as they are bent and on straight chords, m/s: now and at the instant before.
     now: Vec<[Vec3; 2]>,
     before: Option<Vec<[Vec3; 2]>>,
+    /// Whether a step has ended: the rates of the start, which the air has not seen, are no velocities to differ from.
+    begun: bool,
 }
 
 impl BentPiece {
@@ -61,6 +63,7 @@ impl BentPiece {
             sheets: layout.arcs.windows(2).map(middle).collect(),
             now: Vec::new(),
             before: None,
+            begun: false,
         })
     }
 
@@ -115,6 +118,7 @@ impl BentPiece {
 
     /// Goes on to the next instant.
     pub fn keep(&mut self) {
-        self.before = Some(std::mem::take(&mut self.now));
+        let now = std::mem::take(&mut self.now);
+        self.before = std::mem::replace(&mut self.begun, true).then_some(now);
     }
 }

@@ -373,7 +373,7 @@ impl<P: Scalar> StripModel<P> {
     /// its span. The jump of potential that a circulation G spreads over the chord has the impulse rho dy b G n, which turns with the
     /// normal. What turns towards the chord, -2 m w_l q, is part of Garrick's suction (`aero.pitch_suction`); this is what turns
     /// towards the span, where the edges of the tips and the folds bear it. None without `turning_impulse`, and with
-    /// `edge_suction`, which has the same by edges (`aero.strip.along_span`).
+    /// `edge_suction`, in whose place edges bear it (`aero.strip.along_span`).
     ///
     /// A plate bears nothing along its span but the suction of its edges. The impulse has this in two parts: the one that turns, and
     /// rho G w tan(sweep) dy, w the wash, of the wake that leaves a swept trailing edge. The second is left out: on rectangular wings there

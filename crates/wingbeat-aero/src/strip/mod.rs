@@ -136,6 +136,12 @@ impl<P: Scalar> StripModel<P> {
             let allowed = "false of a wing with a hinge beyond its root, a flap, a gap or one strip: this was derived of whole flat wings";
             return Err(Error::invalid("side_edges", true, allowed));
         }
+        let plain = settings.membrane.is_none() && settings.flap.is_none() && settings.strips > 1;
+        if settings.edge_suction && !plain {
+            let allowed =
+                "false of a wing with a membrane, a flap or one strip: this was derived of flat sections";
+            return Err(Error::invalid("edge_suction", true, allowed));
+        }
         let lags = settings.lags.lags();
         let ribs = settings.membrane.iter().flat_map(|membrane| &membrane.ribs_m);
         let ribs: Vec<f64> = ribs.copied().collect();

@@ -17,8 +17,9 @@ const PULL: [f64; 3] = [0.575, 0.273, 0.33];
 /// The same times the distance behind mid chord over the chord: 0.045 to 0.049, 0.10 to 0.14, 0.088 to 0.090.
 const PULL_BEHIND: [f64; 3] = [0.048, 0.11, 0.089];
 
-/// Share of [`PULL`] that the circulation has in steady flow: the impulse of the carried air has the other, whose F is sqrt(1 - x^2)/pi
-/// from -1 to 1 along the chord, its square 2/(3 pi^2) of 0.615 in the mean.
+/// Share of [`PULL`] that is counted to the circulation. *Choice*: of a wing that turns the impulse of the carried air has the other, whose F
+/// is sqrt(1 - x^2)/pi from -1 to 1 along the chord, its square 2/(3 pi^2) of 0.615 in the mean; of a wing that does not turn the
+/// ninth is missing.
 const OF_CIRCULATION: f64 = 1.0 - 2.0 / (3.0 * PI * PI * 0.615);
 
 /// Wash below which its size is rounded off, so that it has a derivative, m/s. *Choice.*
@@ -84,14 +85,16 @@ impl<P: Scalar> StripModel<P> {
     /// What the circulation bears beside the plane of section `i`, whose `suction` points along the chord, N. A plate feels pressure along
     /// its normal and suction at its edges, square to them: at a leading edge swept by L the suction S has S tan(L) along the span, and the
     /// side edge at a tip has the pull of [`Self::side_edge`], outward, unless a vortex takes its place. Where the section drifts
-    /// with the speed v along its span, the pressure is rho (v dphi/dy) more: the jump phi of the circulation G, with the integral
-    /// b G along the chord, gives rho v d(bG)/dy less what the trailing edge cuts off, rho v G tan, and so rho v b dG/dy behind 5/8 of
-    /// the chord and -rho v G tan of the half-chord line at its middle. Sweeps are those of the flat wing. The impulse of
+    /// with the speed v along its span, the pressure is rho v dphi/dy less: the jump phi of the circulation G, with the integral
+    /// b G along the chord, takes rho v d(bG)/dy but for what the trailing edge cuts off, rho v G tan, and so rho v b dG/dy at 5/8 of
+    /// the chord, and gives rho v G tan of the half-chord line at its middle. Sweeps are those of the flat wing. Left out: the couple of
+    /// the edges' suction about the normal, that of a taper, and what of the tip's pull goes where the leading edge loses its suction.
+    /// The impulse of
     /// the carried air holds its own share of all this (`aero.strip.carried_air`), as what turns with the normal. With
     /// `edge_suction` alone.
     ///
     /// Equation: aero.strip.along_span
-    /// `F = [S tan(sweep of leading edge) +- side edge] e_span + rho v_span dy [b dG/dy - G tan(sweep of half chord)] n, G = g lw`
+    /// `F = [S tan(sweep of leading edge) +- side edge] e_span - rho v_span dy [b dG/dy - G tan(sweep of half chord)] n, G = g lw`
     /// Source: Bernoulli on a lifting surface; suction square to an edge: Lamar 1974, NASA TR R-428; own derivation; flat
     /// sweeps a choice.
     /// Test: `suction_is_square_to_swept_edges`.

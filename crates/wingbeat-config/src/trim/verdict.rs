@@ -89,7 +89,7 @@ fn judge_slow(judge: &mut Judge, speed: f64, wash: Option<f64>) {
 /// What the scenario says that a periodic flight of `robot` leaves out, and where its numbers are from.
 pub(super) fn said_of(spec: &ScenarioSpec, robot: &Robot) -> impl Iterator<Item = Warning> {
     let surfaces = robot.surfaces().map(|(_, aero)| aero);
-    let unheard = unheard::of_strips(&spec.aero, surfaces);
+    let unheard = unheard::of_strips(&spec.aero, None, surfaces);
     ignored_gusts(&spec.air).into_iter().chain(fit::of_known(spec)).chain(unheard)
 }
 

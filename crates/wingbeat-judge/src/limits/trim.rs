@@ -13,8 +13,9 @@ pub const POWER: JudgedLimit = JudgedLimit::at_most("trim.power_w_kg", 400.0, "W
     .on("mean of the positive mechanical power over the mass");
 /// Power at one instant that nothing gives, ten times what is `outside` over whole cycles. *Choice*: it holds for flights shorter than a cycle,
 /// whose power has no mean.
-pub const PEAK: JudgedLimit = JudgedLimit::at_most("trim.peak_power_w_kg", 4000.0, "W/kg", Outside)
-    .on("size of the mechanical power at an instant over the mass");
+pub const PEAK: JudgedLimit = JudgedLimit::at_most("trim.peak_power_w_kg", 4000.0, "W/kg", Outside).on(
+    "size of the mechanical power at a recorded instant over the mass; on a rig of springs on pins alone",
+);
 /// Stall beyond which an orbit rests on laws that were not tested there.
 pub const BEYOND_12: JudgedLimit = JudgedLimit::warn_above("trim.stall_fraction_12", 0.5, "")
     .on("only four published experiments test the lift laws in stall: share of U^2 c dy dt beyond 12 deg angle of attack");

@@ -461,6 +461,10 @@ fn suction_is_square_to_swept_edges() {
         }
         assert!(least > 0.0);
     }
+    let wing = SteadyWing::new(1.0, &[], 16);
+    let one = StripSettings { edge_suction: true, strips: 1, ..wing.settings };
+    let refused = StripModel::new(&wing.planform, one).err().map(|error| error.to_string());
+    assert!(refused.as_ref().is_some_and(|text| text.contains("edge_suction")), "{refused:?}");
 }
 
 #[test]
