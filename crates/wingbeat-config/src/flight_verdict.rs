@@ -250,8 +250,9 @@ impl JudgedFlight<'_> {
         }
     }
 
-    /// Largest size of the power of the driven joints, W.
+    /// Largest size of the power of the driven joints, W; none of a flight that grew without bound.
     fn peak_power(&self) -> Option<f64> {
+        self.context.means?;
         self.record.values("joint_power")?.iter().map(|power| power.abs()).reduce(f64::max)
     }
 

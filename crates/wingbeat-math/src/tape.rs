@@ -314,9 +314,8 @@ impl Tape {
         for (row, output) in jacobian.chunks_exact_mut(n).zip(&self.outputs) {
             let constant = output.node == CONSTANT;
             let slopes = if constant { [0.0; LANES] } else { self.tangent[output.node as usize] };
-            for j in first..(first + LANES).min(n) {
-                row[j] = slopes[j - first];
-            }
+            let end = (first + LANES).min(n);
+            row[first..end].copy_from_slice(&slopes[..end - first]);
         }
     }
 

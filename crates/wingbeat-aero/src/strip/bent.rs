@@ -7,7 +7,7 @@ use arrayvec::ArrayVec;
 use wingbeat_math::Dual;
 
 /// Numbers of the strips, one for each.
-type Column<S> = ArrayVec<S, MAX_STRIPS>;
+type BentColumn<S> = ArrayVec<S, MAX_STRIPS>;
 
 /// Share of the mass of the first shape that stands for that of each, by the mean squares of the shapes.
 const MASS: [f64; MODES] = [1.0, 1.0 / 7.0];
@@ -69,7 +69,7 @@ impl StripModel {
     }
 
     /// Both shapes of all strips with the derivatives `seed`.
-    fn shapes(of: &[f64], seed: impl Fn(usize) -> f64) -> [Column<Dual<1>>; MODES] {
+    fn shapes(of: &[f64], seed: impl Fn(usize) -> f64) -> [BentColumn<Dual<1>>; MODES] {
         let n = of.len() / MODES;
         std::array::from_fn(|m| (m * n..(m + 1) * n).map(|k| Dual { re: of[k], eps: [seed(k)] }).collect())
     }

@@ -58,28 +58,17 @@ impl<P: Scalar> StripModel<P> {
         i: usize,
         response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
-        let scale = self.tables.side_edge[i];
-        let sum = |of| self.side_pull(i, response, of, |wash| wash.smooth_abs(ROUNDING));
-        let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
-        force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
-        force
-    }
-
-    /// The products of the lift washes of flat chord and camber, each wash times its `size`, times `of`, m2/s2.
-    #[inline(always)]
-    fn side_pull<S: Scalar + Meets<P>, const N: usize>(
-        &self,
-        i: usize,
-        response: &StripResponse<'_, S, N>,
-        of: [f64; 3],
-        size: impl Fn(S) -> S,
-    ) -> S {
         let wash = response.lift_wash[i];
         let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
         let camber = wash - flat;
-        let [flat_size, camber_size] = [size(flat), size(camber)];
+        let [flat_size, camber_size] = [flat, camber].map(|wash| wash.smooth_abs(ROUNDING));
         let products = [flat * flat_size, flat * camber_size + camber * flat_size, camber * camber_size];
-        (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * response.attached[i].squared()
+        let share = response.attached[i].squared();
+        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * share;
+        let scale = self.tables.side_edge[i];
+        let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
+        force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
+        force
     }
 
     /// What the circulation bears beside the plane of section `i`, whose `suction` points along the chord, N. A plate feels pressure along
@@ -89,8 +78,7 @@ impl<P: Scalar> StripModel<P> {
     /// b G along the chord, takes rho v d(bG)/dy but for what the trailing edge cuts off, rho v G tan, and so rho v b dG/dy at 5/8 of
     /// the chord, and gives rho v G tan of the half-chord line at its middle. Sweeps are those of the flat wing. Left out: the couple of
     /// the edges' suction about the normal, that of a taper, and what of the tip's pull goes where the leading edge loses its suction.
-    /// The impulse of
-    /// the carried air holds its own share of all this (`aero.strip.carried_air`), as what turns with the normal. With
+    /// The impulse of the carried air holds its own share of all this (`aero.strip.carried_air`), as what turns with the normal. With
     /// `edge_suction` alone.
     ///
     /// Equation: aero.strip.along_span
@@ -130,8 +118,8 @@ impl<P: Scalar> StripModel<P> {
         force.nose_up = spread * (tables.chord[i] * -0.125);
         force.across = -(suction * tables.leading_slope[i]);
         if !self.settings.side_edges && (i == 0 || i == last) {
-            let pull =
-                self.side_pull(i, response, PULL, |wash| wash) * (tables.side_edge[i] * OF_CIRCULATION);
+            let wash = response.lift_wash[i] * response.attached[i];
+            let pull = wash.squared() * (tables.side_edge[i] * (PULL[0] * OF_CIRCULATION));
             force.across += if i == 0 { -pull } else { pull };
         }
         force
