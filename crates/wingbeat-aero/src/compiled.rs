@@ -1,9 +1,23 @@
 //! The models in the numbers that other crates ask for, compiled once and here: a crate that calls generic code compiles a
 //! copy of its own.
 
-use super::{Aero, Loads, SectionMotion, StripModel, Surfaces};
-use wingbeat_math::{Dual, Vec3, Wrench};
-use wingbeat_ocp::plant::Early;
+use super::{Aero, Loads, SectionMotion, StripModel, SurfaceNumbers, Surfaces};
+use wingbeat_math::{Dual, Error, Vec3, Wrench};
+use wingbeat_ocp::plant::{Channel, Early};
+
+/// Surfaces with other numbers of theirs, and one surface.
+type WithNumbers<Q> = (
+    fn(&Surfaces, &[SurfaceNumbers<Q>]) -> Result<Surfaces<Q>, Error>,
+    fn(&Aero, &SurfaceNumbers<Q>) -> Result<Aero<Q>, Error>,
+    fn(&Surfaces<Q>) -> Vec<Channel>,
+);
+
+/// What other crates build models by: named here, it is compiled here, where it is not inlined.
+#[used]
+static BUILDS: (WithNumbers<f64>, WithNumbers<Dual<4>>) = (
+    (Surfaces::with, Aero::with, Surfaces::channels),
+    (Surfaces::with, Aero::with, Surfaces::channels),
+);
 
 impl Aero {
     /// [`evaluate`](Self::evaluate) in plain numbers.

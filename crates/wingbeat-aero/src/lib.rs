@@ -109,6 +109,7 @@ impl<P: Scalar> Aero<P> {
     ///
     /// # Errors
     /// [`Error::Invalid`] when strips or nodes do not fit an outline.
+    #[inline(never)]
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<Aero<Q>, Error> {
         Ok(match self {
             Self::LiftingLine(line) => Aero::LiftingLine(line.with(numbers)?),
@@ -155,6 +156,7 @@ impl<P: Scalar> Aero<P> {
         }
     }
     /// Names and units of the states, in order.
+    #[inline(never)]
     pub fn channels(&self) -> Vec<Channel> {
         match self {
             Self::LiftingLine(line) => line.channels(),

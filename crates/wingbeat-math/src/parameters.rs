@@ -95,11 +95,7 @@ impl<'a, P: Copy, Q> Walk<'a, P, Q> {
 
     /// What lies at `key`.
     pub fn within<R>(&mut self, key: &str, walk: impl FnOnce(&mut Self) -> R) -> R {
-        let before = self.name.len();
-        if before > 0 && !key.is_empty() {
-            self.name.push('.');
-        }
-        self.name.push_str(key);
+        let before = enter(&mut self.name, key);
         let walked = walk(self);
         self.name.truncate(before);
         walked
@@ -107,16 +103,10 @@ impl<'a, P: Copy, Q> Walk<'a, P, Q> {
 
     /// Item `place` of the list at `key`, whose items are called as those of `kind`.
     pub fn item<R>(&mut self, key: &str, kind: &str, place: usize, walk: impl FnOnce(&mut Self) -> R) -> R {
-        match (self.labels)(kind, &self.name, place) {
-            Some(label) => self.within(key, |list| list.within(&label, walk)),
-            None => self.within(key, |list| {
-                let before = list.name.len();
-                list.name.push_str(&format!("[{place}]"));
-                let walked = walk(list);
-                list.name.truncate(before);
-                walked
-            }),
-        }
+        let before = enter_item(&mut self.name, self.labels, (key, kind), place);
+        let walked = walk(self);
+        self.name.truncate(before);
+        walked
     }
 
     /// A list at `key`, whose items are called as those of `kind`.
@@ -126,7 +116,13 @@ impl<'a, P: Copy, Q> Walk<'a, P, Q> {
         items: &[T],
         mut walk: impl FnMut(&mut Self, &T) -> R,
     ) -> Vec<R> {
-        items.iter().enumerate().map(|(i, item)| self.item(key, kind, i, |at| walk(at, item))).collect()
+        let mut made = Vec::with_capacity(items.len());
+        for (i, item) in items.iter().enumerate() {
+            let before = enter_item(&mut self.name, self.labels, (key, kind), i);
+            made.push(walk(self, item));
+            self.name.truncate(before);
+        }
+        made
     }
 
     /// Numbers that are alike, by their places.
@@ -136,8 +132,34 @@ impl<'a, P: Copy, Q> Walk<'a, P, Q> {
         quantities: &[DeclaredQuantity; N],
         values: [P; N],
     ) -> [Q; N] {
-        std::array::from_fn(|i| self.item(key, "", i, |at| at.here(&quantities[i], values[i])))
+        std::array::from_fn(|i| {
+            let before = enter_item(&mut self.name, self.labels, (key, ""), i);
+            let made = self.here(&quantities[i], values[i]);
+            self.name.truncate(before);
+            made
+        })
     }
+}
+
+/// Adds `key` to the name of a place; the length of the name before.
+fn enter(name: &mut String, key: &str) -> usize {
+    let before = name.len();
+    if before > 0 && !key.is_empty() {
+        name.push('.');
+    }
+    name.push_str(key);
+    before
+}
+
+/// Adds item `place` of the list at `key` to the name of a place, by its label where it has one; the length of the name before.
+fn enter_item(name: &mut String, labels: Labels, (key, kind): (&str, &str), place: usize) -> usize {
+    let label = labels(kind, name, place);
+    let before = enter(name, key);
+    match label {
+        Some(label) => drop(enter(name, &label)),
+        None => name.push_str(&format!("[{place}]")),
+    }
+    before
 }
 
 impl<P: Scalar, Q: Scalar> Walk<'_, P, Q> {

@@ -103,6 +103,7 @@ impl LiftingLine {
 }
 
 impl<P: Scalar> LiftingLine<P> {
+    #[inline(never)]
     fn laid(
         layout: NodeLayout<P>,
         numbers: SurfaceNumbers<P>,
@@ -127,6 +128,7 @@ impl<P: Scalar> LiftingLine<P> {
     ///
     /// # Errors
     /// [`Error::Invalid`] when the nodes do not fit an outline.
+    #[inline(never)]
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<LiftingLine<Q>, Error> {
         let layout = match &numbers.outline {
             None => self.layout.map(|number| Q::from(number.value())),
@@ -180,6 +182,7 @@ impl<P: Scalar> LiftingLine<P> {
         (3 + self.settings.section.law.states().len()) * self.nodes.len()
     }
     /// Names and units of the states, in order.
+    #[inline(never)]
     pub fn channels(&self) -> Vec<Channel> {
         let first = if self.settings.as_printed { ("series", "") } else { ("circulation", "m2/s") };
         let own = [first, ("lag1", "m/s"), ("lag2", "m/s")];

@@ -162,6 +162,7 @@ pub struct StripSpacing<P = f64> {
 ///
 /// # Errors
 /// [`Error::Invalid`] when a hinge lies beyond the tip or the strips are too few for hinges and gaps.
+#[inline(never)]
 pub fn spacing<P: Scalar>(
     planform: &Planform<P>,
     strips: usize,

@@ -125,6 +125,7 @@ impl StripModel {
 }
 
 impl<P: Scalar> StripModel<P> {
+    #[inline(never)]
     fn laid(numbers: SurfaceNumbers<P>, settings: StripSettings) -> Result<Self, Error> {
         let Some(planform) = &numbers.outline else {
             return Err(Error::invalid("planform", "none", "an outline"));
@@ -175,6 +176,7 @@ impl<P: Scalar> StripModel<P> {
     ///
     /// # Errors
     /// [`Error::Invalid`] when the strips do not fit the outline.
+    #[inline(never)]
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<StripModel<Q>, Error> {
         Ok(StripModel {
             shapes_given: self.shapes_given,
@@ -244,6 +246,7 @@ impl<P: Scalar> StripModel<P> {
         &self.grid.arcs
     }
     /// Names and units of the states, in order.
+    #[inline(never)]
     pub fn channels(&self) -> Vec<Channel> {
         let wash = (1..=self.lags.rate.len()).map(|k| (format!("wash_lag{k}"), "m/s"));
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));

@@ -84,6 +84,11 @@ impl Surfaces {
     /// # Errors
     /// [`Error::Invalid`] when there are too many, too many strips, or two of one name.
     pub fn new(surfaces: impl IntoIterator<Item = (String, Aero)>) -> Result<Self, Error> {
+        Self::all_of(surfaces.into_iter().collect())
+    }
+
+    /// The surfaces, compiled once.
+    fn all_of(surfaces: Vec<(String, Aero)>) -> Result<Self, Error> {
         let mut all = Self::none();
         for (name, aero) in surfaces {
             if name.is_empty() || all.surfaces.iter().any(|other| other.name == name) {
@@ -131,6 +136,7 @@ impl<P: Scalar> Surfaces<P> {
     }
 
     /// Lets every surface that can see the others.
+    #[inline(never)]
     fn pair(&mut self) {
         let shedding = |(k, surface): (usize, &Surface<P>)| {
             let source = surface.aero.source(surface.sections.start, surface.strips.start)?;
@@ -176,6 +182,7 @@ impl<P: Scalar> Surfaces<P> {
     ///
     /// # Panics
     /// When there are not as many.
+    #[inline(never)]
     pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Result<Surfaces<Q>, Error> {
         assert_eq!(numbers.len(), self.surfaces.len(), "numbers of every surface");
         let mut all = Surfaces::none();
@@ -239,6 +246,7 @@ impl<P: Scalar> Surfaces<P> {
     }
     /// Names and units of the states, in order. Names of all surfaces but the first begin with the surface's;
     /// what travels is called `tail_from_wing_lag1_0`, from a mirror image `tail_from_wing_image_lag1_0`.
+    #[inline(never)]
     pub fn channels(&self) -> Vec<Channel> {
         let prefixed = |(k, surface): (usize, &Surface<P>)| {
             let mut channels = surface.aero.channels();
