@@ -247,12 +247,14 @@ pub struct FullAeroSpec {
     /// Impulse of the bound circulation as a section turns about its chord and drifts along its span: a spanwise force and a couple.
     /// Without it a rectangular wing that folds by 50 degrees in the upstroke lifts 25 % more than the free lattice, with it as much. On
     /// wings with a swept trailing edge it is too large: over the cycle the lift of shipped gaits errs by 0.33 to 0.47 of its rms with
-    /// it, by 0.14 to 0.23 without. Beside `edge_suction` it has no effect.
-    pub turning_impulse: bool,
-    /// In place of `turning_impulse`: suction square to swept leading edges and of the side edges at the tips along the span, and the
-    /// pressure where sections drift along it. The rectangular wing that folds lifts 8 % less than the free lattice with it; over the
-    /// cycle the lift of shipped gaits errs by 0.16 to 0.24 of its rms. Not of a wing with a membrane, a flap or one strip.
-    pub edge_suction: bool,
+    /// it, by 0.14 to 0.23 without. Where not given: where there is no `edge_suction`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turning_impulse: Option<bool>,
+    /// Suction square to swept leading edges and of the side edges at the tips along the span, and the pressure where sections drift
+    /// along it. The rectangular wing that folds lifts 8 % less than the free lattice with it; over the cycle the lift of shipped gaits
+    /// errs by 0.16 to 0.24 of its rms. Not of a wing with a membrane, a flap or one strip, and not beside `turning_impulse = true`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_suction: Option<bool>,
     /// Vortices above the tips of a wing that ends in sharp side edges, after Lamar: a normal force that grows with the square of the
     /// lift. A plate of aspect ratio 2 lifts a twentieth more with it at 5 degrees, a tenth at 10; past stall and in fast motion too much.
     pub side_edges: bool,

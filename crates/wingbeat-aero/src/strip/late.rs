@@ -5,6 +5,7 @@
 use super::influence::{Matrix, StripColumn, multiply, sum};
 use super::membrane::Camber;
 use super::response::{LagSums, Spread};
+use super::settings::SpanForce;
 use super::{Room, StripFlow, StripModel};
 use crate::{Coupling, Sections, Wrench};
 use arrayvec::ArrayVec;
@@ -44,6 +45,24 @@ fn plain<const N: usize>(load: &Wrench<Dual<N>>) -> Wrench<f64> {
     Wrench { force: load.force.each(|f| f.re), moment: load.moment.each(|m| m.re) }
 }
 
+/// What the load of strip `i` of `n` weighs in row `r` of the loads.
+#[inline(always)]
+fn row<S: Scalar>(r: usize, i: usize, weights: &[[f64; 6]], n: usize, load: &Wrench<S>) -> S {
+    let ([a, b, c], [d, e, f]) = (load.force.0, load.moment.0);
+    let parts = [a, b, c, d, e, f];
+    match r.checked_sub(6) {
+        None => parts[r],
+        Some(coordinate) => {
+            let weights = &weights[coordinate * n + i];
+            let mut sum = S::ZERO;
+            for k in 0..6 {
+                sum += parts[k] * weights[k];
+            }
+            sum
+        }
+    }
+}
+
 /// What spreads over the strips, found in plain numbers; derivatives begin anew from it.
 struct Cut<'a> {
     model: &'a StripModel,
@@ -55,6 +74,8 @@ struct Cut<'a> {
     delayed: [StripColumn<Local, WIDE>; 2],
     open: [StripColumn<Local, WIDE>; 2],
     seen: StripColumn<Local, WIDE>,
+    /// The circulation of each strip that acts on those beside it.
+    beside: StripColumn<Local, WIDE>,
 }
 
 impl Cut<'_> {
@@ -89,6 +110,12 @@ impl Spread<Local, WIDE> for Cut<'_> {
         let (values, n) = (seen.map(|value| value.re), self.model.strips());
         let (far, near) = (multiply(&self.flow.far, &values, n), multiply(&self.flow.remainder, &values, n));
         Some([self.fresh(1, &far), near.map(Local::constant)])
+    }
+    fn beside(&mut self, bound: &mut StripColumn<Local, WIDE>) {
+        self.beside = *bound;
+        for value in bound {
+            *value = Local::constant(value.re);
+        }
     }
 }
 
@@ -125,13 +152,12 @@ impl ByWashes {
 
 impl StripModel {
     /// Whether [`by_states`](Self::by_states) takes this model: a membrane that is not given spreads over the strips too, and a flap has
-    /// states of its own; with `edge_suction` a drifting strip feels the circulation of those beside it.
+    /// states of its own.
     pub(crate) fn knows_by_states(&self) -> bool {
         let n = self.settings.strips;
         n <= WIDE
             && (self.membrane.is_none() || self.given() > 0)
             && self.hinges.is_none()
-            && !self.settings.edge_suction
             && self.states() - self.given() + WASHES * n <= LANES * n
     }
 
@@ -185,8 +211,16 @@ impl StripModel {
         append_copies(&mut rates, Local::ZERO, all);
         let mut strips = [Wrench::ZERO; WIDE];
         let zero = [Local::ZERO; WIDE];
-        let mut cut =
-            Cut { model: self, flow, first, found: 0, delayed: [zero; 2], open: [zero; 2], seen: zero };
+        let mut cut = Cut {
+            model: self,
+            flow,
+            first,
+            found: 0,
+            delayed: [zero; 2],
+            open: [zero; 2],
+            seen: zero,
+            beside: zero,
+        };
         let mut camber = Camber::none();
         let response = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut);
         let total = self.load_strips(flow, &response, None, Some(&mut strips[..n]));
@@ -202,6 +236,14 @@ impl StripModel {
         plain(&total)
     }
 
+    /// The loads of each strip by the circulation of that to its left and right, 1 m/s and 1 m2/s.
+    fn pushed_beside(&self, flow: &StripFlow<f64, f64, WIDE>) -> ArrayVec<[Wrench<f64>; 2], WIDE> {
+        let drifting = if self.span_force == SpanForce::Edges { self.settings.strips } else { 0 };
+        let push =
+            |i: usize, weight: f64| flow.strips.wrench(i, self.spread(i, weight * flow.strips.drift[i]));
+        (0..drifting).map(|i| self.edge_weights(i).map(|weight| push(i, weight))).collect()
+    }
+
     /// Puts the derivatives together.
     fn assemble(&self, cut: &Cut<'_>, rates: &[Local], strips: &[Wrench<Local>; WIDE], out: &mut ByStates) {
         let (n, states, first) = (self.settings.strips, out.states, cut.first);
@@ -213,22 +255,19 @@ impl StripModel {
         let by = |value: &dyn Fn(usize) -> Local| ByWashes::of(first, n, value);
         let [delayed, open] = [by(&|i| cut.delayed[1][i]), by(&|i| cut.open[1][i])];
         let mut loads = ArrayVec::<[Local; WIDE], MAX_DEGREES>::new();
+        let pushes = self.pushed_beside(cut.flow);
         for r in 0..6 + out.weights.len() / n {
             loads.push([Local::ZERO; WIDE]);
             for i in 0..n {
-                let ([a, b, c], [d, e, f]) = (strips[i].force.0, strips[i].moment.0);
-                let parts = [a, b, c, d, e, f];
-                loads[r][i] = match r.checked_sub(6) {
-                    None => parts[r],
-                    Some(coordinate) => {
-                        let weights = &out.weights[coordinate * n + i];
-                        let mut sum = Local::ZERO;
-                        for k in 0..6 {
-                            sum += parts[k] * weights[k];
-                        }
-                        sum
+                loads[r][i] = row(r, i, &out.weights[..], n, &strips[i]);
+            }
+            // What a strip does to the loads of those beside it counts as its own: only sums are wanted.
+            for (i, pushed) in pushes.iter().enumerate() {
+                for (k, push) in [i.wrapping_sub(1), i + 1].into_iter().zip(pushed) {
+                    if k < n {
+                        loads[r][k] += cut.beside[k] * row(r, i, &out.weights[..], n, push);
                     }
-                };
+                }
             }
         }
         let of_loads: ArrayVec<ByWashes, MAX_DEGREES> = loads.iter().map(|of| by(&|i| of[i])).collect();

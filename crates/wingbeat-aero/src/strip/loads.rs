@@ -3,6 +3,7 @@
 use super::influence::{StripColumn, column, lanes, plain, sum};
 use super::motion::{Strips, Vectors};
 use super::response::{LeadingEdges, StripResponse};
+use super::settings::SpanForce;
 use super::{StripFlow, StripModel};
 use crate::section::{SectionForce, pitch_suction, suction_share};
 use crate::{ForceDetail, Loads, ProfileDrag, StripLoads, Wrench};
@@ -44,7 +45,7 @@ enum Directed {
 impl<K: Scalar, G: Over<K>, const N: usize> Strips<K, G, N> {
     /// A force of section `i` as a wrench about the body origin.
     #[inline(always)]
-    fn wrench<S: Over<K>>(&self, i: usize, force: SectionForce<S>) -> Wrench<S> {
+    pub(super) fn wrench<S: Over<K>>(&self, i: usize, force: SectionForce<S>) -> Wrench<S> {
         force.wrench(self.half.get(i), self.chordwise.get(i), self.normal.get(i), self.across.get(i))
     }
 }
@@ -346,7 +347,7 @@ impl<P: Scalar> StripModel<P> {
         force
     }
 
-    /// What the circulation bears beside the plane of section `i`, whose suction is `suction`, by the law that the settings choose.
+    /// What the circulation bears beside the plane of section `i`, whose suction is `suction`, by the settings.
     #[inline(always)]
     fn beside<
         K: Scalar + Meets<P>,
@@ -360,12 +361,10 @@ impl<P: Scalar> StripModel<P> {
         response: &StripResponse<'_, S, N>,
         suction: S,
     ) -> SectionForce<S> {
-        if self.settings.edge_suction {
-            self.along_span(i, flow, response, suction)
-        } else if self.settings.turning_impulse {
-            self.turned_circulation(i, flow, response)
-        } else {
-            SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO)
+        match self.span_force {
+            SpanForce::Edges => self.along_span(i, flow, response, suction),
+            SpanForce::Impulse => self.turned_circulation(i, flow, response),
+            SpanForce::Nothing => SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO),
         }
     }
 
@@ -378,7 +377,7 @@ impl<P: Scalar> StripModel<P> {
     /// A plate bears nothing along its span but the suction of its edges. The impulse has this in two parts: the one that turns, and
     /// rho G w tan(sweep) dy, w the wash, of the wake that leaves a swept trailing edge. The second is left out: on rectangular wings there
     /// is none; on wings that taper to a point the two cancel but for the tilt of the suction of a swept leading edge, and the first alone
-    /// is too large (rows `trim.lattice.*.unturned`).
+    /// is too large (rows `trim.lattice.*.turned`).
     ///
     /// Equation: aero.strip.turned_circulation
     /// `F = rho dy b G (e_span . dn/dt) e_span, couple v_span e_span x rho dy b G n, G = g lw`

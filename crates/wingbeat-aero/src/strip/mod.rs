@@ -44,6 +44,7 @@ use influence::{Matrix, StripColumn, TargetPlaces, Targets, Trailing, Wash, inve
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
 use response::FullSpread;
+use settings::SpanForce;
 use tables::Tables;
 use wingbeat_math::{Error, Meets, Over, Scalar, Vec3, kept};
 use wingbeat_ocp::plant::Channel;
@@ -65,6 +66,7 @@ pub struct StripModel<P: Scalar = f64> {
     /// Whether the shapes of the membrane are given with their rates, and not found.
     shapes_given: bool,
     hinges: Option<Hinges>,
+    span_force: SpanForce,
 }
 
 /// What the strips know of the air at one instant, whatever the lags hold; what places alone decide is in `K`.
@@ -137,12 +139,7 @@ impl<P: Scalar> StripModel<P> {
             let allowed = "false of a wing with a hinge beyond its root, a flap, a gap or one strip: this was derived of whole flat wings";
             return Err(Error::invalid("side_edges", true, allowed));
         }
-        let plain = settings.membrane.is_none() && settings.flap.is_none() && settings.strips > 1;
-        if settings.edge_suction && !plain {
-            let allowed =
-                "false of a wing with a membrane, a flap or one strip: this was derived of flat sections";
-            return Err(Error::invalid("edge_suction", true, allowed));
-        }
+        let span_force = settings.span_force()?;
         let lags = settings.lags.lags();
         let ribs = settings.membrane.iter().flat_map(|membrane| &membrane.ribs_m);
         let ribs: Vec<f64> = ribs.copied().collect();
@@ -160,6 +157,7 @@ impl<P: Scalar> StripModel<P> {
             hinges,
             membrane: numbers.membrane.as_ref().map(skin).transpose()?,
             shapes_given: false,
+            span_force,
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
@@ -210,10 +208,12 @@ impl<P: Scalar> StripModel<P> {
     pub fn is_crowded(&self) -> bool {
         self.grid.crowded
     }
-    /// Whether the wing has hinges and a trailing edge that is swept.
-    pub fn folds_swept(&self) -> bool {
+    /// Whether the impulse of the circulation turns on a wing that has hinges and a trailing edge that is swept.
+    pub fn turns_swept(&self) -> bool {
         let bent = |pair: &[(P, P)]| pair[0].1 != pair[1].1;
-        !self.settings.hinge_arcs_m.is_empty() && self.grid.outline.windows(2).any(bent)
+        self.span_force == SpanForce::Impulse
+            && !self.settings.hinge_arcs_m.is_empty()
+            && self.grid.outline.windows(2).any(bent)
     }
     /// Number of states: for each wash lag, then for each wake lag, for each state of the
     /// law, for the impulse where it is followed, for the camber of a membrane and for a flap blocks of one value per strip, left tip to

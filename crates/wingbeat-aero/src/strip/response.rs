@@ -5,6 +5,7 @@ use super::influence::{StripColumn, column, lanes, multiply, plain};
 use super::membrane::{Camber, SectionAirs};
 use super::motion::{Strips, Wakes};
 use super::mutual::Foreign;
+use super::settings::SpanForce;
 use super::{StripFlow, StripModel};
 use crate::LagNumbers;
 use crate::law::{Attachment, Polar, lev};
@@ -38,6 +39,8 @@ pub(super) struct StripResponse<'a, S: Scalar, const N: usize> {
     pub circulation: StripColumn<S, N>,
     /// Share of the lift that stays attached.
     pub attached: StripColumn<S, N>,
+    /// Circulation of the lift over density and speed, m2/s, as the strips beside feel it; not written where they do not.
+    pub beside: StripColumn<S, N>,
     /// Wash at 3/4 chord, m/s.
     pub wash: StripColumn<S, N>,
     /// Lift wash, m/s.
@@ -73,6 +76,9 @@ pub(super) trait Spread<S: Scalar, const N: usize> {
     fn turned(&mut self, _seen: &StripColumn<S, N>) -> Option<[StripColumn<S, N>; 2]> {
         None
     }
+    /// The circulation that acts on the strips beside.
+    #[inline(always)]
+    fn beside(&mut self, _bound: &mut StripColumn<S, N>) {}
 }
 
 /// With all derivatives.
@@ -446,10 +452,18 @@ impl<P: Scalar> StripModel<P> {
                 impulse_rate[i] += camber.slope[1][i];
             }
         }
+        let mut beside = [S::ZERO; N];
+        if self.span_force == SpanForce::Edges {
+            for i in 0..lanes::<S, N>(self.settings.strips) {
+                beside[i] = self.bound(i, lift_wash[i], attached[i]);
+            }
+            spread.beside(&mut beside);
+        }
         StripResponse {
             turning_wash,
             edges,
             camber,
+            beside,
             circulation: sums.circulation,
             attached,
             wash,

@@ -29,6 +29,17 @@ impl LagSet {
     }
 }
 
+/// What the circulation bears along the span, and as a section drifts along it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SpanForce {
+    /// Nothing.
+    Nothing,
+    /// The impulse that turns with the section (`aero.strip.turned_circulation`).
+    Impulse,
+    /// Suction of edges and pressure (`aero.strip.along_span`).
+    Edges,
+}
+
 /// Settings of [`StripModel`](super::StripModel).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -52,12 +63,14 @@ pub struct StripSettings {
     /// Impulse of the bound circulation as a section turns about its chord and drifts along its span: a spanwise force and a couple.
     /// Without it a rectangular wing that folds by 50 degrees in the upstroke lifts 25 % more than the free lattice, with it as much. On
     /// wings with a swept trailing edge it is too large: over the cycle the lift of shipped gaits errs by 0.33 to 0.47 of its rms with
-    /// it, by 0.14 to 0.23 without. Beside `edge_suction` it has no effect.
-    pub turning_impulse: bool,
-    /// In place of `turning_impulse`: suction square to swept leading edges and of the side edges at the tips along the span, and the
-    /// pressure where sections drift along it. The rectangular wing that folds lifts 8 % less than the free lattice with it; over the
-    /// cycle the lift of shipped gaits errs by 0.16 to 0.24 of its rms. Not of a wing with a membrane, a flap or one strip.
-    pub edge_suction: bool,
+    /// it, by 0.14 to 0.23 without. Where not given: where there is no `edge_suction`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turning_impulse: Option<bool>,
+    /// Suction square to swept leading edges and of the side edges at the tips along the span, and the pressure where sections drift
+    /// along it. The rectangular wing that folds lifts 8 % less than the free lattice with it; over the cycle the lift of shipped gaits
+    /// errs by 0.16 to 0.24 of its rms. Not of a wing with a membrane, a flap or one strip, and not beside `turning_impulse = true`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_suction: Option<bool>,
     /// Vortices above the tips of a wing that ends in sharp side edges, after Lamar: a normal force that grows with the square of the
     /// lift. A plate of aspect ratio 2 lifts a twentieth more with it at 5 degrees, a tenth at 10; past stall and in fast motion too much.
     pub side_edges: bool,
@@ -86,8 +99,8 @@ impl Default for StripSettings {
             wake_wash: true,
             doublet_wash: true,
             folding_rates: false,
-            turning_impulse: true,
-            edge_suction: false,
+            turning_impulse: None,
+            edge_suction: None,
             side_edges: false,
             vortex_core: 0.3,
             force_tilt: true,
@@ -110,6 +123,26 @@ impl StripSettings {
         let membrane = self.membrane.as_ref().map(MembraneSpec::numbers);
         let flap = self.flap.as_ref().map(FlapSpec::numbers);
         SurfaceNumbers { membrane, flap, ..self.section.numbers(self.lags.lags().numbers()) }
+    }
+
+    /// What bears along the span, of `edge_suction` and `turning_impulse`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when both are asked for, or the first of what is not flat or is one strip.
+    pub(super) fn span_force(&self) -> Result<SpanForce, Error> {
+        let flat = self.membrane.is_none() && self.flap.is_none() && self.strips > 1;
+        let edges = self.edge_suction.unwrap_or(false);
+        let turns = self.turning_impulse.unwrap_or(!edges);
+        let refused = |allowed| Err(Error::invalid("edge_suction", true, allowed));
+        match (edges, turns) {
+            (true, true) => refused("false beside turning_impulse = true, whose place it takes"),
+            (true, false) if !flat => refused(
+                "false of a wing with a membrane, a flap or one strip: this was derived of flat sections",
+            ),
+            (true, false) => Ok(SpanForce::Edges),
+            (false, true) => Ok(SpanForce::Impulse),
+            (false, false) => Ok(SpanForce::Nothing),
+        }
     }
 
     /// Refuses values without physical meaning.

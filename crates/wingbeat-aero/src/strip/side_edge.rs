@@ -31,8 +31,9 @@ pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope:
     let (from, to) = (grid.arcs[0], grid.arcs[last + 1]);
     let span = from - to;
     let at = grid.control_arcs[i];
-    let inboard = if i == 0 { from - at } else { at - to };
-    if i == 0 || i == last {
+    let (end, inboard) = if i == 0 { (from, from - at) } else { (to, at - to) };
+    // The root of a one-sided surface lies at the arc 0 and stands on something: it is no edge.
+    if (i == 0 || i == last) && !end.is_zero() {
         density * (PI / 16.0) * grid.tip_chord * span * slope * slope / (inboard * (span - inboard))
     } else {
         P::ZERO
@@ -104,24 +105,46 @@ impl<P: Scalar> StripModel<P> {
             return force;
         }
         let (tables, last) = (&self.tables, self.settings.strips - 1);
-        let bound = |k: usize| {
-            response.lift_wash[k] * response.attached[k] * tables.lift_scale[k] * tables.inverse_width[k]
-        };
-        // Half the sum at an edge, which in Lan's angle lies midway; none at tips and gaps.
-        let own = bound(i);
-        let at = |k: usize, beside: usize| (own + bound(beside)) * tables.joined[k];
-        let right = if i < last { at(i, i + 1) } else { S::ZERO };
-        let left = if i > 0 { at(i - 1, i - 1) } else { S::ZERO };
+        let own = self.bound(i, response.lift_wash[i], response.attached[i]);
+        let [left, right] = self.edge_weights(i);
+        let mut sum = own * (left + right);
+        if i > 0 {
+            sum += response.beside[i - 1] * left;
+        }
+        if i < last {
+            sum += response.beside[i + 1] * right;
+        }
         let drift = flow.strips.drift[i];
-        let spread = (left - right) * (tables.chord[i] * 0.5) * drift;
-        force.normal = spread + own * tables.half_run[i] * drift;
-        force.nose_up = spread * (tables.chord[i] * -0.125);
+        force = self.spread(i, sum * drift);
+        force.normal += own * tables.half_run[i] * drift;
         force.across = -(suction * tables.leading_slope[i]);
         if !self.settings.side_edges && (i == 0 || i == last) {
             let wash = response.lift_wash[i] * response.attached[i];
             let pull = wash.squared() * (tables.side_edge[i] * (PULL[0] * OF_CIRCULATION));
             force.across += if i == 0 { -pull } else { pull };
         }
+        force
+    }
+
+    /// Circulation of the lift times the density, kg/(m s).
+    #[inline(always)]
+    pub(super) fn bound<S: Scalar + Meets<P>>(&self, i: usize, lift_wash: S, attached: S) -> S {
+        lift_wash * attached * (self.tables.lift_scale[i] * self.tables.inverse_width[i])
+    }
+
+    /// What the sums of the circulation of section `i` and of that to its left and right weigh in b dG, m: half of them is that at an edge,
+    /// which in Lan's angle lies midway; none at tips and gaps.
+    #[inline(always)]
+    pub(super) fn edge_weights(&self, i: usize) -> [P; 2] {
+        let (joined, half) = (&self.tables.joined, self.tables.chord[i] * 0.5);
+        [if i > 0 { joined[i - 1] * half } else { P::ZERO }, -(joined[i] * half)]
+    }
+
+    /// The force of a pressure that acts at 5/8 of the chord, N.
+    #[inline(always)]
+    pub(super) fn spread<S: Scalar + Meets<P>>(&self, i: usize, normal: S) -> SectionForce<S> {
+        let mut force = SectionForce::in_plane(S::ZERO, normal, S::ZERO);
+        force.nose_up = normal * (self.tables.chord[i] * -0.125);
         force
     }
 

@@ -88,13 +88,13 @@ impl StripCycles {
 /// Without the impulse of the circulation turning.
 fn unturned(spec: &mut ScenarioSpec) {
     attached(spec);
-    spec.aero.full.turning_impulse = false;
+    spec.aero.full.turning_impulse = Some(false);
 }
 
 /// With the suction of edges in its place.
 fn edges(spec: &mut ScenarioSpec) {
     attached(spec);
-    spec.aero.full.edge_suction = true;
+    spec.aero.full.edge_suction = Some(true);
 }
 
 /// Law `linear` with and without the impulse of the circulation turning, and with the suction of edges in its place; the same with 24 strips.
@@ -121,7 +121,7 @@ const FINELY: [ReplayChange; 2] = [
     ("linear_24", "the same, 24 strips", finely),
     ("unturned", "the same, 24 strips without the impulse of the circulation turning", |spec| {
         finely(spec);
-        spec.aero.full.turning_impulse = false;
+        spec.aero.full.turning_impulse = Some(false);
     }),
 ];
 

@@ -7,13 +7,22 @@ use wingbeat::robot::Robot;
 use wingbeat::scenario::Scenario;
 
 /// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes, a ground, a perch.
-const FLOWN: [(&str, &[&str]); 23] = [
+const FLOWN: [(&str, &[&str]); 24] = [
     ("banking_turn.toml", &[]),
     ("banking_turn.toml", &["aero.law=stall", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.law=lev", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "aero.law=stall"]),
-    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.turning_impulse=false"]),
+    ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.turning_impulse=true"]),
+    (
+        "banking_turn.toml",
+        &[
+            "aero.preset=full",
+            "aero.full.strips=16",
+            "aero.full.turning_impulse=false",
+            "aero.full.edge_suction=false",
+        ],
+    ),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.edge_suction=true"]),
     ("as_printed_fourier.toml", &[]),
     ("banking_turn_beta.toml", &[]),

@@ -397,7 +397,8 @@ impl SteadyWing {
         let wind = self.wind + Vec3::new(0.0, drift, 0.0);
         let mut arcs = Vec::new();
         let forces = [false, true].map(|edge_suction| {
-            let settings = StripSettings { edge_suction, turning_impulse: false, ..self.settings.clone() };
+            let (edge_suction, turning_impulse) = (Some(edge_suction), Some(false));
+            let settings = StripSettings { edge_suction, turning_impulse, ..self.settings.clone() };
             let model = StripModel::new(&self.planform, settings).unwrap();
             arcs = model.arcs().to_vec();
             let (_, loads) = evaluate(&model, &self.sections, wind, &self.x);
@@ -462,9 +463,12 @@ fn suction_is_square_to_swept_edges() {
         assert!(least > 0.0);
     }
     let wing = SteadyWing::new(1.0, &[], 16);
-    let one = StripSettings { edge_suction: true, strips: 1, ..wing.settings };
-    let refused = StripModel::new(&wing.planform, one).err().map(|error| error.to_string());
-    assert!(refused.as_ref().is_some_and(|text| text.contains("edge_suction")), "{refused:?}");
+    let one = StripSettings { edge_suction: Some(true), strips: 1, ..wing.settings.clone() };
+    let both = StripSettings { edge_suction: Some(true), turning_impulse: Some(true), ..wing.settings };
+    for settings in [one, both] {
+        let refused = StripModel::new(&wing.planform, settings).err().map(|error| error.to_string());
+        assert!(refused.as_ref().is_some_and(|text| text.contains("edge_suction")), "{refused:?}");
+    }
 }
 
 #[test]
