@@ -14,10 +14,8 @@ type WithNumbers<Q> = (
 
 /// What other crates build models by: named here, it is compiled here, where it is not inlined.
 #[used]
-static BUILDS: (WithNumbers<f64>, WithNumbers<Dual<4>>) = (
-    (Surfaces::with, Aero::with, Surfaces::channels),
-    (Surfaces::with, Aero::with, Surfaces::channels),
-);
+static BUILDS: (WithNumbers<f64>, WithNumbers<Dual<4>>) =
+    ((Surfaces::with, Aero::with, Surfaces::channels), (Surfaces::with, Aero::with, Surfaces::channels));
 
 impl Aero {
     /// [`evaluate`](Self::evaluate) in plain numbers.

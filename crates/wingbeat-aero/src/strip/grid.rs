@@ -20,8 +20,8 @@ pub(super) struct StripGrid<P = f64> {
     pub outline: Vec<(P, P)>,
     /// Chord, m.
     pub chord: Vec<P>,
-    /// Chord at the tip, m.
-    pub tip_chord: P,
+    /// Chord at the left and at the right tip, m; 0 at the root of a one-sided surface, which stands on something.
+    pub tip_chords: [P; 2],
     /// Width perpendicular to the chord, m.
     pub width: Vec<P>,
     /// Cosine of the sweep of the half-chord line.
@@ -87,9 +87,10 @@ impl<P: Scalar> StripGrid<P> {
             fraction,
             cos_half: cosine(0.5),
             cos_three_quarter: cosine(0.75),
-            tip_chord: {
-                let (leading, trailing) = planform.edges(planform.half_span());
-                leading - trailing
+            tip_chords: {
+                let tip = planform.half_span();
+                let chord = |s: P| if planform.from_root(s).is_zero() { P::ZERO } else { planform.chord(s) };
+                [chord(tip), chord(-tip)]
             },
             mean_chord,
             aspect: span / mean_chord,
@@ -414,6 +415,23 @@ mod tests {
                     "{hinge} of {hinges:?}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn a_tapered_surface_has_its_tips_where_it_ends_and_none_at_its_root() {
+        let station =
+            |arc_m, leading_edge_m| PlanformStation { arc_m, leading_edge_m, trailing_edge_m: -0.03 };
+        let planform = Planform::new(&[station(0.0, 0.05), station(0.2, 0.01)]).unwrap();
+        let tips = |span| {
+            let planform = planform.clone().spanning(span).unwrap();
+            StripGrid::new(&planform, 8, &[]).unwrap().tip_chords
+        };
+        for (span, expected) in
+            [(Span::Symmetric, [0.04, 0.04]), (Span::Left, [0.04, 0.0]), (Span::Right, [0.0, 0.04])]
+        {
+            let found = tips(span);
+            assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-15), "{span:?}: {found:?}");
         }
     }
 

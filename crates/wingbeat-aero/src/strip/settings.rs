@@ -63,7 +63,7 @@ pub struct StripSettings {
     /// Impulse of the bound circulation as a section turns about its chord and drifts along its span: a spanwise force and a couple.
     /// Without it a rectangular wing that folds by 50 degrees in the upstroke lifts 25 % more than the free lattice, with it as much. On
     /// wings with a swept trailing edge it is too large: over the cycle the lift of shipped gaits errs by 0.33 to 0.47 of its rms with
-    /// it, by 0.14 to 0.23 without. Where not given: where there is no `edge_suction`.
+    /// it, by 0.14 to 0.23 without. Where it is not given it is on, unless `edge_suction` is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning_impulse: Option<bool>,
     /// Suction square to swept leading edges and of the side edges at the tips along the span, and the pressure where sections drift
@@ -133,12 +133,13 @@ impl StripSettings {
         let flat = self.membrane.is_none() && self.flap.is_none() && self.strips > 1;
         let edges = self.edge_suction.unwrap_or(false);
         let turns = self.turning_impulse.unwrap_or(!edges);
-        let refused = |allowed| Err(Error::invalid("edge_suction", true, allowed));
+        let refused = |allowed| Error::invalid("edge_suction", true, allowed);
         match (edges, turns) {
-            (true, true) => refused("false beside turning_impulse = true, whose place it takes"),
-            (true, false) if !flat => refused(
+            (true, true) => Err(refused("false beside turning_impulse = true, whose place it takes")
+                .against(["turning_impulse"])),
+            (true, false) if !flat => Err(refused(
                 "false of a wing with a membrane, a flap or one strip: this was derived of flat sections",
-            ),
+            )),
             (true, false) => Ok(SpanForce::Edges),
             (false, true) => Ok(SpanForce::Impulse),
             (false, false) => Ok(SpanForce::Nothing),
@@ -161,5 +162,51 @@ impl StripSettings {
             }
         }
         self.section.check()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FlapSpec;
+
+    const FLAP: FlapSpec = FlapSpec {
+        chord_fraction: 0.3,
+        stiffness_n_rad: 0.1,
+        areal_density_kg_m2: 0.2,
+        damping_s: 0.0,
+        rest_deg: 0.0,
+        from_arc_m: 0.0,
+        to_arc_m: None,
+    };
+
+    #[test]
+    fn one_force_bears_along_the_span() {
+        use SpanForce::{Edges, Impulse, Nothing};
+        let flat = |edge_suction, turning_impulse| StripSettings {
+            edge_suction,
+            turning_impulse,
+            ..StripSettings::default()
+        };
+        let of = |settings: StripSettings| settings.span_force().ok();
+        for (edges, turns, expected) in [
+            (None, None, Some(Impulse)),
+            (None, Some(true), Some(Impulse)),
+            (None, Some(false), Some(Nothing)),
+            (Some(true), None, Some(Edges)),
+            (Some(true), Some(false), Some(Edges)),
+            (Some(true), Some(true), None),
+            (Some(false), None, Some(Impulse)),
+            (Some(false), Some(false), Some(Nothing)),
+            (Some(false), Some(true), Some(Impulse)),
+        ] {
+            assert_eq!(of(flat(edges, turns)), expected, "{edges:?}, {turns:?}");
+        }
+        for edges in [None, Some(true)] {
+            let flap = StripSettings { flap: Some(FLAP), ..flat(edges, None) };
+            let one = StripSettings { strips: 1, ..flat(edges, None) };
+            let expected = edges.is_none().then_some(Impulse);
+            assert_eq!([of(flap), of(one)], [expected; 2]);
+        }
     }
 }

@@ -31,13 +31,12 @@ pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope:
     let (from, to) = (grid.arcs[0], grid.arcs[last + 1]);
     let span = from - to;
     let at = grid.control_arcs[i];
-    let (end, inboard) = if i == 0 { (from, from - at) } else { (to, at - to) };
-    // The root of a one-sided surface lies at the arc 0 and stands on something: it is no edge.
-    if (i == 0 || i == last) && !end.is_zero() {
-        density * (PI / 16.0) * grid.tip_chord * span * slope * slope / (inboard * (span - inboard))
-    } else {
-        P::ZERO
-    }
+    let (chord, inboard) = match i {
+        0 => (grid.tip_chords[0], from - at),
+        i if i == last => (grid.tip_chords[1], at - to),
+        _ => return P::ZERO,
+    };
+    density * (PI / 16.0) * chord * span * slope * slope / (inboard * (span - inboard))
 }
 
 impl<P: Scalar> StripModel<P> {
@@ -78,7 +77,8 @@ impl<P: Scalar> StripModel<P> {
     /// with the speed v along its span, the pressure is rho v dphi/dy less: the jump phi of the circulation G, with the integral
     /// b G along the chord, takes rho v d(bG)/dy but for what the trailing edge cuts off, rho v G tan, and so rho v b dG/dy at 5/8 of
     /// the chord, and gives rho v G tan of the half-chord line at its middle. Sweeps are those of the flat wing. Left out: the couple of
-    /// the edges' suction about the normal, that of a taper, and what of the tip's pull goes where the leading edge loses its suction.
+    /// the edges' suction about the normal, that of a taper, what of the tip's pull goes where the leading edge loses its suction, and what
+    /// the root of a one-sided surface stands on: its circulation ends there as at a tip.
     /// The impulse of the carried air holds its own share of all this (`aero.strip.carried_air`), as what turns with the normal. With
     /// `edge_suction` alone.
     ///

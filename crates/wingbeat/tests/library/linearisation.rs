@@ -7,7 +7,7 @@ use wingbeat::robot::Robot;
 use wingbeat::scenario::Scenario;
 
 /// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes, a ground, a perch.
-const FLOWN: [(&str, &[&str]); 24] = [
+const FLOWN: [(&str, &[&str]); 27] = [
     ("banking_turn.toml", &[]),
     ("banking_turn.toml", &["aero.law=stall", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
@@ -24,6 +24,12 @@ const FLOWN: [(&str, &[&str]); 24] = [
         ],
     ),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.edge_suction=true"]),
+    ("passive_20g.toml", &["aero.full.edge_suction=true", "air.wind_m_s=[0.2,-0.4,0.1]"]),
+    (
+        "cruise_44g_lev.toml",
+        &["aero.full.edge_suction=true", "aero.full.folding_rates=true", "air.gust_m_s=0.3"],
+    ),
+    ("aerobat_elastic.toml", &["aero.full.edge_suction=true"]),
     ("as_printed_fourier.toml", &[]),
     ("banking_turn_beta.toml", &[]),
     ("cruise_linkage.toml", &[]),

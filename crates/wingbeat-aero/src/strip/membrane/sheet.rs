@@ -420,7 +420,7 @@ mod tests {
             tip_to_tip: 1.0,
             aspect: 2.5,
             crowded: false,
-            tip_chord: 0.2,
+            tip_chords: [0.2; 2],
         };
         let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.1, trailing_edge_m: -0.1 };
         let planform = Planform::new(&[station(0.0), station(0.25)]).unwrap();
