@@ -89,6 +89,13 @@ impl MovingSections for Posed {
             let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
             out.clear();
             out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
+        } else if self.edges.is_some() {
+            // An edge between two planes, as of a dihedral, bends along their mean.
+            let sides: Vec<_> = out.iter().map(|section| (section.span, section.w)).collect();
+            for (section, beside) in out.iter_mut().skip(1).zip(sides.windows(3)) {
+                section.span = (beside[0].0 + beside[2].0).unit();
+                section.w = (beside[0].1 + beside[2].1) * 0.5;
+            }
         }
     }
 

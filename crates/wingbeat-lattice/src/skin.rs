@@ -49,7 +49,9 @@ impl EdgeBends {
     pub fn new(aero: &Aero, arcs: &[f64]) -> Option<Self> {
         let model = aero.bent()?;
         let (strips, ends) = (model.strips(), model.arcs());
-        let [first, last] = [arcs[0], arcs[arcs.len() - 1]];
+        // Rounding must not put an end of strips beside that of the piece.
+        let same = 1e-9 * (arcs[0] - arcs[arcs.len() - 1]);
+        let [first, last] = [arcs[0] - same, arcs[arcs.len() - 1] + same];
         let half = |k: usize| 0.5 * (ends[k - 1] - ends[k]).min(ends[k] - ends[k + 1]);
         // Share of the strips from `k` on at an arc.
         let from = |k: usize, arc: f64| match k {
@@ -118,7 +120,8 @@ pub(crate) struct BentPiece {
     /// Velocities of the points that carry its mass, as they are bent and on straight chords, m/s: now and at the instant before.
     now: Vec<[Vec3; 2]>,
     before: Option<Vec<[Vec3; 2]>>,
-    /// Whether a step has ended: the rates of the start, which the air has not seen, are no velocities to differ from.
+    /// Whether a step has ended, or rates are those of a momentum: the rates of a membrane at the start, which the air has not seen, are no
+    /// velocities to differ from.
     begun: bool,
 }
 
@@ -132,7 +135,7 @@ impl BentPiece {
             sheet: model.sheet()?,
             now: Vec::new(),
             before: None,
-            begun: false,
+            begun: !model.is_membrane(),
         })
     }
 

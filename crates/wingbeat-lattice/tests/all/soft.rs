@@ -54,11 +54,12 @@ fn sails_stand_in_the_lattice_as_by_strips() {
     assert!(told(&lattice) && !told(&strips));
     for (state, within) in [("camber", 0.03), ("camber_forward", 0.1)] {
         let [own, other] = [&lattice, &strips].map(|run| ends(run, state));
-        let size = other.iter().fold(0.0_f64, |most, state| most.max(state.abs()));
-        let apart = apart(&own, &other);
-        assert!(apart < within && own.len() > 3, "{state}: {apart} {own:?} {other:?}");
-        let skew = own.iter().zip(own.iter().rev()).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-        assert!(skew < 1e-5 * size, "{state}: {skew}");
+        let off = apart(&own, &other);
+        assert!(off < within && own.len() > 3, "{state}: {off} {own:?} {other:?}");
+        let mirrored: Vec<f64> = own.iter().rev().copied().collect();
+        // The edge in the middle plane of a dihedral, which is bent as the strips beside it, belongs to one side.
+        let skew = apart(&own, &mirrored);
+        assert!(skew < 3e-4, "{state}: {skew}");
     }
 }
 
@@ -147,22 +148,26 @@ fn flaps_stay_still_on_any_panels() {
     }
 }
 
-/// A flap a thousand times as stiff, without weight, flies as the rigid glider does; as soft as it is it stands as by strips, whose hinge
+/// A flap a hundred times as stiff flies as the rigid glider does; as soft as it is it stands as by strips, whose hinge
 /// moment is Glauert's, and the same on either side.
 #[test]
 fn flaps_stand_in_the_lattice_as_by_strips_and_stiff_ones_as_none() {
     let fine = "lattice={ step_s = 0.005, chordwise = 8, spanwise = 24 }";
     let duration = "flight.duration_s=0.2";
     let rigid = fly(&open(shipped("glider.toml", &[fine, duration, "flight.step_s=5e-4"])));
-    let stiff = ["stiffness_n_rad=1e3", "areal_density_kg_m2=0.0", "rest_deg=0.0"]
-        .map(|set| format!("robot.surfaces[0].flap.{set}"));
-    let document = shipped("flap_glide.toml", &[fine, duration]);
+    let stiff = ["stiffness_n_rad=100.0", "rest_deg=0.0"].map(|set| format!("robot.surfaces[0].flap.{set}"));
+    let document = shipped("flap_glide.toml", &[fine, duration, "flight.step_s=5e-5"]);
     let stiff = fly(&open(stiff.iter().fold(document, |document, set| document.set(set))));
     let soft = fly(&open(shipped("flap_glide.toml", &[fine, duration])));
     let [lift, small] = ["force_circulatory_z", "pitch"];
-    for (of, within) in [(lift, 1e-3), (small, 1e-3)] {
+    for of in [lift, small] {
         let off = |run: &Run| (last(run, of) - last(&rigid, of)).abs() / last(&rigid, of).abs();
-        assert!(off(&stiff) < within && off(&soft) > 2.0 * within, "{of}: {} {}", off(&stiff), off(&soft));
+        assert!(
+            off(&stiff) < 2e-3 && off(&stiff) < 0.05 * off(&soft),
+            "{of}: {} {}",
+            off(&stiff),
+            off(&soft)
+        );
     }
     let strips = fly(&open(shipped("flap_glide.toml", &[duration])));
     let told = |run: &Run| format!("{:?}", run.summary.warnings).contains("lattice.soft");
@@ -171,100 +176,47 @@ fn flaps_stand_in_the_lattice_as_by_strips_and_stiff_ones_as_none() {
     let off = apart(&own, &other);
     assert!(off < 0.035 && own.len() > 3, "{off} {own:?} {other:?}");
     let mirrored: Vec<f64> = own.iter().rev().copied().collect();
-    // With dihedral the flaps' edge in the middle plane lies as one side says.
     let skew = apart(&own, &mirrored);
     assert!(skew < 2e-4, "{skew}");
 }
 
-/// A flap that swings on a spring without damping next to no air: what springs and mass hold falls from cycle to cycle by the backward
-/// differences of its velocities alone, and that by the step.
+/// A flap that swings on a spring without damping next to no air: from one turning point to the next its strain falls by the step, as
+/// `robot.held_load` says: of mass and spring alone a step keeps 1/(1 + (w step)^2/2) of it.
 #[test]
 fn a_swinging_flap_makes_no_energy() {
-    let (density, stiffness, chord) = (4e-3, 2e-4, 0.05);
-    let inertia = density * f64::powi(chord, 3) / 3.0;
-    let period = std::f64::consts::TAU * f64::sqrt(inertia / stiffness);
+    let (density, stiffness, chord) = (4.0, 0.2, 0.05);
+    let frequency = f64::sqrt(stiffness / (density * f64::powi(chord, 3) / 3.0));
+    let period = std::f64::consts::TAU / frequency;
     let skin = format!(
-        "flap = {{ chord_fraction = 0.25, stiffness_n_rad = {stiffness}, areal_density_kg_m2 = {density}, damping_s = 1e-6, rest_deg = 2.0 }}\n"
+        "flap = {{ chord_fraction = 0.25, stiffness_n_rad = {stiffness}, areal_density_kg_m2 = {density}, damping_s = 1e-6, rest_deg = 10.0 }}\n"
     );
     let lost = [2e-3, 1e-3].map(|step| {
-        let set = ["step_s", "longest_age_s", "spanwise", "chordwise"]
-            .iter()
-            .zip([step, 2.0 * step, 16.0, 4.0])
-            .map(|(key, value)| format!("lattice.{key}={value}"));
-        let flight = [("duration_s", period), ("step_s", 1e-4), ("record_every_s", step)];
-        let steps = (period / step).round();
-        let flight = flight.map(|(key, value)| {
-            format!("flight.{key}={}", if key == "duration_s" { steps * step } else { value })
-        });
-        let run = fly(&open(set.chain(flight).fold(sheet(&skin), |document, set| document.set(&set))));
-        let (mut most, mut end) = (0.0_f64, 0.0);
-        let angles = column(&run, "flap_4");
-        // At the begin all is in the spring; a cycle later too, but for what is lost.
-        let rest = 2_f64.to_radians();
-        for (i, angle) in angles.iter().enumerate() {
-            let strain = (angle - rest).powi(2);
-            most = most.max(strain);
-            if i * 4 > angles.len() * 3 {
-                end = f64::max(end, strain);
-            }
-        }
-        assert!(most <= (angles[0] - rest).powi(2) * (1.0 + 1e-9), "{most}");
-        1.0 - end / most
+        let steps = (1.2 * period / step).ceil();
+        let keys = [
+            ("lattice.step_s", step),
+            ("lattice.longest_age_s", 2.0 * step),
+            ("lattice.spanwise", 16.0),
+            ("flight.duration_s", steps * step),
+            ("flight.step_s", 1e-4),
+            ("flight.record_every_s", step),
+        ];
+        let still = sheet(&skin).set("start.velocity_m_s=[0.01,0.0,0.0]");
+        let run = fly(&open(
+            keys.iter().fold(still, |document, (key, value)| document.set(format!("{key}={value}"))),
+        ));
+        let (times, angles) = (column(&run, "t"), column(&run, "flap_4"));
+        let most = |from: f64, to: f64| {
+            let strains = times.iter().zip(angles).filter(|(t, _)| (from..to).contains(&(*t / period)));
+            strains.fold(0.0_f64, |most, (_, angle)| most.max((angle - 10_f64.to_radians()).powi(2)))
+        };
+        let [first, next] = [most(0.25, 0.75), most(0.75, 1.2)];
+        let held = 1.0 - (1.0 + 0.5 * (frequency * step).powi(2)).powf(-0.5 * period / step);
+        let lost = 1.0 - next / first;
+        assert!(first > 0.01 && lost > 0.0 && lost < 2.0 * held, "{step}: {first} {next} {held}");
+        lost
     });
-    let [coarse, fine] = lost;
-    assert!(coarse < 0.4 && coarse / fine > 1.6 && coarse / fine < 2.3, "{coarse} {fine}");
-}
-
-/// Of flaps and any panels: states that are alike bend edges alike, an even load comes to each flap by its width, and what loads do on the edges
-/// they do on the states.
-#[test]
-fn edges_bend_alike_and_do_the_work_of_their_loads() {
-    let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.5, trailing_edge_m: -0.5 };
-    let flap = FlapSpec {
-        chord_fraction: 0.25,
-        stiffness_n_rad: 2.0,
-        areal_density_kg_m2: 0.1,
-        damping_s: 0.01,
-        rest_deg: 0.0,
-        from_arc_m: 0.0,
-        to_arc_m: None,
-    };
-    let settings = StripSettings { strips: 16, flap: Some(flap), ..Default::default() };
-    let planform = Planform::new(&[station(0.0), station(5.0)]).unwrap();
-    let aero = Aero::Strip(StripModel::new(&planform, settings).unwrap());
-    let widths = aero.bent().unwrap().widths().to_vec();
-    let random = |k: usize| (k as f64 * 12.9898).sin();
-    for panels in [5, 8, 16, 24, 61] {
-        let even = |j: usize| 5.0 - 10.0 * j as f64 / panels as f64;
-        let arcs: Vec<f64> = (0..=panels)
-            .map(|j| if j % panels == 0 { even(j) } else { even(j) + 2.0 / panels as f64 * random(j) })
-            .collect();
-        let map = EdgeBends::new(&aero, &arcs).unwrap();
-        let bent = |states: &[[f64; 2]]| {
-            let mut out = Vec::new();
-            map.bends(states, &mut out);
-            out
-        };
-        for bend in bent(&[[0.1, -2.0]; 16]) {
-            assert!((bend.angle.re - 0.1).abs() < 1e-15 && (bend.angle.eps[0] + 2.0).abs() < 1e-14);
-        }
-        let shared = |edges: &[[f64; 3]]| {
-            let mut loads = vec![0.0; 16];
-            map.share(edges, &mut loads);
-            loads
-        };
-        let around = |j: usize| 0.5 * (arcs[j.saturating_sub(1)] - arcs[(j + 1).min(panels)]);
-        let even: Vec<[f64; 3]> = (0..=panels).map(|j| [0.0, 0.0, around(j)]).collect();
-        for (load, width) in shared(&even).iter().zip(&widths) {
-            assert!((load - width).abs() < 1e-13, "{panels}: {load} {width}");
-        }
-        let states: Vec<[f64; 2]> = (0..16).map(|k| [random(k + 7), 0.0]).collect();
-        let loads: Vec<[f64; 3]> = (0..=panels).map(|j| [0.0, 0.0, random(3 * j + 1)]).collect();
-        let on_edges: f64 =
-            bent(&states).iter().zip(&loads).map(|(bend, load)| bend.angle.re * load[2]).sum();
-        let on_states: f64 = shared(&loads).iter().zip(&states).map(|(load, state)| load * state[0]).sum();
-        assert!((on_edges - on_states).abs() < 1e-13, "{panels}: {on_edges} {on_states}");
-    }
+    let halved = lost[0] / lost[1];
+    assert!(halved > 1.6 && halved < 2.4, "{lost:?}");
 }
 
 /// The film's own mass is not what makes state and pressure hard to find together: what a membrane yields against has the air's mass too. So a
