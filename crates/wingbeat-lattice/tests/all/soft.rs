@@ -219,6 +219,61 @@ fn a_swinging_flap_makes_no_energy() {
     assert!(halved > 1.6 && halved < 2.4, "{lost:?}");
 }
 
+/// Of flaps and any panels: states that are alike bend edges alike, an even load comes to each flap by its width, and what loads do on the edges
+/// they do on the states.
+#[test]
+fn edges_bend_alike_and_do_the_work_of_their_loads() {
+    let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.5, trailing_edge_m: -0.5 };
+    let flap = FlapSpec {
+        chord_fraction: 0.25,
+        stiffness_n_rad: 2.0,
+        areal_density_kg_m2: 0.1,
+        damping_s: 0.01,
+        rest_deg: 0.0,
+        from_arc_m: 0.0,
+        to_arc_m: None,
+    };
+    let settings = StripSettings { strips: 16, flap: Some(flap), ..Default::default() };
+    let planform = Planform::new(&[station(0.0), station(5.0)]).unwrap();
+    let aero = Aero::Strip(StripModel::new(&planform, settings).unwrap());
+    let random = |k: usize| (k as f64 * 12.9898).sin();
+    for panels in [5, 8, 16, 24, 61] {
+        let even = |j: usize| 5.0 - 10.0 * j as f64 / panels as f64;
+        let arcs: Vec<f64> = (0..=panels)
+            .map(|j| if j % panels == 0 { even(j) } else { even(j) + 2.0 / panels as f64 * random(j) })
+            .collect();
+        let map = EdgeBends::new(&aero, &arcs).unwrap();
+        let bent = |states: &[[f64; 2]]| {
+            let mut out = Vec::new();
+            map.bends(states, &mut out);
+            out
+        };
+        for bend in bent(&[[0.1, -2.0]; 16]) {
+            assert!((bend.angle.re - 0.1).abs() < 1e-15 && (bend.angle.eps[0] + 2.0).abs() < 1e-14);
+        }
+        let shared = |edges: &[[f64; 3]]| {
+            let mut loads = vec![0.0; 16];
+            map.share(edges, &mut loads);
+            loads
+        };
+        let around = |j: usize| 0.5 * (arcs[j.saturating_sub(1)] - arcs[(j + 1).min(panels)]);
+        let even: Vec<[f64; 3]> = (0..=panels).map(|j| [0.0, 0.0, around(j)]).collect();
+        let (loads, ends) = (shared(&even), aero.bent().unwrap().arcs());
+        for (k, load) in loads.iter().enumerate() {
+            // What lies between the last strip and the tip counts to that strip.
+            let from = if k == 0 { arcs[0] } else { ends[k] };
+            let width = from - if k == 15 { arcs[panels] } else { ends[k + 1] };
+            assert!((load - width).abs() < 1e-13, "{panels} {k}: {load} {width}");
+        }
+        let states: Vec<[f64; 2]> = (0..16).map(|k| [random(k + 7), 0.0]).collect();
+        let loads: Vec<[f64; 3]> = (0..=panels).map(|j| [0.0, 0.0, random(3 * j + 1)]).collect();
+        let on_edges: f64 =
+            bent(&states).iter().zip(&loads).map(|(bend, load)| bend.angle.re * load[2]).sum();
+        let on_states: f64 = shared(&loads).iter().zip(&states).map(|(load, state)| load * state[0]).sum();
+        assert!((on_edges - on_states).abs() < 1e-13, "{panels}: {on_edges} {on_states}");
+    }
+}
+
 /// The film's own mass is not what makes state and pressure hard to find together: what a membrane yields against has the air's mass too. So a
 /// film next to without weight takes about as many trials as a heavy one.
 #[test]
