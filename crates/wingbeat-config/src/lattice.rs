@@ -11,7 +11,7 @@ use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::{Robot, SurfaceOutline};
 
 /// An unsteady vortex lattice in place of all that the aerodynamic model says of attached flow; profile drag is the model's. Membranes
-/// bear its pressure, their own inertia and weight; what a law of separated flow presses on them is left out. Flaps are refused.
+/// and flaps bear its pressure, their own inertia and weight; what a law of separated flow presses on them is left out.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -204,14 +204,14 @@ impl LatticeSummary {
     }
 }
 
-/// The warning that a membrane of `models` flies in the lattice of `spec`. Gliding sails were compared; of the flapping
+/// The warning that a membrane or flap of `models` flies in the lattice of `spec`. Gliding sails were compared; of the flapping
 /// `aerobat_membrane` (law `stall`) camber was three quarters of that by strips and positive power 1.27 times.
 pub(super) fn soft<'a>(
     spec: Option<&LatticeSpec>,
     models: impl IntoIterator<Item = &'a Aero>,
 ) -> Option<Warning> {
-    let bends = models.into_iter().any(|model| model.membrane().is_some());
-    let text = "membranes bear the pressure of attached flow, and flapping ones were compared with nothing measured: aerobat_membrane \
+    let bends = models.into_iter().any(|model| model.bent().is_some());
+    let text = "membranes and flaps bear the pressure of attached flow, and flapping ones were compared with nothing measured: aerobat_membrane \
                 bulges a quarter less in the lattice than by strips and takes a quarter more power";
     (spec.is_some() && bends).then(|| Warning::new("lattice.soft", text.to_owned()).key("lattice"))
 }

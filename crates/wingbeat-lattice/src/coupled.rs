@@ -6,7 +6,7 @@ use crate::layout::{PanelLayout, Spacing};
 use crate::mesh::Mesh;
 use crate::motion::{LatticeSurface, MovingSections, Panels, Scene};
 use crate::settings::{LatticeSettings, WakeMotion};
-use crate::skin::{BentPiece, moving_bends};
+use crate::skin::{BentPiece, EdgeBends};
 use crate::{Error, Lattice};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -56,12 +56,6 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
             };
             wingbeat::Error::invalid(key, value, allowed)
         }
-        Error::Bent { key } => {
-            let key = format!("robot.surfaces.{key}");
-            let allowed =
-                "none: in the lattice of a flight flaps swing from strip to strip where panels are as wide";
-            wingbeat::Error::invalid(key, "given", allowed)
-        }
         Error::Rings { rings, most } => {
             let allowed = format!("steps whose wake has at most {most} rings: give lattice.longest_age_s");
             wingbeat::Error::invalid("lattice.step_s", format!("{rings} rings of the wake"), allowed)
@@ -81,8 +75,9 @@ type SharedStance = Arc<Mutex<Stance>>;
 struct Posed {
     robot: Arc<Robot>,
     surface: usize,
-    /// Where its surface stands among all that bends.
+    /// Where its surface stands among all that bends, and how that bends its edges, if it does.
     bends: Range<usize>,
+    edges: Option<EdgeBends>,
     pose: SharedStance,
 }
 
@@ -94,20 +89,21 @@ impl MovingSections for Posed {
             let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
             out.clear();
             out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
+        } else if self.edges.is_some() {
+            // An edge between two planes, as of a dihedral, bends along their mean.
+            let sides: Vec<_> = out.iter().map(|section| (section.span, section.w)).collect();
+            for (section, beside) in out.iter_mut().skip(1).zip(sides.windows(3)) {
+                section.span = (beside[0].0 + beside[2].0).unit();
+                section.w = (beside[0].1 + beside[2].1) * 0.5;
+            }
         }
     }
 
-    fn bends(&self, _: f64, arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
+    fn bends(&self, _: f64, _: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
         out.clear();
         let pose = self.pose.lock().unwrap_or_else(PoisonError::into_inner);
-        let (Some(bent), Some((_, aero))) =
-            (pose.bends.get(self.bends.clone()), self.robot.surfaces().nth(self.surface))
-        else {
-            return;
-        };
-        if !bent.is_empty() {
-            let [now, rates] = [0, 1].map(|of| bent.iter().map(|bend| bend[of]).collect::<Vec<f64>>());
-            moving_bends(aero, [&now, &rates], arcs, out);
+        if let (Some(edges), Some(bent)) = (&self.edges, pose.bends.get(self.bends.clone())) {
+            edges.bends(bent, out);
         }
     }
 }
@@ -169,9 +165,6 @@ impl CoupledLattice {
         let LatticeTask { spec, robot, outlines, density_kg_m3, every, steps } = task;
         let (chordwise, spanwise) = (spec.chordwise, spec.spanwise);
         let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
-        if robot.surfaces().any(|(_, aero)| aero.flap().is_some()) {
-            return Err(Error::Bent { key: "flap" });
-        }
         let layouts = laid(robot, outlines, panels)?;
         let longest_age_s = spec.longest_age_s.unwrap_or(f64::INFINITY);
         let rows = (*steps as f64).min(longest_age_s / spec.step_s);
@@ -201,7 +194,9 @@ impl CoupledLattice {
         let bent = layouts.iter().map(piece).collect();
         let surface = |(number, layout): &(usize, PanelLayout)| {
             let bends = places[*number].clone();
-            let posed = Posed { robot: robot.clone(), surface: *number, bends, pose: pose.clone() };
+            let edges =
+                robot.surfaces().nth(*number).and_then(|(_, aero)| EdgeBends::new(aero, &layout.arcs));
+            let posed = Posed { robot: robot.clone(), surface: *number, bends, edges, pose: pose.clone() };
             LatticeSurface { layout: layout.clone(), sections: Arc::new(posed) }
         };
         let scene = Scene {

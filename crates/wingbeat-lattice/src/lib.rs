@@ -53,4 +53,5 @@ pub use mesh::{Control, Mesh, VortexElement};
 pub use motion::{FlappingWing, LatticeSurface, MovingSections, Panels, Scene};
 pub use picture::{Quad, VortexPicture};
 pub use settings::{Conventions, Core, LatticeSettings, WakeMotion};
+pub use skin::EdgeBends;
 pub use wake::Wake;

@@ -29,8 +29,8 @@ pub struct PanelLoads {
     pub suction: Vec<Vec3>,
     /// Force and moment about W's origin by Joukowski, by strip, N and N m.
     pub strips: Vec<Wrench<f64>>,
-    /// Virtual work of Bernoulli's forces by strip, per unit of both heights of its bend over the chord and of its angle, N m;
-    /// nothing where chord lines are straight.
+    /// Virtual work of Bernoulli's forces by edge of the strips, per unit of both heights of its bend over the chord and of its angle,
+    /// N m; nothing where chord lines are straight.
     pub bends: Vec<[f64; 3]>,
 }
 
@@ -305,7 +305,7 @@ impl LoadedSurface<'_> {
         bear(place, force, middle, [0.5; 2]);
     }
 
-    /// What the forces by Bernoulli do along the bends of the strips, whose edges bend alike; the suction of the leading edge does nothing there, which no bend
+    /// What the forces by Bernoulli do along the bends of the strips' edges; the suction of the leading edge does nothing there, which no bend
     /// moves.
     ///
     /// Equation: lattice.bent_work
@@ -313,12 +313,12 @@ impl LoadedSurface<'_> {
     /// Source: virtual work of the pressure on the panels.
     /// Test: `pressure_bears_on_bends_as_thin_aerofoil_theory_says`.
     fn work_on_bends(&self) -> Vec<[f64; 3]> {
-        let mut work = vec![[0.0; 3]; self.mesh.strips];
+        let mut work = vec![[0.0; 3]; self.mesh.edges.len()];
         for (i, j) in (0..self.mesh.chordwise).flat_map(|i| (0..self.mesh.strips).map(move |j| (i, j))) {
             self.pressed(i, j, |_, force, x, shares| {
                 for (side, share) in [j, j + 1].into_iter().zip(shares) {
                     let raised = self.mesh.raised(j, side, x);
-                    (0..3).for_each(|k| work[j][k] += share * force.dot(raised[k]));
+                    (0..3).for_each(|k| work[side][k] += share * force.dot(raised[k]));
                 }
             });
         }

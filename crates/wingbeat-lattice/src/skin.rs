@@ -27,18 +27,101 @@ pub(crate) fn moving_bends(
     }));
 }
 
+/// How the edges of panels are bent by what bends on the strips of their surface.
+#[derive(Clone, Debug)]
+pub struct EdgeBends {
+    /// Shares of the strips in what each edge has.
+    shares: Vec<Vec<f64>>,
+    /// Which of both heights and the angle the states are.
+    kinds: Range<usize>,
+    hinge: f64,
+}
+
+impl EdgeBends {
+    /// Of the edges at the arcs `arcs` (m) of a piece of `aero`; none of a surface that does not bend. States hold on their strips and go
+    /// linearly across the edges between two, over the width of the narrower; an edge of panels has the mean of them that
+    /// the panels beside it weigh. So alike states make an alike bend, and by virtual work an even load comes to each strip by its width.
+    ///
+    /// Equation: lattice.bent_edges
+    /// `b = W s, Q = W' q; W_jk = int f_j N_k dy/int f_j dy, f_j falling linearly from edge j to the next ones, N_k from strip k`
+    /// Source: virtual work; Farhat, Lesoinne & Le Tallec 1998, Comput. Methods Appl. Mech. Eng. 157; means in place of values a choice.
+    /// Test: `edges_bend_alike_and_do_the_work_of_their_loads`.
+    pub fn new(aero: &Aero, arcs: &[f64]) -> Option<Self> {
+        let model = aero.bent()?;
+        let (strips, ends) = (model.strips(), model.arcs());
+        // Rounding must not put an end of strips beside that of the piece.
+        let same = 1e-9 * (arcs[0] - arcs[arcs.len() - 1]);
+        let [first, last] = [arcs[0] - same, arcs[arcs.len() - 1] + same];
+        let half = |k: usize| 0.5 * (ends[k - 1] - ends[k]).min(ends[k] - ends[k + 1]);
+        // Share of the strips from `k` on at an arc.
+        let from = |k: usize, arc: f64| match k {
+            _ if k == 0 || ends[k] >= first => 1.0,
+            _ if k == strips || ends[k] <= last => 0.0,
+            k => (0.5 + 0.5 * (ends[k] - arc) / half(k)).clamp(0.0, 1.0),
+        };
+        let mut shares = vec![vec![0.0; strips]; arcs.len()];
+        for (j, pair) in arcs.windows(2).enumerate() {
+            let bounds = (1..strips).flat_map(|k| [ends[k] + half(k), ends[k] - half(k)]);
+            let mut cuts: Vec<f64> =
+                bounds.filter(|cut| *cut < pair[0] && *cut > pair[1]).chain([pair[0], pair[1]]).collect();
+            wingbeat::math::order::descend_by(&mut cuts, |cut| *cut);
+            for cut in cuts.windows(2) {
+                for arc in GAUSS.map(|share| cut[0] + (cut[1] - cut[0]) * share) {
+                    let behind = (pair[0] - arc) / (pair[0] - pair[1]);
+                    for k in 0..strips {
+                        let weight = (cut[0] - cut[1]) * (from(k, arc) - from(k + 1, arc));
+                        shares[j][k] += (1.0 - behind) * weight;
+                        shares[j + 1][k] += behind * weight;
+                    }
+                }
+            }
+        }
+        for row in &mut shares {
+            let all: f64 = row.iter().sum();
+            row.iter_mut()
+                .enumerate()
+                .for_each(|(k, share)| *share = if model.bends(k) { *share / all } else { 0.0 });
+        }
+        let flap = model.settings().flap;
+        let kinds = if flap.is_some() { 2..3 } else { 0..2 };
+        Some(Self { shares, kinds, hinge: flap.map_or(1.0, |flap| 1.0 - flap.chord_fraction) })
+    }
+
+    /// How the edges are bent in the states `states` of the surface, each with its rate: dimensionless and rad, 1/s and rad/s.
+    pub fn bends(&self, states: &[[f64; 2]], out: &mut Vec<ChordBend<Dual<1>>>) {
+        out.clear();
+        for row in &self.shares {
+            let mut of = [Dual::constant(0.0); 3];
+            for (kind, states) in self.kinds.clone().zip(states.chunks_exact(row.len())) {
+                for (share, [now, rate]) in row.iter().zip(states) {
+                    of[kind] += Dual { re: share * now, eps: [share * rate] };
+                }
+            }
+            out.push(ChordBend { heights: [of[0], of[1]], angle: of[2], hinge: self.hinge });
+        }
+    }
+
+    /// Adds to the `loads` of the states, N m, those of the edges, per unit of both heights and of the angle, N m.
+    pub fn share(&self, edges: &[[f64; 3]], loads: &mut [f64]) {
+        for (row, of) in self.shares.iter().zip(edges) {
+            for (kind, loads) in self.kinds.clone().zip(loads.chunks_exact_mut(row.len())) {
+                loads.iter_mut().zip(row).for_each(|(load, share)| *load += share * of[kind]);
+            }
+        }
+    }
+}
+
 /// A piece of a surface whose chords bend.
 pub(crate) struct BentPiece {
     /// Where its surface stands among all that bends on the robot.
     pub bends: Range<usize>,
-    /// Of each bent state of the surface which of both heights and the angle it is, and how much of each strip of panels lies on its strip.
-    shares: Vec<(usize, Vec<f64>)>,
-    /// What moves against the chord, by strip.
-    sheets: Vec<Option<SkinSheet>>,
+    edges: EdgeBends,
+    sheet: SkinSheet,
     /// Velocities of the points that carry its mass, as they are bent and on straight chords, m/s: now and at the instant before.
     now: Vec<[Vec3; 2]>,
     before: Option<Vec<[Vec3; 2]>>,
-    /// Whether a step has ended: the rates of the start, which the air has not seen, are no velocities to differ from.
+    /// Whether a step has ended, or rates are those of a momentum: the rates of a membrane at the start, which the air has not seen, are no
+    /// velocities to differ from.
     begun: bool,
 }
 
@@ -46,24 +129,13 @@ impl BentPiece {
     /// Of the panels `layout` of `aero`, whose bends stand at `first` and on; none of a surface that does not bend.
     pub fn new(aero: &Aero, layout: &PanelLayout, first: usize) -> Option<Self> {
         let model = aero.bent()?;
-        let count = model.bent_states().len();
-        let (strips, edges) = (model.strips(), model.arcs());
-        let share = |k: usize| {
-            let (of, strip) = if model.is_membrane() { (k / strips, k % strips) } else { (2, k) };
-            let on = |arcs: &[f64]| {
-                let common = arcs[0].min(edges[strip]) - arcs[1].max(edges[strip + 1]);
-                if model.bends(k) { common.max(0.0) / (arcs[0] - arcs[1]) } else { 0.0 }
-            };
-            (of, layout.arcs.windows(2).map(on).collect())
-        };
-        let middle = |arcs: &[f64]| model.sheet_at(0.5 * (arcs[0] + arcs[1]));
         Some(Self {
-            bends: first..first + count,
-            shares: (0..count).map(share).collect(),
-            sheets: layout.arcs.windows(2).map(middle).collect(),
+            bends: first..first + model.bent_states().len(),
+            edges: EdgeBends::new(aero, &layout.arcs)?,
+            sheet: model.sheet()?,
             now: Vec::new(),
             before: None,
-            begun: false,
+            begun: !model.is_membrane(),
         })
     }
 
@@ -85,17 +157,21 @@ impl BentPiece {
         let gravity = Vec3::new(0.0, 0.0, -GRAVITY);
         let m = mesh.chordwise as f64;
         let mut work = air.bends.clone();
-        work.resize(mesh.strips, [0.0; 3]);
+        work.resize(mesh.strips + 1, [0.0; 3]);
         self.now.clear();
-        for (j, sheet) in self.sheets.iter().enumerate() {
-            let Some(sheet) = sheet else { continue };
+        let (sheet, covered) = (self.sheet, |edge: usize| self.edges.shares[edge].iter().sum::<f64>());
+        for j in 0..mesh.strips {
+            let areal_density = 0.5 * (covered(j) + covered(j + 1)) * sheet.areal_density;
+            if areal_density == 0.0 {
+                continue;
+            }
             for i in 0..mesh.chordwise {
                 let from = sheet.from.max(i as f64 / m);
                 let width = (i as f64 + 1.0) / m - from;
                 if width <= 0.0 {
                     continue;
                 }
-                let mass = 0.5 * sheet.areal_density * mesh.controls[i * mesh.strips + j].area * width * m;
+                let mass = 0.5 * areal_density * mesh.controls[i * mesh.strips + j].area * width * m;
                 for x in GAUSS.map(|share| from + width * share) {
                     let points = mesh.moved(j, x);
                     let velocities = points.map(|[_, velocity]| velocity);
@@ -105,15 +181,13 @@ impl BentPiece {
                     strips[j] += Wrench::at(points[0][0], bent) + -Wrench::at(points[1][0], straight);
                     for side in [j, j + 1] {
                         let raised = mesh.raised(j, side, x);
-                        (0..3).for_each(|k| work[j][k] += 0.5 * bent.dot(raised[k]));
+                        (0..3).for_each(|k| work[side][k] += 0.5 * bent.dot(raised[k]));
                     }
                     self.now.push(velocities);
                 }
             }
         }
-        for (bend, (of, shares)) in bends[self.bends.clone()].iter_mut().zip(&self.shares) {
-            *bend += shares.iter().zip(&work).map(|(share, work)| share * work[*of]).sum::<f64>();
-        }
+        self.edges.share(&work, &mut bends[self.bends.clone()]);
     }
 
     /// Goes on to the next instant.

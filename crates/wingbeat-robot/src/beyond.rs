@@ -7,7 +7,7 @@ use super::surface::{External, between_edges};
 use super::{BodyMotion, CarriedLoads, Links, Robot, Stance};
 use crate::body::Coordinates;
 use arrayvec::ArrayVec;
-use wingbeat_aero::{ForceDetail, Loads, StripLoads, Surface};
+use wingbeat_aero::{ForceDetail, Loads, StripLoads};
 use wingbeat_math::{Jet, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
 
@@ -143,6 +143,28 @@ impl Robot {
         (0..self.covering.aero.surfaces().len()).flat_map(|k| self.bent_states_of(k))
     }
 
+    /// Gives what bends under a momentum of its own, as flaps do, the loads of the end of a stretch of time, the second of `ends`, from its
+    /// begin on: a load that goes straight over the stretch would swing. For a mode that the air beyond gives the mass M, the damping c
+    /// and the stiffness k, and the robot any mass, the roots l from stretch to stretch, h long, are with an even load those of
+    /// `robot.held_load`, none of which lies outside the unit circle. With a straight one they are those of
+    /// M/h^2 (l + 1)(l - 1)^2/2 + c/h l (l + 1)(l - 1)/2 + k l (l^2 + 4 l + 1)/6, which has the sign of k at -1 and the other far below: one lies outside.
+    /// Membranes yield by their rates, for which straight loads have the roots of the first.
+    ///
+    /// Equation: robot.held_load
+    /// `M/h^2 (l - 1)^2 + c/h l (l - 1) + k l (l + 1)/2 = 0`
+    /// Source: own derivation: implicit Euler for the rates, their mean or constant acceleration for the angles.
+    /// Test: `flaps_stay_still_on_any_panels`.
+    pub fn hold_momenta(&self, [begin, end]: &mut [BeyondLoads; 2]) {
+        let mut first = 0;
+        for surface in self.covering.aero.surfaces() {
+            let range = first..first + surface.aero().bent_states().len();
+            first = range.end;
+            if surface.aero().flap().is_some() && !begin.bends.is_empty() {
+                begin.bends[range.clone()].copy_from_slice(&end.bends[range]);
+            }
+        }
+    }
+
     /// Lets the chords yield to the loads `bends` on top of those of the strips' air: adds to the rates `dx` of the air in the state `x`.
     fn yield_to(&self, mut bends: &[f64], x: &[f64], dx: &mut [f64]) {
         if bends.is_empty() {
@@ -156,21 +178,16 @@ impl Robot {
         }
     }
 
-    /// What the chords bear by tension, springs and damping in the state `x` of the air with the rates `dx`.
-    fn bent_efforts(&self, x: &[f64], dx: &[f64]) -> Vec<f64> {
-        let surfaces = self.covering.aero.surfaces().iter();
-        let of = |surface: &Surface| {
-            let states = surface.states();
-            let model = surface.aero().bent()?;
-            Some(model.bent_efforts(&x[states.clone()], &dx[states]))
-        };
-        surfaces.filter_map(of).flatten().collect()
-    }
-
     /// What chords in the state `x` of the air bear but the loads `bends`, while they yield to these; `dx` are the rates without them.
     fn held_bends(&self, bends: &[f64], x: &[f64], dx: &mut [f64]) -> Vec<f64> {
         self.yield_to(bends, x, dx);
-        let mut held = self.bent_efforts(x, dx);
+        let (mut held, mut first) = (vec![0.0; self.bent_chords().count()], 0);
+        for surface in self.covering.aero.surfaces() {
+            let Some(model) = surface.aero().bent() else { continue };
+            let (states, next) = (surface.states(), first + model.bent_states().len());
+            model.bent_efforts(&x[states.clone()], &dx[states], &mut held[first..next]);
+            first = next;
+        }
         held.iter_mut().zip(bends).for_each(|(held, beyond)| *held -= beyond);
         held
     }
@@ -196,7 +213,10 @@ impl Robot {
             let Some(model) = surface.aero().membrane() else { continue };
             let (x, dx) = (&x[surface.states()], &dx[surface.states()]);
             let still = vec![0.0; dx.len()];
-            let efforts = [dx, &still].map(|dx| model.bent_efforts(x, dx));
+            let mut efforts = [0, 1].map(|_| vec![0.0; model.bent_states().len()]);
+            for (dx, efforts) in [dx, &still].into_iter().zip(&mut efforts) {
+                model.bent_efforts(x, dx, efforts);
+            }
             for ((rate, all), stored) in dx[model.bent_states()].iter().zip(&efforts[0]).zip(&efforts[1]) {
                 given += all * rate;
                 lost += (all - stored) * rate;

@@ -2,17 +2,11 @@
 
 use super::StripModel;
 use super::membrane::MODES;
-use crate::MAX_STRIPS;
-use arrayvec::ArrayVec;
-use wingbeat_math::Dual;
-
-/// Numbers of the strips, one for each.
-type BentColumn<S> = ArrayVec<S, MAX_STRIPS>;
 
 /// Share of the mass of the first shape that stands for that of each, by the mean squares of the shapes.
 const MASS: [f64; MODES] = [1.0, 1.0 / 7.0];
 
-/// The skin of a surface at an arc.
+/// The skin of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinSheet {
     /// Mass over area, kg/m2.
@@ -22,14 +16,13 @@ pub struct SkinSheet {
 }
 
 impl StripModel {
-    /// The skin that moves against the chord at the arc `arc`, m; none where nothing does.
-    pub fn sheet_at(&self, arc: f64) -> Option<SkinSheet> {
+    /// The skin that moves against the chord, where [`bends`](Self::bends) says that one does; none of a rigid surface.
+    pub fn sheet(&self) -> Option<SkinSheet> {
         if let Some(membrane) = &self.membrane {
             return Some(SkinSheet { areal_density: membrane.areal_density, from: 0.0 });
         }
-        let (spec, flap) = (self.settings.flap?, self.numbers.flap.as_ref()?);
-        let from = 1.0 - spec.chord_fraction;
-        spec.covers(arc.abs()).then_some(SkinSheet { areal_density: flap.areal_density, from })
+        let areal_density = self.numbers.flap.as_ref()?.areal_density;
+        Some(SkinSheet { areal_density, from: 1.0 - self.settings.flap?.chord_fraction })
     }
 
     /// Whether the bent state number `k`, as [`bent_states`](Self::bent_states) has them, is free: strips beside a flap are not.
@@ -37,41 +30,31 @@ impl StripModel {
         self.hinges.as_ref().is_none_or(|hinges| hinges.has(k))
     }
 
-    /// What springs, tensions and their damping bear in the state `x` with the rates `dx`, in the order of the bent states: N m by the heights
-    /// over the chord and the angles. Of a membrane dU/dh + tau K h', U what it stores and h' tau K h' what it loses.
+    /// Writes to `efforts` what springs, tensions and their damping bear in the state `x` with the rates `dx`, in the order of the bent states: N m by
+    /// the heights over the chord and the angles. Of a membrane dU/dh + tau K h', U what it stores and h' tau K h' what it loses.
     ///
     /// Equation: aero.bent_efforts
     /// `dU/dh + (1/2) dD/dh', U = aero.membrane.stored, D = h' tau K h'; of a flap k (beta - beta_0) + k tau beta'`
     /// Source: virtual work.
     /// Test: `a_membrane_bears_the_slope_of_its_energy_and_a_flap_its_spring`.
-    pub fn bent_efforts(&self, x: &[f64], dx: &[f64]) -> Vec<f64> {
-        let places = self.bent_states();
+    pub fn bent_efforts(&self, x: &[f64], dx: &[f64], efforts: &mut [f64]) {
+        let (n, places) = (self.settings.strips, self.bent_states());
         let (values, rates) = (&x[places.clone()], &dx[places]);
         let Some(membrane) = &self.membrane else {
-            let efforts = |(k, (angle, rate)): (usize, (&f64, &f64))| {
-                let [bent, damped] = self.hinge_spring(k, *angle, *rate);
-                if self.bends(k) { bent + damped } else { 0.0 }
-            };
-            return values.iter().zip(rates).enumerate().map(efforts).collect();
+            for (k, effort) in efforts.iter_mut().enumerate() {
+                let [bent, damped] = self.hinge_spring(k, values[k], rates[k]);
+                *effort = if self.bends(k) { bent + damped } else { 0.0 };
+            }
+            return;
         };
-        let seeded = |of: &[f64], place: usize| Self::shapes(of, |k| if k == place { 1.0 } else { 0.0 });
-        let effort = |place: usize| {
-            let none = values.len();
-            let (fixed, moved) = (seeded(values, none), seeded(values, place));
-            let stored = membrane.stored(moved.each_ref().map(|shape| &shape[..]));
-            let lost = membrane.lost(
-                fixed.each_ref().map(|shape| &shape[..]),
-                seeded(rates, place).each_ref().map(|shape| &shape[..]),
-            );
-            stored.eps[0] + 0.5 * lost.eps[0]
-        };
-        (0..values.len()).map(effort).collect()
+        membrane.efforts(Self::shapes(values, n), Self::shapes(rates, n), |[m, i], [stored, lost, _]| {
+            efforts[m * n + i] = stored + lost;
+        });
     }
 
-    /// Both shapes of all strips with the derivatives `seed`.
-    fn shapes(of: &[f64], seed: impl Fn(usize) -> f64) -> [BentColumn<Dual<1>>; MODES] {
-        let n = of.len() / MODES;
-        std::array::from_fn(|m| (m * n..(m + 1) * n).map(|k| Dual { re: of[k], eps: [seed(k)] }).collect())
+    /// Both shapes in `of`, those of `n` strips.
+    fn shapes(of: &[f64], n: usize) -> [&[f64]; MODES] {
+        std::array::from_fn(|m| &of[m * n..][..n])
     }
 
     /// Lets membranes and flaps yield to `loads`, N m in the order of the bent states, which come on top of those of the strips' own air: adds
@@ -90,17 +73,12 @@ impl StripModel {
             }
             return;
         };
-        let values = &x[places.clone()];
-        let heights: [&[f64]; MODES] = std::array::from_fn(|m| &values[m * n..][..n]);
-        for (k, load) in loads.iter().enumerate() {
-            let (m, i) = (k / n, k % n);
-            let mut unit = [[0.0; MAX_STRIPS]; MODES];
-            unit[m][i] = 1.0;
-            let damped = membrane.lost(heights, unit.each_ref().map(|shape| &shape[..n]));
+        let heights = Self::shapes(&x[places.clone()], n);
+        membrane.efforts(heights, heights, |[m, i], [_, _, damped]| {
             let chord = self.tables.chord[i];
             let mass = self.camber_mass(i, membrane) * MASS[m] * chord * chord;
-            dx[places.start + k] += load / (damped + mass / membrane.damping);
-        }
+            dx[places.start + m * n + i] += loads[m * n + i] / (damped + mass / membrane.damping);
+        });
     }
 }
 
@@ -165,7 +143,12 @@ mod tests {
                 .collect();
             let (mut x, still) = (vec![0.0; model.states()], vec![0.0; model.states()]);
             x[places.clone()].copy_from_slice(&values);
-            let held = model.bent_efforts(&x, &still);
+            let efforts = |dx: &[f64]| {
+                let mut efforts = vec![0.0; places.len()];
+                model.bent_efforts(&x, dx, &mut efforts);
+                efforts
+            };
+            let held = efforts(&still);
             for k in 0..values.len() {
                 let at = |by: f64| {
                     let mut values = values.clone();
@@ -181,7 +164,7 @@ mod tests {
             model.yield_to(&loads, &x, &mut rates);
             match model.is_membrane() {
                 true => {
-                    let taken = model.bent_efforts(&x, &rates);
+                    let taken = efforts(&rates);
                     let work = |of: &[f64]| -> f64 {
                         of.iter().zip(&rates[places.clone()]).map(|(load, rate)| load * rate).sum()
                     };

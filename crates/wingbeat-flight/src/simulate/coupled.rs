@@ -68,7 +68,7 @@ const TOLERANCE: f64 = 1e-6;
 /// Most states tried for one step. *Choice.*
 const MOST: usize = 40;
 
-/// What the air bears beyond the robot's models, straight from the begin of a step of the air to its end.
+/// What the air bears beyond the robot's models, straight from the begin of a step of the air to its end, on flaps as at its end.
 #[derive(Clone, Debug, Default)]
 pub struct Beyond {
     from: f64,
@@ -286,6 +286,7 @@ impl CoupledSteps<'_> {
             let mut memory = Beyond { from: t, length, ends: [known.clone(), guess] };
             let (mut secant, mut tried) = (Secant::default(), 0);
             loop {
+                stepper.system().robot().hold_momenta(&mut memory.ends);
                 stepper.restore(&saved);
                 stepper.memory_mut().clone_from(&memory);
                 stepper.run(step, every, &mut TrialSteers(&*steering)).check()?;

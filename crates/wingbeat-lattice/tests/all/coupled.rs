@@ -215,8 +215,6 @@ fn what_a_lattice_cannot_do_is_refused() {
     says(fails(&shut), &["lattice", "wingbeat_lattice::doors()"]);
     let cambered = open(shipped("glider.toml", &["lattice.step_s=0.001", "aero.zero_lift_angle_deg=-2.0"]));
     says(fails(&cambered), &["zero_lift_angle_deg", "the panels are flat"]);
-    let flap = open(shipped("flap_glide.toml", &["lattice.step_s=0.001"]));
-    says(fails(&flap), &["robot.surfaces.flap", "from strip to strip"]);
     let coarse = open(shipped("banking_turn.toml", &["lattice.step_s=0.005", "lattice.spanwise=1"]));
     says(fails(&coarse), &["lattice.spanwise = 1"]);
     let long = open(shipped("glider.toml", &["lattice.step_s=0.001"]));

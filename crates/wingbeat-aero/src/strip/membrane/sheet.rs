@@ -248,6 +248,33 @@ impl<P: Scalar> Membrane<P> {
         sum
     }
 
+    /// Shows `see` what each height over the chord bears at the heights `camber` with their `rates` (1/s), by shape and strip: the slope of what is
+    /// [`stored`](Self::stored), half that of what is [`lost`](Self::lost) by its rate, and the part of that by its own rate over it, N m and N m s.
+    pub(in super::super) fn efforts(
+        &self,
+        camber: Shapes<&[P]>,
+        rates: Shapes<&[P]>,
+        mut see: impl FnMut([usize; 2], [P; 3]),
+    ) where
+        P: Meets<P>,
+    {
+        let mut along = Tensions::new();
+        for bay in &self.bays {
+            let across = self.tensions(bay, camber, &mut along);
+            for (m, k) in (0..MODES).flat_map(|m| (0..bay.strips().len()).map(move |k| (m, k))) {
+                let (i, tie) = (bay.first + k, across[1] * MEAN_SQUARE[m]);
+                let [pulled, tangent] = self.bent((bay, m, k), (&along, across), camber[m]);
+                let beside = self.height(bay, rates[m], k) * bay.ties[k]
+                    + self.height(bay, rates[m], k + 2) * bay.ties[k + 1];
+                let (chord, own) = (self.chord[i], tangent * self.chord[i] * self.chord[i] * self.damping);
+                see(
+                    [m, i],
+                    [-(pulled * chord), own * rates[m][i] - beside * tie * chord * self.damping, own],
+                );
+            }
+        }
+    }
+
     /// Strain of a bay along the span.
     fn span_strain<S: Scalar + Meets<P>>(&self, bay: &Bay<P>, camber: Shapes<&[S]>) -> S {
         let mut strain = <S as From<P>>::from(self.prestrain_span);
@@ -303,6 +330,26 @@ impl<P: Scalar> Membrane<P> {
         [across, across.smooth_abs(DAMPED_WIDTH)].map(|t| t * bay.stiffness)
     }
 
+    /// What tensions do on the shape `m` of the strip `k` of a bay: their force on its height, N, and what that falls by with it, N/m, by the
+    /// sizes of the tensions.
+    #[inline(always)]
+    fn bent<S: Scalar + Meets<P>>(
+        &self,
+        (bay, m, k): (&Bay<P>, usize, usize),
+        (along, [pull, held]): (&[[S; 2]], [S; 2]),
+        camber: &[S],
+    ) -> [S; 2] {
+        let (i, arc) = (bay.first + k, ARC[m]);
+        let tie = |k: usize| bay.ties[k] * MEAN_SQUARE[m];
+        let [before, here, behind] = [k, k + 1, k + 2].map(|k| self.height(bay, camber, k));
+        let slope = self.width[i] / self.chord[i] * arc;
+        let tangent = (along[k][1] + camber[i].squared() * (bay.stiffness * arc)) * slope
+            + held * (tie(k) + tie(k + 1));
+        let pulled = ((behind - here) * tie(k + 1) - (here - before) * tie(k)) * pull
+            - along[k][0] * camber[i] * (self.width[i] * arc);
+        [pulled, tangent]
+    }
+
     /// Turns the loads of the strips of a bay on the shape `m`, which `rates` holds, into the rates: a symmetric tridiagonal system,
     /// diagonal and what is left of the load eliminated on the way.
     #[inline(never)]
@@ -313,20 +360,14 @@ impl<P: Scalar> Membrane<P> {
         (camber, resistance): (&[S], &[S]),
         rates: &mut [S],
     ) {
-        let (first, count) = (bay.first, bay.ties.len() - 1);
-        let (arc, mean) = (ARC[m], MEAN_SQUARE[m]);
-        let tie = |k: usize| bay.ties[k] * mean;
-        let off = |k: usize| -(held * (tie(k) * self.damping));
+        let (first, count, mean) = (bay.first, bay.ties.len() - 1, MEAN_SQUARE[m]);
+        let off = |k: usize| -(held * (bay.ties[k] * mean * self.damping));
         let mut diagonal = ArrayVec::<S, MAX_STRIPS>::new();
         for k in 0..count {
             let i = first + k;
-            let [before, here, behind] = [k, k + 1, k + 2].map(|k| self.height(bay, camber, k));
-            let slope = self.width[i] / self.chord[i] * arc;
-            let tangent = (along[k][1] + camber[i].squared() * (bay.stiffness * arc)) * slope
-                + held * (tie(k) + tie(k + 1));
+            let [pulled, tangent] = self.bent((bay, m, k), (along, [pull, held]), camber);
             let mut pivot = tangent * self.damping + resistance[i];
-            rates[i] += ((behind - here) * tie(k + 1) - (here - before) * tie(k)) * pull
-                - along[k][0] * camber[i] * (self.width[i] * arc);
+            rates[i] += pulled;
             if k > 0 {
                 let (share, ahead) = (off(k) / diagonal[k - 1], rates[i - 1]);
                 pivot -= share * off(k);
