@@ -204,16 +204,27 @@ impl LatticeSummary {
     }
 }
 
-/// The warning that a membrane or flap of `models` flies in the lattice of `spec`. Gliding sails were compared; of the flapping
-/// `aerobat_membrane` (law `stall`) camber was three quarters of that by strips and positive power 1.27 times.
+/// The warning that a membrane or flap of `models` flies in the lattice of `spec`. Gliding ones were compared with strips; of the flapping
+/// `aerobat_membrane` (law `stall`) camber was three quarters of that by strips and positive power 1.27 times. What a step takes of a swing:
+/// `robot.held_load`.
 pub(super) fn soft<'a>(
     spec: Option<&LatticeSpec>,
     models: impl IntoIterator<Item = &'a Aero>,
 ) -> Option<Warning> {
-    let bends = models.into_iter().any(|model| model.bent().is_some());
-    let text = "membranes and flaps bear the pressure of attached flow, and flapping ones were compared with nothing measured: aerobat_membrane \
-                bulges a quarter less in the lattice than by strips and takes a quarter more power";
-    (spec.is_some() && bends).then(|| Warning::new("lattice.soft", text.to_owned()).key("lattice"))
+    let step = spec?.step_s;
+    let bent = models.into_iter().filter_map(Aero::bent).last()?;
+    let text = if bent.has_flap() {
+        format!(
+            "flaps bear the pressure of attached flow and were compared with strips in a glide; steps of {step} s damp a swing at w rad/s by \
+             {:.1e} w of the critical damping",
+            0.25 * step
+        )
+    } else {
+        "membranes bear the pressure of attached flow, and flapping ones were compared with nothing measured: aerobat_membrane bulges a quarter \
+         less in the lattice than by strips and takes a quarter more power"
+            .to_owned()
+    };
+    Some(Warning::new("lattice.soft", text).key("lattice"))
 }
 
 impl ScenarioSpec {

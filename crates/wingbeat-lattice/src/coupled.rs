@@ -64,6 +64,10 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
             let allowed = error.0.split_once("allowed is ").map_or(error.0.as_str(), |(_, allowed)| allowed);
             wingbeat::Error::invalid("lattice.spanwise", spec.spanwise, allowed)
         }
+        Error::FlapEnds => {
+            let allowed = "none beside a flap with from_arc_m above 0 or with to_arc_m: panels beside its end lose part of its inertia";
+            wingbeat::Error::invalid("lattice", "given", allowed)
+        }
         error => wingbeat::Error::invalid("lattice", "given", error.to_string()),
     }
 }
@@ -160,11 +164,15 @@ impl CoupledLattice {
     /// The lattice that `task` asks for.
     ///
     /// # Errors
-    /// Sections that lift at no incidence, panels that cannot be laid out, settings that are not allowed, a wake of too many rings.
+    /// Flaps over part of the span, sections that lift at no incidence, panels that cannot be laid out, settings that are not allowed, a wake of too many rings.
     pub fn new(task: &LatticeTask<'_>) -> Result<Self, Error> {
         let LatticeTask { spec, robot, outlines, density_kg_m3, every, steps } = task;
         let (chordwise, spanwise) = (spec.chordwise, spec.spanwise);
         let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
+        let flaps = robot.surfaces().filter_map(|(_, aero)| aero.flap()?.settings().flap);
+        if flaps.into_iter().any(|flap| flap.from_arc_m > 0.0 || flap.to_arc_m.is_some()) {
+            return Err(Error::FlapEnds);
+        }
         let layouts = laid(robot, outlines, panels)?;
         let longest_age_s = spec.longest_age_s.unwrap_or(f64::INFINITY);
         let rows = (*steps as f64).min(longest_age_s / spec.step_s);

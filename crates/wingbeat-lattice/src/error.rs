@@ -19,6 +19,11 @@ pub enum Error {
         /// Key of the part.
         key: &'static str,
     },
+    /// A flap over part of the span: panels beside its end would share its inertia with what does not turn.
+    #[error(
+        "flap: allowed is one from root to tip, as panels beside the end of a shorter one lose part of its inertia"
+    )]
+    FlapEnds,
     /// A wake of too many rings.
     #[error(
         "cycles times steps times spanwise panels are {rings} rings of the wake: allowed are at most {most}"

@@ -159,10 +159,10 @@ impl BentPiece {
         let mut work = air.bends.clone();
         work.resize(mesh.strips + 1, [0.0; 3]);
         self.now.clear();
-        let (sheet, covered) = (self.sheet, |edge: usize| self.edges.shares[edge].iter().sum::<f64>());
+        let sheet = self.sheet;
         for j in 0..mesh.strips {
-            let areal_density = 0.5 * (covered(j) + covered(j + 1)) * sheet.areal_density;
-            if areal_density == 0.0 {
+            let still = |edge: usize| self.edges.shares[edge].iter().all(|share| *share == 0.0);
+            if still(j) && still(j + 1) {
                 continue;
             }
             for i in 0..mesh.chordwise {
@@ -171,7 +171,7 @@ impl BentPiece {
                 if width <= 0.0 {
                     continue;
                 }
-                let mass = 0.5 * areal_density * mesh.controls[i * mesh.strips + j].area * width * m;
+                let mass = 0.5 * sheet.areal_density * mesh.controls[i * mesh.strips + j].area * width * m;
                 for x in GAUSS.map(|share| from + width * share) {
                     let points = mesh.moved(j, x);
                     let velocities = points.map(|[_, velocity]| velocity);

@@ -145,9 +145,11 @@ impl Robot {
 
     /// Gives what bends under a momentum of its own, as flaps do, the loads of the end of a stretch of time, the second of `ends`, from its
     /// begin on: a load that goes straight over the stretch would swing. For a mode that the air beyond gives the mass M, the damping c
-    /// and the stiffness k, and the robot any mass, the roots l from stretch to stretch, h long, are with an even load those of
-    /// `robot.held_load`, none of which lies outside the unit circle. With a straight one they are those of
-    /// M/h^2 (l + 1)(l - 1)^2/2 + c/h l (l + 1)(l - 1)/2 + k l (l^2 + 4 l + 1)/6, which has the sign of k at -1 and the other far below: one lies outside.
+    /// and the stiffness k, none negative, and the robot a mass that moves evenly faster over a stretch of the length h, the roots l from
+    /// stretch to stretch are with an even load those of `robot.held_load`, none of which lies outside the unit circle; without M the one
+    /// is (c/h - k/2)/(c/h + k/2), so that what panels do not see rings where h exceeds 2 c/k. A swing at the rate w loses by w h/4 of the
+    /// critical damping. With a straight load l solves M/h^2 (l + 1)(l - 1)^2/2 + c/h l (l + 1)(l - 1)/2 + k l (l^2 + 4 l + 1)/6 = 0,
+    /// whose left side is k/3 at -1 and negative far below: one root lies outside.
     /// Membranes yield by their rates, for which straight loads have the roots of the first.
     ///
     /// Equation: robot.held_load

@@ -219,6 +219,13 @@ fn what_a_lattice_cannot_do_is_refused() {
     says(fails(&coarse), &["lattice.spanwise = 1"]);
     let long = open(shipped("glider.toml", &["lattice.step_s=0.001"]));
     says(fails(&long), &["rings of the wake", "lattice.longest_age_s"]);
+    for end in ["from_arc_m=0.05", "to_arc_m=0.2"] {
+        let short = format!("robot.surfaces[0].flap.{end}");
+        says(
+            fails(&open(shipped("flap_glide.toml", &["lattice.step_s=0.001", &short]))),
+            &["lattice = given", "from_arc_m above 0 or with to_arc_m"],
+        );
+    }
     let trim = open(shipped("cruise_20g.toml", &["lattice.step_s=0.001"]));
     says(
         trim.trim(&mut |_| ControlFlow::Continue(())).unwrap_err().to_string(),
