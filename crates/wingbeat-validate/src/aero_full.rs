@@ -4,6 +4,7 @@
 mod flapping;
 mod flaps;
 mod folds;
+mod half_span;
 mod impulse;
 pub mod lattice;
 pub mod linear;
@@ -50,6 +51,7 @@ pub const CASES: &[Case] = &[
         run: || flapping::added_mass_mean(ComparedPreset::Full),
     },
     Case { id: "aero.full.added_mass_lift", quick: true, run: impulse::added_mass_lift },
+    Case { id: "aero.full.half_span", quick: false, run: half_span::half_span },
     Case { id: "aero.full.deep_fold", quick: false, run: impulse::deep_fold },
     Case { id: "aero.full.pitch_thrust", quick: false, run: || thrust::pitch_thrust(ComparedPreset::Full) },
     Case { id: "aero.garrick", quick: false, run: || thrust::garrick_rows(ComparedPreset::Full) },

@@ -11,6 +11,7 @@ mod wake;
 pub(crate) mod wings;
 
 pub(crate) use ground::{elliptic_over, rectangle_over, rectangle_pair};
+pub(crate) use span::steady_half;
 
 use crate::Case;
 

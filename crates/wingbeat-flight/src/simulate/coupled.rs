@@ -206,8 +206,8 @@ impl Driver<Beyond> for Kept<'_> {
 
 /// As [`fly`](super::fly), in the air `flow`. Every step of the air its loads at the end and the motion that leads there are found
 /// together: the loads of the robot's own models, the reaction of accelerated air among them, act at every instant as they are, and
-/// what the air bears beyond them, straight over the step, is changed until at its end the sum is the load of the air, to 1e-6 of the
-/// weight. The controller's updates lie on ends of steps of the air.
+/// what the air bears beyond them, straight over the step and on flaps as at its end, is changed until there the sum is the load of the
+/// air, to 1e-6 of the weight. The controller's updates lie on ends of steps of the air.
 ///
 /// Equation: robot.coupling
 /// `F = F_models(a) + g, g straight from step to step and such that F at its ends is the load of the air; g by

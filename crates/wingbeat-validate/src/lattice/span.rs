@@ -64,6 +64,27 @@ fn forces(outline: HalfWingOutline) -> Result<[f64; 3], Error> {
     Ok([force.dot(up), force.dot(wing.wind), far])
 }
 
+/// Force along the span, outward, on a half of `wing` in a wind of 1 m/s at the incidence `incidence` (rad), and its lift across the
+/// wing, N, on panels along the chord and along a half of the span.
+pub fn steady_half(
+    wing: &Wing,
+    incidence: f64,
+    (chordwise, spanwise): (usize, usize),
+) -> Result<[f64; 2], Error> {
+    let wing = FlappingWing {
+        wing: wing.clone(),
+        wind: Vec3::new(-incidence.cos(), 0.0, incidence.sin()),
+        ..rectangle(SPAN)?
+    };
+    let settings =
+        LatticeSettings { longest_distance_m: f64::INFINITY, ..LatticeSettings::new(1e4 * CHORD, 1e-3) };
+    let mut lattice = Lattice::new(Scene::new(&wing, lan(chordwise, spanwise), true)?, settings)?;
+    lattice.step()?;
+    let loads = lattice.step()?;
+    let half = loads.panels.iter().flat_map(|panels| &panels.strips).fold(Vec3::ZERO, |sum, w| sum + w.force);
+    Ok([half[1], half[2]])
+}
+
 /// Both drags of each wing, and the largest span efficiency L^2/(pi q b^2 D), which none can have above 1 (Munk 1921).
 pub fn efficiency() -> Result<Vec<ComparisonRow>, Error> {
     let wings: [(&str, &str, HalfWingOutline); 3] = [
