@@ -94,11 +94,15 @@ impl MovingSections for Posed {
             out.clear();
             out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
         } else if self.edges.is_some() {
-            // An edge between two planes, as of a dihedral, bends along their mean.
-            let sides: Vec<_> = out.iter().map(|section| (section.span, section.w)).collect();
-            for (section, beside) in out.iter_mut().skip(1).zip(sides.windows(3)) {
-                section.span = (beside[0].0 + beside[2].0).unit();
-                section.w = (beside[0].1 + beside[2].1) * 0.5;
+            // An edge between two planes, as of a dihedral, bends along their mean: those of the panels beside it, as the section at an edge
+            // is of one of them.
+            let middles: Vec<f64> = arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+            let mut sides = Vec::with_capacity(middles.len());
+            if self.robot.chord_lines(&pose, self.surface, &middles, &mut sides).is_ok() {
+                for (section, beside) in out.iter_mut().skip(1).zip(sides.windows(2)) {
+                    section.span = (beside[0].span + beside[1].span).unit();
+                    section.w = (beside[0].w + beside[1].w) * 0.5;
+                }
             }
         }
     }

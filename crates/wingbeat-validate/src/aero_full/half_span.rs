@@ -70,8 +70,9 @@ pub fn half_span() -> Result<Vec<ComparisonRow>, Error> {
     let row = |(id, name, wing): (&str, &str, Wing)| {
         let [[own, lift], [panels, all]] = [by_strips(&wing)?, steady_half(&wing, INCIDENCE, PANELS)?];
         let [own, lattice] = [own / lift, panels / all];
-        let metric =
-            format!("{name}: force along the span over lift of a half, {own:.4}, over the lattice's, {lattice:.4}, less 1");
+        let metric = format!(
+            "{name}: force along the span over lift of a half, {own:.4}, over the lattice's, {lattice:.4}, less 1"
+        );
         let id = format!("aero.full.half_span.{id}");
         Ok(ComparisonRow::judged(&id, source, &metric, (own / lattice - 1.0).abs(), 0.1, ""))
     };
