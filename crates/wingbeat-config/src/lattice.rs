@@ -10,8 +10,8 @@ use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::{Robot, SurfaceOutline};
 
-/// An unsteady vortex lattice in place of all that the aerodynamic model says of attached flow; profile drag is the model's. Membranes
-/// and flaps bear its pressure, their own inertia and weight; what a law of separated flow presses on them is left out.
+/// An unsteady vortex lattice in place of all that the aerodynamic model says of attached flow; profile drag is the model's. Membranes,
+/// and flaps from root to tip, bear its pressure, their own inertia and weight; what a law of separated flow presses on them is left out.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -210,21 +210,22 @@ impl LatticeSummary {
 pub(super) fn soft<'a>(
     spec: Option<&LatticeSpec>,
     models: impl IntoIterator<Item = &'a Aero>,
-) -> Option<Warning> {
-    let step = spec?.step_s;
-    let bent = models.into_iter().filter_map(Aero::bent).last()?;
-    let text = if bent.has_flap() {
-        format!(
-            "flaps bear the pressure of attached flow and were compared with strips in a glide; steps of {step} s damp a swing at w rad/s by \
-             {:.1e} w of the critical damping",
-            0.25 * step
-        )
-    } else {
-        "membranes bear the pressure of attached flow, and flapping ones were compared with nothing measured: aerobat_membrane bulges a quarter \
-         less in the lattice than by strips and takes a quarter more power"
-            .to_owned()
-    };
-    Some(Warning::new("lattice.soft", text).key("lattice"))
+) -> Vec<Warning> {
+    let Some(LatticeSpec { step_s, .. }) = spec else { return Vec::new() };
+    let bent: Vec<_> = models.into_iter().filter_map(Aero::bent).collect();
+    let film = "membranes bear the pressure of attached flow, and flapping ones were compared with nothing measured: aerobat_membrane bulges a \
+                quarter less in the lattice than by strips and takes a quarter more power";
+    let flap = format!(
+        "flaps bear the pressure of attached flow and were compared with strips in a glide; steps of {step_s} s damp a swing at w rad/s by {:.1e} \
+         w of the critical damping",
+        0.25 * step_s
+    );
+    let kinds = [
+        (bent.iter().any(|model| model.is_membrane()), film.to_owned()),
+        (bent.iter().any(|model| model.has_flap()), flap),
+    ];
+    let warning = |(_, text)| Warning::new("lattice.soft", text).key("lattice");
+    kinds.into_iter().filter(|(is, _)| *is).map(warning).collect()
 }
 
 impl ScenarioSpec {

@@ -6,11 +6,11 @@ use crate::layout::{PanelLayout, Spacing};
 use crate::mesh::Mesh;
 use crate::motion::{LatticeSurface, MovingSections, Panels, Scene};
 use crate::settings::{LatticeSettings, WakeMotion};
-use crate::skin::{BentPiece, EdgeBends};
+use crate::skin::{BentPiece, SurfaceEdges};
 use crate::{Error, Lattice};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
-use wingbeat::aero::{ChordBend, SectionMotion};
+use wingbeat::aero::{ChordBend, FlapSpec, SectionMotion};
 use wingbeat::math::{Dual, Quat, Vec3, Wrench};
 use wingbeat::plant::Fault;
 use wingbeat::robot::{BeyondLoads, Robot, Stance, SurfaceOutline};
@@ -65,7 +65,7 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
             wingbeat::Error::invalid("lattice.spanwise", spec.spanwise, allowed)
         }
         Error::FlapEnds => {
-            let allowed = "none beside a flap with from_arc_m above 0 or with to_arc_m: panels beside its end lose part of its inertia";
+            let allowed = "none beside a flap that ends before the tip or begins behind the root: panels beside its end lose part of its inertia";
             wingbeat::Error::invalid("lattice", "given", allowed)
         }
         error => wingbeat::Error::invalid("lattice", "given", error.to_string()),
@@ -78,39 +78,22 @@ type SharedStance = Arc<Mutex<Stance>>;
 /// A surface of a robot in the state that is being tried.
 struct Posed {
     robot: Arc<Robot>,
-    surface: usize,
-    /// Where its surface stands among all that bends, and how that bends its edges, if it does.
+    edges: SurfaceEdges,
+    /// Where its surface stands among all that bends.
     bends: Range<usize>,
-    edges: Option<EdgeBends>,
     pose: SharedStance,
 }
 
 impl MovingSections for Posed {
     fn sections(&self, _: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let pose = self.pose.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.robot.chord_lines(&pose, self.surface, arcs, out).is_err() {
-            // Found by the lattice as a panel that is not finite.
-            let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
-            out.clear();
-            out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
-        } else if self.edges.is_some() {
-            // An edge between two planes, as of a dihedral, bends along their mean: those of the panels beside it, as the section at an edge
-            // is of one of them.
-            let middles: Vec<f64> = arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-            let mut sides = Vec::with_capacity(middles.len());
-            if self.robot.chord_lines(&pose, self.surface, &middles, &mut sides).is_ok() {
-                for (section, beside) in out.iter_mut().skip(1).zip(sides.windows(2)) {
-                    section.span = (beside[0].span + beside[1].span).unit();
-                    section.w = (beside[0].w + beside[1].w) * 0.5;
-                }
-            }
-        }
+        self.edges.sections(&self.robot, &pose, arcs, out);
     }
 
     fn bends(&self, _: f64, _: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
         out.clear();
         let pose = self.pose.lock().unwrap_or_else(PoisonError::into_inner);
-        if let (Some(edges), Some(bent)) = (&self.edges, pose.bends.get(self.bends.clone())) {
+        if let (Some(edges), Some(bent)) = (&self.edges.bends, pose.bends.get(self.bends.clone())) {
             edges.bends(bent, out);
         }
     }
@@ -173,9 +156,12 @@ impl CoupledLattice {
         let LatticeTask { spec, robot, outlines, density_kg_m3, every, steps } = task;
         let (chordwise, spanwise) = (spec.chordwise, spec.spanwise);
         let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
-        let flaps = robot.surfaces().filter_map(|(_, aero)| aero.flap()?.settings().flap);
-        if flaps.into_iter().any(|flap| flap.from_arc_m > 0.0 || flap.to_arc_m.is_some()) {
-            return Err(Error::FlapEnds);
+        for ((_, aero), outline) in robot.surfaces().zip(outlines) {
+            let tip = outline.planform.station_arcs().last().map_or(0.0, |arc| *arc);
+            let ends = |flap: FlapSpec| flap.from_arc_m > 0.0 || flap.to_arc_m.is_some_and(|end| end < tip);
+            if aero.flap().and_then(|model| model.settings().flap).is_some_and(ends) {
+                return Err(Error::FlapEnds);
+            }
         }
         let layouts = laid(robot, outlines, panels)?;
         let longest_age_s = spec.longest_age_s.unwrap_or(f64::INFINITY);
@@ -204,12 +190,11 @@ impl CoupledLattice {
             BentPiece::new(aero, layout, places[*number].start)
         };
         let bent = layouts.iter().map(piece).collect();
-        let surface = |(number, layout): &(usize, PanelLayout)| {
-            let bends = places[*number].clone();
-            let edges =
-                robot.surfaces().nth(*number).and_then(|(_, aero)| EdgeBends::new(aero, &layout.arcs));
-            let posed = Posed { robot: robot.clone(), surface: *number, bends, edges, pose: pose.clone() };
-            LatticeSurface { layout: layout.clone(), sections: Arc::new(posed) }
+        let surface = |piece: &(usize, PanelLayout)| {
+            let bends = places[piece.0].clone();
+            let edges = SurfaceEdges::new(&robot, piece);
+            let posed = Posed { robot: robot.clone(), edges, bends, pose: pose.clone() };
+            LatticeSurface { layout: piece.1.clone(), sections: Arc::new(posed) }
         };
         let scene = Scene {
             surfaces: layouts.iter().map(surface).collect(),

@@ -2,7 +2,7 @@
 
 use crate::layout::PanelLayout;
 use crate::motion::{LatticeSurface, MovingSections, Panels, Scene, require_flat};
-use crate::skin::moving_bends;
+use crate::skin::SurfaceEdges;
 use crate::{Error, RecordError};
 use std::sync::Arc;
 use wingbeat::aero::{ChordBend, Circulation, SectionMotion};
@@ -87,15 +87,10 @@ impl FlightStretch {
         hermite(t - self.times[i], h, of(&self.states), of(&self.rates)).into()
     }
 
-    /// How the chord lines of the surface number `surface` are bent at `t` s at the arcs `arcs` (m), with the rates.
-    fn bends(&self, t: f64, surface: usize, arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
-        out.clear();
-        let Some((_, aero)) = self.robot.surfaces().nth(surface) else { return };
-        let places = self.robot.bent_states_of(surface);
+    /// What bends the chords of the surface number `surface` at `t` s, each with its rate: dimensionless and rad, 1/s and rad/s.
+    fn bent(&self, t: f64, surface: usize) -> Vec<[f64; 2]> {
         let i = self.row(t);
-        let [now, rates] =
-            [0, 1].map(|of| places.clone().map(|k| self.moving(t, i, k)[of]).collect::<Vec<f64>>());
-        moving_bends(aero, [&now, &rates], arcs, out);
+        self.robot.bent_states_of(surface).map(|k| self.moving(t, i, k)).collect()
     }
 
     /// Place of the body's origin, m, and its velocity, m/s, in W at `t` s.
@@ -141,23 +136,21 @@ impl FlightStretch {
 /// A surface of the robot in flight; its clock begins at `from_s`.
 struct FlownSurface {
     flight: Arc<FlightStretch>,
-    surface: usize,
+    edges: SurfaceEdges,
     from_s: f64,
 }
 
 impl MovingSections for FlownSurface {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let (t, robot) = (t + self.from_s, &self.flight.robot);
-        if robot.chord_lines(&robot.stance(t, &self.flight.state(t)), self.surface, arcs, out).is_err() {
-            // Found by the lattice as a panel that is not finite.
-            let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
-            out.clear();
-            out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
-        }
+        self.edges.sections(robot, &robot.stance(t, &self.flight.state(t)), arcs, out);
     }
 
-    fn bends(&self, t: f64, arcs: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
-        self.flight.bends(t + self.from_s, self.surface, arcs, out);
+    fn bends(&self, t: f64, _: &[f64], out: &mut Vec<ChordBend<Dual<1>>>) {
+        out.clear();
+        if let Some(edges) = &self.edges.bends {
+            edges.bends(&self.flight.bent(t + self.from_s, self.edges.surface), out);
+        }
     }
 }
 
@@ -200,9 +193,13 @@ impl Scene {
         panels: Panels,
     ) -> Result<(Self, Vec<(usize, PanelLayout)>), Error> {
         let layouts = laid(&flight.robot, outlines, panels)?;
-        let surface = |(number, layout): &(usize, PanelLayout)| LatticeSurface {
-            layout: layout.clone(),
-            sections: Arc::new(FlownSurface { flight: flight.clone(), surface: *number, from_s }),
+        let surface = |piece: &(usize, PanelLayout)| LatticeSurface {
+            layout: piece.1.clone(),
+            sections: Arc::new(FlownSurface {
+                flight: flight.clone(),
+                edges: SurfaceEdges::new(&flight.robot, piece),
+                from_s,
+            }),
         };
         let surfaces = layouts.iter().map(surface).collect();
         let wind = flight.robot.mean_wind();

@@ -4,28 +4,12 @@ use crate::layout::PanelLayout;
 use crate::loads::PanelLoads;
 use crate::mesh::Mesh;
 use std::ops::Range;
-use wingbeat::aero::{Aero, ChordBend, SkinSheet};
+use wingbeat::aero::{Aero, ChordBend, SectionMotion, SkinSheet};
 use wingbeat::math::{Dual, GRAVITY, Vec3, Wrench};
+use wingbeat::robot::{Robot, Stance};
 
 /// Points of Gauss's rule on a stretch from 0 to 1, each of which has half of it.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
-
-/// How the chord lines at the arcs `arcs` (m) of a surface are bent whose bent states are `now`, with their `rates`.
-pub(crate) fn moving_bends(
-    aero: &Aero,
-    [now, rates]: [&[f64]; 2],
-    arcs: &[f64],
-    out: &mut Vec<ChordBend<Dual<1>>>,
-) {
-    let [now, rates] = [now, rates].map(|of| aero.chord_bends(of, arcs));
-    let dual = |re: f64, rate: f64| Dual { re, eps: [rate] };
-    out.clear();
-    out.extend(now.iter().zip(&rates).map(|(now, rate)| ChordBend {
-        heights: [0, 1].map(|m| dual(now.heights[m], rate.heights[m])),
-        angle: dual(now.angle, rate.angle),
-        hinge: now.hinge,
-    }));
-}
 
 /// How the edges of panels are bent by what bends on the strips of their surface.
 #[derive(Clone, Debug)]
@@ -106,6 +90,42 @@ impl EdgeBends {
         for (row, of) in self.shares.iter().zip(edges) {
             for (kind, loads) in self.kinds.clone().zip(loads.chunks_exact_mut(row.len())) {
                 loads.iter_mut().zip(row).for_each(|(load, share)| *load += share * of[kind]);
+            }
+        }
+    }
+}
+
+/// The edges of the panels on a piece of a surface of a robot.
+pub(crate) struct SurfaceEdges {
+    /// Number of the surface.
+    pub surface: usize,
+    /// How they bend, if they do.
+    pub bends: Option<EdgeBends>,
+}
+
+impl SurfaceEdges {
+    /// Those of the panels `layout` on the surface number `surface` of `robot`.
+    pub fn new(robot: &Robot, (surface, layout): &(usize, PanelLayout)) -> Self {
+        let aero = robot.surfaces().nth(*surface).map(|(_, aero)| aero);
+        Self { surface: *surface, bends: aero.and_then(|aero| EdgeBends::new(aero, &layout.arcs)) }
+    }
+
+    /// The sections at the arcs `arcs` (m) of `robot` as it is `at`; where it cannot be they are not finite, which the lattice finds as a
+    /// panel that is not. An edge that bends between two planes, as of a dihedral, bends along their mean: those of the panels beside
+    /// it, as the section at an edge is of one of them.
+    pub fn sections(&self, robot: &Robot, at: &Stance, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
+        if robot.chord_lines(at, self.surface, arcs, out).is_err() {
+            let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
+            out.clear();
+            out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
+        } else if self.bends.is_some() {
+            let middles: Vec<f64> = arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+            let mut sides = Vec::with_capacity(middles.len());
+            if robot.chord_lines(at, self.surface, &middles, &mut sides).is_ok() {
+                for (section, beside) in out.iter_mut().skip(1).zip(sides.windows(2)) {
+                    section.span = (beside[0].span + beside[1].span).unit();
+                    section.w = (beside[0].w + beside[1].w) * 0.5;
+                }
             }
         }
     }

@@ -223,7 +223,7 @@ fn what_a_lattice_cannot_do_is_refused() {
         let short = format!("robot.surfaces[0].flap.{end}");
         says(
             fails(&open(shipped("flap_glide.toml", &["lattice.step_s=0.001", &short]))),
-            &["lattice = given", "from_arc_m above 0 or with to_arc_m"],
+            &["lattice = given", "a flap that ends before the tip"],
         );
     }
     let trim = open(shipped("cruise_20g.toml", &["lattice.step_s=0.001"]));

@@ -62,6 +62,19 @@ fn sails_stand_in_the_lattice_as_by_strips() {
     }
 }
 
+/// Wings that flap and fold bend alike on either side: edges at the hinges lie between two planes.
+#[test]
+fn a_folding_membrane_bends_alike_on_either_side() {
+    let set = ["lattice={ step_s = 0.002, chordwise = 2, spanwise = 16 }", "flight.duration_s=0.04"];
+    let flown = fly(&open(shipped("aerobat_membrane.toml", &set)));
+    for state in ["camber", "camber_forward"] {
+        let own = ends(&flown, state);
+        let mirrored: Vec<f64> = own.iter().rev().copied().collect();
+        let skew = apart(&own, &mirrored);
+        assert!(skew < 1e-9 && own.len() > 3, "{state}: {skew} {own:?}");
+    }
+}
+
 /// A rectangle of `skin` in air of next to no weight.
 fn sheet(skin: &str) -> Document {
     let robot = format!(

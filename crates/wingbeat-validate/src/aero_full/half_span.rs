@@ -40,6 +40,10 @@ fn by_strips(wing: &Wing) -> Result<[f64; 2], Error> {
         model.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
         x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.06 * d);
     }
+    let most = dx.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    if most > 1e-6 {
+        return Err(Error::NoAnswer(format!("states still move by {most} a second")));
+    }
     let left = loads.strip[..STRIPS / 2].iter().fold(Vec3::ZERO, |sum, strip| sum + strip.total().force);
     Ok([left[1], left[2]])
 }
