@@ -290,12 +290,14 @@ fn an_orbit_is_judged() {
     let coarse = "trim.step_s=1e-3";
     let well = trim(&[coarse]);
     assert!(well.status == Status::Ok && well.reason.is_none(), "{well:?}");
+    assert!(well.warnings.is_empty(), "{:?}", well.warnings);
     // The trailing edge is swept.
-    let warned: Vec<&str> = well.warnings.iter().map(|warning| warning.id).collect();
+    let turned = trim(&[coarse, "aero.full.turning_impulse=true"]);
+    let warned: Vec<&str> = turned.warnings.iter().map(|warning| warning.id).collect();
     assert_eq!(warned, ["aero.turning_impulse"]);
     assert!(well.judged.iter().all(|judged| judged.met) && well.judged.len() == 18);
 
-    let rocket = trim(&["trim.climb_m_s=30"]);
+    let rocket = trim(&["trim.climb_m_s=30", "aero.full.turning_impulse=true"]);
     let reason = rocket.reason.unwrap();
     assert!(rocket.status == Status::Outside && reason.contains("limits.trim.power_w_kg"), "{reason}");
     assert!(reason.contains("limits.trim.clearance_m"), "{reason}");
