@@ -126,12 +126,29 @@ impl StripSettings {
         SurfaceNumbers { membrane, flap, ..self.section.numbers(self.lags.lags().numbers()) }
     }
 
+    /// Whether suction of edges can bear along the span: strips without membrane and flap, more than one.
+    pub fn is_flat(&self) -> bool {
+        self.membrane.is_none() && self.flap.is_none() && self.strips > 1
+    }
+
+    /// The settings of a surface among others of which some are flat and some are not: where `edge_suction` is true, it bears on the
+    /// flat ones and `turning_impulse` counts for the others.
+    #[must_use]
+    pub fn among_both_kinds(mut self) -> Self {
+        match (self.edge_suction, self.is_flat()) {
+            (Some(true), true) => self.turning_impulse = Some(false),
+            (Some(true), false) => self.edge_suction = Some(false),
+            _ => {}
+        }
+        self
+    }
+
     /// What bears along the span, of `edge_suction` and `turning_impulse`.
     ///
     /// # Errors
     /// [`Error::Invalid`] when both are asked for, or the first of what is not flat or is one strip.
     pub(super) fn span_force(&self) -> Result<SpanForce, Error> {
-        let flat = self.membrane.is_none() && self.flap.is_none() && self.strips > 1;
+        let flat = self.is_flat();
         let edges = self.edge_suction.unwrap_or(flat && self.turning_impulse != Some(true));
         let turns = self.turning_impulse.unwrap_or(!edges);
         let refused = |allowed| Error::invalid("edge_suction", true, allowed);
@@ -191,9 +208,9 @@ mod tests {
         };
         let of = |settings: StripSettings| settings.span_force().ok();
         for (edges, turns, expected) in [
-            (None, None, Some(Impulse)),
+            (None, None, Some(Edges)),
             (None, Some(true), Some(Impulse)),
-            (None, Some(false), Some(Nothing)),
+            (None, Some(false), Some(Edges)),
             (Some(true), None, Some(Edges)),
             (Some(true), Some(false), Some(Edges)),
             (Some(true), Some(true), None),
