@@ -252,8 +252,8 @@ pub struct FullAeroSpec {
     pub turning_impulse: Option<bool>,
     /// Suction square to swept leading edges and of the side edges at the tips along the span, and the pressure where sections drift
     /// along it. The rectangular wing that folds lifts 8 % less than the free lattice with it; over the cycle the lift of shipped gaits
-    /// errs by 0.16 to 0.24 of its rms. Where not given: unless `turning_impulse` is true or the wing has a membrane, a flap or one
-    /// strip, which are refused it.
+    /// errs by 0.16 to 0.24 of its rms. On unless `turning_impulse` is true. Surfaces with a membrane, a flap or one strip keep to
+    /// `turning_impulse`, and true is refused where all are such. Both are true where surfaces are of both kinds, and else refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub edge_suction: Option<bool>,
     /// Vortices above the tips of a wing that ends in sharp side edges, after Lamar: a normal force that grows with the square of the
