@@ -348,6 +348,7 @@ pub(super) fn robot(
     // The models of the surfaces are checked in any air, and then taken away.
     let air = Air { density: if vacuum { 1.0 } else { air.density }, ..air };
     let outlines = spec.outlines().map_err(|e| e.within("robot"))?;
+    let both = aero.has_both_kinds(&outlines);
     let model = |outline: &SurfaceOutline| {
         let key = format!("robot.{}", outline.key);
         let mut names = vec![
@@ -363,7 +364,7 @@ pub(super) fn robot(
             names.extend(["strips", "nodes"].map(|name| (name, format!("{key}.strips"))));
         }
         names.push(("drag", key));
-        aero.build(outline, air.density, &names)
+        aero.build(outline, air.density, both, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
     let robot = Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))?;
@@ -392,12 +393,20 @@ impl AeroSpec {
         self.in_range()
     }
 
-    /// The model of a surface. Settings of the model that another table gives have
+    /// Whether some of the surfaces that are strips are flat and some are not.
+    fn has_both_kinds(&self, outlines: &[SurfaceOutline]) -> bool {
+        let are_strips = |outline: &&SurfaceOutline| outline.preset.unwrap_or(self.preset) == Preset::Full;
+        let mut kinds = outlines.iter().filter(are_strips).map(|outline| self.strips(outline, 1.0).is_flat());
+        kinds.next().is_some_and(|first| kinds.any(|other| other != first))
+    }
+
+    /// The model of a surface, among others of `both` kinds, flat and not, or of one. Settings of the model that another table gives have
     /// their keys in `names`: as the model calls them, and as they were written.
     pub(super) fn build<F: AsRef<str>, T: AsRef<str>>(
         &self,
         outline: &SurfaceOutline,
         density_kg_m3: f64,
+        both: bool,
         names: &[(F, T)],
     ) -> Result<Aero, Error> {
         self.check().map_err(|e| e.within("aero"))?;
@@ -408,6 +417,7 @@ impl AeroSpec {
         let (paper, full) = (|e| of("aero.paper", e), |e| of("aero.full", e));
         let line = self.lifting_line(outline, density_kg_m3);
         let strips = self.strips(outline, density_kg_m3);
+        let strips = if both { strips.among_both_kinds() } else { strips };
         // The preset that is not used has to have a meaning too.
         line.check().map_err(paper)?;
         strips.check().map_err(full)?;

@@ -52,6 +52,7 @@ mod shared;
 mod side_by_side;
 mod skin;
 mod sound;
+mod span_keys;
 mod spar_numbers;
 mod spar_spec;
 mod spec;
@@ -236,14 +237,13 @@ impl Scenario {
             spec.paper = None;
             resolved.remove("paper");
         }
-        let resolved = resolved.to_string();
         let choice = doors.choose(&spec, &document)?;
         match spec.build(&choice).and_then(|built| Ok((built, spec.limits.limits()?))) {
             Ok((Built { robot, model, schedule, samples_per_strips }, limits)) => {
-                let scenario = Self {
+                let mut scenario = Self {
                     limits,
                     spec,
-                    resolved,
+                    resolved: String::new(),
                     document,
                     choice,
                     robot,
@@ -253,6 +253,8 @@ impl Scenario {
                     prepared: None,
                 };
                 scenario.begins().map_err(|error| scenario.explain(&error))?;
+                scenario.resolve_span_keys(&mut resolved, "");
+                scenario.resolved = resolved.to_string();
                 Ok(scenario)
             }
             Err(error) => Err(document.explain(&error)),

@@ -2,6 +2,7 @@
 
 use super::rig_simulated::LOOKS;
 use super::rig_spec::{HoldSpec, RigRunSpec, RunList};
+use super::span_keys::{aeros, resolve};
 use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate, fit};
 use std::path::Path;
 use wingbeat_judge::{RunLimits, Warning};
@@ -76,7 +77,7 @@ impl RigRun {
     pub fn new(document: Document, translate: Translate) -> Result<Self, ConfigError> {
         let document = document.merged(&RigRun::FILES, translate)?;
         let spec: RigRunSpec = document.parse()?;
-        let resolved = document.resolved()?;
+        let resolved = document.parse()?;
         Self::build(spec, resolved, document.clone()).map_err(|error| document.explain(&error))
     }
 
@@ -119,7 +120,7 @@ impl RigRun {
         self.document.explain(error)
     }
 
-    fn build(spec: RigRunSpec, resolved: String, document: Document) -> Result<Self, Error> {
+    fn build(spec: RigRunSpec, mut resolved: toml::Table, document: Document) -> Result<Self, Error> {
         RunName::new("name", &spec.name)?;
         spec.in_range()?;
         spec.process.check().map_err(|e| e.within("process"))?;
@@ -147,8 +148,10 @@ impl RigRun {
         let given = RigNumbers::of(&drawn).given(&spec.rig.robot.numbers);
         let numbers = given.map_err(|e| e.within("rig.robot"))?;
         let mount = numbers.mount(&drawn);
+        let robot = spec.robot()?;
+        resolve(&mut resolved, "rig.aero", aeros(&robot));
         Ok(Self {
-            robot: spec.robot()?,
+            robot,
             arm: spec.rig.arm.build().map_err(|e| e.within("rig.arm"))?,
             profile: spec.rig.arm.profile(profile).map_err(|e| e.renamed(&[("profile", key)]))?,
             mount,
@@ -156,7 +159,7 @@ impl RigRun {
             numbers,
             lattice: None,
             limits: spec.limits.limits()?,
-            resolved,
+            resolved: resolved.to_string(),
             document,
             spec,
         })

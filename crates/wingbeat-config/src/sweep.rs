@@ -95,14 +95,18 @@ impl Sweep {
         )?;
         let document = with_own_overrides(document)?;
         let spec: SweepSpec = document.parse()?;
-        let resolved = document.resolved()?;
+        let mut resolved: toml::Table = document.parse()?;
         let of = spec.check().map_err(|error| document.explain(&error))?;
         let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
         let inner = document.part(of.key())?;
         let parts = spec.parts();
         let shared = Arc::default();
-        let sweep = Self { spec, of, resolved, document, inner, parts, shared, limits };
+        let mut sweep = Self { spec, of, resolved: String::new(), document, inner, parts, shared, limits };
         sweep.check_draws(read)?;
+        if sweep.of != SweepOf::Cases {
+            Scenario::new(sweep.inner.clone())?.resolve_span_keys(&mut resolved, "scenario.");
+        }
+        sweep.resolved = resolved.to_string();
         Ok(sweep)
     }
 

@@ -5,6 +5,7 @@ use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
+use super::span_keys::resolve;
 use super::spar_numbers::SparNumbers;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::unheard::{of_strips, side_edges};
@@ -95,11 +96,13 @@ impl TetherCase {
     pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
         let document = document.merged(&["numbers"], &|_, _| None)?;
         let spec: TetherSpec = document.parse()?;
-        let resolved = document.resolved()?;
+        let mut resolved: toml::Table = document.parse()?;
         let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
         let built = spec.build(&|key| document.folder(key), read, &limits);
         let (tether, MotionTables { smoothed, found }) = built.map_err(|error| document.explain(&error))?;
         let spar_numbers = spec.spar_numbers();
+        resolve(&mut resolved, "aero", [&tether.aero]);
+        let resolved = resolved.to_string();
         Ok(Self { spec, resolved, tether, smoothed, found, limits, spar_numbers, document })
     }
 
@@ -124,6 +127,7 @@ impl TetherCase {
                 table.file = name(&folder.join(&table.file)).into();
             }
         }
+        spec.aero.full.resolve([&self.tether.aero]);
         Document::value("case", &spec)?.resolved()
     }
 
@@ -690,7 +694,7 @@ impl TetherSpec {
             law: None,
             strips: None,
         };
-        let aero = self.aero.build(&outline, self.wind.density_kg_m3, &names)?;
+        let aero = self.aero.build(&outline, self.wind.density_kg_m3, false, &names)?;
         let (aero, numbers) = self.numbered(&aero)?;
         let spar = self.built_spar(&aero, &planform, numbers)?;
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };

@@ -236,7 +236,8 @@ impl StripModel {
         plain(&total)
     }
 
-    /// The loads of each strip by the circulation of that to its left and right, 1 m/s and 1 m2/s.
+    /// Loads of each strip per circulation times density of the strip to its left, and of that to its right: forces, m2/s, and
+    /// moments, m3/s. None where edges do not bear along the span.
     fn pushed_beside(&self, flow: &StripFlow<f64, f64, WIDE>) -> ArrayVec<[Wrench<f64>; 2], WIDE> {
         let drifting = if self.span_force == SpanForce::Edges { self.settings.strips } else { 0 };
         let push =

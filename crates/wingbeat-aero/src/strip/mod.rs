@@ -208,6 +208,11 @@ impl<P: Scalar> StripModel<P> {
     pub fn is_crowded(&self) -> bool {
         self.grid.crowded
     }
+    /// Whether suction of edges bears along its span, and whether the impulse that turns does: `edge_suction` and `turning_impulse` as
+    /// they were resolved, of which either may not be given.
+    pub fn span_keys(&self) -> [bool; 2] {
+        [SpanForce::Edges, SpanForce::Impulse].map(|force| self.span_force == force)
+    }
     /// Whether the impulse of the circulation turns on a wing that has hinges and a trailing edge that is swept.
     pub fn turns_swept(&self) -> bool {
         let bent = |pair: &[(P, P)]| pair[0].1 != pair[1].1;

@@ -39,7 +39,7 @@ pub(super) struct StripResponse<'a, S: Scalar, const N: usize> {
     pub circulation: StripColumn<S, N>,
     /// Share of the lift that stays attached.
     pub attached: StripColumn<S, N>,
-    /// Circulation of the lift over density and speed, m2/s, as the strips beside feel it; not written where they do not.
+    /// Circulation of the lift times the density, kg/(m s), as the strips beside feel it; zero where they do not.
     pub beside: StripColumn<S, N>,
     /// Wash at 3/4 chord, m/s.
     pub wash: StripColumn<S, N>,

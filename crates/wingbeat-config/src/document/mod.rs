@@ -159,8 +159,7 @@ impl Document {
     /// that names it; a table there stays), and with its overrides. Files that `translate` knows need not be TOML.
     ///
     /// # Errors
-    /// A file that cannot be read or is not TOML, an override that names no place, a number that is not finite
-    /// or beyond any meaning of the unit that its key ends with.
+    /// A file that cannot be read or is not TOML, an override that names no place.
     pub fn merged(mut self, includes: &[&str], translate: Translate) -> Result<Self, ConfigError> {
         let key_of = |text: &str| text.split('=').next().unwrap_or_default().trim().to_owned();
         let overrides = std::mem::take(&mut self.overrides);
@@ -177,14 +176,14 @@ impl Document {
         rest.drain(..).try_for_each(|text| self.sources.read_override(text))?;
         self.read_outlines()?;
         self.read_airfoils()?;
-        self.refuse_immense()?;
         Ok(self)
     }
 
     /// The document as a `T`.
     ///
     /// # Errors
-    /// All keys that are unknown, missing or of the wrong type.
+    /// All keys that are unknown, missing or of the wrong type; else a number that is not finite or beyond any meaning of the unit that
+    /// its key ends with.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
         if !self.overrides.is_empty() {
             return self.clone().merged(&[], &|_, _| None)?.parse();
@@ -195,13 +194,16 @@ impl Document {
     /// What stands at `key` of the merged document as a `T`.
     ///
     /// # Errors
-    /// All keys below that are unknown, missing or of the wrong type; nothing at `key`.
+    /// Those of [`parse`](Self::parse) below; nothing at `key`.
     pub fn parse_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, ConfigError> {
         let tree = self.sources.tree()?;
         let Some(node) = tree::follow(&tree, key) else {
             return Err(Wrong { problem: KeyProblem::MissingKey, ..self.blame(&tree, key) }.into());
         };
-        read::read(node, key).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))
+        let value =
+            read::read(node, key).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))?;
+        self.refuse_immense(&tree)?;
+        Ok(value)
     }
 
     /// Says where the value that `error` refuses was given.
@@ -355,7 +357,8 @@ impl Document {
         }
     }
 
-    fn refuse_immense(&self) -> Result<(), ConfigError> {
+    /// Refuses numbers without meaning, once the form is right: only a type says where a number may stand.
+    fn refuse_immense(&self, tree: &Spanned<DeValue<'_>>) -> Result<(), ConfigError> {
         let immense = |path: &str, text: &str| {
             !text.replace('_', "").parse::<f64>().is_ok_and(|number| number.abs() <= limits::largest(path))
         };
@@ -364,9 +367,8 @@ impl Document {
             DeValue::Integer(whole) if whole.radix() == 10 => Some(whole.as_str().to_owned()),
             _ => None,
         };
-        let tree = self.sources.tree()?;
         let mut found = None;
-        tree::walk(&tree, &mut |path, value| {
+        tree::walk(tree, &mut |path, value| {
             let fits = number(value.get_ref()).is_none_or(|text| !immense(path, &text));
             if found.is_none() && !fits && !path.ends_with("seed") {
                 found = Some((path.to_owned(), value.span()));

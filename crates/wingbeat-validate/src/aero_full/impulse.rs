@@ -51,11 +51,11 @@ const E1: [f64; 2] = [30.0, 50.0];
 /// Those of wings that fold less, and in the downstroke.
 const OTHERS: [(&str, [f64; 2]); 2] = [("less", [20.0, 30.0]), ("downstroke", [-30.0, 50.0])];
 
-/// A folding wing whose circulation has no impulse that turns.
-const UNTURNED: &str = "aero.full.turning_impulse=false";
+/// A folding wing whose circulation has an impulse that turns, in place of edges' suction.
+const TURNED: &str = "aero.full.turning_impulse=true";
 
-/// One whose edges bear what the impulse stands for.
-const EDGES: &str = "aero.full.edge_suction=true";
+/// One with neither.
+const NEITHER: [&str; 2] = ["aero.full.edge_suction=false", "aero.full.turning_impulse=false"];
 
 /// Mean added-mass force over the mean lift in the last cycle of a case under `law`.
 fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
@@ -65,7 +65,7 @@ fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
 
 /// Deep folding: the mean lift of E1 beside that of the lattice, whose wake cores are a choice.
 pub fn deep_fold() -> Result<Vec<ComparisonRow>, Error> {
-    let (_, lift) = means(FOLDING[1], LiftLaw::Linear, &[UNTURNED])?;
+    let (_, lift) = means(FOLDING[1], LiftLaw::Linear, &NEITHER)?;
     let cases = [
         ("prescribed", WakeMotion::Prescribed, CourseRequest::default().core),
         ("prescribed.thin_cores", WakeMotion::Prescribed, CORE),
@@ -78,7 +78,7 @@ pub fn deep_fold() -> Result<Vec<ComparisonRow>, Error> {
             flapping_lattice::deep_fold(E1, wake, core)?;
         found.push([lattice, without]);
         let metric = format!(
-            "E1, mean lift {lift:.4} N without the impulse of the circulation turning over the lattice's with a {} wake of cores of {core} chords ({lattice:.4} N), less 1",
+            "E1, mean lift {lift:.4} N without edges' suction along the span over the lattice's with a {} wake of cores of {core} chords ({lattice:.4} N), less 1",
             name.split('.').next().unwrap_or(name)
         );
         let id = format!("aero.full.deep_fold.{name}");
@@ -108,22 +108,23 @@ pub fn deep_fold() -> Result<Vec<ComparisonRow>, Error> {
     Ok(rows)
 }
 
-/// E1 with the impulse of the circulation turning, beside the lattice's mean lift with a `free` and a prescribed (`fixed`) wake, N; other folds.
+/// E1 with edges' suction and the impulse of the circulation turning, beside the lattice's mean lift with a `free` and a prescribed (`fixed`)
+/// wake, N; other folds.
 fn turned_rows([free, fixed]: [f64; 2], source: &str) -> Result<Vec<ComparisonRow>, Error> {
-    let (_, turned) = means(FOLDING[1], LiftLaw::Linear, &[])?;
+    let (_, turned) = means(FOLDING[1], LiftLaw::Linear, &[TURNED])?;
     let id = "aero.full.deep_fold.turned";
     let metric = format!(
-        "the first with that impulse, as by default ({turned:.4} N), over the lattice's with a free wake, less 1"
+        "the first with the impulse of the circulation turning ({turned:.4} N), over the lattice's with a free wake, less 1"
     );
     let error = |lattice: f64| (turned / lattice - 1.0).abs();
     let mut rows = vec![ComparisonRow::judged(id, source, &metric, error(free), 0.1, "")];
     let metric =
         format!("the same over the lattice's with a prescribed wake of cores of {CORE} chords, less 1");
     rows.push(ComparisonRow::shown(&format!("{id}.prescribed"), source, &metric, error(fixed), ""));
-    let (_, edges) = means(FOLDING[1], LiftLaw::Linear, &[EDGES])?;
+    let (_, edges) = means(FOLDING[1], LiftLaw::Linear, &[])?;
     let error = |lattice: f64| (edges / lattice - 1.0).abs();
     let metric = format!(
-        "with the suction of edges in its place ({edges:.4} N), over the lattice's with a free wake, less 1"
+        "the first with edges' suction, as by default ({edges:.4} N), over the lattice's with a free wake, less 1"
     );
     let id = "aero.full.deep_fold.edges";
     rows.push(ComparisonRow::judged(id, source, &metric, error(free), 0.1, ""));
@@ -141,14 +142,14 @@ fn other_fold(name: &str, [flap, fold]: [f64; 2], source: &str) -> Result<[Compa
     let shoulder = format!("wing.hinges[0].angle_deg={{fourier={{sin=[{flap:?}]}}}}");
     let elbow = format!("wing.hinges[1].angle_deg={{fourier={{mean=-{down:?},cos=[-{down:?}]}}}}");
     let lift = |set: &[&str]| Ok::<_, Error>(means(FOLDING[1], LiftLaw::Linear, set)?.1);
-    let (without, with) = (lift(&[&shoulder, &elbow, UNTURNED])?, lift(&[&shoulder, &elbow])?);
-    let edges = lift(&[&shoulder, &elbow, EDGES])?;
+    let without = lift(&[&shoulder, &elbow, NEITHER[0], NEITHER[1]])?;
+    let (with, edges) = (lift(&[&shoulder, &elbow, TURNED])?, lift(&[&shoulder, &elbow])?);
     let FoldedLift { joukowski, swing, .. } =
         flapping_lattice::deep_fold([flap, fold], WakeMotion::Free, CORE)?;
     let metric = format!(
-        "flapping by {flap:.0}, folding by {fold:.0} deg: mean lift {with:.4} N with it, {without:.4} N without, less the free lattice's {joukowski:.4} N, over the rms swing of that"
+        "flapping by {flap:.0}, folding by {fold:.0} deg: mean lift {with:.4} N with that impulse, {without:.4} N with neither, less the free lattice's {joukowski:.4} N, over the rms swing of that"
     );
-    let of_edges = format!("the same with the suction of edges in its place, {edges:.4} N");
+    let of_edges = format!("the same with edges' suction, {edges:.4} N");
     let row = |end: &str, metric: &str, lift: f64| {
         let id = format!("aero.full.deep_fold.{end}.{name}");
         ComparisonRow::shown(&id, source, metric, (lift - joukowski).abs() / swing, "")

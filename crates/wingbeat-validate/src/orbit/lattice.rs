@@ -85,31 +85,31 @@ impl StripCycles {
     }
 }
 
-/// Without the impulse of the circulation turning.
-fn unturned(spec: &mut ScenarioSpec) {
+/// With the impulse of the circulation turning in place of edges' suction.
+fn turned(spec: &mut ScenarioSpec) {
     attached(spec);
-    spec.aero.full.turning_impulse = Some(false);
+    spec.aero.full.turning_impulse = Some(true);
 }
 
-/// With the suction of edges in its place.
-fn edges(spec: &mut ScenarioSpec) {
+/// With neither.
+fn neither(spec: &mut ScenarioSpec) {
     attached(spec);
-    spec.aero.full.edge_suction = Some(true);
+    (spec.aero.full.edge_suction, spec.aero.full.turning_impulse) = (Some(false), Some(false));
 }
 
-/// Law `linear` with and without the impulse of the circulation turning, and with the suction of edges in its place; the same with 24 strips.
+/// Law `linear`, with the impulse of the circulation turning in place of edges' suction, and with neither; the same with 24 strips.
 const LINEAR: [fn(&mut ScenarioSpec); 6] = [
     attached,
-    unturned,
-    edges,
+    turned,
+    neither,
     finely,
     |spec| {
         finely(spec);
-        unturned(spec);
+        turned(spec);
     },
     |spec| {
         finely(spec);
-        edges(spec);
+        neither(spec);
     },
 ];
 
@@ -119,9 +119,9 @@ type ReplayChange = (&'static str, &'static str, fn(&mut ScenarioSpec));
 /// What spanwise forces are worth.
 const FINELY: [ReplayChange; 2] = [
     ("linear_24", "the same, 24 strips", finely),
-    ("unturned", "the same, 24 strips without the impulse of the circulation turning", |spec| {
+    ("neither", "the same, 24 strips without edges' suction along the span", |spec| {
         finely(spec);
-        spec.aero.full.turning_impulse = Some(false);
+        neither(spec);
     }),
 ];
 
@@ -170,7 +170,7 @@ pub(crate) fn cycles() -> Result<[(&'static str, Vec<InstantLoads>); 4], Error> 
     Ok([
         ("full, law stall", motion.strips(&motion.driven(|_| ())?)?),
         ("full, law linear, no profile drag", motion.strips(&motion.driven(attached)?)?),
-        ("the same, edge_suction = true", motion.strips(&motion.driven(edges)?)?),
+        ("the same, turning_impulse = true", motion.strips(&motion.driven(turned)?)?),
         ("vortex lattice", lattice),
     ])
 }
@@ -278,8 +278,8 @@ fn over_the_cycle(
 ) -> Vec<ComparisonRow> {
     let ends = [
         ("over_the_cycle", ""),
-        ("over_the_cycle.unturned", " without the impulse of the circulation turning"),
-        ("over_the_cycle.edges", " with the suction of edges in its place"),
+        ("over_the_cycle.turned", ", the impulse of the circulation turning in place of edges' suction"),
+        ("over_the_cycle.neither", " and edges' suction along the span"),
     ];
     let row = |((end, changed), strips): (&(&str, &str), &Vec<InstantLoads>)| {
         let metric = format!(
@@ -323,8 +323,8 @@ fn beside(
         let moves = [narrow, thin, thick].iter().fold((sure - fine).abs(), |m, v| m.max((v - coarse).abs()));
         let laws = [
             ("", ""),
-            (".unturned", " and the impulse of the circulation turning"),
-            (".edges", ", edges in place of that impulse"),
+            (".turned", ", the impulse of the circulation turning in place of edges' suction"),
+            (".neither", " and edges' suction along the span"),
         ];
         for (at, (suffix, changed)) in laws.into_iter().enumerate() {
             let value = by_strips[at];

@@ -47,6 +47,7 @@ mod robot;
 mod schema;
 mod search;
 mod side_by_side;
+mod span_keys;
 mod spar;
 mod strip_model;
 mod surfaces;

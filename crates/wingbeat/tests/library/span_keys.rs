@@ -1,0 +1,136 @@
+//! What bears along the span, as it was resolved: what is kept of a run says it.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use wingbeat::plant::Plant;
+use wingbeat::robot::Robot;
+use wingbeat::scenario::{Document, RigRun, Scenario, Sweep, TetherCase};
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+fn texts(overrides: &[&str]) -> Vec<String> {
+    overrides.iter().map(|text| (*text).to_owned()).collect()
+}
+
+fn scenario(name: &str, overrides: &[&str]) -> Scenario {
+    Scenario::load(&file(&format!("scenarios/{name}.toml")), &texts(overrides))
+        .unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// `edge_suction` and `turning_impulse` below the table of aerodynamics at `aero`.
+fn said(resolved: &str, aero: &[&str]) -> [Option<bool>; 2] {
+    let table: toml::Value = toml::from_str(resolved).unwrap();
+    let full = aero.iter().try_fold(&table, |table, key| table.get(*key)).and_then(|aero| aero.get("full"));
+    ["edge_suction", "turning_impulse"].map(|key| full?.get(key)?.as_bool())
+}
+
+fn rates(robot: &Robot, x: &[f64]) -> Vec<f64> {
+    let mut rates = vec![0.0; x.len()];
+    robot.rates_in_numbers(0.01, x, &vec![0.0; robot.inputs().len()], &mut rates).unwrap();
+    rates
+}
+
+#[test]
+fn a_resolved_scenario_holds_what_bears_along_the_span() {
+    const EDGES: &str = "aero.full.edge_suction";
+    const IMPULSE: &str = "aero.full.turning_impulse";
+    let given = |key: &str, value: bool| format!("{key}={value}");
+    let (off, neither) = (given(EDGES, false), [given(EDGES, false), given(IMPULSE, false)]);
+    for (name, overrides, expected) in [
+        ("cruise_20g", vec![], [true, false]),
+        ("cruise_20g", vec![off.as_str()], [false, true]),
+        ("cruise_20g", vec!["aero.full.turning_impulse=true"], [false, true]),
+        ("cruise_20g", vec!["aero.full.turning_impulse=false"], [true, false]),
+        ("cruise_20g", neither.iter().map(String::as_str).collect(), [false, false]),
+        ("aerobat_membrane", vec![], [false, true]),
+        // Their tails are flat.
+        ("flap_glide", vec![], [true, true]),
+        ("sail_glide", vec![], [true, true]),
+        ("flap_glide", vec!["aero.full.turning_impulse=false"], [true, false]),
+        ("glider", vec!["aero.full.strips=1"], [true, true]),
+    ] {
+        let first = scenario(name, &overrides);
+        assert_eq!(said(&first.resolved, &["aero"]), expected.map(Some), "{name} {overrides:?}");
+        let again = Scenario::new(Document::text("again", &first.resolved).unwrap())
+            .unwrap_or_else(|error| panic!("{name} {overrides:?}: {error}"));
+        assert_eq!(again.resolved, first.resolved);
+        // A wing that moves, in a state where circulation and drift along the span are there.
+        let mut x = first.start();
+        let layout = first.robot().layout();
+        x[layout.rate..][..3].copy_from_slice(&[3.0, -2.0, 1.0]);
+        x[layout.velocity + 1] += 0.5;
+        let [one, other] = [&first, &again].map(|scenario| rates(scenario.robot(), &x));
+        assert_eq!(one, other, "{name} {overrides:?}");
+    }
+    assert_eq!(said(&scenario("banking_turn", &[]).resolved, &["aero"]), [None; 2]);
+}
+
+#[test]
+fn each_air_a_case_and_a_rig_hold_theirs() {
+    let other = ["mismatch.aero={preset='full', law='stall'}", "mismatch.aero.full.turning_impulse=true"];
+    let of_paper = scenario("banking_turn", &other).resolved;
+    assert_eq!(said(&of_paper, &["aero"]), [None; 2]);
+    assert_eq!(said(&of_paper, &["mismatch", "aero"]), [Some(false), Some(true)]);
+    let of_both = scenario("cruise_20g", &other[..1]).resolved;
+    assert_eq!(said(&of_both, &["aero"]), [Some(true), Some(false)]);
+    assert_eq!(said(&of_both, &["mismatch", "aero"]), [Some(true), Some(false)]);
+    let case = |overrides: &[&str]| {
+        let none = &|_: &Path| Err("no table".into());
+        TetherCase::load(&file("cases/flap_f2.toml"), &texts(overrides), none).unwrap()
+    };
+    for (overrides, expected) in [
+        (vec!["aero.preset=full"], [true, false]),
+        (vec!["aero.preset=full", "aero.full.strips=1"], [false, true]),
+    ] {
+        let case = case(&overrides);
+        let kept = case.kept(|_| String::new()).unwrap();
+        assert_eq!([&case.resolved, &kept].map(|text| said(text, &["aero"])), [expected.map(Some); 2]);
+    }
+    assert_eq!(said(&case(&["aero.preset=paper"]).resolved, &["aero"]), [None; 2]);
+    let sweep =
+        Sweep::load(&file("sweeps/any_air_level_20g.toml"), &[], &|_| Err("no table".into())).unwrap();
+    for aero in [&["scenario", "aero"][..], &["scenario", "mismatch", "aero"]] {
+        assert_eq!(said(&sweep.resolved, aero), [Some(true), Some(false)]);
+    }
+    let run = file("rigs/runs/roll15_speed08.toml");
+    let run =
+        |preset: &str| RigRun::load(&run, &texts(&[&format!("rig.aero.preset={preset}")])).unwrap().resolved;
+    assert_eq!(said(&run("full"), &["rig", "aero"]), [Some(true), Some(false)]);
+    assert_eq!(said(&run("paper"), &["rig", "aero"]), [None; 2]);
+}
+
+#[test]
+fn an_orbit_holds_what_bears_along_the_span() {
+    let trim = scenario("cruise_20g", &[]).trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    let (_, orbit) = trim.files.iter().find(|(name, _)| *name == "orbit.toml").unwrap();
+    assert_eq!(said(orbit, &["aero"]), [Some(true), Some(false)]);
+}
+
+/// Both given are refused where only one of them would count.
+#[test]
+fn both_keys_are_for_wings_of_both_kinds() {
+    let both = ["aero.full.edge_suction=true", "aero.full.turning_impulse=true"];
+    let load = |name: &str| {
+        let path = file(&format!("scenarios/{name}.toml"));
+        Scenario::load(&path, &texts(&both)).map(drop).map_err(|error| error.to_string())
+    };
+    for name in ["cruise_20g", "aerobat_membrane"] {
+        let refused = load(name).unwrap_err();
+        assert!(refused.contains("aero.full.edge_suction"), "{name}: {refused}");
+    }
+    assert_eq!(load("flap_glide"), Ok(()));
+}
+
+#[test]
+fn what_is_no_truth_is_told_what_is_allowed() {
+    for key in ["edge_suction", "turning_impulse", "side_edges"] {
+        for value in ["nan", "1e300", "1", "yes"] {
+            let set = format!("aero.full.{key}={value}");
+            let path = file("scenarios/cruise_20g.toml");
+            let refused = Scenario::load(&path, &texts(&[&set])).unwrap_err().to_string();
+            assert!(refused.ends_with("allowed is true or false"), "{refused}");
+        }
+    }
+}
