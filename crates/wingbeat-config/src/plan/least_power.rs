@@ -2,6 +2,7 @@
 
 use super::gait_record::{Replay, beside, cycle_mean, means, stalled};
 use super::{CHECK_STEPS, PlanNodes, PlanSummary, Planned, SolverNumbers, nodes, verdict};
+use crate::span_keys::aeros;
 use crate::summary::PartClearance;
 use crate::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
@@ -277,7 +278,11 @@ impl Scenario {
     ) -> Result<Vec<(&'static str, String)>, Error> {
         let broken = |what: String| Error::invalid("plan", what, "a case that TOML can hold");
         let Some(wing) = &self.spec.robot.wing else { return Ok(Vec::new()) };
-        let case = written::toml(&self.tethered(wing, flapping)).map_err(|e| broken(e.to_string()))?;
+        let mut tethered = self.tethered(wing, flapping);
+        if let Some(model) = aeros(&self.model).next() {
+            tethered.aero.full.alone(model);
+        }
+        let case = written::toml(&tethered).map_err(|e| broken(e.to_string()))?;
         let columns: Vec<&[f64]> = std::iter::once("t".into())
             .chain(HINGES.map(|(name, _, _)| format!("{name}_left")))
             .map(|name| record.values(&name).ok_or_else(|| broken(name)))

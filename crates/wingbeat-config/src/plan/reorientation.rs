@@ -3,7 +3,7 @@
 use super::roll_in::{RollInPlan, broken_at};
 use super::{Planned, nodes};
 use crate::chosen::Named;
-use crate::{Chosen, Scenario, ScenarioSpec, written};
+use crate::{Chosen, Scenario, ScenarioSpec};
 use std::ops::ControlFlow;
 use wingbeat_flight::guide::{CommandsSpec, ReorientationSpec, RollIn};
 use wingbeat_flight::simulate::Record;
@@ -62,7 +62,7 @@ impl Scenario {
         played.flight.duration_s = (points.t[points.t.len() - 1] / step).ceil() * step;
         let text = toml::Table::try_from(&commands).and_then(|keys| {
             played.controller = Some(Chosen::Own(Named { name: "commands".into(), keys }));
-            written::toml(&played)
+            self.written(played)
         });
         text.map_err(|e| Error::invalid("plan", e, "a scenario that TOML can hold"))
     }

@@ -3,7 +3,7 @@
 use super::{CHECK_STEPS, PlanNodes, PlanSpec, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::recorder::{Recorded, Recorder, momentum_change};
 use crate::summary::{PartClearance, given, mean};
-use crate::{Chosen, Scenario, ScenarioSpec, written};
+use crate::{Chosen, Scenario, ScenarioSpec};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -260,7 +260,7 @@ impl Scenario {
             yaw_rate_rad_s,
             track: Some(problem.track(&solution.points)),
         }));
-        written::toml(&tracked).map_err(|e| Error::invalid("plan", e, "a scenario that TOML can hold"))
+        self.written(tracked).map_err(|e| Error::invalid("plan", e, "a scenario that TOML can hold"))
     }
 
     fn roll_in_summary(

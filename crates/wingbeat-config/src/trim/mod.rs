@@ -16,8 +16,7 @@ pub use summary::{Multiplier, TrimSummary};
 use verdict::said_of;
 
 use super::recorder::{Recorded, Recorder};
-use super::span_keys::aeros;
-use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, plausible, written};
+use super::{ConfigError, Scenario, ScenarioSpec, StartSpec, plausible};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use wingbeat_flight::guide::{HeldCommands, OrbitWeights, gains_of, holding_inputs};
@@ -316,11 +315,7 @@ impl Scenario {
     fn orbit_scenario(&self, cycle: &Cycle, orbit: &Orbit) -> Result<String, Error> {
         let mut spec = self.on_orbit(cycle, &orbit.point, orbit.end.duration);
         spec.name = format!("{}-orbit", self.spec.name);
-        spec.aero.full.resolve(aeros(&self.model));
-        if let Some(aero) = spec.mismatch.as_mut().and_then(|mismatch| mismatch.aero.as_mut()) {
-            aero.full.resolve(aeros(&self.robot));
-        }
-        written::toml(&spec).map_err(|e| Error::invalid("trim", e, "a scenario that TOML can hold"))
+        self.written(spec).map_err(|e| Error::invalid("trim", e, "a scenario that TOML can hold"))
     }
 
     /// The start of the orbit.

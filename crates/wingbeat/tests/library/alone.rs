@@ -33,6 +33,8 @@ fn a_robot_alone_is_trimmed() {
     assert_eq!(files, ["orbit.toml", "gains.csv", "trim.toml", "robot.toml"]);
     // What is written is the scenario of this very orbit.
     let text = &trimmed.files.iter().find(|(name, _)| *name == "trim.toml").unwrap().1;
+    let says = |key: &str| text.contains(&format!("{key} = true"));
+    assert!(says("edge_suction") || says("turning_impulse"), "{text}");
     let again = wingbeat::scenario::Scenario::new(Document::text("again", text).unwrap()).unwrap();
     let again = again.trim(&mut |_| ControlFlow::Continue(())).unwrap().summary;
     assert!((again.power_w_kg.unwrap() / summary.power_w_kg.unwrap() - 1.0).abs() < 1e-9);

@@ -300,6 +300,9 @@ fn an_orbit_is_judged() {
     assert_eq!(warned, ["aero.turning_impulse"]);
     assert!(well.judged.iter().all(|judged| judged.met) && well.judged.len() == 18);
 
+    // With edges' suction this start leads to no orbit there; with the impulse that turns it leads to an absurd one.
+    let lost = trim(&["trim.climb_m_s=30"]);
+    assert!(lost.status != Status::Ok && lost.reason.is_some(), "{lost:?}");
     let rocket = trim(&["trim.climb_m_s=30", "aero.full.turning_impulse=true"]);
     let reason = rocket.reason.unwrap();
     assert!(rocket.status == Status::Outside && reason.contains("limits.trim.power_w_kg"), "{reason}");

@@ -297,12 +297,11 @@ impl RobotTrim {
         let found = spec.robot.gait.frequency_hz();
         alone.changed.insert(frequency_key(&spec), [Some(self.given_hz), Some(found)]);
         self.keeps_its_limits(&mut trimmed.summary);
-        let text = |what: &dyn erased_serde::Serialize| {
-            let toml = written::toml(what);
+        let text = |toml: Result<String, toml::ser::Error>| {
             toml.map_err(|e| scenario.explain(&Error::invalid("trim", e, "what TOML can hold")))
         };
-        trimmed.files.push(("trim.toml", text(&spec)?));
-        trimmed.files.push(("robot.toml", text(&spec.robot)?));
+        trimmed.files.push(("trim.toml", text(scenario.written(spec.clone()))?));
+        trimmed.files.push(("robot.toml", text(written::toml(&spec.robot))?));
         if self.ask.bank_deg != 0.0 && trimmed.summary.frequency_hz.is_some() {
             let (summary, file) = turn::flown(&spec, &trimmed.summary, self.ask.bank_deg, observe)?;
             trimmed.files.extend(file.map(|text| ("turn.toml", text)));
