@@ -45,9 +45,7 @@ pub(super) fn resolve<'a>(
 /// against it.
 fn varied(value: &toml::Value) -> bool {
     match value {
-        toml::Value::String(text) => {
-            KEYS.into_iter().chain(["aero.preset", "full.strips"]).any(|key| text.contains(key))
-        }
+        toml::Value::String(text) => KEYS.into_iter().chain(["aero.preset"]).any(|key| text.contains(key)),
         toml::Value::Array(items) => items.iter().any(varied),
         toml::Value::Table(table) => table.values().any(varied),
         _ => false,
