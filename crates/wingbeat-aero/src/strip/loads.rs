@@ -377,7 +377,7 @@ impl<P: Scalar> StripModel<P> {
     /// A plate bears nothing along its span but the suction of its edges. The impulse has this in two parts: the one that turns, and
     /// rho G w tan(sweep) dy, w the wash, of the wake that leaves a swept trailing edge. The second is left out: on rectangular wings there
     /// is none; on wings that taper to a point the two cancel but for the tilt of the suction of a swept leading edge, and the first alone
-    /// is too large (rows `trim.lattice.*.unturned`).
+    /// is too large (rows `trim.lattice.*.turned`).
     ///
     /// Equation: aero.strip.turned_circulation
     /// `F = rho dy b G (e_span . dn/dt) e_span, couple v_span e_span x rho dy b G n, G = g lw`
