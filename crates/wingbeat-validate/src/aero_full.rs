@@ -103,6 +103,10 @@ pub enum ComparedPreset {
     Full,
     /// Strip model, five states per strip.
     FiveLags,
+    /// That of three states with the impulse that turns in place of edges' suction.
+    Turned,
+    /// That of three states without a force of the circulation along the span.
+    Neither,
     /// The paper's lifting line.
     Paper,
 }
@@ -180,7 +184,7 @@ impl ComparedPreset {
     /// Its name in ids and figures.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Full => "full",
+            Self::Full | Self::Turned | Self::Neither => "full",
             Self::FiveLags => "five_lags",
             Self::Paper => "paper",
         }
@@ -245,7 +249,9 @@ impl ComparedPreset {
             strips,
             hinge_arcs_m: hinges.to_vec(),
             regularisation_m_s: least,
-            lags: if self == Self::Full { LagSet::Three } else { LagSet::Five },
+            lags: if self == Self::FiveLags { LagSet::Five } else { LagSet::Three },
+            turning_impulse: matches!(self, Self::Turned | Self::Neither).then_some(self == Self::Turned),
+            edge_suction: (self == Self::Neither).then_some(false),
             side_edges,
             section: SectionSettings {
                 law,

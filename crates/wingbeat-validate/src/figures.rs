@@ -86,7 +86,7 @@ const PRESETS: [ComparedPreset; 2] = [ComparedPreset::Full, ComparedPreset::Pape
 /// `points` as the preset is drawn everywhere: `full` a blue line, `paper` a broken vermilion one.
 fn model(preset: ComparedPreset, points: Vec<(f64, f64)>) -> ChartSeries {
     let (look, index) = match preset {
-        ComparedPreset::Full => (Look::Line, 0),
+        ComparedPreset::Full | ComparedPreset::Turned | ComparedPreset::Neither => (Look::Line, 0),
         ComparedPreset::Paper => (Look::Dashed, 1),
         ComparedPreset::FiveLags => (Look::Dotted, 2),
     };

@@ -75,6 +75,8 @@ pub struct Document {
     sources: Sources,
     /// Overrides that are not yet applied: files that the document names come before them.
     overrides: Vec<String>,
+    /// Whether it is merged, after which numbers without meaning are refused.
+    merged: bool,
 }
 
 impl Document {
@@ -176,14 +178,15 @@ impl Document {
         rest.drain(..).try_for_each(|text| self.sources.read_override(text))?;
         self.read_outlines()?;
         self.read_airfoils()?;
+        self.merged = true;
         Ok(self)
     }
 
     /// The document as a `T`.
     ///
     /// # Errors
-    /// All keys that are unknown, missing or of the wrong type; else a number that is not finite or beyond any meaning of the unit that
-    /// its key ends with.
+    /// All keys that are unknown, missing or of the wrong type; else, of a merged document, a number that is not finite or beyond any
+    /// meaning of the unit that its key ends with.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
         if !self.overrides.is_empty() {
             return self.clone().merged(&[], &|_, _| None)?.parse();
@@ -202,7 +205,9 @@ impl Document {
         };
         let value =
             read::read(node, key).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))?;
-        self.refuse_immense(&tree)?;
+        if self.merged {
+            self.refuse_immense(&tree)?;
+        }
         Ok(value)
     }
 
@@ -221,7 +226,7 @@ impl Document {
 
     /// True when overrides change nothing of the merged document but what stands at `keys`.
     pub fn overridden_only_at(&self, keys: &[&str]) -> bool {
-        let written = Self { sources: self.sources.as_written(), overrides: Vec::new() };
+        let written = Self { sources: self.sources.as_written(), ..Self::default() };
         let besides = |document: &Self| {
             let mut table = document.parse::<toml::Table>().ok()?;
             keys.iter().for_each(|key| tree::remove(&mut table, &tree::steps(key)));
@@ -252,7 +257,7 @@ impl Document {
             Some(DeValue::Table(_)) => {
                 let mut sources = self.sources.part(&tree::steps(key));
                 sources.read_bases_of_table(&[])?;
-                Ok(Self { sources, overrides: self.overrides.clone() })
+                Ok(Self { sources, overrides: self.overrides.clone(), merged: false })
             }
             Some(DeValue::String(name)) => {
                 let mut document = Self::default();

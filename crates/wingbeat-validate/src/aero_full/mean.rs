@@ -9,22 +9,22 @@ use wingbeat::aero::{Loads, SurfaceNumbers};
 use wingbeat::math::{Jet, Vec3};
 use wingbeat::tether::TetheredBody;
 
-/// Steady induced drag over the Trefftz drag of the wing's own circulation.
+/// Steady induced drag over the Trefftz drag of the wing's own circulation: without the force of edges along the span, and with it, whose
+/// pull at the tips of a folded wing leans back by the angle of attack.
 pub fn trefftz() -> Result<Vec<ComparisonRow>, Error> {
     let wings = [wings::rectangular(6.0)?, wings::swept(6.0, 30.0)?, wings::folded(6.0, 15.0, -60.0)?];
-    let mut worst: f64 = 0.0;
-    for wing in wings {
-        worst = worst.max((drag_over_trefftz(&wing)? - 1.0).abs());
-    }
+    let worst = |preset: ComparedPreset| -> Result<f64, Error> {
+        let errors = wings.iter().map(|wing| Ok((drag_over_trefftz(preset, wing)? - 1.0).abs()));
+        errors.collect::<Result<Vec<f64>, Error>>().map(|errors| errors.into_iter().fold(0.0, f64::max))
+    };
+    let source = "Munk: drag of its own far wake";
     let metric = "worst error of steady induced drag: flat, swept 30 deg, folded 75 deg";
-    Ok(vec![ComparisonRow::judged(
-        "aero.full.trefftz",
-        "Munk: drag of its own far wake",
-        metric,
-        worst,
-        0.005,
-        "",
-    )])
+    let (neither, edges) = (worst(ComparedPreset::Neither)?, worst(ComparedPreset::Full)?);
+    let without = format!("{metric}, without edges' suction along the span");
+    Ok(vec![
+        ComparisonRow::judged("aero.full.trefftz", source, &without, neither, 0.005, ""),
+        ComparisonRow::shown("aero.full.trefftz.edges", source, &format!("{metric}, with it"), edges, ""),
+    ])
 }
 
 /// Ratio of the steady induced drag to the Trefftz drag of a wing of AR 6, swept by `angle` degrees, or folded: each half at
@@ -33,16 +33,15 @@ pub fn trefftz() -> Result<Vec<ComparisonRow>, Error> {
 /// # Errors
 /// [`Error`] when the model cannot be built.
 pub fn induced_over_trefftz(folded: bool, angle: f64) -> Result<f64, Error> {
-    drag_over_trefftz(&if folded {
-        wings::folded(6.0, 15.0, 15.0 - angle)?
-    } else {
-        wings::swept(6.0, angle)?
-    })
+    drag_over_trefftz(
+        ComparedPreset::Full,
+        &if folded { wings::folded(6.0, 15.0, 15.0 - angle)? } else { wings::swept(6.0, angle)? },
+    )
 }
 
 /// Steady drag at 2 degrees over the drag of its wake.
-fn drag_over_trefftz(still: &Still) -> Result<f64, Error> {
-    let model = ComparedPreset::Full.model(still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
+fn drag_over_trefftz(preset: ComparedPreset, still: &Still) -> Result<f64, Error> {
+    let model = preset.model(still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
     let alpha = 2_f64.to_radians();
     let wind = Vec3::new(-alpha.cos(), 0.0, alpha.sin());
     let angles: Vec<Jet<f64>> = still.angles.clone();

@@ -144,7 +144,9 @@ fn theodorsen(k: f64) -> Result<Complex, Error> {
 fn lagged(preset: ComparedPreset, k: f64) -> Complex {
     let (weights, rates): (&[f64], &[f64]) = match preset {
         ComparedPreset::Paper => (&JONES_WEIGHTS, &JONES_RATES),
-        ComparedPreset::Full => (LagSet::Three.lags().lift, LagSet::Three.lags().rate),
+        ComparedPreset::Full | ComparedPreset::Turned | ComparedPreset::Neither => {
+            (LagSet::Three.lags().lift, LagSet::Three.lags().rate)
+        }
         ComparedPreset::FiveLags => (LagSet::Five.lags().lift, LagSet::Five.lags().rate),
     };
     let term = |(psi, eps): (&f64, &f64)| {

@@ -47,7 +47,7 @@ pub fn trefftz() -> Result<Figure, Error> {
 
 /// Forces of F2 and E1 over the cycle beside the script's.
 pub fn oracle() -> Result<Figure, Error> {
-    let (full, paper) = (oracle_series(ComparedPreset::Full)?, oracle_series(ComparedPreset::Paper)?);
+    let (full, paper) = (oracle_series(ComparedPreset::Turned)?, oracle_series(ComparedPreset::Paper)?);
     let mut charts = Vec::new();
     for (part, label) in [("Fx", "Fx, aft [mN]"), ("Fz", "Fz, up [mN]"), ("Faz", "Fz, added mass [mN]")] {
         for (case, title) in [("F2", "F2: flap ±35°"), ("E1", "E1: flap ±30°, fold 50°")] {
