@@ -89,7 +89,7 @@ pub fn deep_fold() -> Result<Vec<ComparisonRow>, Error> {
     let parts = [
         (
             "side_edges",
-            "suction of the side edges, which strips lack, in the lattice with a prescribed wake",
+            "suction of the side edges in the lattice with a prescribed wake",
             fixed - without,
         ),
         ("roll_up", "what the roll-up of the wake changes", free - fixed),
