@@ -87,11 +87,7 @@ pub fn deep_fold() -> Result<Vec<ComparisonRow>, Error> {
     let [_, [fixed, without], [free, _]] = found[..] else { return Ok(rows) };
     rows.extend(turned_rows([free, fixed], source)?);
     let parts = [
-        (
-            "side_edges",
-            "suction of the side edges in the lattice with a prescribed wake",
-            fixed - without,
-        ),
+        ("side_edges", "suction of the side edges in the lattice with a prescribed wake", fixed - without),
         ("roll_up", "what the roll-up of the wake changes", free - fixed),
     ];
     rows.extend(parts.map(|(name, what, part)| {
