@@ -4,7 +4,7 @@
 
 use super::influence::{Matrix, StripColumn, multiply, sum};
 use super::membrane::Camber;
-use super::response::{LagSums, Spread};
+use super::response::{LagSums, Spread, StripResponse};
 use super::settings::SpanForce;
 use super::{Room, StripFlow, StripModel};
 use crate::{Coupling, Sections, Wrench};
@@ -20,6 +20,9 @@ const WASHES: usize = 3;
 const WIDE: usize = 16;
 /// Most states, those that are given too, of which there are as many.
 const MOST: usize = 2 * WIDE * (LANES - WASHES);
+
+/// Most pairs of strips of which one acts on the other: those side by side, and two beside each tip.
+const MOST_PUSHES: usize = 2 * WIDE + 4;
 
 type Local = Dual<LANES>;
 /// Derivatives of a number on each strip by one lane.
@@ -74,8 +77,9 @@ struct Cut<'a> {
     delayed: [StripColumn<Local, WIDE>; 2],
     open: [StripColumn<Local, WIDE>; 2],
     seen: StripColumn<Local, WIDE>,
-    /// The circulation of each strip that acts on those beside it.
+    /// The circulation of each strip that acts on those beside it, times density, and the share of it that stays attached.
     beside: StripColumn<Local, WIDE>,
+    attached: StripColumn<Local, WIDE>,
 }
 
 impl Cut<'_> {
@@ -111,12 +115,22 @@ impl Spread<Local, WIDE> for Cut<'_> {
         let (far, near) = (multiply(&self.flow.far, &values, n), multiply(&self.flow.remainder, &values, n));
         Some([self.fresh(1, &far), near.map(Local::constant)])
     }
-    fn beside(&mut self, bound: &mut StripColumn<Local, WIDE>) {
-        self.beside = *bound;
-        for value in bound {
+    fn beside(&mut self, bound: &mut StripColumn<Local, WIDE>, attached: &mut StripColumn<Local, WIDE>) {
+        (self.beside, self.attached) = (*bound, *attached);
+        for value in bound.iter_mut().chain(attached) {
             *value = Local::constant(value.re);
         }
     }
+}
+
+/// What one strip does to the load of another.
+struct Push {
+    /// The strip that bears it, and the other.
+    on: usize,
+    other: usize,
+    /// Force, N, and moment, N m, over the number `by` of the other strip, in its unit.
+    load: Wrench<f64>,
+    by: Local,
 }
 
 /// Derivatives of a number on each strip by the washes there, as many as act on it.
@@ -220,6 +234,7 @@ impl StripModel {
             open: [zero; 2],
             seen: zero,
             beside: zero,
+            attached: zero,
         };
         let mut camber = Camber::none();
         let response = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut);
@@ -229,24 +244,50 @@ impl StripModel {
         }
         out.states = states;
         out.rates.resize(states * states, 0.0);
-        self.assemble(&cut, &rates, &strips, out);
+        self.assemble(&cut, &rates, &strips, &self.pushes(&cut, &response), out);
         for (load, strip) in by_strip.iter_mut().zip(&strips[..n]) {
             *load = plain(strip);
         }
         plain(&total)
     }
 
-    /// Loads of each strip per circulation times density of the strip to its left, and of that to its right: forces, m2/s, and
-    /// moments, m3/s. None where edges do not bear along the span.
-    fn pushed_beside(&self, flow: &StripFlow<f64, f64, WIDE>) -> ArrayVec<[Wrench<f64>; 2], WIDE> {
-        let drifting = if self.span_force == SpanForce::Edges { self.settings.strips } else { 0 };
-        let push =
-            |i: usize, weight: f64| flow.strips.wrench(i, self.spread(i, weight * flow.strips.drift[i]));
-        (0..drifting).map(|i| self.edge_weights(i).map(|weight| push(i, weight))).collect()
+    /// What strips do to the loads of others through edges.
+    fn pushes(
+        &self,
+        cut: &Cut<'_>,
+        response: &StripResponse<'_, Local, WIDE>,
+    ) -> ArrayVec<Push, MOST_PUSHES> {
+        let (n, strips) = (self.settings.strips, &cut.flow.strips);
+        let mut pushes = ArrayVec::new();
+        if self.span_force == SpanForce::Edges {
+            for i in 0..n {
+                let [left, right] = self.edge_weights(i);
+                for (other, weight) in [(i.wrapping_sub(1), left), (i + 1, right)] {
+                    if other < n {
+                        let load = strips.wrench(i, self.spread(i, weight * strips.drift[i]));
+                        pushes.push(Push { on: i, other, load, by: cut.beside[other] });
+                    }
+                }
+            }
+        }
+        if self.pulls_at_tips() {
+            for (on, other, force) in self.by_shares(response) {
+                let load = plain(&strips.wrench(on, force));
+                pushes.push(Push { on, other, load, by: cut.attached[other] });
+            }
+        }
+        pushes
     }
 
     /// Puts the derivatives together.
-    fn assemble(&self, cut: &Cut<'_>, rates: &[Local], strips: &[Wrench<Local>; WIDE], out: &mut ByStates) {
+    fn assemble(
+        &self,
+        cut: &Cut<'_>,
+        rates: &[Local],
+        strips: &[Wrench<Local>; WIDE],
+        pushes: &[Push],
+        out: &mut ByStates,
+    ) {
         let (n, states, first) = (self.settings.strips, out.states, cut.first);
         let StripFlow { relief, remainder, far, .. } = cut.flow;
         let mut of_delayed: Matrix<f64, WIDE> = [[0.0; WIDE]; WIDE];
@@ -256,19 +297,14 @@ impl StripModel {
         let by = |value: &dyn Fn(usize) -> Local| ByWashes::of(first, n, value);
         let [delayed, open] = [by(&|i| cut.delayed[1][i]), by(&|i| cut.open[1][i])];
         let mut loads = ArrayVec::<[Local; WIDE], MAX_DEGREES>::new();
-        let pushes = self.pushed_beside(cut.flow);
         for r in 0..6 + out.weights.len() / n {
             loads.push([Local::ZERO; WIDE]);
             for i in 0..n {
                 loads[r][i] = row(r, i, &out.weights[..], n, &strips[i]);
             }
             // What a strip does to the loads of those beside it counts as its own: only sums are wanted.
-            for (i, pushed) in pushes.iter().enumerate() {
-                for (k, push) in [i.wrapping_sub(1), i + 1].into_iter().zip(pushed) {
-                    if k < n {
-                        loads[r][k] += cut.beside[k] * row(r, i, &out.weights[..], n, push);
-                    }
-                }
+            for push in pushes {
+                loads[r][push.other] += push.by * row(r, push.on, &out.weights[..], n, &push.load);
             }
         }
         let of_loads: ArrayVec<ByWashes, MAX_DEGREES> = loads.iter().map(|of| by(&|i| of[i])).collect();

@@ -41,6 +41,8 @@ pub(super) struct StripResponse<'a, S: Scalar, const N: usize> {
     pub attached: StripColumn<S, N>,
     /// Circulation of the lift times the density, kg/(m s), as the strips beside feel it; zero where they do not.
     pub beside: StripColumn<S, N>,
+    /// Share of the lift that stays attached beside the left and the right tip.
+    pub at_tips: [S; 2],
     /// Wash at 3/4 chord, m/s.
     pub wash: StripColumn<S, N>,
     /// Lift wash, m/s.
@@ -76,9 +78,9 @@ pub(super) trait Spread<S: Scalar, const N: usize> {
     fn turned(&mut self, _seen: &StripColumn<S, N>) -> Option<[StripColumn<S, N>; 2]> {
         None
     }
-    /// The circulation that acts on the strips beside.
+    /// The circulation, and the share of it that stays attached, which act on other strips.
     #[inline(always)]
-    fn beside(&mut self, _bound: &mut StripColumn<S, N>) {}
+    fn beside(&mut self, _bound: &mut StripColumn<S, N>, _attached: &mut StripColumn<S, N>) {}
 }
 
 /// With all derivatives.
@@ -452,18 +454,23 @@ impl<P: Scalar> StripModel<P> {
                 impulse_rate[i] += camber.slope[1][i];
             }
         }
-        let mut beside = [S::ZERO; N];
+        let (mut beside, mut at_tips) = ([S::ZERO; N], [S::ONE; 2]);
         if self.span_force == SpanForce::Edges {
             for i in 0..lanes::<S, N>(self.settings.strips) {
                 beside[i] = self.bound(i, lift_wash[i], attached[i]);
             }
-            spread.beside(&mut beside);
+        }
+        if self.pulls_at_tips() {
+            let mut others = attached;
+            spread.beside(&mut beside, &mut others);
+            at_tips = self.at_tips(&attached, &others);
         }
         StripResponse {
             turning_wash,
             edges,
             camber,
             beside,
+            at_tips,
             circulation: sums.circulation,
             attached,
             wash,

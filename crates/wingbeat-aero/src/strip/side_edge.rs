@@ -3,8 +3,10 @@
 
 use super::grid::StripGrid;
 use super::response::StripResponse;
+use super::settings::SpanForce;
 use super::{StripFlow, StripModel};
 use crate::section::SectionForce;
+use arrayvec::ArrayVec;
 use std::f64::consts::PI;
 use wingbeat_math::{Meets, Over, Scalar};
 
@@ -21,6 +23,11 @@ const PULL_BEHIND: [f64; 3] = [0.048, 0.11, 0.089];
 /// is sqrt(1 - x^2)/pi from -1 to 1 along the chord, its square 2/(3 pi^2) of 0.615 in the mean; of a wing that does not turn the
 /// ninth is missing.
 const OF_CIRCULATION: f64 = 1.0 - 2.0 / (3.0 * PI * PI * 0.615);
+
+/// Distance from a tip over the span at which strips tell what stays attached of the force of that tip. Of the outermost strip all stays as
+/// it narrows, since its lift wash vanishes, and the force would grow with the number of strips. *Choice*: where the outermost of nine
+/// strips of Aerobat lies.
+const STATION: f64 = 0.025;
 
 /// Wash below which its size is rounded off, so that it has a derivative, m/s. *Choice.*
 const ROUNDING: f64 = 1e-9;
@@ -39,16 +46,52 @@ pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope:
     density * (PI / 16.0) * chord * span * slope * slope / (inboard * (span - inboard))
 }
 
+/// Where strips tell what stays attached of the pull of a tip.
+#[derive(Clone, Debug)]
+pub(super) struct TipStation<P> {
+    /// The strips between whose control sections it lies, from the tip on.
+    strips: [usize; 2],
+    /// Weights of their shares.
+    weights: [P; 2],
+}
+
+impl<P: Scalar> TipStation<P> {
+    /// That of the left and of the right tip. Between two control sections shares go as a straight line over the square root of the
+    /// distance, with which Lan's angle grows; of fewer strips, or beside a gap, the outermost counts alone.
+    pub fn new(grid: &StripGrid<P>) -> [Self; 2] {
+        let last = grid.width.len() - 1;
+        let tips = [grid.arcs[0], grid.arcs[last + 1]];
+        let station = ((tips[0] - tips[1]) * STATION).sqrt();
+        [0, 1].map(|side| {
+            let nth = |j: usize| if side == 0 { j } else { last - j };
+            let root = |j: usize| ((grid.control_arcs[nth(j)] - tips[side]) * [-1.0, 1.0][side]).sqrt();
+            let reached = (1..=last / 2).find(|j| root(*j) > station);
+            let inner = reached.filter(|j| grid.covered[nth(*j)] && grid.covered[nth(j - 1)]).unwrap_or(0);
+            let outer = inner.saturating_sub(1);
+            let share = (station - root(outer)) / (root(inner) - root(outer));
+            let share = if inner > 0 && share > P::ZERO { share } else { P::ZERO };
+            Self { strips: [outer, inner].map(nth), weights: [P::ONE - share, share] }
+        })
+    }
+
+    /// The mean of what `of` tells of its strips.
+    #[inline(always)]
+    fn mean<S: Scalar + Meets<P>>(&self, of: impl Fn(usize) -> S) -> S {
+        of(self.strips[0]) * self.weights[0] + of(self.strips[1]) * self.weights[1]
+    }
+}
+
 impl<P: Scalar> StripModel<P> {
     /// Force of the vortex of a side edge on the outermost strip `i`. At the distance d from a tip the circulation
     /// goes as G = k sqrt(d), of which the share F(x) lies ahead of the station x. The sheet there has the strength
     /// dG/dy = k F/(2 sqrt(d)), as that of a leading edge, 2 A/sqrt(d), which is pulled by pi rho A^2 for each length. The pull along the
     /// span is so (pi/16) rho k^2 c mean(F^2); where the flow leaves the edge it turns to the normal, on the side of the wash, whole and at
-    /// once. What counts of the circulation is what stays attached, so that the force has the square of that share. Between the tips
+    /// once. What counts of the circulation is what stays attached at a fortieth of the span from the tip, so that the force has the square of
+    /// that share. Between the tips
     /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)). The parts of flat chord and camber push each to its own side.
     ///
     /// Equation: aero.strip.side_edge
-    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, times the attached share`
+    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, times the attached share at b/40`
     /// Source: Lamar 1974, NASA TR R-428 (side edges lose their suction as leading edges do, Polhamus 1966); own derivation; mean(F^2)
     /// by a vortex lattice; at once: a choice.
     /// Test: `side_edges_have_the_suction_of_a_vortex_lattice`.
@@ -58,13 +101,22 @@ impl<P: Scalar> StripModel<P> {
         i: usize,
         response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
+        self.side_edge_of(i, response, response.at_tips[usize::from(i > 0)].squared())
+    }
+
+    /// The same, given the square of the attached share.
+    fn side_edge_of<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        response: &StripResponse<'_, S, N>,
+        shares: S,
+    ) -> SectionForce<S> {
         let wash = response.lift_wash[i];
         let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
         let camber = wash - flat;
         let [flat_size, camber_size] = [flat, camber].map(|wash| wash.smooth_abs(ROUNDING));
         let products = [flat * flat_size, flat * camber_size + camber * flat_size, camber * camber_size];
-        let share = response.attached[i].squared();
-        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * share;
+        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * shares;
         let scale = self.tables.side_edge[i];
         let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
         force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
@@ -119,11 +171,22 @@ impl<P: Scalar> StripModel<P> {
         force.normal += own * tables.half_run[i] * drift;
         force.across = -(suction * tables.leading_slope[i]);
         if !self.settings.side_edges && (i == 0 || i == last) {
-            let wash = response.lift_wash[i] * response.attached[i];
-            let pull = wash.squared() * (tables.side_edge[i] * (PULL[0] * OF_CIRCULATION));
-            force.across += if i == 0 { -pull } else { pull };
+            force.across += self.pull(i, response, response.at_tips[usize::from(i > 0)].squared());
         }
         force
+    }
+
+    /// The pull of the tip of the outermost strip `i` along the span, N, given the square of the attached share.
+    fn pull<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        response: &StripResponse<'_, S, N>,
+        shares: S,
+    ) -> S {
+        let outward = if i == 0 { -1.0 } else { 1.0 };
+        response.lift_wash[i].squared()
+            * shares
+            * (self.tables.side_edge[i] * (PULL[0] * OF_CIRCULATION * outward))
     }
 
     /// Circulation of the lift times the density, kg/(m s).
@@ -146,6 +209,45 @@ impl<P: Scalar> StripModel<P> {
         let mut force = SectionForce::in_plane(S::ZERO, normal, S::ZERO);
         force.nose_up = normal * (self.tables.chord[i] * -0.125);
         force
+    }
+
+    /// Whether the circulation pulls at the tips.
+    #[inline(always)]
+    pub(super) fn pulls_at_tips(&self) -> bool {
+        self.span_force == SpanForce::Edges || self.settings.side_edges
+    }
+
+    /// The share of the circulation that stays attached beside the left and the right tip, of `own` of the outermost strips and
+    /// `others` of those beside them.
+    #[inline(always)]
+    pub(super) fn at_tips<S: Scalar + Meets<P>>(&self, own: &[S], others: &[S]) -> [S; 2] {
+        let outermost = [0, self.settings.strips - 1];
+        let of = |tip: usize, k: usize| if k == outermost[tip] { own[k] } else { others[k] };
+        [0, 1].map(|tip| self.tables.stations[tip].mean(|k| of(tip, k)))
+    }
+
+    /// The outermost strips, for each another that tells what stays attached there, and the force over the share of that, N.
+    pub(super) fn by_shares<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        response: &StripResponse<'_, S, N>,
+    ) -> ArrayVec<(usize, usize, SectionForce<S>), 4> {
+        let mut forces = ArrayVec::new();
+        for (tip, i) in [0, self.settings.strips - 1].into_iter().enumerate() {
+            let TipStation { strips, weights } = &self.tables.stations[tip];
+            for (&k, &weight) in strips.iter().zip(weights).filter(|(k, _)| **k != i) {
+                let shares = response.at_tips[tip] * (weight * 2.0);
+                let force = if self.settings.side_edges {
+                    self.side_edge_of(i, response, shares)
+                } else {
+                    SectionForce {
+                        across: self.pull(i, response, shares),
+                        ..SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO)
+                    }
+                };
+                forces.push((i, k, force));
+            }
+        }
+        forces
     }
 
     /// Whether the strip `i` bears such a vortex.
