@@ -20,6 +20,8 @@ pub(super) struct StripGrid<P = f64> {
     pub outline: Vec<(P, P)>,
     /// Chord, m.
     pub chord: Vec<P>,
+    /// Arc coordinate of the left tip, m.
+    pub tip: P,
     /// Chord at the left and at the right tip, m; 0 at the root of a one-sided surface, which stands on something.
     pub tip_chords: [P; 2],
     /// Width perpendicular to the chord, m.
@@ -87,6 +89,7 @@ impl<P: Scalar> StripGrid<P> {
             fraction,
             cos_half: cosine(0.5),
             cos_three_quarter: cosine(0.75),
+            tip: planform.half_span(),
             tip_chords: {
                 let tip = planform.half_span();
                 let chord = |s: P| if planform.from_root(s).is_zero() { P::ZERO } else { planform.chord(s) };

@@ -4,9 +4,10 @@
 
 use super::influence::{Matrix, StripColumn, multiply, sum};
 use super::membrane::Camber;
-use super::response::{LagSums, Spread, StripResponse};
+use super::response::{LagSums, Spread};
 use super::settings::SpanForce;
 use super::{Room, StripFlow, StripModel};
+use crate::section::SectionForce;
 use crate::{Coupling, Sections, Wrench};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Dual, Scalar, Vec3, append_copies, kept};
@@ -77,9 +78,8 @@ struct Cut<'a> {
     delayed: [StripColumn<Local, WIDE>; 2],
     open: [StripColumn<Local, WIDE>; 2],
     seen: StripColumn<Local, WIDE>,
-    /// The circulation of each strip that acts on those beside it, times density, and the share of it that stays attached.
+    /// The circulation of each strip that acts on those beside it.
     beside: StripColumn<Local, WIDE>,
-    attached: StripColumn<Local, WIDE>,
 }
 
 impl Cut<'_> {
@@ -115,22 +115,12 @@ impl Spread<Local, WIDE> for Cut<'_> {
         let (far, near) = (multiply(&self.flow.far, &values, n), multiply(&self.flow.remainder, &values, n));
         Some([self.fresh(1, &far), near.map(Local::constant)])
     }
-    fn beside(&mut self, bound: &mut StripColumn<Local, WIDE>, attached: &mut StripColumn<Local, WIDE>) {
-        (self.beside, self.attached) = (*bound, *attached);
-        for value in bound.iter_mut().chain(attached) {
+    fn beside(&mut self, bound: &mut StripColumn<Local, WIDE>) {
+        self.beside = *bound;
+        for value in bound {
             *value = Local::constant(value.re);
         }
     }
-}
-
-/// What one strip does to the load of another.
-struct Push {
-    /// The strip that bears it, and the other.
-    on: usize,
-    other: usize,
-    /// Force, N, and moment, N m, over the number `by` of the other strip, in its unit.
-    load: Wrench<f64>,
-    by: Local,
 }
 
 /// Derivatives of a number on each strip by the washes there, as many as act on it.
@@ -234,7 +224,6 @@ impl StripModel {
             open: [zero; 2],
             seen: zero,
             beside: zero,
-            attached: zero,
         };
         let mut camber = Camber::none();
         let response = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut);
@@ -244,50 +233,37 @@ impl StripModel {
         }
         out.states = states;
         out.rates.resize(states * states, 0.0);
-        self.assemble(&cut, &rates, &strips, &self.pushes(&cut, &response), out);
+        self.assemble(&cut, &rates, &strips, out);
         for (load, strip) in by_strip.iter_mut().zip(&strips[..n]) {
             *load = plain(strip);
         }
         plain(&total)
     }
 
-    /// What strips do to the loads of others through edges.
-    fn pushes(
-        &self,
-        cut: &Cut<'_>,
-        response: &StripResponse<'_, Local, WIDE>,
-    ) -> ArrayVec<Push, MOST_PUSHES> {
+    /// Where edges bear along the span: a strip that bears a load, another whose circulation times density does it, and force, m2/s,
+    /// and moment, m3/s, over that.
+    fn pushes(&self, cut: &Cut<'_>) -> ArrayVec<(usize, usize, Wrench<f64>), MOST_PUSHES> {
         let (n, strips) = (self.settings.strips, &cut.flow.strips);
         let mut pushes = ArrayVec::new();
-        if self.span_force == SpanForce::Edges {
-            for i in 0..n {
-                let [left, right] = self.edge_weights(i);
-                for (other, weight) in [(i.wrapping_sub(1), left), (i + 1, right)] {
-                    if other < n {
-                        let load = strips.wrench(i, self.spread(i, weight * strips.drift[i]));
-                        pushes.push(Push { on: i, other, load, by: cut.beside[other] });
-                    }
-                }
+        if self.span_force != SpanForce::Edges {
+            return pushes;
+        }
+        for i in 0..n {
+            let [left, right] = self.edge_weights(i);
+            for (k, weight) in [(i.wrapping_sub(1), left), (i + 1, right)].into_iter().filter(|(k, _)| *k < n)
+            {
+                pushes.push((i, k, strips.wrench(i, self.spread(i, weight * strips.drift[i]))));
             }
         }
-        if self.pulls_at_tips() {
-            for (on, other, force) in self.by_shares(response) {
-                let load = plain(&strips.wrench(on, force));
-                pushes.push(Push { on, other, load, by: cut.attached[other] });
-            }
+        for (i, k, pull) in self.pulls_by_others(|k| cut.beside[k].re) {
+            let force = SectionForce { across: pull, ..SectionForce::in_plane(0.0, 0.0, 0.0) };
+            pushes.push((i, k, strips.wrench(i, force)));
         }
         pushes
     }
 
     /// Puts the derivatives together.
-    fn assemble(
-        &self,
-        cut: &Cut<'_>,
-        rates: &[Local],
-        strips: &[Wrench<Local>; WIDE],
-        pushes: &[Push],
-        out: &mut ByStates,
-    ) {
+    fn assemble(&self, cut: &Cut<'_>, rates: &[Local], strips: &[Wrench<Local>; WIDE], out: &mut ByStates) {
         let (n, states, first) = (self.settings.strips, out.states, cut.first);
         let StripFlow { relief, remainder, far, .. } = cut.flow;
         let mut of_delayed: Matrix<f64, WIDE> = [[0.0; WIDE]; WIDE];
@@ -297,14 +273,15 @@ impl StripModel {
         let by = |value: &dyn Fn(usize) -> Local| ByWashes::of(first, n, value);
         let [delayed, open] = [by(&|i| cut.delayed[1][i]), by(&|i| cut.open[1][i])];
         let mut loads = ArrayVec::<[Local; WIDE], MAX_DEGREES>::new();
+        let pushes = self.pushes(cut);
         for r in 0..6 + out.weights.len() / n {
             loads.push([Local::ZERO; WIDE]);
             for i in 0..n {
                 loads[r][i] = row(r, i, &out.weights[..], n, &strips[i]);
             }
             // What a strip does to the loads of those beside it counts as its own: only sums are wanted.
-            for push in pushes {
-                loads[r][push.other] += push.by * row(r, push.on, &out.weights[..], n, &push.load);
+            for (i, k, push) in &pushes {
+                loads[r][*k] += cut.beside[*k] * row(r, *i, &out.weights[..], n, push);
             }
         }
         let of_loads: ArrayVec<ByWashes, MAX_DEGREES> = loads.iter().map(|of| by(&|i| of[i])).collect();

@@ -41,8 +41,6 @@ pub(super) struct StripResponse<'a, S: Scalar, const N: usize> {
     pub attached: StripColumn<S, N>,
     /// Circulation of the lift times the density, kg/(m s), as the strips beside feel it; zero where they do not.
     pub beside: StripColumn<S, N>,
-    /// Share of the lift that stays attached beside the left and the right tip.
-    pub at_tips: [S; 2],
     /// Wash at 3/4 chord, m/s.
     pub wash: StripColumn<S, N>,
     /// Lift wash, m/s.
@@ -78,9 +76,9 @@ pub(super) trait Spread<S: Scalar, const N: usize> {
     fn turned(&mut self, _seen: &StripColumn<S, N>) -> Option<[StripColumn<S, N>; 2]> {
         None
     }
-    /// The circulation, and the share of it that stays attached, which act on other strips.
+    /// The circulation that acts on the strips beside.
     #[inline(always)]
-    fn beside(&mut self, _bound: &mut StripColumn<S, N>, _attached: &mut StripColumn<S, N>) {}
+    fn beside(&mut self, _bound: &mut StripColumn<S, N>) {}
 }
 
 /// With all derivatives.
@@ -454,23 +452,18 @@ impl<P: Scalar> StripModel<P> {
                 impulse_rate[i] += camber.slope[1][i];
             }
         }
-        let (mut beside, mut at_tips) = ([S::ZERO; N], [S::ONE; 2]);
+        let mut beside = [S::ZERO; N];
         if self.span_force == SpanForce::Edges {
             for i in 0..lanes::<S, N>(self.settings.strips) {
                 beside[i] = self.bound(i, lift_wash[i], attached[i]);
             }
-        }
-        if self.pulls_at_tips() {
-            let mut others = attached;
-            spread.beside(&mut beside, &mut others);
-            at_tips = self.at_tips(&attached, &others);
+            spread.beside(&mut beside);
         }
         StripResponse {
             turning_wash,
             edges,
             camber,
             beside,
-            at_tips,
             circulation: sums.circulation,
             attached,
             wash,

@@ -3,7 +3,6 @@
 
 use super::grid::StripGrid;
 use super::response::StripResponse;
-use super::settings::SpanForce;
 use super::{StripFlow, StripModel};
 use crate::section::SectionForce;
 use arrayvec::ArrayVec;
@@ -13,70 +12,79 @@ use wingbeat_math::{Meets, Over, Scalar};
 /// Pull of a side edge over [`scale`] and products of the lift washes at the outermost strip: of the flat chord squared, twice the flat
 /// chord times a parabolic camber, camber squared. What of the circulation G lies ahead of a point of the chord makes them: mean((A/G)^2)
 /// is 0.615 of a flat section far from the tips and 0.72 beside them. *Fitted* to a vortex lattice of flat and evenly cambered rectangles
-/// (`validation/lifting_surface/side_edges.csv`), as strips have a G beside the tips that is an eighth larger: at aspect ratios of 1, 2, 4
-/// and 8 it has 0.61, 0.58, 0.57, 0.57 first, 0.22, 0.26, 0.28, 0.29 in the middle and 0.43, 0.35, 0.32, 0.31 last.
-const PULL: [f64; 3] = [0.575, 0.273, 0.33];
-/// The same times the distance behind mid chord over the chord: 0.045 to 0.049, 0.10 to 0.14, 0.088 to 0.090.
-const PULL_BEHIND: [f64; 3] = [0.048, 0.11, 0.089];
+/// (`validation/lifting_surface/side_edges.csv`), as strips have a G beside the tips of their own: at aspect ratios of 1, 2, 4
+/// and 8 it has 0.81, 0.77, 0.76, 0.76 first, 0.29, 0.35, 0.37, 0.39 in the middle and 0.57, 0.47, 0.43, 0.41 last.
+const PULL: [f64; 3] = [0.764, 0.363, 0.438];
+/// The same times the distance behind mid chord over the chord: 0.060 to 0.065, 0.13 to 0.19, 0.117 to 0.120.
+const PULL_BEHIND: [f64; 3] = [0.0637, 0.146, 0.118];
 
 /// Share of [`PULL`] that is counted to the circulation. *Choice*: of a wing that turns the impulse of the carried air has the other, whose F
 /// is sqrt(1 - x^2)/pi from -1 to 1 along the chord, its square 2/(3 pi^2) of 0.615 in the mean; of a wing that does not turn the
 /// ninth is missing.
 const OF_CIRCULATION: f64 = 1.0 - 2.0 / (3.0 * PI * PI * 0.615);
 
-/// Distance from a tip over the span at which strips tell what stays attached of the force of that tip. Of the outermost strip all stays as
-/// it narrows, since its lift wash vanishes, and the force would grow with the number of strips. *Choice*: where the outermost of nine
-/// strips of Aerobat lies.
-const STATION: f64 = 0.025;
+/// Distance from a tip over the span at which the circulation tells the pull along the span. What stays attached of the outermost strip
+/// rises to one as it narrows, since its lift wash vanishes, so that its own circulation would tell another pull of every number of
+/// strips. *Choice*: where the outermost of nine strips lies.
+const STATION: f64 = 0.024;
 
 /// Wash below which its size is rounded off, so that it has a derivative, m/s. *Choice.*
 const ROUNDING: f64 = 1e-9;
 
 /// Force at a tip over the square of the wash there and [`PULL`], kg/m: rho (pi/16) (c b/(d (b - d))) slope^2, c the chord at the tip.
 pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope: P) -> P {
-    let last = grid.width.len() - 1;
-    let (from, to) = (grid.arcs[0], grid.arcs[last + 1]);
-    let span = from - to;
-    let at = grid.control_arcs[i];
+    let (last, span) = (grid.width.len() - 1, grid.tip * 2.0);
     let (chord, inboard) = match i {
-        0 => (grid.tip_chords[0], from - at),
-        i if i == last => (grid.tip_chords[1], at - to),
+        0 => (grid.tip_chords[0], grid.tip - grid.control_arcs[0]),
+        i if i == last => (grid.tip_chords[1], grid.tip + grid.control_arcs[last]),
         _ => return P::ZERO,
     };
     density * (PI / 16.0) * chord * span * slope * slope / (inboard * (span - inboard))
 }
 
-/// Where strips tell what stays attached of the pull of a tip.
+/// How the circulation beside a tip pulls along the span.
 #[derive(Clone, Debug)]
-pub(super) struct TipStation<P> {
-    /// The strips between whose control sections it lies, from the tip on.
+pub(super) struct TipPull<P> {
+    /// The strips between whose control sections the station lies, the outer one first.
     strips: [usize; 2],
-    /// Weights of their shares.
+    /// Their weights in the circulation there.
     weights: [P; 2],
+    /// Pull over the square of circulation times density, m3/kg.
+    scale: P,
 }
 
-impl<P: Scalar> TipStation<P> {
-    /// That of the left and of the right tip. Between two control sections shares go as a straight line over the square root of the
-    /// distance, with which Lan's angle grows; of fewer strips, or beside a gap, the outermost counts alone.
-    pub fn new(grid: &StripGrid<P>) -> [Self; 2] {
-        let last = grid.width.len() - 1;
-        let tips = [grid.arcs[0], grid.arcs[last + 1]];
-        let station = ((tips[0] - tips[1]) * STATION).sqrt();
-        [0, 1].map(|side| {
+impl<P: Scalar> TipPull<P> {
+    /// The left and the right tip's. Between two control sections the circulation goes as a straight line over the square root of the
+    /// distance from the tip; where the station lies beyond the outermost section, or beside a gap, that one's tells.
+    pub fn new(grid: &StripGrid<P>, density: P) -> [Self; 2] {
+        let (last, span) = (grid.width.len() - 1, grid.tip * 2.0);
+        [(0, -1.0), (1, 1.0)].map(|(side, outward)| {
             let nth = |j: usize| if side == 0 { j } else { last - j };
-            let root = |j: usize| ((grid.control_arcs[nth(j)] - tips[side]) * [-1.0, 1.0][side]).sqrt();
-            let reached = (1..=last / 2).find(|j| root(*j) > station);
-            let inner = reached.filter(|j| grid.covered[nth(*j)] && grid.covered[nth(j - 1)]).unwrap_or(0);
-            let outer = inner.saturating_sub(1);
-            let share = (station - root(outer)) / (root(inner) - root(outer));
-            let share = if inner > 0 && share > P::ZERO { share } else { P::ZERO };
-            Self { strips: [outer, inner].map(nth), weights: [P::ONE - share, share] }
+            let distance = |j: usize| grid.tip + grid.control_arcs[nth(j)] * outward;
+            let joined = |j: &usize| grid.covered[nth(*j)] && grid.covered[nth(j - 1)];
+            let station = span * STATION;
+            let beyond = (1..=last / 2).find(|j| distance(*j) > station).filter(joined);
+            let Some(inner) = beyond.filter(|_| distance(0) < station) else {
+                let scale = Self::scale(grid.tip_chords[side], span, distance(0)) / density;
+                return Self { strips: [nth(0); 2], weights: [P::ONE, P::ZERO], scale };
+            };
+            let [near, far] = [inner - 1, inner].map(|j| distance(j).sqrt());
+            let share = (station.sqrt() - near) / (far - near);
+            Self {
+                strips: [inner - 1, inner].map(nth),
+                weights: [P::ONE - share, share],
+                scale: Self::scale(grid.tip_chords[side], span, station) / density,
+            }
         })
     }
 
-    /// The mean of what `of` tells of its strips.
+    fn scale(chord: P, span: P, distance: P) -> P {
+        chord * span / (distance * (span - distance)) * (PI / 16.0 * PULL[0] * OF_CIRCULATION)
+    }
+
+    /// The circulation at the station.
     #[inline(always)]
-    fn mean<S: Scalar + Meets<P>>(&self, of: impl Fn(usize) -> S) -> S {
+    fn circulation<S: Scalar + Meets<P>>(&self, of: impl Fn(usize) -> S) -> S {
         of(self.strips[0]) * self.weights[0] + of(self.strips[1]) * self.weights[1]
     }
 }
@@ -86,12 +94,11 @@ impl<P: Scalar> StripModel<P> {
     /// goes as G = k sqrt(d), of which the share F(x) lies ahead of the station x. The sheet there has the strength
     /// dG/dy = k F/(2 sqrt(d)), as that of a leading edge, 2 A/sqrt(d), which is pulled by pi rho A^2 for each length. The pull along the
     /// span is so (pi/16) rho k^2 c mean(F^2); where the flow leaves the edge it turns to the normal, on the side of the wash, whole and at
-    /// once. What counts of the circulation is what stays attached at a fortieth of the span from the tip, so that the force has the square of
-    /// that share. Between the tips
+    /// once. What counts of the circulation is what stays attached, so that the force has the square of that share. Between the tips
     /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)). The parts of flat chord and camber push each to its own side.
     ///
     /// Equation: aero.strip.side_edge
-    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, times the attached share at b/40`
+    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, times the attached share`
     /// Source: Lamar 1974, NASA TR R-428 (side edges lose their suction as leading edges do, Polhamus 1966); own derivation; mean(F^2)
     /// by a vortex lattice; at once: a choice.
     /// Test: `side_edges_have_the_suction_of_a_vortex_lattice`.
@@ -101,22 +108,13 @@ impl<P: Scalar> StripModel<P> {
         i: usize,
         response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
-        self.side_edge_of(i, response, response.at_tips[usize::from(i > 0)].squared())
-    }
-
-    /// The same, given the square of the attached share.
-    fn side_edge_of<S: Scalar + Meets<P>, const N: usize>(
-        &self,
-        i: usize,
-        response: &StripResponse<'_, S, N>,
-        shares: S,
-    ) -> SectionForce<S> {
         let wash = response.lift_wash[i];
         let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
         let camber = wash - flat;
         let [flat_size, camber_size] = [flat, camber].map(|wash| wash.smooth_abs(ROUNDING));
         let products = [flat * flat_size, flat * camber_size + camber * flat_size, camber * camber_size];
-        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * shares;
+        let share = response.attached[i].squared();
+        let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * share;
         let scale = self.tables.side_edge[i];
         let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
         force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
@@ -125,7 +123,8 @@ impl<P: Scalar> StripModel<P> {
 
     /// What the circulation bears beside the plane of section `i`, whose `suction` points along the chord, N. A plate feels pressure along
     /// its normal and suction at its edges, square to them: at a leading edge swept by L the suction S has S tan(L) along the span, and the
-    /// side edge at a tip has the pull of [`Self::side_edge`], outward, unless a vortex takes its place. Where the section drifts
+    /// side edge at a tip has the pull of [`Self::side_edge`], outward, unless a vortex takes its place; there G is that at the distance of
+    /// 0.024 b from the tip. Where the section drifts
     /// with the speed v along its span, the pressure is rho v dphi/dy less: the jump phi of the circulation G, with the integral
     /// b G along the chord, takes rho v d(bG)/dy but for what the trailing edge cuts off, rho v G tan, and so rho v b dG/dy at 5/8 of
     /// the chord, and gives rho v G tan of the half-chord line at its middle. Sweeps are those of the flat wing. Left out: the couple of
@@ -171,22 +170,12 @@ impl<P: Scalar> StripModel<P> {
         force.normal += own * tables.half_run[i] * drift;
         force.across = -(suction * tables.leading_slope[i]);
         if !self.settings.side_edges && (i == 0 || i == last) {
-            force.across += self.pull(i, response, response.at_tips[usize::from(i > 0)].squared());
+            let tip = &tables.tips[usize::from(i > 0)];
+            let of = |k: usize| if k == i { own } else { response.beside[k] };
+            let pull = tip.circulation(of).squared() * tip.scale;
+            force.across += if i == 0 { -pull } else { pull };
         }
         force
-    }
-
-    /// The pull of the tip of the outermost strip `i` along the span, N, given the square of the attached share.
-    fn pull<S: Scalar + Meets<P>, const N: usize>(
-        &self,
-        i: usize,
-        response: &StripResponse<'_, S, N>,
-        shares: S,
-    ) -> S {
-        let outward = if i == 0 { -1.0 } else { 1.0 };
-        response.lift_wash[i].squared()
-            * shares
-            * (self.tables.side_edge[i] * (PULL[0] * OF_CIRCULATION * outward))
     }
 
     /// Circulation of the lift times the density, kg/(m s).
@@ -211,43 +200,16 @@ impl<P: Scalar> StripModel<P> {
         force
     }
 
-    /// Whether the circulation pulls at the tips.
-    #[inline(always)]
-    pub(super) fn pulls_at_tips(&self) -> bool {
-        self.span_force == SpanForce::Edges || self.settings.side_edges
-    }
-
-    /// The share of the circulation that stays attached beside the left and the right tip, of `own` of the outermost strips and
-    /// `others` of those beside them.
-    #[inline(always)]
-    pub(super) fn at_tips<S: Scalar + Meets<P>>(&self, own: &[S], others: &[S]) -> [S; 2] {
-        let outermost = [0, self.settings.strips - 1];
-        let of = |tip: usize, k: usize| if k == outermost[tip] { own[k] } else { others[k] };
-        [0, 1].map(|tip| self.tables.stations[tip].mean(|k| of(tip, k)))
-    }
-
-    /// The outermost strips, for each another that tells what stays attached there, and the force over the share of that, N.
-    pub(super) fn by_shares<S: Scalar + Meets<P>, const N: usize>(
-        &self,
-        response: &StripResponse<'_, S, N>,
-    ) -> ArrayVec<(usize, usize, SectionForce<S>), 4> {
-        let mut forces = ArrayVec::new();
-        for (tip, i) in [0, self.settings.strips - 1].into_iter().enumerate() {
-            let TipStation { strips, weights } = &self.tables.stations[tip];
-            for (&k, &weight) in strips.iter().zip(weights).filter(|(k, _)| **k != i) {
-                let shares = response.at_tips[tip] * (weight * 2.0);
-                let force = if self.settings.side_edges {
-                    self.side_edge_of(i, response, shares)
-                } else {
-                    SectionForce {
-                        across: self.pull(i, response, shares),
-                        ..SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO)
-                    }
-                };
-                forces.push((i, k, force));
-            }
-        }
-        forces
+    /// The outermost strips, for each another whose circulation times density, given `of` all strips, pulls there, and the force
+    /// along the span over it, m2/s.
+    pub(super) fn pulls_by_others(&self, of: impl Fn(usize) -> P + Copy) -> ArrayVec<(usize, usize, P), 4> {
+        let outermost = [(0, -2.0), (self.settings.strips - 1, 2.0)];
+        let tips = outermost.into_iter().zip(&self.tables.tips).filter(|_| !self.settings.side_edges);
+        let by = |((i, outward), tip): ((usize, f64), &TipPull<P>)| {
+            let slope = tip.circulation(of) * tip.scale * outward;
+            [0, 1].map(|k| (i, tip.strips[k], slope * tip.weights[k]))
+        };
+        tips.flat_map(by).filter(|(i, k, _)| i != k).collect()
     }
 
     /// Whether the strip `i` bears such a vortex.

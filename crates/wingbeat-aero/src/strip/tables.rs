@@ -1,7 +1,7 @@
 //! What of each strip never changes, padded so that loops over lanes need no end.
 
 use super::grid::StripGrid;
-use super::side_edge::{self, TipStation};
+use super::side_edge::{self, TipPull};
 use super::{Lags, StripSettings};
 use crate::{MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
 use arrayvec::ArrayVec;
@@ -50,8 +50,8 @@ pub(super) struct Tables<P: Scalar> {
     pub half_run: StripConstants<P>,
     /// Force of the vortex of a side edge over the square of the wash, kg/m: that of the two outermost strips.
     pub side_edge: StripConstants<P>,
-    /// Where what stays attached of the pull of the left and of the right tip is told.
-    pub stations: [TipStation<P>; 2],
+    /// Pulls of the left and the right tip along the span.
+    pub tips: [TipPull<P>; 2],
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
     pub drag_scale: StripConstants<P>,
     /// Leading-edge suction over wash squared and `drag_scale`: a0 cos(sweep).
@@ -126,7 +126,7 @@ impl<P: Scalar> Tables<P> {
                     side_edge::scale(grid, i, numbers.density, half_slope * chord[i] * cos[i])
                 }
             }),
-            stations: TipStation::new(grid),
+            tips: TipPull::new(grid, numbers.density),
             drag_scale: scale(&|i| chord[i] * 0.5),
             edge_slope: carried(&|i| cos[i]).map(|cosine| numbers.section_slope * cosine),
             share: std::array::from_fn(|i| {

@@ -461,6 +461,7 @@ mod tests {
             tip_to_tip: 1.0,
             aspect: 2.5,
             crowded: false,
+            tip: 0.5,
             tip_chords: [0.2; 2],
         };
         let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.1, trailing_edge_m: -0.1 };
