@@ -22,8 +22,8 @@ const WIDE: usize = 16;
 /// Most states, those that are given too, of which there are as many.
 const MOST: usize = 2 * WIDE * (LANES - WASHES);
 
-/// Most pairs of strips of which one acts on the other: those side by side, and two beside each tip.
-const MOST_PUSHES: usize = 2 * WIDE + 4;
+/// Most pairs of strips of which one acts on the other: those side by side, and three beside each tip.
+const MOST_PUSHES: usize = 2 * WIDE + 6;
 
 type Local = Dual<LANES>;
 /// Derivatives of a number on each strip by one lane.

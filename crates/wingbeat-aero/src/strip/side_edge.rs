@@ -45,36 +45,36 @@ pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope:
 /// How the circulation beside a tip pulls along the span.
 #[derive(Clone, Debug)]
 pub(super) struct TipPull<P> {
-    /// The strips between whose control sections the station lies, the outer one first.
-    strips: [usize; 2],
-    /// Their weights in the circulation there.
-    weights: [P; 2],
+    /// The strips that tell the circulation at the station, and their weights.
+    strips: [usize; 3],
+    weights: [P; 3],
     /// Pull over the square of circulation times density, m3/kg.
     scale: P,
 }
 
 impl<P: Scalar> TipPull<P> {
-    /// The left and the right tip's. Between two control sections the circulation goes as a straight line over the square root of the
-    /// distance from the tip; where the station lies beyond the outermost section, or beside a gap, that one's tells.
+    /// The left and the right tip's. The circulation goes as a parabola over the square root of the distance from the tip, through the
+    /// control sections beside the station and the next; where the station lies beyond the outermost section, or beside a gap, that
+    /// section tells.
     pub fn new(grid: &StripGrid<P>, density: P) -> [Self; 2] {
         let (last, span) = (grid.width.len() - 1, grid.tip * 2.0);
         [(0, -1.0), (1, 1.0)].map(|(side, outward)| {
             let nth = |j: usize| if side == 0 { j } else { last - j };
             let distance = |j: usize| grid.tip + grid.control_arcs[nth(j)] * outward;
-            let joined = |j: &usize| grid.covered[nth(*j)] && grid.covered[nth(j - 1)];
-            let station = span * STATION;
-            let beyond = (1..=last / 2).find(|j| distance(*j) > station).filter(joined);
-            let Some(inner) = beyond.filter(|_| distance(0) < station) else {
-                let scale = Self::scale(grid.tip_chords[side], span, distance(0)) / density;
-                return Self { strips: [nth(0); 2], weights: [P::ONE, P::ZERO], scale };
+            let of = |strips, weights, at| {
+                let scale = Self::scale(grid.tip_chords[side], span, at) / density;
+                Self { strips, weights, scale }
             };
-            let [near, far] = [inner - 1, inner].map(|j| distance(j).sqrt());
-            let share = (station.sqrt() - near) / (far - near);
-            Self {
-                strips: [inner - 1, inner].map(nth),
-                weights: [P::ONE - share, share],
-                scale: Self::scale(grid.tip_chords[side], span, station) / density,
-            }
+            let station = span * STATION;
+            let inner = (1..last).find(|j| distance(*j) > station).filter(|_| distance(0) < station);
+            let strips = inner.map(|j| [j - 1, j, j + 1].map(nth));
+            let Some(strips) = strips.filter(|strips| strips.iter().all(|i| grid.covered[*i])) else {
+                return of([nth(0); 3], [P::ONE, P::ZERO, P::ZERO], distance(0));
+            };
+            let at = station.sqrt();
+            let roots = strips.map(|i| (grid.tip + grid.control_arcs[i] * outward).sqrt());
+            let over = |k: usize, other: usize| (at - roots[other]) / (roots[k] - roots[other]);
+            of(strips, [0, 1, 2].map(|k| over(k, (k + 1) % 3) * over(k, (k + 2) % 3)), station)
         })
     }
 
@@ -85,7 +85,8 @@ impl<P: Scalar> TipPull<P> {
     /// The circulation at the station.
     #[inline(always)]
     fn circulation<S: Scalar + Meets<P>>(&self, of: impl Fn(usize) -> S) -> S {
-        of(self.strips[0]) * self.weights[0] + of(self.strips[1]) * self.weights[1]
+        let of = |k: usize| of(self.strips[k]) * self.weights[k];
+        of(0) + of(1) + of(2)
     }
 }
 
@@ -202,12 +203,12 @@ impl<P: Scalar> StripModel<P> {
 
     /// The outermost strips, for each another whose circulation times density, given `of` all strips, pulls there, and the force
     /// along the span over it, m2/s.
-    pub(super) fn pulls_by_others(&self, of: impl Fn(usize) -> P + Copy) -> ArrayVec<(usize, usize, P), 4> {
+    pub(super) fn pulls_by_others(&self, of: impl Fn(usize) -> P + Copy) -> ArrayVec<(usize, usize, P), 6> {
         let outermost = [(0, -2.0), (self.settings.strips - 1, 2.0)];
         let tips = outermost.into_iter().zip(&self.tables.tips).filter(|_| !self.settings.side_edges);
         let by = |((i, outward), tip): ((usize, f64), &TipPull<P>)| {
             let slope = tip.circulation(of) * tip.scale * outward;
-            [0, 1].map(|k| (i, tip.strips[k], slope * tip.weights[k]))
+            [0, 1, 2].map(|k| (i, tip.strips[k], slope * tip.weights[k]))
         };
         tips.flat_map(by).filter(|(i, k, _)| i != k).collect()
     }
