@@ -39,7 +39,13 @@ pub(super) fn scale<P: Scalar>(grid: &StripGrid<P>, i: usize, density: P, slope:
         i if i == last => (grid.tip_chords[1], grid.tip + grid.control_arcs[last]),
         _ => return P::ZERO,
     };
-    density * (PI / 16.0) * chord * span * slope * slope / (inboard * (span - inboard))
+    pull_of_square(chord, span, inboard) * density * slope * slope
+}
+
+/// Pull of a side edge over the square of the circulation at the distance d from the tip, density and [`PULL`]:
+/// (pi/16) c b/(d (b - d)).
+fn pull_of_square<P: Scalar>(chord: P, span: P, distance: P) -> P {
+    chord * span / (distance * (span - distance)) * (PI / 16.0)
 }
 
 /// How the circulation beside a tip pulls along the span.
@@ -62,8 +68,8 @@ impl<P: Scalar> TipPull<P> {
             let nth = |j: usize| if side == 0 { j } else { last - j };
             let distance = |j: usize| grid.tip + grid.control_arcs[nth(j)] * outward;
             let of = |strips, weights, at| {
-                let scale = Self::scale(grid.tip_chords[side], span, at) / density;
-                Self { strips, weights, scale }
+                let of_square = pull_of_square(grid.tip_chords[side], span, at);
+                Self { strips, weights, scale: of_square / density * (PULL[0] * OF_CIRCULATION) }
             };
             let station = span * STATION;
             let inner = (1..last).find(|j| distance(*j) > station).filter(|_| distance(0) < station);
@@ -76,10 +82,6 @@ impl<P: Scalar> TipPull<P> {
             let over = |k: usize, other: usize| (at - roots[other]) / (roots[k] - roots[other]);
             of(strips, [0, 1, 2].map(|k| over(k, (k + 1) % 3) * over(k, (k + 2) % 3)), station)
         })
-    }
-
-    fn scale(chord: P, span: P, distance: P) -> P {
-        chord * span / (distance * (span - distance)) * (PI / 16.0 * PULL[0] * OF_CIRCULATION)
     }
 
     /// The circulation at the station.
@@ -135,7 +137,7 @@ impl<P: Scalar> StripModel<P> {
     /// `edge_suction` alone.
     ///
     /// Equation: aero.strip.along_span
-    /// `F = [S tan(sweep of leading edge) +- side edge] e_span - rho v_span dy [b dG/dy - G tan(sweep of half chord)] n, G = g lw`
+    /// `F = [S tan(sweep of leading edge) +- side edge (G at 0.024 b)] e_span - rho v_span dy [b dG/dy - G tan(sweep of half chord)] n, G = g lw`
     /// Source: Bernoulli on a lifting surface; suction square to an edge: Lamar 1974, NASA TR R-428; own derivation; flat
     /// sweeps a choice.
     /// Test: `suction_is_square_to_swept_edges`.

@@ -24,7 +24,10 @@ const FLOWN: [(&str, &[&str]); 27] = [
         ],
     ),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.edge_suction=true"]),
-    ("passive_20g.toml", &["aero.full.edge_suction=true", "air.wind_m_s=[0.2,-0.4,0.1]"]),
+    (
+        "passive_20g.toml",
+        &["aero.full.edge_suction=true", "aero.full.strips=16", "air.wind_m_s=[0.2,-0.4,0.1]"],
+    ),
     (
         "cruise_44g_lev.toml",
         &["aero.full.edge_suction=true", "aero.full.folding_rates=true", "air.gust_m_s=0.3"],
