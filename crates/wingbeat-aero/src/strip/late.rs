@@ -7,7 +7,6 @@ use super::membrane::Camber;
 use super::response::{LagSums, Spread};
 use super::settings::SpanForce;
 use super::{Room, StripFlow, StripModel};
-use crate::section::SectionForce;
 use crate::{Coupling, Sections, Wrench};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Dual, Scalar, Vec3, append_copies, kept};
@@ -240,23 +239,20 @@ impl StripModel {
         plain(&total)
     }
 
-    /// Where edges bear along the span: a strip that bears a load, another whose circulation times density does it, and force, m2/s,
+    /// Where edges bear a force: a strip that bears a load, another whose circulation times density does it, and force, m2/s,
     /// and moment, m3/s, over that.
     fn pushes(&self, cut: &Cut<'_>) -> ArrayVec<(usize, usize, Wrench<f64>), MOST_PUSHES> {
         let (n, strips) = (self.settings.strips, &cut.flow.strips);
         let mut pushes = ArrayVec::new();
-        if self.span_force != SpanForce::Edges {
-            return pushes;
-        }
-        for i in 0..n {
+        let drifting = if self.span_force == SpanForce::Edges { n } else { 0 };
+        for i in 0..drifting {
             let [left, right] = self.edge_weights(i);
             for (k, weight) in [(i.wrapping_sub(1), left), (i + 1, right)].into_iter().filter(|(k, _)| *k < n)
             {
                 pushes.push((i, k, strips.wrench(i, self.spread(i, weight * strips.drift[i]))));
             }
         }
-        for (i, k, pull) in self.pulls_by_others(|k| cut.beside[k].re) {
-            let force = SectionForce { across: pull, ..SectionForce::in_plane(0.0, 0.0, 0.0) };
+        for (i, k, force) in self.by_others(|k| cut.beside[k].re) {
             pushes.push((i, k, strips.wrench(i, force)));
         }
         pushes

@@ -5,7 +5,6 @@ use super::influence::{StripColumn, column, lanes, multiply, plain};
 use super::membrane::{Camber, SectionAirs};
 use super::motion::{Strips, Wakes};
 use super::mutual::Foreign;
-use super::settings::SpanForce;
 use super::{StripFlow, StripModel};
 use crate::LagNumbers;
 use crate::law::{Attachment, Polar, lev};
@@ -453,7 +452,7 @@ impl<P: Scalar> StripModel<P> {
             }
         }
         let mut beside = [S::ZERO; N];
-        if self.span_force == SpanForce::Edges {
+        if self.pulls_at_tips() {
             for i in 0..lanes::<S, N>(self.settings.strips) {
                 beside[i] = self.bound(i, lift_wash[i], attached[i]);
             }

@@ -3,6 +3,7 @@
 
 use super::grid::StripGrid;
 use super::response::StripResponse;
+use super::settings::SpanForce;
 use super::{StripFlow, StripModel};
 use crate::section::SectionForce;
 use arrayvec::ArrayVec;
@@ -23,8 +24,8 @@ const PULL_BEHIND: [f64; 3] = [0.0637, 0.146, 0.118];
 /// ninth is missing.
 const OF_CIRCULATION: f64 = 1.0 - 2.0 / (3.0 * PI * PI * 0.615);
 
-/// Distance from a tip over the span at which the circulation tells the pull along the span. What stays attached of the outermost strip
-/// rises to one as it narrows, since its lift wash vanishes, so that its own circulation would tell another pull of every number of
+/// Distance from a tip over the span at which the circulation tells the force of the side edge. What stays attached of the outermost strip
+/// rises to one as it narrows, since its lift wash vanishes, so that its own circulation would tell another force of every number of
 /// strips. *Choice*: where the outermost of nine strips lies.
 const STATION: f64 = 0.024;
 
@@ -54,7 +55,7 @@ pub(super) struct TipPull<P> {
     /// The strips that tell the circulation at the station, and their weights.
     strips: [usize; 3],
     weights: [P; 3],
-    /// Pull over the square of circulation times density, m3/kg.
+    /// Pull over the square of circulation times density and [`PULL`], m3/kg.
     scale: P,
 }
 
@@ -69,7 +70,7 @@ impl<P: Scalar> TipPull<P> {
             let distance = |j: usize| grid.tip + grid.control_arcs[nth(j)] * outward;
             let of = |strips, weights, at| {
                 let of_square = pull_of_square(grid.tip_chords[side], span, at);
-                Self { strips, weights, scale: of_square / density * (PULL[0] * OF_CIRCULATION) }
+                Self { strips, weights, scale: of_square / density }
             };
             let station = span * STATION;
             let inner = (1..last).find(|j| distance(*j) > station).filter(|_| distance(0) < station);
@@ -98,10 +99,11 @@ impl<P: Scalar> StripModel<P> {
     /// dG/dy = k F/(2 sqrt(d)), as that of a leading edge, 2 A/sqrt(d), which is pulled by pi rho A^2 for each length. The pull along the
     /// span is so (pi/16) rho k^2 c mean(F^2); where the flow leaves the edge it turns to the normal, on the side of the wash, whole and at
     /// once. What counts of the circulation is what stays attached, so that the force has the square of that share. Between the tips
-    /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)). The parts of flat chord and camber push each to its own side.
+    /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)). The parts of flat chord and camber push each to its own side;
+    /// where there is camber the outermost strip tells G, else the distance of 0.024 b.
     ///
     /// Equation: aero.strip.side_edge
-    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw at the outermost strip, times the attached share`
+    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw times the attached share, at 0.024 b`
     /// Source: Lamar 1974, NASA TR R-428 (side edges lose their suction as leading edges do, Polhamus 1966); own derivation; mean(F^2)
     /// by a vortex lattice; at once: a choice.
     /// Test: `side_edges_have_the_suction_of_a_vortex_lattice`.
@@ -111,17 +113,43 @@ impl<P: Scalar> StripModel<P> {
         i: usize,
         response: &StripResponse<'_, S, N>,
     ) -> SectionForce<S> {
+        let mut force = SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO);
+        let Some(camber) = response.camber else {
+            let (tip, chord) = (self.tip(i), self.tables.chord[i]);
+            let circulation = self.at_tip(i, response);
+            let square = circulation * circulation.smooth_abs(ROUNDING) * tip.scale;
+            force.normal = square * PULL[0];
+            force.nose_up = -(square * (chord * PULL_BEHIND[0]));
+            return force;
+        };
         let wash = response.lift_wash[i];
-        let flat = response.camber.and_then(|camber| camber.flat.get(i)).copied().unwrap_or(wash);
-        let camber = wash - flat;
-        let [flat_size, camber_size] = [flat, camber].map(|wash| wash.smooth_abs(ROUNDING));
-        let products = [flat * flat_size, flat * camber_size + camber * flat_size, camber * camber_size];
+        let flat = camber.flat.get(i).copied().unwrap_or(wash);
+        let bulge = wash - flat;
+        let [flat_size, bulge_size] = [flat, bulge].map(|wash| wash.smooth_abs(ROUNDING));
+        let products = [flat * flat_size, flat * bulge_size + bulge * flat_size, bulge * bulge_size];
         let share = response.attached[i].squared();
         let sum = |of: [f64; 3]| (0..3).fold(S::ZERO, |sum, k| sum + products[k] * of[k]) * share;
         let scale = self.tables.side_edge[i];
-        let mut force = SectionForce::in_plane(S::ZERO, sum(PULL) * scale, S::ZERO);
+        force.normal = sum(PULL) * scale;
         force.nose_up = -(sum(PULL_BEHIND) * (scale * self.tables.chord[i]));
         force
+    }
+
+    /// How the tip beside the outermost strip `i` pulls.
+    #[inline(always)]
+    fn tip(&self, i: usize) -> &TipPull<P> {
+        &self.tables.tips[usize::from(i > 0)]
+    }
+
+    /// The circulation times density beside the tip at the outermost strip `i`, kg/(m s).
+    #[inline(always)]
+    fn at_tip<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        response: &StripResponse<'_, S, N>,
+    ) -> S {
+        let own = self.bound(i, response.lift_wash[i], response.attached[i]);
+        self.tip(i).circulation(|k| if k == i { own } else { response.beside[k] })
     }
 
     /// What the circulation bears beside the plane of section `i`, whose `suction` points along the chord, N. A plate feels pressure along
@@ -173,9 +201,7 @@ impl<P: Scalar> StripModel<P> {
         force.normal += own * tables.half_run[i] * drift;
         force.across = -(suction * tables.leading_slope[i]);
         if !self.settings.side_edges && (i == 0 || i == last) {
-            let tip = &tables.tips[usize::from(i > 0)];
-            let of = |k: usize| if k == i { own } else { response.beside[k] };
-            let pull = tip.circulation(of).squared() * tip.scale;
+            let pull = self.at_tip(i, response).squared() * self.tip(i).scale * (PULL[0] * OF_CIRCULATION);
             force.across += if i == 0 { -pull } else { pull };
         }
         force
@@ -203,16 +229,39 @@ impl<P: Scalar> StripModel<P> {
         force
     }
 
-    /// The outermost strips, for each another whose circulation times density, given `of` all strips, pulls there, and the force
-    /// along the span over it, m2/s.
-    pub(super) fn pulls_by_others(&self, of: impl Fn(usize) -> P + Copy) -> ArrayVec<(usize, usize, P), 6> {
-        let outermost = [(0, -2.0), (self.settings.strips - 1, 2.0)];
-        let tips = outermost.into_iter().zip(&self.tables.tips).filter(|_| !self.settings.side_edges);
-        let by = |((i, outward), tip): ((usize, f64), &TipPull<P>)| {
-            let slope = tip.circulation(of) * tip.scale * outward;
-            [0, 1, 2].map(|k| (i, tip.strips[k], slope * tip.weights[k]))
-        };
-        tips.flat_map(by).filter(|(i, k, _)| i != k).collect()
+    /// Whether the circulation makes a force at the tips.
+    #[inline(always)]
+    pub(super) fn pulls_at_tips(&self) -> bool {
+        self.span_force == SpanForce::Edges || self.settings.side_edges
+    }
+
+    /// The outermost strips, for each another whose circulation times density, given `of` all strips, makes a force at the tip there, and
+    /// the force, m2/s, and moment, m3/s, over it.
+    pub(super) fn by_others(
+        &self,
+        of: impl Fn(usize) -> P + Copy,
+    ) -> ArrayVec<(usize, usize, SectionForce<P>), 6> {
+        let mut forces = ArrayVec::new();
+        let (vortices, last) = (self.settings.side_edges, self.settings.strips - 1);
+        if !self.pulls_at_tips() || (vortices && self.membrane.is_some()) {
+            return forces;
+        }
+        for (i, outward) in [(0, -1.0), (last, 1.0)] {
+            let (tip, chord) = (self.tip(i), self.tables.chord[i]);
+            let slope = tip.circulation(of) * tip.scale * 2.0;
+            for (&k, &weight) in tip.strips.iter().zip(&tip.weights).filter(|(k, _)| **k != i) {
+                let mut force = SectionForce::in_plane(P::ZERO, P::ZERO, P::ZERO);
+                if vortices {
+                    let size = slope.smooth_abs(ROUNDING) * weight;
+                    force.normal = size * PULL[0];
+                    force.nose_up = -(size * (chord * PULL_BEHIND[0]));
+                } else {
+                    force.across = slope * weight * (PULL[0] * OF_CIRCULATION * outward);
+                }
+                forces.push((i, k, force));
+            }
+        }
+        forces
     }
 
     /// Whether the strip `i` bears such a vortex.
