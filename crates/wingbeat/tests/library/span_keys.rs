@@ -178,6 +178,33 @@ fn an_orbit_holds_what_bears_along_the_span() {
     assert_eq!(said(orbit, &["aero"]), [Some(true), Some(false)]);
 }
 
+/// What a plan leaves to be flown, and the wing of a planned gait.
+#[test]
+fn the_files_of_a_plan_hold_what_bears_along_the_span() {
+    let full = ["aero.preset=full", "aero.full.strips=6"];
+    let roll_in = ["intervals=6", "meshes=1", "tolerance=1e-2"].map(|key| format!("plan.roll_in.{key}"));
+    let gait = [
+        "storage=1.0",
+        "up_n=0.0",
+        "forward_n=-0.2",
+        "nose_up_deg=[15.0, 15.0]",
+        "frequency_hz=[3.5, 3.5]",
+        "effort_w=0.3",
+        "intervals=3",
+        "meshes=1",
+        "tolerance=0.1",
+    ];
+    let gait = gait.map(|key| format!("plan.least_power.{key}"));
+    for (name, file, keys) in
+        [("roll_in", "track.toml", &roll_in[..]), ("least_power_gait", "tether.toml", &gait[..])]
+    {
+        let overrides: Vec<&str> = full.into_iter().chain(keys.iter().map(String::as_str)).collect();
+        let planned = scenario(name, &overrides).plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        let (_, text) = planned.files.iter().find(|(name, _)| *name == file).unwrap();
+        assert_eq!(said(text, &["aero"]), [Some(true), Some(false)], "{file}");
+    }
+}
+
 /// Both given are refused where only one of them would count.
 #[test]
 fn both_keys_are_for_wings_of_both_kinds() {
