@@ -400,6 +400,27 @@ impl CalibrationFile {
         Ok(self.targets(runs)?)
     }
 
+    /// What the runs, those of the truth and the cases resolve to, each with what it is.
+    ///
+    /// # Errors
+    /// Bad runs and cases.
+    pub(crate) fn resolved_runs(
+        &self,
+        translate: Translate,
+    ) -> Result<Vec<(String, String)>, CalibrationFailure> {
+        let model = self.model();
+        let texts = self.spec.truth.as_ref().map(|truth| self.overrides("truth.set", &truth.set));
+        let truth = texts.map(|texts| Overrides { texts, keys: vec!["truth.set".into()] });
+        let mut all = Vec::new();
+        for (of, set) in std::iter::once(("run", &model)).chain(truth.iter().map(|set| ("truth of", set))) {
+            let runs = self.runs(("runs", &self.spec.runs), set, translate)?;
+            all.extend(runs.into_iter().map(|(run, name)| (format!("{of} {name}"), run.resolved)));
+        }
+        let cases = self.cases(&model)?;
+        all.extend(cases.into_iter().map(|of| (format!("case {}", of.name), of.case.resolved)));
+        Ok(all)
+    }
+
     fn passes(
         &self,
         structure: &ModelStructure,

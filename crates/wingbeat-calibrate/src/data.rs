@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use crate::measured::MeasuredPass;
-use crate::{CalibrationFile, Error};
+use crate::{CalibrationFailure, CalibrationFile, Error};
 use serde::Serialize;
 use wingbeat::scenario::RigRun;
 use wingbeat::simulate::Record;
+use wingbeat_io::urdf_as_toml;
 
 /// A file of samples.
 #[derive(Clone, Debug, Serialize)]
@@ -44,11 +45,27 @@ impl SampleFiles {
         Ok(Self(files))
     }
 
-    /// What a run to be resumed must have in common.
-    pub fn identity(&self, resolved: &str) -> String {
-        let lines = self.0.iter().map(|file| format!("# data {} fnv1a64 {}\n", file.file, file.fnv1a64));
-        format!("{resolved}{}", lines.collect::<String>())
+    /// What a run to be resumed must have in common: the calibration, the samples, and what its runs and cases resolve to, with the
+    /// files that they name and the defaults of the program.
+    ///
+    /// # Errors
+    /// Bad runs and cases.
+    pub fn identity(&self, calibration: &CalibrationFile) -> Result<String, CalibrationFailure> {
+        let data = self.0.iter().map(|file| format!("# data {} fnv1a64 {}\n", file.file, file.fnv1a64));
+        let resolved = calibration.resolved_runs(&urdf_as_toml)?;
+        let runs = resolved.iter().map(|(name, resolved)| {
+            let chosen = span_keys(resolved);
+            format!("# {name} fnv1a64 {:016x}{chosen}\n", fnv1a64(resolved.as_bytes()))
+        });
+        Ok(data.chain(runs).fold(calibration.resolved.clone(), |text, line| text + &line))
     }
+}
+
+/// What bears along the span in a resolved run or case, as its table of aerodynamics gives it.
+fn span_keys(resolved: &str) -> String {
+    let keys = ["edge_suction", "turning_impulse"];
+    let given = |line: &&str| line.split_once(" = ").is_some_and(|(key, _)| keys.contains(&key));
+    resolved.lines().filter(given).map(|line| format!(", {line}")).collect()
 }
 
 /// Fowler, Noll and Vo's hash 1a.

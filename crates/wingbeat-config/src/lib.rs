@@ -253,7 +253,7 @@ impl Scenario {
                     prepared: None,
                 };
                 scenario.begins().map_err(|error| scenario.explain(&error))?;
-                scenario.resolve_span_keys(&mut resolved, "");
+                scenario.resolve_span_keys(&mut resolved, "", &[]);
                 scenario.resolved = resolved.to_string();
                 Ok(scenario)
             }

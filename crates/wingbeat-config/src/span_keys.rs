@@ -41,27 +41,32 @@ pub(super) fn resolve<'a>(
     }
 }
 
-/// Whether a text within `value`, as an override or the key of a draw, varies what the keys are resolved of: written keys would stand
-/// against it.
-fn varied(value: &toml::Value) -> bool {
-    match value {
-        toml::Value::String(text) => KEYS.into_iter().chain(["aero.preset"]).any(|key| text.contains(key)),
-        toml::Value::Array(items) => items.iter().any(varied),
-        toml::Value::Table(table) => table.values().any(varied),
-        _ => false,
-    }
+/// Whether one of the `settings`, overrides or keys of draws, changes what the keys of the table at `aero` are resolved of: written keys would
+/// stand against it. One that gives the whole table anew takes them away.
+pub(super) fn varied<'a>(settings: impl IntoIterator<Item = &'a str>, aero: &str) -> bool {
+    let keys = KEYS.map(|key| format!("{aero}.full.{key}"));
+    let keys: Vec<_> = keys.into_iter().chain([format!("{aero}.preset")]).map(|key| steps(&key)).collect();
+    settings.into_iter().any(|text| {
+        let key = text.split_once('=').map_or(text, |(key, _)| key);
+        keys.contains(&steps(key.trim_start_matches('-')))
+    })
 }
 
 impl Scenario {
     /// Puts what the models of the robot that flies and of the one that its controller knows have into a `resolved` document, in which this
-    /// scenario stands at `at`; nothing where the document varies them.
-    pub(super) fn resolve_span_keys(&self, resolved: &mut toml::Table, at: &str) {
-        if resolved.values().any(varied) {
-            return;
-        }
-        resolve(resolved, &format!("{at}aero"), aeros(&self.model));
+    /// scenario stands at `at`; nothing where the airs of its search or the `settings` of the document vary them.
+    pub(super) fn resolve_span_keys(&self, resolved: &mut toml::Table, at: &str, settings: &[&str]) {
+        let search = self.spec.trim.as_ref().and_then(|trim| trim.search.as_ref());
+        let airs = search.into_iter().flat_map(|search| search.airs.iter().flatten().map(String::as_str));
+        let settings: Vec<&str> = airs.chain(settings.iter().copied()).collect();
+        let mut put = |aero: &str, robot: &Robot| {
+            if !varied(settings.iter().copied(), aero) {
+                resolve(resolved, &format!("{at}{aero}"), aeros(robot));
+            }
+        };
+        put("aero", &self.model);
         if self.spec.mismatch.as_ref().is_some_and(|mismatch| mismatch.aero.is_some()) {
-            resolve(resolved, &format!("{at}mismatch.aero"), aeros(&self.robot));
+            put("mismatch.aero", &self.robot);
         }
     }
 }

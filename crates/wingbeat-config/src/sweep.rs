@@ -96,6 +96,8 @@ impl Sweep {
         let document = with_own_overrides(document)?;
         let spec: SweepSpec = document.parse()?;
         let mut resolved: toml::Table = document.parse()?;
+        // What is run holds them, and would lose by them what is resolved there.
+        resolved.remove("set");
         let of = spec.check().map_err(|error| document.explain(&error))?;
         let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
         let inner = document.part(of.key())?;
@@ -104,7 +106,8 @@ impl Sweep {
         let mut sweep = Self { spec, of, resolved: String::new(), document, inner, parts, shared, limits };
         sweep.check_draws(read)?;
         if sweep.of != SweepOf::Cases {
-            Scenario::new(sweep.inner.clone())?.resolve_span_keys(&mut resolved, "scenario.");
+            let scenario = Scenario::new(sweep.inner.clone())?;
+            scenario.resolve_span_keys(&mut resolved, "scenario.", &sweep.spec.settings());
         }
         sweep.resolved = resolved.to_string();
         Ok(sweep)
@@ -191,8 +194,8 @@ impl Sweep {
         if self.of != SweepOf::Cases {
             return Ok(self.resolved.clone());
         }
-        let case = TetherCase::new(self.inner.clone(), read)?.kept(name)?;
-        let spec = SweepSpec { case: None, ..self.spec.clone() };
+        let case = TetherCase::new(self.inner.clone(), read)?.kept_under(self.spec.settings(), name)?;
+        let spec = SweepSpec { case: None, set: Vec::new(), ..self.spec.clone() };
         Document::value("sweep", &spec)?.put("case", Document::text("case", &case)?)?.resolved()
     }
 

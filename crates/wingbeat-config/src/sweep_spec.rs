@@ -188,6 +188,13 @@ impl SweepSpec {
         RunName::new("name", &self.name)
     }
 
+    /// Keys of the draws, and the overrides of the flights of a search.
+    pub(super) fn settings(&self) -> Vec<&str> {
+        let drawn = self.draws.iter().flat_map(|draw| std::iter::once(&draw.key).chain(&draw.also));
+        let flown = self.search.iter().flat_map(|search| search.flights.iter().flatten());
+        drawn.chain(flown).map(String::as_str).collect()
+    }
+
     /// Number of runs; 0 where the file does not say.
     pub(super) fn count(&self) -> usize {
         match self.sampling {

@@ -5,7 +5,7 @@ use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
-use super::span_keys::resolve;
+use super::span_keys::{resolve, varied};
 use super::spar_numbers::SparNumbers;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::unheard::{of_strips, side_edges};
@@ -111,6 +111,15 @@ impl TetherCase {
     /// # Errors
     /// A case that TOML cannot hold.
     pub fn kept(&self, name: impl Fn(&Path) -> String) -> Result<String, ConfigError> {
+        self.kept_under([], name)
+    }
+
+    /// The same, without what bears along the span where `settings` vary it.
+    pub(super) fn kept_under<'a>(
+        &self,
+        settings: impl IntoIterator<Item = &'a str>,
+        name: impl Fn(&Path) -> String,
+    ) -> Result<String, ConfigError> {
         let mut spec = self.spec.clone();
         let hinges = spec.wing.hinges.iter_mut().enumerate();
         let hinges = hinges.map(|(i, hinge)| (format!("wing.hinges[{i}].angle_deg"), &mut hinge.angle_deg));
@@ -127,7 +136,9 @@ impl TetherCase {
                 table.file = name(&folder.join(&table.file)).into();
             }
         }
-        spec.aero.full.resolve([&self.tether.aero]);
+        if !varied(settings, "aero") {
+            spec.aero.full.resolve([&self.tether.aero]);
+        }
         Document::value("case", &spec)?.resolved()
     }
 

@@ -346,3 +346,34 @@ fn refusals_say_where_and_what() {
         told(&format!("name = \"c\"\n[truth]\n{turn}{coarse}{tilts}{coarse}{cd0}stage = 1\n{phase}"));
     assert!(silent.contains("say nothing of surfaces.wing.cd0"), "{silent}");
 }
+
+/// A fit goes on from what another command left where these texts are the same: they say what runs and cases resolve to.
+#[test]
+fn a_fit_goes_on_only_with_what_bears_along_its_span() {
+    let run = format!("{ROOT}/rigs/runs/roll15_speed08.toml");
+    let identity = |model: &str, truth: &str| {
+        let text = format!(
+            "name = \"same\"\nmodel = [{model}]\n[truth]\nset = [{truth}]\n[[runs]]\nname = \"turn\"\nrun = \"{run}\"\n\
+             {}[[parameters]]\nname = \"surfaces.wing.cd0\"\n",
+            cases(&PathBuf::from("none.csv"))
+        );
+        SampleFiles(Vec::new()).identity(&calibrated(&text)).unwrap()
+    };
+    let of = |identity: &str, run: &str| {
+        let start = format!("# {run} fnv1a64 ");
+        let line = identity.lines().find_map(|line| line.strip_prefix(&start)).unwrap();
+        line.split_once(", ").map_or((line.to_owned(), String::new()), |(h, k)| (h.into(), k.into()))
+    };
+    let full = "\"rig.aero.preset=full\"";
+    let impulse = format!("{full}, \"rig.aero.full.turning_impulse=true\"");
+    let told = "\"rig.aero.full.edge_suction=true\", \"rig.aero.full.turning_impulse=false\"";
+    let [first, other, same] =
+        [full, &impulse, &format!("{full}, {told}")].map(|model| identity(model, full));
+    for run in ["run turn", "truth of turn", "case flap_f2"] {
+        assert_eq!(of(&first, run).1, "edge_suction = true, turning_impulse = false", "{first}");
+        assert_eq!(of(&first, run) == of(&other, run), run == "truth of turn", "{run}: {other}");
+        assert_eq!(of(&first, run), of(&same, run), "what is the default and what is given");
+    }
+    assert_eq!(of(&other, "run turn").1, "edge_suction = false, turning_impulse = true");
+    assert_eq!(of(&identity("\"rig.aero.preset=paper\"", full), "run turn").1, "");
+}

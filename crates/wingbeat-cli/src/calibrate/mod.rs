@@ -44,7 +44,7 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     }
     let files = SampleFiles::of(&calibration).map_err(CalibrationFailure::from)?;
     let name = calibration.spec.run_name()?;
-    let identity = files.identity(&calibration.resolved);
+    let identity = files.identity(&calibration)?;
     let folder =
         RunFolder::resume(options.out.as_deref(), &name, options.force, ("calibration.toml", &identity))?;
     let watch = ConvergenceWatch::begin(

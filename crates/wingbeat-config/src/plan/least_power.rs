@@ -2,7 +2,6 @@
 
 use super::gait_record::{Replay, beside, cycle_mean, means, stalled};
 use super::{CHECK_STEPS, PlanNodes, PlanSummary, Planned, SolverNumbers, nodes, verdict};
-use crate::span_keys::aeros;
 use crate::summary::PartClearance;
 use crate::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
@@ -279,7 +278,8 @@ impl Scenario {
         let broken = |what: String| Error::invalid("plan", what, "a case that TOML can hold");
         let Some(wing) = &self.spec.robot.wing else { return Ok(Vec::new()) };
         let mut tethered = self.tethered(wing, flapping);
-        if let Some(model) = aeros(&self.model).next() {
+        // The case is of the wing alone: what other surfaces have counts for nothing.
+        if let Some((_, model)) = self.model.surfaces().find(|(name, _)| *name == "wing") {
             tethered.aero.full.alone(model);
         }
         let case = written::toml(&tethered).map_err(|e| broken(e.to_string()))?;

@@ -101,11 +101,108 @@ fn each_air_a_case_and_a_rig_hold_theirs() {
     assert_eq!(said(&run("paper"), &["rig", "aero"]), [None; 2]);
 }
 
+fn no_table(_: &Path) -> Result<wingbeat::simulate::Record, String> {
+    Err("no table".into())
+}
+
+/// A sweep of `cruise_20g`, or of the case `flap_f2`, with `more` behind its first lines.
+fn sweep(of: &str, more: &str) -> Sweep {
+    let text = format!("name = \"a_sweep\"\nruns = 2\n{more}");
+    let document = Document::text("a sweep", &text).unwrap();
+    let (key, path) = match of {
+        "case" => (of, "cases/flap_f2.toml"),
+        _ => ("scenario", "scenarios/cruise_20g.toml"),
+    };
+    let document = document.put(key, Document::file(&file(path)).unwrap()).unwrap();
+    Sweep::new(document, &no_table).unwrap_or_else(|error| panic!("{more}: {error}"))
+}
+
+const HOLD: &str = "hold = { roll_within_deg = 9.0, pitch_within_deg = 9.0 }\n";
+
+/// A name, or the key of another number, is none of what varies them, and neither is an override that holds for all runs.
+#[test]
+fn only_what_varies_the_keys_keeps_them_out() {
+    let draw = |key: &str, values: &str| format!("draws = [{{ key = \"{key}\", values = {values} }}]\n");
+    let mass = draw("robot.body.mass_kg", "[0.019, 0.02]");
+    for (more, expected) in [
+        (format!("{HOLD}{mass}"), [Some(true), Some(false)]),
+        (format!("{HOLD}set = [\"name=edge_suction_and_aero.preset\"]\n{mass}"), [Some(true), Some(false)]),
+        (format!("{HOLD}set = [\"aero.full.turning_impulse=true\"]\n{mass}"), [Some(false), Some(true)]),
+        (format!("{HOLD}set = [\"aero={{preset='full', law='stall'}}\"]\n{mass}"), [Some(true), Some(false)]),
+        (format!("{HOLD}{}", draw("aero.preset", "[\"paper\", \"full\"]")), [None; 2]),
+        (format!("{HOLD}{}", draw("aero.full.turning_impulse", "[true, false]")), [None; 2]),
+        (format!("{HOLD}{}", draw("aero.full.edge_suction", "[true, false]")), [None; 2]),
+    ] {
+        let first = sweep("scenario", &more);
+        assert_eq!(said(&first.resolved, &["scenario", "aero"]), expected, "{more}");
+        let again = Sweep::new(Document::text("again", &first.resolved).unwrap(), &no_table)
+            .unwrap_or_else(|error| panic!("{more}: {error}"));
+        assert_eq!(again.resolved, first.resolved, "{more}");
+    }
+    for (key, values, expected) in [
+        ("time.frequency_hz", "[3.0, 4.0]", [Some(true), Some(false)]),
+        ("aero.full.turning_impulse", "[true, false]", [None; 2]),
+    ] {
+        let kept = sweep("case", &format!("set = [\"aero.preset=full\"]\n{}", draw(key, values)))
+            .kept(&no_table, |_| String::new());
+        let kept = kept.unwrap_or_else(|error| panic!("{key}: {error}"));
+        assert_eq!(said(&kept, &["case", "aero"]), expected, "{key}");
+        Sweep::new(Document::text("again", &kept).unwrap(), &no_table).unwrap();
+    }
+    let named = scenario("cruise_20g", &["name=turning_impulse"]);
+    assert_eq!(said(&named.resolved, &["aero"]), [Some(true), Some(false)]);
+    for (air, expected) in [
+        ("aero.law=lev", [Some(true), Some(false)]),
+        ("aero.preset=paper", [None; 2]),
+        ("aero.full.turning_impulse=true", [None; 2]),
+    ] {
+        let search = scenario("gait_search_airs", &[&format!("trim.search.airs=[[\"{air}\"]]")]);
+        assert_eq!(said(&search.resolved, &["aero"]), expected, "{air}");
+    }
+}
+
+/// A sweep whose draws vary the keys holds them in what each of its flights resolves.
+#[test]
+fn each_flight_of_a_sweep_of_presets_holds_its_own() {
+    let draws = "sampling = \"latin_hypercube\"\ndraws = [{ key = \"aero.preset\", values = [\"full\", \"paper\"] }]\n";
+    let sweep = sweep("scenario", &format!("{HOLD}{draws}"));
+    let mut flown = [0, 1].map(|run| said(&sweep.scenario(run).unwrap().resolved, &["aero"]));
+    flown.sort();
+    assert_eq!(flown, [[None; 2], [Some(true), Some(false)]]);
+}
+
 #[test]
 fn an_orbit_holds_what_bears_along_the_span() {
     let trim = scenario("cruise_20g", &[]).trim(&mut |_| ControlFlow::Continue(())).unwrap();
     let (_, orbit) = trim.files.iter().find(|(name, _)| *name == "orbit.toml").unwrap();
     assert_eq!(said(orbit, &["aero"]), [Some(true), Some(false)]);
+}
+
+/// What a plan leaves to be flown, and the wing of a planned gait.
+#[test]
+fn the_files_of_a_plan_hold_what_bears_along_the_span() {
+    let full = ["aero.preset=full", "aero.full.strips=6"];
+    let roll_in = ["intervals=6", "meshes=1", "tolerance=1e-2"].map(|key| format!("plan.roll_in.{key}"));
+    let gait = [
+        "storage=1.0",
+        "up_n=0.0",
+        "forward_n=-0.2",
+        "nose_up_deg=[15.0, 15.0]",
+        "frequency_hz=[3.5, 3.5]",
+        "effort_w=0.3",
+        "intervals=3",
+        "meshes=1",
+        "tolerance=0.1",
+    ];
+    let gait = gait.map(|key| format!("plan.least_power.{key}"));
+    for (name, file, keys) in
+        [("roll_in", "track.toml", &roll_in[..]), ("least_power_gait", "tether.toml", &gait[..])]
+    {
+        let overrides: Vec<&str> = full.into_iter().chain(keys.iter().map(String::as_str)).collect();
+        let planned = scenario(name, &overrides).plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        let (_, text) = planned.files.iter().find(|(name, _)| *name == file).unwrap();
+        assert_eq!(said(text, &["aero"]), [Some(true), Some(false)], "{file}");
+    }
 }
 
 /// Both given are refused where only one of them would count.
