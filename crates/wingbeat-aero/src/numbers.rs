@@ -52,9 +52,17 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
     pub outline: Option<Planform<P>>,
     /// Arc lengths from the root at which strips or cells end at hinges, m.
     pub hinges: Vec<P>,
+    /// How far beyond each hinge the surface passes over to the outer side, m: strips end there too; 0, or none, at once.
+    pub webs: Vec<f64>,
 }
 
 impl<P: Scalar> SurfaceNumbers<P> {
+    /// Arc lengths from the root at which strips end: hinges, and the ends of what passes over beyond them, m.
+    pub(crate) fn bounds(&self) -> Vec<P> {
+        let ends = self.hinges.iter().zip(&self.webs).filter(|(_, web)| **web > 0.0);
+        self.hinges.iter().copied().chain(ends.map(|(hinge, web)| *hinge + *web)).collect()
+    }
+
     /// Profile drag.
     #[inline]
     pub fn drag(&self) -> ProfileDrag<P> {
@@ -103,6 +111,7 @@ impl<P: Scalar> Parameters<P> for SurfaceNumbers<P> {
                     at.item("panels", "panels", i, |at| at.number("from_arc_m", &COORDINATE, *hinge))
                 })
                 .collect(),
+            webs: self.webs.clone(),
         }
     }
 }

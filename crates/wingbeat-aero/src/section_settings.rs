@@ -70,6 +70,7 @@ impl SectionSettings {
             flap: None,
             outline: None,
             hinges: Vec::new(),
+            webs: Vec::new(),
         }
     }
 

@@ -502,6 +502,7 @@ impl AeroSpec {
         StripSettings {
             strips: outline.strips.unwrap_or(self.full.strips),
             hinge_arcs_m: outline.hinges.clone(),
+            webs_m: outline.webs.clone(),
             regularisation_m_s: self.full.regularisation_m_s,
             lags: self.full.lags,
             wake_wash: self.full.wake_wash,

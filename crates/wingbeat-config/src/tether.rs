@@ -696,6 +696,7 @@ impl TetherSpec {
             key: "wing".into(),
             planform: planform.clone(),
             hinges: arcs,
+            webs: Vec::new(),
             cd0: self.wing.cd0.unwrap_or(if self.aero.law.separates() { CD0.default } else { 0.0 }),
             cd90: self.wing.cd90,
             section: self.wing.section,

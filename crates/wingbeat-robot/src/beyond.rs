@@ -302,17 +302,16 @@ impl Robot {
         self.riding_at(at, surface, arcs, |riding| {
             for (j, load) in strips.iter().enumerate() {
                 let links = [j, j + 1].map(|i| riding.sections[i].link);
-                if links[0] == links[1] {
+                let web = [j, j + 1].iter().any(|i| riding.is_web(*i));
+                if links[0] == links[1] && !web {
                     external[links[0].unwrap_or(body)] += *load;
                     continue;
                 }
                 let middle = 0.5 * (arcs[j] + arcs[j + 1]);
                 let own = self.covering.laid[surface].placement.section(middle, &self.carriers).link;
-                let (shares, rest) = between_edges(&[riding.at(j), riding.at(j + 1)], 0.5, load);
-                for (link, load) in links.into_iter().zip(shares) {
+                between_edges(riding, ([j, j + 1], 0.5), own, load, |link, load| {
                     external[link.unwrap_or(body)] += load;
-                }
-                external[own.unwrap_or(body)] += Wrench::couple(rest);
+                });
             }
         })
     }

@@ -17,7 +17,7 @@ impl Robot {
             && a.places == b.places
             && a.linkage == b.linkage
             && a.placements == b.placements
-            && laid.all(|(a, b)| a.outline == b.outline && a.hinges == b.hinges)
+            && laid.all(|(a, b)| a.outline == b.outline && a.hinges == b.hinges && a.webs == b.webs)
             && self.wind.fits_beside(&other.wind)
             && self.residual == other.residual
             && self.ground == other.ground

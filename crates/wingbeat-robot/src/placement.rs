@@ -2,7 +2,7 @@
 
 use super::clearance::Corner;
 use super::mechanism::Mechanism;
-use super::sections::SurfaceSection;
+use super::sections::{SurfaceSection, Web};
 use super::spec::{PanelSpec, SurfaceSpec};
 use wingbeat_aero::{COORDINATE, Planform, Span};
 use wingbeat_math::Error;
@@ -17,6 +17,8 @@ pub struct PanelNumbers<P: Scalar = f64> {
     pub origin: Vec3<P>,
     /// Direction along the span from the root on, in the link's frame, dimensionless; its length does not matter.
     pub direction: Vec3<P>,
+    /// Length over which chord lines pass over from the panel before, m.
+    pub web: f64,
 }
 
 /// Numbers of a surface's place on its links.
@@ -43,6 +45,7 @@ impl<P: Scalar> Parameters<P> for PlacementNumbers<P> {
             },
             origin: at.vector("origin_m", &[COORDINATE; 3], panel.origin),
             direction: at.vector("direction", &[DIRECTION; 3], panel.direction),
+            web: panel.web,
         };
         let panels = self.panels.iter().enumerate();
         PlacementNumbers {
@@ -61,6 +64,7 @@ struct Panel<P: Scalar = f64> {
     origin: Vec3<P>,
     /// Unit vector of the span from the root on, in the link's frame.
     along: Vec3<P>,
+    web: f64,
 }
 
 impl<P: Scalar> Panel<P> {
@@ -73,6 +77,7 @@ impl<P: Scalar> Panel<P> {
             link,
             origin: across(numbers.origin),
             along: along * along.norm().recip(),
+            web: numbers.web,
         }
     }
 
@@ -126,6 +131,7 @@ impl PanelSpec {
             from_arc: self.from_arc_m,
             origin: Vec3(self.origin_m),
             direction: Vec3(self.direction),
+            web: self.web_m,
         }
     }
 }
@@ -161,6 +167,45 @@ impl<P: Scalar> Placement<P> {
         let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
         let across = if left { -panel.along } else { panel.along };
         SurfaceSection::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
+    }
+
+    /// The chord line at the arc coordinate `s` (m), where the surface passes over from one link to the next: at b = (arc - h)/w beyond
+    /// the hinge h, w the length of the web, the outer link's is moved by (1 - b) of what the chord lines of both links on the hinge
+    /// differ by. A fold does not change it, and a twist grows from none to its own. Written as the sum of (1 - b) of a line fixed to the
+    /// inner link and b of one fixed to the outer.
+    ///
+    /// Equation: robot.web
+    /// `line = outer(s) + (1 - b) [inner(h) - outer(h)], b = (s - h)/w`
+    /// Source: choice: a ruled surface, as one strip over the web has it.
+    /// Test: `a_web_makes_the_air_of_a_twisted_wing_converge_with_its_strips`.
+    pub(super) fn web(&self, s: P, carriers: &[usize]) -> Option<Web<P>> {
+        let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
+        let panels = &self.panels[usize::from(!left)];
+        let passed = panels.iter().skip(1).filter(|p| self.planform.beyond(arc, p.from_arc)).count();
+        let (before, panel) = (panels.get(passed.checked_sub(1)?)?, &panels[passed]);
+        let hinge = panel.from_arc;
+        if !self.planform.beyond(hinge + panel.web, arc) {
+            return None;
+        }
+        let on_hinge =
+            self.planform.coordinates(hinge).into_iter().find(|s| self.planform.on_left(*s) == left)?;
+        let share = (arc - hinge) / panel.web;
+        let rest = P::ONE - share;
+        let [(leading, trailing), (h_leading, h_trailing)] = [s, on_hinge].map(|s| self.planform.edges(s));
+        let outer = |x: P, h_x: P| {
+            let [here, there] = [panel.point(arc, x + self.shift), panel.point(hinge, h_x + self.shift)];
+            (here - there * rest) * share.recip()
+        };
+        let inner = |h_x: P| before.point(hinge, h_x + self.shift);
+        let on = |panel: &Panel<P>, edges: [Vec3<P>; 2]| {
+            let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
+            SurfaceSection::new(panel.link, carrier, edges, if left { -panel.along } else { panel.along })
+        };
+        Some(Web {
+            inner: on(before, [inner(h_leading), inner(h_trailing)]),
+            outer: on(panel, [outer(leading, h_leading), outer(trailing, h_trailing)]),
+            share,
+        })
     }
 }
 

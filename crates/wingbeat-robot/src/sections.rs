@@ -30,6 +30,25 @@ impl<P: Scalar> SurfaceSection<P> {
     }
 }
 
+/// A chord line between two links: a sum of one fixed to each.
+#[derive(Clone, Copy, Debug)]
+pub struct Web<P: Scalar = f64> {
+    /// On the inner link.
+    pub inner: SurfaceSection<P>,
+    /// On the outer link.
+    pub outer: SurfaceSection<P>,
+    /// Share of the outer.
+    pub share: P,
+}
+
+/// A chord line on a link, of which a section has a share.
+#[derive(Clone, Copy)]
+pub(super) struct Borne<S: Scalar> {
+    pub link: Option<usize>,
+    pub share: S,
+    pub line: SectionMotion<S>,
+}
+
 impl SurfaceSection {
     /// The hinge line of the section, from the body origin, m in B.
     pub fn hinge_point(&self, link: &LinkMotion<f64>) -> Vec3 {
@@ -176,6 +195,8 @@ impl<S: Scalar> Carriers<'_, S> {
 /// The sections of a surface, one by one.
 pub(super) struct Riding<'a, P: Scalar, S: Scalar> {
     pub sections: &'a [SurfaceSection<P>],
+    /// Those of them that lie between two links; empty where none does.
+    pub webs: &'a [Option<Web<P>>],
     pub carriers: &'a Carriers<'a, S>,
 }
 
@@ -184,14 +205,52 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
     pub fn at(&self, i: usize) -> SectionMotion<S> {
         self.section(i)
     }
+
+    #[inline(always)]
+    fn on(&self, section: &SurfaceSection<P>) -> SectionMotion<S> {
+        let carriers = self.carriers;
+        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier]).section(section)
+    }
+
+    /// Whether section `i` lies between two links.
+    pub fn is_web(&self, i: usize) -> bool {
+        self.webs.get(i).is_some_and(Option::is_some)
+    }
+
+    /// What section `i` is the sum of: its own chord line, and one without a share, where it does not lie between two links.
+    pub fn borne(&self, i: usize) -> [Borne<S>; 2] {
+        let Some(Some(web)) = self.webs.get(i) else {
+            let own = Borne { link: self.sections[i].link, share: S::ONE, line: self.on(&self.sections[i]) };
+            return [own, Borne { share: S::ZERO, ..own }];
+        };
+        let share = S::from(web.share);
+        let part = |of: &SurfaceSection<P>, share| Borne { link: of.link, share, line: self.on(of) };
+        [part(&web.inner, S::ONE - share), part(&web.outer, share)]
+    }
+
+    #[inline(never)]
+    fn between(&self, web: &Web<P>) -> SectionMotion<S> {
+        let [inner, outer] = [&web.inner, &web.outer].map(|section| self.on(section));
+        let mix = |a: Vec3<S>, b: Vec3<S>| a + (b - a).scaled(web.share);
+        SectionMotion {
+            le: mix(inner.le, outer.le),
+            te: mix(inner.te, outer.te),
+            v_le: mix(inner.v_le, outer.v_le),
+            v_te: mix(inner.v_te, outer.v_te),
+            a_le: mix(inner.a_le, outer.a_le),
+            a_te: mix(inner.a_te, outer.a_te),
+            ..outer
+        }
+    }
 }
 
 impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     #[inline(always)]
     fn section(&self, i: usize) -> SectionMotion<S> {
-        let section = &self.sections[i];
-        let carriers = self.carriers;
-        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier]).section(section)
+        match self.webs.get(i) {
+            Some(Some(web)) => self.between(web),
+            _ => self.on(&self.sections[i]),
+        }
     }
     #[inline]
     fn coordinates(&self) -> usize {
@@ -207,8 +266,17 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
         self.carriers.complete
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
-        let field = self.carriers.coordinates.field(coordinate, self.sections[i].link);
-        let SectionMotion { le, te, .. } = self.section(i);
-        SectionField { le: field.at(le), te: field.at(te) }
+        let of = |link: Option<usize>, line: SectionMotion<S>| {
+            let field = self.carriers.coordinates.field(coordinate, link);
+            [field.at(line.le), field.at(line.te)]
+        };
+        let [le, te] = match self.webs.get(i) {
+            Some(Some(web)) => {
+                let [a, b] = [&web.inner, &web.outer].map(|part| of(part.link, self.on(part)));
+                [0, 1].map(|k| a[k] + (b[k] - a[k]).scaled(web.share))
+            }
+            _ => of(self.sections[i].link, self.section(i)),
+        };
+        SectionField { le, te }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::carried::air_power;
 use super::drive::Ratios;
-use super::sections::{Carriers, Riding, SurfaceSection};
+use super::sections::{Carriers, Riding, SurfaceSection, Web};
 use super::{BodyMotion, Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
 use wingbeat_math::{Jet, Mat3, Quat, Vec3, Wrench};
@@ -115,6 +115,7 @@ impl Robot {
         let placement = &self.covering.laid[surface].placement;
         let sections: Vec<SurfaceSection> =
             arcs.iter().map(|s| placement.section(*s, &self.carriers)).collect();
-        Ok(then(&Riding { sections: &sections, carriers: &carriers }))
+        let webs: Vec<Option<Web>> = arcs.iter().map(|s| placement.web(*s, &self.carriers)).collect();
+        Ok(then(&Riding { sections: &sections, webs: &webs, carriers: &carriers }))
     }
 }

@@ -3,7 +3,7 @@
 use super::Robot;
 use super::mechanism::Mechanism;
 use super::placement::{Placement, PlacementNumbers};
-use super::sections::{Carriers, Riding, SurfaceSection};
+use super::sections::{Carriers, Riding, SurfaceSection, Web};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
@@ -27,6 +27,8 @@ pub struct SurfaceOutline {
     pub planform: Planform,
     /// Arc lengths from the root at which it passes from link to link, m.
     pub hinges: Vec<f64>,
+    /// Lengths beyond these over which it passes over, m.
+    pub webs: Vec<f64>,
     /// Profile drag coefficient along the wind.
     pub cd0: f64,
     /// Drag coefficient of the plate broadside on, where given.
@@ -86,6 +88,7 @@ impl Robot {
         let placements = self.covering.placements.iter();
         for ((outline, (_, aero)), placement) in outlines.iter_mut().zip(self.surfaces()).zip(placements) {
             outline.hinges = placement.panels[1..].iter().map(|panel| panel.from_arc).collect();
+            outline.webs = placement.panels[1..].iter().map(|panel| panel.web).collect();
             if let Some(planform) = &aero.numbers().outline {
                 outline.planform.clone_from(planform);
             }
@@ -114,6 +117,7 @@ impl RobotSpec {
             Ok(SurfaceOutline {
                 planform,
                 hinges: surface.panels[1..].iter().map(|p| p.from_arc_m).collect(),
+                webs: surface.panels[1..].iter().map(|p| p.web_m).collect(),
                 cd0: surface.cd0,
                 cd90: surface.cd90,
                 section: surface.section,
@@ -146,6 +150,7 @@ impl WingSpec {
             from_arc_m,
             origin_m,
             direction: [0.0, 1.0, 0.0],
+            web_m: 0.0,
         };
         SurfaceSpec {
             name: "wing".into(),
@@ -204,18 +209,27 @@ fn ride<P: Scalar>(
     placement: &Placement<P>,
     aero: &Aero<P>,
     carriers: &[usize],
-    sections: &mut Vec<SurfaceSection<P>>,
+    (sections, webs): (&mut Vec<SurfaceSection<P>>, &mut Vec<Option<Web<P>>>),
     mounts: &mut Vec<Mount<P>>,
 ) {
     let at = |s: &P| placement.section(*s, carriers);
     let first = sections.len();
     sections.extend(aero.arcs().iter().map(at));
+    // Nodes of preset `paper` are sections of their own links.
+    let strips = matches!(aero, Aero::Strip(_));
+    webs.extend(aero.arcs().iter().map(|s| placement.web(*s, carriers).filter(|_| strips)));
     mounts.extend(aero.strip_arcs().iter().enumerate().map(|(i, s)| {
         let (edges, share) = aero.strip_sections(i);
         let edges = edges.map(|edge| first + edge);
-        let apart = sections[edges[0]].link != sections[edges[1]].link;
+        let web = edges.iter().any(|edge| webs[*edge].is_some());
+        let apart = web || sections[edges[0]].link != sections[edges[1]].link;
         Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
     }));
+}
+
+/// Nothing where nothing lies between links.
+fn only_some<P: Scalar>(webs: Vec<Option<Web<P>>>) -> Vec<Option<Web<P>>> {
+    if webs.iter().any(Option::is_some) { webs } else { Vec::new() }
 }
 
 /// All surfaces of a robot with their aerodynamic models.
@@ -224,6 +238,8 @@ pub(super) struct Covering<P: Scalar = f64> {
     pub aero: Surfaces<P>,
     pub laid: Vec<Laid>,
     sections: Vec<SurfaceSection<P>>,
+    /// Those of them that lie between two links; empty where none does.
+    webs: Vec<Option<Web<P>>>,
     mounts: Vec<Mount<P>>,
     /// Numbers of the surfaces' places.
     pub placements: Vec<PlacementNumbers<P>>,
@@ -276,11 +292,11 @@ impl Covering {
     ) -> Result<Self, Error> {
         let outlines = spec.outlines()?;
         assert_eq!(outlines.len(), models.len(), "one aerodynamic model per surface");
-        let (mut laid, mut sections, mut mounts) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut laid, mut sections, mut webs, mut mounts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for ((surface, outline), aero) in spec.all_surfaces().zip(&outlines).zip(&models) {
             let placement = Placement::new(&surface, mechanism).map_err(|e| e.within(&outline.key))?;
             let at = |s: &f64| placement.section(*s, carriers);
-            ride(&placement, aero, carriers, &mut sections, &mut mounts);
+            ride(&placement, aero, carriers, (&mut sections, &mut webs), &mut mounts);
             let mut stations = placement.stations();
             if let Some(model) = aero.membrane().or_else(|| aero.flap()) {
                 stations.extend(aero.strip_arcs().iter().chain(model.membrane_ribs()));
@@ -306,7 +322,8 @@ impl Covering {
         }
         let named = outlines.into_iter().map(|outline| outline.name).zip(models);
         let placements = spec.all_surfaces().map(|surface| surface.placement()).collect();
-        Ok(Self { aero: Surfaces::new(named)?, laid, sections, mounts, placements })
+        let webs = only_some(webs);
+        Ok(Self { aero: Surfaces::new(named)?, laid, sections, webs, mounts, placements })
     }
 }
 
@@ -323,28 +340,30 @@ impl<P: Scalar> Covering<P> {
         carriers: &[usize],
     ) -> Result<Covering<Q>, Error> {
         let aero = self.aero.with(numbers)?;
-        let (mut sections, mut mounts) = (Vec::new(), Vec::new());
+        let (mut sections, mut webs, mut mounts) = (Vec::new(), Vec::new(), Vec::new());
         for (((laid, numbers), place), surface) in
             self.laid.iter().zip(numbers).zip(placements).zip(aero.surfaces())
         {
             let drawn = || laid.placement.planform.map(Q::from);
             let planform = numbers.outline.clone().unwrap_or_else(drawn);
             let placement = Placement::laid(planform, place, &laid.placement.links());
-            ride(&placement, surface.aero(), carriers, &mut sections, &mut mounts);
+            ride(&placement, surface.aero(), carriers, (&mut sections, &mut webs), &mut mounts);
         }
-        Ok(Covering { aero, laid: self.laid.clone(), sections, mounts, placements: placements.to_vec() })
+        let (laid, webs) = (self.laid.clone(), only_some(webs));
+        Ok(Covering { aero, laid, sections, webs, mounts, placements: placements.to_vec() })
     }
 
     /// Takes the air from the surfaces; what is drawn of them stays.
     pub fn strip(&mut self) {
         self.aero = Surfaces::none();
         self.sections.clear();
+        self.webs.clear();
         self.mounts.clear();
     }
 
     /// The sections of all surfaces riding on `carriers`.
     pub fn riding<'a, S: Scalar + Meets<P>>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, P, S> {
-        Riding { sections: &self.sections, carriers }
+        Riding { sections: &self.sections, webs: &self.webs, carriers }
     }
 
     /// Sum of the loads (N and N m) and the added mass (kg, kg m and kg m2), in B, with the state rates in `dx`; the
@@ -419,12 +438,7 @@ impl<P: Scalar> Covering<P> {
             bear(mount.link, *load);
             return;
         };
-        let at = edges.map(|edge| riding.section(edge));
-        let (shares, rest) = between_edges(&at, G::from(share), load);
-        for (edge, load) in edges.into_iter().zip(shares) {
-            bear(self.sections[edge].link, load);
-        }
-        bear(mount.link, Wrench { force: Vec3::ZERO, moment: rest });
+        between_edges(riding, (edges, G::from(share)), mount.link, load, bear);
     }
 }
 
@@ -438,31 +452,61 @@ pub(super) struct MechanismLoads<'a, G: Scalar, S: Scalar> {
     pub impulses: Option<&'a mut ImpulseRates<G>>,
 }
 
-/// The load of a strip as both of its edges bear it, and the couple about the chord, which the strip's
-/// own link bears. The strip moves with v = (1 - f) v_1 + f v_2 at mid chord and pitches with
-/// q = -[(1 - f) c_1' + f c_2'] . n / c, c_k the chord lines, so that by virtual work the force F acts as
-/// (1 - f) F and f F at both mid chords and the couple T about the strip's axis as (1 - f) T n x c_1 / c and f T n x c_2 / c.
+/// Tells links what they bear of the load of a strip between the sections `edges`, the second with the share `share`, and of the couple
+/// about the chord `own`, the strip's own link.
+#[inline(always)]
+pub(super) fn between_edges<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
+    riding: &Riding<P, G>,
+    (edges, share): ([usize; 2], G),
+    own: Option<usize>,
+    load: &Wrench<S>,
+    mut bear: impl FnMut(Option<usize>, Wrench<S>),
+) {
+    let (at, weights) = (edges.map(|edge| riding.at(edge)), [G::ONE - share, share]);
+    let across = (at[1].le - at[0].le) + (at[1].te - at[0].te);
+    let rest = if edges.iter().any(|edge| riding.is_web(*edge)) {
+        let [a, b] = edges.map(|edge| riding.borne(edge));
+        let parts = [a[0], a[1], b[0], b[1]];
+        let weights = std::array::from_fn(|k| parts[k].share * weights[k / 2]);
+        let (shares, rest) = between_lines(&parts.map(|part| part.line), weights, across, load);
+        for (part, load) in parts.iter().zip(shares) {
+            bear(part.link, load);
+        }
+        rest
+    } else {
+        let (shares, rest) = between_lines(&at, weights, across, load);
+        for (edge, load) in edges.into_iter().zip(shares) {
+            bear(riding.sections[edge].link, load);
+        }
+        rest
+    };
+    bear(own, Wrench::couple(rest));
+}
+
+/// The load of a strip as the chord lines bear it of which its own is the sum, and the couple about the chord, which the strip's
+/// own link bears. The strip moves with v = sum(f_k v_k) at mid chord and pitches with q = -sum(f_k c_k') . n / c, c_k the chord
+/// lines and f_k their shares, so that by virtual work the force F acts as f_k F at the mid chords and the couple T about the
+/// strip's axis as f_k T n x c_k / c.
 ///
 /// Equation: robot.strip_shares
-/// `(1 - f) F and f F at both mid chords, (1 - f) T n x c_1 / c and f T n x c_2 / c`
+/// `f_k F at the mid chords, f_k T n x c_k / c; f_k the shares of chord lines on links, (1 - f) and f of both edges`
 /// Source: virtual work.
 /// Test: `elastic_joints_bear_the_efforts_of_their_springs`.
-pub(super) fn between_edges<G: Scalar, S: Over<G>>(
-    edges: &[SectionMotion<G>; 2],
-    share: G,
+fn between_lines<const N: usize, G: Scalar, S: Over<G>>(
+    lines: &[SectionMotion<G>; N],
+    weights: [G; N],
+    across: Vec3<G>,
     load: &Wrench<S>,
-) -> ([Wrench<S>; 2], Vec3<S>) {
-    let weights = [G::ONE - share, share];
-    let chords = [edges[0].te - edges[0].le, edges[1].te - edges[1].le];
-    let chord = chords[0].scaled(weights[0]) + chords[1].scaled(weights[1]);
-    let line = (edges[1].le - edges[0].le) + (edges[1].te - edges[0].te);
-    let normal = chord.cross(line).unit();
+) -> ([Wrench<S>; N], Vec3<S>) {
+    let chords: [Vec3<G>; N] = std::array::from_fn(|k| lines[k].te - lines[k].le);
+    let chord = (1..N).fold(chords[0].scaled(weights[0]), |sum, k| sum + chords[k].scaled(weights[k]));
+    let normal = chord.cross(across).unit();
     let inverse_chord = chord.norm().recip();
-    let forces: [Wrench<S>; 2] = std::array::from_fn(|k| {
+    let forces: [Wrench<S>; N] = std::array::from_fn(|k| {
         let force = load.force.scaled(weights[k]);
-        Wrench { force, moment: edges[k].point(0.5).cross_over(force) }
+        Wrench { force, moment: lines[k].point(0.5).cross_over(force) }
     });
-    let couple = load.moment - forces[0].moment - forces[1].moment;
+    let couple = forces.iter().fold(load.moment, |sum, force| sum - force.moment);
     let nose_up = (normal.cross(chord) * inverse_chord).dot_over(couple);
     let mut rest = couple;
     let shares = std::array::from_fn(|k| {

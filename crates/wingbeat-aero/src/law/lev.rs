@@ -105,6 +105,7 @@ mod tests {
             flap: None,
             outline: None,
             hinges: Vec::new(),
+            webs: Vec::new(),
         };
         Polar::new(LiftLaw::Lev, &numbers, 4.0)
     }

@@ -121,8 +121,8 @@ impl StripModel {
     pub fn new(planform: &Planform, settings: StripSettings) -> Result<Self, Error> {
         settings.check()?;
         let outline = Some(planform.clone());
-        let hinges = settings.hinge_arcs_m.clone();
-        Self::laid(SurfaceNumbers { outline, hinges, ..settings.numbers() }, settings)
+        let [hinges, webs] = [&settings.hinge_arcs_m, &settings.webs_m].map(Vec::clone);
+        Self::laid(SurfaceNumbers { outline, hinges, webs, ..settings.numbers() }, settings)
     }
 }
 
@@ -132,7 +132,7 @@ impl<P: Scalar> StripModel<P> {
         let Some(planform) = &numbers.outline else {
             return Err(Error::invalid("planform", "none", "an outline"));
         };
-        let grid = StripGrid::new(planform, settings.strips, &numbers.hinges)?;
+        let grid = StripGrid::new(planform, settings.strips, &numbers.bounds())?;
         let whole =
             numbers.hinges.iter().all(|arc| arc.is_zero()) && grid.covered.iter().all(|covered| *covered);
         if settings.side_edges && !(whole && settings.flap.is_none() && settings.strips > 1) {

@@ -48,6 +48,8 @@ pub struct StripSettings {
     pub strips: usize,
     /// Arc coordinates of the half wing that must have a strip edge (hinges), m.
     pub hinge_arcs_m: Vec<f64>,
+    /// How far beyond each of these the surface passes over to the outer side, m: an edge lies there too; 0, or none, at once.
+    pub webs_m: Vec<f64>,
     /// Speed below which directions lose their meaning, m/s; smooths every root.
     pub regularisation_m_s: f64,
     /// Lags carried per strip.
@@ -95,6 +97,7 @@ impl Default for StripSettings {
         Self {
             strips: 16,
             hinge_arcs_m: Vec::new(),
+            webs_m: Vec::new(),
             regularisation_m_s: 0.02,
             lags: LagSet::Three,
             wake_wash: true,

@@ -75,6 +75,15 @@ pub struct PanelSpec {
     /// Direction of the span from the root on, in the frame of the link, across x, dimensionless; any length above 0.
     #[serde(default = "left")]
     pub direction: [f64; 3],
+    /// Length from its begin over which chord lines pass over from that of the panel before to its own, m; where 0 one strip does it,
+    /// whatever its width. Of the lattice and preset `full`.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub web_m: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_zero(length: &f64) -> bool {
+    *length == 0.0
 }
 
 fn left() -> [f64; 3] {
@@ -111,6 +120,13 @@ impl SurfaceSpec {
             let before = i.checked_sub(1).map(|b| self.panels[b].from_arc_m);
             let placed = panel.numbers().check(before, tip).map_err(within);
             placed.map_err(|e| e.against([format!("planform[{}].arc_m", self.planform.len() - 1)]))?;
+            let room = self.panels.get(i + 1).map_or(tip, |next| next.from_arc_m) - panel.from_arc_m;
+            let fits = panel.web_m == 0.0 || (i > 0 && panel.web_m > 0.0 && panel.web_m < room);
+            if !fits {
+                let most = if i > 0 { room } else { 0.0 };
+                let allowed = format!("0, or less than the panel's length {most}; 0 of the first");
+                return Err(within(Error::invalid("web_m", panel.web_m, allowed)));
+            }
         }
         Ok(())
     }

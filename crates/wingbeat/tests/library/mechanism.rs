@@ -49,6 +49,14 @@ elastic = { stiffness = 2e-3, damping = 1e-6 }
 /// Wings of three links each, the outer one on an elastic twist hinge; a tail on a free hinge.
 pub(super) const FLAPPER: &str = include_str!("../../../../validation/fsi/flapper.toml");
 
+/// The same whose twists and folds pass over within a web, its strips between four chord lines on links.
+fn webbed() -> String {
+    let text = FLAPPER.replace("from_arc_m = 0.07 }", "from_arc_m = 0.07, web_m = 0.02 }");
+    let text = text.replace("from_arc_m = 0.13,", "from_arc_m = 0.13, web_m = 0.05,");
+    assert_eq!(text.matches("web_m").count(), 2);
+    text
+}
+
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Preset {
     Paper,
@@ -75,6 +83,7 @@ pub(super) fn robot(text: &str, preset: Preset, density: f64) -> Robot {
             let settings = StripSettings {
                 strips: outline.strips.unwrap_or(14),
                 hinge_arcs_m: outline.hinges.clone(),
+                webs_m: outline.webs.clone(),
                 flap: outline.flap,
                 section: SectionSettings {
                     density_kg_m3: density,
@@ -140,8 +149,9 @@ fn coordinates_and_articulated_bodies_agree_in_vacuum() {
 /// inertia and coupling all enter once, on the way there and on the way back.
 #[test]
 fn elastic_joints_bear_the_efforts_of_their_springs() {
-    for preset in [Preset::Paper, Preset::Full] {
-        let robot = robot(FLAPPER, preset, 1.2);
+    let webbed = webbed();
+    for (text, preset) in [(FLAPPER, Preset::Paper), (FLAPPER, Preset::Full), (&webbed, Preset::Full)] {
+        let robot = robot(text, preset, 1.2);
         let (x, l) = (moving(&robot), *robot.layout());
         let seen = robot.observe(0.05, &x, &[]).unwrap();
         let joint = |name: &str| robot.tree().find(name).unwrap();
@@ -161,7 +171,11 @@ fn elastic_joints_bear_the_efforts_of_their_springs() {
 
 #[test]
 fn drives_air_and_dampers_account_for_the_energy() {
-    for (text, preset) in [(FLAPPER, Preset::Paper), (FLAPPER, Preset::Full), (CHAIN, Preset::Paper)] {
+    let webbed = webbed();
+    let [wings, webs, chain] = [FLAPPER, &webbed, CHAIN];
+    for (text, preset) in
+        [(wings, Preset::Paper), (wings, Preset::Full), (webs, Preset::Full), (chain, Preset::Paper)]
+    {
         let robot = robot(text, preset, 1.2);
         let (t, h) = (0.05, 1e-5);
         let seen = robot.observe(t, &moving(&robot), &[]).unwrap();
@@ -201,8 +215,9 @@ fn mirrored_elastic_joints_stay_alike() {
 
 #[test]
 fn derivatives_through_elastic_joints_are_exact() {
-    for preset in [Preset::Paper, Preset::Full] {
-        let robot = robot(FLAPPER, preset, 1.2);
+    let webbed = webbed();
+    for (text, preset) in [(FLAPPER, Preset::Paper), (FLAPPER, Preset::Full), (&webbed, Preset::Full)] {
+        let robot = robot(text, preset, 1.2);
         let (x, n) = (moving(&robot), robot.states().len());
         let mut exact = Linearisation::new(n, 0);
         exact.evaluate(&robot, 0.05, &x, &[]).unwrap();

@@ -557,3 +557,21 @@ fn a_plan_without_the_structure_is_refused_where_there_is_none() {
     let error = Scenario::load(&path.join("banking_turn.toml"), &["controller.structure='orbit'".into()]);
     assert!(error.err().unwrap().to_string().contains("structure"));
 }
+
+/// A strip from one link to the next passes over within its own width, which the number of strips decides: without a web 24 strips ask
+/// for 17 % more power than 9.
+#[test]
+fn a_web_makes_the_air_of_a_twisted_wing_converge_with_its_strips() {
+    let power = |strips: usize, web: f64| {
+        let keys = [format!("aero.full.strips={strips}"), format!("robot.surfaces[0].panels[2].web_m={web}")];
+        let scenario = scenario("cruise_20g", &[&keys[0], &keys[1]]);
+        scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap().summary.power_w_kg.unwrap()
+    };
+    let web = 0.0544457;
+    let powers = [9, 16, 24, 32].map(|strips| power(strips, web));
+    for power in powers {
+        assert!((power / powers[3] - 1.0).abs() < 0.05, "{powers:?}");
+    }
+    // It is as long as the strip beside the hinge of 9 strips.
+    assert!((power(9, 0.0) / powers[0] - 1.0).abs() < 1e-4, "{powers:?}");
+}
