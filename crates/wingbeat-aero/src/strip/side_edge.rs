@@ -14,10 +14,10 @@ use wingbeat_math::{Meets, Over, Scalar};
 /// chord times a parabolic camber, camber squared. What of the circulation G lies ahead of a point of the chord makes them: mean((A/G)^2)
 /// is 0.615 of a flat section far from the tips and 0.72 beside them. *Fitted* to a vortex lattice of flat and evenly cambered rectangles
 /// (`validation/lifting_surface/side_edges.csv`), as strips have a G beside the tips of their own: at aspect ratios of 1, 2, 4
-/// and 8 it has 0.82, 0.79, 0.78, 0.79 first, 0.29, 0.35, 0.37, 0.39 in the middle and 0.57, 0.47, 0.43, 0.41 last.
-const PULL: [f64; 3] = [0.79, 0.363, 0.438];
+/// and 8 it has 0.83, 0.79, 0.79, 0.79 first, 0.29, 0.35, 0.37, 0.39 in the middle and 0.57, 0.47, 0.43, 0.41 last.
+const PULL: [f64; 3] = [0.795, 0.363, 0.438];
 /// The same times the distance behind mid chord over the chord: 0.061 to 0.067, 0.13 to 0.19, 0.117 to 0.120.
-const PULL_BEHIND: [f64; 3] = [0.0659, 0.146, 0.118];
+const PULL_BEHIND: [f64; 3] = [0.0663, 0.146, 0.118];
 
 /// Share of [`PULL`] that is counted to the circulation. *Choice*: of a wing that turns the impulse of the carried air has the other, whose F
 /// is sqrt(1 - x^2)/pi from -1 to 1 along the chord, its square 2/(3 pi^2) of 0.615 in the mean; of a wing that does not turn the
@@ -26,8 +26,8 @@ const OF_CIRCULATION: f64 = 1.0 - 2.0 / (3.0 * PI * PI * 0.615);
 
 /// Distance from a tip over the mean chord at which the circulation tells the force of the side edge. What stays attached of the outermost strip
 /// rises to one as it narrows, since its lift wash vanishes, so that its own circulation would tell another force of every number of
-/// strips. *Choice*: where the outermost of nine strips of Aerobat lies.
-const STATION: f64 = 0.1;
+/// strips. *Choice*: where the outermost of eight strips lies at an aspect ratio of 5.
+const STATION: f64 = 0.15;
 
 /// Wash below which its size is rounded off, so that it has a derivative, m/s. *Choice.*
 const ROUNDING: f64 = 1e-9;
@@ -100,10 +100,10 @@ impl<P: Scalar> StripModel<P> {
     /// span is so (pi/16) rho k^2 c mean(F^2); where the flow leaves the edge it turns to the normal, on the side of the wash, whole and at
     /// once. What counts of the circulation is what stays attached, so that the force has the square of that share. Between the tips
     /// of the span b an elliptic circulation has k^2 = G^2 b/(d (b - d)). The parts of flat chord and camber push each to its own side;
-    /// where there is camber the outermost strip tells G, else the distance of a tenth of the mean chord.
+    /// where there is camber the outermost strip tells G, else the distance of 0.15 mean chords.
     ///
     /// Equation: aero.strip.side_edge
-    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw times the attached share, at a tenth of the mean chord`
+    /// `F = (pi/16) rho k^2 c mean(F^2), k^2 = G^2 b/(d (b - d)), G = g lw times the attached share, at 0.15 mean chords`
     /// Source: Lamar 1974, NASA TR R-428 (side edges lose their suction as leading edges do, Polhamus 1966); own derivation; mean(F^2)
     /// by a vortex lattice; at once: a choice.
     /// Test: `side_edges_have_the_suction_of_a_vortex_lattice`.
@@ -155,7 +155,7 @@ impl<P: Scalar> StripModel<P> {
     /// What the circulation bears beside the plane of section `i`, whose `suction` points along the chord, N. A plate feels pressure along
     /// its normal and suction at its edges, square to them: at a leading edge swept by L the suction S has S tan(L) along the span, and the
     /// side edge at a tip has the pull of [`Self::side_edge`], outward, unless a vortex takes its place; there G is that at the distance of
-    /// a tenth of the mean chord. Where the section drifts
+    /// 0.15 mean chords. Where the section drifts
     /// with the speed v along its span, the pressure is rho v dphi/dy less: the jump phi of the circulation G, with the integral
     /// b G along the chord, takes rho v d(bG)/dy but for what the trailing edge cuts off, rho v G tan, and so rho v b dG/dy at 5/8 of
     /// the chord, and gives rho v G tan of the half-chord line at its middle. Sweeps are those of the flat wing. Left out: the couple of
