@@ -516,7 +516,9 @@ fn strips_and_steps_converge_with_their_orders() {
         (16, 96, mean(&again, "force_wind_lift"))
     );
     for quantity in &table.quantities {
-        assert!((1.0..3.0).contains(&quantity.order_strips.unwrap()), "{quantity:?}");
+        // What moves by less than a thousandth has no order.
+        let ordered = quantity.order_strips.is_some_and(|order| (1.0..3.0).contains(&order));
+        assert!(ordered || quantity.spread < 1e-3, "{quantity:?}");
         // The largest of the samples lies beside the peak, by less in turn.
         if !quantity.quantity.starts_with("peak") {
             assert!((3.0..5.0).contains(&quantity.order_steps.unwrap()), "{quantity:?}");
