@@ -70,6 +70,7 @@ mod trim;
 mod unheard;
 mod verdict_limits;
 mod watched;
+mod web;
 mod written;
 
 pub use calibration::{
@@ -539,6 +540,7 @@ impl Scenario {
         let (lattice, surfaces) =
             (self.spec.lattice.as_ref(), || self.robot.surfaces().map(|(_, aero)| aero));
         summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), lattice, surfaces()));
+        summary.warnings.extend(web::of_robot(&self.spec.robot, surfaces()));
         summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary
     }

@@ -6,6 +6,7 @@ use super::pinned::PinSummary;
 use super::plausible;
 use super::skin::MembraneSummary;
 use super::unheard::{of_strips, side_edges};
+use super::web;
 use super::{LatticeSummary, RigRun};
 use serde::Serialize;
 use wingbeat_aero::Aero;
@@ -164,6 +165,7 @@ impl RigRun {
         let flow = self.spec.lattice.as_ref();
         let soft = lattice::soft(flow, surfaces());
         let said = of_strips(&self.spec.rig.aero, flow, surfaces()).into_iter().chain(edges).chain(soft);
+        let said = said.chain(web::of_robot(&self.spec.rig.robot, surfaces()));
         said.for_each(|said| judge.warn(said));
         Ok(SimulatedRun {
             verdict: judge.verdict(),

@@ -9,6 +9,7 @@ use super::span_keys::{resolve, varied};
 use super::spar_numbers::SparNumbers;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::unheard::{of_strips, side_edges};
+use super::web;
 use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -235,6 +236,7 @@ impl TetherCase {
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .chain(side_edges(&self.spec.aero, [&self.tether.aero], Some(run.stall_fraction)))
             .chain(of_strips(&self.spec.aero, None, [&self.tether.aero]))
+            .chain(web::of_hinges(&self.spec.wing.hinges, &self.tether.aero))
             .chain(run.steady.iter().flat_map(|steady| {
                 let still = self.tether.motion.is_still();
                 SparSummary::of(steady).warnings(&self.spec.time, still)

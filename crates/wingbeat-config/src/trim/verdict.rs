@@ -2,7 +2,7 @@
 
 use super::summary::{TrimSummary, hover_wash};
 use crate::spec::{AirSpec, ScenarioSpec};
-use crate::{fit, plausible, unheard};
+use crate::{fit, plausible, unheard, web};
 use wingbeat_judge::limits::{range, trim};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Verdict, Warning};
 use wingbeat_math::Vec3;
@@ -88,9 +88,10 @@ fn judge_slow(judge: &mut Judge, speed: f64, wash: Option<f64>) {
 
 /// What the scenario says that a periodic flight of `robot` leaves out, and where its numbers are from.
 pub(super) fn said_of(spec: &ScenarioSpec, robot: &Robot) -> impl Iterator<Item = Warning> {
-    let surfaces = robot.surfaces().map(|(_, aero)| aero);
-    let unheard = unheard::of_strips(&spec.aero, None, surfaces);
-    ignored_gusts(&spec.air).into_iter().chain(fit::of_known(spec)).chain(unheard)
+    let surfaces = || robot.surfaces().map(|(_, aero)| aero);
+    let unheard = unheard::of_strips(&spec.aero, None, surfaces());
+    let web = web::of_robot(&spec.robot, surfaces());
+    ignored_gusts(&spec.air).into_iter().chain(fit::of_known(spec)).chain(unheard).chain(web)
 }
 
 /// Gusts of the scenario, which no periodic flight can have; their size is the largest of what is left out, m/s.

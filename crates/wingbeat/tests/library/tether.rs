@@ -185,6 +185,22 @@ fn hinges_that_crowd_the_strips_are_told() {
     }
 }
 
+#[test]
+fn a_twist_that_does_not_grow_along_the_span_is_told() {
+    for (kind, end, told) in [("fold", None, false), ("twist", None, true), ("twist", Some(0.2), false)] {
+        let mut set = vec!["time.steps_per_cycle=32".to_owned(), format!("wing.hinges[1].kind={kind}")];
+        set.extend(end.map(|end| format!("wing.hinges[1].to_arc_m={end}")));
+        let case = case("flap_fold", &set.iter().map(String::as_str).collect::<Vec<_>>());
+        let run = case.tether.run(|_| ControlFlow::Continue(()));
+        let warnings = case.summary(&run, None, None).verdict.warnings;
+        assert_eq!(
+            warnings.iter().any(|warning| warning.id == "aero.open_twist"),
+            told,
+            "{kind}: {warnings:?}"
+        );
+    }
+}
+
 /// Trailing edges turn about the hinge line by the angles of the strips; what lies ahead of it stays.
 #[test]
 fn a_tethered_flap_is_drawn_turned() {

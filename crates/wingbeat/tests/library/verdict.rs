@@ -157,3 +157,14 @@ fn a_spar_longer_than_its_wing_is_refused_by_its_key() {
     let error = scenario("soft_20g", &["robot.links[2].spar.length_m=1.32"]).map(|_| ()).unwrap_err();
     assert!(error.contains("links[2].spar.length_m") && error.contains("0.2027"), "{error}");
 }
+
+/// One strip closes a twist within its own width, which the number of strips decides.
+#[test]
+fn a_twist_without_a_web_is_told() {
+    let told = |summary: &Summary| summary.warnings.iter().any(|warning| warning.id == "aero.open_twist");
+    let short = "flight.duration_s=0.01";
+    assert!(!told(&fly("cruise_20g", &[short])));
+    assert!(told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0"])));
+    assert!(!told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0", "aero.preset=paper"])));
+    assert!(told(&fly("motor_flapper", &[short])));
+}
