@@ -309,7 +309,7 @@ impl Robot {
                 }
                 let middle = 0.5 * (arcs[j] + arcs[j + 1]);
                 let own = self.covering.laid[surface].placement.section(middle, &self.carriers).link;
-                between_edges(riding, ([j, j + 1], 0.5), own, load, |link, load| {
+                between_edges(riding, ([j, j + 1], 0.5), own, load, &mut |link, load| {
                     external[link.unwrap_or(body)] += load;
                 });
             }

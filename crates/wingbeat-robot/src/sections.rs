@@ -217,20 +217,26 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
         self.webs.get(i).is_some_and(Option::is_some)
     }
 
-    /// What section `i` is the sum of: its own chord line, and one without a share, where it does not lie between two links.
-    pub fn borne(&self, i: usize) -> [Borne<S>; 2] {
+    /// Adds what section `i` with the share `share` and the chord line `line` is the sum of.
+    pub fn bear(&self, i: usize, line: SectionMotion<S>, share: S, parts: &mut ArrayVec<Borne<S>, 4>) {
         let Some(Some(web)) = self.webs.get(i) else {
-            let own = Borne { link: self.sections[i].link, share: S::ONE, line: self.on(&self.sections[i]) };
-            return [own, Borne { share: S::ZERO, ..own }];
+            parts.push(Borne { link: self.sections[i].link, share, line });
+            return;
         };
-        let share = S::from(web.share);
-        let part = |of: &SurfaceSection<P>, share| Borne { link: of.link, share, line: self.on(of) };
-        [part(&web.inner, S::ONE - share), part(&web.outer, share)]
+        for (of, weight) in [(&web.inner, P::ONE - web.share), (&web.outer, web.share)] {
+            parts.push(Borne { link: of.link, share: share * weight, line: self.line(of) });
+        }
+    }
+
+    /// As [`Self::on`], compiled once.
+    #[inline(never)]
+    fn line(&self, section: &SurfaceSection<P>) -> SectionMotion<S> {
+        self.on(section)
     }
 
     #[inline(never)]
     fn between(&self, web: &Web<P>) -> SectionMotion<S> {
-        let [inner, outer] = [&web.inner, &web.outer].map(|section| self.on(section));
+        let [inner, outer] = [&web.inner, &web.outer].map(|section| self.line(section));
         let mix = |a: Vec3<S>, b: Vec3<S>| a + (b - a).scaled(web.share);
         SectionMotion {
             le: mix(inner.le, outer.le),
@@ -266,16 +272,16 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
         self.carriers.complete
     }
     fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
-        let of = |link: Option<usize>, line: SectionMotion<S>| {
-            let field = self.carriers.coordinates.field(coordinate, link);
+        let of = |section: &SurfaceSection<P>, line: SectionMotion<S>| {
+            let field = self.carriers.coordinates.field(coordinate, section.link);
             [field.at(line.le), field.at(line.te)]
         };
         let [le, te] = match self.webs.get(i) {
             Some(Some(web)) => {
-                let [a, b] = [&web.inner, &web.outer].map(|part| of(part.link, self.on(part)));
+                let [a, b] = [&web.inner, &web.outer].map(|part| of(part, self.line(part)));
                 [0, 1].map(|k| a[k] + (b[k] - a[k]).scaled(web.share))
             }
-            _ => of(self.sections[i].link, self.section(i)),
+            _ => of(&self.sections[i], self.section(i)),
         };
         SectionField { le, te }
     }

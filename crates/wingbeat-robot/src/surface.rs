@@ -3,7 +3,7 @@
 use super::Robot;
 use super::mechanism::Mechanism;
 use super::placement::{Placement, PlacementNumbers};
-use super::sections::{Carriers, Riding, SurfaceSection, Web};
+use super::sections::{Borne, Carriers, Riding, SurfaceSection, Web};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
@@ -438,7 +438,7 @@ impl<P: Scalar> Covering<P> {
             bear(mount.link, *load);
             return;
         };
-        between_edges(riding, (edges, G::from(share)), mount.link, load, bear);
+        between_edges(riding, (edges, G::from(share)), mount.link, load, &mut bear);
     }
 }
 
@@ -453,66 +453,47 @@ pub(super) struct MechanismLoads<'a, G: Scalar, S: Scalar> {
 }
 
 /// Tells links what they bear of the load of a strip between the sections `edges`, the second with the share `share`, and of the couple
-/// about the chord `own`, the strip's own link.
-#[inline(always)]
-pub(super) fn between_edges<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
-    riding: &Riding<P, G>,
-    (edges, share): ([usize; 2], G),
-    own: Option<usize>,
-    load: &Wrench<S>,
-    mut bear: impl FnMut(Option<usize>, Wrench<S>),
-) {
-    let (at, weights) = (edges.map(|edge| riding.at(edge)), [G::ONE - share, share]);
-    let across = (at[1].le - at[0].le) + (at[1].te - at[0].te);
-    let rest = if edges.iter().any(|edge| riding.is_web(*edge)) {
-        let [a, b] = edges.map(|edge| riding.borne(edge));
-        let parts = [a[0], a[1], b[0], b[1]];
-        let weights = std::array::from_fn(|k| parts[k].share * weights[k / 2]);
-        let (shares, rest) = between_lines(&parts.map(|part| part.line), weights, across, load);
-        for (part, load) in parts.iter().zip(shares) {
-            bear(part.link, load);
-        }
-        rest
-    } else {
-        let (shares, rest) = between_lines(&at, weights, across, load);
-        for (edge, load) in edges.into_iter().zip(shares) {
-            bear(riding.sections[edge].link, load);
-        }
-        rest
-    };
-    bear(own, Wrench::couple(rest));
-}
-
-/// The load of a strip as the chord lines bear it of which its own is the sum, and the couple about the chord, which the strip's
-/// own link bears. The strip moves with v = sum(f_k v_k) at mid chord and pitches with q = -sum(f_k c_k') . n / c, c_k the chord
-/// lines and f_k their shares, so that by virtual work the force F acts as f_k F at the mid chords and the couple T about the
-/// strip's axis as f_k T n x c_k / c.
+/// about the chord `own`, the strip's own link. The strip moves with v = sum(f_k v_k) at mid chord and pitches with
+/// q = -sum(f_k c_k') . n / c, c_k the chord lines on links of which its own is the sum and f_k their shares, so that by virtual work the
+/// force F acts as f_k F at the mid chords and the couple T about the strip's axis as f_k T n x c_k / c.
 ///
 /// Equation: robot.strip_shares
 /// `f_k F at the mid chords, f_k T n x c_k / c; f_k the shares of chord lines on links, (1 - f) and f of both edges`
 /// Source: virtual work.
 /// Test: `elastic_joints_bear_the_efforts_of_their_springs`.
-fn between_lines<const N: usize, G: Scalar, S: Over<G>>(
-    lines: &[SectionMotion<G>; N],
-    weights: [G; N],
-    across: Vec3<G>,
+#[inline(never)]
+pub(super) fn between_edges<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
+    riding: &Riding<P, G>,
+    (edges, share): ([usize; 2], G),
+    own: Option<usize>,
     load: &Wrench<S>,
-) -> ([Wrench<S>; N], Vec3<S>) {
-    let chords: [Vec3<G>; N] = std::array::from_fn(|k| lines[k].te - lines[k].le);
-    let chord = (1..N).fold(chords[0].scaled(weights[0]), |sum, k| sum + chords[k].scaled(weights[k]));
+    bear: &mut dyn FnMut(Option<usize>, Wrench<S>),
+) {
+    let at = edges.map(|edge| riding.at(edge));
+    let across = (at[1].le - at[0].le) + (at[1].te - at[0].te);
+    let mut parts = ArrayVec::<Borne<G>, 4>::new();
+    for ((edge, line), share) in edges.into_iter().zip(at).zip([G::ONE - share, share]) {
+        riding.bear(edge, line, share, &mut parts);
+    }
+    let chord_of = |part: &Borne<G>| part.line.te - part.line.le;
+    let force_of = |part: &Borne<G>| {
+        let force = load.force.scaled(part.share);
+        Wrench { force, moment: part.line.point(0.5).cross_over(force) }
+    };
+    let mut chord = chord_of(&parts[0]).scaled(parts[0].share);
+    for part in &parts[1..] {
+        chord += chord_of(part).scaled(part.share);
+    }
     let normal = chord.cross(across).unit();
     let inverse_chord = chord.norm().recip();
-    let forces: [Wrench<S>; N] = std::array::from_fn(|k| {
-        let force = load.force.scaled(weights[k]);
-        Wrench { force, moment: lines[k].point(0.5).cross_over(force) }
-    });
-    let couple = forces.iter().fold(load.moment, |sum, force| sum - force.moment);
+    let couple = parts.iter().fold(load.moment, |sum, part| sum - force_of(part).moment);
     let nose_up = (normal.cross(chord) * inverse_chord).dot_over(couple);
     let mut rest = couple;
-    let shares = std::array::from_fn(|k| {
-        let turning = (normal.cross(chords[k]) * inverse_chord).times(nose_up * weights[k]);
+    for part in &parts {
+        let turning = (normal.cross(chord_of(part)) * inverse_chord).times(nose_up * part.share);
         rest -= turning;
-        Wrench { force: forces[k].force, moment: forces[k].moment + turning }
-    });
-    (shares, rest)
+        let Wrench { force, moment } = force_of(part);
+        bear(part.link, Wrench { force, moment: moment + turning });
+    }
+    bear(own, Wrench::couple(rest));
 }
