@@ -166,5 +166,4 @@ fn a_twist_without_a_web_is_told() {
     assert!(!told(&fly("cruise_20g", &[short])));
     assert!(told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0"])));
     assert!(!told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0", "aero.preset=paper"])));
-    assert!(told(&fly("motor_flapper", &[short])));
 }
