@@ -60,11 +60,11 @@ pub(super) struct TipPull<P> {
 }
 
 impl<P: Scalar> TipPull<P> {
-    /// The left and the right tip's, in air of `density`, kg/m3. The circulation goes as a parabola over the square root of the distance
-    /// from the tip, through the control sections beside the station and the next. Where the station lies beyond the outermost section, or
+    /// The pulls, N, of the left and of the right tip in air of `density`, kg/m3. The circulation goes as a parabola over the square root of
+    /// the distance from the tip, through the control sections beside the station and the next. Where the station lies beyond the outermost section, or
     /// beside a gap, that section tells. Under separation the place matters: k^2 at 0.3 mean chords is 0.64 of that at 0.1 under law
     /// `stall` at 25 deg.
-    pub fn new(grid: &StripGrid<P>, density: P) -> [Self; 2] {
+    pub(super) fn new(grid: &StripGrid<P>, density: P) -> [Self; 2] {
         let (last, span) = (grid.width.len() - 1, grid.tip * 2.0);
         [(0, -1.0), (1, 1.0)].map(|(side, outward)| {
             let nth = |j: usize| if side == 0 { j } else { last - j };
