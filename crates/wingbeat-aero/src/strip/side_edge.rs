@@ -14,7 +14,7 @@ use wingbeat_math::{Meets, Over, Scalar};
 /// chord times a parabolic camber, camber squared. What of the circulation G lies ahead of a point of the chord makes them: mean((A/G)^2)
 /// is 0.615 of a flat section far from the tips and 0.72 beside them. *Fitted* to a vortex lattice of flat and evenly cambered rectangles
 /// (`validation/lifting_surface/side_edges.csv`), as strips have a G beside the tips of their own: at aspect ratios of 1, 2, 4
-/// and 8 it has 0.83, 0.79, 0.79, 0.79 first, 0.29, 0.35, 0.37, 0.39 in the middle and 0.57, 0.47, 0.43, 0.41 last.
+/// and 8 it has 0.82, 0.79, 0.79, 0.79 first, 0.29, 0.35, 0.37, 0.39 in the middle and 0.57, 0.47, 0.43, 0.41 last.
 const PULL: [f64; 3] = [0.795, 0.363, 0.438];
 /// The same times the distance behind mid chord over the chord: 0.061 to 0.067, 0.13 to 0.19, 0.117 to 0.120.
 const PULL_BEHIND: [f64; 3] = [0.0663, 0.146, 0.118];
