@@ -454,7 +454,7 @@ fn suction_is_square_to_swept_edges() {
         for i in 0..8 {
             let outward = if arcs[i] > 1e-9 { 1.0 } else { -1.0 };
             let added = with[i] - without[i];
-            // No drag: what points forward is suction. Of eight strips the outermost tells the pull. The circulation has 0.89 of the pull of a tip.
+            // No drag: what points forward is suction. The circulation has 0.89 of the pull of a tip, which the vortices tell.
             let tip = vortices.strip[i].total().force[2] - plain.strip[i].total().force[2];
             let expected = outward * (slope * without[i][0] + 0.89017 * tip.abs());
             least = least.min(without[i][0]);
@@ -476,13 +476,13 @@ fn suction_is_square_to_swept_edges() {
     }
 }
 
-/// What stays attached beside a tip does not depend on how narrow the strips there are.
+/// What stays attached beside a tip does not depend on how narrow the strips there are: at 25 deg the law `stall` leaves 0.31 attached
+/// there, at 14 deg the law `lev` nearly all.
 #[test]
 fn the_pull_of_a_stalled_tip_converges_with_the_strips() {
-    let incidence = 14_f64.to_radians();
-    for law in [LiftLaw::Linear, LiftLaw::Stall, LiftLaw::Lev] {
+    for (law, degrees) in [(LiftLaw::Linear, 25.0_f64), (LiftLaw::Stall, 25.0), (LiftLaw::Lev, 14.0)] {
         let pulls = [8, 16, 32].map(|strips| {
-            let wing = SteadyWing::at(2.0, &[], strips, 0.0, (incidence, law));
+            let wing = SteadyWing::at(2.0, &[], strips, 0.0, (degrees.to_radians(), law));
             let (_, [without, with]) = wing.with_edges(0.0);
             let along = with[0][1] - without[0][1];
             let [plain, vortices] = [false, true].map(|side_edges| wing.loads(side_edges).1);
