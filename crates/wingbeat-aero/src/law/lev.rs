@@ -131,8 +131,8 @@ mod tests {
     #[test]
     fn states_follow_in_their_chords_of_travel() {
         let polar = polar();
-        let still = 1.0 - polar.attached_share(1.0);
-        let separated = |now: f64| polar.separation_rate(now, 1.0, 5.0, SEPARATION_CHORDS);
+        let still = polar.separated_share(1.0);
+        let separated = |now: f64| Polar::<f64>::separation_rate(now, still, 5.0, SEPARATION_CHORDS);
         assert!((vortex_rate(0.0, 2.0, 5.0) - 10.0).abs() < 1e-12);
         assert!((separated(0.0) - still * 5.0 / 8.0).abs() < 1e-12);
         assert_eq!((vortex_rate(2.0, 2.0, 5.0), separated(still)), (0.0, 0.0));

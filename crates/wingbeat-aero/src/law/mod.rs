@@ -288,23 +288,26 @@ impl<P: Scalar> Polar<P> {
         }
     }
 
-    /// Rate of the separated share, s' = V (s_0 - s)/(tau_s c), s_0 the static share at the squared sine of the
-    /// effective angle of attack and tau_s `chords`.
+    /// Rate of the separated share, s' = V (s_0 - s)/(tau_s c), s_0 (`still`) the static share and tau_s `chords`.
     ///
     /// Equation: aero.separation_lag
     /// `s' = V (s_0 - s)/(tau_s c), tau_s = 8 in law lev`
     /// Source: Goman & Khrabrov 1994, J. Aircraft 31(5); the length a choice.
     /// Test: `states_follow_in_their_chords_of_travel`.
     #[inline]
-    pub fn separation_rate<G: Scalar, S: Over<G> + Meets<P>>(
-        &self,
+    pub fn separation_rate<G: Scalar, S: Over<G>>(
         separated: S,
-        sine_squared: S,
+        still: S,
         chords_per_second: G,
         chords: f64,
     ) -> S {
-        let still = S::ONE - self.attached_share(sine_squared);
         (still - separated) * (chords_per_second * chords.recip())
+    }
+
+    /// Static share of separated flow, from the squared sine of the effective angle of attack.
+    #[inline]
+    pub fn separated_share<S: Scalar + Meets<P>>(&self, sine_squared: S) -> S {
+        S::ONE - self.attached_share(sine_squared)
     }
 
     /// Share of the lift that stays attached, or would if the flow had time, from the squared sine of the

@@ -3,7 +3,7 @@
 use super::nodes::LineNode;
 use super::{LagSpeed, LiftTilt, LiftingLine};
 use crate::SectionMotion;
-use crate::law::{Attachment, lev};
+use crate::law::{Attachment, Polar, lev};
 use crate::section::{SectionFlow, SectionForce, pitch_suction, suction_share};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
@@ -145,7 +145,8 @@ impl<P: Scalar> LiftingLine<P> {
         if let Attachment::Lagging { state, chords } = law.attachment {
             let at = (3 + state) * self.strips() + i;
             let rate = speed * self.nodes[i].inverse_chord;
-            dx[at] = self.polar.separation_rate(x[at], sine * sine, rate, chords);
+            let still = self.polar.separated_share(sine * sine);
+            dx[at] = Polar::<P>::separation_rate(x[at], still, rate, chords);
         }
         if law.edge_vortex {
             self.advance_edge(i, section, &mut flow, x, dx);

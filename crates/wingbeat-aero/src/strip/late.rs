@@ -7,6 +7,7 @@ use super::membrane::Camber;
 use super::response::{LagSums, Spread};
 use super::settings::SpanForce;
 use super::{Room, StripFlow, StripModel};
+use crate::law::Attachment;
 use crate::{Coupling, Sections, Wrench};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Dual, Scalar, Vec3, append_copies, kept};
@@ -79,6 +80,10 @@ struct Cut<'a> {
     seen: StripColumn<Local, WIDE>,
     /// The circulation of each strip that acts on those beside it.
     beside: StripColumn<Local, WIDE>,
+    /// The squared sine of incidence of each strip before it spreads, and how the rate of the separated share goes with it once it is
+    /// spread, 1/s.
+    sines: StripColumn<Local, WIDE>,
+    following: StripColumn<f64, WIDE>,
 }
 
 impl Cut<'_> {
@@ -118,6 +123,17 @@ impl Spread<Local, WIDE> for Cut<'_> {
         self.beside = *bound;
         for value in bound {
             *value = Local::constant(value.re);
+        }
+    }
+    fn sines(&mut self, sines: &mut StripColumn<Local, WIDE>) {
+        self.sines = *sines;
+        for sine2 in sines {
+            *sine2 = Local::constant(sine2.re);
+        }
+    }
+    fn spread_sines(&mut self, sines: &StripColumn<Local, WIDE>, rate: impl Fn(usize, Local) -> Local) {
+        for i in 0..self.model.strips() {
+            self.following[i] = rate(i, Local::variable(sines[i].re, 0)).eps[0];
         }
     }
 }
@@ -223,6 +239,8 @@ impl StripModel {
             open: [zero; 2],
             seen: zero,
             beside: zero,
+            sines: zero,
+            following: [0.0; WIDE],
         };
         let mut camber = Camber::none();
         let response = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut);
@@ -284,6 +302,11 @@ impl StripModel {
         out.loads.resize(loads.len() * states, 0.0);
         let of_rates: ArrayVec<ByWashes, LANES> =
             (0..first).map(|block| by(&|i| rates[block * n + i])).collect();
+        let of_sines = by(&|i| cut.sines[i]);
+        let separated = match self.settings.section.law.about().attachment {
+            Attachment::Lagging { state, .. } => Some(self.law_states() / n + state),
+            Attachment::Whole | Attachment::AtOnce => None,
+        };
         for s in 0..states {
             let (block, j) = (s / n, s % n);
             let [d, o] = [&cut.delayed[0], &cut.open[0]].map(|of| of[j].eps[block]);
@@ -306,6 +329,14 @@ impl StripModel {
             for (k, of_rates) in of_rates.iter().enumerate() {
                 let mut column = of_rates.along(&washes);
                 column[j] += rates[k * n + j].eps[block];
+                if separated == Some(k) {
+                    let mut sines = of_sines.along(&washes);
+                    sines[j] += cut.sines[j].eps[block];
+                    self.tables.reach.spread(&mut sines[..n]);
+                    for i in 0..n {
+                        column[i] = sines[i].mul_add(cut.following[i], column[i]);
+                    }
+                }
                 let rows = out.rates[k * n * states + s..].iter_mut().step_by(states);
                 rows.zip(&column[..n]).for_each(|(rate, value)| *rate = *value);
             }

@@ -18,6 +18,7 @@ mod loads;
 mod membrane;
 mod motion;
 mod mutual;
+mod reach;
 mod response;
 mod settings;
 mod side_edge;

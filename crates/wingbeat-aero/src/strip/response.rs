@@ -78,6 +78,12 @@ pub(super) trait Spread<S: Scalar, const N: usize> {
     /// The circulation that acts on the strips beside.
     #[inline(always)]
     fn beside(&mut self, _bound: &mut StripColumn<S, N>) {}
+    /// The squared sines of incidence that ask for separation, before they spread along the span.
+    #[inline(always)]
+    fn sines(&mut self, _sines: &mut StripColumn<S, N>) {}
+    /// The same once they are spread, and the rate at which a strip that is all attached follows one, 1/s.
+    #[inline(always)]
+    fn spread_sines(&mut self, _sines: &StripColumn<S, N>, _rate: impl Fn(usize, S) -> S) {}
 }
 
 /// With all derivatives.
@@ -421,7 +427,7 @@ impl<P: Scalar> StripModel<P> {
         let [edge_wash, edge_turning] =
             edge_washes.as_ref().map_or([&lift_wash, &turning_wash], |[wash, turning]| [wash, turning]);
         if let Attachment::Lagging { state, chords } = law.attachment {
-            self.advance_separation(&flow.strips, edge_wash, (state, chords), x, dx);
+            self.advance_separation(&flow.strips, edge_wash, (state, chords), x, dx, spread);
         }
         let edges =
             law.edge_vortex.then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
@@ -581,14 +587,28 @@ impl<P: Scalar> StripModel<P> {
         (state, chords): (usize, f64),
         x: &[S],
         dx: &mut [S],
+        spread: &mut impl Spread<S, N>,
     ) {
         let (n, delta2) = (self.settings.strips, self.floor * self.floor);
         let at = self.law_states() + state * n;
-        for i in 0..n {
+        let mut sines = column(n, |i| {
             let lw2 = lift_wash[i].squared();
-            let sine2 = lw2 / (lw2 + (strips.along[i].squared() + delta2));
-            let rate = strips.speed[i] * (self.tables.turnover[i] * 0.5);
-            dx[at + i] = self.polar.separation_rate(x[at + i], sine2, rate, chords);
+            lw2 / (lw2 + (strips.along[i].squared() + delta2))
+        });
+        let rate = |i: usize, separated: S, sine2: S| {
+            let chords_per_second = strips.speed[i] * (self.tables.turnover[i] * 0.5);
+            Polar::<P>::separation_rate(
+                separated,
+                self.polar.separated_share(sine2),
+                chords_per_second,
+                chords,
+            )
+        };
+        spread.sines(&mut sines);
+        self.tables.reach.spread(&mut sines[..n]);
+        spread.spread_sines(&sines, |i, sine2| rate(i, S::ZERO, sine2));
+        for i in 0..n {
+            dx[at + i] = rate(i, x[at + i], sines[i]);
         }
     }
 

@@ -1,6 +1,7 @@
 //! What of each strip never changes, padded so that loops over lanes need no end.
 
 use super::grid::StripGrid;
+use super::reach::SpanReach;
 use super::side_edge::{self, TipPull};
 use super::{Lags, StripSettings};
 use crate::{MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
@@ -52,6 +53,8 @@ pub(super) struct Tables<P: Scalar> {
     pub side_edge: StripConstants<P>,
     /// Pulls of the left and the right tip along the span.
     pub tips: [TipPull<P>; 2],
+    /// How far along the span the incidence reaches that separates the flow.
+    pub reach: SpanReach<P>,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
     pub drag_scale: StripConstants<P>,
     /// Leading-edge suction over wash squared and `drag_scale`: a0 cos(sweep).
@@ -127,6 +130,7 @@ impl<P: Scalar> Tables<P> {
                 }
             }),
             tips: TipPull::new(grid, numbers.density),
+            reach: SpanReach::new(grid),
             drag_scale: scale(&|i| chord[i] * 0.5),
             edge_slope: carried(&|i| cos[i]).map(|cosine| numbers.section_slope * cosine),
             share: std::array::from_fn(|i| {
