@@ -4,7 +4,7 @@
 
 use super::influence::{Matrix, StripColumn, multiply, sum};
 use super::membrane::Camber;
-use super::response::{LagSums, Spread};
+use super::response::{LagSums, Lagged, Spread};
 use super::settings::SpanForce;
 use super::{Room, StripFlow, StripModel};
 use crate::law::Attachment;
@@ -84,6 +84,8 @@ struct Cut<'a> {
     /// spread, 1/s.
     sines: StripColumn<Local, WIDE>,
     following: StripColumn<f64, WIDE>,
+    /// What the rate of the separated share adds to the rates of what [`delayed`](Self::delayed) and [`open`](Self::open) hold, over it.
+    of_separation: [StripColumn<f64, WIDE>; 2],
 }
 
 impl Cut<'_> {
@@ -241,6 +243,7 @@ impl StripModel {
             beside: zero,
             sines: zero,
             following: [0.0; WIDE],
+            of_separation: self.of_separation(&x[..states]),
         };
         let mut camber = Camber::none();
         let response = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut);
@@ -255,6 +258,17 @@ impl StripModel {
             *load = plain(strip);
         }
         plain(&total)
+    }
+
+    /// What a rate of one of the separated share adds to the rates of the circulation that is seen and of what is left open.
+    fn of_separation(&self, x: &[f64]) -> [StripColumn<f64, WIDE>; 2] {
+        let still = Lagged { delayed: [0.0; WIDE], ..self.lagged(x) };
+        let LagSums { jump, delayed, .. } = self.lag_sums(&still, &[-1.0; WIDE]);
+        let mut open = [0.0; WIDE];
+        for i in 0..self.settings.strips {
+            open[i] = (jump[i] - delayed[i]) * self.tables.inverse_doublet[i];
+        }
+        [delayed, open]
     }
 
     /// Where edges bear a force: a strip that bears a load, another whose circulation times density does it, and force, m2/s,
@@ -317,10 +331,25 @@ impl StripModel {
                 washes[1][i] = (far[j][i] - remainder[j][i]) * seen;
             }
             washes[0][j] -= o;
+            // What the incidence of strips beside does to the rate of the separated share.
+            let mut pulled = [0.0; WIDE];
+            if separated.is_some() {
+                let mut sines = of_sines.along(&washes);
+                sines[j] += cut.sines[j].eps[block];
+                self.tables.reach.spread(&mut sines[..n]);
+                for i in 0..n {
+                    pulled[i] = sines[i] * cut.following[i];
+                }
+            }
             if cut.found == 2 {
                 let [mut d, mut o] = [delayed.along(&washes), open.along(&washes)];
                 d[j] += cut.delayed[1][j].eps[block];
                 o[j] += cut.open[1][j].eps[block];
+                let [of_d, of_o] = &cut.of_separation;
+                for i in 0..WIDE {
+                    d[i] = of_d[i].mul_add(pulled[i], d[i]);
+                    o[i] = of_o[i].mul_add(pulled[i], o[i]);
+                }
                 let (of_d, of_o) = (multiply(&of_delayed, &d, n), multiply(relief, &o, n));
                 for i in 0..WIDE {
                     washes[2][i] = of_d[i] + (of_o[i] - o[i]);
@@ -330,12 +359,7 @@ impl StripModel {
                 let mut column = of_rates.along(&washes);
                 column[j] += rates[k * n + j].eps[block];
                 if separated == Some(k) {
-                    let mut sines = of_sines.along(&washes);
-                    sines[j] += cut.sines[j].eps[block];
-                    self.tables.reach.spread(&mut sines[..n]);
-                    for i in 0..n {
-                        column[i] = sines[i].mul_add(cut.following[i], column[i]);
-                    }
+                    (0..n).for_each(|i| column[i] += pulled[i]);
                 }
                 let rows = out.rates[k * n * states + s..].iter_mut().step_by(states);
                 rows.zip(&column[..n]).for_each(|(rate, value)| *rate = *value);

@@ -15,11 +15,11 @@ use wingbeat_math::{Dual, Meets, Over, Scalar};
 #[derive(Clone, Copy)]
 pub(super) struct Lagged<S: Scalar, const N: usize> {
     /// sum gamma_k l_k, m/s.
-    wash: StripColumn<S, N>,
+    pub wash: StripColumn<S, N>,
     /// sum q_k l_k, m/s.
-    jump: StripColumn<S, N>,
+    pub jump: StripColumn<S, N>,
     /// sum a_m y_m, m2/s.
-    delayed: StripColumn<S, N>,
+    pub delayed: StripColumn<S, N>,
 }
 
 /// What the lags hold on each strip, and later its rates.
