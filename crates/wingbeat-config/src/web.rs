@@ -1,10 +1,10 @@
-//! What a run says of twists that nothing spreads over a length of the span.
+//! What a run says of webs that no model has, and of twists that nothing spreads over a length of the span.
 
 use super::HingeSpec;
 use wingbeat_aero::{Aero, Preset};
 use wingbeat_flight::tether::HingeKind;
 use wingbeat_judge::Warning;
-use wingbeat_robot::RobotSpec;
+use wingbeat_robot::{Robot, RobotSpec};
 
 /// The warning that a twist is open at `key`, if one of `models` has strips: without a web the shipped gaits took 6 to 30 % more power
 /// with 32 strips than with 9 (`robot.web`).
@@ -12,6 +12,22 @@ fn open_twist<'a>(key: String, models: impl IntoIterator<Item = &'a Aero>) -> Op
     models.into_iter().find(|model| model.preset() == Preset::Full)?;
     let text = "the strip beside a twist closes it within its own width, so loads and power depend on the number of strips: without a web the shipped gaits took 6 to 30 % more power with 32 than with 9";
     Some(Warning::new("aero.open_twist", text.to_owned()).key(key))
+}
+
+/// The warning that a web of `robot`, which was built of `spec`, has no effect: nodes of preset `paper` ride on rigid panels.
+pub(super) fn unheard(spec: &RobotSpec, robot: &Robot) -> Option<Warning> {
+    spec.surfaces.iter().find_map(|surface| {
+        let (_, aero) = robot.surfaces().find(|(name, _)| *name == surface.name)?;
+        let preset = Some(aero.preset()).filter(|preset| *preset != Preset::Full)?;
+        let k = surface.panels.iter().position(|panel| panel.web_m > 0.0)?;
+        let key = format!("robot.surfaces.{}.panels[{k}].web_m", surface.name);
+        let text = format!(
+            "{key} = {} has no effect: preset `{}` lacks the term",
+            surface.panels[k].web_m,
+            preset.name()
+        );
+        Some(Warning::new("aero.unheard", text).key(key))
+    })
 }
 
 /// That of a robot: a panel rides on a link that turns about the span against that of the panel before, and has no web.

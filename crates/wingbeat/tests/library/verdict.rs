@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use wingbeat::judge::Status;
+use wingbeat::judge::{Status, Warning};
 use wingbeat::scenario::{Scenario, Summary};
 
 fn scenario(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
@@ -166,4 +166,19 @@ fn a_twist_without_a_web_is_told() {
     assert!(!told(&fly("cruise_20g", &[short])));
     assert!(told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0"])));
     assert!(!told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0", "aero.preset=paper"])));
+}
+
+/// Nodes of preset `paper` ride on rigid panels, whatever web these have.
+#[test]
+fn a_web_that_no_model_has_is_told() {
+    let told = |summary: &Summary| {
+        let of_web =
+            |warning: &&Warning| warning.id == "aero.unheard" && warning.text.contains("web_m = 0.0544457");
+        summary.warnings.iter().filter(of_web).count()
+    };
+    let short = "flight.duration_s=0.01";
+    assert_eq!(told(&fly("cruise_20g", &[short])), 0);
+    assert_eq!(told(&fly("cruise_20g", &[short, "aero.preset=paper"])), 1);
+    assert_eq!(told(&fly("cruise_20g", &[short, "robot.surfaces[0].preset=paper"])), 1);
+    assert_eq!(told(&fly("aerobat_elastic", &[short])), 0);
 }
