@@ -540,7 +540,7 @@ impl Scenario {
         let (lattice, surfaces) =
             (self.spec.lattice.as_ref(), || self.robot.surfaces().map(|(_, aero)| aero));
         summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), lattice, surfaces()));
-        summary.warnings.extend(web::of_robot(&self.spec.robot, surfaces()));
+        summary.warnings.extend(web::open(&self.spec.robot, &self.robot));
         // A lattice hears it whatever the preset.
         let unheard = web::unheard(&self.spec.robot, &self.robot).filter(|_| lattice.is_none());
         summary.warnings.extend(unheard);
