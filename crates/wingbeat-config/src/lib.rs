@@ -112,6 +112,7 @@ pub use schema::{DocumentKind, Schemas};
 pub use search::{CandidateSearch, SearchFound, SweepFound};
 pub use search_spec::{SearchGoal, SweepSearch};
 pub use shared::what_a_controller_knows;
+pub use span_keys::SPAN_KEYS;
 pub use spar_spec::{SparMassSpec, SparSpec, SparStationSpec};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
