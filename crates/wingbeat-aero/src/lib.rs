@@ -34,7 +34,7 @@ pub use loads::{
     Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, MembraneWork, StripLoads,
 };
 pub use membrane::{MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_rise};
-pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
+pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers, walk_web};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
 pub use station::{Ground, SectionField, SectionMotion, Sections};

@@ -53,13 +53,13 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
     /// Arc lengths from the root at which strips or cells end at hinges, m.
     pub hinges: Vec<P>,
     /// How far beyond each hinge the surface passes over to the outer side, m: strips end there too; 0, or none, at once.
-    pub webs: Vec<f64>,
+    pub webs: Vec<P>,
 }
 
 impl<P: Scalar> SurfaceNumbers<P> {
     /// Arc lengths from the root at which strips end: hinges, and the ends of what passes over beyond them, m.
     pub(crate) fn bounds(&self) -> Vec<P> {
-        let ends = self.hinges.iter().zip(&self.webs).filter(|(_, web)| **web > 0.0);
+        let ends = self.hinges.iter().zip(&self.webs).filter(|(_, web)| !web.is_zero());
         self.hinges.iter().copied().chain(ends.map(|(hinge, web)| *hinge + *web)).collect()
     }
 
@@ -81,6 +81,11 @@ const STALL: DeclaredQuantity = DeclaredQuantity::within("rad", Range::inside(0.
 const SUCTION: DeclaredQuantity = DeclaredQuantity::within("", Range::over(0.0, 3.0), 1e-3, 3.0);
 const CARRIED: DeclaredQuantity = DeclaredQuantity::within("", Range::NOT_NEGATIVE, 0.0, 10.0);
 const LAG: DeclaredQuantity = DeclaredQuantity::free("");
+
+/// A length over which a surface passes over, m: where there is none, that is no number.
+pub fn walk_web<P: Scalar, Q: Scalar>(at: &mut Walk<'_, P, Q>, web: P) -> Q {
+    if web.is_zero() { at.fixed(web) } else { at.number("web_m", &COORDINATE, web) }
+}
 
 impl<P: Scalar> Parameters<P> for SurfaceNumbers<P> {
     type In<Q: Scalar> = SurfaceNumbers<Q>;
@@ -111,7 +116,10 @@ impl<P: Scalar> Parameters<P> for SurfaceNumbers<P> {
                     at.item("panels", "panels", i, |at| at.number("from_arc_m", &COORDINATE, *hinge))
                 })
                 .collect(),
-            webs: self.webs.clone(),
+            webs: (1..)
+                .zip(&self.webs)
+                .map(|web| at.item("panels", "panels", web.0, |at| walk_web(at, *web.1)))
+                .collect(),
         }
     }
 }

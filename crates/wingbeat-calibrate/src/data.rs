@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::measured::MeasuredPass;
 use crate::{CalibrationFailure, CalibrationFile, Error};
 use serde::Serialize;
-use wingbeat::scenario::RigRun;
+use wingbeat::scenario::{RigRun, SPAN_KEYS};
 use wingbeat::simulate::Record;
 use wingbeat_io::urdf_as_toml;
 
@@ -63,8 +63,7 @@ impl SampleFiles {
 
 /// What bears along the span in a resolved run or case, as its table of aerodynamics gives it.
 fn span_keys(resolved: &str) -> String {
-    let keys = ["edge_suction", "turning_impulse"];
-    let given = |line: &&str| line.split_once(" = ").is_some_and(|(key, _)| keys.contains(&key));
+    let given = |line: &&str| line.split_once(" = ").is_some_and(|(key, _)| SPAN_KEYS.contains(&key));
     resolved.lines().filter(given).map(|line| format!(", {line}")).collect()
 }
 

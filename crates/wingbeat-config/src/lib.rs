@@ -112,6 +112,7 @@ pub use schema::{DocumentKind, Schemas};
 pub use search::{CandidateSearch, SearchFound, SweepFound};
 pub use search_spec::{SearchGoal, SweepSearch};
 pub use shared::what_a_controller_knows;
+pub use span_keys::SPAN_KEYS;
 pub use spar_spec::{SparMassSpec, SparSpec, SparStationSpec};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
@@ -540,7 +541,10 @@ impl Scenario {
         let (lattice, surfaces) =
             (self.spec.lattice.as_ref(), || self.robot.surfaces().map(|(_, aero)| aero));
         summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), lattice, surfaces()));
-        summary.warnings.extend(web::of_robot(&self.spec.robot, surfaces()));
+        summary.warnings.extend(web::open(&self.spec.robot, &self.robot));
+        // A lattice hears it whatever the preset.
+        let unheard = web::unheard(&self.spec.robot, &self.robot).filter(|_| lattice.is_none());
+        summary.warnings.extend(unheard);
         summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary
     }

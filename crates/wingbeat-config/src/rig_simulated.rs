@@ -165,7 +165,8 @@ impl RigRun {
         let flow = self.spec.lattice.as_ref();
         let soft = lattice::soft(flow, surfaces());
         let said = of_strips(&self.spec.rig.aero, flow, surfaces()).into_iter().chain(edges).chain(soft);
-        let said = said.chain(web::of_robot(&self.spec.rig.robot, surfaces()));
+        let unheard = web::unheard(&self.spec.rig.robot, &self.robot).filter(|_| flow.is_none());
+        let said = said.chain(web::open(&self.spec.rig.robot, &self.robot)).chain(unheard);
         said.for_each(|said| judge.warn(said));
         Ok(SimulatedRun {
             verdict: judge.verdict(),

@@ -7,7 +7,7 @@ use wingbeat_aero::Aero;
 use wingbeat_robot::Robot;
 
 /// The keys, in the order of [`wingbeat_aero::StripModel::span_keys`].
-const KEYS: [&str; 2] = ["edge_suction", "turning_impulse"];
+pub const SPAN_KEYS: [&str; 2] = ["edge_suction", "turning_impulse"];
 
 /// The models of a robot's surfaces.
 pub(super) fn aeros(robot: &Robot) -> impl Iterator<Item = &Aero> {
@@ -36,7 +36,7 @@ pub(super) fn resolve<'a>(
         let Some(inner) = inner.as_table_mut() else { return };
         table = inner;
     }
-    for (key, value) in KEYS.into_iter().zip(chosen) {
+    for (key, value) in SPAN_KEYS.into_iter().zip(chosen) {
         table.entry(key).or_insert(toml::Value::Boolean(value));
     }
 }
@@ -44,7 +44,7 @@ pub(super) fn resolve<'a>(
 /// Whether one of the `settings`, overrides or keys of draws, changes what the keys of the table at `aero` are resolved of: written keys would
 /// stand against it. One that gives the whole table anew takes them away.
 pub(super) fn varied<'a>(settings: impl IntoIterator<Item = &'a str>, aero: &str) -> bool {
-    let keys = KEYS.map(|key| format!("{aero}.full.{key}"));
+    let keys = SPAN_KEYS.map(|key| format!("{aero}.full.{key}"));
     let keys: Vec<_> = keys.into_iter().chain([format!("{aero}.preset")]).map(|key| steps(&key)).collect();
     settings.into_iter().any(|text| {
         let key = text.split_once('=').map_or(text, |(key, _)| key);

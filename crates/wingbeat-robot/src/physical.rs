@@ -57,9 +57,12 @@ impl Robot {
             };
             panels
                 .map(|(i, panel)| {
-                    (i, panel, i.checked_sub(1).map(|before| placement.panels[before].from_arc))
+                    let from = |i: usize| placement.panels.get(i).map(|panel| panel.from_arc);
+                    (i, panel, i.checked_sub(1).and_then(from), from(i + 1))
                 })
-                .try_for_each(|(i, panel, before)| panel.check(before, tip).map_err(|e| e.within(&key(i))))
+                .try_for_each(|(i, panel, before, next)| {
+                    panel.check([before, next], tip).map_err(|e| e.within(&key(i)))
+                })
                 .map_err(within)?;
         }
         Ok(())
@@ -67,16 +70,21 @@ impl Robot {
 }
 
 impl PanelNumbers {
-    /// Refuses a panel that does not follow the one that begins at the arc length `before`, or that begins beyond the `tip`, and
-    /// one without a direction across x.
+    /// Refuses a panel that does not follow the one that begins at the arc length `before`, or that begins beyond the `tip`, one whose web
+    /// is longer than it is up to the `next`, and one without a direction across x.
     ///
     /// # Errors
     /// [`Error::Invalid`].
-    pub(super) fn check(&self, before: Option<f64>, tip: f64) -> Result<(), Error> {
+    pub(super) fn check(&self, [before, next]: [Option<f64>; 2], tip: f64) -> Result<(), Error> {
         let (from, [x, y, z]) = (self.from_arc, self.direction.0);
         if !(before.map_or(from == 0.0, |before| from > before) && from < tip) {
             let allowed = before.map_or("0: the root".into(), |b| format!("more than {b}, less than {tip}"));
             return Err(Error::invalid("from_arc_m", from, allowed));
+        }
+        let room = before.map_or(0.0, |_| next.unwrap_or(tip) - from);
+        if !(self.web == 0.0 || (self.web > 0.0 && self.web < room)) {
+            let allowed = format!("0, or less than the panel's length {room}; 0 of the first");
+            return Err(Error::invalid("web_m", self.web, allowed));
         }
         if x != 0.0 || !(y * y + z * z > 0.0) {
             let allowed = "a direction across x: [0, y, z]";

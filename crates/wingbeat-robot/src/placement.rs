@@ -4,7 +4,7 @@ use super::clearance::Corner;
 use super::mechanism::Mechanism;
 use super::sections::{SurfaceSection, Web};
 use super::spec::{PanelSpec, SurfaceSpec};
-use wingbeat_aero::{COORDINATE, Planform, Span};
+use wingbeat_aero::{COORDINATE, Planform, Span, walk_web};
 use wingbeat_math::Error;
 use wingbeat_math::{DeclaredQuantity, Parameters, Scalar, Vec3, Walk};
 
@@ -18,7 +18,7 @@ pub struct PanelNumbers<P: Scalar = f64> {
     /// Direction along the span from the root on, in the link's frame, dimensionless; its length does not matter.
     pub direction: Vec3<P>,
     /// Length over which chord lines pass over from the panel before, m.
-    pub web: f64,
+    pub web: P,
 }
 
 /// Numbers of a surface's place on its links.
@@ -45,7 +45,7 @@ impl<P: Scalar> Parameters<P> for PlacementNumbers<P> {
             },
             origin: at.vector("origin_m", &[COORDINATE; 3], panel.origin),
             direction: at.vector("direction", &[DIRECTION; 3], panel.direction),
-            web: panel.web,
+            web: walk_web(at, panel.web),
         };
         let panels = self.panels.iter().enumerate();
         PlacementNumbers {
@@ -64,7 +64,7 @@ struct Panel<P: Scalar = f64> {
     origin: Vec3<P>,
     /// Unit vector of the span from the root on, in the link's frame.
     along: Vec3<P>,
-    web: f64,
+    web: P,
 }
 
 impl<P: Scalar> Panel<P> {

@@ -90,7 +90,7 @@ fn judge_slow(judge: &mut Judge, speed: f64, wash: Option<f64>) {
 pub(super) fn said_of(spec: &ScenarioSpec, robot: &Robot) -> impl Iterator<Item = Warning> {
     let surfaces = || robot.surfaces().map(|(_, aero)| aero);
     let unheard = unheard::of_strips(&spec.aero, None, surfaces());
-    let web = web::of_robot(&spec.robot, surfaces());
+    let web = web::open(&spec.robot, robot).into_iter().chain(web::unheard(&spec.robot, robot));
     ignored_gusts(&spec.air).into_iter().chain(fit::of_known(spec)).chain(unheard).chain(web)
 }
 

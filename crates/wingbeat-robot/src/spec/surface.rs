@@ -117,16 +117,10 @@ impl SurfaceSpec {
         for (i, panel) in self.panels.iter().enumerate() {
             let within = |e: Error| e.within(&format!("panels[{i}]"));
             panel.check().map_err(within)?;
-            let before = i.checked_sub(1).map(|b| self.panels[b].from_arc_m);
-            let placed = panel.numbers().check(before, tip).map_err(within);
+            let from = |i: usize| self.panels.get(i).map(|panel| panel.from_arc_m);
+            let beside = [i.checked_sub(1).and_then(from), from(i + 1)];
+            let placed = panel.numbers().check(beside, tip).map_err(within);
             placed.map_err(|e| e.against([format!("planform[{}].arc_m", self.planform.len() - 1)]))?;
-            let room = self.panels.get(i + 1).map_or(tip, |next| next.from_arc_m) - panel.from_arc_m;
-            let fits = panel.web_m == 0.0 || (i > 0 && panel.web_m > 0.0 && panel.web_m < room);
-            if !fits {
-                let most = if i > 0 { room } else { 0.0 };
-                let allowed = format!("0, or less than the panel's length {most}; 0 of the first");
-                return Err(within(Error::invalid("web_m", panel.web_m, allowed)));
-            }
         }
         Ok(())
     }

@@ -29,6 +29,8 @@ const STRIP_CYCLES: usize = 20;
 const LATTICE_CYCLES: usize = 3;
 /// How far from a hinge a chord line belongs to one of its links, m.
 const BESIDE: f64 = 1e-6;
+/// Parts of a web between the chord lines that may pass through the panel before it. Choice.
+const WEB_PARTS: usize = 8;
 
 /// How fine a lattice is.
 #[derive(Clone, Copy, Debug)]
@@ -384,21 +386,23 @@ impl OrbitMotion {
         Ok([found[0].le, found[0].te])
     }
 
-    /// Share of the cycle in which the first chord line beyond a hinge of the first surface passes through the panel before the hinge, which
-    /// folds and twists there.
+    /// Share of the cycle in which a chord line beyond a hinge of the first surface, the first one or one within its web, passes through the
+    /// panel before the hinge, which folds and twists there.
     pub fn passes_through_itself(&self) -> Result<f64, Error> {
         let outlines = self.scenario.spec.robot.outlines()?;
-        let mut ends: Vec<f64> = outlines[0].hinges.iter().copied().filter(|arc| *arc > 0.0).collect();
-        ends.insert(0, 0.0);
-        wingbeat::math::order::ascend(&mut ends);
+        let hinges = outlines[0].hinges.iter().zip(&outlines[0].webs).filter(|(arc, _)| **arc > 0.0);
+        let webs: Vec<f64> = hinges.clone().map(|(_, web)| *web).collect();
+        let ends: Vec<f64> = std::iter::once(0.0).chain(hinges.map(|(arc, _)| *arc)).collect();
         let mut passes = 0;
         for k in 0..self.x.len() {
             let mut through = false;
-            for pair in ends.windows(2) {
+            for (pair, web) in ends.windows(2).zip(&webs) {
                 let ([a, b], [c, d]) =
                     (self.line(0, k, pair[0] + BESIDE)?, self.line(0, k, pair[1] - BESIDE)?);
-                let beyond = self.line(0, k, pair[1] + BESIDE)?;
-                through |= pierces(beyond, [a, b, c]) || pierces(beyond, [b, c, d]);
+                for part in 0..=WEB_PARTS {
+                    let beyond = self.line(0, k, pair[1] + BESIDE + web * part as f64 / WEB_PARTS as f64)?;
+                    through |= pierces(beyond, [a, b, c]) || pierces(beyond, [b, c, d]);
+                }
             }
             passes += usize::from(through);
         }

@@ -129,7 +129,6 @@ const STILL_KEYS: &[(&str, &[&str], &str)] = &[
     (".direction[", &["flap_glide", "glider", "sail_glide"], "a direction has no length"),
     (".planform[0].", OPEN, "no strip lies there"),
     (".planform[1].arc_m", ENDED, "the edges run straight on where the gap ends"),
-    (".web_m", &["aerobat_elastic"], "preset `paper` has none"),
     (".cd0", PRINTED, "no profile drag"),
     (".cd90", PRINTED, "no profile drag"),
 ];

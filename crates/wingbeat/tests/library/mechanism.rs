@@ -6,7 +6,7 @@ use wingbeat::aero::{
 use wingbeat::body::LinkMotion;
 use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace, Wrench};
 use wingbeat::plant::{Linearisation, Plant};
-use wingbeat::robot::{Air, Robot, Wind};
+use wingbeat::robot::{Air, Robot, Varying, Wind};
 use wingbeat::scenario::Document;
 
 /// Body with a chain of a skew hinge, a slide and a driven hinge, and a pair of elastic fins.
@@ -237,6 +237,34 @@ fn derivatives_through_elastic_joints_are_exact() {
             }
         }
     }
+}
+
+/// The length of a web is a number of the robot as the arc is at which its panel begins.
+#[test]
+fn derivatives_by_the_length_of_a_web_are_exact() {
+    let robot = robot(&webbed(), Preset::Full, 1.2);
+    let x = moving(&robot);
+    let constant: Vec<Varying> = x.iter().map(|x| Varying::constant(*x)).collect();
+    let values = robot.named_numbers();
+    for (name, length) in
+        [("surfaces.wing.panels.hand.web_m", 0.02), ("surfaces.wing.panels.feather.web_m", 0.05)]
+    {
+        assert!(values.iter().any(|(other, value)| other == name && *value == length), "{values:?}");
+        let at = |length: f64| rates(&robot.adjusted(&[(name, length)]).unwrap(), 0.05, &x);
+        let (h, mut dx) = (1e-6, constant.clone());
+        let (up, down) = (at(length + h), at(length - h));
+        let varied = robot.varied(&[name]).unwrap();
+        varied.state_rates(Varying::constant(0.05), &constant, &[], &mut dx).unwrap();
+        let exact: Vec<f64> = dx.iter().map(|rate| rate.eps[0]).collect();
+        let largest = exact.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
+        for (i, exact) in exact.iter().enumerate() {
+            let difference = (up[i] - down[i]) / (2.0 * h);
+            assert!((difference - exact).abs() < 1e-6 * largest, "{name}, d{i}: {difference} {exact}");
+        }
+        let refused = robot.adjusted(&[(name, 0.5)]).map(drop).unwrap_err().to_string();
+        assert!(refused.contains("web_m") && refused.contains("less than the panel's length"), "{refused}");
+    }
+    assert_eq!(values.iter().filter(|(name, _)| name.ends_with("web_m")).count(), 4, "{values:?}");
 }
 
 /// A wing on the left alone and its mirror image on the right load the body alike.

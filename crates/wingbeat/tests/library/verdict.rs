@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use wingbeat::judge::Status;
+use wingbeat::judge::{Status, Warning};
 use wingbeat::scenario::{Scenario, Summary};
 
 fn scenario(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
@@ -166,4 +166,38 @@ fn a_twist_without_a_web_is_told() {
     assert!(!told(&fly("cruise_20g", &[short])));
     assert!(told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0"])));
     assert!(!told(&fly("cruise_20g", &[short, "robot.surfaces[0].panels[2].web_m=0", "aero.preset=paper"])));
+}
+
+/// What counts is how chords lie beside one another: an axis that is not along the span twists too, and twists that undo one another do
+/// not.
+#[test]
+fn a_twist_is_told_by_the_chords_beside_it() {
+    let told = |more: &[&str]| {
+        let open = ["flight.duration_s=0.01", "robot.surfaces[0].panels[2].web_m=0"];
+        let summary = fly("cruise_20g", &[&open, more].concat());
+        summary.warnings.iter().any(|warning| warning.id == "aero.open_twist")
+    };
+    assert!(told(&["robot.links[2].axis=[0.8, -0.6, 0.0]"]));
+    assert!(!told(&["robot.links[2].axis=[1.0, 0.0, 0.0]"]));
+    let swing = "{mean_rad=-0.1, harmonics=[{amplitude_rad=0.7, phase_rad=-1.3}]}";
+    let [elbow, twist] = [1, 2].map(|link| format!("robot.links[{link}].driven={swing}"));
+    let crank = "robot.structure.elements=[{name='crank', moves=['crank'], low=-20.0, high=20.0}]";
+    let undone = [&elbow, &twist, crank, "robot.links[1].axis=[0.0, 1.0, 0.0]"];
+    assert!(!told(&undone));
+    assert!(told(&undone[..3]));
+}
+
+/// Nodes of preset `paper` ride on rigid panels, whatever web these have.
+#[test]
+fn a_web_that_no_model_has_is_told() {
+    let told = |summary: &Summary| {
+        let of_web =
+            |warning: &&Warning| warning.id == "aero.unheard" && warning.text.contains("web_m = 0.0544457");
+        summary.warnings.iter().filter(of_web).count()
+    };
+    let short = "flight.duration_s=0.01";
+    assert_eq!(told(&fly("cruise_20g", &[short])), 0);
+    assert_eq!(told(&fly("cruise_20g", &[short, "aero.preset=paper"])), 1);
+    assert_eq!(told(&fly("cruise_20g", &[short, "robot.surfaces[0].preset=paper"])), 1);
+    assert_eq!(told(&fly("aerobat_elastic", &[short])), 0);
 }
