@@ -67,6 +67,7 @@ mod tether_compare;
 mod tether_converge;
 mod tether_spec;
 mod trim;
+mod turned;
 mod unheard;
 mod verdict_limits;
 mod watched;
@@ -541,6 +542,7 @@ impl Scenario {
             (self.spec.lattice.as_ref(), || self.robot.surfaces().map(|(_, aero)| aero));
         summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), lattice, surfaces()));
         summary.warnings.extend(web::of_robot(&self.spec.robot, surfaces()));
+        summary.warnings.extend(unheard::frictionless(&self.spec.robot, &self.robot));
         summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary
     }

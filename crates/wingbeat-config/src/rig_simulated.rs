@@ -5,7 +5,7 @@ use super::link_spar::{LinkSparSummary, hold_shape};
 use super::pinned::PinSummary;
 use super::plausible;
 use super::skin::MembraneSummary;
-use super::unheard::{of_strips, side_edges};
+use super::unheard::{frictionless, of_strips, side_edges};
 use super::web;
 use super::{LatticeSummary, RigRun};
 use serde::Serialize;
@@ -165,7 +165,9 @@ impl RigRun {
         let flow = self.spec.lattice.as_ref();
         let soft = lattice::soft(flow, surfaces());
         let said = of_strips(&self.spec.rig.aero, flow, surfaces()).into_iter().chain(edges).chain(soft);
-        let said = said.chain(web::of_robot(&self.spec.rig.robot, surfaces()));
+        let said = said
+            .chain(web::of_robot(&self.spec.rig.robot, surfaces()))
+            .chain(frictionless(&self.spec.rig.robot, &self.robot));
         said.for_each(|said| judge.warn(said));
         Ok(SimulatedRun {
             verdict: judge.verdict(),
