@@ -164,7 +164,7 @@ fn a_sail_is_as_symmetric_as_its_wing() {
 fn one_cycle_of_a_motion_that_repeats_is_not_judged() {
     let status = |name: &str, cycles: &str| {
         let case = case(name, &[cycles, "time.steps_per_cycle=96"]);
-        case.summary(&case.run(|_| ControlFlow::Continue(())), None).verdict.status
+        case.summary(&case.tether.run(|_| ControlFlow::Continue(())), None, None).verdict.status
     };
     assert_eq!(status("flap_f1", "time.cycles=1"), Status::NotJudged);
     assert_eq!(status("step", "time.cycles=1"), Status::Ok);
