@@ -268,7 +268,7 @@ impl Settled<'_> {
         let asked: Vec<f64> = roll.iter().zip(errors).map(|(is, error)| angle_error(*is, *error)).collect();
         turned::mean_roll(self.column("phase"), roll, &asked).map(f64::to_degrees)
     }
-    /// Cycles of the gait that it holds; none where the gait stands still.
+    /// Number of cycles of the gait that it holds, dimensionless; none where the gait stands still.
     pub fn cycles(&self) -> Option<f64> {
         let [first, .., last] = self.column("phase") else { return None };
         Some((last - first) / TAU).filter(|cycles| *cycles > 0.0)
