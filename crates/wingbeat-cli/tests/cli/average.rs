@@ -241,9 +241,10 @@ fn a_mean_cycle_that_is_that_of_none_is_not_periodic() {
     });
     fs::write(folder.join("cell.csv"), rest.collect::<String>() + &cell(5.0, 1.0, 0.02)).unwrap();
     let answer = |more: &[&str]| {
-        let answer =
-            wingbeat(&folder, &[&["average", "cell.csv", "--rate", "1000", "--force"], more].concat());
-        let summary = json(&fs::read(folder.join("runs/cell/summary.json")).unwrap());
+        let given = ["average", "cell.csv", "--rate", "1000", "--out", "a", "--force"];
+        let answer = wingbeat(&folder, &[&given[..], more].concat());
+        let told = fs::read(folder.join("a/summary.json"));
+        let summary = json(&told.unwrap_or_else(|error| panic!("{error}: {answer:?}")));
         (answer.status.code(), summary["status"].clone(), summary["reason"].to_string())
     };
     let (code, status, reason) = answer(&[]);
