@@ -265,6 +265,10 @@ impl<P: Scalar> Aero<P> {
             Self::Strip(model) => model.settings().section.law,
         }
     }
+    /// Profile drag coefficient along the wind.
+    pub fn cd0(&self) -> f64 {
+        self.numbers().cd0.value()
+    }
     /// Speed below which the model rounds speeds off, m/s.
     pub fn regularisation_m_s(&self) -> f64 {
         match self {

@@ -19,6 +19,8 @@ pub(super) struct JudgedFlight<'a> {
     pub crossing: Option<&'a PartClearance>,
     /// First row that counts as settled.
     pub first: usize,
+    /// Cycles of the gait from it on, where the gait moves.
+    pub cycles: Option<f64>,
 }
 
 /// The verdict, and the keys of the goal that could not be judged.
@@ -237,12 +239,12 @@ impl JudgedFlight<'_> {
                 judge.hold_if(limit, apart);
             }
         }
+        judge.hold_if(&flight::AVERAGED, self.cycles.map(|cycles| cycles + ROUNDING));
         judge.hold_if(&range::REVERSED, self.context.means.map(|means| means.reversed_fraction));
         for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
-            if let Some(what) = law.about().beyond_stall {
+            if let Some((what, percent)) = law.about().beyond_stall.zip(percent(*share)) {
                 let text = format!(
-                    "on {:.0} % of the strips the angle of attack exceeds the stall angle; lift law `{}` {what}",
-                    100.0 * share,
+                    "on {percent} % of the strips the angle of attack exceeds the stall angle; lift law `{}` {what}",
                     law.name()
                 );
                 judge.warn(Warning::new("flight.beyond_stall", text).size(*share).key("aero.law"));
@@ -283,6 +285,8 @@ impl JudgedFlight<'_> {
     }
 }
 
+/// Cycles that rounding takes from a whole one.
+const ROUNDING: f64 = 1e-6;
 /// Time after which a flight has a path that can be judged, s. *Choice.*
 const SETTLED: f64 = 2.0;
 /// Way below which a flight has no path angle, m. *Choice.*
@@ -302,4 +306,23 @@ pub(super) fn mean_velocity(record: &Record, first: usize, wind: Vec3) -> Option
     let rows = x.len().checked_sub(first).filter(|rows| *rows > 0)? as f64;
     let speed: f64 = (first..x.len()).map(|row| (Vec3::new(x[row], y[row], z[row]) - wind).norm()).sum();
     Some((speed / rows, z[first..].iter().sum::<f64>() / rows))
+}
+
+/// A share in per cent, below one with a digit more; none of what would be printed as nothing.
+fn percent(share: f64) -> Option<String> {
+    let percent = 100.0 * share;
+    let digits = usize::from(percent < 1.0);
+    (percent >= 0.05).then(|| format!("{percent:.digits$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_share_past_stall_is_no_zero() {
+        let told = [0.0, 4e-4, 0.002, 0.0098, 0.016, 0.84].map(percent);
+        let told: Vec<&str> = told.iter().map(|text| text.as_deref().unwrap_or("none")).collect();
+        assert_eq!(told, ["none", "none", "0.2", "1.0", "2", "84"]);
+    }
 }

@@ -67,6 +67,7 @@ mod tether_compare;
 mod tether_converge;
 mod tether_spec;
 mod trim;
+mod turned;
 mod unheard;
 mod verdict_limits;
 mod watched;
@@ -543,8 +544,8 @@ impl Scenario {
         summary.warnings.extend(unheard::of_strips(self.spec.flown_aero(), lattice, surfaces()));
         summary.warnings.extend(web::open(&self.spec.robot, &self.robot));
         // A lattice hears it whatever the preset.
-        let unheard = web::unheard(&self.spec.robot, &self.robot).filter(|_| lattice.is_none());
-        summary.warnings.extend(unheard);
+        summary.warnings.extend(web::unheard(&self.spec.robot, &self.robot).filter(|_| lattice.is_none()));
+        summary.warnings.extend(unheard::frictionless(&self.spec.robot, &self.robot));
         summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary
     }

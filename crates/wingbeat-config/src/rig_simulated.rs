@@ -5,7 +5,7 @@ use super::link_spar::{LinkSparSummary, hold_shape};
 use super::pinned::PinSummary;
 use super::plausible;
 use super::skin::MembraneSummary;
-use super::unheard::{of_strips, side_edges};
+use super::unheard::{frictionless, of_strips, side_edges};
 use super::web;
 use super::{LatticeSummary, RigRun};
 use serde::Serialize;
@@ -167,6 +167,7 @@ impl RigRun {
         let said = of_strips(&self.spec.rig.aero, flow, surfaces()).into_iter().chain(edges).chain(soft);
         let unheard = web::unheard(&self.spec.rig.robot, &self.robot).filter(|_| flow.is_none());
         let said = said.chain(web::open(&self.spec.rig.robot, &self.robot)).chain(unheard);
+        let said = said.chain(frictionless(&self.spec.rig.robot, &self.robot));
         said.for_each(|said| judge.warn(said));
         Ok(SimulatedRun {
             verdict: judge.verdict(),

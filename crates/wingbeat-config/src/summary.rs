@@ -19,7 +19,9 @@ use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
+use super::turned;
 use serde::Serialize;
+use std::f64::consts::TAU;
 use std::time::Duration;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
@@ -79,7 +81,8 @@ pub struct Summary {
     pub hover: Option<HoverSummary>,
     /// Mean roll, deg.
     pub roll_mean_deg: Option<f64>,
-    /// Mean roll while the bank that is asked is that of the turn, deg; where the settled flight holds other parts too.
+    /// Mean roll over the whole cycles over which the mean bank that is asked is that of the turn, deg; where the settled flight holds other
+    /// parts too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn_roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg: that of the manoeuvre; without one that of the orbit at the same
@@ -239,11 +242,6 @@ impl ControllerSummary {
     }
 }
 
-/// Share of the largest bank from which on a sample is of the turn. *Choice.*
-const TURNING: f64 = 0.9;
-/// Least bank of a turn, rad. *Choice*: beyond what flapping asks of a straight flight.
-const LEAST_BANK: f64 = 0.05;
-
 /// The part of a flight's record that the summary averages.
 pub(super) struct Settled<'a> {
     record: &'a Record,
@@ -264,22 +262,16 @@ impl Settled<'_> {
         let samples = self.column(name).iter().zip(self.column("t"));
         samples.map(|(&is, &t)| angle_error(is, context.reference(t).map_or(0.0, &angle))).collect()
     }
-    /// Mean roll over the samples at which nearly the largest bank is asked, deg; none without such a turn to one side, and where all
-    /// samples are of it.
+    /// Mean roll in the turn, deg, of a flight with these errors of the roll, rad.
     fn turn_roll_deg(&self, errors: &[f64]) -> Option<f64> {
         let roll = self.column("roll");
         let asked: Vec<f64> = roll.iter().zip(errors).map(|(is, error)| angle_error(*is, *error)).collect();
-        let largest = asked
-            .iter()
-            .copied()
-            .max_by(|a, b| a.abs().total_cmp(&b.abs()))
-            .filter(|bank| bank.is_finite())?;
-        let turning = |bank: f64| bank.abs() >= TURNING * largest.abs();
-        let in_turn: Vec<f64> =
-            roll.iter().zip(&asked).filter(|(_, bank)| turning(**bank)).map(|(is, _)| *is).collect();
-        let one_sided = asked.iter().all(|bank| !turning(*bank) || bank.signum() == largest.signum());
-        let part = largest.abs() >= LEAST_BANK && one_sided && in_turn.len() < roll.len();
-        part.then(|| mean(&in_turn)).flatten().map(f64::to_degrees)
+        turned::mean_roll(self.column("phase"), roll, &asked).map(f64::to_degrees)
+    }
+    /// Number of cycles of the gait that it holds, dimensionless; none where the gait stands still.
+    pub fn cycles(&self) -> Option<f64> {
+        let [first, .., last] = self.column("phase") else { return None };
+        Some((last - first) / TAU).filter(|cycles| *cycles > 0.0)
     }
     fn mean_deg(&self, name: &str) -> Option<f64> {
         mean(self.column(name)).map(f64::to_degrees)
@@ -435,6 +427,7 @@ impl Summary {
             context,
             crossing: crossing.as_ref(),
             first: settled.first,
+            cycles: settled.cycles(),
         };
         let (verdict, not_judged) = flown.judged(&context.limits);
         (summary.status, summary.reason) = (verdict.status, verdict.reason);

@@ -118,6 +118,10 @@ pub(super) enum Listed {
     Truth(bool),
 }
 
+/// What a sweep of flights must have.
+const HOLD: &str =
+    "a table [hold] with roll_within_deg and pitch_within_deg, which say what counts as held, of flights";
+
 /// Largest errors of a held flight, from the goal's settling time on. A flight to a `[perch]` is held where the claw latches and its own
 /// verdict lets it be used.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
@@ -261,7 +265,7 @@ impl SweepSpec {
                 Err(Error::invalid("lanes", true, "false of a case: flights alone are stepped side by side"))
             }
             (None, Some(_), None) => Ok(SweepOf::Cases),
-            (Some(_), None, None) => Err(Error::invalid("hold", "none", "what counts as held, of flights")),
+            (Some(_), None, None) => Err(Error::invalid("hold", "missing", HOLD)),
             (_, Some(_), Some(_)) => Err(Error::invalid("hold", "given", "none of a case: nothing is held")),
             _ => Err(Error::invalid("scenario", "none, or one beside a case", "one of scenario and case")),
         }

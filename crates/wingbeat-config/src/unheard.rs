@@ -2,8 +2,9 @@
 
 use super::LatticeSpec;
 use super::spec::{AeroSpec, FullAeroSpec};
-use wingbeat_aero::{Aero, Preset};
+use wingbeat_aero::{Aero, CD0, Preset};
 use wingbeat_judge::Warning;
+use wingbeat_robot::{Robot, RobotSpec};
 
 /// A key whose term the strip model alone has, and its value where one is given or is not the default.
 type StripKey = (&'static str, fn(&FullAeroSpec) -> Option<bool>);
@@ -72,4 +73,20 @@ pub(super) fn side_edges<'a>(
         100.0 * share
     );
     Some(Warning::new("aero.side_edges", text).size(share).key("aero.full.side_edges"))
+}
+
+/// The warning that surfaces of `robot` under a law that separates have no profile drag: of a robot `cd0` is 0 where it is left out, while
+/// a wing on a tether then has that of a laminar plate.
+pub(super) fn frictionless(spec: &RobotSpec, robot: &Robot) -> Option<Warning> {
+    let smooth = |aero: &Aero| aero.law().separates() && aero.cd0() == 0.0;
+    let names: Vec<&str> = robot.surfaces().filter(|(_, aero)| smooth(aero)).map(|(name, _)| name).collect();
+    let first = names.first()?;
+    let at = spec.surfaces.iter().position(|surface| surface.name == *first);
+    let key = at.map_or("robot.wing.cd0".into(), |at| format!("robot.surfaces[{at}].cd0"));
+    let text = format!(
+        "cd0 is 0 or left out, so there is no profile drag and power may be far too low: {} (`{key}`); a case without the key takes {}, of a laminar plate",
+        names.join(", "),
+        CD0.default
+    );
+    Some(Warning::new("aero.no_profile_drag", text).size(names.len() as f64).key(key))
 }

@@ -118,6 +118,15 @@ impl<P: Scalar> StripGrid<P> {
     }
 }
 
+/// Most strips among which enough for the hinges are looked for. *Choice.*
+const MOST_ASKED: usize = 500;
+
+/// Angles of the edges of `strips` strips before hinges move them.
+fn edge_angles(strips: usize) -> Vec<f64> {
+    let n = strips as f64;
+    (0..=strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect()
+}
+
 /// A stretch of arc with its strips, from the right tip on.
 struct ArcPiece<P> {
     from: P,
@@ -227,7 +236,7 @@ impl<P: Scalar> ArcPiece<P> {
     /// Test: `the_lift_of_a_folded_wing_converges_with_its_strips`.
     fn spacing(&self, hinges: &[P], strips: usize, map: AngleMap) -> Result<StripSpacing<P>, Error> {
         let n = self.strips as f64;
-        let edge: Vec<f64> = (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
+        let edge = edge_angles(self.strips);
         let middle: Vec<f64> = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0)).collect();
         let (from, to) = self.hinge_map(&edge, hinges, strips)?;
         let spline = (map == AngleMap::Smooth).then(|| Spline::through(&from, &to)).transpose()?;
@@ -257,7 +266,10 @@ impl<P: Scalar> ArcPiece<P> {
         let angles: Vec<P> = inside.map(|s| (-(*s - centre) / half).acos()).collect();
         let values: Vec<f64> = angles.iter().map(|angle| angle.value()).collect();
         let Some(taken) = self.hinge_edges(edge, &values) else {
-            let allowed = "enough that every hinge has an edge of its own";
+            let enough = (self.strips + 1..=MOST_ASKED)
+                .find(|more| self.hinge_edges(&edge_angles(*more), &values).is_some())
+                .map_or(String::new(), |more| format!(", {} or more", strips + more - self.strips));
+            let allowed = format!("enough that every hinge has an edge of its own{enough}");
             return Err(Error::invalid("strips", strips, allowed));
         };
         let from = taken.iter().map(|&j| edge[j]);
@@ -378,6 +390,13 @@ mod tests {
             trailing_edge_m,
         });
         StripGrid::new(&Planform::new(&stations)?, strips, &[0.0207, 0.0707])
+    }
+
+    #[test]
+    fn too_few_strips_are_told_how_many_are_enough() {
+        let enough = (1..20).find(|strips| aerobat(*strips).is_ok()).unwrap();
+        let told = aerobat(enough - 1).unwrap_err().to_string();
+        assert!(told.contains(&format!("edge of its own, {enough} or more")), "{told}");
     }
 
     #[test]

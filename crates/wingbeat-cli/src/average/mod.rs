@@ -390,7 +390,13 @@ fn verdict(
         channels: all.iter().zip(&kept).map(|(column, samples)| channel(column, samples)).collect(),
         purpose: Purpose::Loads,
     };
-    for finding in examined(&series, limits) {
+    let found = examined(&series, limits);
+    let none = found.iter().find(|finding| !finding.serious && finding.has_no_mean_cycle(limits));
+    if let Some(finding) = none {
+        let why = "leave a rest at the start out by --rest SECONDS";
+        judge.find(Status::NotPeriodic, format!("{}; {why}", finding.words()));
+    }
+    for finding in found {
         let key = (finding.id == "data.frequency").then(|| "--frequency".to_owned());
         finding.mended_by(key).put(&mut judge);
     }

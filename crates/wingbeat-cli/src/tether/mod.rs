@@ -7,7 +7,7 @@ mod tables;
 use std::time::Instant;
 
 use serde::Serialize;
-use wingbeat::judge::Verdict;
+use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::{
     Compared, Convergence, MeasuredComparison, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
 };
@@ -228,6 +228,11 @@ fn table(summary: &TetherSummary) -> String {
         let percent = 100.0 * change;
         let percent = if percent < 1e-3 { format!("{percent:.1e}") } else { format!("{percent:.3}") };
         text += &format!("last two cycles: {percent} % apart ({quantity})\n");
+    }
+    if let Some(reason) =
+        summary.verdict.reason.as_ref().filter(|_| summary.verdict.status == Status::NotJudged)
+    {
+        text += &format!("\n{}: {reason}\n", summary.verdict.status);
     }
     text.extend(summary.spar.as_ref().map(spar));
     for Smoothed { key, harmonics, samples, residual_rms, residual_largest } in &summary.smoothed {

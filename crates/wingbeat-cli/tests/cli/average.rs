@@ -229,3 +229,27 @@ fn a_column_of_time_stands_for_the_rate_and_bad_files_are_refused_by_line_and_co
     }
     assert!(!folder.join("runs").exists() || entries(&folder.join("runs")).is_empty());
 }
+
+/// Cycles at rest among those that beat: their mean is neither.
+#[test]
+fn a_mean_cycle_that_is_that_of_none_is_not_periodic() {
+    let folder = scratch("average_of_none");
+    let mut seed = 5;
+    let rest = (0..4000).map(|_| {
+        let of = |i: u32| format!("{:.6}", 0.1 * f64::from(i) + 0.02 * noise(&mut seed));
+        (0..6).map(of).collect::<Vec<_>>().join(",") + "\n"
+    });
+    fs::write(folder.join("cell.csv"), rest.collect::<String>() + &cell(5.0, 1.0, 0.02)).unwrap();
+    let answer = |more: &[&str]| {
+        let given = ["average", "cell.csv", "--rate", "1000", "--out", "a", "--force"];
+        let answer = wingbeat(&folder, &[&given[..], more].concat());
+        let told = fs::read(folder.join("a/summary.json"));
+        let summary = json(&told.unwrap_or_else(|error| panic!("{error}: {answer:?}")));
+        (answer.status.code(), summary["status"].clone(), summary["reason"].to_string())
+    };
+    let (code, status, reason) = answer(&[]);
+    assert!(code == Some(3) && status == "not_periodic", "{code:?} {status} {reason}");
+    assert!(reason.contains("none of them") && reason.contains("--rest SECONDS"), "{reason}");
+    let (code, status, reason) = answer(&["--rest", "4"]);
+    assert!(code == Some(0) && status == "ok", "{code:?} {status} {reason}");
+}

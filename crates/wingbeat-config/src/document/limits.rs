@@ -18,13 +18,15 @@ pub const LARGEST: f64 = 1e12;
 
 /// Units and largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
 /// such that powers and products of several stay finite and no picture or table grows without bound.
-const BY_UNIT: [(&str, &str, f64); 22] = [
+const BY_UNIT: [(&str, &str, f64); 24] = [
     ("_w_kg", "W/kg", 1e5),
     ("_kg_m2", "kg m2", 1e6),
     ("_kg_m3", "kg/m3", 1e5),
     ("_rad_s", "rad/s", 1e6),
     ("_rad_s2", "rad/s2", 1e9),
     ("_m_s2", "m/s2", 1e6),
+    ("_n_m2", "N m2", 1e6),
+    ("_kg_m", "kg/m", 1e4),
     ("_n_m", "N m", 1e6),
     ("_per_s", "1/s", 1e6),
     ("_per_rad", "1/rad", 1e4),
@@ -47,9 +49,13 @@ const BY_UNIT: [(&str, &str, f64); 22] = [
 /// `body.nose_up_deg.constant` is an angle.
 fn row(path: &str) -> Option<(&'static str, f64)> {
     let keys = path.split('.').rev().map(|key| key.split(['[', '"']).next().unwrap_or_default());
-    let of =
-        |key: &str| BY_UNIT.iter().find(|(end, ..)| key.ends_with(end)).map(|(_, unit, most)| (*unit, *most));
-    keys.filter(|key| !key.is_empty()).find_map(of)
+    keys.filter(|key| !key.is_empty()).find_map(|key| by_end(key).map(|(_, unit, most)| (unit, most)))
+}
+
+/// The end of `key` that names a unit, the unit, and the largest magnitude. An inertia per length is a mass times a length.
+fn by_end(key: &str) -> Option<(&'static str, &'static str, f64)> {
+    let (end, unit, most) = *BY_UNIT.iter().find(|(end, ..)| key.ends_with(end))?;
+    Some((end, if key.ends_with("inertia_kg_m") { "kg m" } else { unit }, most))
 }
 
 /// Largest magnitude that any document may give the number at `path`, in the unit that ends it: `body.nose_up_deg.constant`.
@@ -68,10 +74,9 @@ pub fn spoken(path: &str) -> String {
     let plain = path.replace('"', "");
     let parts: Vec<(&str, &str)> =
         plain.split('.').map(|part| part.split_at(part.find('[').unwrap_or(part.len()))).collect();
-    let of = |(name, _): &(&str, &str)| BY_UNIT.iter().find(|(end, ..)| name.ends_with(end));
-    let found = parts.iter().enumerate().rev().find_map(|(at, part)| of(part).map(|row| (at, row)));
+    let found = parts.iter().enumerate().rev().find_map(|(at, (name, _))| Some((at, by_end(name)?)));
     let (at, end, unit) = match found {
-        Some((at, (end, unit, _))) => (at, *end, format!(" [{unit}]")),
+        Some((at, (end, unit, _))) => (at, end, format!(" [{unit}]")),
         None => (parts.len() - 1, "", String::new()),
     };
     let before = at.checked_sub(1).map_or(String::new(), |at| format!("{}{} ", parts[at].0, parts[at].1));
@@ -117,4 +122,22 @@ fn bytes_of(path: &Path) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(format!("more than {LARGEST_FILE} bytes, the most that is read")));
     }
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_a_key_names_its_whole_unit() {
+        let keys = [
+            "spar.bending_n_m2",
+            "spar.couplings_n_m2[0]",
+            "spar.inertia_kg_m",
+            "spar.mass_kg_m",
+            "rate_n_m",
+        ];
+        assert_eq!(keys.map(unit), ["N m2", "N m2", "kg m", "kg/m", "N m"]);
+        assert_eq!(spoken("stations[1].inertia_kg_m"), "stations[1] inertia [kg m]");
+    }
 }

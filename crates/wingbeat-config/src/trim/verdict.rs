@@ -91,7 +91,12 @@ pub(super) fn said_of(spec: &ScenarioSpec, robot: &Robot) -> impl Iterator<Item 
     let surfaces = || robot.surfaces().map(|(_, aero)| aero);
     let unheard = unheard::of_strips(&spec.aero, None, surfaces());
     let web = web::open(&spec.robot, robot).into_iter().chain(web::unheard(&spec.robot, robot));
-    ignored_gusts(&spec.air).into_iter().chain(fit::of_known(spec)).chain(unheard).chain(web)
+    ignored_gusts(&spec.air)
+        .into_iter()
+        .chain(fit::of_known(spec))
+        .chain(unheard)
+        .chain(web)
+        .chain(unheard::frictionless(&spec.robot, robot))
 }
 
 /// Gusts of the scenario, which no periodic flight can have; their size is the largest of what is left out, m/s.

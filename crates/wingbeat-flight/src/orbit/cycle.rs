@@ -48,10 +48,12 @@ impl Free {
         })
     }
 
-    /// The names there are.
+    /// The names there are, of a pair first that of both.
     pub fn names(robot: &Robot) -> Vec<String> {
-        let inputs = robot.inputs().iter().map(|c| c.name.trim_start_matches(COMMAND).to_string());
-        std::iter::once(FREQUENCY.to_string()).chain(inputs).collect()
+        let inputs = || robot.inputs().iter().map(|c| c.name.trim_start_matches(COMMAND));
+        let is_pair = |pair: &&str| inputs().any(|other| other.strip_suffix("_right") == Some(*pair));
+        let pairs = inputs().filter_map(|name| name.strip_suffix("_left")).filter(is_pair);
+        std::iter::once(FREQUENCY).chain(pairs).chain(inputs()).map(str::to_owned).collect()
     }
 }
 

@@ -303,7 +303,7 @@ fn of_channel(
         let sizes = of_size().map(|of| if **by_wings { strokes::explained(of, series.purpose) } else { of });
         let scatter = late.into_iter().filter(|of| of.breaks(limits)).chain(sizes);
         // Of several reasons one that refuses the data.
-        let scatter = scatter.max_by_key(|finding| finding.serious);
+        let scatter = scatter.max_by_key(|finding| (finding.serious, finding.limit.status.is_some()));
         found.push(match scatter {
             Some(scatter) if !(finding.serious && finding.breaks(limits)) => scatter,
             _ => finding,

@@ -1,7 +1,7 @@
 //! One thing that is wrong with data.
 
 use super::{Cause, Purpose};
-use crate::limits::data::GAIN;
+use crate::limits::data::{GAIN, SCATTER};
 use crate::limits::{JudgedLimit, RunLimits};
 use crate::verdict::{Judge, Warning};
 
@@ -45,6 +45,11 @@ impl Finding {
     /// The same of the channel called `name`.
     pub(super) fn in_channel(self, name: &str) -> Self {
         Self { channel: name.into(), ..self }
+    }
+
+    /// Whether it says that cycles are so different in size that the mean cycle is that of none of them.
+    pub fn has_no_mean_cycle(&self, limits: &RunLimits) -> bool {
+        self.limit.id == SCATTER.id && self.breaks(limits)
     }
 
     /// Whether it says that a channel has no signal of its own: it is dead, or was stuck.

@@ -5,6 +5,7 @@ use super::noise::{Order, deviation, third};
 use super::spread::CycleSpread;
 use super::values::Extent;
 use super::{Cause, Finding, Purpose, Series};
+use crate::limits::JudgedLimit;
 use crate::limits::data::{DIFFERS, EARLY, PHASES, RUNS, SCATTER, TREND};
 
 /// Points of a cycle from which its slope is known. *Choice.*
@@ -71,11 +72,12 @@ impl StrokeVariation {
             return Vec::new();
         }
         let size = self.sizes.size() / mean;
-        let of = |limit, size: f64, how: &str| {
+        let of = |limit: &'static JudgedLimit, size: f64, how: &str| {
             let text = format!(
-                "the sizes of its cycles {how} by {:.0} %{}: the mean cycle is that of none of them; cut the file to its steady part",
+                "the sizes of its cycles {how} by {:.0} %{}: the mean cycle {}; cut the file to its steady part",
                 100.0 * size,
-                if how == "differ" { " (rms)" } else { " from start to end" }
+                if how == "differ" { " (rms)" } else { " from start to end" },
+                if limit.status.is_some() { "is that of none of them" } else { "lies between theirs" }
             );
             Finding::new("data.not_periodic", limit, series.about(one.channel.name), size, text)
         };

@@ -105,8 +105,12 @@ pub const PLAN_ERROR: JudgedLimit = JudgedLimit::warn_above("flight.plan_error",
 pub const PREPARED_MISSED: JudgedLimit = JudgedLimit::warn_above("flight.prepared_missed_deg", 9.0, "deg")
     .on("largest angle between the attitude that an update found and that which it was prepared for (controller.prepared)");
 
+/// Cycles of the gait over which a flight's means are taken: of less than one they are those of the part of the stroke that was flown.
+pub const AVERAGED: JudgedLimit = JudgedLimit::warn_below("flight.cycles_averaged", 1.0, "")
+    .on("means are not those of whole cycles (lengthen flight.duration_s): number of cycles of the gait in the part of the flight that counts");
+
 /// All of them.
-pub const ALL: [JudgedLimit; 30] = [
+pub const ALL: [JudgedLimit; 31] = [
     DIVE_HEIGHT,
     PERCH_CLEARANCE,
     DIVE_PLAN,
@@ -137,4 +141,5 @@ pub const ALL: [JudgedLimit; 30] = [
     TURBULENCE_ELSEWHERE,
     PLAN_ERROR,
     PREPARED_MISSED,
+    AVERAGED,
 ];

@@ -1,7 +1,7 @@
 //! Limits of a wing in prescribed motion.
 
 use super::JudgedLimit;
-use crate::status::Status::{NotPeriodic, NotResolved, Outside};
+use crate::status::Status::{NotJudged, NotPeriodic, NotResolved, Outside};
 
 /// With half a range the loads say nothing. *Choice.*
 pub const STEPS: JudgedLimit = JudgedLimit::at_most("tether.step_change_fraction", 0.5, "", NotResolved)
@@ -24,9 +24,9 @@ pub const CROSSED: JudgedLimit = JudgedLimit::at_most("tether.crossing_outside_f
 /// A wing that passes through the ground or the ceiling.
 pub const GROUND: JudgedLimit = JudgedLimit::at_least("tether.ground_distance_m", 0.0, "m", Outside)
     .on("least distance of the wing from wind.ground_m in the last cycle on the side of the start");
-/// Cycles of a motion that repeats: the first begins at rest and is that of no periodic flow.
-pub const FIRST: JudgedLimit = JudgedLimit::warn_below("tether.cycles", 2.0, "")
-    .on("the motion repeats, but the loads are those of the first cycle from rest: number of cycles");
+/// Cycles of a motion that repeats: the first begins at rest, and with no cycle before it nothing says how far it is from a periodic one.
+pub const FIRST: JudgedLimit = JudgedLimit::at_least("tether.cycles", 2.0, "", NotJudged)
+    .on("the motion repeats, but its loads are those of the first cycle from rest, which none before it judges: number of cycles");
 
 /// Ten times what the shipped case reaches with its coefficients. *Choice.*
 pub const SPAR: JudgedLimit = JudgedLimit::at_most("tether.spar_grid_fraction", 0.02, "", NotResolved)

@@ -186,7 +186,7 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
         let scenario = scenario("cruise_20g", overrides);
         scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
     };
-    assert!(refused(&["trim.free=['frequency', 'tail']"]).contains("stroke_left"));
+    assert!(refused(&["trim.free=['frequency', 'tail']"]).contains("frequency, stroke, "));
     assert!(refused(&["trim.free=['frequency']"]).contains("two for straight flight"));
     assert!(refused(&["air.wind_m_s=[1.0, 0.0, 0.0]"]).contains("still air"));
     let family =

@@ -71,6 +71,18 @@ fn a_search_goes_on_where_it_was_and_its_best_candidate_is_judged() {
     assert!(best.contains("nodes = 6") && best.contains(&low), "{low}");
 }
 
+/// Flights that no search judges need what counts as held.
+#[test]
+fn flights_without_a_hold_are_told_of_the_table() {
+    let scenario =
+        Document::file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/paper_turn.toml"));
+    let draws = DRAWS.replace("start = 5.0\n", "");
+    let document = Document::text("held", &format!("name = \"held\"\nruns = 2\n{draws}")).unwrap();
+    let document = document.put("scenario", scenario.unwrap()).unwrap();
+    let message = Sweep::new(document, &|_| Err("no tables".into())).map(drop).unwrap_err().to_string();
+    assert!(message.contains("hold = missing") && message.contains("roll_within_deg"), "{message}");
+}
+
 #[test]
 fn what_a_search_cannot_do_is_refused() {
     let goals = "goals = [{ key = \"distance_x_m\", low = 1.0 }]";

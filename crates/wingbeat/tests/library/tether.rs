@@ -159,6 +159,18 @@ fn a_sail_is_as_symmetric_as_its_wing() {
     }
 }
 
+/// The first cycle begins at rest, and none before it says how far it is from the next.
+#[test]
+fn one_cycle_of_a_motion_that_repeats_is_not_judged() {
+    let status = |name: &str, cycles: &str| {
+        let case = case(name, &[cycles, "time.steps_per_cycle=96"]);
+        case.summary(&case.tether.run(|_| ControlFlow::Continue(())), None, None).verdict.status
+    };
+    assert_eq!(status("flap_f1", "time.cycles=1"), Status::NotJudged);
+    assert_eq!(status("step", "time.cycles=1"), Status::Ok);
+    assert_ne!(status("flap_f1", "time.cycles=2"), Status::NotJudged);
+}
+
 #[test]
 fn wind_from_behind_is_told() {
     for (speed, status) in [("wind.speed_m_s=1.5", Status::Ok), ("wind.speed_m_s=-1.5", Status::Outside)] {

@@ -201,3 +201,29 @@ fn a_web_that_no_model_has_is_told() {
     assert_eq!(told(&fly("cruise_20g", &[short, "robot.surfaces[0].preset=paper"])), 1);
     assert_eq!(told(&fly("aerobat_elastic", &[short])), 0);
 }
+
+#[test]
+fn means_over_less_than_a_cycle_are_told() {
+    let told = |duration: &str| {
+        let flown = fly("cruise_20g", &[duration]);
+        flown.warnings.iter().any(|warning| warning.id == "flight.cycles_averaged")
+    };
+    // A cycle takes 0.169 s, and half of a flight counts.
+    assert!(
+        told("flight.duration_s=0.05") && told("flight.duration_s=0.3") && !told("flight.duration_s=0.4")
+    );
+}
+
+/// The key of a robot is 0 where it is left out.
+#[test]
+fn a_surface_that_separates_without_profile_drag_is_told() {
+    let told = |set: &[&str]| {
+        let flown = fly("cruise_20g", &[&["flight.duration_s=0.02"], set].concat());
+        flown.warnings.into_iter().find(|warning| warning.id == "aero.no_profile_drag")
+    };
+    let smooth = "robot.surfaces[0].cd0=0.0";
+    let warning = told(&[smooth]).unwrap();
+    assert!(warning.text.contains("wing") && warning.text.contains("0.05"), "{warning}");
+    assert_eq!(warning.key.as_deref(), Some("robot.surfaces[0].cd0"));
+    assert!(told(&[]).is_none() && told(&[smooth, "aero.law=linear"]).is_none());
+}
