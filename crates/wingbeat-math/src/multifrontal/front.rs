@@ -38,8 +38,8 @@ pub struct Pivots {
     rows: Vec<usize>,
     count: usize,
     stride: usize,
-    /// U, the first `count` rows over the unknowns of the front, with zeros on
-    /// the diagonal and left of it in its chunk.
+    /// U, the first `count` rows over the unknowns of the front, each from the
+    /// chunk of its diagonal on, with zeros on the diagonal and left of it.
     factors: Vec<f64>,
     /// D: the diagonal, and the off-diagonal where a pivot of order two starts.
     diagonal: Vec<f64>,
@@ -177,7 +177,9 @@ impl Front {
     fn largest_right(&self, k: usize) -> f64 {
         let (left, row) = (k - chunk_of(k), self.row(k, k));
         let mut beside = [0.0; CHUNK];
-        beside[left + 1..].copy_from_slice(&row[0][left + 1..]);
+        for l in left + 1..CHUNK {
+            beside[l] = row[0][l];
+        }
         let mut largest = f64x4::new(beside).abs();
         for j in 1..row.len() {
             largest = f64x4::new(row[j]).abs().fast_max(largest);
@@ -240,7 +242,7 @@ impl Front {
             }
         }
         self.update(k, k..self.rows.len(), pending);
-        out.keep(&self.rows, self.stride, &mut self.values, k);
+        out.keep(self, k);
     }
 
     /// Subtracts the last `pending` pivots before row `k` from `rows`.
@@ -307,7 +309,9 @@ impl Front {
             kept[j] = chunks[j];
             chunks[j] = (f64x4::new(chunks[j]) * inverse).to_array();
         }
-        row[first..=k].fill(0.0);
+        for j in first..=k {
+            row[j] = 0.0;
+        }
     }
 
     fn pivot_two(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
@@ -348,8 +352,7 @@ impl Front {
         self.values[k * n + chunk_of(k)..(k + 1) * n].fill(0.0);
     }
 
-    /// The part that was not eliminated, delayed candidates first; its values
-    /// are still with `pivots`.
+    /// The part that was not eliminated, delayed candidates first.
     pub fn remainder_into(&self, pivots: &Pivots, out: &mut Front) {
         let (n, k) = (self.rows.len(), pivots.count);
         out.rows.clear();
@@ -360,25 +363,21 @@ impl Front {
         out.stride = n - k;
         out.values.clear();
         for i in k..n {
-            out.values.extend(&pivots.factors[i * self.stride + k..][..n - k]);
+            out.values.extend_from_slice(&self.values[i * self.stride + k..][..n - k]);
         }
     }
 }
 
 impl Pivots {
-    /// Takes the values of a front of which `count` rows are eliminated.
-    fn keep(&mut self, rows: &[usize], stride: usize, values: &mut Vec<f64>, count: usize) {
-        (self.count, self.stride) = (count, stride);
+    /// Takes over the first `count` rows of a front, which are eliminated.
+    fn keep(&mut self, front: &Front, count: usize) {
+        (self.count, self.stride) = (count, front.stride);
         self.rows.clear();
-        self.rows.extend(rows);
-        std::mem::swap(&mut self.factors, values);
-    }
-
-    /// Row `k` of U from the chunk of its diagonal on, and where that begins.
-    #[inline]
-    fn row(&self, k: usize) -> (usize, &[[f64; CHUNK]]) {
-        let first = chunk_of(k);
-        (first, self.factors[k * self.stride + first..(k + 1) * self.stride].as_chunks().0)
+        self.rows.extend_from_slice(&front.rows);
+        self.factors.clear();
+        for k in 0..count {
+            self.factors.extend_from_slice(front.row(k, k).as_flattened());
+        }
     }
 
     /// The values of `x` at this front's unknowns, padded with zeros.
@@ -391,8 +390,11 @@ impl Pivots {
     /// x := U^-T x on this front's unknowns.
     pub fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
         self.gather(x, local);
+        let mut rows = self.factors.as_chunks().0;
         for k in 0..self.count {
-            let (head, (first, row)) = (local[k], self.row(k));
+            let (head, first) = (local[k], chunk_of(k));
+            let row;
+            (row, rows) = rows.split_at((self.stride - first) / CHUNK);
             let tail = &mut local[first..].as_chunks_mut().0[..row.len()];
             let factor = f64x4::splat(-head);
             for j in 0..row.len() {
@@ -408,8 +410,11 @@ impl Pivots {
     pub fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
         self.gather(x, local);
         self.divide(local);
+        let mut rows = self.factors.as_chunks().0;
         for k in (0..self.count).rev() {
-            let (first, row) = self.row(k);
+            let first = chunk_of(k);
+            let row;
+            (rows, row) = rows.split_at(rows.len() - (self.stride - first) / CHUNK);
             let tail = &local[first..].as_chunks().0[..row.len()];
             let mut sum = f64x4::ZERO;
             for j in 0..row.len() {
