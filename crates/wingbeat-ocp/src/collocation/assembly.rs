@@ -4,7 +4,7 @@
 use super::layout::{StateOf, UnknownLayout};
 use super::points::MIDDLE;
 use super::*;
-use wingbeat_math::rows::axpy;
+use wingbeat_math::rows::{axpy, axpy_four};
 
 /// A local unknown of a point as shares of two columns of its interval.
 pub(super) type Shares = [(usize, f64); 2];
@@ -137,10 +137,19 @@ fn shares(setup: &Setup, layout: &UnknownLayout, i: usize, k: usize) -> Vec<Shar
 /// row += factor (slopes . rows), of rows as long as `row`.
 fn add_rows(row: &mut [f64], factor: f64, slopes: &[f64], rows: &[f64]) {
     let width = row.len();
+    let (mut factors, mut some, mut count) = ([0.0; 4], [[].as_slice(); 4], 0);
     for v in 0..slopes.len() {
         if slopes[v] != 0.0 {
-            axpy(row, factor * slopes[v], &rows[v * width..][..width]);
+            (factors[count], some[count]) = (factor * slopes[v], &rows[v * width..][..width]);
+            count += 1;
+            if count == 4 {
+                axpy_four(row, factors, some);
+                count = 0;
+            }
         }
+    }
+    for k in 0..count {
+        axpy(row, factors[k], some[k]);
     }
 }
 

@@ -131,39 +131,32 @@ impl Iterate {
             stationarity = stationarity.max((work[k] - self.z_low[k] + self.z_high[k]).abs());
         }
         let sum_y: f64 = self.y.iter().map(|y| y.abs()).sum();
-        let (sum_z, count) = self.limits(standard);
+        let (sum_z, count, largest) = self.limits(standard, mu);
         Errors {
             stationarity: stationarity / mean(sum_y + sum_z, standard.m + count),
             feasibility: (0..standard.m).fold(0.0_f64, |m, i| m.max(self.row(standard, i).abs())),
-            complementarity: self.complementarity(standard, mu),
+            complementarity: largest / mean(sum_z, count),
         }
     }
 
-    /// Sum of the multipliers of the limits, and how many limits there are.
-    fn limits(&self, standard: &Standard) -> (f64, usize) {
-        let (mut sum, mut count) = (0.0, 0);
-        for k in 0..self.w.len() {
-            for (z, limit) in [(self.z_low[k], standard.low[k]), (self.z_high[k], standard.high[k])] {
-                if limit.is_finite() {
-                    (sum, count) = (sum + z, count + 1);
-                }
-            }
-        }
-        (sum, count)
-    }
-
-    /// Error of complementarity for the barrier `mu`: how far multiplier times distance is from it.
-    pub fn complementarity(&self, standard: &Standard, mu: f64) -> f64 {
-        let mut largest = 0.0_f64;
+    /// Sum of the multipliers of the limits, how many there are, and how far multiplier times distance is from `mu` at most.
+    fn limits(&self, standard: &Standard, mu: f64) -> (f64, usize, f64) {
+        let (mut sum, mut count, mut largest) = (0.0, 0, 0.0_f64);
         for k in 0..self.w.len() {
             let (low, high) = (self.w[k] - standard.low[k], standard.high[k] - self.w[k]);
             for (z, distance) in [(self.z_low[k], low), (self.z_high[k], high)] {
                 if distance.is_finite() {
+                    (sum, count) = (sum + z, count + 1);
                     largest = largest.max((z * distance - mu).abs());
                 }
             }
         }
-        let (sum, count) = self.limits(standard);
+        (sum, count, largest)
+    }
+
+    /// Error of complementarity for the barrier `mu`.
+    pub fn complementarity(&self, standard: &Standard, mu: f64) -> f64 {
+        let (sum, count, largest) = self.limits(standard, mu);
         largest / mean(sum, count)
     }
 
