@@ -176,9 +176,9 @@ impl Front {
     /// Largest magnitude of row `k` right of the diagonal.
     fn largest_right(&self, k: usize) -> f64 {
         let (left, row) = (k - chunk_of(k), self.row(k, k));
-        let mut beside = [0.0; CHUNK];
-        for l in left + 1..CHUNK {
-            beside[l] = row[0][l];
+        let mut beside = row[0];
+        for l in 0..=left {
+            beside[l] = 0.0;
         }
         let mut largest = f64x4::new(beside).abs();
         for j in 1..row.len() {
@@ -265,8 +265,10 @@ impl Front {
             divided[p] = &above[(k - P + p) * stride..][..stride];
             whole[p] = &self.pivots[p][..stride];
         }
-        let mut i = rows.start;
-        for row in below[(rows.start - k) * stride..(rows.end - k) * stride].chunks_exact_mut(stride) {
+        let mut rest = &mut below[(rows.start - k) * stride..];
+        for i in rows {
+            let row;
+            (row, rest) = rest.split_at_mut(stride);
             let first = chunk_of(i);
             let row = row[first..].as_chunks_mut().0;
             let (mut factors, mut pivots) = ([f64x4::ZERO; P], [[].as_slice(); P]);
@@ -281,7 +283,6 @@ impl Front {
                 }
                 row[j] = sum.to_array();
             }
-            i += 1;
         }
     }
 
