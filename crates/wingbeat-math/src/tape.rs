@@ -10,12 +10,13 @@ use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// Directions swept together.
-const LANES: usize = 8;
+const LANES: usize = 12;
 /// Node number of a constant.
 const CONSTANT: u32 = u32::MAX;
 
 /// One operation: its operands, its slopes and its curvatures
-/// (d2/da2, d2/dadb, d2/db2).
+/// (d2/da2, d2/dadb, d2/db2). One without a second operand names the first
+/// twice, with a slope and curvatures of zero.
 #[derive(Clone, Copy, Debug)]
 struct TapeNode {
     parents: [u32; 2],
@@ -24,27 +25,44 @@ struct TapeNode {
     curved: bool,
 }
 
+impl TapeNode {
+    #[inline]
+    fn operands(&self) -> [usize; 2] {
+        let [a, b] = self.parents;
+        [a as usize, b as usize]
+    }
+}
+
 thread_local! {
     static RECORDING: RefCell<Vec<TapeNode>> = const { RefCell::new(Vec::new()) };
 }
 
-/// A number whose operations are being recorded on this thread.
+/// A number whose operations are being recorded on this thread: it changes by `factor` times what its node changes by, so that constant
+/// factors and summands leave no node.
 #[derive(Clone, Copy, Debug)]
 pub struct Traced {
     value: f64,
+    factor: f64,
     node: u32,
 }
 
 impl Traced {
-    fn constant(value: f64) -> Self {
-        Self { value, node: CONSTANT }
+    const fn constant(value: f64) -> Self {
+        Self { value, factor: 0.0, node: CONSTANT }
     }
 
+    #[inline]
     fn push(value: f64, node: TapeNode) -> Self {
         RECORDING.with_borrow_mut(|nodes| {
             nodes.push(node);
-            Self { value, node: (nodes.len() - 1) as u32 }
+            Self { value, factor: 1.0, node: (nodes.len() - 1) as u32 }
         })
+    }
+
+    /// The number `value` that changes by `slope` times what this one changes by.
+    #[inline]
+    fn scaled(self, value: f64, slope: f64) -> Self {
+        Self { value, factor: self.factor * slope, node: self.node }
     }
 
     #[inline]
@@ -52,24 +70,39 @@ impl Traced {
         if self.node == CONSTANT {
             return Self::constant(value);
         }
+        let f = self.factor;
         let node = TapeNode {
-            parents: [self.node, CONSTANT],
-            slope: [slope, 0.0],
-            curvature: [curvature, 0.0, 0.0],
-            curved: curvature != 0.0,
+            parents: [self.node; 2],
+            slope: [slope * f, 0.0],
+            curvature: [curvature * (f * f), 0.0, 0.0],
+            curved: true,
         };
         Self::push(value, node)
+    }
+
+    /// A sum: its slopes do not change.
+    #[inline]
+    fn sum(self, o: Self, value: f64, slope: [f64; 2]) -> Self {
+        match (self.node, o.node) {
+            (_, CONSTANT) => self.scaled(value, slope[0]),
+            (CONSTANT, _) => o.scaled(value, slope[1]),
+            (a, b) => {
+                let slope = [slope[0] * self.factor, slope[1] * o.factor];
+                Self::push(value, TapeNode { parents: [a, b], slope, curvature: [0.0; 3], curved: false })
+            }
+        }
     }
 
     #[inline]
     fn binary(self, o: Self, value: f64, slope: [f64; 2], curvature: [f64; 3]) -> Self {
         match (self.node, o.node) {
-            (CONSTANT, CONSTANT) => Self::constant(value),
             (_, CONSTANT) => self.unary(value, slope[0], curvature[0]),
             (CONSTANT, _) => o.unary(value, slope[1], curvature[2]),
             (a, b) => {
-                let curved = curvature[0] != 0.0 || curvature[1] != 0.0 || curvature[2] != 0.0;
-                Self::push(value, TapeNode { parents: [a, b], slope, curvature, curved })
+                let (f, g) = (self.factor, o.factor);
+                let slope = [slope[0] * f, slope[1] * g];
+                let curvature = [curvature[0] * (f * f), curvature[1] * (f * g), curvature[2] * (g * g)];
+                Self::push(value, TapeNode { parents: [a, b], slope, curvature, curved: true })
             }
         }
     }
@@ -98,25 +131,30 @@ impl PartialOrd for Traced {
 impl Neg for Traced {
     type Output = Self;
     fn neg(self) -> Self {
-        self.unary(-self.value, -1.0, 0.0)
+        self.scaled(-self.value, -1.0)
     }
 }
 impl Add for Traced {
     type Output = Self;
     fn add(self, o: Self) -> Self {
-        self.binary(o, self.value + o.value, [1.0, 1.0], [0.0; 3])
+        self.sum(o, self.value + o.value, [1.0, 1.0])
     }
 }
 impl Sub for Traced {
     type Output = Self;
     fn sub(self, o: Self) -> Self {
-        self.binary(o, self.value - o.value, [1.0, -1.0], [0.0; 3])
+        self.sum(o, self.value - o.value, [1.0, -1.0])
     }
 }
 impl Mul for Traced {
     type Output = Self;
     fn mul(self, o: Self) -> Self {
-        self.binary(o, self.value * o.value, [o.value, self.value], [0.0, 1.0, 0.0])
+        let value = self.value * o.value;
+        match (self.node, o.node) {
+            (_, CONSTANT) => self.scaled(value, o.value),
+            (CONSTANT, _) => o.scaled(value, self.value),
+            _ => self.binary(o, value, [o.value, self.value], [0.0, 1.0, 0.0]),
+        }
     }
 }
 impl Div for Traced {
@@ -124,25 +162,28 @@ impl Div for Traced {
     fn div(self, o: Self) -> Self {
         let r = 1.0 / o.value;
         let q = self.value * r;
+        if o.node == CONSTANT {
+            return self.scaled(q, r);
+        }
         self.binary(o, q, [r, -q * r], [0.0, -r * r, 2.0 * q * r * r])
     }
 }
 impl Add<f64> for Traced {
     type Output = Self;
     fn add(self, o: f64) -> Self {
-        Self { value: self.value + o, node: self.node }
+        self.scaled(self.value + o, 1.0)
     }
 }
 impl Sub<f64> for Traced {
     type Output = Self;
     fn sub(self, o: f64) -> Self {
-        Self { value: self.value - o, node: self.node }
+        self.scaled(self.value - o, 1.0)
     }
 }
 impl Mul<f64> for Traced {
     type Output = Self;
     fn mul(self, o: f64) -> Self {
-        self.unary(self.value * o, o, 0.0)
+        self.scaled(self.value * o, o)
     }
 }
 impl Div<f64> for Traced {
@@ -197,8 +238,8 @@ impl MulAssign<f64> for Traced {
 }
 
 impl Scalar for Traced {
-    const ZERO: Self = Self { value: 0.0, node: CONSTANT };
-    const ONE: Self = Self { value: 1.0, node: CONSTANT };
+    const ZERO: Self = Self::constant(0.0);
+    const ONE: Self = Self::constant(1.0);
     const RECORDED: bool = true;
 
     fn value(self) -> f64 {
@@ -255,14 +296,28 @@ pub struct Tape {
     inputs: usize,
     outputs: Vec<Traced>,
     traced: Vec<Traced>,
-    live: Vec<bool>,
-    adjoint: Vec<f64>,
-    /// Derivatives of the nodes along the lanes, and which nodes have any.
+    reach: Vec<Reach>,
+    /// Derivatives of the nodes along the lanes, and of their adjoints.
     tangent: Vec<[f64; LANES]>,
-    moves: Vec<bool>,
-    /// The same of the adjoints.
     bend: Vec<[f64; LANES]>,
-    bends: Vec<bool>,
+}
+
+/// The adjoint of a node, and the groups of lanes that reach it: bit g % 64 is that of group g, so that of more than 64 groups
+/// several share a bit and some zeros are swept.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reach {
+    adjoint: f64,
+    /// The weighted sum depends on the node.
+    live: bool,
+    /// Groups of inputs along which the node changes.
+    moves: u64,
+    /// Groups of inputs along which its adjoint changes.
+    bends: u64,
+}
+
+/// The bit of the group of lanes that begins with input `first`.
+fn group(first: usize) -> u64 {
+    1 << (first / LANES % 64)
 }
 
 impl Tape {
@@ -295,50 +350,88 @@ impl Tape {
     /// The Jacobian (row-major outputs x inputs) and the Hessian of
     /// sum_i weights_i output_i (row-major inputs x inputs).
     pub fn second_order(&mut self, weights: &[f64], jacobian: &mut [f64], hessian: &mut [f64]) {
+        self.find_reach();
         self.sweep_adjoints(weights);
+        self.tangent.resize(self.nodes.len(), [0.0; LANES]);
+        self.bend.resize(self.nodes.len(), [0.0; LANES]);
         let n = self.inputs;
         for first in (0..n).step_by(LANES) {
             self.sweep_forward(first);
-            self.store_jacobian(first, jacobian);
-            self.sweep_backward();
-            for i in 0..n {
-                for j in first..(first + LANES).min(n) {
-                    hessian[i * n + j] = self.bend[i][j - first];
+            for (row, output) in jacobian.chunks_exact_mut(n).zip(&self.outputs) {
+                let node = output.node as usize;
+                let mut slopes = if output.node == CONSTANT { [0.0; LANES] } else { self.tangent[node] };
+                for l in 0..LANES {
+                    slopes[l] *= output.factor;
                 }
+                store(&slopes, &mut row[first..]);
+            }
+            self.sweep_backward(first);
+            for (row, bend) in hessian.chunks_exact_mut(n).zip(&self.bend) {
+                store(bend, &mut row[first..]);
             }
         }
     }
 
-    fn store_jacobian(&self, first: usize, jacobian: &mut [f64]) {
-        let n = self.inputs;
-        for (row, output) in jacobian.chunks_exact_mut(n).zip(&self.outputs) {
-            let constant = output.node == CONSTANT;
-            let slopes = if constant { [0.0; LANES] } else { self.tangent[output.node as usize] };
-            let end = (first + LANES).min(n);
-            row[first..end].copy_from_slice(&slopes[..end - first]);
+    /// Which inputs the nodes change along.
+    fn find_reach(&mut self) {
+        self.reach.clear();
+        self.reach.resize(self.nodes.len(), Reach::default());
+        for i in 0..self.inputs {
+            self.reach[i].moves = group(i);
+        }
+        for i in self.inputs..self.nodes.len() {
+            let [a, b] = self.nodes[i].operands();
+            self.reach[i].moves = self.reach[a].moves | self.reach[b].moves;
         }
     }
 
-    /// Derivatives of every node along inputs first .. first + LANES.
-    fn sweep_forward(&mut self, first: usize) {
-        let (n, count) = (self.inputs, self.nodes.len());
-        let Self { nodes, tangent, moves, .. } = self;
-        moves.clear();
-        moves.resize(count, false);
-        tangent.clear();
-        tangent.resize(count, [0.0; LANES]);
-        for lane in 0..LANES.min(n - first) {
-            tangent[first + lane][lane] = 1.0;
-            moves[first + lane] = true;
+    /// d (weighted sum) / d node, and which inputs it changes along.
+    fn sweep_adjoints(&mut self, weights: &[f64]) {
+        let Self { nodes, reach, .. } = self;
+        for (output, w) in self.outputs.iter().zip(weights) {
+            if output.node != CONSTANT && *w != 0.0 {
+                let node = &mut reach[output.node as usize];
+                node.adjoint += w * output.factor;
+                node.live = true;
+            }
         }
-        for i in n..count {
-            let TapeNode { parents: [a, b], slope, .. } = nodes[i];
-            // A node without a second operand takes the first, with a slope of zero.
-            let (a, b) = (a as usize, if b == CONSTANT { a as usize } else { b as usize });
-            moves[i] = moves[a] | moves[b];
-            if !moves[i] {
+        for i in (self.inputs..nodes.len()).rev() {
+            let Reach { adjoint, live, moves, bends } = reach[i];
+            if !live {
                 continue;
             }
+            let (operands, TapeNode { slope, curved, .. }) = (nodes[i].operands(), &nodes[i]);
+            let bends = if *curved { bends | moves } else { bends };
+            reach[i].bends = bends;
+            for side in 0..2 {
+                let operand = &mut reach[operands[side]];
+                operand.adjoint += slope[side] * adjoint;
+                operand.live = true;
+                operand.bends |= bends;
+            }
+        }
+    }
+
+    /// Derivatives of every node along inputs first .. first + LANES; no adjoint bends yet.
+    fn sweep_forward(&mut self, first: usize) {
+        let (n, count) = (self.inputs, self.nodes.len());
+        let (nodes, reach) = (&self.nodes[..count], &self.reach[..count]);
+        let (tangent, bend) = (&mut self.tangent[..count], &mut self.bend[..count]);
+        let bit = group(first);
+        for i in 0..n {
+            tangent[i] = [0.0; LANES];
+            bend[i] = [0.0; LANES];
+        }
+        for lane in 0..LANES.min(n - first) {
+            tangent[first + lane][lane] = 1.0;
+        }
+        for i in n..count {
+            tangent[i] = [0.0; LANES];
+            bend[i] = [0.0; LANES];
+            if reach[i].moves & bit == 0 {
+                continue;
+            }
+            let ([a, b], slope) = (nodes[i].operands(), nodes[i].slope);
             let (x, y) = (tangent[a], tangent[b]);
             let t = &mut tangent[i];
             for l in 0..LANES {
@@ -347,80 +440,49 @@ impl Tape {
         }
     }
 
-    /// d (weighted sum) / d node, and which nodes it depends on.
-    fn sweep_adjoints(&mut self, weights: &[f64]) {
-        self.adjoint.clear();
-        self.adjoint.resize(self.nodes.len(), 0.0);
-        self.live.clear();
-        self.live.resize(self.nodes.len(), false);
-        for (output, w) in self.outputs.iter().zip(weights) {
-            if output.node != CONSTANT && *w != 0.0 {
-                self.adjoint[output.node as usize] += w;
-                self.live[output.node as usize] = true;
-            }
-        }
-        for i in (self.inputs..self.nodes.len()).rev() {
-            if !self.live[i] {
-                continue;
-            }
-            let (node, adjoint) = (&self.nodes[i], self.adjoint[i]);
-            for side in 0..2 {
-                let parent = node.parents[side] as usize;
-                if parent != CONSTANT as usize {
-                    self.adjoint[parent] += node.slope[side] * adjoint;
-                    self.live[parent] = true;
-                }
-            }
-        }
-    }
-
-    /// Derivatives of the adjoints along the lanes of the last forward sweep.
-    fn sweep_backward(&mut self) {
+    /// Derivatives of the adjoints along the lanes of the last forward sweep, which began with input `first`.
+    fn sweep_backward(&mut self, first: usize) {
         let (n, count) = (self.inputs, self.nodes.len());
-        let Self { nodes, live, adjoint, tangent, moves, bend, bends, .. } = self;
-        bends.clear();
-        bends.resize(count, false);
-        bend.clear();
-        bend.resize(count, [0.0; LANES]);
+        let (nodes, reach) = (&self.nodes[..count], &self.reach[..count]);
+        let (tangent, bend) = (&self.tangent[..count], &mut self.bend[..count]);
+        let bit = group(first);
         for i in (n..count).rev() {
-            if !live[i] {
+            if reach[i].bends & bit == 0 {
                 continue;
             }
-            let TapeNode { parents: [a, b], slope, curvature, curved } = nodes[i];
-            let (a, two) = (a as usize, b != CONSTANT);
-            let b = if two { b as usize } else { a };
-            let curved = curved && (moves[a] | moves[b]);
-            if !(curved | bends[i]) {
-                continue;
-            }
+            let TapeNode { slope, curvature, curved, .. } = &nodes[i];
+            let [a, b] = nodes[i].operands();
             let own = bend[i];
             let (mut to_a, mut to_b) = ([0.0; LANES], [0.0; LANES]);
             for l in 0..LANES {
                 to_a[l] = slope[0] * own[l];
                 to_b[l] = slope[1] * own[l];
             }
-            if curved {
-                let [aa, ab, bb] = curvature;
-                let (aa, ab, bb) = (aa * adjoint[i], ab * adjoint[i], bb * adjoint[i]);
+            if *curved {
+                let of = |side: usize| curvature[side] * reach[i].adjoint;
+                let (aa, ab, bb) = (of(0), of(1), of(2));
                 let (along_a, along_b) = (&tangent[a], &tangent[b]);
                 for l in 0..LANES {
                     to_a[l] = fused(aa, along_a[l], fused(ab, along_b[l], to_a[l]));
                     to_b[l] = fused(ab, along_a[l], fused(bb, along_b[l], to_b[l]));
                 }
             }
-            bends[a] = true;
-            let sum = &mut bend[a];
-            for l in 0..LANES {
-                sum[l] += to_a[l];
-            }
-            if two {
-                bends[b] = true;
-                let sum = &mut bend[b];
+            for (to, node) in [(to_a, a), (to_b, b)] {
+                let sum = &mut bend[node];
                 for l in 0..LANES {
-                    sum[l] += to_b[l];
+                    sum[l] += to[l];
                 }
             }
         }
+    }
+}
+
+/// Writes the lanes to the start of `row`, as many as it has room for.
+#[inline]
+fn store(lanes: &[f64; LANES], row: &mut [f64]) {
+    match row.first_chunk_mut() {
+        Some(whole) => *whole = *lanes,
+        None => row.copy_from_slice(&lanes[..row.len()]),
     }
 }
 

@@ -1,14 +1,27 @@
 //! One dense front: its partial factorisation and its part of the solves.
 
 use super::Inertia;
-use crate::rows::{axpy, dot, fused};
+use crate::rows::axpy;
+use wide::f64x4;
+
+/// Columns swept together; rows are padded to whole chunks of them.
+const CHUNK: usize = 4;
+
+/// Column `i` rounded down to where its chunk begins.
+#[inline(always)]
+fn chunk_of(i: usize) -> usize {
+    i / CHUNK * CHUNK
+}
 
 /// A dense symmetric matrix over the unknowns `rows`, of which the first
-/// `candidates` may be eliminated. Upper triangle, row-major, full stride.
+/// `candidates` may be eliminated. Upper triangle, row-major; what lies left
+/// of the diagonal in its chunk is swept with it and means nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Front {
     pub rows: Vec<usize>,
     pub candidates: usize,
+    /// Length of a padded row.
+    stride: usize,
     values: Vec<f64>,
     /// Largest magnitude each unknown's column had when it was assembled.
     scale: Vec<f64>,
@@ -24,7 +37,9 @@ const PANEL: usize = 4;
 pub struct Pivots {
     rows: Vec<usize>,
     count: usize,
-    /// U, the first `count` rows over the unknowns of the front.
+    stride: usize,
+    /// U, the first `count` rows over the unknowns of the front, each from the
+    /// chunk of its diagonal on, with zeros on the diagonal and left of it.
     factors: Vec<f64>,
     /// D: the diagonal, and the off-diagonal where a pivot of order two starts.
     diagonal: Vec<f64>,
@@ -49,40 +64,50 @@ impl Front {
 
     /// Zero values for the present rows.
     pub fn reset(&mut self) {
+        self.stride = self.rows.len().next_multiple_of(CHUNK);
         self.values.clear();
-        self.values.resize(self.rows.len() * self.rows.len(), 0.0);
+        self.values.resize(self.rows.len() * self.stride, 0.0);
         self.scale.clear();
-        self.scale.resize(self.rows.len(), f64::MIN_POSITIVE);
+        self.scale.resize(self.stride, f64::MIN_POSITIVE);
+        for pivot in &mut self.pivots {
+            pivot.resize(self.stride.max(pivot.len()), 0.0);
+        }
+    }
+
+    /// Row `i` from the chunk of column `first` on.
+    #[inline]
+    fn row(&self, i: usize, first: usize) -> &[[f64; CHUNK]] {
+        self.values[i * self.stride + chunk_of(first)..(i + 1) * self.stride].as_chunks().0
     }
 
     /// Notes the size of the candidates' columns, once the front is assembled.
     pub fn measure(&mut self) {
-        let n = self.rows.len();
         for i in 0..self.candidates {
-            let row = &self.values[i * n + i..(i + 1) * n];
-            let scale = &mut self.scale[i..][..row.len()];
-            let mut largest = scale[0];
+            let row =
+                self.values[i * self.stride + chunk_of(i)..(i + 1) * self.stride].as_chunks::<CHUNK>().0;
+            let scale = &mut self.scale[chunk_of(i)..].as_chunks_mut::<CHUNK>().0[..row.len()];
+            let mut largest = f64x4::ZERO;
             for j in 0..row.len() {
-                let v = row[j].abs();
-                largest = if v > largest { v } else { largest };
-                scale[j] = if v > scale[j] { v } else { scale[j] };
+                let sizes = f64x4::new(row[j]).abs();
+                largest = sizes.fast_max(largest);
+                scale[j] = sizes.fast_max(f64x4::new(scale[j])).to_array();
             }
-            scale[0] = largest;
+            self.scale[i] = self.scale[i].max(widest(largest));
         }
     }
 
     /// Adds `value` at row `i` and column `j`, which is not before it.
     #[inline]
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
-        self.values[i * self.rows.len() + j] += value;
+        self.values[i * self.stride + j] += value;
     }
 
     /// Adds `values` from row `i` and column `j` on, down the column or along the row.
     pub fn add_along(&mut self, i: usize, j: usize, down: bool, values: &[f64]) {
-        let (n, first) = (self.rows.len(), i * self.rows.len() + j);
+        let (stride, first) = (self.stride, i * self.stride + j);
         if down {
             for k in 0..values.len() {
-                self.values[first + k * n] += values[k];
+                self.values[first + k * stride] += values[k];
             }
         } else {
             let row = &mut self.values[first..][..values.len()];
@@ -102,14 +127,14 @@ impl Front {
             }
             for j in i..m {
                 let q = position[child.rows[j]];
-                self.add(p.min(q), p.max(q), child.values[i * m + j]);
+                self.add(p.min(q), p.max(q), child.values[i * child.stride + j]);
             }
         }
     }
 
     #[inline]
     fn at(&self, i: usize, j: usize) -> f64 {
-        self.values[i.min(j) * self.rows.len() + i.max(j)]
+        self.values[i.min(j) * self.stride + i.max(j)]
     }
 
     /// Exchanges unknowns p < q of the remaining part (and their factors).
@@ -117,7 +142,7 @@ impl Front {
         if p == q {
             return;
         }
-        let n = self.rows.len();
+        let n = self.stride;
         self.rows.swap(p, q);
         self.scale.swap(p, q);
         for j in 0..p {
@@ -150,14 +175,16 @@ impl Front {
 
     /// Largest magnitude of row `k` right of the diagonal.
     fn largest_right(&self, k: usize) -> f64 {
-        let n = self.rows.len();
-        let row = &self.values[k * n + k + 1..(k + 1) * n];
-        let mut largest = 0.0;
-        for j in 0..row.len() {
-            let v = row[j].abs();
-            largest = if v > largest { v } else { largest };
+        let (left, row) = (k - chunk_of(k), self.row(k, k));
+        let mut beside = row[0];
+        for l in 0..=left {
+            beside[l] = 0.0;
         }
-        largest
+        let mut largest = f64x4::new(beside).abs();
+        for j in 1..row.len() {
+            largest = f64x4::new(row[j]).abs().fast_max(largest);
+        }
+        widest(largest)
     }
 
     fn choose(&self, k: usize, threshold: f64) -> Choice {
@@ -215,24 +242,46 @@ impl Front {
             }
         }
         self.update(k, k..self.rows.len(), pending);
-        out.keep(&self.rows, &mut self.values, k);
+        out.keep(self, k);
     }
 
     /// Subtracts the last `pending` pivots before row `k` from `rows`.
     fn update(&mut self, k: usize, rows: std::ops::Range<usize>, pending: usize) {
-        let n = self.rows.len();
-        let (above, below) = self.values.split_at_mut(k * n);
-        let factor = |p: usize, i: usize| above[(k - pending + p) * n + i];
+        match pending {
+            0 => {}
+            1 => self.subtract::<1>(k, rows),
+            2 => self.subtract::<2>(k, rows),
+            3 => self.subtract::<3>(k, rows),
+            _ => self.subtract::<PANEL>(k, rows),
+        }
+    }
+
+    /// Row i -= sum over the last P pivots p before row `k` of U_pi times the row of p before its division.
+    fn subtract<const P: usize>(&mut self, k: usize, rows: std::ops::Range<usize>) {
+        let stride = self.stride;
+        let (above, below) = self.values.split_at_mut(k * stride);
+        let (mut divided, mut whole): ([&[f64]; P], [&[f64]; P]) = ([&[]; P], [&[]; P]);
+        for p in 0..P {
+            divided[p] = &above[(k - P + p) * stride..][..stride];
+            whole[p] = &self.pivots[p][..stride];
+        }
+        let mut rest = &mut below[(rows.start - k) * stride..];
         for i in rows {
-            let row = &mut below[(i - k) * n + i..(i - k + 1) * n];
-            if pending == PANEL {
-                let [one, two, three, four] = &self.pivots;
-                let rows = [&one[i..n], &two[i..n], &three[i..n], &four[i..n]];
-                subtract_panel(row, [factor(0, i), factor(1, i), factor(2, i), factor(3, i)], rows);
-                continue;
+            let row;
+            (row, rest) = rest.split_at_mut(stride);
+            let first = chunk_of(i);
+            let row = row[first..].as_chunks_mut().0;
+            let (mut factors, mut pivots) = ([f64x4::ZERO; P], [[].as_slice(); P]);
+            for p in 0..P {
+                factors[p] = f64x4::splat(-divided[p][i]);
+                pivots[p] = &whole[p][first..].as_chunks().0[..row.len()];
             }
-            for p in 0..pending {
-                axpy(row, -factor(p, i), &self.pivots[p][i..n]);
+            for j in 0..row.len() {
+                let mut sum = f64x4::new(row[j]);
+                for p in 0..P {
+                    sum = f64x4::new(pivots[p][j]).mul_add(factors[p], sum);
+                }
+                row[j] = sum.to_array();
             }
         }
     }
@@ -245,8 +294,8 @@ impl Front {
 
     /// Divides row `k` by its diagonal and keeps what it was.
     fn pivot_one(&mut self, k: usize, pending: usize, out: &mut Pivots, inertia: &mut Inertia) {
-        let n = self.rows.len();
-        let row = &mut self.values[k * n..(k + 1) * n];
+        let (stride, first) = (self.stride, chunk_of(k));
+        let row = &mut self.values[k * stride..(k + 1) * stride];
         let d = row[k];
         out.diagonal.push(d);
         out.coupling.push(0.0);
@@ -255,15 +304,19 @@ impl Front {
         } else {
             inertia.negative += 1;
         }
-        self.pivots[pending].clear();
-        self.pivots[pending].extend(&*row);
-        for j in k + 1..n {
-            row[j] /= d;
+        let kept = self.pivots[pending][first..stride].as_chunks_mut().0;
+        let (inverse, chunks) = (f64x4::splat(1.0 / d), row[first..].as_chunks_mut().0);
+        for j in 0..kept.len().min(chunks.len()) {
+            kept[j] = chunks[j];
+            chunks[j] = (f64x4::new(chunks[j]) * inverse).to_array();
+        }
+        for j in first..=k {
+            row[j] = 0.0;
         }
     }
 
     fn pivot_two(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
-        let n = self.rows.len();
+        let (n, s) = (self.rows.len(), self.stride);
         let (a, b, d) = (self.at(k, k), self.at(k + 1, k), self.at(k + 1, k + 1));
         out.diagonal.extend([a, d]);
         out.coupling.extend([b, 0.0]);
@@ -273,20 +326,19 @@ impl Front {
             (false, true) => inertia.positive += 2,
             (false, false) => inertia.negative += 2,
         }
-        let (above, below) = self.values.split_at_mut((k + 2) * n);
-        let (first, second) = above[k * n..].split_at_mut(n);
-        first[k + 1] = 0.0;
-        let (first, second) = (&mut first[k + 2..], &mut second[k + 2..]);
+        let (above, below) = self.values.split_at_mut((k + 2) * s);
+        let (first, second) = above[k * s..].split_at_mut(s);
+        first[chunk_of(k)..=k + 1].fill(0.0);
+        second[chunk_of(k + 1)..=k + 1].fill(0.0);
+        let (first, second) = (&mut first[k + 2..n], &mut second[k + 2..n]);
         let [one, two, ..] = &mut self.pivots;
-        one.clear();
-        one.extend(&*first);
-        two.clear();
-        two.extend(&*second);
+        one[..first.len()].copy_from_slice(first);
+        two[..second.len()].copy_from_slice(second);
         for (c, e) in first.iter_mut().zip(second.iter_mut()) {
             (*c, *e) = ((d * *c - b * *e) / determinant, (a * *e - b * *c) / determinant);
         }
         for (i, (fc, fe)) in first.iter().zip(second.iter()).enumerate() {
-            let row = &mut below[i * n + k + 2 + i..(i + 1) * n];
+            let row = &mut below[i * s + k + 2 + i..i * s + n];
             axpy(row, -fc, &one[i..]);
             axpy(row, -fe, &two[i..]);
         }
@@ -294,51 +346,61 @@ impl Front {
 
     /// A zero pivot of a singular matrix: its unknown stays zero.
     fn skip(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
-        let n = self.rows.len();
+        let n = self.stride;
         inertia.zero += 1;
         out.diagonal.push(f64::INFINITY);
         out.coupling.push(0.0);
-        self.values[k * n + k + 1..(k + 1) * n].fill(0.0);
+        self.values[k * n + chunk_of(k)..(k + 1) * n].fill(0.0);
     }
 
-    /// The part that was not eliminated, delayed candidates first; its values
-    /// are still with `pivots`.
+    /// The part that was not eliminated, delayed candidates first.
     pub fn remainder_into(&self, pivots: &Pivots, out: &mut Front) {
         let (n, k) = (self.rows.len(), pivots.count);
         out.rows.clear();
         out.rows.extend(&self.rows[k..]);
         out.scale.clear();
-        out.scale.extend(&self.scale[k..]);
+        out.scale.extend(&self.scale[k..n]);
         out.candidates = self.candidates - k;
+        out.stride = n - k;
         out.values.clear();
         for i in k..n {
-            out.values.extend(&pivots.factors[i * n + k..(i + 1) * n]);
+            out.values.extend_from_slice(&self.values[i * self.stride + k..][..n - k]);
         }
     }
 }
 
 impl Pivots {
-    /// Takes the values of a front of which `count` rows are eliminated.
-    fn keep(&mut self, rows: &[usize], values: &mut Vec<f64>, count: usize) {
-        self.count = count;
+    /// Takes over the first `count` rows of a front, which are eliminated.
+    fn keep(&mut self, front: &Front, count: usize) {
+        (self.count, self.stride) = (count, front.stride);
         self.rows.clear();
-        self.rows.extend(rows);
-        std::mem::swap(&mut self.factors, values);
+        self.rows.extend_from_slice(&front.rows);
+        self.factors.clear();
+        for k in 0..count {
+            self.factors.extend_from_slice(front.row(k, k).as_flattened());
+        }
     }
 
-    /// Rows of U.
-    fn pivot_rows(&self) -> impl DoubleEndedIterator<Item = (usize, &[f64])> {
-        let n = self.rows.len();
-        (0..self.count).map(move |k| (k, &self.factors[k * n..(k + 1) * n]))
+    /// The values of `x` at this front's unknowns, padded with zeros.
+    fn gather(&self, x: &[f64], local: &mut Vec<f64>) {
+        local.clear();
+        local.extend(self.rows.iter().map(|&i| x[i]));
+        local.resize(self.stride, 0.0);
     }
 
     /// x := U^-T x on this front's unknowns.
     pub fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        local.clear();
-        local.extend(self.rows.iter().map(|&i| x[i]));
-        for (k, row) in self.pivot_rows() {
-            let (head, tail) = local.split_at_mut(k + 1);
-            axpy(tail, -head[k], &row[k + 1..]);
+        self.gather(x, local);
+        let mut rows = self.factors.as_chunks().0;
+        for k in 0..self.count {
+            let (head, first) = (local[k], chunk_of(k));
+            let row;
+            (row, rows) = rows.split_at((self.stride - first) / CHUNK);
+            let tail = &mut local[first..].as_chunks_mut().0[..row.len()];
+            let factor = f64x4::splat(-head);
+            for j in 0..row.len() {
+                tail[j] = f64x4::new(row[j]).mul_add(factor, f64x4::new(tail[j])).to_array();
+            }
         }
         for k in 0..self.rows.len() {
             x[self.rows[k]] = local[k];
@@ -347,11 +409,19 @@ impl Pivots {
 
     /// x := U^-1 D^-1 x on this front's unknowns.
     pub fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        local.clear();
-        local.extend(self.rows.iter().map(|&i| x[i]));
+        self.gather(x, local);
         self.divide(local);
-        for (k, row) in self.pivot_rows().rev() {
-            local[k] -= dot(&row[k + 1..], &local[k + 1..]);
+        let mut rows = self.factors.as_chunks().0;
+        for k in (0..self.count).rev() {
+            let first = chunk_of(k);
+            let row;
+            (rows, row) = rows.split_at(rows.len() - (self.stride - first) / CHUNK);
+            let tail = &local[first..].as_chunks().0[..row.len()];
+            let mut sum = f64x4::ZERO;
+            for j in 0..row.len() {
+                sum = f64x4::new(row[j]).mul_add(f64x4::new(tail[j]), sum);
+            }
+            local[k] -= sum.reduce_add();
         }
         for k in 0..self.count {
             x[self.rows[k]] = local[k];
@@ -376,12 +446,8 @@ impl Pivots {
     }
 }
 
-/// y -= sum_p a_p x_p
-#[inline]
-fn subtract_panel(y: &mut [f64], a: [f64; PANEL], x: [&[f64]; PANEL]) {
-    let n = y.len();
-    let [x0, x1, x2, x3] = [&x[0][..n], &x[1][..n], &x[2][..n], &x[3][..n]];
-    for j in 0..n {
-        y[j] -= fused(a[0], x0[j], fused(a[1], x1[j], fused(a[2], x2[j], a[3] * x3[j])));
-    }
+/// The largest of four numbers.
+fn widest(x: f64x4) -> f64 {
+    let [a, b, c, d] = x.to_array();
+    a.max(b).max(c.max(d))
 }

@@ -82,9 +82,12 @@ impl Pattern {
         for (i, &b) in block_of.iter().enumerate() {
             blocks[b].own.push(i);
         }
+        // The block that last noted an unknown on its boundary: most repetitions are seen at once.
+        let mut noted = vec![usize::MAX; block_of.len()];
         for &(i, j) in entries {
             let (low, high) = if block_of[i] < block_of[j] { (i, j) } else { (j, i) };
-            if block_of[low] != block_of[high] {
+            if block_of[low] != block_of[high] && noted[high] != block_of[low] {
+                noted[high] = block_of[low];
                 blocks[block_of[low]].boundary.push(high);
             }
         }

@@ -4,7 +4,7 @@
 use super::layout::{StateOf, UnknownLayout};
 use super::points::MIDDLE;
 use super::*;
-use wingbeat_math::rows::axpy;
+use wingbeat_math::rows::{axpy, axpy_four};
 
 /// A local unknown of a point as shares of two columns of its interval.
 pub(super) type Shares = [(usize, f64); 2];
@@ -60,11 +60,15 @@ pub(super) struct Assembly {
     maps: Vec<PointMap>,
     /// d locals / d columns of a middle point, row-major.
     middle: Vec<f64>,
-    /// Hessian of a middle point times `middle`.
+    /// A row of the Hessian of a middle point times `middle`.
     product: Vec<f64>,
+    /// Slopes of the weighted rates and cost of a point along its local unknowns.
+    pub slopes: Vec<f64>,
+    /// The sum of those of the points of an interval along its columns.
+    span_slopes: Vec<f64>,
     /// Defect rows, row-major.
     pub rows: Vec<f64>,
-    /// Hessian, row-major; the lower triangle counts.
+    /// Hessian, row-major; the upper triangle counts.
     pub block: Vec<f64>,
 }
 
@@ -85,7 +89,9 @@ impl Assembly {
             points,
             maps,
             middle: vec![0.0; locals * width],
-            product: vec![0.0; locals * width],
+            product: vec![0.0; width],
+            slopes: vec![0.0; locals],
+            span_slopes: vec![0.0; width],
             rows: vec![0.0; scheme.defects().len() * setup.states.len() * width],
             block: vec![0.0; width * width],
         }
@@ -99,13 +105,16 @@ impl Assembly {
     /// Adds `value` and its mirror image to the Hessian.
     fn add_pair(&mut self, a: usize, b: usize, value: f64) {
         let value = if a == b { 2.0 * value } else { value };
-        self.block[a.max(b) * self.width + a.min(b)] += value;
+        self.block[a.min(b) * self.width + a.max(b)] += value;
     }
 
-    /// Adds the products of the time span with `slope` along column `c`.
-    fn add_span_product(&mut self, c: usize, slope: f64) {
-        self.add_pair(c, self.own, -slope);
-        self.add_pair(c, self.own + 1, slope);
+    /// Adds the products of the time span with the slopes of the points.
+    fn add_span_products(&mut self) {
+        for c in 0..self.width {
+            let slope = self.span_slopes[c];
+            self.add_pair(c, self.own, -slope);
+            self.add_pair(c, self.own + 1, slope);
+        }
     }
 }
 
@@ -128,10 +137,19 @@ fn shares(setup: &Setup, layout: &UnknownLayout, i: usize, k: usize) -> Vec<Shar
 /// row += factor (slopes . rows), of rows as long as `row`.
 fn add_rows(row: &mut [f64], factor: f64, slopes: &[f64], rows: &[f64]) {
     let width = row.len();
+    let (mut factors, mut some, mut count) = ([0.0; 4], [[].as_slice(); 4], 0);
     for v in 0..slopes.len() {
         if slopes[v] != 0.0 {
-            axpy(row, factor * slopes[v], &rows[v * width..][..width]);
+            (factors[count], some[count]) = (factor * slopes[v], &rows[v * width..][..width]);
+            count += 1;
+            if count == 4 {
+                axpy_four(row, factors, some);
+                count = 0;
+            }
         }
+    }
+    for k in 0..count {
+        axpy(row, factors[k], some[k]);
     }
 }
 
@@ -199,12 +217,14 @@ impl Discretisation {
     /// Hessian of the Lagrangian's part of interval `k`.
     pub(super) fn hessian_block(&mut self, k: usize, weight: f64) {
         self.assembly.block.fill(0.0);
+        self.assembly.span_slopes.fill(0.0);
         for i in self.owned(k) {
             match self.layout.points[i].x {
                 StateOf::Unknown(_) => self.add_point(k, i),
                 StateOf::Middle(_) => self.add_middle(i),
             }
         }
+        self.assembly.add_span_products();
         let change = weight * self.setup.input_change;
         if change != 0.0 {
             let interval = &self.layout.intervals[k];
@@ -217,45 +237,48 @@ impl Discretisation {
         }
     }
 
-    /// Slope along local unknown `v` of the weighted rates and cost of point `i`.
-    pub(super) fn weighted_slope(&self, i: usize, v: usize) -> f64 {
-        let (n, locals) = (self.setup.states.len(), self.points.locals);
-        let jacobian = self.points.jacobian(i);
-        let weights = &self.weights[i * self.points.outputs..][..=n];
-        let mut slope = 0.0;
-        for r in 0..=n {
-            slope += weights[r] * jacobian[r * locals + v];
-        }
-        slope
+    /// Slopes of the weighted rates and cost of point `i` along its local unknowns.
+    pub(super) fn weigh_slopes(&mut self, i: usize) {
+        let weights = &self.weights[i * self.points.outputs..][..=self.setup.states.len()];
+        self.assembly.slopes.fill(0.0);
+        add_rows(&mut self.assembly.slopes, 1.0, weights, self.points.jacobian(i));
     }
 
     /// Adds a point whose state is unknown to the Hessian.
     fn add_point(&mut self, k: usize, i: usize) {
+        self.weigh_slopes(i);
         let (locals, j) = (self.points.locals, i - self.layout.intervals[k].ends[0]);
-        let width = self.assembly.width;
-        let mut block = std::mem::take(&mut self.assembly.block);
-        let PointMap { shares, start, run } = self.assembly.map(k, j);
-        let inside = 1..1 + run;
-        for (v, row) in self.points.hessian(i).chunks_exact(locals).enumerate() {
-            if inside.contains(&v) {
-                let c = start + v - 1;
-                let entries = block[c * width + start..=c * width + c].iter_mut();
-                entries.zip(&row[1..]).for_each(|(b, h)| *b += h);
-            }
-            let outside = |u: &usize| !(inside.contains(&v) && inside.contains(u));
-            for u in (0..locals).filter(outside) {
-                for (ca, sa) in shares[v] {
-                    for (cb, sb) in shares[u].into_iter().filter(|b| b.0 <= ca) {
-                        block[ca * width + cb] += sa * sb * row[u];
+        let Assembly { block, span_slopes, slopes, maps, points, width, .. } = &mut self.assembly;
+        let map = &maps[k * *points + j];
+        map.add(span_slopes, 1.0, slopes);
+        for v in 1..=map.run {
+            let (c, row) = (map.start + v - 1, &self.points.hessian(i)[v * locals..][..locals]);
+            axpy(&mut block[c * *width + c..], 1.0, &row[v..=map.run]);
+        }
+        self.add_apart(k, i);
+    }
+
+    /// Adds the products of the locals that are no columns of their own with all locals.
+    fn add_apart(&mut self, k: usize, i: usize) {
+        let (locals, j) = (self.points.locals, i - self.layout.intervals[k].ends[0]);
+        let Assembly { block, maps, points, width, .. } = &mut self.assembly;
+        let PointMap { shares, run, .. } = &maps[k * *points + j];
+        for v in (0..locals).filter(|v| !(1..=*run).contains(v)) {
+            let row = &self.points.hessian(i)[v * locals..][..locals];
+            for u in (0..locals).filter(|u| row[*u] != 0.0) {
+                // A local of the run does not meet this one again with the two exchanged.
+                let twice = (1..=*run).contains(&u);
+                for (a, one) in shares[v] {
+                    for (b, two) in shares[u] {
+                        let value = one * two * row[u];
+                        let mirrored = if a == b { 2.0 * value } else { value };
+                        match (twice, a <= b) {
+                            (true, _) => block[a.min(b) * *width + a.max(b)] += mirrored,
+                            (false, true) => block[a * *width + b] += value,
+                            (false, false) => {}
+                        }
                     }
                 }
-            }
-        }
-        self.assembly.block = block;
-        for v in 0..locals {
-            let slope = self.weighted_slope(i, v);
-            for (c, share) in self.assembly.map(k, j).shares[v] {
-                self.assembly.add_span_product(c, share * slope);
             }
         }
     }
@@ -263,31 +286,20 @@ impl Discretisation {
     /// Adds a middle point, mapped by the last [`Self::map_middle`]: M' H M
     /// and the products with the time span.
     fn add_middle(&mut self, i: usize) {
+        self.weigh_slopes(i);
         let (locals, width) = (self.points.locals, self.assembly.width);
-        let Assembly { middle, product, block, .. } = &mut self.assembly;
-        product.fill(0.0);
-        let hessian = self.points.hessian(i).chunks_exact(locals);
-        for (out, row) in product.chunks_exact_mut(width).zip(hessian) {
-            add_rows(out, 1.0, row, middle);
-        }
+        let Assembly { middle, product, block, span_slopes, slopes, .. } = &mut self.assembly;
+        add_rows(span_slopes, 1.0, slopes, middle);
         for v in 0..locals {
-            let straight = self.points.hessian(i)[v * locals..][..locals].iter().all(|h| *h == 0.0);
-            if straight {
+            let (row, map) = (&self.points.hessian(i)[v * locals..][..locals], &middle[v * width..][..width]);
+            if row.iter().all(|h| *h == 0.0) {
                 continue;
             }
-            let (map, out) = (&middle[v * width..][..width], &product[v * width..][..width]);
+            product.fill(0.0);
+            add_rows(product, 1.0, row, middle);
             for c in 0..width {
                 if map[c] != 0.0 {
-                    axpy(&mut block[c * width..=c * width + c], map[c], out);
-                }
-            }
-        }
-        for v in 0..locals {
-            let slope = self.weighted_slope(i, v);
-            for c in 0..width {
-                let share = self.assembly.middle[v * width + c];
-                if share != 0.0 {
-                    self.assembly.add_span_product(c, share * slope);
+                    axpy(&mut block[c * width + c..(c + 1) * width], map[c], &product[c..]);
                 }
             }
         }
@@ -301,6 +313,9 @@ impl Discretisation {
         let column = |c: usize| if c < own { first + c } else { times + c - own };
         for i in self.owned(k) {
             let place = &self.layout.points[i];
+            if place.weight == 0.0 {
+                continue;
+            }
             let weight = place.weight * span;
             let slopes = &self.points.jacobian(i)[n * locals..][..locals];
             let map = self.assembly.map(k, i - self.layout.intervals[k].ends[0]);

@@ -266,11 +266,12 @@ impl Discretisation {
 
     /// Weights of the rates at the ends of interval `k` through its middle state.
     fn carry(&mut self, i: usize, k: usize, span: f64) {
+        self.weigh_slopes(i);
         let (n, outputs) = (self.setup.states.len(), self.points.outputs);
         let interval = &self.layout.intervals[k];
         let [a, b] = interval.ends.map(|end| end * outputs);
         for r in 0..n {
-            let change = MIDDLE * span * interval.share * self.weighted_slope(i, 1 + r);
+            let change = MIDDLE * span * interval.share * self.assembly.slopes[1 + r];
             self.weights[a + r] += change;
             self.weights[b + r] -= change;
         }

@@ -67,7 +67,7 @@ impl Discretisation {
                 }
             }
             for (a, &row) in columns.iter().enumerate() {
-                structure.hessian.extend(columns[..=a].iter().map(|&c| (row, c)));
+                structure.hessian.extend(columns[a..].iter().map(|&c| (row, c)));
             }
         }
         let ends = &self.ends;
@@ -121,7 +121,7 @@ impl Discretisation {
             self.hessian_block(k, weight);
             self.add_cost_slopes(k, span);
             for (a, row) in self.assembly.block.chunks_exact(self.assembly.width).enumerate() {
-                out.hessian.extend(&row[..=a]);
+                out.hessian.extend(&row[a..]);
             }
         }
         let size = self.ends.columns.len();

@@ -126,28 +126,38 @@ impl Iterate {
         work[..n].copy_from_slice(&standard.derivatives.gradient);
         work[n..].fill(0.0);
         self.add_multipliers(standard, work);
-        let (mut stationarity, mut complementarity) = (0.0_f64, 0.0_f64);
-        let (mut sum_z, mut count) = (0.0, 0);
+        let mut stationarity = 0.0_f64;
         for k in 0..self.w.len() {
-            let slope = work[k] - self.z_low[k] + self.z_high[k];
-            stationarity = stationarity.max(slope.abs());
-            let sides = [
-                (self.z_low[k], self.w[k] - standard.low[k]),
-                (self.z_high[k], standard.high[k] - self.w[k]),
-            ];
-            for (z, distance) in sides.into_iter().filter(|s| s.1.is_finite()) {
-                complementarity = complementarity.max((z * distance - mu).abs());
-                (sum_z, count) = (sum_z + z, count + 1);
-            }
+            stationarity = stationarity.max((work[k] - self.z_low[k] + self.z_high[k]).abs());
         }
         let sum_y: f64 = self.y.iter().map(|y| y.abs()).sum();
-        let mean = |sum: f64, count: usize| (sum / count.max(1) as f64).max(LARGEST_MEAN) / LARGEST_MEAN;
-        let feasibility = (0..standard.m).fold(0.0_f64, |m, i| m.max(self.row(standard, i).abs()));
+        let (sum_z, count, largest) = self.limits(standard, mu);
         Errors {
             stationarity: stationarity / mean(sum_y + sum_z, standard.m + count),
-            feasibility,
-            complementarity: complementarity / mean(sum_z, count),
+            feasibility: (0..standard.m).fold(0.0_f64, |m, i| m.max(self.row(standard, i).abs())),
+            complementarity: largest / mean(sum_z, count),
         }
+    }
+
+    /// Sum of the multipliers of the limits, how many there are, and how far multiplier times distance is from `mu` at most.
+    fn limits(&self, standard: &Standard, mu: f64) -> (f64, usize, f64) {
+        let (mut sum, mut count, mut largest) = (0.0, 0, 0.0_f64);
+        for k in 0..self.w.len() {
+            let (low, high) = (self.w[k] - standard.low[k], standard.high[k] - self.w[k]);
+            for (z, distance) in [(self.z_low[k], low), (self.z_high[k], high)] {
+                if distance.is_finite() {
+                    (sum, count) = (sum + z, count + 1);
+                    largest = largest.max((z * distance - mu).abs());
+                }
+            }
+        }
+        (sum, count, largest)
+    }
+
+    /// Error of complementarity for the barrier `mu`.
+    pub fn complementarity(&self, standard: &Standard, mu: f64) -> f64 {
+        let (sum, count, largest) = self.limits(standard, mu);
+        largest / mean(sum, count)
     }
 
     /// Longest step in (0, 1] along `dw` that keeps the share 1 - `tau` of
@@ -227,4 +237,9 @@ pub(super) fn inside(value: f64, low: f64, high: f64, share: f64) -> f64 {
         (false, true) => value.min(high - margin(high)),
         (false, false) => value,
     }
+}
+
+/// The mean of `count` multipliers as a multiple of what is not scaled down, at least one.
+fn mean(sum: f64, count: usize) -> f64 {
+    (sum / count.max(1) as f64).max(LARGEST_MEAN) / LARGEST_MEAN
 }

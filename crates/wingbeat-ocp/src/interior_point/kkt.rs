@@ -3,7 +3,7 @@
 use super::runs::{EntryRun, runs};
 use super::standard::Standard;
 use wingbeat_math::multifrontal::{Factors, Inertia, Pattern};
-use wingbeat_math::rows::{axpy, dot};
+use wingbeat_math::rows::axpy_dot;
 
 /// Stability threshold of the pivots.
 const PIVOT_THRESHOLD: f64 = 1e-6;
@@ -23,7 +23,7 @@ pub(super) struct Kkt {
     pattern: Pattern,
     factors: Factors,
     values: Vec<f64>,
-    /// The entries of the matrix, by rows.
+    /// The entries of the Hessian and the Jacobian, by rows.
     entries: Vec<EntryRun>,
     /// Entries that belong to variables that are not free.
     fixed: Vec<usize>,
@@ -49,6 +49,12 @@ impl Kkt {
         entries.extend((0..n).map(|j| (j, j)));
         entries.extend(structure.jacobian.iter().map(|&(i, j)| (n + i, j)));
         entries.extend((0..m).map(|i| (n + i, n + i)));
+        let mut by_rows = runs(&structure.hessian);
+        by_rows.extend(runs(&structure.jacobian).into_iter().map(|run| EntryRun {
+            row: n + run.row,
+            entry: hessian + n + run.entry,
+            ..run
+        }));
         let mut blocks = structure.variable_block.clone();
         blocks.extend(&structure.constraint_block);
         let free = |k: usize| k >= n || standard.free[k];
@@ -58,7 +64,7 @@ impl Kkt {
             factors: Factors::default(),
             values: vec![0.0; entries.len()],
             fixed: fixed.map(|(k, _)| k).collect(),
-            entries: runs(&entries),
+            entries: by_rows,
             diagonal: vec![0.0; n],
             n,
             m,
@@ -169,10 +175,19 @@ impl Kkt {
         for _ in 0..5 {
             residual.clear();
             residual.extend(rhs);
+            let (curvature, slack) =
+                (&self.values[self.hessian..], &self.values[self.values.len() - self.m..]);
+            for j in 0..self.n {
+                residual[j] -= curvature[j] * x[j];
+            }
+            for i in 0..self.m {
+                residual[self.n + i] -= slack[i] * x[self.n + i];
+            }
             for run in &self.entries {
                 let (values, columns) = (run.of(&self.values), run.columns());
-                residual[run.row] -= dot(values, &x[columns.clone()]);
-                axpy(&mut residual[columns.clone()], -x[run.row], values);
+                let product =
+                    axpy_dot(&mut residual[columns.clone()], -x[run.row], values, &x[columns.clone()]);
+                residual[run.row] -= product;
                 if columns.contains(&run.row) {
                     residual[run.row] += values[run.row - run.column] * x[run.row];
                 }

@@ -13,10 +13,12 @@ pub(super) struct EntryRun {
 
 impl EntryRun {
     /// The entries of the run among `values`.
+    #[inline]
     pub fn of<'v>(&self, values: &'v [f64]) -> &'v [f64] {
         &values[self.entry..self.entry + self.length]
     }
 
+    #[inline]
     pub fn columns(&self) -> std::ops::Range<usize> {
         self.column..self.column + self.length
     }

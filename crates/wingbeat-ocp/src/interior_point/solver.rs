@@ -138,7 +138,7 @@ impl<'a> Solver<'a> {
             self.point.z_low.iter_mut().chain(&mut self.point.z_high).for_each(|z| *z = z.min(1.0));
             self.unit_limits();
         }
-        self.estimate_multipliers();
+        self.fit_multipliers();
         let theta = self.point.theta(&self.standard);
         self.theta_small = 1e-4 * theta.max(1.0);
         self.filter = Filter::new(1e4 * theta.max(1.0));
@@ -169,13 +169,17 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Multipliers of the rows by least squares; zero where those are huge.
+    /// Multipliers of the rows by least squares; zero where those are huge or the functions have no slopes.
     pub fn estimate_multipliers(&mut self) {
         self.point.y.fill(0.0);
-        if self.standard.m == 0
-            || self.standard.differentiate(&self.point.w[..self.standard.n], &self.point.y).is_err()
-            || !self.kkt.factorise_identity(&self.standard)
-        {
+        if self.standard.differentiate(&self.point.w[..self.standard.n], &self.point.y).is_ok() {
+            self.fit_multipliers();
+        }
+    }
+
+    /// The same where the slopes at the point are known, instead of multipliers of zero.
+    fn fit_multipliers(&mut self) {
+        if self.standard.m == 0 || !self.kkt.factorise_identity(&self.standard) {
             return;
         }
         let n = self.standard.n;
@@ -208,7 +212,7 @@ impl<'a> Solver<'a> {
             if let Some(status) = self.finished(&errors) {
                 return status;
             }
-            self.lower_barrier();
+            self.lower_barrier(&errors);
             let step = if self.newton_step() { self.search() } else { SearchStep::None };
             if let SearchStep::None = step
                 && let Some(status) = self.without_step(&errors, hook)
@@ -256,9 +260,11 @@ impl<'a> Solver<'a> {
     }
 
     /// Lowers the barrier while its problem is solved well enough.
-    fn lower_barrier(&mut self) {
+    fn lower_barrier(&mut self, errors: &Errors) {
         let least = self.options.complementarity.min(self.options.tolerance) / 10.0;
-        while self.mu > least && self.errors(self.mu).largest() <= BARRIER_ERROR * self.mu {
+        let others = errors.stationarity.max(errors.feasibility);
+        let error = |point: &Iterate, mu: f64| others.max(point.complementarity(&self.standard, mu));
+        while self.mu > least && error(&self.point, self.mu) <= BARRIER_ERROR * self.mu {
             self.mu = least.max((BARRIER_FACTOR * self.mu).min(self.mu.powf(BARRIER_POWER)));
             self.filter.clear();
         }

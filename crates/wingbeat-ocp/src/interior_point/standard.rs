@@ -2,7 +2,7 @@
 
 use super::super::nlp::{Derivatives, EvaluationError, Program, Structure};
 use super::runs::{EntryRun, runs};
-use wingbeat_math::rows::axpy;
+use wingbeat_math::rows::{all_finite, axpy};
 
 /// Gradients above this are scaled down to it (Waechter & Biegler 2006, 3.8).
 const LARGEST_GRADIENT: f64 = 100.0;
@@ -61,7 +61,7 @@ impl<'a> Standard<'a> {
     }
 
     /// Chooses the scales from the gradients at `x` and scales the slacks'
-    /// limits with them.
+    /// limits with them. The scaled first derivatives at `x` are then known.
     pub fn scale_at(&mut self, x: &[f64]) -> Result<(), EvaluationError> {
         let none = vec![0.0; self.m];
         self.differentiate(x, &none)?;
@@ -85,6 +85,7 @@ impl<'a> Standard<'a> {
             self.high[k] *= factor;
             self.fixed[k] *= factor;
         }
+        self.scale_slopes();
         Ok(())
     }
 
@@ -97,13 +98,9 @@ impl<'a> Standard<'a> {
         Ok(f * self.objective_scale)
     }
 
-    /// Scaled derivatives at `x` for the scaled multipliers `y`.
-    pub fn differentiate(&mut self, x: &[f64], y: &[f64]) -> Result<(), EvaluationError> {
-        for (out, (y, scale)) in self.multipliers.iter_mut().zip(y.iter().zip(&self.row_scale)) {
-            *out = y * scale;
-        }
+    /// Scales the first derivatives.
+    fn scale_slopes(&mut self) {
         let out = &mut self.derivatives;
-        self.program.differentiate(x, self.objective_scale, &self.multipliers, out)?;
         for g in &mut out.gradient {
             *g *= self.objective_scale;
         }
@@ -111,8 +108,18 @@ impl<'a> Standard<'a> {
             let scale = self.row_scale[run.row];
             out.jacobian[run.entry..run.entry + run.length].iter_mut().for_each(|v| *v *= scale);
         }
-        let finite = |v: &[f64]| v.iter().all(|v| v.is_finite());
-        if finite(&out.gradient) && finite(&out.jacobian) && finite(&out.hessian) {
+    }
+
+    /// Scaled derivatives at `x` for the scaled multipliers `y`.
+    pub fn differentiate(&mut self, x: &[f64], y: &[f64]) -> Result<(), EvaluationError> {
+        for (out, (y, scale)) in self.multipliers.iter_mut().zip(y.iter().zip(&self.row_scale)) {
+            *out = y * scale;
+        }
+        let out = &mut self.derivatives;
+        self.program.differentiate(x, self.objective_scale, &self.multipliers, out)?;
+        self.scale_slopes();
+        let out = &self.derivatives;
+        if all_finite(&out.gradient) && all_finite(&out.jacobian) && all_finite(&out.hessian) {
             return Ok(());
         }
         Err(EvaluationError(self.culprit()))
