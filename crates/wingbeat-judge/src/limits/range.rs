@@ -43,7 +43,7 @@ pub const REVERSED_OUTSIDE: JudgedLimit =
 /// Strips past the angle of attack up to which their law holds: from it on laws `linear` and `stall` are poor, and `lev` and `lev3d` were
 /// measured up to 45 deg (`aero.mancini`, `aero.plates`). Any share that would not be printed as 0 % is told.
 pub const STALLED: JudgedLimit = JudgedLimit::warn_above("range.stall_fraction", 5e-4, "")
-    .on("share of strips and time past the angle of attack up to which their lift law holds");
+    .on("share of strips and time past what their lift law holds for");
 /// Nearly all of a wing that is held in its wind: what comes out is a guess at the drag of a plate. Aerobat on its stand in a slow wind has
 /// .52; flights tumble through such angles. *Choice.*
 pub const STALLED_OUTSIDE: JudgedLimit =
