@@ -26,7 +26,7 @@ pub const FREE_PATH_ANGLE: JudgedLimit = JudgedLimit::warn_above("flight.free_pa
 pub const FALLS: JudgedLimit = JudgedLimit::at_most("flight.falling_path_angle_deg", 75.0, "deg", OffTarget)
     .on("nothing controls this flight, and it falls: mean angle of the path above or below the horizon");
 /// What carries the weight over whole cycles: a glide and a level flight have 1, a fall 0, a robot that dives because it is nose heavy .5 at first.
-/// The least of shipped flights without a controller has .87. *Choice.*
+/// The least of shipped flights without a controller has .86. *Choice.*
 pub const CARRIED: JudgedLimit = JudgedLimit::at_least("flight.weight_carried", 0.3, "", OffTarget)
     .on("the robot falls: mean upward force of air and thrusters over the weight");
 /// Commands at their limits, where the controller has no more to give. Held flights stay within 0.64.
