@@ -34,6 +34,7 @@ impl CalibrationResult {
         }
         judge.hold(&calibration::CHI_SQUARED, self.chi_squared);
         judge.hold(&calibration::BEYOND_NOISE, self.chi_squared);
+        judge.hold(&calibration::WRONG_MODEL, self.chi_squared);
         for run in self.fitted() {
             if let Some(by) = run.left_shift() {
                 judge.hold_about(

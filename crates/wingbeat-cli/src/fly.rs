@@ -68,6 +68,7 @@ fn simulate(
     let duration = scenario.spec.flight.duration_s;
     let progress = progress(duration, quiet);
     let mut left = scenario.spec.lattice.as_ref().map_or(TimeLeft::even(), TimeLeft::in_lattice);
+    progress.set_message("before the start: what the controller asks for");
     let run = scenario.fly(|sample| {
         watch.see(sample);
         progress.set_position((TICKS * sample.t) as u64);

@@ -127,7 +127,8 @@ pub fn beside(
         Err(error @ wingbeat_report::Error::File { .. })
         | Err(error @ wingbeat_report::Error::Record(wingbeat_io::Error::File { .. })) => Err(refused(error)),
         Err(error) => {
-            say::note(&format!("report.html is left out: {error}"));
+            let hidden = format!("{}: ", folder.partial().display());
+            say::note(&format!("report.html is left out: {}", error.to_string().replace(&hidden, "")));
             Ok(())
         }
     }

@@ -215,7 +215,11 @@ fn table(summary: &TrimSummary) -> String {
         ("search", format!("{:.2} s, {} steps a cycle", summary.search_s, summary.steps)),
         ("lift law", summary.lift_law.clone()),
     ];
-    let mut text: String = lines.iter().map(|(name, value)| format!("{name:<28}{value}\n")).collect();
+    // Of a search that found nothing there is nothing to tell but what was asked.
+    let asked = ["status", "course", "search", "lift law"];
+    let told = |name: &str| summary.residual.is_some() || asked.contains(&name);
+    let lines = lines.iter().filter(|(name, _)| told(name));
+    let mut text: String = lines.map(|(name, value)| format!("{name:<28}{value}\n")).collect();
     for mode in summary.multipliers.iter().take(8) {
         text += &format!(
             "{:<28}{:>8.5}  {:+.2} 1/s  {:.2} Hz  {} {}\n",

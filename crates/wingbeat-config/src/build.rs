@@ -137,7 +137,7 @@ impl ScenarioSpec {
             let allowed = "none beside [lattice], whose wake is shed in equal steps";
             return Err(Error::invalid("flight.error_m", error, allowed).against(["lattice.step_s"]));
         }
-        require::finite("start.velocity_m_s", &self.start.velocity_m_s)?;
+        self.start.in_range().map_err(|e| e.within("start"))?;
         self.aero.check().map_err(|e| e.within("aero"))?;
         if let Some(goal) = &self.goal {
             goal.check().map_err(|e| e.within("goal"))?;
@@ -158,7 +158,6 @@ impl ScenarioSpec {
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
         }
-        require::finite("start.rate_rad_s", &self.start.rate_rad_s)?;
         if let Some(trim) = &self.trim {
             trim.check().map_err(|e| e.within("trim"))?;
         }

@@ -2,6 +2,7 @@
 
 use super::plausible;
 use super::spec::GoalSpec;
+use super::stall;
 use super::summary::{Context, PartClearance, Summary, mean};
 use std::f64::consts::TAU;
 use wingbeat_flight::simulate::{Ending, Flight, Record};
@@ -120,11 +121,11 @@ impl JudgedFlight<'_> {
     /// Judges what the goal leaves open by what the controller is there for.
     fn task(&self, judge: &mut Judge) {
         let (summary, goal) = (self.summary, self.context.goal);
+        judge.hold_if(&flight::CARRIED, self.weight_carried());
         if self.context.period_s.is_none() {
-            judge.hold_if(
-                &flight::FREE_PATH_ANGLE,
-                self.path_angle().filter(|_| self.context.perch.is_none()),
-            );
+            for limit in [&flight::FREE_PATH_ANGLE, &flight::FALLS] {
+                judge.hold_if(limit, self.path_angle().filter(|_| self.context.perch.is_none()));
+            }
             return;
         }
         let height = summary.height_max_error_m.filter(|_| summary.path.is_none());
@@ -240,14 +241,10 @@ impl JudgedFlight<'_> {
             }
         }
         judge.hold_if(&flight::AVERAGED, self.cycles.map(|cycles| cycles + ROUNDING));
-        judge.hold_if(&range::REVERSED, self.context.means.map(|means| means.reversed_fraction));
-        for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
-            if let Some((what, percent)) = law.about().beyond_stall.zip(percent(*share)) {
-                let text = format!(
-                    "on {percent} % of the strips the angle of attack exceeds the stall angle; lift law `{}` {what}",
-                    law.name()
-                );
-                judge.warn(Warning::new("flight.beyond_stall", text).size(*share).key("aero.law"));
+        if let Some(means) = self.context.means {
+            judge.hold(&range::REVERSED, means.reversed_fraction);
+            if self.context.robot.density() > 0.0 {
+                stall::hold(judge, &means.stalled);
             }
         }
     }
@@ -256,6 +253,15 @@ impl JudgedFlight<'_> {
     fn peak_power(&self) -> Option<f64> {
         self.context.means?;
         self.record.values("joint_power")?.iter().map(|power| power.abs()).reduce(f64::max)
+    }
+
+    /// Share of the weight that is carried over whole cycles, or with the wings at rest over half a second and more; none in a vacuum, which
+    /// carries nothing, and of a robot that hangs from a perch.
+    fn weight_carried(&self) -> Option<f64> {
+        let whole =
+            self.cycles.map_or(self.flight.duration >= WHOLE_CYCLES, |cycles| cycles + ROUNDING >= 1.0);
+        let flies = self.context.robot.density() > 0.0 && self.context.perch.is_none();
+        self.summary.cost.weight_carried.filter(|_| whole && flies)
     }
 
     /// Mean rate of a crank under a motor over that of the gait, once settled.
@@ -306,23 +312,4 @@ pub(super) fn mean_velocity(record: &Record, first: usize, wind: Vec3) -> Option
     let rows = x.len().checked_sub(first).filter(|rows| *rows > 0)? as f64;
     let speed: f64 = (first..x.len()).map(|row| (Vec3::new(x[row], y[row], z[row]) - wind).norm()).sum();
     Some((speed / rows, z[first..].iter().sum::<f64>() / rows))
-}
-
-/// A share in per cent, below one with a digit more; none of what would be printed as nothing.
-fn percent(share: f64) -> Option<String> {
-    let percent = 100.0 * share;
-    let digits = usize::from(percent < 1.0);
-    (percent >= 0.05).then(|| format!("{percent:.digits$}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_small_share_past_stall_is_no_zero() {
-        let told = [0.0, 4e-4, 0.002, 0.0098, 0.016, 0.84].map(percent);
-        let told: Vec<&str> = told.iter().map(|text| text.as_deref().unwrap_or("none")).collect();
-        assert_eq!(told, ["none", "none", "0.2", "1.0", "2", "84"]);
-    }
 }

@@ -56,6 +56,7 @@ mod span_keys;
 mod spar_numbers;
 mod spar_spec;
 mod spec;
+mod stall;
 mod step_error;
 mod summary;
 mod sweep;

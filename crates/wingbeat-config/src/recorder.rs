@@ -6,7 +6,7 @@ use super::perch::{self, PerchSpec};
 use super::pinned::PinSummary;
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
-use wingbeat_aero::{Aero, FROM_BEHIND, LiftLaw, LoadSource, Loads, StripState};
+use wingbeat_aero::{Aero, FROM_BEHIND, LoadSource, Loads, StallCount, StripState};
 use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{
     AXES, Column, Controller, Cost, Ending, Flight, Record, Sample, StripRecorder, pin_columns,
@@ -56,12 +56,10 @@ pub struct Recorded {
 /// What is averaged over all samples of a flight while it is recorded.
 #[derive(Clone, Debug)]
 pub struct FlightMeans {
-    /// Share of strips past the stall angle.
-    pub stall_fraction: f64,
+    /// Strips by their angles of attack.
+    pub stalled: StallCount,
     /// Share of strips that the wind meets from behind, at an angle of attack above 135 degrees.
     pub reversed_fraction: f64,
-    /// Laws under which strips were past the stall angle, with their shares of all samples.
-    pub stalled: Vec<(LiftLaw, f64)>,
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
@@ -232,19 +230,15 @@ impl<'a> Recorder<'a> {
 
     /// What was recorded.
     pub fn finish(self) -> Recorded {
-        let surfaces = self.robot.surfaces();
-        let limits: Vec<(LiftLaw, f64)> = surfaces
-            .flat_map(|(_, aero)| std::iter::repeat_n((aero.law(), aero.stall_angle()), aero.strips()))
-            .collect();
+        let mut stalled = StallCount::default();
+        let mut incidence = self.incidence.iter().copied();
+        while incidence.len() > 0 {
+            for (_, aero) in self.robot.surfaces() {
+                stalled.see(aero, incidence.by_ref().take(aero.strips()));
+            }
+        }
         let count = self.incidence.len().max(1) as f64;
-        let past = |law: LiftLaw| {
-            let samples = self.incidence.iter().zip(limits.iter().cycle());
-            samples.filter(|(a, (of, limit))| *of == law && a.abs() > *limit).count() as f64 / count
-        };
-        let stalled = LiftLaw::ALL.map(|law| (law, past(law)));
         let reversed = self.incidence.iter().filter(|a| a.abs() > FROM_BEHIND).count() as f64 / count;
-        let stall_fraction = stalled.iter().map(|(_, share)| share).sum();
-        let stalled = stalled.into_iter().filter(|(_, share)| *share > 0.0).collect();
         let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
         let means = FlightMeans {
             separated_fraction,
@@ -255,7 +249,6 @@ impl<'a> Recorder<'a> {
             flap: flaps(self.robot, &self.record),
             spar: LinkSparSummary::of(self.robot, &self.record),
             pin_springs: PinSummary::of(self.robot, &self.record),
-            stall_fraction,
             reversed_fraction: reversed,
             stalled,
         };

@@ -123,6 +123,7 @@ impl RigRun {
     fn build(spec: RigRunSpec, mut resolved: toml::Table, document: Document) -> Result<Self, Error> {
         RunName::new("name", &spec.name)?;
         spec.in_range()?;
+        spec.check_frequency()?;
         spec.process.check().map_err(|e| e.within("process"))?;
         spec.hold.as_ref().map_or(Ok(()), HoldSpec::check).map_err(|e| e.within("hold"))?;
         spec.turn.as_ref().map_or(Ok(()), TurnSpec::check).map_err(|e| e.within("turn"))?;

@@ -5,6 +5,7 @@ use super::link_spar::{LinkSparSummary, hold_shape};
 use super::pinned::PinSummary;
 use super::plausible;
 use super::skin::MembraneSummary;
+use super::stall;
 use super::unheard::{frictionless, of_strips, side_edges};
 use super::web;
 use super::{LatticeSummary, RigRun};
@@ -135,7 +136,7 @@ impl RigRun {
         };
         let lattice = outcome.coupling.map(|of| LatticeSummary::new(of, self.spec.lattice.as_ref()));
         judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
-        judge.hold(&rig::STALLED, outcome.stall_fraction);
+        stall::hold(&mut judge, &outcome.stalled);
         judge.hold_if(&wake::INFLOW, lattice.map(|lattice| lattice.inflow_fraction));
         let skin = |((_, aero), heights): ((&str, &Aero), &Vec<[f64; 2]>)| {
             MembraneSummary::of(aero, heights.iter().copied(), self.frequency())
@@ -161,7 +162,7 @@ impl RigRun {
         let cautions = lattice.iter().flat_map(LatticeSummary::cautions);
         cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
         let surfaces = || self.robot.surfaces().map(|(_, aero)| aero);
-        let edges = side_edges(&self.spec.rig.aero, surfaces(), Some(outcome.stall_fraction));
+        let edges = side_edges(&self.spec.rig.aero, surfaces(), Some(outcome.stalled.stalled()));
         let flow = self.spec.lattice.as_ref();
         let soft = lattice::soft(flow, surfaces());
         let said = of_strips(&self.spec.rig.aero, flow, surfaces()).into_iter().chain(edges).chain(soft);
@@ -175,7 +176,7 @@ impl RigRun {
             window_s,
             record: Some(outcome.record),
             saturated: outcome.saturated,
-            stall_fraction: Some(outcome.stall_fraction),
+            stall_fraction: Some(outcome.stalled.stalled()),
             lattice,
             membrane,
             pin_springs,

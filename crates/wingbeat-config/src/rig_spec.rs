@@ -114,6 +114,8 @@ pub enum Saturated {
 const LONGEST_S: f64 = 3600.0;
 /// Most samples of a run: 3 GB in memory.
 const MAX_SAMPLES: f64 = 4e6;
+/// Fewest samples of a stroke that a cell takes: its tenth harmonic is at their Nyquist frequency. *Choice.*
+const STROKE_SAMPLES: f64 = 20.0;
 /// Most phases of an average.
 const MAX_BINS: f64 = 1e4;
 
@@ -298,6 +300,19 @@ impl RigRunSpec {
     pub(super) fn lattice_samples(&self) -> Result<Option<usize>, Error> {
         let every = |spec: &LatticeSpec| spec.every(1.0 / self.rig.cell.rate_hz, "samples of");
         self.lattice.as_ref().map(every).transpose().map_err(|e| e.against(["rig.cell.rate_hz"]))
+    }
+
+    /// Refuses a gait whose strokes are over before the cell has taken [`STROKE_SAMPLES`] of them.
+    pub(super) fn check_frequency(&self) -> Result<(), Error> {
+        let rate = self.rig.cell.rate_hz;
+        let (frequency, most) =
+            (self.frequency_hz.unwrap_or_else(|| self.rig.robot.gait.frequency_hz()), rate / STROKE_SAMPLES);
+        if !(frequency > most) {
+            return Ok(());
+        }
+        let allowed =
+            format!("0 to {most}: rig.cell.rate_hz = {rate} then takes {STROKE_SAMPLES} samples of a stroke");
+        Err(Error::invalid("frequency_hz", frequency, allowed).against(["rig.cell.rate_hz"]))
     }
 
     /// The robot in the rig's air, with this run's wind and frequency.

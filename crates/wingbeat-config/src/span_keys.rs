@@ -14,13 +14,15 @@ pub(super) fn aeros(robot: &Robot) -> impl Iterator<Item = &Aero> {
     robot.surfaces().map(|(_, aero)| aero)
 }
 
-/// Which of the two any of the `models` has; none where none of them is of strips.
-fn chosen<'a>(models: impl IntoIterator<Item = &'a Aero>) -> Option<[bool; 2]> {
+/// Which of the two any of the `models` has; none where none of them is of strips. Suction of edges leaves the other key open: it says that
+/// the impulse does not turn on flat surfaces, and a membrane or flap that is given later has it by default.
+fn chosen<'a>(models: impl IntoIterator<Item = &'a Aero>) -> Option<[Option<bool>; 2]> {
     let of = |model: &'a Aero| match model {
         Aero::Strip(strips) => Some(strips.span_keys()),
         Aero::LiftingLine(_) => None,
     };
-    models.into_iter().filter_map(of).reduce(|all, one| [all[0] || one[0], all[1] || one[1]])
+    let all = models.into_iter().filter_map(of).reduce(|all, one| [all[0] || one[0], all[1] || one[1]]);
+    all.map(|[edges, turns]| [Some(edges), Some(turns).filter(|turns| *turns || !edges)])
 }
 
 /// Puts what the `models` have into the table of aerodynamics at `aero` of a `resolved` document, where it gives neither.
@@ -37,7 +39,9 @@ pub(super) fn resolve<'a>(
         table = inner;
     }
     for (key, value) in SPAN_KEYS.into_iter().zip(chosen) {
-        table.entry(key).or_insert(toml::Value::Boolean(value));
+        if let Some(value) = value {
+            table.entry(key).or_insert(toml::Value::Boolean(value));
+        }
     }
 }
 
@@ -95,8 +99,8 @@ impl FullAeroSpec {
     /// Gives both keys as the `models` have them, where they are not given.
     pub(super) fn resolve<'a>(&mut self, models: impl IntoIterator<Item = &'a Aero>) {
         if let Some([edges, turns]) = chosen(models) {
-            self.edge_suction.get_or_insert(edges);
-            self.turning_impulse.get_or_insert(turns);
+            self.edge_suction = self.edge_suction.or(edges);
+            self.turning_impulse = self.turning_impulse.or(turns);
         }
     }
 }

@@ -307,6 +307,7 @@ fn default_lift_slope() -> f64 {
 
 /// State at t = 0; what is not given is 0.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields, default)]
 pub struct StartSpec {
     /// Velocity v_WB_W, m/s.
@@ -388,6 +389,13 @@ ranges!(AeroSpec {
 });
 ranges!(AirSpec { density_kg_m3: Range::NOT_NEGATIVE, gust_m_s: Range::NOT_NEGATIVE });
 ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
+ranges!(StartSpec {
+    velocity_m_s: Range::between(-1000.0, 1000.0),
+    roll_deg: Range::between(-180.0, 180.0),
+    nose_up_deg: Range::between(-180.0, 180.0),
+    yaw_deg: Range::between(-360.0, 360.0),
+    rate_rad_s: Range::between(-1000.0, 1000.0),
+});
 ranges!(FlightSpec {
     duration_s: Range::POSITIVE,
     step_s: Range::POSITIVE,

@@ -396,7 +396,7 @@ impl Summary {
             aero_preset: context.preset.clone(),
             lattice: context.lattice,
             lift_law: context.law.clone(),
-            stall_fraction: means.map(|means| means.stall_fraction),
+            stall_fraction: means.map(|means| means.stalled.stalled()),
             separated_fraction: means.map(|means| means.separated_fraction),
             suction_lost_fraction: means.map(|means| means.suction_lost_fraction),
             membrane: means.and_then(|means| means.membrane),

@@ -215,7 +215,7 @@ fn of_case(run: &TetherRun, verdict: &Verdict) -> [f64; CASE.len()] {
         mean("power"),
         peak("power"),
         run.efficiency.filter(|_| completed).unwrap_or(f64::NAN),
-        if completed { run.stall_fraction } else { f64::NAN },
+        if completed { run.stalled.stalled() } else { f64::NAN },
         run.periodicity.as_ref().filter(|_| completed).map_or(f64::NAN, |periodicity| periodicity.change),
     ]
 }

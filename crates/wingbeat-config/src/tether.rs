@@ -7,6 +7,7 @@ use super::moved::{Moved, repeating};
 use super::skin::MembraneSummary;
 use super::span_keys::{resolve, varied};
 use super::spar_numbers::SparNumbers;
+use super::stall;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::unheard::{of_strips, side_edges};
 use super::web;
@@ -160,7 +161,7 @@ impl TetherCase {
             name: self.spec.name.clone(),
             preset: self.spec.aero.preset.name(),
             lift_law: law.name(),
-            stall_fraction: whole(Some(run.stall_fraction)),
+            stall_fraction: whole(Some(run.stalled.stalled())),
             step_change: step_change.map(|change| change.mean),
             step_change_of_peaks: step_change.map(|change| change.peak),
             separated_fraction: whole(Some(run.separated_fraction)),
@@ -211,6 +212,8 @@ impl TetherCase {
             for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
                 judge.hold(limit, run.reversed_fraction);
             }
+            stall::hold(&mut judge, &run.stalled);
+            judge.hold(&range::STALLED_OUTSIDE, run.stalled.untested());
             judge.hold(&tether::SLENDER, 2.0 * planform.covered_half_span() / mean_chord(planform));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
@@ -223,9 +226,8 @@ impl TetherCase {
         if let Some(flap) = self.hinged(run) {
             flap.judge(&mut judge);
         }
-        self.stalled(run)
+        self.slow()
             .into_iter()
-            .chain(self.slow())
             .chain(near(
                 self.tether.ground_distance(),
                 mean_chord(self.tether.wing.planform()),
@@ -234,7 +236,7 @@ impl TetherCase {
             .chain(repeating(run, self.tether.clock.frequency_hz).filter(|_| !self.tether.motion.is_still()))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
-            .chain(side_edges(&self.spec.aero, [&self.tether.aero], Some(run.stall_fraction)))
+            .chain(side_edges(&self.spec.aero, [&self.tether.aero], Some(run.stalled.stalled())))
             .chain(of_strips(&self.spec.aero, None, [&self.tether.aero]))
             .chain(web::of_hinges(&self.spec.wing.hinges, &self.tether.aero))
             .chain(run.steady.iter().flat_map(|steady| {
@@ -283,21 +285,6 @@ impl TetherCase {
         let first = angles.len().saturating_sub(last);
         let flap = FlapSummary::tethered(&self.tether.aero, angles[first..].iter().copied());
         flap.filter(|_| run.ending == Ending::Complete)
-    }
-
-    /// The caution that the law does not hold for all of the motion.
-    fn stalled(&self, run: &TetherRun) -> Option<Warning> {
-        let law = self.tether.aero.law();
-        let what = law
-            .about()
-            .beyond_stall
-            .filter(|_| run.ending == Ending::Complete && run.stall_fraction > 0.0)?;
-        let (share, limit) = (100.0 * run.stall_fraction, self.tether.aero.stall_angle().to_degrees());
-        let text = format!(
-            "on {share:.1} % of the strips of the last cycle the angle of attack exceeds {limit:.0} deg; lift law `{}` {what}",
-            law.name()
-        );
-        Some(Warning::new("tether.stall", text).size(run.stall_fraction).key("aero.law"))
     }
 }
 

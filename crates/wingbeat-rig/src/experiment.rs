@@ -13,7 +13,7 @@ use wingbeat_math::Error;
 use wingbeat_math::{Jet, Mat3, Quat, Random, Scalar, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_robot::{BeyondLoads, Deflections, MotorWork};
-use wingbeat_robot::{BodyMotion, CarriedLoads, Compiled, Robot, Stance};
+use wingbeat_robot::{BodyMotion, CarriedLoads, Compiled, Robot, StallCount, Stance};
 
 /// A run ready to be simulated.
 #[derive(Debug)]
@@ -55,8 +55,8 @@ pub struct Outcome {
     pub record: Record,
     /// Samples with a saturated channel.
     pub saturated: usize,
-    /// Share of strips and samples after the rest that are past their stall angle.
-    pub stall_fraction: f64,
+    /// Strips and samples after the rest by their angles of attack.
+    pub stalled: StallCount,
     /// Largest deflections after the rest.
     pub deflections: Deflections,
     /// Heights over the chord of the strips of each membrane after the rest, dimensionless.
@@ -78,8 +78,8 @@ pub struct CellLoads {
     pub phase: f64,
     /// What the motor does, where one turns the crank.
     pub motor: Option<MotorWork>,
-    /// Share of the strips past their stall angle.
-    pub stalled: f64,
+    /// The strips by their angles of attack.
+    pub stalled: StallCount,
     /// How far what is soft gives way.
     pub deflections: Deflections,
 }
@@ -107,7 +107,8 @@ impl Experiment<'_> {
         let samples = self.samples();
         let mut record = Record::new(self.columns(), samples + 1)?;
         let mut row = Vec::new();
-        let (mut saturated, mut stalled, mut deflections) = (0, (0, 0.0), Deflections::default());
+        let (mut saturated, mut stalled, mut deflections) =
+            (0, StallCount::default(), Deflections::default());
         let mut heights = vec![Vec::new(); self.robot.surfaces().count()];
         let bent = self.robot.bent_states();
         let thin = ((self.cell.rate_hz / LOOKS_HZ) as usize).max(samples / MOST_LOOKS + 1);
@@ -127,7 +128,7 @@ impl Experiment<'_> {
                 load += wrench(std::array::from_fn(|i| noise[i] * self.deviations.unrest[i]));
             }
             if t >= 0.0 {
-                stalled = (stalled.0 + 1, stalled.1 + now.stalled);
+                stalled.add(&now.stalled);
                 deflections = deflections.largest(now.deflections);
                 if k.is_multiple_of(thin) {
                     let now = self.robot.membrane_heights(states.0);
@@ -166,11 +167,10 @@ impl Experiment<'_> {
                 (ending, Some(coupling))
             }
         };
-        let stall_fraction = stalled.1 / f64::from(stalled.0.max(1));
         match ending {
             Ending::Fault(fault) => Ok(Err(fault)),
             Ending::Complete | Ending::Stopped => {
-                Ok(Ok(Outcome { record, saturated, stall_fraction, deflections, heights, coupling }))
+                Ok(Ok(Outcome { record, saturated, stalled, deflections, heights, coupling }))
             }
         }
     }

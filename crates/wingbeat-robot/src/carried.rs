@@ -7,7 +7,7 @@ use super::surface::External;
 use super::{Joints, Links, Robot};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
 use arrayvec::ArrayVec;
-use wingbeat_aero::{LoadSource, Loads, MAX_STRIPS, StripLoads, Surface};
+use wingbeat_aero::{LoadSource, Loads, MAX_STRIPS, StallCount, StripLoads, Surface};
 use wingbeat_math::{Jet, Mat3, Meets, Quat, Scalar, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, MAX_COORDINATES};
 
@@ -53,8 +53,8 @@ pub struct CarriedLoads<S: Scalar = f64> {
     pub air_power: S,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3<S>,
-    /// Share of the strips past their stall angle.
-    pub stalled: f64,
+    /// Strips past the angles of attack up to which their laws hold.
+    pub stalled: StallCount,
     /// How far flaps and spars give way.
     pub deflections: Deflections,
 }
@@ -222,13 +222,14 @@ impl<P: Scalar> Robot<P> {
         Ok(())
     }
 
-    /// Share of the strips whose incidence is past their stall angle.
-    fn stalled<S: Scalar>(&self, loads: &Loads<S>) -> f64 {
-        let surfaces = self.covering.aero.surfaces().iter().map(|surface| surface.aero());
-        let limits = surfaces.flat_map(|aero| std::iter::repeat_n(aero.stall_angle(), aero.strips()));
-        let strips = loads.incidence[..loads.strips].iter().zip(limits);
-        strips.filter(|(incidence, limit)| incidence.value().abs() > *limit).count() as f64
-            / loads.strips.max(1) as f64
+    /// The strips by their angles of attack.
+    fn stalled<S: Scalar>(&self, loads: &Loads<S>) -> StallCount {
+        let (mut count, mut incidence) = (StallCount::default(), loads.incidence[..loads.strips].iter());
+        for surface in self.covering.aero.surfaces() {
+            let aero = surface.aero();
+            count.see(aero, incidence.by_ref().take(aero.strips()).map(|angle| angle.value()));
+        }
+        count
     }
 
     /// The largest deflections under `loads` with the `joints` as they are.

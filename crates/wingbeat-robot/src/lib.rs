@@ -78,6 +78,7 @@ use mechanism::Mechanism;
 use std::ops::Range;
 use std::sync::Arc;
 use surface::Covering;
+pub use wingbeat_aero::StallCount;
 use wingbeat_aero::{Aero, LiftLaw, Surfaces};
 use wingbeat_math::Error;
 use wingbeat_math::{Jet, Scalar, Vec3};

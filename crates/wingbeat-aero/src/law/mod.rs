@@ -4,6 +4,7 @@
 //! which parameters of the section it asks for and which states each strip carries for it; configurations, records
 //! and pages read it there.
 
+mod count;
 mod drag;
 mod kinds;
 pub(super) mod lev;
@@ -11,6 +12,7 @@ mod lev3d;
 mod linear;
 mod stall;
 
+pub use count::StallCount;
 pub use drag::ProfileDrag;
 
 use crate::SurfaceNumbers;
@@ -75,8 +77,10 @@ pub struct Law {
     /// True when the leading edge holds limited suction and sheds a vortex, whose normal force is the first of the
     /// states.
     pub edge_vortex: bool,
-    /// What the law does past the stall angle, as the end of a sentence; nothing of a law made for it.
-    pub beyond_stall: Option<&'static str>,
+    /// Angle of attack up to which it holds, deg, where that is not the stall angle.
+    pub holds_to_deg: Option<f64>,
+    /// What it does past that angle, as the end of a sentence.
+    pub beyond: &'static str,
 }
 
 /// How a law tells the share of the lift that stays attached.
@@ -123,6 +127,9 @@ pub struct StripState {
     /// What it is, as a table of results names it.
     pub meaning: &'static str,
 }
+
+/// Angle of attack past which no law was compared with a measurement, deg: plates at rest reach 29, a pitched one 45 (Mancini et al. 2017).
+pub const UNTESTED_DEG: f64 = 45.0;
 
 /// Angle of attack at which the attached lift is largest.
 pub const STALL_ANGLE: Parameter = Parameter {
@@ -205,6 +212,11 @@ impl LiftLaw {
     #[inline]
     pub fn states(self) -> &'static [StripState] {
         self.about().states
+    }
+
+    /// Angle of attack up to which it holds, rad, of a section with the stall angle `stall_angle`, rad.
+    pub fn holds_to(self, stall_angle: f64) -> f64 {
+        self.about().holds_to_deg.map_or(stall_angle, f64::to_radians)
     }
 
     /// True when the flow separates under it, so that it takes the force broadside from `cd90`.

@@ -13,9 +13,8 @@ impl Section for Stall {
         states: &[],
         attachment: Attachment::AtOnce,
         edge_vortex: false,
-        beyond_stall: Some(
-            "is quasi-steady, so that lift is only within +-50 % there, and a mean thrust may have the other sign",
-        ),
+        holds_to_deg: None,
+        beyond: "is quasi-steady, so that lift is only within +-50 % there, and a mean thrust may have the other sign",
     };
 }
 

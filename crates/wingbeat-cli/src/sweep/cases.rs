@@ -60,7 +60,8 @@ impl CaseSweepSummary {
         Self { runs: record.rows(), measures }
     }
 
-    pub fn table(&self) -> String {
+    /// Its rows, and what was drawn for the runs that they name.
+    pub fn table(&self, record: &Record, sweep: &Sweep) -> String {
         let mut text =
             format!("{:<24}{:>6}{:>12}{:>7}{:>12}{:>7}\n", "", "runs", "least", "run", "most", "run");
         let cell = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.5}"));
@@ -71,6 +72,18 @@ impl CaseSweepSummary {
             text += format!("{name:<24}{counted:>6}{least:>12}{first:>7}{most:>12}{second:>7}  {unit}")
                 .trim_end();
             text.push('\n');
+        }
+        let runs = record.values("run").unwrap_or_default();
+        let named = |run: &f64| {
+            self.measures.iter().any(|of| of.least_run == Some(*run) || of.most_run == Some(*run))
+        };
+        for (row, run) in runs.iter().enumerate().filter(|(_, run)| named(run)) {
+            let drawn = sweep.spec.draws.iter().filter_map(|draw| {
+                let value = record.values(&draw.key)?[row];
+                let word = draw.word(value).map_or_else(|| value.to_string(), |word| word.to_string());
+                Some(format!("{} = {word}", draw.key))
+            });
+            text += &format!("run {run}: {}\n", drawn.collect::<Vec<_>>().join(", "));
         }
         text
     }

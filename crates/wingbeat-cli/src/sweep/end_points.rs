@@ -85,16 +85,17 @@ pub fn text(groups: &[EndPointGroup]) -> String {
         [Some(low), Some(middle), Some(high)] => format!("{middle:.2} ({low:.2} to {high:.2})"),
         _ => "-".into(),
     };
+    let published =
+        if groups.iter().any(|group| group.from_paper_m.is_some()) { "from the paper's" } else { "" };
     let mut text = format!(
-        "{:<22}{:>8}{:>10}{:>6}  {:<27}{:<27}{:<27}{}\n",
+        "{:<22}{:>8}{:>10}{:>6}  {:<27}{:<27}{:<27}{published}\n",
         "end point",
         "flights",
         "completed",
         "held",
         "x, median (5 to 95 %) m",
         "y, left is positive",
-        "climb",
-        "from the paper's"
+        "climb"
     );
     for group in groups {
         text += &format!(

@@ -20,9 +20,9 @@ pub struct FlightSweepSummary {
     flights: usize,
     held: usize,
     share_held: f64,
-    /// Share held with 95 % confidence: Wilson 1927.
-    share_held_low: f64,
-    share_held_high: f64,
+    /// Share held with 95 % confidence: Wilson 1927. None of a grid, which is no sample.
+    share_held_low: Option<f64>,
+    share_held_high: Option<f64>,
     /// Median, 90th percentile and largest, as all of three, over the completed flights that have the number: `counted` says how
     /// many.
     roll_max_error_deg: Quantiles,
@@ -54,7 +54,7 @@ pub struct FlightSweepSummary {
 }
 
 impl FlightSweepSummary {
-    pub fn new(record: &Record, hold: Hold, end_points: Vec<EndPointGroup>) -> Self {
+    pub fn new(record: &Record, hold: Hold, is_grid: bool, end_points: Vec<EndPointGroup>) -> Self {
         let values = |name: &str| record.values(name).unwrap_or_default();
         let count = |name: &str| values(name).iter().filter(|value| **value == 1.0).count();
         let of = |name: &str| {
@@ -62,7 +62,7 @@ impl FlightSweepSummary {
             rows.filter(|(value, done)| **done == 1.0 && value.is_finite()).map(|(value, _)| *value).collect()
         };
         let (held, flights) = (count("held"), record.rows());
-        let (low, high) = wilson(held, flights);
+        let interval = (!is_grid).then(|| wilson(held, flights));
         let mut counted = BTreeMap::new();
         let mut quantiles = |name: &'static str| {
             let values: Vec<f64> = of(name);
@@ -78,8 +78,8 @@ impl FlightSweepSummary {
             flights,
             held,
             share_held: held as f64 / flights as f64,
-            share_held_low: low,
-            share_held_high: high,
+            share_held_low: interval.map(|(low, _)| low),
+            share_held_high: interval.map(|(_, high)| high),
             roll_max_error_deg: roll,
             pitch_max_error_deg: pitch,
             roll_within_deg: hold.roll_within_deg,
@@ -105,13 +105,15 @@ impl FlightSweepSummary {
 
     pub fn table(&self) -> String {
         let percent = |share: f64| 100.0 * share;
+        let interval = self.share_held_low.zip(self.share_held_high);
+        let interval = interval.map_or(String::new(), |(low, high)| {
+            format!(" (95 % confidence {:.1} to {:.1} %)", percent(low), percent(high))
+        });
         let mut text = format!(
-            "held {} of {} flights: {:.1} % (95 % confidence {:.1} to {:.1} %)\n\n{:<24}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
+            "held {} of {} flights: {:.1} %{interval}\n\n{:<24}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
             self.held,
             self.flights,
             percent(self.share_held),
-            percent(self.share_held_low),
-            percent(self.share_held_high),
             "",
             "flights",
             "median",

@@ -14,7 +14,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{Sweep, SweepCounts, SweepOf, SweepRows};
+use wingbeat::scenario::{Sampling, Sweep, SweepCounts, SweepOf, SweepRows};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_io::{write_csv, write_parquet};
 
@@ -167,14 +167,16 @@ fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(Verdic
     };
     let table = match sweep.of {
         SweepOf::Flights(hold) => {
-            let own = flights::FlightSweepSummary::new(record, hold, end_points::table(record, sweep));
+            let is_grid = sweep.spec.sampling == Sampling::Grid;
+            let ends = end_points::table(record, sweep);
+            let own = flights::FlightSweepSummary::new(record, hold, is_grid, ends);
             folder.write_json("summary.json", &SweepSummary { shared, own: &own })?;
             own.table()
         }
         SweepOf::Cases => {
             let own = cases::CaseSweepSummary::new(record);
             folder.write_json("summary.json", &SweepSummary { shared, own: &own })?;
-            own.table()
+            own.table(record, sweep)
         }
     };
     let noun = noun(sweep);

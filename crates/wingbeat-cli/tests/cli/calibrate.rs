@@ -199,6 +199,13 @@ fn what_a_wrong_model_leaves_is_told_from_noise() {
             summary["chi_squared"], summary["residual_autocorrelation"]
         );
         let warned = summary["warnings"].to_string().contains("calibration.residual_autocorrelation");
+        // What misses the loads by ten times their noise is no `ok`.
+        let misses = summary["reason"].to_string().contains("limits.calibration.wrong_model_chi_squared");
+        assert_eq!(
+            (misses, output.status.code()),
+            (law == "stall", Some(if misses { 3 } else { 0 })),
+            "{law}"
+        );
         (summary["residual_autocorrelation"].as_f64().unwrap(), warned)
     };
     let (noise, warned) = left("linear");

@@ -70,7 +70,9 @@ fn figures_show_the_joints_that_a_robot_has_by_their_names() {
     let scenario = "name = \"own\"\nrobot = \"robot.toml\"\nair.density_kg_m3 = 1.225\naero = { preset = \"full\", law = \"stall\" }\n\
                     start.velocity_m_s = [6.0, 0.0, 0.0]\nflight = { duration_s = 0.6, step_s = 5e-4, record_every_s = 2e-3 }\n";
     fs::write(folder.join("own.toml"), scenario).unwrap();
-    let output = wingbeat(&folder, &["fly", "own.toml", "--out", "a", "--quiet"]);
+    // It dives.
+    let dives = "limits.flight.weight_carried=-1.0";
+    let output = wingbeat(&folder, &["fly", "own.toml", "--out", "a", "--quiet", "--set", dives]);
     assert!(output.status.success(), "{output:?}");
     let figure = |name: &str| fs::read_to_string(folder.join("a/figures").join(name)).unwrap();
     for joint in ["arm angle", "hand angle", "tail angle"] {

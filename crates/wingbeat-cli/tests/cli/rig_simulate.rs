@@ -35,7 +35,7 @@ fn a_run_of_the_bench_has_a_verdict_and_its_ending() {
     assert_eq!(found["judged"][0]["id"], "rig.saturated_fraction");
     let ids: Vec<&str> =
         found["warnings"].as_array().unwrap().iter().map(|warning| warning["id"].as_str().unwrap()).collect();
-    assert!(ids.contains(&"fit.rejected") && ids.contains(&"rig.stall_fraction"), "{ids:?}");
+    assert!(ids.contains(&"fit.rejected") && ids.contains(&"range.stall_fraction"), "{ids:?}");
     assert!(String::from_utf8(output.stdout).unwrap().contains("bench: warning (fit.rejected)"));
     // The same in what is made of the samples.
     let output = wingbeat(&folder, &["rig", "process", "a", "--quiet"]);
@@ -51,7 +51,7 @@ fn what_cannot_be_planned_or_simulated_ends_with_its_status() {
     let output = bench(
         &folder,
         "a",
-        &["rig.robot.wing.cd90=1e4", "wind_m_s=[1e4, 0.0, 0.0]", "limits.rig.stall_fraction=1.0"],
+        &["rig.robot.wing.cd90=1e4", "wind_m_s=[1e4, 0.0, 0.0]", "limits.range.stall_fraction=1.0"],
     );
     let found = summary(&folder.join("a/bench"));
     assert_ne!(found["status"], "ok", "{output:?} {found}");

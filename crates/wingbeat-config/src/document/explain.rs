@@ -49,7 +49,9 @@ fn one(sources: &Sources, root: &ValueTree, complaint: &Complaint) -> Wrong {
         FormFault::Unknown(name, allowed) => {
             let key = tree::dotted(path, name);
             let (span, _) = deepest(root, &key);
-            let value = Some(sources.text(&span)).filter(|text| !text.starts_with('['));
+            // Of a table of dotted keys the span is that of a value inside.
+            let value =
+                Some(sources.text(&span)).filter(|text| !text.starts_with('[') && !is_table(root, &key));
             let problem = KeyProblem::UnknownKey { allowed: allowed.clone() };
             return Wrong::new(sources.place(span.start), key, value, problem);
         }
@@ -89,4 +91,12 @@ fn deepest(root: &ValueTree, path: &str) -> (Range<usize>, bool) {
         }
     }
     (value.span(), true)
+}
+
+/// Whether there is a table at `path`.
+fn is_table(root: &ValueTree, path: &str) -> bool {
+    let at = tree::steps(path)
+        .into_iter()
+        .try_fold(root.get_ref(), |value, step| tree::child(value, &step).map(Spanned::get_ref));
+    matches!(at, Some(DeValue::Table(_)))
 }

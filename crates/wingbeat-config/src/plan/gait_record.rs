@@ -7,7 +7,7 @@ use wingbeat_flight::simulate::{Column, Driver, Moment, Observed, Record, Sizes,
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_robot::body::drive_power;
-use wingbeat_robot::{CarriedLoads, MAX_ELEMENTS};
+use wingbeat_robot::{CarriedLoads, MAX_ELEMENTS, StallCount};
 
 /// Runge-Kutta steps and samples per cycle.
 const STEPS: usize = 2000;
@@ -41,7 +41,7 @@ pub(super) struct Replay<'a> {
 impl Replay<'_> {
     /// The last of [`CYCLES`] cycles from rest, and how far its end is from its start:
     /// the largest difference of a state, in its unit.
-    pub fn record(&self) -> Result<Result<(Record, f64), Error>, Fault> {
+    pub fn record(&self) -> Result<Result<(Record, f64, StallCount), Error>, Fault> {
         let robot = self.stand.robot();
         let mut record = match Record::new(self.columns(), SAMPLES + 1) {
             Ok(record) => record,
@@ -50,14 +50,16 @@ impl Replay<'_> {
         let h = 1.0 / self.flapping.frequency_hz / STEPS as f64;
         let mut stepper = Stepper::new(self, 0.0, &vec![0.0; robot.carried_states()]);
         for _ in 1..CYCLES {
-            stepper.run(h, STEPS, &mut Player { replay: self, record: None }).check()?;
+            stepper.run(h, STEPS, &mut Player { replay: self, told: None }).check()?;
             stepper.set_time(0.0);
         }
         let start = stepper.state().to_vec();
-        stepper.run(h, STEPS, &mut Player { replay: self, record: Some(&mut record) }).check()?;
+        let mut stalled = StallCount::default();
+        let told = Some((&mut record, &mut stalled));
+        stepper.run(h, STEPS, &mut Player { replay: self, told }).check()?;
         let ends = stepper.state().iter().zip(&start);
         let closure = ends.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-        Ok(Ok((record, closure)))
+        Ok(Ok((record, closure, stalled)))
     }
 
     fn loads(&self, at: Moment, dx: &mut [f64]) -> Result<CarriedLoads, Fault> {
@@ -80,7 +82,7 @@ impl Replay<'_> {
         columns
     }
 
-    fn row(&self, at: Moment) -> Result<Vec<f64>, Fault> {
+    fn row(&self, at: Moment) -> Result<(Vec<f64>, StallCount), Fault> {
         let o = self.observed(at)?;
         let Moment { t, x, u, .. } = at;
         let (robot, clock) = (self.stand.robot(), self.stand.clock(t, &self.flapping).x);
@@ -89,12 +91,12 @@ impl Replay<'_> {
         row.extend(&o.torques);
         row.extend([o.joint_power(), drive_power(&o.torques, &o.joints, self.storage, 0.0), -o.air_power]);
         row.extend(self.stand.lift_thrust_trim(&o, self.flapping.pitch));
-        row.push(o.stalled);
+        row.push(o.stalled.stalled());
         row.extend(source_values(&o.parts()));
         row.extend(robot.least_clearances(clock, x)?);
         row.extend(u);
         row.extend(x);
-        Ok(row)
+        Ok((row, o.stalled))
     }
 }
 
@@ -121,7 +123,7 @@ impl Observed for Replay<'_> {
 /// The commands over one cycle, with the record of it.
 struct Player<'a> {
     replay: &'a Replay<'a>,
-    record: Option<&'a mut Record>,
+    told: Option<(&'a mut Record, &'a mut StallCount)>,
 }
 
 impl Driver<()> for Player<'_> {
@@ -134,10 +136,12 @@ impl Driver<()> for Player<'_> {
     }
 
     fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
-        if let Some(record) = self.record.as_mut().filter(|_| k.is_multiple_of(STEPS / SAMPLES)) {
+        if let Some((record, all)) = self.told.as_mut().filter(|_| k.is_multiple_of(STEPS / SAMPLES)) {
             // The cycle closes at its very period, which steps only come to within rounding.
             let t = if k == STEPS { 1.0 / self.replay.flapping.frequency_hz } else { at.t };
-            record.append(&self.replay.row(Moment { t, ..at })?);
+            let (row, stalled) = self.replay.row(Moment { t, ..at })?;
+            record.append(&row);
+            all.add(&stalled);
         }
         Ok(ControlFlow::Continue(()))
     }

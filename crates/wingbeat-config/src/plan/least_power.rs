@@ -7,7 +7,7 @@ use crate::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
     WindSpec,
 };
-use crate::{CompareSpec, Scenario, TableSpec, written};
+use crate::{CompareSpec, Scenario, TableSpec, stall, written};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -186,11 +186,11 @@ impl Scenario {
             Replay { stand: problem.stand(), flapping, commands, storage: *storage }.record()
         };
         let commands = |t: f64, u: &mut [f64]| u.copy_from_slice(&solution.at(t).1);
-        let (record, closure) = match replay(flapping, &commands) {
+        let (record, closure, stalled_strips) = match replay(flapping, &commands) {
             Ok(replayed) => replayed?,
             Err(fault) => return Ok(Err(fault)),
         };
-        let (own_record, _) = match replay(*own, &|_, u| u.fill(0.0)) {
+        let (own_record, ..) = match replay(*own, &|_, u| u.fill(0.0)) {
             Ok(replayed) => replayed?,
             Err(fault) => return Ok(Err(fault)),
         };
@@ -202,6 +202,7 @@ impl Scenario {
         let crossing = |record| PartClearance::new(record, self.model.clearances());
         let least = |record| crossing(record).map(|c| c.least_m);
         (summary.least_clearance_m, summary.own_least_clearance_m) = (least(&record), least(&own_record));
+        stall::hold(judge, &stalled_strips);
         summary.judge_replayed(judge, self.model.mass(), crossing(&record).as_ref());
         Ok(Ok((record, own_record)))
     }
@@ -234,7 +235,7 @@ impl Scenario {
         let other = Scenario::new(document).ok()?;
         let start = &self.spec.start;
         let stand = Stand::new(&other.model, Vec3(start.velocity_m_s), start.yaw_deg.to_radians()).ok()?;
-        let (record, _) = Replay { stand: &stand, flapping, commands, storage }.record().ok()?.ok()?;
+        let (record, ..) = Replay { stand: &stand, flapping, commands, storage }.record().ok()?.ok()?;
         Some(OtherReplay { preset: preset.name(), means: means(&record) })
     }
 

@@ -3,7 +3,7 @@
 use super::{CHECK_STEPS, PlanNodes, PlanSpec, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::recorder::{Recorded, Recorder, momentum_change};
 use crate::summary::{PartClearance, given, mean};
-use crate::{Chosen, Scenario, ScenarioSpec};
+use crate::{Chosen, Scenario, ScenarioSpec, stall};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -152,7 +152,8 @@ impl Scenario {
             judge.find(Status::Failed, format!("flown open loop: {fault}"));
             return Ok(record);
         }
-        summary.stall_fraction = means.map(|means| means.stall_fraction);
+        let stalled = means.map(|means| means.stalled);
+        summary.stall_fraction = stalled.map(|count| count.stalled());
         summary.flown_angles_deg = Some(angles.map(f64::to_degrees));
         let crossing = PartClearance::since(&record, self.model.clearances(), spec.start_s);
         summary.least_clearance_m = crossing.as_ref().map(|c| c.least_m);
@@ -170,6 +171,7 @@ impl Scenario {
             summary.judge_turned(judge, crossing.as_ref());
         } else {
             summary.judge_flown(judge, &record, first, crossing.as_ref());
+            stalled.iter().for_each(|count| stall::hold(judge, count));
         }
         Ok(record)
     }

@@ -121,7 +121,6 @@ impl RollInSummary {
         if let Some(crossing) = crossing {
             judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
         }
-        judge.hold_if(&plan::STALLED, self.stall_fraction);
     }
 }
 
@@ -149,6 +148,5 @@ impl LeastPowerSummary {
         if let Some(crossing) = crossing {
             judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
         }
-        judge.hold_if(&plan::STALLED, self.stall_fraction);
     }
 }

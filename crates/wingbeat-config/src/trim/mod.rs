@@ -141,7 +141,12 @@ impl Scenario {
                 let broke = matches!(&failure, Failure::Fault(_));
                 let shorter =
                     broke.then(|| plausible::of_short_periods(cycle.robot(), "a shorter trim.step_s"));
-                summary.reason = Some(format!("{failure}{}", shorter.unwrap_or_default()));
+                let mend = if broke {
+                    ""
+                } else {
+                    "; `wingbeat trim ROBOT.toml` finds speed, frequency and gait by itself"
+                };
+                summary.reason = Some(format!("{failure}{}{mend}", shorter.unwrap_or_default()));
                 return Ok(Trimmed::nothing(summary));
             }
         };
@@ -153,7 +158,7 @@ impl Scenario {
         let Recorded { record, means, .. } = self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?;
         summary.spar = means.as_ref().and_then(|means| means.spar);
         summary.pin_springs = means.as_ref().and_then(|means| means.pin_springs);
-        summary.judge(cycle.robot(), &self.spec, &self.limits, means.map(|means| means.reversed_fraction));
+        summary.judge(cycle.robot(), &self.spec, &self.limits, means.as_ref());
         let family =
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let gains = gains.map(|held| ("gains.csv", held.table));

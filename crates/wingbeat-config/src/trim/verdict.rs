@@ -1,8 +1,9 @@
 //! The verdict on a periodic flight.
 
 use super::summary::{TrimSummary, hover_wash};
+use crate::recorder::FlightMeans;
 use crate::spec::{AirSpec, ScenarioSpec};
-use crate::{fit, plausible, unheard, web};
+use crate::{fit, plausible, stall, unheard, web};
 use wingbeat_judge::limits::{range, trim};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Verdict, Warning};
 use wingbeat_math::Vec3;
@@ -15,7 +16,7 @@ impl TrimSummary {
         robot: &Robot,
         spec: &ScenarioSpec,
         limits: &RunLimits,
-        reversed: Option<f64>,
+        means: Option<&FlightMeans>,
     ) {
         let mut judge = Judge::new(limits);
         let steps = spec
@@ -29,15 +30,18 @@ impl TrimSummary {
         // Of an orbit that holds itself the gains must not make more of a disturbance.
         let upset =
             self.largest_multiplier.filter(|alone| *alone <= trim::GROWS.value).and(self.held_multiplier);
+        // Of an orbit that gains hold what grows without them is told.
+        let alone =
+            self.largest_multiplier.filter(|_| growth.is_some_and(|growth| growth <= trim::GROWS.value));
         let held: [(&'static JudgedLimit, Option<f64>); 11] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
             (&trim::BEYOND_20, self.stall_fraction_20),
-            (&trim::BEYOND_12, self.stall_fraction_12),
             (&trim::CLEARANCE, self.least_clearance_m),
             (&trim::SKIN, self.least_clearance_m),
             (&trim::MULTIPLIER, self.largest_multiplier),
             (&trim::GROWS, growth),
+            (&trim::ALONE_GROWS, alone),
             (&trim::GAINS_GROW, upset),
             (&trim::RESIDUAL, self.residual),
             (&trim::STEPS, steps),
@@ -48,7 +52,10 @@ impl TrimSummary {
             }
         }
         plausible::hold(&mut judge, robot);
-        judge.hold_if(&range::REVERSED, reversed);
+        if let Some(means) = means {
+            judge.hold(&range::REVERSED, means.reversed_fraction);
+            stall::hold(&mut judge, &means.stalled);
+        }
         if let Some(membrane) = self.membrane {
             membrane.judge(&mut judge);
         }

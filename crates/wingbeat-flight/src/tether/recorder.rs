@@ -5,7 +5,7 @@ use super::cycle::{self, CycleMean, Periodicity};
 use super::power::Powers;
 use super::spar::{Bent, Spar, Steady};
 use crate::simulate::{AXES, Column, Ending, Record, StripRecorder, detail_columns};
-use wingbeat_aero::{FROM_BEHIND, LoadSource, Loads};
+use wingbeat_aero::{FROM_BEHIND, LoadSource, Loads, StallCount};
 use wingbeat_math::Error;
 use wingbeat_math::{Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
@@ -28,8 +28,8 @@ pub struct TetherRun {
     pub efficiency: Option<f64>,
     /// How far the last cycle is from the one before; none of a single cycle.
     pub periodicity: Option<Periodicity>,
-    /// Share of strips past the stall angle over the last cycle.
-    pub stall_fraction: f64,
+    /// Strips over the last cycle by their angles of attack.
+    pub stalled: StallCount,
     /// Share of strips that the wind meets from behind, at an angle of attack above 135 degrees, over the last cycle.
     pub reversed_fraction: f64,
     /// Mean separated share of the flow over the strips of the last cycle.
@@ -162,22 +162,24 @@ impl TetherRecorder {
         let cycle = cycle::rows_of_cycle(rows, steps, 0).unwrap_or(0..rows.saturating_sub(1));
         let means = cycle::means(&self.loads, steps);
         let (strips, record) = (tether.aero.strips(), self.strips.finish());
-        let mean_of = |name: &str, count: fn(f64, f64) -> f64| {
-            let values = record.values(name).unwrap_or_default();
-            let last = &values[cycle.start * strips..cycle.end * strips];
-            let limit = tether.aero.stall_angle();
-            last.iter().map(|value| count(*value, limit)).sum::<f64>() / last.len().max(1) as f64
+        let last =
+            |name: &str| &record.values(name).unwrap_or_default()[cycle.start * strips..cycle.end * strips];
+        let mean_of = |name: &str, count: fn(f64) -> f64| {
+            let last = last(name);
+            last.iter().map(|value| count(*value)).sum::<f64>() / last.len().max(1) as f64
         };
+        let mut stalled = StallCount::default();
+        stalled.see(&tether.aero, last("incidence").iter().copied());
         TetherRun {
             ending,
             steady: None,
             steps_per_cycle: steps,
             periodicity: Periodicity::of(&means, tether.wind.norm()),
             efficiency: efficiency(&means, tether.wind.norm()),
-            stall_fraction: mean_of("incidence", |a, limit| if a.abs() > limit { 1.0 } else { 0.0 }),
-            reversed_fraction: mean_of("incidence", |a, _| if a.abs() > FROM_BEHIND { 1.0 } else { 0.0 }),
-            separated_fraction: mean_of("separated", |share, _| share),
-            suction_lost_fraction: mean_of("suction_lost", |share, _| share),
+            stalled,
+            reversed_fraction: mean_of("incidence", |a| if a.abs() > FROM_BEHIND { 1.0 } else { 0.0 }),
+            separated_fraction: mean_of("separated", |share| share),
+            suction_lost_fraction: mean_of("suction_lost", |share| share),
             loads: self.loads,
             strips: record,
             means,

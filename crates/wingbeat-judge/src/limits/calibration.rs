@@ -1,7 +1,7 @@
 //! Limits of a fit. All values are choices.
 
 use super::JudgedLimit;
-use crate::status::Status::{OffTarget, SuspectData};
+use crate::status::Status::{OffTarget, Outside, SuspectData};
 
 /// What the fit explains of the variation over the cycle. A model that is wrong by 10 % of the loads explains 0.99, one that
 /// is wrong by half of them 0.75.
@@ -28,6 +28,10 @@ pub const CHI_SQUARED: JudgedLimit = JudgedLimit::at_most("calibration.chi_squar
 pub const BEYOND_NOISE: JudgedLimit =
     JudgedLimit::warn_above("calibration.beyond_noise_chi_squared", 4.0, "")
         .on("the model is wrong beyond the noise of the cycles: reduced chi-squared");
+/// Misfit of ten times the noise: what the fit calls identified then makes up for what the model lacks. *Choice.*
+pub const WRONG_MODEL: JudgedLimit =
+    JudgedLimit::at_most("calibration.wrong_model_chi_squared", 100.0, "", Outside)
+        .on("the model misses the loads by many times their noise, so that the values make up for what it lacks: reduced chi-squared");
 /// Time shift that is left between measured and fitted cycles; runs are refused beyond it before the fit.
 pub const PHASE: JudgedLimit = JudgedLimit::at_most("calibration.phase_deg", 5.0, "deg", SuspectData)
     .on("shift between the measured and the fitted cycle");
@@ -48,13 +52,14 @@ pub const CORRELATION: JudgedLimit =
     JudgedLimit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 11] = [
+pub const ALL: [JudgedLimit; 12] = [
     EXPLAINED,
     MODEL_ERROR,
     WORSE,
     WORSE_TOLD,
     CHI_SQUARED,
     BEYOND_NOISE,
+    WRONG_MODEL,
     PHASE,
     COLOURED,
     REVERSED,

@@ -22,6 +22,13 @@ pub const PATH_ANGLE: JudgedLimit = JudgedLimit::at_most("flight.path_angle_deg"
 /// The same of a flight that nothing controls: it falls as its robot does.
 pub const FREE_PATH_ANGLE: JudgedLimit = JudgedLimit::warn_above("flight.free_path_angle_deg", 45.0, "deg")
     .on("nothing controls this flight: mean angle of the path above or below the horizon");
+/// A path steeper than any glide that was shipped: what carries the weight there is drag. Gliders keep below 30 deg. *Choice.*
+pub const FALLS: JudgedLimit = JudgedLimit::at_most("flight.falling_path_angle_deg", 75.0, "deg", OffTarget)
+    .on("nothing controls this flight, and it falls: mean angle of the path above or below the horizon");
+/// What carries the weight over whole cycles: a glide and a level flight have 1, a fall 0, a robot that dives because it is nose heavy .5 at first.
+/// The least of shipped flights without a controller has .86. *Choice.*
+pub const CARRIED: JudgedLimit = JudgedLimit::at_least("flight.weight_carried", 0.3, "", OffTarget)
+    .on("the robot falls: mean upward force of air and thrusters over the weight");
 /// Commands at their limits, where the controller has no more to give. Held flights stay within 0.64.
 pub const SATURATION: JudgedLimit = JudgedLimit::at_most("flight.saturation_fraction", 0.7, "", OffTarget)
     .on("share of the commands at a limit");
@@ -110,7 +117,7 @@ pub const AVERAGED: JudgedLimit = JudgedLimit::warn_below("flight.cycles_average
     .on("means are not those of whole cycles (lengthen flight.duration_s): number of cycles of the gait in the part of the flight that counts");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 31] = [
+pub const ALL: [JudgedLimit; 33] = [
     DIVE_HEIGHT,
     PERCH_CLEARANCE,
     DIVE_PLAN,
@@ -125,6 +132,8 @@ pub const ALL: [JudgedLimit; 31] = [
     PLACE,
     PATH_ANGLE,
     FREE_PATH_ANGLE,
+    FALLS,
+    CARRIED,
     SATURATION,
     CROSSING,
     LEAVES_RESIDUAL,

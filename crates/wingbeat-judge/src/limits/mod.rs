@@ -136,8 +136,14 @@ pub struct UnknownLimit {
 }
 
 /// Names that limits once had, and what took their place.
-const FORMER: [(&str, &str); 1] =
-    [("flight.dive_height_m", "flight.dive_velocity_heads, which took its place: the height over v^2/(2 g)")];
+const FORMER: [(&str, &str); 4] = [
+    ("flight.dive_height_m", "flight.dive_velocity_heads, which took its place: the height over v^2/(2 g)"),
+    ("rig.stall_fraction", STALL),
+    ("plan.stall_fraction", STALL),
+    ("trim.stall_fraction_12", STALL),
+];
+/// What took the place of the limits on stall of each verb.
+const STALL: &str = "range.stall_fraction, which took its place in every verb";
 
 impl UnknownLimit {
     fn new(id: &str) -> Self {

@@ -40,13 +40,9 @@ pub const CLOSURE: JudgedLimit = JudgedLimit::at_most("plan.replay_closure", 0.0
 /// The same commands under the other preset: what depends on the model.
 pub const MODELS: JudgedLimit = JudgedLimit::warn_above("plan.model_force_fraction", 0.1, "")
     .on("the gait depends on the aerodynamic preset: change of the mean upward force under the other one, over the weight,");
-/// Strips past stall, where four published experiments alone test the lift laws.
-pub const STALLED: JudgedLimit = JudgedLimit::warn_above("plan.stall_fraction", 0.5, "").on(
-    "only four published experiments test the lift laws in stall: share of the strips past their stall angle",
-);
 
 /// All of them.
-pub const ALL: [JudgedLimit; 12] = [
+pub const ALL: [JudgedLimit; 11] = [
     VIOLATION,
     RESIDUAL,
     INTERVAL_ERROR,
@@ -58,5 +54,4 @@ pub const ALL: [JudgedLimit; 12] = [
     REPLAYED,
     CLOSURE,
     MODELS,
-    STALLED,
 ];

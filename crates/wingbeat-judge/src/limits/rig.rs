@@ -6,9 +6,6 @@ use crate::status::Status::Outside;
 /// Samples at the end of the cell's range: the loads that they stand for were larger.
 pub const SATURATED: JudgedLimit = JudgedLimit::at_most("rig.saturated_fraction", 0.01, "", Outside)
     .on("share of the samples in which a channel is at the end of the cell's range");
-/// Strips past stall, where four published experiments alone test the lift laws.
-pub const STALLED: JudgedLimit = JudgedLimit::warn_above("rig.stall_fraction", 0.5, "")
-    .on("only four published experiments test the lift laws in stall: share of strips and samples past their stall angle");
 
 /// Wings that pass through each other or through the body.
 pub const CROSSING: JudgedLimit = JudgedLimit::warn_above("rig.crossing_fraction", 0.0, "")
@@ -18,4 +15,4 @@ pub const CROSSED: JudgedLimit = JudgedLimit::at_most("rig.crossing_outside_frac
     .on("share of the cycle of the gait in which parts of the robot pass through each other");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 4] = [SATURATED, STALLED, CROSSING, CROSSED];
+pub const ALL: [JudgedLimit; 3] = [SATURATED, CROSSING, CROSSED];

@@ -16,9 +16,6 @@ pub const POWER: JudgedLimit = JudgedLimit::at_most("trim.power_w_kg", 400.0, "W
 pub const PEAK: JudgedLimit = JudgedLimit::at_most("trim.peak_power_w_kg", 4000.0, "W/kg", Outside).on(
     "size of the mechanical power at a recorded instant over the mass; on a rig of springs on pins alone",
 );
-/// Stall beyond which an orbit rests on laws that were not tested there.
-pub const BEYOND_12: JudgedLimit = JudgedLimit::warn_above("trim.stall_fraction_12", 0.5, "")
-    .on("only four published experiments test the lift laws in stall: share of U^2 c dy dt beyond 12 deg angle of attack");
 /// Stall in which the wing does most of its work. The deepest shipped cruise, on the linkage, has 0.41.
 pub const BEYOND_20: JudgedLimit = JudgedLimit::at_most("trim.stall_fraction_20", 0.5, "", Outside)
     .on("share of U^2 c dy dt beyond 20 deg angle of attack");
@@ -34,6 +31,9 @@ pub const MULTIPLIER: JudgedLimit = JudgedLimit::at_most("trim.multiplier", 100.
 /// Growth at which a small disturbance that no gains hold takes a flight from its orbit within some fifty cycles.
 pub const GROWS: JudgedLimit = JudgedLimit::warn_above("trim.growing_multiplier", 1.02, "")
     .on("neither the orbit itself nor its gains hold a flight: growth of the worst disturbance over a cycle");
+/// The same growth where gains hold what does not hold itself: flown without them, as `orbit.toml` is, the flight leaves its orbit.
+pub const ALONE_GROWS: JudgedLimit = JudgedLimit::warn_above("trim.unheld_multiplier", 1.02, "")
+    .on("only the feedback of gains.csv holds this flight: growth of the worst disturbance over a cycle without it");
 /// The same growth under gains that are worse than none.
 pub const GAINS_GROW: JudgedLimit = JudgedLimit::warn_above("trim.gains_multiplier", 1.02, "")
     .on("the orbit holds itself and its gains upset it: growth of the worst disturbance over a cycle under gains.csv");
@@ -47,6 +47,16 @@ pub const STEPS: JudgedLimit = JudgedLimit::warn_below("trim.steps_per_cycle", 4
 
 /// All of them.
 pub const ALL: [JudgedLimit; 12] = [
-    HIGH_POWER, POWER, PEAK, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, GROWS, GAINS_GROW, RESIDUAL,
+    HIGH_POWER,
+    POWER,
+    PEAK,
+    BEYOND_20,
+    CLEARANCE,
+    SKIN,
+    MULTIPLIER,
+    GROWS,
+    ALONE_GROWS,
+    GAINS_GROW,
+    RESIDUAL,
     STEPS,
 ];

@@ -230,7 +230,8 @@ def test_a_calibration_is_the_programs(program, tmp_path):
     truth = json.dumps(["rig.aero.preset=full", "rig.aero.law=lev", *cell])
     file.write_text(
         f'name = "coarse"\nbase = "{base}"\nstarts = 1\nsteps_per_cycle = 60\nmodel = {model}\n'
-        f'[truth]\nset = {truth}\n[[runs]]\nrun = "{ROOT}/rigs/runs/roll15_speed08.toml"\n'
+        # Another model made the samples, and the misfit is meant.
+        f'limits.calibration.wrong_model_chi_squared = 1e12\n[truth]\nset = {truth}\n[[runs]]\nrun = "{ROOT}/rigs/runs/roll15_speed08.toml"\n'
     )
     told = wingbeat.calibrate(file, information=True)
     assert told.record is None and told.values == {} and "surfaces.wing.lift_slope_per_rad" in told.information

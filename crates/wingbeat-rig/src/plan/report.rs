@@ -181,8 +181,12 @@ impl TurnPlan {
         );
         let _ = writeln!(
             text,
-            "run-up {:.3} s, straight {:.3} s, roll-in {:.3} s, steady {:.3} s, run-down {:.3} s",
-            turn.run_up, turn.straight, turn.roll_in, turn.measured, turn.run_down
+            "run-up {:.3} s, {}, roll-in {:.3} s, steady {:.3} s, run-down {:.3} s",
+            turn.run_up,
+            straight(turn.straight),
+            turn.roll_in,
+            turn.measured,
+            turn.run_down
         );
         let _ =
             writeln!(text, "centre of the turn ({x:.3}, {y:.3}) m, height {z:.3} m in the arm's base frame");
@@ -223,5 +227,26 @@ impl TurnPlan {
             c.table, c.arm, c.wings, self.singularity_margin
         );
         text
+    }
+}
+
+/// The time of straight flight at full speed, s, in words; below zero the roll-in begins before full speed.
+fn straight(time: f64) -> String {
+    if time < 0.0 {
+        return format!("roll-in from {:.3} s before full speed on", -time);
+    }
+    format!("straight {time:.3} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::straight;
+
+    #[test]
+    fn no_time_is_negative() {
+        assert_eq!(
+            [0.05, -0.226].map(straight),
+            ["straight 0.050 s", "roll-in from 0.226 s before full speed on"]
+        );
     }
 }

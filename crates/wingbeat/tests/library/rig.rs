@@ -24,6 +24,16 @@ fn a_robot_at_rest_bears_its_weight_on_the_stand() {
     assert!((attitude * loads.total().force - weight).norm() < 1e-12);
 }
 
+/// A cell at 7 kHz takes 2.3 samples of a stroke at 3 kHz.
+#[test]
+fn a_gait_too_fast_for_the_cell_is_refused() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rigs/runs/roll15_speed08.toml");
+    let at = |hz: f64| RigRun::load(&file, &[format!("frequency_hz={hz}")]).map(|_| ());
+    let refused = at(3000.0).unwrap_err().to_string();
+    assert!(refused.contains("frequency_hz = 3000: allowed is 0 to 350"), "{refused}");
+    assert!(at(300.0).is_ok() && at(0.0).is_ok());
+}
+
 /// The motor is without voltage before the start, and turns the crank by torque and load after it.
 #[test]
 fn a_motor_turns_the_crank_on_the_rig() {

@@ -181,6 +181,27 @@ fn wind_from_behind_is_told() {
     }
 }
 
+/// Every law is asked whether its angles of attack are those that it holds for; one that knows separation was measured up to 45 deg.
+#[test]
+fn a_wing_past_what_its_law_holds_for_is_told() {
+    let judged = |law: &str, incidence: f64| {
+        let overrides = [format!("aero.law={law}"), format!("body.nose_up_deg.constant={incidence}")];
+        let overrides = overrides.each_ref().map(String::as_str);
+        let case = case("step", &[&overrides[..], &["time.steps_per_cycle=100"]].concat());
+        let verdict = case.summary(&case.tether.run(|_| ControlFlow::Continue(())), None, None).verdict;
+        (verdict.warnings.iter().any(|warning| warning.id == "range.stall_fraction"), verdict.status)
+    };
+    for law in ["linear", "stall"] {
+        assert_eq!(judged(law, 5.0), (false, Status::Ok), "{law}");
+        assert_eq!(judged(law, 20.0), (true, Status::Ok), "{law}");
+        assert_eq!(judged(law, 90.0), (true, Status::Outside), "{law}");
+    }
+    for law in ["lev", "lev3d"] {
+        assert_eq!(judged(law, 40.0), (false, Status::Ok), "{law}");
+        assert_eq!(judged(law, 90.0), (true, Status::Outside), "{law}");
+    }
+}
+
 #[test]
 fn hinges_that_crowd_the_strips_are_told() {
     for (strips, arc, told) in [(6, 0.01, true), (16, 0.01, false), (6, 0.1125, false)] {

@@ -92,6 +92,47 @@ fn a_free_flight_that_tumbles_gets_a_warning_and_a_glide_none() {
     assert!(!said(&glide) && glide.status == Status::Ok, "{:?}", glide.warnings);
 }
 
+/// Five kilograms on the wings of twenty grams fall, whoever controls them; what glides, or has no air to be carried by, does not miss it.
+#[test]
+fn a_robot_that_its_wings_do_not_carry_is_off_target() {
+    let heavy = ["robot.body.mass_kg=5", "flight.duration_s=1"];
+    for (name, more) in [("cruise_20g", &[][..]), ("banking_turn", &["goal.settle_s=0.5"])] {
+        let fallen = fly(name, &[&heavy, more].concat());
+        assert_eq!(fallen.status, Status::OffTarget, "{name}: {:?}", fallen.reason);
+        assert!(missed(&fallen).contains(&"flight.weight_carried"), "{name}: {:?}", missed(&fallen));
+        assert!(fallen.reason.unwrap().contains("the robot falls: "));
+    }
+    let meant = fly("cruise_20g", &[heavy[0], heavy[1], "limits.flight.weight_carried=-1.0"]);
+    assert_eq!(meant.status, Status::Ok, "{:?}", meant.reason);
+    for (name, overrides) in [("glide", &["flight.duration_s=1"][..]), ("reorientation", &[])] {
+        let held = fly(name, overrides);
+        assert_eq!(held.status, Status::Ok, "{name}: {:?}", held.reason);
+    }
+    // A stroke that is not whole carries nothing in the mean.
+    let brief = fly("cruise_20g", &[heavy[0], "flight.duration_s=0.1"]);
+    assert!(brief.judged.iter().all(|judged| judged.id != "flight.weight_carried"));
+    // Drag carries what has fallen for long.
+    let fallen =
+        fly("cruise_20g", &[heavy[0], "flight.duration_s=8", "robot.body.drag_area_m2=[1.0, 1.0, 1.0]"]);
+    assert!(fallen.cost.weight_carried.unwrap() > 0.9, "{:?}", fallen.cost);
+    assert!(missed(&fallen).contains(&"flight.falling_path_angle_deg"), "{:?}", fallen.reason);
+}
+
+#[test]
+fn a_start_that_turns_more_than_once_is_refused() {
+    for (key, allowed) in [
+        ("start.nose_up_deg=500", "-180 to 180"),
+        ("start.roll_deg=-181", "-180 to 180"),
+        ("start.yaw_deg=361", "-360 to 360"),
+        ("start.rate_rad_s=[0.0, 1e5, 0.0]", "-1000 to 1000"),
+        ("start.velocity_m_s=[0.0, 0.0, 1001.0]", "-1000 to 1000"),
+    ] {
+        let refused = scenario("glide", &[key]).map(|_| ()).unwrap_err();
+        assert!(refused.contains(key.split('=').next().unwrap()) && refused.contains(allowed), "{refused}");
+    }
+    assert!(scenario("glide", &["start.nose_up_deg=170", "start.yaw_deg=270"]).is_ok());
+}
+
 #[test]
 fn a_crank_that_its_motor_does_not_turn_is_outside() {
     let told = |summary: &Summary| {

@@ -1,0 +1,14 @@
+//! How much of a run is past the angles of attack up to which lift laws hold, as every run is judged.
+
+use wingbeat_aero::StallCount;
+use wingbeat_judge::Judge;
+use wingbeat_judge::limits::range;
+
+/// Holds the strips and instants of a run against the angles of attack up to which their laws hold.
+pub(super) fn hold(judge: &mut Judge, stalled: &StallCount) {
+    for (law, share) in stalled.by_law() {
+        let (law, about) = (law.name(), law.about());
+        let angle = about.holds_to_deg.map_or("the stall angle".to_owned(), |angle| format!("{angle} deg"));
+        judge.hold_about(&range::STALLED, share, &format!("(`{law}` past {angle}: it {})", about.beyond));
+    }
+}
