@@ -26,6 +26,7 @@ mod own_joints;
 mod panel;
 mod path;
 mod processing;
+mod raster;
 mod robustness;
 mod scale;
 mod search;

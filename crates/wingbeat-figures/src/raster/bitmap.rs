@@ -1,0 +1,147 @@
+//! Pixels, and their file.
+
+/// Bits of red, green and blue by which colours are told apart when a palette is chosen.
+const BITS: u32 = 5;
+const SHELVES: usize = 1 << (3 * BITS);
+/// Most colours of a palette.
+const PALETTE: usize = 256;
+
+/// Pixels row by row, each as the ink on white paper: 255 less its red, green and blue, one byte each from the third on down.
+pub struct Bitmap {
+    pub width: usize,
+    pub height: usize,
+    pub ink: Vec<u32>,
+}
+
+/// What the paper lacks of a colour of red, green and blue.
+pub fn ink([r, g, b]: [u8; 3]) -> u32 {
+    !u32::from_be_bytes([255, r, g, b])
+}
+
+/// Red, green and blue under an ink.
+pub fn colour(ink: u32) -> [u8; 3] {
+    let [_, r, g, b] = (!ink).to_be_bytes();
+    [r, g, b]
+}
+
+/// A number of neighbouring pixels of one ink.
+struct InkRun {
+    ink: u32,
+    length: usize,
+}
+
+/// The pixels of a shelf of colours, and the ink that most of them have, by a vote.
+#[derive(Clone, Copy, Default)]
+struct Shelf {
+    count: usize,
+    votes: usize,
+    ink: u32,
+}
+
+impl Bitmap {
+    /// White paper.
+    pub fn new(width: usize, height: usize) -> Self {
+        Self { width, height, ink: vec![0; width * height] }
+    }
+
+    /// The bitmap as PNG with a palette: of its frequent colours each has its own place, and a rare one the place of the nearest.
+    ///
+    /// # Errors
+    /// Those of the encoder.
+    pub fn png(&self, compression: png::Compression) -> Result<Vec<u8>, png::EncodingError> {
+        let runs = self.runs();
+        let (palette, places) = palette(&runs);
+        let mut indices = vec![0; self.ink.len()];
+        let mut from = 0;
+        for run in &runs {
+            let to = from + run.length;
+            let place = places[shelf(run.ink)];
+            if place > 0 {
+                indices[from..to].fill(place);
+            }
+            from = to;
+        }
+        let mut bytes = Vec::with_capacity(indices.len() / 8);
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_palette(palette);
+        encoder.set_compression(compression);
+        encoder.set_filter(png::Filter::NoFilter);
+        encoder.write_header()?.write_image_data(&indices)?;
+        Ok(bytes)
+    }
+
+    fn runs(&self) -> Vec<InkRun> {
+        let (mut runs, mut rest) = (Vec::new(), &self.ink[..]);
+        while let Some(&ink) = rest.first() {
+            // Eight at once: most of a figure is paper.
+            let eights = rest.chunks_exact(8).take_while(|eight| **eight == [ink; 8]).count();
+            let length = 8 * eights + rest[8 * eights..].iter().take_while(|other| **other == ink).count();
+            runs.push(InkRun { ink, length });
+            rest = &rest[length..];
+        }
+        runs
+    }
+}
+
+/// The palette, and the place in it of every shelf of colours.
+fn palette(runs: &[InkRun]) -> (Vec<u8>, Vec<u8>) {
+    let mut shelves = vec![Shelf::default(); SHELVES];
+    for run in runs {
+        let shelf = &mut shelves[shelf(run.ink)];
+        shelf.count += run.length;
+        if shelf.ink == run.ink {
+            shelf.votes += run.length;
+        } else if shelf.votes >= run.length {
+            shelf.votes -= run.length;
+        } else {
+            (shelf.votes, shelf.ink) = (run.length - shelf.votes, run.ink);
+        }
+    }
+    let mut order: Vec<usize> = (0..SHELVES).filter(|shelf| shelves[*shelf].count > 0).collect();
+    order.sort_by_key(|shelf| std::cmp::Reverse(shelves[*shelf].count));
+    let colours: Vec<[u8; 3]> = order.iter().take(PALETTE).map(|shelf| colour(shelves[*shelf].ink)).collect();
+    let nearest = |of: [u8; 3]| {
+        let distance = |i: &usize| -> u32 {
+            colours[*i].iter().zip(of).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+        };
+        (0..colours.len()).min_by_key(distance).unwrap_or(0)
+    };
+    let mut places = vec![0; SHELVES];
+    for (rank, shelf) in order.iter().enumerate() {
+        places[*shelf] = if rank < PALETTE { rank } else { nearest(colour(shelves[*shelf].ink)) } as u8;
+    }
+    (colours.concat(), places)
+}
+
+/// The number of an ink's leading bits.
+fn shelf(ink: u32) -> usize {
+    let lead = |byte: u32| (ink >> (8 * byte + 8 - BITS) & ((1 << BITS) - 1)) << (byte * BITS);
+    (lead(2) | lead(1) | lead(0)) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_colours_come_back_and_rare_ones_nearly() {
+        let mut bitmap = Bitmap::new(64, 64);
+        bitmap.ink[100..900].fill(ink([0, 114, 178]));
+        bitmap.ink[900..1000].fill(ink([1, 115, 178]));
+        for (k, pixel) in bitmap.ink[2000..2900].iter_mut().enumerate() {
+            *pixel = ink([(k / 4) as u8, 7, 200 - (k / 8) as u8]);
+        }
+        let bytes = bitmap.png(png::Compression::Fast).unwrap();
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
+        let mut read = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut read).unwrap();
+        for (k, (read, own)) in read.chunks_exact(3).zip(&bitmap.ink).enumerate() {
+            let own = colour(*own);
+            let off = (0..3).map(|i| read[i].abs_diff(own[i])).max().unwrap();
+            assert!(off <= if k < 900 { 0 } else { 8 }, "{k}: {read:?} for {own:?}");
+        }
+    }
+}
