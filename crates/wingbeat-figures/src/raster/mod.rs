@@ -113,7 +113,12 @@ impl Painter {
 
     fn rectangle(&mut self, (x, y): (f64, f64), (width, height): (f64, f64)) -> [(f64, f64); 4] {
         let corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)];
-        let places = corners.map(|corner| self.at(corner));
+        // Neighbours share an edge of whole pixels, so that no ground is seen between them; one of less than a pixel has its share.
+        let ends = [self.at(corners[0]), self.at(corners[2])];
+        let whole = ends.map(|(x, y)| (x.round(), y.round()));
+        let seen = whole[0].0 != whole[1].0 && whole[0].1 != whole[1].1;
+        let [(left, top), (right, bottom)] = if seen { whole } else { ends };
+        let places = [(left, top), (right, top), (right, bottom), (left, bottom)];
         self.coverage.polygon(&places);
         corners
     }
