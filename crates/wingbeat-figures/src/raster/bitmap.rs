@@ -1,10 +1,15 @@
 //! Pixels, and their file.
 
+use std::collections::BTreeMap;
+
 /// Bits of red, green and blue by which colours are told apart when a palette is chosen.
 const BITS: u32 = 5;
 const SHELVES: usize = 1 << (3 * BITS);
-/// Most colours of a palette.
+/// Most colours of a palette, and most of these that plain areas have, such as the cells of a map: theirs are exact.
 const PALETTE: usize = 256;
+const PLAIN: usize = 192;
+/// Pixels in a row of one colour that are a plain area.
+const AREA: usize = 8;
 
 /// Pixels row by row, each as the ink on white paper: 255 less its red, green and blue, one byte each from the third on down.
 pub struct Bitmap {
@@ -44,18 +49,18 @@ impl Bitmap {
         Self { width, height, ink: vec![0; width * height] }
     }
 
-    /// The bitmap as PNG with a palette: of its frequent colours each has its own place, and a rare one the place of the nearest.
+    /// The bitmap as PNG with a palette: the colours of plain areas are exact, and a rare one takes the place of the nearest.
     ///
     /// # Errors
     /// Those of the encoder.
     pub fn png(&self, compression: png::Compression) -> Result<Vec<u8>, png::EncodingError> {
         let runs = self.runs();
-        let (palette, places) = palette(&runs);
+        let palette = ShelvedPalette::of(&runs);
         let mut indices = vec![0; self.ink.len()];
         let mut from = 0;
         for run in &runs {
             let to = from + run.length;
-            let place = places[shelf(run.ink)];
+            let place = palette.place(run.ink);
             if place > 0 {
                 indices[from..to].fill(place);
             }
@@ -64,7 +69,7 @@ impl Bitmap {
         let mut bytes = Vec::with_capacity(indices.len() / 8);
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Indexed);
-        encoder.set_palette(palette);
+        encoder.set_palette(palette.colours);
         encoder.set_compression(compression);
         encoder.set_filter(png::Filter::NoFilter);
         encoder.write_header()?.write_image_data(&indices)?;
@@ -84,34 +89,60 @@ impl Bitmap {
     }
 }
 
-/// The palette, and the place in it of every shelf of colours.
-fn palette(runs: &[InkRun]) -> (Vec<u8>, Vec<u8>) {
-    let mut shelves = vec![Shelf::default(); SHELVES];
-    for run in runs {
-        let shelf = &mut shelves[shelf(run.ink)];
-        shelf.count += run.length;
-        if shelf.ink == run.ink {
-            shelf.votes += run.length;
-        } else if shelf.votes >= run.length {
-            shelf.votes -= run.length;
-        } else {
-            (shelf.votes, shelf.ink) = (run.length - shelf.votes, run.ink);
+/// Red, green and blue of each place, the places of the inks of plain areas in the order of these, and those of every shelf of colours.
+struct ShelvedPalette {
+    colours: Vec<u8>,
+    plain: Vec<(u32, u8)>,
+    shelves: Vec<u8>,
+}
+
+impl ShelvedPalette {
+    fn of(runs: &[InkRun]) -> Self {
+        let mut areas: BTreeMap<u32, usize> = BTreeMap::new();
+        let mut shelves = vec![Shelf::default(); SHELVES];
+        for run in runs {
+            if run.length >= AREA {
+                *areas.entry(run.ink).or_default() += run.length;
+            }
+            let shelf = &mut shelves[shelf(run.ink)];
+            shelf.count += run.length;
+            if shelf.ink == run.ink {
+                shelf.votes += run.length;
+            } else if shelf.votes >= run.length {
+                shelf.votes -= run.length;
+            } else {
+                (shelf.votes, shelf.ink) = (run.length - shelf.votes, run.ink);
+            }
+        }
+        // The paper comes first: a row of zeros takes the least time.
+        let mut plain: Vec<(u32, usize)> = areas.into_iter().collect();
+        plain.sort_by_key(|area| std::cmp::Reverse(area.1));
+        plain.truncate(PLAIN);
+        let mut order: Vec<usize> = (0..SHELVES).filter(|shelf| shelves[*shelf].count > 0).collect();
+        order.sort_by_key(|shelf| std::cmp::Reverse(shelves[*shelf].count));
+        let inks = plain.iter().map(|area| area.0);
+        let own =
+            order.iter().map(|shelf| shelves[*shelf].ink).filter(|ink| plain.iter().all(|p| p.0 != *ink));
+        let colours: Vec<[u8; 3]> = inks.clone().chain(own).take(PALETTE).map(colour).collect();
+        let nearest = |of: [u8; 3]| {
+            let distance = |i: &usize| -> u32 {
+                colours[*i].iter().zip(of).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+            };
+            (0..colours.len()).min_by_key(distance).unwrap_or(0) as u8
+        };
+        let mut places = vec![0; SHELVES];
+        order.iter().for_each(|shelf| places[*shelf] = nearest(colour(shelves[*shelf].ink)));
+        let mut plain: Vec<(u32, u8)> = inks.zip(0..=u8::MAX).collect();
+        plain.sort_unstable();
+        Self { colours: colours.concat(), plain, shelves: places }
+    }
+
+    fn place(&self, ink: u32) -> u8 {
+        match self.plain.binary_search_by_key(&ink, |plain| plain.0) {
+            Ok(at) => self.plain[at].1,
+            Err(_) => self.shelves[shelf(ink)],
         }
     }
-    let mut order: Vec<usize> = (0..SHELVES).filter(|shelf| shelves[*shelf].count > 0).collect();
-    order.sort_by_key(|shelf| std::cmp::Reverse(shelves[*shelf].count));
-    let colours: Vec<[u8; 3]> = order.iter().take(PALETTE).map(|shelf| colour(shelves[*shelf].ink)).collect();
-    let nearest = |of: [u8; 3]| {
-        let distance = |i: &usize| -> u32 {
-            colours[*i].iter().zip(of).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
-        };
-        (0..colours.len()).min_by_key(distance).unwrap_or(0)
-    };
-    let mut places = vec![0; SHELVES];
-    for (rank, shelf) in order.iter().enumerate() {
-        places[*shelf] = if rank < PALETTE { rank } else { nearest(colour(shelves[*shelf].ink)) } as u8;
-    }
-    (colours.concat(), places)
 }
 
 /// The number of an ink's leading bits.

@@ -114,7 +114,7 @@ impl Coverage {
         }
     }
 
-    /// A disc; `sign` -1 takes it away from another.
+    /// A disc of a radius in px; the `sign` -1 (dimensionless) takes it away from another.
     pub fn disc(&mut self, (x, y): Place, radius: f32, sign: f32) {
         let sides = (8.0 + 3.0 * radius.max(0.0)).min(96.0) as usize;
         let at = |k: usize| {
@@ -161,7 +161,7 @@ impl Coverage {
         }
     }
 
-    /// Lays the `ink` over what the shape covers, and forgets the shape. In steps of 1/32: few shades make a small file.
+    /// Lays the `ink` with an `opacity` (dimensionless) over what the shape covers, and forgets the shape. In steps of 1/32: few shades make a small file.
     pub fn paint(&mut self, bitmap: &mut Bitmap, ink: u32, opacity: f32) {
         let (first, last) = std::mem::replace(&mut self.rows, (usize::MAX, 0));
         let most = 32.0 * opacity;

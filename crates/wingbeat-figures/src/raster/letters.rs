@@ -67,7 +67,7 @@ impl Words<'_> {
                     let (px, py) = (scale * px, -scale * py);
                     (x + cos * px - sin * py, y + sin * px + cos * py)
                 };
-                let mut outline = Outline { coverage, place, start: (0.0, 0.0), last: (0.0, 0.0) };
+                let mut outline = GlyphOutline { coverage, place, start: (0.0, 0.0), last: (0.0, 0.0) };
                 face.outline_glyph(id, &mut outline);
             }
             pen += advance(glyph);
@@ -76,14 +76,14 @@ impl Words<'_> {
 }
 
 /// The outline of a letter on its way to the bitmap.
-struct Outline<'a, F: Fn(Place) -> Place> {
+struct GlyphOutline<'a, F: Fn(Place) -> Place> {
     coverage: &'a mut Coverage,
     place: F,
     start: Place,
     last: Place,
 }
 
-impl<F: Fn(Place) -> Place> Outline<'_, F> {
+impl<F: Fn(Place) -> Place> GlyphOutline<'_, F> {
     fn to(&mut self, next: Place) {
         self.coverage.edge((self.place)(self.last), (self.place)(next));
         self.last = next;
@@ -99,7 +99,7 @@ impl<F: Fn(Place) -> Place> Outline<'_, F> {
     }
 }
 
-impl<F: Fn(Place) -> Place> OutlineBuilder for Outline<'_, F> {
+impl<F: Fn(Place) -> Place> OutlineBuilder for GlyphOutline<'_, F> {
     fn move_to(&mut self, x: f32, y: f32) {
         (self.start, self.last) = ((x, y), (x, y));
     }

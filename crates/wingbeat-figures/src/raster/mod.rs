@@ -29,8 +29,8 @@ pub fn bitmap(scene: &Scene, scale: f64) -> Result<Bitmap, String> {
     }
     let (width, height) = (width as usize, height as usize);
     let coverage = Coverage::new(width, height);
-    let first = Frame { shift: (0.0, 0.0), clip: coverage.clip };
-    let mut painter = Painter {
+    let first = GroupFrame { shift: (0.0, 0.0), clip: coverage.clip };
+    let mut painter = BitmapPainter {
         bitmap: Bitmap::new(width, height),
         coverage,
         scale: scale as f32,
@@ -50,20 +50,20 @@ pub fn prepare() {
 
 /// Where a group lies, px of the drawing, and what of it may be seen.
 #[derive(Clone, Copy)]
-struct Frame {
+struct GroupFrame {
     shift: (f64, f64),
     clip: PixelBox,
 }
 
-struct Painter {
+struct BitmapPainter {
     bitmap: Bitmap,
     coverage: Coverage,
     scale: f32,
-    frame: Frame,
-    outer: Vec<Frame>,
+    frame: GroupFrame,
+    outer: Vec<GroupFrame>,
 }
 
-impl Painter {
+impl BitmapPainter {
     fn at(&self, (x, y): (f64, f64)) -> Place {
         let (right, down) = self.frame.shift;
         ((x + right) as f32 * self.scale, (y + down) as f32 * self.scale)
@@ -76,7 +76,7 @@ impl Painter {
         self.coverage.paint(&mut self.bitmap, known.unwrap_or_default(), opacity);
     }
 
-    fn enter(&mut self, frame: Frame) {
+    fn enter(&mut self, frame: GroupFrame) {
         self.outer.push(std::mem::replace(&mut self.frame, frame));
         self.coverage.clip = self.frame.clip;
     }
@@ -166,7 +166,7 @@ impl Painter {
             Primitive::GroupStart { transform, .. } => {
                 let (right, down) = transform.as_deref().map_or((0.0, 0.0), translation);
                 let (x, y) = self.frame.shift;
-                self.enter(Frame { shift: (x + right, y + down), ..self.frame });
+                self.enter(GroupFrame { shift: (x + right, y + down), ..self.frame });
             }
             Primitive::ClipStart { x, y, width, height, .. } => {
                 let (low, high) = (self.at((*x, *y)), self.at((x + width, y + height)));
@@ -177,7 +177,7 @@ impl Painter {
                     right: (high.0.ceil() as usize).clamp(outer.left, outer.right),
                     bottom: (high.1.ceil() as usize).clamp(outer.top, outer.bottom),
                 };
-                self.enter(Frame { clip, ..self.frame });
+                self.enter(GroupFrame { clip, ..self.frame });
             }
             Primitive::GroupEnd | Primitive::ClipEnd => self.leave(),
             Primitive::Rect { x, y, width, height, fill, stroke, stroke_width, opacity } => {
