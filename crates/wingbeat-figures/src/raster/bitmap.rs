@@ -29,10 +29,11 @@ pub fn colour(ink: u32) -> [u8; 3] {
     [r, g, b]
 }
 
-/// A number of neighbouring pixels of one ink.
+/// Neighbouring pixels of one ink, `to` not among them.
 struct InkRun {
     ink: u32,
-    length: usize,
+    from: usize,
+    to: usize,
 }
 
 /// The pixels of a shelf of colours, and the ink that most of them have, by a vote.
@@ -54,38 +55,36 @@ impl Bitmap {
     /// # Errors
     /// Those of the encoder.
     pub fn png(&self, compression: png::Compression) -> Result<Vec<u8>, png::EncodingError> {
-        let runs = self.runs();
-        let palette = ShelvedPalette::of(&runs);
+        let palette = ShelvedPalette::of(self);
         let mut indices = vec![0; self.ink.len()];
-        let mut from = 0;
-        for run in &runs {
-            let to = from + run.length;
-            let place = palette.place(run.ink);
+        for InkRun { ink, from, to } in self.runs() {
+            let place = palette.place(ink);
             if place > 0 {
                 indices[from..to].fill(place);
             }
-            from = to;
         }
         let mut bytes = Vec::with_capacity(indices.len() / 8);
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Indexed);
         encoder.set_palette(palette.colours);
         encoder.set_compression(compression);
-        encoder.set_filter(png::Filter::NoFilter);
+        // The fast way knows only zeros as what repeats: what is as the row above becomes that.
+        let fast = matches!(compression, png::Compression::Fast);
+        encoder.set_filter(if fast { png::Filter::Up } else { png::Filter::NoFilter });
         encoder.write_header()?.write_image_data(&indices)?;
         Ok(bytes)
     }
 
-    fn runs(&self) -> Vec<InkRun> {
-        let (mut runs, mut rest) = (Vec::new(), &self.ink[..]);
-        while let Some(&ink) = rest.first() {
-            // Eight at once: most of a figure is paper.
-            let eights = rest.chunks_exact(8).take_while(|eight| **eight == [ink; 8]).count();
-            let length = 8 * eights + rest[8 * eights..].iter().take_while(|other| **other == ink).count();
-            runs.push(InkRun { ink, length });
-            rest = &rest[length..];
-        }
-        runs
+    fn runs(&self) -> impl Iterator<Item = InkRun> {
+        let mut from = 0;
+        std::iter::from_fn(move || {
+            let ink = *self.ink.get(from)?;
+            let mut to = from + 1;
+            while to < self.ink.len() && self.ink[to] == ink {
+                to += 1;
+            }
+            Some(InkRun { ink, from: std::mem::replace(&mut from, to), to })
+        })
     }
 }
 
@@ -97,21 +96,22 @@ struct ShelvedPalette {
 }
 
 impl ShelvedPalette {
-    fn of(runs: &[InkRun]) -> Self {
+    fn of(bitmap: &Bitmap) -> Self {
         let mut areas: BTreeMap<u32, usize> = BTreeMap::new();
         let mut shelves = vec![Shelf::default(); SHELVES];
-        for run in runs {
-            if run.length >= AREA {
-                *areas.entry(run.ink).or_default() += run.length;
+        for InkRun { ink, from, to } in bitmap.runs() {
+            let length = to - from;
+            if length >= AREA {
+                *areas.entry(ink).or_default() += length;
             }
-            let shelf = &mut shelves[shelf(run.ink)];
-            shelf.count += run.length;
-            if shelf.ink == run.ink {
-                shelf.votes += run.length;
-            } else if shelf.votes >= run.length {
-                shelf.votes -= run.length;
+            let shelf = &mut shelves[shelf(ink)];
+            shelf.count += length;
+            if shelf.ink == ink {
+                shelf.votes += length;
+            } else if shelf.votes >= length {
+                shelf.votes -= length;
             } else {
-                (shelf.votes, shelf.ink) = (run.length - shelf.votes, run.ink);
+                (shelf.votes, shelf.ink) = (length - shelf.votes, ink);
             }
         }
         // The paper comes first: a row of zeros takes the least time.
@@ -124,14 +124,21 @@ impl ShelvedPalette {
         let own =
             order.iter().map(|shelf| shelves[*shelf].ink).filter(|ink| plain.iter().all(|p| p.0 != *ink));
         let colours: Vec<[u8; 3]> = inks.clone().chain(own).take(PALETTE).map(colour).collect();
-        let nearest = |of: [u8; 3]| {
-            let distance = |i: &usize| -> u32 {
-                colours[*i].iter().zip(of).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
-            };
-            (0..colours.len()).min_by_key(distance).unwrap_or(0) as u8
-        };
         let mut places = vec![0; SHELVES];
-        order.iter().for_each(|shelf| places[*shelf] = nearest(colour(shelves[*shelf].ink)));
+        for shelf in order {
+            let of = colour(shelves[shelf].ink);
+            let mut nearest = u32::MAX;
+            for (place, own) in colours.iter().enumerate() {
+                let off = |part: usize| u32::from(own[part].abs_diff(of[part])).pow(2);
+                let distance = off(0) + off(1) + off(2);
+                if distance < nearest {
+                    (nearest, places[shelf]) = (distance, place as u8);
+                }
+                if distance == 0 {
+                    break;
+                }
+            }
+        }
         let mut plain: Vec<(u32, u8)> = inks.zip(0..=u8::MAX).collect();
         plain.sort_unstable();
         Self { colours: colours.concat(), plain, shelves: places }

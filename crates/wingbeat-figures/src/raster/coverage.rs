@@ -11,12 +11,15 @@ use std::f32::consts::TAU;
 use super::bitmap::Bitmap;
 
 /// A place on a bitmap, px from its upper left corner.
-pub type Place = (f32, f32);
+pub type PixelPlace = (f32, f32);
 
 /// Cosine of the turn of a line from which on its corner is filled. *Choice*: below it no gap is wider than a sixth of the line.
 const STRAIGHT: f32 = 0.95;
 /// Points of a line that lie nearer than this to the one before are left out, px.
 const NEAR: f32 = 0.2;
+
+/// Two to the power of this are most blocks of a row: the bits of a word.
+const BLOCKS: u32 = 6;
 
 /// A rectangle of whole pixels, its far ends not within.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,8 +34,10 @@ pub struct PixelBox {
 pub struct Coverage {
     stride: usize,
     sums: Vec<f32>,
-    /// First and last column of each row that has a sum.
-    touched: Vec<(usize, usize)>,
+    /// A bit for each block of columns of each row that has a sum, the first the lowest.
+    touched: Vec<u64>,
+    /// Bits of a column's number that tell its place in its block.
+    block: u32,
     /// First and last row that was touched.
     rows: (usize, usize),
     /// Where it may be seen.
@@ -45,7 +50,8 @@ impl Coverage {
         Self {
             stride,
             sums: vec![0.0; stride * height],
-            touched: vec![(usize::MAX, 0); height],
+            touched: vec![0; height],
+            block: (stride.ilog2() + 1).saturating_sub(BLOCKS),
             rows: (usize::MAX, 0),
             clip: PixelBox { left: 0, top: 0, right: width, bottom: height },
         }
@@ -54,7 +60,7 @@ impl Coverage {
     /// An edge of a closed outline.
     ///
     /// Test: `a_square_covers_its_area`.
-    pub fn edge(&mut self, a: Place, b: Place) {
+    pub fn edge(&mut self, a: PixelPlace, b: PixelPlace) {
         let (sign, (x0, y0), (x1, y1)) = if a.1 < b.1 { (1.0, a, b) } else { (-1.0, b, a) };
         let (top, bottom) = (y0.max(self.clip.top as f32), y1.min(self.clip.bottom as f32));
         let slope = (x1 - x0) / (y1 - y0);
@@ -79,8 +85,8 @@ impl Coverage {
         let (left, right) = (a.min(b).clamp(low, most), a.max(b).clamp(low, most));
         let first = left as usize;
         let end = (right.ceil() as usize).max(first + 1);
-        let touched = &mut self.touched[row];
-        *touched = (touched.0.min(first), touched.1.max(end));
+        let (near, far) = (first >> self.block, end >> self.block);
+        self.touched[row] |= (u64::MAX >> (63 - far)) & (u64::MAX << near);
         let sums = &mut self.sums[row * self.stride..][..self.stride];
         if end == first + 1 {
             let before = 0.5 * (left + right) - first as f32;
@@ -106,7 +112,7 @@ impl Coverage {
     }
 
     /// A closed outline.
-    pub fn polygon(&mut self, corners: &[Place]) {
+    pub fn polygon(&mut self, corners: &[PixelPlace]) {
         let Some(mut last) = corners.last().copied() else { return };
         for corner in corners {
             self.edge(last, *corner);
@@ -115,7 +121,7 @@ impl Coverage {
     }
 
     /// A disc of a radius in px; the `sign` -1 (dimensionless) takes it away from another.
-    pub fn disc(&mut self, (x, y): Place, radius: f32, sign: f32) {
+    pub fn disc(&mut self, (x, y): PixelPlace, radius: f32, sign: f32) {
         let sides = (8.0 + 3.0 * radius.max(0.0)).min(96.0) as usize;
         let at = |k: usize| {
             let (sin, cos) = (TAU * k as f32 / sides as f32).sin_cos();
@@ -125,12 +131,12 @@ impl Coverage {
     }
 
     /// A line of the weight `weight` px that ends at its ends, with round corners.
-    pub fn line(&mut self, points: impl Iterator<Item = Place>, weight: f32) {
+    pub fn line(&mut self, points: impl Iterator<Item = PixelPlace>, weight: f32) {
         let half = 0.5 * weight;
-        let mut from: Option<Place> = None;
-        let mut before: Option<Place> = None;
+        let mut from: Option<PixelPlace> = None;
+        let mut before: Option<PixelPlace> = None;
         let mut skipped = None;
-        let mut piece = |from: Place, to: Place| {
+        let mut piece = |from: PixelPlace, to: PixelPlace| {
             let (dx, dy) = (to.0 - from.0, to.1 - from.1);
             let length = dx.hypot(dy);
             let (dx, dy) = (dx / length, dy / length);
@@ -166,22 +172,30 @@ impl Coverage {
         let (first, last) = std::mem::replace(&mut self.rows, (usize::MAX, 0));
         let most = 32.0 * opacity;
         for row in first..=last {
-            let (from, to) = std::mem::replace(&mut self.touched[row], (usize::MAX, 0));
+            let touched = std::mem::take(&mut self.touched[row]);
             let (sums, pixels) = (row * self.stride, row * bitmap.width);
-            let mut winding = 0.0_f32;
-            let mut column = from;
-            while column <= to {
-                let sum = self.sums[sums + column];
-                if sum != 0.0 {
-                    self.sums[sums + column] = 0.0;
-                    winding += sum;
+            let (mut winding, mut parts) = (0.0_f32, 0);
+            let mut column = (touched.trailing_zeros() as usize) << self.block;
+            while column < self.stride {
+                let end = (((column >> self.block) + 1) << self.block).min(self.stride);
+                // Paper beside the shape.
+                if parts == 0 && touched >> (column >> self.block) & 1 == 0 {
+                    column = end;
+                    continue;
                 }
-                let parts = (most * winding.abs().min(1.0) + 0.5) as u32;
-                if parts != 0 && column < self.clip.right {
-                    let pixel = &mut bitmap.ink[pixels + column];
-                    *pixel = if parts == 32 { ink } else { mixed(*pixel, ink, parts) };
+                while column < end {
+                    let sum = self.sums[sums + column];
+                    if sum != 0.0 {
+                        self.sums[sums + column] = 0.0;
+                        winding += sum;
+                        parts = (most * winding.abs().min(1.0) + 0.5) as u32;
+                    }
+                    if parts != 0 && column < self.clip.right {
+                        let pixel = &mut bitmap.ink[pixels + column];
+                        *pixel = if parts == 32 { ink } else { mixed(*pixel, ink, parts) };
+                    }
+                    column += 1;
                 }
-                column += 1;
             }
         }
     }

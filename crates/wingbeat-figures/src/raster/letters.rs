@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use kuva::render::render::TextAnchor;
 use ttf_parser::{Face, OutlineBuilder};
 
-use super::coverage::{Coverage, Place};
+use super::coverage::{Coverage, PixelPlace};
 
 static PLAIN: &[u8] = include_bytes!("../../fonts/DejaVuSans-part.ttf");
 static BOLD: &[u8] = include_bytes!("../../fonts/DejaVuSans-Bold-part.ttf");
@@ -37,7 +37,7 @@ pub struct Words<'a> {
 
 impl Words<'_> {
     /// Adds the letters' outlines, the base line through `at`.
-    pub fn outline(&self, coverage: &mut Coverage, at: Place) {
+    pub fn outline(&self, coverage: &mut Coverage, at: PixelPlace) {
         let Some(plain) = face(false) else { return };
         let chosen = face(self.bold).unwrap_or(plain);
         let glyph = |letter: char| {
@@ -63,7 +63,7 @@ impl Words<'_> {
             if let Some((face, id)) = *glyph {
                 let scale = self.size / f32::from(face.units_per_em());
                 let (x, y) = (at.0 + pen * cos, at.1 + pen * sin);
-                let place = |(px, py): Place| {
+                let place = |(px, py): PixelPlace| {
                     let (px, py) = (scale * px, -scale * py);
                     (x + cos * px - sin * py, y + sin * px + cos * py)
                 };
@@ -76,30 +76,30 @@ impl Words<'_> {
 }
 
 /// The outline of a letter on its way to the bitmap.
-struct GlyphOutline<'a, F: Fn(Place) -> Place> {
+struct GlyphOutline<'a, F: Fn(PixelPlace) -> PixelPlace> {
     coverage: &'a mut Coverage,
     place: F,
-    start: Place,
-    last: Place,
+    start: PixelPlace,
+    last: PixelPlace,
 }
 
-impl<F: Fn(Place) -> Place> GlyphOutline<'_, F> {
-    fn to(&mut self, next: Place) {
+impl<F: Fn(PixelPlace) -> PixelPlace> GlyphOutline<'_, F> {
+    fn to(&mut self, next: PixelPlace) {
         self.coverage.edge((self.place)(self.last), (self.place)(next));
         self.last = next;
     }
 
     /// The curve of the control points `p`, whose weights at a share of the way `of` gives.
-    fn curve<const N: usize>(&mut self, p: [Place; N], of: impl Fn(f32) -> [f32; N]) {
+    fn curve<const N: usize>(&mut self, p: [PixelPlace; N], of: impl Fn(f32) -> [f32; N]) {
         for k in 1..=PIECES {
             let weights = of(k as f32 / PIECES as f32);
-            let sum = |part: fn(&Place) -> f32| p.iter().zip(weights).map(|(p, w)| w * part(p)).sum();
+            let sum = |part: fn(&PixelPlace) -> f32| p.iter().zip(weights).map(|(p, w)| w * part(p)).sum();
             self.to((sum(|p| p.0), sum(|p| p.1)));
         }
     }
 }
 
-impl<F: Fn(Place) -> Place> OutlineBuilder for GlyphOutline<'_, F> {
+impl<F: Fn(PixelPlace) -> PixelPlace> OutlineBuilder for GlyphOutline<'_, F> {
     fn move_to(&mut self, x: f32, y: f32) {
         (self.start, self.last) = ((x, y), (x, y));
     }
@@ -132,7 +132,7 @@ mod tests {
     use crate::raster::bitmap::Bitmap;
 
     /// Lowest and highest column and row with ink.
-    fn ink(words: &Words, at: Place) -> [usize; 4] {
+    fn ink(words: &Words, at: PixelPlace) -> [usize; 4] {
         let (mut bitmap, mut coverage) = (Bitmap::new(100, 100), Coverage::new(100, 100));
         words.outline(&mut coverage, at);
         coverage.paint(&mut bitmap, 0xff_ffff, 1.0);

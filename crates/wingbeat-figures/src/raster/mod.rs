@@ -8,7 +8,7 @@ use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene};
 
 pub use bitmap::{Bitmap, colour};
-use coverage::{Coverage, PixelBox, Place};
+use coverage::{Coverage, PixelBox, PixelPlace};
 use letters::Words;
 
 /// Weight up to which a line along an axis lies on whole pixels, px.
@@ -64,7 +64,7 @@ struct BitmapPainter {
 }
 
 impl BitmapPainter {
-    fn at(&self, (x, y): (f64, f64)) -> Place {
+    fn at(&self, (x, y): (f64, f64)) -> PixelPlace {
         let (right, down) = self.frame.shift;
         ((x + right) as f32 * self.scale, (y + down) as f32 * self.scale)
     }
@@ -89,7 +89,7 @@ impl BitmapPainter {
     }
 
     fn line(&mut self, points: &[(f64, f64)], colour: &Color, weight: f64) {
-        let points: Vec<Place> = points.iter().map(|point| self.at(*point)).collect();
+        let points: Vec<PixelPlace> = points.iter().map(|point| self.at(*point)).collect();
         self.coverage.line(points.into_iter(), weight as f32 * self.scale);
         self.paint(colour, None);
     }
@@ -147,14 +147,14 @@ impl BitmapPainter {
         let pieces = pieces(&path.d);
         if let Some(fill) = &path.fill {
             for piece in &pieces {
-                let places: Vec<Place> = piece.iter().map(|point| self.at(*point)).collect();
+                let places: Vec<PixelPlace> = piece.iter().map(|point| self.at(*point)).collect();
                 self.coverage.polygon(&places);
             }
             self.paint(fill, path.opacity);
         }
         if shade(&path.stroke).is_some() && path.stroke_width > 0.0 {
             for piece in &pieces {
-                let places: Vec<Place> = piece.iter().map(|point| self.at(*point)).collect();
+                let places: Vec<PixelPlace> = piece.iter().map(|point| self.at(*point)).collect();
                 self.coverage.line(places.into_iter(), path.stroke_width as f32 * self.scale);
             }
             self.paint(&path.stroke, None);
