@@ -30,7 +30,8 @@ pub fn convergence(table: &Convergence) -> Figure {
             title: String::new(),
             x: ChartAxis::new("strips"),
             y: if room > 0.0 { y.over(low - room, high + room) } else { y },
-            series: table.levels.steps_per_cycle.into_iter().enumerate().map(of_steps).collect(),
+            // The whole line first: those that are broken are seen on it where they agree.
+            series: table.levels.steps_per_cycle.into_iter().enumerate().rev().map(of_steps).collect(),
             passes: None,
         }
     };

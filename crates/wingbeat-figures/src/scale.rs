@@ -9,7 +9,7 @@ const TICKS: f64 = 7.0;
 /// Share of the largest value below which a range is rounding.
 const FLAT: f64 = 1e-9;
 /// Share of a range by which an end may miss a tick and be taken for it. *Choice.*
-const NEAR: f64 = 0.01;
+const NEAR: f64 = 0.02;
 /// Magnitude below which all of a range is rounding about zero, in SI units or degrees. *Choice.*
 const ROUNDING: f64 = 1e-12;
 /// Units that take a prefix.
