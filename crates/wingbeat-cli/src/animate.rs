@@ -42,6 +42,7 @@ pub fn animate(arguments: &Animate) -> Result<(), Error> {
             animation.push(&film.picture(k)).map_err(failed)?;
             bar.inc(1);
         }
+        animation.cover(&film.cover()).map_err(failed)?;
         bar.finish_and_clear();
         let written = if animated { animation.write(out, 1.0 / asked.rate) } else { animation.sequence(out) };
         written.map_err(failed)

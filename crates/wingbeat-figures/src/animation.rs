@@ -8,9 +8,10 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use wingbeat::math::order::{descend_by, filled};
 
-use kuva::backend::png::PngBackend;
-
 use crate::space::{Bounds, Camera, Pane, Space, WorldPoint};
+use kuva::render::render::{Primitive, TextAnchor};
+
+use crate::raster::{self, Bitmap};
 use crate::{Error, style};
 
 /// Steps between neighbouring shades of a colour.
@@ -68,6 +69,8 @@ pub struct Picture {
     pub views: Vec<PictureView>,
     /// Words in its upper left corner.
     pub title: String,
+    /// Words in its lower left corner.
+    pub note: String,
 }
 
 /// Pixels of a picture: four bits of red, green and blue each.
@@ -81,6 +84,7 @@ struct Pixels {
 #[derive(Default)]
 pub struct Animation {
     frames: Vec<Pixels>,
+    cover: Option<Pixels>,
 }
 
 impl Animation {
@@ -89,7 +93,16 @@ impl Animation {
     /// # Errors
     /// A picture that cannot be drawn.
     pub fn push(&mut self, picture: &Picture) -> Result<(), Error> {
-        self.frames.push(pixels(picture).map_err(|error| Error::Picture(error.to_string()))?);
+        self.frames.push(pixels(picture)?);
+        Ok(())
+    }
+
+    /// Draws what is shown where pictures do not move.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn cover(&mut self, picture: &Picture) -> Result<(), Error> {
+        self.cover = Some(pixels(picture)?);
         Ok(())
     }
 
@@ -127,7 +140,7 @@ impl Animation {
     /// # Errors
     /// A picture that cannot be made.
     pub fn stills(&self) -> Result<Vec<(String, Vec<u8>)>, Error> {
-        let palette = palette(&self.frames);
+        let palette = palette(self.frames.iter());
         let frames = self.frames.iter().enumerate();
         let stills = frames.map(|(number, frame)| {
             let mut bytes = Vec::new();
@@ -153,15 +166,23 @@ impl Animation {
 
     fn animated<'a>(&self, out: Box<dyn Write + 'a>, delay_s: f64) -> Result<(), WriteFailure> {
         let Some(first) = self.frames.first() else { return Err("no frames".into()) };
-        let palette = palette(&self.frames);
+        // A cover of another size is none.
+        let cover =
+            self.cover.as_ref().filter(|cover| (cover.width, cover.height) == (first.width, first.height));
+        let palette = palette(self.frames.iter().chain(cover));
         let mut encoder = encoder(out, first, &palette);
         encoder.set_animated(self.frames.len() as u32, 0)?;
+        encoder.set_sep_def_img(cover.is_some())?;
         encoder.set_frame_delay((1000.0 * delay_s).round().clamp(1.0, 60_000.0) as u16, 1000)?;
         encoder.set_blend_op(png::BlendOp::Over)?;
         encoder.set_dispose_op(png::DisposeOp::None)?;
         encoder.set_compression(png::Compression::High);
         encoder.set_filter(png::Filter::NoFilter);
         let mut writer = encoder.write_header()?;
+        if let Some(cover) = cover {
+            let indices: Vec<u8> = cover.shades.iter().map(|shade| palette.place(*shade)).collect();
+            writer.write_image_data(&indices)?;
+        }
         let mut before: Option<&Pixels> = None;
         for frame in &self.frames {
             let (x, y, width, height) =
@@ -237,9 +258,9 @@ fn parts(shade: u16) -> [u16; 3] {
     [shade >> 8, shade >> 4 & 15, shade & 15]
 }
 
-fn palette(frames: &[Pixels]) -> Palette {
+fn palette<'a>(frames: impl Iterator<Item = &'a Pixels>) -> Palette {
     let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
-    for shade in frames.iter().flat_map(|frame| &frame.shades) {
+    for shade in frames.flat_map(|frame| &frame.shades) {
         *counts.entry(*shade).or_default() += 1;
     }
     let mut order: Vec<u16> = counts.keys().copied().collect();
@@ -270,21 +291,19 @@ fn encoder<'a>(
 /// # Errors
 /// A picture that cannot be drawn.
 pub fn rgb(picture: &Picture) -> Result<Vec<u8>, Error> {
-    let (_, rgba) = drawn(picture).map_err(|error| Error::Picture(error.to_string()))?;
-    Ok(rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect())
+    Ok(drawn(picture)?.ink.into_iter().flat_map(raster::colour).collect())
 }
 
 /// Draws a picture in few shades.
-fn pixels(picture: &Picture) -> Result<Pixels, WriteFailure> {
-    let ((width, height), rgba) = drawn(picture)?;
+fn pixels(picture: &Picture) -> Result<Pixels, Error> {
+    let drawn = drawn(picture)?;
     let bits = |value: u8| (u16::from(value) + SHADE / 2) / SHADE;
-    let shades = rgba.chunks_exact(4);
-    let shades = shades.map(|p| bits(p[0]) << 8 | bits(p[1]) << 4 | bits(p[2])).collect();
-    Ok(Pixels { width, height, shades })
+    let shade = |[r, g, b]: [u8; 3]| bits(r) << 8 | bits(g) << 4 | bits(b);
+    let shades = drawn.ink.iter().map(|ink| shade(raster::colour(*ink))).collect();
+    Ok(Pixels { width: drawn.width as u32, height: drawn.height as u32, shades })
 }
 
-/// Draws a picture: its size and its pixels.
-fn drawn(picture: &Picture) -> Result<((u32, u32), Vec<u8>), WriteFailure> {
+fn drawn(picture: &Picture) -> Result<Bitmap, Error> {
     let mut scene = style::scene(picture.width, picture.height);
     for view in &picture.views {
         if let Some(Pane { x, y, width, height }) = view.framed {
@@ -294,24 +313,27 @@ fn drawn(picture: &Picture) -> Result<((u32, u32), Vec<u8>), WriteFailure> {
                 scene.elements.push(style::sample(corners[k], corners[(k + 1) % 4], style::GUIDE, 1.2, None));
             }
         }
+        if let Some(Pane { x, y, width, height }) = view.framed {
+            scene.elements.push(Primitive::ClipStart { x, y, width, height, id: String::new() });
+        }
         let mut space = Space::new(view.camera, view.bounds, view.pane);
         for Area { corners, colour, opacity, edge } in &view.areas {
             space.area(corners, colour, *opacity, *edge);
         }
         view.lines.iter().for_each(|line| space.line(&line.points, &line.colour, line.weight));
         for (point, words) in &view.words {
-            space.label(*point, (0.0, -8.0), words, kuva::render::render::TextAnchor::Middle);
+            space.label(*point, (0.0, -8.0), words, TextAnchor::Middle);
         }
         space.paint(&mut scene);
+        if view.framed.is_some() {
+            scene.elements.push(Primitive::ClipEnd);
+        }
     }
-    let anchor = kuva::render::render::TextAnchor::Start;
-    scene.elements.push(style::words(12.0, 22.0, picture.title.clone(), anchor, false));
-    let bytes = PngBackend::new().with_scale(1.0).render_scene(&scene)?;
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
-    let mut rgba = vec![0; reader.output_buffer_size().unwrap_or(0)];
-    let frame = reader.next_frame(&mut rgba)?;
-    rgba.truncate(frame.buffer_size());
-    Ok(((frame.width, frame.height), rgba))
+    let anchor = TextAnchor::Start;
+    for (y, text) in [(22.0, &picture.title), (picture.height - 12.0, &picture.note)] {
+        scene.elements.push(style::words(12.0, y, text.clone(), anchor, false));
+    }
+    raster::bitmap(&scene, 1.0).map_err(Error::Picture)
 }
 
 #[cfg(test)]
@@ -330,7 +352,7 @@ mod tests {
             lines: Vec::new(),
             words: Vec::new(),
         };
-        Picture { width: 200.0, height: 120.0, views: vec![view], title: "t".into() }
+        Picture { width: 200.0, height: 120.0, views: vec![view], title: "t".into(), note: String::new() }
     }
 
     #[test]
@@ -339,12 +361,16 @@ mod tests {
         for k in 0..3 {
             animation.push(&frame(f64::from(k))).unwrap();
         }
+        // What stands still is of its own and no frame.
+        animation.cover(&frame(1.0)).unwrap();
         let path = std::env::temp_dir().join(format!("wingbeat-animation-{}.png", std::process::id()));
         animation.write(&path, 0.05).unwrap();
         let decoder = png::Decoder::new(std::io::BufReader::new(File::open(&path).unwrap()));
         let mut reader = decoder.read_info().unwrap();
         assert_eq!(reader.info().animation_control().unwrap().num_frames, 3);
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        assert!(reader.info().frame_control().is_none());
         let mut seen = 0;
         while reader.next_frame(&mut pixels).is_ok() {
             seen += 1;

@@ -9,6 +9,8 @@ use crate::{Error, needed, style};
 
 /// Height of a panel of the table of strips and steps, px.
 const HEIGHT: f64 = 210.0;
+/// Least range of a panel as a share of its values: numbers that have converged look alike. *Choice.*
+const LEAST_RANGE: f64 = 0.05;
 
 /// Each quantity over the strips, a curve per number of steps.
 pub fn convergence(table: &Convergence) -> Figure {
@@ -20,11 +22,16 @@ pub fn convergence(table: &Convergence) -> Figure {
             let points = runs.map(point).filter(|point| point.1.is_finite()).collect();
             ChartSeries::new(format!("{steps} steps per cycle"), points, looks[i], i)
         };
+        let values = table.cells.iter().map(|run| run.values()[k]);
+        let (low, high) = style::span(values);
+        let room = (0.5 * (LEAST_RANGE * low.abs().max(high.abs()) - (high - low))).max(0.05 * (high - low));
+        let y = ChartAxis::new(title(QUANTITIES[k]));
         Chart {
             title: String::new(),
             x: ChartAxis::new("strips"),
-            y: ChartAxis::new(title(QUANTITIES[k])),
-            series: table.levels.steps_per_cycle.into_iter().enumerate().map(of_steps).collect(),
+            y: if room > 0.0 { y.over(low - room, high + room) } else { y },
+            // The whole line first: those that are broken are seen on it where they agree.
+            series: table.levels.steps_per_cycle.into_iter().enumerate().rev().map(of_steps).collect(),
             passes: None,
         }
     };

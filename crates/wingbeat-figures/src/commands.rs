@@ -6,7 +6,7 @@ use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
-/// Every `command_<element>` over time, left and right of a pair in one panel, limits shaded;
+/// Every `command_<element>` over time, angles in degrees, left and right of a pair in one panel, limits shaded;
 /// what follows it, `displacement_<element>` or of a command to the rate `rate_<element>`, is drawn paler where it is there.
 pub fn commands(record: &Record) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
@@ -19,24 +19,40 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
     for command in commands {
         let element = command.name.trim_start_matches("command_");
         let (group, side) = pair(element);
-        let panel = panel_of(&mut panels, &labelled(&group, &command.unit), command);
-        let index = style::SIDES.iter().find(|(name, _)| *name == side).map_or(0, |(_, index)| *index);
+        let (unit, scale) = match command.unit.as_str() {
+            "rad" => ("°", 1.0_f64.to_degrees()),
+            "rad/s" => ("°/s", 1.0_f64.to_degrees()),
+            other => (other, 1.0),
+        };
+        let drawn = |column: &Column| column.values.iter().map(|value| scale * value).collect::<Vec<f64>>();
         let names = ["displacement", "rate"].map(|what| format!("{what}_{element}"));
         let follows = |column: &&Column| names.contains(&column.name) && column.unit == command.unit;
-        if let Some(response) = record.columns().iter().find(follows) {
-            let follows = PanelCurve::new(format!("{side}, response"), t, response.values.clone(), index);
+        let response = record.columns().iter().find(follows);
+        // An actuator beside the joint of its name.
+        let title = if response.is_some() { format!("{group} regulator") } else { group };
+        let panel =
+            panel_of(&mut panels, &labelled(&title, unit), [command.low, command.high].map(|x| scale * x));
+        let index = style::SIDES.iter().find(|(name, _)| *name == side).map_or(0, |(_, index)| *index);
+        let of_side = |what: &str| if side == "command" { what.into() } else { format!("{side}, {what}") };
+        if let Some(response) = response {
+            let follows = PanelCurve::new(of_side("response"), t, drawn(response), index);
             panel.curves.push(PanelCurve { colour: style::tint(index), weight: style::BROAD, ..follows });
         }
-        let name = if side == "command" { side.into() } else { format!("{side}, command") };
-        let commanded = PanelCurve::new(name, t, command.values.clone(), index);
+        let commanded = PanelCurve::new(of_side("command"), t, drawn(command), index);
         panel.curves.push(PanelCurve { weight: style::FINE, ..commanded });
     }
     Ok(Figure::new("commands", stacked(panels, "time [s]", 0.9 * style::PANEL)))
 }
 
+/// Whether anything is commanded: a flight on an orbit holds all commands at zero.
+pub fn commanded(record: &Record) -> bool {
+    let mut commands = record.columns().iter().filter(|column| column.name.starts_with("command_"));
+    commands.any(|column| column.values.iter().any(|value| *value != 0.0))
+}
+
 /// The panel called `title` with the command's limits; a new one when there is none.
-fn panel_of<'a>(panels: &'a mut Vec<FigurePanel>, title: &str, command: &Column) -> &'a mut FigurePanel {
-    let limits = (command.low.is_finite() && command.high.is_finite()).then_some((command.low, command.high));
+fn panel_of<'a>(panels: &'a mut Vec<FigurePanel>, title: &str, [low, high]: [f64; 2]) -> &'a mut FigurePanel {
+    let limits = (low.is_finite() && high.is_finite()).then_some((low, high));
     let found = panels.iter().position(|panel| panel.title == title && panel.limits == limits);
     let index = found.unwrap_or_else(|| {
         panels.push(FigurePanel { limits, ..FigurePanel::new(title, Vec::new()) });

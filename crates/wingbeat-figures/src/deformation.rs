@@ -21,8 +21,17 @@ pub fn flap(record: &Record) -> Result<Figure, Error> {
     of_strips(record, ("flap", "flap_", "angle of the flap, trailing edge down [°]"), degrees)
 }
 
+/// Share of the largest value by which both wings may differ that are drawn as one.
+const SAME: f64 = 1e-3;
+
+/// The number of a column's strip, counted from 1.
+fn number(column: &str) -> String {
+    let place: Option<usize> = column.rsplit('_').next().and_then(|number| number.parse().ok());
+    place.map_or(String::new(), |place| (place + 1).to_string())
+}
+
 /// Two panels for each surface with the columns that are called `kind` and a number, times `scale`: from the middle strip to the first, at the
-/// left tip or end, and to the last. Of many strips each second, third and so on is drawn, from the ends on.
+/// left tip or end, and to the last; one where both are alike. Of many strips each second, third and so on is drawn, from the ends on.
 fn of_strips(
     record: &Record,
     (name, kind, title): (&'static str, &str, &str),
@@ -51,21 +60,28 @@ fn of_strips(
         let middle = columns.len() / 2;
         let (left, right) = (&columns[..columns.len() - middle], &columns[middle..]);
         let outward: [Vec<&&str>; 2] = [left.iter().rev().collect(), right.iter().collect()];
-        for strips in outward {
+        // Where both wings do the same one panel says so.
+        let mut same = outward[0].len() == outward[1].len();
+        for (one, other) in outward[0].iter().zip(&outward[1]) {
+            let (one, other) = (&needed(record, one)?[rows.clone()], &needed(record, other)?[rows.clone()]);
+            let most = one.iter().map(|value| value.abs()).fold(0.0, f64::max);
+            same &= one.iter().zip(other).all(|(a, b)| (a - b).abs() <= SAME * most);
+        }
+        for strips in outward.into_iter().take(if same { 1 } else { 2 }) {
             let every = strips.len().div_ceil(MOST_NAMED).max(1);
             let shown = strips.iter().rev().step_by(every).rev().enumerate();
             let curves = shown.map(|(index, column)| {
-                let number = column.rsplit('_').next().unwrap_or_default();
+                let number = number(column);
                 let values = needed(record, column)?[rows.clone()].iter().map(|value| scale * value);
                 Ok(PanelCurve::new(format!("strip {number}"), &x, values.collect(), index))
             });
             let wing = surface.trim_end_matches('_').replace('_', " ");
-            let number = |name: &str| name.rsplit('_').next().unwrap_or_default().to_owned();
             let (from, to) =
                 (strips.first().map(|name| number(name)), strips.last().map(|name| number(name)));
             let (from, to) = (from.unwrap_or_default(), to.unwrap_or_default());
-            let title =
-                format!("{wing}{}strips {from} to {to}: {title}", if wing.is_empty() { "" } else { ", " });
+            let wing = if wing.is_empty() { wing } else { format!("{wing}, ") };
+            let both = if same { ", right wing alike" } else { "" };
+            let title = format!("{wing}strips {from} to {to} from the left tip{both}: {title}");
             panels.push(FigurePanel::new(title, curves.collect::<Result<_, Error>>()?));
         }
     }
@@ -89,7 +105,12 @@ mod tests {
             Record::new(["t".to_owned()].into_iter().chain(names).map(column).collect(), 0).unwrap()
         };
         assert_eq!(camber(&of(membrane.concat())).unwrap().name, "camber");
-        assert!(camber(&of(membrane.concat())).unwrap().svg().contains("tail, strips 2 to 3"));
+        assert!(
+            camber(&of(membrane.concat()))
+                .unwrap()
+                .svg()
+                .contains("tail, strips 2 to 1 from the left tip, right wing alike")
+        );
         assert_eq!(flap(&of(strips("flap"))).unwrap().name, "flap");
         assert!(matches!(flap(&of(strips("camber"))), Err(Error::Column(_))));
     }

@@ -26,6 +26,7 @@ mod own_joints;
 mod panel;
 mod path;
 mod processing;
+mod raster;
 mod robustness;
 mod scale;
 mod search;
@@ -94,12 +95,15 @@ pub const FLIGHT: [FigureMaker; 4] = [
 const DEFORMATION: [(&str, FigureMaker); 2] =
     [("camber_0", |record, _| camber(record)), ("flap_0", |record, _| flap(record))];
 
+/// With what the name of a command's column begins.
+const COMMANDS: &str = "command_";
+
 // A figure of a flight is a file of its own, its name among the modules above, and its line here.
 /// Figures of flights in their order, each with what the name of a column begins with that a record must have for it, after the name of its surface where that ends in 0.
 const OF_FLIGHTS: &[(&str, FigureMaker)] = &[
     ("", FLIGHT[0]),
     ("", FLIGHT[1]),
-    ("command_", FLIGHT[2]),
+    (COMMANDS, FLIGHT[2]),
     ("", FLIGHT[3]),
     ("estimate_t", |record, _| estimate(record)),
     DEFORMATION[0],
@@ -109,7 +113,7 @@ const OF_FLIGHTS: &[(&str, FigureMaker)] = &[
     ("hover_error_x", |record, _| hover(record)),
 ];
 
-/// The figures of the flight that `record` is of: without commands where there is nothing to command, with an estimator
+/// The figures of the flight that `record` is of: without commands where nothing is commanded, with an estimator
 /// what it knew, along a path how it was followed, in a hover how still it was, of membranes and flaps how they gave way.
 pub fn of_flight(record: &Record) -> Vec<FigureMaker> {
     can_draw(record, OF_FLIGHTS)
@@ -128,7 +132,8 @@ fn can_draw(record: &Record, figures: &[(&str, FigureMaker)]) -> Vec<FigureMaker
         let mut names = record.columns().iter().map(|column| column.name.as_str());
         names.any(|name| name.starts_with(begin) || (begin.ends_with("_0") && of_later_surface(name, begin)))
     };
-    figures.iter().filter(|(begin, _)| has(begin)).map(|(_, draw)| *draw).collect()
+    let drawn = |begin: &str| has(begin) && (begin != COMMANDS || commands::commanded(record));
+    figures.iter().filter(|(begin, _)| drawn(begin)).map(|(_, draw)| *draw).collect()
 }
 
 /// The figures of a planned gait.

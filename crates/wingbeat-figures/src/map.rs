@@ -12,6 +12,7 @@ use wingbeat::simulate::Record;
 
 use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
 use crate::scale::TickScale;
+use crate::wake::Diverging;
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -63,17 +64,21 @@ pub fn map(record: &Record, keys: &[&str], measures: &[&str], whole: bool) -> Re
 fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure, Error> {
     let key = keys.first().ok_or(Error::Rows { rows: 0, needed: 1 })?;
     let x = needed(record, key)?;
+    let (low, high) = style::span(x.iter().copied());
+    let room = if high > low { 0.05 * (high - low) } else { 0.1 * low.abs().max(1e-9) };
     let panel = |name: &&str| -> Result<Chart, Error> {
         let y = needed(record, name)?;
-        let mut points: Vec<(f64, f64)> =
-            x.iter().copied().zip(y.iter().copied()).filter(|point| point.1.is_finite()).collect();
+        let mut points: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).collect();
         wingbeat::math::order::ascend_by(&mut points, |item| item.0);
+        let marks = points.iter().copied().filter(|point| point.1.is_finite()).collect();
         let unit = record.column(name).map_or("", |column| column.unit.as_str());
+        let line = ChartSeries { colour: style::tint(0), ..ChartSeries::new("", points, Look::Line, 0) };
         Ok(Chart {
             title: String::new(),
-            x: ChartAxis::new(spoken(key)),
+            // All panels have the same axis, whichever runs have their measure.
+            x: ChartAxis::new(spoken(key)).over(low - room, high + room),
             y: ChartAxis::new(labelled(name, unit)),
-            series: vec![ChartSeries::new("", points, Look::Circles, 0)],
+            series: vec![line, ChartSeries::new("", marks, Look::Circles, 0)],
             passes: None,
         })
     };
@@ -144,7 +149,12 @@ impl<'a> RangedMeasure<'a> {
         Ok(Self { values, label: labelled(name, unit), scale: TickScale::new(low, high) })
     }
 
+    /// From dark to light; of a measure that is negative somewhere blue below zero, white at it and red above.
     fn colour(&self, value: f64) -> String {
+        let TickScale { low, high, .. } = self.scale;
+        if low < 0.0 {
+            return Diverging { most: low.abs().max(high.abs()) }.colour(value);
+        }
         let share = (value - self.scale.low) / (self.scale.high - self.scale.low);
         ColorMap::Viridis.map(share.clamp(0.0, 1.0))
     }

@@ -133,6 +133,11 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
         ChartSeries { colour: style::INK.into(), ..ChartSeries::new("unit circle", circle, Look::Line, 0) };
     let named = groups.iter().filter(|group| group.0 != OTHERS).count();
     let modes = groups.into_iter().enumerate().map(|(i, (name, longitudinal, points))| {
+        let name = match (name, longitudinal) {
+            (OTHERS, true) => format!("{OTHERS}, longitudinal"),
+            (OTHERS, false) => format!("{OTHERS}, lateral"),
+            (name, _) => name.to_owned(),
+        };
         ChartSeries::new(name, points, if longitudinal { Look::Circles } else { Look::Crosses }, i.min(named))
     });
     let chart = Chart {

@@ -163,7 +163,7 @@ fn stacked_from(
     quieten(&mut panels);
     let count = panels.len();
     let (left, right) = x_range(&panels);
-    let across = TickScale::new(left, right);
+    let across = TickScale::new(left, right).whole();
     let legend = legend_width(&panels);
     let titles: Vec<String> = panels.iter().map(|panel| upwards(panel).label(&panel.title)).collect();
     let top = |row: usize| PADDING + height * row as f64;

@@ -43,7 +43,13 @@ pub fn robustness(record: &Record, limits: (f64, f64)) -> Result<Figure, Error> 
     if flights.iter().any(|flight| !flight.2) || flights.len() < record.rows() {
         plots.push(cloud(false, "lost", 1));
     }
-    let layout = layout(&plots, &flights, limits);
+    let least = |errors: &[f64]| errors.iter().any(|error| *error < LEAST);
+    let below = if least(roll) || least(pitch) {
+        format!("; smaller than {LEAST}° drawn there")
+    } else {
+        String::new()
+    };
+    let layout = layout(&plots, &flights, limits, &below);
     let scene = Grid::new(1, 1)
         .with_plots(vec![plots])
         .with_layouts(vec![layout])
@@ -52,7 +58,7 @@ pub fn robustness(record: &Record, limits: (f64, f64)) -> Result<Figure, Error> 
     Ok(Figure::new("robustness", scene))
 }
 
-fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> Layout {
+fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64), below: &str) -> Layout {
     let range = |of: fn(&(f64, f64, bool)) -> f64, limit: f64| {
         let values = flights.iter().map(of).chain([limit]);
         let (low, high) =
@@ -68,7 +74,7 @@ fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> L
         .with_x_axis_max(right)
         .with_y_axis_min(low)
         .with_y_axis_max(high)
-        .with_x_label(format!("largest error of roll [°]; dashed: limit {}°", limits.0))
+        .with_x_label(format!("largest error of roll [°]; dashed: limit {}°{below}", limits.0))
         .with_y_label(format!("largest error of pitch [°]; dashed: limit {}°", limits.1))
         .with_legend_position(LegendPosition::OutsideRightTop)
         .with_legend_box(false)

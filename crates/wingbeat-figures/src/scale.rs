@@ -8,6 +8,8 @@ use kuva::render::layout::{Layout, TickFormat};
 const TICKS: f64 = 7.0;
 /// Share of the largest value below which a range is rounding.
 const FLAT: f64 = 1e-9;
+/// Share of a range by which an end may miss a tick and be taken for it. *Choice.*
+const NEAR: f64 = 0.02;
 /// Magnitude below which all of a range is rounding about zero, in SI units or degrees. *Choice.*
 const ROUNDING: f64 = 1e-12;
 /// Units that take a prefix.
@@ -53,6 +55,15 @@ impl TickScale {
     pub fn padded(low: f64, high: f64, share: f64) -> Self {
         let margin = if flat(low, high) { 0.0 } else { share * (high - low) };
         Self::new(low - margin, high + margin)
+    }
+
+    /// The same range up to the tick that an end just misses: rows of a cycle begin a little after its start.
+    pub fn whole(self) -> Self {
+        let near = NEAR * (self.high - self.low);
+        let (low, high) =
+            ((self.low / self.step).floor() * self.step, (self.high / self.step).ceil() * self.step);
+        let low = if self.low - low < near { low } else { self.low };
+        Self { low, high: if high - self.high < near { high } else { self.high }, ..self }
     }
 
     /// The number beside a tick.
@@ -136,6 +147,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_cycle_reaches_from_0_to_1() {
+        let ends = |low, high| {
+            let scale = TickScale::new(low, high).whole();
+            (scale.low, scale.high)
+        };
+        assert_eq!(ends(0.004, 0.998), (0.0, 1.0));
+        assert_eq!(ends(0.0, 4.7), (0.0, 4.7));
     }
 
     #[test]

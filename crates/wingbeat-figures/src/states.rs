@@ -20,7 +20,8 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 ///
 /// The heading goes on beyond half a turn. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the shares of the weight
 /// where they are there, and the joints that are there and move. Where there are `roll_reference` and `pitch_reference` they are
-/// drawn fine, and about them, from its settling time on, the errors that `goal` allows as a root mean square.
+/// drawn fine, or the roll of the orbit, from which a flight about one records its error. The title says what `goal` asks: a root mean
+/// square over the flight, and so no band that a curve could leave.
 pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
     let panels = panels(record, goal)?;
     let height = style::PANEL.min(PAGE / panels.len() as f64);
@@ -37,22 +38,28 @@ pub fn states_wide(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, E
 fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<FigurePanel>, Error> {
     let t = needed(record, "t")?;
     let mut attitude = FigurePanel::new("roll and pitch [°]", Vec::new());
-    let within = |of: fn(&GoalSpec) -> f64| goal.map(|goal| (goal.settle_s, of(goal)));
-    let asked = [within(|goal| goal.roll_within_deg), within(|goal| goal.pitch_within_deg)];
     let followed = [("roll", "roll (right wing down +)", DEGREES), ("pitch", "pitch (nose up +)", -DEGREES)];
     let mut references = Vec::new();
-    for (index, ((angle, name, scale), goal)) in followed.into_iter().zip(asked).enumerate() {
-        attitude.curves.push(PanelCurve::new(name, t, scaled(record, angle, scale)?, index));
-        if let Ok(reference) = scaled(record, &format!("{angle}_reference"), scale) {
-            attitude.bands.extend(goal.and_then(|goal| band(t, &reference, goal)));
-            let name = if index == 0 { "references" } else { "" };
+    for (index, (angle, name, scale)) in followed.into_iter().enumerate() {
+        let own = scaled(record, angle, scale)?;
+        let asked = scaled(record, &format!("{angle}_reference"), scale).or_else(|_| {
+            // The pitch of an orbit would cover that of its flight, stroke for stroke.
+            let off = scaled(record, "orbit_roll_error", scale).ok().filter(|_| angle == "roll");
+            let off = off.ok_or_else(|| Error::Column("roll_reference".into()))?;
+            Ok::<Vec<f64>, Error>(own.iter().zip(off).map(|(own, off)| own - off).collect())
+        });
+        attitude.curves.push(PanelCurve::new(name, t, own, index));
+        if let Ok(reference) = asked {
+            let name = if references.is_empty() { "references" } else { "" };
             references.push(PanelCurve::reference(name, t, reference));
         }
     }
-    attitude.curves.extend(references);
-    if !attitude.bands.is_empty() {
-        attitude.title = "roll and pitch [°]; shaded: rms errors within the goal".into();
+    if let Some(goal) = goal.filter(|_| !references.is_empty()) {
+        let [roll, pitch, settled] =
+            [goal.roll_within_deg, goal.pitch_within_deg, goal.settle_s].map(style::number);
+        attitude.title += &format!("; goal from {settled} s on: rms errors within {roll}° and {pitch}°");
     }
+    attitude.curves.extend(references);
     let yaw = unwrapped(needed(record, "yaw")?.to_vec()).iter().map(|angle| angle * DEGREES).collect();
     let heading = PanelCurve::new("yaw (left +)", t, yaw, 2);
     let places = [("p_WB_x", "x"), ("p_WB_y", "y (left +)"), ("p_WB_z", "z (up +)")];
@@ -83,11 +90,4 @@ fn panel(joint: &RecordJoint, t: &[f64]) -> FigurePanel {
 
 fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {
     Ok(needed(record, column)?.iter().map(|value| factor * value).collect())
-}
-
-/// `within` below and above the reference from `settle` on; none where the record ends before.
-fn band(t: &[f64], reference: &[f64], (settle, within): (f64, f64)) -> Option<Vec<(f64, f64, f64)>> {
-    let rows = t.iter().zip(reference).filter(|(t, _)| **t >= settle);
-    let edges: Vec<_> = rows.map(|(t, angle)| (*t, angle - within, angle + within)).collect();
-    (edges.len() > 1).then_some(edges)
 }

@@ -33,6 +33,12 @@ pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
     Ok(Figure::new("loads", stacked(panels, &x_label, style::PANEL)))
 }
 
+/// Whether two curves lie within the weight of one.
+fn alike(a: &[f64], b: &[f64]) -> bool {
+    let most = a.iter().map(|a| a.abs()).fold(0.0, f64::max);
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-3 * most)
+}
+
 /// The last cycle of a record of loads.
 struct LastCycle<'a> {
     record: &'a Record,
@@ -65,12 +71,16 @@ impl<'a> LastCycle<'a> {
                 index,
             )?);
         }
-        // What bears on the leading edge is part of the circulatory force.
+        // What bears on the leading edge is part of the circulatory force. Where it is all of it one curve says so.
+        let circulatory = LoadSource::STRIP.iter().position(|source| *source == LoadSource::Circulatory);
         for (index, part) in ["suction", "vortex"].into_iter().enumerate() {
             let column = format!("force_{part}_{axis}");
             if self.record.values(&column).is_some_and(|force| force.iter().any(|f| *f != 0.0)) {
-                let name = format!("of circulatory: {part}");
-                curves.push(self.curve(&name, &column, 1.0, LoadSource::STRIP.len() + index)?);
+                let own = self.curve("", &column, 1.0, LoadSource::STRIP.len() + index)?;
+                match circulatory.map(|k| &mut curves[k]).filter(|whole| alike(&whole.y, &own.y)) {
+                    Some(whole) => whole.name += &format!(", all {part}"),
+                    None => curves.push(PanelCurve { name: format!("of circulatory: {part}"), ..own }),
+                }
             }
         }
         let total = self.curve("", &format!("force_{axis}"), 1.0, 0)?;

@@ -1,24 +1,18 @@
 //! A figure to its files.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::{Primitive, Scene};
+use png::Compression;
 
-use crate::{Error, strokes, style};
+use crate::{Error, raster, strokes, style};
 
-/// Pixels of a PNG per pixel of the drawing: 180 per inch at a page's width. *Choice*: a PNG costs in proportion to its pixels, two thirds
-/// of it for their compression, and the SVG beside it is for print.
-const SCREEN: f32 = 1.5;
+/// Pixels of a PNG per pixel of the drawing: 180 per inch at a page's width. *Choice*: the SVG beside it is for print.
+const SCREEN: f64 = 1.5;
 /// Pixels of the width of a slide.
 const SLIDE: f64 = 1920.0;
-/// Steps between neighbouring shades of a colour on a screen.
-const SHADE: u16 = 17;
-/// Most colours of a palette.
-const PALETTE: usize = 256;
 
 /// A figure ready to be written.
 pub struct Figure {
@@ -51,7 +45,7 @@ impl Figure {
     /// # Errors
     /// A figure that cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, Error> {
-        rendered(self, SCREEN)
+        rendered(self, SCREEN, Compression::Fast)
     }
 
     /// The figure as SVG.
@@ -82,32 +76,31 @@ fn own_names(name: &str, mut scene: Scene) -> Scene {
 
 /// Reads the letters of all figures on a thread of its own, so that they are there when the first is drawn.
 pub fn prepare() {
-    let empty = || drop(PngBackend::new().with_scale(1.0).render_scene(&Scene::new(1.0, 1.0)));
     // Without a thread the first figure reads them.
-    drop(std::thread::Builder::new().spawn(empty));
+    drop(std::thread::Builder::new().spawn(raster::prepare));
 }
 
 /// Writes `<name>.svg` and `<name>.png` of 180 pixels per inch into `folder`.
 pub fn write(folder: &Path, figure: &Figure) -> Result<(), Error> {
-    write_both(folder, figure, &rendered(figure, SCREEN)?)
+    write_both(folder, figure, &rendered(figure, SCREEN, Compression::Fast)?)
 }
 
 /// The same with a small PNG for a page on a screen.
 pub fn write_for_screen(folder: &Path, figure: &Figure) -> Result<(), Error> {
-    let small = small(&rendered(figure, SCREEN)?).map_err(|error| Error::Picture(error.to_string()))?;
-    write_both(folder, figure, &small)
+    write_both(folder, figure, &rendered(figure, SCREEN, Compression::High)?)
 }
 
 /// Writes the figure in the middle of a page of 16 to 9, `<name>.svg` and a `<name>.png` of 1920 by 1080 pixels, into `folder`.
 pub fn write_slide(folder: &Path, figure: Figure) -> Result<(), Error> {
     let slide = figure.slide();
     // A quarter of a pixel less, so that rounding up gives no pixel more.
-    let scale = ((SLIDE - 0.25) / slide.scene.width) as f32;
-    write_both(folder, &slide, &rendered(&slide, scale)?)
+    let scale = (SLIDE - 0.25) / slide.scene.width;
+    write_both(folder, &slide, &rendered(&slide, scale, Compression::Fast)?)
 }
 
-fn rendered(figure: &Figure, scale: f32) -> Result<Vec<u8>, Error> {
-    PngBackend::new().with_scale(scale).render_scene(&figure.scene).map_err(Error::Picture)
+fn rendered(figure: &Figure, scale: f64, compression: Compression) -> Result<Vec<u8>, Error> {
+    let bitmap = raster::bitmap(&figure.scene, scale).map_err(Error::Picture)?;
+    bitmap.png(compression).map_err(|error| Error::Picture(error.to_string()))
 }
 
 fn write_both(folder: &Path, figure: &Figure, png: &[u8]) -> Result<(), Error> {
@@ -117,54 +110,4 @@ fn write_both(folder: &Path, figure: &Figure, png: &[u8]) -> Result<(), Error> {
     };
     file("svg", figure.svg().as_bytes())?;
     file("png", png)
-}
-
-/// The opaque RGBA `picture` with few shades and a palette, in which a rare shade may miss and take the nearest.
-fn small(picture: &[u8]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(picture)).read_info()?;
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap_or(0)];
-    let frame = reader.next_frame(&mut pixels)?;
-    let shade = |value: u8| ((u16::from(value) + SHADE / 2) / SHADE * SHADE) as u8;
-    let mut places = BTreeMap::new();
-    let mut palette: Vec<[u8; 3]> = Vec::new();
-    let mut place = |colour: [u8; 3]| {
-        *places.entry(colour).or_insert_with(|| {
-            if palette.len() < PALETTE {
-                palette.push(colour);
-                return (palette.len() - 1) as u8;
-            }
-            let distance = |other: &[u8; 3]| (0..3).map(|i| colour[i].abs_diff(other[i]) as u32).sum::<u32>();
-            (0..PALETTE).min_by_key(|&i| distance(&palette[i])).unwrap_or(0) as u8
-        })
-    };
-    let pixels = pixels[..frame.buffer_size()].chunks_exact(4);
-    let indices: Vec<u8> = pixels.map(|p| place([shade(p[0]), shade(p[1]), shade(p[2])])).collect();
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, frame.width, frame.height);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_palette(palette.concat());
-    encoder.set_compression(png::Compression::High);
-    encoder.set_filter(png::Filter::NoFilter);
-    encoder.write_header()?.write_image_data(&indices)?;
-    Ok(bytes)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_small_picture_keeps_its_size_and_its_plain_colours() {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.write_header().unwrap().write_image_data(&[255, 255, 255, 255, 1, 0, 35, 255]).unwrap();
-        let small = small(&bytes).unwrap();
-        let mut decoder = png::Decoder::new(std::io::Cursor::new(small));
-        decoder.set_transformations(png::Transformations::EXPAND);
-        let mut reader = decoder.read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut pixels).unwrap();
-        assert_eq!(pixels, [255, 255, 255, 0, 0, 34]);
-    }
 }

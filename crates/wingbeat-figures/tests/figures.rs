@@ -120,11 +120,17 @@ fn every_figure_names_its_axes_and_curves() {
                 "references",
             ],
         ),
-        (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
+        (commands(&record).unwrap(), &["shoulder regulator [°]", "elbow regulator [°]", "left, response"]),
         (forces(&record).unwrap(), &["to its top [N]", "added mass", "air, total", "0.286 s long"]),
         (
             path(&record, None).unwrap(),
-            &["x [m]", "y [m]", "z [m]", "left wing", "robot where there is room; drawn 2 times as large"],
+            &[
+                "x [m]",
+                "y [m]",
+                "z [m]",
+                "left wing",
+                "robot enlarged 2 times about its body, every 0.66 s back from the end",
+            ],
         ),
     ];
     for (figure, words) in expected {

@@ -73,6 +73,7 @@ pub fn animation_of(
             }
             animation.push(&film.picture(k)).map_err(|error| error.to_string())?;
         }
+        animation.cover(&film.cover()).map_err(|error| error.to_string())?;
         let written = match frames {
             true => animation.stills(),
             false => animation.bytes(1.0 / asked.rate).map(|bytes| vec![(String::new(), bytes)]),

@@ -30,6 +30,8 @@ const SHARE: f64 = 0.16;
 /// What a view leaves free for axes at each side, px, which these pictures have not, and what is left of it.
 const MARGIN: f64 = 46.0;
 const KEPT: f64 = 12.0;
+/// Intervals between the instants of a still picture.
+const STILLS: usize = 6;
 /// Pieces of the drawn way.
 const PIECES: usize = 70;
 /// Half the time over which the place that a close view follows is averaged, s.
@@ -169,26 +171,66 @@ impl<'a> Film<'a> {
         let width = self.asked.width;
         let height = self.height();
         let whole = Pane { x: 0.0, y: 0.0, width, height };
-        let mut title = format!("{}, t = {t:.2} s", self.run.title());
+        let title = format!("{}, t = {t:.2} s", self.run.title());
         let views = match self.asked.seen {
             Viewpoint::Behind => vec![self.near(i, whole, false)],
-            _ if !self.motion.free => vec![self.far(i, whole)],
+            _ if !self.motion.free => vec![self.far(i, &[i], whole)],
             _ => {
-                let (w, h) = (0.34 * width, 0.44 * height);
-                // Below the title and beside the path.
-                let corner = Pane { x: width - w - 8.0, y: 26.0, width: w, height: h };
-                let beside = Pane { width: width - w - 12.0, ..whole };
-                vec![self.far(i, beside), self.near(i, corner, true)]
+                let (corner, beside) = self.panes();
+                vec![self.far(i, &[i], beside), self.near(i, corner, true)]
             }
         };
-        if self.enlarged > 1.0 && self.asked.seen != Viewpoint::Behind {
-            title += &format!("; on the path the robot is enlarged {} times", self.enlarged);
-        }
-        Picture { width, height, views, title }
+        Picture { width, height, views, title, note: self.note() }
     }
 
-    /// The whole way with its curtain and the ground.
-    fn far(&self, i: usize, pane: Pane) -> PictureView {
+    /// What is shown where pictures do not move: the whole way with the robot at a few instants, and its last one near by.
+    pub fn cover(&self) -> Picture {
+        let last = self.motion.frames() - 1;
+        if self.asked.seen == Viewpoint::Behind || !self.motion.free {
+            return self.picture(0);
+        }
+        let (width, height, t) = (self.asked.width, self.height(), &self.motion.t);
+        let instants = |k: usize| t[0] + k as f64 / STILLS as f64 * (t[last] - t[0]);
+        let rows: Vec<usize> =
+            (0..=STILLS).map(|k| t.partition_point(|time| *time < instants(k)).min(last)).collect();
+        let (corner, beside) = self.panes();
+        let views = vec![self.far(last, &rows, beside), self.near(last, corner, true)];
+        let title = format!("{}, t = {:.2} to {:.2} s", self.run.title(), t[0], t[last]);
+        Picture { width, height, views, title, note: self.note() }
+    }
+
+    /// The corner of the robot near by, below the title, and what is left of the picture beside it.
+    fn panes(&self) -> (Pane, Pane) {
+        let (width, height) = (self.asked.width, self.height());
+        let (w, h) = (0.32 * width, 0.44 * height);
+        let corner = Pane { x: width - w - 8.0, y: 30.0, width: w, height: h };
+        (corner, Pane { x: 0.0, y: 0.0, width: width - w - 12.0, height })
+    }
+
+    /// The distance of the grid's lines, and how much larger than its way the robot is.
+    fn note(&self) -> String {
+        if self.asked.seen == Viewpoint::Behind {
+            return String::new();
+        }
+        let name = if self.ground.is_some() { "ground, grid" } else { "grid" };
+        let grid = format!("{name} {} m", shortest(self.grid()));
+        if self.enlarged > 1.0 {
+            format!("{grid}; robot enlarged {} times on its path", self.enlarged)
+        } else {
+            grid
+        }
+    }
+
+    /// Distance of the lines of the grid, m.
+    fn grid(&self) -> f64 {
+        let Bounds { low, high } = self.bounds;
+        let size = (high[0] - low[0]).max(high[1] - low[1]);
+        let power = 10_f64.powf((size / 10.0).log10().floor());
+        [1.0, 2.0, 5.0, 10.0].into_iter().find(|n| n * power >= size / 12.0).unwrap_or(10.0) * power
+    }
+
+    /// The whole way with its curtain and the ground, flown up to frame `now`, with the robot in the frames `shown`.
+    fn far(&self, now: usize, shown: &[usize], pane: Pane) -> PictureView {
         let (azimuth, elevation) = match self.asked.seen {
             Viewpoint::Side => (-90.0, 6.0),
             Viewpoint::Above => (180.0, 89.0),
@@ -208,10 +250,10 @@ impl<'a> Film<'a> {
         };
         self.ground(&mut view);
         if self.motion.free {
-            self.way(&mut view, i);
+            self.way(&mut view, now);
         }
-        perch(self.motion, &mut view, i);
-        robot(self.motion, &mut view, i, self.enlarged);
+        perch(self.motion, &mut view, now);
+        shown.iter().for_each(|i| robot(self.motion, &mut view, *i, self.enlarged));
         view
     }
 
@@ -239,19 +281,15 @@ impl<'a> Film<'a> {
     /// A grid under everything.
     fn ground(&self, view: &mut PictureView) {
         let Bounds { low, high } = self.bounds;
-        let size = (high[0] - low[0]).max(high[1] - low[1]);
-        let power = 10_f64.powf((size / 10.0).log10().floor());
-        let step =
-            [1.0, 2.0, 5.0, 10.0].into_iter().find(|n| n * power >= size / 12.0).unwrap_or(10.0) * power;
+        let step = self.grid();
         let ticks = |axis: usize| {
             let (first, last) = ((low[axis] / step).ceil() as i64, (high[axis] / step).floor() as i64);
             (first..=last).map(move |k| k as f64 * step)
         };
         let z = low[2];
-        let (colour, name) = if self.ground.is_some() { (SOIL, "ground, grid") } else { (GRID, "grid") };
+        let colour = if self.ground.is_some() { SOIL } else { GRID };
         view.lines.extend(ticks(0).map(|x| line(vec![[x, low[1], z], [x, high[1], z]], colour, 1.0)));
         view.lines.extend(ticks(1).map(|y| line(vec![[low[0], y, z], [high[0], y, z]], colour, 1.0)));
-        view.words.push(([low[0], low[1], z], format!("{name} {step} m")));
     }
 
     /// The way on its curtain: dark as far as it was flown.
@@ -310,7 +348,7 @@ pub fn still(
     let [px, py, pz] = place.0;
     let title =
         format!("{t:.3} s, roll {roll:.1} deg, nose up {nose_up:.1} deg, at ({px:.2}, {py:.2}, {pz:.2}) m");
-    Ok(Picture { width, height, views, title })
+    Ok(Picture { width, height, views, title, note: String::new() })
 }
 
 /// The robot of frame `i` near by, about `middle` from `azimuth` and `elevation` (deg), with a level line and its own axis to the left and
@@ -322,7 +360,8 @@ fn close(
     pane: Pane,
     framed: bool,
 ) -> PictureView {
-    let reach = 1.05 * motion.reach();
+    // A wing tip before the middle is seen larger.
+    let reach = 1.1 * motion.reach();
     let bounds = Bounds {
         low: std::array::from_fn(|axis| middle.0[axis] - reach),
         high: std::array::from_fn(|axis| middle.0[axis] + reach),

@@ -32,12 +32,14 @@ pub fn reference() -> bool {
 const TURN_PAGE: &str = "docs/banking_turn.md";
 
 /// The animation of the turn that was flown last.
-const MOVES: [&str; 11] = [
+const MOVES: [&str; 13] = [
     "animate",
     "target/shown",
     "--out",
     "docs/images/banking_turn_moves.png",
     "--wide",
+    "--width",
+    "800",
     "--speed",
     "0.5",
     "--rate",

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use wingbeat::scenario::Hold;
+use wingbeat::scenario::{Hold, Sampling, Sweep};
 use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
 
@@ -12,6 +12,31 @@ use crate::sweep::end_points::{self, EndPointGroup};
 /// The errors of the flights and what counts as held.
 pub fn drawn(record: &Record, hold: Hold) -> Result<Figure, wingbeat_figures::Error> {
     wingbeat_figures::robustness(record, (hold.roll_within_deg, hold.pitch_within_deg))
+}
+
+/// Measures that are drawn over what a sweep varies, the first four that it has.
+const MAPPED: [&str; 6] =
+    ["altitude_change", "positive_power", "distance_x", "roll_mean", "distance_y", "least_clearance"];
+
+/// Range of a measure, as a share of its size and in its unit, below which flights have it alike. *Choice.*
+const ALIKE: f64 = 1e-6;
+
+/// Measures over one key, or over the two of a grid; none of draws at random from more, whose other keys a map would hide.
+pub fn mapped(record: &Record, sweep: &Sweep) -> Option<Result<Figure, wingbeat_figures::Error>> {
+    let keys: Vec<&str> = sweep.spec.draws.iter().map(|draw| draw.key.as_str()).collect();
+    let whole = sweep.spec.sampling == Sampling::Grid;
+    if keys.len() != 1 && !(whole && keys.len() == 2) {
+        return None;
+    }
+    // What no flight has, or all have alike, is no picture.
+    let there = |name: &&str| {
+        let values = || record.values(name).unwrap_or_default().iter().copied().filter(|v| v.is_finite());
+        let (low, high) =
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        high - low > ALIKE * low.abs().max(high.abs()).max(1.0)
+    };
+    let measures: Vec<&str> = MAPPED.into_iter().filter(there).take(4).collect();
+    (!measures.is_empty()).then(|| wingbeat_figures::map(record, &keys, &measures, whole))
 }
 
 /// `summary.json` of a sweep of flights.

@@ -213,7 +213,10 @@ struct SweepSummary<'a, T: Serialize> {
 fn draw(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
     let drawn = match sweep.of {
-        SweepOf::Flights(hold) => vec![flights::drawn(record, hold), end_points::drawn(record, sweep)],
+        SweepOf::Flights(hold) => [flights::drawn(record, hold), end_points::drawn(record, sweep)]
+            .into_iter()
+            .chain(flights::mapped(record, sweep))
+            .collect(),
         SweepOf::Cases => vec![cases::drawn(record, sweep)],
     };
     for drawn in drawn {

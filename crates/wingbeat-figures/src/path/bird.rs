@@ -5,12 +5,14 @@ use wingbeat::simulate::Record;
 use super::points;
 use crate::space::WorldPoint;
 
-/// Seconds between two drawings of the robot: no whole number of strokes at 3.5, 5.9, 8, 10 or 12.8 Hz, so that they show different
+/// Seconds between two drawings of the robot, or a part of them: no whole number of strokes at 3.5, 5.9, 8, 10 or 12.8 Hz, so that they show different
 /// phases.
 const INTERVAL: f64 = 0.22;
-/// Least distance of two drawings of the robot, in its reaches. *Choice.*
-const APART: f64 = 1.5;
-/// Most drawings of the robot but the first: a longer flight shows it at a multiple of [`INTERVAL`].
+/// Least distance of two drawings of the robot, in its reaches. *Choice*: wings of neighbours do not meet.
+const APART: f64 = 2.0;
+/// Fewest drawings for which robots at equal intervals are sought.
+const FEWEST: usize = 4;
+/// Most drawings of the robot but the last: a longer flight shows it at a multiple of [`INTERVAL`].
 const MOST: f64 = 36.0;
 
 /// The robot at one instant.
@@ -53,25 +55,29 @@ impl Bird {
     }
 }
 
-/// Those of the `birds` that do not lie over one before, each enlarged by the factor `enlargement`; the last one takes the
-/// place of those that it covers.
-pub fn apart(birds: Vec<Bird>, enlargement: f64) -> Vec<Bird> {
+/// Those of the `birds` that do not lie over a later one, each enlarged by the factor `enlargement`, back from the last: every so manyth,
+/// with its number, where neighbours then lie apart, and else those for which there is room.
+pub fn apart(birds: Vec<Bird>, enlargement: f64) -> (Vec<Bird>, Option<usize>) {
     let clear =
         |a: &Bird, b: &Bird| distance(a.body, b.body) >= APART * enlargement * a.reach().max(b.reach());
+    let every = (1..=birds.len().div_ceil(FEWEST)).find(|every| {
+        let shown: Vec<&Bird> = birds.iter().rev().step_by(*every).collect();
+        shown.windows(2).all(|pair| clear(pair[0], pair[1]))
+    });
     let mut kept: Vec<Bird> = Vec::new();
-    let last = birds.len().saturating_sub(1);
-    for (number, bird) in birds.into_iter().enumerate() {
-        if number == last && number > 0 {
-            kept.retain(|before| clear(before, &bird));
-        }
-        if kept.iter().all(|before| clear(before, &bird)) {
+    let mut crossed = false;
+    for bird in birds.into_iter().rev().step_by(every.unwrap_or(1)) {
+        if kept.iter().all(|later| clear(later, &bird)) {
             kept.push(bird);
+        } else {
+            crossed = true;
         }
     }
-    kept
+    kept.reverse();
+    (kept, every.filter(|_| !crossed))
 }
 
-/// The robot at every [`interval`]; none where the record has no wings.
+/// The robot at every [`interval`] back from the end; none where the record has no wings.
 pub fn birds(record: &Record, t: &[f64], track: &[WorldPoint]) -> Vec<Bird> {
     let edges: Vec<EdgeTracks> =
         outlines(record).iter().filter_map(|outline| outline.edges(record)).collect();
@@ -170,13 +176,14 @@ pub fn interval(t: &[f64]) -> f64 {
     INTERVAL * (span / (MOST * INTERVAL) - 1e-6).ceil().max(1.0)
 }
 
-/// The rows nearest after each multiple of the interval.
+/// The rows at each multiple of the interval before the end, the last one last.
 fn rows(t: &[f64]) -> impl Iterator<Item = usize> {
     let (first, last) = (t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(0.0));
     let interval = interval(t);
     let count = ((last - first) / interval + 1e-6) as usize;
     (0..=count)
-        .map(move |n| t.partition_point(|&time| time < first + n as f64 * interval - 1e-9).min(t.len() - 1))
+        .rev()
+        .map(move |n| t.partition_point(|&time| time < last - n as f64 * interval - 1e-9).min(t.len() - 1))
 }
 
 fn distance(a: WorldPoint, b: WorldPoint) -> f64 {
@@ -190,10 +197,10 @@ mod tests {
     #[test]
     fn the_robot_is_drawn_at_round_times() {
         let t: Vec<f64> = (0..=1000).map(|i| 1e-3 * f64::from(i)).collect();
-        assert_eq!(rows(&t).collect::<Vec<_>>(), [0, 220, 440, 660, 880]);
+        assert_eq!(rows(&t).collect::<Vec<_>>(), [120, 340, 560, 780, 1000]);
         // A flight of 16 s is too long for that.
         let t: Vec<f64> = (0..=1600).map(|i| 1e-2 * f64::from(i)).collect();
-        assert_eq!(rows(&t).take(3).collect::<Vec<_>>(), [0, 66, 132]);
+        assert_eq!(rows(&t).take(3).collect::<Vec<_>>(), [16, 82, 148]);
     }
 
     #[test]
@@ -204,12 +211,16 @@ mod tests {
             let wing = WingEdges { leading: vec![edge], trailing: vec![edge], ..wing.clone() };
             Bird { body: [x, 0.0, 0.0], wings: vec![wing] }
         };
-        let kept = |places: &[f64], size| -> Vec<f64> {
-            apart(places.iter().map(|x| at(*x)).collect(), size).iter().map(|bird| bird.body[0]).collect()
+        let kept = |places: &[f64], size| {
+            let (kept, every) = apart(places.iter().map(|x| at(*x)).collect(), size);
+            (kept.iter().map(|bird| bird.body[0]).collect::<Vec<_>>(), every)
         };
-        assert_eq!(kept(&[0.0, 0.1, 0.2, 0.3], 1.0), [0.0, 0.3]);
-        assert_eq!(kept(&[0.0, 0.1, 0.2, 0.4, 0.41], 2.0), [0.0, 0.41]);
-        assert_eq!(kept(&[0.0, 0.2, 0.4], 1.0), [0.0, 0.2, 0.4]);
+        let equal: Vec<f64> = (0..9).map(|k| 0.125 * f64::from(k)).collect();
+        assert_eq!(kept(&equal, 1.0), (vec![0.0, 0.25, 0.5, 0.75, 1.0], Some(2)));
+        assert_eq!(kept(&equal[..3], 0.4), (vec![0.0, 0.125, 0.25], Some(1)));
+        // The path comes back to where it began, and stands at its end.
+        assert_eq!(kept(&[0.0, 1.0, 2.0, 1.0, 0.0], 1.0), (vec![2.0, 1.0, 0.0], None));
+        assert_eq!(kept(&[0.0, 0.5, 1.0, 1.01], 1.0), (vec![0.0, 0.5, 1.01], None));
     }
 
     #[test]

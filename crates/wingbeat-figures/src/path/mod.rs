@@ -33,13 +33,12 @@ pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Err
     let perch = points(record, "perch").ok().and_then(|perch| perch.first().copied());
     let seen: Vec<WorldPoint> = track.iter().copied().chain(published).chain(perch).collect();
     let room = SceneBox::around(&seen, &birds);
-    let all = birds.len();
     let mut sheet = PathSheet::new(&room);
     sheet.ground(&room);
     sheet.shadow(&room, &track);
     sheet.track(&track);
-    let apart = bird::apart(birds, room.enlargement);
-    let every = (apart.len() == all).then(|| interval(t));
+    let (apart, every) = bird::apart(birds, room.enlargement);
+    let every = every.map(|every| every as f64 * interval(t));
     apart.iter().for_each(|bird| sheet.bird(&room, bird));
     sheet.ends(&track, t);
     published.into_iter().for_each(|point| sheet.published(&room, point));

@@ -5,7 +5,7 @@ use crate::space::WorldPoint;
 use crate::space::round_step;
 
 /// Share of the picture that the robot's reach should take at least.
-const SHARE: f64 = 0.08;
+const SHARE: f64 = 0.07;
 
 /// Most lines of the grid along the longest side, about.
 const LINES: f64 = 20.0;

@@ -25,7 +25,7 @@ pub struct PathSheet {
 }
 
 impl PathSheet {
-    const MARGINS: (f64, f64) = (70.0, 44.0);
+    const MARGINS: (f64, f64) = (70.0, 50.0);
 
     pub fn new(room: &SceneBox) -> Self {
         let view = Camera::orthographic(VIEW.0, VIEW.1);
@@ -209,16 +209,15 @@ impl PathSheet {
             x = x2 + 26.0 + 7.6 * name.len() as f64;
         }
         if !birds.is_empty() {
-            let size = if enlargement > 1.0 {
-                format!("; drawn {enlargement:.0} times as large")
-            } else {
-                String::new()
+            let size = match enlargement {
+                1.0 => "robot in the scale of its path".into(),
+                enlarged => format!("robot enlarged {enlarged:.0} times about its body"),
             };
             let text = match every {
-                Some(interval) => format!("robot every {interval:.2} s{size}"),
-                None => format!("robot where there is room{size}"),
+                Some(interval) => format!("{size}, every {interval:.2} s back from the end"),
+                None => format!("{size}, back from the end where there is room"),
             };
-            self.text((x, 20.5), text, TextAnchor::Start, style::LETTERS);
+            self.text((Self::MARGINS.0, 40.5), text, TextAnchor::Start, style::LETTERS);
         }
     }
 }

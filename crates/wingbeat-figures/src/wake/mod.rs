@@ -13,7 +13,7 @@ use kuva::render::render::TextAnchor;
 use crate::space::{Camera, WorldPoint};
 use crate::write::Figure;
 use crate::{Error, style};
-use colour::Diverging;
+pub(crate) use colour::Diverging;
 use paper::Paper;
 
 /// Azimuth and elevation of the view, degrees.

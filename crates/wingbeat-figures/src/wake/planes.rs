@@ -134,7 +134,8 @@ fn frame(
     paper.line(corners.iter().map(|c| at(c.0, c.1)).collect(), style::INK, style::AXIS);
     let (x, y) = at(across.1, up.1);
     paper.scene.elements.push(style::words(x - 16.0, y - 10.0, letter, TextAnchor::Start, true));
-    paper.text((x + 4.0, y - 10.0), title, TextAnchor::Start);
+    let upwards = TickScale::new(up.0, up.1).label("z up [m]");
+    paper.text((x + 4.0, y - 10.0), &format!("{title}; {upwards}"), TextAnchor::Start);
     for (range, sideways) in [(across, true), (up, false)] {
         let scale = TickScale::new(range.0, range.1);
         let (first, last) = ((range.0 / scale.step).ceil() as i64, (range.1 / scale.step).floor() as i64);
