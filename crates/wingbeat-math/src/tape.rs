@@ -296,7 +296,7 @@ pub struct Tape {
     inputs: usize,
     outputs: Vec<Traced>,
     traced: Vec<Traced>,
-    reach: Vec<Reach>,
+    reach: Vec<TapeReach>,
     /// Derivatives of the nodes along the lanes, and of their adjoints.
     tangent: Vec<[f64; LANES]>,
     bend: Vec<[f64; LANES]>,
@@ -305,7 +305,7 @@ pub struct Tape {
 /// The adjoint of a node, and the groups of lanes that reach it: bit g % 64 is that of group g, so that of more than 64 groups
 /// several share a bit and some zeros are swept.
 #[derive(Clone, Copy, Debug, Default)]
-struct Reach {
+struct TapeReach {
     adjoint: f64,
     /// The weighted sum depends on the node.
     live: bool,
@@ -375,7 +375,7 @@ impl Tape {
     /// Which inputs the nodes change along.
     fn find_reach(&mut self) {
         self.reach.clear();
-        self.reach.resize(self.nodes.len(), Reach::default());
+        self.reach.resize(self.nodes.len(), TapeReach::default());
         for i in 0..self.inputs {
             self.reach[i].moves = group(i);
         }
@@ -396,7 +396,7 @@ impl Tape {
             }
         }
         for i in (self.inputs..nodes.len()).rev() {
-            let Reach { adjoint, live, moves, bends } = reach[i];
+            let TapeReach { adjoint, live, moves, bends } = reach[i];
             if !live {
                 continue;
             }
