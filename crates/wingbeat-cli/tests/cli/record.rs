@@ -304,13 +304,14 @@ fn an_alarm_comes_while_the_recording_runs() {
 #[test]
 fn a_disk_that_is_full_while_figures_are_drawn_ends_the_run_and_leaves_nothing() {
     let folder = scratch("figures_disk");
-    // No file may grow beyond 260 blocks of 512 bytes: the record fits, the picture of the path does not.
-    let script = "trap '' XFSZ; ulimit -f 260; exec \"$0\" \"$@\"";
+    // No file may grow beyond 200 blocks of 512 bytes: the record fits (92 kB), the picture of the path does not (115 kB).
+    let script = "trap '' XFSZ; ulimit -f 200; exec \"$0\" \"$@\"";
     let mut shell = Command::new("sh");
     shell
         .args(["-c", script, env!("CARGO_BIN_EXE_wingbeat"), "fly"])
         .arg(root().join("scenarios/glide.toml"));
-    shell.args(["--set", "flight.duration_s=0.02", "--out", "run", "--quiet"]).current_dir(&folder);
+    shell.args(["--set", "flight.duration_s=0.02", "--set", "flight.record_every_s=0.01"]);
+    shell.args(["--set", "aero.paper.nodes=4", "--out", "run", "--quiet"]).current_dir(&folder);
     let output = shell.output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     assert!(message(&output).contains("figures/"), "{output:?}");
