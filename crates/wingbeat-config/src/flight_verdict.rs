@@ -255,7 +255,7 @@ impl JudgedFlight<'_> {
         self.record.values("joint_power")?.iter().map(|power| power.abs()).reduce(f64::max)
     }
 
-    /// Share of the weight that is carried over whole cycles, or with the wings at rest over half a second and more; none in a vacuum, which
+    /// Share of the weight that is carried over whole cycles, or with the wings at rest over [`WHOLE_CYCLES`] and more; none in a vacuum, which
     /// carries nothing, and of a robot that hangs from a perch.
     fn weight_carried(&self) -> Option<f64> {
         let whole =
