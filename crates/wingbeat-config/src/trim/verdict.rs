@@ -54,7 +54,7 @@ impl TrimSummary {
         plausible::hold(&mut judge, robot);
         if let Some(means) = means {
             judge.hold(&range::REVERSED, means.reversed_fraction);
-            stall::hold(&mut judge, &means.stalled);
+            stall::hold(&mut judge, &means.stalled, "aero.law");
         }
         if let Some(membrane) = self.membrane {
             membrane.judge(&mut judge);
