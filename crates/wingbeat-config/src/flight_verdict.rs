@@ -270,16 +270,17 @@ impl JudgedFlight<'_> {
     /// [`LONG_ENOUGH`]. None of a shorter flight.
     fn weight_carried(&self) -> Option<f64> {
         let whole = |cycles: f64| cycles + ROUNDING >= 1.0;
-        let counted = self.summary.cost.weight_carried;
-        let Some(cycles) = self.cycles else {
-            return counted.filter(|_| self.flight.duration >= LONG_ENOUGH);
-        };
-        if whole(cycles) {
-            return counted;
+        if self.cycles.is_some_and(whole) {
+            return self.summary.cost.weight_carried;
         }
         let [start, .., end] = self.record.values("phase")? else { return None };
-        let all = Cost::of_record(self.record, 0).map(|cost| cost.carried());
-        all.filter(|_| whole((end - start) / TAU))
+        let turned = (end - start) / TAU;
+        let (says, counted) = match turned > 0.0 {
+            true => (whole(turned), None),
+            false => (self.flight.duration >= LONG_ENOUGH, self.summary.cost.weight_carried),
+        };
+        let all = || Cost::of_record(self.record, 0).map(|cost| cost.carried());
+        counted.or_else(all).filter(|_| says)
     }
 
     /// Mean rate of a crank under a motor over that of the gait, once settled.

@@ -6,6 +6,7 @@ use super::pinned::PinSummary;
 use super::plausible;
 use super::skin::MembraneSummary;
 use super::stall;
+use super::summary::touching;
 use super::unheard::{frictionless, of_strips, side_edges};
 use super::web;
 use super::{LatticeSummary, RigRun};
@@ -159,7 +160,7 @@ impl RigRun {
         let (crossing, least) = self.clearance();
         judge.hold(&rig::CROSSING, crossing);
         judge.hold(&rig::CROSSED, crossing);
-        judge.hold_if(&trim::SKIN, least);
+        judge.hold_if(&trim::SKIN, least.and_then(touching));
         let cautions = lattice.iter().flat_map(LatticeSummary::cautions);
         cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
         let surfaces = || self.robot.surfaces().map(|(_, aero)| aero);

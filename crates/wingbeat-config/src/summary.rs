@@ -471,6 +471,11 @@ pub(super) fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
 /// Change below which a clearance is the same all the time, m: rounding leaves 1e-17. *Choice.*
 pub(super) const SAME: f64 = 1e-9;
 
+/// The least clearance of parts that do not pass through each other, m: what its skins may close.
+pub(super) fn touching(least: f64) -> Option<f64> {
+    Some(least).filter(|least| *least >= 0.0)
+}
+
 /// What the clearance of this name is between, in words.
 pub(super) fn apart(name: &str) -> String {
     let parts = name.trim_start_matches("clearance_").replace('_', " ");
@@ -525,6 +530,6 @@ impl PartClearance {
             self.fraction,
             &format!("({name} falls to {:.1} mm)", 1e3 * least_m),
         );
-        judge.hold(&trim::SKIN, *least_m);
+        judge.hold_if(&trim::SKIN, touching(*least_m));
     }
 }
