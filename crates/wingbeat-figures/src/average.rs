@@ -4,7 +4,7 @@ use wingbeat::simulate::{Column, Record};
 
 use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
-use crate::{Error, needed, style};
+use crate::{Error, needed};
 
 /// Height of a panel, px.
 const HEIGHT: f64 = 130.0;
