@@ -212,7 +212,7 @@ impl TetherCase {
             for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
                 judge.hold(limit, run.reversed_fraction);
             }
-            stall::hold(&mut judge, &run.stalled);
+            stall::hold(&mut judge, &run.stalled, "aero.law");
             judge.hold(&range::STALLED_OUTSIDE, run.stalled.untested());
             judge.hold(&tether::SLENDER, 2.0 * planform.covered_half_span() / mean_chord(planform));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
