@@ -9,7 +9,7 @@ use wingbeat_judge::limits::membrane::{
     LAG, SLACK, SLACK_SPAN, STRAIN, WEIGHT,
 };
 
-/// Rise over the chord of a membrane that no load bends.
+/// Rise over the chord below which no load bends a membrane. *Choice.*
 const UNBENT: f64 = 1e-9;
 
 /// Membranes of a run.
