@@ -10,12 +10,12 @@ use wingbeat_aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, SectionSettings, StripModel, StripSettings,
 };
 use wingbeat_flight::guide::{ControllerTask, Prepared};
-use wingbeat_flight::simulate::{Controller, Schedule, SensorSpec};
+use wingbeat_flight::simulate::{Controller, Schedule, SensorSpec, followed};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
 use wingbeat_math::require;
-use wingbeat_ocp::plant::Plant;
+use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_robot::{Air, Dryden, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
 
 /// Largest number of records of a flight: 1 GB in memory.
@@ -65,12 +65,24 @@ impl ScenarioSpec {
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
         let robot = self.over_ground(robot)?;
+        // Where a model fails at rest, the run does, and says why.
+        let model = self.followed(model.clone()).unwrap_or(model);
+        let robot = robot.clone().with_inertance(model.inertance_s()).unwrap_or(robot);
         self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
         self.check_controller(choice, &model)?;
         self.lattice_steps(&schedule)?;
         Ok(Built { robot, model, schedule, samples_per_strips })
+    }
+
+    /// `model` with the inertance of its springs, by default that which the longest of the steps of flight and trim needs.
+    fn followed(&self, model: Robot) -> Result<Robot, Fault> {
+        let step = self.trim.as_ref().map_or(0.0, |trim| trim.step_s).max(self.flight.step_s);
+        match self.flight.inertance_s {
+            Some(time) => model.with_inertance(time),
+            None => followed(model, step),
+        }
     }
 
     /// The controller of `model`, if the scenario has one.

@@ -101,6 +101,7 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         duration_s: _,
         step_s: _,
         error_m: _,
+        inertance_s: _,
         record_every_s: _,
         record_strips_every_s: _,
     } = flight;

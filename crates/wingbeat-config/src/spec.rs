@@ -349,6 +349,11 @@ pub struct FlightSpec {
     /// Error of the last position that all steps may make, m: they are as long as it allows, and `step_s` is the clock. Without it all are equal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_m: Option<f64>,
+    /// Time of the inertance of springs, s: the stiffer they are, the more inertia comes to their deflection, so that steps of this time
+    /// follow all of them. What deflects slowly deflects as without it. Where not given: the longest step, if the structure is too fast for it,
+    /// else none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertance_s: Option<f64>,
     /// Time between records, s.
     pub record_every_s: f64,
     /// Time between records of the loads of every strip, s: whole records; without it there are none.
@@ -400,6 +405,7 @@ ranges!(FlightSpec {
     duration_s: Range::POSITIVE,
     step_s: Range::POSITIVE,
     error_m: Range::POSITIVE,
+    inertance_s: Range::between(0.0, 1.0),
     record_every_s: Range::POSITIVE,
     record_strips_every_s: Range::POSITIVE,
 });

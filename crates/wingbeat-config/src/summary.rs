@@ -170,6 +170,9 @@ pub struct Summary {
     /// Steps that `flight.error_m` made it take.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_taken: Option<usize>,
+    /// Time of the inertance of springs, s: see `flight.inertance_s`. Missing where they have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertance_s: Option<f64>,
     /// What a reader must know.
     #[schemars(skip)]
     pub warnings: Vec<Warning>,
@@ -422,6 +425,7 @@ impl Summary {
             angular_momentum_change_kg_m2_s: momentum_change(record),
             step_error_m: context.step_error_m,
             steps_taken: flight.taken.map(|taken| taken.steps),
+            inertance_s: Some(context.robot.inertance_s()).filter(|time| *time > 0.0),
             warnings: Vec::new(),
             controller: ControllerSummary::new(flight, context.period_s),
         };

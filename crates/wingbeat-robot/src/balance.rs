@@ -45,6 +45,9 @@ impl Robot {
         let forces = &mut left[6..];
         self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, None, forces);
         self.add_efforts(structure, Early::ONE, forces);
+        for ([i, j], inertance) in self.inertances() {
+            forces[i] -= Early::from(inertance * known.degrees[6 + j]);
+        }
         if let Some(motor) = &self.motor {
             forces[count - 1] -= Early::from(motor.inertia() * known.degrees[5 + count]);
         }

@@ -294,7 +294,7 @@ impl<P: Scalar> Robot<P> {
             &mut system.forces,
         );
         self.add_efforts(&x[..structure], supply, &mut system.forces);
-        self.add_rotor(&mut system.mass);
+        self.add_inertances(&mut system.mass);
         self.add_beyond(beyond, carriers, &mut system.forces);
         // The rates of the air are those of the loads that follow, with these second rates.
         system.add_air::<S, P>(self, carriers, (wind, None), &x[structure..], &mut dx[structure..]);

@@ -386,7 +386,7 @@ impl<P: Scalar> Robot<P> {
         let BodySystem { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, Some(matrix), forces);
         self.add_efforts(structure, G::ONE, &mut system.forces);
-        self.add_rotor(&mut system.mass);
+        self.add_inertances(&mut system.mass);
         self.add_beyond(beyond, carriers, &mut system.forces);
         let mut impulses = ImpulseRates::none();
         let lacking = follows.then_some(&mut impulses);
@@ -476,8 +476,11 @@ impl<P: Scalar> Robot<P> {
         }
     }
 
-    /// Adds the inertia of the motor to the mass matrix of body and coordinates.
-    pub(super) fn add_rotor<G: Scalar + Meets<P>>(&self, mass: &mut DegreeMatrix<G>) {
+    /// Adds the inertances of springs and the inertia of the motor to the mass matrix of body and coordinates.
+    pub(super) fn add_inertances<G: Scalar + Meets<P>>(&self, mass: &mut DegreeMatrix<G>) {
+        for ([i, j], inertance) in self.inertances() {
+            mass[6 + i][6 + j] += G::from(inertance);
+        }
         if let Some(motor) = &self.motor {
             let crank = 5 + self.degrees();
             mass[crank][crank] += G::from(motor.inertia());

@@ -69,7 +69,7 @@ impl Robot {
         let BodySystem { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, Some(matrix), forces);
         self.add_efforts(structure, 1.0, &mut system.forces);
-        self.add_rotor(&mut system.mass);
+        self.add_inertances(&mut system.mass);
         add(&mut system.mass, &mass);
         let of_links: Field = system.mass.map(|[x, y, z, ..]| [x, y, z]);
         let mut impulses = ImpulseRates::none();

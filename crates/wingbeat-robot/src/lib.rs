@@ -17,6 +17,7 @@ mod crank;
 mod drive;
 mod dryden;
 mod dynamics;
+mod inertance;
 mod joints;
 mod known;
 mod lanes;
@@ -72,6 +73,7 @@ pub use weight::{WeightPart, WeightShares};
 use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use arrayvec::ArrayVec;
 use clearance::Clearances;
+use inertance::Inertance;
 use joints::{CRANK, Displaced, Placed};
 use loaded::Loaded;
 use mechanism::Mechanism;
@@ -139,6 +141,8 @@ pub struct Robot<P: Scalar = f64> {
     /// Links that carry surfaces.
     carriers: Vec<usize>,
     drag_area: Vec3<P>,
+    /// What keeps its springs to long steps.
+    inertance: Inertance,
     /// Of the air that the body's drag takes, kg/m3.
     density: P,
     wind: Wind<P>,
@@ -203,6 +207,7 @@ impl Robot {
             strokes: regulators::strokes(&spec.structure, &elements, &inputs),
             carriers,
             drag_area: Vec3(spec.body.drag_area_m2),
+            inertance: Inertance::default(),
             density: air.density,
             wind: air.wind,
             ground: None,

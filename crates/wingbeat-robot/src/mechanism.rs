@@ -93,6 +93,12 @@ impl Spring {
 }
 
 impl<P: Scalar> Spring<P> {
+    /// What the inertance of the time `time` (s) is made of, t (t k + c)/2, kg m2 or kg.
+    pub fn inertance(&self, time: f64) -> P {
+        let SpringNumbers { stiffness, damping, .. } = self.numbers;
+        (stiffness * time + damping) * (0.5 * time)
+    }
+
     /// Effort on the joint at the coordinate `q` with the rate `d`, the rest displaced by y:
     /// -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part.
     ///

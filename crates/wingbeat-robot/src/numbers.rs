@@ -295,6 +295,7 @@ impl Robot {
             clearances: self.clearances.clone(),
             carriers: self.carriers.clone(),
             drag_area: numbers.drag_area,
+            inertance: self.inertance.clone(),
             density: numbers.density,
             wind: self.wind.map(P::from),
             ground: self.ground,

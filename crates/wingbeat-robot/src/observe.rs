@@ -175,6 +175,8 @@ impl Robot {
                 (spring, joints[joint], self.rest_displaced(c, &x[self.layout.structure..]))
             })
         };
+        let of = |coordinate: usize| joints[self.mechanism.coordinates[coordinate]];
+        let inerters = || self.inertances().map(|(b_of, b)| (b, b_of.map(of)));
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         let phase = self.phase_of(&Jet::new(t, 1.0, 0.0), structure, &displacements);
@@ -197,10 +199,12 @@ impl Robot {
                 + pins.by_wing.map(|power| power.max(0.0)).iter().sum::<f64>(),
             pin_power,
             power: joint_power(&torques, joints) + rest_power + pin_power
-                - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
+                - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>()
+                + inerters().map(|(b, [q, other])| b * q.d * other.dd).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, links)
                 + tree.potential_energy(g, links, datum)
                 + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>()
+                + inerters().map(|(b, [q, other])| 0.5 * b * q.d * other.d).sum::<f64>()
                 + pins.energy
                 + strips.membrane.stored,
             air_power: super::carried::air_power(base, links, &external)

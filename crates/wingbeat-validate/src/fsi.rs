@@ -12,6 +12,7 @@ pub mod membrane;
 pub mod pazy;
 pub mod section;
 mod soft;
+mod stiff;
 pub mod theodorsen;
 
 use crate::aero_full::ComparedPreset;
@@ -29,6 +30,7 @@ pub const CASES: &[Case] = &[
     Case { id: "fsi.flap.moving", quick: true, run: flap::moving },
     Case { id: "fsi.flap.energy", quick: true, run: flap::energy },
     Case { id: "fsi.flap.flight", quick: false, run: energy::flap_rows },
+    Case { id: "fsi.stiff", quick: true, run: stiff::rows },
     Case { id: "fsi.springs", quick: true, run: soft::springs },
     Case { id: "fsi.lattice", quick: true, run: soft::bends },
 ];

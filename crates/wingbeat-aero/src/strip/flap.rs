@@ -78,6 +78,12 @@ impl<P: Scalar> StripModel<P> {
         self.states() - BLOCKS * self.settings.strips
     }
 
+    /// Where angles and momenta of its flaps lie among the states; none without one.
+    pub fn swinging_states(&self) -> std::ops::Range<usize> {
+        let first = if self.has_flap() { self.flap_states() } else { self.states() };
+        first..self.states()
+    }
+
     /// Angles of the flaps of the strips in the state `x`, rad; nothing without one.
     pub fn flaps_of<'a>(&self, x: &'a [f64]) -> &'a [f64] {
         let from = if self.has_flap() { self.flap_states() } else { x.len() };
@@ -127,8 +133,16 @@ impl<P: Scalar> StripModel<P> {
         Some(Masses {
             heave: carried * (b * heave) + moment,
             pitch: (carried * (b * b * turns) + about) * stretch,
-            own: carried * (b * b * turning) + own,
+            own: self.with_hinge(i, carried * (b * b * turning) + own),
         })
+    }
+
+    /// Inertia of the flap of strip `i` about its hinge, kg m2, with that of `robot.inertance`: I + p^2/I, p = t (t k + c)/2.
+    fn with_hinge<K: Scalar + Meets<P>>(&self, i: usize, own: K) -> K {
+        let Some(spring) = self.numbers.flap.as_ref().filter(|_| self.inertance > 0.0) else { return own };
+        let lasting = spring.damping + self.inertance;
+        let of_spring = spring.stiffness * lasting * (self.grid.width[i] * (0.5 * self.inertance));
+        own + own.recip() * (of_spring * of_spring)
     }
 
     /// Static moment of the flap of strip `i` about its hinge, kg m.

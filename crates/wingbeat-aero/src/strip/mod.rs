@@ -67,6 +67,8 @@ pub struct StripModel<P: Scalar = f64> {
     /// Whether the shapes of the membrane are given with their rates, and not found.
     shapes_given: bool,
     hinges: Option<Hinges>,
+    /// Time of the inertance of its springs, s: [`StripModel::with_inertance`].
+    inertance: f64,
     span_force: SpanForce,
 }
 
@@ -158,6 +160,7 @@ impl<P: Scalar> StripModel<P> {
             hinges,
             membrane: numbers.membrane.as_ref().map(skin).transpose()?,
             shapes_given: false,
+            inertance: 0.0,
             span_force,
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
@@ -177,10 +180,19 @@ impl<P: Scalar> StripModel<P> {
     /// [`Error::Invalid`] when the strips do not fit the outline.
     #[inline(never)]
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<StripModel<Q>, Error> {
-        Ok(StripModel {
-            shapes_given: self.shapes_given,
-            ..StripModel::laid(numbers.clone(), self.settings.clone())?
-        })
+        let laid = StripModel::laid(numbers.clone(), self.settings.clone())?;
+        Ok(StripModel { shapes_given: self.shapes_given, ..laid.with_inertance(self.inertance) })
+    }
+
+    /// The same whose flaps have the inertance of `time` s about their hinges, as joints on springs by `robot.inertance`, and whose membranes are
+    /// damped for at least `time`: with their damping they have an inertance as it is.
+    #[must_use]
+    pub fn with_inertance(mut self, time: f64) -> Self {
+        self.inertance = time;
+        if let Some(membrane) = &mut self.membrane {
+            membrane.damp_for(time);
+        }
+        self
     }
 
     /// The same strips under another law.
@@ -190,7 +202,8 @@ impl<P: Scalar> StripModel<P> {
     pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
         let section = SectionSettings { law, ..self.settings.section };
         let settings = StripSettings { section, ..self.settings.clone() };
-        Ok(Self { shapes_given: self.shapes_given, ..Self::laid(self.numbers.clone(), settings)? })
+        let laid = Self::laid(self.numbers.clone(), settings)?;
+        Ok(Self { shapes_given: self.shapes_given, ..laid.with_inertance(self.inertance) })
     }
 
     /// The numbers in use.

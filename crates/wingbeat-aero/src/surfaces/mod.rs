@@ -210,6 +210,15 @@ impl<P: Scalar> Surfaces<P> {
         (all, given)
     }
 
+    /// Gives springs and membranes of all surfaces the inertance of `time` s: [`StripModel::with_inertance`].
+    pub fn set_inertance(&mut self, time: f64) {
+        for surface in &mut self.surfaces {
+            if let Aero::Strip(model) = &mut surface.aero {
+                *model = model.clone().with_inertance(time);
+            }
+        }
+    }
+
     /// Number of states of the surfaces themselves.
     fn own_states(&self) -> usize {
         self.surfaces.last().map_or(0, |surface| surface.states.end)

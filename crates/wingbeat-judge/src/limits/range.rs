@@ -50,13 +50,18 @@ pub const STALLED_OUTSIDE: JudgedLimit =
     JudgedLimit::at_most("range.stall_outside_fraction", 0.75, "", Outside)
         .on("no lift law was measured there: share of strips and time with an angle of attack above 45 deg");
 
+/// Springs that carry an inertance: above these harmonics of the gait they vibrate too slowly. *Choice.*
+pub const FOLLOWED: JudgedLimit = JudgedLimit::warn_below("range.followed_harmonics", 10.0, "")
+    .on("springs carry an inertance for the sake of long steps (shorten them, or flight.inertance_s): frequency up to which it slows vibrations by at most half a per cent, over that of the gait");
+
 /// Dynamic viscosity, Pa s, of the fluid with a density in kg/m3: air at 20 degrees C (ISO 2533), from 100 kg/m3 on water (IAPWS 2008).
 pub fn viscosity(density: f64) -> f64 {
     if density < 100.0 { 1.81e-5 } else { 1.002e-3 }
 }
 
 /// All of them.
-pub const ALL: [JudgedLimit; 12] = [
+pub const ALL: [JudgedLimit; 13] = [
+    FOLLOWED,
     COMPRESSED,
     MACH,
     GYRATION,

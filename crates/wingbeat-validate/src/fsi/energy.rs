@@ -16,7 +16,7 @@ const DENSITY: f64 = 1.2;
 /// Duration of the flight, one cycle of the gait, s.
 const DURATION: f64 = 0.25;
 /// Step, s.
-const STEP: f64 = 4e-4;
+pub(super) const STEP: f64 = 4e-4;
 
 pub(super) fn model(
     preset: ComparedPreset,
@@ -47,7 +47,8 @@ pub(super) fn model(
 const SKIN: &str = "membrane = { thickness_m = 1e-5, modulus_pa = 1e8, density_kg_m3 = 1000.0, prestrain = 0.005, damping_s = 1e-3, ribs_m = [0.02, 0.13, 0.2] }\n";
 
 /// A flap of its wings that turns at some 20 Hz, every number a choice.
-const FLAP: &str = "flap = { chord_fraction = 0.3, stiffness_n_rad = 0.02, areal_density_kg_m2 = 0.05 }\n";
+pub(super) const FLAP: &str =
+    "flap = { chord_fraction = 0.3, stiffness_n_rad = 0.02, areal_density_kg_m2 = 0.05 }\n";
 
 /// Elements of its wings that bear their loads, every number a choice.
 const ELEMENTS: &str = "[structure]\nfrequency_hz = 12.0\ndamping = 0.3\nelements = [\n\
@@ -58,68 +59,96 @@ const ELEMENTS: &str = "[structure]\nfrequency_hz = 12.0\ndamping = 0.3\nelement
 
 /// A cycle of the flapper of `validation/fsi/flapper.toml` in a slight wind.
 #[derive(Clone, Copy)]
-struct Trial {
-    preset: ComparedPreset,
-    law: LiftLaw,
+pub(super) struct Trial {
+    pub preset: ComparedPreset,
+    pub law: LiftLaw,
     /// What its wings have beside, a line of the surface.
-    soft: &'static str,
+    pub soft: &'static str,
+    /// Spring of the outer link, N m/rad and N m s/rad.
+    pub spring: [f64; 2],
+    /// Time of its inertance, s.
+    pub inertance: f64,
     /// Whether the elements bear their loads.
-    elements: bool,
+    pub elements: bool,
     /// Density of the air, kg/m3.
-    density: f64,
+    pub density: f64,
     /// s.
-    step: f64,
+    pub step: f64,
 }
 
 /// A membrane's own time is short.
 const OF_SKIN: Trial = Trial { soft: SKIN, step: 0.25 * STEP, ..OF_WING };
 /// So is the flap's.
 const OF_FLAP: Trial = Trial { soft: FLAP, step: 0.05 * STEP, ..OF_WING };
-const OF_WING: Trial = Trial {
+pub(super) const OF_WING: Trial = Trial {
     preset: ComparedPreset::Full,
     law: LiftLaw::Stall,
     soft: "",
+    spring: [4e-3, 2e-5],
+    inertance: 0.0,
     elements: false,
     density: DENSITY,
     step: STEP,
 };
 
 /// What a trial lacks: see [`Trial::run`].
-struct Lacking {
-    energy: f64,
+pub(super) struct Lacking {
+    pub energy: f64,
     membrane: f64,
-    momentum: f64,
+    pub momentum: f64,
 }
 
 impl Trial {
-    fn robot(&self) -> Result<Robot, Error> {
+    pub fn robot(&self) -> Result<Robot, Error> {
         let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/fsi/flapper.toml"));
         let file = "fsi/flapper.toml";
         let wing = "[[surfaces]]\nname = \"wing\"\n";
         let text = text.replace(wing, &format!("{wing}{}", self.soft));
         let text = if self.elements { text + ELEMENTS } else { text };
+        let [stiffness, damping] = self.spring;
+        let spring = format!("elastic = {{ stiffness = {stiffness:e}, damping = {damping:e},");
+        let text = text.replace("elastic = { stiffness = 4e-3, damping = 2e-5,", &spring);
         let spec = Document::text(file, &text)
             .and_then(|d| d.robot())
             .map_err(|e| Error::reference(file, e.to_string()))?;
         let of = |outline| model(self.preset, self.law, self.density, outline);
         let models = spec.outlines()?.into_iter().map(of);
         let air = Air { density: self.density, wind: Wind::steady(Vec3::new(0.1, -0.2, 0.05)) };
-        Ok(Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?)
+        let robot = Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?;
+        Ok(robot.with_inertance(self.inertance)?)
     }
 
-    /// Over a cycle: work on the robot less the growth of its energy, over the largest work on the way; the same of the membrane alone,
-    /// over all work whatever its sense; and the largest change of the momentum of links and membrane but by the weight, over it.
-    fn run(&self) -> Result<Lacking, Error> {
-        let robot = self.robot()?;
+    /// The state in which it starts, with room for `more` numbers behind it.
+    fn start(robot: &Robot, u: &[f64], more: usize) -> Result<Vec<f64>, Error> {
         let (l, n) = (*robot.layout(), robot.states().len());
-        let u = &[0.04, -0.03, 0.05, 0.02][..robot.inputs().len()];
-        let mut x = vec![0.0; n + 3];
+        let mut x = vec![0.0; n + more];
         Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);
         Vec3::new(2.0, 0.1, -0.3).store(&mut x[l.velocity..]);
         Vec3::new(0.4, -0.8, 0.5).store(&mut x[l.rate..]);
         let coordinates = robot.start_coordinates();
         x[l.joints..][..coordinates.len()].copy_from_slice(&coordinates);
         robot.settle(0.0, &mut x[..n], u)?;
+        Ok(x)
+    }
+
+    /// Where it is after a cycle, m.
+    pub fn place(&self) -> Result<Vec3, Error> {
+        let robot = self.robot()?;
+        let (u, rates) = ([], |t: f64, x: &[f64], dx: &mut [f64]| robot.rates_in_numbers(t, x, &[], dx));
+        let mut x = Self::start(&robot, &u, 0)?;
+        let mut work = Workspace::new(x.len(), RK4.b.len());
+        for i in 0..(DURATION / self.step).round() as usize {
+            RK4.step(rates, i as f64 * self.step, self.step, &mut x, &mut work)?;
+        }
+        Ok(Vec3::from_slice(&x[robot.layout().position..]))
+    }
+
+    /// Over a cycle: work on the robot less the growth of its energy, over the largest work on the way; the same of the membrane alone,
+    /// over all work whatever its sense; and the largest change of the momentum of links and membrane but by the weight, over it.
+    pub fn run(&self) -> Result<Lacking, Error> {
+        let (robot, n) = (self.robot()?, self.robot()?.states().len());
+        let u = &[0.04, -0.03, 0.05, 0.02][..robot.inputs().len()];
+        let mut x = Self::start(&robot, u, 3)?;
         // Behind the state: work of drives, dampers and air, work on the membrane less what it loses, and its size.
         let rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
             robot.rates_in_numbers(t, &x[..n], u, &mut dx[..n])?;
@@ -256,7 +285,7 @@ fn derivative_error(trial: &Trial) -> Result<f64, Error> {
 }
 
 /// Derivatives of such wings under three laws.
-fn derivatives(id: &str, what: &str, of: Trial) -> Result<Vec<ComparisonRow>, Error> {
+pub(super) fn derivatives(id: &str, what: &str, of: Trial) -> Result<Vec<ComparisonRow>, Error> {
     let mut worst = 0.0_f64;
     for law in [LiftLaw::Linear, LiftLaw::Stall, LiftLaw::Lev3d] {
         worst = worst.max(derivative_error(&Trial { law, ..of })?);

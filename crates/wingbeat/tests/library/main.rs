@@ -22,6 +22,7 @@ mod full_turn;
 mod gait_search;
 mod horizon;
 mod hover;
+mod inertance;
 mod inherit;
 mod inside;
 mod lanes;
