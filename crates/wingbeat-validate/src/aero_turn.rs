@@ -125,14 +125,19 @@ fn lag_slope() -> Result<Vec<ComparisonRow>, Error> {
 /// How often the slopes are taken, s.
 const SLOPE_EVERY: f64 = 2e-3;
 
-/// Distances between ends of the turn with other cores and strips, m: what the model leaves open.
+/// Weight of the inputs that leaves one sideslip of two. *Choice*; the scenario has a tenth of it.
+const WEIGHED: &str = "controller.weights.input=0.05";
+
+/// Distances between ends of the turn with other cores and strips, m: what the model leaves open; and how far strips
+/// alone move it with inputs that are [weighed](WEIGHED) more, at most half of what two sideslips lie apart.
 fn spread() -> Result<Vec<ComparisonRow>, Error> {
-    let fly = |strips: usize, core: f64| {
-        let keys = [format!("aero.full.strips={strips}"), format!("aero.full.vortex_core={core}")];
+    let fly = |strips: usize, core: f64, weight: &[&str]| {
+        let mut keys = vec![format!("aero.full.strips={strips}"), format!("aero.full.vortex_core={core}")];
+        keys.extend(weight.iter().map(ToString::to_string));
         flown(&keys).and_then(|run| pose(&run, 5.0))
     };
-    let default = fly(16, 0.3)?;
-    let away = |end: [f64; 6]| (0..3).map(|i| (end[i] - default[i]).powi(2)).sum::<f64>().sqrt();
+    let away = |end: [f64; 6], from: [f64; 6]| (0..3).map(|i| (end[i] - from[i]).powi(2)).sum::<f64>().sqrt();
+    let default = fly(16, 0.3, &[])?;
     let mut rows = Vec::new();
     for (name, strips, core) in [
         ("core_quarter", 16, 0.25),
@@ -143,7 +148,15 @@ fn spread() -> Result<Vec<ComparisonRow>, Error> {
         let id = format!("aero.convergence.spread.{name}");
         let metric =
             format!("turn's end, {strips} strips and core {core}, from that of 16 strips and core 0.3");
-        rows.push(ComparisonRow::shown(&id, "choices of the model", &metric, away(fly(strips, core)?), "m"));
+        let moved = away(fly(strips, core, &[])?, default);
+        rows.push(ComparisonRow::shown(&id, "choices of the model", &metric, moved, "m"));
+    }
+    let default = fly(16, 0.3, &[WEIGHED])?;
+    for strips in [23, 24, 32] {
+        let id = format!("aero.convergence.spread.weighed_{strips}");
+        let metric = format!("turn's end, {strips} strips from that of 16, with {WEIGHED}");
+        let moved = away(fly(strips, 0.3, &[WEIGHED])?, default);
+        rows.push(ComparisonRow::judged(&id, "own other strips", &metric, moved, 0.4, "m"));
     }
     Ok(rows)
 }
