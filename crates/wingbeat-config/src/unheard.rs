@@ -1,7 +1,7 @@
 //! What a run says of strips: keys that none of its models hears, keys that mislead, hinges that crowd them.
 
 use super::LatticeSpec;
-use super::spec::{AeroSpec, FullAeroSpec};
+use super::spec::{AeroSpec, FlightSpec, FullAeroSpec};
 use wingbeat_aero::{Aero, CD0, Preset};
 use wingbeat_judge::Warning;
 use wingbeat_robot::{Robot, RobotSpec};
@@ -73,6 +73,14 @@ pub(super) fn side_edges<'a>(
         100.0 * share
     );
     Some(Warning::new("aero.side_edges", text).size(share).key("aero.full.side_edges"))
+}
+
+/// The warning that `robot` has nothing that an inertance could slow.
+pub(super) fn inertance(flight: &FlightSpec, robot: &Robot) -> Option<Warning> {
+    let time = flight.inertance_s.filter(|time| *time > 0.0)?;
+    let soft = !robot.elastic_states().is_empty() || robot.is_soft();
+    let text = || format!("flight.inertance_s = {time} has no effect: nothing of the robot is on springs");
+    (!soft).then(|| Warning::new("flight.inertance_unheard", text()).key("flight.inertance_s"))
 }
 
 /// The warning that surfaces of `robot` under a law that separates have no profile drag: of a robot `cd0` is 0 where it is left out, while

@@ -105,6 +105,7 @@ pub(super) fn said_of(spec: &ScenarioSpec, robot: &Robot) -> impl Iterator<Item 
         .chain(unheard)
         .chain(web)
         .chain(unheard::frictionless(&spec.robot, robot))
+        .chain(unheard::inertance(&spec.flight, robot))
 }
 
 /// Gusts of the scenario, which no periodic flight can have; their size is the largest of what is left out, m/s.

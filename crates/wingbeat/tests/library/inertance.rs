@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use wingbeat::math::Vec3;
 use wingbeat::plant::Plant;
 use wingbeat::robot::Robot;
-use wingbeat::scenario::Scenario;
+use wingbeat::scenario::{Run, Scenario};
 use wingbeat::simulate::{fastest_vibration, followed};
 
 /// A flapper whose spring of stiffness k (N m/rad) has the damping c (N m s/rad), and whose wing has a flap as stiff.
@@ -85,4 +85,9 @@ fn stiff_wings_keep_the_step_of_soft_ones() {
     assert_eq!(soft.robot().inertance_s(), 0.0);
     let none = fly(&glide(&["flight.inertance_s=0"]));
     assert!(!none.summary.completed());
+    let warned =
+        |run: &Run| run.summary.warnings.iter().any(|warning| warning.id == "flight.inertance_unheard");
+    let rigid = path.with_file_name("glider.toml");
+    let sets = ["flight.duration_s=0.01", "flight.inertance_s=1e-3"].map(str::to_owned);
+    assert!(warned(&fly(&Scenario::load(&rigid, &sets).unwrap())) && !warned(&fly(&soft)));
 }
