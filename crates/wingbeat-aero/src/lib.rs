@@ -37,7 +37,7 @@ pub use membrane::{MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_rise}
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers, walk_web};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
-pub use station::{Ground, SectionField, SectionMotion, Sections};
+pub use station::{Ground, SectionField, SectionFields, SectionMotion, Sections};
 pub use strip::{
     AngleMap, ByStates, LagSet, Lags, MembraneScales, SkinSheet, StripModel, StripSettings, StripSpacing,
     spacing as lan_spacing,

@@ -1,7 +1,7 @@
 //! One strip of air and wing: the directions of a moving section, the wind it
 //! meets, and the air that it carries along.
 
-use super::{SectionMotion, Sections, Wrench};
+use super::{SectionFields, SectionMotion, Sections, Wrench};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 use wingbeat_ocp::plant::MAX_DEGREES;
 
@@ -226,8 +226,10 @@ impl<S: Scalar> SectionFlow<S> {
         self.normal.store(&mut heave);
         self.middle.cross(self.normal).store(&mut heave[3..]);
         self.across.store(&mut pitch[3..]);
-        for c in 0..count {
-            (heave[6 + c], pitch[6 + c]) = sections.field(i, c).heave_and_pitch(normals, inverse_chord);
+        let mut fields = SectionFields::new();
+        sections.fields(i, &mut fields);
+        for (c, field) in fields.iter().enumerate() {
+            (heave[6 + c], pitch[6 + c]) = field.heave_and_pitch(normals, inverse_chord);
         }
         for r in 6..6 + count {
             let (heaving, pitching) = (heave[r] * mass, pitch[r] * inertia);

@@ -1,6 +1,8 @@
 //! The motion of one wing section, the only thing aerodynamics hears of the structure.
 
+use arrayvec::ArrayVec;
 use wingbeat_math::{Meets, Scalar, Vec3};
+use wingbeat_ocp::plant::MAX_COORDINATES;
 
 /// Motion of one chord line. All vectors are resolved in the body frame B;
 /// positions are from the body origin; velocities and accelerations are
@@ -49,11 +51,14 @@ pub trait Sections<S: Scalar> {
     fn complete(&self) -> bool {
         false
     }
-    /// How section `i` moves per unit rate of `coordinate`.
-    fn field(&self, _i: usize, _coordinate: usize) -> SectionField<S> {
-        SectionField::default()
+    /// Writes how section `i` moves per unit rate of each coordinate.
+    fn fields(&self, _i: usize, fields: &mut SectionFields<S>) {
+        fields.clear();
     }
 }
+
+/// Those of one section, one for each coordinate.
+pub type SectionFields<S> = ArrayVec<SectionField<S>, MAX_COORDINATES>;
 
 /// A plane that the air does not cross, ground or ceiling, in B.
 #[derive(Clone, Copy, Debug)]

@@ -273,7 +273,7 @@ pub struct Show {
     /// Robot, scenario, case, rig or run
     #[arg(value_name = "FILE.toml")]
     pub file: PathBuf,
-    /// Phase of the gait, rad, of a robot, scenario or case; without it that of the start
+    /// Phase of the gait of a robot, scenario or case, rad, where files of cases count cycles of 2 pi; without it that of the start
     #[arg(long, value_name = "RAD", allow_hyphen_values = true)]
     pub phase: Option<f64>,
     /// Joint positions of the arm, deg; without them those of the run's plan, else all zero

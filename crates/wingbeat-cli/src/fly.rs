@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use indicatif::{HumanDuration, ProgressBar};
+use wingbeat::guide::SearchWatch;
 use wingbeat::parallel;
 use wingbeat::scenario::{Document, Run, Scenario};
 use wingbeat::simulate::Record;
@@ -30,15 +31,19 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let scenario = Scenario::open(
+    let mut scenario = Scenario::open(
         Document::file(&arguments.scenario)?.overridden(&options.all_overrides()),
         &wingbeat_lattice::doors(),
     )?;
+    let progress = progress(scenario.spec.flight.duration_s, options.quiet);
+    let bar = progress.clone();
+    let told = move |found, all| bar.set_message(format!("before the start: {found} of {all} orbits found"));
+    scenario.watch_search(SearchWatch::new(told));
     let scenario = Arc::new(scenario);
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     wingbeat_figures::prepare();
     let mut watch = FlightWatch::begin(&arguments.live, &scenario)?;
-    let run = simulate(&scenario, &interrupt, options.quiet, &mut watch)?;
+    let run = simulate(&scenario, &interrupt, &progress, &mut watch)?;
     watch.end();
     folder.write("scenario.toml", &scenario.resolved)?;
     folder.write_json("summary.json", &run.summary)?;
@@ -62,11 +67,10 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
 fn simulate(
     scenario: &Scenario,
     interrupt: &Interrupt,
-    quiet: bool,
+    progress: &ProgressBar,
     watch: &mut FlightWatch,
 ) -> Result<Run, Error> {
     let duration = scenario.spec.flight.duration_s;
-    let progress = progress(duration, quiet);
     let mut left = scenario.spec.lattice.as_ref().map_or(TimeLeft::even(), TimeLeft::in_lattice);
     progress.set_message("before the start: what the controller asks for");
     let run = scenario.fly(|sample| {

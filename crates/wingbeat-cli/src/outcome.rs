@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use wingbeat::judge::{Judged, limits};
+use wingbeat::judge::{Judged, Status, limits};
 use wingbeat::scenario::{CostLine, LawState, PaperResults, Summary};
 
 /// A line: what, the paper's number, this run's, and its unit or a remark.
@@ -17,6 +17,10 @@ pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
         text += format!("{name:<24}{published}{value:>9} {unit}").trim_end();
         text.push('\n');
     }
+    // What was not judged is no error, and nothing else says it where no warning does.
+    let said = |reason: &&String| summary.warnings.iter().any(|warning| warning.text == **reason);
+    let open = summary.reason.as_ref().filter(|_| summary.status == Status::NotJudged);
+    text += &open.filter(|reason| !said(reason)).map_or(String::new(), |reason| format!("\n{reason}\n"));
     text += &overridden(&summary.judged);
     for warning in &summary.warnings {
         text += &format!("\n{warning}\n");
@@ -140,6 +144,7 @@ fn air(summary: &Summary) -> Vec<PaperLine> {
     }
     let clearance = summary.least_clearance_m.map_or("-".into(), |c| number(1e3 * c));
     rows.push(own("least clearance", clearance, "mm"));
+    rows.extend(summary.constant_clearance.as_ref().map(|parts| own("always that of", parts.clone(), "")));
     rows.push(own("clearance below zero", shared(summary.crossing_fraction), "% of the time"));
     rows
 }
@@ -224,6 +229,18 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/glider.toml");
         let overrides = ["flight.duration_s=0.02".to_owned(), format!("aero.law={law}")];
         Scenario::load(&path, &overrides).unwrap().fly(|_| ControlFlow::Continue(())).unwrap().summary
+    }
+
+    /// One row by drive and one by actuators, whose plain names are what these give.
+    #[test]
+    fn powers_have_plain_names_and_a_flight_that_is_not_judged_says_why() {
+        let summary = flown("stall");
+        let shown = table(&summary, None);
+        assert!(shown.contains("not judged: flight.weight_carried; "), "{shown}");
+        let rows: Vec<&str> = shown.lines().filter(|row| row.contains(" W, ")).collect();
+        let given = summary.measured.get("drive_power_given_w").unwrap();
+        assert_eq!(rows.len(), 2, "{rows:?}");
+        assert!(rows[0].starts_with("power of the drive") && rows[0].contains(&format!("{given:.3} W")));
     }
 
     #[test]

@@ -176,6 +176,9 @@ fn table(summary: &TrimSummary) -> String {
     );
     let carried = summary.cost.weight_lines().into_iter().skip(1);
     let carried: Vec<String> = carried.map(|(name, share, unit)| format!("{name} {share} {unit}")).collect();
+    let constant = summary.constant_clearance.as_ref().map(|parts| format!(", always that of {parts}"));
+    let clearance = number(summary.least_clearance_m.map(|c| 1e3 * c), 2) + " mm";
+    let clearance = clearance + &constant.unwrap_or_default();
     let stalled = format!("{} / {}", share(summary.stall_fraction_12), share(summary.stall_fraction_20));
     let commands: Vec<String> = (summary.commands.iter().filter(|(_, value)| **value != 0.0))
         .map(|(name, value)| format!("{} {value:.4}", name.trim_start_matches("command_")))
@@ -193,7 +196,7 @@ fn table(summary: &TrimSummary) -> String {
         ("weight carried by", if carried.is_empty() { "-".into() } else { carried.join(", ") }),
         ("Strouhal number", number(summary.strouhal, 3)),
         ("stalled at 12 / 20 deg", stalled),
-        ("least clearance", format!("{} mm", number(summary.least_clearance_m.map(|c| 1e3 * c), 2))),
+        ("least clearance", clearance),
         (
             "roll / nose up, mean",
             format!(

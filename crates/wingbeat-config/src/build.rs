@@ -104,7 +104,16 @@ impl ScenarioSpec {
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
         let (sensors, path) = (self.sensors.clone(), self.path.clone());
         let perch = self.perch.as_ref().map(|perch| perch.beside(model));
-        ControllerTask { model, manoeuvre, solver, sensors, path, perch, prepared: None }
+        ControllerTask {
+            model,
+            manoeuvre,
+            solver,
+            sensors,
+            path,
+            perch,
+            prepared: None,
+            watch: choice.watch.clone(),
+        }
     }
 
     /// An error of the controller's settings, of its solver's, or of the gait that it is made for.
@@ -314,7 +323,8 @@ impl StartSpec {
                 let key = format!("{table}.{name}");
                 let Some(channel) = channels.iter().find(|channel| channel.name == *name) else {
                     let names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).collect();
-                    return Err(Error::invalid(key, value, one_of(name, &names)));
+                    let none = format!("{} (without any: --set start.{table}={{}})", one_of(name, &names));
+                    return Err(Error::invalid(key, value, none));
                 };
                 require::finite(&key, &[*value])?;
                 require::between(&key, *value, channel.low, channel.high)?;

@@ -8,7 +8,8 @@ use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use wingbeat_flight::guide::{
-    AboutOrbitSpec, CommandsSpec, ControllerSpec, HoverSpec, Manoeuvre, MpcSpec, SolverSpec, Turn,
+    AboutOrbitSpec, CommandsSpec, ControllerSpec, HoverSpec, Manoeuvre, MpcSpec, SearchWatch, SolverSpec,
+    Turn,
 };
 use wingbeat_math::Error;
 
@@ -64,6 +65,8 @@ pub(super) struct ChosenKinds {
     pub controller: Option<Arc<dyn ControllerSpec>>,
     pub solver: Option<Arc<dyn SolverSpec>>,
     pub lattice: Option<MakeLattice>,
+    /// Who is told how far the search is with which a controller begins a flight.
+    pub watch: SearchWatch,
 }
 
 impl Doors {
@@ -138,7 +141,13 @@ impl Doors {
             }
         };
         let solver = spec.solver.as_ref().map(|named| open(&self.solvers, named, "solver", &[], document));
-        Ok(ChosenKinds { manoeuvre, controller, solver: solver.transpose()?, lattice: self.lattice })
+        Ok(ChosenKinds {
+            manoeuvre,
+            controller,
+            solver: solver.transpose()?,
+            lattice: self.lattice,
+            watch: SearchWatch::default(),
+        })
     }
 }
 

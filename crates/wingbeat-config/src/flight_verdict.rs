@@ -5,7 +5,7 @@ use super::spec::GoalSpec;
 use super::stall;
 use super::summary::{Context, PartClearance, Summary, mean};
 use std::f64::consts::TAU;
-use wingbeat_flight::simulate::{Ending, Flight, Record};
+use wingbeat_flight::simulate::{Cost, Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, linkage, range, trim, wake};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
 use wingbeat_math::Vec3;
@@ -27,8 +27,9 @@ pub(super) struct JudgedFlight<'a> {
 /// The verdict, and the keys of the goal that could not be judged.
 pub(super) type FlightVerdict = (Verdict, Vec<&'static str>);
 
-/// Time of flight from which its mean power is that of whole cycles, s. *Choice*: three cycles of the slowest gaits.
-const WHOLE_CYCLES: f64 = 1.0;
+/// Duration from which the mean power of a flight is that of whole cycles, and the mean force of wings at rest that of a fall or a glide, s.
+/// *Choice*: three cycles of the slowest gaits.
+const LONG_ENOUGH: f64 = 1.0;
 
 impl JudgedFlight<'_> {
     /// Judges by the goal, the task and the limits.
@@ -121,7 +122,12 @@ impl JudgedFlight<'_> {
     /// Judges what the goal leaves open by what the controller is there for.
     fn task(&self, judge: &mut Judge) {
         let (summary, goal) = (self.summary, self.context.goal);
-        judge.hold_if(&flight::CARRIED, self.weight_carried());
+        if self.is_carried_by_air() {
+            match self.weight_carried() {
+                Some(carried) => _ = judge.hold(&flight::CARRIED, carried),
+                None => judge.find(Status::NotJudged, NO_MEAN_FORCE),
+            }
+        }
         if self.context.period_s.is_none() {
             for limit in [&flight::FREE_PATH_ANGLE, &flight::FALLS] {
                 judge.hold_if(limit, self.path_angle().filter(|_| self.context.perch.is_none()));
@@ -195,7 +201,7 @@ impl JudgedFlight<'_> {
             judge.hold_if(&wake::INFLOW, self.summary.lattice.map(|lattice| lattice.inflow_fraction));
         }
         if let Some(crossing) = self.crossing {
-            judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
+            crossing.hold(judge);
         }
         if let Some(beyond) = self.summary.beyond_residual_fraction {
             judge.hold(&flight::LEAVES_RESIDUAL, beyond);
@@ -223,7 +229,7 @@ impl JudgedFlight<'_> {
             pins.judge(judge);
         }
         judge.hold_if(&trim::PEAK, self.peak_power().map(|power| power / self.context.robot.mass()));
-        if self.flight.duration >= WHOLE_CYCLES {
+        if self.flight.duration >= LONG_ENOUGH {
             for limit in [&trim::POWER, &trim::HIGH_POWER] {
                 judge.hold_if(limit, self.summary.cost.positive_power_w_kg);
             }
@@ -244,7 +250,7 @@ impl JudgedFlight<'_> {
         if let Some(means) = self.context.means {
             judge.hold(&range::REVERSED, means.reversed_fraction);
             if self.context.robot.density() > 0.0 {
-                stall::hold(judge, &means.stalled);
+                stall::hold(judge, &means.stalled, "aero.law");
             }
         }
     }
@@ -255,13 +261,26 @@ impl JudgedFlight<'_> {
         self.record.values("joint_power")?.iter().map(|power| power.abs()).reduce(f64::max)
     }
 
-    /// Share of the weight that is carried over whole cycles, or with the wings at rest over [`WHOLE_CYCLES`] and more; none in a vacuum, which
-    /// carries nothing, and of a robot that hangs from a perch.
+    /// True of a robot that flies: a vacuum carries nothing, and a perch carries what hangs from it.
+    fn is_carried_by_air(&self) -> bool {
+        self.context.robot.density() > 0.0 && self.context.perch.is_none() && self.context.means.is_some()
+    }
+
+    /// Share of the weight that is carried over whole cycles of the part that counts, else of the whole flight; with the wings at rest over
+    /// [`LONG_ENOUGH`]. None of a shorter flight.
     fn weight_carried(&self) -> Option<f64> {
-        let whole =
-            self.cycles.map_or(self.flight.duration >= WHOLE_CYCLES, |cycles| cycles + ROUNDING >= 1.0);
-        let flies = self.context.robot.density() > 0.0 && self.context.perch.is_none();
-        self.summary.cost.weight_carried.filter(|_| whole && flies)
+        let whole = |cycles: f64| cycles + ROUNDING >= 1.0;
+        if self.cycles.is_some_and(whole) {
+            return self.summary.cost.weight_carried;
+        }
+        let [start, .., end] = self.record.values("phase")? else { return None };
+        let turned = (end - start) / TAU;
+        let (says, counted) = match turned > 0.0 {
+            true => (whole(turned), None),
+            false => (self.flight.duration >= LONG_ENOUGH, self.summary.cost.weight_carried),
+        };
+        let all = || Cost::of_record(self.record, 0).map(|cost| cost.carried());
+        counted.or_else(all).filter(|_| says)
     }
 
     /// Mean rate of a crank under a motor over that of the gait, once settled.
@@ -291,6 +310,8 @@ impl JudgedFlight<'_> {
     }
 }
 
+/// Why it is open whether a short flight is carried.
+const NO_MEAN_FORCE: &str = "not judged: flight.weight_carried; the flight is shorter than a cycle of its gait, or with its wings at rest than 1 s (lengthen flight.duration_s)";
 /// Cycles that rounding takes from a whole one.
 const ROUNDING: f64 = 1e-6;
 /// Time after which a flight has a path that can be judged, s. *Choice.*

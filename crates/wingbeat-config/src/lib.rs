@@ -146,7 +146,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use step_error::StepError;
 use wingbeat_aero::Aero;
-use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
+use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared, SearchWatch};
 use wingbeat_flight::simulate::{
     Accuracy, Controller, Event, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_within,
 };
@@ -280,6 +280,11 @@ impl Scenario {
     /// The robot that flies, in its air.
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// Tells `watch` how far the search is with which a controller begins a flight.
+    pub fn watch_search(&mut self, watch: SearchWatch) {
+        self.choice.watch = watch;
     }
 
     /// Limits of the verdicts on its runs.

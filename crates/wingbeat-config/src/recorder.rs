@@ -6,6 +6,7 @@ use super::perch::{self, PerchSpec};
 use super::pinned::PinSummary;
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
+use std::f64::consts::TAU;
 use wingbeat_aero::{Aero, FROM_BEHIND, LoadSource, Loads, StallCount, StripState};
 use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{
@@ -259,13 +260,18 @@ impl<'a> Recorder<'a> {
 
 /// The membranes of `robot`, from the columns that `record` has of them.
 fn skins(robot: &Robot, record: &Record) -> Option<MembraneSummary> {
+    // Wings at rest too need membranes that follow within the flight: with this frequency the lag is that part of it.
+    let times = record.values("t").unwrap_or_default();
+    let duration = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
+    let slowest = if duration > 0.0 { 1.0 / (TAU * duration) } else { 0.0 };
+    let frequency = robot.frequency_hz().max(slowest);
     let of = |(k, (name, aero)): (usize, (&str, &Aero))| {
         let prefix = if k == 0 { String::new() } else { format!("{name}_") };
         let columns = (0..aero.strips()).filter_map(|i| {
             let column = |of: &str| record.values(&format!("{prefix}{of}_{i}"));
             Some(column("camber")?.iter().zip(column("camber_forward")?).map(|(a, b)| [*a, *b]))
         });
-        MembraneSummary::of(aero, columns.flatten(), robot.frequency_hz())
+        MembraneSummary::of(aero, columns.flatten(), frequency)
     };
     robot.surfaces().enumerate().filter_map(of).reduce(MembraneSummary::worse)
 }

@@ -6,6 +6,7 @@ use super::pinned::PinSummary;
 use super::plausible;
 use super::skin::MembraneSummary;
 use super::stall;
+use super::summary::touching;
 use super::unheard::{frictionless, of_strips, side_edges};
 use super::web;
 use super::{LatticeSummary, RigRun};
@@ -136,7 +137,7 @@ impl RigRun {
         };
         let lattice = outcome.coupling.map(|of| LatticeSummary::new(of, self.spec.lattice.as_ref()));
         judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
-        stall::hold(&mut judge, &outcome.stalled);
+        stall::hold(&mut judge, &outcome.stalled, "rig.aero.law");
         judge.hold_if(&wake::INFLOW, lattice.map(|lattice| lattice.inflow_fraction));
         let skin = |((_, aero), heights): ((&str, &Aero), &Vec<[f64; 2]>)| {
             MembraneSummary::of(aero, heights.iter().copied(), self.frequency())
@@ -156,9 +157,10 @@ impl RigRun {
         pin_springs.iter().for_each(|pins| pins.judge(&mut judge));
         judge.hold_if(&trim::PEAK, pin_springs.map(|pins| pins.power_max_w / self.robot.mass()));
         hold_shape(&mut judge, &self.robot);
-        let crossing = self.crossing_fraction();
+        let (crossing, least) = self.clearance();
         judge.hold(&rig::CROSSING, crossing);
         judge.hold(&rig::CROSSED, crossing);
+        judge.hold_if(&trim::SKIN, least.and_then(touching));
         let cautions = lattice.iter().flat_map(LatticeSummary::cautions);
         cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
         let surfaces = || self.robot.surfaces().map(|(_, aero)| aero);
@@ -183,17 +185,20 @@ impl RigRun {
         })
     }
 
-    /// Share of the cycle of the gait in which a clearance is below zero, elastic joints at rest.
-    fn crossing_fraction(&self) -> f64 {
+    /// Share of the cycle of the gait in which a clearance is below zero, and the least of all, m, elastic joints at rest.
+    fn clearance(&self) -> (f64, Option<f64>) {
         let (robot, frequency) = (&self.robot, self.frequency());
         if !(frequency > 0.0) {
-            return 0.0;
+            return (0.0, None);
         }
         let structure = vec![0.0; robot.states().len() - robot.layout().structure];
-        let crosses = |k: usize| {
-            let least = robot.least_clearances(k as f64 / (LOOKS as f64 * frequency), &structure);
-            least.is_ok_and(|least| least.iter().any(|clearance| *clearance < 0.0))
-        };
-        (0..LOOKS).filter(|k| crosses(*k)).count() as f64 / LOOKS as f64
+        let (mut below, mut least) = (0, None);
+        for k in 0..LOOKS {
+            let all = robot.least_clearances(k as f64 / (LOOKS as f64 * frequency), &structure);
+            let Some(now) = all.ok().and_then(|all| all.into_iter().reduce(f64::min)) else { continue };
+            below += usize::from(now < 0.0);
+            least = Some(least.map_or(now, |least: f64| least.min(now)));
+        }
+        (below as f64 / LOOKS as f64, least)
     }
 }

@@ -5,9 +5,12 @@ use std::f64::consts::TAU;
 use wingbeat_aero::{Aero, membrane_rise};
 use wingbeat_judge::Judge;
 use wingbeat_judge::limits::membrane::{
-    BENDING, BEYOND_BENDING, BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, CAMBER, FREQUENCY, LAG, SLACK,
-    SLACK_SPAN, STRAIN, WEIGHT,
+    BENDING, BEYOND_BENDING, BEYOND_CAMBER, BEYOND_FREQUENCY, BEYOND_LAG, BEYOND_STRAIN, CAMBER, FREQUENCY,
+    LAG, SLACK, SLACK_SPAN, STRAIN, WEIGHT,
 };
+
+/// Rise over the chord below which no load bends a membrane. *Choice.*
+const UNBENT: f64 = 1e-9;
 
 /// Membranes of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -21,11 +24,11 @@ pub struct MembraneSummary {
     /// Strain along the span at rest where ribs hold it, dimensionless.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prestrain_span: Option<f64>,
-    /// Frequency of the motion over the least one of the membranes with the mean tension along the chord.
+    /// Frequency of the motion, in a flight at least 1/(2 pi duration), over the least one of the membranes with the mean tension along the chord.
     pub frequency_fraction: f64,
-    /// Angular frequency of the motion times `damping_s`, rad.
+    /// Angular frequency of the motion times `damping_s`, rad; in a flight at least `damping_s` over its duration.
     pub lag_rad: f64,
-    /// Rise by the weight of the membrane, which is left out, over the largest rise.
+    /// Rise by the weight of the membrane, which is left out, over the largest rise; 0 where no load bends it.
     pub weight_fraction: f64,
     /// Ratio of the load that its bending stiffness, which is left out, would bear to what the mean tension bears.
     pub bending_fraction: f64,
@@ -50,6 +53,8 @@ impl MembraneSummary {
         }
         let scales = model.membrane_scales(taut / count)?;
         let over = |part: f64, whole: f64| if part == 0.0 { 0.0 } else { part / whole };
+        // In still air at rest nothing bends it, and there is no load beside which its weight counts.
+        let loaded = camber_max > UNBENT;
         Some(Self {
             camber_max,
             strain_max,
@@ -57,7 +62,7 @@ impl MembraneSummary {
             prestrain_span: model.membrane_prestrain_span(),
             frequency_fraction: over(frequency_hz, scales.frequency_hz),
             lag_rad: TAU * frequency_hz * scales.damping_s,
-            weight_fraction: over(scales.weight_rise, camber_max),
+            weight_fraction: if loaded { over(scales.weight_rise, camber_max) } else { 0.0 },
             bending_fraction: model.membrane_bending(taut / count)?,
         })
     }
@@ -83,6 +88,7 @@ impl MembraneSummary {
     pub fn judge(&self, judge: &mut Judge) {
         judge.hold(&CAMBER, self.camber_max);
         judge.hold(&STRAIN, self.strain_max);
+        judge.hold(&BEYOND_STRAIN, self.strain_max);
         judge.hold(&BEYOND_CAMBER, self.camber_max);
         judge.hold(&SLACK, self.slack_fraction);
         judge.hold_if(&SLACK_SPAN, self.prestrain_span);

@@ -25,7 +25,8 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
-use wingbeat_judge::{Judged, RunLimits, Status, Warning};
+use wingbeat_judge::limits::{flight, trim};
+use wingbeat_judge::{Judge, Judged, RunLimits, Status, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Channel;
 use wingbeat_robot::{Dryden, Robot};
@@ -90,7 +91,7 @@ pub struct Summary {
     pub roll_rms_error_deg: Option<f64>,
     /// Largest |roll - reference|, deg.
     pub roll_max_error_deg: Option<f64>,
-    /// Mean pitch, deg.
+    /// Mean pitch, deg; negative is nose up.
     pub pitch_mean_deg: Option<f64>,
     /// Root mean square of pitch minus reference, deg, likewise.
     pub pitch_rms_error_deg: Option<f64>,
@@ -143,6 +144,9 @@ pub struct Summary {
     /// Least of all clearances over the records of the whole flight, m; negative where parts pass through each
     /// other, or a wing through the middle plane. Missing for a robot without clearances.
     pub least_clearance_m: Option<f64>,
+    /// Between what it is, where it is the same all the time.
+    #[serde(skip)]
+    pub constant_clearance: Option<String>,
     /// How the clearance that the controller is asked to keep was kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub governed: Option<GovernedSummary>,
@@ -407,6 +411,7 @@ impl Summary {
             beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
+            constant_clearance: crossing.as_ref().and_then(PartClearance::constant),
             governed: crossing
                 .as_ref()
                 .and_then(|c| GovernedSummary::new(record, c.least_m, flight.updates.len())),
@@ -463,6 +468,20 @@ pub(super) fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
     on as f64 / (all as f64).max(1.0)
 }
 
+/// Change below which a clearance is the same all the time, m: rounding leaves 1e-17. *Choice.*
+pub(super) const SAME: f64 = 1e-9;
+
+/// The least clearance of parts that do not pass through each other, m: what its skins may close.
+pub(super) fn touching(least: f64) -> Option<f64> {
+    Some(least).filter(|least| *least >= 0.0)
+}
+
+/// What the clearance of this name is between, in words.
+pub(super) fn apart(name: &str) -> String {
+    let parts = name.trim_start_matches("clearance_").replace('_', " ");
+    parts.strip_suffix(" middle").map_or(parts.clone(), |wing| format!("{wing} to middle plane"))
+}
+
 /// How close the parts of a robot come over a record.
 pub(super) struct PartClearance {
     /// Least of all clearances, m.
@@ -471,6 +490,8 @@ pub(super) struct PartClearance {
     pub fraction: f64,
     /// The clearance that is the least.
     name: String,
+    /// Whether that one stays the same.
+    is_constant: bool,
 }
 
 impl PartClearance {
@@ -486,18 +507,29 @@ impl PartClearance {
         let columns = clearances.iter().filter_map(|c| Some((&c.name, &record.values(&c.name)?[first..])));
         let columns: Vec<(&String, &[f64])> = columns.collect();
         let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-        let (name, least_m) = columns
+        let (name, values, least_m) = columns
             .iter()
-            .map(|(name, values)| ((*name).clone(), least(values)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+            .map(|(name, values)| ((*name).clone(), *values, least(values)))
+            .min_by(|a, b| a.2.total_cmp(&b.2))?;
         let rows = t.len() - first;
         let crossing = (0..rows).filter(|&row| columns.iter().any(|(_, values)| values[row] < 0.0)).count();
-        (rows > 0).then(|| Self { least_m, fraction: crossing as f64 / rows as f64, name })
+        let is_constant = values.iter().all(|value| value - least_m < SAME);
+        (rows > 0).then(|| Self { least_m, fraction: crossing as f64 / rows as f64, name, is_constant })
     }
 
-    /// Where it is the least, for the words of a verdict.
-    pub fn words(&self) -> String {
+    /// Between what it is, where it is the same all the time.
+    fn constant(&self) -> Option<String> {
+        self.is_constant.then(|| apart(&self.name))
+    }
+
+    /// Holds it against the limits, the same in every run of a robot: parts that pass through each other, and skins that touch.
+    pub fn hold(&self, judge: &mut Judge) {
         let Self { least_m, name, .. } = self;
-        format!("({name} falls to {:.1} mm)", 1e3 * least_m)
+        judge.hold_about(
+            &flight::CROSSING,
+            self.fraction,
+            &format!("({name} falls to {:.1} mm)", 1e3 * least_m),
+        );
+        judge.hold_if(&trim::SKIN, touching(*least_m));
     }
 }

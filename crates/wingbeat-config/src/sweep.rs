@@ -1,6 +1,6 @@
 //! Many runs of one scenario or case with keys drawn at random or from a grid.
 
-use super::document::{ConfigError, Document, KeyProblem, ValuePlace, Wrong};
+use super::document::{ConfigError, Document, KeyProblem, ValuePlace, Wrong, spoken};
 use super::fit;
 use super::shared::Shared;
 use super::sweep_spec::{Draw, Hold, Sampling, SweepSpec};
@@ -116,6 +116,23 @@ impl Sweep {
     /// What is published of the scenario of its flights.
     pub fn paper(&self) -> Option<PaperResults> {
         self.inner.parse::<super::ScenarioSpec>().ok()?.paper
+    }
+
+    /// What a drawn key is, in words and with its unit; hinges, links and surfaces by their names.
+    pub fn spoken(&self, key: &str) -> String {
+        let tree: Option<toml::Value> = toml::from_str(&self.resolved).ok();
+        let mut at = tree.as_ref().and_then(|tree| tree.get(self.of.key()));
+        let mut told = Vec::new();
+        for part in key.split('.') {
+            let (name, place) = part.split_once('[').map_or((part, None), |(name, place)| {
+                (name, place.strip_suffix(']').and_then(|place| place.parse::<usize>().ok()))
+            });
+            at = at.and_then(|at| at.get(name));
+            let item = place.and_then(|place| at?.get(place));
+            at = item.or(at);
+            told.push(item.and_then(|item| item.get("name")?.as_str()).unwrap_or(part));
+        }
+        spoken(&told.join("."))
     }
 
     /// What is said of the fits that the numbers of its runs are from.

@@ -212,7 +212,7 @@ impl TetherCase {
             for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
                 judge.hold(limit, run.reversed_fraction);
             }
-            stall::hold(&mut judge, &run.stalled);
+            stall::hold(&mut judge, &run.stalled, "aero.law");
             judge.hold(&range::STALLED_OUTSIDE, run.stalled.untested());
             judge.hold(&tether::SLENDER, 2.0 * planform.covered_half_span() / mean_chord(planform));
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
@@ -364,6 +364,8 @@ pub struct SparSummary {
     pub frequency_hz: Option<f64>,
     /// Move of the tip with one more coefficient of the strains, over its displacement.
     pub grid_change: Option<f64>,
+    /// Largest change of the three lowest frequencies with one more coefficient, over them.
+    pub frequency_change: Option<f64>,
 }
 
 impl SparSummary {
@@ -382,6 +384,7 @@ impl SparSummary {
             growth_1_s: growth,
             frequency_hz: omega.map(|omega| omega / std::f64::consts::TAU),
             grid_change: steady.grid_change,
+            frequency_change: steady.frequency_change,
         }
     }
 
@@ -429,6 +432,9 @@ const STEPS_PER_PERIOD: f64 = 12.0;
 /// Excess of the coefficients by rounded speeds above which there is a caution. *Choice.*
 const ROUNDED_OFF: f64 = 0.02;
 
+/// Loads over those of the dynamic pressure on the wing below which they are rounding. *Choice.*
+const ROUNDED: f64 = 1e-9;
+
 /// Change of the means with other steps above which there is a caution. *Choice.*
 pub(super) const STEP_CHANGE: f64 = 0.02;
 /// The same of the least and the largest loads: 25 times what the shipped cases reach. *Choice.*
@@ -460,7 +466,11 @@ impl TetherCase {
             return Ok(None);
         }
         let steps = self.tether.clock.steps_per_cycle;
-        let mut against = |steps| Ok(change(&run.means, &simulate(&self.tether.stepped(steps))?.means));
+        let scales = self.tether.reference;
+        let force = ROUNDED * 0.5 * scales.density_kg_m3 * scales.speed_m_s.powi(2) * scales.area_m2;
+        let least = [force, force * scales.chord_m];
+        let mut against =
+            |steps| Ok(change(&run.means, &simulate(&self.tether.stepped(steps))?.means, least));
         let coarse = against((steps / 2).max(2))?;
         let [mean_holds, peak_holds] = [coarse.mean <= STEP_CHANGE, coarse.peak <= PEAK_CHANGE];
         if mean_holds && peak_holds || self.tether.stepped(2 * steps).check().is_err() {
@@ -491,9 +501,9 @@ impl TetherCase {
 }
 
 /// The largest relative changes of the loads between two runs, forces and moments each by the largest of their kind, in the run
-/// where that is smaller: the other may have grown without bound.
-pub fn change(one: &[CycleMean], other: &[CycleMean]) -> StepChange {
-    let of = |kind: &str, apart: fn(&CycleMean, &CycleMean) -> f64| {
+/// where that is smaller: the other may have grown without bound. Loads below `least`, N and N m, are rounding.
+pub fn change(one: &[CycleMean], other: &[CycleMean], least: [f64; 2]) -> StepChange {
+    let of = |kind: &str, least: f64, apart: fn(&CycleMean, &CycleMean) -> f64| {
         let rows = |means: &[CycleMean]| -> Vec<CycleMean> {
             means.iter().filter(|row| row.name.starts_with(kind)).cloned().collect()
         };
@@ -504,12 +514,12 @@ pub fn change(one: &[CycleMean], other: &[CycleMean]) -> StepChange {
         let apart: Vec<f64> = one.iter().zip(&other).map(|(a, b)| apart(a, b)).collect();
         match apart.iter().any(|apart| apart.is_nan()) {
             true => f64::NAN,
-            false if scale > 0.0 => apart.into_iter().fold(0.0, f64::max) / scale,
+            false if scale > least => apart.into_iter().fold(0.0, f64::max) / scale,
             false => 0.0,
         }
     };
     let both = |apart: fn(&CycleMean, &CycleMean) -> f64| {
-        let (force, moment) = (of("force_wind_", apart), of("moment_", apart));
+        let (force, moment) = (of("force_wind_", least[0], apart), of("moment_", least[1], apart));
         if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
     };
     let mean = both(|a, b| (a.mean - b.mean).abs());

@@ -21,6 +21,8 @@ const HEAD: f64 = 190.0;
 const LETTER: f64 = 7.0;
 /// Room around a figure, px.
 const PADDING: f64 = 10.0;
+/// Name of the row that shows the scale of colours.
+const SCALE: &str = "scale of colours";
 /// Rise of the names of columns, degrees.
 const RISE: f64 = -50.0;
 
@@ -61,9 +63,7 @@ pub fn overlay(channels: Vec<Overlay>) -> Figure {
                 PanelCurve::reference("measured", &phase, closed(&channel.measured)),
             ];
             curves.extend(with_residual.map(|values| PanelCurve::new("with residual", &phase, values, 2)));
-            let (name, unit) = channel.title.split_once(' ').unwrap_or((&channel.title, ""));
-            let title = format!("{} {unit}", style::letter(name));
-            FigurePanel { bands, ..FigurePanel::new(title.trim_end(), curves) }
+            FigurePanel { bands, ..FigurePanel::new(channel.title, curves) }
         })
         .collect();
     let across = "phase of the cycle [cycles]; shaded: 95 % of measured cycles, as predicted";
@@ -91,7 +91,7 @@ pub fn profiles(curves: Vec<ProfileCurve>) -> Figure {
             (value + deviations * error, deviations * deviations)
         };
         let mut series =
-            vec![ChartSeries::new("other parameters fitted again", curve.points.clone(), Look::Line, 0)];
+            vec![ChartSeries::new("other parameters fitted again", curve.points.clone(), Look::Circles, 0)];
         if error > 0.0 && error.is_finite() {
             let (low, high) =
                 curve.points.iter().fold((value, value), |(low, high), (x, _)| (low.min(*x), high.max(*x)));
@@ -158,6 +158,8 @@ pub struct ShadedCells {
     pub shade: fn(f64) -> f64,
     /// The number in a cell, as it is written, in the unit of the title.
     pub text: fn(f64) -> String,
+    /// Numbers that show the scale of colours below the table, in the unit of the title.
+    pub scale: &'static [f64],
 }
 
 /// Correlations, from -1 to 1.
@@ -170,6 +172,7 @@ pub fn correlations(names: &[String], values: Vec<Vec<f64>>) -> Figure {
         values,
         shade: |value| value.abs(),
         text: |value| format!("{value:.2}").replace('-', "−"),
+        scale: &[0.0, 0.25, 0.5, 0.75, 1.0],
     })
 }
 
@@ -184,19 +187,24 @@ pub fn information(rows: Vec<String>, columns: Vec<String>, values: Vec<Vec<f64>
         // From one part in a thousand, dark, to the whole, light.
         shade: |value| (-value.log10() / 3.0).clamp(0.0, 1.0),
         text: |value| if value < 10.0 { format!("{value:.1e}") } else { "–".into() },
+        scale: &[1e-3, 1e-2, 1e-1, 1.0],
     })
 }
 
 /// A table of shaded cells, dark where the share is large.
 pub fn cells(of: &ShadedCells) -> Figure {
     let longest = |names: &[String]| names.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
-    let left = PADDING + LETTER * longest(&of.rows) + PADDING;
+    let left = PADDING + LETTER * longest(&of.rows).max(SCALE.len() as f64) + PADDING;
     let head = HEAD.min(40.0 + 0.8 * LETTER * longest(&of.columns));
     let count = of.columns.len().max(1) as f64;
     let beyond = 0.7 * LETTER * longest(&of.columns).min(40.0);
     let wide = ((style::WIDTH - left - beyond) / count).clamp(40.0, 80.0);
-    let width = (left + wide * count + beyond).max(style::WIDTH);
-    let mut scene = Scene::new(width, head + ROW * of.rows.len() as f64 + 2.0 * PADDING);
+    let columns = count.max(of.scale.len() as f64);
+    // As wide as the table, its scale and its title need.
+    let titled = 2.0 * PADDING + LETTER * of.title.chars().count() as f64;
+    let width = (left + wide * columns + beyond.max(PADDING)).max(titled);
+    let below = head + ROW * of.rows.len() as f64 + PADDING;
+    let mut scene = Scene::new(width, below + ROW + PADDING);
     let put = |scene: &mut Scene, x: f64, y: f64, text: &str, anchor, colour: &str, rotate| {
         let (content, color) = (text.to_owned(), Some(Color::from(colour)));
         scene.elements.push(Primitive::Text {
@@ -215,8 +223,9 @@ pub fn cells(of: &ShadedCells) -> Figure {
         let x = left + wide * (j as f64 + 0.5);
         put(&mut scene, x, head - 6.0, name, TextAnchor::Start, style::INK, Some(RISE));
     }
-    for (i, (name, values)) in of.rows.iter().zip(&of.values).enumerate() {
-        let y = head + ROW * i as f64;
+    let rows = of.rows.iter().map(String::as_str).zip(of.values.iter().map(Vec::as_slice));
+    for (i, (name, values)) in rows.chain([(SCALE, of.scale)]).enumerate() {
+        let y = if i < of.rows.len() { head + ROW * i as f64 } else { below };
         put(&mut scene, left - PADDING, y + 17.0, name, TextAnchor::End, style::INK, None);
         for (j, value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
             let share = (of.shade)(*value).clamp(0.0, 1.0);

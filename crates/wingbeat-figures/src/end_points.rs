@@ -1,5 +1,6 @@
 //! Where the flights of a sweep end.
 
+use kuva::plot::annotations::TextAnnotation;
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::scatter::{MarkerShape, ScatterPlot};
 use kuva::render::figure::Figure as Grid;
@@ -7,6 +8,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use wingbeat::simulate::Record;
 
+use crate::scale::TickScale;
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -16,7 +18,14 @@ pub struct EndPoints<'a> {
     pub groups: &'a [(String, Vec<usize>)],
     /// Published end point, m; y to the left.
     pub published: Option<(f64, f64)>,
+    /// The only number that was varied: its column, and what it is with its unit.
+    pub varied: Option<(&'a str, String)>,
 }
+
+/// Room beyond the outermost points, as a share of the larger side, and its least, m.
+const ROOM: (f64, f64) = (0.08, 0.05);
+/// Height of a number above its point, over that room.
+const NUMBER: f64 = 0.15;
 
 /// Every flight that was flown to the end by its end point, seen from above with x to the right and y up; those that did
 /// not hold their attitude are hollow.
@@ -26,7 +35,9 @@ pub fn end_points(record: &Record, what: &EndPoints) -> Result<Figure, Error> {
     let (x, y) = (needed(record, "distance_x")?, needed(record, "distance_y")?);
     let (held, completed) = (needed(record, "held")?, needed(record, "completed")?);
     let mut plots: Vec<Plot> = Vec::new();
-    let mut all = vec![(0.0, 0.0)];
+    // Of a turn the start is shown too: it tells the way.
+    let mut all = if what.varied.is_some() { Vec::new() } else { vec![(0.0, 0.0)] };
+    let flown_from = all.len();
     for (index, (name, rows)) in what.groups.iter().enumerate() {
         let flown = |wanted: bool| -> Vec<(f64, f64)> {
             let rows = rows.iter().filter(|&&row| completed[row] == 1.0 && (held[row] == 1.0) == wanted);
@@ -51,17 +62,28 @@ pub fn end_points(record: &Record, what: &EndPoints) -> Result<Figure, Error> {
         let star = ScatterPlot::new().with_data(vec![point]).with_color(style::INK).with_size(8.0);
         plots.push(star.with_marker(MarkerShape::Diamond).with_legend("the paper's end point").into());
     }
-    if all.len() < 2 {
+    if all.len() == flown_from {
         return Err(Error::Rows { rows: 0, needed: 1 });
     }
     let ((left, right), (low, high)) =
         (style::span(all.iter().map(|p| p.0)), style::span(all.iter().map(|p| p.1)));
-    let layout = style::axes(Layout::auto_from_plots(&plots))
-        .with_x_axis_min(left - 0.5)
-        .with_x_axis_max(right + 0.5)
-        .with_y_axis_min(low - 0.5)
-        .with_y_axis_max(high + 0.5)
-        .with_x_label("x at the end [m]")
+    let room = (ROOM.0 * (right - left).max(high - low)).max(ROOM.1);
+    let varied = what.varied.as_ref().map_or(String::new(), |(_, label)| format!("; numbers: {label}"));
+    let mut layout = style::axes(Layout::auto_from_plots(&plots));
+    // The ends of what was varied have their numbers.
+    let values = what.varied.as_ref().and_then(|(key, _)| record.values(key)).unwrap_or_default();
+    let flown = |row: &usize| completed[*row] == 1.0 && x[*row].is_finite() && y[*row].is_finite();
+    let mut rows: Vec<usize> = (0..values.len()).filter(flown).collect();
+    wingbeat::math::order::ascend_by(&mut rows, |row| values[*row]);
+    let ends = [rows.first(), rows.last().filter(|_| rows.len() > 1)];
+    for row in ends.into_iter().flatten().copied() {
+        let number = TextAnnotation::new(style::number(values[row]), x[row], y[row] + NUMBER * room);
+        layout = layout.with_annotation(number.with_font_size(style::TICKS).with_color(style::INK));
+    }
+    let layout = TickScale::new(left - room, right + room).right(layout);
+    let layout = TickScale::new(low - room, high + room)
+        .upwards(layout)
+        .with_x_label(format!("x at the end [m]{varied}"))
         .with_y_label("y at the end [m], left is positive")
         .with_legend_position(LegendPosition::OutsideRightTop)
         .with_legend_box(false);

@@ -7,7 +7,6 @@ use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
-use wingbeat::scenario::spoken;
 use wingbeat::simulate::Record;
 
 use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
@@ -29,13 +28,18 @@ const SHADES: usize = 60;
 /// Most runs that are drawn: more are less than a dot each. *Choice.*
 const MOST_RUNS: usize = 20_000;
 
-/// `measures` over the drawn values of `keys`: colours over the first two, cells where they are a whole grid and
+/// `measures` over the drawn values of `keys`, each a column and its label: colours over the first two, cells where they are a whole grid and
 /// points otherwise; marks over the only one.
-pub fn map(record: &Record, keys: &[&str], measures: &[&str], whole: bool) -> Result<Figure, Error> {
+pub fn map(
+    record: &Record,
+    keys: &[(&str, String)],
+    measures: &[&str],
+    whole: bool,
+) -> Result<Figure, Error> {
     if record.rows() > MOST_RUNS {
         return Err(Error::Many { rows: record.rows(), most: MOST_RUNS });
     }
-    let &[x, y, ..] = keys else { return over_one(record, keys, measures) };
+    let [x, y, ..] = keys else { return over_one(record, keys, measures) };
     let (x, y) = (DrawnValues::of(record, x)?, DrawnValues::of(record, y)?);
     let cells = whole && keys.len() == 2 && x.places.len() > 1 && y.places.len() > 1;
     let maps = measures.iter().map(|name| RangedMeasure::of(record, name)).collect::<Result<Vec<_>, _>>()?;
@@ -61,8 +65,8 @@ pub fn map(record: &Record, keys: &[&str], measures: &[&str], whole: bool) -> Re
     Ok(Figure::new("map", scene))
 }
 
-fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure, Error> {
-    let key = keys.first().ok_or(Error::Rows { rows: 0, needed: 1 })?;
+fn over_one(record: &Record, keys: &[(&str, String)], measures: &[&str]) -> Result<Figure, Error> {
+    let (key, label) = keys.first().ok_or(Error::Rows { rows: 0, needed: 1 })?;
     let x = needed(record, key)?;
     let (low, high) = style::span(x.iter().copied());
     let room = if high > low { 0.05 * (high - low) } else { 0.1 * low.abs().max(1e-9) };
@@ -76,7 +80,7 @@ fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure,
         Ok(Chart {
             title: String::new(),
             // All panels have the same axis, whichever runs have their measure.
-            x: ChartAxis::new(spoken(key)).over(low - room, high + room),
+            x: ChartAxis::new(label.clone()).over(low - room, high + room),
             y: ChartAxis::new(labelled(name, unit)),
             series: vec![line, ChartSeries::new("", marks, Look::Circles, 0)],
             passes: None,
@@ -100,7 +104,7 @@ struct DrawnValues<'a> {
 }
 
 impl<'a> DrawnValues<'a> {
-    fn of(record: &'a Record, key: &'a str) -> Result<Self, Error> {
+    fn of(record: &'a Record, (key, name): &(&'a str, String)) -> Result<Self, Error> {
         let values = needed(record, key)?;
         let mut places = values.to_vec();
         wingbeat::math::order::ascend(&mut places);
@@ -109,7 +113,7 @@ impl<'a> DrawnValues<'a> {
         // Half a cell of a grid lies beyond its ends.
         let margin = 0.5 * (high - low) / (places.len().max(2) - 1) as f64;
         let margin = margin.max(0.04 * (high - low));
-        Ok(Self { name: spoken(key), values, places, scale: TickScale::new(low - margin, high + margin) })
+        Ok(Self { name: name.clone(), values, places, scale: TickScale::new(low - margin, high + margin) })
     }
 
     /// The share of the axis at `value`.

@@ -17,6 +17,8 @@ const LEVELS: [f64; 5] = [-20.0, -12.0, 0.0, 12.0, 20.0];
 const NAMED: f64 = 0.5;
 /// Most named kinds of modes: with the circle and the two of no name eight stand in the legend. *Choice.*
 const MOST_NAMED: usize = 5;
+/// Size of a multiplier below which it is a mark at zero, which would hide others. *Choice.*
+const GONE: f64 = 0.01;
 /// Name of those below.
 const OTHERS: &str = "others";
 /// Points of the unit circle.
@@ -45,6 +47,19 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
             .collect()
     };
     let (turning, sliding) = (joints(true), joints(false));
+    // The power of each driven joint, its effort times the central difference of its place, beside that of all.
+    let mut powers =
+        vec![PanelCurve::total("all driven joints", &x, needed(record, "joint_power")?.to_vec())];
+    let driven = own_joints::left(record).filter(|(joint, _)| joint.is_driven());
+    powers.extend(driven.enumerate().filter_map(|(i, (joint, column))| {
+        let effort = record.values(&format!("torque_{}", column.name))?;
+        let rate = |k: usize| {
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(t.len() - 1));
+            (column.values[after] - column.values[before]) / (t[after] - t[before])
+        };
+        let power: Vec<f64> = effort.iter().enumerate().map(|(k, effort)| effort * rate(k)).collect();
+        Some(PanelCurve::new(joint.name, &x, power, i))
+    }));
     let strips = (0..).map_while(|i| record.values(&format!("incidence_{i}"))).collect::<Vec<_>>();
     needed(record, "incidence_0")?;
     let left = strips.iter().take(strips.len().div_ceil(2)).enumerate();
@@ -61,16 +76,13 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
         FigurePanel::new("joint angles [°], up, forward, nose up", turning),
         FigurePanel {
             levels: LEVELS.to_vec(),
-            ..FigurePanel::new("angle of attack [°], lines at 0, 12 and 20", incidences.collect())
+            ..FigurePanel::new("angle of attack [°], lines at 0, ±12 and ±20", incidences.collect())
         },
         FigurePanel::new(
             "pitch [°], nose up",
             vec![curve("pitch".into(), needed(record, "pitch")?, -DEGREES, 0)],
         ),
-        FigurePanel::new(
-            "joint power [W]",
-            vec![curve("all driven joints".into(), needed(record, "joint_power")?, 1.0, 1)],
-        ),
+        FigurePanel::new("joint power [W], of pairs the left joint", powers),
     ];
     if !sliding.is_empty() {
         panels.insert(1, FigurePanel::new("joint travel [mm]", sliding));
@@ -110,6 +122,8 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
     // The largest first: those beyond the first few kinds have no name.
     let mut rows: Vec<usize> = (0..record.rows()).collect();
     wingbeat::math::order::descend_by(&mut rows, |item| re[*item].hypot(im[*item]));
+    let seen = rows.iter().take_while(|row| re[**row].hypot(im[**row]) >= GONE).count();
+    let gone = rows.split_off(seen).len();
     let mut groups: Vec<ModeGroup> = Vec::new();
     for row in rows {
         let (own, longitudinal) = (own(row), lateral[row] == 0.0);
@@ -140,9 +154,11 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
         };
         ChartSeries::new(name, points, if longitudinal { Look::Circles } else { Look::Crosses }, i.min(named))
     });
+    let left_out = if gone == 0 { String::new() } else { format!("; {gone} below {GONE} left out") };
+    let across = format!("real part of the multiplier; o longitudinal, × lateral{left_out}");
     let chart = Chart {
         title: String::new(),
-        x: ChartAxis::new("real part of the multiplier; o longitudinal, × lateral").over(-reach, reach),
+        x: ChartAxis::new(across).over(-reach, reach),
         y: ChartAxis::new("imaginary part").over(-reach, reach),
         series: std::iter::once(circle).chain(modes).collect(),
         passes: None,

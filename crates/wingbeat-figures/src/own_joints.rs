@@ -22,6 +22,11 @@ pub struct RecordJoint<'a> {
 }
 
 impl RecordJoint<'_> {
+    /// Whether a drive or an actuator moves it; else the dynamics decide how it moves.
+    pub fn is_driven(&self) -> bool {
+        !self.free
+    }
+
     /// From SI to what is drawn: degrees or millimetres.
     pub fn scale(&self) -> f64 {
         if self.turns { DEGREES } else { MILLIMETRES }

@@ -54,7 +54,7 @@ impl CellOrigin {
 
 /// Title of a channel.
 fn title(name: &str, unit: &str) -> String {
-    format!("{} [{unit}]", style::letter(name))
+    format!("{name} [{unit}]")
 }
 
 /// Each channel before (`raw_<channel>`) and after the filter over `t`; a line where each cycle begins.

@@ -112,11 +112,11 @@ fn flat(low: f64, high: f64) -> bool {
     largest < ROUNDING || !(high - low > FLAT * largest)
 }
 
-/// A range about values that are all alike.
+/// A range about values that are all alike, from zero on.
 fn around(low: f64, high: f64) -> (f64, f64) {
     let middle = 0.5 * (low + high);
     let middle = if middle.abs() < ROUNDING { 0.0 } else { middle };
-    let half = if middle == 0.0 { 1.0 } else { 0.1 * middle.abs() };
+    let half = if middle == 0.0 { 1.0 } else { middle.abs() };
     (middle - half, middle + half)
 }
 

@@ -156,14 +156,6 @@ pub fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
     if low > high { (0.0, 1.0) } else { (low, high) }
 }
 
-/// The name of a channel of a load cell in figures, where a moment has one letter: `Tx` is `Mx`.
-pub fn letter(channel: &str) -> String {
-    match channel {
-        "Tx" | "Ty" | "Tz" => channel.replace('T', "M"),
-        other => other.into(),
-    }
-}
-
 /// The colour of the curve number `index`.
 pub fn colour(index: usize) -> &'static str {
     COLOURS[index % COLOURS.len()]

@@ -187,6 +187,13 @@ impl<'a> Judge<'a> {
         self.reasons.push((status, reason.into()));
     }
 
+    /// Names the `key` of the document that mends what the last warning is of.
+    pub fn mended_by(&mut self, key: &str) {
+        if let Some(last) = self.warnings.last_mut() {
+            last.key = Some(key.to_owned());
+        }
+    }
+
     /// Adds a warning.
     pub fn warn(&mut self, warning: Warning) {
         self.warnings.push(warning);

@@ -13,7 +13,7 @@ pub enum Error {
         /// What is allowed.
         allowed: String,
     },
-    /// A part of a surface that bends its section.
+    /// A part of a wing or of its sections that bends.
     #[error("{key}: allowed is none: the panels are rigid")]
     Bent {
         /// Key of the part.

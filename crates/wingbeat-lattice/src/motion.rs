@@ -114,7 +114,7 @@ impl TryFrom<&Tether> for FlappingWing {
     /// The wing, motion and wind of a case.
     ///
     /// # Errors
-    /// A half of a wing; sections that lift at no incidence.
+    /// A half of a wing; sections that lift at no incidence; a wing that bends.
     fn try_from(tether: &Tether) -> Result<Self, Error> {
         let half = |side| Err(Error::Half { side });
         match tether.side {
@@ -124,6 +124,9 @@ impl TryFrom<&Tether> for FlappingWing {
         }
         require_rigid(&tether.aero)?;
         require_flat(&tether.aero)?;
+        if tether.spar.is_some() {
+            return Err(Error::Bent { key: "spar" });
+        }
         Ok(Self {
             wing: tether.wing.clone(),
             motion: tether.motion.clone(),

@@ -128,10 +128,9 @@ pub mod require {
     /// Principal inertias of a real body: none negative, none above the sum of the others.
     pub fn principal_inertias(key: &str, inertias: [f64; 3]) -> Result<(), Error> {
         all(key, &inertias, not_negative)?;
-        let sum: f64 = inertias.iter().sum();
         let largest = (0..3).max_by(|i, j| inertias[*i].total_cmp(&inertias[*j])).unwrap_or(0);
-        let others = sum - inertias[largest];
-        if sum.is_finite() && inertias[largest] <= others * (1.0 + 1e-9) {
+        let others: f64 = (0..3).filter(|i| *i != largest).map(|i| inertias[i]).sum();
+        if inertias[largest].is_finite() && inertias[largest] <= others * (1.0 + 1e-9) {
             return Ok(());
         }
         let item = |i: usize| format!("{key}[{i}]");
@@ -147,5 +146,17 @@ pub mod require {
         allowed: impl FnOnce() -> String,
     ) -> Result<(), Error> {
         if good { Ok(()) } else { Err(Error::invalid(key, value, allowed())) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::require::principal_inertias;
+
+    #[test]
+    fn the_sum_of_the_other_inertias_is_told_as_it_was_given() {
+        let refused = principal_inertias("inertia_kg_m2", [1e-5, 1e-5, 1.0]).unwrap_err().to_string();
+        assert!(refused.ends_with(", 0.00002"), "{refused}");
+        assert!(principal_inertias("inertia_kg_m2", [1e-5, 1e-5, 2e-5]).is_ok());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
 use arrayvec::ArrayVec;
-use wingbeat_aero::{Ground, SectionField, SectionMotion, Sections};
+use wingbeat_aero::{Ground, SectionField, SectionFields, SectionMotion, Sections};
 use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench, append_copies};
 
 /// One section of a surface fixed to the body or a link.
@@ -185,6 +185,15 @@ impl<'a, S: Scalar> Carriers<'a, S> {
     }
 }
 
+impl<S: Scalar> Coordinates<S> {
+    /// How `line` on `link` moves per unit rate of `coordinate`.
+    #[inline]
+    fn of_line(&self, coordinate: usize, link: Option<usize>, line: &SectionMotion<S>) -> SectionField<S> {
+        let field = self.field(coordinate, link);
+        SectionField { le: field.at(line.le), te: field.at(line.te) }
+    }
+}
+
 impl<S: Scalar> Carriers<'_, S> {
     /// Adds the forces of `load` (N and N m, B) on `link` along the coordinates.
     pub fn project<T: Over<S>>(&self, link: usize, load: &Wrench<T>, forces: &mut [T]) {
@@ -271,18 +280,22 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     fn complete(&self) -> bool {
         self.carriers.complete
     }
-    fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
-        let of = |section: &SurfaceSection<P>, line: SectionMotion<S>| {
-            let field = self.carriers.coordinates.field(coordinate, section.link);
-            [field.at(line.le), field.at(line.te)]
-        };
-        let [le, te] = match self.webs.get(i) {
+    fn fields(&self, i: usize, fields: &mut SectionFields<S>) {
+        let coordinates = self.carriers.coordinates;
+        fields.clear();
+        match self.webs.get(i) {
             Some(Some(web)) => {
-                let [a, b] = [&web.inner, &web.outer].map(|part| of(part, self.line(part)));
-                [0, 1].map(|k| a[k] + (b[k] - a[k]).scaled(web.share))
+                let parts = [&web.inner, &web.outer].map(|part| (part.link, self.line(part)));
+                fields.extend((0..coordinates.count()).map(|c| {
+                    let [a, b] = parts.each_ref().map(|(link, line)| coordinates.of_line(c, *link, line));
+                    let mix = |a: Vec3<S>, b: Vec3<S>| a + (b - a).scaled(web.share);
+                    SectionField { le: mix(a.le, b.le), te: mix(a.te, b.te) }
+                }));
             }
-            _ => of(&self.sections[i], self.section(i)),
-        };
-        SectionField { le, te }
+            _ => {
+                let (link, line) = (self.sections[i].link, self.section(i));
+                fields.extend((0..coordinates.count()).map(|c| coordinates.of_line(c, link, &line)));
+            }
+        }
     }
 }

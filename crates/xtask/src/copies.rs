@@ -22,8 +22,8 @@ const LIMITS: [CopyLimit; 4] = [
     CopyLimit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 145 },
 ];
 
-/// Most code of the program with all formats, without incremental builds: 18.32 MB. The aim is 16 MB.
-const MOST_CODE: f64 = 18.4;
+/// Most code of the program with all formats, without incremental builds: 17.61 MB. The aim is 16 MB.
+const MOST_CODE: f64 = 17.7;
 
 /// Counts the copies in the program that was built.
 pub fn check() -> Tally {

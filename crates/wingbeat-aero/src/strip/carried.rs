@@ -2,7 +2,7 @@
 
 use super::influence::{StripColumn, column, dot, lanes, multiply, multiply_transposed, plain};
 use super::{StripFlow, StripModel};
-use crate::{ImpulseRates, ImpulseRow, Sections};
+use crate::{ImpulseRates, ImpulseRow, SectionFields, Sections};
 use arrayvec::ArrayVec;
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
@@ -125,12 +125,11 @@ impl<P: Scalar> StripModel<P> {
         sections: &dyn Sections<G>,
         matrix: &mut [[G; MAX_DEGREES]; MAX_DEGREES],
     ) {
-        let (strips, count) = (&flow.strips, sections.coordinates());
-        let mut fields = ArrayVec::<[StripColumn<G, N>; 2], MAX_COORDINATES>::new();
-        for c in 0..count {
-            let (heave, pitch) = self.heave_and_pitch(flow, sections, c);
-            let mut carried = self.symmetric_impulse(flow, &heave);
-            let mut turned = pitch;
+        let strips = &flow.strips;
+        let fields = self.heave_and_pitch(flow, sections);
+        for (c, [heave, pitch]) in fields.iter().enumerate() {
+            let mut carried = self.symmetric_impulse(flow, heave);
+            let mut turned = *pitch;
             for i in 0..lanes::<G, N>(self.settings.strips) {
                 let b = self.tables.chord[i] * 0.5;
                 let mass =
@@ -138,7 +137,7 @@ impl<P: Scalar> StripModel<P> {
                 turned[i] = turned[i] * (mass * (b * b * 0.125));
             }
             if self.hinges.is_some() {
-                self.relieve_field(flow, [&heave, &pitch], [&mut carried, &mut turned]);
+                self.relieve_field(flow, [heave, pitch], [&mut carried, &mut turned]);
             }
             let mut add = |k: usize, share: G| {
                 matrix[6 + c][k] += share;
@@ -154,8 +153,7 @@ impl<P: Scalar> StripModel<P> {
                     add(3 + k, carried[i] * moment[k] + turned[i] * across[k]);
                 }
             }
-            fields.push([heave, pitch]);
-            for (other, [heave, pitch]) in fields.iter().enumerate() {
+            for (other, [heave, pitch]) in fields[..=c].iter().enumerate() {
                 add(6 + other, dot(heave, &carried) + dot(pitch, &turned));
             }
         }
@@ -169,17 +167,18 @@ impl<P: Scalar> StripModel<P> {
         sections: &dyn Sections<G>,
         rates: &mut ImpulseRates<G>,
     ) {
-        let (drives, count, n) = (self.drives(flow), sections.coordinates(), self.settings.strips);
+        let (drives, n) = (self.drives(flow), self.settings.strips);
         let first = rates.rows.len();
         let rows = (0..n).map(|i| ImpulseRow {
             state: rates.first_state + self.followed_states() + i,
             by: [G::ZERO; MAX_DEGREES],
         });
         rates.rows.extend(rows);
-        for c in 0..6 + count {
+        let fields = self.heave_and_pitch(flow, sections);
+        for c in 0..6 + fields.len() {
             let field = match c.checked_sub(6) {
                 None => std::array::from_fn(|i| G::from(drives[i][c])),
-                Some(coordinate) => self.heave_and_pitch(flow, sections, coordinate).0,
+                Some(coordinate) => fields[coordinate][0],
             };
             let carried = self.symmetric_impulse(flow, &field);
             for (row, carried) in rates.rows[first..].iter_mut().zip(carried) {
@@ -188,25 +187,30 @@ impl<P: Scalar> StripModel<P> {
         }
     }
 
-    /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of a coordinate.
+    /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of each coordinate.
     fn heave_and_pitch<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
         flow: &StripFlow<K, G, N>,
         sections: &dyn Sections<G>,
-        coordinate: usize,
-    ) -> (StripColumn<G, N>, StripColumn<G, N>) {
-        let (strips, mut heave, mut pitch) = (&flow.strips, [G::ZERO; N], [G::ZERO; N]);
-        let mut left = sections.field(0, coordinate);
+    ) -> ArrayVec<[StripColumn<G, N>; 2], MAX_COORDINATES> {
+        let strips = &flow.strips;
+        let (mut left, mut right) = (SectionFields::new(), SectionFields::new());
+        sections.fields(0, &mut left);
+        let mut of = ArrayVec::new();
+        of.extend(left.iter().map(|_| [[G::ZERO; N]; 2]));
         for i in 0..self.settings.strips {
-            let right = sections.field(i + 1, coordinate);
+            sections.fields(i + 1, &mut right);
             let inverse_chord = ((strips.half.get(i) - strips.quarter.get(i)).norm() * 4.0).recip();
             let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
             let normals = [normal, self.zero_lift.upward(chordwise, normal)].map(Vec3::lifted);
-            let field = left.mixed(&right, self.tables.fraction[i]);
-            (heave[i], pitch[i]) = field.heave_and_pitch(normals, G::from(inverse_chord));
-            left = right;
+            let inverse_chord = G::from(inverse_chord);
+            for (c, [heave, pitch]) in of.iter_mut().enumerate() {
+                let field = left[c].mixed(&right[c], self.tables.fraction[i]);
+                (heave[i], pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
+            }
+            std::mem::swap(&mut left, &mut right);
         }
-        (heave, pitch)
+        of
     }
 
     /// The symmetric part of rho dy ma A0^-1 times `v`; nothing without added mass.

@@ -15,7 +15,7 @@
 
 use super::strip::{ARRIVAL_LAGS, ByStates, Others, Source, Vortices};
 use super::{
-    Aero, Coupling, Ground, LiftLaw, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections,
+    Aero, Coupling, Ground, LiftLaw, Loads, MAX_STRIPS, MAX_SURFACES, SectionFields, SectionMotion, Sections,
     StripModel, SurfaceNumbers, Wrench,
 };
 use std::ops::Range;
@@ -545,8 +545,8 @@ impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
     fn complete(&self) -> bool {
         self.all.complete()
     }
-    fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
-        self.all.field(self.first + i, coordinate)
+    fn fields(&self, i: usize, fields: &mut SectionFields<S>) {
+        self.all.fields(self.first + i, fields);
     }
 }
 

@@ -8,9 +8,14 @@ use wingbeat_figures::Figure;
 /// Those that the map shows.
 const MAPPED: [&str; 4] = ["mean_lift", "mean_thrust", "mean_power", "propulsive_efficiency"];
 
+/// The keys that are drawn, with what their axes are called.
+pub fn labelled(sweep: &Sweep) -> Vec<(&str, String)> {
+    sweep.spec.draws.iter().map(|draw| (draw.key.as_str(), sweep.spoken(&draw.key))).collect()
+}
+
 /// Maps over the first two draws.
 pub fn drawn(record: &Record, sweep: &Sweep) -> Result<Figure, wingbeat_figures::Error> {
-    let keys: Vec<&str> = sweep.spec.draws.iter().map(|draw| draw.key.as_str()).collect();
+    let keys = labelled(sweep);
     wingbeat_figures::map(record, &keys, &MAPPED, sweep.spec.sampling == Sampling::Grid)
 }
 

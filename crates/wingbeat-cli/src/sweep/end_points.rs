@@ -5,6 +5,8 @@ use wingbeat::scenario::Sweep;
 use wingbeat::simulate::Record;
 use wingbeat_figures::{EndPoints, Figure};
 
+use crate::sweep::cases::labelled;
+
 /// The flights that share the words drawn for them: one group where there are none.
 #[derive(Debug, Serialize)]
 pub struct EndPointGroup {
@@ -116,7 +118,8 @@ pub fn text(groups: &[EndPointGroup]) -> String {
 /// The end points of all flights, and the published one.
 pub fn drawn(record: &Record, sweep: &Sweep) -> Result<Figure, wingbeat_figures::Error> {
     let groups = groups(record, sweep);
-    wingbeat_figures::end_points(record, &EndPoints { groups: &groups, published: published(sweep) })
+    let varied = labelled(sweep).pop().filter(|_| sweep.spec.draws.len() == 1 && groups.len() == 1);
+    wingbeat_figures::end_points(record, &EndPoints { groups: &groups, published: published(sweep), varied })
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use wingbeat::scenario::{Hold, Sampling, Sweep};
 use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
 
+use crate::sweep::cases::labelled;
 use crate::sweep::end_points::{self, EndPointGroup};
 
 /// The errors of the flights and what counts as held.
@@ -23,7 +24,7 @@ const ALIKE: f64 = 1e-6;
 
 /// Measures over one key, or over the two of a grid; none of draws at random from more, whose other keys a map would hide.
 pub fn mapped(record: &Record, sweep: &Sweep) -> Option<Result<Figure, wingbeat_figures::Error>> {
-    let keys: Vec<&str> = sweep.spec.draws.iter().map(|draw| draw.key.as_str()).collect();
+    let keys = labelled(sweep);
     let whole = sweep.spec.sampling == Sampling::Grid;
     if keys.len() != 1 && !(whole && keys.len() == 2) {
         return None;

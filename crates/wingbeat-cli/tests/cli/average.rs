@@ -66,7 +66,7 @@ fn six_columns_give_their_frequency_and_phase_averages() {
     }
     // All six channels are drawn.
     let figure = fs::read_to_string(run.join("figures/cycles.svg")).unwrap();
-    for title in ["Fx [N]", "Fy [N]", "Fz [N]", "Mx [N m]", "My [N m]", "Mz [N m]"] {
+    for title in ["Fx [N]", "Fy [N]", "Fz [N]", "Tx [N m]", "Ty [N m]", "Tz [N m]"] {
         assert!(figure.contains(title), "{title}");
     }
 }

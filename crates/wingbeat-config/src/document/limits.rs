@@ -79,7 +79,8 @@ pub fn spoken(path: &str) -> String {
         Some((at, (end, unit, _))) => (at, end, format!(" [{unit}]")),
         None => (parts.len() - 1, "", String::new()),
     };
-    let before = at.checked_sub(1).map_or(String::new(), |at| format!("{}{} ", parts[at].0, parts[at].1));
+    let before = parts[..at].iter().rfind(|(name, _)| *name != "fourier");
+    let before = before.map_or(String::new(), |(name, index)| format!("{name}{index} "));
     let name = parts[at].0.strip_suffix(end).unwrap_or_default();
     let rest: String = parts[at + 1..]
         .iter()
@@ -139,5 +140,6 @@ mod tests {
         ];
         assert_eq!(keys.map(unit), ["N m2", "N m2", "kg m", "kg/m", "N m"]);
         assert_eq!(spoken("stations[1].inertia_kg_m"), "stations[1] inertia [kg m]");
+        assert_eq!(spoken("robot.gait.fourier.frequency_hz"), "gait frequency [Hz]");
     }
 }

@@ -38,6 +38,9 @@ use source::{Origin, Sources};
 use wingbeat_math::Error;
 pub use wingbeat_math::names::nearest_names;
 use wingbeat_math::names::one_of;
+use wingbeat_math::range::Range;
+
+use super::spec::StartSpec;
 
 /// A configuration: a file, a text or a value, what is put into it, and overrides.
 ///
@@ -382,8 +385,10 @@ impl Document {
         found.map_or(Ok(()), |(key, span)| {
             let (place, given) = (self.sources.place(span.start), Some(self.sources.text(&span)));
             let largest = limits::largest(&key);
-            let allowed = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
-            let problem = KeyProblem::Value(format!("a finite number, {allowed} or less in magnitude"));
+            let largest = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
+            let own = of_start(&key).map(|range| range.allowed());
+            let allowed = own.unwrap_or_else(|| format!("a finite number, {largest} or less in magnitude"));
+            let problem = KeyProblem::Value(allowed);
             Err(Wrong::new(place, key, given, problem).into())
         })
     }
@@ -391,6 +396,12 @@ impl Document {
 
 /// The TOML, `v=...`, of what a table names: its file, the text of that, its key.
 type Toml<'a, T> = &'a dyn Fn(&T, &Path, &str, &str) -> Result<String, ConfigError>;
+
+/// The range of a number of `[start]`, which is narrower than that of its unit.
+fn of_start(key: &str) -> Option<Range> {
+    let own = key.strip_prefix("start.")?.split('[').next()?;
+    StartSpec::RANGES.iter().find(|(name, _)| *name == own).map(|(_, range)| *range)
+}
 
 /// Whether an override is of the file of an outline: of the outline itself, or of a key in it that is no station.
 fn of_outline(key: &str) -> bool {

@@ -18,7 +18,7 @@ pub(super) const MEASURES: &[Measure] = &[
     Measure {
         key: "drive_power_w",
         meaning: "Mean power of the drive on the joints, W: what turning the crank takes.",
-        line: Some(("power of the drive", 3, "W, on the joints")),
+        line: None,
         always: true,
         swept: None,
         value: |settled| of(settled, DRIVE),
@@ -26,7 +26,7 @@ pub(super) const MEASURES: &[Measure] = &[
     Measure {
         key: "regulator_power_w",
         meaning: "Mean power of the actuators on the joints, W: what displacing the structure takes.",
-        line: Some(("power of the actuators", 3, "W, on the joints")),
+        line: None,
         always: true,
         swept: None,
         value: |settled| of(settled, ACTUATORS),
@@ -34,7 +34,7 @@ pub(super) const MEASURES: &[Measure] = &[
     Measure {
         key: "drive_power_given_w",
         meaning: "Mean of what the drive gives alone, W: what comes back from the joints counts as lost.",
-        line: Some(("drive, without taking back", 3, "W")),
+        line: Some(("power of the drive", 3, "W, that takes nothing back")),
         always: true,
         swept: None,
         value: |settled| given_of(settled, DRIVE),
@@ -42,7 +42,7 @@ pub(super) const MEASURES: &[Measure] = &[
     Measure {
         key: "regulator_power_given_w",
         meaning: "Mean of what the actuators give alone, W: what those pay that cannot take back.",
-        line: Some(("actuators, likewise", 3, "W")),
+        line: Some(("power of the actuators", 3, "W, likewise")),
         always: true,
         swept: None,
         value: |settled| given_of(settled, ACTUATORS),

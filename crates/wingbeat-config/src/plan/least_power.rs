@@ -202,7 +202,7 @@ impl Scenario {
         let crossing = |record| PartClearance::new(record, self.model.clearances());
         let least = |record| crossing(record).map(|c| c.least_m);
         (summary.least_clearance_m, summary.own_least_clearance_m) = (least(&record), least(&own_record));
-        stall::hold(judge, &stalled_strips);
+        stall::hold(judge, &stalled_strips, "aero.law");
         summary.judge_replayed(judge, self.model.mass(), crossing(&record).as_ref());
         Ok(Ok((record, own_record)))
     }

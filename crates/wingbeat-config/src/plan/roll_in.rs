@@ -171,7 +171,7 @@ impl Scenario {
             summary.judge_turned(judge, crossing.as_ref());
         } else {
             summary.judge_flown(judge, &record, first, crossing.as_ref());
-            stalled.iter().for_each(|count| stall::hold(judge, count));
+            stalled.iter().for_each(|count| stall::hold(judge, count, "aero.law"));
         }
         Ok(record)
     }

@@ -97,7 +97,7 @@ impl RollInSummary {
         judge.hold_if(&plan::FLOWN, self.off());
         judge.hold_if(&flight::MOMENTUM, self.angular_momentum_change_kg_m2_s);
         if let Some(crossing) = crossing {
-            judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
+            crossing.hold(judge);
         }
     }
 
@@ -119,7 +119,7 @@ impl RollInSummary {
             judge.hold_if(&plan::SPEED, (before > LEAST_SPEED).then(|| (after / before - 1.0).abs()));
         }
         if let Some(crossing) = crossing {
-            judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
+            crossing.hold(judge);
         }
     }
 }
@@ -146,7 +146,7 @@ impl LeastPowerSummary {
         }
         judge.hold_if(&plan::CLOSURE, self.replay_closure);
         if let Some(crossing) = crossing {
-            judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
+            crossing.hold(judge);
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::hinged::FlapSummary;
 use crate::link_spar::LinkSparSummary;
 use crate::pinned::PinSummary;
 use crate::skin::MembraneSummary;
+use crate::summary::{SAME, apart};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -116,6 +117,9 @@ pub struct TrimSummary {
     pub pin_springs: Option<PinSummary>,
     /// Least of all clearances over the cycle, m.
     pub least_clearance_m: Option<f64>,
+    /// Between what it is, where it is the same all the time.
+    #[serde(skip)]
+    pub constant_clearance: Option<String>,
     /// Mean roll, deg; positive is right wing down.
     pub roll_mean_deg: Option<f64>,
     /// Mean pitch, deg; negative is nose up.
@@ -200,6 +204,10 @@ impl TrimSummary {
         };
         self.flap = cycle.robot().surfaces().filter_map(flap).reduce(FlapSummary::worse);
         self.least_clearance_m = measures.least_clearance;
+        let nearest = cycle.robot().clearances().get(measures.nearest);
+        let varies = |least| measures.clearances.iter().any(|part| part - least > SAME);
+        let constant = nearest.zip(measures.least_clearance).filter(|(_, least)| !varies(*least));
+        self.constant_clearance = constant.map(|(channel, _)| apart(&channel.name));
         [self.roll_mean_deg, self.pitch_mean_deg] = measures.mean_angles.map(|a| Some(a.to_degrees()));
         let [low, high] = measures.pitch;
         self.pitch_half_amplitude_deg = Some(0.5 * (high - low).to_degrees());

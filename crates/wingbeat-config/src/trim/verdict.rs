@@ -3,6 +3,7 @@
 use super::summary::{TrimSummary, hover_wash};
 use crate::recorder::FlightMeans;
 use crate::spec::{AirSpec, ScenarioSpec};
+use crate::summary::touching;
 use crate::{fit, plausible, stall, unheard, web};
 use wingbeat_judge::limits::{range, trim};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Verdict, Warning};
@@ -38,7 +39,7 @@ impl TrimSummary {
             (&trim::HIGH_POWER, self.power_w_kg),
             (&trim::BEYOND_20, self.stall_fraction_20),
             (&trim::CLEARANCE, self.least_clearance_m),
-            (&trim::SKIN, self.least_clearance_m),
+            (&trim::SKIN, self.least_clearance_m.and_then(touching)),
             (&trim::MULTIPLIER, self.largest_multiplier),
             (&trim::GROWS, growth),
             (&trim::ALONE_GROWS, alone),
@@ -54,7 +55,7 @@ impl TrimSummary {
         plausible::hold(&mut judge, robot);
         if let Some(means) = means {
             judge.hold(&range::REVERSED, means.reversed_fraction);
-            stall::hold(&mut judge, &means.stalled);
+            stall::hold(&mut judge, &means.stalled, "aero.law");
         }
         if let Some(membrane) = self.membrane {
             membrane.judge(&mut judge);

@@ -10,6 +10,8 @@ const PALETTE: usize = 256;
 const PLAIN: usize = 192;
 /// Pixels in a row of one colour that are a plain area.
 const AREA: usize = 8;
+/// Pixels that are compared with a colour in one go.
+const AT_ONCE: usize = 16;
 
 /// Pixels row by row, each as the ink on white paper: 255 less its red, green and blue, one byte each from the third on down.
 pub struct Bitmap {
@@ -80,7 +82,11 @@ impl Bitmap {
         std::iter::from_fn(move || {
             let ink = *self.ink.get(from)?;
             let mut to = from + 1;
-            while to < self.ink.len() && self.ink[to] == ink {
+            // Most of a picture is paper: by many pixels at once.
+            while self.ink.get(to..to + AT_ONCE).is_some_and(|next| next == [ink; AT_ONCE]) {
+                to += AT_ONCE;
+            }
+            while self.ink.get(to) == Some(&ink) {
                 to += 1;
             }
             Some(InkRun { ink, from: std::mem::replace(&mut from, to), to })

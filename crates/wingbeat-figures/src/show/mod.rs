@@ -19,6 +19,9 @@ type ViewPoint = [f64; 3];
 /// Length of the axes of a frame, and of a hinge on either side, over the size of what is drawn.
 const AXIS: f64 = 0.07;
 
+/// Number of joints of one name but for their numbers from which on only the first is named. *Choice.*
+const SEVERAL: usize = 4;
+
 /// Most letters of a line of notes.
 const WIDEST: usize = 112;
 
@@ -87,18 +90,28 @@ impl Drawing {
             return;
         }
         let size = AXIS * reach(robot);
-        for link in &robot.links {
+        for (i, link) in robot.links.iter().enumerate() {
+            // The pieces of a spar are too many to name each.
+            let alike = robot
+                .links
+                .iter()
+                .enumerate()
+                .filter(|(_, other)| unnumbered(&other.name) == unnumbered(&link.name));
+            let (alike, first) = (alike.clone().count(), alike.clone().all(|(k, _)| k >= i));
+            let named = alike < SEVERAL || first;
+            let several = if alike < SEVERAL { String::new() } else { format!(", one of {alike}") };
             let name = match link.kind {
-                JointKind::Revolute => format!("hinge {}", link.name),
-                JointKind::Prismatic => format!("slide {}", link.name),
+                JointKind::Revolute => format!("hinge {}{several}", link.name),
+                JointKind::Prismatic => format!("slide {}{several}", link.name),
             };
             let ends = [-size, size].map(|s| place(link.origin + link.axis * s));
             let look = LineLook { colour: style::colour(3), weight: 1.4, dashes: Some("5 2") };
             self.lines.push((ends.into(), look));
-            self.labels.push((place(link.origin), name));
+            self.labels.extend(named.then(|| (place(link.origin), name)));
             if link.mass > 0.0 {
                 self.dots.push((place(link.com), 3.0, style::GUIDE));
-                self.labels.push((place(link.com), format!("{:.2} g, {}", 1e3 * link.mass, link.name)));
+                let mass = || format!("{:.2} g, {}{several}", 1e3 * link.mass, link.name);
+                self.labels.extend(named.then(|| (place(link.com), mass())));
             }
         }
         let (mass, com) = robot.body;
@@ -210,6 +223,11 @@ impl Drawing {
         let span = |i: usize| style::span(self.points().map(|p| p[i]));
         (0..3).map(|i| span(i).1 - span(i).0).fold(1e-6, f64::max)
     }
+}
+
+/// A name without its numbers.
+fn unnumbered(name: &str) -> String {
+    name.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
 
 /// Largest distance of an edge from the body origin, m.

@@ -3,12 +3,16 @@
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
+use wingbeat::math::Vec3;
+
 use super::{AXIS, Drawing, ViewPoint};
 use crate::space::Camera;
 use crate::style;
 
-/// Azimuth and elevation of the oblique view, degrees.
-const OBLIQUE: (f64, f64) = (-55.0, 28.0);
+/// Azimuths and elevations of the oblique view, degrees: the first from which no side is seen edge on, else that from which both are seen best.
+const OBLIQUE: [(f64, f64); 5] = [(-55.0, 28.0), (-55.0, 50.0), (-35.0, 50.0), (-25.0, 30.0), (-70.0, 65.0)];
+/// Share of its area from which on a side is not seen edge on. *Choice.*
+const SEEN: f64 = 0.3;
 /// Views from the sides: title, azimuth, elevation.
 const SIDES: [(&str, f64, f64); 3] =
     [("front, from +x", 0.0, 0.0), ("side, from −y", -90.0, 0.0), ("above, from +z", -90.0, 90.0)];
@@ -67,13 +71,37 @@ impl<'a> Sheet<'a> {
         Self { drawing, scene }
     }
 
+    /// The oblique view.
+    fn oblique(&self) -> (f64, f64) {
+        let least = |(azimuth, elevation): (f64, f64)| {
+            let view = Camera::orthographic(azimuth, elevation);
+            let mut sides: Vec<(&str, f64, f64)> = Vec::new();
+            for (points, colour, _) in &self.drawing.areas {
+                let corners: Vec<Vec3> = points.iter().map(|point| Vec3(*point)).collect();
+                let flat = |&point: &ViewPoint| {
+                    let (right, down) = view.project(point);
+                    Vec3::new(right, down, 0.0)
+                };
+                let (whole, seen) = (area(&corners), area(&points.iter().map(flat).collect::<Vec<_>>()));
+                match sides.iter_mut().find(|side| side.0 == *colour) {
+                    Some(side) => (side.1, side.2) = (side.1 + whole, side.2 + seen),
+                    None => sides.push((colour, whole, seen)),
+                }
+            }
+            sides.into_iter().map(|(_, whole, seen)| seen / whole.max(1e-12)).fold(1.0, f64::min)
+        };
+        let first = OBLIQUE.into_iter().find(|view| least(*view) >= SEEN);
+        let best = || OBLIQUE.into_iter().max_by(|a, b| least(*a).total_cmp(&least(*b)));
+        first.or_else(best).unwrap_or(OBLIQUE[0])
+    }
+
     /// The oblique view with all labels above three from the sides at one scale.
     pub fn labelled(drawing: &'a Drawing, title: &str) -> Scene {
         let rows = drawing.labels.len().div_ceil(2) as f64;
         let large = LARGE.max(LINE * (rows + 1.0));
         let mut sheet = Self::new(drawing, HEAD + large + SMALL, title);
         let cell = PaperCell { x: COLUMN, y: HEAD, width: style::WIDTH - 2.0 * COLUMN, height: large };
-        let placed = sheet.place(OBLIQUE, cell, None);
+        let placed = sheet.place(sheet.oblique(), cell, None);
         sheet.draw(&placed);
         sheet.labels(&placed, HEAD, large);
         let width = style::WIDTH / 3.0;
@@ -94,7 +122,7 @@ impl<'a> Sheet<'a> {
     pub fn pair(drawing: &'a Drawing, title: &str) -> Scene {
         let mut sheet = Self::new(drawing, HEAD + 2.0 * LARGE, title);
         let cell = PaperCell { x: 0.5 * COLUMN, y: HEAD, width: style::WIDTH - COLUMN, height: LARGE };
-        let placed = sheet.place(OBLIQUE, cell, None);
+        let placed = sheet.place(sheet.oblique(), cell, None);
         sheet.draw(&placed);
         sheet.labels(&placed, HEAD, LARGE);
         let cell = PaperCell { x: 0.0, y: HEAD + LARGE, width: style::WIDTH, height: LARGE };
@@ -139,10 +167,17 @@ impl<'a> Sheet<'a> {
             });
         }
         let size = AXIS * drawing.size();
+        let mut lettered: Vec<(f64, f64)> = Vec::new();
         for frame in &drawing.frames {
+            // Of frames upon one another the letters of the first are enough.
+            let at = placed.at(frame.origin.0);
+            let near =
+                |other: &(f64, f64)| (at.0 - other.0).hypot(at.1 - other.1) < 1.5 * size * placed.scale;
+            let letters = if lettered.iter().any(near) { "" } else { "xyz" };
+            lettered.push(at);
             for (i, colour) in AXES.into_iter().enumerate() {
                 let tip = frame.origin + frame.rotation.column(i) * size;
-                self.arrow(placed.at(frame.origin.0), placed.at(tip.0), colour, "xyz", i);
+                self.arrow(at, placed.at(tip.0), colour, letters, i);
             }
         }
         for &(point, r, colour) in &drawing.dots {
@@ -156,9 +191,8 @@ impl<'a> Sheet<'a> {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let length = dx.hypot(dy);
         // Seen along its length an axis has no end to name.
-        if length > 6.0 {
+        if let Some(name) = names.get(i..=i).filter(|_| length > 6.0) {
             let (x, y) = (to.0 + 7.0 * dx / length, to.1 + 7.0 * dy / length + 4.0);
-            let name = &names[i..=i];
             let color = Some(Color::from(colour));
             self.scene.elements.push(Primitive::Text {
                 x,
@@ -256,6 +290,13 @@ impl<'a> Sheet<'a> {
         let text = format!("{} mm", style::number(1e3 * length));
         self.small(x + length * scale + 6.0, y + 4.0, &text, TextAnchor::Start);
     }
+}
+
+/// Area of a plane polygon, m2.
+fn area(corners: &[Vec3]) -> f64 {
+    let Some(&first) = corners.first() else { return 0.0 };
+    let edges = corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first));
+    0.5 * edges.fold(Vec3::ZERO, |sum, edge| sum + edge).norm()
 }
 
 /// Heights of labels that want to stand at `wanted`, ascending, a line apart and between `top` and the end of `height`.

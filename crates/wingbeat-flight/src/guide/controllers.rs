@@ -16,6 +16,30 @@ use wingbeat_robot::{Perch, Robot};
 /// What a controller takes long to make, and controllers of one model and one table share.
 pub type Prepared = Arc<dyn Any + Send + Sync>;
 
+/// Who is told how many of how many orbits were searched, before a flight that a controller begins with a long search.
+#[derive(Clone, Default)]
+pub struct SearchWatch(Option<Arc<dyn Fn(usize, usize) + Send + Sync>>);
+
+impl SearchWatch {
+    /// `told` is called after each orbit with the number of those found and of all.
+    pub fn new(told: impl Fn(usize, usize) + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(told)))
+    }
+
+    /// Tells that `found` orbits of `all` are there.
+    pub fn see(&self, found: usize, all: usize) {
+        if let Some(told) = &self.0 {
+            told(found, all);
+        }
+    }
+}
+
+impl Debug for SearchWatch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("SearchWatch")
+    }
+}
+
 /// What a controller is made for.
 #[derive(Clone, Debug)]
 pub struct ControllerTask<'a> {
@@ -33,6 +57,8 @@ pub struct ControllerTask<'a> {
     pub perch: Option<Perch>,
     /// What [`ControllerSpec::prepare`] made for the same model, if it was asked.
     pub prepared: Option<Prepared>,
+    /// Who is told how far a long search is.
+    pub watch: SearchWatch,
 }
 
 /// A kind of feedback controller. [`MpcSpec`](super::MpcSpec) is the one that ships;

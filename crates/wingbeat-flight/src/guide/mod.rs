@@ -45,7 +45,7 @@ pub use about_orbit::{
 };
 pub use about_orbit::{gains_of, holding_inputs};
 pub use attitude_tracking::AttitudeTracking;
-pub use controllers::{ControllerSpec, ControllerTask, Prepared, RobotSolver, SolverSpec};
+pub use controllers::{ControllerSpec, ControllerTask, Prepared, RobotSolver, SearchWatch, SolverSpec};
 pub use free_end::FreeEnd;
 pub use hover::HoverSpec;
 pub use inertial::EstimatorSpec;

@@ -48,6 +48,8 @@ pub struct Measures {
     pub flaps: Vec<Vec<f64>>,
     /// Least of all clearances, m.
     pub least_clearance: Option<f64>,
+    /// The clearance that it is of, by its place among those of the robot.
+    pub nearest: usize,
     /// The least of all in each of equal parts of the cycle, m; of a robot without clearances infinite.
     pub clearances: [f64; PARTS],
     /// Least and largest roll, pitch, rad.
@@ -119,7 +121,10 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
     };
     measures.heights = seen.iter().map(heights).collect();
     measures.flaps = seen.iter().map(|o| o.strips.flap[..o.strips.strips].to_vec()).collect();
-    measures.least_clearance = seen.iter().flat_map(|o| o.clearances.iter().copied()).reduce(f64::min);
+    let clearances = seen.iter().flat_map(|o| o.clearances.iter().copied().enumerate());
+    if let Some((nearest, least)) = clearances.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        (measures.nearest, measures.least_clearance) = (nearest, Some(least));
+    }
     measures.clearances = [f64::INFINITY; PARTS];
     for (k, o) in seen.iter().enumerate() {
         let least = &mut measures.clearances[k * PARTS / n];

@@ -25,6 +25,9 @@ const NO_WASH: f64 = 1e-3;
 /// Shares of the loads under which the shape is sought one after another.
 const SHARES: usize = 4;
 
+/// Lowest frequencies of a spar that are judged. *Choice.*
+const JUDGED: usize = 3;
+
 /// What the columns of its coordinates begin with.
 pub const STRAIN: &str = "spar_strain_";
 
@@ -43,6 +46,12 @@ pub struct Spar {
     pub gravity: Vec3,
     /// Damping over stiffness, s.
     pub damping_s: f64,
+}
+
+/// Frequencies of the unbent beam without air, Hz.
+fn unbent_hz(beam: &Beam) -> Vec<f64> {
+    let rest = frequencies(&linear(beam, &Setting::default(), &vec![0.0; beam.coordinates()]));
+    rest.iter().map(|mode| mode.0 / std::f64::consts::TAU).collect()
 }
 
 /// The shape of the beam at one instant.
@@ -80,6 +89,8 @@ pub struct Steady {
     /// Relative distance: how far the tip of a beam with more coordinates is from this one, over its displacement or, where
     /// that is larger, a hundredth of its length.
     pub grid_change: Option<f64>,
+    /// Largest relative change of the three lowest frequencies of the unbent beam with more coordinates.
+    pub frequency_change: Option<f64>,
 }
 
 /// What a spar carries from step to step.
@@ -277,11 +288,18 @@ impl Spar {
     pub fn steady(&self, tether: &Tether) -> Steady {
         let (at, found) = self.shape(tether);
         let least_damped = if found { self.least_damped(tether, &at) } else { [f64::NAN; 2] };
-        let none = Setting::default();
-        let rest = frequencies(&linear(&self.beam, &none, &vec![0.0; at.q.len()]));
-        let frequencies_hz = rest.iter().map(|mode| mode.0 / std::f64::consts::TAU).collect();
+        let frequencies_hz = unbent_hz(&self.beam);
         let tip = self.tip(&at.q);
-        Steady { found, tip, q: at.q, x: at.x, frequencies_hz, least_damped, grid_change: None }
+        Steady {
+            found,
+            tip,
+            q: at.q,
+            x: at.x,
+            frequencies_hz,
+            least_damped,
+            grid_change: None,
+            frequency_change: None,
+        }
     }
 
     /// The coordinates and the air of that shape, and whether it was found.
@@ -336,6 +354,13 @@ impl Spar {
         Some((at[0] - own[0]).hypot(at[1] - own[1]) / scale)
     }
 
+    /// Largest change of the three lowest frequencies with more coordinates, over them.
+    fn frequency_change(&self, steady: &Steady) -> Option<f64> {
+        let finer = unbent_hz(self.finer.as_ref()?);
+        let change = |(own, finer): (&f64, &f64)| (own / finer - 1.0).abs();
+        steady.frequencies_hz.iter().zip(&finer).take(JUDGED).map(change).reduce(f64::max)
+    }
+
     /// Growth rate and frequency of the motion that decays least about a shape at rest.
     fn least_damped(&self, tether: &Tether, at: &Stage) -> [f64; 2] {
         let coupled = CoupledSpar { tether, spar: self, still: Some(0.0), share: 1.0 };
@@ -351,6 +376,7 @@ impl Spar {
         let coupled = CoupledSpar { tether, spar: self, still: None, share: 1.0 };
         let mut steady = self.steady(tether);
         steady.grid_change = self.grid_change(tether, &steady).filter(|_| steady.found);
+        steady.frequency_change = self.frequency_change(&steady);
         let n = self.beam.coordinates();
         let mut x = vec![0.0; coupled.sizes().states];
         if steady.found {

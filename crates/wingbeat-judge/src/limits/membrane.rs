@@ -49,10 +49,14 @@ pub const MASS: JudgedLimit = JudgedLimit::at_most("membrane.mass_fraction", 1.0
 /// Strain up to which the tension of rubber grows with it; films of plastic yield below a tenth of it.
 pub const STRAIN: JudgedLimit = JudgedLimit::warn_above("membrane.strain", 0.3, "")
     .on("the tension of a membrane grows with its strain, which materials leave: largest strain");
+/// Strain at which the tension of an ideal rubber, E (l - 1/l^2)/3 at the stretch l = 1 + e (Treloar 1975), is 0.58 of E e.
+pub const BEYOND_STRAIN: JudgedLimit = JudgedLimit::at_most("membrane.strain_outside", 1.0, "", Outside)
+    .on("largest strain of a membrane, whose tension grows with it,");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 13] = [
+pub const ALL: [JudgedLimit; 14] = [
     STRAIN,
+    BEYOND_STRAIN,
     CAMBER,
     BEYOND_CAMBER,
     SLACK,

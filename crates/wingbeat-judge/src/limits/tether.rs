@@ -31,6 +31,10 @@ pub const FIRST: JudgedLimit = JudgedLimit::at_least("tether.cycles", 2.0, "", N
 /// Ten times what the shipped case reaches with its coefficients. *Choice.*
 pub const SPAR: JudgedLimit = JudgedLimit::at_most("tether.spar_grid_fraction", 0.02, "", NotResolved)
     .on("move of the tip at rest with one more coefficient of the spar's strains, over its displacement,");
+/// Frequencies that few coefficients get wrong: an eigenvalue errs by the square of its shape. *Choice.*
+pub const SPAR_FREQUENCY: JudgedLimit = JudgedLimit::warn_above("tether.spar_frequency_fraction", 0.05, "").on(
+    "a spar with so few coefficients bends or twists at another frequency: largest change of its three lowest with one more, over them",
+);
 /// Disturbances of a wing that is held at rest: beyond the speed of flutter or divergence it would leave the shape whose loads are
 /// told. Rounding alone grows by 1e-9. *Choice.*
 pub const FLUTTER: JudgedLimit = JudgedLimit::at_most("tether.growth_fraction", 1e-3, "", Outside).on(
@@ -83,7 +87,26 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3,
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 20] = [
-    STEPS, PEAKS, CYCLES, CROSSING, CROSSED, GROUND, FIRST, SPAR, FLUTTER, MASSLESS, LIGHT, OFF_CHORD,
-    GYRATION, ROD, LUMP, GRAVITY, DAMPED, SLENDER, REDUCED, VISCOUS,
+pub const ALL: [JudgedLimit; 21] = [
+    STEPS,
+    PEAKS,
+    CYCLES,
+    CROSSING,
+    CROSSED,
+    GROUND,
+    FIRST,
+    SPAR,
+    SPAR_FREQUENCY,
+    FLUTTER,
+    MASSLESS,
+    LIGHT,
+    OFF_CHORD,
+    GYRATION,
+    ROD,
+    LUMP,
+    GRAVITY,
+    DAMPED,
+    SLENDER,
+    REDUCED,
+    VISCOUS,
 ];

@@ -315,15 +315,19 @@ fn scenes_that_cannot_be_stepped_are_refused() {
 }
 
 #[test]
-fn half_wings_and_cambered_ones_are_refused() {
+fn half_wings_and_bent_ones_are_refused() {
     use wingbeat::scenario::{Document, TetherCase};
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/flap_f1.toml");
-    let taken = |set: &str| {
-        let document = Document::file(path.as_ref()).unwrap().set(set);
+    let of_case = |name: &str, set: &[&str]| {
+        let path = format!("{}/../../cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let document =
+            set.iter().fold(Document::file(path.as_ref()).unwrap(), |document, set| document.set(*set));
         let case = TetherCase::new(document, &|_| Err("no tables here".to_owned())).unwrap();
         FlappingWing::try_from(&case.tether).map_err(|error| error.to_string())
     };
+    let taken = |set: &str| of_case("flap_f1", &[set]);
     assert!(taken("wing.side=both").is_ok());
+    let bent = of_case("pazy", &["wing.side=both", "spar.gravity_m_s2=[0,0,0]"]);
+    assert_eq!(bent.unwrap_err(), "spar: allowed is none: the panels are rigid");
     assert!(taken("wing.side=left").unwrap_err().contains("wing.side = left: allowed is both"));
     let message = taken("wing.section.zero_lift_angle_deg=-3.0").unwrap_err();
     assert!(message.contains("zero_lift_angle_deg = -3"), "{message}");

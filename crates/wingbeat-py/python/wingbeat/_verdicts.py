@@ -17,7 +17,7 @@ class ResultWarning(UserWarning):
 
 
 # Statuses of which nothing needs to be said.
-_QUIET = {"ok", "not_judged", "converged"}
+_QUIET = {"ok", "converged"}
 
 
 def judged(text: str) -> dict[str, Any]:
@@ -25,9 +25,9 @@ def judged(text: str) -> dict[str, Any]:
     summary: dict[str, Any] = json.loads(text)
     found = summary.get("warnings") or []
     said = [(each["id"], each["text"]) if isinstance(each, dict) else ("result", each) for each in found]
-    status = str(summary.get("status", "ok"))
-    if status not in _QUIET:
-        said.append((f"status.{status}", str(summary.get("reason") or "see the summary")))
+    status, reason = str(summary.get("status", "ok")), str(summary.get("reason") or "see the summary")
+    if status not in _QUIET and reason not in (words for _, words in said):
+        said.append((f"status.{status}", reason))
     for identity, words in said:
         warnings.warn(ResultWarning(identity, words), stacklevel=3)
     return summary

@@ -32,7 +32,9 @@ def test_a_flight_is_the_programs_flight(program, tmp_path):
 def test_a_result_warns_of_what_its_summary_says(turn):
     with pytest.warns(wingbeat.ResultWarning) as told:
         flight = wingbeat.fly(turn, SHORT)
-    assert [each.message.id for each in told] == [each["id"] for each in flight.summary["warnings"]]
+    said = [each["id"] for each in flight.summary["warnings"]]
+    assert [each.message.id for each in told] == [*said, "status.not_judged"]
+    assert "flight.weight_carried" in flight.summary["reason"]
     limits = {"limits.flight.crossing_fraction": -1.0}
     with pytest.warns(wingbeat.ResultWarning, match="status.outside: .*limits.flight.crossing_fraction"):
         assert wingbeat.fly(turn, {**SHORT, **limits}).status == "outside"

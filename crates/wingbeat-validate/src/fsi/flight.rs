@@ -23,6 +23,8 @@ struct FlexibleTurn {
     name: &'static str,
     of: &'static str,
     rigid: &'static str,
+    /// What makes its air that of the flexible one.
+    air: &'static [&'static str],
     /// Interval of the plan, s. Those of a wing that bends resolve its bending.
     interval: &'static str,
     /// What halves and doubles its stiffness.
@@ -34,6 +36,7 @@ const TURNS: [FlexibleTurn; 2] = [
         name: "membrane",
         of: "membrane_bank15",
         rigid: "bank15_beta",
+        air: &["aero.full.turning_impulse=true"],
         interval: "controller.orbit.predictive.interval_s=0.0071",
         scaled: [
             &["robot.surfaces[0].membrane.modulus_pa=1e8"],
@@ -44,6 +47,7 @@ const TURNS: [FlexibleTurn; 2] = [
         name: "spar",
         of: "soft_bank15",
         rigid: "bank15_20g",
+        air: &[],
         interval: "controller.orbit.predictive.interval_s=0.004",
         scaled: [
             &["robot.links[2].spar.bending_n_m2=0.019", "robot.links[2].spar.torsion_n_m2=0.031"],
@@ -71,9 +75,9 @@ fn rows() -> Result<Vec<ComparisonRow>, Error> {
 }
 
 fn rows_of(turn: &FlexibleTurn) -> Result<Vec<ComparisonRow>, Error> {
-    let FlexibleTurn { name, of, rigid, interval, scaled } = turn;
+    let FlexibleTurn { name, of, rigid, air, interval, scaled } = turn;
     let (own, torque) = fly(of, &[])?;
-    let (twin, twin_torque) = fly(rigid, &[])?;
+    let (twin, twin_torque) = fly(rigid, air)?;
     let (planned, _) = fly(of, &[PLANNED, &[interval]].concat())?;
     let mut rows = Vec::new();
     for (end, how, flight) in [("", "a regulator", &own), (".planned", "a plan by collocation", &planned)] {

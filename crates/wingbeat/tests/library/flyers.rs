@@ -41,6 +41,16 @@ fn a_membrane_is_as_thin_and_light_as_one() {
     // Its film outweighs the body that holds it: what it moves then need not be integrable.
     use wingbeat::judge::Status;
     assert!(matches!(run.summary.status, Status::Outside | Status::Failed), "{:?}", run.summary.status);
+    // One that follows its load later than the flight lasts, where nothing flaps; and one at twice its length.
+    for (set, limit) in
+        [("damping_s=1.0", "membrane.lag_outside_rad"), ("prestrain=1.0", "membrane.strain_outside")]
+    {
+        let set = [format!("robot.surfaces[0].membrane.{set}"), "flight.duration_s=0.5".into()];
+        let run = shipped("sail_glide", &set).fly(|_| std::ops::ControlFlow::Continue(())).unwrap();
+        assert_eq!(run.summary.status, Status::Outside, "{set:?}");
+        let told = run.summary.reason.clone().unwrap_or_default();
+        assert!(told.contains(limit), "{limit}: {told}");
+    }
     let turn = "controller.orbit.legs=[{ start_s = 0.1, duration_s = 0.2, bank_deg = 15.0 }]";
     let flown = fly(shipped("membrane_bank15", &[turn.into(), "flight.duration_s=0.4".into()]));
     let skin = flown.run.summary.membrane.unwrap();

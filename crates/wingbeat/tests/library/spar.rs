@@ -227,8 +227,14 @@ fn a_spar_in_other_units_is_told() {
         "time.cycles=2",
         "time.steps_per_cycle=16",
         "limits.tether.spar_grid_fraction=1",
+        "limits.tether.spar_frequency_fraction=10",
     ];
     let pazy_run = run(&pazy(&coarse));
+    let judged = pazy(&coarse[..5]).summary(&pazy_run, Some(SAME), None).verdict;
+    assert!(
+        judged.warnings.iter().any(|warning| warning.id == "tether.spar_frequency_fraction"),
+        "{judged:?}"
+    );
     for (set, id, status) in [
         ("spar.ahead_m=7.5", "tether.spar_off_chord", Status::Outside),
         ("spar.stations[3].aft_m=0.5", "tether.spar_off_chord", Status::Outside),

@@ -189,16 +189,19 @@ fn a_wing_past_what_its_law_holds_for_is_told() {
         let overrides = overrides.each_ref().map(String::as_str);
         let case = case("step", &[&overrides[..], &["time.steps_per_cycle=100"]].concat());
         let verdict = case.summary(&case.tether.run(|_| ControlFlow::Continue(())), None, None).verdict;
-        (verdict.warnings.iter().any(|warning| warning.id == "range.stall_fraction"), verdict.status)
+        let mut warnings = verdict.warnings.into_iter();
+        (warnings.find(|warning| warning.id == "range.stall_fraction").map(|told| told.key), verdict.status)
     };
+    let by_law = Some("aero.law".to_owned());
     for law in ["linear", "stall"] {
-        assert_eq!(judged(law, 5.0), (false, Status::Ok), "{law}");
-        assert_eq!(judged(law, 20.0), (true, Status::Ok), "{law}");
-        assert_eq!(judged(law, 90.0), (true, Status::Outside), "{law}");
+        assert_eq!(judged(law, 5.0), (None, Status::Ok), "{law}");
+        assert_eq!(judged(law, 20.0), (Some(by_law.clone()), Status::Ok), "{law}");
+        assert_eq!(judged(law, 90.0), (Some(by_law.clone()), Status::Outside), "{law}");
     }
+    // No other law holds where these do not.
     for law in ["lev", "lev3d"] {
-        assert_eq!(judged(law, 40.0), (false, Status::Ok), "{law}");
-        assert_eq!(judged(law, 90.0), (true, Status::Outside), "{law}");
+        assert_eq!(judged(law, 40.0), (None, Status::Ok), "{law}");
+        assert_eq!(judged(law, 90.0), (Some(None), Status::Outside), "{law}");
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+use wingbeat::guide::SearchWatch;
 use wingbeat::judge::{Status, Warning};
 use wingbeat::scenario::{Scenario, Summary};
 
@@ -108,9 +110,9 @@ fn a_robot_that_its_wings_do_not_carry_is_off_target() {
         let held = fly(name, overrides);
         assert_eq!(held.status, Status::Ok, "{name}: {:?}", held.reason);
     }
-    // A stroke that is not whole carries nothing in the mean.
-    let brief = fly("cruise_20g", &[heavy[0], "flight.duration_s=0.1"]);
-    assert!(brief.judged.iter().all(|judged| judged.id != "flight.weight_carried"));
+    // A whole stroke in all is enough, where none is in the part that counts.
+    let one = fly("cruise_20g", &[heavy[0], "flight.duration_s=0.2"]);
+    assert!(missed(&one).contains(&"flight.weight_carried"), "{:?}", one.reason);
     // Drag carries what has fallen for long.
     let fallen =
         fly("cruise_20g", &[heavy[0], "flight.duration_s=8", "robot.body.drag_area_m2=[1.0, 1.0, 1.0]"]);
@@ -118,10 +120,73 @@ fn a_robot_that_its_wings_do_not_carry_is_off_target() {
     assert!(missed(&fallen).contains(&"flight.falling_path_angle_deg"), "{:?}", fallen.reason);
 }
 
+/// A stroke that is not whole carries nothing in the mean, and what has just begun to fall is no fall yet.
+#[test]
+fn a_flight_too_short_to_be_carried_is_not_judged() {
+    for (name, duration) in [("cruise_20g", "0.1"), ("glide", "0.7")] {
+        let brief = fly(name, &["robot.body.mass_kg=5", &format!("flight.duration_s={duration}")]);
+        assert_eq!(brief.status, Status::NotJudged, "{name}: {:?}", brief.reason);
+        assert!(brief.reason.unwrap().contains("flight.weight_carried") && brief.status.exit_code() == 0);
+        assert!(brief.judged.iter().all(|judged| judged.id != "flight.weight_carried"));
+    }
+    // Its goal settles after its end; whole cycles say that it is carried.
+    let turn = fly("banking_turn", &["flight.duration_s=0.5"]);
+    let open = turn.reason.unwrap_or_default();
+    assert!(turn.status == Status::NotJudged && !open.contains("flight.weight_carried"), "{open}");
+    // A vacuum carries nothing; this flight holds a whole cycle, but not in its second half.
+    for (name, overrides) in [("reorientation", &["flight.duration_s=0.1"][..]), ("aerobat_elastic", &[])] {
+        assert_eq!(fly(name, overrides).status, Status::Ok, "{name}");
+    }
+}
+
+/// One rule for all that moves: below zero parts pass through each other, below the thickness of their skins they touch.
+#[test]
+fn wings_that_touch_are_told_in_flight_as_in_trim() {
+    let told = |limit: &str| {
+        let flown = fly("cruise_20g", &["flight.duration_s=0.2", limit]);
+        assert_eq!(flown.status, Status::Ok, "{:?}", flown.reason);
+        flown.warnings.iter().any(|warning| warning.id == "trim.skin_clearance_m")
+    };
+    assert!(told("limits.trim.skin_clearance_m=0.02") && !told("limits.trim.skin_clearance_m=0.003"));
+}
+
+#[test]
+fn a_clearance_that_never_changes_says_what_it_is() {
+    let short = ["flight.duration_s=0.2"];
+    let root = Some("wing to middle plane".to_owned());
+    assert_eq!(fly("glide", &short).constant_clearance, root);
+    assert_eq!(fly("cruise_20g_margin", &short).constant_clearance, root);
+    assert_eq!(fly("cruise_20g", &short).constant_clearance, None);
+}
+
+/// What a snapshot says of the states of another preset.
+#[test]
+fn states_of_another_model_are_refused_with_the_way_out() {
+    let of_strips = "start.states={ wash_lag1_0 = 0.1 }";
+    let paper = ["aero.preset=paper", of_strips];
+    let refused = scenario("cruise_20g", &paper).map(|_| ()).unwrap_err();
+    assert!(refused.contains("--set start.states={}"), "{refused}");
+    assert!(scenario("cruise_20g", &[paper[0], paper[1], "start.states={}"]).is_ok());
+}
+
+#[test]
+fn the_search_of_orbits_tells_how_far_it_is() {
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let seen = told.clone();
+    let mut turn = scenario("bank15_20g", &["flight.duration_s=0.01"]).unwrap();
+    turn.watch_search(SearchWatch::new(move |found, all| seen.lock().unwrap().push((found, all))));
+    turn.fly(|_| ControlFlow::Continue(())).unwrap();
+    let told = told.lock().unwrap();
+    let all = told[0].1;
+    assert!(all > 4 && told.iter().copied().eq((1..=all).map(|found| (found, all))), "{told:?}");
+}
+
 #[test]
 fn a_start_that_turns_more_than_once_is_refused() {
     for (key, allowed) in [
         ("start.nose_up_deg=500", "-180 to 180"),
+        ("start.nose_up_deg=nan", "-180 to 180"),
+        ("start.velocity_m_s=[inf, 0.0, 0.0]", "-1000 to 1000"),
         ("start.roll_deg=-181", "-180 to 180"),
         ("start.yaw_deg=361", "-360 to 360"),
         ("start.rate_rad_s=[0.0, 1e5, 0.0]", "-1000 to 1000"),

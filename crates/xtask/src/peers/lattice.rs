@@ -28,7 +28,7 @@ pub fn compare(python: &Path) -> bool {
     let Some((memory, large)) = memory else { return false };
     let mut text = table(&ours, &theirs);
     text += &format!(
-        "\n\nPer simulated second. Most memory {memory:.1} MB. Lift of the free wake, rms over rms of the last cycle: \
+        "\n\nPer simulated second. Peak memory {memory:.1} MB. Lift of the free wake, rms over rms of the last cycle: \
          by multipoles against directly {:.1e}, against panels and steps twice as fine {:.1e}.\n\n",
         errors.get("fast_over_direct").copied().unwrap_or(f64::NAN),
         errors.get("coarse_over_fine").copied().unwrap_or(f64::NAN),
@@ -45,7 +45,7 @@ pub fn compare(python: &Path) -> bool {
     };
     text += &format!(
         "\n\nProcessor time of the velocities of all vertices. From 20 000 rings on it grows with their number to the power {:.2}, \
-         directly {:.2}; most memory {large:.0} MB.",
+         directly {:.2}; peak memory {large:.0} MB.",
         exponent("fast"),
         exponent("direct")
     );

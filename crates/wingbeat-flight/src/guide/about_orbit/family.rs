@@ -8,6 +8,7 @@ use super::plan_shape::ShapeSource;
 use super::predictive::PredictiveSpec;
 use super::schedule::{CourseSchedule, Stretch, StretchPlace};
 use super::spec::AboutOrbitSpec;
+use crate::guide::controllers::SearchWatch;
 use crate::orbit::{
     Course, Cycle, Deviations, Direction, Failure, FoundOrbit, Free, OrbitSection, Point, intervals_along,
     search, search_from,
@@ -80,6 +81,19 @@ struct Search<'a> {
     turning: Vec<Free>,
     found: Vec<FoundOrbit>,
     ways: Vec<Vec<usize>>,
+    /// Number of all that are asked, and who is told of each.
+    all: usize,
+    watch: &'a SearchWatch,
+}
+
+/// Number of orbits from one end of a stretch to the other.
+fn orbits_along(Stretch { from, to, .. }: &Stretch) -> usize {
+    let steps = [
+        (to.bank - from.bank).abs() / BANK_STEP,
+        (to.speed - from.speed).abs() / SPEED_STEP,
+        (to.climb - from.climb).abs() / SPEED_STEP,
+    ];
+    steps.into_iter().fold(1.0, f64::max).ceil() as usize
 }
 
 impl Search<'_> {
@@ -119,12 +133,7 @@ impl Search<'_> {
         let last = self.ways.last().filter(|_| !schedule.fan);
         let begin = last.map_or(0, |way| way[way.len() - 1]);
         let (from, to) = (stretch.from, stretch.to);
-        let steps = [
-            (to.bank - from.bank).abs() / BANK_STEP,
-            (to.speed - from.speed).abs() / SPEED_STEP,
-            (to.climb - from.climb).abs() / SPEED_STEP,
-        ];
-        let count = steps.into_iter().fold(1.0, f64::max).ceil() as usize;
+        let count = orbits_along(stretch);
         let mut way = vec![begin];
         for k in 1..=count {
             let share = k as f64 / count as f64;
@@ -157,6 +166,7 @@ impl Search<'_> {
             }
         }
         self.found.push(found);
+        self.watch.see(self.found.len(), self.all);
         Ok(self.found.len() - 1)
     }
 }
@@ -166,16 +176,21 @@ fn go_on(_: usize, _: f64) -> ControlFlow<()> {
 }
 
 impl ReferenceFamily {
-    /// Orbits along `schedule`, and feedback by `inputs` about every few of them; a landing ends at the `perch`.
+    /// Orbits along `schedule`, and feedback by `inputs` about every few of them; a landing ends at the `perch`. `watch` sees each
+    /// orbit.
     pub fn new(
         spec: &AboutOrbitSpec,
         cycle: &Cycle,
         schedule: &CourseSchedule,
         (inputs, perch): (&[usize], Option<&Perch>),
+        watch: &SearchWatch,
     ) -> Result<Self, Error> {
         let robot = cycle.robot();
+        let fresh = schedule.stretches.iter().enumerate();
+        let fresh = fresh.filter(|(i, stretch)| schedule.back(stretch).is_none_or(|back| back >= *i));
+        let all = 1 + fresh.map(|(_, stretch)| orbits_along(stretch)).sum::<usize>();
         let (straight, turning) = (spec.free(robot, false)?, spec.free(robot, true)?);
-        let mut search = Search { cycle, straight, turning, found: Vec::new(), ways: Vec::new() };
+        let mut search = Search { cycle, straight, turning, found: Vec::new(), ways: Vec::new(), all, watch };
         let none = |key: &str| {
             let key = key.to_string();
             move |failure: Failure| {

@@ -117,8 +117,13 @@ impl ControllerSpec for AboutOrbitSpec {
 
     fn prepare(&self, task: ControllerTask) -> Result<Option<Prepared>, Error> {
         let (cycle, schedule) = self.checked(task.model)?;
-        let family =
-            ReferenceFamily::new(self, &cycle, &schedule, (&self.inputs(task.model)?, task.perch.as_ref()))?;
+        let family = ReferenceFamily::new(
+            self,
+            &cycle,
+            &schedule,
+            (&self.inputs(task.model)?, task.perch.as_ref()),
+            &task.watch,
+        )?;
         Ok(Some(Arc::new(family)))
     }
 
@@ -129,7 +134,13 @@ impl ControllerSpec for AboutOrbitSpec {
         let inputs = self.inputs(robot)?;
         let family = match task.prepared.and_then(|prepared| prepared.downcast().ok()) {
             Some(family) => family,
-            None => Arc::new(ReferenceFamily::new(self, &cycle, &schedule, (&inputs, task.perch.as_ref()))?),
+            None => Arc::new(ReferenceFamily::new(
+                self,
+                &cycle,
+                &schedule,
+                (&inputs, task.perch.as_ref()),
+                &task.watch,
+            )?),
         };
         let deviations = Deviations::new(&cycle);
         let predictive = self.predictive.as_ref().map(|spec| {

@@ -48,7 +48,8 @@ pub struct Flown {
 /// Flies to the end.
 pub fn fly(scenario: Scenario) -> Flown {
     let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
-    assert_eq!(run.summary.status, Status::Ok, "{:?}", run.summary.reason);
+    // Of a short flight it is open whether it is carried.
+    assert!(run.summary.status <= Status::NotJudged, "{:?}", run.summary.reason);
     Flown { scenario, run }
 }
 

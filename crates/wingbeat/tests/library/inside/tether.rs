@@ -1,5 +1,5 @@
 use wingbeat::tether::CycleMean;
-use wingbeat_config::inside::change;
+use wingbeat_config::inside;
 
 #[test]
 fn a_run_that_grew_without_bound_is_far_from_one_that_did_not() {
@@ -12,6 +12,7 @@ fn a_run_that_grew_without_bound_is_far_from_one_that_did_not() {
         mean_change: None,
         amplitude_change: None,
     };
+    let change = |one: &[CycleMean], other: &[CycleMean]| inside::change(one, other, [1e-9; 2]);
     let good = [row("force_wind_lift", 1.0, 2.0), row("moment_y", 0.1, 0.2)];
     let near = [row("force_wind_lift", 1.01, 2.0), row("moment_y", 0.1, 0.2)];
     let wild = [row("force_wind_lift", 3e32, 3e33), row("moment_y", 0.1, 0.2)];
@@ -22,4 +23,7 @@ fn a_run_that_grew_without_bound_is_far_from_one_that_did_not() {
     let apart = change(&good, &spiked);
     assert!((apart.mean, apart.peak) == (0.0, 0.5), "{apart:?}");
     assert!(change(&good, &[row("force_wind_lift", 1.0, f64::NAN), row("moment_y", 0.1, 0.2)]).peak.is_nan());
+    // What is rounding has no range beside which its change would count.
+    let [none, other] = [3e-17, 2e-16].map(|size| [row("force_wind_lift", size, 2.0 * size)]);
+    assert_eq!((change(&none, &other).mean, change(&none, &other).peak), (0.0, 0.0));
 }
