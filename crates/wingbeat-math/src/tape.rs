@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// Directions swept together.
-const LANES: usize = 12;
+const LANES: usize = 20;
 /// Node number of a constant.
 const CONSTANT: u32 = u32::MAX;
 

@@ -1,7 +1,6 @@
 //! One dense front: its partial factorisation and its part of the solves.
 
 use super::Inertia;
-use crate::rows::axpy;
 use wide::f64x4;
 
 /// Columns swept together; rows are padded to whole chunks of them.
@@ -25,12 +24,19 @@ pub struct Front {
     values: Vec<f64>,
     /// Largest magnitude each unknown's column had when it was assembled.
     scale: Vec<f64>,
-    /// Rows of the last pivots before their division, for the rows below.
-    pivots: [Vec<f64>; PANEL],
+    /// Rows of the last pivots, chunk by chunk, for the rows below.
+    panel: Vec<PanelChunk>,
 }
 
-/// Pivots of order one whose updates are applied together.
-const PANEL: usize = 4;
+/// Pivots whose updates are applied together.
+const PANEL: usize = 8;
+
+/// A chunk of columns of the rows of a few pivots, before their division by the pivots and after it.
+#[derive(Clone, Copy, Debug, Default)]
+struct PanelChunk {
+    whole: [[f64; CHUNK]; PANEL],
+    divided: [[f64; CHUNK]; PANEL],
+}
 
 /// The eliminated part of a front: P' A P = U' D U for its leading rows.
 #[derive(Clone, Debug, Default)]
@@ -69,8 +75,8 @@ impl Front {
         self.values.resize(self.rows.len() * self.stride, 0.0);
         self.scale.clear();
         self.scale.resize(self.stride, f64::MIN_POSITIVE);
-        for pivot in &mut self.pivots {
-            pivot.resize(self.stride.max(pivot.len()), 0.0);
+        if self.panel.len() < self.stride / CHUNK {
+            self.panel.resize(self.stride / CHUNK, PanelChunk::default());
         }
     }
 
@@ -213,17 +219,17 @@ impl Front {
         out.coupling.clear();
         let (mut k, mut pending) = (0, 0);
         while k < self.candidates {
-            self.update(k, k..k + 1, pending);
+            self.update(k..k + 1, pending);
             if self.is_pivot(k, threshold) {
                 self.pivot_one(k, pending, out, inertia);
                 (k, pending) = (k + 1, pending + 1);
                 if pending == PANEL {
-                    self.update(k, k..self.rows.len(), pending);
+                    self.update(k..self.rows.len(), pending);
                     pending = 0;
                 }
                 continue;
             }
-            self.update(k, k + 1..self.rows.len(), pending);
+            self.update(k + 1..self.rows.len(), pending);
             pending = 0;
             match self.choose(k, threshold) {
                 Choice::One(c) => self.swap(k, c),
@@ -232,7 +238,7 @@ impl Front {
                     self.swap(k, c);
                     self.swap(k + 1, r);
                     self.pivot_two(k, out, inertia);
-                    k += 2;
+                    (k, pending) = (k + 2, 2);
                 }
                 Choice::None if all => {
                     self.skip(k, out, inertia);
@@ -241,45 +247,39 @@ impl Front {
                 Choice::None => break,
             }
         }
-        self.update(k, k..self.rows.len(), pending);
+        self.update(k..self.rows.len(), pending);
         out.keep(self, k);
     }
 
-    /// Subtracts the last `pending` pivots before row `k` from `rows`.
-    fn update(&mut self, k: usize, rows: std::ops::Range<usize>, pending: usize) {
+    /// Subtracts the last `pending` pivots from `rows`.
+    fn update(&mut self, rows: std::ops::Range<usize>, pending: usize) {
         match pending {
             0 => {}
-            1 => self.subtract::<1>(k, rows),
-            2 => self.subtract::<2>(k, rows),
-            3 => self.subtract::<3>(k, rows),
-            _ => self.subtract::<PANEL>(k, rows),
+            1 => self.subtract::<1>(rows),
+            2 => self.subtract::<2>(rows),
+            3 => self.subtract::<3>(rows),
+            4 => self.subtract::<4>(rows),
+            5 => self.subtract::<5>(rows),
+            6 => self.subtract::<6>(rows),
+            7 => self.subtract::<7>(rows),
+            _ => self.subtract::<PANEL>(rows),
         }
     }
 
-    /// Row i -= sum over the last P pivots p before row `k` of U_pi times the row of p before its division.
-    fn subtract<const P: usize>(&mut self, k: usize, rows: std::ops::Range<usize>) {
+    /// Row i -= sum over the last P pivots p of U_pi times the row of p before its division.
+    fn subtract<const P: usize>(&mut self, rows: std::ops::Range<usize>) {
         let stride = self.stride;
-        let (above, below) = self.values.split_at_mut(k * stride);
-        let (mut divided, mut whole): ([&[f64]; P], [&[f64]; P]) = ([&[]; P], [&[]; P]);
-        for p in 0..P {
-            divided[p] = &above[(k - P + p) * stride..][..stride];
-            whole[p] = &self.pivots[p][..stride];
-        }
-        let mut rest = &mut below[(rows.start - k) * stride..];
         for i in rows {
-            let row;
-            (row, rest) = rest.split_at_mut(stride);
-            let first = chunk_of(i);
-            let row = row[first..].as_chunks_mut().0;
-            let (mut factors, mut pivots) = ([f64x4::ZERO; P], [[].as_slice(); P]);
+            let row = self.values[i * stride + chunk_of(i)..(i + 1) * stride].as_chunks_mut().0;
+            let panel = &self.panel[i / CHUNK..][..row.len()];
+            let mut factors = [f64x4::ZERO; P];
             for p in 0..P {
-                factors[p] = f64x4::splat(-divided[p][i]);
-                pivots[p] = &whole[p][first..].as_chunks().0[..row.len()];
+                factors[p] = f64x4::splat(-panel[0].divided[p][i % CHUNK]);
             }
             for j in 0..row.len() {
                 let mut sum = f64x4::new(row[j]);
                 for p in 0..P {
-                    sum = f64x4::new(pivots[p][j]).mul_add(factors[p], sum);
+                    sum = f64x4::new(panel[j].whole[p]).mul_add(factors[p], sum);
                 }
                 row[j] = sum.to_array();
             }
@@ -304,11 +304,12 @@ impl Front {
         } else {
             inertia.negative += 1;
         }
-        let kept = self.pivots[pending][first..stride].as_chunks_mut().0;
-        let (inverse, chunks) = (f64x4::splat(1.0 / d), row[first..].as_chunks_mut().0);
-        for j in 0..kept.len().min(chunks.len()) {
-            kept[j] = chunks[j];
+        let inverse = f64x4::splat(1.0 / d);
+        let (panel, chunks) = (&mut self.panel[k / CHUNK..], row[first..].as_chunks_mut().0);
+        for j in 0..chunks.len().min(panel.len()) {
+            panel[j].whole[pending] = chunks[j];
             chunks[j] = (f64x4::new(chunks[j]) * inverse).to_array();
+            panel[j].divided[pending] = chunks[j];
         }
         for j in first..=k {
             row[j] = 0.0;
@@ -316,7 +317,7 @@ impl Front {
     }
 
     fn pivot_two(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
-        let (n, s) = (self.rows.len(), self.stride);
+        let s = self.stride;
         let (a, b, d) = (self.at(k, k), self.at(k + 1, k), self.at(k + 1, k + 1));
         out.diagonal.extend([a, d]);
         out.coupling.extend([b, 0.0]);
@@ -326,21 +327,17 @@ impl Front {
             (false, true) => inertia.positive += 2,
             (false, false) => inertia.negative += 2,
         }
-        let (above, below) = self.values.split_at_mut((k + 2) * s);
-        let (first, second) = above[k * s..].split_at_mut(s);
-        first[chunk_of(k)..=k + 1].fill(0.0);
-        second[chunk_of(k + 1)..=k + 1].fill(0.0);
-        let (first, second) = (&mut first[k + 2..n], &mut second[k + 2..n]);
-        let [one, two, ..] = &mut self.pivots;
-        one[..first.len()].copy_from_slice(first);
-        two[..second.len()].copy_from_slice(second);
-        for (c, e) in first.iter_mut().zip(second.iter_mut()) {
-            (*c, *e) = ((d * *c - b * *e) / determinant, (a * *e - b * *c) / determinant);
-        }
-        for (i, (fc, fe)) in first.iter().zip(second.iter()).enumerate() {
-            let row = &mut below[i * s + k + 2 + i..i * s + n];
-            axpy(row, -fc, &one[i..]);
-            axpy(row, -fe, &two[i..]);
+        let (first, second) = self.values[k * s..(k + 2) * s].split_at_mut(s);
+        first[..=k + 1].fill(0.0);
+        second[..=k + 1].fill(0.0);
+        let begin = chunk_of(k + 2);
+        let (first, second) = (&mut first[begin..], &mut second[begin..]);
+        for l in 0..first.len().min(second.len()) {
+            let (c, e) = (first[l], second[l]);
+            let PanelChunk { whole, divided } = &mut self.panel[(begin + l) / CHUNK];
+            (whole[0][l % CHUNK], whole[1][l % CHUNK]) = (c, e);
+            (first[l], second[l]) = ((d * c - b * e) / determinant, (a * e - b * c) / determinant);
+            (divided[0][l % CHUNK], divided[1][l % CHUNK]) = (first[l], second[l]);
         }
     }
 

@@ -7,10 +7,11 @@ mod front;
 
 use front::{Front, Pivots};
 
-/// Where consecutive entries of the matrix go: places in the upper triangle of
-/// their block's front, along a row or down a column.
+/// Where consecutive entries of a part of the matrix go: places in the upper
+/// triangle of their block's front, along a row or down a column.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
+    part: usize,
     entry: usize,
     length: usize,
     row: usize,
@@ -21,11 +22,12 @@ struct Slot {
 impl Slot {
     /// Takes the next entry in when it lies where the slot goes on and on the
     /// same side of `own`, the number of the block's own unknowns.
-    fn extend(&mut self, entry: usize, row: usize, column: usize, own: usize) -> bool {
+    fn extend(&mut self, (part, entry): (usize, usize), row: usize, column: usize, own: usize) -> bool {
         let Self { row: first, column: left, length, .. } = *self;
         let right = row == first && column == left + length && column != own;
         let down = column == left && row == first + length && row != own;
-        let fits = entry == self.entry + length
+        let fits = part == self.part
+            && entry == self.entry + length
             && match length {
                 1 => right || down,
                 _ => {
@@ -73,20 +75,24 @@ pub struct Inertia {
 }
 
 impl Pattern {
-    /// The pattern of a symmetric matrix of order `block_of.len()`, with
-    /// `entries` (row, column) in either triangle, repeated ones summed.
+    /// The block of an unknown that is left out of the matrix, with its entries; the solution there is the right-hand side.
+    pub const LEFT_OUT: usize = usize::MAX;
+
+    /// The pattern of a symmetric matrix of order `block_of.len()`, a sum of `parts` with
+    /// entries (row, column) in either triangle, repeated ones summed.
     /// Blocks are eliminated in ascending number.
-    pub fn new(block_of: &[usize], entries: &[(usize, usize)]) -> Self {
-        let count = block_of.iter().max().map_or(0, |b| b + 1);
+    pub fn new(block_of: &[usize], parts: &[&[(usize, usize)]]) -> Self {
+        let count = block_of.iter().filter(|b| **b != Self::LEFT_OUT).max().map_or(0, |b| b + 1);
         let mut blocks = vec![Block::default(); count];
-        for (i, &b) in block_of.iter().enumerate() {
+        for (i, &b) in block_of.iter().enumerate().filter(|(_, b)| **b != Self::LEFT_OUT) {
             blocks[b].own.push(i);
         }
         // The block that last noted an unknown on its boundary: most repetitions are seen at once.
         let mut noted = vec![usize::MAX; block_of.len()];
-        for &(i, j) in entries {
+        for &(i, j) in parts.iter().copied().flatten() {
             let (low, high) = if block_of[i] < block_of[j] { (i, j) } else { (j, i) };
-            if block_of[low] != block_of[high] && noted[high] != block_of[low] {
+            let apart = block_of[high] != Self::LEFT_OUT && block_of[low] != block_of[high];
+            if apart && noted[high] != block_of[low] {
                 noted[high] = block_of[low];
                 blocks[block_of[low]].boundary.push(high);
             }
@@ -106,33 +112,30 @@ impl Pattern {
             }
             blocks[b].boundary = boundary;
         }
-        place_entries(&mut blocks, block_of, entries);
+        for (part, entries) in parts.iter().enumerate() {
+            place_entries(&mut blocks, block_of, part, entries);
+        }
         Self { size: block_of.len(), blocks }
     }
 }
 
-/// Places of the entries: own unknowns count from 0, boundary ones follow.
-fn place_entries(blocks: &mut [Block], block_of: &[usize], entries: &[(usize, usize)]) {
-    let mut rank = vec![0; block_of.len()];
-    for block in blocks.iter() {
-        for (k, &i) in block.own.iter().enumerate() {
-            rank[i] = k;
-        }
-    }
-    let place = |block: &Block, b: usize, i: usize| {
-        if block_of[i] == b {
-            return rank[i];
-        }
-        let found = block.boundary.binary_search_by_key(&(block_of[i], i), |&j| (block_of[j], j));
-        block.own.len() + found.unwrap_or(0)
-    };
+/// Places of the entries of a part: own unknowns count from 0, boundary ones follow.
+fn place_entries(blocks: &mut [Block], block_of: &[usize], part: usize, entries: &[(usize, usize)]) {
+    // The places in the front of the present block of entries.
+    let (mut place, mut present) = (vec![0; block_of.len()], usize::MAX);
     for (entry, &(i, j)) in entries.iter().enumerate() {
+        if block_of[i].max(block_of[j]) == Pattern::LEFT_OUT {
+            continue;
+        }
         let b = block_of[i].min(block_of[j]);
-        let (p, q) = (place(&blocks[b], b, i), place(&blocks[b], b, j));
-        let (row, column, own) = (p.min(q), p.max(q), blocks[b].own.len());
-        let slots = &mut blocks[b].slots;
-        if !slots.last_mut().is_some_and(|last| last.extend(entry, row, column, own)) {
-            slots.push(Slot { entry, length: 1, row, column, down: false });
+        let Block { own, boundary, slots, .. } = &mut blocks[b];
+        if b != present {
+            present = b;
+            own.iter().chain(&*boundary).enumerate().for_each(|(k, &i)| place[i] = k);
+        }
+        let (row, column) = (place[i].min(place[j]), place[i].max(place[j]));
+        if !slots.last_mut().is_some_and(|last| last.extend((part, entry), row, column, own.len())) {
+            slots.push(Slot { part, entry, length: 1, row, column, down: false });
         }
     }
 }
@@ -148,14 +151,14 @@ pub struct Factors {
 }
 
 impl Factors {
-    /// Factorises the matrix with `values` at the entries of `pattern`.
+    /// Factorises the matrix with the values `parts` at the entries of the parts of `pattern`; an empty part is zero.
     /// `threshold` in (0, 0.5] bounds the growth: larger is stabler and slower.
-    pub fn factorise(&mut self, pattern: &Pattern, values: &[f64], threshold: f64) -> Inertia {
+    pub fn factorise(&mut self, pattern: &Pattern, parts: &[&[f64]], threshold: f64) -> Inertia {
         self.prepare(pattern);
         let mut inertia = Inertia::default();
         let last = pattern.blocks.len().saturating_sub(1);
         for (b, block) in pattern.blocks.iter().enumerate() {
-            self.assemble(pattern, b, values);
+            self.assemble(pattern, b, parts);
             let mut pivots = std::mem::take(&mut self.pivots[b]);
             self.front.eliminate(threshold, b == last, &mut pivots, &mut inertia);
             self.pivots[b] = pivots;
@@ -179,7 +182,7 @@ impl Factors {
 
     /// The front of block `b`: its own unknowns, those delayed by its
     /// children, then the boundary; filled with entries and contributions.
-    fn assemble(&mut self, pattern: &Pattern, b: usize, values: &[f64]) {
+    fn assemble(&mut self, pattern: &Pattern, b: usize, parts: &[&[f64]]) {
         let block = &pattern.blocks[b];
         let front = &mut self.front;
         front.rows.clear();
@@ -196,8 +199,8 @@ impl Factors {
         }
         let (own, shift) = (block.own.len(), front.candidates - block.own.len());
         let place = |p: usize| if p < own { p } else { p + shift };
-        for slot in &block.slots {
-            let entries = &values[slot.entry..slot.entry + slot.length];
+        for slot in block.slots.iter().filter(|slot| !parts[slot.part].is_empty()) {
+            let entries = &parts[slot.part][slot.entry..slot.entry + slot.length];
             front.add_along(place(slot.row), place(slot.column), slot.down, entries);
         }
         for &child in &block.children {
@@ -254,10 +257,10 @@ mod tests {
     #[test]
     fn chain_with_delayed_pivots_is_solved_with_its_inertia() {
         let (blocks, entries, values) = chain(40);
-        let pattern = Pattern::new(&blocks, &entries);
+        let pattern = Pattern::new(&blocks, &[&entries]);
         let mut factors = Factors::default();
         for _ in 0..2 {
-            let inertia = factors.factorise(&pattern, &values, 1e-6);
+            let inertia = factors.factorise(&pattern, &[&values], 1e-6);
             let n = blocks.len();
             let exact: Vec<f64> = (0..n).map(|i| (i as f64 * 1.3).cos()).collect();
             let mut x = vec![0.0; n];
@@ -276,8 +279,8 @@ mod tests {
 
     #[test]
     fn singular_matrix_is_seen() {
-        let pattern = Pattern::new(&[0, 0, 1], &[(0, 0), (1, 0), (1, 1), (2, 2)]);
-        let inertia = Factors::default().factorise(&pattern, &[1.0, 2.0, 4.0, 1.0], 1e-6);
+        let pattern = Pattern::new(&[0, 0, 1], &[&[(0, 0), (1, 0), (1, 1), (2, 2)]]);
+        let inertia = Factors::default().factorise(&pattern, &[&[1.0, 2.0, 4.0, 1.0]], 1e-6);
         assert_eq!(inertia, Inertia { positive: 2, negative: 0, zero: 1 });
     }
 }

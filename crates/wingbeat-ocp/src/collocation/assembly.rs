@@ -66,8 +66,6 @@ pub(super) struct Assembly {
     pub slopes: Vec<f64>,
     /// The sum of those of the points of an interval along its columns.
     span_slopes: Vec<f64>,
-    /// Defect rows, row-major.
-    pub rows: Vec<f64>,
     /// Hessian, row-major; the upper triangle counts.
     pub block: Vec<f64>,
 }
@@ -92,7 +90,6 @@ impl Assembly {
             product: vec![0.0; width],
             slopes: vec![0.0; locals],
             span_slopes: vec![0.0; width],
-            rows: vec![0.0; scheme.defects().len() * setup.states.len() * width],
             block: vec![0.0; width * width],
         }
     }
@@ -148,8 +145,11 @@ fn add_rows(row: &mut [f64], factor: f64, slopes: &[f64], rows: &[f64]) {
             }
         }
     }
-    for k in 0..count {
-        axpy(row, factors[k], some[k]);
+    if count > 0 {
+        for k in count..4 {
+            (factors[k], some[k]) = (0.0, some[0]);
+        }
+        axpy_four(row, factors, some);
     }
 }
 
@@ -180,13 +180,14 @@ impl Discretisation {
         self.assembly.middle = middle;
     }
 
-    /// Jacobian rows of the defects of interval `k`.
-    pub(super) fn defect_rows(&mut self, k: usize, span: f64) {
+    /// Appends the Jacobian rows of the defects of interval `k`.
+    pub(super) fn defect_rows(&self, k: usize, span: f64, out: &mut Vec<f64>) {
         let (n, scheme) = (self.setup.states.len(), &self.transcribed.scheme);
         let interval = &self.layout.intervals[k];
         let (width, own, first) = (self.assembly.width, self.assembly.own, interval.columns[0]);
-        let mut rows = std::mem::take(&mut self.assembly.rows);
-        rows.fill(0.0);
+        let begin = out.len();
+        out.resize(begin + scheme.defects().len() * n * width, 0.0);
+        let rows = &mut out[begin..];
         let start = self.layout.nodes[k] - first;
         for (block, j) in rows.chunks_exact_mut(n * width).zip(scheme.defects()) {
             if let StateOf::Unknown(x) = self.layout.points[interval.ends[0] + j].x {
@@ -211,7 +212,6 @@ impl Discretisation {
                 }
             }
         }
-        self.assembly.rows = rows;
     }
 
     /// Hessian of the Lagrangian's part of interval `k`.

@@ -190,6 +190,11 @@ impl Discretisation {
         (first..end).chain(self.layout.times..self.layout.variables.len()).collect()
     }
 
+    /// Final less initial time.
+    fn span(&self, w: &[f64]) -> f64 {
+        w[self.layout.times + 1] - w[self.layout.times]
+    }
+
     /// Points whose Hessian and path rows belong to interval `k`.
     fn owned(&self, k: usize) -> std::ops::Range<usize> {
         let [first, last] = self.layout.intervals[k].ends;
@@ -216,28 +221,23 @@ impl Discretisation {
         }
     }
 
-    /// Differentiates all points: middle states first, whose slopes add to the
-    /// weights of the rates at the ends that they follow from.
-    fn differentiate_points<P: OptimalControl>(
+    /// Differentiates the points that interval `k` owns: the middle state first, whose slopes add to the
+    /// weights of the rates at the ends that it follows from.
+    fn differentiate_interval<P: OptimalControl>(
         &mut self,
         problem: &P,
+        k: usize,
         w: &[f64],
         multipliers: &[f64],
     ) -> Result<(), EvaluationError> {
-        let span = w[self.layout.times + 1] - w[self.layout.times];
-        if self.transcribed.scheme.compressed {
-            let nodes = self.layout.unknown_states();
-            self.points.evaluate(problem, &self.setup, &self.layout, w, nodes)?;
-        }
-        for i in 0..self.layout.points.len() {
-            if let StateOf::Middle(k) = self.layout.points[i].x {
-                self.differentiate_point(problem, i, w, span, multipliers)?;
-                self.carry(i, k, span);
-            }
-        }
-        for i in 0..self.layout.points.len() {
-            if let StateOf::Unknown(_) = self.layout.points[i].x {
-                self.differentiate_point(problem, i, w, span, multipliers)?;
+        for middle in [true, false] {
+            for i in self.owned(k) {
+                if matches!(self.layout.points[i].x, StateOf::Middle(_)) == middle {
+                    self.differentiate_point(problem, i, w, multipliers)?;
+                    if middle {
+                        self.carry(i, k, self.span(w));
+                    }
+                }
             }
         }
         Ok(())
@@ -250,9 +250,9 @@ impl Discretisation {
         problem: &P,
         i: usize,
         w: &[f64],
-        span: f64,
         multipliers: &[f64],
     ) -> Result<(), EvaluationError> {
+        let span = self.span(w);
         let (n, outputs) = (self.setup.states.len(), self.points.outputs);
         for (s, w) in self.scaled[..=n].iter_mut().zip(&self.weights[i * outputs..]) {
             *s = span * w;

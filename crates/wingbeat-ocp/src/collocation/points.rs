@@ -10,8 +10,9 @@ use wingbeat_math::{Scalar, Tape};
 /// the cubic through them.
 pub(super) const MIDDLE: f64 = 0.125;
 
-/// Outputs (rates, running cost, path values) of all points, and their
-/// derivatives along the local unknowns (t, x, u, p).
+/// Outputs (rates, running cost, path values) of all points, and the
+/// derivatives of those of two intervals along the local unknowns
+/// (t, x, u, p).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     states: usize,
@@ -21,8 +22,10 @@ pub(super) struct Points {
     pub outputs: usize,
     pub locals: usize,
     pub values: Vec<f64>,
-    pub jacobians: Vec<f64>,
-    pub hessians: Vec<f64>,
+    /// Points with derivatives: point `i` has the place i % room.
+    room: usize,
+    jacobians: Vec<f64>,
+    hessians: Vec<f64>,
     tape: Tape,
     local: Vec<f64>,
 }
@@ -32,15 +35,18 @@ impl Points {
         let (states, inputs, path) = (setup.states.len(), setup.inputs.len(), setup.path.len());
         let (outputs, locals) = (states + 1 + path, 1 + states + inputs + setup.parameters.len());
         let count = layout.points.len();
+        let [first, last] = layout.intervals[0].ends;
+        let room = count.min(2 * (last - first) + 1);
         Self {
+            room,
             states,
             inputs,
             path,
             outputs,
             locals,
             values: vec![0.0; count * outputs],
-            jacobians: vec![0.0; count * outputs * locals],
-            hessians: vec![0.0; count * locals * locals],
+            jacobians: vec![0.0; room * outputs * locals],
+            hessians: vec![0.0; room * locals * locals],
             tape: Tape::default(),
             local: vec![0.0; locals],
         }
@@ -54,13 +60,13 @@ impl Points {
     /// d outputs / d locals of point `i`, row-major.
     pub fn jacobian(&self, i: usize) -> &[f64] {
         let size = self.outputs * self.locals;
-        &self.jacobians[i * size..(i + 1) * size]
+        &self.jacobians[i % self.room * size..][..size]
     }
 
     /// Hessian of the weighted outputs of point `i`, row-major.
     pub fn hessian(&self, i: usize) -> &[f64] {
         let size = self.locals * self.locals;
-        &self.hessians[i * size..(i + 1) * size]
+        &self.hessians[i % self.room * size..][..size]
     }
 
     /// Gathers the local unknowns of point `i` from the unknowns `w`; a middle
@@ -152,9 +158,9 @@ impl Points {
         self.tape
             .record(&self.local, out, |local, out| Self::outputs_at(problem, sizes, local, out))
             .map_err(|fault| EvaluationError(fault.to_string()))?;
-        let (first, second) = (outputs * locals, locals * locals);
-        let jacobian = &mut self.jacobians[i * first..(i + 1) * first];
-        let hessian = &mut self.hessians[i * second..(i + 1) * second];
+        let (place, first, second) = (i % self.room, outputs * locals, locals * locals);
+        let jacobian = &mut self.jacobians[place * first..][..first];
+        let hessian = &mut self.hessians[place * second..][..second];
         self.tape.second_order(weights, jacobian, hessian);
         Ok(())
     }

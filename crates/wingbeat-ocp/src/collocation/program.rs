@@ -32,11 +32,27 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
     ) -> Result<(), EvaluationError> {
         let parts = &mut self.parts;
         parts.weigh(weight, multipliers);
-        parts.differentiate_points(self.problem, w, multipliers)?;
         parts.end_weights[0] = weight;
         parts.end_weights[1..].copy_from_slice(&multipliers[parts.layout.ends..]);
         parts.ends.differentiate(self.problem, w, &parts.end_weights);
-        parts.assemble(w, weight, out);
+        parts.begin_gradient(w);
+        if parts.transcribed.scheme.compressed {
+            let nodes = parts.layout.unknown_states();
+            parts.points.evaluate(self.problem, &parts.setup, &parts.layout, w, nodes)?;
+        }
+        out.jacobian.clear();
+        out.hessian.clear();
+        // The derivatives of the points of an interval are assembled while they are in the cache; its end is differentiated with the
+        // next one.
+        let last = parts.layout.intervals.len() - 1;
+        for k in 0..=last {
+            parts.differentiate_interval(self.problem, k, w, multipliers)?;
+            if k > 0 {
+                parts.assemble(k - 1, w, weight, out);
+            }
+        }
+        parts.assemble(last, w, weight, out);
+        parts.finish(out);
         Ok(())
     }
 }
@@ -104,26 +120,23 @@ impl Discretisation {
         self.ends.values[0] + span * cost + self.input_change(w, None)
     }
 
-    /// The derivatives of the program at the unknowns `w`, where those of the functions were taken.
-    fn assemble(&mut self, w: &[f64], weight: f64, out: &mut Derivatives) {
-        let (n, times) = (self.setup.states.len(), self.layout.times);
-        let span = w[times + 1] - w[times];
-        self.begin_gradient(w);
-        out.jacobian.clear();
-        out.hessian.clear();
-        for k in 0..self.layout.intervals.len() {
-            if self.transcribed.scheme.compressed {
-                self.map_middle(k, span);
-            }
-            self.defect_rows(k, span);
-            out.jacobian.extend(&self.assembly.rows);
-            self.path_rows(k, n, &mut out.jacobian);
-            self.hessian_block(k, weight);
-            self.add_cost_slopes(k, span);
-            for (a, row) in self.assembly.block.chunks_exact(self.assembly.width).enumerate() {
-                out.hessian.extend(&row[a..]);
-            }
+    /// The derivatives of the program that belong to interval `k`, where those of the functions were taken.
+    fn assemble(&mut self, k: usize, w: &[f64], weight: f64, out: &mut Derivatives) {
+        let span = self.span(w);
+        if self.transcribed.scheme.compressed {
+            self.map_middle(k, span);
         }
+        self.defect_rows(k, span, &mut out.jacobian);
+        self.path_rows(k, &mut out.jacobian);
+        self.hessian_block(k, weight);
+        self.add_cost_slopes(k, span);
+        for (a, row) in self.assembly.block.chunks_exact(self.assembly.width).enumerate() {
+            out.hessian.extend(&row[a..]);
+        }
+    }
+
+    /// The derivatives of the functions of the ends, and the gradient.
+    fn finish(&mut self, out: &mut Derivatives) {
         let size = self.ends.columns.len();
         out.jacobian.extend(self.ends.jacobian.iter().map(|&(i, j)| self.ends.slopes[i * size + j]));
         out.hessian.extend(self.ends.hessian.iter().map(|&(i, j)| self.ends.curvature[i * size + j]));
@@ -131,8 +144,8 @@ impl Discretisation {
     }
 
     /// Jacobian rows of the path constraints that belong to interval `k`.
-    fn path_rows(&self, k: usize, n: usize, out: &mut Vec<f64>) {
-        let locals = self.points.locals;
+    fn path_rows(&self, k: usize, out: &mut Vec<f64>) {
+        let (n, locals) = (self.setup.states.len(), self.points.locals);
         for i in self.owned(k) {
             if self.layout.points[i].path.is_none() {
                 continue;

@@ -99,16 +99,12 @@ impl Iterate {
         }
     }
 
-    /// r += (A' y, -y), zero where w is not free.
-    pub fn add_multipliers(&self, standard: &Standard, r: &mut [f64]) {
-        standard.add_transposed(&self.y, r);
+    /// Writes (A' y, -y), the slope of the rows' part of the Lagrangian.
+    pub fn pull(&self, standard: &Standard, out: &mut [f64]) {
+        out[..standard.n].fill(0.0);
+        standard.add_transposed(&self.y, out);
         for (i, y) in self.y.iter().enumerate() {
-            r[standard.n + i] -= y;
-        }
-        for (r, free) in r.iter_mut().zip(&standard.free) {
-            if !free {
-                *r = 0.0;
-            }
+            out[standard.n + i] = -y;
         }
     }
 
@@ -120,15 +116,14 @@ impl Iterate {
         }
     }
 
-    /// Errors of the optimality conditions for the barrier `mu`; `work` is scratch over w.
-    pub fn errors(&self, standard: &Standard, mu: f64, work: &mut [f64]) -> Errors {
-        let n = standard.n;
-        work[..n].copy_from_slice(&standard.derivatives.gradient);
-        work[n..].fill(0.0);
-        self.add_multipliers(standard, work);
+    /// Errors of the optimality conditions for the barrier `mu`, with the [`pull`](Self::pull) of the rows.
+    pub fn errors(&self, standard: &Standard, mu: f64, pull: &[f64]) -> Errors {
+        let gradient = &standard.derivatives.gradient;
         let mut stationarity = 0.0_f64;
         for k in 0..self.w.len() {
-            stationarity = stationarity.max((work[k] - self.z_low[k] + self.z_high[k]).abs());
+            let slope = if k < standard.n { gradient[k] + pull[k] } else { pull[k] };
+            let slope = if standard.free[k] { slope } else { 0.0 };
+            stationarity = stationarity.max((slope - self.z_low[k] + self.z_high[k]).abs());
         }
         let sum_y: f64 = self.y.iter().map(|y| y.abs()).sum();
         let (sum_z, count, largest) = self.limits(standard, mu);

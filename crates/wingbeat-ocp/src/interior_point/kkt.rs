@@ -18,20 +18,24 @@ const RESIDUAL: f64 = 1e-11;
 const SMALLEST_SLACK: f64 = 1e-12;
 
 /// The matrix [[H + Sigma_x + dw, A'], [A, -D]] over (dx, dy), with D the
-/// condensed slacks of inequalities and dc for equations.
+/// condensed slacks of inequalities and dc for equations, without the
+/// variables that are not free. H and A are the derivatives of the program.
 pub(super) struct Kkt {
+    /// Its parts: Hessian, diagonal of the variables, Jacobian, diagonal of the rows.
     pattern: Pattern,
     factors: Factors,
-    values: Vec<f64>,
-    /// The entries of the Hessian and the Jacobian, by rows.
-    entries: Vec<EntryRun>,
-    /// Entries that belong to variables that are not free.
-    fixed: Vec<usize>,
-    /// Diagonal of the variables' part: barrier, or one where not free.
+    /// The entries of the Hessian and of the Jacobian, by rows.
+    hessian: Vec<EntryRun>,
+    jacobian: Vec<EntryRun>,
+    /// Variables that are not free.
+    held: Vec<usize>,
+    /// Diagonals in use: Sigma_x + dw, and -D.
     diagonal: Vec<f64>,
+    rows: Vec<f64>,
     n: usize,
     m: usize,
-    hessian: usize,
+    /// The identity takes the place of the Hessian.
+    identity: bool,
     last_shift: f64,
     /// Shift in use.
     pub shift: f64,
@@ -44,31 +48,24 @@ impl Kkt {
     pub fn new(standard: &Standard) -> Self {
         let (n, m) = (standard.n, standard.m);
         let structure = &standard.structure;
-        let mut entries = structure.hessian.clone();
-        let hessian = entries.len();
-        entries.extend((0..n).map(|j| (j, j)));
-        entries.extend(structure.jacobian.iter().map(|&(i, j)| (n + i, j)));
-        entries.extend((0..m).map(|i| (n + i, n + i)));
-        let mut by_rows = runs(&structure.hessian);
-        by_rows.extend(runs(&structure.jacobian).into_iter().map(|run| EntryRun {
-            row: n + run.row,
-            entry: hessian + n + run.entry,
-            ..run
-        }));
+        let jacobian: Vec<_> = structure.jacobian.iter().map(|&(i, j)| (n + i, j)).collect();
+        let diagonal: Vec<_> = (0..n + m).map(|j| (j, j)).collect();
+        let held: Vec<usize> = (0..n).filter(|&j| !standard.free[j]).collect();
         let mut blocks = structure.variable_block.clone();
+        held.iter().for_each(|&j| blocks[j] = Pattern::LEFT_OUT);
         blocks.extend(&structure.constraint_block);
-        let free = |k: usize| k >= n || standard.free[k];
-        let fixed = entries.iter().enumerate().filter(|(_, e)| !(free(e.0) && free(e.1)));
+        let parts = [&structure.hessian, &diagonal[..n], &jacobian, &diagonal[n..]];
         Self {
-            pattern: Pattern::new(&blocks, &entries),
+            pattern: Pattern::new(&blocks, &parts),
             factors: Factors::default(),
-            values: vec![0.0; entries.len()],
-            fixed: fixed.map(|(k, _)| k).collect(),
-            entries: by_rows,
+            hessian: runs(&structure.hessian),
+            jacobian: runs(&jacobian),
+            held,
             diagonal: vec![0.0; n],
+            rows: vec![0.0; m],
             n,
             m,
-            hessian,
+            identity: false,
             last_shift: 0.0,
             shift: 0.0,
             slack: vec![0.0; m],
@@ -76,44 +73,31 @@ impl Kkt {
         }
     }
 
-    /// Enters the derivatives and the barrier's diagonal `sigma` over w.
-    /// Without a Hessian the identity takes its place.
-    fn assemble(&mut self, standard: &Standard, sigma: &[f64], with_hessian: bool) {
-        let (n, h) = (self.n, self.hessian);
-        let derivatives = &standard.derivatives;
-        if with_hessian {
-            self.values[..h].copy_from_slice(&derivatives.hessian);
-        } else {
-            self.values[..h].fill(0.0);
-        }
-        let jacobian = derivatives.jacobian.len();
-        self.values[h + n..h + n + jacobian].copy_from_slice(&derivatives.jacobian);
-        self.fixed.iter().for_each(|&k| self.values[k] = 0.0);
-        for (j, d) in self.diagonal.iter_mut().enumerate() {
-            *d = if standard.free[j] && with_hessian { sigma[j] } else { 1.0 };
-        }
-    }
-
-    /// Factorises with shifts `dw` and `dc`.
+    /// Factorises with shifts `dw` and `dc` and the barrier's diagonal `sigma` over w.
     fn factorise(&mut self, standard: &Standard, sigma: &[f64], dw: f64, dc: f64) -> Inertia {
-        let (n, m, h) = (self.n, self.m, self.hessian);
+        let (n, m) = (self.n, self.m);
         for j in 0..n {
-            self.values[h + j] = self.diagonal[j] + if standard.free[j] { dw } else { 0.0 };
+            self.diagonal[j] = sigma[j] + dw;
         }
-        let first = self.values.len() - m;
         for i in 0..m {
             self.slack[i] = (sigma[n + i] + dw).max(SMALLEST_SLACK);
-            self.values[first + i] = if standard.free[n + i] { -1.0 / self.slack[i] } else { 0.0 } - dc;
+            self.rows[i] = if standard.free[n + i] { -1.0 / self.slack[i] } else { 0.0 } - dc;
         }
         self.shift = dw;
-        self.factors.factorise(&self.pattern, &self.values, PIVOT_THRESHOLD)
+        let parts = [self.curvatures(standard), &self.diagonal, &standard.derivatives.jacobian, &self.rows];
+        self.factors.factorise(&self.pattern, &parts, PIVOT_THRESHOLD)
     }
 
-    /// Factorises so that the step is a descent direction: `n` positive and `m`
-    /// negative eigenvalues. False when no shift gives that.
+    /// The Hessian, or nothing where the identity takes its place.
+    fn curvatures<'s>(&self, standard: &'s Standard) -> &'s [f64] {
+        if self.identity { &[] } else { &standard.derivatives.hessian }
+    }
+
+    /// Factorises so that the step is a descent direction: as many positive
+    /// eigenvalues as free variables and `m` negative ones. False when no shift gives that.
     pub fn factorise_convex(&mut self, standard: &Standard, sigma: &[f64], barrier: f64) -> bool {
-        self.assemble(standard, sigma, true);
-        let wanted = Inertia { positive: self.n, negative: self.m, zero: 0 };
+        self.identity = false;
+        let wanted = Inertia { positive: self.n - self.held.len(), negative: self.m, zero: 0 };
         let mut inertia = self.factorise(standard, sigma, 0.0, 0.0);
         if inertia == wanted {
             return true;
@@ -141,7 +125,7 @@ impl Kkt {
     /// Factorises [[I, A'], [A, -D]], for multipliers by least squares.
     pub fn factorise_identity(&mut self, standard: &Standard) -> bool {
         let ones = vec![1.0; self.n + self.m];
-        self.assemble(standard, &ones, false);
+        self.identity = true;
         let inertia = self.factorise(standard, &ones, 0.0, 0.0);
         inertia.zero == 0
     }
@@ -157,7 +141,7 @@ impl Kkt {
         for i in 0..m {
             rhs[n + i] = -c[i] - if standard.free[n + i] { r[n + i] / self.slack[i] } else { 0.0 };
         }
-        let solution = self.solve_refined(&rhs);
+        let solution = self.solve_refined(standard, &rhs);
         dw[..n].copy_from_slice(&solution[..n]);
         dy.copy_from_slice(&solution[n..]);
         for i in 0..m {
@@ -166,7 +150,7 @@ impl Kkt {
     }
 
     /// Solution with iterative refinement against the factorised matrix.
-    fn solve_refined(&mut self, rhs: &[f64]) -> Vec<f64> {
+    fn solve_refined(&mut self, standard: &Standard, rhs: &[f64]) -> Vec<f64> {
         let mut x = rhs.to_vec();
         self.factors.solve(&mut x);
         let size = |v: &[f64]| v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -175,23 +159,14 @@ impl Kkt {
         for _ in 0..5 {
             residual.clear();
             residual.extend(rhs);
-            let (curvature, slack) =
-                (&self.values[self.hessian..], &self.values[self.values.len() - self.m..]);
-            for j in 0..self.n {
-                residual[j] -= curvature[j] * x[j];
+            for (j, d) in self.diagonal.iter().chain(&self.rows).enumerate() {
+                residual[j] -= d * x[j];
             }
-            for i in 0..self.m {
-                residual[self.n + i] -= slack[i] * x[self.n + i];
+            if !self.identity {
+                subtract(&self.hessian, &standard.derivatives.hessian, &x, &mut residual);
             }
-            for run in &self.entries {
-                let (values, columns) = (run.of(&self.values), run.columns());
-                let product =
-                    axpy_dot(&mut residual[columns.clone()], -x[run.row], values, &x[columns.clone()]);
-                residual[run.row] -= product;
-                if columns.contains(&run.row) {
-                    residual[run.row] += values[run.row - run.column] * x[run.row];
-                }
-            }
+            subtract(&self.jacobian, &standard.derivatives.jacobian, &x, &mut residual);
+            self.held.iter().for_each(|&j| residual[j] = 0.0);
             let error = size(&residual);
             if error <= RESIDUAL * (size(rhs) + size(&x).min(1e6)) || !(error < 0.5 * best) {
                 break;
@@ -204,5 +179,17 @@ impl Kkt {
         }
         self.residual = residual;
         x
+    }
+}
+
+/// out -= M x, of the symmetric matrix whose entries on one side of the diagonal are `runs` of `values`.
+fn subtract(runs: &[EntryRun], values: &[f64], x: &[f64], out: &mut [f64]) {
+    for run in runs {
+        let (values, columns) = (run.of(values), run.columns());
+        let product = axpy_dot(&mut out[columns.clone()], -x[run.row], values, &x[columns.clone()]);
+        out[run.row] -= product;
+        if columns.contains(&run.row) {
+            out[run.row] += values[run.row - run.column] * x[run.row];
+        }
     }
 }

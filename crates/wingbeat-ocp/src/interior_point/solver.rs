@@ -50,8 +50,9 @@ pub(super) struct Solver<'a> {
     /// Newton step over w and y.
     pub dw: Vec<f64>,
     pub dy: Vec<f64>,
-    /// Gradient of phi, gradient of the barrier Lagrangian, residuals, sigma.
+    /// Gradient of phi, pull of the rows, gradient of the barrier Lagrangian, residuals, sigma.
     pub slope: Vec<f64>,
+    pull: Vec<f64>,
     pub r: Vec<f64>,
     pub c: Vec<f64>,
     pub sigma: Vec<f64>,
@@ -99,6 +100,7 @@ impl<'a> Solver<'a> {
             dw: zeros(n + m),
             dy: zeros(m),
             slope: zeros(n + m),
+            pull: zeros(n + m),
             r: zeros(n + m),
             c: zeros(m),
             sigma: zeros(n + m),
@@ -224,7 +226,8 @@ impl<'a> Solver<'a> {
     }
 
     pub fn errors(&mut self, mu: f64) -> Errors {
-        self.point.errors(&self.standard, mu, &mut self.r)
+        self.point.pull(&self.standard, &mut self.pull);
+        self.point.errors(&self.standard, mu, &self.pull)
     }
 
     fn line(&self, errors: &Errors) -> Iteration {
@@ -270,7 +273,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// The Newton step of the barrier problem; false when no shift of the
+    /// The Newton step of the barrier problem at the point whose errors were found last; false when no shift of the
     /// Hessian makes it one of descent.
     fn newton_step(&mut self) -> bool {
         self.point.sigma(&self.standard, &mut self.sigma);
@@ -278,8 +281,9 @@ impl<'a> Solver<'a> {
             return false;
         }
         self.point.phi_gradient(&self.standard, self.mu, &mut self.slope);
-        self.r.copy_from_slice(&self.slope);
-        self.point.add_multipliers(&self.standard, &mut self.r);
+        for (k, free) in self.standard.free.iter().enumerate() {
+            self.r[k] = if *free { self.slope[k] + self.pull[k] } else { 0.0 };
+        }
         self.point.rows(&self.standard, &mut self.c);
         self.kkt.solve(&self.standard, &self.r, &self.c, &mut self.dw, &mut self.dy);
         self.dw.iter().chain(&self.dy).all(|d| d.is_finite())

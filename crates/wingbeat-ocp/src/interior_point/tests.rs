@@ -100,3 +100,36 @@ fn broken_models_and_limits_get_an_answer() {
     let empty = run(&Logarithm { low: 11.0 }, &[4.0]);
     assert_eq!(empty.status, SolveStatus::Infeasible { channel: "x".into(), violation: 1.0 });
 }
+
+/// The point of a circle that is farthest to the right, with an objective that rises steeply off the circle.
+struct SteepCircle {
+    steepness: f64,
+}
+
+impl Functions for SteepCircle {
+    fn variables(&self) -> Vec<Channel> {
+        ["x", "y"].map(|n| Channel::free(n, "m", "")).into()
+    }
+    fn constraints(&self) -> Vec<Channel> {
+        vec![Channel::limited("circle", "m2", "", 1.0, 1.0)]
+    }
+    fn objective<S: Scalar>(&self, x: &[S]) -> S {
+        (x[0].squared() + x[1].squared() - 1.0) * self.steepness - x[0]
+    }
+    fn constrain<S: Scalar>(&self, x: &[S], g: &mut [S]) {
+        g[0] = x[0].squared() + x[1].squared();
+    }
+}
+
+/// Maratos 1978 (thesis, Imperial College): along straight steps the solver takes hundreds of iterations.
+#[test]
+fn steps_follow_constraints_that_bend() {
+    for steepness in [100.0, 1000.0, 10_000.0] {
+        for angle in [60.0_f64, 80.0, 100.0].map(f64::to_radians) {
+            let solution = run(&SteepCircle { steepness }, &[angle.cos(), angle.sin()]);
+            assert_eq!(solution.status, SolveStatus::Solved);
+            assert!((solution.x[0] - 1.0).abs() < 1e-8, "{:?}", solution.x);
+            assert!(solution.iterations <= 45, "{} iterations", solution.iterations);
+        }
+    }
+}
