@@ -9,6 +9,8 @@ use wingbeat_robot::Robot;
 
 /// Angular frequency times the time of an inertance at which a vibration is slowed by (w t)^4/8, half a per cent.
 const SLOWED: f64 = 0.447;
+/// Frequency of the motion of a robot that does not flap, Hz. *Choice.*
+const GLIDE_HZ: f64 = 1.0;
 
 /// What a run that broke down says of `robot` where springs, membranes or flaps may move faster than its steps, which `key` sets; nothing
 /// of a rigid one.
@@ -22,11 +24,13 @@ pub(super) fn of_short_periods(robot: &Robot, key: &str) -> String {
     }
 }
 
-/// Frequency up to which the vibrations of springs with an inertance of the time t are slowed by at most half a per cent over that of the gait; none
-/// without an inertance or a gait.
-pub(super) fn followed_harmonics(robot: &Robot) -> Option<f64> {
-    let cycles = std::f64::consts::TAU * robot.frequency_hz() * robot.inertance_s();
-    (cycles > 0.0).then(|| SLOWED / cycles)
+/// Holds the frequency up to which the vibrations of springs with an inertance are slowed by at most half a per cent against that of the gait.
+pub(super) fn hold_followed(judge: &mut Judge, robot: &Robot) {
+    if robot.inertance_s() > 0.0 {
+        let cycles = std::f64::consts::TAU * robot.frequency_hz().max(GLIDE_HZ) * robot.inertance_s();
+        judge.hold(&range::FOLLOWED, SLOWED / cycles);
+        judge.hold(&range::NOT_FOLLOWED, SLOWED / cycles);
+    }
 }
 
 /// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes and flaps against their links.
@@ -34,7 +38,7 @@ pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());
     judge.hold_if(&range::THIN, Some(robot.density()).filter(|density| *density > 0.0));
     judge.hold_if(&flap::MASS, robot.flap_over_link());
-    judge.hold_if(&range::FOLLOWED, followed_harmonics(robot));
+    hold_followed(judge, robot);
     link_spar::hold_shape(judge, robot);
     let width =
         |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());

@@ -13,7 +13,7 @@ use super::{LatticeSummary, RigRun};
 use serde::Serialize;
 use wingbeat_aero::Aero;
 use wingbeat_flight::simulate::Record;
-use wingbeat_judge::limits::{flap, range, rig, trim, wake};
+use wingbeat_judge::limits::{flap, rig, trim, wake};
 use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Plant;
@@ -157,7 +157,7 @@ impl RigRun {
         pin_springs.iter().for_each(|pins| pins.judge(&mut judge));
         judge.hold_if(&trim::PEAK, pin_springs.map(|pins| pins.power_max_w / self.robot.mass()));
         hold_shape(&mut judge, &self.robot);
-        judge.hold_if(&range::FOLLOWED, plausible::followed_harmonics(&self.robot));
+        plausible::hold_followed(&mut judge, &self.robot);
         let (crossing, least) = self.clearance();
         judge.hold(&rig::CROSSING, crossing);
         judge.hold(&rig::CROSSED, crossing);

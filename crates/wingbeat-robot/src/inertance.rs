@@ -39,7 +39,7 @@ impl Robot {
     /// with the angular frequency w is slowed by the share (w t)^4/8, and momentum is kept.
     ///
     /// Equation: robot.inertance
-    /// `B = P S^-1 P, P = t (t K + C)/2, S the inertia along the joints; (S + B) s^2 + C s + K = 0 gives |s| <= 1/t`
+    /// `B = P S^-1 P, P = t (t K + C)/2, S the inertia along the joints; (S + B) s^2 + C s + K = 0 gives s of at most the size 1/t`
     /// Source: own derivation: on an eigenvector of inertia 1, stiffness k and damping c the resistance is at least p^2, p = t (t k + c)/2, by
     /// Schwarz's inequality. In the place of mass scaling by the stiffness, t^2 K, whose share is (w t)^2/2 (Olovsson, Simonsson & Unosson
     /// 2005, Int. J. Numer. Meth. Engng 63).

@@ -52,8 +52,8 @@ pub fn fastest_vibration(robot: &Robot) -> Result<f64, Fault> {
 /// vibration.
 ///
 /// Equation: flight.inertance
-/// `t = h where h max |s| > 1, s the eigenvalues of the structure at rest; else 0. With it h |s| <= 1`
-/// Source: stability of Runge and Kutta's method, |s h| < 2.6 in the left half plane (Hairer & Wanner 1996, IV.2); limits a choice.
+/// `t = h where h s > 1, s the size of the largest eigenvalue of the structure at rest; else 0. With it h s <= 1`
+/// Source: stability of Runge and Kutta's method, s h < 2.6 in the left half plane (Hairer & Wanner 1996, IV.2); limits a choice.
 /// Test: `stiff_wings_keep_the_step_of_soft_ones`.
 ///
 /// # Errors

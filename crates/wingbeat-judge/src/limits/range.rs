@@ -52,7 +52,10 @@ pub const STALLED_OUTSIDE: JudgedLimit =
 
 /// Springs that carry an inertance: above these harmonics of the gait they vibrate too slowly. *Choice.*
 pub const FOLLOWED: JudgedLimit = JudgedLimit::warn_below("range.followed_harmonics", 10.0, "")
-    .on("springs carry an inertance for the sake of long steps (shorten them, or flight.inertance_s): frequency up to which it slows vibrations by at most half a per cent, over that of the gait");
+    .on("springs carry an inertance for the sake of long steps (shorten them, or flight.inertance_s): frequency up to which it slows vibrations by at most half a per cent, over that of the gait or 1 Hz");
+/// Springs that cannot follow the gait itself. *Choice.*
+pub const NOT_FOLLOWED: JudgedLimit = JudgedLimit::at_least("range.followed_outside_harmonics", 1.0, "", Outside)
+    .on("springs carry so much inertance that they do not follow the motion (flight.inertance_s): frequency up to which it slows vibrations by at most half a per cent, over that of the gait or 1 Hz");
 
 /// Dynamic viscosity, Pa s, of the fluid with a density in kg/m3: air at 20 degrees C (ISO 2533), from 100 kg/m3 on water (IAPWS 2008).
 pub fn viscosity(density: f64) -> f64 {
@@ -60,8 +63,9 @@ pub fn viscosity(density: f64) -> f64 {
 }
 
 /// All of them.
-pub const ALL: [JudgedLimit; 13] = [
+pub const ALL: [JudgedLimit; 14] = [
     FOLLOWED,
+    NOT_FOLLOWED,
     COMPRESSED,
     MACH,
     GYRATION,

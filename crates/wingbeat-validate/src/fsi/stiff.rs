@@ -73,8 +73,8 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
         row(
             "energy",
             "conservation of energy",
-            "work of drives, dampers and air - change of energy, over the peak work, one cycle, springs with it",
-            carried.run()?.energy,
+            "work of drives, dampers and air - change of energy, over the peak work, one cycle, springs with it, without and with flaps",
+            carried.run()?.energy.max(Trial { density: OF_WING.density, ..flapped }.run()?.energy),
             1e-8,
             "",
         ),
@@ -90,7 +90,7 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     rows.extend(derivatives(
         "fsi.stiff.derivatives",
         "springs and flaps with it",
-        Trial { density: 1.2, ..flapped },
+        Trial { density: OF_WING.density, ..flapped },
     )?);
     Ok(rows)
 }
