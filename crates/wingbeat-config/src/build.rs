@@ -9,13 +9,13 @@ use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use wingbeat_aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, SectionSettings, StripModel, StripSettings,
 };
-use wingbeat_flight::guide::{ControllerTask, Prepared};
+use wingbeat_flight::guide::{ControllerTask, ORBIT_STEP, Prepared};
 use wingbeat_flight::simulate::{Controller, Schedule, SensorSpec, followed};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
 use wingbeat_math::require;
-use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_ocp::plant::Plant;
 use wingbeat_robot::{Air, Dryden, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
 
 /// Largest number of records of a flight: 1 GB in memory.
@@ -65,9 +65,12 @@ impl ScenarioSpec {
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
         let robot = self.over_ground(robot)?;
-        // Where a model fails at rest, the run does, and says why.
-        let model = self.followed(model.clone()).unwrap_or(model);
-        let robot = robot.clone().with_inertance(model.inertance_s()).unwrap_or(robot);
+        let trim = self.trim.as_ref().map_or(0.0, |trim| trim.step_s);
+        let orbit = if choice.controller.is_some() { ORBIT_STEP } else { 0.0 };
+        let model = self.followed(model, self.flight.step_s.max(trim).max(orbit));
+        // Steps of a stated error shorten by themselves.
+        let step = if self.flight.error_m.is_some() { 0.0 } else { self.flight.step_s };
+        let robot = self.followed(robot, step);
         self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
@@ -76,13 +79,14 @@ impl ScenarioSpec {
         Ok(Built { robot, model, schedule, samples_per_strips })
     }
 
-    /// `model` with the inertance of its springs, by default that which the longest of the steps of flight and trim needs.
-    fn followed(&self, model: Robot) -> Result<Robot, Fault> {
-        let step = self.trim.as_ref().map_or(0.0, |trim| trim.step_s).max(self.flight.step_s);
-        match self.flight.inertance_s {
-            Some(time) => model.with_inertance(time),
-            None => followed(model, step),
-        }
+    /// `robot` with the inertance that `flight.inertance_s` gives, or that steps of `step` s need. Where it fails at rest, the run does, and says
+    /// why.
+    fn followed(&self, robot: Robot, step: f64) -> Robot {
+        let slowed = match self.flight.inertance_s {
+            Some(time) => robot.clone().with_inertance(time),
+            None => followed(robot.clone(), step),
+        };
+        slowed.unwrap_or(robot)
     }
 
     /// The controller of `model`, if the scenario has one.

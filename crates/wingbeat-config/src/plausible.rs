@@ -7,8 +7,8 @@ use wingbeat_judge::limits::{flap, membrane, range};
 use wingbeat_math::GRAVITY;
 use wingbeat_robot::Robot;
 
-/// Angular frequency times the time of an inertance at which a vibration is slowed by (w t)^4/8, half a per cent.
-const SLOWED: f64 = 0.447;
+/// Angular frequency times the time of an inertance at which a vibration is slowed by (w t)^4/2, half a per cent.
+const SLOWED: f64 = 0.316;
 /// Frequency of the motion of a robot that does not flap, Hz. *Choice.*
 const GLIDE_HZ: f64 = 1.0;
 

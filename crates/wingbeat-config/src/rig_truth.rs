@@ -4,6 +4,7 @@ use super::RigRun;
 use super::calibration::{unrest, unrest_time};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use wingbeat_flight::simulate::followed;
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 use wingbeat_math::range::{Range, ranges};
@@ -106,9 +107,11 @@ impl RigRun {
             unrest: [0.0; 6],
             unrest_time_s: truth.unrest_time_s,
         };
+        // The longer steps in which it is looked at may need more of an inertance.
+        let looked = followed(robot.clone(), 1.0 / LOOKED_AT_HZ).unwrap_or_else(|_| robot.clone());
         match truth.unrest > 0.0 && experiment.flapping {
             false => {}
-            true => match size_of_loads(&experiment, window) {
+            true => match size_of_loads(Experiment { robot: &looked, ..experiment.clone() }, window) {
                 Ok(size) => experiment.deviations.unrest = size.map(|rms| truth.unrest * rms),
                 Err(fault) => return Ok(Err(fault)),
             },
@@ -118,7 +121,7 @@ impl RigRun {
 }
 
 /// Rms about the mean of the loads in the window.
-fn size_of_loads(experiment: &Experiment, (begin, end): (f64, f64)) -> Result<[f64; 6], Fault> {
+fn size_of_loads(experiment: Experiment, (begin, end): (f64, f64)) -> Result<[f64; 6], Fault> {
     let step = 1.0 / LOOKED_AT_HZ;
     let steps = (end / step).ceil() as usize;
     let rows = experiment.wrenches(&Instants { begin: 0.0, step, steps })?;

@@ -349,9 +349,9 @@ pub struct FlightSpec {
     /// Error of the last position that all steps may make, m: they are as long as it allows, and `step_s` is the clock. Without it all are equal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_m: Option<f64>,
-    /// Time of the inertance of springs, s: the stiffer they are, the more inertia comes to their deflection, so that steps of this time
-    /// follow all of them. What deflects slowly deflects as without it. Where not given: the longest step, if the structure is too fast for it,
-    /// else none.
+    /// Time of the inertance of springs, s, so that steps of this time follow any of them: what vibrates faster is slowed to it. Where not given:
+    /// the step, if the structure is too fast for it, else none; none with `error_m`. The robot that a controller or a trim knows takes the
+    /// longest of their steps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertance_s: Option<f64>,
     /// Time between records, s.

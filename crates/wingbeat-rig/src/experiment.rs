@@ -16,7 +16,7 @@ use wingbeat_robot::{BeyondLoads, Deflections, MotorWork};
 use wingbeat_robot::{BodyMotion, CarriedLoads, Compiled, Robot, StallCount, Stance};
 
 /// A run ready to be simulated.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Experiment<'a> {
     /// The robot in its air; its gait begins at t = 0.
     pub robot: &'a Robot,

@@ -1,28 +1,56 @@
 //! What lets a stiff structure keep to the steps of all the rest: an inertance between the joints that are on springs.
 
-use super::mechanism::JointDrive;
+use super::mechanism::{JointDrive, Mechanism};
 use super::numbers::SpringNumbers;
 use super::{Robot, Scalar};
+use wingbeat_math::linear::{lu_factor, lu_solve};
 use wingbeat_ocp::plant::{Fault, Plant};
 
 /// Inertance between the joints on springs.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Inertance {
+#[derive(Clone, Debug)]
+pub(super) struct Inertance<P: Scalar = f64> {
     /// Its time, s.
     pub time: f64,
     /// Second rates of the joints by efforts along them, by rows, in SI units: the inverse of what inertia they have where the robot rests.
     compliance: Vec<f64>,
+    /// The inertances, by rows, kg m2 or kg; empty where there are none.
+    matrix: Vec<P>,
+}
+
+impl<P: Scalar> Inertance<P> {
+    /// None.
+    pub fn none() -> Self {
+        Self { time: 0.0, compliance: Vec::new(), matrix: Vec::new() }
+    }
+
+    /// The same for the springs of `mechanism`: B = P C (1 + P C)^-1 P, C the compliance.
+    pub fn of<Q: Scalar>(&self, mechanism: &Mechanism<Q>) -> Inertance<Q> {
+        let springs: Vec<Q> = mechanism.springs().map(|spring| spring.impulse(self.time)).collect();
+        let (n, compliance) = (springs.len(), &self.compliance);
+        let mut matrix = vec![Q::ZERO; compliance.len()];
+        if !compliance.is_empty() {
+            let pushed = |i: usize, j: usize| springs[i] * compliance[i * n + j];
+            let one = |i: usize, j: usize| if i == j { Q::ONE } else { Q::ZERO };
+            let mut whole: Vec<Q> = (0..n * n).map(|k| pushed(k / n, k % n) + one(k / n, k % n)).collect();
+            let mut solved: Vec<Q> = (0..n * n).map(|k| one(k / n, k % n) * springs[k / n]).collect();
+            let mut pivots = vec![0; n];
+            if lu_factor(&mut whole, n, &mut pivots) {
+                lu_solve(&whole, n, &pivots, &mut solved, n);
+                let entry = |i: usize, j: usize| {
+                    (0..n).fold(Q::ZERO, |sum, l| sum + pushed(i, l) * solved[l * n + j])
+                };
+                matrix = (0..n * n).map(|k| entry(k / n, k % n)).collect();
+            }
+        }
+        Inertance { time: self.time, compliance: compliance.clone(), matrix }
+    }
 }
 
 impl<P: Scalar> Robot<P> {
-    /// Inertances between the joints on springs, kg m2 or kg, each with both of its joints: P C P, P = t (t k + c)/2 of each spring.
+    /// Inertances between the joints on springs, kg m2 or kg, each with both of its joints.
     pub(super) fn inertances(&self) -> impl Iterator<Item = ([usize; 2], P)> {
-        let (Inertance { time, compliance }, count) = (&self.inertance, self.mechanism.coordinates.len());
-        let springs = || self.mechanism.springs().map(|spring| spring.inertance(*time)).enumerate();
-        let row = move |(i, own): (usize, P)| {
-            springs().zip(&compliance[i * count..]).map(move |((j, other), by)| ([i, j], own * other * *by))
-        };
-        springs().filter(|_| !compliance.is_empty()).flat_map(row)
+        let count = self.mechanism.coordinates.len();
+        self.inertance.matrix.iter().enumerate().map(move |(k, of)| ([k / count, k % count], *of))
     }
 
     /// The time of its inertance, s: see [`with_inertance`](Robot::with_inertance).
@@ -33,25 +61,27 @@ impl<P: Scalar> Robot<P> {
 
 impl Robot {
     /// The same robot with an inertance between its joints on springs and about the hinges of its flaps: a resistance to second rates, as of
-    /// inerters between the parts, of the time `time` s; 0 for none. Membranes are damped for at least that time.
+    /// inerters between the parts, of the time `time` s; 0 for none.
     ///
-    /// However stiff and damped the structure is, nothing of it is then faster than 1/t. What deflects slowly deflects as without, a vibration
-    /// with the angular frequency w is slowed by the share (w t)^4/8, and momentum is kept.
+    /// However stiff and damped the structure is, nothing of it is then faster than 1/t. A vibration with the angular frequency w is slowed by
+    /// the share (w t)^4/2 where that is small; motion with the angular frequency W errs by the share (W t)^2 where springs are stiff, and by W t
+    /// where dampers are. Statics and momentum are as without.
     ///
     /// Equation: robot.inertance
-    /// `B = P S^-1 P, P = t (t K + C)/2, S the inertia along the joints; (S + B) s^2 + C s + K = 0 gives s of at most the size 1/t`
-    /// Source: own derivation: on an eigenvector of inertia 1, stiffness k and damping c the resistance is at least p^2, p = t (t k + c)/2, by
-    /// Schwarz's inequality. In the place of mass scaling by the stiffness, t^2 K, whose share is (w t)^2/2 (Olovsson, Simonsson & Unosson
-    /// 2005, Int. J. Numer. Meth. Engng 63).
+    /// `B = P (S + P)^-1 P, P = t (t K + C), S the inertia along the joints; (S + B) s^2 + C s + K = 0 gives s of at most the size 1/t`
+    /// Source: own derivation: on an eigenvector of inertia 1, stiffness k and damping c the resistance is at least p^2/(1 + p), p = t (t k + c),
+    /// by Schwarz's inequality. For stiff springs it is mass scaling by the stiffness, t^2 K, which slows slow vibrations by (w t)^2/2 (Olovsson,
+    /// Simonsson & Unosson 2005, Int. J. Numer. Meth. Engng 63).
     /// Test: `no_vibration_is_faster_than_its_inertance_lets_it`.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable at rest.
     pub fn with_inertance(mut self, time: f64) -> Result<Self, Fault> {
-        self.inertance = Inertance::default();
+        self.inertance = Inertance::none();
         self.covering.aero.set_inertance(time);
         if time > 0.0 {
-            self.inertance = Inertance { time, compliance: self.compliance()? };
+            let bare = Inertance { time, compliance: self.compliance()?, ..Inertance::none() };
+            self.inertance = bare.of(&self.mechanism);
         }
         Ok(self)
     }

@@ -142,7 +142,7 @@ pub struct Robot<P: Scalar = f64> {
     carriers: Vec<usize>,
     drag_area: Vec3<P>,
     /// What keeps its springs to long steps.
-    inertance: Inertance,
+    inertance: Inertance<P>,
     /// Of the air that the body's drag takes, kg/m3.
     density: P,
     wind: Wind<P>,
@@ -207,7 +207,7 @@ impl Robot {
             strokes: regulators::strokes(&spec.structure, &elements, &inputs),
             carriers,
             drag_area: Vec3(spec.body.drag_area_m2),
-            inertance: Inertance::default(),
+            inertance: Inertance::none(),
             density: air.density,
             wind: air.wind,
             ground: None,

@@ -93,10 +93,10 @@ impl Spring {
 }
 
 impl<P: Scalar> Spring<P> {
-    /// What the inertance of the time `time` (s) is made of, t (t k + c)/2, kg m2 or kg.
-    pub fn inertance(&self, time: f64) -> P {
+    /// What spring and damper give to a rate that lasts for `time` s, over it: t (t k + c), kg m2 or kg.
+    pub fn impulse(&self, time: f64) -> P {
         let SpringNumbers { stiffness, damping, .. } = self.numbers;
-        (stiffness * time + damping) * (0.5 * time)
+        (stiffness * time + damping) * time
     }
 
     /// Effort on the joint at the coordinate `q` with the rate `d`, the rest displaced by y:

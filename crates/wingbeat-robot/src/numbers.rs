@@ -280,8 +280,10 @@ impl Robot {
     /// When there are not as many as [`numbers`](Self::numbers) gives.
     pub fn with<P: Scalar>(&self, numbers: &Numbers<P>) -> Result<Robot<P>, Error> {
         let Numbers { surfaces, placements, .. } = numbers;
+        let mechanism = self.mechanism.with(numbers);
         Ok(Robot {
-            mechanism: self.mechanism.with(numbers),
+            inertance: self.inertance.of(&mechanism),
+            mechanism,
             phase_rate: numbers.phase_rate,
             phase_start: numbers.phase_start,
             strokes_per_cycle: self.strokes_per_cycle,
@@ -295,7 +297,6 @@ impl Robot {
             clearances: self.clearances.clone(),
             carriers: self.carriers.clone(),
             drag_area: numbers.drag_area,
-            inertance: self.inertance.clone(),
             density: numbers.density,
             wind: self.wind.map(P::from),
             ground: self.ground,

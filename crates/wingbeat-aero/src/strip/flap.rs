@@ -137,12 +137,12 @@ impl<P: Scalar> StripModel<P> {
         })
     }
 
-    /// Inertia of the flap of strip `i` about its hinge, kg m2, with that of `robot.inertance`: I + p^2/I, p = t (t k + c)/2.
+    /// Inertia of the flap of strip `i` about its hinge, kg m2, with that of `robot.inertance`: I + p^2/(I + p), p = t (t k + c).
     fn with_hinge<K: Scalar + Meets<P>>(&self, i: usize, own: K) -> K {
         let Some(spring) = self.numbers.flap.as_ref().filter(|_| self.inertance > 0.0) else { return own };
         let lasting = spring.damping + self.inertance;
-        let of_spring = spring.stiffness * lasting * (self.grid.width[i] * (0.5 * self.inertance));
-        own + own.recip() * (of_spring * of_spring)
+        let impulse = spring.stiffness * lasting * (self.grid.width[i] * self.inertance);
+        own + (own + impulse).recip() * (impulse * impulse)
     }
 
     /// Static moment of the flap of strip `i` about its hinge, kg m.

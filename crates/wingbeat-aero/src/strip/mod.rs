@@ -184,15 +184,10 @@ impl<P: Scalar> StripModel<P> {
         Ok(StripModel { shapes_given: self.shapes_given, ..laid.with_inertance(self.inertance) })
     }
 
-    /// The same whose flaps have the inertance of `time` s about their hinges, as joints on springs by `robot.inertance`, and whose membranes are
-    /// damped for at least `time`: with their damping they have an inertance as it is.
+    /// The same whose flaps have the inertance of `time` s about their hinges, as joints on springs by `robot.inertance`.
     #[must_use]
-    pub fn with_inertance(mut self, time: f64) -> Self {
-        self.inertance = time;
-        if let Some(membrane) = &mut self.membrane {
-            membrane.damp_for(time);
-        }
-        self
+    pub fn with_inertance(self, time: f64) -> Self {
+        Self { inertance: time, ..self }
     }
 
     /// The same strips under another law.

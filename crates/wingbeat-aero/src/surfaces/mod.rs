@@ -210,7 +210,7 @@ impl<P: Scalar> Surfaces<P> {
         (all, given)
     }
 
-    /// Gives springs and membranes of all surfaces the inertance of `time` s: [`StripModel::with_inertance`].
+    /// Gives the flaps of all surfaces the inertance of `time` s: [`StripModel::with_inertance`].
     pub fn set_inertance(&mut self, time: f64) {
         for surface in &mut self.surfaces {
             if let Aero::Strip(model) = &mut surface.aero {

@@ -40,8 +40,8 @@ fn processor_time(limit_s: Option<f64>) -> std::time::Duration {
 }
 
 pub use about_orbit::{
-    AboutOrbitSpec, AdaptSpec, DiveSpec, HoldingGains, LandingSpec, LegSpec, OrbitWeights, PlanStructure,
-    PredictiveSpec, Terminal, TrackingSpec,
+    AboutOrbitSpec, AdaptSpec, DiveSpec, HoldingGains, LandingSpec, LegSpec, ORBIT_STEP, OrbitWeights,
+    PlanStructure, PredictiveSpec, Terminal, TrackingSpec,
 };
 pub use about_orbit::{gains_of, holding_inputs};
 pub use attitude_tracking::AttitudeTracking;

@@ -26,17 +26,15 @@ fn spectral_radius(mut of: Vec<f64>, n: usize) -> f64 {
     log.exp()
 }
 
-/// Angular frequency or rate of decay of the fastest vibration of the structure, 1/s, where the robot rests: of joints on springs and of flaps,
-/// and of membranes by their damping. Zero of what is rigid.
+/// Angular frequency or rate of decay of the fastest vibration of the structure, 1/s, where the robot rests: of joints on springs and of flaps. Zero
+/// without either.
 ///
 /// # Errors
 /// The [`Fault`] that makes the model unusable there.
 pub fn fastest_vibration(robot: &Robot) -> Result<f64, Fault> {
     let (layout, elastic) = (robot.layout(), robot.elastic_states());
-    let skins = robot.surfaces().filter_map(|(_, aero)| aero.membrane()?.membrane_scales(1.0));
-    let skins = skins.map(|scales| 1.0 / scales.damping_s).fold(0.0, f64::max);
     if elastic.is_empty() {
-        return Ok(skins);
+        return Ok(0.0);
     }
     let (x, u) = (robot.still(), vec![0.0; robot.inputs().len()]);
     let mut at = Linearisation::new(x.len(), u.len());
@@ -45,7 +43,7 @@ pub fn fastest_vibration(robot: &Robot) -> Result<f64, Fault> {
     for row in &elastic {
         block.extend(elastic.iter().map(|column| at.a[row * layout.len + column]));
     }
-    Ok(spectral_radius(block, elastic.len()).max(skins))
+    Ok(spectral_radius(block, elastic.len()))
 }
 
 /// `robot` with the inertance ([`Robot::with_inertance`]) that explicit steps of `step` s need to follow it: as it is where they follow its fastest

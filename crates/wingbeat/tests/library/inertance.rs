@@ -8,6 +8,8 @@ use wingbeat::robot::Robot;
 use wingbeat::scenario::{Run, Scenario};
 use wingbeat::simulate::{fastest_vibration, followed};
 
+const STIFF: &str = "robot.surfaces[0].flap.stiffness_n_rad=100";
+
 /// A flapper whose spring of stiffness k (N m/rad) has the damping c (N m s/rad), and whose wing has a flap as stiff.
 fn stiff(k: f64, c: f64) -> Robot {
     let wing = "[[surfaces]]\nname = \"wing\"\n";
@@ -57,16 +59,12 @@ fn an_inertance_stays_with_other_numbers_and_can_be_taken_back() {
 }
 
 /// A glider whose flap is a hundred times as stiff as that shipped: one flight in the step that is shipped and in half of it, none without an
-/// inertance.
+/// inertance. One whose damper lets it creep for a tenth of a second creeps as in steps a tenth as long.
 #[test]
 fn stiff_wings_keep_the_step_of_soft_ones() {
     let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/flap_glide.toml"));
     let glide = |set: &[&str]| {
-        let all = [
-            "flight.duration_s=0.5",
-            "flight.record_every_s=0.01",
-            "robot.surfaces[0].flap.stiffness_n_rad=100",
-        ];
+        let all = ["flight.duration_s=0.5", "flight.record_every_s=0.01", STIFF];
         let sets: Vec<String> = all.iter().chain(set).map(|set| (*set).to_owned()).collect();
         Scenario::load(path, &sets).unwrap_or_else(|e| panic!("{e}"))
     };
@@ -81,6 +79,10 @@ fn stiff_wings_keep_the_step_of_soft_ones() {
     assert_eq!((shipped.robot().inertance_s(), half.robot().inertance_s()), (5e-4, 2.5e-4));
     let apart = (end(&shipped) - end(&half)).norm();
     assert!(apart < 5e-6, "{apart}");
+    let damped = ["robot.surfaces[0].flap.stiffness_n_rad=1e4", "robot.surfaces[0].flap.damping_s=0.1"];
+    let crept = |step: &str| end(&glide(&[damped[0], damped[1], step]));
+    let apart = (crept("flight.step_s=1e-3") - crept("flight.step_s=1e-4")).norm();
+    assert!(apart < 2e-3, "{apart}");
     let soft = glide(&["robot.surfaces[0].flap.stiffness_n_rad=1"]);
     assert_eq!(soft.robot().inertance_s(), 0.0);
     let none = fly(&glide(&["flight.inertance_s=0"]));
@@ -90,4 +92,22 @@ fn stiff_wings_keep_the_step_of_soft_ones() {
     let rigid = path.with_file_name("glider.toml");
     let sets = ["flight.duration_s=0.01", "flight.inertance_s=1e-3"].map(str::to_owned);
     assert!(warned(&fly(&Scenario::load(&rigid, &sets).unwrap())) && !warned(&fly(&soft)));
+}
+
+/// What is shipped is followed as it is.
+#[test]
+fn shipped_structures_need_no_inertance() {
+    let scenarios = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios"));
+    for name in [
+        "soft_20g",
+        "soft_bank15",
+        "flap_glide",
+        "sail_glide",
+        "passive_20g",
+        "aerobat_elastic",
+        "membrane_bank15",
+    ] {
+        let scenario = Scenario::load(&scenarios.join(name).with_extension("toml"), &[]);
+        assert_eq!(scenario.unwrap().robot().inertance_s(), 0.0, "{name}");
+    }
 }

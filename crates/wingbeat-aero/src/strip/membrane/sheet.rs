@@ -119,13 +119,6 @@ impl<P: Scalar> Membrane<P> {
         Ok(laid)
     }
 
-    /// Damps it for at least `time`, s.
-    pub(in super::super) fn damp_for(&mut self, time: f64) {
-        if self.damping.value() < time {
-            self.damping = P::from(time);
-        }
-    }
-
     /// Strips that nothing holds at their sides.
     fn loose(&mut self, strips: std::ops::Range<usize>, numbers: &MembraneNumbers<P>) {
         self.bays.extend(strips.map(|first| Bay {

@@ -21,7 +21,7 @@ pub use gains::{HoldingGains, gains_of, holding_inputs};
 pub use landing::LandingSpec;
 pub use plan_shape::PlanStructure;
 pub use predictive::{PredictiveSpec, Terminal};
-pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
+pub use spec::{AboutOrbitSpec, LegSpec, ORBIT_STEP, OrbitWeights};
 pub use tracking::TrackingSpec;
 
 use super::controllers::{ControllerSpec, ControllerTask, Prepared};

@@ -15,7 +15,7 @@ use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::Robot;
 
 /// Integration step of orbits and feedback, s.
-const STEP: f64 = 5e-4;
+pub const ORBIT_STEP: f64 = 5e-4;
 
 /// A periodic linear-quadratic regulator about level flight and the flights that legs lead to, each an orbit of the gait
 /// that the controller finds itself: turns, climbs, other speeds.
@@ -212,7 +212,7 @@ impl AboutOrbitSpec {
                 return Err(Error::invalid(key, "given", allowed).against(["tracking"]));
             }
         }
-        Ok((Cycle::new(robot, STEP)?, self.schedule()?))
+        Ok((Cycle::new(robot, ORBIT_STEP)?, self.schedule()?))
     }
 
     /// What is free in straight flight, or in a turn.
