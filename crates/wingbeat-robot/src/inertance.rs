@@ -80,7 +80,7 @@ impl Robot {
         self.inertance = Inertance::none();
         self.covering.aero.set_inertance(time);
         if time > 0.0 {
-            let bare = Inertance { time, compliance: self.compliance()?, ..Inertance::none() };
+            let bare: Inertance = Inertance { time, compliance: self.compliance()?, ..Inertance::none() };
             self.inertance = bare.of(&self.mechanism);
         }
         Ok(self)
