@@ -321,6 +321,7 @@ impl Robot {
         let mut other = self.clone();
         let spars = 3 * self.mechanism.pieces().count();
         other.mechanism = self.mechanism.with_spars_given();
+        other.inertance = Inertance::none();
         let (air, given) = self.covering.aero.with_shapes_given();
         other.covering.aero = air;
         other = other.lay_states();
@@ -329,7 +330,7 @@ impl Robot {
         if spars > 0 {
             other.given.insert(0, aero - spars..aero);
         }
-        other
+        other.clone().with_inertance(self.inertance.time).unwrap_or(other)
     }
     /// Whether its wings give way: it has spars or membranes.
     pub fn is_soft(&self) -> bool {

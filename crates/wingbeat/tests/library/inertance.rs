@@ -112,3 +112,15 @@ fn shipped_structures_need_no_inertance() {
         assert_eq!(scenario.unwrap().robot().inertance_s(), 0.0, "{name}");
     }
 }
+
+/// Joints whose motion is given have no inertance, and the others keep theirs.
+#[test]
+fn a_shape_that_is_given_leaves_the_inertance_of_the_other_joints() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/soft_20g.toml");
+    let scenario = Scenario::load(path.as_ref(), &["flight.inertance_s=1e-3".into()]).unwrap();
+    let given = scenario.robot().with_shape_given();
+    assert_eq!(given.inertance_s(), 1e-3);
+    let (x, mut dx) = (given.still(), vec![0.0; given.states().len()]);
+    given.rates_in_numbers(0.0, &x, &vec![0.0; given.inputs().len()], &mut dx).unwrap();
+    assert!(dx.iter().all(|rate| rate.is_finite()));
+}
