@@ -10,7 +10,7 @@ use wingbeat_aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, SectionSettings, StripModel, StripSettings,
 };
 use wingbeat_flight::guide::{ControllerTask, ORBIT_STEP, Prepared};
-use wingbeat_flight::simulate::{Controller, Schedule, SensorSpec, followed};
+use wingbeat_flight::simulate::{Controller, Schedule, SensorSpec, follow};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
@@ -49,7 +49,7 @@ impl ScenarioSpec {
     /// Checks and builds; keys of errors are those of the scenario.
     pub(super) fn build(&self, choice: &ChosenKinds) -> Result<Built, Error> {
         self.check()?;
-        let model = self.known_robot()?;
+        let mut model = self.known_robot()?;
         let own_air = self.mismatch.as_ref().is_some_and(|mismatch| mismatch.aero.is_some());
         let own_numbers = self.mismatch.as_ref().is_some_and(|mismatch| mismatch.numbers.is_some());
         let robot = self.flown_robot().map_err(|error| {
@@ -64,13 +64,13 @@ impl ScenarioSpec {
             Error::invalid("mismatch", "given", allowed)
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
-        let robot = self.over_ground(robot)?;
+        let mut robot = self.over_ground(robot)?;
         let trim = self.trim.as_ref().map_or(0.0, |trim| trim.step_s);
         let orbit = if choice.controller.is_some() { ORBIT_STEP } else { 0.0 };
-        let model = self.followed(model, self.flight.step_s.max(trim).max(orbit));
+        self.follow(&mut model, self.flight.step_s.max(trim).max(orbit));
         // Steps of a stated error shorten by themselves.
         let step = if self.flight.error_m.is_some() { 0.0 } else { self.flight.step_s };
-        let robot = self.followed(robot, step);
+        self.follow(&mut robot, step);
         self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
@@ -79,14 +79,13 @@ impl ScenarioSpec {
         Ok(Built { robot, model, schedule, samples_per_strips })
     }
 
-    /// `robot` with the inertance that `flight.inertance_s` gives, or that steps of `step` s need. Where it fails at rest, the run does, and says
+    /// Gives `robot` the inertance that `flight.inertance_s` says, or that steps of `step` s need. Where it fails at rest, the run does, and says
     /// why.
-    fn followed(&self, robot: Robot, step: f64) -> Robot {
-        let slowed = match self.flight.inertance_s {
-            Some(time) => robot.clone().with_inertance(time),
-            None => followed(robot.clone(), step),
+    fn follow(&self, robot: &mut Robot, step: f64) {
+        let _ = match self.flight.inertance_s {
+            Some(time) => robot.set_inertance(time),
+            None => follow(robot, step),
         };
-        slowed.unwrap_or(robot)
     }
 
     /// The controller of `model`, if the scenario has one.

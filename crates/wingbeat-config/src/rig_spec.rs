@@ -4,7 +4,7 @@ use super::{AeroSpec, AirSpec, LatticeSpec, RigTruthSpec, VerdictLimits, build};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::path::PathBuf;
-use wingbeat_flight::simulate::followed;
+use wingbeat_flight::simulate::follow;
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_math::range::{Range, ranges};
@@ -329,8 +329,9 @@ impl RigRunSpec {
         let rig = &self.rig;
         let wind = Wind::steady(Vec3(self.wind_m_s.unwrap_or(rig.air.wind_m_s)));
         let air = Air { density: rig.air.density_kg_m3, wind };
-        let robot = build::robot(&robot, &rig.aero, air, 0.0, None).map_err(|e| e.within("rig"))?;
+        let mut robot = build::robot(&robot, &rig.aero, air, 0.0, None).map_err(|e| e.within("rig"))?;
         // Where the model fails at rest, the run does, and says why.
-        Ok(followed(robot.clone(), 1.0 / rig.cell.rate_hz).unwrap_or(robot))
+        let _ = follow(&mut robot, 1.0 / rig.cell.rate_hz);
+        Ok(robot)
     }
 }

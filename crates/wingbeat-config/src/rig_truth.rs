@@ -4,7 +4,7 @@ use super::RigRun;
 use super::calibration::{unrest, unrest_time};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use wingbeat_flight::simulate::followed;
+use wingbeat_flight::simulate::follow;
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 use wingbeat_math::range::{Range, ranges};
@@ -108,7 +108,8 @@ impl RigRun {
             unrest_time_s: truth.unrest_time_s,
         };
         // The longer steps in which it is looked at may need more of an inertance.
-        let looked = followed(robot.clone(), 1.0 / LOOKED_AT_HZ).unwrap_or_else(|_| robot.clone());
+        let mut looked = robot.clone();
+        let _ = follow(&mut looked, 1.0 / LOOKED_AT_HZ);
         match truth.unrest > 0.0 && experiment.flapping {
             false => {}
             true => match size_of_loads(Experiment { robot: &looked, ..experiment.clone() }, window) {

@@ -53,15 +53,15 @@ impl<P: Scalar> Robot<P> {
         self.inertance.matrix.iter().enumerate().map(move |(k, of)| ([k / count, k % count], *of))
     }
 
-    /// The time of its inertance, s: see [`with_inertance`](Robot::with_inertance).
+    /// The time of its inertance, s: see [`set_inertance`](Robot::set_inertance).
     pub fn inertance_s(&self) -> f64 {
         self.inertance.time
     }
 }
 
 impl Robot {
-    /// The same robot with an inertance between its joints on springs and about the hinges of its flaps: a resistance to second rates, as of
-    /// inerters between the parts, of the time `time` s; 0 for none.
+    /// Gives it an inertance between its joints on springs and about the hinges of its flaps: a resistance to second rates, as of inerters
+    /// between the parts, of the time `time` s; 0 for none.
     ///
     /// However stiff and damped the structure is, nothing of it is then faster than 1/t. A vibration with the angular frequency w is slowed by
     /// the share (w t)^4/2 where that is small; motion with the angular frequency W errs by the share (W t)^2 where springs are stiff, and by W t
@@ -75,15 +75,25 @@ impl Robot {
     /// Test: `no_vibration_is_faster_than_its_inertance_lets_it`.
     ///
     /// # Errors
-    /// The [`Fault`] that makes the model unusable at rest.
-    pub fn with_inertance(mut self, time: f64) -> Result<Self, Fault> {
+    /// The [`Fault`] that makes the model unusable at rest; the robot is then as it was.
+    pub fn set_inertance(&mut self, time: f64) -> Result<(), Fault> {
+        let before = (self.inertance.clone(), self.inertance.time);
         self.inertance = Inertance::none();
         self.covering.aero.set_inertance(time);
-        if time > 0.0 {
-            let bare: Inertance = Inertance { time, compliance: self.compliance()?, ..Inertance::none() };
-            self.inertance = bare.of(&self.mechanism);
+        let compliance = if time > 0.0 { self.compliance() } else { Ok(Vec::new()) };
+        match compliance {
+            Ok(compliance) => {
+                self.inertance.time = time;
+                self.inertance.compliance = compliance;
+                self.inertance = self.inertance.of(&self.mechanism);
+                Ok(())
+            }
+            Err(fault) => {
+                self.covering.aero.set_inertance(before.1);
+                self.inertance = before.0;
+                Err(fault)
+            }
         }
-        Ok(self)
     }
 
     /// The state at the origin at rest, its joints where they start.

@@ -330,7 +330,9 @@ impl Robot {
         if spars > 0 {
             other.given.insert(0, aero - spars..aero);
         }
-        other.clone().with_inertance(self.inertance.time).unwrap_or(other)
+        // Where it fails at rest, its flight does.
+        let _ = other.set_inertance(self.inertance.time);
+        other
     }
     /// Whether its wings give way: it has spars or membranes.
     pub fn is_soft(&self) -> bool {

@@ -23,7 +23,7 @@ const LIMITS: [CopyLimit; 4] = [
 ];
 
 /// Most code of the program with all formats, without incremental builds: 17.61 MB. The aim is 16 MB.
-const MOST_CODE: f64 = 17.4;
+const MOST_CODE: f64 = 17.7;
 
 /// Counts the copies in the program that was built.
 pub fn check() -> Tally {

@@ -67,7 +67,7 @@ pub struct StripModel<P: Scalar = f64> {
     /// Whether the shapes of the membrane are given with their rates, and not found.
     shapes_given: bool,
     hinges: Option<Hinges>,
-    /// Time of the inertance of its springs, s: [`StripModel::with_inertance`].
+    /// Time of the inertance of its springs, s: [`StripModel::set_inertance`].
     inertance: f64,
     span_force: SpanForce,
 }
@@ -180,14 +180,16 @@ impl<P: Scalar> StripModel<P> {
     /// [`Error::Invalid`] when the strips do not fit the outline.
     #[inline(never)]
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<StripModel<Q>, Error> {
-        let laid = StripModel::laid(numbers.clone(), self.settings.clone())?;
-        Ok(StripModel { shapes_given: self.shapes_given, ..laid.with_inertance(self.inertance) })
+        Ok(StripModel {
+            shapes_given: self.shapes_given,
+            inertance: self.inertance,
+            ..StripModel::laid(numbers.clone(), self.settings.clone())?
+        })
     }
 
-    /// The same whose flaps have the inertance of `time` s about their hinges, as joints on springs by `robot.inertance`.
-    #[must_use]
-    pub fn with_inertance(self, time: f64) -> Self {
-        Self { inertance: time, ..self }
+    /// Gives its flaps the inertance of `time` s about their hinges, as joints on springs by `robot.inertance`.
+    pub fn set_inertance(&mut self, time: f64) {
+        self.inertance = time;
     }
 
     /// The same strips under another law.
@@ -197,8 +199,8 @@ impl<P: Scalar> StripModel<P> {
     pub fn under(&self, law: LiftLaw) -> Result<Self, Error> {
         let section = SectionSettings { law, ..self.settings.section };
         let settings = StripSettings { section, ..self.settings.clone() };
-        let laid = Self::laid(self.numbers.clone(), settings)?;
-        Ok(Self { shapes_given: self.shapes_given, ..laid.with_inertance(self.inertance) })
+        let (shapes_given, inertance) = (self.shapes_given, self.inertance);
+        Ok(Self { shapes_given, inertance, ..Self::laid(self.numbers.clone(), settings)? })
     }
 
     /// The numbers in use.

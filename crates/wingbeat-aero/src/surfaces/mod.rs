@@ -210,11 +210,11 @@ impl<P: Scalar> Surfaces<P> {
         (all, given)
     }
 
-    /// Gives the flaps of all surfaces the inertance of `time` s: [`StripModel::with_inertance`].
+    /// Gives the flaps of all surfaces the inertance of `time` s: [`StripModel::set_inertance`].
     pub fn set_inertance(&mut self, time: f64) {
         for surface in &mut self.surfaces {
             if let Aero::Strip(model) = &mut surface.aero {
-                *model = model.clone().with_inertance(time);
+                model.set_inertance(time);
             }
         }
     }

@@ -46,8 +46,8 @@ pub fn fastest_vibration(robot: &Robot) -> Result<f64, Fault> {
     Ok(spectral_radius(block, elastic.len()))
 }
 
-/// `robot` with the inertance ([`Robot::with_inertance`]) that explicit steps of `step` s need to follow it: as it is where they follow its fastest
-/// vibration.
+/// Gives `robot` the inertance ([`Robot::set_inertance`]) that explicit steps of `step` s need to follow it: none where they follow its fastest
+/// vibration as it is.
 ///
 /// Equation: flight.inertance
 /// `t = h where h s > 1, s the size of the largest eigenvalue of the structure at rest; else 0. With it h s <= 1`
@@ -55,10 +55,10 @@ pub fn fastest_vibration(robot: &Robot) -> Result<f64, Fault> {
 /// Test: `stiff_wings_keep_the_step_of_soft_ones`.
 ///
 /// # Errors
-/// The [`Fault`] that makes the model unusable there.
-pub fn followed(robot: Robot, step: f64) -> Result<Robot, Fault> {
-    let fast = step * fastest_vibration(&robot)? > FOLLOWED;
-    if fast { robot.with_inertance(step / FOLLOWED) } else { Ok(robot) }
+/// The [`Fault`] that makes the model unusable at rest; the robot is then as it was.
+pub fn follow(robot: &mut Robot, step: f64) -> Result<(), Fault> {
+    let fast = step * fastest_vibration(robot)? > FOLLOWED;
+    if fast { robot.set_inertance(step / FOLLOWED) } else { Ok(()) }
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub use coupled::{AirCoupling, Fineness, Flow, fly_in};
 pub use coupled::{Bears, Beyond, Steers, step_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Event, Flight, Sample, Schedule, Update, fly, fly_until, fly_within};
-pub use inertance::{fastest_vibration, followed};
+pub use inertance::{fastest_vibration, follow};
 pub use record::{Column, Record};
 pub use sensitive::{Sensitive, Varied, packed};
 pub use sensor::*;

@@ -114,8 +114,9 @@ impl Trial {
         let of = |outline| model(self.preset, self.law, self.density, outline);
         let models = spec.outlines()?.into_iter().map(of);
         let air = Air { density: self.density, wind: Wind::steady(Vec3::new(0.1, -0.2, 0.05)) };
-        let robot = Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?;
-        Ok(robot.with_inertance(self.inertance)?)
+        let mut robot = Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?;
+        robot.set_inertance(self.inertance)?;
+        Ok(robot)
     }
 
     /// The state in which it starts, with room for `more` numbers behind it.
