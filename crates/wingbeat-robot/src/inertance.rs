@@ -96,7 +96,7 @@ impl Robot {
         }
     }
 
-    /// The state at the origin at rest, its joints where they start.
+    /// The state at the origin at rest, in the units of its channels, its joints where they start.
     pub fn still(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.layout.len];
         x[self.layout.attitude] = 1.0;
