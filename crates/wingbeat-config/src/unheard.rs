@@ -78,9 +78,11 @@ pub(super) fn side_edges<'a>(
 /// The warning that `robot` has nothing that an inertance could slow.
 pub(super) fn inertance(flight: &FlightSpec, robot: &Robot) -> Option<Warning> {
     let time = flight.inertance_s.filter(|time| *time > 0.0)?;
-    let soft = !robot.elastic_states().is_empty() || robot.is_soft();
     let text = || format!("flight.inertance_s = {time} has no effect: nothing of the robot is on springs");
-    (!soft).then(|| Warning::new("flight.inertance_unheard", text()).key("flight.inertance_s"))
+    robot
+        .elastic_states()
+        .is_empty()
+        .then(|| Warning::new("flight.inertance_unheard", text()).key("flight.inertance_s"))
 }
 
 /// The warning that surfaces of `robot` under a law that separates have no profile drag: of a robot `cd0` is 0 where it is left out, while
