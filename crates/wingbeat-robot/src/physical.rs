@@ -58,7 +58,8 @@ impl Robot {
             panels
                 .map(|(i, panel)| {
                     let from = |i: usize| placement.panels.get(i).map(|panel| panel.from_arc);
-                    (i, panel, i.checked_sub(1).and_then(from), from(i + 1))
+                    let pieces = placement.panels[i + 1..].iter().take_while(|panel| panel.piece).count();
+                    (i, panel, i.checked_sub(1).and_then(from), from(i + 1 + pieces))
                 })
                 .try_for_each(|(i, panel, before, next)| {
                     panel.check([before, next], tip).map_err(|e| e.within(&key(i)))

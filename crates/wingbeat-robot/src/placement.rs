@@ -4,6 +4,7 @@ use super::clearance::Corner;
 use super::mechanism::Mechanism;
 use super::sections::{SurfaceSection, Web};
 use super::spec::{PanelSpec, SurfaceSpec};
+use arrayvec::ArrayVec;
 use wingbeat_aero::{COORDINATE, Planform, Span, walk_web};
 use wingbeat_math::Error;
 use wingbeat_math::{DeclaredQuantity, Parameters, Scalar, Vec3, Walk};
@@ -19,6 +20,8 @@ pub struct PanelNumbers<P: Scalar = f64> {
     pub direction: Vec3<P>,
     /// Length over which chord lines pass over from the panel before, m.
     pub web: P,
+    /// Whether it is the next piece of a spar, over which the web of the first goes on.
+    pub piece: bool,
 }
 
 /// Numbers of a surface's place on its links.
@@ -46,6 +49,7 @@ impl<P: Scalar> Parameters<P> for PlacementNumbers<P> {
             origin: at.vector("origin_m", &[COORDINATE; 3], panel.origin),
             direction: at.vector("direction", &[DIRECTION; 3], panel.direction),
             web: walk_web(at, panel.web),
+            piece: panel.piece,
         };
         let panels = self.panels.iter().enumerate();
         PlacementNumbers {
@@ -65,6 +69,7 @@ struct Panel<P: Scalar = f64> {
     /// Unit vector of the span from the root on, in the link's frame.
     along: Vec3<P>,
     web: P,
+    piece: bool,
 }
 
 impl<P: Scalar> Panel<P> {
@@ -78,6 +83,7 @@ impl<P: Scalar> Panel<P> {
             origin: across(numbers.origin),
             along: along * along.norm().recip(),
             web: numbers.web,
+            piece: numbers.piece,
         }
     }
 
@@ -132,6 +138,7 @@ impl PanelSpec {
             origin: Vec3(self.origin_m),
             direction: Vec3(self.direction),
             web: self.web_m,
+            piece: self.piece,
         }
     }
 }
@@ -172,7 +179,8 @@ impl<P: Scalar> Placement<P> {
     /// The chord line at the arc coordinate `s` (m), where the surface passes over from one link to the next: at b = (arc - h)/w beyond
     /// the hinge h, w the length of the web, the outer link's is moved by (1 - b) of what the chord lines of both links on the hinge
     /// differ by. A fold does not change it, and a twist grows from none to its own. Written as the sum of (1 - b) of a line fixed to the
-    /// inner link and b of one fixed to the outer.
+    /// inner link and b of one fixed to the outer; on a further piece of a spar, of its own line and (1 - b) of what the inner link and
+    /// the spar's first piece differ by.
     ///
     /// Equation: robot.web
     /// `line = outer(s) + (1 - b) [inner(h) - outer(h)], b = (s - h)/w`
@@ -182,14 +190,15 @@ impl<P: Scalar> Placement<P> {
         let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
         let panels = &self.panels[usize::from(!left)];
         let passed = panels.iter().skip(1).filter(|p| self.planform.beyond(arc, p.from_arc)).count();
-        let (before, panel) = (panels.get(passed.checked_sub(1)?)?, &panels[passed]);
-        let hinge = panel.from_arc;
-        if !self.planform.beyond(hinge + panel.web, arc) {
+        let first = (0..=passed).rev().find(|k| !panels[*k].piece)?;
+        let (before, begun, panel) = (panels.get(first.checked_sub(1)?)?, &panels[first], &panels[passed]);
+        let hinge = begun.from_arc;
+        if !self.planform.beyond(hinge + begun.web, arc) {
             return None;
         }
         let on_hinge =
             self.planform.coordinates(hinge).into_iter().find(|s| self.planform.on_left(*s) == left)?;
-        let share = (arc - hinge) / panel.web;
+        let share = (arc - hinge) / begun.web;
         let rest = P::ONE - share;
         let [(leading, trailing), (h_leading, h_trailing)] = [s, on_hinge].map(|s| self.planform.edges(s));
         let outer = |x: P, h_x: P| {
@@ -201,11 +210,15 @@ impl<P: Scalar> Placement<P> {
             let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
             SurfaceSection::new(panel.link, carrier, edges, if left { -panel.along } else { panel.along })
         };
-        Some(Web {
-            inner: on(before, [inner(h_leading), inner(h_trailing)]),
-            outer: on(panel, [outer(leading, h_leading), outer(trailing, h_trailing)]),
-            share,
-        })
+        let mut outer_parts = ArrayVec::new();
+        if panel.piece {
+            let on_first = [h_leading, h_trailing].map(|x| begun.point(hinge, x + self.shift));
+            outer_parts.push((self.section(s, carriers), P::ONE));
+            outer_parts.push((on(begun, on_first), -rest));
+        } else {
+            outer_parts.push((on(panel, [outer(leading, h_leading), outer(trailing, h_trailing)]), share));
+        }
+        Some(Web { inner: on(before, [inner(h_leading), inner(h_trailing)]), outer: outer_parts })
     }
 }
 

@@ -30,16 +30,26 @@ impl<P: Scalar> SurfaceSection<P> {
     }
 }
 
-/// A chord line between two links: a sum of one fixed to each.
-#[derive(Clone, Copy, Debug)]
+/// A chord line between two links: a sum of lines fixed to each.
+#[derive(Clone, Debug)]
 pub struct Web<P: Scalar = f64> {
-    /// On the inner link.
+    /// On the inner link; its share is what the others leave of 1.
     pub inner: SurfaceSection<P>,
-    /// On the outer link.
-    pub outer: SurfaceSection<P>,
-    /// Share of the outer.
-    pub share: P,
+    /// On the outer link, with its share; of a spar on the piece there, then on the first piece.
+    pub outer: ArrayVec<(SurfaceSection<P>, P), 2>,
 }
+
+impl<P: Scalar> Web<P> {
+    /// The sum of the values `at` its lines, each with its share.
+    #[inline(always)]
+    fn sum<S: Scalar + Meets<P>>(&self, inner: Vec3<S>, outer: impl Fn(usize) -> Vec3<S>) -> Vec3<S> {
+        let parts = self.outer.iter().enumerate();
+        parts.fold(inner, |sum, (k, (_, share))| sum + (outer(k) - inner).scaled(*share))
+    }
+}
+
+/// The lines on links that a strip between two sections is the sum of.
+pub(super) type Parts<S> = ArrayVec<Borne<S>, 6>;
 
 /// A chord line on a link, of which a section has a share.
 #[derive(Clone, Copy)]
@@ -227,13 +237,14 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
     }
 
     /// Adds what section `i` with the share `share` and the chord line `line` is the sum of.
-    pub fn bear(&self, i: usize, line: SectionMotion<S>, share: S, parts: &mut ArrayVec<Borne<S>, 4>) {
+    pub fn bear(&self, i: usize, line: SectionMotion<S>, share: S, parts: &mut Parts<S>) {
         let Some(Some(web)) = self.webs.get(i) else {
             parts.push(Borne { link: self.sections[i].link, share, line });
             return;
         };
-        for (of, weight) in [(&web.inner, P::ONE - web.share), (&web.outer, web.share)] {
-            parts.push(Borne { link: of.link, share: share * weight, line: self.line(of) });
+        let rest = web.outer.iter().fold(P::ONE, |rest, (_, weight)| rest - *weight);
+        for (of, weight) in std::iter::once(&(web.inner, rest)).chain(&web.outer) {
+            parts.push(Borne { link: of.link, share: share * *weight, line: self.line(of) });
         }
     }
 
@@ -245,16 +256,17 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
 
     #[inline(never)]
     fn between(&self, web: &Web<P>) -> SectionMotion<S> {
-        let [inner, outer] = [&web.inner, &web.outer].map(|section| self.line(section));
-        let mix = |a: Vec3<S>, b: Vec3<S>| a + (b - a).scaled(web.share);
+        let inner = self.line(&web.inner);
+        let outer: ArrayVec<SectionMotion<S>, 2> = web.outer.iter().map(|(of, _)| self.line(of)).collect();
+        let mix = |of: fn(&SectionMotion<S>) -> Vec3<S>| web.sum(of(&inner), |k| of(&outer[k]));
         SectionMotion {
-            le: mix(inner.le, outer.le),
-            te: mix(inner.te, outer.te),
-            v_le: mix(inner.v_le, outer.v_le),
-            v_te: mix(inner.v_te, outer.v_te),
-            a_le: mix(inner.a_le, outer.a_le),
-            a_te: mix(inner.a_te, outer.a_te),
-            ..outer
+            le: mix(|line| line.le),
+            te: mix(|line| line.te),
+            v_le: mix(|line| line.v_le),
+            v_te: mix(|line| line.v_te),
+            a_le: mix(|line| line.a_le),
+            a_te: mix(|line| line.a_te),
+            ..outer[0]
         }
     }
 }
@@ -285,11 +297,15 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
         fields.clear();
         match self.webs.get(i) {
             Some(Some(web)) => {
-                let parts = [&web.inner, &web.outer].map(|part| (part.link, self.line(part)));
+                let inner = self.line(&web.inner);
+                let outer: ArrayVec<_, 2> =
+                    web.outer.iter().map(|(of, _)| (of.link, self.line(of))).collect();
                 fields.extend((0..coordinates.count()).map(|c| {
-                    let [a, b] = parts.each_ref().map(|(link, line)| coordinates.of_line(c, *link, line));
-                    let mix = |a: Vec3<S>, b: Vec3<S>| a + (b - a).scaled(web.share);
-                    SectionField { le: mix(a.le, b.le), te: mix(a.te, b.te) }
+                    let a = coordinates.of_line(c, web.inner.link, &inner);
+                    let moved = outer.iter().map(|(link, line)| coordinates.of_line(c, *link, line));
+                    let moved: ArrayVec<SectionField<S>, 2> = moved.collect();
+                    let [le, te] = [web.sum(a.le, |k| moved[k].le), web.sum(a.te, |k| moved[k].te)];
+                    SectionField { le, te }
                 }));
             }
             _ => {

@@ -3,7 +3,7 @@
 use super::Robot;
 use super::mechanism::Mechanism;
 use super::placement::{Placement, PlacementNumbers};
-use super::sections::{Borne, Carriers, Riding, SurfaceSection, Web};
+use super::sections::{Borne, Carriers, Parts, Riding, SurfaceSection, Web};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
@@ -151,6 +151,7 @@ impl WingSpec {
             origin_m,
             direction: [0.0, 1.0, 0.0],
             web_m: 0.0,
+            piece: false,
         };
         SurfaceSpec {
             name: "wing".into(),
@@ -471,7 +472,7 @@ pub(super) fn between_edges<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
 ) {
     let at = edges.map(|edge| riding.at(edge));
     let across = (at[1].le - at[0].le) + (at[1].te - at[0].te);
-    let mut parts = ArrayVec::<Borne<G>, 4>::new();
+    let mut parts = Parts::<G>::new();
     for ((edge, line), share) in edges.into_iter().zip(at).zip([G::ONE - share, share]) {
         riding.bear(edge, line, share, &mut parts);
     }

@@ -347,15 +347,6 @@ impl RobotSpec {
                 );
                 return Err(Error::invalid(format!("links[{i}].spar.length_m"), spar.length_m, allowed));
             }
-            let first = spar.joint(1) - panel.origin_m[1];
-            if panel.web_m > 0.0 && panel.web_m >= first {
-                let key = format!("surfaces.{}.panels[{k}].web_m", surface.name);
-                return Err(Error::invalid(
-                    key,
-                    panel.web_m,
-                    format!("less than {first}: the spar's first joint"),
-                ));
-            }
             let [x, y, z] = panel.direction;
             if !(y > 0.0 && x == 0.0 && z == 0.0) {
                 let key = format!("surfaces.{}.panels[{k}].direction", surface.name);
@@ -395,6 +386,7 @@ impl RobotSpec {
                     origin_m: [panel.origin_m[0], 0.0, panel.origin_m[2]],
                     direction: panel.direction,
                     web_m: 0.0,
+                    piece: true,
                 };
                 (1..=spar.segments).map(along).collect()
             });

@@ -79,6 +79,9 @@ pub struct PanelSpec {
     /// whatever its width. Of the lattice and preset `full`.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub web_m: f64,
+    /// Whether it is the next piece of a spar, over which the web of the first goes on.
+    #[serde(skip)]
+    pub(crate) piece: bool,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
