@@ -265,7 +265,9 @@ impl SparSpec {
             judge.find(Status::NotResolved, "no shape of the spar at rest in the wind was found");
         }
         judge.hold_if(&tether::SPAR, steady.and_then(|steady| steady.grid_change));
-        judge.hold_if(&tether::SPAR_FREQUENCY, steady.and_then(|steady| steady.frequency_change));
+        let changes = steady.and_then(|steady| steady.frequency_change);
+        judge.hold_if(&tether::SPAR_LOWEST, changes.map(|[lowest, _]| lowest));
+        judge.hold_if(&tether::SPAR_FREQUENCY, changes.map(|[_, largest]| largest));
         let growth = steady.filter(|steady| held && steady.found).and_then(growth);
         if growth.is_some_and(|growth| !growth.is_finite()) {
             let text = "no growth of small disturbances of the wing at rest in the wind was found: it may flutter or diverge";

@@ -366,6 +366,8 @@ pub struct SparSummary {
     pub grid_change: Option<f64>,
     /// Largest change of the three lowest frequencies with one more coefficient, over them.
     pub frequency_change: Option<f64>,
+    /// The same of the lowest.
+    pub lowest_frequency_change: Option<f64>,
 }
 
 impl SparSummary {
@@ -384,7 +386,8 @@ impl SparSummary {
             growth_1_s: growth,
             frequency_hz: omega.map(|omega| omega / std::f64::consts::TAU),
             grid_change: steady.grid_change,
-            frequency_change: steady.frequency_change,
+            frequency_change: steady.frequency_change.map(|[_, largest]| largest),
+            lowest_frequency_change: steady.frequency_change.map(|[lowest, _]| lowest),
         }
     }
 

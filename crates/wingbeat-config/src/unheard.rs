@@ -1,4 +1,4 @@
-//! What a run says of strips: keys that none of its models hears, keys that mislead, hinges that crowd them.
+//! What a run says of strips: keys that none of its models hears, keys that mislead, hinges that crowd them, few of them.
 
 use super::LatticeSpec;
 use super::spec::{AeroSpec, FlightSpec, FullAeroSpec};
@@ -16,6 +16,9 @@ const STRIP_KEYS: [StripKey; 3] = [
     ("aero.full.side_edges", |full| full.side_edges.then_some(true)),
 ];
 
+/// Strips from which on a flapping wing's thrust errs by 5 % or less (`cases/flap_f2.toml`). *Choice.*
+const FEW: usize = 6;
+
 /// The warning that hinges of one of `models` lie too close for its strips.
 fn crowded(models: &[&Aero]) -> Option<Warning> {
     let is_crowded = |model: &&&Aero| matches!(model, Aero::Strip(strips) if strips.is_crowded());
@@ -24,6 +27,16 @@ fn crowded(models: &[&Aero]) -> Option<Warning> {
         "hinges lie so close for {strips} strips that widths jump beside them, and a folded wing's lift errs by as much as one strip's share: take more strips"
     );
     Some(Warning::new("aero.strips_crowded", text).size(strips as f64).key("aero.full.strips"))
+}
+
+/// The warning that the largest of `models` has few strips, with what those of a flapping wing err by beside 32 (`cases/flap_f2.toml`).
+fn few(models: &[&Aero]) -> Option<Warning> {
+    let full = models.iter().filter(|model| model.preset() == Preset::Full);
+    let most = full.map(|model| model.strips()).max().filter(|most| *most < FEW)?;
+    let text = format!(
+        "{most} strips are few: thrust and power of `cases/flap_f2.toml` err by 41 and 7 % with 3, by 17 and 4 % with 5, by 3 and 2 % with 8"
+    );
+    Some(Warning::new("aero.few_strips", text).size(most as f64).key("aero.full.strips"))
 }
 
 /// The warning that the impulse of the circulation turns on one of `models` that folds and has a swept trailing edge: over the cycle the lift of
@@ -54,6 +67,7 @@ pub(super) fn of_strips<'a>(
         .into_iter()
         .flatten()
         .filter_map(said)
+        .chain(few(&models))
         .chain(crowded(&models))
         .chain(swept(&models).filter(|_| lattice.is_none()))
         .collect()

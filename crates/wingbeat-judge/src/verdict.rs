@@ -219,12 +219,17 @@ fn words(limit: &JudgedLimit, value: f64, bound: f64, about: &str) -> String {
     let about = if about.is_empty() { String::new() } else { format!(" {about}") };
     let meaning = if about.starts_with(" (") { limit.meaning.trim_end_matches(',') } else { limit.meaning };
     let key = if asked::ALL.contains(limit) { "" } else { "limits." };
-    format!(
-        "{meaning}{about} is {}{unit}, allowed is {side} {}{unit} ({key}{})",
-        number(value),
-        number(bound),
-        limit.id
-    )
+    let allowed = number(bound);
+    let shown = Some(number(value)).filter(|shown| *shown != allowed || value == bound);
+    let shown = shown.unwrap_or_else(|| beside(value, bound));
+    format!("{meaning}{about} is {shown}{unit}, allowed is {side} {allowed}{unit} ({key}{})", limit.id)
+}
+
+/// A number with so many digits that it does not read as the other.
+fn beside(value: f64, other: f64) -> String {
+    let near = |read: f64| (read - value).abs() < 0.1 * (value - other).abs();
+    let mut digits = (2..17).map(|digits| format!("{value:.digits$}"));
+    digits.find(|text| text.parse().is_ok_and(near)).unwrap_or_else(|| value.to_string())
 }
 
 /// A number with three digits or so, in powers of ten where it is very large or small.

@@ -89,8 +89,8 @@ pub struct Steady {
     /// Relative distance: how far the tip of a beam with more coordinates is from this one, over its displacement or, where
     /// that is larger, a hundredth of its length.
     pub grid_change: Option<f64>,
-    /// Largest relative change of the three lowest frequencies of the unbent beam with more coordinates.
-    pub frequency_change: Option<f64>,
+    /// Relative change of the lowest frequency of the unbent beam with more coordinates, and the largest of the three lowest.
+    pub frequency_change: Option<[f64; 2]>,
 }
 
 /// What a spar carries from step to step.
@@ -354,11 +354,13 @@ impl Spar {
         Some((at[0] - own[0]).hypot(at[1] - own[1]) / scale)
     }
 
-    /// Largest change of the three lowest frequencies with more coordinates, over them.
-    fn frequency_change(&self, steady: &Steady) -> Option<f64> {
+    /// Change of the lowest frequency with more coordinates, over it, and the largest of the three lowest.
+    fn frequency_change(&self, steady: &Steady) -> Option<[f64; 2]> {
         let finer = unbent_hz(self.finer.as_ref()?);
-        let change = |(own, finer): (&f64, &f64)| (own / finer - 1.0).abs();
-        steady.frequencies_hz.iter().zip(&finer).take(JUDGED).map(change).reduce(f64::max)
+        let mut changes =
+            steady.frequencies_hz.iter().zip(&finer).map(|(own, finer)| (own / finer - 1.0).abs());
+        let lowest = changes.next()?;
+        Some([lowest, changes.take(JUDGED - 1).fold(lowest, f64::max)])
     }
 
     /// Growth rate and frequency of the motion that decays least about a shape at rest.

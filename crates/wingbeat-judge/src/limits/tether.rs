@@ -31,6 +31,10 @@ pub const FIRST: JudgedLimit = JudgedLimit::at_least("tether.cycles", 2.0, "", N
 /// Ten times what the shipped case reaches with its coefficients. *Choice.*
 pub const SPAR: JudgedLimit = JudgedLimit::at_most("tether.spar_grid_fraction", 0.02, "", NotResolved)
     .on("move of the tip at rest with one more coefficient of the spar's strains, over its displacement,");
+/// The frequency that a motion below resonance is amplified by: of a spar of one to four elements in heave, power errs by 2 to 4 times its
+/// error. *Choice.*
+pub const SPAR_LOWEST: JudgedLimit = JudgedLimit::at_most("tether.spar_lowest_fraction", 0.01, "", NotResolved)
+    .on("a spar with so few coefficients bends at another frequency: change of its lowest with one more, over it,");
 /// Frequencies that few coefficients get wrong: an eigenvalue errs by the square of its shape. *Choice.*
 pub const SPAR_FREQUENCY: JudgedLimit = JudgedLimit::warn_above("tether.spar_frequency_fraction", 0.05, "").on(
     "a spar with so few coefficients bends or twists at another frequency: largest change of its three lowest with one more, over them",
@@ -87,7 +91,7 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3,
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 21] = [
+pub const ALL: [JudgedLimit; 22] = [
     STEPS,
     PEAKS,
     CYCLES,
@@ -96,6 +100,7 @@ pub const ALL: [JudgedLimit; 21] = [
     GROUND,
     FIRST,
     SPAR,
+    SPAR_LOWEST,
     SPAR_FREQUENCY,
     FLUTTER,
     MASSLESS,

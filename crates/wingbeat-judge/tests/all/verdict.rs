@@ -20,6 +20,15 @@ fn the_worst_finding_is_the_status_and_all_reasons_are_kept() {
 }
 
 #[test]
+fn a_value_missed_by_a_hair_does_not_read_as_its_limit() {
+    let limits = RunLimits::default();
+    let mut judge = Judge::new(&limits);
+    judge.hold(&ALTITUDE, 2.00004);
+    let reason = judge.verdict().reason.unwrap();
+    assert!(reason.contains("is 2.00004 m, allowed is at most 2 m"), "{reason}");
+}
+
+#[test]
 fn a_value_that_is_no_number_breaks_every_limit() {
     let limits = RunLimits::default();
     let mut judge = Judge::new(&limits);

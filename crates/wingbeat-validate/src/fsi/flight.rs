@@ -47,7 +47,7 @@ const TURNS: [FlexibleTurn; 2] = [
         name: "spar",
         of: "soft_bank15",
         rigid: "bank15_20g",
-        air: &[],
+        air: &["aero.full.strips=12"],
         interval: "controller.orbit.predictive.interval_s=0.004",
         scaled: [
             &["robot.links[2].spar.bending_n_m2=0.019", "robot.links[2].spar.torsion_n_m2=0.031"],

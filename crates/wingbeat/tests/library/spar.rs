@@ -301,6 +301,13 @@ fn a_coarse_spar_is_not_resolved() {
         steady.grid_change = Some(0.3);
     }
     assert_eq!(case.summary(&run, Some(SAME), None).verdict.status, Status::NotResolved);
+    // In heave without a load at rest its shape there says nothing.
+    if let Some(steady) = &mut run.steady {
+        (steady.grid_change, steady.frequency_change) = (Some(0.0), Some([0.05, 0.7]));
+    }
+    let told = case.summary(&run, Some(SAME), None).verdict;
+    assert_eq!(told.status, Status::NotResolved);
+    assert!(told.reason.as_ref().unwrap().contains("limits.tether.spar_lowest_fraction"), "{told:?}");
     if let Some(steady) = &mut run.steady {
         (steady.found, steady.grid_change) = (false, None);
     }

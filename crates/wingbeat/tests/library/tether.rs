@@ -216,9 +216,19 @@ fn hinges_that_crowd_the_strips_are_told() {
         let case = case("flap_fold", &set.each_ref().map(String::as_str));
         let run = case.tether.run(|_| ControlFlow::Continue(()));
         let warnings = case.summary(&run, None, None).verdict.warnings;
-        let found = warnings.iter().any(|warning| warning.id == "aero.strips_crowded");
-        assert_eq!(found, told, "{strips} strips, hinge at {arc}: {warnings:?}");
+        let found = |id: &str| warnings.iter().any(|warning| warning.id == id);
+        assert_eq!(found("aero.strips_crowded"), told, "{strips} strips, hinge at {arc}: {warnings:?}");
+        assert!(!found("aero.few_strips"), "{warnings:?}");
     }
+}
+
+#[test]
+fn few_strips_are_told() {
+    let case = case("flap_f2", &["aero.full.strips=3", "time.steps_per_cycle=32"]);
+    let run = case.tether.run(|_| ControlFlow::Continue(()));
+    let warnings = case.summary(&run, None, None).verdict.warnings;
+    let told = warnings.iter().find(|warning| warning.id == "aero.few_strips").unwrap();
+    assert_eq!((told.size, told.key.as_deref()), (Some(3.0), Some("aero.full.strips")), "{told:?}");
 }
 
 #[test]
