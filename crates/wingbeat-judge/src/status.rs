@@ -6,7 +6,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// Everything that was judged lies within its limit.
+    /// No limit is missed but those that only warn.
     Ok,
     /// Nothing that was judged breaks its limit, but what the task asks could not be judged.
     NotJudged,
@@ -62,7 +62,7 @@ impl Status {
     /// What it means, as a sentence without its end.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Ok => "everything that was judged lies within its limit",
+            Self::Ok => "no limit is missed but those that only warn",
             Self::NotJudged => {
                 "nothing that was judged breaks its limit, but what the task asks could not be judged"
             }

@@ -59,7 +59,9 @@ fn steps() -> Result<Vec<ComparisonRow>, Error> {
     for (name, t, limit) in [("1s", 1.0, 1e-8), ("5s", 5.0, 1e-5)] {
         let [coarse, middle, fine] = [pose(&runs[0], t)?, pose(&runs[1], t)?, pose(&runs[2], t)?];
         let moved = apart(middle, fine);
-        let metric = format!("turn with preset full: .1 against .05 ms at {t} s, m and rad");
+        let metric = format!(
+            "turn with preset full: largest change of place (m) or attitude (rad) at {t} s, steps of .1 to .05 ms"
+        );
         rows.push(ComparisonRow::judged(&id(name), SOURCE, &metric, moved, limit, ""));
         if t == 5.0 {
             let order = (apart(coarse, middle) / moved).log2();
@@ -117,7 +119,7 @@ fn lag_slope() -> Result<Vec<ComparisonRow>, Error> {
         return Err(fault.into());
     }
     pose(&run, 5.0)?;
-    let metric = "turn with preset full: largest slope of a lag's rate by a lag of its kind, every 2 ms";
+    let metric = "turn with preset full: largest derivative of a lag state's rate by a lag state of its unit, every 2 ms";
     let id = "aero.convergence.lag_slope";
     Ok(vec![ComparisonRow::judged(id, "a controller's interval holds it", metric, largest, 2000.0, "1/s")])
 }
@@ -147,14 +149,14 @@ fn spread() -> Result<Vec<ComparisonRow>, Error> {
     ] {
         let id = format!("aero.convergence.spread.{name}");
         let metric =
-            format!("turn's end, {strips} strips and core {core}, from that of 16 strips and core 0.3");
+            format!("distance of the turn's ends, {strips} strips and vortex_core {core} from 16 and 0.3");
         let moved = away(fly(strips, core, &[])?, default);
         rows.push(ComparisonRow::shown(&id, "choices of the model", &metric, moved, "m"));
     }
     let default = fly(16, 0.3, &[WEIGHED])?;
     for strips in [23, 24, 32] {
         let id = format!("aero.convergence.spread.weighed_{strips}");
-        let metric = format!("turn's end, {strips} strips from that of 16, with {WEIGHED}");
+        let metric = format!("distance of the turn's ends, {strips} strips from 16, with {WEIGHED}");
         let moved = away(fly(strips, 0.3, &[WEIGHED])?, default);
         rows.push(ComparisonRow::judged(&id, "own other strips", &metric, moved, 0.4, "m"));
     }

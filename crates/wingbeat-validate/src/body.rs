@@ -81,7 +81,7 @@ fn energy_power_balance() -> Result<Vec<ComparisonRow>, Error> {
     let flight = vacuum::VacuumCycle::one_cycle(reference_tree()?, gravity)?;
     let change = flight.after.energy - flight.before.energy;
     let error = (flight.work - change).abs() / flight.peak_work;
-    let metric = "work of joint torques - change of energy, over the peak work";
+    let metric = "work of joint torques less change of energy, over the peak work";
     Ok(vec![ComparisonRow::judged(
         "body.energy_power_balance",
         "conservation of energy",

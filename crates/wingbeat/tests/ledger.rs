@@ -224,7 +224,7 @@ fn the_page_of_verdicts_lists_every_status_and_limit() {
             None => kinds.push((kind, vec![row])),
         }
     }
-    let head = "| limit | what is judged | allowed | otherwise |\n|---|---|---|---|";
+    let head = "| limit | what is judged | allowed | if missed |\n|---|---|---|---|";
     is_current("verdicts.md", |page| {
         let page =
             with_block(page, "statuses", "| `status` | meaning | exit code |\n|---|---|---:|", &statuses);

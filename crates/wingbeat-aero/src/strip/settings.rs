@@ -60,7 +60,7 @@ pub struct StripSettings {
     /// Three-dimensional wash of the potential jump on the chord.
     pub doublet_wash: bool,
     /// Rates of that wash as the wing folds and the wake turns, in the force of the carried air: one state more per strip. Without
-    /// them that force has a mean over a cycle, 4 to 5 % of the lift of Aerobat on its stand; without added mass there is none.
+    /// them that force has a mean over a cycle, 5 % of the lift of Aerobat on its stand; without added mass there is none.
     pub folding_rates: bool,
     /// Impulse of the bound circulation as a section turns about its chord and drifts along its span: a spanwise force and a couple.
     /// Without it a rectangular wing that folds by 50 degrees in the upstroke lifts 25 % more than the free lattice, with it as much. On

@@ -105,7 +105,7 @@ pub const DIVE_PITCH: JudgedLimit = JudgedLimit::at_most("flight.dive_pitch_deg"
 /// What a plan that leaves out the structure missed at the next update: *choice*, a tenth of the deviation that costs a full command. The
 /// shipped soft robots miss .002 and .04; one on spars four times as soft, which does not hold its turn, .41.
 pub const PLAN_ERROR: JudgedLimit = JudgedLimit::warn_above("flight.plan_error", 0.1, "")
-    .on("rms error of the plan at the next update, of height, velocity, roll, pitch and rates over the deviations that cost a full command (controller.orbit.predictive.structure)");
+    .on("rms difference of height, velocity, roll, pitch and rates from the plan, one update later, each over the deviation that costs a full command (controller.orbit.predictive.structure)");
 
 /// Attitude that an update found against that which it was prepared for: *choice*, from where the linearisation of the attitude is off by some
 /// .4 % (1 - sin x/x).

@@ -46,10 +46,9 @@ pub const RATE: JudgedLimit = JudgedLimit::at_most("recording.rate_error_fractio
 /// Count against clock, beyond a twentieth of the recording, at least 0.1 s and at most 0.5 s: ten times the delays of a busy host are
 /// no share of a recording of 2 s. A box of 7 kHz that makes 93 % of its rate is found from 2 s on.
 pub const UNACCOUNTED: JudgedLimit =
-    JudgedLimit::at_most("recording.unaccounted_fraction", 0.01, "", SuspectData).on(
-        "share by which the records received or counted as missing differ from those that should be there by \
-         the clock, beyond a twentieth of them, at least those of 0.1 s and at most of 0.5 s,",
-    );
+    JudgedLimit::at_most("recording.unaccounted_fraction", 0.01, "", SuspectData)
+        .on("share by which the records received or counted as missing differ from those due by the clock, \
+         beyond a tolerance of 5 % of them (0.1 to 0.5 s of records),");
 /// Silence at the end.
 pub const SILENT_END: JudgedLimit = JudgedLimit::at_most("recording.silent_end_s", 0.5, "s", Failed)
     .on("time since the box stopped sending, at the end,");

@@ -5,10 +5,10 @@ use crate::status::Status::{NotJudged, NotPeriodic, NotResolved, Outside};
 
 /// With half a range the loads say nothing. *Choice.*
 pub const STEPS: JudgedLimit = JudgedLimit::at_most("tether.step_change_fraction", 0.5, "", NotResolved)
-    .on("largest change of a mean load with other steps per cycle, over the largest load,");
+    .on("largest change of a mean load with half or twice the steps, over the largest load,");
 /// With half a range the peaks say nothing either, however well the means hold. *Choice.*
 pub const PEAKS: JudgedLimit = JudgedLimit::at_most("tether.peak_change_fraction", 0.5, "", NotResolved).on(
-    "largest change of the least or largest of a load with other steps per cycle, over the largest load,",
+    "largest change of the least or largest of a load with half or twice the steps, over the largest load,",
 );
 /// Ten times what the shipped cases reach. *Choice.*
 pub const CYCLES: JudgedLimit = JudgedLimit::at_most("tether.cycle_change_fraction", 0.01, "", NotPeriodic)

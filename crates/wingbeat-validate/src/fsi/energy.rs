@@ -188,7 +188,7 @@ impl Trial {
 pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
     let row = |preset: ComparedPreset| {
         let metric = format!(
-            "work of drives, dampers and air - change of energy, over the peak work, one cycle, preset {}",
+            "work of drives, dampers and air less change of energy, over the peak work, one cycle, preset {}",
             preset.name()
         );
         let id = if preset == ComparedPreset::Paper {
@@ -218,7 +218,7 @@ pub fn momentum_rows() -> Result<Vec<ComparisonRow>, Error> {
 
 /// Energy with a membrane for a wing.
 pub fn membrane_rows() -> Result<Vec<ComparisonRow>, Error> {
-    let metric = "work of drives, dampers and air on links and membrane - change of their energy, over the peak work, one cycle, wings of membrane";
+    let metric = "work of drives, dampers and air on links and membrane less change of their energy, over the peak work, one cycle, wings of membrane";
     let lacking = OF_SKIN.run()?.energy;
     Ok(vec![ComparisonRow::judged(
         "fsi.membrane.energy",
@@ -232,14 +232,14 @@ pub fn membrane_rows() -> Result<Vec<ComparisonRow>, Error> {
 
 /// Energy of the membrane alone, by finer steps.
 pub fn work_rows() -> Result<Vec<ComparisonRow>, Error> {
-    let metric = "work of the air on the membrane - what its tension stores and its damping takes, over all that work, one cycle of the wings";
+    let metric = "work of the air on the membrane less what its tension stores and its damping takes, over all that work, one cycle of the wings";
     let lacking = Trial { step: 0.4 * OF_SKIN.step, ..OF_SKIN }.run()?.membrane;
     Ok(vec![ComparisonRow::judged("fsi.membrane.work", "conservation of energy", metric, lacking, 1e-8, "")])
 }
 
 /// Energy of wings on elements that bear their loads.
 pub fn element_rows() -> Result<Vec<ComparisonRow>, Error> {
-    let metric = "work of drives, actuators, dampers and air - change of energy, over the peak work, one cycle, wings on elements with an inertia";
+    let metric = "work of drives, actuators, dampers and air less change of energy, over the peak work, one cycle, wings on elements with an inertia";
     let lacking = Trial { elements: true, ..OF_WING }.run()?.energy;
     Ok(vec![ComparisonRow::judged("fsi.element.energy", "conservation of energy", metric, lacking, 1e-8, "")])
 }
@@ -304,7 +304,7 @@ pub fn derivative_rows() -> Result<Vec<ComparisonRow>, Error> {
 /// Derivatives, energy and momentum with a flap at the wings.
 pub fn flap_rows() -> Result<Vec<ComparisonRow>, Error> {
     let mut rows = derivatives("fsi.flap.flight.derivatives", "wings with a flap", OF_FLAP)?;
-    let energy = "work of drives, dampers and air on links and flaps - change of their energy, over the peak work, one cycle, wings with a flap";
+    let energy = "work of drives, dampers and air on links and flaps less change of their energy, over the peak work, one cycle, wings with a flap";
     let lacking = OF_FLAP.run()?;
     rows.push(ComparisonRow::judged(
         "fsi.flap.flight.work",

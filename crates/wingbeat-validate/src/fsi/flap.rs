@@ -197,7 +197,7 @@ pub fn moving() -> Result<Vec<ComparisonRow>, Error> {
         for (name, value) in ["lift", "moment", "angle"].into_iter().zip(worst[of]) {
             let what = if name == "angle" { "angle of the flap" } else { name };
             let metric = format!(
-                "max error of amplitude and phase of the {what} over the amplitude, chord in heave and pitch at k .1 to .6, four flaps on springs, {with}"
+                "worst complex error of the {what}, chord in heave and pitch at k .1 to .6, four flaps on springs, {with}"
             );
             rows.push(ComparisonRow::judged(
                 &format!("fsi.flap.moving.{name}.{function}"),

@@ -319,13 +319,13 @@ fn measured() -> Result<Vec<ComparisonRow>, Error> {
             let off = (best(&own) / best(&right) - 1.0).abs();
             sum += off / COMPARED.len() as f64;
             let what = format!(
-                "error of the thickness of most thrust at St {strouhal}: {}, measured {} (thousandths of the chord; asked: 0.2)",
+                "error of the thickness of most thrust at St {strouhal}: {}, measured {} (thousandths of the chord; goal: 0.2)",
                 summary(&own, strouhal),
                 summary(&right, strouhal)
             );
             show(&format!(".{strouhal}"), what, off);
         }
-        show(".optimum", "mean error of the thickness of most thrust (asked: 0.2)".into(), sum);
+        show(".optimum", "mean error of the thickness of most thrust (goal: 0.2)".into(), sum);
     }
     Ok(rows)
 }

@@ -215,7 +215,7 @@ fn bending() -> Result<Vec<ComparisonRow>, Error> {
     Ok(vec![
         shown(
             "fsi.pazy.bending",
-            "max error of the tip's displacement over half span, 0.2 to 3.6 kg at the tip (asked: 0.01)",
+            "max error of the tip's displacement over half span, 0.2 to 3.6 kg at the tip (goal: 0.01)",
             worst,
             "",
         ),
@@ -318,17 +318,18 @@ fn static_shape() -> Result<Vec<ComparisonRow>, Error> {
         let found = displaced(speed, AS_GIVEN)?;
         let value = (found / place - 1.0).abs();
         let asked = if speed < ASKED {
-            "not asked".to_owned()
+            "no goal".to_owned()
         } else {
             sum += value * value;
             count += 1.0;
             for (change, sum) in [SOFTER, CLAMPED].into_iter().zip(&mut changed) {
                 *sum += (displaced(speed, change)? / place - 1.0).powi(2);
             }
-            format!("asked: {:.3}", 0.05_f64.max(spread / place))
+            format!("goal: {:.3}", 0.05_f64.max(spread / place))
         };
-        let metric =
-            format!("relative error of the tip's displacement at {speed} m/s, 5 deg, {found:.4} m ({asked})");
+        let metric = format!(
+            "relative error of the tip's displacement at {speed} m/s, 5 deg, computed {found:.4} m ({asked})"
+        );
         rows.push(ComparisonRow::shown(&format!("fsi.pazy.static.{speed}"), SOURCE, &metric, value, ""));
     }
     let metric = "rms of the relative errors at 20 to 50 m/s";
@@ -360,7 +361,8 @@ fn peers_in_wind(table: &ReferenceTable) -> Result<Vec<ComparisonRow>, Error> {
             let value = (place / measured[at] - 1.0).abs();
             sum += value * value;
             if *speed == 40.0 {
-                let metric = format!("relative error of {name} on the same beam at 40 m/s, {place:.4} m");
+                let metric =
+                    format!("relative error of {name} on the same beam at 40 m/s, computed {place:.4} m");
                 rows.push(ComparisonRow::shown(
                     &format!("fsi.pazy.static.{id}.40"),
                     SOURCE,
@@ -393,7 +395,7 @@ fn later_wind() -> Result<Vec<ComparisonRow>, Error> {
         let value = (found / measured - 1.0).abs();
         sum += value * value / speeds.len() as f64;
         let metric = format!(
-            "relative error of the tip's displacement at {speed} m/s, 5 deg, the later wing, {found:.4} of the half span"
+            "relative error of the tip's displacement at {speed} m/s, 5 deg, the later wing, computed {found:.4} of the half span"
         );
         rows.push(ComparisonRow::shown(&format!("fsi.pazy.wind.{speed}"), source, &metric, value, ""));
     }

@@ -91,7 +91,7 @@ pub fn springs() -> Result<Vec<ComparisonRow>, Error> {
         row(
             "energy",
             "conservation of energy",
-            "power into springs on pins - what dampers take, over the mean size of that power, one cycle at an even rate",
+            "power into springs on pins less what dampers take, over the mean size of that power, one cycle at an even rate",
             (given - lost).abs() / moved,
             1e-10,
         ),

@@ -73,7 +73,7 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
         row(
             "energy",
             "conservation of energy",
-            "work of drives, dampers and air - change of energy, over the peak work, one cycle, springs with it, without and with flaps",
+            "work of drives, dampers and air less change of energy, over the peak work, one cycle, springs with it, without and with flaps",
             carried.run()?.energy.max(Trial { density: OF_WING.density, ..flapped }.run()?.energy),
             1e-8,
             "",

@@ -32,7 +32,7 @@ pub fn compare(python: &Path) -> bool {
 fn table(answer: &Value) -> String {
     let clock = answer["clock_ghz"].as_f64().unwrap_or(f64::NAN);
     let mut text = format!(
-        "| 5 ms in steps of 1 ms | median us | least to most | thousand cycles at {clock:.2} GHz |\n|---|---:|---:|---:|"
+        "| 5 ms in steps of 1 ms, for each robot | median us | least to most | thousand cycles at {clock:.2} GHz |\n|---|---:|---:|---:|"
     );
     for (what, times) in answer["rows"].as_object().into_iter().flatten() {
         let [median, least, most] = [0, 1, 2].map(|i| times[i].as_f64().unwrap_or(f64::NAN));

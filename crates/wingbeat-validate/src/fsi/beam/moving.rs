@@ -142,7 +142,7 @@ pub fn energy() -> Result<Vec<ComparisonRow>, Error> {
         ComparisonRow::judged(
             "fsi.beam.energy",
             source,
-            "work at the flapping root - change of energy, over the peak work, one cycle, 800 steps",
+            "work at the flapping root less change of energy, over the peak work, one cycle, 800 steps",
             (end.x[0] - (after - before)).abs() / peak,
             1e-8,
             "",

@@ -204,7 +204,7 @@ fn published(speed: f64) -> Result<Vec<ComparisonRow>, Error> {
             &format!("fsi.goland.lattice.{}", names[i]),
             "validation/goland/published.csv",
             &format!(
-                "extrapolated lattice against {}{panels}, {} m/s: relative difference (asked: 0.03)",
+                "extrapolated lattice against {}{panels}, {} m/s: relative difference (goal: 0.03)",
                 methods[i], speeds[i]
             ),
             (speed / speeds[i] - 1.0).abs(),
@@ -231,19 +231,19 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
         judged(
             "fsi.goland.lattice",
             format!(
-                "relative error of the speed of flutter, {chordwise} x {half} panels, {:.1} m/s",
+                "relative error of the speed of flutter, {chordwise} x {half} panels, computed {:.1} m/s",
                 found[0]
             ),
             off(found[0], speed),
         ),
         judged(
             "fsi.goland.lattice.endless",
-            format!("the same, extrapolated in the size of panels, {:.1} m/s", limit[0]),
+            format!("the same, extrapolated in the size of panels, computed {:.1} m/s", limit[0]),
             off(limit[0], speed),
         ),
         judged(
             "fsi.goland.lattice.frequency",
-            format!("relative error of its frequency, extrapolated ({:.1} rad/s)", limit[1]),
+            format!("relative error of its frequency, extrapolated (computed {:.1} rad/s)", limit[1]),
             off(limit[1], frequency),
         ),
         ComparisonRow::judged(

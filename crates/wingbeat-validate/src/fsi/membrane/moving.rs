@@ -228,14 +228,15 @@ pub fn rows() -> Result<Vec<ComparisonRow>, Error> {
         }
         let (stiff, own) = (vortices(1e4, DAMPING, rate)?, strips(1e4, DAMPING, rate)?);
         let rigid = (own.lift - stiff.lift).norm() / stiff.lift.norm();
-        let what = format!("of amplitude and phase over the amplitude, heave at k = {reduced}");
         for (name, value, of) in [
-            ("lift", lift, "lift of a sail, T/(q c) 3 and 6"),
-            ("camber", camber, "rise of a sail, T/(q c) 3 and 6"),
-            ("rigid", rigid, "lift of a rigid chord"),
+            ("lift", lift, "a sail's lift, T/(q c) 3 and 6"),
+            ("camber", camber, "a sail's rise, T/(q c) 3 and 6"),
+            ("rigid", rigid, "a rigid chord's lift"),
         ] {
-            let (id, metric) =
-                (format!("fsi.membrane.moving.{name}_{reduced}"), format!("error of {of}: {what}"));
+            let (id, metric) = (
+                format!("fsi.membrane.moving.{name}_{reduced}"),
+                format!("complex error of {of}, heave at k = {reduced}"),
+            );
             rows.push(match name {
                 "rigid" => ComparisonRow::shown(&id, source, &metric, value, ""),
                 _ => ComparisonRow::judged(&id, source, &metric, value, 0.05, ""),
