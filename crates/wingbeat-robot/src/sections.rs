@@ -49,7 +49,7 @@ impl<P: Scalar> Web<P> {
 }
 
 /// The lines on links that a strip between two sections is the sum of.
-pub(super) type Parts<S> = ArrayVec<Borne<S>, 6>;
+pub(super) type BorneParts<S> = ArrayVec<Borne<S>, 6>;
 
 /// A chord line on a link, of which a section has a share.
 #[derive(Clone, Copy)]
@@ -237,7 +237,7 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
     }
 
     /// Adds what section `i` with the share `share` and the chord line `line` is the sum of.
-    pub fn bear(&self, i: usize, line: SectionMotion<S>, share: S, parts: &mut Parts<S>) {
+    pub fn bear(&self, i: usize, line: SectionMotion<S>, share: S, parts: &mut BorneParts<S>) {
         let Some(Some(web)) = self.webs.get(i) else {
             parts.push(Borne { link: self.sections[i].link, share, line });
             return;

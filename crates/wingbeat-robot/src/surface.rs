@@ -3,7 +3,7 @@
 use super::Robot;
 use super::mechanism::Mechanism;
 use super::placement::{Placement, PlacementNumbers};
-use super::sections::{Borne, Carriers, Parts, Riding, SurfaceSection, Web};
+use super::sections::{Borne, BorneParts, Carriers, Riding, SurfaceSection, Web};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
@@ -472,7 +472,7 @@ pub(super) fn between_edges<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
 ) {
     let at = edges.map(|edge| riding.at(edge));
     let across = (at[1].le - at[0].le) + (at[1].te - at[0].te);
-    let mut parts = Parts::<G>::new();
+    let mut parts = BorneParts::<G>::new();
     for ((edge, line), share) in edges.into_iter().zip(at).zip([G::ONE - share, share]) {
         riding.bear(edge, line, share, &mut parts);
     }
