@@ -114,6 +114,16 @@ impl<S: Scalar> Carrier<S> {
         (self.rate, self.rate_dot) = (link.rate, link.rate_dot);
     }
 
+    /// Leading and trailing edge of `section`.
+    #[inline(always)]
+    fn ends<P: Scalar>(&self, section: &SurfaceSection<P>) -> [Vec3<S>; 2]
+    where
+        S: Meets<P>,
+    {
+        let SectionMotion { le, te, .. } = self.section(section);
+        [le, te]
+    }
+
     #[inline(always)]
     fn section<P: Scalar>(&self, section: &SurfaceSection<P>) -> SectionMotion<S>
     where
@@ -185,15 +195,6 @@ impl<'a, S: Scalar> Carriers<'a, S> {
     }
 }
 
-impl<S: Scalar> Coordinates<S> {
-    /// How `line` on `link` moves per unit rate of `coordinate`.
-    #[inline]
-    fn of_line(&self, coordinate: usize, link: Option<usize>, line: &SectionMotion<S>) -> SectionField<S> {
-        let field = self.field(coordinate, link);
-        SectionField { le: field.at(line.le), te: field.at(line.te) }
-    }
-}
-
 impl<S: Scalar> Carriers<'_, S> {
     /// Adds the forces of `load` (N and N m, B) on `link` along the coordinates.
     pub fn project<T: Over<S>>(&self, link: usize, load: &Wrench<T>, forces: &mut [T]) {
@@ -217,8 +218,13 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
 
     #[inline(always)]
     fn on(&self, section: &SurfaceSection<P>) -> SectionMotion<S> {
+        self.carrier(section).section(section)
+    }
+
+    #[inline(always)]
+    fn carrier(&self, section: &SurfaceSection<P>) -> &Carrier<S> {
         let carriers = self.carriers;
-        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier]).section(section)
+        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier])
     }
 
     /// Whether section `i` lies between two links.
@@ -280,22 +286,25 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     fn complete(&self) -> bool {
         self.carriers.complete
     }
-    fn fields(&self, i: usize, fields: &mut SectionFields<S>) {
+    fn fields(&self, i: usize, fields: &mut SectionFields<S>) -> u32 {
         let coordinates = self.carriers.coordinates;
         fields.clear();
-        match self.webs.get(i) {
-            Some(Some(web)) => {
-                let parts = [&web.inner, &web.outer].map(|part| (part.link, self.line(part)));
-                fields.extend((0..coordinates.count()).map(|c| {
-                    let [a, b] = parts.each_ref().map(|(link, line)| coordinates.of_line(c, *link, line));
-                    let mix = |a: Vec3<S>, b: Vec3<S>| a + (b - a).scaled(web.share);
-                    SectionField { le: mix(a.le, b.le), te: mix(a.te, b.te) }
-                }));
-            }
-            _ => {
-                let (link, line) = (self.sections[i].link, self.section(i));
-                fields.extend((0..coordinates.count()).map(|c| coordinates.of_line(c, link, &line)));
+        append_copies(fields, SectionField::STILL, coordinates.count());
+        let (first, second) = match self.webs.get(i) {
+            Some(Some(web)) => ((&web.inner, P::ONE - web.share), Some((&web.outer, web.share))),
+            _ => ((&self.sections[i], P::ONE), None),
+        };
+        let mut moved = 0;
+        for (part, share) in std::iter::once(first).chain(second) {
+            let Some(link) = part.link else { continue };
+            let [le, te] = self.carrier(part).ends(part);
+            for (coordinate, motion) in coordinates.moving(link) {
+                let field = &mut fields[coordinate];
+                field.le += motion.at(le).scaled(share);
+                field.te += motion.at(te).scaled(share);
+                moved |= 1 << coordinate;
             }
         }
+        moved
     }
 }

@@ -75,26 +75,24 @@ impl<S: Scalar> Coordinates<S> {
         self.own.push((coordinate, [effort, inertia]));
     }
 
-    /// Motion of `link` (None: the base) about the body origin per unit rate of `coordinate`, in B.
-    pub fn field(&self, coordinate: usize, link: Option<usize>) -> BaseAcceleration<S> {
-        let moves = |s: &&Share<S>| s.coordinate == coordinate && link.is_some_and(|l| s.links >> l & 1 == 1);
-        let still = BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO };
-        self.shares.iter().filter(moves).fold(still, |sum, s| sum.plus(&s.field, S::ONE))
+    /// What moves `link` about the body origin: per joint a coordinate and the motion per unit of its rate, in B.
+    #[inline]
+    pub fn moving(&self, link: usize) -> impl Iterator<Item = (usize, &BaseAcceleration<S>)> {
+        self.shares.iter().filter(move |s| s.links >> link & 1 == 1).map(|s| (s.coordinate, &s.field))
     }
 
     /// Adds the generalised forces (W over the unit of the rate) of `wrench` on `link` (N and N m, about the body origin, in B)
     /// to `forces`, one per coordinate: Q_c = field_c . wrench.
     pub fn project<T: Over<S>>(&self, link: usize, wrench: &Wrench<T>, forces: &mut [T]) {
-        for share in self.shares.iter().filter(|s| s.links >> link & 1 == 1) {
-            forces[share.coordinate] += share.field.power(wrench);
+        for (coordinate, field) in self.moving(link) {
+            forces[coordinate] += field.power(wrench);
         }
     }
 
     /// The field of all coordinates with the rates `rates` on `link`, m/s2 and rad/s2 in B.
     pub fn combined(&self, link: usize, rates: &[S]) -> BaseAcceleration<S> {
         let still = BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO };
-        let moving = self.shares.iter().filter(|s| s.links >> link & 1 == 1);
-        moving.fold(still, |sum, s| sum.plus(&s.field, rates[s.coordinate]))
+        self.moving(link).fold(still, |sum, (coordinate, field)| sum.plus(field, rates[coordinate]))
     }
 }
 
