@@ -2,6 +2,7 @@
 //! the second rates of elastic joints and of a crank under a motor come from one solve.
 
 use super::drive::Ratios;
+use super::joints::Displaced;
 use super::perch::BodyPose;
 use super::sections::Carriers;
 use super::surface::{External, MechanismLoads};
@@ -467,8 +468,9 @@ impl<P: Scalar> Robot<P> {
     /// `supply` the share of the voltage that the motor receives.
     pub(super) fn add_efforts<G: Scalar + Meets<P>>(&self, structure: &[G], supply: G, forces: &mut [G]) {
         let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
+        let displaced = self.elements.iter().any(|element| matches!(element.moves[0], Displaced::Rest(_)));
         for (c, spring) in self.mechanism.springs().enumerate() {
-            let moved = self.rest_displaced(c, structure);
+            let moved = if displaced { self.rest_displaced(c, structure) } else { G::ZERO };
             forces[c] += spring.effort(states[c], states[count + c], moved);
         }
         if let Some(motor) = &self.motor {

@@ -46,7 +46,8 @@ pub struct Web<P: Scalar = f64> {
 pub(super) struct Borne<S: Scalar> {
     pub link: Option<usize>,
     pub share: S,
-    pub line: SectionMotion<S>,
+    /// Leading and trailing edge, m in B.
+    pub ends: [Vec3<S>; 2],
 }
 
 impl SurfaceSection {
@@ -232,15 +233,21 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
         self.webs.get(i).is_some_and(Option::is_some)
     }
 
-    /// Adds what section `i` with the share `share` and the chord line `line` is the sum of.
-    pub fn bear(&self, i: usize, line: SectionMotion<S>, share: S, parts: &mut ArrayVec<Borne<S>, 4>) {
+    /// Adds what section `i` with the share `share` is the sum of; returns its leading and trailing edge, m in B.
+    pub fn bear(&self, i: usize, share: S, parts: &mut ArrayVec<Borne<S>, 4>) -> [Vec3<S>; 2] {
         let Some(Some(web)) = self.webs.get(i) else {
-            parts.push(Borne { link: self.sections[i].link, share, line });
-            return;
+            let section = &self.sections[i];
+            let ends = self.carrier(section).ends(section);
+            parts.push(Borne { link: section.link, share, ends });
+            return ends;
         };
+        let mut whole = [Vec3::ZERO; 2];
         for (of, weight) in [(&web.inner, P::ONE - web.share), (&web.outer, web.share)] {
-            parts.push(Borne { link: of.link, share: share * weight, line: self.line(of) });
+            let ends = self.carrier(of).ends(of);
+            parts.push(Borne { link: of.link, share: share * weight, ends });
+            whole = [0, 1].map(|end| whole[end] + ends[end].scaled(weight));
         }
+        whole
     }
 
     /// As [`Self::on`], compiled once.
