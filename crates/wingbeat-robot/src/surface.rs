@@ -445,7 +445,7 @@ impl<P: Scalar> Covering<P> {
 /// What the coordinates of the mechanism take from all surfaces.
 pub(super) struct MechanismLoads<'a, G: Scalar, S: Scalar> {
     /// Mass matrix of body and coordinates; none where nobody asks for it.
-    pub mass: Option<&'a mut [[G; MAX_DEGREES]; MAX_DEGREES]>,
+    pub mass: Option<&'a mut [[G; MAX_DEGREES]]>,
     /// Loads on the links, the body last.
     pub external: &'a mut External<S>,
     /// What the rates of followed impulses lack, where there are any.

@@ -141,7 +141,7 @@ impl<P: Scalar> StripModel<P> {
         &self,
         flow: &StripFlow<K, G, N>,
         sections: &dyn Sections<G>,
-        matrix: &mut [[G; MAX_DEGREES]; MAX_DEGREES],
+        matrix: &mut [[G; MAX_DEGREES]],
     ) {
         let (strips, n) = (&flow.strips, self.settings.strips);
         let mut fields = ArrayVec::new();

@@ -124,7 +124,7 @@ impl<P: Scalar> Tree<P> {
         motions: &[LinkMotion<S>],
         g_b: Vec3<S>,
         coordinates: &Coordinates<S>,
-        mut mass: Option<&mut [[S; MAX_DEGREES]; MAX_DEGREES]>,
+        mut mass: Option<&mut [[S; MAX_DEGREES]]>,
         forces: &mut [S],
     ) {
         for &(coordinate, [effort, inertia]) in &coordinates.own {
