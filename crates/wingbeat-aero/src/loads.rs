@@ -165,7 +165,7 @@ pub struct MembraneWork<S: Scalar = f64> {
 pub struct Coupling<'a, G: Scalar, S: Scalar> {
     /// Mass matrix (kg, kg m and kg m2, or per unit of a coordinate) on [acceleration of the body origin; angular acceleration;
     /// second rates of the coordinates]; its rows and columns 6.. grow by the added mass. None where nobody asks for that.
-    pub mass: Option<&'a mut [[G; MAX_DEGREES]; MAX_DEGREES]>,
+    pub mass: Option<&'a mut [[G; MAX_DEGREES]]>,
     /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out, N and N m.
     pub strips: &'a mut [Wrench<S>],
     /// Where states follow the impulse of the air: what their rates lack.

@@ -214,7 +214,7 @@ impl<S: Scalar> SectionFlow<S> {
         i: usize,
         sections: &(impl Sections<S> + ?Sized),
         zero_lift: ZeroLift<P>,
-        matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
+        matrix: &mut [[S; MAX_DEGREES]],
     ) where
         S: Meets<P>,
     {

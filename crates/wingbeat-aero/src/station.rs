@@ -51,9 +51,10 @@ pub trait Sections<S: Scalar> {
     fn complete(&self) -> bool {
         false
     }
-    /// Writes how section `i` moves per unit rate of each coordinate.
-    fn fields(&self, _i: usize, fields: &mut SectionFields<S>) {
+    /// Writes how section `i` moves per unit rate of each coordinate; returns the numbers of those that move it, as bits.
+    fn fields(&self, _i: usize, fields: &mut SectionFields<S>) -> u32 {
         fields.clear();
+        0
     }
 }
 
@@ -92,6 +93,9 @@ pub struct SectionField<S: Scalar> {
 }
 
 impl<S: Scalar> SectionField<S> {
+    /// Nothing moves.
+    pub const STILL: Self = Self { le: Vec3::ZERO, te: Vec3::ZERO };
+
     /// The field that lies the share `x` of the way to another.
     #[inline]
     pub fn mixed<P: Scalar>(&self, other: &Self, x: P) -> Self

@@ -17,9 +17,10 @@ pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(
 #[inline]
 pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
     n: usize,
-    a: &mut [[G; N]; N],
+    a: &mut [[G; N]],
     mut b: [S; N],
 ) -> Option<[S; N]> {
+    let a = &mut a[..n];
     let mut inverse = [G::ZERO; N];
     for j in 0..n {
         // Row j times the pivots so far.

@@ -56,9 +56,11 @@ impl Robot {
         let net = load + body;
         net.force.store(&mut left);
         net.moment.store(&mut left[3..]);
-        let mut mass: DegreeMatrix<f64> = [[0.0; MAX_DEGREES]; MAX_DEGREES];
-        for (row, known) in mass.iter_mut().zip(known.mass.chunks_exact(6 + count)) {
+        let mut mass = DegreeMatrix::<f64>::new();
+        for known in known.mass.chunks_exact(6 + count) {
+            let mut row = [0.0; MAX_DEGREES];
             row[..6 + count].copy_from_slice(known);
+            mass.push(row);
         }
         let changes =
             solve_symmetric_leading(6 + count, &mut mass, left).ok_or(Fault::MassMatrix { time: t })?;

@@ -285,7 +285,7 @@ impl<P: Scalar> Robot<P> {
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
         let structure = self.structure_states();
-        let mut system = BodySystem::<S, S>::new();
+        let mut system = BodySystem::<S, S>::new(carriers.coordinates.count());
         self.mechanism.tree.coordinate_inertia(
             moving,
             gravity,

@@ -2,6 +2,7 @@
 //! the second rates of elastic joints and of a crank under a motor come from one solve.
 
 use super::drive::Ratios;
+use super::joints::Displaced;
 use super::perch::BodyPose;
 use super::sections::Carriers;
 use super::surface::{External, MechanismLoads};
@@ -66,8 +67,8 @@ pub(super) struct InstantSetting<G: Scalar> {
     drag: Wrench<G>,
 }
 
-/// Mass matrix of body and coordinates.
-pub(super) type DegreeMatrix<G> = [[G; MAX_DEGREES]; MAX_DEGREES];
+/// Mass matrix of body and coordinates: as many rows as there are degrees of freedom.
+pub(super) type DegreeMatrix<G> = ArrayVec<[G; MAX_DEGREES], MAX_DEGREES>;
 
 /// Mass matrix of body and links, the wrench on the body of all but the air on the surfaces, and what led to them.
 type InstantForces<G> = ([[G; 6]; 6], Wrench<G>, InstantSetting<G>);
@@ -382,7 +383,7 @@ impl<P: Scalar> Robot<P> {
             net.moment.store(&mut rhs[3..]);
             return solve_symmetric_leading(6, mass, rhs);
         }
-        let mut system = BodySystem::new();
+        let mut system = BodySystem::new(coordinates.count());
         let BodySystem { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, Some(matrix), forces);
         self.add_efforts(structure, G::ONE, &mut system.forces);
@@ -407,7 +408,7 @@ impl<P: Scalar> Robot<P> {
         carriers: &Carriers<G>,
         wind: Vec3<G>,
         (x, dx): (&[S], &mut [S]),
-        (mass, impulses): (Option<&mut DegreeMatrix<G>>, Option<&mut ImpulseRates<G>>),
+        (mass, impulses): (Option<&mut [[G; MAX_DEGREES]]>, Option<&mut ImpulseRates<G>>),
         forces: &mut [S],
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let links = self.mechanism.tree.links();
@@ -467,8 +468,9 @@ impl<P: Scalar> Robot<P> {
     /// `supply` the share of the voltage that the motor receives.
     pub(super) fn add_efforts<G: Scalar + Meets<P>>(&self, structure: &[G], supply: G, forces: &mut [G]) {
         let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
+        let displaced = self.elements.iter().any(|element| matches!(element.moves[0], Displaced::Rest(_)));
         for (c, spring) in self.mechanism.springs().enumerate() {
-            let moved = self.rest_displaced(c, structure);
+            let moved = if displaced { self.rest_displaced(c, structure) } else { G::ZERO };
             forces[c] += spring.effort(states[c], states[count + c], moved);
         }
         if let Some(motor) = &self.motor {
@@ -477,7 +479,7 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Adds the inertances of springs and the inertia of the motor to the mass matrix of body and coordinates.
-    pub(super) fn add_inertances<G: Scalar + Meets<P>>(&self, mass: &mut DegreeMatrix<G>) {
+    pub(super) fn add_inertances<G: Scalar + Meets<P>>(&self, mass: &mut [[G; MAX_DEGREES]]) {
         for ([i, j], inertance) in self.inertances() {
             mass[6 + i][6 + j] += G::from(inertance);
         }
@@ -547,7 +549,7 @@ const DRAG_WIDTH: f64 = 1e-3;
 
 /// Adds the leading 6 x 6 block.
 #[inline]
-pub(super) fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S; 6]; 6]) {
+pub(super) fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]], block: &[[S; 6]; 6]) {
     for i in 0..6 {
         for j in 0..6 {
             mass[i][j] += block[i][j];
@@ -565,12 +567,12 @@ pub(super) struct BodySystem<G: Scalar, S: Over<G>> {
 }
 
 impl<G: Scalar, S: Over<G>> BodySystem<G, S> {
-    pub fn new() -> Self {
-        Self {
-            mass: [[G::ZERO; MAX_DEGREES]; MAX_DEGREES],
-            forces: [G::ZERO; MAX_COORDINATES],
-            of_air: [S::ZERO; MAX_COORDINATES],
-        }
+    /// Of body and `count` coordinates, all zero.
+    #[inline(always)]
+    pub fn new(count: usize) -> Self {
+        let mut mass = DegreeMatrix::new();
+        append_copies(&mut mass, [G::ZERO; MAX_DEGREES], 6 + count);
+        Self { mass, forces: [G::ZERO; MAX_COORDINATES], of_air: [S::ZERO; MAX_COORDINATES] }
     }
 
     /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns their wrench (N and N m,
@@ -587,7 +589,7 @@ impl<G: Scalar, S: Over<G>> BodySystem<G, S> {
         G: Over<K> + Meets<P>,
         S: Over<K> + Meets<P>,
     {
-        let wanted = (Some(&mut self.mass), impulses);
+        let wanted = (Some(&mut self.mass[..]), impulses);
         let (net, ref added) = robot.bear_air::<K, G, S>(carriers, wind, (x, dx), wanted, &mut self.of_air);
         add(&mut self.mass, added);
         net
@@ -595,7 +597,7 @@ impl<G: Scalar, S: Over<G>> BodySystem<G, S> {
 
     /// Accelerations (m/s2 and rad/s2, B) of the body under the wrench `net` (all of them zero where it is imposed: `None`) and
     /// second rates of `count` coordinates. `None` when the matrix is not positive definite.
-    pub fn solve(mut self, net: Option<Wrench<S>>, count: usize) -> Option<[S; MAX_DEGREES]> {
+    pub fn solve(&mut self, net: Option<Wrench<S>>, count: usize) -> Option<[S; MAX_DEGREES]> {
         let mut rhs = [S::ZERO; MAX_DEGREES];
         match net {
             Some(net) => {

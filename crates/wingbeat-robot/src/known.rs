@@ -65,13 +65,14 @@ impl Robot {
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, [setting.wind_dot, setting.gravity]);
         carriers.ground = self.ground_below(setting.attitude, early[l.position + 2]);
-        let mut system = BodySystem::<f64, f64>::new();
+        let mut system = BodySystem::<f64, f64>::new(coordinates.count());
         let BodySystem { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, Some(matrix), forces);
         self.add_efforts(structure, 1.0, &mut system.forces);
         self.add_inertances(&mut system.mass);
         add(&mut system.mass, &mass);
-        let of_links: Field = system.mass.map(|[x, y, z, ..]| [x, y, z]);
+        let mut of_links: Field = [[0.0; 3]; MAX_DEGREES];
+        of_links.iter_mut().zip(&system.mass).for_each(|(of, row)| of.copy_from_slice(&row[..3]));
         let mut impulses = ImpulseRates::none();
         let lacking = self.covering.aero.follow_impulses().then_some(&mut impulses);
         let (wind, rates) = (setting.wind, &mut dx[l.aero..]);
@@ -139,7 +140,7 @@ impl Robot {
     /// Notes the accelerations found and the mass matrix on them, and what falls with them.
     fn put_degrees(
         &self,
-        (accelerations, mass): (&[Late; MAX_DEGREES], &[[f64; MAX_DEGREES]; MAX_DEGREES]),
+        (accelerations, mass): (&[Late; MAX_DEGREES], &[[f64; MAX_DEGREES]]),
         impulses: &ImpulseRates<f64>,
         known: &mut Known,
     ) {
@@ -323,7 +324,7 @@ impl BodySystem<f64, f64> {
                 value.eps[FIELDS + e] = -self.mass[i][6 + own + e];
             }
         }
-        solve_symmetric_leading(6 + own, &mut { self.mass }, rhs)
+        solve_symmetric_leading(6 + own, &mut self.mass.clone(), rhs)
     }
 
     /// Turns the derivatives of loads by states into those of the accelerations of body and coordinates.
@@ -336,7 +337,7 @@ impl BodySystem<f64, f64> {
             for (i, value) in rhs.iter_mut().enumerate().take(degrees) {
                 value.eps[..width].copy_from_slice(&by_states.loads[i * n + first..][..width]);
             }
-            let solved = solve_symmetric_leading(degrees, &mut { self.mass }, rhs)?;
+            let solved = solve_symmetric_leading(degrees, &mut self.mass.clone(), rhs)?;
             for (i, value) in solved.iter().enumerate().take(degrees) {
                 by_states.loads[i * n + first..][..width].copy_from_slice(&value.eps[..width]);
             }

@@ -40,6 +40,14 @@ pub struct Web<P: Scalar = f64> {
 }
 
 impl<P: Scalar> Web<P> {
+    /// Its lines with their shares, which sum to 1.
+    #[inline(always)]
+    fn parts(&self) -> impl Iterator<Item = (&SurfaceSection<P>, P)> {
+        let rest = self.outer.iter().fold(P::ONE, |rest, (_, share)| rest - *share);
+        let outer = self.outer.iter().map(|(section, share)| (section, *share));
+        std::iter::once((&self.inner, rest)).chain(outer)
+    }
+
     /// The sum of the values `at` its lines, each with its share.
     #[inline(always)]
     fn sum<S: Scalar + Meets<P>>(&self, inner: Vec3<S>, outer: impl Fn(usize) -> Vec3<S>) -> Vec3<S> {
@@ -56,7 +64,8 @@ pub(super) type BorneParts<S> = ArrayVec<Borne<S>, 6>;
 pub(super) struct Borne<S: Scalar> {
     pub link: Option<usize>,
     pub share: S,
-    pub line: SectionMotion<S>,
+    /// Leading and trailing edge, m in B.
+    pub ends: [Vec3<S>; 2],
 }
 
 impl SurfaceSection {
@@ -122,6 +131,16 @@ impl<S: Scalar> Carrier<S> {
             *along = PointMotion { p: direction, v: sweep, a: bend };
         }
         (self.rate, self.rate_dot) = (link.rate, link.rate_dot);
+    }
+
+    /// Leading and trailing edge of `section`.
+    #[inline(always)]
+    fn ends<P: Scalar>(&self, section: &SurfaceSection<P>) -> [Vec3<S>; 2]
+    where
+        S: Meets<P>,
+    {
+        let SectionMotion { le, te, .. } = self.section(section);
+        [le, te]
     }
 
     #[inline(always)]
@@ -195,15 +214,6 @@ impl<'a, S: Scalar> Carriers<'a, S> {
     }
 }
 
-impl<S: Scalar> Coordinates<S> {
-    /// How `line` on `link` moves per unit rate of `coordinate`.
-    #[inline]
-    fn of_line(&self, coordinate: usize, link: Option<usize>, line: &SectionMotion<S>) -> SectionField<S> {
-        let field = self.field(coordinate, link);
-        SectionField { le: field.at(line.le), te: field.at(line.te) }
-    }
-}
-
 impl<S: Scalar> Carriers<'_, S> {
     /// Adds the forces of `load` (N and N m, B) on `link` along the coordinates.
     pub fn project<T: Over<S>>(&self, link: usize, load: &Wrench<T>, forces: &mut [T]) {
@@ -227,8 +237,13 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
 
     #[inline(always)]
     fn on(&self, section: &SurfaceSection<P>) -> SectionMotion<S> {
+        self.carrier(section).section(section)
+    }
+
+    #[inline(always)]
+    fn carrier(&self, section: &SurfaceSection<P>) -> &Carrier<S> {
         let carriers = self.carriers;
-        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier]).section(section)
+        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier])
     }
 
     /// Whether section `i` lies between two links.
@@ -236,16 +251,21 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
         self.webs.get(i).is_some_and(Option::is_some)
     }
 
-    /// Adds what section `i` with the share `share` and the chord line `line` is the sum of.
-    pub fn bear(&self, i: usize, line: SectionMotion<S>, share: S, parts: &mut BorneParts<S>) {
+    /// Adds what section `i` with the share `share` is the sum of; returns its leading and trailing edge, m in B.
+    pub fn bear(&self, i: usize, share: S, parts: &mut BorneParts<S>) -> [Vec3<S>; 2] {
         let Some(Some(web)) = self.webs.get(i) else {
-            parts.push(Borne { link: self.sections[i].link, share, line });
-            return;
+            let section = &self.sections[i];
+            let ends = self.carrier(section).ends(section);
+            parts.push(Borne { link: section.link, share, ends });
+            return ends;
         };
-        let rest = web.outer.iter().fold(P::ONE, |rest, (_, weight)| rest - *weight);
-        for (of, weight) in std::iter::once(&(web.inner, rest)).chain(&web.outer) {
-            parts.push(Borne { link: of.link, share: share * *weight, line: self.line(of) });
+        let mut whole = [Vec3::ZERO; 2];
+        for (of, weight) in web.parts() {
+            let ends = self.carrier(of).ends(of);
+            parts.push(Borne { link: of.link, share: share * weight, ends });
+            whole = [0, 1].map(|end| whole[end] + ends[end].scaled(weight));
         }
+        whole
     }
 
     /// As [`Self::on`], compiled once.
@@ -292,26 +312,25 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     fn complete(&self) -> bool {
         self.carriers.complete
     }
-    fn fields(&self, i: usize, fields: &mut SectionFields<S>) {
+    fn fields(&self, i: usize, fields: &mut SectionFields<S>) -> u32 {
         let coordinates = self.carriers.coordinates;
         fields.clear();
+        append_copies(fields, SectionField::STILL, coordinates.count());
+        let mut moved = 0;
+        let mut move_by = |part: &SurfaceSection<P>, share: P| {
+            let Some(link) = part.link else { return };
+            let [le, te] = self.carrier(part).ends(part);
+            for (coordinate, motion) in coordinates.moving(link) {
+                let field = &mut fields[coordinate];
+                field.le += motion.at(le).scaled(share);
+                field.te += motion.at(te).scaled(share);
+                moved |= 1 << coordinate;
+            }
+        };
         match self.webs.get(i) {
-            Some(Some(web)) => {
-                let inner = self.line(&web.inner);
-                let outer: ArrayVec<_, 2> =
-                    web.outer.iter().map(|(of, _)| (of.link, self.line(of))).collect();
-                fields.extend((0..coordinates.count()).map(|c| {
-                    let a = coordinates.of_line(c, web.inner.link, &inner);
-                    let moved = outer.iter().map(|(link, line)| coordinates.of_line(c, *link, line));
-                    let moved: ArrayVec<SectionField<S>, 2> = moved.collect();
-                    let [le, te] = [web.sum(a.le, |k| moved[k].le), web.sum(a.te, |k| moved[k].te)];
-                    SectionField { le, te }
-                }));
-            }
-            _ => {
-                let (link, line) = (self.sections[i].link, self.section(i));
-                fields.extend((0..coordinates.count()).map(|c| coordinates.of_line(c, link, &line)));
-            }
+            Some(Some(web)) => web.parts().for_each(|(part, share)| move_by(part, share)),
+            _ => move_by(&self.sections[i], P::ONE),
         }
+        moved
     }
 }

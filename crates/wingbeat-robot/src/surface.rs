@@ -446,7 +446,7 @@ impl<P: Scalar> Covering<P> {
 /// What the coordinates of the mechanism take from all surfaces.
 pub(super) struct MechanismLoads<'a, G: Scalar, S: Scalar> {
     /// Mass matrix of body and coordinates; none where nobody asks for it.
-    pub mass: Option<&'a mut [[G; MAX_DEGREES]; MAX_DEGREES]>,
+    pub mass: Option<&'a mut [[G; MAX_DEGREES]]>,
     /// Loads on the links, the body last.
     pub external: &'a mut External<S>,
     /// What the rates of followed impulses lack, where there are any.
@@ -470,16 +470,14 @@ pub(super) fn between_edges<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
     load: &Wrench<S>,
     bear: &mut dyn FnMut(Option<usize>, Wrench<S>),
 ) {
-    let at = edges.map(|edge| riding.at(edge));
-    let across = (at[1].le - at[0].le) + (at[1].te - at[0].te);
     let mut parts = BorneParts::<G>::new();
-    for ((edge, line), share) in edges.into_iter().zip(at).zip([G::ONE - share, share]) {
-        riding.bear(edge, line, share, &mut parts);
-    }
-    let chord_of = |part: &Borne<G>| part.line.te - part.line.le;
+    let [first, second] =
+        [(0, G::ONE - share), (1, share)].map(|(k, share)| riding.bear(edges[k], share, &mut parts));
+    let across = (second[0] - first[0]) + (second[1] - first[1]);
+    let chord_of = |part: &Borne<G>| part.ends[1] - part.ends[0];
     let force_of = |part: &Borne<G>| {
         let force = load.force.scaled(part.share);
-        Wrench { force, moment: part.line.point(0.5).cross_over(force) }
+        Wrench { force, moment: (part.ends[0] + chord_of(part).scaled(0.5)).cross_over(force) }
     };
     let mut chord = chord_of(&parts[0]).scaled(parts[0].share);
     for part in &parts[1..] {

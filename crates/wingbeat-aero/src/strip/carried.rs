@@ -1,15 +1,33 @@
 //! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
 
-use super::influence::{StripColumn, column, dot, lanes, multiply, multiply_transposed, plain};
+use super::influence::{
+    StripColumn, column, dot, dot_some, lanes, multiply, multiply_some, multiply_transposed, plain,
+};
+use super::motion::Vectors;
 use super::{StripFlow, StripModel};
 use crate::{ImpulseRates, ImpulseRow, SectionFields, Sections};
 use arrayvec::ArrayVec;
+use std::ops::Range;
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
 
 /// What drives the carried air at 1/2 chord of a strip: its normal acceleration per acceleration
 /// and angular acceleration of the body (6), the wash there, m/s, and its rate, m/s2.
 type CarriedDrive<S> = [S; 8];
+
+/// How the strips move per unit rate of a coordinate.
+struct CoordinateField<S: Scalar, const N: usize> {
+    /// Normal velocity at 1/2 chord, m/s over the unit of the rate.
+    heave: StripColumn<S, N>,
+    /// Pitch rate, rad/s over the unit of the rate.
+    pitch: StripColumn<S, N>,
+    /// From the first to the last strip that moves.
+    strips: Range<usize>,
+}
+
+impl<S: Scalar, const N: usize> CoordinateField<S, N> {
+    const STILL: Self = Self { heave: [S::ZERO; N], pitch: [S::ZERO; N], strips: 0..0 };
+}
 
 impl<P: Scalar> StripModel<P> {
     /// What A0^-1 leaves of the motion, the impulse of the carried air and, unless motions are `complete`, its inertia.
@@ -123,18 +141,33 @@ impl<P: Scalar> StripModel<P> {
         &self,
         flow: &StripFlow<K, G, N>,
         sections: &dyn Sections<G>,
-        matrix: &mut [[G; MAX_DEGREES]; MAX_DEGREES],
+        matrix: &mut [[G; MAX_DEGREES]],
     ) {
-        let strips = &flow.strips;
-        let fields = self.heave_and_pitch(flow, sections);
-        for (c, [heave, pitch]) in fields.iter().enumerate() {
-            let mut carried = self.symmetric_impulse(flow, heave);
+        let (strips, n) = (&flow.strips, self.settings.strips);
+        let mut fields = ArrayVec::new();
+        let moved = self.heave_and_pitch(flow, sections, &mut fields);
+        if moved == 0 {
+            return;
+        }
+        let mut impulses = ArrayVec::new();
+        self.symmetric_impulses(flow, moved, &mut impulses);
+        let mut moments = Vectors::<K, N>::ZERO;
+        for i in 0..lanes::<K, N>(n) {
+            moments.set(i, strips.half.get(i).cross(strips.normal.get(i)));
+        }
+        let resistance: StripColumn<K, N> = column(n, |i| {
+            if !self.settings.section.section_moment {
+                return K::ZERO;
+            }
+            let b = self.tables.chord[i] * 0.5;
+            self.section_mass(i, flow) * (b * b * 0.125)
+        });
+        for (c, field) in fields.iter().enumerate() {
+            let CoordinateField { heave, pitch, strips: some } = field;
+            let mut carried = multiply_some(&impulses, heave, some.clone(), n);
             let mut turned = *pitch;
-            for i in 0..lanes::<G, N>(self.settings.strips) {
-                let b = self.tables.chord[i] * 0.5;
-                let mass =
-                    if self.settings.section.section_moment { self.section_mass(i, flow) } else { K::ZERO };
-                turned[i] = turned[i] * (mass * (b * b * 0.125));
+            for i in 0..lanes::<G, N>(n) {
+                turned[i] = turned[i] * resistance[i];
             }
             if self.hinges.is_some() {
                 self.relieve_field(flow, [heave, pitch], [&mut carried, &mut turned]);
@@ -145,16 +178,14 @@ impl<P: Scalar> StripModel<P> {
                     matrix[k][6 + c] += share;
                 }
             };
-            for i in 0..self.settings.strips {
-                let (normal, across) = (strips.normal.get(i), strips.across.get(i));
-                let moment = strips.half.get(i).cross(normal);
-                for k in 0..3 {
-                    add(k, carried[i] * normal[k]);
-                    add(3 + k, carried[i] * moment[k] + turned[i] * across[k]);
-                }
+            for k in 0..3 {
+                let turning = dot_some(&strips.across.0[k], &turned, some.clone());
+                add(k, dot_some(&strips.normal.0[k], &carried, 0..n));
+                add(3 + k, dot_some(&moments.0[k], &carried, 0..n) + turning);
             }
-            for (other, [heave, pitch]) in fields[..=c].iter().enumerate() {
-                add(6 + other, dot(heave, &carried) + dot(pitch, &turned));
+            for (other, of) in fields[..=c].iter().enumerate() {
+                let heaving = dot_some(&carried, &of.heave, of.strips.clone());
+                add(6 + other, heaving + dot_some(&turned, &of.pitch, of.strips.clone()));
             }
         }
     }
@@ -174,59 +205,71 @@ impl<P: Scalar> StripModel<P> {
             by: [G::ZERO; MAX_DEGREES],
         });
         rates.rows.extend(rows);
-        let fields = self.heave_and_pitch(flow, sections);
-        for c in 0..6 + fields.len() {
-            let field = match c.checked_sub(6) {
-                None => std::array::from_fn(|i| G::from(drives[i][c])),
-                Some(coordinate) => fields[coordinate][0],
-            };
-            let carried = self.symmetric_impulse(flow, &field);
+        let (mut fields, mut impulses) = (ArrayVec::new(), ArrayVec::new());
+        self.heave_and_pitch(flow, sections, &mut fields);
+        self.symmetric_impulses(flow, u64::MAX, &mut impulses);
+        let body = (0..6).map(|c| (std::array::from_fn(|i| G::from(drives[i][c])), 0..n));
+        let own = fields.iter().map(|field| (field.heave, field.strips.clone()));
+        for (c, (heave, some)) in body.chain(own).enumerate() {
+            let carried = multiply_some(&impulses, &heave, some, n);
             for (row, carried) in rates.rows[first..].iter_mut().zip(carried) {
                 row.by[c] = carried;
             }
         }
     }
 
-    /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of each coordinate.
+    /// How strips move per unit rate of each coordinate, which is what `fields` gets; returns the strips that move, as bits.
     fn heave_and_pitch<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
         &self,
         flow: &StripFlow<K, G, N>,
         sections: &dyn Sections<G>,
-    ) -> ArrayVec<[StripColumn<G, N>; 2], MAX_COORDINATES> {
+        fields: &mut ArrayVec<CoordinateField<G, N>, MAX_COORDINATES>,
+    ) -> u64 {
         let strips = &flow.strips;
-        let (mut left, mut right) = (SectionFields::new(), SectionFields::new());
-        sections.fields(0, &mut left);
-        let mut of = ArrayVec::new();
-        of.extend(left.iter().map(|_| [[G::ZERO; N]; 2]));
+        let mut edges = [SectionFields::new(), SectionFields::new()];
+        let mut moves = [sections.fields(0, &mut edges[0]), 0];
+        fields.extend(edges[0].iter().map(|_| CoordinateField::STILL));
+        let mut moved = 0;
         for i in 0..self.settings.strips {
-            sections.fields(i + 1, &mut right);
+            let (a, b) = (i % 2, (i + 1) % 2);
+            moves[b] = sections.fields(i + 1, &mut edges[b]);
+            let mut coordinates = moves[0] | moves[1];
+            if coordinates == 0 {
+                continue;
+            }
+            moved |= 1 << i;
             let inverse_chord = ((strips.half.get(i) - strips.quarter.get(i)).norm() * 4.0).recip();
             let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
             let normals = [normal, self.zero_lift.upward(chordwise, normal)].map(Vec3::lifted);
             let inverse_chord = G::from(inverse_chord);
-            for (c, [heave, pitch]) in of.iter_mut().enumerate() {
-                let field = left[c].mixed(&right[c], self.tables.fraction[i]);
-                (heave[i], pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
+            while coordinates != 0 {
+                let c = coordinates.trailing_zeros() as usize;
+                coordinates &= coordinates - 1;
+                let (field, of) = (edges[a][c].mixed(&edges[b][c], self.tables.fraction[i]), &mut fields[c]);
+                (of.heave[i], of.pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
+                let first = if of.strips.is_empty() { i } else { of.strips.start };
+                of.strips = first..i + 1;
             }
-            std::mem::swap(&mut left, &mut right);
         }
-        of
+        moved
     }
 
-    /// The symmetric part of rho dy ma A0^-1 times `v`; nothing without added mass.
-    fn symmetric_impulse<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+    /// The columns of B, the symmetric part of rho dy ma A0^-1, of the strips `wanted`, as bits; those of others are zero, and without added
+    /// mass all are.
+    fn symmetric_impulses<K: Scalar + Meets<P>, G: Scalar, const N: usize>(
         &self,
         flow: &StripFlow<K, G, N>,
-        v: &StripColumn<G, N>,
-    ) -> StripColumn<G, N> {
-        if !self.settings.section.added_mass {
-            return [G::ZERO; N];
+        wanted: u64,
+        columns: &mut ArrayVec<StripColumn<K, N>, N>,
+    ) {
+        let (n, relief) = (self.settings.strips, &flow.relief);
+        for j in 0..n.min(N) {
+            let empty = wanted >> j & 1 == 0 || !self.settings.section.added_mass;
+            let mass = self.tables.mass[j];
+            columns.push(column(n, |i| {
+                if empty { K::ZERO } else { (relief[j][i] * self.tables.mass[i] + relief[i][j] * mass) * 0.5 }
+            }));
         }
-        let (left, mut sum) = (multiply(&flow.relief, v, self.settings.strips), self.reciprocal(flow, v));
-        for i in 0..lanes::<G, N>(self.settings.strips) {
-            sum[i] = (left[i] * self.tables.mass[i] + sum[i]) * 0.5;
-        }
-        sum
     }
 
     /// The transpose of rho dy ma A0^-1 times `v`.

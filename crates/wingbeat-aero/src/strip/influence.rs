@@ -6,6 +6,7 @@
 use super::cores::{Cores, EdgeCores, StripCores};
 use super::motion::{StripEdge, Strips, Vectors, Wakes};
 use std::f64::consts::PI;
+use std::ops::Range;
 use wingbeat_math::{Dual, Meets, Over, Scalar, Vec3};
 
 /// A number per strip.
@@ -440,11 +441,22 @@ pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
     v: &StripColumn<S, N>,
     n: usize,
 ) -> StripColumn<S, N> {
+    multiply_some(m, v, 0..n, n)
+}
+
+/// As [`multiply`] where `v` is zero but for the sources `some` of the first `n`; `m` needs no more columns.
+#[inline(always)]
+pub(super) fn multiply_some<G: Scalar, S: Over<G>, const N: usize>(
+    m: &[StripColumn<G, N>],
+    v: &StripColumn<S, N>,
+    some: Range<usize>,
+    n: usize,
+) -> StripColumn<S, N> {
     if const { !plain::<S>() } {
-        return column(n, |i| (0..n).fold(S::ZERO, |sum, j| v[j].fused(m[j][i], sum)));
+        return column(n, |i| some.clone().fold(S::ZERO, |sum, j| v[j].fused(m[j][i], sum)));
     }
     let mut sum = [S::ZERO; N];
-    for j in 0..n {
+    for j in some {
         for i in 0..lanes::<S, N>(n) {
             sum[i] = v[j].fused(m[j][i], sum[i]);
         }
@@ -480,6 +492,19 @@ pub(super) fn dot<K: Scalar, S: Over<K>, const N: usize>(a: &StripColumn<K, N>, 
         }
     }
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+}
+
+/// a . b where b is zero but for `some`.
+#[inline(always)]
+pub(super) fn dot_some<K: Scalar, S: Over<K>, const N: usize>(
+    a: &StripColumn<K, N>,
+    b: &StripColumn<S, N>,
+    some: Range<usize>,
+) -> S {
+    if const { plain::<S>() } {
+        return dot(a, b);
+    }
+    some.fold(S::ZERO, |sum, i| b[i].fused(a[i], sum))
 }
 
 /// Sum over all lanes.

@@ -554,8 +554,8 @@ impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
     fn complete(&self) -> bool {
         self.all.complete()
     }
-    fn fields(&self, i: usize, fields: &mut SectionFields<S>) {
-        self.all.fields(self.first + i, fields);
+    fn fields(&self, i: usize, fields: &mut SectionFields<S>) -> u32 {
+        self.all.fields(self.first + i, fields)
     }
 }
 

@@ -3,10 +3,11 @@
 
 use super::MAX_LINKS;
 use super::dynamics::BaseAcceleration;
+use super::inertia::CompositeBody;
 use super::motion::LinkMotion;
 use super::tree::Tree;
 use arrayvec::ArrayVec;
-use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench};
+use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench, append_copies};
 use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
 
 /// What the rate of one coordinate does through one joint.
@@ -75,26 +76,24 @@ impl<S: Scalar> Coordinates<S> {
         self.own.push((coordinate, [effort, inertia]));
     }
 
-    /// Motion of `link` (None: the base) about the body origin per unit rate of `coordinate`, in B.
-    pub fn field(&self, coordinate: usize, link: Option<usize>) -> BaseAcceleration<S> {
-        let moves = |s: &&Share<S>| s.coordinate == coordinate && link.is_some_and(|l| s.links >> l & 1 == 1);
-        let still = BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO };
-        self.shares.iter().filter(moves).fold(still, |sum, s| sum.plus(&s.field, S::ONE))
+    /// What moves `link` about the body origin: per joint a coordinate and the motion per unit of its rate, in B.
+    #[inline]
+    pub fn moving(&self, link: usize) -> impl Iterator<Item = (usize, &BaseAcceleration<S>)> {
+        self.shares.iter().filter(move |s| s.links >> link & 1 == 1).map(|s| (s.coordinate, &s.field))
     }
 
     /// Adds the generalised forces (W over the unit of the rate) of `wrench` on `link` (N and N m, about the body origin, in B)
     /// to `forces`, one per coordinate: Q_c = field_c . wrench.
     pub fn project<T: Over<S>>(&self, link: usize, wrench: &Wrench<T>, forces: &mut [T]) {
-        for share in self.shares.iter().filter(|s| s.links >> link & 1 == 1) {
-            forces[share.coordinate] += share.field.power(wrench);
+        for (coordinate, field) in self.moving(link) {
+            forces[coordinate] += field.power(wrench);
         }
     }
 
     /// The field of all coordinates with the rates `rates` on `link`, m/s2 and rad/s2 in B.
     pub fn combined(&self, link: usize, rates: &[S]) -> BaseAcceleration<S> {
         let still = BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO };
-        let moving = self.shares.iter().filter(|s| s.links >> link & 1 == 1);
-        moving.fold(still, |sum, s| sum.plus(&s.field, rates[s.coordinate]))
+        self.moving(link).fold(still, |sum, (coordinate, field)| sum.plus(field, rates[coordinate]))
     }
 }
 
@@ -113,8 +112,8 @@ impl<P: Scalar> Tree<P> {
     /// Test: `coordinates_and_articulated_bodies_agree_in_vacuum`.
     ///
     /// Rows and columns 6.. of the mass matrix on [acceleration of the body origin; angular
-    /// acceleration; second rates of the coordinates], M_cx = sum over links of F_c . I F_x with the
-    /// fields F, added to `mass`; and weight less reaction, F_c . (m g - bias), added to `forces`
+    /// acceleration; second rates of the coordinates], M_cx = F_c . I F_x with the fields F and the inertia I of
+    /// the links that both move, added to `mass`; and weight less reaction, F_c . (m g - bias), added to `forces`
     /// (composite rigid bodies: Featherstone 2008, section 6.2, projected on the coordinates). Without `mass` the forces alone.
     ///
     /// `motions` comes from [`Tree::motions`] with no second rates of the coordinates; `g_b` is
@@ -125,7 +124,7 @@ impl<P: Scalar> Tree<P> {
         motions: &[LinkMotion<S>],
         g_b: Vec3<S>,
         coordinates: &Coordinates<S>,
-        mut mass: Option<&mut [[S; MAX_DEGREES]; MAX_DEGREES]>,
+        mut mass: Option<&mut [[S; MAX_DEGREES]]>,
         forces: &mut [S],
     ) {
         for &(coordinate, [effort, inertia]) in &coordinates.own {
@@ -134,27 +133,42 @@ impl<P: Scalar> Tree<P> {
                 mass[6 + coordinate][6 + coordinate] += inertia;
             }
         }
+        let shares = &coordinates.shares;
+        let mut carried = ArrayVec::<(CompositeBody<P, S>, Wrench<S>), MAX_LINKS>::new();
+        append_copies(&mut carried, (CompositeBody::NONE, Wrench::ZERO), shares.len());
+        let moved = shares.iter().fold(0, |all, share| all | share.links);
         for (link, (node, motion)) in self.nodes.iter().zip(motions).enumerate() {
-            let Some(inertia) = &node.inertia else { continue };
+            let Some(inertia) = node.inertia.as_ref().filter(|_| moved >> link & 1 == 1) else { continue };
             let reaction = inertia.reaction(motion);
             let weight = g_b.scaled(inertia.mass);
             let load = Wrench { force: weight, moment: reaction.com.cross(weight) } + -reaction.bias;
-            coordinates.project(link, &load, forces);
+            for (_, (body, sum)) in shares.iter().zip(&mut carried).filter(|(s, _)| s.links >> link & 1 == 1)
+            {
+                *sum += load;
+                if mass.is_some() {
+                    body.add(inertia.mass, &reaction);
+                }
+            }
+        }
+        for (k, (row, (body, load))) in shares.iter().zip(&carried).enumerate() {
+            forces[row.coordinate] += row.field.power(load);
             let Some(mass) = &mut mass else { continue };
-            for row in &coordinates.shares {
-                if row.links >> link & 1 == 0 {
+            let (needed, r) = (body.needed(&row.field), 6 + row.coordinate);
+            for i in 0..3 {
+                mass[r][i] += needed.force[i];
+                mass[i][r] += needed.force[i];
+                mass[r][i + 3] += needed.moment[i];
+                mass[i + 3][r] += needed.moment[i];
+            }
+            for (l, column) in shares.iter().enumerate() {
+                // Links that two joints of a tree carry are all those of one of the two; of two that carry the same the first counts.
+                if row.links & !column.links != 0 || (row.links == column.links && l < k) {
                     continue;
                 }
-                let needed = reaction.inertial(inertia.mass, &row.field);
-                let r = 6 + row.coordinate;
-                for i in 0..3 {
-                    mass[r][i] += needed.force[i];
-                    mass[i][r] += needed.force[i];
-                    mass[r][i + 3] += needed.moment[i];
-                    mass[i + 3][r] += needed.moment[i];
-                }
-                for column in coordinates.shares.iter().filter(|s| s.links >> link & 1 == 1) {
-                    mass[r][6 + column.coordinate] += column.field.power(&needed);
+                let (share, c) = (column.field.power(&needed), 6 + column.coordinate);
+                mass[r][c] += share;
+                if l != k {
+                    mass[c][r] += share;
                 }
             }
         }

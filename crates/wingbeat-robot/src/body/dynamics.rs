@@ -1,7 +1,7 @@
 //! Mass matrix and bias of the whole tree with its joints prescribed, gravity, joint torques.
 
 use super::MAX_LINKS;
-use super::inertia::{LinkInertia, Reaction, Symmetric};
+use super::inertia::{CompositeBody, LinkInertia, Reaction, Symmetric};
 use super::motion::LinkMotion;
 use super::tree::{JointKind, Tree};
 use wingbeat_math::{Jet, Mat3, Meets, Over, Scalar, Vec3, Wrench};
@@ -192,10 +192,30 @@ impl<S: Scalar> Reaction<S> {
     where
         S: Meets<P>,
     {
-        let first_moment = self.com.scaled(mass);
+        let (first_moment, about_origin) = (self.com.scaled(mass), self.about_origin);
+        CompositeBody { mass, first_moment, about_origin }.needed(x)
+    }
+}
+
+impl<P: Scalar, S: Scalar + Meets<P>> CompositeBody<P, S> {
+    /// Nothing.
+    pub(super) const NONE: Self =
+        Self { mass: P::ZERO, first_moment: Vec3::ZERO, about_origin: Symmetric([S::ZERO; 6]) };
+
+    /// Takes in a body of the mass `mass`, kg.
+    #[inline]
+    pub(super) fn add(&mut self, mass: P, body: &Reaction<S>) {
+        self.mass += mass;
+        self.first_moment += body.com.scaled(mass);
+        self.about_origin.add(&body.about_origin);
+    }
+
+    /// Wrench about the body origin that the field of acceleration `x` alone needs.
+    #[inline]
+    pub(super) fn needed(&self, x: &BaseAcceleration<S>) -> Wrench<S> {
         Wrench {
-            force: x.origin.scaled(mass) + x.angular.cross(first_moment),
-            moment: first_moment.cross(x.origin) + self.about_origin.apply(&x.angular),
+            force: x.origin.scaled(self.mass) + x.angular.cross(self.first_moment),
+            moment: self.first_moment.cross(x.origin) + self.about_origin.apply(&x.angular),
         }
     }
 }

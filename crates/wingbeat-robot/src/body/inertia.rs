@@ -217,6 +217,17 @@ pub(super) struct Reaction<S: Scalar> {
     pub(super) bias: Wrench<S>,
 }
 
+/// Bodies that move as one, about the body origin, in B.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CompositeBody<P: Scalar, S: Scalar> {
+    /// kg.
+    pub(super) mass: P,
+    /// Sum of mass times position, kg m.
+    pub(super) first_moment: Vec3<S>,
+    /// Inertia, kg m2.
+    pub(super) about_origin: Symmetric<S>,
+}
+
 impl<P: Scalar> LinkInertia<P> {
     /// Equation: body.newton_euler
     /// `F = m a_c, T = c x F + I w' + w x I w`

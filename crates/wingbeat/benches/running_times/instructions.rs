@@ -15,7 +15,12 @@ pub fn count(arguments: &[String]) -> Option<()> {
     let (runs, strips): (usize, usize) = (runs.parse().ok()?, strips.parse().ok()?);
     let number = if preset == "paper" { "nodes" } else { "strips" };
     let overrides = [format!("aero.preset='{preset}'"), format!("aero.{preset}.{number}={strips}")];
-    let scenario = scenario("banking_turn.toml", &overrides.each_ref().map(String::as_str));
+    let file = match work.as_str() {
+        "spars" => "soft_20g.toml",
+        "rigid" => "cruise_20g.toml",
+        _ => "banking_turn.toml",
+    };
+    let scenario = scenario(file, &overrides.each_ref().map(String::as_str));
     let (robot, x) = (scenario.robot(), scenario.start());
     let (mut dx, u) = (x.clone(), vec![0.01; robot.inputs().len()]);
     let mut linearisation = Linearisation::new(x.len(), u.len());
@@ -23,7 +28,7 @@ pub fn count(arguments: &[String]) -> Option<()> {
     for _ in 0..runs {
         let (t, x, u) = (black_box(0.1), black_box(&x[..]), black_box(&u[..]));
         match work.as_str() {
-            "evaluation" => robot.rates_in_numbers(t, x, u, &mut dx).ok()?,
+            "evaluation" | "spars" | "rigid" => robot.rates_in_numbers(t, x, u, &mut dx).ok()?,
             "jacobian" => linearisation.evaluate(robot, t, x, u).ok()?,
             "inputs" => linearisation.evaluate_inputs(robot, t, x, u).ok()?,
             "sample" => {
