@@ -396,7 +396,7 @@ pub(super) fn robot(
     let given = robot.check_given(&own).and_then(|()| robot.given(&own));
     let mut numbers = given.map_err(|e| of_numbers(e, spec).within("robot"))?;
     if let Some(mismatch) = mismatch {
-        mismatch.deviate(&mut numbers, spec.structure.elements.len());
+        mismatch.deviate(&robot, &mut numbers, spec.structure.elements.len());
     }
     let robot = robot.renumbered(&numbers).map_err(|e| of_numbers(e, spec).within("robot"))?;
     Ok(if vacuum { robot.in_vacuum() } else { robot })

@@ -126,7 +126,7 @@ pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use sweep_verdict::SweepCounts;
 pub use tether::{SparSummary, StepChange, TetherCase, TetherSummary};
 pub use tether_compare::{CompareSpec, Compared, MeasuredComparison, mended_in_compare};
-pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, QuantitySpread};
+pub use tether_converge::{Convergence, ConvergenceCell, ConvergenceRun, Levels, QUANTITIES, QuantitySpread};
 pub use tether_spec::{
     ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
     TetheredBodySpec, TetheredWingSpec, WindSpec,

@@ -6,7 +6,7 @@ use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
-use wingbeat_robot::{GivenNumbers, Numbers, RobotSpec};
+use wingbeat_robot::{GivenNumbers, Numbers, Robot, RobotSpec};
 
 /// Factors and shifts of the flown robot alone, which act on it as its file and `robot.numbers` say it, and an air of its own.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -29,6 +29,8 @@ pub struct Mismatch {
     pub gait_amplitude: f64,
     /// Factor on the natural frequency of the structure elements.
     pub regulator_bandwidth: f64,
+    /// Factor on the stiffness of springs on joints and pins, spars, flaps and membranes. Damping that is given as a time follows it.
+    pub stiffness: f64,
     /// Factor on the profile drag of the surfaces along the wind, cd0.
     pub profile_drag: f64,
     /// Factor on their drag broadside to the wind, cd90.
@@ -56,6 +58,7 @@ impl Default for Mismatch {
             com_z_m: 0.0,
             gait_amplitude: 1.0,
             regulator_bandwidth: 1.0,
+            stiffness: 1.0,
             profile_drag: 1.0,
             broadside_drag: 1.0,
             aero: None,
@@ -70,13 +73,14 @@ ranges!(Mismatch {
     inertia: Range::POSITIVE,
     gait_amplitude: Range::POSITIVE,
     regulator_bandwidth: Range::POSITIVE,
+    stiffness: Range::POSITIVE,
     profile_drag: Range::NOT_NEGATIVE,
     broadside_drag: Range::NOT_NEGATIVE,
 });
 
 impl Mismatch {
     /// Its keys.
-    pub(super) const KEYS: [&str; 12] = [
+    pub(super) const KEYS: [&str; 13] = [
         "density",
         "mass",
         "inertia",
@@ -85,6 +89,7 @@ impl Mismatch {
         "com_z_m",
         "gait_amplitude",
         "regulator_bandwidth",
+        "stiffness",
         "profile_drag",
         "broadside_drag",
         "aero",
@@ -99,6 +104,10 @@ impl Mismatch {
         if robot.structure.a.is_some() && self.regulator_bandwidth != 1.0 {
             let allowed = "1 where the structure is given by its matrices";
             return Err(Error::invalid("regulator_bandwidth", self.regulator_bandwidth, allowed));
+        }
+        if self.stiffness != 1.0 && !robot.gives_way() {
+            let allowed = "1 where the robot has no spring, spar, flap or membrane";
+            return Err(Error::invalid("stiffness", self.stiffness, allowed));
         }
         if self.broadside_drag != 1.0 && robot.surfaces.iter().any(|surface| surface.cd90.is_none()) {
             let allowed = "1 where a surface of the robot says no cd90";
@@ -125,9 +134,10 @@ impl Mismatch {
         real
     }
 
-    /// Makes the numbers of the flown robot of those that its file and `numbers` give it. Of the structure's elements the
+    /// Makes the numbers of the flown `robot` of those that its file and `numbers` give it. Of the structure's elements the
     /// first `elements` are no thrusters.
-    pub(super) fn deviate(&self, numbers: &mut Numbers, elements: usize) {
+    pub(super) fn deviate(&self, robot: &Robot, numbers: &mut Numbers, elements: usize) {
+        robot.stiffen(numbers, self.stiffness);
         numbers.density *= self.density;
         for surface in &mut numbers.surfaces {
             surface.density *= self.density;

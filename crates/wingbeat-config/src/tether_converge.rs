@@ -1,7 +1,8 @@
-//! How much the numbers of a case depend on its strips and steps.
+//! How much the numbers of a case depend on its strips, steps and elements of its spar.
 
+use super::spar_spec::MAX_SPAR_ELEMENTS;
 use super::tether::STEP_CHANGE;
-use super::{ConfigError, ReadTable, TetherCase};
+use super::{ConfigError, Document, ReadTable, TetherCase};
 use serde::Serialize;
 use std::ops::ControlFlow;
 use wingbeat_aero::{MAX_STRIPS, Preset};
@@ -26,7 +27,13 @@ pub struct Levels {
     pub strips: [usize; LEVELS],
     /// Steps per cycle.
     pub steps_per_cycle: [usize; LEVELS],
+    /// Elements of its spar, where it has one: those of the case, and those of one more run with most strips and steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spar_elements: Option<[usize; 2]>,
 }
+
+/// Strips, steps per cycle and, where there is a spar, its elements, of a run.
+pub type ConvergenceCell = (usize, usize, Option<usize>);
 
 /// One run of the table; not-a-number where it failed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -35,6 +42,9 @@ pub struct ConvergenceRun {
     pub strips: usize,
     /// Steps per cycle.
     pub steps_per_cycle: usize,
+    /// Elements of its spar, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spar_elements: Option<usize>,
     /// Mean lift over the last cycle, N.
     pub mean_lift_n: f64,
     /// Mean thrust, N.
@@ -56,7 +66,11 @@ pub const QUANTITIES: [&str; 4] = ["mean_lift_n", "mean_thrust_n", "peak_lift_n"
 
 impl ConvergenceRun {
     /// Of a run at the speed of reference `speed_m_s` (m/s); not-a-number when it did not end.
-    pub fn of(strips: usize, steps_per_cycle: usize, run: &TetherRun, speed_m_s: f64) -> Self {
+    pub fn of(
+        (strips, steps_per_cycle, spar_elements): ConvergenceCell,
+        run: &TetherRun,
+        speed_m_s: f64,
+    ) -> Self {
         let row = |name: &str| {
             run.means.iter().find(|row| row.name == name && matches!(run.ending, Ending::Complete))
         };
@@ -66,6 +80,7 @@ impl ConvergenceRun {
         Self {
             strips,
             steps_per_cycle,
+            spar_elements,
             mean_lift_n: mean("force_wind_lift"),
             mean_thrust_n: mean("thrust"),
             peak_lift_n: row("force_wind_lift").map_or(f64::NAN, |row| row.high),
@@ -91,7 +106,7 @@ pub struct QuantitySpread {
     pub order_strips: Option<f64>,
     /// Observed order (dimensionless) in the steps, with most strips.
     pub order_steps: Option<f64>,
-    /// Largest less smallest with the two finer levels of both, over the finest value, or over a tenth of the largest
+    /// Largest less smallest with the two finer levels of both and the other elements of a spar, over the finest value, or over a tenth of the largest
     /// force or power where that is more.
     pub spread: f64,
 }
@@ -110,12 +125,13 @@ pub struct Convergence {
     pub levels: Levels,
     /// Orders and spread by quantity.
     pub quantities: Vec<QuantitySpread>,
-    /// The runs, strips slowest.
+    /// The runs, strips slowest; last that with other elements of a spar.
     pub cells: Vec<ConvergenceRun>,
 }
 
 impl TetherCase {
-    /// Half, once and twice the case's strips and steps; a quarter, half and once where twice is not allowed.
+    /// Half, once and twice the case's strips and steps; a quarter, half and once where twice is not allowed. Of a spar's elements once and
+    /// twice, or once and half.
     ///
     /// # Errors
     /// Fewer strips or steps than can be halved.
@@ -129,9 +145,11 @@ impl TetherCase {
             }
         }
         let finer = self.tether.stepped(2 * steps).check().is_ok();
+        let other = |own: usize| if 2 * own <= MAX_SPAR_ELEMENTS { 2 * own } else { own / 2 };
         Ok(Levels {
             strips: ladder(strips, 2 * strips <= MAX_STRIPS, LEAST.0),
             steps_per_cycle: ladder(steps, finer, LEAST.1),
+            spar_elements: self.spec.spar.as_ref().map(|spar| [spar.elements, other(spar.elements)]),
         })
     }
 
@@ -144,7 +162,7 @@ impl TetherCase {
         }
     }
 
-    /// Runs the case with every combination of strips and steps, on all cores; `done` is told of each run. `watch` may
+    /// Runs the case with every combination of strips and steps, and with other elements of its spar, on all cores; `done` is told of each run. `watch` may
     /// end the work: then there is no table.
     ///
     /// # Errors
@@ -156,7 +174,7 @@ impl TetherCase {
         mut done: impl FnMut(usize),
     ) -> Result<Option<Convergence>, ConfigError> {
         let levels = self.levels()?;
-        let refined = |(strips, steps)| Ok((strips, steps, self.refined(strips, steps, read)?));
+        let refined = |cell| Ok((cell, self.refined(cell, read)?));
         let cells = levels.cells().into_iter().map(refined).collect::<Result<Vec<_>, ConfigError>>()?;
         let mut runs = vec![None; cells.len()];
         // The longest first, so that no core waits for the last one.
@@ -165,11 +183,9 @@ impl TetherCase {
         parallel::each(
             &order,
             |_, &cell| {
-                let (strips, steps, case) = &cells[cell];
-                {
-                    let run = case.tether.run(|_| watch());
-                    ConvergenceRun::of(*strips, *steps, &run, case.tether.reference.speed_m_s)
-                }
+                let (of, case) = &cells[cell];
+                let run = case.tether.run(|_| watch());
+                ConvergenceRun::of(*of, &run, case.tether.reference.speed_m_s)
             },
             |index, run| {
                 runs[order[index]] = Some(run);
@@ -183,14 +199,20 @@ impl TetherCase {
         Ok(whole.then(|| Convergence::new(levels, runs)))
     }
 
-    /// The same case with other strips and steps per cycle.
+    /// The same case with other strips, steps per cycle and, where they are given, elements of its spar.
     ///
     /// # Errors
     /// What the case refuses with them.
-    pub fn refined(&self, strips: usize, steps: usize, read: ReadTable) -> Result<Self, ConfigError> {
+    pub fn refined(
+        &self,
+        (strips, steps, elements): ConvergenceCell,
+        read: ReadTable,
+    ) -> Result<Self, ConfigError> {
         let (key, _) = self.strips();
         let document = self.document.clone().set(format!("{key}={strips}"));
-        Self::new(document.set(format!("time.steps_per_cycle={steps}")), read)
+        let document = document.set(format!("time.steps_per_cycle={steps}"));
+        let set = |document: Document, elements| document.set(format!("spar.elements={elements}"));
+        Self::new(elements.into_iter().fold(document, set), read)
     }
 }
 
@@ -203,9 +225,13 @@ pub fn ladder(own: usize, doubled: bool, least: usize) -> [usize; LEVELS] {
 }
 
 impl Levels {
-    /// Strips and steps of every run, strips slowest.
-    pub fn cells(&self) -> Vec<(usize, usize)> {
-        self.strips.into_iter().flat_map(|strips| self.steps_per_cycle.map(|steps| (strips, steps))).collect()
+    /// What every run has, strips slowest; last that with other elements of a spar.
+    pub fn cells(&self) -> Vec<ConvergenceCell> {
+        let own = self.spar_elements.map(|[own, _]| own);
+        let of = |strips: usize| self.steps_per_cycle.map(|steps| (strips, steps, own));
+        let finest = (self.strips[LEVELS - 1], self.steps_per_cycle[LEVELS - 1]);
+        let other = self.spar_elements.map(|[_, other]| (finest.0, finest.1, Some(other)));
+        self.strips.into_iter().flat_map(of).chain(other).collect()
     }
 }
 
@@ -215,7 +241,7 @@ impl Convergence {
         let value = |strips: usize, steps: usize, k: usize| cells[strips * LEVELS + steps].values()[k];
         let fine = LEVELS - 1;
         let of = |k: usize| {
-            let scale = cells[cells.len() - 1].scales[usize::from(k == QUANTITIES.len() - 1)];
+            let scale = cells[fine * LEVELS + fine].scales[usize::from(k == QUANTITIES.len() - 1)];
             let by_strips = std::array::from_fn(|i| value(i, fine, k));
             let by_steps = std::array::from_fn(|i| value(fine, i, k));
             QuantitySpread {
@@ -225,7 +251,9 @@ impl Convergence {
                 order_steps: observed_order(levels.steps_per_cycle, by_steps, scale),
                 spread: spread(
                     [(fine, fine), (fine - 1, fine), (fine, fine - 1), (fine - 1, fine - 1)]
-                        .map(|(strips, steps)| value(strips, steps, k)),
+                        .map(|(strips, steps)| value(strips, steps, k))
+                        .into_iter()
+                        .chain(cells.get(LEVELS * LEVELS).map(|other| other.values()[k])),
                     scale,
                 ),
             }
@@ -235,9 +263,16 @@ impl Convergence {
         let (spread, name) = worst.map_or((f64::NAN, ""), |worst| (worst.spread, worst.quantity));
         let converged = spread <= STEP_CHANGE;
         let ([_, few, many], [_, long, short]) = (levels.strips, levels.steps_per_cycle);
+        let grid = match levels.spar_elements {
+            None => format!("{few} to {many} strips and {long} to {short} steps per cycle"),
+            Some([own, other]) => format!(
+                "{few} to {many} strips, {long} to {short} steps per cycle and {} to {} elements of the spar",
+                own.min(other),
+                own.max(other)
+            ),
+        };
         let verdict = format!(
-            "{few} to {many} strips and {long} to {short} steps per cycle spread by {:.2} % at most ({name}); \
-             {} is {:.0} %",
+            "{grid} spread by {:.2} % at most ({name}); {} is {:.0} %",
             100.0 * spread,
             if converged { "allowed" } else { "the limit" },
             100.0 * STEP_CHANGE
@@ -248,7 +283,8 @@ impl Convergence {
 }
 
 /// Range of the values over the first, or over a share of `scale`; infinite where a run failed.
-fn spread(values: [f64; 4], scale: f64) -> f64 {
+fn spread(values: impl Iterator<Item = f64>, scale: f64) -> f64 {
+    let values: Vec<f64> = values.collect();
     if values.iter().any(|value| !value.is_finite()) {
         return f64::INFINITY;
     }

@@ -17,7 +17,9 @@ pub fn convergence(table: &Convergence) -> Figure {
     let looks = [Look::Dotted, Look::Dashed, Look::Line];
     let panel = |k: usize| {
         let of_steps = |(i, steps): (usize, usize)| {
-            let runs = table.cells.iter().filter(|run| run.steps_per_cycle == steps);
+            let own = table.levels.spar_elements.map(|[own, _]| own);
+            let alike = |run: &&ConvergenceRun| run.steps_per_cycle == steps && run.spar_elements == own;
+            let runs = table.cells.iter().filter(alike);
             let point = |run: &ConvergenceRun| (run.strips as f64, run.values()[k]);
             let points = runs.map(point).filter(|point| point.1.is_finite()).collect();
             ChartSeries::new(format!("{steps} steps per cycle"), points, looks[i], i)

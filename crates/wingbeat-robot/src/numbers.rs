@@ -214,6 +214,23 @@ impl Robot {
         std::iter::once("body".to_string()).chain((0..self.tree().links()).map(link))
     }
 
+    /// Makes all that gives way in `numbers` of this robot `factor` times as stiff: springs of joints and pins, spars, flaps and membranes.
+    /// Damping that is given as a time follows, as that of spars, flaps and membranes does; stops stay as they are.
+    pub fn stiffen(&self, numbers: &mut Numbers, factor: f64) {
+        let pieces: Vec<usize> = self.mechanism.pieces().collect();
+        for (spring, joint) in numbers.springs.iter_mut().zip(&self.mechanism.coordinates) {
+            spring.stiffness *= factor;
+            if pieces.contains(joint) {
+                spring.damping *= factor;
+            }
+        }
+        numbers.pin_springs.iter_mut().for_each(|spring| spring.stiffness *= factor);
+        for surface in &mut numbers.surfaces {
+            surface.membrane.iter_mut().for_each(|skin| skin.stiffness *= factor);
+            surface.flap.iter_mut().for_each(|flap| flap.stiffness *= factor);
+        }
+    }
+
     /// What an item of a list of numbers is called: what its file calls it.
     pub(super) fn label(&self, kind: &str, within: &str, place: usize) -> Option<&str> {
         let joint = |joint: usize| self.tree().name(joint);

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::progress;
 
-/// Runs the case with every combination of strips and steps, on all cores.
+/// Runs the case with every combination of strips and steps, and other elements of its spar, on all cores.
 pub fn converge(
     case: &TetherCase,
     tables: &CaseTables,
@@ -28,25 +28,30 @@ pub fn converge(
 pub fn csv(table: &Convergence) -> String {
     let row = |run: &ConvergenceRun| {
         let values = run.values().map(shortest).join(",");
-        format!("{},{},{values}\n", run.strips, run.steps_per_cycle)
+        let elements = run.spar_elements.map(|elements| format!("{elements},")).unwrap_or_default();
+        format!("{},{},{elements}{values}\n", run.strips, run.steps_per_cycle)
     };
-    let header = format!("strips,steps_per_cycle,{}\n", QUANTITIES.join(","));
+    let elements = table.levels.spar_elements.map_or("", |_| "spar_elements,");
+    let header = format!("strips,steps_per_cycle,{elements}{}\n", QUANTITIES.join(","));
     std::iter::once(header).chain(table.cells.iter().map(row)).collect()
 }
 
 /// The runs, orders and verdict in words.
 pub fn text(table: &Convergence) -> String {
+    let elements = table.levels.spar_elements.is_some();
     let mut text = format!("\n{:>7}{:>8}", "strips", "steps");
+    text += if elements { "  elements" } else { "" };
     QUANTITIES.iter().for_each(|name| text += &format!("{name:>15}"));
     text.push('\n');
     for run in &table.cells {
         text += &format!("{:>7}{:>8}", run.strips, run.steps_per_cycle);
+        text += &run.spar_elements.map(|elements| format!("{elements:>10}")).unwrap_or_default();
         run.values().iter().for_each(|value| text += &format!("{value:>15.6}"));
         text.push('\n');
     }
     let order = |order: Option<f64>| order.map_or("-".into(), |order| format!("{order:.2}"));
     let mut row = |name: &str, cell: &dyn Fn(usize) -> String| {
-        text += &format!("{name:<15}");
+        text += &format!("{name:<width$}", width = if elements { 25 } else { 15 });
         (0..QUANTITIES.len()).for_each(|k| text += &format!("{:>15}", cell(k)));
         text.push('\n');
     };

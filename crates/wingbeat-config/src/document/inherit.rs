@@ -62,7 +62,9 @@ fn remove(value: &mut BasedTree<'_>, steps: &[String]) -> bool {
         DeValue::Table(table) if rest.is_empty() => table.remove(step.as_str()).is_some(),
         DeValue::Table(table) => table.get_mut(step.as_str()).is_some_and(|below| remove(below, rest)),
         DeValue::Array(items) => {
-            let Some(index) = items.iter().position(|item| name(item) == Some(step)) else { return false };
+            let Some(index) = items.iter().position(|item| tree::name(item) == Some(step)) else {
+                return false;
+            };
             if rest.is_empty() {
                 *items = without(std::mem::replace(items, DeArray::new()), index);
                 return true;
@@ -106,7 +108,7 @@ fn list<'i>(base: DeArray<'i>, own: DeArray<'i>) -> DeArray<'i> {
     let mut own: Vec<BasedTree> = own.into_iter().collect();
     let mut items = Vec::new();
     for item in base {
-        let same = own.iter().position(|other| name(other) == name(&item));
+        let same = own.iter().position(|other| tree::name(other) == tree::name(&item));
         items.push(match same {
             Some(index) => merged(item, own.remove(index)),
             None => item,
@@ -116,10 +118,5 @@ fn list<'i>(base: DeArray<'i>, own: DeArray<'i>) -> DeArray<'i> {
 }
 
 fn all_named(items: &DeArray) -> bool {
-    !items.is_empty() && items.iter().all(|item| name(item).is_some())
-}
-
-/// The name of an item of a list.
-fn name<'a>(item: &'a BasedTree) -> Option<&'a str> {
-    item.get_ref().as_table()?.get("name")?.get_ref().as_str()
+    !items.is_empty() && items.iter().all(|item| tree::name(item).is_some())
 }

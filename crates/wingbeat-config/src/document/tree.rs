@@ -1,7 +1,7 @@
-//! Paths into a tree of TOML values: `a.b.list[0].c`; a name with dots or brackets stands between quotes, `numbers."body.com_m[0]"`.
+//! Paths into a tree of TOML values: `a.b.list[0].c`, or `a.b.list.twist.c` of the item with the name `twist`; a name with dots or brackets stands between quotes, `numbers."body.com_m[0]"`.
 
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
 /// The steps of a path: names, and numbers for the items of lists.
 pub fn steps(path: &str) -> Vec<String> {
@@ -28,11 +28,22 @@ pub fn dotted(table: &str, name: &str) -> String {
     if table.is_empty() { name } else { format!("{table}.{name}") }
 }
 
+/// The place in a list of the item with the number or the name `step`.
+fn place(items: &DeArray<'_>, step: &str) -> Option<usize> {
+    let index = step.parse::<usize>().ok().filter(|index| *index < items.len());
+    index.or_else(|| items.iter().position(|item| name(item) == Some(step)))
+}
+
+/// The name of an item of a list.
+pub fn name<'a>(item: &'a Spanned<DeValue<'_>>) -> Option<&'a str> {
+    item.get_ref().as_table()?.get("name")?.get_ref().as_str()
+}
+
 /// The value below `parent` called `step`.
 pub fn child<'a, 'i>(parent: &'a DeValue<'i>, step: &str) -> Option<&'a Spanned<DeValue<'i>>> {
     match parent {
         DeValue::Table(table) => table.get(step),
-        DeValue::Array(items) => items.get(step.parse::<usize>().ok()?),
+        DeValue::Array(items) => items.get(place(items, step)?),
         _ => None,
     }
 }
@@ -40,7 +51,10 @@ pub fn child<'a, 'i>(parent: &'a DeValue<'i>, step: &str) -> Option<&'a Spanned<
 fn child_mut<'a, 'i>(parent: &'a mut DeValue<'i>, step: &str) -> Option<&'a mut Spanned<DeValue<'i>>> {
     match parent {
         DeValue::Table(table) => table.get_mut(step),
-        DeValue::Array(items) => items.get_mut(step.parse::<usize>().ok()?),
+        DeValue::Array(items) => {
+            let place = place(items, step)?;
+            items.get_mut(place)
+        }
         _ => None,
     }
 }
@@ -111,6 +125,14 @@ pub fn swap<'i>(root: &mut Spanned<DeValue<'i>>, steps: &[String]) -> Spanned<De
     }
 }
 
+/// What is allowed in a list where no item is called `step`.
+fn instead(items: &DeArray<'_>, step: &str) -> String {
+    let last = items.len().saturating_sub(1);
+    let names: Vec<&str> = items.iter().filter_map(name).collect();
+    let named = if names.is_empty() { String::new() } else { format!(" or a name of {}", names.join(", ")) };
+    format!("an index from 0 to {last}{named} in place of {step}")
+}
+
 /// Puts `value` at `steps` below `target`; tables that are not there are made.
 ///
 /// # Errors
@@ -133,10 +155,11 @@ pub fn assign<'i>(
             assign(entry, rest, value)
         }
         DeValue::Array(items) => {
-            let last = items.len().saturating_sub(1);
-            let item = step.parse::<usize>().ok().and_then(|index| items.get_mut(index));
-            let item = item.ok_or_else(|| format!("an index from 0 to {last} in place of {step}"))?;
-            assign(item, rest, value)
+            let item = place(items, step).and_then(|place| items.get_mut(place));
+            match item {
+                Some(item) => assign(item, rest, value),
+                None => Err(instead(items, step)),
+            }
         }
         other => Err(format!("a key of a table; {step} would be inside a {}", other.type_str())),
     }

@@ -28,6 +28,7 @@ use super::DriveSpec;
 use super::numbers::DRAG_AREA;
 use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
+use wingbeat_aero::{FlapSpec, MembraneSpec};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require::{finite, principal_inertias};
@@ -168,6 +169,19 @@ impl RobotSpec {
                 Err(Error::invalid(key, rate, "the frequency where the gait has it"))
             }
         }
+    }
+
+    /// Whether anything of it has a stiffness: a spring on a joint or pin, a spar, a flap or a membrane.
+    pub fn gives_way(&self) -> bool {
+        let joint =
+            |link: &LinkSpec| link.spar.is_some() || link.elastic.is_some_and(|of| of.stiffness > 0.0);
+        let skin = |membrane: &Option<MembraneSpec>, flap: &Option<FlapSpec>| {
+            membrane.is_some() || flap.is_some_and(|of| of.stiffness_n_rad > 0.0)
+        };
+        self.links.iter().any(joint)
+            || self.wing.iter().any(|wing| skin(&wing.membrane, &wing.flap))
+            || self.surfaces.iter().any(|surface| skin(&surface.membrane, &surface.flap))
+            || matches!(&self.gait, GaitSpec::Linkage { springs, .. } if springs.iter().any(|of| of.stiffness > 0.0))
     }
 
     fn check_thrusters(&self) -> Result<(), Error> {

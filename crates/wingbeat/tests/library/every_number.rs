@@ -341,6 +341,7 @@ fn every_factor_of_a_mismatch_acts() {
             "com_z_m=0.001",
             "gait_amplitude=1.01",
             "regulator_bandwidth=1.01",
+            "stiffness=1.01",
             "profile_drag=1.01",
             "broadside_drag=1.01",
         ] {

@@ -70,6 +70,38 @@ fn a_bandwidth_scales_stiffness_and_damping_of_a_number_as_of_a_key() {
 }
 
 #[test]
+fn a_stiffness_scales_all_that_gives_way_and_the_damping_that_follows() {
+    let named = |file: &str, overrides: &[&str]| shipped(file, overrides).unwrap().robot().named_numbers();
+    // What changes, by the end of its name; all else stays.
+    for (file, scaled) in [
+        ("soft_20g.toml", &["stiffness", "damping", "spar.bending_n_m2", "spar.torsion_n_m2"] as &[&str]),
+        ("sail_glide.toml", &["membrane.stiffness_n_m"]),
+        ("flap_glide.toml", &["flap.stiffness_n_rad"]),
+        ("aerobat_elastic.toml", &["elastic.stiffness"]),
+    ] {
+        let (own, other) = (named(file, &[]), named(file, &["mismatch.stiffness=1.5"]));
+        let mut found = 0;
+        for ((name, own), (_, other)) in own.iter().zip(&other) {
+            let factor = if scaled.iter().any(|end| name.ends_with(end)) { 1.5 } else { 1.0 };
+            found += usize::from(factor != 1.0 && *own != 0.0);
+            assert!((other - factor * own).abs() <= 1e-12 * own.abs(), "{file}: {name} {own} {other}");
+        }
+        assert!(found >= scaled.len(), "{file}: {found}");
+    }
+    // As the file's own key has it.
+    let by_key = named(
+        "soft_20g.toml",
+        &["robot.links.twist.spar.bending_n_m2=0.076", "robot.links.twist.spar.torsion_n_m2=0.124"],
+    );
+    let by_factor = named("soft_20g.toml", &["mismatch.stiffness=2"]);
+    for ((name, key), (_, factor)) in by_key.iter().zip(&by_factor) {
+        assert!((key - factor).abs() <= 1e-12 * key.abs(), "{name}: {key} {factor}");
+    }
+    let stiff = shipped("cruise_20g.toml", &["mismatch.stiffness=2"]).unwrap_err();
+    assert!(stiff.contains("mismatch.stiffness = 2: allowed is 1 where the robot has no spring"), "{stiff}");
+}
+
+#[test]
 fn numbers_of_the_mismatch_come_first_and_its_factors_after() {
     let mass = |overrides: &[&str]| {
         let numbers = shipped("glide.toml", overrides).unwrap().robot().named_numbers();

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use wingbeat::judge::Status;
 use wingbeat::robot::LinkSparSpec;
-use wingbeat::scenario::{Document, StepChange, TetherCase};
+use wingbeat::scenario::{Convergence, Document, StepChange, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::{STRAIN, Shape, TetherRun};
 
@@ -315,6 +315,32 @@ fn a_coarse_spar_is_not_resolved() {
 }
 
 /// Against 1.875^2 sqrt(E I/(m L^4)) and pi/2 sqrt(G J/(I L^2)) of a uniform cantilever, and the rows `fsi.beam.segments` of chains in a robot.
+/// One element of order 1 twists and bends evenly: strips and steps alone would not tell.
+#[test]
+fn convergence_tells_of_a_coarse_spar() {
+    let resolved = Document::text("flapper", &flapper(0.01, "").unwrap().resolved).unwrap();
+    let table = |spar: &str| {
+        let set = ["aero.full.strips=12", "time.steps_per_cycle=32", spar];
+        let case = set.iter().fold(resolved.clone(), |document, set| document.set(*set));
+        let case = TetherCase::new(case, &none).unwrap();
+        let watch = || ControlFlow::Continue(());
+        case.converge(&none, &watch, |_| {}).unwrap().unwrap()
+    };
+    let [coarse, fine] = ["spar.order=1", "spar.order=4"].map(table);
+    for table in [&coarse, &fine] {
+        assert_eq!((table.cells.len(), table.levels.spar_elements), (10, Some([1, 2])));
+        let last = table.cells[9];
+        assert_eq!((last.strips, last.steps_per_cycle, last.spar_elements), (24, 64, Some(2)));
+        assert!(table.verdict.contains("and 1 to 2 elements of the spar spread by"), "{}", table.verdict);
+    }
+    let change = |table: &Convergence| {
+        let [own, other] = [8, 9].map(|cell| table.cells[cell].mean_power_w);
+        (other - own).abs() / own.abs()
+    };
+    assert!(change(&coarse) > 0.02 && coarse.status == "not_converged", "{}", coarse.verdict);
+    assert!(change(&fine) < 1e-3, "{}", fine.verdict);
+}
+
 #[test]
 fn few_pieces_bend_and_twist_at_the_frequencies_of_the_page() {
     let spar = |segments| LinkSparSpec {

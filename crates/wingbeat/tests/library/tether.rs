@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::judge::Status;
 use wingbeat::math::{Random, Vec3};
-use wingbeat::scenario::{Convergence, ConvergenceRun, Document, TetherCase};
+use wingbeat::scenario::{Convergence, ConvergenceCell, ConvergenceRun, Document, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::{Shape, Tether, TetherRun};
 
@@ -566,9 +566,9 @@ fn strips_and_steps_converge_with_their_orders() {
     let levels = own.levels().unwrap();
     assert_eq!((levels.strips, levels.steps_per_cycle), ([8, 16, 32], [48, 96, 192]));
     let none = |_: &std::path::Path| Err::<Record, String>("no table".into());
-    let one = |(strips, steps): (usize, usize)| {
-        let run = own.refined(strips, steps, &none).unwrap().tether.run(|_| ControlFlow::Continue(()));
-        ConvergenceRun::of(strips, steps, &run, 1.0)
+    let one = |cell: ConvergenceCell| {
+        let run = own.refined(cell, &none).unwrap().tether.run(|_| ControlFlow::Continue(()));
+        ConvergenceRun::of(cell, &run, 1.0)
     };
     let table = Convergence::new(levels, levels.cells().into_iter().map(one).collect());
     assert_eq!(table.cells.len(), 9);
