@@ -105,6 +105,18 @@ const PRESTRAIN: DeclaredQuantity = DeclaredQuantity::within("", PRESTRAIN_RANGE
 const POISSON_RATIO: DeclaredQuantity = DeclaredQuantity::within("", Range::between(0.0, 0.5), 0.0, 0.5);
 const DAMPING: DeclaredQuantity = DeclaredQuantity::within("s", DAMPING_RANGE, 1e-5, 10.0);
 
+impl MembraneNumbers {
+    /// Those that act between ribs alone and are not what they are where the file does not give them.
+    pub fn of_ribs(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let span = ("prestrain_span", self.prestrain_span, self.prestrain);
+        let ratio = ("poisson_ratio", self.poisson_ratio, poisson_ratio());
+        [span, ratio]
+            .into_iter()
+            .filter(|(_, value, usual)| value != usual)
+            .map(|(key, value, _)| (key, value))
+    }
+}
+
 impl<P: Scalar> Parameters<P> for MembraneNumbers<P> {
     type In<Q: Scalar> = MembraneNumbers<Q>;
 

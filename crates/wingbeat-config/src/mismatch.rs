@@ -17,7 +17,7 @@ pub struct Mismatch {
     pub density: f64,
     /// Factor on the masses of body and links.
     pub mass: f64,
-    /// Factor on their inertias.
+    /// Factor on their inertias about their own centres of mass; a spar is of several bodies.
     pub inertia: f64,
     /// Shift of the body's centre of mass forward, m.
     pub com_x_m: f64,

@@ -48,7 +48,19 @@ fn swept(models: &[&Aero]) -> Option<Warning> {
     wrong.then(|| Warning::new("aero.turning_impulse", text.to_owned()).key("aero.full.turning_impulse"))
 }
 
-/// The warnings that `aero` changes a term and none of `models` is the strip model of preset `full`, that hinges crowd its strips,
+/// The warnings that a membrane of `models` has numbers that act between ribs, and no ribs.
+fn ribless(models: &[&Aero]) -> Vec<Warning> {
+    let loose =
+        models.iter().filter_map(|model| model.membrane().filter(|skin| skin.is_ribbed() == Some(false)));
+    let numbers = loose.filter_map(|skin| skin.numbers().membrane);
+    let said = |(key, value)| {
+        let text = format!("membrane.{key} = {value} has no effect: no two ribs hold the membrane (ribs_m)");
+        Warning::new("aero.unheard", text).key(format!("membrane.{key}"))
+    };
+    numbers.flat_map(|numbers| numbers.of_ribs().map(said).collect::<Vec<_>>()).collect()
+}
+
+/// The warnings that `aero` changes a term and none of `models` is the strip model of preset `full`, that a membrane has no ribs, that hinges crowd its strips,
 /// or, where no lattice bears them, that its wings are swept.
 pub(super) fn of_strips<'a>(
     aero: &AeroSpec,
@@ -69,6 +81,7 @@ pub(super) fn of_strips<'a>(
         .filter_map(said)
         .chain(few(&models))
         .chain(crowded(&models))
+        .chain(ribless(&models))
         .chain(swept(&models).filter(|_| lattice.is_none()))
         .collect()
 }

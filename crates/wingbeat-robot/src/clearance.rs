@@ -25,7 +25,9 @@ pub(super) struct Corner {
 /// The room that a link takes.
 #[derive(Clone, Copy, Debug)]
 struct Capsule {
-    /// `None` is the body.
+    /// Whose it is; `None` is the body.
+    of: Option<usize>,
+    /// On which it rides: with a spar a piece of that.
     link: Option<usize>,
     /// In the link's frame, m.
     ends: [Vec3; 2],
@@ -104,25 +106,32 @@ impl Clearances {
 }
 
 impl Capsule {
-    fn new(spec: &CapsuleSpec, link: Option<usize>, mirror: f64) -> Self {
+    fn new(spec: &CapsuleSpec, [of, link]: [Option<usize>; 2], mirror: f64) -> Self {
         let ends = [spec.from_m, spec.to_m].map(|end| mirrored(end, mirror));
-        Self { link, ends, radius: spec.radius_m }
+        Self { of, link, ends, radius: spec.radius_m }
     }
 
     /// Of body and links.
     fn all(spec: &RobotSpec, mechanism: &Mechanism) -> Vec<Self> {
         let wing = spec.wing.iter().flat_map(|w| [("shoulder", &w.proximal), ("twist", &w.distal)]);
-        let wing = wing.map(|(name, link)| (name, LinkSide::Mirrored, &link.capsule));
-        let links = spec.links.iter().map(|l| (l.name.as_str(), l.side, &l.capsule));
-        let mut found: Vec<Self> = spec.body.capsule.iter().map(|c| Self::new(c, None, 1.0)).collect();
+        let wing =
+            wing.filter_map(|(name, link)| Some((name, LinkSide::Mirrored, name.to_owned(), link.capsule?)));
+        let links = spec.links.iter().flat_map(|link| {
+            let parts = RobotSpec::capsule_parts(link).into_iter();
+            parts.map(|(piece, capsule)| (link.name.as_str(), link.side, piece, capsule))
+        });
+        let body = spec.body.capsule.iter();
+        let mut found: Vec<Self> = body.map(|c| Self::new(c, [None; 2], 1.0)).collect();
         let tree = &mechanism.tree;
-        for (name, side, capsule) in wing.chain(links) {
-            let Some(capsule) = capsule else { continue };
+        for (name, side, piece, capsule) in wing.chain(links) {
             match side {
-                LinkSide::Single => found.push(Self::new(capsule, tree.find(name), 1.0)),
+                LinkSide::Single => {
+                    found.push(Self::new(&capsule, [name, &piece].map(|of| tree.find(of)), 1.0))
+                }
                 LinkSide::Mirrored => {
                     for (end, mirror) in SIDES.into_iter().zip([1.0, -1.0]) {
-                        found.push(Self::new(capsule, tree.find(&format!("{name}{end}")), mirror));
+                        let links = [name, &piece].map(|of| tree.find(&format!("{of}{end}")));
+                        found.push(Self::new(&capsule, links, mirror));
                     }
                 }
             }
@@ -146,19 +155,23 @@ fn pairs(
     let of = |name: &str| -> Result<Vec<Capsule>, Error> {
         let mut links = vec![mechanism.link_on(key, name, 0)?, mechanism.link_on(key, name, 1)?];
         links.dedup();
-        let capsule = |link: Option<usize>| {
-            let allowed = format!("{BODY} or links with a capsule");
-            let found = capsules.iter().find(|c| c.link == link).copied();
-            found.ok_or_else(|| Error::invalid(key, format!("{name:?}"), allowed))
-        };
-        links.into_iter().map(capsule).collect()
+        let mut all = Vec::new();
+        for link in links {
+            let before = all.len();
+            all.extend(capsules.iter().filter(|c| c.of == link));
+            if all.len() == before {
+                let allowed = format!("{BODY} or links with a capsule");
+                return Err(Error::invalid(key, format!("{name:?}"), allowed));
+            }
+        }
+        Ok(all)
     };
     let (ones, others) = (of(between[0])?, of(between[1])?);
     let mut pairs: Vec<[Capsule; 2]> = Vec::new();
     for one in &ones {
         for other in &others {
             let known = |p: &[Capsule; 2]| p[0].link == other.link && p[1].link == one.link;
-            if one.link != other.link && !pairs.iter().any(known) {
+            if one.of != other.of && !pairs.iter().any(known) {
                 pairs.push([*one, *other]);
             }
         }

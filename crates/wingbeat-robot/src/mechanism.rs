@@ -75,15 +75,7 @@ impl Spring {
     pub fn energy(&self, q: f64, moved: f64) -> f64 {
         let SpringNumbers { stiffness, rest, .. } = self.numbers;
         let linear = 0.5 * stiffness * (q - rest - moved).powi(2);
-        let Some(stops) = self.numbers.stops else { return linear };
-        let (StopNumbers { low, high, stiffness }, width) = (stops, stops.width());
-        // Integral of the smooth positive part from zero overlap on.
-        let integral = |x: f64| {
-            let root = x.hypot(width);
-            0.25 * (x * x + x * root + width * width * (x / width).asinh())
-        };
-        let at = |q: f64| integral(q - high) + integral(low - q);
-        linear + stiffness * (at(q) - at(0.5 * (low + high)))
+        linear + self.numbers.stops.map_or(0.0, |stops| stops.energy(q))
     }
 
     /// Power that the damper takes, W.
@@ -100,20 +92,16 @@ impl<P: Scalar> Spring<P> {
     }
 
     /// Effort on the joint at the coordinate `q` with the rate `d`, the rest displaced by y:
-    /// -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part.
+    /// -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)]. Stops bear nothing between their corners of half the width w.
     ///
     /// Equation: robot.joint_spring
-    /// `effort = -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part`
+    /// `effort = -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)]; s(x) = 0 up to -w, x from w on, with the slope 3 u^2 - 2 u^3 between, u = (x + w)/(2 w)`
     /// Source: Hooke; stops a choice.
     /// Test: `elastic_joints_bear_the_efforts_of_their_springs`.
     pub fn effort<S: Scalar + Meets<P>>(&self, q: S, d: S, moved: S) -> S {
         let SpringNumbers { stiffness, damping, rest, stops } = self.numbers;
         let linear = -((q - rest - moved) * stiffness) - d * damping;
-        let Some(stops) = stops else { return linear };
-        let square = stops.width() * stops.width();
-        let smooth_positive = |x: S| (x + (x * x + square).sqrt()) * 0.5;
-        let beyond = smooth_positive(q - stops.high) - smooth_positive(-q + stops.low);
-        linear - beyond * stops.stiffness
+        stops.map_or(linear, |stops| linear - stops.beyond(q) * stops.stiffness)
     }
 }
 
@@ -158,7 +146,12 @@ impl Mechanism {
         let elastic = |p: &Part| matches!(p.drive, JointDrive::Elastic(_));
         let coordinates: Vec<usize> = (0..parts.len()).filter(|&i| elastic(&parts[i])).collect();
         if coordinates.len() > MAX_COORDINATES {
-            let allowed = format!("at most {MAX_COORDINATES} elastic or free joints");
+            let of_spars = if spars.is_empty() {
+                ""
+            } else {
+                ", with one for each segment of a spar that bends and one that twists"
+            };
+            let allowed = format!("at most {MAX_COORDINATES} elastic or free joints{of_spars}");
             return Err(Error::invalid("links", format!("{} of them", coordinates.len()), allowed));
         }
         let twins = parts.iter().map(|p| p.twin).collect();

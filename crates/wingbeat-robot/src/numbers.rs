@@ -9,7 +9,7 @@ use wingbeat_aero::{AIR_DENSITY, DENSITY, SurfaceNumbers};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::range::Range;
-use wingbeat_math::{Declared, DeclaredQuantity, Dual, NamedNumber, Parameters, Scalar, Vec3, Walk};
+use wingbeat_math::{Declared, DeclaredQuantity, Dual, Meets, NamedNumber, Parameters, Scalar, Vec3, Walk};
 
 /// Spring and damper of a joint whose coordinate is a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,9 +39,35 @@ pub struct StopNumbers<P: Scalar = f64> {
 const STOP_ROUNDING: f64 = 0.01;
 
 impl<P: Scalar> StopNumbers<P> {
-    /// Width over which the corners are rounded off.
-    pub(super) fn width(&self) -> P {
+    /// Half the width over which the corners are rounded off.
+    fn width(&self) -> P {
         (self.high - self.low) * STOP_ROUNDING
+    }
+
+    /// How far `q` lies beyond them, less than nothing below the lower one: s(q - high) - s(low - q) of `robot.joint_spring`.
+    pub(super) fn beyond<S: Scalar + Meets<P>>(&self, q: S) -> S {
+        let (zero, width) = (S::ZERO, S::from(self.width()));
+        let past = |x: S| {
+            let share = x / (width * 2.0) + 0.5;
+            let share = share.if_below(zero, zero, share);
+            let share = share.if_below(S::ONE, share, S::ONE);
+            let corner = share * share * share * (S::from(1.0) - share * 0.5) * (width * 2.0);
+            corner + (x - width).if_below(zero, zero, x - width)
+        };
+        past(q - self.high) - past(-q + self.low)
+    }
+}
+
+impl StopNumbers {
+    /// Energy that they store at the coordinate `q`, J.
+    pub(super) fn energy(&self, q: f64) -> f64 {
+        let width = self.width();
+        let past = |x: f64| {
+            let share = (0.5 * x / width + 0.5).clamp(0.0, 1.0);
+            let straight = x.max(width);
+            width * width * share.powi(4) * (1.0 - 0.4 * share) + 0.5 * (straight * straight - width * width)
+        };
+        self.stiffness * (past(q - self.high) + past(self.low - q))
     }
 }
 

@@ -106,6 +106,11 @@ impl<P: Scalar> StripModel<P> {
         self.membrane.is_some()
     }
 
+    /// Whether ribs hold a membrane so that it is tense along the span too; none without one.
+    pub fn is_ribbed(&self) -> Option<bool> {
+        self.membrane.as_ref().map(Membrane::is_ribbed)
+    }
+
     /// The same surface whose membrane, if there is one, moves as it is given: heights of both shapes with their rates and the rate as
     /// followed, all per strip, are the last of the states, and have no rates of their own.
     #[must_use]

@@ -52,10 +52,16 @@ fn row(path: &str) -> Option<(&'static str, f64)> {
     keys.filter(|key| !key.is_empty()).find_map(|key| by_end(key).map(|(_, unit, most)| (unit, most)))
 }
 
-/// The end of `key` that names a unit, the unit, and the largest magnitude. An inertia per length is a mass times a length.
+/// The end of `key` that names a unit, the unit, and the largest magnitude. An inertia per length is a mass times a length, a density of an
+/// area a mass over it.
 fn by_end(key: &str) -> Option<(&'static str, &'static str, f64)> {
     let (end, unit, most) = *BY_UNIT.iter().find(|(end, ..)| key.ends_with(end))?;
-    Some((end, if key.ends_with("inertia_kg_m") { "kg m" } else { unit }, most))
+    let unit = match key {
+        _ if key.ends_with("inertia_kg_m") => "kg m",
+        _ if key.ends_with("density_kg_m2") => "kg/m2",
+        _ => unit,
+    };
+    Some((end, unit, most))
 }
 
 /// Largest magnitude that any document may give the number at `path`, in the unit that ends it: `body.nose_up_deg.constant`.

@@ -62,7 +62,8 @@ impl CycleMean {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Periodicity {
     /// Largest change of a mean or of half a range of the forces, moments, torques and powers from the last cycle but
-    /// one to the last, each over the largest magnitude of any of its unit in the last.
+    /// one to the last, each over the largest magnitude of any of its unit in the last; moments over a thousandth of the largest force
+    /// times the chord at least.
     pub change: f64,
     /// The column with that change.
     pub quantity: String,
@@ -71,17 +72,21 @@ pub struct Periodicity {
 /// Power over that of the forces at the speed of the wind below which it is none.
 pub(super) const ROUNDING: f64 = 1e-9;
 
+/// Moment over force and chord, dimensionless, below which a change of moments is measured by that. *Choice.*
+const LEAST_ARM: f64 = 1e-3;
+
 /// Units of what must repeat for a run to be periodic.
 const LOADS: [&str; 3] = ["N", "N m", "W"];
 
 impl Periodicity {
-    /// Of the rows of the last cycle in a wind of `speed` m/s; none where there is no cycle before or no load at all.
-    pub(super) fn of(rows: &[CycleMean], speed: f64) -> Option<Self> {
+    /// Of the rows of the last cycle in a wind of `speed` m/s, of a wing of that `chord` (m); none where there is no cycle before or no load at all.
+    pub(super) fn of(rows: &[CycleMean], speed: f64, chord: f64) -> Option<Self> {
         let of_unit = |unit: &'static str| rows.iter().filter(move |row| row.unit == unit);
         let largest = |unit| of_unit(unit).map(CycleMean::largest).fold(0.0, f64::max);
         let mut worst: Option<Self> = None;
         for unit in LOADS {
-            let scale = largest(unit);
+            let arm = if unit == "N m" { LEAST_ARM * chord } else { 0.0 };
+            let scale = largest(unit).max(arm * largest("N"));
             // Of a wing at rest the power is what rounding leaves.
             let least = if unit == "W" { ROUNDING * largest("N") * speed } else { 0.0 };
             for row in of_unit(unit).filter(|_| scale > least) {
@@ -132,10 +137,10 @@ mod tests {
         }
         let rows = means(&record, 4);
         assert_eq!((rows[0].low, rows[0].high, rows[1].mean_change), (-1.9, 2.1, Some(0.0)));
-        let found = Periodicity::of(&rows, 0.0).unwrap();
+        let found = Periodicity::of(&rows, 0.0, 1.0).unwrap();
         assert!((rows[0].mean - 0.0875).abs() < 1e-15, "{}", rows[0].mean);
         assert!((found.change - 0.0875 / 2.1).abs() < 1e-15 && found.quantity == "lift", "{found:?}");
-        assert_eq!(Periodicity::of(&means(&record, 12), 0.0), None);
+        assert_eq!(Periodicity::of(&means(&record, 12), 0.0, 1.0), None);
     }
 
     /// A power of 1e-12 W of a wing that bears 2 N at 3 m/s is that of rounding; without wind it counts.
@@ -147,8 +152,23 @@ mod tests {
         for i in 0..9 {
             record.append(&[f64::from(i), 0.0, 2.0, if i < 5 { 1e-12 } else { -3e-12 }]);
         }
-        let change = |speed: f64| Periodicity::of(&means(&record, 4), speed).unwrap().change;
+        let change = |speed: f64| Periodicity::of(&means(&record, 4), speed, 1.0).unwrap().change;
         assert_eq!(change(3.0), 0.0);
         assert!(change(0.0) > 0.5);
+    }
+
+    /// Moments of 1e-13 N m of a wing that bears 2 N on a chord of .1 m are rounding, those of 1e-3 N m are not.
+    #[test]
+    fn a_moment_of_rounding_does_not_change() {
+        let columns = [("t", "s"), ("phase", "cycles"), ("lift", "N"), ("moment", "N m")];
+        let columns = columns.map(|(name, unit)| Column::new(name, unit, "")).to_vec();
+        let change = |moment: f64| {
+            let mut record = Record::new(columns.clone(), 9).unwrap();
+            for i in 0..9 {
+                record.append(&[f64::from(i), 0.0, 2.0, if i < 5 { moment } else { -3.0 * moment }]);
+            }
+            Periodicity::of(&means(&record, 4), 3.0, 0.1).unwrap().change
+        };
+        assert!(change(1e-13) < 1e-8 && change(1e-3) > 0.5);
     }
 }

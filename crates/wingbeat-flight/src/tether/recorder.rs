@@ -174,7 +174,7 @@ impl TetherRecorder {
             ending,
             steady: None,
             steps_per_cycle: steps,
-            periodicity: Periodicity::of(&means, tether.wind.norm()),
+            periodicity: Periodicity::of(&means, tether.wind.norm(), tether.reference.chord_m),
             efficiency: efficiency(&means, tether.wind.norm()),
             stalled,
             reversed_fraction: mean_of("incidence", |a| if a.abs() > FROM_BEHIND { 1.0 } else { 0.0 }),

@@ -1,7 +1,7 @@
 //! Spars of links: chains of rigid pieces on springs that stand for a beam.
 
 use super::super::numbers::{DAMPING, STIFFNESS};
-use super::{ElasticSpec, LinkSide, LinkSpec, PanelSpec, RobotSpec, SurfaceSpec};
+use super::{CapsuleSpec, ElasticSpec, LinkSide, LinkSpec, PanelSpec, RobotSpec, SurfaceSpec};
 use crate::body::{INERTIA, MASS};
 use crate::mechanism::SIDES;
 use serde::{Deserialize, Serialize};
@@ -96,6 +96,37 @@ impl LinkSparSpec {
         (i as f64 - 0.5) * self.segment()
     }
 
+    /// The piece at `y` m along the spar.
+    fn piece_at(&self, y: f64) -> usize {
+        (1..=self.segments).rev().find(|i| y >= self.joint(*i)).unwrap_or(0)
+    }
+
+    /// A capsule of the unbent link in parts, each in the frame of the piece along which it runs.
+    fn parts(&self, capsule: &CapsuleSpec) -> impl Iterator<Item = (usize, CapsuleSpec)> {
+        let (capsule, spar) = (*capsule, *self);
+        let [from, to] = [capsule.from_m[1], capsule.to_m[1]];
+        (0..=spar.segments).filter_map(move |i| {
+            let begin = if i == 0 { f64::NEG_INFINITY } else { spar.joint(i) };
+            let end = if i == spar.segments { f64::INFINITY } else { spar.joint(i + 1) };
+            let [low, high] = [from.min(to).max(begin), from.max(to).min(end)];
+            // A capsule across the spar rides on one piece.
+            if !(low < high || low == high && spar.piece_at(low) == i) {
+                return None;
+            }
+            let along = |y: f64| if from == to { 0.0 } else { (y - from) / (to - from) };
+            let ends = if from == to { [0.0, 1.0] } else { [along(low), along(high)] };
+            let base = if i == 0 { 0.0 } else { begin };
+            let at = |share: f64| {
+                let mut place = std::array::from_fn(|k| {
+                    capsule.from_m[k] + share * (capsule.to_m[k] - capsule.from_m[k])
+                });
+                place[1] -= base;
+                place
+            };
+            Some((i, CapsuleSpec { from_m: at(ends[0]), to_m: at(ends[1]), ..capsule }))
+        })
+    }
+
     /// What the numbers at the root are times at `y` m.
     fn share(&self, y: f64) -> f64 {
         1.0 + (self.taper - 1.0) * y / self.length_m
@@ -113,16 +144,26 @@ impl LinkSparSpec {
         Piece { from, to }
     }
 
-    /// Mass and length of the piece `i`, kg and m.
-    fn weighed(&self, i: usize) -> (f64, f64) {
+    /// Mass of the piece `i`, kg, the distance of its centre from its begin, m, and its radius of gyration about that across the spar, squared, m2.
+    ///
+    /// Equation: robot.spar_piece
+    /// `c = l (1 + 2 r)/(3 (1 + r)), rho^2 = l^2 (1 + 4 r + r^2)/(18 (1 + r)^2), r the ratio of the mass per length at the ends`
+    /// Source: moments of a linear distribution.
+    /// Test: `a_tapered_spar_weighs_as_its_beam_does`.
+    fn weighed(&self, i: usize) -> (f64, f64, f64) {
         let Piece { from, to } = self.piece(i);
-        (self.mass_kg_m * self.share(0.5 * (from + to)) * (to - from), to - from)
+        let length = to - from;
+        let ratio = self.share(to) / self.share(from);
+        let both = 1.0 + ratio;
+        let centre = length * (1.0 + 2.0 * ratio) / (3.0 * both);
+        let squared = length * length * (1.0 + 4.0 * ratio + ratio * ratio) / (18.0 * both * both);
+        (self.mass_kg_m * self.share(0.5 * (from + to)) * length, centre, squared)
     }
 
     /// Lowest frequencies at which the chain bends and twists by itself, clamped at its root and without air, its masses on its line, Hz.
     ///
     /// Equation: robot.spar_frequency
-    /// `k_j t_j = w^2 sum_k M_jk t_k; bending: M_jk = sum over pieces i >= j, k of m_i (c_i - y_j)(c_i - y_k) + m_i l_i^2/12; torsion: of I_i + m_i a^2`
+    /// `k_j t_j = w^2 sum_k M_jk t_k; bending: M_jk = sum over pieces i >= j, k of m_i (c_i - y_j)(c_i - y_k) + m_i rho_i^2; torsion: of I_i + m_i a^2`
     /// Source: Lagrange's equations of rigid pieces on springs, small angles t_j.
     /// Test: `few_pieces_bend_and_twist_at_the_frequencies_of_the_page`.
     pub fn frequencies_hz(&self) -> [Option<f64>; 2] {
@@ -136,9 +177,8 @@ impl LinkSparSpec {
             if bends { 0.0 } else { self.inertia_kg_m / self.mass_kg_m + self.ahead_m * self.ahead_m };
         // Mass, distance to its centre along the spar, and inertia of a piece.
         let piece = |i: usize| {
-            let (mass, length) = self.weighed(i);
-            let own = if bends { length * length / 12.0 } else { about };
-            (mass, self.piece(i).from + 0.5 * length, mass * own)
+            let (mass, centre, squared) = self.weighed(i);
+            (mass, self.piece(i).from + centre, mass * if bends { squared } else { about })
         };
         let pieces: Vec<(f64, f64, f64)> = joints.clone().map(piece).collect();
         let arcs: Vec<f64> = joints.clone().map(|j| self.joint(j)).collect();
@@ -228,11 +268,11 @@ impl LinkSparSpec {
     /// `link` with the mass of the piece `i`, which begins at its joint.
     fn loaded(&self, link: LinkSpec, i: usize) -> LinkSpec {
         let Piece { from, to } = self.piece(i);
-        let ((mass, length), share) = (self.weighed(i), self.share(0.5 * (from + to)));
-        let (about, along) = (mass * length * length / 12.0, self.inertia_kg_m * share * length);
+        let ((mass, centre, squared), share) = (self.weighed(i), self.share(0.5 * (from + to)));
+        let (about, along) = (mass * squared, self.inertia_kg_m * share * (to - from));
         LinkSpec {
             mass_kg: mass,
-            com_m: [self.ahead_m, 0.5 * length, 0.0],
+            com_m: [self.ahead_m, centre, 0.0],
             // Of a plate in the plane of the wing.
             inertia_kg_m2: [about, along, about + along],
             ..link
@@ -326,12 +366,44 @@ impl RobotSpec {
         Some(SparShape { frequency_error, in_wing: carried.reduce(SparInWing::worse) })
     }
 
-    /// The links with those of their spars, each after its parent, and the place in the file of the link that each belongs to.
+    /// The links with those of their spars, each after its parent, and the place in the file of the link that each belongs to. What a
+    /// link with a spar carries rides on the piece where its joint lies.
     pub(in super::super) fn all_links(&self) -> impl Iterator<Item = (usize, LinkSpec)> {
         self.links.iter().enumerate().flat_map(|(i, link)| {
             let chain = link.spar.map(|spar| spar.links(link)).unwrap_or_default();
-            std::iter::once(link.clone()).chain(chain).map(move |link| (i, link))
+            std::iter::once(self.on_piece(link)).chain(chain).map(move |link| (i, link))
         })
+    }
+
+    /// `link` on the piece of its parent's spar on which its joint lies.
+    fn on_piece(&self, link: &LinkSpec) -> LinkSpec {
+        let mut link = link.clone();
+        let sides = std::iter::once("").chain(SIDES);
+        let carrier = sides.filter_map(|side| {
+            let name = link.parent.strip_suffix(side)?;
+            let of = self
+                .links
+                .iter()
+                .find(|of| of.name == name && (side.is_empty() || of.side == LinkSide::Mirrored))?;
+            Some((name, side, of.spar?))
+        });
+        if let Some((name, side, spar)) = carrier.into_iter().next() {
+            // On the right side the spar runs along -y.
+            let along = if side == SIDES[1] { -1.0 } else { 1.0 };
+            let piece = spar.piece_at(along * link.origin_m[1]);
+            if piece > 0 {
+                link.origin_m[1] -= along * spar.joint(piece);
+                link.parent = format!("{name}_{piece}{side}");
+            }
+        }
+        link
+    }
+
+    /// The capsule of a link, cut where the joints of its spar lie, each part with the piece on which it rides, whose frame it is in.
+    pub(in super::super) fn capsule_parts(link: &LinkSpec) -> Vec<(String, CapsuleSpec)> {
+        let Some(capsule) = link.capsule else { return Vec::new() };
+        let Some(spar) = link.spar else { return vec![(link.name.clone(), capsule)] };
+        spar.parts(&capsule).map(|(piece, part)| (format!("{}_{piece}", link.name), part)).collect()
     }
 
     /// Refuses spars whose joints lie beyond their part of a surface, that do not run along it, or that carry a surface of one side alone.

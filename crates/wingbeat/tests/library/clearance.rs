@@ -245,6 +245,79 @@ fn capsules_are_as_far_apart_as_a_search_finds() {
     }
 }
 
+/// A beam that bends under a post: its capsule lies along its pieces, and what it carries at its tip rides on the last of them.
+const BENT: &str = r#"
+name = "bent"
+body = { mass_kg = 0.02, inertia_kg_m2 = [2e-5, 3e-5, 4e-5] }
+[[links]]
+name = "arm"
+side = "mirrored"
+origin_m = [0.0, 0.02, 0.0]
+spar = { length_m = 0.2, segments = 2, bending_n_m2 = 2e-3, mass_kg_m = 0.03, taper = 0.3 }
+capsule = { from_m = [0.0, 0.02, 0.0], to_m = [0.01, 0.2, 0.0], radius_m = 0.004 }
+[[links]]
+name = "tip"
+side = "mirrored"
+parent = "arm"
+origin_m = [0.0, 0.19, 0.0]
+mass_kg = 0.002
+capsule = { to_m = [0.05, 0.0, 0.0], radius_m = 0.003 }
+[[links]]
+name = "post"
+origin_m = [0.0, 0.1, 0.06]
+capsule = { to_m = [0.0, 0.15, 0.0], radius_m = 0.005 }
+[[clearances]]
+between = ["arm_left", "post"]
+[[clearances]]
+between = ["arm", "arm"]
+[[clearances]]
+between = ["tip_right", "post"]
+"#;
+
+#[test]
+fn what_a_spar_carries_bends_with_it() {
+    let robot = build(BENT).unwrap();
+    let tree = robot.tree();
+    let [left, right] = [[0.35, -0.2], [-0.3, 0.5]];
+    let found =
+        robot.least_clearances(0.0, &[left[0], right[0], left[1], right[1], 0.0, 0.0, 0.0, 0.0]).unwrap();
+    let mut joints = vec![Jet::new(0.0, 0.0, 0.0); tree.links()];
+    for (side, angles) in [("left", left), ("right", right)] {
+        for (piece, angle) in (1..).zip(angles) {
+            joints[tree.find(&format!("arm_{piece}_{side}")).unwrap()] = Jet::new(angle, 0.0, 0.0);
+        }
+    }
+    let mut links = vec![LinkMotion::default(); tree.links()];
+    tree.motions(&joints, Vec3::ZERO, Vec3::ZERO, &mut links);
+    // Where the joints at a quarter and three quarters of the length cut the capsule.
+    let along = |y: f64| Vec3::new(0.01 * (y - 0.02) / 0.18, y, 0.0);
+    let pieces = |side: &str, mirror: f64| {
+        [("arm_0", 0.0, [0.02, 0.05]), ("arm_1", 0.05, [0.05, 0.15]), ("arm_2", 0.15, [0.15, 0.2])].map(
+            |(name, at, ends)| {
+                let link = tree.find(&format!("{name}_{side}")).unwrap();
+                (
+                    ends.map(|y| {
+                        let Vec3([x, y, z]) = along(y) - Vec3::new(0.0, at, 0.0);
+                        links[link].point(Vec3::new(x, mirror * y, z))
+                    }),
+                    0.004,
+                )
+            },
+        )
+    };
+    let post = ([Vec3::new(0.0, 0.1, 0.06), Vec3::new(0.0, 0.25, 0.06)], 0.005);
+    let least = |ones: &[([Vec3; 2], f64)], others: &[([Vec3; 2], f64)]| {
+        let pairs = ones.iter().flat_map(|one| others.iter().map(move |other| searched(*one, *other)));
+        pairs.fold(f64::INFINITY, f64::min)
+    };
+    let (arms, tip) = ([pieces("left", 1.0), pieces("right", -1.0)], tree.find("arm_2_right").unwrap());
+    let tip = [0.0, 0.05].map(|x| links[tip].point(Vec3::new(x, -0.04, 0.0)));
+    let expected = [least(&arms[0], &[post]), least(&arms[0], &arms[1]), least(&[(tip, 0.003)], &[post])];
+    for (found, expected) in found.iter().zip(expected) {
+        assert!(*found <= expected + 1e-12 && expected - found < 4e-4, "{found} {expected}");
+    }
+}
+
 #[test]
 fn what_has_no_room_is_refused_by_key() {
     let refusal = |from: &str, to: &str| {

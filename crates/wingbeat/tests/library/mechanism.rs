@@ -129,9 +129,8 @@ fn coordinates_and_articulated_bodies_agree_in_vacuum() {
     let joints: Vec<Jet> = (0..4).map(|i| Jet::new(x[l.joints + i], x[l.joints + 4 + i], 0.0)).collect();
     let mut motions = [LinkMotion::default(); 4];
     tree.motions(&joints, v, w, &mut motions);
-    let stop = |x: f64| 0.5 * (x + x.hypot(2e-4)) * 200.0;
     let (q, d) = (joints[1].x, joints[1].d);
-    let slide = -30.0 * (q - 0.002) - 0.02 * d - stop(q - 0.01) + stop(-0.01 - q);
+    let slide = -30.0 * (q - 0.002) - 0.02 * d;
     let fin = |i: usize| -2e-3 * joints[i].x - 1e-6 * joints[i].d;
     let efforts = [0.0, slide, fin(2), fin(3)];
     let g = attitude.transpose_mul(Vec3::new(0.0, 0.0, -wingbeat::math::GRAVITY));
@@ -143,6 +142,32 @@ fn coordinates_and_articulated_bodies_agree_in_vacuum() {
         assert!((found - expected).abs() < 1e-10 * expected.abs().max(1.0), "{found} {expected}");
     }
     assert_eq!(dx[l.joints..l.joints + 4], x[l.joints + 4..l.joints + 8]);
+}
+
+/// Between their corners stops bear nothing, beyond them all that lies beyond; in a corner too their energy is that of their effort.
+#[test]
+fn stops_bear_nothing_between_them() {
+    let [with, without] =
+        [CHAIN.into(), CHAIN.replace(", stops = { low = -0.01, high = 0.01, stiffness = 200.0 }", "")];
+    let [with, without] = [with, without].map(|text: String| robot(&text, Preset::Paper, 0.0));
+    let of = |q: f64| {
+        let (mut x, joint) = (moving(&with), with.layout().joints + 1);
+        x[joint] = q;
+        let [with, without] = [&with, &without].map(|robot| robot.observe(0.0, &x, &[]).unwrap());
+        (with.torques[1] - without.torques[1], with.energy - without.energy)
+    };
+    for q in [-0.0097, -1e-3, 0.0, 0.004, 0.0097] {
+        assert_eq!(of(q), (0.0, 0.0), "{q}");
+    }
+    for (q, beyond) in [(0.0103, 3e-4), (0.02, 0.01), (-0.012, -2e-3), (0.0101, 4e-4 * 0.421875 * 0.625)] {
+        assert!((of(q).0 + 200.0 * beyond).abs() < 1e-11, "{q}: {}", of(q).0);
+    }
+    for q in [-0.0105, -0.01015, -0.00995, 0.00985, 0.01, 0.01012, 0.0102, 0.013] {
+        let h = 1e-6;
+        let apart = |h: f64| of(q + h).1 - of(q - h).1;
+        let slope = (8.0 * apart(h) - apart(2.0 * h)) / (12.0 * h);
+        assert!((slope + of(q).0).abs() < 1e-8, "{q}: {slope} {}", of(q).0);
+    }
 }
 
 /// Inverse dynamics with the loads of the accelerated strips returns what the springs exert: air,

@@ -425,6 +425,53 @@ frequency_hz = 5.0
     assert!(spec.check().unwrap_err().to_string().starts_with("links[0].spar.segments = 0"));
 }
 
+/// Weight, centre of mass and inertia about the root of a chain are those of the beam whose mass falls linearly, with any number of pieces.
+#[test]
+fn a_tapered_spar_weighs_as_its_beam_does() {
+    let (length, taper) = (0.2, 0.158);
+    for segments in [1, 2, 3, 8] {
+        let text = format!(
+            r#"
+name = "beam"
+body = {{ mass_kg = 0.01, inertia_kg_m2 = [1e-5, 3e-5, 3e-5] }}
+[[links]]
+name = "arm"
+spar = {{ length_m = {length}, segments = {segments}, bending_n_m2 = 1e-3, mass_kg_m = 0.03, taper = {taper} }}
+[gait.fourier]
+frequency_hz = 5.0
+"#
+        );
+        let spec = Document::text("beam", &text).and_then(|d| d.robot()).unwrap();
+        let air =
+            wingbeat::robot::Air { density: 1.2, wind: wingbeat::robot::Wind::steady(Default::default()) };
+        let robot = wingbeat::robot::Robot::new(&spec, Vec::new(), air, 0.0).unwrap();
+        let bodies = robot.numbers().bodies;
+        let tree = robot.tree();
+        // The pieces begin at the joints.
+        let begin = |name: &str| match name.strip_prefix("arm_").map(|i| i.parse::<f64>().unwrap()) {
+            Some(i) if i > 0.0 => (i - 0.5) * length / segments as f64,
+            _ => 0.0,
+        };
+        let mut moments = [0.0; 3];
+        for (i, body) in bodies[1..].iter().enumerate() {
+            let y = begin(tree.name(i)) + body.com[1];
+            let own = body.moments[0];
+            for (moment, of) in moments.iter_mut().zip([body.mass, body.mass * y, body.mass * y * y + own]) {
+                *moment += of;
+            }
+        }
+        let whole = 0.03 * length;
+        let expected = [
+            whole * (1.0 + taper) / 2.0,
+            whole * length * (1.0 + 2.0 * taper) / 6.0,
+            whole * length * length * (1.0 + 3.0 * taper) / 12.0,
+        ];
+        for (found, expected) in moments.iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{segments}: {moments:?} {expected}");
+        }
+    }
+}
+
 /// Scales act as stations do that are stiffer, couplings with them, and are judged and refused as numbers are.
 #[test]
 fn a_spar_is_scaled_as_its_stations_are() {

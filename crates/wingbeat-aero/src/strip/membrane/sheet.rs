@@ -60,6 +60,13 @@ pub(in super::super) struct Membrane<P> {
     pub(super) ribs: Vec<f64>,
 }
 
+impl<P: Scalar> Membrane<P> {
+    /// Whether two ribs hold strips between them.
+    pub fn is_ribbed(&self) -> bool {
+        self.bays.iter().any(|bay| !bay.inverse_area.is_zero())
+    }
+}
+
 /// Integral of the smooth positive part of `x` from where it is none on: [x^2 + x r + w^2 asinh(x/w)]/4, r = sqrt(x^2 + w^2).
 fn positive_integral<S: Scalar>(x: S) -> S {
     let (width, root) = (STRAIN_WIDTH, x.smooth_abs(STRAIN_WIDTH));

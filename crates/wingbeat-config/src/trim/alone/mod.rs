@@ -34,7 +34,8 @@ use wingbeat_robot::{LinkSide, Outline, RobotSpec};
 /// What stands around a robot: still air at sea level, strips under law `stall`.
 const AROUND: &str = "[air]\ndensity_kg_m3 = 1.225\n[aero]\npreset = \"full\"\nlaw = \"stall\"\n[flight]\nduration_s = 2.0\nstep_s = \
                       5e-4\nrecord_every_s = 2e-3\n";
-/// Strips of a surface, and of all together at most. *Choice*: a turn takes half the time of one with 9; and what a robot may have.
+/// Strips of a surface, where its hinges do not ask for more, and of all together at most. *Choice*: a turn takes half the time of one
+/// with 9; and what a robot may have.
 const STRIPS: [usize; 2] = [7, 32];
 /// Shares of the guessed speed that are scanned, in this order. *Choice.*
 const SPEEDS: [f64; 6] = [1.0, 0.8, 1.25, 1.55, 0.65, 1.9];
@@ -177,9 +178,15 @@ impl RobotTrim {
         let around = Document::text("trim", &format!("name = \"trim\"\n{AROUND}"))?;
         let own: RobotSpec = robot.parse()?;
         let surfaces = own.surfaces.len() + usize::from(own.wing.is_some());
-        let strips = STRIPS[0].min(STRIPS[1] / surfaces.max(1));
-        let around = around.put("robot", robot)?.set(format!("aero.full.strips={strips}"));
-        let given = Scenario::new(around.overridden(overrides))?;
+        let most = STRIPS[1] / surfaces.max(1);
+        let around = around.put("robot", robot)?;
+        let with = |strips: usize| {
+            Scenario::new(around.clone().set(format!("aero.full.strips={strips}")).overridden(overrides))
+        };
+        // Every hinge, with those of spars, needs an edge of its own.
+        let first = with(STRIPS[0].min(most));
+        let given = first
+            .or_else(|error| (STRIPS[0] + 1..=most).find_map(|strips| with(strips).ok()).ok_or(error))?;
         let refused = |error: Error| given.explain(&error);
         given.in_still_air().map_err(refused)?;
         let size = given.size().map_err(refused)?;
