@@ -441,7 +441,7 @@ pub struct RunArguments {
     /// Replace the run that --out names, if nothing else lies there
     #[arg(long, requires = "out")]
     pub force: bool,
-    /// Override a key, e.g. `--set robot.body.mass_kg=0.012`; may be repeated
+    /// Override a key, e.g. `--set robot.body.mass_kg=0.012`, an item of a list by its name or number; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
     /// Seed of everything random, in place of the file's key `seed`

@@ -149,7 +149,7 @@ impl Mechanism {
             let of_spars = if spars.is_empty() {
                 ""
             } else {
-                ", with one for each segment of a spar that bends and one that twists"
+                ", of which each segment of a spar has one, with edge_bending_n_m2 and torsion_n_m2 one more each"
             };
             let allowed = format!("at most {MAX_COORDINATES} elastic or free joints{of_spars}");
             return Err(Error::invalid("links", format!("{} of them", coordinates.len()), allowed));

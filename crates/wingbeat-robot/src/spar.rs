@@ -21,16 +21,18 @@ const SPAR: &str = ".spar.";
 #[derive(Clone, Copy, PartialEq)]
 enum SparKey {
     Bending,
+    EdgeBending,
     Torsion,
     Damping,
 }
 
 impl SparKey {
-    const ALL: [Self; 3] = [Self::Bending, Self::Torsion, Self::Damping];
+    const ALL: [Self; 4] = [Self::Bending, Self::EdgeBending, Self::Torsion, Self::Damping];
 
     fn name(self) -> &'static str {
         match self {
             Self::Bending => "bending_n_m2",
+            Self::EdgeBending => "edge_bending_n_m2",
             Self::Torsion => "torsion_n_m2",
             Self::Damping => "damping_s",
         }
@@ -44,6 +46,8 @@ pub(super) struct SparJoints {
     pub name: String,
     /// Those that bend, from the root on.
     bends: Vec<SparJoint>,
+    /// Those that bend in the plane of the wing.
+    edges: Vec<SparJoint>,
     /// Those that twist.
     twists: Vec<SparJoint>,
 }
@@ -66,22 +70,30 @@ fn alike(a: f64, b: f64) -> bool {
 impl SparJoints {
     /// That of a link, without joints yet; none of a link without a spar.
     pub fn of(link: &LinkSpec) -> Option<Self> {
-        link.spar.map(|_| Self { name: link.name.clone(), bends: Vec::new(), twists: Vec::new() })
+        link.spar.map(|_| Self {
+            name: link.name.clone(),
+            bends: Vec::new(),
+            edges: Vec::new(),
+            twists: Vec::new(),
+        })
     }
 
-    /// Takes the joints at `places` of a piece of the spar `of`, which bend where they turn about x.
+    /// Takes the joints at `places` of a piece of the spar `of`, which bend where they turn about x, or z, and twist where about y.
     pub fn take(&mut self, of: &LinkSparSpec, piece: &LinkSpec, places: Range<usize>) {
         let Some(spring) = piece.elastic else { return };
-        let (all, root) = match piece.axis[0] == 0.0 {
-            true => (&mut self.twists, of.torsion_n_m2.unwrap_or(of.bending_n_m2)),
-            false => (&mut self.bends, of.bending_n_m2),
+        let [about_x, about_y, _] = piece.axis.map(|along| along != 0.0);
+        let (all, root) = match (about_x, about_y) {
+            (true, _) => (&mut self.bends, Some(of.bending_n_m2)),
+            (_, true) => (&mut self.twists, of.torsion_n_m2),
+            _ => (&mut self.edges, of.edge_bending_n_m2),
         };
-        all.extend(places.map(|joint| SparJoint { joint, over_root: spring.stiffness / root }));
+        let over_root = spring.stiffness / root.unwrap_or(of.bending_n_m2);
+        all.extend(places.map(|joint| SparJoint { joint, over_root }));
     }
 
     /// All of them.
     pub fn joints(&self) -> impl Iterator<Item = usize> {
-        self.bends.iter().chain(&self.twists).map(|of| of.joint)
+        self.bends.iter().chain(&self.edges).chain(&self.twists).map(|of| of.joint)
     }
 }
 
@@ -105,14 +117,17 @@ impl Robot {
             let spring = self.spring(of.joint)?;
             Some(match key {
                 SparKey::Damping => spring.damping / spring.stiffness,
-                SparKey::Bending | SparKey::Torsion => spring.stiffness / of.over_root,
+                SparKey::Bending | SparKey::EdgeBending | SparKey::Torsion => spring.stiffness / of.over_root,
             })
         };
-        let mut all = match key {
-            SparKey::Bending => spar.bends.iter().chain(&[]),
-            SparKey::Torsion => spar.twists.iter().chain(&[]),
-            SparKey::Damping => spar.bends.iter().chain(&spar.twists),
+        let [none, bends, edges, twists]: [&[SparJoint]; 4] = [&[], &spar.bends, &spar.edges, &spar.twists];
+        let of_key = match key {
+            SparKey::Bending => [bends, none, none],
+            SparKey::EdgeBending => [none, edges, none],
+            SparKey::Torsion => [none, none, twists],
+            SparKey::Damping => [bends, edges, twists],
         };
+        let mut all = of_key.into_iter().flatten();
         let first = of(all.next()?)?;
         all.all(|other| of(other).is_some_and(|other| alike(other, first))).then_some(first)
     }
@@ -159,12 +174,14 @@ impl Robot {
         let key = SparKey::ALL.into_iter().find(|key| key.name() == end)?;
         let (piece, of) = number.name.strip_prefix("links.")?.split_once(".elastic.")?;
         let joint = self.tree().find(piece)?;
-        let [bends, twists] = [&spar.bends, &spar.twists].map(|all| all.iter().any(|of| of.joint == joint));
+        let [bends, edges, twists] =
+            [&spar.bends, &spar.edges, &spar.twists].map(|all| all.iter().any(|of| of.joint == joint));
         let proportional = || Some(value / self.spar_number(spar, key)?);
         match (key, of) {
             (SparKey::Bending, "stiffness" | "damping") if bends => proportional(),
+            (SparKey::EdgeBending, "stiffness" | "damping") if edges => proportional(),
             (SparKey::Torsion, "stiffness" | "damping") if twists => proportional(),
-            (SparKey::Damping, "damping") if bends || twists => Some(self.spring(joint)?.stiffness),
+            (SparKey::Damping, "damping") if bends || edges || twists => Some(self.spring(joint)?.stiffness),
             _ => None,
         }
     }

@@ -32,7 +32,7 @@ pub struct LinkSpec {
     #[serde(default)]
     pub side: LinkSide,
     /// The link that carries it: `body`, or the name of a link before it; a mirrored link on a
-    /// mirrored one names the pair.
+    /// mirrored one names the pair. Of a link with a spar, the piece on which the joint lies carries it.
     #[serde(default = "body")]
     pub parent: String,
     /// Place of the joint in the parent's frame, m.
@@ -56,7 +56,7 @@ pub struct LinkSpec {
     /// Principal inertias about the centre of mass along x, y, z, kg m2.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 3],
-    /// Room it takes.
+    /// Room it takes; with a spar it bends with that.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capsule: Option<CapsuleSpec>,
     /// Moved by the gait.
@@ -132,7 +132,7 @@ pub struct ElasticSpec {
 }
 
 /// Smooth stops: beyond low and high a further stiffness, the corner rounded off over a hundredth of
-/// the range.
+/// the range either way.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]

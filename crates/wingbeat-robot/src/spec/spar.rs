@@ -24,6 +24,9 @@ pub struct LinkSparSpec {
     pub segments: usize,
     /// Bending stiffness E I about x at the root, N m2.
     pub bending_n_m2: f64,
+    /// Bending stiffness about z, in the plane of the wing, at the root, N m2; without, it does not bend there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_bending_n_m2: Option<f64>,
     /// Torsional stiffness G J at the root, N m2; without, it does not twist.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torsion_n_m2: Option<f64>,
@@ -47,6 +50,7 @@ ranges!(LinkSparSpec {
     length_m: Range::POSITIVE,
     segments: Range::between(1.0, 8.0),
     bending_n_m2: Range::POSITIVE,
+    edge_bending_n_m2: Range::POSITIVE,
     torsion_n_m2: Range::POSITIVE,
     mass_kg_m: Range::POSITIVE,
     inertia_kg_m: Range::NOT_NEGATIVE,
@@ -212,7 +216,8 @@ impl LinkSparSpec {
         errors.fold(0.0, larger)
     }
 
-    /// The links that stand for the spar of `link`: the piece at its root, fixed to it, and one or two for each joint.
+    /// The links that stand for the spar of `link`: the piece at its root, fixed to it, and one to three for each joint, which raise, bend in
+    /// the plane of the wing and twist.
     ///
     /// Equation: robot.spar
     /// `k = E I / h at the middle of each of n segments of length h = L/n; rigid pieces between`
@@ -240,27 +245,30 @@ impl LinkSparSpec {
         for i in 1..=self.segments {
             let (parent, from) =
                 if i == 1 { (link.name.clone(), 0.0) } else { (name(i - 1), self.joint(i - 1)) };
-            let raised = LinkSpec {
-                name: name(i),
-                parent,
-                origin_m: [0.0, self.joint(i) - from, 0.0],
-                elastic: Some(self.spring(i, self.bending_n_m2)),
-                ..blank.clone()
-            };
-            let Some(torsion) = self.torsion_n_m2 else {
-                links.push(self.loaded(raised, i));
-                continue;
-            };
-            let bend = format!("{}_bend{i}", link.name);
-            let twisted = LinkSpec {
-                name: name(i),
-                parent: bend.clone(),
-                axis: [0.0, -1.0, 0.0],
-                elastic: Some(self.spring(i, torsion)),
-                ..blank.clone()
-            };
-            links.push(LinkSpec { name: bend, ..raised });
-            links.push(self.loaded(twisted, i));
+            let [bend, edge] = ["bend", "edge"].map(|of| format!("{}_{of}{i}", link.name));
+            let joints = [
+                Some((bend, [1.0, 0.0, 0.0], self.bending_n_m2)),
+                self.edge_bending_n_m2.map(|stiffness| (edge, [0.0, 0.0, 1.0], stiffness)),
+                self.torsion_n_m2.map(|stiffness| (name(i), [0.0, -1.0, 0.0], stiffness)),
+            ];
+            let first = links.len();
+            let mut carrier = (parent, self.joint(i) - from);
+            for (joint, axis, stiffness) in joints.into_iter().flatten() {
+                let (parent, along) = std::mem::replace(&mut carrier, (joint.clone(), 0.0));
+                let elastic = Some(self.spring(i, stiffness));
+                links.push(LinkSpec {
+                    name: joint,
+                    parent,
+                    origin_m: [0.0, along, 0.0],
+                    axis,
+                    elastic,
+                    ..blank.clone()
+                });
+            }
+            // The last of them is the piece.
+            if let Some(last) = links[first..].last_mut() {
+                *last = self.loaded(LinkSpec { name: name(i), ..last.clone() }, i);
+            }
         }
         links
     }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use wingbeat::judge::Status;
+use wingbeat::plant::Plant;
 use wingbeat::robot::LinkSparSpec;
 use wingbeat::scenario::{Convergence, Document, StepChange, TetherCase};
 use wingbeat::simulate::{Ending, Record};
@@ -347,6 +348,7 @@ fn few_pieces_bend_and_twist_at_the_frequencies_of_the_page() {
         length_m: 0.2,
         segments,
         bending_n_m2: 2e-3,
+        edge_bending_n_m2: None,
         torsion_n_m2: None,
         mass_kg_m: 0.03,
         ahead_m: 0.0,
@@ -470,6 +472,50 @@ frequency_hz = 5.0
             assert!((found / expected - 1.0).abs() < 1e-12, "{segments}: {moments:?} {expected}");
         }
     }
+}
+
+/// A beam as stiff in the plane of the wing as out of it moves alike in both.
+#[test]
+fn a_spar_bends_both_ways() {
+    let text = r#"
+name = "beam"
+body = { mass_kg = 1e3, inertia_kg_m2 = [1e3, 1e3, 1e3] }
+[[links]]
+name = "arm"
+spar = { length_m = 0.2, segments = 3, bending_n_m2 = 1e-3, edge_bending_n_m2 = 1e-3, mass_kg_m = 0.03, taper = 0.4, damping_s = 1e-3 }
+[gait.fourier]
+frequency_hz = 5.0
+"#;
+    let spec = Document::text("beam", text).and_then(|d| d.robot()).unwrap();
+    let air = wingbeat::robot::Air { density: 1.2, wind: wingbeat::robot::Wind::steady(Default::default()) };
+    let robot = wingbeat::robot::Robot::new(&spec, Vec::new(), air, 0.0).unwrap();
+    let (l, tree) = (*robot.layout(), robot.tree());
+    let names: Vec<&str> = (0..tree.links()).map(|i| tree.name(i)).collect();
+    assert_eq!(names, ["arm", "arm_0", "arm_bend1", "arm_1", "arm_bend2", "arm_2", "arm_bend3", "arm_3"]);
+    let rates = |first: usize, angles: [f64; 3]| {
+        let mut x = vec![0.0; l.len];
+        wingbeat::math::Quat::from_roll_pitch_yaw(0.0, 0.0, 0.0).store_wxyz(&mut x[l.attitude..]);
+        for (segment, angle) in angles.into_iter().enumerate() {
+            x[l.joints + 2 * segment + first] = angle;
+            x[l.joints + 6 + 2 * segment + first] = 3.0 * angle;
+        }
+        let mut dx = vec![0.0; l.len];
+        robot.rates_in_numbers(0.0, &x, &[], &mut dx).unwrap();
+        [0, 1, 2].map(|segment| dx[l.joints + 6 + 2 * segment + first])
+    };
+    let angles = [0.02, -0.01, 0.03];
+    // In free fall nothing but the springs loads the pieces.
+    let (up, aft): ([f64; 3], [f64; 3]) = (rates(0, angles), rates(1, angles));
+    let largest = aft.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
+    assert!(
+        largest > 1.0 && up.iter().zip(aft).all(|(up, aft)| (up - aft).abs() < 2e-3 * largest),
+        "{up:?} {aft:?}"
+    );
+    let stiff = robot.adjusted(&[("links.arm.spar.edge_bending_n_m2", 2e-3)]).unwrap();
+    let value = |name: &str| stiff.named_numbers().iter().find(|(own, _)| own == name).unwrap().1;
+    assert!((value("links.arm.spar.edge_bending_n_m2") - 2e-3).abs() < 1e-15);
+    assert!((value("links.arm.spar.bending_n_m2") - 1e-3).abs() < 1e-15);
+    assert!((value("links.arm.spar.damping_s") - 1e-3).abs() < 1e-15);
 }
 
 /// Scales act as stations do that are stiffer, couplings with them, and are judged and refused as numbers are.
