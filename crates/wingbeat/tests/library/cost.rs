@@ -114,7 +114,7 @@ fn a_part_hangs_on_its_own_coefficient() {
 #[test]
 fn the_part_of_cd90_has_the_name_that_its_law_deserves() {
     let short = "flight.duration_s=0.8";
-    let of_turn = |law: &str| scenario("banking_turn.toml", &[short, law]);
+    let of_turn = |law: &str| scenario("banking_turn.toml", &[short, "goal.settle_s=0.2", law]);
     let of_glider = scenario("glider.toml", &["robot.surfaces[1].law=lev"]);
     for (scenario, words) in [
         (of_turn("aero.law=linear"), "broadside drag (cd90)"),
