@@ -51,7 +51,8 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     if let Some(strips) = &run.strips {
         write_parquet(&folder.file("strips.parquet"), strips)?;
     }
-    let asked = FigureTargets { goal: scenario.spec.goal.as_ref(), paper: scenario.spec.paper.as_ref() };
+    let (goal, paper) = (scenario.spec.goal.as_ref(), scenario.spec.paper.as_ref());
+    let asked = FigureTargets { robot: Some(scenario.robot()), goal, paper };
     draw(&folder, &run.record, asked, &of_flight(&run.record), &interrupt)?;
     let flown = wingbeat_report::run::FlownScenario { scenario: &scenario, record: &run.record };
     report::beside(&folder, &scenario.spec.name, Some(flown), !arguments.page.no_report)?;

@@ -66,7 +66,8 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
     let mut drawn = Ok(());
     if let Some(record) = &planned.record {
         write_parquet(&folder.file("record.parquet"), record)?;
-        drawn = draw(&folder, record, FigureTargets::default(), figures(&planned.summary), &interrupt);
+        let asked = FigureTargets { robot: Some(scenario.robot()), ..FigureTargets::default() };
+        drawn = draw(&folder, record, asked, figures(&planned.summary), &interrupt);
     }
     let cut = match drawn {
         Err(Error::Interrupted) => true,

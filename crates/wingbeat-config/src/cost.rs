@@ -4,7 +4,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use wingbeat_flight::simulate::Cost;
 use wingbeat_math::order::filled;
-use wingbeat_robot::WeightPart;
+use wingbeat_robot::{Robot, WeightPart};
 
 /// Power of the joints, and what carried the weight, as means over whole cycles. Missing where nothing was averaged.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -25,6 +25,9 @@ pub struct CostSummary {
     pub weight_carried: Option<f64>,
     /// The same by part.
     pub weight_shares: BTreeMap<&'static str, f64>,
+    /// What a table calls the part of `cd90`.
+    #[serde(skip)]
+    broadside: &'static str,
 }
 
 /// A line of a table: what, its value, and its unit with what it means.
@@ -34,10 +37,10 @@ pub type CostLine = (&'static str, String, &'static str);
 const SHOWN: f64 = 5e-4;
 
 impl CostSummary {
-    /// Of a robot of `mass` kg; empty without a mean.
-    pub fn new(cost: Option<Cost>, mass: f64) -> Self {
+    /// Of a robot; empty without a mean.
+    pub fn new(cost: Option<Cost>, robot: &Robot) -> Self {
         let Some(cost) = cost else { return Self::default() };
-        let both = |power: f64| (Some(power), Some(power / mass));
+        let both = |power: f64| (Some(power), Some(power / robot.mass()));
         let (positive_power_w, positive_power_w_kg) = both(cost.positive_power);
         let (separate_power_w, separate_power_w_kg) = both(cost.separate_power);
         let (net_power_w, net_power_w_kg) = both(cost.net_power);
@@ -50,6 +53,7 @@ impl CostSummary {
             net_power_w_kg,
             weight_carried: Some(cost.carried()),
             weight_shares: filled(WeightPart::ALL.iter().map(|part| part.name()).zip(cost.shares)),
+            broadside: robot.broadside_words(),
         }
     }
 
@@ -69,7 +73,7 @@ impl CostSummary {
         let total = self.weight_carried.map_or("-".into(), percent);
         let part = |part: &WeightPart| {
             let share = *self.weight_shares.get(part.name())?;
-            (share.abs() >= SHOWN).then(|| (part.words(), percent(share), "%"))
+            (share.abs() >= SHOWN).then(|| (part.words(self.broadside), percent(share), "%"))
         };
         let parts = WeightPart::ALL.iter().filter_map(part);
         std::iter::once(("weight carried", total, "% of the weight, of which")).chain(parts).collect()

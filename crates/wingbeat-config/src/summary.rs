@@ -398,7 +398,7 @@ impl Summary {
             pitch_max_error_deg: largest_deg(&pitch_errors),
             pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
-            cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot.mass()),
+            cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot),
             measured: Measured::new(&settled),
             aero_preset: context.preset.clone(),
             lattice: context.lattice,

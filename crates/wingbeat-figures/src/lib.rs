@@ -68,12 +68,15 @@ pub use tether::{bent_wing, cycle_loads, span_loading};
 pub use wake::{PlaneCut, WakeSheet, around, frontal_planes, half_circulations, wake, wake_phases};
 pub use write::{Figure, prepare, write, write_for_screen, write_slide};
 
+use wingbeat::robot::Robot;
 use wingbeat::scenario::{GoalSpec, PaperResults};
 use wingbeat::simulate::Record;
 
-/// What a scenario asks and what is published of it, where it says.
+/// What flies, what a scenario asks of it and what is published of it, where it says.
 #[derive(Clone, Copy, Default)]
 pub struct FigureTargets<'a> {
+    /// The robot, whose lift laws name their forces.
+    pub robot: Option<&'a Robot>,
     /// What counts as held.
     pub goal: Option<&'a GoalSpec>,
     /// Published numbers.
@@ -85,7 +88,7 @@ pub type FigureMaker = fn(&Record, FigureTargets) -> Result<Figure, Error>;
 
 /// The figures of a flight.
 pub const FLIGHT: [FigureMaker; 4] = [
-    |record, asked| states(record, asked.goal),
+    states,
     |record, asked| path(record, asked.paper),
     |record, _| commands(record),
     |record, _| forces(record),

@@ -1,13 +1,13 @@
 //! The state figure: roll and pitch with what is asked, heading, position, and the robot's joints over time.
 
 use wingbeat::math::unwrapped;
-use wingbeat::scenario::GoalSpec;
+use wingbeat::robot::{BROADSIDE, Robot};
 use wingbeat::simulate::{Column, Record};
 
 use crate::own_joints::{RecordJoint, moving};
 use crate::panel::{FigurePanel, PanelCurve, stacked, two_stacks};
 use crate::write::Figure;
-use crate::{Error, needed, style, weight};
+use crate::{Error, FigureTargets, needed, style, weight};
 
 /// Height of all panels at most, px: with head and foot that of a page.
 const PAGE: f64 = 6.0 * style::PANEL;
@@ -20,22 +20,22 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 ///
 /// The heading goes on beyond half a turn. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the shares of the weight
 /// where they are there, and the joints that are there and move. Where there are `roll_reference` and `pitch_reference` they are
-/// drawn fine, or the roll of the orbit, from which a flight about one records its error. The title says what `goal` asks: a root mean
+/// drawn fine, or the roll of the orbit, from which a flight about one records its error. The title says what the goal asks: a root mean
 /// square over the flight, and so no band that a curve could leave.
-pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
-    let panels = panels(record, goal)?;
+pub fn states(record: &Record, asked: FigureTargets) -> Result<Figure, Error> {
+    let panels = panels(record, asked)?;
     let height = style::PANEL.min(PAGE / panels.len() as f64);
     Ok(Figure::new("states", stacked(panels, "time [s]", height)))
 }
 
 /// The same in two stacks, for a slide.
-pub fn states_wide(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
-    let panels = panels(record, goal)?;
+pub fn states_wide(record: &Record, asked: FigureTargets) -> Result<Figure, Error> {
+    let panels = panels(record, asked)?;
     let height = WIDE / panels.len().div_ceil(2) as f64;
     Ok(Figure::new("states", two_stacks(panels, "time [s]", height)))
 }
 
-fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<FigurePanel>, Error> {
+fn panels(record: &Record, asked: FigureTargets) -> Result<Vec<FigurePanel>, Error> {
     let t = needed(record, "t")?;
     let mut attitude = FigurePanel::new("roll and pitch [°]", Vec::new());
     let followed = [("roll", "roll (right wing down +)", DEGREES), ("pitch", "pitch (nose up +)", -DEGREES)];
@@ -54,7 +54,7 @@ fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<FigurePanel>, 
             references.push(PanelCurve::reference(name, t, reference));
         }
     }
-    if let Some(goal) = goal.filter(|_| !references.is_empty()) {
+    if let Some(goal) = asked.goal.filter(|_| !references.is_empty()) {
         let [roll, pitch, settled] =
             [goal.roll_within_deg, goal.pitch_within_deg, goal.settle_s].map(style::number);
         attitude.title += &format!("; goal from {settled} s on: rms errors within {roll}° and {pitch}°");
@@ -71,7 +71,7 @@ fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<FigurePanel>, 
         FigurePanel::new("heading [°]", vec![heading]),
         FigurePanel::new("position [m]", places.collect::<Result<_, Error>>()?),
     ];
-    panels.extend(weight::panel(record));
+    panels.extend(weight::panel(record, asked.robot.map_or(BROADSIDE, Robot::broadside_words)));
     panels.extend(moving(record).iter().map(|joint| panel(joint, t)));
     Ok(panels)
 }

@@ -16,8 +16,8 @@ const ROUNDING: f64 = 1e-9;
 const POINTS: usize = 240;
 
 /// The shares of the weight by part with their sum, as means over the stroke about each instant, where one lies within the record; at
-/// each instant where the record holds no whole stroke. None without the columns.
-pub fn panel(record: &Record) -> Option<FigurePanel> {
+/// each instant where the record holds no whole stroke; `broadside` is what `cd90` gives in words. None without the columns.
+pub fn panel(record: &Record, broadside: &'static str) -> Option<FigurePanel> {
     let (t, phase) = (record.values("t")?, record.values("phase")?);
     let windows = windows(phase);
     let windows: Vec<&StrokeWindow> = windows.iter().step_by(windows.len().div_ceil(POINTS).max(1)).collect();
@@ -32,7 +32,7 @@ pub fn panel(record: &Record) -> Option<FigurePanel> {
         .into_iter()
         .filter(|(_, share)| seen(share))
         .enumerate()
-        .map(|(index, (part, share))| PanelCurve::new(part.words(), &t, share, index))
+        .map(|(index, (part, share))| PanelCurve::new(part.words(broadside), &t, share, index))
         .collect();
     curves.push(PanelCurve::total("sum", &t, total));
     let title =

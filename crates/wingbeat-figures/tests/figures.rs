@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use wingbeat::simulate::{Column, Record};
-use wingbeat_figures::{Error, Figure, commands, forces, path, states, write};
+use wingbeat_figures::{Error, Figure, FigureTargets, commands, forces, path, states, write};
 
 const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];
 
@@ -110,7 +110,7 @@ fn every_figure_names_its_axes_and_curves() {
     let (record, folder) = (record(), folder());
     let expected: [(Figure, &[&str]); 4] = [
         (
-            states(&record, None).unwrap(),
+            states(&record, FigureTargets::default()).unwrap(),
             &[
                 "roll and pitch [°]",
                 "heading [°]",
@@ -155,7 +155,7 @@ fn a_figure_is_the_same_whatever_was_drawn_before_it() {
 fn a_missing_column_is_named() {
     let record = Record::new(vec![Column::new("t", "s", "")], 0).unwrap();
     for (outcome, name) in [
-        (states(&record, None), "roll"),
+        (states(&record, FigureTargets::default()), "roll"),
         (commands(&record), "command_<element>"),
         (forces(&record), "force_<source>_x"),
         (path(&record, None), "p_WB_x"),
@@ -170,5 +170,5 @@ fn a_record_of_one_row_is_refused_or_drawn_but_never_a_panic() {
     record.append(&row(0.0));
     assert!(path(&record, None).is_err());
     assert!(forces(&record).is_err());
-    let _ = (states(&record, None), commands(&record));
+    let _ = (states(&record, FigureTargets::default()), commands(&record));
 }

@@ -49,7 +49,7 @@ def start(spread, seed):
     """Keys of the scenario for the start that a seed gives."""
     environment = gym.make(ID, spread=spread).unwrapped
     seen, _ = environment.reset(seed=seed)
-    _, x, _ = environment._flock.native.look(0)
+    x = environment._flock.native.save()[0][0][0]
     names = [column.name for column in environment._flock.states]
     part = lambda stem, parts: [float(x[names.index(f"{stem}_{part}")]) for part in parts]
     w, i, j, k = part("quat", "wxyz")

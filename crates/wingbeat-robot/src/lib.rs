@@ -68,7 +68,7 @@ pub use spec::{file_or, file_or_numbers, numbers_table};
 pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
-pub use weight::{WeightPart, WeightShares};
+pub use weight::{BROADSIDE, WeightPart, WeightShares};
 
 use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use arrayvec::ArrayVec;

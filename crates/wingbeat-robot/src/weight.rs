@@ -1,6 +1,6 @@
 //! What carries the weight of a robot: the vertical forces of the air and of thrusters, by part.
 
-use super::Observation;
+use super::{Observation, Robot};
 use wingbeat_math::{GRAVITY, Vec3};
 
 /// A part of the forces on a flying robot, in the order of [`WeightPart::ALL`]; together they are all but weight and inertia.
@@ -59,19 +59,34 @@ impl WeightPart {
         }
     }
 
-    /// What it is, for tables and legends.
-    pub fn words(self) -> &'static str {
+    /// What it is, for tables and legends, of a robot with these [words](Robot::broadside_words) for what `cd90` gives.
+    pub fn words(self, broadside: &'static str) -> &'static str {
         match self {
             Self::Attached => "attached flow",
             Self::Suction => "leading-edge suction",
             Self::Vortex => "leading-edge vortex",
-            Self::Separated => "separated flow (cd90)",
+            Self::Separated => broadside,
             Self::Friction => "profile drag (cd0)",
             Self::Wash => "tilt by the downwash",
             Self::AddedMass => "added mass",
             Self::BodyDrag => "drag of the body",
             Self::Residual => "robot.residual",
             Self::Thrust => "thrusters",
+        }
+    }
+}
+
+/// What `cd90` gives under laws of both kinds, or under a law that is not known.
+pub const BROADSIDE: &str = "broadside force (cd90)";
+
+impl Robot {
+    /// What `cd90` gives in words: of flow that separates, or under law `linear`, which knows none, the drag of a plate broadside on.
+    pub fn broadside_words(&self) -> &'static str {
+        let any = |separates: bool| self.surfaces().any(|(_, aero)| aero.law().separates() == separates);
+        match (any(true), any(false)) {
+            (true, false) => "separated flow (cd90)",
+            (false, true) => "broadside drag (cd90)",
+            _ => BROADSIDE,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::rig::plan::Refusal;
 use wingbeat::scenario::{Document, PaperResults, RigRun};
-use wingbeat_figures::{CellOrigin, Figure};
+use wingbeat_figures::{CellOrigin, Figure, FigureTargets};
 use wingbeat_io::{read_parquet, urdf_as_toml};
 use wingbeat_lattice::course::{CourseRequest, WakeSummary};
 
@@ -143,12 +143,13 @@ impl PaperFigures {
     ) -> Result<(Option<WakeSummary>, Option<PaperResults>), Error> {
         let flown = wake::recorded(folder)?;
         let spec = &flown.scenario().spec;
-        let (goal, paper) = (spec.goal.as_ref(), spec.paper.clone());
+        let (robot, paper) = (Some(flown.scenario().robot()), spec.paper.clone());
+        let asked = FigureTargets { robot, goal: spec.goal.as_ref(), ..FigureTargets::default() };
         let record = read_parquet(&folder.join("record.parquet"))?;
         self.put(
             "states",
-            wingbeat_figures::states(&record, goal),
-            Some(wingbeat_figures::states_wide(&record, goal)),
+            wingbeat_figures::states(&record, asked),
+            Some(wingbeat_figures::states_wide(&record, asked)),
         )?;
         self.put("path", wingbeat_figures::path(&record, paper.as_ref()), None)?;
         let asked = CourseRequest { prescribed: true, ..CourseRequest::default() };

@@ -169,7 +169,6 @@ pub struct TrimSummary {
 impl TrimSummary {
     /// Fills in what the orbit tells.
     pub(super) fn found(&mut self, cycle: &Cycle, found: &FoundOrbit, measures: &Measures, modes: &Modes) {
-        let mass = cycle.robot().mass();
         let orbit = &found.orbit;
         self.status = Status::Ok;
         self.frequency_hz = Some(1.0 / orbit.end.duration);
@@ -177,7 +176,7 @@ impl TrimSummary {
         self.stroke_frequency_hz = (strokes > 1).then(|| strokes as f64 / orbit.end.duration);
         self.lift_over_weight = Some(measures.lift_over_weight);
         self.side_force_over_weight = Some(measures.side_force_over_weight);
-        self.cost = CostSummary::new(Some(measures.cost), mass);
+        self.cost = CostSummary::new(Some(measures.cost), cycle.robot());
         (self.power_w, self.power_w_kg) = (self.cost.positive_power_w, self.cost.positive_power_w_kg);
         self.twist_power_w = Some(measures.twist_power);
         self.regulator_power_w = Some(measures.regulator_power);

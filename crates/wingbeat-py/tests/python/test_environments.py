@@ -1,5 +1,6 @@
 """Environments: Gymnasium's own check, and that they repeat whatever stands beside them."""
 
+import tomllib
 import warnings
 
 import gymnasium as gym
@@ -73,7 +74,8 @@ def test_rewards_are_the_sum_of_their_terms():
     limits = np.array([(column.low, column.high) for column in environment.unwrapped.action])
     half, middle = 0.5 * (limits[:, 1] - limits[:, 0]), limits.mean(axis=1)
     # As the predictive controller weighs inputs: over half of their ranges.
-    assert terms["input"] == pytest.approx(-np.sum((0.005 * (middle + 0.5 * half) / half) ** 2))
+    weight = tomllib.loads(wingbeat.shipped(wingbeat.learn.BankingTurn.scenario).read_text())["controller"]["weights"]["input"]
+    assert terms["input"] == pytest.approx(-np.sum((weight * (middle + 0.5 * half) / half) ** 2))
 
 
 def test_an_episode_ends_in_either_way():

@@ -110,6 +110,23 @@ fn a_part_hangs_on_its_own_coefficient() {
     assert_eq!(largest("banking_turn.toml", &printed, WeightPart::Vortex), 0.0);
 }
 
+/// What `cd90` gives is named by the laws of the surfaces, in tables as in legends.
+#[test]
+fn the_part_of_cd90_has_the_name_that_its_law_deserves() {
+    let short = "flight.duration_s=0.8";
+    let of_turn = |law: &str| scenario("banking_turn.toml", &[short, "goal.settle_s=0.2", law]);
+    let of_glider = scenario("glider.toml", &["robot.surfaces[1].law=lev"]);
+    for (scenario, words) in [
+        (of_turn("aero.law=linear"), "broadside drag (cd90)"),
+        (of_turn("aero.law=stall"), "separated flow (cd90)"),
+        (of_glider, "broadside force (cd90)"),
+    ] {
+        assert_eq!(WeightPart::Separated.words(scenario.robot().broadside_words()), words);
+    }
+    let lines = fly(&of_turn("aero.law=linear")).summary.cost.weight_lines();
+    assert!(lines.iter().any(|(name, ..)| *name == "broadside drag (cd90)"), "{lines:?}");
+}
+
 /// Under loads from beyond the model they are the attached flow's; nothing is counted twice.
 #[test]
 fn loads_from_beyond_the_model_are_shared_once() {
