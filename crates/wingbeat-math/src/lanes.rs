@@ -225,6 +225,14 @@ lanes!(
     f64,
     4
 );
+impl Double4 {
+    /// Number `j` of each of four as one, for every `j`.
+    #[inline(always)]
+    pub fn transposed(four: [Self; 4]) -> [[f64; 4]; 4] {
+        f64x4::transpose(four.map(|of| of.0)).map(|of| of.to_array())
+    }
+}
+
 lanes!(
     /// Eight numbers of single precision: everything is rounded to 6e-8 of its size.
     Single8,
