@@ -1,10 +1,16 @@
 //! One dense front: its partial factorisation and its part of the solves.
 
-use super::Inertia;
+use super::{Course, Inertia};
 use wide::f64x4;
 
 /// Columns swept together; rows are padded to whole chunks of them.
 const CHUNK: usize = 4;
+
+/// Bits of the columns of a chunk right of each of them.
+const RIGHT_OF: [[f64; CHUNK]; CHUNK] = {
+    let (some, none) = (f64::from_bits(u64::MAX), 0.0);
+    [[none, some, some, some], [none, none, some, some], [none, none, none, some], [none; CHUNK]]
+};
 
 /// Column `i` rounded down to where its chunk begins.
 #[inline(always)]
@@ -24,19 +30,14 @@ pub struct Front {
     values: Vec<f64>,
     /// Largest magnitude each unknown's column had when it was assembled.
     scale: Vec<f64>,
-    /// Rows of the last pivots, chunk by chunk, for the rows below.
-    panel: Vec<PanelChunk>,
+    /// Rows of the last pivots before their division by the pivots, chunk by chunk, for the rows below.
+    panel: Vec<[[f64; CHUNK]; PANEL]>,
+    /// Rows of a child that follow one another here too: the first, its place here and their number.
+    runs: Vec<(usize, usize, usize)>,
 }
 
 /// Pivots whose updates are applied together.
 const PANEL: usize = 8;
-
-/// A chunk of columns of the rows of a few pivots, before their division by the pivots and after it.
-#[derive(Clone, Copy, Debug, Default)]
-struct PanelChunk {
-    whole: [[f64; CHUNK]; PANEL],
-    divided: [[f64; CHUNK]; PANEL],
-}
 
 /// The eliminated part of a front: P' A P = U' D U for its leading rows.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +53,9 @@ pub struct Pivots {
     coupling: Vec<f64>,
 }
 
+/// The rows of the pivots of a chunk, each from the chunk on.
+type RowsOfChunk<'r> = [&'r [[f64; CHUNK]]; CHUNK];
+
 /// What the search for a pivot found.
 enum Choice {
     One(usize),
@@ -63,20 +67,19 @@ enum Choice {
 const NEGLIGIBLE: f64 = 1e-14;
 
 impl Front {
-    pub fn clear(&mut self) {
-        self.rows.clear();
-        self.candidates = 0;
-    }
-
     /// Zero values for the present rows.
     pub fn reset(&mut self) {
         self.stride = self.rows.len().next_multiple_of(CHUNK);
-        self.values.clear();
-        self.values.resize(self.rows.len() * self.stride, 0.0);
+        if self.values.len() < self.rows.len() * self.stride {
+            self.values.resize(self.rows.len() * self.stride, 0.0);
+        }
+        for i in 0..self.rows.len() {
+            self.values[i * self.stride + chunk_of(i)..(i + 1) * self.stride].fill(0.0);
+        }
         self.scale.clear();
         self.scale.resize(self.stride, f64::MIN_POSITIVE);
         if self.panel.len() < self.stride / CHUNK {
-            self.panel.resize(self.stride / CHUNK, PanelChunk::default());
+            self.panel.resize(self.stride / CHUNK, [[0.0; CHUNK]; PANEL]);
         }
     }
 
@@ -86,56 +89,78 @@ impl Front {
         self.values[i * self.stride + chunk_of(first)..(i + 1) * self.stride].as_chunks().0
     }
 
-    /// Notes the size of the candidates' columns, once the front is assembled.
+    /// Notes the size of the candidates' columns, once the front is assembled; what it notes of others means nothing.
     pub fn measure(&mut self) {
+        let columns = self.candidates.next_multiple_of(CHUNK) / CHUNK;
         for i in 0..self.candidates {
+            let first = chunk_of(i) / CHUNK;
             let row =
                 self.values[i * self.stride + chunk_of(i)..(i + 1) * self.stride].as_chunks::<CHUNK>().0;
-            let scale = &mut self.scale[chunk_of(i)..].as_chunks_mut::<CHUNK>().0[..row.len()];
+            let scale = &mut self.scale.as_chunks_mut::<CHUNK>().0[first..columns];
+            let (own, rest) = row.split_at(scale.len());
             let mut largest = f64x4::ZERO;
-            for j in 0..row.len() {
-                let sizes = f64x4::new(row[j]).abs();
+            for j in 0..own.len() {
+                let sizes = f64x4::new(own[j]).abs();
                 largest = sizes.fast_max(largest);
                 scale[j] = sizes.fast_max(f64x4::new(scale[j])).to_array();
+            }
+            for j in 0..rest.len() {
+                largest = f64x4::new(rest[j]).abs().fast_max(largest);
             }
             self.scale[i] = self.scale[i].max(widest(largest));
         }
     }
 
-    /// Adds `value` at row `i` and column `j`, which is not before it.
+    /// Adds `values` from row `i` and column `j` on.
     #[inline]
-    pub fn add(&mut self, i: usize, j: usize, value: f64) {
-        self.values[i * self.stride + j] += value;
-    }
-
-    /// Adds `values` from row `i` and column `j` on, down the column or along the row.
-    pub fn add_along(&mut self, i: usize, j: usize, down: bool, values: &[f64]) {
-        let (stride, first) = (self.stride, i * self.stride + j);
-        if down {
-            for k in 0..values.len() {
-                self.values[first + k * stride] += values[k];
+    pub fn add_course(&mut self, i: usize, j: usize, course: Course, values: &[f64]) {
+        let first = i * self.stride + j;
+        let step = match course {
+            Course::Along => {
+                let row = &mut self.values[first..][..values.len()];
+                for k in 0..values.len() {
+                    row[k] += values[k];
+                }
+                return;
             }
-        } else {
-            let row = &mut self.values[first..][..values.len()];
-            for k in 0..values.len() {
-                row[k] += values[k];
-            }
+            Course::Down => self.stride,
+            Course::Diagonal => self.stride + 1,
+        };
+        for (sum, value) in self.values[first..].iter_mut().step_by(step).zip(values) {
+            *sum += value;
         }
     }
 
     /// Adds a child's remainder; `position` maps unknowns to rows here.
     pub fn extend_add(&mut self, child: &Front, position: &[usize]) {
-        let m = child.rows.len();
-        for i in 0..m {
-            let p = position[child.rows[i]];
+        let mut runs = std::mem::take(&mut self.runs);
+        runs.clear();
+        for (j, row) in child.rows.iter().enumerate() {
+            let place = position[*row];
+            match runs.last_mut() {
+                Some((begin, first, length)) if *begin + *length == j && *first + *length == place => {
+                    *length += 1
+                }
+                _ => runs.push((j, place, 1)),
+            }
+        }
+        for (i, row) in child.rows.iter().enumerate() {
+            let p = position[*row];
             if i < child.candidates {
                 self.scale[p] = self.scale[p].max(child.scale[i]);
             }
-            for j in i..m {
-                let q = position[child.rows[j]];
-                self.add(p.min(q), p.max(q), child.values[i * child.stride + j]);
+            let values = &child.values[i * child.stride..][..child.rows.len()];
+            for &(begin, first, length) in &runs {
+                if begin + length <= i {
+                    continue;
+                }
+                let skipped = i.saturating_sub(begin);
+                let (from, to) = (&values[begin + skipped..begin + length], first + skipped);
+                let course = if to < p { Course::Down } else { Course::Along };
+                self.add_course(p.min(to), p.max(to), course, from);
             }
         }
+        self.runs = runs;
     }
 
     #[inline]
@@ -166,31 +191,22 @@ impl Front {
     /// and `skip`; and the candidate where it is largest.
     fn largest(&self, k: usize, c: usize, skip: usize) -> (f64, Option<usize>) {
         let (mut all, mut best, mut at) = (0.0_f64, 0.0, None);
-        for i in k..self.rows.len() {
-            if i == c || i == skip {
-                continue;
+        let mut see = |i: usize, value: f64| {
+            let size = value.abs();
+            if size > all && i != skip {
+                all = size;
             }
-            let v = self.at(i, c).abs();
-            all = all.max(v);
-            if i < self.candidates && v > best {
-                (best, at) = (v, Some(i));
+            if size > best && i < self.candidates && i != skip {
+                (best, at) = (size, Some(i));
             }
+        };
+        for i in k..c {
+            see(i, self.values[i * self.stride + c]);
+        }
+        for (i, value) in self.values[c * self.stride..][..self.rows.len()].iter().enumerate().skip(c + 1) {
+            see(i, *value);
         }
         (all, at)
-    }
-
-    /// Largest magnitude of row `k` right of the diagonal.
-    fn largest_right(&self, k: usize) -> f64 {
-        let (left, row) = (k - chunk_of(k), self.row(k, k));
-        let mut beside = row[0];
-        for l in 0..=left {
-            beside[l] = 0.0;
-        }
-        let mut largest = f64x4::new(beside).abs();
-        for j in 1..row.len() {
-            largest = f64x4::new(row[j]).abs().fast_max(largest);
-        }
-        widest(largest)
     }
 
     fn choose(&self, k: usize, threshold: f64) -> Choice {
@@ -219,17 +235,18 @@ impl Front {
         out.coupling.clear();
         let (mut k, mut pending) = (0, 0);
         while k < self.candidates {
-            self.update(k..k + 1, pending);
-            if self.is_pivot(k, threshold) {
+            let beside = self.bring(k, pending);
+            let diagonal = self.at(k, k).abs();
+            if diagonal > NEGLIGIBLE * self.scale[k] && diagonal >= threshold * beside {
                 self.pivot_one(k, pending, out, inertia);
                 (k, pending) = (k + 1, pending + 1);
                 if pending == PANEL {
-                    self.update(k..self.rows.len(), pending);
+                    self.update(k, k, pending);
                     pending = 0;
                 }
                 continue;
             }
-            self.update(k + 1..self.rows.len(), pending);
+            self.update(k + 1, k, pending);
             pending = 0;
             match self.choose(k, threshold) {
                 Choice::One(c) => self.swap(k, c),
@@ -247,49 +264,71 @@ impl Front {
                 Choice::None => break,
             }
         }
-        self.update(k..self.rows.len(), pending);
+        self.update(k, k, pending);
         out.keep(self, k);
     }
 
-    /// Subtracts the last `pending` pivots from `rows`.
-    fn update(&mut self, rows: std::ops::Range<usize>, pending: usize) {
+    /// Subtracts the last `pending` pivots, which end before row `end`, from the rows from `first` on.
+    fn update(&mut self, first: usize, end: usize, pending: usize) {
         match pending {
             0 => {}
-            1 => self.subtract::<1>(rows),
-            2 => self.subtract::<2>(rows),
-            3 => self.subtract::<3>(rows),
-            4 => self.subtract::<4>(rows),
-            5 => self.subtract::<5>(rows),
-            6 => self.subtract::<6>(rows),
-            7 => self.subtract::<7>(rows),
-            _ => self.subtract::<PANEL>(rows),
+            1 => self.subtract::<1>(first, end),
+            2 => self.subtract::<2>(first, end),
+            3 => self.subtract::<3>(first, end),
+            4 => self.subtract::<4>(first, end),
+            5 => self.subtract::<5>(first, end),
+            6 => self.subtract::<6>(first, end),
+            7 => self.subtract::<7>(first, end),
+            _ => self.subtract::<PANEL>(first, end),
         }
     }
 
     /// Row i -= sum over the last P pivots p of U_pi times the row of p before its division.
-    fn subtract<const P: usize>(&mut self, rows: std::ops::Range<usize>) {
-        let stride = self.stride;
-        for i in rows {
-            let row = self.values[i * stride + chunk_of(i)..(i + 1) * stride].as_chunks_mut().0;
-            let panel = &self.panel[i / CHUNK..][..row.len()];
-            let mut factors = [f64x4::ZERO; P];
-            for p in 0..P {
-                factors[p] = f64x4::splat(-panel[0].divided[p][i % CHUNK]);
-            }
-            for j in 0..row.len() {
-                let mut sum = f64x4::new(row[j]);
-                for p in 0..P {
-                    sum = f64x4::new(panel[j].whole[p]).mul_add(factors[p], sum);
-                }
-                row[j] = sum.to_array();
-            }
+    fn subtract<const P: usize>(&mut self, first: usize, end: usize) {
+        for i in first..self.rows.len() {
+            self.subtract_from::<P>(i, end);
         }
     }
 
-    /// True when the diagonal of row `k` is a stable pivot.
-    fn is_pivot(&self, k: usize, threshold: f64) -> bool {
-        let diagonal = self.at(k, k).abs();
-        diagonal > NEGLIGIBLE * self.scale[k] && diagonal >= threshold * self.largest_right(k)
+    /// The same of row `i`, where the pivots end before row `end`.
+    #[inline(always)]
+    fn subtract_from<const P: usize>(&mut self, i: usize, end: usize) -> &[[f64; CHUNK]] {
+        let stride = self.stride;
+        let (pivots, rest) = self.values.split_at_mut(i * stride);
+        let row = rest[chunk_of(i)..stride].as_chunks_mut().0;
+        let panel = &self.panel[i / CHUNK..][..row.len()];
+        let pivots = &pivots[(end - P) * stride..];
+        let mut factors = [f64x4::ZERO; P];
+        for p in 0..P {
+            factors[p] = f64x4::splat(pivots[p * stride + i]);
+        }
+        for j in 0..row.len() {
+            let mut sum = f64x4::new(row[j]);
+            for p in 0..P {
+                sum = f64x4::new(panel[j][p]).mul_neg_add(factors[p], sum);
+            }
+            row[j] = sum.to_array();
+        }
+        row
+    }
+
+    /// Subtracts the last `pending` pivots from row `k`, the next one; returns its largest magnitude right of the diagonal.
+    fn bring(&mut self, k: usize, pending: usize) -> f64 {
+        let row = match pending {
+            1 => self.subtract_from::<1>(k, k),
+            2 => self.subtract_from::<2>(k, k),
+            3 => self.subtract_from::<3>(k, k),
+            4 => self.subtract_from::<4>(k, k),
+            5 => self.subtract_from::<5>(k, k),
+            6 => self.subtract_from::<6>(k, k),
+            7 => self.subtract_from::<7>(k, k),
+            _ => self.row(k, k),
+        };
+        let mut largest = f64x4::new(row[0]).abs() & f64x4::new(RIGHT_OF[k % CHUNK]);
+        for j in 1..row.len() {
+            largest = f64x4::new(row[j]).abs().fast_max(largest);
+        }
+        widest(largest)
     }
 
     /// Divides row `k` by its diagonal and keeps what it was.
@@ -307,9 +346,8 @@ impl Front {
         let inverse = f64x4::splat(1.0 / d);
         let (panel, chunks) = (&mut self.panel[k / CHUNK..], row[first..].as_chunks_mut().0);
         for j in 0..chunks.len().min(panel.len()) {
-            panel[j].whole[pending] = chunks[j];
+            panel[j][pending] = chunks[j];
             chunks[j] = (f64x4::new(chunks[j]) * inverse).to_array();
-            panel[j].divided[pending] = chunks[j];
         }
         for j in first..=k {
             row[j] = 0.0;
@@ -331,13 +369,14 @@ impl Front {
         first[..=k + 1].fill(0.0);
         second[..=k + 1].fill(0.0);
         let begin = chunk_of(k + 2);
-        let (first, second) = (&mut first[begin..], &mut second[begin..]);
-        for l in 0..first.len().min(second.len()) {
-            let (c, e) = (first[l], second[l]);
-            let PanelChunk { whole, divided } = &mut self.panel[(begin + l) / CHUNK];
-            (whole[0][l % CHUNK], whole[1][l % CHUNK]) = (c, e);
-            (first[l], second[l]) = ((d * c - b * e) / determinant, (a * e - b * c) / determinant);
-            (divided[0][l % CHUNK], divided[1][l % CHUNK]) = (first[l], second[l]);
+        let panel = &mut self.panel[begin / CHUNK..];
+        let (first, second) = (first[begin..].as_chunks_mut().0, second[begin..].as_chunks_mut().0);
+        let [a, b, d, determinant] = [a, b, d, determinant].map(f64x4::splat);
+        for j in 0..first.len().min(second.len()).min(panel.len()) {
+            (panel[j][0], panel[j][1]) = (first[j], second[j]);
+            let (c, e) = (f64x4::new(first[j]), f64x4::new(second[j]));
+            first[j] = ((d * c - b * e) / determinant).to_array();
+            second[j] = ((a * e - b * c) / determinant).to_array();
         }
     }
 
@@ -389,14 +428,25 @@ impl Pivots {
     pub fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
         self.gather(x, local);
         let mut rows = self.factors.as_chunks().0;
-        for k in 0..self.count {
-            let (head, first) = (local[k], chunk_of(k));
-            let row;
-            (row, rows) = rows.split_at((self.stride - first) / CHUNK);
-            let tail = &mut local[first..].as_chunks_mut().0[..row.len()];
-            let factor = f64x4::splat(-head);
-            for j in 0..row.len() {
-                tail[j] = f64x4::new(row[j]).mul_add(factor, f64x4::new(tail[j])).to_array();
+        for first in (0..self.count).step_by(CHUNK) {
+            let of: RowsOfChunk;
+            (of, rows) = self.split_rows(rows, first);
+            let (own, tail) = local[first..].as_chunks_mut().0.split_at_mut(1);
+            let mut heads = [f64x4::ZERO; CHUNK];
+            for p in 0..CHUNK {
+                let head = own[0][p];
+                for l in p + 1..CHUNK {
+                    own[0][l] -= of[p].first().map_or(0.0, |row| row[l]) * head;
+                }
+                heads[p] = f64x4::splat(if of[p].is_empty() { 0.0 } else { head });
+            }
+            let (tail, [a, b, c, d]) =
+                (&mut tail[..of[0].len() - 1], of.map(|row| row.get(1..).unwrap_or(&of[0][1..])));
+            for j in 0..tail.len() {
+                let sum = f64x4::new(a[j]).mul_neg_add(heads[0], f64x4::new(tail[j]));
+                let sum = f64x4::new(b[j]).mul_neg_add(heads[1], sum);
+                let sum = f64x4::new(c[j]).mul_neg_add(heads[2], sum);
+                tail[j] = f64x4::new(d[j]).mul_neg_add(heads[3], sum).to_array();
             }
         }
         for k in 0..self.rows.len() {
@@ -404,21 +454,46 @@ impl Pivots {
         }
     }
 
+    /// The rows of pivots whose diagonals are in the chunk of column `first`, none of those that are no pivots, and what follows.
+    fn split_rows<'r>(
+        &self,
+        rows: &'r [[f64; CHUNK]],
+        first: usize,
+    ) -> (RowsOfChunk<'r>, &'r [[f64; CHUNK]]) {
+        let (length, count) = ((self.stride - first) / CHUNK, (self.count - first).min(CHUNK));
+        let (own, rest) = rows.split_at(count * length);
+        let mut of = [[].as_slice(); CHUNK];
+        for p in 0..count {
+            of[p] = &own[p * length..][..length];
+        }
+        (of, rest)
+    }
+
     /// x := U^-1 D^-1 x on this front's unknowns.
     pub fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
         self.gather(x, local);
         self.divide(local);
-        let mut rows = self.factors.as_chunks().0;
-        for k in (0..self.count).rev() {
-            let first = chunk_of(k);
-            let row;
-            (rows, row) = rows.split_at(rows.len() - (self.stride - first) / CHUNK);
-            let tail = &local[first..].as_chunks().0[..row.len()];
-            let mut sum = f64x4::ZERO;
-            for j in 0..row.len() {
-                sum = f64x4::new(row[j]).mul_add(f64x4::new(tail[j]), sum);
+        let mut end = self.factors.len() / CHUNK;
+        for first in (0..self.count).step_by(CHUNK).rev() {
+            end -= (self.stride - first) / CHUNK * (self.count - first).min(CHUNK);
+            let (of, _) = self.split_rows(&self.factors.as_chunks().0[end..], first);
+            let (own, tail) = local[first..].as_chunks_mut().0.split_at_mut(1);
+            let (tail, [a, b, c, d]) =
+                (&tail[..of[0].len() - 1], of.map(|row| row.get(1..).unwrap_or(&of[0][1..])));
+            let mut sums = [f64x4::ZERO; CHUNK];
+            for j in 0..tail.len() {
+                let tail = f64x4::new(tail[j]);
+                sums[0] = f64x4::new(a[j]).mul_add(tail, sums[0]);
+                sums[1] = f64x4::new(b[j]).mul_add(tail, sums[1]);
+                sums[2] = f64x4::new(c[j]).mul_add(tail, sums[2]);
+                sums[3] = f64x4::new(d[j]).mul_add(tail, sums[3]);
             }
-            local[k] -= sum.reduce_add();
+            for p in (0..CHUNK).rev() {
+                if let Some(row) = of[p].first() {
+                    let beside: f64 = (p + 1..CHUNK).map(|l| row[l] * own[0][l]).sum();
+                    own[0][p] -= sums[p].reduce_add() + beside;
+                }
+            }
         }
         for k in 0..self.count {
             x[self.rows[k]] = local[k];
@@ -445,6 +520,7 @@ impl Pivots {
 
 /// The largest of four numbers.
 fn widest(x: f64x4) -> f64 {
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
     let [a, b, c, d] = x.to_array();
-    a.max(b).max(c.max(d))
+    larger(larger(a, b), larger(c, d))
 }

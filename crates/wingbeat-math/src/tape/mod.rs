@@ -61,10 +61,12 @@ impl Tape {
         result.map(|()| !self.recording.asked)
     }
 
-    /// The Jacobian of the outputs and the Hessian of sum_i weights_i output_i at the points recorded last.
-    pub fn second_order(&mut self, weights: &[Double4]) {
+    /// The Jacobian of the outputs and the Hessian of sum_i weights_i output_i at the points recorded last. True where the operations
+    /// are none that were met lately, so that other derivatives may be zero than before.
+    pub fn second_order(&mut self, weights: &[Double4]) -> bool {
         let (shape, ends, inputs) = (&self.recording.shape, &self.ends, self.traced.len());
-        match self.known.iter().position(|known| known.fits(shape, ends, inputs)) {
+        let place = self.known.iter().position(|known| known.fits(shape, ends, inputs));
+        match place {
             Some(0) => {}
             Some(place) => self.known[..=place].rotate_right(1),
             None => {
@@ -77,6 +79,12 @@ impl Tape {
             (Double4::ZERO, Double4::ONE, -Double4::ONE);
         cells[FIRST..][..weights.len()].copy_from_slice(weights);
         self.known[0].run(cells);
+        place.is_none()
+    }
+
+    /// True when all recordings had the same operations.
+    pub fn is_uniform(&self) -> bool {
+        self.known.len() == 1
     }
 
     /// The derivatives (output, input) that are not zero wherever the operations are those recorded last.

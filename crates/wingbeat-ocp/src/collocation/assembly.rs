@@ -1,5 +1,5 @@
-//! Derivatives of a collocated problem, four intervals side by side, dense over the columns of an interval: its own unknowns, then times
-//! and parameters.
+//! Derivatives of a collocated problem, four intervals side by side, dense over the columns of an interval: its own unknowns, then final
+//! time, initial time and parameters.
 
 use super::layout::{StateOf, UnknownLayout};
 use super::points::{Four, FourPoints, MIDDLE};
@@ -65,11 +65,12 @@ pub(super) struct Assembly {
     pub cost: Vec<Double4>,
 }
 
-/// y += sum over `picks` of a factor times a row, of rows as long as `y` that begin with the column `from`.
+/// y = sum over `picks` of a factor times a row, of rows as long as `y` that begin with the column `from`; added to `y` where it is
+/// `onto` something.
 #[inline]
 fn combine(
     y: &mut [Double4],
-    from: usize,
+    (from, onto): (usize, bool),
     rows: &[Double4],
     picks: &[usize],
     factor: impl Fn(usize) -> Double4,
@@ -77,18 +78,34 @@ fn combine(
     let (n, width) = (y.len(), from + y.len());
     let row = |v: usize| &rows[v * width + from..][..n];
     let (fours, rest) = picks.as_chunks();
+    let mut onto = onto;
     for &[a, b, c, d] in fours {
         let (p, q, r, s) = (factor(a), factor(b), factor(c), factor(d));
         let (a, b, c, d) = (row(a), row(b), row(c), row(d));
-        for k in 0..n {
-            y[k] = s.mul_add(d[k], r.mul_add(c[k], q.mul_add(b[k], p.mul_add(a[k], y[k]))));
+        if std::mem::replace(&mut onto, true) {
+            for k in 0..n {
+                y[k] = s.mul_add(d[k], r.mul_add(c[k], q.mul_add(b[k], p.mul_add(a[k], y[k]))));
+            }
+        } else {
+            for k in 0..n {
+                y[k] = s.mul_add(d[k], r.mul_add(c[k], q.mul_add(b[k], p * a[k])));
+            }
         }
     }
     for &a in rest {
         let (p, a) = (factor(a), row(a));
-        for k in 0..n {
-            y[k] = p.mul_add(a[k], y[k]);
+        if std::mem::replace(&mut onto, true) {
+            for k in 0..n {
+                y[k] = p.mul_add(a[k], y[k]);
+            }
+        } else {
+            for k in 0..n {
+                y[k] = p * a[k];
+            }
         }
+    }
+    if !onto {
+        y.fill(Double4::ZERO);
     }
 }
 
@@ -165,8 +182,8 @@ impl Assembly {
     fn add_span_products(&mut self) {
         for c in 0..self.width {
             let slope = self.span_slopes[c];
-            self.add_pair(c, self.own, -slope);
-            self.add_pair(c, self.own + 1, slope);
+            self.add_pair(c, self.own, slope);
+            self.add_pair(c, self.own + 1, -slope);
         }
     }
 }
@@ -175,7 +192,7 @@ impl Assembly {
 fn locals(setup: &Setup, layout: &UnknownLayout, j: usize) -> Vec<LocalUnknown> {
     let (place, [first, end]) = (&layout.points[j], layout.intervals[0].columns);
     let (n, m, own) = (setup.states.len(), setup.inputs.len(), end - first);
-    let mut map = vec![LocalUnknown::Shared([(own, Double4::ONE), (own + 1, Double4::ZERO)])];
+    let mut map = vec![LocalUnknown::Shared([(own, Double4::ZERO), (own + 1, Double4::ONE)])];
     map.extend((0..n).map(|r| match place.x {
         StateOf::Unknown(x) => LocalUnknown::Own(x + r - first),
         StateOf::Middle(_) => LocalUnknown::Middle,
@@ -254,7 +271,7 @@ impl Discretisation {
         let own = self.assembly.own;
         for j in 0..self.transcribed.scheme.points() {
             let sigma = self.sigmas(group, j);
-            self.assembly.maps[j][0] = LocalUnknown::Shared([(own, Double4::ONE - sigma), (own + 1, sigma)]);
+            self.assembly.maps[j][0] = LocalUnknown::Shared([(own, sigma), (own + 1, Double4::ONE - sigma)]);
         }
     }
 
@@ -299,8 +316,8 @@ impl Discretisation {
                 let row = &mut middle[(1 + r) * width..][..width];
                 let change = factor * self.points.four(at, r);
                 row[x + r] += Double4::from(0.5);
-                row[own] -= change;
-                row[own + 1] += change;
+                row[own] += change;
+                row[own + 1] -= change;
                 for &v in &self.points.non_zeros.jacobian[r] {
                     map[v].add(row, steep * jacobian[r * locals + v]);
                 }
@@ -315,36 +332,46 @@ impl Discretisation {
         let (n, scheme) = (self.setup.states.len(), &self.transcribed.scheme);
         let (width, own, share) = (self.assembly.width, self.assembly.own, self.shares(group));
         let defects = &mut rows[..scheme.defects().len() * n * width];
-        defects.fill(Double4::ZERO);
+        if !scheme.compressed {
+            defects.fill(Double4::ZERO);
+        }
         let [first, ..] = self.layout.intervals[0].columns;
         let start = self.node_column(0);
         for (block, j) in defects.chunks_exact_mut(n * width).zip(scheme.defects()) {
+            // Rows begin with the middle state where there is one.
+            for i in self.middle_first() {
+                let (at, jacobian) = (self.at_point(group, i), &self.derivatives(group, i).jacobian);
+                let (factor, map) = (share * scheme.a[j][i], &self.assembly.maps[i]);
+                let steep = factor * -span;
+                let middle = matches!(self.layout.points[i].x, StateOf::Middle(_));
+                for (r, row) in block.chunks_exact_mut(width).enumerate() {
+                    let slopes = &jacobian[r * self.points.locals..][..self.points.locals];
+                    let picks = &self.points.non_zeros.jacobian[r];
+                    if middle {
+                        combine(row, (0, false), &self.assembly.middle, picks, |v| steep * slopes[v]);
+                    } else {
+                        picks.iter().for_each(|&v| map[v].add(row, steep * slopes[v]));
+                    }
+                    let change = factor * self.points.four(at, r);
+                    row[own] -= change;
+                    row[own + 1] += change;
+                }
+            }
             if let StateOf::Unknown(x) = self.layout.points[j].x {
                 for (r, row) in block.chunks_exact_mut(width).enumerate() {
                     row[x - first + r] += Double4::ONE;
                     row[start + r] -= Double4::ONE;
                 }
             }
-            for i in 0..scheme.points() {
-                let (at, jacobian) = (self.at_point(group, i), &self.derivatives(group, i).jacobian);
-                let (factor, map) = (share * scheme.a[j][i], &self.assembly.maps[i]);
-                let steep = factor * -span;
-                let middle = matches!(self.layout.points[i].x, StateOf::Middle(_));
-                for (r, row) in block.chunks_exact_mut(width).enumerate() {
-                    let change = factor * self.points.four(at, r);
-                    row[own] += change;
-                    row[own + 1] -= change;
-                    let slopes = &jacobian[r * self.points.locals..][..self.points.locals];
-                    let picks = &self.points.non_zeros.jacobian[r];
-                    if middle {
-                        combine(row, 0, &self.assembly.middle, picks, |v| steep * slopes[v]);
-                    } else {
-                        picks.iter().for_each(|&v| map[v].add(row, steep * slopes[v]));
-                    }
-                }
-            }
         }
         self.assembly.rows = rows;
+    }
+
+    /// The points of an interval, one whose state is the middle first.
+    fn middle_first(&self) -> impl Iterator<Item = usize> {
+        let points = self.transcribed.scheme.points();
+        let first = if self.transcribed.scheme.compressed { points / 2 } else { 0 };
+        std::iter::once(first).chain((0..points).filter(move |i| *i != first))
     }
 
     /// Writes the Jacobian rows of the path values of the points that intervals own.
@@ -381,9 +408,12 @@ impl Discretisation {
 
     /// Hessian of the Lagrangian's part of the intervals of `group`, the last of which ends the last interval where it is `last`.
     pub(super) fn hessian_block(&mut self, group: usize, weight: f64, last: Option<usize>) {
-        self.assembly.block.fill(Double4::ZERO);
         self.assembly.span_slopes.fill(Double4::ZERO);
-        for j in 0..self.transcribed.scheme.points() - 1 {
+        if !self.transcribed.scheme.compressed {
+            self.assembly.block.fill(Double4::ZERO);
+        }
+        let end = self.transcribed.scheme.points() - 1;
+        for j in self.middle_first().filter(|j| *j < end).collect::<Vec<_>>() {
             match self.layout.points[j].x {
                 StateOf::Unknown(_) => self.add_point(group, j, None),
                 StateOf::Middle(_) => self.add_middle(group, j),
@@ -452,24 +482,24 @@ impl Discretisation {
         }
     }
 
-    /// Adds middle points, mapped by the last [`Self::map_middle`]: M' H M and the products with the time span.
+    /// Adds middle points, mapped by the last [`Self::map_middle`]: M' H M, with which the Hessian begins, and the products
+    /// with the time span.
     fn add_middle(&mut self, group: usize, j: usize) {
         self.weigh_slopes(group, j, None);
         let (locals, width) = (self.points.locals, self.assembly.width);
         let Assembly { middle, product, block, span_slopes, slopes, meets, .. } = &mut self.assembly;
         let all: Vec<usize> = (0..locals).collect();
-        combine(span_slopes, 0, middle, &all, |v| slopes[v]);
+        combine(span_slopes, (0, true), middle, &all, |v| slopes[v]);
         let hessian = &self.points.set(group, j).hessian;
         for (v, picks) in self.points.non_zeros.hessian.iter().enumerate().filter(|row| !row.1.is_empty()) {
             let row = &mut product[v * width..][..width];
-            row.fill(Double4::ZERO);
-            combine(row, 0, middle, picks, |u| hessian[v * locals + u]);
+            combine(row, (0, false), middle, picks, |u| hessian[v * locals + u]);
         }
         let mut rest = block.as_mut_slice();
         for c in 0..width {
             let row;
             (row, rest) = rest.split_at_mut(width - c);
-            combine(row, c, product, &meets[c], |v| middle[v * width + c]);
+            combine(row, (c, false), product, &meets[c], |v| middle[v * width + c]);
         }
     }
 
@@ -495,7 +525,7 @@ impl Discretisation {
             let (picks, map) = (&self.points.non_zeros.jacobian[n], &self.assembly.maps[j]);
             let weight = weight * span;
             if let StateOf::Middle(_) = self.layout.points[j].x {
-                combine(&mut cost, 0, &self.assembly.middle, picks, |v| weight * slopes[v]);
+                combine(&mut cost, (0, true), &self.assembly.middle, picks, |v| weight * slopes[v]);
             } else {
                 picks.iter().for_each(|&v| map[v].add(&mut cost, weight * slopes[v]));
             }

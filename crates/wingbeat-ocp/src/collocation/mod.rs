@@ -188,10 +188,11 @@ impl Discretisation {
         [x, if own { z[first..first + self.setup.inputs.len()].to_vec() } else { Vec::new() }]
     }
 
-    /// Columns of interval `k`: its own unknowns, then times and parameters.
+    /// Columns of interval `k`: its own unknowns, then final time, initial time and parameters. The initial time, which is mostly given,
+    /// does not come between unknowns.
     fn columns(&self, k: usize) -> Vec<usize> {
-        let [first, end] = self.layout.intervals[k].columns;
-        (first..end).chain(self.layout.times..self.layout.variables.len()).collect()
+        let ([first, end], times) = (self.layout.intervals[k].columns, self.layout.times);
+        (first..end).chain([times + 1, times]).chain(times + 2..self.layout.variables.len()).collect()
     }
 
     /// Final less initial time.

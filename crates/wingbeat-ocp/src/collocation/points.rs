@@ -259,8 +259,8 @@ impl Points {
         let together = self.tape.record(&self.gathered, &mut self.recorded, outputs);
         let set = self.place(group, j);
         if together == Ok(true) {
-            self.tape.second_order(weights);
-            self.grown |= self.non_zeros.take(&self.tape);
+            let new = self.tape.second_order(weights);
+            self.grown |= new && self.non_zeros.take(&self.tape);
             self.keep(set, None);
             return Ok(());
         }
@@ -272,8 +272,8 @@ impl Points {
             self.tape
                 .record(&splat(&gathered), &mut self.recorded, outputs)
                 .map_err(|fault| EvaluationError(fault.to_string()))?;
-            self.tape.second_order(&splat(weights));
-            self.grown |= self.non_zeros.take(&self.tape);
+            let new = self.tape.second_order(&splat(weights));
+            self.grown |= new && self.non_zeros.take(&self.tape);
             self.keep(set, Some(lane));
         }
         Ok(())
@@ -283,7 +283,7 @@ impl Points {
     fn keep(&mut self, set: usize, only: Option<usize>) {
         let (Self { tape, non_zeros, locals, sets, .. }, set) = (self, set);
         let set = &mut sets[set];
-        if only.is_none_or(|lane| lane == 0) {
+        if !tape.is_uniform() && only.is_none_or(|lane| lane == 0) {
             non_zeros.clear(set);
         }
         let put = |out: &mut Double4, value: Double4| {

@@ -122,17 +122,16 @@ impl Discretisation {
         self.path_rows(group);
         self.hessian_block(group, weight, last);
         let costs = self.cost_slopes(group, span, last);
-        let Assembly { rows, block, cost, width, own, .. } = &self.assembly;
+        let Assembly { rows, block, cost, .. } = &self.assembly;
         let first = Double4::WIDTH * group;
         let count = Double4::WIDTH.min(self.layout.intervals.len() - first);
         let begins = |length: usize| -> Four { std::array::from_fn(|lane| (first + lane) * length) };
         unpack(rows, &mut out.jacobian, &begins(rows.len())[..count]);
         unpack(block, &mut out.hessian, &begins(block.len())[..count]);
         let times = self.layout.times;
-        for (lane, interval) in self.layout.intervals[first..].iter().take(count).enumerate() {
-            for c in 0..*width {
-                let column = if c < *own { interval.columns[0] + c } else { times + c - own };
-                self.gradient[column] += cost[c].lane(lane);
+        for lane in 0..count {
+            for (column, cost) in self.columns(first + lane).into_iter().zip(cost) {
+                self.gradient[column] += cost.lane(lane);
             }
             self.gradient[times + 1] += costs.lane(lane);
             self.gradient[times] -= costs.lane(lane);
