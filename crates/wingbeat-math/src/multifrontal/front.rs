@@ -12,6 +12,12 @@ const RIGHT_OF: [[f64; CHUNK]; CHUNK] = {
     [[none, some, some, some], [none, none, some, some], [none, none, none, some], [none; CHUNK]]
 };
 
+/// The numbers of a chunk right of the column that has the remainder of `i`, zeros in the place of the others.
+#[inline]
+fn right_of(i: usize, chunk: [f64; CHUNK]) -> [f64; CHUNK] {
+    (f64x4::new(chunk) & f64x4::new(RIGHT_OF[i % CHUNK])).to_array()
+}
+
 /// Column `i` rounded down to where its chunk begins.
 #[inline(always)]
 fn chunk_of(i: usize) -> usize {
@@ -30,14 +36,21 @@ pub struct Front {
     values: Vec<f64>,
     /// Largest magnitude each unknown's column had when it was assembled.
     scale: Vec<f64>,
-    /// Rows of the last pivots before their division by the pivots, chunk by chunk, for the rows below.
-    panel: Vec<[[f64; CHUNK]; PANEL]>,
+    /// Rows of the last pivots, chunk by chunk, for the rows below.
+    panel: Vec<PanelChunk>,
     /// Rows of a child that follow one another here too: the first, its place here and their number.
     runs: Vec<(usize, usize, usize)>,
 }
 
 /// Pivots whose updates are applied together.
 const PANEL: usize = 8;
+
+/// A chunk of columns of the rows of a few pivots, before their division by the pivots and after it.
+#[derive(Clone, Copy, Debug, Default)]
+struct PanelChunk {
+    whole: [[f64; CHUNK]; PANEL],
+    divided: [[f64; CHUNK]; PANEL],
+}
 
 /// The eliminated part of a front: P' A P = U' D U for its leading rows.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +60,9 @@ pub struct Pivots {
     stride: usize,
     /// U, the first `count` rows over the unknowns of the front, each from the
     /// chunk of its diagonal on, with zeros on the diagonal and left of it.
-    factors: Vec<f64>,
+    factors: Vec<[f64; CHUNK]>,
+    /// How many of them count.
+    filled: usize,
     /// D: the diagonal, and the off-diagonal where a pivot of order two starts.
     diagonal: Vec<f64>,
     coupling: Vec<f64>,
@@ -79,7 +94,7 @@ impl Front {
         self.scale.clear();
         self.scale.resize(self.stride, f64::MIN_POSITIVE);
         if self.panel.len() < self.stride / CHUNK {
-            self.panel.resize(self.stride / CHUNK, [[0.0; CHUNK]; PANEL]);
+            self.panel.resize(self.stride / CHUNK, PanelChunk::default());
         }
     }
 
@@ -168,15 +183,16 @@ impl Front {
         self.values[i.min(j) * self.stride + i.max(j)]
     }
 
-    /// Exchanges unknowns p < q of the remaining part (and their factors).
-    fn swap(&mut self, p: usize, q: usize) {
+    /// Exchanges unknowns p < q of the part that remains from `first` on, and their factors.
+    fn swap(&mut self, first: usize, [p, q]: [usize; 2], out: &mut Pivots) {
         if p == q {
             return;
         }
         let n = self.stride;
         self.rows.swap(p, q);
         self.scale.swap(p, q);
-        for j in 0..p {
+        out.swap([p, q]);
+        for j in first..p {
             self.values.swap(j * n + p, j * n + q);
         }
         self.values.swap(p * n + p, q * n + q);
@@ -231,8 +247,7 @@ impl Front {
     /// Eliminates every candidate that has a stable pivot; in the last front
     /// (`all`) the rest count as zero eigenvalues.
     pub fn eliminate(&mut self, threshold: f64, all: bool, out: &mut Pivots, inertia: &mut Inertia) {
-        out.diagonal.clear();
-        out.coupling.clear();
+        out.clear(self.stride);
         let (mut k, mut pending) = (0, 0);
         while k < self.candidates {
             let beside = self.bring(k, pending);
@@ -241,19 +256,19 @@ impl Front {
                 self.pivot_one(k, pending, out, inertia);
                 (k, pending) = (k + 1, pending + 1);
                 if pending == PANEL {
-                    self.update(k, k, pending);
+                    self.update(k, pending);
                     pending = 0;
                 }
                 continue;
             }
-            self.update(k + 1, k, pending);
+            self.update(k + 1, pending);
             pending = 0;
             match self.choose(k, threshold) {
-                Choice::One(c) => self.swap(k, c),
+                Choice::One(c) => self.swap(k, [k, c], out),
                 Choice::Two(c, r) => {
                     let (c, r) = (c.min(r), c.max(r));
-                    self.swap(k, c);
-                    self.swap(k + 1, r);
+                    self.swap(k, [k, c], out);
+                    self.swap(k, [k + 1, r], out);
                     self.pivot_two(k, out, inertia);
                     (k, pending) = (k + 2, 2);
                 }
@@ -264,48 +279,46 @@ impl Front {
                 Choice::None => break,
             }
         }
-        self.update(k, k, pending);
+        self.update(k, pending);
         out.keep(self, k);
     }
 
-    /// Subtracts the last `pending` pivots, which end before row `end`, from the rows from `first` on.
-    fn update(&mut self, first: usize, end: usize, pending: usize) {
+    /// Subtracts the last `pending` pivots from the rows from `first` on.
+    fn update(&mut self, first: usize, pending: usize) {
         match pending {
             0 => {}
-            1 => self.subtract::<1>(first, end),
-            2 => self.subtract::<2>(first, end),
-            3 => self.subtract::<3>(first, end),
-            4 => self.subtract::<4>(first, end),
-            5 => self.subtract::<5>(first, end),
-            6 => self.subtract::<6>(first, end),
-            7 => self.subtract::<7>(first, end),
-            _ => self.subtract::<PANEL>(first, end),
+            1 => self.subtract::<1>(first),
+            2 => self.subtract::<2>(first),
+            3 => self.subtract::<3>(first),
+            4 => self.subtract::<4>(first),
+            5 => self.subtract::<5>(first),
+            6 => self.subtract::<6>(first),
+            7 => self.subtract::<7>(first),
+            _ => self.subtract::<PANEL>(first),
         }
     }
 
     /// Row i -= sum over the last P pivots p of U_pi times the row of p before its division.
-    fn subtract<const P: usize>(&mut self, first: usize, end: usize) {
+    fn subtract<const P: usize>(&mut self, first: usize) {
         for i in first..self.rows.len() {
-            self.subtract_from::<P>(i, end);
+            self.subtract_from::<P>(i);
         }
     }
 
-    /// The same of row `i`, where the pivots end before row `end`.
+    /// The same of row `i`.
     #[inline(always)]
-    fn subtract_from<const P: usize>(&mut self, i: usize, end: usize) -> &[[f64; CHUNK]] {
+    fn subtract_from<const P: usize>(&mut self, i: usize) -> &[[f64; CHUNK]] {
         let stride = self.stride;
-        let (pivots, rest) = self.values.split_at_mut(i * stride);
-        let row = rest[chunk_of(i)..stride].as_chunks_mut().0;
+        let row = self.values[i * stride + chunk_of(i)..(i + 1) * stride].as_chunks_mut().0;
         let panel = &self.panel[i / CHUNK..][..row.len()];
-        let pivots = &pivots[(end - P) * stride..];
         let mut factors = [f64x4::ZERO; P];
         for p in 0..P {
-            factors[p] = f64x4::splat(pivots[p * stride + i]);
+            factors[p] = f64x4::splat(panel[0].divided[p][i % CHUNK]);
         }
         for j in 0..row.len() {
             let mut sum = f64x4::new(row[j]);
             for p in 0..P {
-                sum = f64x4::new(panel[j][p]).mul_neg_add(factors[p], sum);
+                sum = f64x4::new(panel[j].whole[p]).mul_neg_add(factors[p], sum);
             }
             row[j] = sum.to_array();
         }
@@ -315,16 +328,16 @@ impl Front {
     /// Subtracts the last `pending` pivots from row `k`, the next one; returns its largest magnitude right of the diagonal.
     fn bring(&mut self, k: usize, pending: usize) -> f64 {
         let row = match pending {
-            1 => self.subtract_from::<1>(k, k),
-            2 => self.subtract_from::<2>(k, k),
-            3 => self.subtract_from::<3>(k, k),
-            4 => self.subtract_from::<4>(k, k),
-            5 => self.subtract_from::<5>(k, k),
-            6 => self.subtract_from::<6>(k, k),
-            7 => self.subtract_from::<7>(k, k),
+            1 => self.subtract_from::<1>(k),
+            2 => self.subtract_from::<2>(k),
+            3 => self.subtract_from::<3>(k),
+            4 => self.subtract_from::<4>(k),
+            5 => self.subtract_from::<5>(k),
+            6 => self.subtract_from::<6>(k),
+            7 => self.subtract_from::<7>(k),
             _ => self.row(k, k),
         };
-        let mut largest = f64x4::new(row[0]).abs() & f64x4::new(RIGHT_OF[k % CHUNK]);
+        let mut largest = f64x4::new(right_of(k, row[0])).abs();
         for j in 1..row.len() {
             largest = f64x4::new(row[j]).abs().fast_max(largest);
         }
@@ -333,60 +346,59 @@ impl Front {
 
     /// Divides row `k` by its diagonal and keeps what it was.
     fn pivot_one(&mut self, k: usize, pending: usize, out: &mut Pivots, inertia: &mut Inertia) {
-        let (stride, first) = (self.stride, chunk_of(k));
-        let row = &mut self.values[k * stride..(k + 1) * stride];
-        let d = row[k];
-        out.diagonal.push(d);
-        out.coupling.push(0.0);
+        let d = self.at(k, k);
         if d > 0.0 {
             inertia.positive += 1;
         } else {
             inertia.negative += 1;
         }
         let inverse = f64x4::splat(1.0 / d);
-        let (panel, chunks) = (&mut self.panel[k / CHUNK..], row[first..].as_chunks_mut().0);
-        for j in 0..chunks.len().min(panel.len()) {
-            panel[j][pending] = chunks[j];
-            chunks[j] = (f64x4::new(chunks[j]) * inverse).to_array();
+        let stride = self.stride;
+        let chunks = self.values[k * stride + chunk_of(k)..(k + 1) * stride].as_chunks().0;
+        let (panel, factors) = (&mut self.panel[k / CHUNK..], out.add(k, d, 0.0, chunks.len()));
+        for j in 0..chunks.len().min(panel.len()).min(factors.len()) {
+            panel[j].whole[pending] = chunks[j];
+            factors[j] = (f64x4::new(chunks[j]) * inverse).to_array();
+            panel[j].divided[pending] = factors[j];
         }
-        for j in first..=k {
-            row[j] = 0.0;
-        }
+        factors[0] = right_of(k, factors[0]);
     }
 
     fn pivot_two(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
-        let s = self.stride;
         let (a, b, d) = (self.at(k, k), self.at(k + 1, k), self.at(k + 1, k + 1));
-        out.diagonal.extend([a, d]);
-        out.coupling.extend([b, 0.0]);
         let determinant = a * d - b * b;
         match (determinant < 0.0, a + d > 0.0) {
             (true, _) => (inertia.positive, inertia.negative) = (inertia.positive + 1, inertia.negative + 1),
             (false, true) => inertia.positive += 2,
             (false, false) => inertia.negative += 2,
         }
-        let (first, second) = self.values[k * s..(k + 2) * s].split_at_mut(s);
-        first[..=k + 1].fill(0.0);
-        second[..=k + 1].fill(0.0);
-        let begin = chunk_of(k + 2);
-        let panel = &mut self.panel[begin / CHUNK..];
-        let (first, second) = (first[begin..].as_chunks_mut().0, second[begin..].as_chunks_mut().0);
-        let [a, b, d, determinant] = [a, b, d, determinant].map(f64x4::splat);
-        for j in 0..first.len().min(second.len()).min(panel.len()) {
-            (panel[j][0], panel[j][1]) = (first[j], second[j]);
-            let (c, e) = (f64x4::new(first[j]), f64x4::new(second[j]));
-            first[j] = ((d * c - b * e) / determinant).to_array();
-            second[j] = ((a * e - b * c) / determinant).to_array();
+        let stride = self.stride;
+        let first = self.values[k * stride + chunk_of(k)..(k + 1) * stride].as_chunks().0;
+        let second = self.values[(k + 1) * stride + chunk_of(k + 1)..(k + 2) * stride].as_chunks().0;
+        let (skipped, panel) = (first.len() - second.len(), &mut self.panel[(k + 1) / CHUNK..]);
+        let [a_, b_, d_, determinant] = [a, b, d, determinant].map(f64x4::splat);
+        for j in 0..second.len() {
+            let (c, e) = (f64x4::new(first[skipped + j]), f64x4::new(second[j]));
+            let PanelChunk { whole, divided } = &mut panel[j];
+            (whole[0], whole[1]) = (c.to_array(), e.to_array());
+            divided[0] = ((d_ * c - b_ * e) / determinant).to_array();
+            divided[1] = ((a_ * e - b_ * c) / determinant).to_array();
+        }
+        for (p, skipped) in [(0, skipped), (1, 0)] {
+            let length = skipped + second.len();
+            let factors = out.add(k + p, [a, d][p], [b, 0.0][p], length);
+            factors[..skipped].fill([0.0; CHUNK]);
+            for (factor, chunk) in factors[skipped..].iter_mut().zip(&*panel) {
+                *factor = chunk.divided[p];
+            }
+            factors[skipped] = right_of(k + 1, factors[skipped]);
         }
     }
 
     /// A zero pivot of a singular matrix: its unknown stays zero.
     fn skip(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
-        let n = self.stride;
         inertia.zero += 1;
-        out.diagonal.push(f64::INFINITY);
-        out.coupling.push(0.0);
-        self.values[k * n + chunk_of(k)..(k + 1) * n].fill(0.0);
+        out.add(k, f64::INFINITY, 0.0, (self.stride - chunk_of(k)) / CHUNK).fill([0.0; CHUNK]);
     }
 
     /// The part that was not eliminated, delayed candidates first.
@@ -406,15 +418,45 @@ impl Front {
 }
 
 impl Pivots {
-    /// Takes over the first `count` rows of a front, which are eliminated.
+    /// None yet, of a front with padded rows of the length `stride`.
+    fn clear(&mut self, stride: usize) {
+        self.stride = stride;
+        self.filled = 0;
+        self.diagonal.clear();
+        self.coupling.clear();
+    }
+
+    /// Adds the pivot of row `k`; returns the room for its row, `length` chunks.
+    #[inline]
+    fn add(&mut self, k: usize, diagonal: f64, coupling: f64, length: usize) -> &mut [[f64; CHUNK]] {
+        debug_assert_eq!(k, self.diagonal.len());
+        self.diagonal.push(diagonal);
+        self.coupling.push(coupling);
+        let begin = self.filled;
+        self.filled += length;
+        if self.factors.len() < self.filled {
+            self.factors.resize(self.filled, [0.0; CHUNK]);
+        }
+        &mut self.factors[begin..self.filled]
+    }
+
+    /// Exchanges columns p < q, which come after the pivots.
+    fn swap(&mut self, [p, q]: [usize; 2]) {
+        let mut begin = 0;
+        for k in 0..self.diagonal.len() {
+            let place = |column: usize| (column - chunk_of(k)) / CHUNK;
+            let row = &mut self.factors[begin..begin + place(self.stride)];
+            let (a, b) = (row[place(p)][p % CHUNK], row[place(q)][q % CHUNK]);
+            (row[place(p)][p % CHUNK], row[place(q)][q % CHUNK]) = (b, a);
+            begin += row.len();
+        }
+    }
+
+    /// Takes over the unknowns of a front whose first `count` ones are eliminated.
     fn keep(&mut self, front: &Front, count: usize) {
-        (self.count, self.stride) = (count, front.stride);
+        self.count = count;
         self.rows.clear();
         self.rows.extend_from_slice(&front.rows);
-        self.factors.clear();
-        for k in 0..count {
-            self.factors.extend_from_slice(front.row(k, k).as_flattened());
-        }
     }
 
     /// The values of `x` at this front's unknowns, padded with zeros.
@@ -427,7 +469,7 @@ impl Pivots {
     /// x := U^-T x on this front's unknowns.
     pub fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
         self.gather(x, local);
-        let mut rows = self.factors.as_chunks().0;
+        let mut rows = self.factors.as_slice();
         for first in (0..self.count).step_by(CHUNK) {
             let of: RowsOfChunk;
             (of, rows) = self.split_rows(rows, first);
@@ -473,10 +515,10 @@ impl Pivots {
     pub fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
         self.gather(x, local);
         self.divide(local);
-        let mut end = self.factors.len() / CHUNK;
+        let mut end = self.filled;
         for first in (0..self.count).step_by(CHUNK).rev() {
             end -= (self.stride - first) / CHUNK * (self.count - first).min(CHUNK);
-            let (of, _) = self.split_rows(&self.factors.as_chunks().0[end..], first);
+            let (of, _) = self.split_rows(&self.factors[end..], first);
             let (own, tail) = local[first..].as_chunks_mut().0.split_at_mut(1);
             let (tail, [a, b, c, d]) =
                 (&tail[..of[0].len() - 1], of.map(|row| row.get(1..).unwrap_or(&of[0][1..])));
