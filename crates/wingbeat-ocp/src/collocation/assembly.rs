@@ -47,6 +47,8 @@ pub(super) struct Assembly {
     maps: Vec<Vec<LocalUnknown>>,
     /// d locals / d columns of a middle point, row-major.
     middle: Vec<Double4>,
+    /// The columns along which each local of a middle point changes.
+    reach: Vec<Vec<usize>>,
     /// For each column the locals of a middle point that change with it and have second derivatives.
     meets: Vec<Vec<usize>>,
     /// The Hessian of a middle point times `middle`.
@@ -141,6 +143,7 @@ impl Assembly {
             own,
             maps,
             middle,
+            reach: Vec::new(),
             meets: Vec::new(),
             product: zeros(locals * width),
             slopes: zeros(locals),
@@ -260,6 +263,7 @@ impl Discretisation {
             (0..self.points.locals).filter(|v| !non_zeros.hessian[*v].is_empty()).collect();
         self.assembly.meets =
             (0..width).map(|c| bent.iter().copied().filter(|v| changes[*v][c]).collect()).collect();
+        self.assembly.reach = changes.iter().map(|row| (0..width).filter(|c| row[*c]).collect()).collect();
     }
 
     /// Prepares the assembly of the intervals of `group`, whose derivatives are known, and those at their ends.
@@ -306,7 +310,9 @@ impl Discretisation {
         let time = &mut middle[..width];
         time.fill(Double4::ZERO);
         self.assembly.maps[1][0].add(time, Double4::ONE);
-        middle[width..(1 + n) * width].fill(Double4::ZERO);
+        for (row, columns) in middle.chunks_exact_mut(width).zip(&self.assembly.reach).skip(1).take(n) {
+            columns.iter().for_each(|c| row[*c] = Double4::ZERO);
+        }
         for (j, end, bulge) in [(0, 0, MIDDLE), (2, 1, -MIDDLE)] {
             let (at, jacobian) = (self.at_point(group, j), &self.derivatives(group, j).jacobian);
             let (map, x) = (&self.assembly.maps[j], self.node_column(end));

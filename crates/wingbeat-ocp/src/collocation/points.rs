@@ -91,6 +91,7 @@ pub(super) struct Points {
     pub grown: bool,
     tape: Tape,
     local: Vec<f64>,
+    apart: [Vec<f64>; Double4::WIDTH],
     gathered: Vec<Double4>,
     recorded: Vec<Double4>,
 }
@@ -112,6 +113,7 @@ impl Points {
             grown: true,
             tape: Tape::default(),
             local: vec![0.0; locals],
+            apart: std::array::from_fn(|_| vec![0.0; locals]),
             gathered: vec![Double4::ZERO; locals],
             recorded: vec![Double4::ZERO; outputs],
         }
@@ -248,12 +250,15 @@ impl Points {
         w: &[f64],
         weights: &[Double4],
     ) -> Result<(), EvaluationError> {
-        for (lane, i) in at.into_iter().enumerate() {
+        let mut locals: [Vec<f64>; Double4::WIDTH] = std::mem::take(&mut self.apart);
+        for (local, i) in locals.iter_mut().zip(at) {
             self.gather(w, layout, i);
-            for (out, x) in self.gathered.iter_mut().zip(&self.local) {
-                *out = with_lane(*out, lane, *x);
-            }
+            local.clone_from(&self.local);
         }
+        for (v, out) in self.gathered.iter_mut().enumerate() {
+            *out = Double4::of(|lane| locals[lane][v]);
+        }
+        self.apart = locals;
         let sizes = (self.states, self.inputs);
         let outputs = |local: &[_], out: &mut [_]| Self::outputs_at(problem, sizes, local, out);
         let together = self.tape.record(&self.gathered, &mut self.recorded, outputs);
