@@ -43,7 +43,7 @@ pub struct Front {
 }
 
 /// Pivots whose updates are applied together.
-const PANEL: usize = 8;
+const PANEL: usize = 12;
 
 /// A chunk of columns of the rows of a few pivots, before their division by the pivots and after it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -294,6 +294,10 @@ impl Front {
             5 => self.subtract::<5>(first),
             6 => self.subtract::<6>(first),
             7 => self.subtract::<7>(first),
+            8 => self.subtract::<8>(first),
+            9 => self.subtract::<9>(first),
+            10 => self.subtract::<10>(first),
+            11 => self.subtract::<11>(first),
             _ => self.subtract::<PANEL>(first),
         }
     }
@@ -335,6 +339,10 @@ impl Front {
             5 => self.subtract_from::<5>(k),
             6 => self.subtract_from::<6>(k),
             7 => self.subtract_from::<7>(k),
+            8 => self.subtract_from::<8>(k),
+            9 => self.subtract_from::<9>(k),
+            10 => self.subtract_from::<10>(k),
+            11 => self.subtract_from::<11>(k),
             _ => self.row(k, k),
         };
         let mut largest = f64x4::new(right_of(k, row[0])).abs();

@@ -62,6 +62,8 @@ struct Discretisation {
     gradient: Vec<f64>,
     /// The unknowns at which the outputs of all points are known.
     evaluated: Vec<f64>,
+    /// The derivatives taken last are.
+    finite: bool,
 }
 
 impl<'a, P: OptimalControl> Collocation<'a, P> {
@@ -78,6 +80,7 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             end_weights: vec![0.0; setup.ends.len() + 1],
             assembly: Assembly::new(&setup, &transcribed.scheme, &layout, points.room()),
             evaluated: Vec::new(),
+            finite: false,
             gradient: Vec::new(),
             setup,
             transcribed,

@@ -39,6 +39,7 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
         parts.evaluate(self.problem, w)?;
         // The derivatives of the points of a group are assembled while they are in the cache; the ends of its intervals are
         // differentiated with the next one.
+        parts.finite = true;
         let groups = parts.groups();
         for group in 0..=groups {
             parts.differentiate_group(self.problem, group, w, multipliers)?;
@@ -48,6 +49,10 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
         }
         parts.finish(out);
         Ok(())
+    }
+
+    fn derivatives_are_finite(&self) -> Option<bool> {
+        Some(self.parts.finite)
     }
 }
 
@@ -126,6 +131,9 @@ impl Discretisation {
         let first = Double4::WIDTH * group;
         let count = Double4::WIDTH.min(self.layout.intervals.len() - first);
         let begins = |length: usize| -> Four { std::array::from_fn(|lane| (first + lane) * length) };
+        // All times zero are zero. What the derivatives of the ends add is looked through by `finish`.
+        let zeros = rows.iter().chain(block).fold(Double4::ZERO, |sum, entry| entry.mul_add(Double4::ZERO, sum));
+        self.finite &= zeros.is_zero();
         unpack(rows, &mut out.jacobian, &begins(rows.len())[..count]);
         unpack(block, &mut out.hessian, &begins(block.len())[..count]);
         let times = self.layout.times;
@@ -142,6 +150,7 @@ impl Discretisation {
             let begin = self.layout.intervals.len() * rows.len();
             let end = out.jacobian.len() - self.ends.jacobian.len();
             self.last_path_rows(lane, &mut out.jacobian[begin..end]);
+            self.finite &= out.jacobian[begin..end].iter().all(|slope| slope.is_finite());
         }
     }
 
@@ -157,5 +166,6 @@ impl Discretisation {
             *out = ends.curvature[i * size + j];
         }
         out.gradient.copy_from_slice(&self.gradient);
+        self.finite &= ends.slopes.iter().chain(&ends.curvature).all(|slope| slope.is_finite());
     }
 }
