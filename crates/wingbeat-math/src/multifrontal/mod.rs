@@ -34,7 +34,7 @@ impl Slot {
     /// same side of `own`, the number of the block's own unknowns.
     fn extend(&mut self, (part, entry): (usize, usize), row: usize, column: usize, own: usize) -> bool {
         let [first, left, length] = [self.row, self.column, self.length].map(|of| of as usize);
-        if part != self.part.into() || entry != self.entry as usize + length {
+        if part != usize::from(self.part) || entry != self.entry as usize + length {
             return false;
         }
         let course = if row == first && column == left + length && column != own {
@@ -151,8 +151,11 @@ fn place_entries(
 ) {
     // The places in the front of the present block of entries.
     let (mut place, mut present) = (vec![0; block_of.len()], usize::MAX);
-    for (entry, &(i, j)) in entries.iter().enumerate() {
+    let mut entry = 0;
+    while entry < entries.len() {
+        let (i, j) = entries[entry];
         if block_of[i].max(block_of[j]) == Pattern::LEFT_OUT {
+            entry += 1;
             continue;
         }
         let b = block_of[i].min(block_of[j]);
@@ -162,11 +165,28 @@ fn place_entries(
             own.iter().chain(&*boundary).enumerate().for_each(|(k, &i)| place[i] = k);
             first[part] = first[part].min(entry);
         }
-        let (row, column, entry) = (place[i].min(place[j]), place[i].max(place[j]), entry - first[part]);
-        if !slots.last_mut().is_some_and(|last| last.extend((part, entry), row, column, own.len())) {
-            let [entry, row, column] = [entry, row, column].map(|of| of as u32);
-            slots.push(Slot { part: part as u8, course: Course::Along, entry, length: 1, row, column });
+        let (one, other, own) = (place[i], place[j], own.len());
+        let (row, column) = (one.min(other), one.max(other));
+        // Entries of one row in consecutive columns, as long as their places are on the same side of the row's and of `own`.
+        let goes_on = |k: usize| {
+            let place_after = other + k;
+            entries.get(entry + k) == Some(&(i, j + k))
+                && block_of[j + k] == block_of[j]
+                && place[j + k] == place_after
+                && (place_after > one) == (other >= one)
+                && place_after != own
+        };
+        let length = (1..).find(|k| !goes_on(*k)).unwrap_or(1);
+        let slot_entry = entry - first[part];
+        entry += length;
+        if length == 1
+            && slots.last_mut().is_some_and(|last| last.extend((part, slot_entry), row, column, own))
+        {
+            continue;
         }
+        let course = if other >= one { Course::Along } else { Course::Down };
+        let [entry, length, row, column] = [slot_entry, length, row, column].map(|of| of as u32);
+        slots.push(Slot { part: part as u8, course, entry, length, row, column });
     }
 }
 

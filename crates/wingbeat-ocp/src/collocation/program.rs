@@ -132,7 +132,8 @@ impl Discretisation {
         let count = Double4::WIDTH.min(self.layout.intervals.len() - first);
         let begins = |length: usize| -> Four { std::array::from_fn(|lane| (first + lane) * length) };
         // All times zero are zero. What the derivatives of the ends add is looked through by `finish`.
-        let zeros = rows.iter().chain(block).fold(Double4::ZERO, |sum, entry| entry.mul_add(Double4::ZERO, sum));
+        let zeros =
+            rows.iter().chain(block).fold(Double4::ZERO, |sum, entry| entry.mul_add(Double4::ZERO, sum));
         self.finite &= zeros.is_zero();
         unpack(rows, &mut out.jacobian, &begins(rows.len())[..count]);
         unpack(block, &mut out.hessian, &begins(block.len())[..count]);
