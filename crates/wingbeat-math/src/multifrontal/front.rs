@@ -1,6 +1,6 @@
 //! One dense front: its partial factorisation and its part of the solves.
 
-use super::{Course, Inertia};
+use super::{Inertia, SlotCourse};
 use wide::f64x4;
 
 /// Columns swept together; rows are padded to whole chunks of them.
@@ -71,6 +71,13 @@ pub struct Pivots {
 /// The rows of the pivots of a chunk, each from the chunk on.
 type RowsOfChunk<'r> = [&'r [[f64; CHUNK]]; CHUNK];
 
+/// What follows the chunk in each row, that of the first one for those of no pivots.
+#[inline(always)]
+fn tails<'r>(rows: &RowsOfChunk<'r>) -> RowsOfChunk<'r> {
+    let tail = |p: usize| if rows[p].is_empty() { &rows[0][1..] } else { &rows[p][1..] };
+    [tail(0), tail(1), tail(2), tail(3)]
+}
+
 /// What the search for a pivot found.
 enum Choice {
     One(usize),
@@ -106,7 +113,7 @@ impl Front {
 
     /// Notes the size of the candidates' columns, once the front is assembled; what it notes of others means nothing.
     pub fn measure(&mut self) {
-        let columns = self.candidates.next_multiple_of(CHUNK) / CHUNK;
+        let columns = self.candidates.div_ceil(CHUNK);
         for i in 0..self.candidates {
             let first = chunk_of(i) / CHUNK;
             let row =
@@ -128,18 +135,18 @@ impl Front {
 
     /// Adds `values` from row `i` and column `j` on.
     #[inline]
-    pub fn add_course(&mut self, i: usize, j: usize, course: Course, values: &[f64]) {
+    pub fn add_course(&mut self, i: usize, j: usize, course: SlotCourse, values: &[f64]) {
         let first = i * self.stride + j;
         let step = match course {
-            Course::Along => {
+            SlotCourse::Along => {
                 let row = &mut self.values[first..][..values.len()];
                 for k in 0..values.len() {
                     row[k] += values[k];
                 }
                 return;
             }
-            Course::Down => self.stride,
-            Course::Diagonal => self.stride + 1,
+            SlotCourse::Down => self.stride,
+            SlotCourse::Diagonal => self.stride + 1,
         };
         for (sum, value) in self.values[first..].iter_mut().step_by(step).zip(values) {
             *sum += value;
@@ -171,7 +178,7 @@ impl Front {
                 }
                 let skipped = i.saturating_sub(begin);
                 let (from, to) = (&values[begin + skipped..begin + length], first + skipped);
-                let course = if to < p { Course::Down } else { Course::Along };
+                let course = if to < p { SlotCourse::Down } else { SlotCourse::Along };
                 self.add_course(p.min(to), p.max(to), course, from);
             }
         }
@@ -384,7 +391,8 @@ impl Front {
         let first = self.values[k * stride + chunk_of(k)..(k + 1) * stride].as_chunks().0;
         let second = self.values[(k + 1) * stride + chunk_of(k + 1)..(k + 2) * stride].as_chunks().0;
         let (skipped, panel) = (first.len() - second.len(), &mut self.panel[(k + 1) / CHUNK..]);
-        let [a_, b_, d_, determinant] = [a, b, d, determinant].map(f64x4::splat);
+        let (a_, b_, d_) = (f64x4::splat(a), f64x4::splat(b), f64x4::splat(d));
+        let determinant = f64x4::splat(determinant);
         for j in 0..second.len() {
             let (c, e) = (f64x4::new(first[skipped + j]), f64x4::new(second[j]));
             let PanelChunk { whole, divided } = &mut panel[j];
@@ -486,12 +494,13 @@ impl Pivots {
             for p in 0..CHUNK {
                 let head = own[0][p];
                 for l in p + 1..CHUNK {
-                    own[0][l] -= of[p].first().map_or(0.0, |row| row[l]) * head;
+                    if let Some(row) = of[p].first() {
+                        own[0][l] -= row[l] * head;
+                    }
                 }
                 heads[p] = f64x4::splat(if of[p].is_empty() { 0.0 } else { head });
             }
-            let (tail, [a, b, c, d]) =
-                (&mut tail[..of[0].len() - 1], of.map(|row| row.get(1..).unwrap_or(&of[0][1..])));
+            let (tail, [a, b, c, d]) = (&mut tail[..of[0].len() - 1], tails(&of));
             for j in 0..tail.len() {
                 let sum = f64x4::new(a[j]).mul_neg_add(heads[0], f64x4::new(tail[j]));
                 let sum = f64x4::new(b[j]).mul_neg_add(heads[1], sum);
@@ -528,8 +537,7 @@ impl Pivots {
             end -= (self.stride - first) / CHUNK * (self.count - first).min(CHUNK);
             let (of, _) = self.split_rows(&self.factors[end..], first);
             let (own, tail) = local[first..].as_chunks_mut().0.split_at_mut(1);
-            let (tail, [a, b, c, d]) =
-                (&tail[..of[0].len() - 1], of.map(|row| row.get(1..).unwrap_or(&of[0][1..])));
+            let (tail, [a, b, c, d]) = (&tail[..of[0].len() - 1], tails(&of));
             let mut sums = [f64x4::ZERO; CHUNK];
             for j in 0..tail.len() {
                 let tail = f64x4::new(tail[j]);
@@ -540,8 +548,11 @@ impl Pivots {
             }
             for p in (0..CHUNK).rev() {
                 if let Some(row) = of[p].first() {
-                    let beside: f64 = (p + 1..CHUNK).map(|l| row[l] * own[0][l]).sum();
-                    own[0][p] -= sums[p].reduce_add() + beside;
+                    let mut sum = sums[p].reduce_add();
+                    for l in p + 1..CHUNK {
+                        sum += row[l] * own[0][l];
+                    }
+                    own[0][p] -= sum;
                 }
             }
         }

@@ -5,15 +5,17 @@
 
 mod front;
 
-use arrayvec::ArrayVec;
 use front::{Front, Pivots};
+
+/// The most parts that a matrix is the sum of.
+pub const MOST_PARTS: usize = 8;
 
 /// Where consecutive entries of a part of the matrix go: places in the upper
 /// triangle of their block's front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Slot {
     part: u8,
-    course: Course,
+    course: SlotCourse,
     /// Counted from the first entry of the part in the block.
     entry: u32,
     length: u32,
@@ -23,7 +25,7 @@ struct Slot {
 
 /// Which way consecutive entries go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
+enum SlotCourse {
     Along,
     Down,
     Diagonal,
@@ -38,11 +40,11 @@ impl Slot {
             return false;
         }
         let course = if row == first && column == left + length && column != own {
-            Course::Along
+            SlotCourse::Along
         } else if column == left && row == first + length && row != own {
-            Course::Down
+            SlotCourse::Down
         } else if row == column && first == left && row == first + length {
-            Course::Diagonal
+            SlotCourse::Diagonal
         } else {
             return false;
         };
@@ -92,7 +94,7 @@ impl Pattern {
     pub const LEFT_OUT: usize = usize::MAX;
 
     /// The pattern of a symmetric matrix of order `block_of.len()`, a sum of `parts` with
-    /// entries (row, column) in either triangle, repeated ones summed; there are at most eight parts.
+    /// entries (row, column) in either triangle, repeated ones summed; there are at most [`MOST_PARTS`].
     /// Blocks are eliminated in ascending number.
     pub fn new(block_of: &[usize], parts: &[&[(usize, usize)]]) -> Self {
         let count = block_of.iter().filter(|b| **b != Self::LEFT_OUT).max().map_or(0, |b| b + 1);
@@ -184,7 +186,7 @@ fn place_entries(
         {
             continue;
         }
-        let course = if other >= one { Course::Along } else { Course::Down };
+        let course = if other >= one { SlotCourse::Along } else { SlotCourse::Down };
         let [entry, length, row, column] = [slot_entry, length, row, column].map(|of| of as u32);
         slots.push(Slot { part: part as u8, course, entry, length, row, column });
     }
@@ -264,14 +266,13 @@ impl Factors {
         let (own, shift) = (block.own.len(), front.candidates - block.own.len());
         let place = |p: u32| if (p as usize) < own { p as usize } else { p as usize + shift };
         // An empty part is zero.
-        let parts: ArrayVec<&[f64], 8> = parts
-            .iter()
-            .zip(&block.first)
-            .map(|(part, first)| part.get(*first..).unwrap_or_default())
-            .collect();
+        let mut begun = [[].as_slice(); MOST_PARTS];
+        for part in 0..parts.len() {
+            begun[part] = parts[part].get(block.first[part]..).unwrap_or_default();
+        }
         for slot in &pattern.slots[block.slots] {
             let first = slot.entry as usize;
-            if let Some(entries) = parts[slot.part as usize].get(first..first + slot.length as usize) {
+            if let Some(entries) = begun[slot.part as usize].get(first..first + slot.length as usize) {
                 front.add_course(place(slot.row), place(slot.column), slot.course, entries);
             }
         }

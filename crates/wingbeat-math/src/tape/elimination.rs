@@ -6,26 +6,26 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
 /// A derivative (output, input) or (input, input) and its place among the numbers.
-pub(super) type Entry = ((usize, usize), u32);
+pub(super) type TapeEntry = ((usize, usize), u32);
 
 /// The derivatives of recorded operations as a list of sums of products of numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Elimination {
+pub(super) struct TapeElimination {
     shape: Vec<u32>,
     ends: Vec<[u32; 2]>,
     inputs: usize,
     /// Number `first + k` is x y + z of the places [x, y, z] of step k.
     first: usize,
     steps: Vec<[u32; 3]>,
-    pub jacobian: Vec<Entry>,
-    pub hessian: Vec<Entry>,
+    pub jacobian: Vec<TapeEntry>,
+    pub hessian: Vec<TapeEntry>,
 }
 
-impl Elimination {
+impl TapeElimination {
     /// Of the nodes `shape` and the outputs `ends`, where `first` numbers were recorded.
     pub fn new(shape: &[u32], ends: &[[u32; 2]], inputs: usize, first: usize) -> Self {
-        let graph = Graph { nodes: shape.as_chunks().0, ends, inputs };
-        let mut steps = Steps { first, list: Vec::new() };
+        let graph = TapeGraph { nodes: shape.as_chunks().0, ends, inputs };
+        let mut steps = TapeSteps { first, list: Vec::new() };
         let adjoints = graph.adjoints(&mut steps);
         let hessian = graph.push_bends(&adjoints, &mut steps);
         let jacobian = graph.eliminate(&adjoints, &mut steps);
@@ -88,12 +88,12 @@ impl Elimination {
 }
 
 /// The steps found so far.
-struct Steps {
+struct TapeSteps {
     first: usize,
     list: Vec<[u32; 3]>,
 }
 
-impl Steps {
+impl TapeSteps {
     /// The place of x y + z, of a number that is already there where it can be.
     fn sum(&mut self, z: u32, x: u32, y: u32) -> u32 {
         match (x, y, z) {
@@ -108,7 +108,7 @@ impl Steps {
 }
 
 /// Recorded operations.
-struct Graph<'a> {
+struct TapeGraph<'a> {
     nodes: &'a [[u32; FIELDS]],
     ends: &'a [[u32; 2]],
     inputs: usize,
@@ -120,9 +120,9 @@ fn operands(node: &[u32; FIELDS]) -> impl Iterator<Item = (usize, u32)> {
     [(a, to_a), (b, to_b)].into_iter().filter(|of| of.0 != NONE).map(|(node, slope)| (node as usize, slope))
 }
 
-impl Graph<'_> {
+impl TapeGraph<'_> {
     /// Derivatives of the weighted sum along the nodes; zero of those that no output depends on.
-    fn adjoints(&self, steps: &mut Steps) -> Vec<u32> {
+    fn adjoints(&self, steps: &mut TapeSteps) -> Vec<u32> {
         let mut adjoints = vec![ZERO; self.nodes.len()];
         for (i, &[node, factor]) in self.ends.iter().enumerate().filter(|(_, end)| end[0] != NONE) {
             let sum = &mut adjoints[node as usize];
@@ -138,10 +138,10 @@ impl Graph<'_> {
 
     /// The Hessian: second derivatives along pairs of nodes go over to those of their operands, from the last node to the inputs
     /// (Gower & Mello 2012, Optimization Methods and Software 27:251-273).
-    fn push_bends(&self, adjoints: &[u32], steps: &mut Steps) -> Vec<Entry> {
+    fn push_bends(&self, adjoints: &[u32], steps: &mut TapeSteps) -> Vec<TapeEntry> {
         // Pairs (larger node, smaller node).
         let mut bends: Vec<BTreeMap<usize, u32>> = vec![BTreeMap::new(); self.nodes.len()];
-        let add = |bends: &mut [BTreeMap<usize, u32>], steps: &mut Steps, [i, j]: [usize; 2], x, y| {
+        let add = |bends: &mut [BTreeMap<usize, u32>], steps: &mut TapeSteps, [i, j]: [usize; 2], x, y| {
             let bend = bends[i.max(j)].entry(i.min(j)).or_insert(ZERO);
             *bend = steps.sum(*bend, x, y);
         };
@@ -178,10 +178,10 @@ impl Graph<'_> {
 
     /// The Jacobian: nodes are left out of the graph of slopes, those first that take the fewest products (Markowitz 1957; Griewank &
     /// Walther 2008, ch. 10).
-    fn eliminate(&self, adjoints: &[u32], steps: &mut Steps) -> Vec<Entry> {
+    fn eliminate(&self, adjoints: &[u32], steps: &mut TapeSteps) -> Vec<TapeEntry> {
         let count = self.nodes.len();
         let mut slopes =
-            Slopes { into: vec![Vec::new(); count + self.ends.len()], out: vec![Vec::new(); count] };
+            TapeSlopes { into: vec![Vec::new(); count + self.ends.len()], out: vec![Vec::new(); count] };
         for i in (self.inputs..count).filter(|i| adjoints[*i] != ZERO) {
             operands(&self.nodes[i]).for_each(|(a, slope)| slopes.add(a, i, slope, ONE, steps));
         }
@@ -212,19 +212,19 @@ impl Graph<'_> {
 }
 
 /// The graph of slopes: those into each node or output, and where those out of each node go.
-struct Slopes {
+struct TapeSlopes {
     into: Vec<Vec<(usize, u32)>>,
     out: Vec<Vec<usize>>,
 }
 
-impl Slopes {
+impl TapeSlopes {
     /// Products that leaving node `i` out takes.
     fn products(&self, i: usize) -> usize {
         self.into[i].len() * self.out[i].len()
     }
 
     /// Adds x y to the slope of `to` along `from`.
-    fn add(&mut self, from: usize, to: usize, x: u32, y: u32, steps: &mut Steps) {
+    fn add(&mut self, from: usize, to: usize, x: u32, y: u32, steps: &mut TapeSteps) {
         match self.into[to].iter_mut().find(|slope| slope.0 == from) {
             Some((_, slope)) => *slope = steps.sum(*slope, x, y),
             None => {
@@ -235,7 +235,7 @@ impl Slopes {
     }
 
     /// Leaves node `i` out; returns its neighbours.
-    fn leave_out(&mut self, i: usize, steps: &mut Steps) -> Vec<usize> {
+    fn leave_out(&mut self, i: usize, steps: &mut TapeSteps) -> Vec<usize> {
         let (into, out) = (std::mem::take(&mut self.into[i]), std::mem::take(&mut self.out[i]));
         for &(from, _) in &into {
             self.out[from].retain(|to| *to != i);

@@ -6,8 +6,8 @@ mod elimination;
 mod traced;
 
 use super::{Double4, Lanes, Scalar};
-use elimination::Elimination;
-use traced::{Recording, Traced};
+use elimination::TapeElimination;
+use traced::{TapeRecording, Traced};
 
 /// Node number of a constant; the operand that is missing.
 const CONSTANT: u32 = u32::MAX;
@@ -24,13 +24,13 @@ const KEPT: usize = 8;
 /// outputs are in the caller's units.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
-    recording: Recording,
+    recording: TapeRecording,
     traced: Vec<Traced>,
     outputs: Vec<Traced>,
     /// Nodes of the outputs and places of their factors.
     ends: Vec<[u32; 2]>,
     /// The latest first.
-    known: Vec<Elimination>,
+    known: Vec<TapeElimination>,
 }
 
 impl Tape {
@@ -71,7 +71,7 @@ impl Tape {
             Some(place) => self.known[..=place].rotate_right(1),
             None => {
                 self.known.truncate(KEPT - 1);
-                self.known.insert(0, Elimination::new(shape, ends, inputs, self.recording.used));
+                self.known.insert(0, TapeElimination::new(shape, ends, inputs, self.recording.used));
             }
         }
         let cells = &mut self.recording.cells;
@@ -99,7 +99,7 @@ impl Tape {
 
     fn read(
         &self,
-        of: fn(&Elimination) -> &Vec<elimination::Entry>,
+        of: fn(&TapeElimination) -> &Vec<elimination::TapeEntry>,
     ) -> impl Iterator<Item = ((usize, usize), Double4)> {
         let entries = self.known.first().map_or(&[][..], |known| of(known).as_slice());
         entries.iter().map(|&(place, cell)| (place, self.recording.cells[cell as usize]))

@@ -12,7 +12,7 @@ pub(super) const FIELDS: usize = 7;
 
 /// Operations written down so far.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Recording {
+pub(super) struct TapeRecording {
     /// [`FIELDS`] places for each node.
     pub shape: Vec<u32>,
     /// The numbers at those places, of which the first `used` count.
@@ -22,7 +22,7 @@ pub(super) struct Recording {
     pub asked: bool,
 }
 
-impl Recording {
+impl TapeRecording {
     /// Begins anew, behind the first `first` cells.
     pub fn begin(&mut self, first: usize) {
         self.shape.clear();
@@ -42,6 +42,12 @@ impl Recording {
         (self.used - 1) as u32
     }
 
+    /// The place of what a number changes by when its node does.
+    #[inline]
+    fn factor(&mut self, of: Traced) -> u32 {
+        if of.unit == NONE { self.number(of.factor) } else { of.unit }
+    }
+
     #[inline]
     fn node(&mut self, shape: [u32; FIELDS]) -> u32 {
         self.shape.extend_from_slice(&shape);
@@ -50,13 +56,13 @@ impl Recording {
 }
 
 thread_local! {
-    static RECORDING: RefCell<Recording> = const {
-        RefCell::new(Recording { shape: Vec::new(), cells: Vec::new(), used: 0, asked: false })
+    static RECORDING: RefCell<TapeRecording> = const {
+        RefCell::new(TapeRecording { shape: Vec::new(), cells: Vec::new(), used: 0, asked: false })
     };
 }
 
 /// Exchanges what is written down on this thread with `other`.
-pub(super) fn exchange(other: &mut Recording) {
+pub(super) fn exchange(other: &mut TapeRecording) {
     RECORDING.with_borrow_mut(|recording| std::mem::swap(recording, other));
 }
 
@@ -117,8 +123,8 @@ impl Traced {
         }
         let f = self.factor;
         let node = RECORDING.with_borrow_mut(|recording| {
-            let places = [slope * f, curvature * (f * f)].map(|number| recording.number(number));
-            recording.node([self.node, NONE, places[0], ZERO, places[1], ZERO, ZERO])
+            let (slope, bend) = (recording.number(slope * f), recording.number(curvature * (f * f)));
+            recording.node([self.node, NONE, slope, ZERO, bend, ZERO, ZERO])
         });
         Self::of(value, node)
     }
@@ -133,11 +139,8 @@ impl Traced {
             (a, b) if a == b => Self { value, factor: self.factor + o.factor, node: a, unit: NONE },
             (a, b) => {
                 let node = RECORDING.with_borrow_mut(|recording| {
-                    let slopes = [self, o].map(|of| match of.unit {
-                        NONE => recording.number(of.factor),
-                        unit => unit,
-                    });
-                    recording.node([a, b, slopes[0], slopes[1], ZERO, ZERO, ZERO])
+                    let (to_a, to_b) = (recording.factor(self), recording.factor(o));
+                    recording.node([a, b, to_a, to_b, ZERO, ZERO, ZERO])
                 });
                 Self::of(value, node)
             }
@@ -148,8 +151,9 @@ impl Traced {
     fn product(self, o: Self, value: Double4) -> Self {
         let (f, g) = (self.factor, o.factor);
         let node = RECORDING.with_borrow_mut(|recording| {
-            let places = [o.value * f, self.value * g, f * g].map(|number| recording.number(number));
-            recording.node([self.node, o.node, places[0], places[1], ZERO, places[2], ZERO])
+            let (to_a, to_b) = (recording.number(o.value * f), recording.number(self.value * g));
+            let bend = recording.number(f * g);
+            recording.node([self.node, o.node, to_a, to_b, ZERO, bend, ZERO])
         });
         Self::of(value, node)
     }
@@ -168,10 +172,11 @@ impl Traced {
             }
             (a, b) => {
                 let node = RECORDING.with_borrow_mut(|recording| {
-                    let slopes = [slope[0] * f, slope[1] * g].map(|number| recording.number(number));
-                    let bends = [curvature[0] * (f * f), curvature[1] * (f * g), curvature[2] * (g * g)];
-                    let bends = bends.map(|number| recording.number(number));
-                    recording.node([a, b, slopes[0], slopes[1], bends[0], bends[1], bends[2]])
+                    let (to_a, to_b) = (recording.number(slope[0] * f), recording.number(slope[1] * g));
+                    let aa = recording.number(curvature[0] * (f * f));
+                    let ab = recording.number(curvature[1] * (f * g));
+                    let bb = recording.number(curvature[2] * (g * g));
+                    recording.node([a, b, to_a, to_b, aa, ab, bb])
                 });
                 Self::of(value, node)
             }

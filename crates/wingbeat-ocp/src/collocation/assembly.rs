@@ -116,8 +116,10 @@ pub(super) fn unpack(rows: &[Double4], out: &mut [f64], begins: &[usize]) {
     let (fours, rest) = rows.as_chunks();
     for (e, four) in fours.iter().enumerate() {
         let turned = Double4::transposed(*four);
-        for (begin, values) in begins.iter().zip(turned) {
-            out[begin + 4 * e..][..4].copy_from_slice(&values);
+        for lane in 0..begins.len().min(turned.len()) {
+            if let Some(row) = out[begins[lane] + 4 * e..].first_chunk_mut() {
+                *row = turned[lane];
+            }
         }
     }
     for (e, entry) in rest.iter().enumerate() {
