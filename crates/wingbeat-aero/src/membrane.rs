@@ -69,6 +69,15 @@ impl MembraneSpec {
         self.in_range()
     }
 
+    /// Its keys that act between ribs alone and are not as where they are left out, with their values.
+    pub fn of_ribs(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let span = self.prestrain_span.filter(|span| *span != self.prestrain);
+        let ratio = Some(self.poisson_ratio).filter(|ratio| *ratio != poisson_ratio());
+        [("prestrain_span", span), ("poisson_ratio", ratio)]
+            .into_iter()
+            .filter_map(|(key, value)| Some((key, value?)))
+    }
+
     /// The numbers that may carry derivatives, as set.
     pub fn numbers(&self) -> MembraneNumbers {
         MembraneNumbers {
@@ -104,18 +113,6 @@ const AREAL_DENSITY: DeclaredQuantity = DeclaredQuantity::within("kg/m2", Range:
 const PRESTRAIN: DeclaredQuantity = DeclaredQuantity::within("", PRESTRAIN_RANGE, -0.2, 1.0);
 const POISSON_RATIO: DeclaredQuantity = DeclaredQuantity::within("", Range::between(0.0, 0.5), 0.0, 0.5);
 const DAMPING: DeclaredQuantity = DeclaredQuantity::within("s", DAMPING_RANGE, 1e-5, 10.0);
-
-impl MembraneNumbers {
-    /// Those that act between ribs alone and are not what they are where the file does not give them.
-    pub fn of_ribs(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let span = ("prestrain_span", self.prestrain_span, self.prestrain);
-        let ratio = ("poisson_ratio", self.poisson_ratio, poisson_ratio());
-        [span, ratio]
-            .into_iter()
-            .filter(|(_, value, usual)| value != usual)
-            .map(|(key, value, _)| (key, value))
-    }
-}
 
 impl<P: Scalar> Parameters<P> for MembraneNumbers<P> {
     type In<Q: Scalar> = MembraneNumbers<Q>;

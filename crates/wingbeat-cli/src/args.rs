@@ -74,7 +74,7 @@ pub struct TetherArguments {
     /// The case
     #[arg(value_name = "CASE.toml")]
     pub case: PathBuf,
-    /// Also run it with three numbers of strips and three of steps, on all cores, and say whether its numbers converge
+    /// Also run it with three numbers of strips and three of steps, and with twice the elements of a spar, on all cores, and say whether its numbers converge
     #[arg(long)]
     pub converge: bool,
     /// Also compare the last cycle with a measured one: columns t (s) or phase (cycles) and channels, see

@@ -97,12 +97,9 @@ pub struct SparMassSpec {
     pub inertia_kg_m2: [f64; 3],
 }
 
-/// Elements that a spar may have at most.
-pub const MAX_SPAR_ELEMENTS: usize = 64;
-
 ranges!(SparSpec {
     root_m: Range::NOT_NEGATIVE,
-    elements: Range::between(1.0, MAX_SPAR_ELEMENTS as f64),
+    elements: Range::between(1.0, 64.0),
     order: Range::between(1.0, 12.0),
     damping_s: Range::NOT_NEGATIVE,
 });

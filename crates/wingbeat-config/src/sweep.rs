@@ -101,6 +101,7 @@ impl Sweep {
         let of = spec.check().map_err(|error| document.explain(&error))?;
         let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
         let inner = document.part(of.key())?;
+        spec.check_keys(&|key| inner.numbered(key)).map_err(|error| document.explain(&error))?;
         let parts = spec.parts();
         let shared = Arc::default();
         let mut sweep = Self { spec, of, resolved: String::new(), document, inner, parts, shared, limits };

@@ -234,7 +234,6 @@ impl SweepSpec {
         for (i, draw) in self.draws.iter().enumerate() {
             draw.check(grid).map_err(|e| e.within(&format!("draws[{i}]")))?;
         }
-        self.check_keys()?;
         match &self.search {
             Some(search) => self.check_search(search)?,
             None => {
@@ -273,9 +272,9 @@ impl SweepSpec {
 }
 
 impl SweepSpec {
-    /// No two draws set the same key, and a minus sign stands before the key of a number.
-    fn check_keys(&self) -> Result<(), Error> {
-        let mut seen: Vec<&str> = Vec::new();
+    /// No two draws set the same key, items of lists by their `numbered` places, and a minus sign stands before the key of a number.
+    pub(super) fn check_keys(&self, numbered: &dyn Fn(&str) -> String) -> Result<(), Error> {
+        let mut seen: Vec<String> = Vec::new();
         for (i, draw) in self.draws.iter().enumerate() {
             for (k, written) in std::iter::once(&draw.key).chain(&draw.also).enumerate() {
                 let wrong = |allowed: &str| {
@@ -289,10 +288,11 @@ impl SweepSpec {
                 if key.len() < written.len() && draw.values.iter().any(|value| number(value).is_none()) {
                     return wrong("no minus sign: words and truth values have no negative");
                 }
-                if seen.contains(&key) {
+                let place = numbered(key);
+                if seen.contains(&place) {
                     return wrong("a key that is drawn once");
                 }
-                seen.push(key);
+                seen.push(place);
             }
         }
         Ok(())

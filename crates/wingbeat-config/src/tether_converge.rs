@@ -1,6 +1,5 @@
 //! How much the numbers of a case depend on its strips, steps and elements of its spar.
 
-use super::spar_spec::MAX_SPAR_ELEMENTS;
 use super::tether::STEP_CHANGE;
 use super::{ConfigError, Document, ReadTable, TetherCase};
 use serde::Serialize;
@@ -131,7 +130,7 @@ pub struct Convergence {
 
 impl TetherCase {
     /// Half, once and twice the case's strips and steps; a quarter, half and once where twice is not allowed. Of a spar's elements once and
-    /// twice, or once and half.
+    /// twice.
     ///
     /// # Errors
     /// Fewer strips or steps than can be halved.
@@ -145,12 +144,20 @@ impl TetherCase {
             }
         }
         let finer = self.tether.stepped(2 * steps).check().is_ok();
-        let other = |own: usize| if 2 * own <= MAX_SPAR_ELEMENTS { 2 * own } else { own / 2 };
         Ok(Levels {
             strips: ladder(strips, 2 * strips <= MAX_STRIPS, LEAST.0),
             steps_per_cycle: ladder(steps, finer, LEAST.1),
-            spar_elements: self.spec.spar.as_ref().map(|spar| [spar.elements, other(spar.elements)]),
+            spar_elements: self.spec.spar.as_ref().map(|spar| [spar.elements, 2 * spar.elements]),
         })
+    }
+
+    /// The levels with half a spar's elements where twice is not allowed, and without where half is none.
+    fn with_elements(&self, levels: Levels, read: ReadTable) -> Levels {
+        let finest = (levels.strips[LEVELS - 1], levels.steps_per_cycle[LEVELS - 1]);
+        let allowed = |elements: usize| self.refined((finest.0, finest.1, Some(elements)), read).is_ok();
+        let other = |own: usize| [2 * own, own / 2].into_iter().find(|other| *other > 0 && allowed(*other));
+        let spar_elements = levels.spar_elements.and_then(|[own, _]| Some([own, other(own)?]));
+        Levels { spar_elements, ..levels }
     }
 
     /// The key of the number of strips, or of nodes, and what it is.
@@ -173,7 +180,7 @@ impl TetherCase {
         watch: &(dyn Fn() -> ControlFlow<()> + Sync),
         mut done: impl FnMut(usize),
     ) -> Result<Option<Convergence>, ConfigError> {
-        let levels = self.levels()?;
+        let levels = self.with_elements(self.levels()?, read);
         let refined = |cell| Ok((cell, self.refined(cell, read)?));
         let cells = levels.cells().into_iter().map(refined).collect::<Result<Vec<_>, ConfigError>>()?;
         let mut runs = vec![None; cells.len()];

@@ -52,12 +52,12 @@ fn swept(models: &[&Aero]) -> Option<Warning> {
 fn ribless(models: &[&Aero]) -> Vec<Warning> {
     let loose =
         models.iter().filter_map(|model| model.membrane().filter(|skin| skin.is_ribbed() == Some(false)));
-    let numbers = loose.filter_map(|skin| skin.numbers().membrane);
+    let specs = loose.filter_map(|skin| skin.settings().membrane.as_ref());
     let said = |(key, value)| {
         let text = format!("membrane.{key} = {value} has no effect: no two ribs hold the membrane (ribs_m)");
         Warning::new("aero.unheard", text).key(format!("membrane.{key}"))
     };
-    numbers.flat_map(|numbers| numbers.of_ribs().map(said).collect::<Vec<_>>()).collect()
+    specs.flat_map(|spec| spec.of_ribs().map(said)).collect()
 }
 
 /// The warnings that `aero` changes a term and none of `models` is the strip model of preset `full`, that a membrane has no ribs, that hinges crowd its strips,

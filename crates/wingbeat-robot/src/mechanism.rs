@@ -149,7 +149,7 @@ impl Mechanism {
             let of_spars = if spars.is_empty() {
                 ""
             } else {
-                ", of which each segment of a spar has one, with edge_bending_n_m2 and torsion_n_m2 one more each"
+                ", those of a mirrored link twice; a spar has one for each segment, with edge_bending_n_m2 and torsion_n_m2 one more each"
             };
             let allowed = format!("at most {MAX_COORDINATES} elastic or free joints{of_spars}");
             return Err(Error::invalid("links", format!("{} of them", coordinates.len()), allowed));

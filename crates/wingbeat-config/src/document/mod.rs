@@ -295,6 +295,11 @@ impl Document {
         paths
     }
 
+    /// `key` with the numbers of items of lists where it has their names.
+    pub fn numbered(&self, key: &str) -> String {
+        self.sources.tree().map_or_else(|_| key.to_owned(), |tree| tree::numbered(&tree, key))
+    }
+
     /// The value at `key` as written, cut to one line, and where; none where it is not given.
     pub fn written(&self, key: &str) -> Option<(String, ValuePlace)> {
         let tree = self.sources.tree().ok()?;

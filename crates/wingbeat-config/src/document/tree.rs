@@ -59,6 +59,22 @@ fn child_mut<'a, 'i>(parent: &'a mut DeValue<'i>, step: &str) -> Option<&'a mut 
     }
 }
 
+/// The path `path` below `root` with the numbers of items of lists where it has their names.
+pub fn numbered(root: &Spanned<DeValue<'_>>, at: &str) -> String {
+    let mut value = Some(root);
+    let mut found = steps(at);
+    for step in &mut found {
+        let below = value.and_then(|value| child(value.get_ref(), step));
+        if let Some(DeValue::Array(items)) = value.map(Spanned::get_ref)
+            && let Some(place) = place(items, step)
+        {
+            *step = place.to_string();
+        }
+        value = below;
+    }
+    path(&found)
+}
+
 /// The value at `path` below `root`.
 pub fn follow<'a, 'i>(root: &'a Spanned<DeValue<'i>>, path: &str) -> Option<&'a Spanned<DeValue<'i>>> {
     steps(path).iter().try_fold(root, |value, step| child(value.get_ref(), step))

@@ -216,15 +216,9 @@ impl LinkSparSpec {
         errors.fold(0.0, larger)
     }
 
-    /// The links that stand for the spar of `link`: the piece at its root, fixed to it, and one to three for each joint, which raise, bend in
-    /// the plane of the wing and twist.
-    ///
-    /// Equation: robot.spar
-    /// `k = E I / h at the middle of each of n segments of length h = L/n; rigid pieces between`
-    /// Source: lumped curvature, second order in h; Wittbrodt et al. 2006, chapter 3 (rigid finite elements).
-    /// Test: `a_spar_is_a_chain_of_links_whose_panels_follow`.
-    fn links(&self, link: &LinkSpec) -> Vec<LinkSpec> {
-        let blank = LinkSpec {
+    /// A link without mass fixed to `link`.
+    fn bare(link: &LinkSpec) -> LinkSpec {
+        LinkSpec {
             parent: link.name.clone(),
             origin_m: [0.0; 3],
             orientation_deg: [0.0; 3],
@@ -239,7 +233,18 @@ impl LinkSparSpec {
             spar: None,
             joint: crate::body::JointKind::Revolute,
             ..link.clone()
-        };
+        }
+    }
+
+    /// The links that stand for the spar of `link`: the piece at its root, fixed to it, and one to three for each joint, which raise, bend in
+    /// the plane of the wing and twist.
+    ///
+    /// Equation: robot.spar
+    /// `k = E I / h at the middle of each of n segments of length h = L/n; rigid pieces between`
+    /// Source: lumped curvature, second order in h; Wittbrodt et al. 2006, chapter 3 (rigid finite elements).
+    /// Test: `a_spar_is_a_chain_of_links_whose_panels_follow`.
+    fn links(&self, link: &LinkSpec) -> Vec<LinkSpec> {
+        let blank = Self::bare(link);
         let name = |i: usize| format!("{}_{i}", link.name);
         let mut links = vec![self.loaded(LinkSpec { name: name(0), ..blank.clone() }, 0)];
         for i in 1..=self.segments {
@@ -379,32 +384,35 @@ impl RobotSpec {
     pub(in super::super) fn all_links(&self) -> impl Iterator<Item = (usize, LinkSpec)> {
         self.links.iter().enumerate().flat_map(|(i, link)| {
             let chain = link.spar.map(|spar| spar.links(link)).unwrap_or_default();
-            std::iter::once(self.on_piece(link)).chain(chain).map(move |link| (i, link))
+            let mut own = link.clone();
+            let seat = self.seat(link);
+            if let Some(seat) = &seat {
+                own.parent.clone_from(&seat.name);
+            }
+            seat.into_iter().chain([own]).chain(chain).map(move |link| (i, link))
         })
     }
 
-    /// `link` on the piece of its parent's spar on which its joint lies.
-    fn on_piece(&self, link: &LinkSpec) -> LinkSpec {
-        let mut link = link.clone();
-        let sides = std::iter::once("").chain(SIDES);
-        let carrier = sides.filter_map(|side| {
+    /// What carries `link` where its joint lies on a piece of its parent's spar: fixed to the piece, it is where the frame of the parent is
+    /// while nothing bends, so that `origin_m` is as the file has it.
+    fn seat(&self, link: &LinkSpec) -> Option<LinkSpec> {
+        let mut sides = std::iter::once("").chain(SIDES);
+        let (carrier, name, side, spar) = sides.find_map(|side| {
             let name = link.parent.strip_suffix(side)?;
-            let of = self
-                .links
-                .iter()
-                .find(|of| of.name == name && (side.is_empty() || of.side == LinkSide::Mirrored))?;
-            Some((name, side, of.spar?))
-        });
-        if let Some((name, side, spar)) = carrier.into_iter().next() {
-            // On the right side the spar runs along -y.
-            let along = if side == SIDES[1] { -1.0 } else { 1.0 };
-            let piece = spar.piece_at(along * link.origin_m[1]);
-            if piece > 0 {
-                link.origin_m[1] -= along * spar.joint(piece);
-                link.parent = format!("{name}_{piece}{side}");
-            }
-        }
-        link
+            let sided = |of: &&LinkSpec| side.is_empty() || of.side == LinkSide::Mirrored;
+            let carrier = self.links.iter().filter(sided).find(|of| of.name == name)?;
+            Some((carrier, name, side, carrier.spar?))
+        })?;
+        // On the right side the spar runs along -y.
+        let along = if side == SIDES[1] { -1.0 } else { 1.0 };
+        let piece = spar.piece_at(along * link.origin_m[1]);
+        (piece > 0).then(|| LinkSpec {
+            name: format!("{}_seat", link.name),
+            side: link.side,
+            parent: format!("{name}_{piece}{side}"),
+            origin_m: [0.0, -along * spar.joint(piece), 0.0],
+            ..LinkSparSpec::bare(carrier)
+        })
     }
 
     /// The capsule of a link, cut where the joints of its spar lie, each part with the piece on which it rides, whose frame it is in.
@@ -434,6 +442,18 @@ impl RobotSpec {
                     key,
                     format!("{:?}", panel.direction),
                     "along y, as the spar runs",
+                ));
+            }
+        }
+        for (i, link) in self.links.iter().enumerate() {
+            let of = self.links.iter().find(|of| of.name == link.parent && of.side == LinkSide::Single);
+            if link.side == LinkSide::Mirrored && of.is_some() && self.seat(link).is_some() {
+                let allowed =
+                    "a link without a spar, or one of a mirrored pair: the image lies beyond its root";
+                return Err(Error::invalid(
+                    format!("links[{i}].parent"),
+                    format!("{:?}", link.parent),
+                    allowed,
                 ));
             }
         }

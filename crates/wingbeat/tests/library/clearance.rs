@@ -278,6 +278,15 @@ between = ["tip_right", "post"]
 fn what_a_spar_carries_bends_with_it() {
     let robot = build(BENT).unwrap();
     let tree = robot.tree();
+    // Its joint is where the file has it, from that of the whole arm.
+    let numbers = robot.named_numbers();
+    assert!(numbers.contains(&("links.tip_left.origin_m[1]".into(), 0.19)), "{numbers:?}");
+    let single = BENT.replacen("side = \"mirrored\"\n", "", 1).replace("\"arm_left\"", "\"arm\"");
+    let refused = Document::text("robot", &single).unwrap().robot().unwrap().outlines().unwrap_err();
+    assert!(
+        refused.to_string().starts_with("links[1].parent = \"arm\": allowed is a link without a spar"),
+        "{refused}"
+    );
     let [left, right] = [[0.35, -0.2], [-0.3, 0.5]];
     let found =
         robot.least_clearances(0.0, &[left[0], right[0], left[1], right[1], 0.0, 0.0, 0.0, 0.0]).unwrap();

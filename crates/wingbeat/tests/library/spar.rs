@@ -315,7 +315,6 @@ fn a_coarse_spar_is_not_resolved() {
     assert_eq!(case.summary(&run, Some(SAME), None).verdict.status, Status::NotResolved);
 }
 
-/// Against 1.875^2 sqrt(E I/(m L^4)) and pi/2 sqrt(G J/(I L^2)) of a uniform cantilever, and the rows `fsi.beam.segments` of chains in a robot.
 /// One element of order 1 twists and bends evenly: strips and steps alone would not tell.
 #[test]
 fn convergence_tells_of_a_coarse_spar() {
@@ -342,6 +341,7 @@ fn convergence_tells_of_a_coarse_spar() {
     assert!(change(&fine) < 1e-3, "{}", fine.verdict);
 }
 
+/// Against 1.875^2 sqrt(E I/(m L^4)) and pi/2 sqrt(G J/(I L^2)) of a uniform cantilever, and the rows `fsi.beam.segments` of chains in a robot.
 #[test]
 fn few_pieces_bend_and_twist_at_the_frequencies_of_the_page() {
     let spar = |segments| LinkSparSpec {

@@ -184,9 +184,14 @@ impl RobotTrim {
             Scenario::new(around.clone().set(format!("aero.full.strips={strips}")).overridden(overrides))
         };
         // Every hinge, with those of spars, needs an edge of its own.
-        let first = with(STRIPS[0].min(most));
-        let given = first
-            .or_else(|error| (STRIPS[0] + 1..=most).find_map(|strips| with(strips).ok()).ok_or(error))?;
+        let mut given = with(STRIPS[0].min(most));
+        for strips in STRIPS[0] + 1..=most {
+            if given.is_ok() {
+                break;
+            }
+            given = with(strips);
+        }
+        let given = given?;
         let refused = |error: Error| given.explain(&error);
         given.in_still_air().map_err(refused)?;
         let size = given.size().map_err(refused)?;

@@ -149,6 +149,11 @@ impl Scenario {
         let document = Document::value("gait", &alone)?;
         let mut own = Vec::with_capacity(spec.vary.len());
         for (i, vary) in spec.vary.iter().enumerate() {
+            let place = document.numbered(&vary.key);
+            if spec.vary[..i].iter().any(|other| document.numbered(&other.key) == place) {
+                let key = format!("trim.search.vary[{i}].key");
+                return Err(self.explain(&Error::invalid(key, &vary.key, "each key once")));
+            }
             own.push(self.own_share(&document, i, vary)?);
         }
         for (i, air) in spec.airs.iter().enumerate() {
