@@ -2,7 +2,7 @@
 //! derivatives. Variables, objective, constraints and their derivatives are in the caller's units.
 
 use crate::plant::Channel;
-use wingbeat_math::{Double4, Scalar, Tape};
+use wingbeat_math::{Scalar, Tape};
 
 /// Why a function could not be evaluated: what was wrong, in words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -63,10 +63,6 @@ pub trait Program {
         multipliers: &[f64],
         out: &mut Derivatives,
     ) -> Result<(), EvaluationError>;
-    /// Whether all derivatives taken last are finite, of a program that knows; those of others are looked through.
-    fn derivatives_are_finite(&self) -> Option<bool> {
-        None
-    }
 }
 
 /// Objective and constraints written once over any scalar.
@@ -89,9 +85,8 @@ pub struct Dense<'a, F> {
     variables: Vec<Channel>,
     constraints: Vec<Channel>,
     tape: Tape,
-    inputs: Vec<Double4>,
-    outputs: Vec<Double4>,
-    weights: Vec<Double4>,
+    outputs: Vec<f64>,
+    weights: Vec<f64>,
     jacobian: Vec<f64>,
     hessian: Vec<f64>,
 }
@@ -106,9 +101,8 @@ impl<'a, F: Functions> Dense<'a, F> {
             variables,
             constraints,
             tape: Tape::default(),
-            inputs: Vec::new(),
-            outputs: vec![Double4::ZERO; m + 1],
-            weights: vec![Double4::ZERO; m + 1],
+            outputs: vec![0.0; m + 1],
+            weights: vec![0.0; m + 1],
             jacobian: vec![0.0; (m + 1) * n],
             hessian: vec![0.0; n * n],
         }
@@ -149,17 +143,14 @@ impl<F: Functions> Program for Dense<'_, F> {
     ) -> Result<(), EvaluationError> {
         let n = x.len();
         let functions = self.functions;
-        self.inputs.clear();
-        self.inputs.extend(x.iter().map(|&x| Double4::from(x)));
-        self.tape.record(&self.inputs, &mut self.outputs, |x, out| {
+        self.tape.record(x, &mut self.outputs, |x, out| {
             out[0] = functions.objective(x);
             functions.constrain(x, &mut out[1..]);
             Ok::<(), EvaluationError>(())
         })?;
-        let weights = std::iter::once(&weight).chain(multipliers);
-        self.weights.iter_mut().zip(weights).for_each(|(out, weight)| *out = Double4::from(*weight));
-        self.tape.second_order(&self.weights);
-        self.tape.write_first(&mut self.jacobian, &mut self.hessian);
+        self.weights[0] = weight;
+        self.weights[1..].copy_from_slice(multipliers);
+        self.tape.second_order(&self.weights, &mut self.jacobian, &mut self.hessian);
         out.gradient.copy_from_slice(&self.jacobian[..n]);
         out.jacobian.copy_from_slice(&self.jacobian[n..]);
         let lower = (0..n).flat_map(|i| (0..=i).map(move |j| i * n + j));

@@ -3,7 +3,7 @@
 use super::super::nlp::EvaluationError;
 use super::super::problem::{Ends, OptimalControl, Setup};
 use super::layout::UnknownLayout;
-use wingbeat_math::{Double4, Lanes, Scalar, Tape};
+use wingbeat_math::{Scalar, Tape};
 
 /// Values and derivatives of the functions of the ends, over their unknowns
 /// (t0, tf, x0, xN, p); only the non-zeros are kept.
@@ -24,9 +24,6 @@ pub(super) struct EndFunctions {
     pub curvature: Vec<f64>,
     tape: Tape,
     local: Vec<f64>,
-    inputs: Vec<Double4>,
-    outputs: Vec<Double4>,
-    weights: Vec<Double4>,
 }
 
 impl EndFunctions {
@@ -48,9 +45,6 @@ impl EndFunctions {
             curvature: vec![0.0; size * size],
             tape: Tape::default(),
             local: vec![0.0; size],
-            inputs: vec![Double4::ZERO; size],
-            outputs: vec![Double4::ZERO; rows],
-            weights: vec![Double4::ZERO; rows],
         };
         ends.find_non_zeros(problem, w);
         ends
@@ -110,18 +104,11 @@ impl EndFunctions {
     pub fn differentiate<P: OptimalControl>(&mut self, problem: &P, w: &[f64], weights: &[f64]) {
         self.gather(w);
         let n = self.states;
-        let splat = |out: &mut [Double4], of: &[f64]| {
-            out.iter_mut().zip(of).for_each(|(out, x)| *out = Double4::from(*x));
-        };
-        splat(&mut self.inputs, &self.local);
-        splat(&mut self.weights, weights);
-        let recorded = self.tape.record(&self.inputs, &mut self.outputs, |local, out| {
+        let recorded = self.tape.record(&self.local, &mut self.values, |local, out| {
             Self::functions(problem, n, local, out);
             Ok::<(), std::convert::Infallible>(())
         });
-        let Ok(_) = recorded;
-        self.values.iter_mut().zip(&self.outputs).for_each(|(value, out)| *value = out.lane(0));
-        self.tape.second_order(&self.weights);
-        self.tape.write_first(&mut self.slopes, &mut self.curvature);
+        let Ok(()) = recorded;
+        self.tape.second_order(weights, &mut self.slopes, &mut self.curvature);
     }
 }
