@@ -69,7 +69,7 @@ impl MembraneSpec {
         self.in_range()
     }
 
-    /// Its keys that act between ribs alone and are not as where they are left out, with their values.
+    /// Its keys that act between ribs alone and are not as where they are left out, with their values, dimensionless.
     pub fn of_ribs(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let span = self.prestrain_span.filter(|span| *span != self.prestrain);
         let ratio = Some(self.poisson_ratio).filter(|ratio| *ratio != poisson_ratio());

@@ -91,7 +91,7 @@ impl<P: Scalar> Spring<P> {
         (stiffness * time + damping) * time
     }
 
-    /// Effort on the joint at the coordinate `q` with the rate `d`, the rest displaced by y:
+    /// Effort on the joint, N m or N, at the coordinate `q` with the rate `d`, the rest displaced by y:
     /// -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)]. Stops bear nothing between their corners of half the width w.
     ///
     /// Equation: robot.joint_spring

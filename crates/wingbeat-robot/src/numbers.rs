@@ -240,7 +240,7 @@ impl Robot {
         std::iter::once("body".to_string()).chain((0..self.tree().links()).map(link))
     }
 
-    /// Makes all that gives way in `numbers` of this robot `factor` times as stiff: springs of joints and pins, spars, flaps and membranes.
+    /// Makes all that gives way in `numbers` of this robot `factor` times (dimensionless) as stiff: springs of joints and pins, spars, flaps and membranes.
     /// Damping that is given as a time follows, as that of spars, flaps and membranes does; stops stay as they are.
     pub fn stiffen(&self, numbers: &mut Numbers, factor: f64) {
         let pieces: Vec<usize> = self.mechanism.pieces().collect();

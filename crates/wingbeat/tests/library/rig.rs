@@ -88,7 +88,7 @@ fn a_soft_robot_is_judged_on_the_rig() {
     );
     let weak = simulated(
         "soft_20g.toml",
-        &["rig.robot.links[2].spar.bending_n_m2=1e-4", "rig.robot.links[2].spar.torsion_n_m2=1e-4"],
+        &["rig.robot.links[2].spar.bending_n_m2=5e-4", "rig.robot.links[2].spar.torsion_n_m2=5e-4"],
     );
     assert!(
         !told(&weak, "spar.angle_outside_deg").unwrap().met && weak.status == Status::Outside,
