@@ -44,7 +44,7 @@ def run(arguments: Sequence[str | PathLike[str]], name: str = "wingbeat") -> Com
     """Runs the program; bad input raises ``ValueError`` with its message."""
     import subprocess
 
-    done = subprocess.run([program(name), *map(fspath, arguments)], capture_output=True, encoding="utf-8", check=False)
+    done = subprocess.run([program(name), *(fspath(each) for each in arguments)], capture_output=True, encoding="utf-8", check=False)
     if done.returncode == BAD_INPUT:
         raise ValueError(done.stderr.strip().removeprefix("error: "))
     if done.returncode == INTERRUPTED:

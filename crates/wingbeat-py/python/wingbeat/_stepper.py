@@ -27,7 +27,7 @@ def _saved(toml: str, parts: _wingbeat._Parts) -> _wingbeat.Saved:
 
 
 # `copy` and `pickle` find it here: the extension has no constructor of it.
-copyreg.pickle(_wingbeat.Saved, lambda saved: (_saved, saved.parts()))  # type: ignore[arg-type]
+copyreg.pickle(_wingbeat.Saved, lambda saved: (_saved, saved.parts()))
 
 
 class Stepper:

@@ -40,6 +40,7 @@ __all__ = [
     "rig_simulate",
     "tether",
     "trim",
+    "trim_robot",
     "wake_case",
     "wake_flight",
     "write_parquet",
