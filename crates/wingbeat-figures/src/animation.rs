@@ -8,8 +8,8 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use wingbeat::math::order::{descend_by, filled};
 
+use crate::canvas::{Canvas, Primitive, TextAnchor};
 use crate::space::{Bounds, Camera, Pane, Space, WorldPoint};
-use kuva::render::render::{Primitive, TextAnchor};
 
 use crate::raster::{self, Bitmap};
 use crate::{Error, style};
@@ -304,7 +304,7 @@ fn pixels(picture: &Picture) -> Result<Pixels, Error> {
 }
 
 fn drawn(picture: &Picture) -> Result<Bitmap, Error> {
-    let mut scene = style::scene(picture.width, picture.height);
+    let mut scene = Canvas::new(picture.width, picture.height);
     for view in &picture.views {
         if let Some(Pane { x, y, width, height }) = view.framed {
             let corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)];
@@ -314,7 +314,7 @@ fn drawn(picture: &Picture) -> Result<Bitmap, Error> {
             }
         }
         if let Some(Pane { x, y, width, height }) = view.framed {
-            scene.elements.push(Primitive::ClipStart { x, y, width, height, id: String::new() });
+            scene.elements.push(Primitive::ClipStart { x, y, width, height });
         }
         let mut space = Space::new(view.camera, view.bounds, view.pane);
         for Area { corners, colour, opacity, edge } in &view.areas {

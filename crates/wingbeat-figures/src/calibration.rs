@@ -1,9 +1,6 @@
 //! What a calibration found: cycles with bands, correlations, profiles, spectra, information.
 
-use kuva::plot::colormap::ColorMap;
-use kuva::render::color::Color;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-
+use crate::canvas::{Canvas, Colour, Primitive, TextAnchor};
 use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
 use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::style;
@@ -204,9 +201,9 @@ pub fn cells(of: &ShadedCells) -> Figure {
     let titled = 2.0 * PADDING + LETTER * of.title.chars().count() as f64;
     let width = (left + wide * columns + beyond.max(PADDING)).max(titled);
     let below = head + ROW * of.rows.len() as f64 + PADDING;
-    let mut scene = Scene::new(width, below + ROW + PADDING);
-    let put = |scene: &mut Scene, x: f64, y: f64, text: &str, anchor, colour: &str, rotate| {
-        let (content, color) = (text.to_owned(), Some(Color::from(colour)));
+    let mut scene = Canvas::new(width, below + ROW + PADDING);
+    let put = |scene: &mut Canvas, x: f64, y: f64, text: &str, anchor, colour: &str, rotate| {
+        let (content, color) = (text.to_owned(), Some(Colour::from(colour)));
         scene.elements.push(Primitive::Text {
             x,
             y,
@@ -235,9 +232,7 @@ pub fn cells(of: &ShadedCells) -> Figure {
                 y,
                 width: wide - 1.0,
                 height: ROW - 1.0,
-                fill: Color::from(ColorMap::Viridis.map(1.0 - 0.9 * share).as_str()),
-                stroke: None,
-                stroke_width: None,
+                fill: Colour::Rgb(style::viridis(1.0 - 0.9 * share)),
                 opacity: None,
             });
             let ink = if share > 0.5 { "#ffffff" } else { style::INK };

@@ -1,18 +1,8 @@
 //! Panels in a grid, each with its own axes, above one legend.
 
-use std::sync::Arc;
-
-use kuva::plot::LinePlot;
-use kuva::plot::LineStyle;
-use kuva::plot::annotations::ShadedRegion;
-use kuva::plot::scatter::{MarkerShape, ScatterPlot};
-use kuva::render::color::Color;
-use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::{Layout, TickFormat};
-use kuva::render::plots::Plot;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-
+use crate::canvas::{Canvas, TextAnchor};
 use crate::panel::MOST_NAMED;
+use crate::plot_frame::{FrameAxis, MarkShape, PlotFrame, mark};
 use crate::scale::TickScale;
 use crate::style;
 use crate::write::Figure;
@@ -55,6 +45,26 @@ pub enum Look {
     Circles,
     /// Crosses.
     Crosses,
+}
+
+impl Look {
+    /// Strokes and gaps of a line, px; none of a whole one, and of marks.
+    fn dashes(self) -> Option<&'static str> {
+        match self {
+            Self::Dashed => Some(DASHES),
+            Self::Dotted => Some(DOTS),
+            Self::Line | Self::Circles | Self::Crosses => None,
+        }
+    }
+
+    /// The shape of marks; none of a line.
+    fn mark(self) -> Option<MarkShape> {
+        match self {
+            Self::Circles => Some(MarkShape::Ring),
+            Self::Crosses => Some(MarkShape::Cross),
+            Self::Line | Self::Dashed | Self::Dotted => None,
+        }
+    }
 }
 
 /// Points with their name in the legend.
@@ -137,22 +147,13 @@ pub fn grid(name: &'static str, charts: Vec<Chart>, columns: usize, height: f64)
     let labelled = |i: usize| charts.get(i + columns).is_none_or(|below| below.x.label != charts[i].x.label);
     let heights: Vec<f64> =
         (0..rows).map(|row| height + if labelled(row * columns) { LABEL } else { 0.0 }).collect();
-    let (plots, layouts): (Vec<_>, Vec<_>) =
-        charts.iter().enumerate().map(|(i, chart)| drawn(chart, labelled(i))).unzip();
-    let mut grid = Grid::new(rows, columns)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_spacing(0.0)
-        .with_padding(PADDING)
-        .with_figure_size(style::WIDTH, heights.iter().sum::<f64>() + 2.0 * PADDING);
-    for (row, height) in heights.iter().enumerate() {
-        grid = grid.with_row_height(row, *height);
-    }
-    let mut scene = grid.render();
+    let mut scene = Canvas::new(style::WIDTH, heights.iter().sum::<f64>() + 2.0 * PADDING);
     for (i, chart) in charts.iter().enumerate() {
         let (row, column) = (i / columns, i % columns);
         let x = PADDING + width * column as f64;
         let y = PADDING + heights[..row].iter().sum::<f64>();
+        let foot = if labelled(i) { FOOT + LABEL } else { FOOT };
+        drawn(chart, [x, y, width, heights[row]], foot, labelled(i)).draw(&mut scene);
         caption(&mut scene, chart, (x, y), (charts.len() > 1).then_some(i));
     }
     legend(&mut scene, &charts);
@@ -160,7 +161,7 @@ pub fn grid(name: &'static str, charts: Vec<Chart>, columns: usize, height: f64)
 }
 
 /// Letter, title and the quantity upwards, above the panel at `(x, y)`.
-fn caption(scene: &mut Scene, chart: &Chart, (x, y): (f64, f64), letter: Option<usize>) {
+fn caption(scene: &mut Canvas, chart: &Chart, (x, y): (f64, f64), letter: Option<usize>) {
     let (mut start, above) = (x + LEFT, y + HEAD - 8.0);
     if let Some(index) = letter {
         let letter = char::from(b'a' + index as u8);
@@ -174,44 +175,29 @@ fn caption(scene: &mut Scene, chart: &Chart, (x, y): (f64, f64), letter: Option<
     scene.elements.push(style::words(start, above, title, TextAnchor::Start, false));
 }
 
-fn drawn(chart: &Chart, labelled: bool) -> (Vec<Plot>, Layout) {
-    let plots: Vec<Plot> = chart.series.iter().map(|series| plot(series, &chart.y)).collect();
+/// The panel at a place with `foot` px below its frame.
+fn drawn(chart: &Chart, place: [f64; 4], foot: f64, labelled: bool) -> PlotFrame {
     let (left, right) = across(chart);
     let (low, high) = up(chart);
-    let mut layout = style::axes(Layout::auto_from_plots(&plots))
-        .with_x_axis_min(left)
-        .with_x_axis_max(right)
-        .with_y_axis_min(low)
-        .with_y_axis_max(high)
-        .with_ticks(5)
-        .with_force_margins(LEFT, RIGHT)
-        .with_force_margins_y(HEAD, if labelled { FOOT + LABEL } else { FOOT });
-    if chart.x.log {
-        layout = layout.with_log_x();
+    let scale = TickScale::new(left, right);
+    let x = if chart.x.log { FrameAxis::log(left, right) } else { FrameAxis::of(scale) };
+    let label = if chart.x.log { chart.x.label.clone() } else { scale.label(&chart.x.label) };
+    let x = if labelled { x.labelled(label) } else { x };
+    let y = if chart.y.log {
+        FrameAxis::every(low, high, ((high - low) / 5.0).ceil(), style::decade)
     } else {
-        layout = TickScale::new(left, right).right(layout);
-    }
-    if chart.y.log {
-        let step = ((high - low) / 5.0).ceil();
-        let format = TickFormat::Custom(Arc::new(style::decade));
-        layout = layout.with_y_tick_step(step).with_y_tick_format(format);
-    } else {
-        layout = TickScale::new(low, high).upwards(layout);
-    }
-    if labelled {
-        let scale = TickScale::new(left, right);
-        let label = if chart.x.log { chart.x.label.clone() } else { scale.label(&chart.x.label) };
-        layout = layout.with_x_label(label);
-    }
+        FrameAxis::of(TickScale::new(low, high))
+    };
+    let mut frame = PlotFrame::new(place, [LEFT, RIGHT, HEAD, foot], x, y);
     if let Some((floor, ceiling)) = chart.passes {
         let (floor, ceiling) = (upwards(&chart.y, floor), upwards(&chart.y, ceiling));
-        let ground = ShadedRegion::horizontal(floor.max(low), ceiling.min(high));
-        layout = layout.with_shaded_region(ground.with_color(style::SHADE).with_opacity(0.5));
+        frame.shade(floor.max(low), ceiling.min(high), style::SHADE, 0.5);
     }
     if !chart.y.log && low < 0.0 && high > 0.0 {
-        layout = layout.with_reference_line(style::thin(0.0));
+        frame.guide(0.0);
     }
-    (plots, layout)
+    chart.series.iter().for_each(|series| plot(&mut frame, series, &chart.y));
+    frame
 }
 
 /// The range to the right.
@@ -230,31 +216,15 @@ fn upwards(axis: &ChartAxis, value: f64) -> f64 {
     if axis.log { value.log10() } else { value }
 }
 
-fn plot(series: &ChartSeries, y: &ChartAxis) -> Plot {
+fn plot(frame: &mut PlotFrame, series: &ChartSeries, y: &ChartAxis) {
     let points: Vec<(f64, f64)> = series.points.iter().map(|point| (point.0, upwards(y, point.1))).collect();
-    let marks = |shape| {
-        let mut marks = ScatterPlot::new()
-            .with_data(points.clone())
-            .with_color(series.colour.clone())
-            .with_size(MARK)
-            .with_marker(shape)
-            .with_marker_opacity(0.0)
-            .with_marker_stroke_width(style::FINE);
-        if !series.bars.is_empty() {
-            marks = marks.with_y_err_asymmetric(series.bars.clone());
-        }
-        marks.into()
-    };
-    let line = || {
-        let line = LinePlot::new().with_data(points.clone()).with_color(series.colour.clone());
-        line.with_stroke_width(style::CURVE)
-    };
-    match series.look {
-        Look::Line => line().into(),
-        Look::Dashed => line().with_line_style(LineStyle::Custom(DASHES.into())).into(),
-        Look::Dotted => line().with_line_style(LineStyle::Custom(DOTS.into())).into(),
-        Look::Circles => marks(MarkerShape::Circle),
-        Look::Crosses => marks(MarkerShape::Cross),
+    let colour = series.colour.as_str();
+    if series.look.mark().is_some() {
+        points.iter().zip(&series.bars).for_each(|(point, bar)| frame.bar(*point, *bar, colour));
+    }
+    match series.look.mark() {
+        Some(shape) => frame.marks(&points, shape, MARK, colour, 1.0),
+        None => frame.line(points, colour, style::CURVE, series.look.dashes()),
     }
 }
 
@@ -279,7 +249,7 @@ fn range(
 }
 
 /// Below the panels a sample and the name of every kind of series, in as many lines as they need.
-fn legend(scene: &mut Scene, charts: &[Chart]) {
+fn legend(scene: &mut Canvas, charts: &[Chart]) {
     let mut kinds: Vec<&ChartSeries> = Vec::new();
     for series in charts.iter().flat_map(|chart| &chart.series).filter(|series| !series.name.is_empty()) {
         if kinds.iter().all(|known| known.name != series.name || known.look != series.look) {
@@ -318,27 +288,13 @@ fn legend(scene: &mut Scene, charts: &[Chart]) {
 }
 
 /// A short line or a mark as the series has them.
-fn sample(scene: &mut Scene, series: &ChartSeries, x: f64, y: f64) {
+fn sample(scene: &mut Canvas, series: &ChartSeries, x: f64, y: f64) {
     let colour = series.colour.as_str();
-    let line = |dashes: Option<&str>| style::sample((x, y), (x + SAMPLE, y), colour, style::CURVE, dashes);
-    let (left, right) = (x + 0.5 * SAMPLE - MARK, x + 0.5 * SAMPLE + MARK);
-    match series.look {
-        Look::Line => scene.elements.push(line(None)),
-        Look::Dashed => scene.elements.push(line(Some(DASHES))),
-        Look::Dotted => scene.elements.push(line(Some(DOTS))),
-        Look::Circles => scene.elements.push(Primitive::Circle {
-            cx: x + 0.5 * SAMPLE,
-            cy: y,
-            r: MARK,
-            fill: Color::from("#ffffff"),
-            fill_opacity: None,
-            stroke: Some(Color::from(colour)),
-            stroke_width: Some(style::FINE),
-        }),
-        Look::Crosses => {
-            for (from, to) in [(y - MARK, y + MARK), (y + MARK, y - MARK)] {
-                scene.elements.push(style::sample((left, from), (right, to), colour, style::FINE, None));
-            }
+    match series.look.mark() {
+        Some(shape) => scene.elements.extend(mark((x + 0.5 * SAMPLE, y), shape, MARK, colour, 1.0)),
+        None => {
+            let dashes = series.look.dashes();
+            scene.elements.push(style::sample((x, y), (x + SAMPLE, y), colour, style::CURVE, dashes));
         }
     }
 }

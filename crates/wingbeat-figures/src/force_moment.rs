@@ -1,13 +1,9 @@
 //! Forces and moments on the load cell: the band of all runs, or the curve of one, and the simulation.
 
-use kuva::plot::LinePlot;
-use kuva::plot::band::BandPlot;
-use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
-use kuva::render::render::TextAnchor;
 use wingbeat::simulate::Record;
 
+use crate::canvas::{Canvas, TextAnchor};
+use crate::plot_frame::{FrameAxis, PanelPlace, PlotFrame};
 use crate::processing::CellOrigin;
 use crate::scale::TickScale;
 use crate::write::Figure;
@@ -37,13 +33,16 @@ const BROAD: f64 = 7.0;
 const QUIET: f64 = 0.15;
 /// Height of a panel, px.
 const HEIGHT: f64 = 190.0;
+/// Room around the figure, between its panels, and for the label of the axis, px.
+const PADDING: f64 = 6.0;
+const SPACING: f64 = 6.0;
+const LABEL: f64 = 22.0;
 
 /// Six panels over the time of the record: the band between `low_<channel>` and
 /// `high_<channel>` of all runs in red, a curve where there is one run, `simulation_<channel>`, where there is one, in black, in the body frame.
 pub fn force_moment(record: &Record, cell: CellOrigin) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let simulated = record.column("simulation_Fz").is_some();
-    let (mut plots, mut layouts) = (Vec::new(), Vec::new());
     let of = |prefix: &str, channel: &str| needed(record, &format!("{prefix}{channel}"));
     let values = |channel: &str| -> Result<CellCurves<'_>, Error> {
         let line = if simulated { Some(of("simulation_", channel)?) } else { None };
@@ -57,25 +56,22 @@ pub fn force_moment(record: &Record, cell: CellOrigin) -> Result<Figure, Error> 
             *least = least.max(QUIET * (top - bottom));
         }
     }
+    let wide = (style::WIDTH - 2.0 * PADDING - SPACING) / 2.0;
+    let height = HEIGHT * ROWS.len() as f64 + LABEL + 2.0 * PADDING;
+    let mut scene = Canvas::new(style::WIDTH, height);
     for (row, pair) in ROWS.iter().enumerate() {
-        for ((channel, title), least) in pair.iter().zip(least) {
-            let (panel, layout) = drawn(t, &values(channel)?, least, title, row + 1 == ROWS.len());
-            plots.push(panel);
-            layouts.push(layout);
+        let last = row + 1 == ROWS.len();
+        let y = PADDING + HEIGHT * row as f64;
+        let tall = if last { HEIGHT + LABEL } else { HEIGHT - SPACING };
+        for (column, ((channel, title), least)) in pair.iter().zip(least).enumerate() {
+            let place = [PADDING + (wide + SPACING) * column as f64, y, wide, tall];
+            draw(&mut scene, place, t, &values(channel)?, least, title, last);
         }
     }
-    let mut scene = Grid::new(ROWS.len(), 2)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_spacing(6.0)
-        .with_padding(6.0)
-        .with_row_height(ROWS.len() - 1, HEIGHT + 22.0)
-        .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 22.0 + 12.0)
-        .render();
     let runs = if one_run(record) { "one run" } else { "smallest to largest of all runs" };
     let mut legend = vec![(BAND, BROAD, format!("{}, {runs}, cycle after cycle", cell.name()))];
     if simulated {
-        legend.push(("#000000", style::CURVE, "the model on the measured motion of one run".into()));
+        legend.push((style::INK, style::CURVE, "the model on the measured motion of one run".into()));
     }
     for (colour, weight, words) in legend {
         let (x, y) = (LEFT, scene.height + 8.0);
@@ -111,32 +107,39 @@ impl CellCurves<'_> {
 }
 
 /// The curves of a channel in a frame that holds a range of `least` or more.
-fn drawn(t: &[f64], curves: &CellCurves<'_>, least: f64, title: &str, last: bool) -> (Vec<Plot>, Layout) {
+fn draw(
+    canvas: &mut Canvas,
+    place: PanelPlace,
+    t: &[f64],
+    curves: &CellCurves<'_>,
+    least: f64,
+    title: &str,
+    last: bool,
+) {
     let &CellCurves { low, high, line } = curves;
-    let band = BandPlot::new(t.iter().copied(), low.iter().copied(), high.iter().copied())
-        .with_color(BAND)
-        .with_opacity(0.45);
-    let curve = |values: &[f64], colour: &str, width: f64| -> Plot {
-        let points: Vec<(f64, f64)> = t.iter().copied().zip(values.iter().copied()).collect();
-        LinePlot::new().with_data(points).with_color(colour).with_stroke_width(width).into()
-    };
-    let mut plots: Vec<Plot> = match low == high {
-        true => vec![curve(low, BAND, UNDER * style::CURVE)],
-        // Its edges too, as a band may be narrower than a stroke.
-        false => vec![band.into(), curve(low, BAND, EDGE), curve(high, BAND, EDGE)],
-    };
-    plots.extend(line.map(|line| curve(line, "#000000", style::CURVE)));
     let (bottom, top) = curves.ends();
     let more = 0.5 * (least - (top - bottom)).max(0.0);
     let up = TickScale::padded(bottom - more, top + more, 0.08);
     let across = TickScale::new(t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(1.0));
-    let axes = up.upwards(across.right(style::axes(Layout::auto_from_plots(&plots))));
-    let axes = if last { axes.with_x_label(across.label("time [s]")) } else { axes };
-    let layout = axes
-        .with_title(up.label(title))
-        .with_title_size(style::LETTERS)
-        .with_force_margins(LEFT, 10.0)
-        .with_force_margins_y(32.0, if last { 46.0 } else { 24.0 })
-        .with_reference_line(style::thin(0.0));
-    (plots, layout)
+    let x = FrameAxis::of(across);
+    let x = if last { x.labelled(across.label("time [s]")) } else { x };
+    let room = [LEFT - PADDING, 10.0, 32.0, if last { 46.0 } else { 24.0 }];
+    let mut frame = PlotFrame::new(place, room, x, FrameAxis::of(up));
+    frame.guide(0.0);
+    let points =
+        |values: &'_ [f64]| -> Vec<(f64, f64)> { t.iter().copied().zip(values.iter().copied()).collect() };
+    if low == high {
+        frame.line(points(low), BAND, UNDER * style::CURVE, None);
+    } else {
+        let edges: Vec<(f64, f64, f64)> = (0..t.len()).map(|k| (t[k], low[k], high[k])).collect();
+        frame.band(&edges, BAND, 0.45);
+        // Its edges too, as a band may be narrower than a stroke.
+        [low, high].into_iter().for_each(|edge| frame.line(points(edge), BAND, EDGE, None));
+    }
+    if let Some(line) = line {
+        frame.line(points(line), style::INK, style::CURVE, None);
+    }
+    frame.draw(canvas);
+    let (x, y) = (place[0] + 0.5 * (room[0] + place[2] - room[1]), place[1] + 20.0);
+    canvas.elements.push(style::words(x, y, up.label(title), TextAnchor::Middle, false));
 }

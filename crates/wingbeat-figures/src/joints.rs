@@ -1,6 +1,5 @@
 //! A planned motion of an arm, joint by joint, against its limits.
 
-use kuva::plot::annotations::ReferenceLine;
 use wingbeat::rig::JointTrajectory;
 use wingbeat::rig::arm::{LimitProfile, SerialArm};
 
@@ -41,15 +40,8 @@ pub fn joint_histories(
         panel("accelerations", "°/s²", &motion.acceleration, &profile.acceleration),
         FigurePanel::new("speed of the tool [m/s]", vec![tool_speed(arm, motion, &t)]),
     ];
-    let mark = |at: f64| {
-        ReferenceLine::vertical(at).with_color(style::GUIDE).with_stroke_width(0.8).with_dasharray("6 4")
-    };
-    let scene = stacked_with(
-        panels,
-        "time [s]; dashed: steady turn",
-        style::PANEL,
-        &[mark(measured.0), mark(measured.1)],
-    );
+    let scene =
+        stacked_with(panels, "time [s]; dashed: steady turn", style::PANEL, &[measured.0, measured.1]);
     Figure::new("joints", scene)
 }
 

@@ -1,15 +1,10 @@
 //! Measures of a sweep over the values that were drawn: cells of a grid, or points.
 
-use kuva::plot::colormap::ColorMap;
-use kuva::plot::scatter::ScatterPlot;
-use kuva::render::color::Color;
-use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
 use wingbeat::simulate::Record;
 
+use crate::canvas::{Canvas, Colour, Primitive, TextAnchor};
 use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
+use crate::plot_frame::{FrameAxis, MarkShape, PlotFrame};
 use crate::scale::TickScale;
 use crate::wake::Diverging;
 use crate::write::Figure;
@@ -43,23 +38,19 @@ pub fn map(
     let (x, y) = (DrawnValues::of(record, x)?, DrawnValues::of(record, y)?);
     let cells = whole && keys.len() == 2 && x.places.len() > 1 && y.places.len() > 1;
     let maps = measures.iter().map(|name| RangedMeasure::of(record, name)).collect::<Result<Vec<_>, _>>()?;
-    let layout = || frame(&x, &y);
-    let (plots, layouts): (Vec<_>, Vec<_>) =
-        maps.iter().map(|measured| (measured.points(&x, &y, cells), layout())).unzip();
     let rows = maps.len().div_ceil(2);
     let size = (2.0 * PANEL.0 + 2.0 * PADDING, rows as f64 * PANEL.1 + 2.0 * PADDING);
-    let mut scene = Grid::new(rows, 2)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_spacing(0.0)
-        .with_padding(PADDING)
-        .with_figure_size(size.0, size.1)
-        .render();
+    let mut scene = Canvas::new(size.0, size.1);
     for (i, measured) in maps.iter().enumerate() {
         let corner = (PADDING + PANEL.0 * (i % 2) as f64, PADDING + PANEL.1 * (i / 2) as f64);
+        let axis = |drawn: &DrawnValues| FrameAxis::of(drawn.scale).labelled(drawn.scale.label(&drawn.name));
+        let mut frame = PlotFrame::new([corner.0, corner.1, PANEL.0, PANEL.1], ROOM, axis(&x), axis(&y));
         if cells {
             measured.fill(&mut scene, corner, &x, &y);
+        } else {
+            measured.points(&mut frame, &x, &y);
         }
+        frame.draw(&mut scene);
         measured.bar(&mut scene, corner, i);
     }
     Ok(Figure::new("map", scene))
@@ -131,13 +122,6 @@ impl<'a> DrawnValues<'a> {
     }
 }
 
-fn frame(x: &DrawnValues, y: &DrawnValues) -> Layout {
-    let plots: Vec<Plot> = Vec::new();
-    let layout = style::axes(Layout::auto_from_plots(&plots)).with_force_margins(ROOM[0], ROOM[1]);
-    let layout = y.scale.upwards(x.scale.right(layout.with_force_margins_y(ROOM[2], ROOM[3])));
-    layout.with_x_label(x.scale.label(&x.name)).with_y_label(y.scale.label(&y.name))
-}
-
 /// A measure with its range.
 struct RangedMeasure<'a> {
     values: &'a [f64],
@@ -160,20 +144,19 @@ impl<'a> RangedMeasure<'a> {
             return Diverging { most: low.abs().max(high.abs()) }.colour(value);
         }
         let share = (value - self.scale.low) / (self.scale.high - self.scale.low);
-        ColorMap::Viridis.map(share.clamp(0.0, 1.0))
+        Colour::Rgb(style::viridis(share)).to_string()
     }
 
-    /// The runs as points; unseen where `hidden`.
-    fn points(&self, x: &DrawnValues, y: &DrawnValues, hidden: bool) -> Vec<Plot> {
-        let there = || (0..self.values.len()).filter(|run| self.values[*run].is_finite());
-        let points: Vec<(f64, f64)> = there().map(|run| (x.values[run], y.values[run])).collect();
-        let colours: Vec<String> = there().map(|run| self.colour(self.values[run])).collect();
-        let size = if hidden { 0.01 } else { POINT };
-        vec![ScatterPlot::new().with_data(points).with_colors(colours).with_size(size).into()]
+    /// The runs as points.
+    fn points(&self, frame: &mut PlotFrame, x: &DrawnValues, y: &DrawnValues) {
+        for run in (0..self.values.len()).filter(|run| self.values[*run].is_finite()) {
+            let point = (x.values[run], y.values[run]);
+            frame.marks(&[point], MarkShape::Disc, POINT, &self.colour(self.values[run]), 1.0);
+        }
     }
 
     /// A cell for every run; those that failed stay white.
-    fn fill(&self, scene: &mut Scene, (left, top): (f64, f64), x: &DrawnValues, y: &DrawnValues) {
+    fn fill(&self, scene: &mut Canvas, (left, top): (f64, f64), x: &DrawnValues, y: &DrawnValues) {
         let (wide, high) = (PANEL.0 - ROOM[0] - ROOM[1], PANEL.1 - ROOM[2] - ROOM[3]);
         for run in (0..self.values.len()).filter(|run| self.values[*run].is_finite()) {
             let ((from, to), (low, up)) = (x.cell(x.values[run]), y.cell(y.values[run]));
@@ -184,7 +167,7 @@ impl<'a> RangedMeasure<'a> {
     }
 
     /// The title and the bar of colours with its numbers.
-    fn bar(&self, scene: &mut Scene, (left, top): (f64, f64), index: usize) {
+    fn bar(&self, scene: &mut Canvas, (left, top): (f64, f64), index: usize) {
         let letter = char::from(b'a' + index as u8);
         let above = top + ROOM[2] - 8.0;
         scene.elements.push(style::words(left + ROOM[0], above, letter, TextAnchor::Start, true));
@@ -209,14 +192,5 @@ impl<'a> RangedMeasure<'a> {
 }
 
 fn rectangle((x, y): (f64, f64), (width, height): (f64, f64), colour: &str) -> Primitive {
-    Primitive::Rect {
-        x,
-        y,
-        width,
-        height,
-        fill: Color::from(colour),
-        stroke: None,
-        stroke_width: None,
-        opacity: None,
-    }
+    Primitive::Rect { x, y, width, height, fill: Colour::from(colour), opacity: None }
 }

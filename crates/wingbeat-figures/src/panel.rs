@@ -1,16 +1,7 @@
 //! Panels of curves over a common axis, one below another.
 
-use std::sync::Arc;
-
-use kuva::plot::LinePlot;
-use kuva::plot::LineStyle;
-use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
-use kuva::plot::band::BandPlot;
-use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::{Layout, TickFormat};
-use kuva::render::plots::Plot;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-
+use crate::canvas::{Canvas, Primitive, TextAnchor};
+use crate::plot_frame::{FrameAxis, PlotFrame};
 use crate::scale::TickScale;
 use crate::style;
 
@@ -34,6 +25,8 @@ const LINE: f64 = 17.0;
 const CLOSE: f64 = 13.5;
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
+/// Strokes and gaps of a mark up a panel, px.
+const MARK: &str = "6 4";
 
 /// Most names in the legend of a panel, or of a grid of panels.
 pub const MOST_NAMED: usize = 8;
@@ -131,17 +124,17 @@ impl FigurePanel {
 }
 
 /// The panels one below another over the axis `x_label`, which spans all curves; `height` is that of a panel, px.
-pub fn stacked(panels: Vec<FigurePanel>, x_label: &str, height: f64) -> Scene {
+pub fn stacked(panels: Vec<FigurePanel>, x_label: &str, height: f64) -> Canvas {
     stacked_with(panels, x_label, height, &[])
 }
 
-/// As [`stacked`], with `marks` in every panel.
-pub fn stacked_with(panels: Vec<FigurePanel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
+/// As [`stacked`], with broken lines up every panel at the places `marks`, in the unit of x.
+pub fn stacked_with(panels: Vec<FigurePanel>, x_label: &str, height: f64, marks: &[f64]) -> Canvas {
     stacked_from(panels, x_label, height, marks, b'a')
 }
 
 /// The panels in two stacks beside one another; `height` is that of a panel, px.
-pub fn two_stacks(mut panels: Vec<FigurePanel>, x_label: &str, height: f64) -> Scene {
+pub fn two_stacks(mut panels: Vec<FigurePanel>, x_label: &str, height: f64) -> Canvas {
     let right = panels.split_off(panels.len().div_ceil(2));
     let letter = b'a' + panels.len() as u8;
     let left = stacked_from(panels, x_label, height, &[], b'a');
@@ -157,9 +150,9 @@ fn stacked_from(
     mut panels: Vec<FigurePanel>,
     x_label: &str,
     height: f64,
-    marks: &[ReferenceLine],
+    marks: &[f64],
     letter: u8,
-) -> Scene {
+) -> Canvas {
     quieten(&mut panels);
     let count = panels.len();
     let (left, right) = x_range(&panels);
@@ -173,25 +166,21 @@ fn stacked_from(
         .enumerate()
         .map(|(row, panel)| named(&panel.curves, (beside, top(row) + HEAD + BESIDE), height))
         .collect();
-    let (plots, layouts): (Vec<_>, Vec<_>) = panels
-        .into_iter()
-        .enumerate()
-        .map(|(row, panel)| {
-            let last = row + 1 == count;
-            let (plots, layout) = drawn(panel, across, legend);
-            let layout = marks.iter().fold(layout, |layout, mark| layout.with_reference_line(mark.clone()));
-            (plots, if last { labelled(layout, &across.label(x_label)) } else { unlabelled(layout) })
-        })
-        .unzip();
     let last_row = height + FOOT - GAP;
-    let mut scene = Grid::new(count, 1)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_spacing(0.0)
-        .with_padding(PADDING)
-        .with_row_height(count - 1, last_row)
-        .with_figure_size(style::WIDTH, height * (count as f64 - 1.0) + last_row + 2.0 * PADDING)
-        .render();
+    let wide = style::WIDTH - 2.0 * PADDING;
+    let mut scene = Canvas::new(style::WIDTH, height * (count as f64 - 1.0) + last_row + 2.0 * PADDING);
+    for (row, panel) in panels.into_iter().enumerate() {
+        let last = row + 1 == count;
+        let (tall, foot) = if last { (last_row, FOOT) } else { (height, GAP) };
+        let place = [PADDING, top(row), wide, tall];
+        let axis = FrameAxis::of(across);
+        let axis = if last { axis.labelled(across.label(x_label)) } else { axis.without_numbers() };
+        let mut frame =
+            PlotFrame::new(place, [LEFT, legend, HEAD, foot], axis, FrameAxis::of(upwards(&panel)));
+        fill(&mut frame, panel);
+        marks.iter().for_each(|at| frame.upwards(*at, style::GUIDE, style::GUIDE_WEIGHT, Some(MARK)));
+        frame.draw(&mut scene);
+    }
     scene.elements.extend(legends.into_iter().flatten());
     for (row, title) in titles.into_iter().enumerate() {
         let y = top(row) + HEAD - 8.0;
@@ -224,50 +213,22 @@ fn quieten(panels: &mut [FigurePanel]) {
     }
 }
 
-fn drawn(panel: FigurePanel, across: TickScale, legend: f64) -> (Vec<Plot>, Layout) {
-    let scale = upwards(&panel);
-    let TickScale { low, high, .. } = scale;
-    let plots: Vec<Plot> = panel
-        .bands
-        .into_iter()
-        .map(|edges| band(edges, panel.narrow))
-        .chain(panel.curves.into_iter().map(plot))
-        .collect();
-    let mut layout = scale
-        .upwards(across.right(style::axes(Layout::auto_from_plots(&plots))))
-        .with_force_margins(LEFT, legend);
+/// Draws in the frame what the panel has: shades, thin lines and curves, in this order.
+fn fill(frame: &mut PlotFrame, panel: FigurePanel) {
+    let TickScale { low, high, .. } = upwards(&panel);
     if let Some((floor, ceiling)) = panel.limits {
         for (from, to) in [(low, floor), (ceiling, high)] {
-            layout = layout.with_shaded_region(
-                ShadedRegion::horizontal(from, to).with_color(style::SHADE).with_opacity(0.6),
-            );
-        }
-        for limit in [floor, ceiling] {
-            layout = layout.with_reference_line(style::thin(limit));
+            frame.shade(from, to, style::SHADE, 0.6);
         }
     }
-    for level in panel.levels.into_iter().filter(|level| low < *level && *level < high) {
-        layout = layout.with_reference_line(style::thin(level));
+    let (colour, opacity) = if panel.narrow { (style::DARK_SHADE, 0.9) } else { (style::SHADE, 0.6) };
+    panel.bands.iter().for_each(|edges| frame.band(edges, colour, opacity));
+    let limits = panel.limits.into_iter().flat_map(|(floor, ceiling)| [floor, ceiling]);
+    let levels = panel.levels.into_iter().filter(|level| low < *level && *level < high);
+    limits.chain(levels).for_each(|level| frame.guide(level));
+    for curve in panel.curves {
+        frame.line(curve.x.into_iter().zip(curve.y), &curve.colour, curve.weight, curve.dashes);
     }
-    (plots, layout)
-}
-
-fn labelled(layout: Layout, x_label: &str) -> Layout {
-    layout.with_x_label(x_label).with_force_margins_y(HEAD, FOOT)
-}
-
-fn unlabelled(layout: Layout) -> Layout {
-    let nothing = TickFormat::Custom(Arc::new(|_| String::new()));
-    layout.with_x_tick_format(nothing).with_force_margins_y(HEAD, GAP)
-}
-
-fn plot(curve: PanelCurve) -> Plot {
-    let points: Vec<(f64, f64)> = curve.x.iter().copied().zip(curve.y).collect();
-    let mut line = LinePlot::new().with_data(points).with_color(curve.colour).with_stroke_width(curve.weight);
-    if let Some(dashes) = curve.dashes {
-        line = line.with_line_style(LineStyle::Custom(dashes.into()));
-    }
-    line.into()
 }
 
 /// A sample and the name of each curve that has one, from the middle of the first sample's left end `(x, y)` down by less than `height`,
@@ -289,13 +250,6 @@ fn named(curves: &[PanelCurve], (x, y): (f64, f64), height: f64) -> Vec<Primitiv
         [sample, name]
     };
     named.flat_map(entry).chain(left).collect()
-}
-
-/// The ground between two curves.
-fn band(edges: Vec<(f64, f64, f64)>, narrow: bool) -> Plot {
-    let (color, opacity) = if narrow { (style::DARK_SHADE, 0.9) } else { (style::SHADE, 0.6) };
-    let (low, high) = (edges.iter().map(|edge| edge.1), edges.iter().map(|edge| edge.2));
-    BandPlot::new(edges.iter().map(|edge| edge.0), low, high).with_color(color).with_opacity(opacity).into()
 }
 
 fn x_range(panels: &[FigurePanel]) -> (f64, f64) {

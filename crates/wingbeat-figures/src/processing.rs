@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use kuva::plot::annotations::ReferenceLine;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
 
@@ -77,14 +76,9 @@ pub fn filtered(trace: &Record, cell: CellOrigin) -> Result<Figure, Error> {
     let marks = (1..t.len()).filter(|k| cycle[*k].floor() > cycle[k - 1].floor()).map(|k| t[k]);
     let marks: Vec<f64> = std::iter::once(t[0]).chain(marks).collect();
     let few = marks.len() <= MOST_MARKS;
-    let marks: Vec<ReferenceLine> = marks
-        .into_iter()
-        .filter(|_| few)
-        .map(|at| ReferenceLine::vertical(at).with_color(style::GUIDE).with_stroke_width(0.8))
-        .collect();
     let marked = if few { "; broken lines: begin of each cycle" } else { "" };
     let x = format!("t [s] of the {}{marked}", cell.name());
-    Ok(Figure::new("filtered", stacked_with(panels, &x, HEIGHT, &marks)))
+    Ok(Figure::new("filtered", stacked_with(panels, &x, HEIGHT, if few { &marks } else { &[] })))
 }
 
 /// Each channel against the phase of the stroke: every sweep of `trace`, or what all of them cover where there are

@@ -1,9 +1,5 @@
 //! Ticks of a linear axis, and numbers beside them that tell them apart.
 
-use std::sync::Arc;
-
-use kuva::render::layout::{Layout, TickFormat};
-
 /// Ticks wanted on an axis.
 const TICKS: f64 = 7.0;
 /// Share of the largest value below which a range is rounding.
@@ -87,22 +83,6 @@ impl TickScale {
             },
             None => format!("{label} [{}]", power()),
         }
-    }
-
-    /// The axis to the right.
-    pub fn right(self, layout: Layout) -> Layout {
-        let layout = layout.with_x_axis_min(self.low).with_x_axis_max(self.high).with_x_tick_step(self.step);
-        layout.with_x_tick_format(self.format())
-    }
-
-    /// The axis upwards.
-    pub fn upwards(self, layout: Layout) -> Layout {
-        let layout = layout.with_y_axis_min(self.low).with_y_axis_max(self.high).with_y_tick_step(self.step);
-        layout.with_y_tick_format(self.format())
-    }
-
-    fn format(self) -> TickFormat {
-        TickFormat::Custom(Arc::new(move |value| self.number(value)))
     }
 }
 

@@ -1,12 +1,10 @@
 //! The starts of a search of gaits.
 
-use kuva::plot::legend::LegendPosition;
-use kuva::plot::scatter::ScatterPlot;
-use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
 use wingbeat::simulate::Record;
 
+use crate::clouds::{PointCloud, clouds};
+use crate::plot_frame::{FrameAxis, MarkShape};
+use crate::scale::TickScale;
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
@@ -19,25 +17,28 @@ pub fn starts(record: &Record) -> Result<Figure, Error> {
     if record.rows() == 0 {
         return Err(Error::Rows { rows: 0, needed: 1 });
     }
-    let cloud = |wanted: bool, name: &str, index: usize| -> Option<Plot> {
+    let cloud = |wanted: bool, name: &str, index: usize| -> Option<PointCloud> {
         let rows = (0..record.rows()).filter(|&row| (kept[row] == 1.0) == wanted);
         let points: Vec<(f64, f64)> = rows.map(|row| (frequency[row], power[row])).collect();
         let name = format!("{name}: {} of {}", points.len(), record.rows());
-        let cloud =
-            ScatterPlot::new().with_data(points.clone()).with_color(style::colour(index)).with_size(4.0);
-        (!points.is_empty()).then(|| cloud.with_marker_opacity(0.75).with_legend(name).into())
+        let colour = style::colour(index).into();
+        (!points.is_empty()).then_some(PointCloud {
+            name,
+            points,
+            shape: MarkShape::Disc,
+            size: 4.0,
+            colour,
+            opacity: 0.75,
+        })
     };
-    let clouds = [cloud(true, "limits kept", 0), cloud(false, "limits missed", 1)];
-    let plots: Vec<Plot> = clouds.into_iter().flatten().collect();
-    let layout = style::axes(Layout::auto_from_plots(&plots))
-        .with_x_label("frequency of the gait [Hz]")
-        .with_y_label("power over the mass [W/kg]")
-        .with_legend_position(LegendPosition::OutsideRightTop)
-        .with_legend_box(false);
-    let scene = Grid::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout])
-        .with_figure_size(style::WIDTH, 0.6 * style::WIDTH)
-        .render();
-    Ok(Figure::new("starts", scene))
+    let all = [cloud(true, "limits kept", 0), cloud(false, "limits missed", 1)];
+    let all: Vec<PointCloud> = all.into_iter().flatten().collect();
+    let scale = |values: &[f64]| {
+        let (low, high) = style::span(values.iter().copied());
+        TickScale::padded(low, high, 0.07)
+    };
+    let (across, up) = (scale(frequency), scale(power));
+    let x = FrameAxis::of(across).labelled(across.label("frequency of the gait [Hz]"));
+    let y = FrameAxis::of(up).labelled(up.label("power over the mass [W/kg]"));
+    Ok(clouds("starts", &all, (x, y), 0.6, |_| ()))
 }

@@ -1,9 +1,7 @@
-//! Broken lines as strokes of their own: the backends of kuva disagree on a pattern of strokes and gaps. Lines end at points that
-//! are not finite.
+//! Broken lines as strokes of their own: readers of SVG disagree on where a pattern of strokes and gaps begins. Lines end at
+//! points that are not finite.
 
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene};
-
+use crate::canvas::{Canvas, Colour, PaperPoint, PathData, Primitive};
 use crate::style;
 
 /// Shortest pattern, px: a shorter one is a whole line.
@@ -11,10 +9,8 @@ const SHORTEST: f64 = 0.5;
 /// Most strokes of a line, which is whole where it would take more.
 const MOST: f64 = 20_000.0;
 
-type PaperPoint = (f64, f64);
-
 /// Every broken line of the scene as one path of its strokes.
-pub fn cut(mut scene: Scene) -> Scene {
+pub fn cut(mut scene: Canvas) -> Canvas {
     scene.elements = scene.elements.into_iter().map(one).collect();
     scene
 }
@@ -36,19 +32,12 @@ fn one(element: Primitive) -> Primitive {
     }
 }
 
-fn path(points: &[PaperPoint], dashes: &str, stroke: Color, stroke_width: f64) -> Primitive {
+fn path(points: &[PaperPoint], dashes: &str, stroke: Colour, stroke_width: f64) -> Primitive {
     // A broad line keeps its gaps open.
     let broad = (stroke_width / style::CURVE).max(1.0);
     let pattern: Vec<f64> = lengths(dashes).iter().map(|length| broad * length).collect();
-    let d = strokes(points, &pattern).iter().map(|stroke| text(stroke)).collect();
-    Primitive::Path(Box::new(PathData {
-        d,
-        fill: None,
-        stroke,
-        stroke_width,
-        opacity: None,
-        stroke_dasharray: None,
-    }))
+    let pieces = strokes(points, &pattern);
+    Primitive::Path(Box::new(PathData { pieces, fill: Colour::None, stroke, stroke_width, opacity: None }))
 }
 
 /// Strokes and gaps of an SVG pattern, px; an odd number of them is taken twice.
@@ -102,11 +91,6 @@ fn strokes_of_piece(points: &[PaperPoint], pattern: &[f64]) -> Vec<Vec<PaperPoin
 
 fn distance(a: PaperPoint, b: PaperPoint) -> f64 {
     (b.0 - a.0).hypot(b.1 - a.1)
-}
-
-fn text(stroke: &[PaperPoint]) -> String {
-    let point = |(x, y): &PaperPoint| format!("{x:.2} {y:.2}");
-    format!("M{}", stroke.iter().map(point).collect::<Vec<_>>().join("L"))
 }
 
 #[cfg(test)]

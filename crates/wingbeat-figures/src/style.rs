@@ -1,12 +1,6 @@
 //! Colours, sizes, weights and axes common to all figures.
 
-use std::sync::Arc;
-
-use kuva::plot::annotations::ReferenceLine;
-use kuva::render::color::Color;
-use kuva::render::layout::{Layout, TickFormat};
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
-use kuva::render::theme::Theme;
+use crate::canvas::{Canvas, Colour, PaperPoint, PathData, Primitive, TextAnchor};
 
 /// Width of a figure over the full width of a page, px at 120 px per inch.
 pub const WIDTH: f64 = 860.0;
@@ -32,6 +26,8 @@ pub const SHADE: &str = "#d9d9d9";
 pub const DARK_SHADE: &str = "#a0a0a0";
 /// Lines that only guide the eye.
 pub const GUIDE: &str = "#9a9a9a";
+/// Weight of such a line, px.
+pub const GUIDE_WEIGHT: f64 = 0.8;
 
 /// Colours that stay apart for colour-blind readers and in grey (Okabe & Ito 2008).
 pub const COLOURS: [&str; 8] =
@@ -73,25 +69,6 @@ pub fn dashes(index: usize) -> Option<&'static str> {
     Some(DASHES[index % DASHES.len()]).filter(|dashes| !dashes.is_empty())
 }
 
-/// A closed frame with inward ticks and the house's letters.
-pub fn axes(layout: Layout) -> Layout {
-    layout
-        .with_theme(Theme::minimal())
-        .with_box_axes()
-        .with_tick_align("inside")
-        .with_show_grid(false)
-        .with_axis_line_width(AXIS)
-        .with_label_size(LETTERS)
-        .with_tick_size(TICKS)
-        .with_body_size(LETTERS)
-        .with_tick_format(TickFormat::Custom(Arc::new(number)))
-}
-
-/// A thin line across a panel at the height `at`, in the unit of the axis.
-pub fn thin(at: f64) -> ReferenceLine {
-    ReferenceLine::horizontal(at).with_color(GUIDE).with_stroke_width(0.8).with_dasharray("")
-}
-
 /// A line on a figure from one point to another, px, with strokes and gaps where there are any.
 pub fn sample(
     from: (f64, f64),
@@ -101,27 +78,19 @@ pub fn sample(
     dashes: Option<&str>,
 ) -> Primitive {
     let ((x1, y1), (x2, y2)) = (from, to);
-    let (stroke, stroke_dasharray) = (Color::from(colour), dashes.map(Into::into));
+    let (stroke, stroke_dasharray) = (Colour::from(colour), dashes.map(Into::into));
     Primitive::Line { x1, y1, x2, y2, stroke, stroke_width: weight, stroke_dasharray }
 }
 
-/// An empty drawing of a width and height, px.
-pub fn scene(width: f64, height: f64) -> Scene {
-    let mut scene = Scene::new(width, height);
-    scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".into());
-    scene
-}
-
 /// What is on a drawing, moved to the right and down, px.
-pub fn moved(scene: Scene, right: f64, down: f64) -> Vec<Primitive> {
-    let transform = Some(format!("translate({right:.2},{down:.2})"));
-    let begin = Primitive::GroupStart { transform, title: None, extra_attrs: None };
+pub fn moved(scene: Canvas, right: f64, down: f64) -> Vec<Primitive> {
+    let begin = Primitive::GroupStart { right, down };
     let inside = scene.elements.into_iter();
     std::iter::once(begin).chain(inside).chain([Primitive::GroupEnd]).collect()
 }
 
 /// Two drawings beside one another.
-pub fn beside(mut left: Scene, right: Scene) -> Scene {
+pub fn beside(mut left: Canvas, right: Canvas) -> Canvas {
     let from = left.width;
     left.height = left.height.max(right.height);
     left.width += right.width;
@@ -131,21 +100,35 @@ pub fn beside(mut left: Scene, right: Scene) -> Scene {
 
 /// An area without an outline, its corners in px.
 pub fn area(corners: &[(f64, f64)], colour: &str, opacity: f64) -> Primitive {
-    let corner = |(x, y): &(f64, f64)| format!("{x:.2},{y:.2}");
     Primitive::Path(Box::new(PathData {
-        d: format!("M{}Z", corners.iter().map(corner).collect::<Vec<_>>().join("L")),
-        fill: Some(Color::from(colour)),
-        stroke: Color::None,
+        pieces: vec![closed(corners)],
+        fill: Colour::from(colour),
+        stroke: Colour::None,
         stroke_width: 0.0,
         opacity: Some(opacity),
-        stroke_dasharray: None,
     }))
+}
+
+/// The corners of an area, px, with the first at the end again.
+pub fn closed(corners: &[PaperPoint]) -> Vec<PaperPoint> {
+    corners.iter().chain(corners.first()).copied().collect()
 }
 
 /// Words on a figure, px from its upper left corner.
 pub fn words(x: f64, y: f64, content: impl Into<String>, anchor: TextAnchor, bold: bool) -> Primitive {
-    let color = Some(Color::from(INK));
+    let color = Some(Colour::from(INK));
     Primitive::Text { x, y, content: content.into(), size: LETTERS, anchor, rotate: None, bold, color }
+}
+
+/// Words in the size of the numbers of axes, px from the upper left corner.
+pub fn small(x: f64, y: f64, content: String, anchor: TextAnchor) -> Primitive {
+    let color = Some(Colour::from(INK));
+    Primitive::Text { x, y, content, size: TICKS, anchor, rotate: None, bold: false, color }
+}
+
+/// Red, green and blue of a share from 0, dark, to 1, light, which stay in order in grey and for colour-blind readers.
+pub fn viridis(share: f64) -> [u8; 3] {
+    colorous::VIRIDIS.eval_continuous(share.clamp(0.0, 1.0)).as_array()
 }
 
 /// Least and largest of the finite `values`, in the unit of these; 0 and 1 when there are none.

@@ -3,10 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use kuva::backend::svg::SvgBackend;
-use kuva::render::render::{Primitive, Scene};
 use png::Compression;
 
+use crate::canvas::Canvas;
 use crate::{Error, raster, strokes, style};
 
 /// Pixels of a PNG per pixel of the drawing: 180 per inch at a page's width. *Choice*: the SVG beside it is for print.
@@ -18,12 +17,12 @@ const SLIDE: f64 = 1920.0;
 pub struct Figure {
     /// Name of its files without extension.
     pub name: &'static str,
-    pub(crate) scene: Scene,
+    pub(crate) scene: Canvas,
 }
 
 impl Figure {
-    pub(crate) fn new(name: &'static str, scene: Scene) -> Self {
-        Self { name, scene: own_names(name, strokes::cut(scene)) }
+    pub(crate) fn new(name: &'static str, scene: Canvas) -> Self {
+        Self { name, scene: strokes::cut(scene) }
     }
 
     /// The same figure under another name.
@@ -35,7 +34,7 @@ impl Figure {
     fn slide(self) -> Self {
         let (width, height) = (self.scene.width, self.scene.height);
         let page = (width.max(height * 16.0 / 9.0), height.max(width * 9.0 / 16.0));
-        let mut scene = style::scene(page.0, page.1);
+        let mut scene = Canvas::new(page.0, page.1);
         scene.elements = style::moved(self.scene, 0.5 * (page.0 - width), 0.5 * (page.1 - height));
         Self { scene, ..self }
     }
@@ -50,28 +49,8 @@ impl Figure {
 
     /// The figure as SVG.
     pub fn svg(&self) -> String {
-        SvgBackend::default().render_scene(&self.scene)
+        self.scene.svg(self.name)
     }
-}
-
-/// The scene with the regions to which its curves are clipped named by the figure and their order: kuva counts those of all figures, in
-/// whichever order threads draw them.
-fn own_names(name: &str, mut scene: Scene) -> Scene {
-    let mut regions = scene.elements.iter_mut().filter_map(|element| match element {
-        Primitive::ClipStart { id, .. } => Some(id),
-        _ => None,
-    });
-    for number in 1.. {
-        let Some(id) = regions.next() else { break };
-        let own = format!("{name}-{number}");
-        // Where the region is described.
-        let (then, now) = (format!("id=\"{id}\""), format!("id=\"{own}\""));
-        if let Some(region) = scene.defs.iter_mut().find(|region| region.contains(&then)) {
-            *region = region.replace(&then, &now);
-        }
-        *id = own;
-    }
-    scene
 }
 
 /// Reads the letters of all figures on a thread of its own, so that they are there when the first is drawn.

@@ -1,10 +1,8 @@
 //! The drawing: world coordinates to lines and letters on paper.
 
-use kuva::render::color::Color;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-
 use super::bird::Bird;
 use super::room::SceneBox;
+use crate::canvas::{Canvas, Colour, Primitive, TextAnchor};
 use crate::space::Camera;
 use crate::space::WorldPoint;
 use crate::style;
@@ -18,7 +16,7 @@ const SHADOW: &str = "#bdbdbd";
 
 /// The drawing and its scale.
 pub struct PathSheet {
-    pub scene: Scene,
+    pub scene: Canvas,
     view: Camera,
     scale: f64,
     origin: (f64, f64),
@@ -37,7 +35,7 @@ impl PathSheet {
         let ((left, right), (top, bottom)) = (bounds(|p| p.0), bounds(|p| p.1));
         let scale = (style::WIDTH - 2.0 * Self::MARGINS.0) / (right - left);
         let height = scale * (bottom - top) + 2.0 * Self::MARGINS.1;
-        let scene = style::scene(style::WIDTH, height);
+        let scene = Canvas::new(style::WIDTH, height);
         Self { scene, view, scale, origin: (Self::MARGINS.0 - scale * left, Self::MARGINS.1 - scale * top) }
     }
 
@@ -50,7 +48,7 @@ impl PathSheet {
         let points = points.iter().map(|&point| self.at(point)).collect();
         self.scene.elements.push(Primitive::PolyLine {
             points,
-            stroke: Color::from(colour),
+            stroke: Colour::from(colour),
             stroke_width: weight,
             stroke_dasharray: None,
         });
@@ -62,7 +60,7 @@ impl PathSheet {
     }
 
     fn text(&mut self, (x, y): (f64, f64), content: String, anchor: TextAnchor, size: u32) {
-        let color = Some(Color::from(style::INK));
+        let color = Some(Colour::from(style::INK));
         self.scene.elements.push(Primitive::Text {
             x,
             y,
@@ -146,7 +144,7 @@ impl PathSheet {
     }
 
     fn disc(&mut self, cx: f64, cy: f64, r: f64, colour: &str) {
-        let fill = Color::from(colour);
+        let fill = Colour::from(colour);
         self.scene.elements.push(Primitive::Circle {
             cx,
             cy,

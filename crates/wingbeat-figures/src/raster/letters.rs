@@ -3,10 +3,11 @@
 
 use std::sync::OnceLock;
 
-use kuva::render::render::TextAnchor;
 use ttf_parser::{Face, OutlineBuilder};
 
 use super::coverage::{Coverage, PixelPlace};
+
+use crate::canvas::TextAnchor;
 
 static PLAIN: &[u8] = include_bytes!("../../fonts/DejaVuSans-part.ttf");
 static BOLD: &[u8] = include_bytes!("../../fonts/DejaVuSans-Bold-part.ttf");

@@ -4,12 +4,11 @@ mod bitmap;
 mod coverage;
 mod letters;
 
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene};
-
 pub use bitmap::{Bitmap, colour};
 use coverage::{Coverage, PixelBox, PixelPlace};
 use letters::Words;
+
+use crate::canvas::{Canvas, Colour, PathData, Primitive, TextAnchor};
 
 /// Weight up to which a line along an axis lies on whole pixels, px.
 const CRISP: f32 = 2.0;
@@ -20,7 +19,7 @@ const MOST: f64 = 2.56e8;
 ///
 /// # Errors
 /// A drawing without a size, or with more pixels than a picture may have.
-pub fn bitmap(scene: &Scene, scale: f64) -> Result<Bitmap, String> {
+pub fn bitmap(scene: &Canvas, scale: f64) -> Result<Bitmap, String> {
     let (width, height) = ((scale * scene.width).ceil(), (scale * scene.height).ceil());
     if !(width >= 1.0 && height >= 1.0 && width * height <= MOST) {
         return Err(format!(
@@ -44,7 +43,7 @@ pub fn bitmap(scene: &Scene, scale: f64) -> Result<Bitmap, String> {
 /// Reads the letters, so that they are there when the first picture is drawn.
 pub fn prepare() {
     let mut coverage = Coverage::new(1, 1);
-    let anchor = kuva::render::render::TextAnchor::Start;
+    let anchor = TextAnchor::Start;
     Words { content: "a", size: 1.0, bold: false, anchor, turn: 0.0 }.outline(&mut coverage, (0.0, 0.0));
 }
 
@@ -69,9 +68,12 @@ impl BitmapPainter {
         ((x + right) as f32 * self.scale, (y + down) as f32 * self.scale)
     }
 
-    fn paint(&mut self, colour: &Color, opacity: Option<f64>) {
+    fn paint(&mut self, colour: Colour, opacity: Option<f64>) {
         // A colour that is none covers nothing, and what it was to cover is forgotten.
-        let known = shade(colour).map(bitmap::ink);
+        let known = match colour {
+            Colour::Rgb(shade) => Some(bitmap::ink(shade)),
+            Colour::None => None,
+        };
         let opacity = if known.is_some() { opacity.unwrap_or(1.0).clamp(0.0, 1.0) as f32 } else { 0.0 };
         self.coverage.paint(&mut self.bitmap, known.unwrap_or_default(), opacity);
     }
@@ -88,14 +90,14 @@ impl BitmapPainter {
         }
     }
 
-    fn line(&mut self, points: &[(f64, f64)], colour: &Color, weight: f64) {
+    fn line(&mut self, points: &[(f64, f64)], colour: Colour, weight: f64) {
         let points: Vec<PixelPlace> = points.iter().map(|point| self.at(*point)).collect();
         self.coverage.line(points.into_iter(), weight as f32 * self.scale);
         self.paint(colour, None);
     }
 
     /// A line between two points; a thin one along an axis lies on whole pixels.
-    fn straight(&mut self, from: (f64, f64), to: (f64, f64), colour: &Color, weight: f64) {
+    fn straight(&mut self, from: (f64, f64), to: (f64, f64), colour: Colour, weight: f64) {
         let (mut a, mut b) = (self.at(from), self.at(to));
         let mut weight = weight as f32 * self.scale;
         if weight < CRISP && (a.0 == b.0 || a.1 == b.1) {
@@ -111,24 +113,22 @@ impl BitmapPainter {
         self.paint(colour, None);
     }
 
-    fn rectangle(&mut self, (x, y): (f64, f64), (width, height): (f64, f64)) -> [(f64, f64); 4] {
-        let corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)];
+    fn rectangle(&mut self, (x, y): (f64, f64), (width, height): (f64, f64)) {
         // Neighbours share an edge of whole pixels, so that no ground is seen between them; one of less than a pixel has its share.
-        let ends = [self.at(corners[0]), self.at(corners[2])];
+        let ends = [self.at((x, y)), self.at((x + width, y + height))];
         let whole = ends.map(|(x, y)| (x.round(), y.round()));
         let seen = whole[0].0 != whole[1].0 && whole[0].1 != whole[1].1;
         let [(left, top), (right, bottom)] = if seen { whole } else { ends };
         let places = [(left, top), (right, top), (right, bottom), (left, bottom)];
         self.coverage.polygon(&places);
-        corners
     }
 
     fn circle(
         &mut self,
         centre: (f64, f64),
         r: f64,
-        filled: (&Color, Option<f64>),
-        edge: (Option<&Color>, f64),
+        filled: (Colour, Option<f64>),
+        edge: (Option<Colour>, f64),
     ) {
         let (centre, r) = (self.at(centre), r as f32 * self.scale);
         self.coverage.disc(centre, r, 1.0);
@@ -144,31 +144,29 @@ impl BitmapPainter {
     }
 
     fn path(&mut self, path: &PathData) {
-        let pieces = pieces(&path.d);
-        if let Some(fill) = &path.fill {
-            for piece in &pieces {
+        if path.fill != Colour::None {
+            for piece in &path.pieces {
                 let places: Vec<PixelPlace> = piece.iter().map(|point| self.at(*point)).collect();
                 self.coverage.polygon(&places);
             }
-            self.paint(fill, path.opacity);
+            self.paint(path.fill, path.opacity);
         }
-        if shade(&path.stroke).is_some() && path.stroke_width > 0.0 {
-            for piece in &pieces {
+        if path.stroke != Colour::None && path.stroke_width > 0.0 {
+            for piece in &path.pieces {
                 let places: Vec<PixelPlace> = piece.iter().map(|point| self.at(*point)).collect();
                 self.coverage.line(places.into_iter(), path.stroke_width as f32 * self.scale);
             }
-            self.paint(&path.stroke, None);
+            self.paint(path.stroke, None);
         }
     }
 
     fn draw(&mut self, element: &Primitive) {
         match element {
-            Primitive::GroupStart { transform, .. } => {
-                let (right, down) = transform.as_deref().map_or((0.0, 0.0), translation);
+            Primitive::GroupStart { right, down } => {
                 let (x, y) = self.frame.shift;
                 self.enter(GroupFrame { shift: (x + right, y + down), ..self.frame });
             }
-            Primitive::ClipStart { x, y, width, height, .. } => {
+            Primitive::ClipStart { x, y, width, height } => {
                 let (low, high) = (self.at((*x, *y)), self.at((x + width, y + height)));
                 let outer = self.frame.clip;
                 let clip = PixelBox {
@@ -180,36 +178,19 @@ impl BitmapPainter {
                 self.enter(GroupFrame { clip, ..self.frame });
             }
             Primitive::GroupEnd | Primitive::ClipEnd => self.leave(),
-            Primitive::Rect { x, y, width, height, fill, stroke, stroke_width, opacity } => {
-                let corners = self.rectangle((*x, *y), (*width, *height));
-                self.paint(fill, *opacity);
-                if let Some(stroke) = stroke {
-                    for k in 0..4 {
-                        self.straight(corners[k], corners[(k + 1) % 4], stroke, stroke_width.unwrap_or(1.0));
-                    }
-                }
-            }
-            Primitive::RectBatch { x, y, w, h, fills } => {
-                for (k, fill) in fills.iter().enumerate() {
-                    self.rectangle((x[k], y[k]), (w[k], h[k]));
-                    self.paint(fill, None);
-                }
+            Primitive::Rect { x, y, width, height, fill, opacity } => {
+                self.rectangle((*x, *y), (*width, *height));
+                self.paint(*fill, *opacity);
             }
             Primitive::Line { x1, y1, x2, y2, stroke, stroke_width, .. } => {
-                self.straight((*x1, *y1), (*x2, *y2), stroke, *stroke_width);
+                self.straight((*x1, *y1), (*x2, *y2), *stroke, *stroke_width);
             }
             Primitive::PolyLine { points, stroke, stroke_width, .. } => {
-                self.line(points, stroke, *stroke_width);
+                self.line(points, *stroke, *stroke_width);
             }
             Primitive::Circle { cx, cy, r, fill, fill_opacity, stroke, stroke_width } => {
-                let edge = (stroke.as_ref(), stroke_width.unwrap_or(1.0));
-                self.circle((*cx, *cy), *r, (fill, *fill_opacity), edge);
-            }
-            Primitive::CircleBatch { cx, cy, r, fill, fill_opacity, stroke, stroke_width } => {
-                let edge = (stroke.as_ref(), stroke_width.unwrap_or(1.0));
-                for centre in cx.iter().copied().zip(cy.iter().copied()) {
-                    self.circle(centre, *r, (fill, *fill_opacity), edge);
-                }
+                let edge = (*stroke, stroke_width.unwrap_or(1.0));
+                self.circle((*cx, *cy), *r, (*fill, *fill_opacity), edge);
             }
             Primitive::Path(path) => self.path(path),
             Primitive::Text { x, y, content, size, anchor, rotate, bold, color } => {
@@ -220,45 +201,10 @@ impl BitmapPainter {
                 }
                 let size = *size as f32 * self.scale;
                 Words { content, size, bold: *bold, anchor: *anchor, turn }.outline(&mut self.coverage, at);
-                self.paint(color.as_ref().unwrap_or(&Color::Rgb(0, 0, 0)), None);
+                self.paint(color.unwrap_or(Colour::Rgb([0; 3])), None);
             }
-            // No figure of the house has these.
-            Primitive::RichText { .. } => {}
         }
     }
-}
-
-/// Red, green and blue; none of no colour.
-fn shade(colour: &Color) -> Option<[u8; 3]> {
-    match colour {
-        Color::Rgb(r, g, b) => Some([*r, *g, *b]),
-        Color::None => None,
-        Color::Css(name) => match Color::from(name.as_ref()) {
-            Color::Rgb(r, g, b) => Some([r, g, b]),
-            _ => None,
-        },
-    }
-}
-
-/// Right and down of `translate(right,down)`.
-fn translation(transform: &str) -> (f64, f64) {
-    let inside = transform.trim().strip_prefix("translate(").and_then(|rest| rest.strip_suffix(')'));
-    let mut numbers = inside.unwrap_or("").split([',', ' ']).filter_map(|number| number.parse().ok());
-    (numbers.next().unwrap_or(0.0), numbers.next().unwrap_or(0.0))
-}
-
-/// The pieces of a path of straight lines, `M`, `L` and `Z`, which is all that figures have; a closed one ends where it begins.
-fn pieces(d: &str) -> Vec<Vec<(f64, f64)>> {
-    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
-    for piece in d.split('M').filter(|piece| !piece.trim().is_empty()) {
-        let closed = piece.trim_end().ends_with('Z');
-        let numbers = piece.split([' ', ',', 'L', 'Z']).filter(|word| !word.is_empty());
-        let numbers: Vec<f64> = numbers.map(|word| word.parse().unwrap_or(f64::NAN)).collect();
-        let mut points: Vec<(f64, f64)> = numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
-        points.extend(points.first().copied().filter(|_| closed));
-        pieces.push(points);
-    }
-    pieces
 }
 
 #[cfg(test)]
@@ -267,26 +213,11 @@ mod tests {
     use crate::style;
 
     #[test]
-    fn paths_are_read() {
-        assert_eq!(
-            pieces("M1 2L3 4M 5,6 L7.5 -8 Z"),
-            [vec![(1.0, 2.0), (3.0, 4.0)], vec![(5.0, 6.0), (7.5, -8.0), (5.0, 6.0)]]
-        );
-        assert_eq!(translation("translate(3.50,-4)"), (3.5, -4.0));
-    }
-
-    #[test]
     fn groups_move_and_regions_cut() {
-        let mut scene = style::scene(40.0, 20.0);
+        let mut scene = Canvas::new(40.0, 20.0);
         let square = style::area(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)], "#000000", 0.5);
-        let mut inner = style::scene(40.0, 20.0);
-        inner.elements.push(Primitive::ClipStart {
-            x: 2.0,
-            y: 0.0,
-            width: 4.0,
-            height: 40.0,
-            id: String::new(),
-        });
+        let mut inner = Canvas::new(40.0, 20.0);
+        inner.elements.push(Primitive::ClipStart { x: 2.0, y: 0.0, width: 4.0, height: 40.0 });
         inner.elements.push(square);
         inner.elements.push(Primitive::ClipEnd);
         scene.elements = style::moved(inner, 5.0, 3.0);
@@ -296,6 +227,6 @@ mod tests {
         assert_eq!(dark.len(), 8 * 20);
         assert!(dark.iter().all(|k| (14..22).contains(&(k % 80)) && (6..26).contains(&(k / 80))));
         assert!((126..=129).contains(&(bitmap.ink[dark[0]] & 255)));
-        assert!(super::bitmap(&style::scene(0.0, 3.0), 1.0).is_err());
+        assert!(super::bitmap(&Canvas::new(0.0, 3.0), 1.0).is_err());
     }
 }

@@ -1,11 +1,9 @@
 //! Views on paper, labels beside them.
 
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
-
 use wingbeat::math::Vec3;
 
 use super::{AXIS, Drawing, ViewPoint};
+use crate::canvas::{Canvas, Colour, Primitive, TextAnchor};
 use crate::space::Camera;
 use crate::style;
 
@@ -55,14 +53,13 @@ impl PlacedView {
 /// The paper.
 pub struct Sheet<'a> {
     drawing: &'a Drawing,
-    scene: Scene,
+    scene: Canvas,
 }
 
 impl<'a> Sheet<'a> {
     fn new(drawing: &'a Drawing, height: f64, title: &str) -> Self {
         let notes = LINE * drawing.notes.len() as f64;
-        let mut scene = Scene::new(style::WIDTH, height + notes + 18.0);
-        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".into());
+        let mut scene = Canvas::new(style::WIDTH, height + notes + 18.0);
         scene.elements.push(style::words(14.0, 20.0, title, TextAnchor::Start, true));
         for (i, note) in drawing.notes.iter().enumerate() {
             let y = height + LINE * (i + 1) as f64;
@@ -96,7 +93,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The oblique view with all labels above three from the sides at one scale.
-    pub fn labelled(drawing: &'a Drawing, title: &str) -> Scene {
+    pub fn labelled(drawing: &'a Drawing, title: &str) -> Canvas {
         let rows = drawing.labels.len().div_ceil(2) as f64;
         let large = LARGE.max(LINE * (rows + 1.0));
         let mut sheet = Self::new(drawing, HEAD + large + SMALL, title);
@@ -119,7 +116,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The oblique view with all labels beside one from above.
-    pub fn pair(drawing: &'a Drawing, title: &str) -> Scene {
+    pub fn pair(drawing: &'a Drawing, title: &str) -> Canvas {
         let mut sheet = Self::new(drawing, HEAD + 2.0 * LARGE, title);
         let cell = PaperCell { x: 0.5 * COLUMN, y: HEAD, width: style::WIDTH - COLUMN, height: LARGE };
         let placed = sheet.place(sheet.oblique(), cell, None);
@@ -161,7 +158,7 @@ impl<'a> Sheet<'a> {
             let points = points.iter().map(|&p| placed.at(p)).collect();
             self.scene.elements.push(Primitive::PolyLine {
                 points,
-                stroke: Color::from(look.colour),
+                stroke: Colour::from(look.colour),
                 stroke_width: look.weight,
                 stroke_dasharray: look.dashes.map(Into::into),
             });
@@ -193,7 +190,7 @@ impl<'a> Sheet<'a> {
         // Seen along its length an axis has no end to name.
         if let Some(name) = names.get(i..=i).filter(|_| length > 6.0) {
             let (x, y) = (to.0 + 7.0 * dx / length, to.1 + 7.0 * dy / length + 4.0);
-            let color = Some(Color::from(colour));
+            let color = Some(Colour::from(colour));
             self.scene.elements.push(Primitive::Text {
                 x,
                 y,
@@ -208,23 +205,12 @@ impl<'a> Sheet<'a> {
     }
 
     fn area(&mut self, placed: &PlacedView, points: &[ViewPoint], colour: &str, opacity: f64) {
-        let corner = |point: &ViewPoint| {
-            let (x, y) = placed.at(*point);
-            format!("{x:.2},{y:.2}")
-        };
-        let d = format!("M{}Z", points.iter().map(corner).collect::<Vec<_>>().join("L"));
-        self.scene.elements.push(Primitive::Path(Box::new(PathData {
-            d,
-            fill: Some(Color::from(colour)),
-            stroke: Color::None,
-            stroke_width: 0.0,
-            opacity: Some(opacity),
-            stroke_dasharray: None,
-        })));
+        let corners: Vec<_> = points.iter().map(|point| placed.at(*point)).collect();
+        self.scene.elements.push(style::area(&corners, colour, opacity));
     }
 
     fn disc(&mut self, cx: f64, cy: f64, r: f64, colour: &str) {
-        let fill = Color::from(colour);
+        let fill = Colour::from(colour);
         self.scene.elements.push(Primitive::Circle {
             cx,
             cy,
@@ -265,7 +251,7 @@ impl<'a> Sheet<'a> {
     }
 
     fn small(&mut self, x: f64, y: f64, text: &str, anchor: TextAnchor) {
-        let color = Some(Color::from(style::INK));
+        let color = Some(Colour::from(style::INK));
         self.scene.elements.push(Primitive::Text {
             x,
             y,

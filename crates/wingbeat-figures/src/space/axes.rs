@@ -1,8 +1,7 @@
 //! Axes of a box of space: the walls behind it with a grid, numbers and names at its edges, and a bar of length.
 
-use kuva::render::render::TextAnchor;
-
 use super::{Space, WorldPoint};
+use crate::canvas::TextAnchor;
 use crate::scale::TickScale;
 use crate::style;
 

@@ -7,9 +7,7 @@ pub use camera::Camera;
 
 pub(crate) use axes::round_step;
 
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
-
+use crate::canvas::{Canvas, Colour, PathData, Primitive, TextAnchor};
 use crate::style;
 
 /// A point in world coordinates, m.
@@ -130,14 +128,12 @@ impl Space {
     pub fn area(&mut self, corners: &[WorldPoint], colour: &str, opacity: f64, edge: Option<&str>) {
         let place = |point: &WorldPoint| self.at(*point);
         let places: Vec<(f64, f64)> = corners.iter().map(place).collect();
-        let corner = |(x, y): &(f64, f64)| format!("{x:.2},{y:.2}");
         let drawn = Primitive::Path(Box::new(PathData {
-            d: format!("M{}Z", places.iter().map(corner).collect::<Vec<_>>().join("L")),
-            fill: Some(Color::from(colour)),
-            stroke: edge.map_or(Color::None, Color::from),
+            pieces: vec![style::closed(&places)],
+            fill: Colour::from(colour),
+            stroke: edge.map_or(Colour::None, Colour::from),
             stroke_width: if edge.is_some() { 0.4 } else { 0.0 },
             opacity: Some(opacity),
-            stroke_dasharray: None,
         }));
         self.push(corners, drawn, &places);
     }
@@ -154,7 +150,7 @@ impl Space {
     pub fn outline(&mut self, points: &[WorldPoint], colour: &str, weight: f64) {
         let points: Vec<(f64, f64)> = points.iter().map(|point| self.at(*point)).collect();
         if points.iter().all(|p| p.0.is_finite() && p.1.is_finite()) {
-            let stroke = Color::from(colour);
+            let stroke = Colour::from(colour);
             let line = Primitive::PolyLine { points, stroke, stroke_width: weight, stroke_dasharray: None };
             self.front.push(line);
         }
@@ -177,7 +173,7 @@ impl Space {
     }
 
     /// Draws all on the paper: axes, then what is further away, then lines before all and words.
-    pub fn paint(mut self, scene: &mut Scene) {
+    pub fn paint(mut self, scene: &mut Canvas) {
         wingbeat::math::order::ascend_by(&mut self.pieces, |item| item.nearness);
         scene.elements.extend(self.back);
         scene.elements.extend(self.pieces.into_iter().map(|piece| piece.drawn));
@@ -195,9 +191,9 @@ mod tests {
         [[x, -1.0, -1.0], [x, 1.0, -1.0], [x, 1.0, 1.0], [x, -1.0, 1.0]]
     }
 
-    fn fills(scene: &Scene) -> Vec<Color> {
+    fn fills(scene: &Canvas) -> Vec<Colour> {
         let fill = |element: &Primitive| match element {
-            Primitive::Path(path) => path.fill.clone(),
+            Primitive::Path(path) => Some(path.fill),
             _ => None,
         };
         scene.elements.iter().filter_map(fill).collect()
@@ -216,9 +212,9 @@ mod tests {
                 let (x, y) = space.at(bounds.corner(bits));
                 assert!((10.0..=410.0).contains(&x) && (20.0..=320.0).contains(&y), "{x} {y}");
             }
-            let mut scene = style::scene(430.0, 340.0);
+            let mut scene = Canvas::new(430.0, 340.0);
             space.paint(&mut scene);
-            assert_eq!(fills(&scene), [Color::from("#ff0000"), Color::from("#0000ff")]);
+            assert_eq!(fills(&scene), [Colour::from("#ff0000"), Colour::from("#0000ff")]);
         }
         assert!(Bounds::of([[f64::NAN; 3]].into_iter()).is_none());
     }
@@ -230,7 +226,7 @@ mod tests {
         space.axes(["x [m]", "y [m]", "z [m]"]);
         space.bar(1.0);
         let scale = space.scale();
-        let mut scene = style::scene(430.0, 340.0);
+        let mut scene = Canvas::new(430.0, 340.0);
         space.paint(&mut scene);
         let words: Vec<&str> = scene
             .elements

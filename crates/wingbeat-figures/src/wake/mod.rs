@@ -8,8 +8,7 @@ mod planes;
 pub use phases::{around, wake_phases};
 pub use planes::{PlaneCut, frontal_planes, half_circulations};
 
-use kuva::render::render::TextAnchor;
-
+use crate::canvas::TextAnchor;
 use crate::space::{Camera, WorldPoint};
 use crate::write::Figure;
 use crate::{Error, style};

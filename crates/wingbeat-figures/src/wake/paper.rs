@@ -1,9 +1,7 @@
 //! Areas, lines, letters and colour scales on paper, px from the upper left corner.
 
-use kuva::render::color::Color;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-
 use super::colour::Diverging;
+use crate::canvas::{Canvas, Colour, Primitive, TextAnchor};
 use crate::scale::TickScale;
 use crate::style;
 
@@ -14,12 +12,12 @@ const STEPS: usize = 52;
 
 /// A drawing.
 pub struct Paper {
-    pub scene: Scene,
+    pub scene: Canvas,
 }
 
 impl Paper {
     pub fn new(width: f64, height: f64) -> Self {
-        Self { scene: style::scene(width, height) }
+        Self { scene: Canvas::new(width, height) }
     }
 
     pub fn area(&mut self, corners: &[(f64, f64)], colour: &str, opacity: f64) {
@@ -29,7 +27,7 @@ impl Paper {
     pub fn line(&mut self, points: Vec<(f64, f64)>, colour: &str, weight: f64) {
         self.scene.elements.push(Primitive::PolyLine {
             points,
-            stroke: Color::from(colour),
+            stroke: Colour::from(colour),
             stroke_width: weight,
             stroke_dasharray: None,
         });

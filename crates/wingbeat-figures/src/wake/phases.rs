@@ -1,10 +1,9 @@
 //! Wing and wake in space at phases of the stroke.
 
-use kuva::render::render::TextAnchor;
-
 use super::colour::Diverging;
 use super::paper::Paper;
 use super::{VIEW, WakeSheet};
+use crate::canvas::TextAnchor;
 use crate::space::{Bounds, Camera, Pane, Space, WorldPoint};
 use crate::write::Figure;
 use crate::{Error, style};

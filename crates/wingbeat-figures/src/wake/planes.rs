@@ -1,9 +1,8 @@
 //! Vorticity through a plane behind the wing at phases of the stroke.
 
-use kuva::render::render::TextAnchor;
-
 use super::colour::Diverging;
 use super::paper::Paper;
+use crate::canvas::TextAnchor;
 use crate::scale::TickScale;
 use crate::write::Figure;
 use crate::{Error, style};
