@@ -1,6 +1,7 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `reference`, `bench`, `peers`, `fuzz`, `hostile`,
 //! `faults`, `advisories`, `python`, `soak`, `paper`, `long`.
 
+mod against;
 mod blocks;
 mod book;
 mod browser;
@@ -40,11 +41,12 @@ cargo xtask TASK
           docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
   reference  docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/paper-commands.md,
           docs/python_reference.md, the tables of docs/sections.md and docs/verdicts.md
-  bench   medians of the running times
+  bench   [--against REVISION] medians of the running times; with a revision the least of five rounds in turns with that one, which is
+          built in target/against
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box,
           `peers lattice` steps PteraSoftware's vortex lattice beside ours, `peers steps` MuJoCo's tree without air
-          beside the environments
+          beside the environments, `peers first` runs the first version that flew
   fuzz    [--seconds 600] [TARGET...] everything that reads what others wrote, each for so long
   hostile [--list] [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits
           of memory, time and disk; the cases are the lists of crates/xtask/hostile
@@ -68,7 +70,7 @@ fn main() -> ExitCode {
         "docs" => documents::write(),
         "reference" => documents::reference(),
         "long" => long::long(&arguments[1..]),
-        "bench" => tools::succeeds(tools::cargo(&["bench", "--workspace", "--bench", "running_times"])),
+        "bench" => against::bench(&arguments[1..]),
         "fuzz" => fuzz::fuzz(&arguments[1..]),
         "hostile" => hostile::hostile(&arguments[1..]),
         "advisories" => dependencies::advisories(&arguments[1..]),

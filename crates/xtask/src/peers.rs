@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::{documents, tools};
+use crate::{against, documents, tools};
 
 /// Rounds in which the programs take turns; the median of each counts.
 const ROUNDS: usize = 3;
@@ -44,17 +44,20 @@ const ROWS: [(&str, &str, &str, &str); 14] = [
 type PeerComparison = fn(&Path) -> bool;
 
 /// The comparisons by name.
-const COMPARISONS: [(&str, PeerComparison); 6] = [
+const COMPARISONS: [(&str, PeerComparison); 7] = [
     ("mechanics", mechanics),
     ("lattice", lattice::compare),
     ("control", control::compare),
     ("offline", offline),
     ("netft", netft::compare),
     ("steps", steps::compare),
+    (OF_THE_FIRST, |_| against::first()),
 ];
 
 /// The comparison that has an environment of its own: it needs the package and none of the other programs.
 const OF_THE_PACKAGE: &str = "steps";
+/// The comparison with the first version of our own, without any Python.
+const OF_THE_FIRST: &str = "first";
 
 /// Makes the environment of the other programs and runs the comparison called `only`, or all.
 pub fn compare(only: Option<&str>) -> bool {
@@ -66,7 +69,11 @@ pub fn compare(only: Option<&str>) -> bool {
         return false;
     }
     chosen.iter().all(|(name, run)| {
-        let python = if *name == OF_THE_PACKAGE { steps::environment() } else { environment() };
+        let python = match *name {
+            OF_THE_FIRST => Some(PathBuf::new()),
+            OF_THE_PACKAGE => steps::environment(),
+            _ => environment(),
+        };
         python.is_some_and(|python| run(&python))
     })
 }
@@ -110,16 +117,16 @@ fn offline(python: &Path) -> bool {
 }
 
 /// Date, machine and versions, of the Python packages those required.
-fn circumstances(packages: &[&str]) -> String {
+pub fn circumstances(packages: &[&str]) -> String {
     let required = ["requirements.txt", "steps.txt"].map(|file| fs::read_to_string(peers().join(file)));
     let required = required.map(Result::unwrap_or_default).concat();
     let version = |package: &&str| {
         let line = required.lines().find(|line| line.split("==").next() == Some(package));
         line.unwrap_or(package).replace("==", " ")
     };
-    let packages = packages.iter().map(version).collect::<Vec<_>>().join(", ");
-    let (date, rustc) = (first_line("date", &["-u", "+%Y-%m-%d"]), first_line("rustc", &["--version"]));
-    format!("{date}; {}; {packages}, {rustc}, {}.", machine(), first_line("cc", &["--version"]))
+    let compilers = ["rustc", "cc"].map(|compiler| first_line(compiler, &["--version"]));
+    let versions: Vec<String> = packages.iter().map(version).chain(compilers).collect();
+    format!("{}; {}; {}.", first_line("date", &["-u", "+%Y-%m-%d"]), machine(), versions.join(", "))
 }
 
 /// First line that a program prints.
