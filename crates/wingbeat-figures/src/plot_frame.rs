@@ -20,6 +20,8 @@ const FURTHEST: f64 = 1e5;
 const MOST_TICKS: f64 = 200.0;
 /// Decades from which a logarithmic axis has numbers at powers of ten only. *Choice.*
 const DECADES: f64 = 2.5;
+/// By how much a mark may lie beyond the frame by rounding, px.
+const NEAR: f64 = 1e-6;
 
 /// An axis: its range with ticks, each with its number where it has one, and its label.
 #[derive(Clone, Debug)]
@@ -109,6 +111,7 @@ pub struct PlotFrame {
     x: FrameAxis,
     y: FrameAxis,
     inside: Vec<Primitive>,
+    marks: Vec<Primitive>,
 }
 
 impl PlotFrame {
@@ -124,6 +127,7 @@ impl PlotFrame {
             x,
             y,
             inside: Vec::new(),
+            marks: Vec::new(),
         }
     }
 
@@ -187,12 +191,13 @@ impl PlotFrame {
         }
     }
 
-    /// A mark of the radius `size`, px, at each finite point, in the units of the axes.
+    /// A mark of the radius `size`, px, at each point within the axes, in their units: whole where it lies on the frame.
     pub fn marks(&mut self, points: &[(f64, f64)], shape: MarkShape, size: f64, colour: &str, opacity: f64) {
         for point in points {
             let at = self.at(*point);
-            if at.0.is_finite() && at.1.is_finite() {
-                self.inside.extend(mark(at, shape, size, colour, opacity));
+            let within = |low: f64, value: f64, high: f64| (low - NEAR..=high + NEAR).contains(&value);
+            if within(self.left, at.0, self.right) && within(self.top, at.1, self.bottom) {
+                self.marks.extend(mark(at, shape, size, colour, opacity));
             }
         }
     }
@@ -213,7 +218,7 @@ impl PlotFrame {
         self.inside.push(style::small(x, y, content, TextAnchor::Middle));
     }
 
-    /// Draws what is within, cut at the frame, and then the frame with its ticks, numbers and labels.
+    /// Draws what is within, cut at the frame, then the frame with its ticks, numbers and labels, and then the marks.
     pub fn draw(self, canvas: &mut Canvas) {
         let Self { panel, left, right, top, bottom, .. } = self;
         let line = |from, to| style::sample(from, to, style::INK, style::AXIS, None);
@@ -256,6 +261,7 @@ impl PlotFrame {
         canvas.elements.extend(self.inside);
         canvas.elements.push(Primitive::ClipEnd);
         canvas.elements.extend(outside);
+        canvas.elements.extend(self.marks);
     }
 }
 
@@ -341,8 +347,7 @@ mod tests {
             style::SHADE,
             1.0,
         );
-        // The infinite place is out of the frame, not away.
-        assert_eq!(frame.inside.len(), 4);
+        assert_eq!((frame.marks.len(), frame.inside.len()), (1, 2));
         let mut canvas = Canvas::new(100.0, 100.0);
         frame.draw(&mut canvas);
         assert!(!canvas.svg("it").contains("NaN"));
