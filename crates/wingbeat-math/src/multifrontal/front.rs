@@ -226,10 +226,12 @@ impl Front {
         for i in k..c {
             see(i, self.values[i * self.stride + c]);
         }
-        for (i, value) in self.values[c * self.stride..][..self.rows.len()].iter().enumerate().skip(c + 1) {
-            see(i, *value);
+        let row = &self.values[c * self.stride..][..self.rows.len()];
+        for i in c + 1..self.candidates {
+            see(i, row[i]);
         }
-        (all, at)
+        // Those of others, none of which is skipped, only count for their size.
+        (all.max(largest_of(&row[self.candidates..])), at)
     }
 
     fn choose(&self, k: usize, threshold: f64) -> Choice {
@@ -577,6 +579,20 @@ impl Pivots {
             k += 2;
         }
     }
+}
+
+/// The largest magnitude.
+fn largest_of(values: &[f64]) -> f64 {
+    let (chunks, rest) = values.as_chunks();
+    let mut largest = f64x4::ZERO;
+    for i in 0..chunks.len() {
+        largest = f64x4::new(chunks[i]).abs().fast_max(largest);
+    }
+    let mut all = widest(largest);
+    for i in 0..rest.len() {
+        all = all.max(rest[i].abs());
+    }
+    all
 }
 
 /// The largest of four numbers.

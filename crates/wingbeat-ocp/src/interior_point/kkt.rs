@@ -212,19 +212,20 @@ impl Kkt {
 
 /// out -= M x, of the symmetric matrix whose entries on one side of the diagonal are `runs` of `values`.
 fn subtract(runs: &[EntryRun], values: &[f64], x: &[f64], out: &mut [f64]) {
-    for run in runs {
-        let (values, columns) = (run.of(values), run.columns());
-        if let [value] = values {
-            out[run.column] -= value * x[run.row];
-            if run.column != run.row {
-                out[run.row] -= value * x[run.column];
+    for &EntryRun { row, column, entry, length } in runs {
+        let own = x[row];
+        if length == 1 {
+            out[column] -= values[entry] * own;
+            if column != row {
+                out[row] -= values[entry] * x[column];
             }
             continue;
         }
-        let product = axpy_dot(&mut out[columns.clone()], -x[run.row], values, &x[columns.clone()]);
-        out[run.row] -= product;
-        if columns.contains(&run.row) {
-            out[run.row] += values[run.row - run.column] * x[run.row];
+        let values = &values[entry..][..length];
+        let product = axpy_dot(&mut out[column..][..length], -own, values, &x[column..][..length]);
+        out[row] -= product;
+        if let Some(value) = values.get(row.wrapping_sub(column)) {
+            out[row] += value * own;
         }
     }
 }
