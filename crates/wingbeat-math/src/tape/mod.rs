@@ -2,6 +2,12 @@
 //! forward and one backward sweep give the Jacobian and the Hessian of a
 //! weighted sum of the outputs, exactly, at a cost that does not grow with the
 //! number of outputs (Griewank & Walther 2008, ch. 5, forward over reverse).
+//! Operations that were met often are eliminated instead, at four points side by side.
+
+mod elimination;
+mod four;
+
+pub use four::{FourDerivatives, TapeFour};
 
 use super::Scalar;
 use std::cell::RefCell;
@@ -38,6 +44,19 @@ struct TapeNode {
 }
 
 impl TapeNode {
+    #[inline]
+    fn operands_as_one(&self) -> u64 {
+        let [a, b] = self.parents;
+        u64::from(a) | u64::from(b) << 32
+    }
+
+    /// Slopes, d2/da2 and d2/dadb.
+    #[inline]
+    fn first_four(&self) -> [f64; 4] {
+        let [a, b, aa, ab, _] = self.numbers;
+        [a, b, aa, ab]
+    }
+
     #[inline]
     fn curved(&self) -> bool {
         self.kind != TapeKind::Sum
