@@ -2,8 +2,6 @@
 
 use super::super::Double4;
 use super::{CONSTANT, LANES, TapeKind, TapeNode, TapeRecording};
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
 use wide::f64x4;
 
 /// Places of the numbers 0, 1 and -1; behind them are the weights of the outputs, then their factors.
@@ -355,15 +353,19 @@ impl TapeGraph<'_> {
     /// (Gower & Mello 2012, Optimization Methods and Software 27:251-273).
     fn push_bends(&self, adjoints: &[u32], steps: &mut TapeSteps) -> Vec<TapePlace> {
         // Pairs (larger node, smaller node).
-        let mut bends: Vec<BTreeMap<usize, u32>> = vec![BTreeMap::new(); self.nodes.len()];
-        let add = |bends: &mut [BTreeMap<usize, u32>], steps: &mut TapeSteps, [i, j]: [usize; 2], x, y| {
-            let bend = bends[i.max(j)].entry(i.min(j)).or_insert(ZERO);
-            *bend = steps.sum(*bend, x, y);
+        let mut bends: Vec<Vec<(usize, u32)>> = vec![Vec::new(); self.nodes.len()];
+        let add = |bends: &mut [Vec<(usize, u32)>], steps: &mut TapeSteps, [i, j]: [usize; 2], x, y| {
+            let (row, j) = (&mut bends[i.max(j)], i.min(j));
+            match row.iter_mut().find(|bend| bend.0 == j) {
+                Some((_, bend)) => *bend = steps.sum(*bend, x, y),
+                None => row.push((j, steps.sum(ZERO, x, y))),
+            }
         };
         for i in (self.inputs..self.nodes.len()).rev() {
-            let own = std::mem::take(&mut bends[i]);
+            let mut own = std::mem::take(&mut bends[i]);
+            own.sort_unstable();
             let node = &self.nodes[i];
-            for (&j, &bend) in &own {
+            for &(j, bend) in &own {
                 if j == i {
                     let halves: Vec<_> =
                         operands(node).map(|(a, slope)| (a, slope, steps.sum(ZERO, bend, slope))).collect();
@@ -387,8 +389,12 @@ impl TapeGraph<'_> {
                 }
             }
         }
-        let rows = bends.iter().enumerate().take(self.inputs);
-        rows.flat_map(|(i, row)| row.iter().map(move |(&j, &bend)| ((i, j), bend))).collect()
+        let mut entries = Vec::new();
+        for (i, row) in bends[..self.inputs].iter_mut().enumerate() {
+            row.sort_unstable();
+            entries.extend(row.iter().map(|&(j, bend)| ((i, j), bend)));
+        }
+        entries
     }
 
     /// The Jacobian: nodes are left out of the graph of slopes, those first that take the fewest products (Markowitz 1957; Griewank &
@@ -403,19 +409,9 @@ impl TapeGraph<'_> {
         for (i, &[node, factor]) in self.ends.iter().enumerate().filter(|(_, end)| end[0] != NONE) {
             slopes.add(node as usize, count + i, factor, ONE, steps);
         }
-        let live = (self.inputs..count).filter(|i| adjoints[*i] != ZERO);
-        let mut order: BinaryHeap<_> = live.map(|i| Reverse((slopes.products(i), i))).collect();
-        let mut left = vec![true; count];
-        while let Some(Reverse((products, i))) = order.pop() {
-            if !left[i] || products != slopes.products(i) {
-                continue;
-            }
-            left[i] = false;
-            for neighbour in slopes.leave_out(i, steps) {
-                if (self.inputs..count).contains(&neighbour) {
-                    order.push(Reverse((slopes.products(neighbour), neighbour)));
-                }
-            }
+        let mut left: Vec<usize> = (self.inputs..count).filter(|i| adjoints[*i] != ZERO).collect();
+        while let Some(at) = (0..left.len()).min_by_key(|at| (slopes.products(left[*at]), left[*at])) {
+            slopes.leave_out(left.swap_remove(at), steps);
         }
         let mut entries = Vec::new();
         for (output, row) in slopes.into[count..].iter_mut().enumerate() {
@@ -449,8 +445,8 @@ impl TapeSlopes {
         }
     }
 
-    /// Leaves node `i` out; returns its neighbours.
-    fn leave_out(&mut self, i: usize, steps: &mut TapeSteps) -> Vec<usize> {
+    /// Leaves node `i` out.
+    fn leave_out(&mut self, i: usize, steps: &mut TapeSteps) {
         let (into, out) = (std::mem::take(&mut self.into[i]), std::mem::take(&mut self.out[i]));
         for &(from, _) in &into {
             self.out[from].retain(|to| *to != i);
@@ -462,7 +458,6 @@ impl TapeSlopes {
                 self.add(from, to, before, after, steps);
             }
         }
-        into.iter().map(|slope| slope.0).chain(out).collect()
     }
 }
 
