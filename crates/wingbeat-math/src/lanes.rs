@@ -47,7 +47,11 @@ macro_rules! lanes {
 
             #[inline]
             fn of(mut number: impl FnMut(usize) -> f64) -> Self {
-                Self($vector::new(std::array::from_fn(|lane| number(lane) as $number)))
+                let mut numbers = [0.0; $width];
+                for lane in 0..$width {
+                    numbers[lane] = number(lane) as $number;
+                }
+                Self($vector::new(numbers))
             }
             #[inline]
             fn lane(self, lane: usize) -> f64 {
@@ -225,6 +229,25 @@ lanes!(
     f64,
     4
 );
+impl Double4 {
+    /// Number `j` of each of four as one, for every `j`.
+    #[inline(always)]
+    pub fn transposed(four: [Self; 4]) -> [[f64; 4]; 4] {
+        let [a, b, c, d] = f64x4::transpose([four[0].0, four[1].0, four[2].0, four[3].0]);
+        [a.to_array(), b.to_array(), c.to_array(), d.to_array()]
+    }
+    /// The four numbers.
+    #[inline(always)]
+    pub fn numbers(self) -> [f64; 4] {
+        self.0.to_array()
+    }
+    /// From the four numbers.
+    #[inline(always)]
+    pub fn new(numbers: [f64; 4]) -> Self {
+        Self(f64x4::new(numbers))
+    }
+}
+
 lanes!(
     /// Eight numbers of single precision: everything is rounded to 6e-8 of its size.
     Single8,

@@ -46,7 +46,7 @@ pub use scalar::Scalar;
 pub use segment::{segment_distance, triangle_distance};
 pub use space::{Mat3, Quat, Vec3};
 pub use spline::CubicSpline;
-pub use tape::Tape;
+pub use tape::{FourDerivatives, Tape, TapeFour};
 pub use wrench::{CHANNELS, Wrench};
 
 /// Standard gravity, m/s2 (CGPM 1901).

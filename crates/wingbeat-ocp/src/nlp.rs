@@ -63,6 +63,10 @@ pub trait Program {
         multipliers: &[f64],
         out: &mut Derivatives,
     ) -> Result<(), EvaluationError>;
+    /// Whether all derivatives taken last are finite, of a program that knows; those of others are looked through.
+    fn derivatives_are_finite(&self) -> Option<bool> {
+        None
+    }
 }
 
 /// Objective and constraints written once over any scalar.

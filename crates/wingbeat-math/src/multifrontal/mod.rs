@@ -7,39 +7,50 @@ mod front;
 
 use front::{Front, Pivots};
 
+/// The most parts that a matrix is the sum of.
+pub const MOST_PARTS: usize = 8;
+
 /// Where consecutive entries of a part of the matrix go: places in the upper
-/// triangle of their block's front, along a row or down a column.
-#[derive(Clone, Copy, Debug)]
+/// triangle of their block's front.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Slot {
-    part: usize,
-    entry: usize,
-    length: usize,
-    row: usize,
-    column: usize,
-    down: bool,
+    part: u8,
+    course: SlotCourse,
+    /// Counted from the first entry of the part in the block.
+    entry: u32,
+    length: u32,
+    row: u32,
+    column: u32,
+}
+
+/// Which way consecutive entries go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SlotCourse {
+    Along,
+    Down,
+    Diagonal,
 }
 
 impl Slot {
     /// Takes the next entry in when it lies where the slot goes on and on the
     /// same side of `own`, the number of the block's own unknowns.
     fn extend(&mut self, (part, entry): (usize, usize), row: usize, column: usize, own: usize) -> bool {
-        let Self { row: first, column: left, length, .. } = *self;
-        let right = row == first && column == left + length && column != own;
-        let down = column == left && row == first + length && row != own;
-        let fits = part == self.part
-            && entry == self.entry + length
-            && match length {
-                1 => right || down,
-                _ => {
-                    if self.down {
-                        down
-                    } else {
-                        right
-                    }
-                }
-            };
+        let [first, left, length] = [self.row, self.column, self.length].map(|of| of as usize);
+        if part != usize::from(self.part) || entry != self.entry as usize + length {
+            return false;
+        }
+        let course = if row == first && column == left + length && column != own {
+            SlotCourse::Along
+        } else if column == left && row == first + length && row != own {
+            SlotCourse::Down
+        } else if row == column && first == left && row == first + length {
+            SlotCourse::Diagonal
+        } else {
+            return false;
+        };
+        let fits = length == 1 || course == self.course;
         if fits {
-            (self.length, self.down) = (length + 1, down);
+            (self.length, self.course) = (self.length + 1, course);
         }
         fits
     }
@@ -53,7 +64,9 @@ struct Block {
     /// Unknowns of later blocks coupled to them.
     boundary: Vec<usize>,
     children: Vec<usize>,
-    slots: Vec<Slot>,
+    /// First entry of each part, and the number of the slots.
+    first: Vec<usize>,
+    slots: usize,
 }
 
 /// The pattern of a matrix and the order of its elimination.
@@ -61,6 +74,8 @@ struct Block {
 pub struct Pattern {
     size: usize,
     blocks: Vec<Block>,
+    /// Slots of the blocks; those of stages that are alike are the same, and stay in the cache.
+    slots: Vec<Vec<Slot>>,
 }
 
 /// How many positive, negative and zero eigenvalues a matrix has.
@@ -79,7 +94,7 @@ impl Pattern {
     pub const LEFT_OUT: usize = usize::MAX;
 
     /// The pattern of a symmetric matrix of order `block_of.len()`, a sum of `parts` with
-    /// entries (row, column) in either triangle, repeated ones summed.
+    /// entries (row, column) in either triangle, repeated ones summed; there are at most [`MOST_PARTS`].
     /// Blocks are eliminated in ascending number.
     pub fn new(block_of: &[usize], parts: &[&[(usize, usize)]]) -> Self {
         let count = block_of.iter().filter(|b| **b != Self::LEFT_OUT).max().map_or(0, |b| b + 1);
@@ -112,31 +127,68 @@ impl Pattern {
             }
             blocks[b].boundary = boundary;
         }
+        let mut slots = vec![Vec::new(); count];
+        blocks.iter_mut().for_each(|block| block.first = vec![usize::MAX; parts.len()]);
         for (part, entries) in parts.iter().enumerate() {
-            place_entries(&mut blocks, block_of, part, entries);
+            place_entries(&mut blocks, &mut slots, block_of, part, entries);
         }
-        Self { size: block_of.len(), blocks }
+        let mut pattern = Self { size: block_of.len(), blocks, slots: Vec::new() };
+        for (block, slots) in pattern.blocks.iter_mut().zip(slots) {
+            if pattern.slots.last() != Some(&slots) {
+                pattern.slots.push(slots);
+            }
+            block.slots = pattern.slots.len() - 1;
+        }
+        pattern
     }
 }
 
 /// Places of the entries of a part: own unknowns count from 0, boundary ones follow.
-fn place_entries(blocks: &mut [Block], block_of: &[usize], part: usize, entries: &[(usize, usize)]) {
+fn place_entries(
+    blocks: &mut [Block],
+    slots: &mut [Vec<Slot>],
+    block_of: &[usize],
+    part: usize,
+    entries: &[(usize, usize)],
+) {
     // The places in the front of the present block of entries.
     let (mut place, mut present) = (vec![0; block_of.len()], usize::MAX);
-    for (entry, &(i, j)) in entries.iter().enumerate() {
+    let mut entry = 0;
+    while entry < entries.len() {
+        let (i, j) = entries[entry];
         if block_of[i].max(block_of[j]) == Pattern::LEFT_OUT {
+            entry += 1;
             continue;
         }
         let b = block_of[i].min(block_of[j]);
-        let Block { own, boundary, slots, .. } = &mut blocks[b];
+        let (Block { own, boundary, first, .. }, slots) = (&mut blocks[b], &mut slots[b]);
         if b != present {
             present = b;
             own.iter().chain(&*boundary).enumerate().for_each(|(k, &i)| place[i] = k);
+            first[part] = first[part].min(entry);
         }
-        let (row, column) = (place[i].min(place[j]), place[i].max(place[j]));
-        if !slots.last_mut().is_some_and(|last| last.extend((part, entry), row, column, own.len())) {
-            slots.push(Slot { part, entry, length: 1, row, column, down: false });
+        let (one, other, own) = (place[i], place[j], own.len());
+        let (row, column) = (one.min(other), one.max(other));
+        // Entries of one row in consecutive columns, as long as their places are on the same side of the row's and of `own`.
+        let goes_on = |k: usize| {
+            let place_after = other + k;
+            entries.get(entry + k) == Some(&(i, j + k))
+                && block_of[j + k] == block_of[j]
+                && place[j + k] == place_after
+                && (place_after > one) == (other >= one)
+                && place_after != own
+        };
+        let length = (1..).find(|k| !goes_on(*k)).unwrap_or(1);
+        let slot_entry = entry - first[part];
+        entry += length;
+        if length == 1
+            && slots.last_mut().is_some_and(|last| last.extend((part, slot_entry), row, column, own))
+        {
+            continue;
         }
+        let course = if other >= one { SlotCourse::Along } else { SlotCourse::Down };
+        let [entry, length, row, column] = [slot_entry, length, row, column].map(|of| of as u32);
+        slots.push(Slot { part: part as u8, course, entry, length, row, column });
     }
 }
 
@@ -145,6 +197,7 @@ fn place_entries(blocks: &mut [Block], block_of: &[usize], part: usize, entries:
 pub struct Factors {
     pivots: Vec<Pivots>,
     contributions: Vec<Front>,
+    spare: Vec<Front>,
     front: Front,
     position: Vec<usize>,
     local: Vec<f64>,
@@ -152,8 +205,15 @@ pub struct Factors {
 
 impl Factors {
     /// Factorises the matrix with the values `parts` at the entries of the parts of `pattern`; an empty part is zero.
-    /// `threshold` in (0, 0.5] bounds the growth: larger is stabler and slower.
-    pub fn factorise(&mut self, pattern: &Pattern, parts: &[&[f64]], threshold: f64) -> Inertia {
+    /// `threshold` in (0, 0.5] bounds the growth: larger is stabler and slower. Ends early, with the inertia so far, when
+    /// more eigenvalues are negative after a block than `most` has for it; an empty one has no limits.
+    pub fn factorise(
+        &mut self,
+        pattern: &Pattern,
+        parts: &[&[f64]],
+        threshold: f64,
+        most: &[usize],
+    ) -> Inertia {
         self.prepare(pattern);
         let mut inertia = Inertia::default();
         let last = pattern.blocks.len().saturating_sub(1);
@@ -162,10 +222,16 @@ impl Factors {
             let mut pivots = std::mem::take(&mut self.pivots[b]);
             self.front.eliminate(threshold, b == last, &mut pivots, &mut inertia);
             self.pivots[b] = pivots;
-            self.front.remainder_into(&self.pivots[b], &mut self.contributions[b]);
-            for &child in &block.children {
-                self.contributions[child].clear();
+            if most.get(b).is_some_and(|most| inertia.negative > *most) {
+                break;
             }
+            // A remainder takes the room of one that was used up, which is in the cache.
+            for &child in &block.children {
+                self.spare.push(std::mem::take(&mut self.contributions[child]));
+            }
+            let mut remainder = self.spare.pop().unwrap_or_default();
+            self.front.remainder_into(&self.pivots[b], &mut remainder);
+            self.contributions[b] = remainder;
         }
         inertia
     }
@@ -198,10 +264,17 @@ impl Factors {
             self.position[i] = k;
         }
         let (own, shift) = (block.own.len(), front.candidates - block.own.len());
-        let place = |p: usize| if p < own { p } else { p + shift };
-        for slot in block.slots.iter().filter(|slot| !parts[slot.part].is_empty()) {
-            let entries = &parts[slot.part][slot.entry..slot.entry + slot.length];
-            front.add_along(place(slot.row), place(slot.column), slot.down, entries);
+        let place = |p: u32| if (p as usize) < own { p as usize } else { p as usize + shift };
+        // An empty part is zero.
+        let mut begun = [[].as_slice(); MOST_PARTS];
+        for part in 0..parts.len() {
+            begun[part] = parts[part].get(block.first[part]..).unwrap_or_default();
+        }
+        for slot in &pattern.slots[block.slots] {
+            let first = slot.entry as usize;
+            if let Some(entries) = begun[slot.part as usize].get(first..first + slot.length as usize) {
+                front.add_course(place(slot.row), place(slot.column), slot.course, entries);
+            }
         }
         for &child in &block.children {
             front.extend_add(&self.contributions[child], &self.position);
@@ -260,7 +333,7 @@ mod tests {
         let pattern = Pattern::new(&blocks, &[&entries]);
         let mut factors = Factors::default();
         for _ in 0..2 {
-            let inertia = factors.factorise(&pattern, &[&values], 1e-6);
+            let inertia = factors.factorise(&pattern, &[&values], 1e-6, &[]);
             let n = blocks.len();
             let exact: Vec<f64> = (0..n).map(|i| (i as f64 * 1.3).cos()).collect();
             let mut x = vec![0.0; n];
@@ -280,7 +353,7 @@ mod tests {
     #[test]
     fn singular_matrix_is_seen() {
         let pattern = Pattern::new(&[0, 0, 1], &[&[(0, 0), (1, 0), (1, 1), (2, 2)]]);
-        let inertia = Factors::default().factorise(&pattern, &[&[1.0, 2.0, 4.0, 1.0]], 1e-6);
+        let inertia = Factors::default().factorise(&pattern, &[&[1.0, 2.0, 4.0, 1.0]], 1e-6, &[]);
         assert_eq!(inertia, Inertia { positive: 2, negative: 0, zero: 1 });
     }
 }

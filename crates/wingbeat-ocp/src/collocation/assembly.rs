@@ -1,281 +1,492 @@
-//! Derivatives of a collocated problem, interval by interval, dense over the
-//! columns of the interval: its own unknowns, then times and parameters.
+//! Derivatives of a collocated problem, four intervals side by side, dense over the columns of an interval: its own unknowns, then final
+//! time, initial time and parameters.
 
 use super::layout::{StateOf, UnknownLayout};
-use super::points::MIDDLE;
+use super::points::{Four, MIDDLE};
 use super::*;
-use wingbeat_math::rows::{axpy, axpy_four};
+use wingbeat_math::{Double4, FourDerivatives, Lanes, Scalar};
 
-/// A local unknown of a point as shares of two columns of its interval.
-pub(super) type Shares = [(usize, f64); 2];
-
-/// The local unknowns of a point in the columns of its interval.
+/// A local unknown of a point as shares of columns of its interval: of none for a middle state, whose map is dense.
 #[derive(Clone, Debug)]
-pub(super) struct PointMap {
-    /// Shares of each local unknown.
-    pub shares: Vec<Shares>,
-    /// The locals 1 to `run` are the columns from `start` on, one by one.
-    start: usize,
-    run: usize,
+enum LocalUnknown {
+    Own(usize),
+    Shared([(usize, Double4); 2]),
+    Middle,
 }
 
-impl PointMap {
-    fn new(shares: Vec<Shares>) -> Self {
-        let start = shares[1][0].0;
-        let next = |(i, s): (usize, &Shares)| *s == [(start + i, 1.0), (s[1].0, 0.0)];
-        let run = shares[1..].iter().enumerate().take_while(|s| next(*s)).count();
-        Self { shares, start, run }
-    }
-
-    /// row += factor (slopes over the locals, as columns).
-    fn add(&self, row: &mut [f64], factor: f64, slopes: &[f64]) {
-        let run = 1..1 + self.run;
-        axpy(&mut row[self.start..], factor, &slopes[run.clone()]);
-        self.add_apart(row, factor, slopes, 0..run.start);
-        self.add_apart(row, factor, slopes, run.end..slopes.len());
-    }
-
-    /// The same of locals that are no columns of their own.
-    fn add_apart(&self, row: &mut [f64], factor: f64, slopes: &[f64], locals: std::ops::Range<usize>) {
-        for v in locals {
-            if slopes[v] != 0.0 {
-                let [(a, one), (b, two)] = self.shares[v];
-                row[a] += factor * slopes[v] * one;
-                row[b] += factor * slopes[v] * two;
+impl LocalUnknown {
+    /// Adds `factor` times the local to `row`.
+    #[inline]
+    fn add(&self, row: &mut [Double4], factor: Double4) {
+        match self {
+            Self::Own(column) => row[*column] += factor,
+            Self::Shared([(a, one), (b, two)]) => {
+                row[*a] = factor.mul_add(*one, row[*a]);
+                row[*b] = factor.mul_add(*two, row[*b]);
             }
+            Self::Middle => {}
+        }
+    }
+
+    fn shares(&self) -> ([(usize, Double4); 2], usize) {
+        match *self {
+            Self::Own(column) => ([(column, Double4::ONE); 2], 1),
+            Self::Shared(shares) => (shares, 2),
+            Self::Middle => ([(0, Double4::ZERO); 2], 0),
         }
     }
 }
 
-/// Maps from the columns of an interval to the local unknowns of its points,
-/// and the scratch of one interval.
+/// Maps from the columns of an interval to the local unknowns of its points, and the scratch of four intervals.
 #[derive(Clone, Debug)]
 pub(super) struct Assembly {
     /// Columns of an interval; those before `own` are its own unknowns.
     pub width: usize,
     pub own: usize,
-    /// Points of an interval.
-    points: usize,
-    /// Shares of each local unknown, for each point of each interval.
-    maps: Vec<PointMap>,
+    /// The local unknowns of each point of an interval.
+    maps: Vec<Vec<LocalUnknown>>,
     /// d locals / d columns of a middle point, row-major.
-    middle: Vec<f64>,
-    /// A row of the Hessian of a middle point times `middle`.
-    product: Vec<f64>,
+    middle: Vec<Double4>,
+    /// The columns along which each local of a middle point changes.
+    reach: Vec<Vec<usize>>,
+    /// For each column the locals of a middle point that change with it and have second derivatives.
+    meets: Vec<Vec<usize>>,
+    /// The Hessian of a middle point times `middle`.
+    product: Vec<Double4>,
     /// Slopes of the weighted rates and cost of a point along its local unknowns.
-    pub slopes: Vec<f64>,
+    pub slopes: Vec<Double4>,
     /// The sum of those of the points of an interval along its columns.
-    span_slopes: Vec<f64>,
-    /// Hessian, row-major; the upper triangle counts.
-    pub block: Vec<f64>,
+    span_slopes: Vec<Double4>,
+    /// Derivatives at the last points of the intervals.
+    last: FourDerivatives,
+    /// Jacobian rows of the defects, then of the path values at the points that an interval owns.
+    pub rows: Vec<Double4>,
+    /// Hessian, upper triangle row by row.
+    pub block: Vec<Double4>,
+    /// Slopes of the running cost along the columns.
+    pub cost: Vec<Double4>,
+}
+
+/// y = sum over `picks` of a factor times a row, of rows as long as `y` that begin with the column `from`; added to `y` where it is
+/// `onto` something.
+#[inline]
+fn combine(
+    y: &mut [Double4],
+    (from, onto): (usize, bool),
+    rows: &[Double4],
+    picks: &[usize],
+    factor: impl Fn(usize) -> Double4,
+) {
+    let (n, width) = (y.len(), from + y.len());
+    let row = |v: usize| &rows[v * width + from..][..n];
+    let (fours, rest) = picks.as_chunks();
+    let mut onto = onto;
+    for &[a, b, c, d] in fours {
+        let (p, q, r, s) = (factor(a), factor(b), factor(c), factor(d));
+        let (a, b, c, d) = (row(a), row(b), row(c), row(d));
+        if std::mem::replace(&mut onto, true) {
+            for k in 0..n {
+                y[k] = s.mul_add(d[k], r.mul_add(c[k], q.mul_add(b[k], p.mul_add(a[k], y[k]))));
+            }
+        } else {
+            for k in 0..n {
+                y[k] = s.mul_add(d[k], r.mul_add(c[k], q.mul_add(b[k], p * a[k])));
+            }
+        }
+    }
+    for &a in rest {
+        let (p, a) = (factor(a), row(a));
+        if std::mem::replace(&mut onto, true) {
+            for k in 0..n {
+                y[k] = p.mul_add(a[k], y[k]);
+            }
+        } else {
+            for k in 0..n {
+                y[k] = p * a[k];
+            }
+        }
+    }
+    if !onto {
+        y.fill(Double4::ZERO);
+    }
+}
+
+/// Writes the lanes of up to four intervals to `out` as one row for each interval.
+pub(super) fn unpack(rows: &[Double4], out: &mut [f64]) {
+    let (fours, rest) = rows.as_chunks();
+    let begun = fours.len() * Double4::WIDTH;
+    for (lane, row) in out.chunks_exact_mut(rows.len()).enumerate() {
+        for (out, entry) in row[begun..].iter_mut().zip(rest) {
+            *out = entry.lane(lane);
+        }
+    }
+    let mut lanes = out.chunks_exact_mut(rows.len()).map(|row| row[..begun].as_chunks_mut().0);
+    if let [Some(a), Some(b), Some(c), Some(d)] = [lanes.next(), lanes.next(), lanes.next(), lanes.next()] {
+        for e in 0..fours.len().min(a.len()).min(b.len()).min(c.len()).min(d.len()) {
+            [a[e], b[e], c[e], d[e]] = Double4::transposed(fours[e]);
+        }
+        return;
+    }
+    for (lane, row) in out.chunks_exact_mut(rows.len()).enumerate() {
+        for (out, entry) in row.iter_mut().zip(rows) {
+            *out = entry.lane(lane);
+        }
+    }
 }
 
 impl Assembly {
-    pub fn new(setup: &Setup, scheme: &Scheme, layout: &UnknownLayout) -> Self {
+    pub fn new(setup: &Setup, scheme: &Scheme, layout: &UnknownLayout, last: FourDerivatives) -> Self {
         let own = layout.intervals[0].columns[1] - layout.intervals[0].columns[0];
         let (width, points) = (own + 2 + setup.parameters.len(), scheme.points());
-        let intervals = layout.intervals.iter().enumerate();
-        let place = |(k, interval): (usize, &layout::IntervalPlace)| -> Vec<PointMap> {
-            let [first, last] = interval.ends;
-            (first..=last).map(|i| PointMap::new(shares(setup, layout, i, k))).collect()
-        };
-        let maps: Vec<PointMap> = intervals.flat_map(place).collect();
-        let locals = maps[0].shares.len();
-        Self {
+        let maps: Vec<_> = (0..points).map(|j| locals(setup, layout, j)).collect();
+        let (locals, n) = (maps[0].len(), setup.states.len());
+        let zeros = |count: usize| vec![Double4::ZERO; count];
+        let mut middle = zeros(locals * width);
+        for (row, local) in middle.chunks_exact_mut(width).zip(&maps[points / 2]) {
+            local.add(row, Double4::ONE);
+        }
+        let mut assembly = Self {
             width,
             own,
-            points,
             maps,
-            middle: vec![0.0; locals * width],
-            product: vec![0.0; width],
-            slopes: vec![0.0; locals],
-            span_slopes: vec![0.0; width],
-            block: vec![0.0; width * width],
-        }
+            middle,
+            reach: Vec::new(),
+            meets: Vec::new(),
+            product: zeros(locals * width),
+            slopes: zeros(locals),
+            span_slopes: zeros(width),
+            last,
+            rows: Vec::new(),
+            block: zeros(width * (width + 1) / 2),
+            cost: zeros(width),
+        };
+        let path = (0..points - 1).filter(|j| layout.points[*j].path.is_some());
+        let path = path.map(|j| assembly.path_columns(j).count()).sum::<usize>() * setup.path.len();
+        assembly.rows = zeros(scheme.defects().len() * n * width + path);
+        assembly
     }
 
-    /// The local unknowns of point `j` of interval `k`.
-    pub fn map(&self, k: usize, j: usize) -> &PointMap {
-        &self.maps[k * self.points + j]
+    /// Where row `a` of the Hessian would begin if it had the columns before its diagonal.
+    #[inline]
+    fn row_of(&self, a: usize) -> usize {
+        a * self.width - a * (a + 1) / 2
+    }
+
+    /// Columns of the locals of point `j`, local by local.
+    pub fn path_columns(&self, j: usize) -> impl Iterator<Item = usize> {
+        self.maps[j].iter().flat_map(|local| {
+            let (shares, count) = local.shares();
+            shares.into_iter().take(count).map(|share| share.0)
+        })
     }
 
     /// Adds `value` and its mirror image to the Hessian.
-    fn add_pair(&mut self, a: usize, b: usize, value: f64) {
-        let value = if a == b { 2.0 * value } else { value };
-        self.block[a.min(b) * self.width + a.max(b)] += value;
+    #[inline]
+    fn add_pair(&mut self, a: usize, b: usize, value: Double4) {
+        let value = if a == b { value + value } else { value };
+        let place = self.row_of(a.min(b)) + a.max(b);
+        self.block[place] += value;
     }
 
     /// Adds the products of the time span with the slopes of the points.
     fn add_span_products(&mut self) {
         for c in 0..self.width {
             let slope = self.span_slopes[c];
-            self.add_pair(c, self.own, -slope);
-            self.add_pair(c, self.own + 1, slope);
+            self.add_pair(c, self.own, slope);
+            self.add_pair(c, self.own + 1, -slope);
         }
     }
 }
 
-/// Shares of the local unknowns of point `i`; those of a middle state follow
-/// from the rates at the ends and are left zero.
-fn shares(setup: &Setup, layout: &UnknownLayout, i: usize, k: usize) -> Vec<Shares> {
-    let (place, [first, end]) = (&layout.points[i], layout.intervals[k].columns);
+/// The local unknowns of point `j` of any interval; the shares of the times follow with the place of the point.
+fn locals(setup: &Setup, layout: &UnknownLayout, j: usize) -> Vec<LocalUnknown> {
+    let (place, [first, end]) = (&layout.points[j], layout.intervals[0].columns);
     let (n, m, own) = (setup.states.len(), setup.inputs.len(), end - first);
-    let mut map = vec![[(own, 1.0 - place.sigma), (own + 1, place.sigma)]];
+    let mut map = vec![LocalUnknown::Shared([(own, Double4::ZERO), (own + 1, Double4::ONE)])];
     map.extend((0..n).map(|r| match place.x {
-        StateOf::Unknown(x) => [(x + r - first, 1.0), (0, 0.0)],
-        StateOf::Middle(_) => [(0, 0.0); 2],
+        StateOf::Unknown(x) => LocalUnknown::Own(x + r - first),
+        StateOf::Middle(_) => LocalUnknown::Middle,
     }));
     let [(a, wa), (b, wb)] = place.u;
-    map.extend((0..m).map(|j| [(a + j - first, wa), (b + j - first, wb)]));
-    map.extend((0..setup.parameters.len()).map(|q| [(own + 2 + q, 1.0), (0, 0.0)]));
+    map.extend((0..m).map(|j| match wb {
+        0.0 => LocalUnknown::Own(a + j - first),
+        _ => LocalUnknown::Shared([(a + j - first, wa.into()), (b + j - first, wb.into())]),
+    }));
+    map.extend((0..setup.parameters.len()).map(|q| LocalUnknown::Own(own + 2 + q)));
     map
 }
 
-/// row += factor (slopes . rows), of rows as long as `row`.
-fn add_rows(row: &mut [f64], factor: f64, slopes: &[f64], rows: &[f64]) {
-    let width = row.len();
-    let (mut factors, mut some, mut count) = ([0.0; 4], [[].as_slice(); 4], 0);
-    for v in 0..slopes.len() {
-        if slopes[v] != 0.0 {
-            (factors[count], some[count]) = (factor * slopes[v], &rows[v * width..][..width]);
-            count += 1;
-            if count == 4 {
-                axpy_four(row, factors, some);
-                count = 0;
+impl Discretisation {
+    /// The points `j` of the intervals of `group`; those of intervals that are not there are those of the last one.
+    pub(super) fn four(&self, group: usize, j: usize) -> Four {
+        let last = self.layout.intervals.len() - 1;
+        std::array::from_fn(|lane| {
+            let k = Double4::WIDTH * group + lane;
+            // The first point after the last interval is its end.
+            let after = if k > last && j == 0 { 1 } else { 0 };
+            let [begin, end] = self.layout.intervals[k.min(last)].ends;
+            if after == 1 { end } else { begin + j }
+        })
+    }
+
+    fn shares(&self, group: usize) -> Double4 {
+        let intervals = &self.layout.intervals;
+        Double4::of(|lane| intervals[(Double4::WIDTH * group + lane).min(intervals.len() - 1)].share)
+    }
+
+    /// The weight of output `row` of four points.
+    fn weights_of(&self, at: Four, row: usize) -> Double4 {
+        Double4::of(|lane| self.weights[at[lane] * self.points.outputs + row])
+    }
+
+    /// The columns of an interval where the state of its node `end` (0 or 1) begins.
+    fn node_column(&self, end: usize) -> usize {
+        self.layout.nodes[end] - self.layout.intervals[0].columns[0]
+    }
+
+    /// What depends on where second derivatives are.
+    fn find_meetings(&mut self) {
+        let tape = &self.points.tape;
+        let (n, width) = (self.setup.states.len(), self.assembly.width);
+        let last = self.transcribed.scheme.points() - 1;
+        let mut changes = vec![vec![false; width]; self.points.locals];
+        let mark = |row: &mut [bool], j: usize, v: usize, maps: &[Vec<LocalUnknown>]| {
+            let (shares, count) = maps[j][v].shares();
+            shares.iter().take(count).for_each(|share| row[share.0] = true);
+        };
+        let (maps, own) = (&self.assembly.maps, self.assembly.own);
+        for (v, row) in changes.iter_mut().enumerate() {
+            mark(row, last / 2, v, maps);
+            if (1..=n).contains(&v) {
+                let states = [0, 1].map(|end| self.node_column(end) + v - 1);
+                states.into_iter().chain([own, own + 1]).for_each(|c| row[c] = true);
+                for u in &tape.slopes[v - 1] {
+                    mark(row, 0, *u, maps);
+                    mark(row, last, *u, maps);
+                }
             }
         }
+        let bent: Vec<usize> = (0..self.points.locals).filter(|v| !tape.bends[*v].is_empty()).collect();
+        self.assembly.meets =
+            (0..width).map(|c| bent.iter().copied().filter(|v| changes[*v][c]).collect()).collect();
+        self.assembly.reach = changes.iter().map(|row| (0..width).filter(|c| row[*c]).collect()).collect();
     }
-    if count > 0 {
-        for k in count..4 {
-            (factors[k], some[k]) = (0.0, some[0]);
-        }
-        axpy_four(row, factors, some);
-    }
-}
 
-impl Discretisation {
-    /// d locals / d columns of the middle point of interval `k`: shares, and
-    /// the slopes of the middle of the cubic.
-    pub(super) fn map_middle(&mut self, k: usize, span: f64) {
-        let (n, interval) = (self.setup.states.len(), &self.layout.intervals[k]);
+    /// Prepares the assembly of the intervals of `group`, whose derivatives are known, and those at their ends.
+    pub(super) fn begin_group(&mut self, group: usize, last: Option<usize>) {
+        if std::mem::take(&mut self.points.tape.grown) {
+            self.find_meetings();
+        }
+        self.points.shift(group, last, &mut self.assembly.last);
+        let own = self.assembly.own;
+        for j in 0..self.transcribed.scheme.points() {
+            let sigma = self.sigmas(group, j);
+            self.assembly.maps[j][0] = LocalUnknown::Shared([(own, sigma), (own + 1, Double4::ONE - sigma)]);
+        }
+    }
+
+    fn sigmas(&self, group: usize, j: usize) -> Double4 {
+        let at = self.at_point(group, j);
+        Double4::of(|lane| self.layout.points[at[lane]].sigma)
+    }
+
+    /// As [`Self::four`], of the last points too.
+    fn at_point(&self, group: usize, j: usize) -> Four {
+        let last = self.transcribed.scheme.points() - 1;
+        if j < last {
+            return self.four(group, j);
+        }
+        let intervals = &self.layout.intervals;
+        std::array::from_fn(|lane| {
+            intervals[(Double4::WIDTH * group + lane).min(intervals.len() - 1)].ends[1]
+        })
+    }
+
+    /// Derivatives at point `j` of the intervals of `group`.
+    fn derivatives(&self, group: usize, j: usize) -> &FourDerivatives {
+        let last = self.transcribed.scheme.points() - 1;
+        if j < last { self.points.set(group, j) } else { &self.assembly.last }
+    }
+
+    /// d locals / d columns of the middle points of `group`: shares, and the slopes of the middle of the cubic.
+    pub(super) fn map_middle(&mut self, group: usize, span: f64) {
+        let (n, share) = (self.setup.states.len(), self.shares(group));
         let (width, own, locals) = (self.assembly.width, self.assembly.own, self.points.locals);
         let mut middle = std::mem::take(&mut self.assembly.middle);
-        middle.fill(0.0);
-        for (row, shares) in middle.chunks_exact_mut(width).zip(&self.assembly.map(k, 1).shares) {
-            shares.iter().for_each(|&(c, share)| row[c] += share);
+        let time = &mut middle[..width];
+        time.fill(Double4::ZERO);
+        self.assembly.maps[1][0].add(time, Double4::ONE);
+        for (row, columns) in middle.chunks_exact_mut(width).zip(&self.assembly.reach).skip(1).take(n) {
+            columns.iter().for_each(|c| row[*c] = Double4::ZERO);
         }
-        let first = interval.columns[0];
-        for (j, i, bulge) in [(0, interval.ends[0], MIDDLE), (2, interval.ends[1], -MIDDLE)] {
-            let (f, jacobian) = (self.points.value(i), self.points.jacobian(i));
-            let (map, x) = (self.assembly.map(k, j), self.layout.nodes[k + j / 2] - first);
-            let factor = bulge * interval.share;
+        for (j, end, bulge) in [(0, 0, MIDDLE), (2, 1, -MIDDLE)] {
+            let (at, jacobian) = (self.at_point(group, j), &self.derivatives(group, j).jacobian);
+            let (map, x) = (&self.assembly.maps[j], self.node_column(end));
+            let factor = share * bulge;
+            let steep = factor * span;
             for r in 0..n {
                 let row = &mut middle[(1 + r) * width..][..width];
-                row[x + r] += 0.5;
-                row[own] -= factor * f[r];
-                row[own + 1] += factor * f[r];
-                map.add(row, factor * span, &jacobian[r * locals..(r + 1) * locals]);
+                let change = factor * self.points.four(at, r);
+                row[x + r] += Double4::from(0.5);
+                row[own] += change;
+                row[own + 1] -= change;
+                for &v in &self.points.tape.slopes[r] {
+                    map[v].add(row, steep * jacobian[r * locals + v]);
+                }
             }
         }
         self.assembly.middle = middle;
     }
 
-    /// Appends the Jacobian rows of the defects of interval `k`.
-    pub(super) fn defect_rows(&self, k: usize, span: f64, out: &mut Vec<f64>) {
+    /// Writes the Jacobian rows of the defects of the intervals of `group`.
+    pub(super) fn defect_rows(&mut self, group: usize, span: f64) {
+        let mut rows = std::mem::take(&mut self.assembly.rows);
         let (n, scheme) = (self.setup.states.len(), &self.transcribed.scheme);
-        let interval = &self.layout.intervals[k];
-        let (width, own, first) = (self.assembly.width, self.assembly.own, interval.columns[0]);
-        let begin = out.len();
-        out.resize(begin + scheme.defects().len() * n * width, 0.0);
-        let rows = &mut out[begin..];
-        let start = self.layout.nodes[k] - first;
-        for (block, j) in rows.chunks_exact_mut(n * width).zip(scheme.defects()) {
-            if let StateOf::Unknown(x) = self.layout.points[interval.ends[0] + j].x {
+        let (width, own, share) = (self.assembly.width, self.assembly.own, self.shares(group));
+        let defects = &mut rows[..scheme.defects().len() * n * width];
+        if !scheme.compressed {
+            defects.fill(Double4::ZERO);
+        }
+        let [first, ..] = self.layout.intervals[0].columns;
+        let start = self.node_column(0);
+        for (block, j) in defects.chunks_exact_mut(n * width).zip(scheme.defects()) {
+            // Rows begin with the middle state where there is one.
+            for i in self.middle_first() {
+                let (at, jacobian) = (self.at_point(group, i), &self.derivatives(group, i).jacobian);
+                let (factor, map) = (share * scheme.a[j][i], &self.assembly.maps[i]);
+                let steep = factor * -span;
+                let middle = matches!(self.layout.points[i].x, StateOf::Middle(_));
                 for (r, row) in block.chunks_exact_mut(width).enumerate() {
-                    row[x - first + r] += 1.0;
-                    row[start + r] -= 1.0;
+                    let slopes = &jacobian[r * self.points.locals..][..self.points.locals];
+                    let picks = &self.points.tape.slopes[r];
+                    if middle {
+                        combine(row, (0, false), &self.assembly.middle, picks, |v| steep * slopes[v]);
+                    } else {
+                        picks.iter().for_each(|&v| map[v].add(row, steep * slopes[v]));
+                    }
+                    let change = factor * self.points.four(at, r);
+                    row[own] -= change;
+                    row[own + 1] += change;
                 }
             }
-            for i in 0..scheme.points() {
-                let (point, factor) = (interval.ends[0] + i, interval.share * scheme.a[j][i]);
-                let (f, map) = (self.points.value(point), self.assembly.map(k, i));
-                let jacobian = self.points.jacobian(point).chunks_exact(self.points.locals);
-                let middle = matches!(self.layout.points[point].x, StateOf::Middle(_));
-                for (r, (row, slopes)) in block.chunks_exact_mut(width).zip(jacobian).enumerate() {
-                    row[own] += factor * f[r];
-                    row[own + 1] -= factor * f[r];
-                    if middle {
-                        add_rows(row, -factor * span, slopes, &self.assembly.middle);
-                    } else {
-                        map.add(row, -factor * span, slopes);
+            if let StateOf::Unknown(x) = self.layout.points[j].x {
+                for (r, row) in block.chunks_exact_mut(width).enumerate() {
+                    row[x - first + r] += Double4::ONE;
+                    row[start + r] -= Double4::ONE;
+                }
+            }
+        }
+        self.assembly.rows = rows;
+    }
+
+    /// The points of an interval, one whose state is the middle first.
+    fn middle_first(&self) -> impl Iterator<Item = usize> {
+        let points = self.transcribed.scheme.points();
+        let first = if self.transcribed.scheme.compressed { points / 2 } else { 0 };
+        std::iter::once(first).chain((0..points).filter(move |i| *i != first))
+    }
+
+    /// Writes the Jacobian rows of the path values of the points that intervals own.
+    pub(super) fn path_rows(&mut self, group: usize) {
+        let (n, locals, width) = (self.setup.states.len(), self.points.locals, self.assembly.width);
+        let scheme = &self.transcribed.scheme;
+        let mut entry = scheme.defects().len() * n * width;
+        for j in (0..scheme.points() - 1).filter(|j| self.layout.points[*j].path.is_some()) {
+            let jacobian = &self.points.set(group, j).jacobian[(n + 1) * locals..];
+            let Assembly { maps, rows, .. } = &mut self.assembly;
+            for row in jacobian.chunks_exact(locals) {
+                for (local, slope) in maps[j].iter().zip(row) {
+                    let (shares, count) = local.shares();
+                    for (_, share) in &shares[..count] {
+                        rows[entry] = *share * *slope;
+                        entry += 1;
                     }
                 }
             }
         }
     }
 
-    /// Hessian of the Lagrangian's part of interval `k`.
-    pub(super) fn hessian_block(&mut self, k: usize, weight: f64) {
-        self.assembly.block.fill(0.0);
-        self.assembly.span_slopes.fill(0.0);
-        for i in self.owned(k) {
-            match self.layout.points[i].x {
-                StateOf::Unknown(_) => self.add_point(k, i),
-                StateOf::Middle(_) => self.add_middle(i),
+    /// Jacobian rows of the path values at the last point of all, at `lane` of the last group.
+    pub(super) fn last_path_rows(&self, lane: usize, out: &mut [f64]) {
+        let (n, locals) = (self.setup.states.len(), self.points.locals);
+        let map = &self.assembly.maps[self.transcribed.scheme.points() - 1];
+        let slopes = self.assembly.last.jacobian[(n + 1) * locals..].iter().zip(map.iter().cycle());
+        let entries = slopes.flat_map(|(slope, local)| {
+            let (shares, count) = local.shares();
+            shares.into_iter().take(count).map(move |share| (share.1 * *slope).lane(lane))
+        });
+        out.iter_mut().zip(entries).for_each(|(out, entry)| *out = entry);
+    }
+
+    /// Hessian of the Lagrangian's part of the intervals of `group`, the last of which ends the last interval where it is `last`.
+    pub(super) fn hessian_block(&mut self, group: usize, weight: f64, last: Option<usize>) {
+        self.assembly.span_slopes.fill(Double4::ZERO);
+        if !self.transcribed.scheme.compressed {
+            self.assembly.block.fill(Double4::ZERO);
+        }
+        let end = self.transcribed.scheme.points() - 1;
+        for j in self.middle_first().filter(|j| *j < end).collect::<Vec<_>>() {
+            match self.layout.points[j].x {
+                StateOf::Unknown(_) => self.add_point(group, j, None),
+                StateOf::Middle(_) => self.add_middle(group, j),
             }
+        }
+        if last.is_some() {
+            self.add_point(group, self.transcribed.scheme.points() - 1, last);
         }
         self.assembly.add_span_products();
         let change = weight * self.setup.input_change;
         if change != 0.0 {
-            let interval = &self.layout.intervals[k];
+            let interval = &self.layout.intervals[0];
             let [a, b] = interval.ends.map(|i| self.layout.points[i].u[0].0 - interval.columns[0]);
             for j in 0..self.setup.inputs.len() {
-                self.assembly.add_pair(a + j, a + j, change);
-                self.assembly.add_pair(b + j, b + j, change);
-                self.assembly.add_pair(a + j, b + j, -2.0 * change);
+                self.assembly.add_pair(a + j, a + j, change.into());
+                self.assembly.add_pair(b + j, b + j, change.into());
+                self.assembly.add_pair(a + j, b + j, (-2.0 * change).into());
             }
         }
     }
 
-    /// Slopes of the weighted rates and cost of point `i` along its local unknowns.
-    pub(super) fn weigh_slopes(&mut self, i: usize) {
-        let weights = &self.weights[i * self.points.outputs..][..=self.setup.states.len()];
-        self.assembly.slopes.fill(0.0);
-        add_rows(&mut self.assembly.slopes, 1.0, weights, self.points.jacobian(i));
-    }
-
-    /// Adds a point whose state is unknown to the Hessian.
-    fn add_point(&mut self, k: usize, i: usize) {
-        self.weigh_slopes(i);
-        let (locals, j) = (self.points.locals, i - self.layout.intervals[k].ends[0]);
-        let Assembly { block, span_slopes, slopes, maps, points, width, .. } = &mut self.assembly;
-        let map = &maps[k * *points + j];
-        map.add(span_slopes, 1.0, slopes);
-        for v in 1..=map.run {
-            let (c, row) = (map.start + v - 1, &self.points.hessian(i)[v * locals..][..locals]);
-            axpy(&mut block[c * *width + c..], 1.0, &row[v..=map.run]);
+    /// Slopes of the weighted rates and cost of points `j` along their local unknowns, at one lane where it is `only`.
+    pub(super) fn weigh_slopes(&mut self, group: usize, j: usize, only: Option<usize>) {
+        let (at, locals) = (self.at_point(group, j), self.points.locals);
+        let mut slopes = std::mem::take(&mut self.assembly.slopes);
+        slopes.fill(Double4::ZERO);
+        let jacobian = &self.derivatives(group, j).jacobian;
+        for row in 0..=self.setup.states.len() {
+            let weight = self.weights_of(at, row);
+            let weight = only.map_or(weight, |only| single(weight, only));
+            for &v in &self.points.tape.slopes[row] {
+                slopes[v] = weight.mul_add(jacobian[row * locals + v], slopes[v]);
+            }
         }
-        self.add_apart(k, i);
+        self.assembly.slopes = slopes;
     }
 
-    /// Adds the products of the locals that are no columns of their own with all locals.
-    fn add_apart(&mut self, k: usize, i: usize) {
-        let (locals, j) = (self.points.locals, i - self.layout.intervals[k].ends[0]);
-        let Assembly { block, maps, points, width, .. } = &mut self.assembly;
-        let PointMap { shares, run, .. } = &maps[k * *points + j];
-        for v in (0..locals).filter(|v| !(1..=*run).contains(v)) {
-            let row = &self.points.hessian(i)[v * locals..][..locals];
-            for u in (0..locals).filter(|u| row[*u] != 0.0) {
-                // A local of the run does not meet this one again with the two exchanged.
-                let twice = (1..=*run).contains(&u);
-                for (a, one) in shares[v] {
-                    for (b, two) in shares[u] {
-                        let value = one * two * row[u];
-                        let mirrored = if a == b { 2.0 * value } else { value };
-                        match (twice, a <= b) {
-                            (true, _) => block[a.min(b) * *width + a.max(b)] += mirrored,
-                            (false, true) => block[a * *width + b] += value,
-                            (false, false) => {}
+    /// Adds points whose states are unknown to the Hessian.
+    fn add_point(&mut self, group: usize, j: usize, only: Option<usize>) {
+        self.weigh_slopes(group, j, only);
+        let (locals, end) = (self.points.locals, self.transcribed.scheme.points() - 1);
+        let Assembly { block, span_slopes, slopes, maps, width, last, .. } = &mut self.assembly;
+        let hessian = if j < end { &self.points.set(group, j).hessian } else { &last.hessian };
+        let place = |a: usize, b: usize| a.min(b) * *width - a.min(b) * (a.min(b) + 1) / 2 + a.max(b);
+        for (v, picks) in self.points.tape.bends.iter().enumerate() {
+            maps[j][v].add(span_slopes, slopes[v]);
+            for &u in picks.iter().take_while(|u| **u <= v) {
+                let value = hessian[v * locals + u];
+                if let (LocalUnknown::Own(a), LocalUnknown::Own(b)) = (&maps[j][v], &maps[j][u]) {
+                    block[place(*a, *b)] += value;
+                    continue;
+                }
+                let ((one, ones), (two, twos)) = (maps[j][v].shares(), maps[j][u].shares());
+                for (a, one) in &one[..ones] {
+                    for (b, two) in &two[..twos] {
+                        let value = *one * *two * value;
+                        match (u == v, a.cmp(b)) {
+                            // Of a pair with itself each order of two columns comes once.
+                            (true, std::cmp::Ordering::Greater) => {}
+                            (false, std::cmp::Ordering::Equal) => block[place(*a, *b)] += value + value,
+                            _ => block[place(*a, *b)] += value,
                         }
                     }
                 }
@@ -283,56 +494,60 @@ impl Discretisation {
         }
     }
 
-    /// Adds a middle point, mapped by the last [`Self::map_middle`]: M' H M
-    /// and the products with the time span.
-    fn add_middle(&mut self, i: usize) {
-        self.weigh_slopes(i);
+    /// Adds middle points, mapped by the last [`Self::map_middle`]: M' H M, with which the Hessian begins, and the products
+    /// with the time span.
+    fn add_middle(&mut self, group: usize, j: usize) {
+        self.weigh_slopes(group, j, None);
         let (locals, width) = (self.points.locals, self.assembly.width);
-        let Assembly { middle, product, block, span_slopes, slopes, .. } = &mut self.assembly;
-        add_rows(span_slopes, 1.0, slopes, middle);
-        for v in 0..locals {
-            let (row, map) = (&self.points.hessian(i)[v * locals..][..locals], &middle[v * width..][..width]);
-            if row.iter().all(|h| *h == 0.0) {
-                continue;
-            }
-            product.fill(0.0);
-            add_rows(product, 1.0, row, middle);
-            for c in 0..width {
-                if map[c] != 0.0 {
-                    axpy(&mut block[c * width + c..(c + 1) * width], map[c], &product[c..]);
-                }
-            }
+        let Assembly { middle, product, block, span_slopes, slopes, meets, .. } = &mut self.assembly;
+        let all: Vec<usize> = (0..locals).collect();
+        combine(span_slopes, (0, true), middle, &all, |v| slopes[v]);
+        let hessian = &self.points.set(group, j).hessian;
+        for (v, picks) in self.points.tape.bends.iter().enumerate().filter(|row| !row.1.is_empty()) {
+            let row = &mut product[v * width..][..width];
+            combine(row, (0, false), middle, picks, |u| hessian[v * locals + u]);
+        }
+        let mut rest = block.as_mut_slice();
+        for c in 0..width {
+            let row;
+            (row, rest) = rest.split_at_mut(width - c);
+            combine(row, (c, false), product, &meets[c], |v| middle[v * width + c]);
         }
     }
 
-    /// Adds the running cost of interval `k` to the gradient.
-    pub(super) fn add_cost_slopes(&mut self, k: usize, span: f64) {
-        let (n, locals, times) = (self.setup.states.len(), self.points.locals, self.layout.times);
-        let (first, own, width) =
-            (self.layout.intervals[k].columns[0], self.assembly.own, self.assembly.width);
-        let column = |c: usize| if c < own { first + c } else { times + c - own };
-        for i in self.owned(k) {
-            let place = &self.layout.points[i];
-            if place.weight == 0.0 {
+    /// Slopes of the running cost of the intervals of `group` along their columns, and the costs per time span.
+    pub(super) fn cost_slopes(&mut self, group: usize, span: f64, last: Option<usize>) -> Double4 {
+        let (n, locals) = (self.setup.states.len(), self.points.locals);
+        let mut cost = std::mem::take(&mut self.assembly.cost);
+        cost.fill(Double4::ZERO);
+        let (mut sum, end) = (Double4::ZERO, self.transcribed.scheme.points() - 1);
+        for j in 0..=end {
+            let at = self.at_point(group, j);
+            let weight = Double4::of(|lane| self.layout.points[at[lane]].weight);
+            let weight = match (j == end, last) {
+                (false, _) => weight,
+                (true, Some(last)) => single(weight, last),
+                (true, None) => Double4::ZERO,
+            };
+            if weight.is_zero() {
                 continue;
             }
-            let weight = place.weight * span;
-            let slopes = &self.points.jacobian(i)[n * locals..][..locals];
-            let map = self.assembly.map(k, i - self.layout.intervals[k].ends[0]);
-            for (v, slope) in slopes.iter().enumerate().filter(|(_, s)| **s != 0.0) {
-                if let StateOf::Middle(_) = place.x {
-                    for (c, share) in self.assembly.middle[v * width..][..width].iter().enumerate() {
-                        self.gradient[column(c)] += weight * slope * share;
-                    }
-                } else {
-                    map.shares[v]
-                        .iter()
-                        .for_each(|&(c, share)| self.gradient[column(c)] += weight * slope * share);
-                }
+            sum += weight * self.points.four(at, n);
+            let slopes = &self.derivatives(group, j).jacobian[n * locals..][..locals];
+            let (picks, map) = (&self.points.tape.slopes[n], &self.assembly.maps[j]);
+            let weight = weight * span;
+            if let StateOf::Middle(_) = self.layout.points[j].x {
+                combine(&mut cost, (0, true), &self.assembly.middle, picks, |v| weight * slopes[v]);
+            } else {
+                picks.iter().for_each(|&v| map[v].add(&mut cost, weight * slopes[v]));
             }
-            let cost = place.weight * self.points.value(i)[n];
-            self.gradient[times + 1] += cost;
-            self.gradient[times] -= cost;
         }
+        self.assembly.cost = cost;
+        sum
     }
+}
+
+/// The number of one lane, zero in the others.
+fn single(numbers: Double4, only: usize) -> Double4 {
+    Double4::of(|lane| if lane == only { numbers.lane(lane) } else { 0.0 })
 }

@@ -17,6 +17,7 @@ use assembly::Assembly;
 use ends::EndFunctions;
 use layout::{PointPlace, StateOf, UnknownLayout};
 use points::{MIDDLE, Points};
+use wingbeat_math::{Double4, Lanes, Scalar};
 
 /// How a problem is collocated.
 #[derive(Clone, Debug)]
@@ -55,10 +56,14 @@ struct Discretisation {
     ends: EndFunctions,
     /// Weights of the outputs in the Lagrangian, per time span.
     weights: Vec<f64>,
-    scaled: Vec<f64>,
+    scaled: Vec<Double4>,
     end_weights: Vec<f64>,
     assembly: Assembly,
     gradient: Vec<f64>,
+    /// The unknowns at which the outputs of all points are known.
+    evaluated: Vec<f64>,
+    /// The derivatives taken last are.
+    finite: bool,
 }
 
 impl<'a, P: OptimalControl> Collocation<'a, P> {
@@ -71,9 +76,11 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         let mut parts = Discretisation {
             ends: EndFunctions::new(problem, &setup, &layout, &vec![0.5; layout.variables.len()]),
             weights: vec![0.0; layout.points.len() * points.outputs],
-            scaled: vec![0.0; points.outputs],
+            scaled: vec![Double4::ZERO; points.outputs],
             end_weights: vec![0.0; setup.ends.len() + 1],
-            assembly: Assembly::new(&setup, &transcribed.scheme, &layout),
+            assembly: Assembly::new(&setup, &transcribed.scheme, &layout, points.room()),
+            evaluated: Vec::new(),
+            finite: false,
             gradient: Vec::new(),
             setup,
             transcribed,
@@ -133,6 +140,7 @@ impl Discretisation {
     ) -> Result<Trajectory, EvaluationError> {
         let times = self.layout.times;
         let mut out = Trajectory { p: w[times + 2..].to_vec(), ..Trajectory::default() };
+        self.evaluated.clear();
         self.points.evaluate(problem, &self.setup, &self.layout, w, self.layout.unknown_states())?;
         for i in 0..self.layout.points.len() {
             let (t, x, u) = self.points.at(w, &self.layout, i);
@@ -184,21 +192,16 @@ impl Discretisation {
         [x, if own { z[first..first + self.setup.inputs.len()].to_vec() } else { Vec::new() }]
     }
 
-    /// Columns of interval `k`: its own unknowns, then times and parameters.
+    /// Columns of interval `k`: its own unknowns, then final time, initial time and parameters. The initial time, which is mostly given,
+    /// does not come between unknowns.
     fn columns(&self, k: usize) -> Vec<usize> {
-        let [first, end] = self.layout.intervals[k].columns;
-        (first..end).chain(self.layout.times..self.layout.variables.len()).collect()
+        let ([first, end], times) = (self.layout.intervals[k].columns, self.layout.times);
+        (first..end).chain([times + 1, times]).chain(times + 2..self.layout.variables.len()).collect()
     }
 
     /// Final less initial time.
     fn span(&self, w: &[f64]) -> f64 {
         w[self.layout.times + 1] - w[self.layout.times]
-    }
-
-    /// Points whose Hessian and path rows belong to interval `k`.
-    fn owned(&self, k: usize) -> std::ops::Range<usize> {
-        let [first, last] = self.layout.intervals[k].ends;
-        first..last + usize::from(k + 1 == self.layout.intervals.len())
     }
 
     /// Weights of the outputs in the Lagrangian per time span: -A' lambda for
@@ -221,21 +224,50 @@ impl Discretisation {
         }
     }
 
-    /// Differentiates the points that interval `k` owns: the middle state first, whose slopes add to the
-    /// weights of the rates at the ends that it follows from.
-    fn differentiate_interval<P: OptimalControl>(
+    /// Evaluates the functions at all points.
+    fn evaluate<P: OptimalControl>(&mut self, problem: &P, w: &[f64]) -> Result<(), EvaluationError> {
+        if self.evaluated == w {
+            return Ok(());
+        }
+        self.evaluated.clear();
+        let order = self.layout.unknown_states().chain(self.layout.middle_states());
+        self.points.evaluate(problem, &self.setup, &self.layout, w, order)?;
+        self.evaluated.extend(w);
+        Ok(())
+    }
+
+    /// Intervals that are assembled side by side.
+    fn groups(&self) -> usize {
+        self.layout.intervals.len().div_ceil(Double4::WIDTH)
+    }
+
+    /// The place among those of `group` of the last interval, if it is there.
+    fn last_of(&self, group: usize) -> Option<usize> {
+        (group + 1 == self.groups()).then_some((self.layout.intervals.len() - 1) % Double4::WIDTH)
+    }
+
+    /// Differentiates the points of the intervals of `group` but for their last ones: the middle states first, whose slopes add to the
+    /// weights of the rates at the ends that they follow from. The group after the last one has the last point.
+    fn differentiate_group<P: OptimalControl>(
         &mut self,
         problem: &P,
-        k: usize,
+        group: usize,
         w: &[f64],
         multipliers: &[f64],
     ) -> Result<(), EvaluationError> {
+        if group == self.groups() {
+            // Where the last group has lanes to spare, the last point is there.
+            if !self.layout.intervals.len().is_multiple_of(Double4::WIDTH) {
+                return Ok(());
+            }
+            return self.differentiate_points(problem, (group, 0), w, multipliers);
+        }
         for middle in [true, false] {
-            for i in self.owned(k) {
-                if matches!(self.layout.points[i].x, StateOf::Middle(_)) == middle {
-                    self.differentiate_point(problem, i, w, multipliers)?;
+            for j in 0..self.transcribed.scheme.points() - 1 {
+                if matches!(self.layout.points[j].x, StateOf::Middle(_)) == middle {
+                    self.differentiate_points(problem, (group, j), w, multipliers)?;
                     if middle {
-                        self.carry(i, k, self.span(w));
+                        self.carry(group, j, self.span(w));
                     }
                 }
             }
@@ -245,35 +277,37 @@ impl Discretisation {
 
     /// The weights of the outputs as they enter the Hessian: the time span
     /// multiplies rates and cost, path values have their own multipliers.
-    fn differentiate_point<P: OptimalControl>(
+    fn differentiate_points<P: OptimalControl>(
         &mut self,
         problem: &P,
-        i: usize,
+        (group, j): (usize, usize),
         w: &[f64],
         multipliers: &[f64],
     ) -> Result<(), EvaluationError> {
-        let span = self.span(w);
+        let (span, at) = (self.span(w), self.four(group, j));
         let (n, outputs) = (self.setup.states.len(), self.points.outputs);
-        for (s, w) in self.scaled[..=n].iter_mut().zip(&self.weights[i * outputs..]) {
-            *s = span * w;
+        for row in 0..outputs {
+            self.scaled[row] = Double4::of(|lane| match self.layout.points[at[lane]].path {
+                _ if row <= n => span * self.weights[at[lane] * outputs + row],
+                Some(first) => multipliers[first + row - n - 1],
+                None => 0.0,
+            });
         }
-        match self.layout.points[i].path {
-            Some(first) => self.scaled[n + 1..].copy_from_slice(&multipliers[first..][..outputs - n - 1]),
-            None => self.scaled[n + 1..].fill(0.0),
-        }
-        self.points.differentiate(problem, &self.layout, i, w, &self.scaled)
+        self.points.differentiate(problem, &self.layout, (group, j), at, w, &self.scaled)
     }
 
-    /// Weights of the rates at the ends of interval `k` through its middle state.
-    fn carry(&mut self, i: usize, k: usize, span: f64) {
-        self.weigh_slopes(i);
+    /// Weights of the rates at the ends of the intervals of `group` through their middle states.
+    fn carry(&mut self, group: usize, j: usize, span: f64) {
+        self.weigh_slopes(group, j, None);
         let (n, outputs) = (self.setup.states.len(), self.points.outputs);
-        let interval = &self.layout.intervals[k];
-        let [a, b] = interval.ends.map(|end| end * outputs);
-        for r in 0..n {
-            let change = MIDDLE * span * interval.share * self.assembly.slopes[1 + r];
-            self.weights[a + r] += change;
-            self.weights[b + r] -= change;
+        let first = Double4::WIDTH * group;
+        for (lane, interval) in self.layout.intervals[first..].iter().take(Double4::WIDTH).enumerate() {
+            let [a, b] = interval.ends.map(|end| end * outputs);
+            for r in 0..n {
+                let change = MIDDLE * span * interval.share * self.assembly.slopes[1 + r].lane(lane);
+                self.weights[a + r] += change;
+                self.weights[b + r] -= change;
+            }
         }
     }
 

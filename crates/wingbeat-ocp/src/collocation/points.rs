@@ -4,15 +4,16 @@ use super::super::nlp::EvaluationError;
 use super::super::problem::{Instant, OptimalControl, Setup};
 use super::layout::{StateOf, UnknownLayout};
 use crate::plant::Fault;
-use wingbeat_math::{Scalar, Tape};
+use wingbeat_math::{Double4, FourDerivatives, Lanes, Scalar, TapeFour};
 
 /// Share of h by which the difference of the ends' rates lifts the middle of
 /// the cubic through them.
 pub(super) const MIDDLE: f64 = 0.125;
 
-/// Outputs (rates, running cost, path values) of all points, and the
-/// derivatives of those of two intervals along the local unknowns
-/// (t, x, u, p).
+/// Points whose derivatives are taken side by side.
+pub(super) type Four = [usize; Double4::WIDTH];
+
+/// Outputs (rates, running cost, path values) of all points, and the derivatives of those of two groups of intervals.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     states: usize,
@@ -22,51 +23,72 @@ pub(super) struct Points {
     pub outputs: usize,
     pub locals: usize,
     pub values: Vec<f64>,
-    /// Points with derivatives: point `i` has the place i % room.
-    room: usize,
-    jacobians: Vec<f64>,
-    hessians: Vec<f64>,
-    tape: Tape,
+    /// Points of an interval without its last one, twice: of two groups in turns.
+    sets: Vec<FourDerivatives>,
+    pub tape: TapeFour,
     local: Vec<f64>,
+    recorded: Vec<f64>,
+    weights: Vec<f64>,
 }
 
 impl Points {
     pub fn new(setup: &Setup, layout: &UnknownLayout) -> Self {
         let (states, inputs, path) = (setup.states.len(), setup.inputs.len(), setup.path.len());
         let (outputs, locals) = (states + 1 + path, 1 + states + inputs + setup.parameters.len());
-        let count = layout.points.len();
         let [first, last] = layout.intervals[0].ends;
-        let room = count.min(2 * (last - first) + 1);
         Self {
-            room,
             states,
             inputs,
             path,
             outputs,
             locals,
-            values: vec![0.0; count * outputs],
-            jacobians: vec![0.0; room * outputs * locals],
-            hessians: vec![0.0; room * locals * locals],
-            tape: Tape::default(),
+            values: vec![0.0; layout.points.len() * outputs],
+            sets: vec![FourDerivatives::new(outputs, locals); 2 * (last - first)],
+            tape: TapeFour::new(outputs, locals),
             local: vec![0.0; locals],
+            recorded: vec![0.0; outputs],
+            weights: vec![0.0; outputs],
+        }
+    }
+
+    /// Derivatives at point `j` of the intervals of `group`.
+    pub fn set(&self, group: usize, j: usize) -> &FourDerivatives {
+        &self.sets[self.place(group, j)]
+    }
+
+    fn place(&self, group: usize, j: usize) -> usize {
+        group % 2 * (self.sets.len() / 2) + j
+    }
+
+    /// Room for derivatives at the last points of the intervals of a group.
+    pub fn room(&self) -> FourDerivatives {
+        FourDerivatives::new(self.outputs, self.locals)
+    }
+
+    /// The derivatives at the first points of the intervals after those of `group`, each in the place of the one before it. The
+    /// Hessian counts at the point in the place `last` alone, where there is one.
+    pub fn shift(&self, group: usize, last: Option<usize>, out: &mut FourDerivatives) {
+        let (own, next) = (self.set(group, 0), self.set(group + 1, 0));
+        let shifted = |own: Double4, next: Double4| {
+            Double4::of(|lane| if lane + 1 < Double4::WIDTH { own.lane(lane + 1) } else { next.lane(0) })
+        };
+        for (row, columns) in self.tape.slopes.iter().enumerate() {
+            for v in columns.iter().map(|v| row * self.locals + v) {
+                out.jacobian[v] = shifted(own.jacobian[v], next.jacobian[v]);
+            }
+        }
+        let Some(last) = last else { return };
+        let only = Double4::of(|lane| if lane == last { 1.0 } else { 0.0 });
+        for (row, columns) in self.tape.bends.iter().enumerate() {
+            for v in columns.iter().map(|v| row * self.locals + v) {
+                out.hessian[v] = shifted(own.hessian[v], next.hessian[v]) * only;
+            }
         }
     }
 
     /// Outputs of point `i`.
     pub fn value(&self, i: usize) -> &[f64] {
         &self.values[i * self.outputs..(i + 1) * self.outputs]
-    }
-
-    /// d outputs / d locals of point `i`, row-major.
-    pub fn jacobian(&self, i: usize) -> &[f64] {
-        let size = self.outputs * self.locals;
-        &self.jacobians[i % self.room * size..][..size]
-    }
-
-    /// Hessian of the weighted outputs of point `i`, row-major.
-    pub fn hessian(&self, i: usize) -> &[f64] {
-        let size = self.locals * self.locals;
-        &self.hessians[i % self.room * size..][..size]
     }
 
     /// Gathers the local unknowns of point `i` from the unknowns `w`; a middle
@@ -143,25 +165,39 @@ impl Points {
         Ok(())
     }
 
-    /// Values and Jacobian at point `i`, and the Hessian for the `weights` of its outputs.
+    /// Output `row` of four points.
+    #[inline]
+    pub fn four(&self, points: Four, row: usize) -> Double4 {
+        Double4::of(|lane| self.values[points[lane] * self.outputs + row])
+    }
+
+    /// Jacobians of the points `at`, each point `j` of an interval of `group`, and the Hessians for the `weights` of their
+    /// outputs; the values that enter middle states are known.
     pub fn differentiate<P: OptimalControl>(
         &mut self,
         problem: &P,
         layout: &UnknownLayout,
-        i: usize,
+        (group, j): (usize, usize),
+        at: Four,
         w: &[f64],
-        weights: &[f64],
+        weights: &[Double4],
     ) -> Result<(), EvaluationError> {
-        let (sizes, outputs, locals) = ((self.states, self.inputs), self.outputs, self.locals);
-        self.gather(w, layout, i);
-        let out = &mut self.values[i * outputs..(i + 1) * outputs];
-        self.tape
-            .record(&self.local, out, |local, out| Self::outputs_at(problem, sizes, local, out))
-            .map_err(|fault| EvaluationError(fault.to_string()))?;
-        let (place, first, second) = (i % self.room, outputs * locals, locals * locals);
-        let jacobian = &mut self.jacobians[place * first..][..first];
-        let hessian = &mut self.hessians[place * second..][..second];
-        self.tape.second_order(weights, jacobian, hessian);
+        let (sizes, set) = ((self.states, self.inputs), self.place(group, j));
+        self.tape.begin();
+        for lane in 0..at.len() {
+            if lane > 0 && at[lane] == at[lane - 1] {
+                break;
+            }
+            self.gather(w, layout, at[lane]);
+            for (own, weight) in self.weights.iter_mut().zip(weights) {
+                *own = weight.lane(lane);
+            }
+            let outputs = |local: &[_], out: &mut [_]| Self::outputs_at(problem, sizes, local, out);
+            self.tape
+                .record(&self.local, &mut self.recorded, &self.weights, outputs)
+                .map_err(|fault| EvaluationError(fault.to_string()))?;
+        }
+        self.tape.second_order(weights, &mut self.sets[set]);
         Ok(())
     }
 

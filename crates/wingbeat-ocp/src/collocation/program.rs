@@ -1,5 +1,6 @@
 //! A collocated problem seen as a nonlinear program.
 
+use super::assembly::unpack;
 use super::*;
 
 impl<P: OptimalControl> Program for Collocation<'_, P> {
@@ -16,9 +17,8 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
     }
 
     fn evaluate(&mut self, w: &[f64], g: &mut [f64]) -> Result<f64, EvaluationError> {
-        let Discretisation { setup, layout, points, ends, .. } = &mut self.parts;
-        let order = layout.unknown_states().chain(layout.middle_states());
-        points.evaluate(self.problem, setup, layout, w, order)?;
+        self.parts.evaluate(self.problem, w)?;
+        let Discretisation { setup, ends, .. } = &mut self.parts;
         ends.evaluate(self.problem, setup, w)?;
         Ok(self.parts.values(w, g))
     }
@@ -36,24 +36,23 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
         parts.end_weights[1..].copy_from_slice(&multipliers[parts.layout.ends..]);
         parts.ends.differentiate(self.problem, w, &parts.end_weights);
         parts.begin_gradient(w);
-        if parts.transcribed.scheme.compressed {
-            let nodes = parts.layout.unknown_states();
-            parts.points.evaluate(self.problem, &parts.setup, &parts.layout, w, nodes)?;
-        }
-        out.jacobian.clear();
-        out.hessian.clear();
-        // The derivatives of the points of an interval are assembled while they are in the cache; its end is differentiated with the
-        // next one.
-        let last = parts.layout.intervals.len() - 1;
-        for k in 0..=last {
-            parts.differentiate_interval(self.problem, k, w, multipliers)?;
-            if k > 0 {
-                parts.assemble(k - 1, w, weight, out);
+        parts.evaluate(self.problem, w)?;
+        // The derivatives of the points of a group are assembled while they are in the cache; the ends of its intervals are
+        // differentiated with the next one.
+        parts.finite = true;
+        let groups = parts.groups();
+        for group in 0..=groups {
+            parts.differentiate_group(self.problem, group, w, multipliers)?;
+            if group > 0 {
+                parts.assemble(group - 1, w, weight, out);
             }
         }
-        parts.assemble(last, w, weight, out);
         parts.finish(out);
         Ok(())
+    }
+
+    fn derivatives_are_finite(&self) -> Option<bool> {
+        Some(self.parts.finite)
     }
 }
 
@@ -71,15 +70,12 @@ impl Discretisation {
             for row in 0..self.transcribed.scheme.defects().len() * n {
                 structure.jacobian.extend(columns.iter().map(|&c| (interval.row + row, c)));
             }
-            for i in self.owned(k) {
+            let [begin, end] = interval.ends;
+            for i in begin..end + usize::from(k + 1 == self.layout.intervals.len()) {
                 let Some(first) = self.layout.points[i].path else { continue };
                 for row in 0..self.points.path() {
-                    for &[(a, _), (b, wb)] in &self.assembly.map(k, i - interval.ends[0]).shares {
-                        structure.jacobian.push((first + row, columns[a]));
-                        if wb != 0.0 {
-                            structure.jacobian.push((first + row, columns[b]));
-                        }
-                    }
+                    let entries = self.assembly.path_columns(i - begin);
+                    structure.jacobian.extend(entries.map(|c| (first + row, columns[c])));
                 }
             }
             for (a, &row) in columns.iter().enumerate() {
@@ -120,45 +116,56 @@ impl Discretisation {
         self.ends.values[0] + span * cost + self.input_change(w, None)
     }
 
-    /// The derivatives of the program that belong to interval `k`, where those of the functions were taken.
-    fn assemble(&mut self, k: usize, w: &[f64], weight: f64, out: &mut Derivatives) {
-        let span = self.span(w);
+    /// The derivatives of the program that belong to the intervals of `group`, where those of the functions were taken.
+    fn assemble(&mut self, group: usize, w: &[f64], weight: f64, out: &mut Derivatives) {
+        let (span, last) = (self.span(w), self.last_of(group));
+        self.begin_group(group, last);
         if self.transcribed.scheme.compressed {
-            self.map_middle(k, span);
+            self.map_middle(group, span);
         }
-        self.defect_rows(k, span, &mut out.jacobian);
-        self.path_rows(k, &mut out.jacobian);
-        self.hessian_block(k, weight);
-        self.add_cost_slopes(k, span);
-        for (a, row) in self.assembly.block.chunks_exact(self.assembly.width).enumerate() {
-            out.hessian.extend(&row[a..]);
+        self.defect_rows(group, span);
+        self.path_rows(group);
+        self.hessian_block(group, weight, last);
+        let costs = self.cost_slopes(group, span, last);
+        let Assembly { rows, block, cost, .. } = &self.assembly;
+        let first = Double4::WIDTH * group;
+        let count = Double4::WIDTH.min(self.layout.intervals.len() - first);
+        // All times zero are zero. What the derivatives of the ends add is looked through by `finish`.
+        let zeros =
+            rows.iter().chain(block).fold(Double4::ZERO, |sum, entry| entry.mul_add(Double4::ZERO, sum));
+        self.finite &= zeros.is_zero();
+        unpack(rows, &mut out.jacobian[first * rows.len()..][..count * rows.len()]);
+        unpack(block, &mut out.hessian[first * block.len()..][..count * block.len()]);
+        let times = self.layout.times;
+        for lane in 0..count {
+            for (column, cost) in self.columns(first + lane).into_iter().zip(cost) {
+                self.gradient[column] += cost.lane(lane);
+            }
+            self.gradient[times + 1] += costs.lane(lane);
+            self.gradient[times] -= costs.lane(lane);
+        }
+        if let Some(lane) = last
+            && self.layout.points[self.layout.points.len() - 1].path.is_some()
+        {
+            let begin = self.layout.intervals.len() * rows.len();
+            let end = out.jacobian.len() - self.ends.jacobian.len();
+            self.last_path_rows(lane, &mut out.jacobian[begin..end]);
+            self.finite &= out.jacobian[begin..end].iter().all(|slope| slope.is_finite());
         }
     }
 
     /// The derivatives of the functions of the ends, and the gradient.
     fn finish(&mut self, out: &mut Derivatives) {
-        let size = self.ends.columns.len();
-        out.jacobian.extend(self.ends.jacobian.iter().map(|&(i, j)| self.ends.slopes[i * size + j]));
-        out.hessian.extend(self.ends.hessian.iter().map(|&(i, j)| self.ends.curvature[i * size + j]));
-        out.gradient.copy_from_slice(&self.gradient);
-    }
-
-    /// Jacobian rows of the path constraints that belong to interval `k`.
-    fn path_rows(&self, k: usize, out: &mut Vec<f64>) {
-        let (n, locals) = (self.setup.states.len(), self.points.locals);
-        for i in self.owned(k) {
-            if self.layout.points[i].path.is_none() {
-                continue;
-            }
-            let map = self.assembly.map(k, i - self.layout.intervals[k].ends[0]);
-            for row in self.points.jacobian(i)[(n + 1) * locals..].chunks_exact(locals) {
-                for (&[(_, wa), (_, wb)], slope) in map.shares.iter().zip(row) {
-                    out.push(wa * slope);
-                    if wb != 0.0 {
-                        out.push(wb * slope);
-                    }
-                }
-            }
+        let (size, ends) = (self.ends.columns.len(), &self.ends);
+        let first = out.jacobian.len() - ends.jacobian.len();
+        for (out, &(i, j)) in out.jacobian[first..].iter_mut().zip(&ends.jacobian) {
+            *out = ends.slopes[i * size + j];
         }
+        let first = out.hessian.len() - ends.hessian.len();
+        for (out, &(i, j)) in out.hessian[first..].iter_mut().zip(&ends.hessian) {
+            *out = ends.curvature[i * size + j];
+        }
+        out.gradient.copy_from_slice(&self.gradient);
+        self.finite &= ends.slopes.iter().chain(&ends.curvature).all(|slope| slope.is_finite());
     }
 }

@@ -32,6 +32,10 @@ pub(super) struct Kkt {
     /// Diagonals in use: Sigma_x + dw, and -D.
     diagonal: Vec<f64>,
     rows: Vec<f64>,
+    /// For each block the rows that it or an earlier one meets: with the inertia that is wanted, as many eigenvalues at most are
+    /// negative after it. The rows after it are untouched so far, so that on their multipliers the rest of the matrix is not
+    /// positive, and it has as many negative eigenvalues or more.
+    most: Vec<usize>,
     n: usize,
     m: usize,
     /// The identity takes the place of the Hessian.
@@ -55,11 +59,29 @@ impl Kkt {
         held.iter().for_each(|&j| blocks[j] = Pattern::LEFT_OUT);
         blocks.extend(&structure.constraint_block);
         let parts = [&structure.hessian, &diagonal[..n], &jacobian, &diagonal[n..]];
+        let mut first = structure.constraint_block.clone();
+        for &(i, j) in structure.jacobian.iter().filter(|(_, j)| standard.free[*j]) {
+            first[i] = first[i].min(structure.variable_block[j]);
+        }
+        let count = structure.variable_block.iter().chain(&first).max().map_or(0, |last| last + 1);
+        let mut most = vec![0; count];
+        first.iter().for_each(|block| most[*block] += 1);
+        for b in 1..count {
+            most[b] += most[b - 1];
+        }
+        // Of variables that are held no changes follow.
+        let free = |mut runs: Vec<EntryRun>| {
+            runs.retain(|run| {
+                run.length > 1 || [run.row, run.column].iter().all(|k| *k >= n || standard.free[*k])
+            });
+            runs
+        };
         Self {
+            most,
             pattern: Pattern::new(&blocks, &parts),
             factors: Factors::default(),
-            hessian: runs(&structure.hessian),
-            jacobian: runs(&jacobian),
+            hessian: free(runs(&structure.hessian)),
+            jacobian: free(runs(&jacobian)),
             held,
             diagonal: vec![0.0; n],
             rows: vec![0.0; m],
@@ -85,7 +107,8 @@ impl Kkt {
         }
         self.shift = dw;
         let parts = [self.curvatures(standard), &self.diagonal, &standard.derivatives.jacobian, &self.rows];
-        self.factors.factorise(&self.pattern, &parts, PIVOT_THRESHOLD)
+        let most = if self.identity { &[][..] } else { &self.most };
+        self.factors.factorise(&self.pattern, &parts, PIVOT_THRESHOLD, most)
     }
 
     /// The Hessian, or nothing where the identity takes its place.
@@ -102,7 +125,8 @@ impl Kkt {
         if inertia == wanted {
             return true;
         }
-        let dc = if inertia.zero > 0 { 1e-8 * barrier.powf(0.25) } else { 0.0 };
+        let singular = 1e-8 * barrier.powf(0.25);
+        let mut dc = if inertia.zero > 0 { singular } else { 0.0 };
         if dc > 0.0 {
             inertia = self.factorise(standard, sigma, 0.0, dc);
             if inertia == wanted {
@@ -116,6 +140,10 @@ impl Kkt {
             if inertia == wanted {
                 self.last_shift = dw;
                 return true;
+            }
+            if inertia.zero > 0 && dc == 0.0 {
+                dc = singular;
+                continue;
             }
             dw *= if known { 8.0 } else { 100.0 };
         }
@@ -184,12 +212,20 @@ impl Kkt {
 
 /// out -= M x, of the symmetric matrix whose entries on one side of the diagonal are `runs` of `values`.
 fn subtract(runs: &[EntryRun], values: &[f64], x: &[f64], out: &mut [f64]) {
-    for run in runs {
-        let (values, columns) = (run.of(values), run.columns());
-        let product = axpy_dot(&mut out[columns.clone()], -x[run.row], values, &x[columns.clone()]);
-        out[run.row] -= product;
-        if columns.contains(&run.row) {
-            out[run.row] += values[run.row - run.column] * x[run.row];
+    for &EntryRun { row, column, entry, length } in runs {
+        let own = x[row];
+        if length == 1 {
+            out[column] -= values[entry] * own;
+            if column != row {
+                out[row] -= values[entry] * x[column];
+            }
+            continue;
+        }
+        let values = &values[entry..][..length];
+        let product = axpy_dot(&mut out[column..][..length], -own, values, &x[column..][..length]);
+        out[row] -= product;
+        if let Some(value) = values.get(row.wrapping_sub(column)) {
+            out[row] += value * own;
         }
     }
 }

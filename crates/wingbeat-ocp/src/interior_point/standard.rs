@@ -119,7 +119,8 @@ impl<'a> Standard<'a> {
         self.program.differentiate(x, self.objective_scale, &self.multipliers, out)?;
         self.scale_slopes();
         let out = &self.derivatives;
-        if all_finite(&out.gradient) && all_finite(&out.jacobian) && all_finite(&out.hessian) {
+        let looked = || all_finite(&out.jacobian) && all_finite(&out.hessian);
+        if all_finite(&out.gradient) && self.program.derivatives_are_finite().unwrap_or_else(looked) {
             return Ok(());
         }
         Err(EvaluationError(self.culprit()))

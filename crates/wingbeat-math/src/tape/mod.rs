@@ -2,30 +2,66 @@
 //! forward and one backward sweep give the Jacobian and the Hessian of a
 //! weighted sum of the outputs, exactly, at a cost that does not grow with the
 //! number of outputs (Griewank & Walther 2008, ch. 5, forward over reverse).
+//! Operations that were met often are eliminated instead, at four points side by side.
+
+mod elimination;
+mod four;
+
+pub use four::{FourDerivatives, TapeFour};
 
 use super::Scalar;
-use super::rows::fused;
 use std::cell::RefCell;
 use std::cmp::Ordering;
+use std::mem::ManuallyDrop;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use wide::f64x4;
 
-/// Directions swept together.
+/// Directions swept together, and by how many registers.
 const LANES: usize = 20;
+const CHUNKS: usize = LANES / 4;
 /// Node number of a constant.
 const CONSTANT: u32 = u32::MAX;
 
-/// One operation: its operands, its slopes and its curvatures
-/// (d2/da2, d2/dadb, d2/db2). One without a second operand names the first
-/// twice, with a slope and curvatures of zero.
+/// What a node is, which says which of its numbers are zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum TapeKind {
+    Input,
+    /// No curvatures.
+    Sum,
+    /// d2/dadb alone.
+    Product,
+    /// One operand, named twice; its second slope and the curvatures along it are zero.
+    Unary,
+    Binary,
+}
+
+/// One operation: its operands, its two slopes and its curvatures d2/da2, d2/dadb, d2/db2.
 #[derive(Clone, Copy, Debug)]
 struct TapeNode {
     parents: [u32; 2],
-    slope: [f64; 2],
-    curvature: [f64; 3],
-    curved: bool,
+    kind: TapeKind,
+    numbers: [f64; 5],
 }
 
 impl TapeNode {
+    #[inline]
+    fn operands_as_one(&self) -> u64 {
+        let [a, b] = self.parents;
+        u64::from(a) | u64::from(b) << 32
+    }
+
+    /// Slopes, d2/da2 and d2/dadb.
+    #[inline]
+    fn first_four(&self) -> [f64; 4] {
+        let [a, b, aa, ab, _] = self.numbers;
+        [a, b, aa, ab]
+    }
+
+    #[inline]
+    fn curved(&self) -> bool {
+        self.kind != TapeKind::Sum
+    }
+
     #[inline]
     fn operands(&self) -> [usize; 2] {
         let [a, b] = self.parents;
@@ -34,7 +70,43 @@ impl TapeNode {
 }
 
 thread_local! {
-    static RECORDING: RefCell<Vec<TapeNode>> = const { RefCell::new(Vec::new()) };
+    // Without a destructor it is found without a call; between recordings it holds nothing.
+    static RECORDING: RefCell<ManuallyDrop<Vec<TapeNode>>> = const { RefCell::new(ManuallyDrop::new(Vec::new())) };
+}
+
+/// Writes a node down; returns its number. Its numbers are taken where there is room for it, straight from registers: what is copied
+/// through memory in pieces of another size waits.
+#[inline(always)]
+fn write(node: impl Fn() -> TapeNode) -> u32 {
+    // Of the ways to a number of a thread this one is inlined.
+    let number = RECORDING.try_with(|nodes| {
+        let mut nodes = nodes.borrow_mut();
+        let number = nodes.len();
+        if number == nodes.capacity() {
+            return CONSTANT;
+        }
+        nodes.push(node());
+        number as u32
+    });
+    match number {
+        Ok(number) if number != CONSTANT => number,
+        _ => write_grown(node()),
+    }
+}
+
+/// As [`write`], where there is no room.
+#[cold]
+#[inline(never)]
+fn write_grown(node: TapeNode) -> u32 {
+    RECORDING.with_borrow_mut(|nodes| {
+        nodes.push(node);
+        (nodes.len() - 1) as u32
+    })
+}
+
+/// Exchanges what was written down on this thread for `other`.
+fn exchange(other: &mut Vec<TapeNode>) {
+    RECORDING.with_borrow_mut(|nodes| std::mem::swap(&mut **nodes, other));
 }
 
 /// A number whose operations are being recorded on this thread: it changes by `factor` times what its node changes by, so that constant
@@ -51,12 +123,10 @@ impl Traced {
         Self { value, factor: 0.0, node: CONSTANT }
     }
 
+    /// The number `value` of a node.
     #[inline]
-    fn push(value: f64, node: TapeNode) -> Self {
-        RECORDING.with_borrow_mut(|nodes| {
-            nodes.push(node);
-            Self { value, factor: 1.0, node: (nodes.len() - 1) as u32 }
-        })
+    fn of(value: f64, node: u32) -> Self {
+        Self { value, factor: 1.0, node }
     }
 
     /// The number `value` that changes by `slope` times what this one changes by.
@@ -71,13 +141,8 @@ impl Traced {
             return Self::constant(value);
         }
         let f = self.factor;
-        let node = TapeNode {
-            parents: [self.node; 2],
-            slope: [slope * f, 0.0],
-            curvature: [curvature * (f * f), 0.0, 0.0],
-            curved: true,
-        };
-        Self::push(value, node)
+        let numbers = [slope * f, 0.0, curvature * (f * f), 0.0, 0.0];
+        Self::of(value, write(|| TapeNode { parents: [self.node; 2], kind: TapeKind::Unary, numbers }))
     }
 
     /// A sum: its slopes do not change.
@@ -87,8 +152,8 @@ impl Traced {
             (_, CONSTANT) => self.scaled(value, slope[0]),
             (CONSTANT, _) => o.scaled(value, slope[1]),
             (a, b) => {
-                let slope = [slope[0] * self.factor, slope[1] * o.factor];
-                Self::push(value, TapeNode { parents: [a, b], slope, curvature: [0.0; 3], curved: false })
+                let numbers = [slope[0] * self.factor, slope[1] * o.factor, 0.0, 0.0, 0.0];
+                Self::of(value, write(|| TapeNode { parents: [a, b], kind: TapeKind::Sum, numbers }))
             }
         }
     }
@@ -100,9 +165,9 @@ impl Traced {
             (CONSTANT, _) => o.unary(value, slope[1], curvature[2]),
             (a, b) => {
                 let (f, g) = (self.factor, o.factor);
-                let slope = [slope[0] * f, slope[1] * g];
-                let curvature = [curvature[0] * (f * f), curvature[1] * (f * g), curvature[2] * (g * g)];
-                Self::push(value, TapeNode { parents: [a, b], slope, curvature, curved: true })
+                let [aa, ab, bb] = curvature;
+                let numbers = [slope[0] * f, slope[1] * g, aa * (f * f), ab * (f * g), bb * (g * g)];
+                Self::of(value, write(|| TapeNode { parents: [a, b], kind: TapeKind::Binary, numbers }))
             }
         }
     }
@@ -153,7 +218,11 @@ impl Mul for Traced {
         match (self.node, o.node) {
             (_, CONSTANT) => self.scaled(value, o.value),
             (CONSTANT, _) => o.scaled(value, self.value),
-            _ => self.binary(o, value, [o.value, self.value], [0.0, 1.0, 0.0]),
+            (a, b) => {
+                let (f, g) = (self.factor, o.factor);
+                let numbers = [o.value * f, self.value * g, 0.0, f * g, 0.0];
+                Self::of(value, write(|| TapeNode { parents: [a, b], kind: TapeKind::Product, numbers }))
+            }
         }
     }
 }
@@ -288,17 +357,24 @@ impl Scalar for Traced {
     }
 }
 
+/// A recorded function.
+#[derive(Clone, Debug, Default)]
+struct TapeRecording {
+    nodes: Vec<TapeNode>,
+    inputs: usize,
+    outputs: Vec<Traced>,
+}
+
 /// A recorded function and the scratch of its sweeps; reused point after point without allocation once it has grown. Inputs and
 /// outputs are in the caller's units.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
-    nodes: Vec<TapeNode>,
-    inputs: usize,
-    outputs: Vec<Traced>,
+    recorded: TapeRecording,
     traced: Vec<Traced>,
     reach: Vec<TapeReach>,
     /// Derivatives of the nodes along the lanes, and of their adjoints.
     tangent: Vec<[f64; LANES]>,
+    /// They are zero again once they were used.
     bend: Vec<[f64; LANES]>,
 }
 
@@ -328,20 +404,20 @@ impl Tape {
         outputs: &mut [f64],
         f: impl FnOnce(&[Traced], &mut [Traced]) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.inputs = inputs.len();
-        self.nodes.clear();
-        RECORDING.with_borrow_mut(|nodes| std::mem::swap(nodes, &mut self.nodes));
-        self.traced.clear();
-        self.traced.extend(inputs.iter().map(|&value| {
-            let source =
-                TapeNode { parents: [CONSTANT; 2], slope: [0.0; 2], curvature: [0.0; 3], curved: false };
-            Traced::push(value, source)
+        let Self { recorded, traced, .. } = self;
+        recorded.inputs = inputs.len();
+        recorded.nodes.clear();
+        exchange(&mut recorded.nodes);
+        traced.clear();
+        traced.extend(inputs.iter().map(|&value| {
+            let source = TapeNode { parents: [CONSTANT; 2], kind: TapeKind::Input, numbers: [0.0; 5] };
+            Traced::of(value, write(|| source))
         }));
-        self.outputs.clear();
-        self.outputs.resize(outputs.len(), Traced::ZERO);
-        let result = f(&self.traced, &mut self.outputs);
-        RECORDING.with_borrow_mut(|nodes| std::mem::swap(nodes, &mut self.nodes));
-        for (out, traced) in outputs.iter_mut().zip(&self.outputs) {
+        recorded.outputs.clear();
+        recorded.outputs.resize(outputs.len(), Traced::ZERO);
+        let result = f(traced, &mut recorded.outputs);
+        exchange(&mut recorded.nodes);
+        for (out, traced) in outputs.iter_mut().zip(&recorded.outputs) {
             *out = traced.value;
         }
         result
@@ -352,12 +428,12 @@ impl Tape {
     pub fn second_order(&mut self, weights: &[f64], jacobian: &mut [f64], hessian: &mut [f64]) {
         self.find_reach();
         self.sweep_adjoints(weights);
-        self.tangent.resize(self.nodes.len(), [0.0; LANES]);
-        self.bend.resize(self.nodes.len(), [0.0; LANES]);
-        let n = self.inputs;
+        self.tangent.resize(self.recorded.nodes.len(), [0.0; LANES]);
+        self.bend.resize(self.recorded.nodes.len(), [0.0; LANES]);
+        let n = self.recorded.inputs;
         for first in (0..n).step_by(LANES) {
             self.sweep_forward(first);
-            for (row, output) in jacobian.chunks_exact_mut(n).zip(&self.outputs) {
+            for (row, output) in jacobian.chunks_exact_mut(n).zip(&self.recorded.outputs) {
                 let node = output.node as usize;
                 let mut slopes = if output.node == CONSTANT { [0.0; LANES] } else { self.tangent[node] };
                 for l in 0..LANES {
@@ -366,8 +442,9 @@ impl Tape {
                 store(&slopes, &mut row[first..]);
             }
             self.sweep_backward(first);
-            for (row, bend) in hessian.chunks_exact_mut(n).zip(&self.bend) {
+            for (row, bend) in hessian.chunks_exact_mut(n).zip(&mut self.bend) {
                 store(bend, &mut row[first..]);
+                *bend = [0.0; LANES];
             }
         }
     }
@@ -375,33 +452,33 @@ impl Tape {
     /// Which inputs the nodes change along.
     fn find_reach(&mut self) {
         self.reach.clear();
-        self.reach.resize(self.nodes.len(), TapeReach::default());
-        for i in 0..self.inputs {
+        self.reach.resize(self.recorded.nodes.len(), TapeReach::default());
+        for i in 0..self.recorded.inputs {
             self.reach[i].moves = group(i);
         }
-        for i in self.inputs..self.nodes.len() {
-            let [a, b] = self.nodes[i].operands();
+        for i in self.recorded.inputs..self.recorded.nodes.len() {
+            let [a, b] = self.recorded.nodes[i].operands();
             self.reach[i].moves = self.reach[a].moves | self.reach[b].moves;
         }
     }
 
     /// d (weighted sum) / d node, and which inputs it changes along.
     fn sweep_adjoints(&mut self, weights: &[f64]) {
-        let Self { nodes, reach, .. } = self;
-        for (output, w) in self.outputs.iter().zip(weights) {
+        let Self { recorded: TapeRecording { nodes, outputs, inputs }, reach, .. } = self;
+        for (output, w) in outputs.iter().zip(weights) {
             if output.node != CONSTANT && *w != 0.0 {
                 let node = &mut reach[output.node as usize];
                 node.adjoint += w * output.factor;
                 node.live = true;
             }
         }
-        for i in (self.inputs..nodes.len()).rev() {
+        for i in (*inputs..nodes.len()).rev() {
             let TapeReach { adjoint, live, moves, bends } = reach[i];
             if !live {
                 continue;
             }
-            let (operands, TapeNode { slope, curved, .. }) = (nodes[i].operands(), &nodes[i]);
-            let bends = if *curved { bends | moves } else { bends };
+            let (operands, slope) = (nodes[i].operands(), &nodes[i].numbers);
+            let bends = if nodes[i].curved() { bends | moves } else { bends };
             reach[i].bends = bends;
             for side in 0..2 {
                 let operand = &mut reach[operands[side]];
@@ -412,69 +489,121 @@ impl Tape {
         }
     }
 
-    /// Derivatives of every node along inputs first .. first + LANES; no adjoint bends yet.
+    /// Derivatives of every node along inputs first .. first + LANES.
     fn sweep_forward(&mut self, first: usize) {
-        let (n, count) = (self.inputs, self.nodes.len());
-        let (nodes, reach) = (&self.nodes[..count], &self.reach[..count]);
-        let (tangent, bend) = (&mut self.tangent[..count], &mut self.bend[..count]);
+        let TapeRecording { nodes, inputs, .. } = &self.recorded;
+        let (n, count) = (*inputs, nodes.len());
+        let (nodes, reach) = (&nodes[..count], &self.reach[..count]);
+        let tangent = &mut self.tangent[..count];
         let bit = group(first);
         for i in 0..n {
             tangent[i] = [0.0; LANES];
-            bend[i] = [0.0; LANES];
         }
         for lane in 0..LANES.min(n - first) {
             tangent[first + lane][lane] = 1.0;
         }
         for i in n..count {
-            tangent[i] = [0.0; LANES];
-            bend[i] = [0.0; LANES];
             if reach[i].moves & bit == 0 {
+                tangent[i] = [0.0; LANES];
                 continue;
             }
-            let ([a, b], slope) = (nodes[i].operands(), nodes[i].slope);
-            let (x, y) = (tangent[a], tangent[b]);
-            let t = &mut tangent[i];
-            for l in 0..LANES {
-                t[l] = fused(slope[1], y[l], slope[0] * x[l]);
+            let ([a, b], [to_a, to_b, ..]) = (nodes[i].operands(), nodes[i].numbers);
+            let (before, own) = tangent.split_at_mut(i);
+            let (x, y) = (chunks(&before[a]), chunks(&before[b]));
+            let (t, to_a) = (chunks_mut(&mut own[0]), f64x4::splat(to_a));
+            if nodes[i].kind == TapeKind::Unary {
+                for l in 0..CHUNKS {
+                    t[l] = (to_a * f64x4::new(x[l])).to_array();
+                }
+                continue;
+            }
+            let to_b = f64x4::splat(to_b);
+            for l in 0..CHUNKS {
+                t[l] = to_b.mul_add(f64x4::new(y[l]), to_a * f64x4::new(x[l])).to_array();
             }
         }
     }
 
     /// Derivatives of the adjoints along the lanes of the last forward sweep, which began with input `first`.
     fn sweep_backward(&mut self, first: usize) {
-        let (n, count) = (self.inputs, self.nodes.len());
-        let (nodes, reach) = (&self.nodes[..count], &self.reach[..count]);
+        let TapeRecording { nodes, inputs, .. } = &self.recorded;
+        let (n, count) = (*inputs, nodes.len());
+        let (nodes, reach) = (&nodes[..count], &self.reach[..count]);
         let (tangent, bend) = (&self.tangent[..count], &mut self.bend[..count]);
         let bit = group(first);
         for i in (n..count).rev() {
             if reach[i].bends & bit == 0 {
                 continue;
             }
-            let TapeNode { slope, curvature, curved, .. } = &nodes[i];
-            let [a, b] = nodes[i].operands();
-            let own = bend[i];
-            let (mut to_a, mut to_b) = ([0.0; LANES], [0.0; LANES]);
-            for l in 0..LANES {
-                to_a[l] = slope[0] * own[l];
-                to_b[l] = slope[1] * own[l];
-            }
-            if *curved {
-                let of = |side: usize| curvature[side] * reach[i].adjoint;
-                let (aa, ab, bb) = (of(0), of(1), of(2));
-                let (along_a, along_b) = (&tangent[a], &tangent[b]);
-                for l in 0..LANES {
-                    to_a[l] = fused(aa, along_a[l], fused(ab, along_b[l], to_a[l]));
-                    to_b[l] = fused(ab, along_a[l], fused(bb, along_b[l], to_b[l]));
+            let TapeNode { kind, numbers: [to_a, to_b, aa, ab, bb], .. } = nodes[i];
+            let ([a, b], adjoint) = (nodes[i].operands(), reach[i].adjoint);
+            let (to_a, to_b) = (f64x4::splat(to_a), f64x4::splat(to_b));
+            let (before, own) = bend.split_at_mut(i);
+            // It is zero again for the next sweep, while it is in the cache.
+            let own = std::mem::replace(&mut own[0], [0.0; LANES]);
+            let (own, along_a, along_b) = (chunks(&own), chunks(&tangent[a]), chunks(&tangent[b]));
+            let number = |of: &[[f64; 4]], l: usize| f64x4::new(of[l]);
+            // What is always zero is left out.
+            match kind {
+                TapeKind::Input => {}
+                TapeKind::Sum => {
+                    let sum = chunks_mut(&mut before[a]);
+                    for l in 0..CHUNKS {
+                        sum[l] = (to_a * number(own, l) + number(sum, l)).to_array();
+                    }
+                    let sum = chunks_mut(&mut before[b]);
+                    for l in 0..CHUNKS {
+                        sum[l] = (to_b * number(own, l) + number(sum, l)).to_array();
+                    }
                 }
-            }
-            for (to, node) in [(to_a, a), (to_b, b)] {
-                let sum = &mut bend[node];
-                for l in 0..LANES {
-                    sum[l] += to[l];
+                TapeKind::Unary => {
+                    let (sum, aa) = (chunks_mut(&mut before[a]), f64x4::splat(aa * adjoint));
+                    for l in 0..CHUNKS {
+                        let change = aa.mul_add(number(along_a, l), to_a * number(own, l));
+                        sum[l] = (change + number(sum, l)).to_array();
+                    }
+                }
+                TapeKind::Product => {
+                    let ab = f64x4::splat(ab * adjoint);
+                    let sum = chunks_mut(&mut before[a]);
+                    for l in 0..CHUNKS {
+                        let change = ab.mul_add(number(along_b, l), to_a * number(own, l));
+                        sum[l] = (change + number(sum, l)).to_array();
+                    }
+                    let sum = chunks_mut(&mut before[b]);
+                    for l in 0..CHUNKS {
+                        let change = ab.mul_add(number(along_a, l), to_b * number(own, l));
+                        sum[l] = (change + number(sum, l)).to_array();
+                    }
+                }
+                TapeKind::Binary => {
+                    let (aa, ab, bb) =
+                        (f64x4::splat(aa * adjoint), f64x4::splat(ab * adjoint), f64x4::splat(bb * adjoint));
+                    let sum = chunks_mut(&mut before[a]);
+                    for l in 0..CHUNKS {
+                        let change = ab.mul_add(number(along_b, l), to_a * number(own, l));
+                        sum[l] = (aa.mul_add(number(along_a, l), change) + number(sum, l)).to_array();
+                    }
+                    let sum = chunks_mut(&mut before[b]);
+                    for l in 0..CHUNKS {
+                        let change = bb.mul_add(number(along_b, l), to_b * number(own, l));
+                        sum[l] = (ab.mul_add(number(along_a, l), change) + number(sum, l)).to_array();
+                    }
                 }
             }
         }
     }
+}
+
+/// The lanes, by fours.
+#[inline]
+fn chunks(lanes: &[f64; LANES]) -> &[[f64; 4]] {
+    lanes.as_chunks().0
+}
+
+#[inline]
+fn chunks_mut(lanes: &mut [f64; LANES]) -> &mut [[f64; 4]] {
+    lanes.as_chunks_mut().0
 }
 
 /// Writes the lanes to the start of `row`, as many as it has room for.
