@@ -6,6 +6,7 @@ use super::no_answer;
 use crate::{ComparisonRow, Error};
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 use wingbeat::robot::ResidualSpec;
 use wingbeat::scenario::Scenario;
 
@@ -55,8 +56,8 @@ struct Turned {
     end: [f64; 3],
 }
 
-/// What the controller asks of a model that has no orbit of the gait at its speed.
-const NO_ORBIT: [&str; 2] = ["controller.orbit.speed_m_s", "of which the gait has an orbit"];
+/// What the controller asks of a model that has no orbit of the gait at its speed or along a leg.
+const NO_ORBIT: [&str; 2] = ["controller.orbit.", "of which the gait has an orbit"];
 
 /// The flight of the truth, planned by a model of `structure` with `numbers` and a learned wrench; by the truth's own without a structure.
 /// None where the model has no orbit to hold.
@@ -80,7 +81,7 @@ fn turned(
     let scenario = Scenario::load(&file, &overrides).map_err(no_answer)?;
     let summary = match scenario.fly(|_| ControlFlow::Continue(())) {
         Err(wingbeat::Error::Invalid { key, allowed, .. })
-            if key == NO_ORBIT[0] && allowed.contains(NO_ORBIT[1]) =>
+            if key.starts_with(NO_ORBIT[0]) && allowed.contains(NO_ORBIT[1]) =>
         {
             return Ok(None);
         }
@@ -168,9 +169,13 @@ impl Plans {
     }
 }
 
-/// The flights under the plans of all structures; about orbits with the learned wrench, which is that robot's.
-pub fn plans() -> Result<Vec<Plans>, Error> {
-    let one = |((flight, structure), model): (&(PlannedFlight, [&'static str; 2]), Calibrated)| {
+/// The flights under the plans of all structures; about orbits with the learned wrench, which is that robot's. Rows and figure share them.
+pub fn plans() -> Result<&'static [Plans], Error> {
+    static FLOWN: OnceLock<Vec<Plans>> = OnceLock::new();
+    if let Some(flown) = FLOWN.get() {
+        return Ok(flown);
+    }
+    let one = |((flight, structure), model): (&(PlannedFlight, [&'static str; 2]), Arc<Calibrated>)| {
         let (flight, structure) = (*flight, *structure);
         let own = turned(flight, None, &[], None)?.ok_or_else(|| no_answer("the truth has no orbit"))?;
         let residual = matches!(flight, PlannedFlight::Orbit).then_some(&model.residual.spec);
@@ -186,7 +191,9 @@ pub fn plans() -> Result<Vec<Plans>, Error> {
         Ok(Plans { flight, structure, own, fitted, numbers: alone, drawn, tried })
     };
     let structures = PLANNING.map(|(_, structure)| structure);
-    PLANNING.iter().zip(calibrated(&structures)?).map(one).collect()
+    let flown =
+        PLANNING.iter().zip(calibrated(&structures)?).map(one).collect::<Result<Vec<Plans>, Error>>()?;
+    Ok(FLOWN.get_or_init(|| flown))
 }
 
 pub(super) fn rows() -> Result<Vec<ComparisonRow>, Error> {
