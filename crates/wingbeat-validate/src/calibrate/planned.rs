@@ -20,10 +20,11 @@ enum PlannedFlight {
 }
 
 /// What is planned by which preset and law.
-const PLANNING: [(PlannedFlight, [&str; 2]); 3] = [
+const PLANNING: [(PlannedFlight, [&str; 2]); 4] = [
     (PlannedFlight::Banking, ["paper", "linear"]),
     (PlannedFlight::Banking, ["full", "stall"]),
     (PlannedFlight::Orbit, ["paper", "lev"]),
+    (PlannedFlight::Orbit, ["full", "stall"]),
 ];
 
 impl PlannedFlight {
@@ -37,6 +38,13 @@ impl PlannedFlight {
         match self {
             Self::Banking => "banking turn",
             Self::Orbit => "turn about orbits",
+        }
+    }
+    /// What its ids have.
+    fn id(self) -> &'static str {
+        match self {
+            Self::Banking => "banking",
+            Self::Orbit => "orbit",
         }
     }
     /// Of the numbers of the seven runs those that are this robot's: the banking turn has other masses.
@@ -150,7 +158,8 @@ impl Plans {
                     median(drawn)
                 ),
             };
-            let id = format!("calibrate.flight.planned.{preset}_{law}.{}", what.replace(' ', "_"));
+            let id =
+                format!("calibrate.flight.planned.{}.{preset}_{law}.{}", flight.id(), what.replace(' ', "_"));
             Some(ComparisonRow::shown(
                 &id,
                 &source,
