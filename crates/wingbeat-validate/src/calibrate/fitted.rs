@@ -3,11 +3,13 @@
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
 use crate::Error;
 use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex};
 use wingbeat::aero::{CRITICAL_SUCTION, LiftLaw, STALL_ANGLE};
-use wingbeat::math::Random;
+use wingbeat::math::{Random, Vec3};
 use wingbeat::robot::ResidualSpec;
 use wingbeat_calibrate::{
-    CycleModel, FitPlan, FitProgress, FittedParameter, LearnedResidual, ObservedCycles, Rival, solve,
+    CycleModel, FitPlan, FitProgress, FittedParameter, LearnedChannel, LearnedResidual, ObservedCycles,
+    Rival, solve,
 };
 
 /// Draws of the numbers before the fit.
@@ -23,6 +25,8 @@ const OF_LAW: [(&str, &str); 2] = [
     ("surfaces.wing.stall_angle_rad", STALL_ANGLE.key),
     ("surfaces.wing.critical_suction", CRITICAL_SUCTION.key),
 ];
+/// Channels in the plane of symmetry: those that a stand in a wind from ahead loads; the others show noise.
+const OF_PLANE: [&str; 3] = ["Fx", "Fz", "Ty"];
 /// The truth.
 pub(super) const TRUTH: [&str; 2] = ["full", "lev"];
 
@@ -54,6 +58,23 @@ pub(super) struct Calibrated {
     pub left_out: f64,
     /// What it leaves of the loads on the stands.
     pub residual: LearnedResidual,
+    /// Error of the numbers alone on the stands, of which none is fitted, and of one left out with the wrench of the others; in parts of what
+    /// was measured.
+    pub on_stands: [f64; 2],
+}
+
+/// What the fitted model leaves of runs on the stand, and what the wrench leaves of one that it is not learned from, in parts of what was
+/// measured: means over the channels in the plane of symmetry.
+fn on_stands(residual: &LearnedResidual, runs: &[ObservedCycles]) -> [f64; 2] {
+    let share = |(place, own): (usize, &LearnedChannel)| {
+        let square = |(run, _): &(usize, Vec3)| runs[*run].layout.mean_square(&runs[*run].mean, place);
+        let measured = residual.runs.iter().map(square).sum::<f64>() / residual.runs.len() as f64;
+        let left = own.left / (measured.sqrt() * OF_PLANE.len() as f64);
+        [left, left * if own.is_told() { own.missed } else { 1.0 }]
+    };
+    let of_plane =
+        residual.channels.iter().enumerate().filter(|(_, own)| OF_PLANE.contains(&own.name.as_str()));
+    of_plane.map(share).fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]])
 }
 
 /// Numbers of the robot by name; the encoder's lag is the rig's.
@@ -81,12 +102,6 @@ impl Calibrated {
         (0..DRAWS).map(draw).collect()
     }
 
-    /// Largest share of itself by which a channel of the learned wrench misses a run left out.
-    pub fn missed(&self) -> f64 {
-        let told = self.residual.channels.iter().filter(|channel| channel.is_told());
-        told.map(|channel| channel.missed).fold(0.0, f64::max)
-    }
-
     /// Fits a structure; the numbers that the calibration names and its law has.
     fn of(structure_is: [&'static str; 2], runs: &[ObservedCycles]) -> Result<Self, Error> {
         let model = aero(structure_is).map(|key| format!("rig.{key}"));
@@ -111,16 +126,32 @@ impl Calibrated {
         let residual = LearnedResidual::of(&own.model, runs, &solved.values, &said).map_err(no_answer)?;
         let residual = residual.ok_or_else(|| no_answer("no run whose residual is learned"))?;
         let (parameters, values) = (own.parameters, solved.values);
-        Ok(Self { structure: structure_is, parameters, values, left_out, residual })
+        let on_stands = on_stands(&residual, runs);
+        Ok(Self { structure: structure_is, parameters, values, left_out, residual, on_stands })
     }
 }
 
+/// What was measured and fitted so far: comparisons share it.
+static FITTED: Mutex<(Vec<ObservedCycles>, Vec<Arc<Calibrated>>)> = Mutex::new((Vec::new(), Vec::new()));
+
 /// `structures` fitted to the same samples of the truth; the truth's own from numbers beside its own.
-pub(super) fn calibrated(structures: &[[&'static str; 2]]) -> Result<Vec<Calibrated>, Error> {
-    let calibration = shipped(FILE, &[])?;
-    let targets = truth(&calibration)?;
-    let runs = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
-    structures.iter().map(|own| Calibrated::of(*own, &runs)).collect()
+pub(super) fn calibrated(structures: &[[&'static str; 2]]) -> Result<Vec<Arc<Calibrated>>, Error> {
+    let mut so_far = FITTED.lock().map_err(no_answer)?;
+    let (runs, fitted) = &mut *so_far;
+    if runs.is_empty() {
+        let calibration = shipped(FILE, &[])?;
+        let targets = truth(&calibration)?;
+        *runs = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
+    }
+    let mut one = |structure: &[&'static str; 2]| {
+        if let Some(own) = fitted.iter().find(|own| own.structure == *structure) {
+            return Ok(Arc::clone(own));
+        }
+        let own = Arc::new(Calibrated::of(*structure, runs)?);
+        fitted.push(Arc::clone(&own));
+        Ok(own)
+    };
+    structures.iter().map(&mut one).collect()
 }
 
 /// The middle of several.

@@ -13,10 +13,13 @@ use wingbeat::simulate::Record;
 
 /// Period of the truth's record, s: its step.
 const RECORD: f64 = 2e-4;
-/// Strokes over which the model's air follows the recorded motion before the one that is compared. *Choice.*
-const BEFORE: usize = 3;
+/// Strokes over which the model's air follows the recorded motion before the one that is compared: of what wake and vortex remember of
+/// their start six tenths are left after each. *Choice.*
+const BEFORE: usize = 12;
+/// Phases of the cycle at which strokes begin. *Choice.*
+const PHASES: usize = 4;
 /// Steps of a stroke.
-const STEPS: usize = 600;
+const STEPS: usize = 200;
 
 /// The turn at 15 deg of bank of the robot with the Beta's masses, which carries its weight under the truth.
 fn turn(
@@ -87,11 +90,10 @@ impl TruthTurn {
         Ok(Self { record: truth.fly(|_| ControlFlow::Continue(())).map_err(no_answer)?.record, cycle })
     }
 
-    /// Angle, rad, and velocity, m/s, by which a model is off the truth after the stroke that begins at `begin`.
+    /// Angle, rad, and velocity, m/s, by which a model is off the truth after a stroke: rms over strokes that begin at even phases of the
+    /// cycle, from `begin` on. What an error of the loads within a cycle leaves after it depends on where the stroke begins.
     ///
-    /// `residual` acts on the body beside the model. Body and structure begin as the truth's. The model's air, which has other states
-    /// than the truth's, is what follows when the model is carried along the recorded motion for some strokes before. The crank is
-    /// taken to run evenly: this turn does not command it.
+    /// `residual` acts on the body beside the model.
     pub fn off(
         &self,
         begin: f64,
@@ -100,6 +102,19 @@ impl TruthTurn {
         residual: Option<&ResidualSpec>,
     ) -> Result<[f64; 2], Error> {
         let scenario = turn(structure, numbers, residual)?;
+        let mut squares = [0.0; 2];
+        for phase in 0..PHASES {
+            let off = self.off_after(begin + phase as f64 / PHASES as f64 * self.cycle, &scenario)?;
+            squares.iter_mut().zip(off).for_each(|(sum, off)| *sum += off * off / PHASES as f64);
+        }
+        Ok(squares.map(f64::sqrt))
+    }
+
+    /// The same after the stroke that begins at `begin`.
+    ///
+    /// Body and structure begin as the truth's. The model's air, which has other states than the truth's, is what follows when the model is
+    /// carried along the recorded motion for some strokes before. The crank is taken to run evenly: this turn does not command it.
+    fn off_after(&self, begin: f64, scenario: &Scenario) -> Result<[f64; 2], Error> {
         let (robot, record) = (scenario.robot(), &self.record);
         let l = robot.layout();
         let inputs = |t: f64| -> Result<Vec<f64>, Error> {
