@@ -218,6 +218,7 @@ impl fmt::Display for SvgElement<'_> {
                 }
                 writeln!(f, ">{}</text>", escaped(content))
             }
+            Primitive::GroupStart { right: 0.0, down: 0.0 } => writeln!(f, "<g>"),
             Primitive::GroupStart { right, down } => {
                 writeln!(f, "<g transform=\"translate({right:.2},{down:.2})\">")
             }

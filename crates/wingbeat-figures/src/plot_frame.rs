@@ -218,7 +218,7 @@ impl PlotFrame {
         self.inside.push(style::small(x, y, content, TextAnchor::Middle));
     }
 
-    /// Draws what is within, cut at the frame, then the frame with its ticks, numbers and labels, and then the marks.
+    /// Draws, as a group, what is within, cut at the frame, then the frame with its ticks, numbers and labels, and then the marks.
     pub fn draw(self, canvas: &mut Canvas) {
         let Self { panel, left, right, top, bottom, .. } = self;
         let line = |from, to| style::sample(from, to, style::INK, style::AXIS, None);
@@ -257,11 +257,13 @@ impl PlotFrame {
             });
         }
         let (width, height) = (right - left, bottom - top);
+        canvas.elements.push(Primitive::GroupStart { right: 0.0, down: 0.0 });
         canvas.elements.push(Primitive::ClipStart { x: left, y: top, width, height });
         canvas.elements.extend(self.inside);
         canvas.elements.push(Primitive::ClipEnd);
         canvas.elements.extend(outside);
         canvas.elements.extend(self.marks);
+        canvas.elements.push(Primitive::GroupEnd);
     }
 }
 

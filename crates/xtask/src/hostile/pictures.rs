@@ -62,7 +62,7 @@ struct PictureLabel<'a> {
     text: &'a str,
 }
 
-fn labels(picture: &str) -> Vec<PictureLabel<'_>> {
+fn labels_of(picture: &str) -> Vec<PictureLabel<'_>> {
     let read =
         |piece: &'_ str| -> Option<(usize, usize)> { Some((piece.find('>')?, piece.find("</text>")?)) };
     let mut all = Vec::new();
@@ -82,11 +82,16 @@ fn labels(picture: &str) -> Vec<PictureLabel<'_>> {
 }
 
 fn labelled(picture: &str) -> CaseOutcome {
-    let labels = labels(picture);
+    let labels = labels_of(picture);
     if let Some(bad) = labels.iter().find(|l| ["NaN", "inf", "-inf", "−inf"].contains(&l.text)) {
         return Err(format!("a label says {}", bad.text));
     }
-    // Ticks of one axis follow one another: down a column where they end, or along a row where they are centred.
+    // A panel is a group of its own.
+    picture.split("<g>").try_for_each(|panel| ascending(&labels_of(panel)))
+}
+
+/// The ticks of one axis follow one another: up a column where they end, or along a row where they are centred.
+fn ascending(labels: &[PictureLabel]) -> CaseOutcome {
     let along = |l: &PictureLabel| if l.anchor == "end" { (l.x, -l.y) } else { (l.y, l.x) };
     let same =
         |a: &PictureLabel, b: &PictureLabel| a.anchor == b.anchor && (along(a).0 - along(b).0).abs() < 0.1;
