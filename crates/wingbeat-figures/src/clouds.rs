@@ -34,7 +34,7 @@ pub struct PointCloud {
     pub opacity: f64,
 }
 
-/// The clouds, the first below, in a frame `height` times as high as the figure is wide, after what `beneath` draws in it; the
+/// The clouds, the first below, in a figure of `height` (dimensionless) times its width, after what `beneath` draws in it; the
 /// legend to the right.
 pub fn clouds(
     name: &'static str,

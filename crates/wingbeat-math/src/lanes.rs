@@ -230,18 +230,18 @@ lanes!(
     4
 );
 impl Double4 {
-    /// Number `j` of each of four as one, for every `j`.
+    /// Number `j` of each of four as one, for every `j`, in the units of the caller.
     #[inline(always)]
     pub fn transposed(four: [Self; 4]) -> [[f64; 4]; 4] {
         let [a, b, c, d] = f64x4::transpose([four[0].0, four[1].0, four[2].0, four[3].0]);
         [a.to_array(), b.to_array(), c.to_array(), d.to_array()]
     }
-    /// The four numbers.
+    /// The four numbers, in the units of the caller.
     #[inline(always)]
     pub fn numbers(self) -> [f64; 4] {
         self.0.to_array()
     }
-    /// From the four numbers.
+    /// From the four numbers, in the units of the caller.
     #[inline(always)]
     pub fn new(numbers: [f64; 4]) -> Self {
         Self(f64x4::new(numbers))

@@ -34,7 +34,7 @@ const WORDS: &str = "crates/wingbeat-validate/src/page.md";
 const BLOCKS: [(&str, &[&str]); 5] = [
     ("docs/banking_turn.md", &["banking turn", "banking turn, full", "six flights"]),
     ("docs/flight.md", &["turn that carries its weight"]),
-    ("docs/performance.md", &["mechanics", "flapbody14", "offline", "lattice", "steps", "first"]),
+    ("docs/performance.md", &["mechanics", "first", "flapbody14", "offline", "lattice", "steps"]),
     ("docs/sections.md", &["laws", "parameters"]),
     (
         "docs/verdicts.md",

@@ -32,7 +32,7 @@ impl Default for TapeCells {
 }
 
 impl TapeCells {
-    /// The numbers at a place.
+    /// The numbers at a place, in the units of the caller.
     #[inline]
     pub fn at(&self, place: u16) -> [f64; 4] {
         self.0[usize::from(place)]

@@ -77,7 +77,7 @@ impl TapeFour {
     }
 
     /// Records `f(inputs, outputs)` at the point of the next lane, whose outputs will have the given `weights`, and writes the
-    /// output values.
+    /// output values, all in the units of the caller.
     pub fn record<E>(
         &mut self,
         inputs: &[f64],
