@@ -111,6 +111,7 @@ const FILES: &[(&str, &str)] = files![
     "robots/cruise_44g_lev"
     "robots/cruise_beta"
     "robots/cruise_beta_lev"
+    "robots/cruise_beta_lev_setpoints"
     "robots/cruise_beta_margin"
     "robots/cruise_linkage"
     "robots/flap_glider"
