@@ -22,7 +22,7 @@ const LIMITS: [(&str, &str, u32, f64); 14] = [
     ("spars", "full", 16, 104.8),
     ("jacobian", "paper", 12, 562.8),
     ("jacobian", "full", 9, 1006.0),
-    ("jacobian", "full", 16, 1700.0),
+    ("jacobian", "full", 16, 1667.0),
     ("inputs", "full", 16, 105.1),
     ("sample", "paper", 12, 54.6),
     ("sample", "full", 16, 136.7),
