@@ -89,7 +89,7 @@ def calls():
         if re.search(r"^\[?turn\b|^base", path.read_text(), re.M):
             yield ["rig", "plan", path]
         yield ["rig", "simulate", path]
-    for path in [*documents("robots"), *documents("robots/any"), ROOT / "rigs/aerobat_on_gen3.toml"]:
+    for path in [*documents("robots"), *documents("robots/any"), *sorted((ROOT / "rigs").glob("*_on_gen3.toml"))]:
         yield ["show", path]
     for path in documents("sweeps"):
         yield of_sweep(path)
