@@ -58,7 +58,7 @@ pub fn comparison(comparison: &MeasuredComparison) -> Result<Figure, Error> {
         let curves = vec![
             PanelCurve::total("measured", phase, column("measured")?.to_vec()),
             PanelCurve {
-                dashes: Some("6 4"),
+                dashes: Some(style::GUIDE_DASHES),
                 ..PanelCurve::new("computed", phase, column("computed")?.to_vec(), 1)
             },
             PanelCurve { weight: style::CURVE, ..fitted },

@@ -25,8 +25,6 @@ const LINE: f64 = 17.0;
 const CLOSE: f64 = 13.5;
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
-/// Strokes and gaps of a mark up a panel, px.
-const MARK: &str = "6 4";
 
 /// Most names in the legend of a panel, or of a grid of panels.
 pub const MOST_NAMED: usize = 8;
@@ -178,7 +176,9 @@ fn stacked_from(
         let mut frame =
             PlotFrame::new(place, [LEFT, legend, HEAD, foot], axis, FrameAxis::of(upwards(&panel)));
         fill(&mut frame, panel);
-        marks.iter().for_each(|at| frame.upwards(*at, style::GUIDE, style::GUIDE_WEIGHT, Some(MARK)));
+        marks
+            .iter()
+            .for_each(|at| frame.upwards(*at, style::GUIDE, style::GUIDE_WEIGHT, Some(style::GUIDE_DASHES)));
         frame.draw(&mut scene);
     }
     scene.elements.extend(legends.into_iter().flatten());

@@ -56,7 +56,7 @@ pub fn robustness(record: &Record, limits: (f64, f64)) -> Result<Figure, Error> 
     let y = range(|flight| flight.1, limits.1)
         .labelled(format!("largest error of pitch [°]; dashed: limit {}°", limits.1));
     Ok(clouds("robustness", &all, (x, y), 0.6, |frame| {
-        frame.upwards(limits.0, style::GUIDE, style::FINE, Some("6 4"));
-        frame.across(limits.1, style::GUIDE, style::FINE, Some("6 4"));
+        frame.upwards(limits.0, style::GUIDE, style::FINE, Some(style::GUIDE_DASHES));
+        frame.across(limits.1, style::GUIDE, style::FINE, Some(style::GUIDE_DASHES));
     }))
 }

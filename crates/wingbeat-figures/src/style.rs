@@ -28,6 +28,8 @@ pub const DARK_SHADE: &str = "#a0a0a0";
 pub const GUIDE: &str = "#9a9a9a";
 /// Weight of such a line, px.
 pub const GUIDE_WEIGHT: f64 = 0.8;
+/// Strokes and gaps where a line is dashed, px.
+pub const GUIDE_DASHES: &str = "6 4";
 
 /// Colours that stay apart for colour-blind readers and in grey (Okabe & Ito 2008).
 pub const COLOURS: [&str; 8] =

@@ -81,17 +81,26 @@ fn commit(revision: &str) -> Option<String> {
 /// The tree of a commit, in a folder of its own under target; it stays there for the next time.
 fn taken_out(commit: &str) -> Option<PathBuf> {
     let folder = tools::root().join("target/against").join(commit);
-    if folder.join("Cargo.toml").exists() {
+    if folder.exists() {
         return Some(folder);
     }
-    std::fs::create_dir_all(&folder).ok()?;
+    // Under its name only once it is whole.
+    let part = folder.with_extension("part");
+    if part.exists() {
+        std::fs::remove_dir_all(&part).ok()?;
+    }
+    std::fs::create_dir_all(&part).ok()?;
     let mut archive = Command::new("git");
     archive.args(["archive", commit]).current_dir(tools::root()).stdout(Stdio::piped());
     let mut archive = archive.spawn().ok()?;
     let mut tar = Command::new("tar");
-    tar.arg("-x").current_dir(&folder).stdin(archive.stdout.take()?);
+    tar.arg("-x").current_dir(&part).stdin(archive.stdout.take()?);
     let unpacked = tools::succeeds(tar);
-    (archive.wait().ok()?.success() && unpacked).then_some(folder)
+    if !archive.wait().ok()?.success() || !unpacked {
+        return None;
+    }
+    std::fs::rename(part, &folder).ok()?;
+    Some(folder)
 }
 
 /// The bench of a tree, built with the target folder of that tree.
