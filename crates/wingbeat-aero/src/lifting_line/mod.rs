@@ -315,8 +315,8 @@ impl<P: Scalar> LiftingLine<P> {
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
+            let section = SectionFlow::new(&sections.on_link(i), wind, node.inverse_edge, self.zero_lift);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.on_link(i), wind));
             let flow = self.flow(i, &section, printed, x, dx);
             let strip = self.by_source(node, &section, &flow, matrix.as_deref_mut());
             wrench += strip.total();
@@ -329,7 +329,7 @@ impl<P: Scalar> LiftingLine<P> {
             loads.separated.push(S::ONE - flow.attached);
             loads.suction_lost.push(flow.edge.map_or(S::ZERO, |edge| S::ONE - edge.held));
             loads.circulation.push(self.circulation(stream, x[i]));
-            loads.quarter_chord.push(sections.section(i).point(0.25));
+            loads.quarter_chord.push(sections.on_link(i).point(0.25));
         }
         mirror_upper(&mut added_mass);
         (wrench, added_mass)
@@ -352,8 +352,8 @@ impl<P: Scalar> LiftingLine<P> {
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
+            let section = SectionFlow::new(&sections.on_link(i), wind, node.inverse_edge, self.zero_lift);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.on_link(i), wind));
             let flow = self.flow(i, &section, printed, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow, self.numbers.drag())

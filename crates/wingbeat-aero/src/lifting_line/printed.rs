@@ -26,7 +26,7 @@ impl<P: Scalar> LiftingLine<P> {
         if !self.settings.as_printed {
             return None;
         }
-        let velocity = sections.section(self.strips()).velocity(0.5) - wind;
+        let velocity = sections.on_link(self.strips()).velocity(0.5) - wind;
         let floor = self.settings.regularisation_m_s;
         Some((velocity.dot(velocity) + floor * floor).sqrt())
     }

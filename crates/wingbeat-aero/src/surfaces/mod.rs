@@ -542,6 +542,10 @@ impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
     fn section(&self, i: usize) -> SectionMotion<S> {
         self.all.section(self.first + i)
     }
+    #[inline(always)]
+    fn on_link(&self, i: usize) -> SectionMotion<S> {
+        self.all.on_link(self.first + i)
+    }
     fn coordinates(&self) -> usize {
         self.all.coordinates()
     }
