@@ -170,7 +170,7 @@ fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result
 
 /// What the elements move, kind by kind, each behind the number of its element.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Moved {
+pub(super) struct ElementMoves {
     /// Driven joints.
     pub joints: Vec<(usize, usize)>,
     /// Joints whose series are scaled.
@@ -181,7 +181,7 @@ pub(super) struct Moved {
     pub lengths: Vec<(usize, [usize; 2])>,
 }
 
-impl Moved {
+impl ElementMoves {
     /// By the elements.
     pub fn by(elements: &[Placed]) -> Self {
         let mut moved = Self::default();

@@ -13,7 +13,7 @@ const LANES: usize = 8;
 /// Most states.
 const MOST: usize = MAX_STRIPS * (LANES - 1);
 
-type Local = Dual<LANES>;
+type NodeDual = Dual<LANES>;
 
 impl LiftingLine {
     /// Whether [`by_states`](Self::by_states) takes this line: preset `as_printed` scales the wash.
@@ -34,17 +34,17 @@ impl LiftingLine {
         out: &mut ByStates,
     ) -> (Wrench<f64>, [[f64; 6]; 6]) {
         let (m, states) = (self.strips(), self.states());
-        let (mut seeded, mut rates) = (ArrayVec::<Local, MOST>::new(), ArrayVec::<Local, MOST>::new());
-        append_copies(&mut seeded, Local::ZERO, states);
-        append_copies(&mut rates, Local::ZERO, states);
+        let (mut seeded, mut rates) = (ArrayVec::<NodeDual, MOST>::new(), ArrayVec::<NodeDual, MOST>::new());
+        append_copies(&mut seeded, NodeDual::ZERO, states);
+        append_copies(&mut rates, NodeDual::ZERO, states);
         for s in 0..states {
-            seeded[s] = Local::variable(x[s], 1 + s / m);
+            seeded[s] = NodeDual::variable(x[s], 1 + s / m);
         }
-        let mut strips = ArrayVec::<Wrench<Local>, MAX_STRIPS>::new();
+        let mut strips = ArrayVec::<Wrench<NodeDual>, MAX_STRIPS>::new();
         append_copies(&mut strips, Wrench::ZERO, m);
         let by_strip = coupling.strips;
         let coupling = Coupling { mass: coupling.mass, strips: &mut strips, impulses: None };
-        let induced = |i| Local::variable(self.induced_wash(i, &x[..m]), 0);
+        let induced = |i| NodeDual::variable(self.induced_wash(i, &x[..m]), 0);
         let states_of = (&seeded[..], &mut rates[..]);
         let (total, added_mass) = self.sum_in(sections, wind, states_of, Some(coupling), induced);
         for i in 0..states {
