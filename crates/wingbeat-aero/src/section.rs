@@ -219,7 +219,7 @@ impl<S: Scalar> SectionFlow<S> {
         S: Meets<P>,
     {
         let count = sections.coordinates();
-        let motion = sections.section(i);
+        let motion = sections.on_link(i);
         let inverse_chord = (motion.te - motion.le).norm().recip();
         let normals = [self.normal, zero_lift.upward(self.chordwise, self.normal)];
         let (mut heave, mut pitch) = ([S::ZERO; MAX_DEGREES], [S::ZERO; MAX_DEGREES]);

@@ -35,6 +35,12 @@ pub struct SectionMotion<S: Scalar> {
 pub trait Sections<S: Scalar> {
     /// Motion of section `i`, counted from the left tip.
     fn section(&self, i: usize) -> SectionMotion<S>;
+    /// The same of a section that lies on one link, as those of preset `paper` do. Who knows others says it apart, so that no number
+    /// waits for the branch.
+    #[inline(always)]
+    fn on_link(&self, i: usize) -> SectionMotion<S> {
+        self.section(i)
+    }
     /// Number of coordinates, beyond the six of the body, whose second rates the motions leave out.
     fn coordinates(&self) -> usize {
         0

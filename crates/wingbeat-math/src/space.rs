@@ -243,7 +243,10 @@ impl<S: Scalar> Mat3<S> {
     /// Rotation by `angle` rad about the unit vector `axis` (Rodrigues).
     #[inline]
     pub fn rotation_about(axis: Vec3<f64>, angle: S) -> Self {
-        let (s, c) = angle.sin_cos();
+        Self::rotation_by(axis, angle.sin_cos().into())
+    }
+    /// The same by the sine and cosine of the angle.
+    pub fn rotation_by(axis: Vec3<f64>, [s, c]: [S; 2]) -> Self {
         let k = Mat3::skew(Vec3::<S>::constant(axis));
         Self::IDENTITY + k * s + k * k * (S::ONE - c)
     }

@@ -32,9 +32,10 @@ impl Robot {
         let (early, air) = x.split_at(l.aero);
         let structure = &early[l.structure..];
         let clock = Jet::new(Early::from(t), Early::ONE, Early::ZERO);
-        let mut out = Evaluation::empty();
+        let (mut out, mut mass) = (Evaluation::empty(), [[Early::ZERO; 6]; 6]);
         let held = (&[][..], Some(&known.degrees[..]));
-        let (_, body, setting) = self.instant((clock.x, &clock), early, u, held, dx, &mut out)?;
+        let places = (&mut out, &mut mass);
+        let (body, setting) = self.instant((clock.x, &clock), early, u, held, dx, places)?;
         let Evaluation { links, base, coordinates, .. } = &out;
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, [setting.wind_dot, setting.gravity]);

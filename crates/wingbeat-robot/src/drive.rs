@@ -63,10 +63,8 @@ impl<P: Scalar> Robot<P> {
         displacements: &[Jet<S>],
     ) -> Jet<S> {
         let mut phase = self.crank(clock, structure);
-        for (i, element) in self.elements.iter().enumerate() {
-            if element.moves.iter().any(|moved| matches!(moved, Displaced::Crank)) {
-                phase += displacements[i];
-            }
+        for &i in &self.moved.crank {
+            phase += displacements[i];
         }
         phase
     }
@@ -86,21 +84,14 @@ impl<P: Scalar> Robot<P> {
         joints: &mut Joints<S>,
     ) -> Result<(), Fault> {
         self.drive(phase, displacements, joints)?;
-        for (i, element) in self.elements.iter().enumerate() {
-            for moved in &element.moves {
-                let Displaced::Scale(joint) = *moved else { continue };
-                if let JointDrive::Series(series, _) = &self.mechanism.drives[joint] {
-                    let swing = joints[joint].shifted(-series.mean_rad);
-                    joints[joint] += swing * displacements[i];
-                }
+        for &(i, joint) in &self.moved.scaled {
+            if let JointDrive::Series(series, _) = &self.mechanism.drives[joint] {
+                let swing = joints[joint].shifted(-series.mean_rad);
+                joints[joint] += swing * displacements[i];
             }
         }
-        for (i, element) in self.elements.iter().enumerate() {
-            for moved in &element.moves {
-                if let Displaced::Joint(joint) = *moved {
-                    joints[joint] += displacements[i];
-                }
-            }
+        for &(i, joint) in &self.moved.joints {
+            joints[joint] += displacements[i];
         }
         Ok(())
     }

@@ -70,8 +70,8 @@ pub(super) struct InstantSetting<G: Scalar> {
 /// Mass matrix of body and coordinates: as many rows as there are degrees of freedom.
 pub(super) type DegreeMatrix<G> = ArrayVec<[G; MAX_DEGREES], MAX_DEGREES>;
 
-/// Mass matrix of body and links, the wrench on the body of all but the air on the surfaces, and what led to them.
-type InstantForces<G> = ([[G; 6]; 6], Wrench<G>, InstantSetting<G>);
+/// The wrench on the body of all but the air on the surfaces, and what led to it.
+type InstantForces<G> = (Wrench<G>, InstantSetting<G>);
 
 impl Plant for Robot {
     fn states(&self) -> &[Channel] {
@@ -254,7 +254,8 @@ impl<P: Scalar> Robot<P> {
     ) -> Result<(), Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
-        let (ref mut mass, body, setting) = self.instant((t, clock), x, u, (beyond, None), dx, out)?;
+        let mut mass = [[G::ZERO; 6]; 6];
+        let (body, setting) = self.instant((t, clock), x, u, (beyond, None), dx, (out, &mut mass))?;
         let InstantSetting { attitude, wind, wind_dot, gravity, .. } = setting;
         let Evaluation { links, base, coordinates, second_rates, .. } = out;
         let mut carriers = Carriers::none(coordinates);
@@ -263,7 +264,7 @@ impl<P: Scalar> Robot<P> {
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self
             .acceleration::<K, _, _>(
-                (mass, body, beyond),
+                (&mut mass, body, beyond),
                 &carriers,
                 links,
                 (wind, gravity),
@@ -279,7 +280,7 @@ impl<P: Scalar> Robot<P> {
         Ok(())
     }
 
-    /// The mass matrix of body and links and the wrench on the body of all but the air on the surfaces, with what led to them; `dx` gets
+    /// The wrench on the body of all but the air on the surfaces, with what led to it; `mass` gets the mass matrix of body and links, `dx`
     /// the rates that follow from the state alone. Where accelerations of body and coordinates are `held`, links and body move with them and
     /// their inertia is in the wrench.
     #[inline(always)]
@@ -290,7 +291,7 @@ impl<P: Scalar> Robot<P> {
         u: &[G],
         (beyond, held): (&[Wrench<f64>], Option<&[f64]>),
         dx: &mut [S],
-        out: &mut Evaluation<G, S>,
+        (out, mass): (&mut Evaluation<G, S>, &mut [[G; 6]; 6]),
     ) -> Result<InstantForces<G>, Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
@@ -304,7 +305,7 @@ impl<P: Scalar> Robot<P> {
             self.let_go(joints, links, coordinates, ratios, &held[6..]);
         }
         let tree = &self.mechanism.tree;
-        let (mass, bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links);
+        let (bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links, mass);
         let mut body = tree.weight(setting.gravity, first_moment) + setting.drag + -bias;
         if let Some(held) = &held {
             let needed = |i: usize| (0..6).fold(G::ZERO, |sum, j| sum + mass[i][j] * held[j]);
@@ -324,7 +325,7 @@ impl<P: Scalar> Robot<P> {
             let velocity = Vec3::from_slice(&x[l.velocity..]);
             body += perch.load(&BodyPose { position, attitude: setting.attitude, velocity, rate: base.rate });
         }
-        Ok((mass, body, setting))
+        Ok((body, setting))
     }
 
     /// Puts the links of the joints in `out` beside them and the rates that follow from the state alone into `dx`.

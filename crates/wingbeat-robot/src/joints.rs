@@ -168,6 +168,38 @@ fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result
     }
 }
 
+/// What the elements move, kind by kind, each behind the number of its element.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ElementMoves {
+    /// Driven joints.
+    pub joints: Vec<(usize, usize)>,
+    /// Joints whose series are scaled.
+    pub scaled: Vec<(usize, usize)>,
+    /// The crank.
+    pub crank: Vec<usize>,
+    /// Lengths of the linkage of a wing.
+    pub lengths: Vec<(usize, [usize; 2])>,
+}
+
+impl ElementMoves {
+    /// By the elements.
+    pub fn by(elements: &[Placed]) -> Self {
+        let mut moved = Self::default();
+        for (i, element) in elements.iter().enumerate() {
+            for moves in &element.moves {
+                match *moves {
+                    Displaced::Joint(joint) => moved.joints.push((i, joint)),
+                    Displaced::Scale(joint) => moved.scaled.push((i, joint)),
+                    Displaced::Crank if !moved.crank.contains(&i) => moved.crank.push(i),
+                    Displaced::Length(wing, length) => moved.lengths.push((i, [wing, length])),
+                    Displaced::Crank | Displaced::Rest(_) | Displaced::Thrust(_) => {}
+                }
+            }
+        }
+        moved
+    }
+}
+
 impl<P: Scalar> Robot<P> {
     /// Joint coordinates with rates and accelerations on the time `clock`, of a gait that may run up
     /// or stand still; the second rates of elastic joints, of elements with an inertia and of the crank under a motor,
@@ -240,12 +272,8 @@ impl<P: Scalar> Robot<P> {
     ) -> Result<(), Fault> {
         if let Some(linkage) = &self.mechanism.linkage {
             let mut lengths = [[Jet::ZERO; REGULATED.len()]; 2];
-            for (i, element) in self.elements.iter().enumerate() {
-                for moved in &element.moves {
-                    if let Displaced::Length(wing, length) = *moved {
-                        lengths[wing][length] += displacements[i];
-                    }
-                }
+            for &(i, [wing, length]) in &self.moved.lengths {
+                lengths[wing][length] += displacements[i];
             }
             for wing in 0..2 {
                 see(wing, &linkage.pose(phase, lengths[wing])?);

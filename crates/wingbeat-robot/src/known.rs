@@ -56,8 +56,9 @@ impl Robot {
         let (l, own) = (&self.layout, self.degrees());
         let ((early, air), clock) = (x.split_at(l.aero), Jet::new(t, 1.0, 0.0));
         let structure = &early[l.structure..];
-        let mut out = Evaluation::empty();
-        let (mass, mut net, setting) = self.instant((t, &clock), early, u, (&[], None), dx, &mut out)?;
+        let (mut out, mut mass) = (Evaluation::empty(), [[0.0; 6]; 6]);
+        let places = (&mut out, &mut mass);
+        let (mut net, setting) = self.instant((t, &clock), early, u, (&[], None), dx, places)?;
         if !self.add_elements(&clock, structure, &mut out)? {
             return Ok(false);
         }

@@ -74,7 +74,7 @@ use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use arrayvec::ArrayVec;
 use clearance::Clearances;
 use inertance::Inertance;
-use joints::{CRANK, Displaced, Placed};
+use joints::{CRANK, Displaced, ElementMoves, Placed};
 use loaded::Loaded;
 use mechanism::Mechanism;
 use std::ops::Range;
@@ -133,6 +133,7 @@ pub struct Robot<P: Scalar = f64> {
     /// How far each element is displaced at rest.
     strokes: Vec<[f64; 2]>,
     elements: Vec<Placed>,
+    moved: ElementMoves,
     /// Those of them that bear what their joints bear.
     loaded: Vec<Loaded<P>>,
     thrusters: Vec<Thruster>,
@@ -219,6 +220,7 @@ impl Robot {
             inputs,
             loaded: Loaded::all(spec, &elements, &mechanism)?,
             thrusters: Thruster::all(&own.thrusters, own.structure.elements.len()),
+            moved: ElementMoves::by(&elements),
             elements,
             covering,
             clearances: Clearances::new(spec, &mechanism)?,

@@ -335,6 +335,7 @@ impl Robot {
             loaded: self.loaded.iter().zip(&numbers.inertias).map(|(of, m)| of.with(*m)).collect(),
             strokes: self.strokes.clone(),
             elements: self.elements.clone(),
+            moved: self.moved.clone(),
             thrusters: self.thrusters.clone(),
             covering: self.covering.with(surfaces, placements, &self.carriers)?,
             clearances: self.clearances.clone(),

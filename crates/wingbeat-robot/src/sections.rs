@@ -299,6 +299,10 @@ impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
             _ => self.on(&self.sections[i]),
         }
     }
+    #[inline(always)]
+    fn on_link(&self, i: usize) -> SectionMotion<S> {
+        self.on(&self.sections[i])
+    }
     #[inline]
     fn coordinates(&self) -> usize {
         self.carriers.coordinates.count()

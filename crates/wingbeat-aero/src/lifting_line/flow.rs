@@ -90,13 +90,14 @@ impl<G: Scalar, S: Over<G>> NodeFlow<G, S> {
 }
 
 impl<P: Scalar> LiftingLine<P> {
-    /// State rates of node `i` and the flow that its forces follow from; of preset `as_printed` the one airspeed and the speed of the reduced time.
+    /// State rates of node `i` and the flow that its forces follow from; of preset `as_printed` the one airspeed and the speed of the reduced time;
+    /// `induced` is what [`LiftingLine::induced_wash`] makes of the states `x`.
     #[inline(always)]
     pub(super) fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
         section: &SectionFlow<G>,
-        printed: Option<[G; 2]>,
+        (printed, induced): (Option<[G; 2]>, S),
         x: &[S],
         dx: &mut [S],
     ) -> NodeFlow<G, S> {
@@ -105,7 +106,7 @@ impl<P: Scalar> LiftingLine<P> {
         let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
         let local = (uc2 + w * w).sqrt();
         let speed = printed.map_or(local, |[stream, _]| stream);
-        let wash = self.wake_wash(i, speed, &x[..self.strips()]) + w;
+        let wash = self.wake_wash(speed, induced) + w;
         let effective = self.lag(i, printed.map_or(speed, |[_, travelled]| travelled), wash, x, dx);
         let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;

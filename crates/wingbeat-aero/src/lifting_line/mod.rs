@@ -12,6 +12,7 @@
 //! the velocity of each section.
 
 mod flow;
+mod late;
 mod layout;
 mod nodes;
 mod printed;
@@ -229,7 +230,7 @@ impl<P: Scalar> LiftingLine<P> {
     ) {
         let m = self.strips();
         for i in 0..m {
-            let w = wash[i] + self.wake_wash(i, airspeed[i], &x[..m]);
+            let w = wash[i] + self.wake_wash(airspeed[i], self.induced_wash(i, &x[..m]));
             effective_wash[i] = self.lag(i, airspeed[i], w, x, dx);
             dx[i] = self.circulation_rate(i, airspeed[i], effective_wash[i], x[i]);
         }
@@ -315,9 +316,10 @@ impl<P: Scalar> LiftingLine<P> {
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
-            let flow = self.flow(i, &section, printed, x, dx);
+            let section = SectionFlow::new(&sections.on_link(i), wind, node.inverse_edge, self.zero_lift);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.on_link(i), wind));
+            let induced = self.induced_wash(i, &x[..self.strips()]);
+            let flow = self.flow(i, &section, (printed, induced), x, dx);
             let strip = self.by_source(node, &section, &flow, matrix.as_deref_mut());
             wrench += strip.total();
             loads.strip.push(strip);
@@ -329,7 +331,7 @@ impl<P: Scalar> LiftingLine<P> {
             loads.separated.push(S::ONE - flow.attached);
             loads.suction_lost.push(flow.edge.map_or(S::ZERO, |edge| S::ONE - edge.held));
             loads.circulation.push(self.circulation(stream, x[i]));
-            loads.quarter_chord.push(sections.section(i).point(0.25));
+            loads.quarter_chord.push(sections.on_link(i).point(0.25));
         }
         mirror_upper(&mut added_mass);
         (wrench, added_mass)
@@ -345,16 +347,29 @@ impl<P: Scalar> LiftingLine<P> {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
+        coupling: Option<Coupling<G, S>>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        self.sum_in(sections, wind, (x, dx), coupling, |i| self.induced_wash(i, &x[..self.strips()]))
+    }
+
+    /// The same in the wash that `induced` tells of each node.
+    #[inline(always)]
+    fn sum_in<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
+        (x, dx): (&[S], &mut [S]),
         mut coupling: Option<Coupling<G, S>>,
+        induced: impl Fn(usize) -> S,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let mut sum = (Wrench::ZERO, [[G::ZERO; 6]; 6]);
         let (wrench, added_mass) = &mut sum;
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = SectionFlow::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
-            let flow = self.flow(i, &section, printed, x, dx);
+            let section = SectionFlow::new(&sections.on_link(i), wind, node.inverse_edge, self.zero_lift);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.on_link(i), wind));
+            let flow = self.flow(i, &section, (printed, induced(i)), x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow, self.numbers.drag())
                 + self.carried_air(node, &section, flow.speed, Some(&mut *added_mass));

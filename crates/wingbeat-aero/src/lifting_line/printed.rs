@@ -26,7 +26,7 @@ impl<P: Scalar> LiftingLine<P> {
         if !self.settings.as_printed {
             return None;
         }
-        let velocity = sections.section(self.strips()).velocity(0.5) - wind;
+        let velocity = sections.on_link(self.strips()).velocity(0.5) - wind;
         let floor = self.settings.regularisation_m_s;
         Some((velocity.dot(velocity) + floor * floor).sqrt())
     }
@@ -43,19 +43,13 @@ impl<P: Scalar> LiftingLine<P> {
         stream.map_or(x, |speed| x * (speed * self.root_circulation()))
     }
 
-    /// Wash of the wake at node `i` of the states `x` of all nodes, m/s.
+    /// Wash of the wake, m/s, of what [`LiftingLine::induced_wash`] makes of the states of all nodes.
     #[inline(always)]
-    pub(super) fn wake_wash<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
-        &self,
-        i: usize,
-        speed: G,
-        x: &[S],
-    ) -> S {
-        let wash = self.induced_wash(i, x);
+    pub(super) fn wake_wash<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(&self, speed: G, induced: S) -> S {
         if !self.settings.as_printed {
-            return wash;
+            return induced;
         }
-        wash * (speed * self.root_circulation())
+        induced * (speed * self.root_circulation())
     }
 
     /// Rate of the series g at node `i`: (3) with (4), g' = w_e / c0 - (U/c) g.

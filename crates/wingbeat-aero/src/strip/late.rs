@@ -45,13 +45,13 @@ pub struct ByStates {
 }
 
 /// A load without its derivatives.
-fn plain<const N: usize>(load: &Wrench<Dual<N>>) -> Wrench<f64> {
+pub(crate) fn without_slopes<const N: usize>(load: &Wrench<Dual<N>>) -> Wrench<f64> {
     Wrench { force: load.force.each(|f| f.re), moment: load.moment.each(|m| m.re) }
 }
 
 /// What the load of strip `i` of `n` weighs in row `r` of the loads.
 #[inline(always)]
-fn row<S: Scalar>(r: usize, i: usize, weights: &[[f64; 6]], n: usize, load: &Wrench<S>) -> S {
+pub(crate) fn row<S: Scalar>(r: usize, i: usize, weights: &[[f64; 6]], n: usize, load: &Wrench<S>) -> S {
     let ([a, b, c], [d, e, f]) = (load.force.0, load.moment.0);
     let parts = [a, b, c, d, e, f];
     match r.checked_sub(6) {
@@ -255,9 +255,9 @@ impl StripModel {
         out.rates.resize(states * states, 0.0);
         self.assemble(&cut, &rates, &strips, out);
         for (load, strip) in by_strip.iter_mut().zip(&strips[..n]) {
-            *load = plain(strip);
+            *load = without_slopes(strip);
         }
-        plain(&total)
+        without_slopes(&total)
     }
 
     /// What a rate of one of the separated share adds to the rates of the circulation that is seen and of what is left open.

@@ -28,6 +28,7 @@ pub use bent::SkinSheet;
 pub use constants::Lags;
 pub use grid::{AngleMap, StripSpacing, spacing};
 pub use late::ByStates;
+pub(crate) use late::{row, without_slopes};
 pub use membrane::MembraneScales;
 pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
 pub use settings::{LagSet, StripSettings};

@@ -483,7 +483,7 @@ impl<P: Scalar> Surfaces<P> {
 
 impl Surfaces {
     /// As [`evaluate_sum`](Self::evaluate_sum) with the derivatives by all states in `out`; none where these surfaces do not give them: where they
-    /// are several, over a ground, of preset `paper`, of membranes, or of more than 16 strips.
+    /// are several, over a ground, of preset `as_printed`, of membranes, or of more than 16 strips.
     pub fn by_states(
         &self,
         sections: &impl Sections<f64>,
@@ -493,8 +493,11 @@ impl Surfaces {
         coupling: Coupling<'_, f64, f64>,
         out: &mut ByStates,
     ) -> Option<(Wrench<f64>, [[f64; 6]; 6])> {
-        let model = self.alone_by_states()?;
-        Some(model.by_states(&Following { all: sections, first: 0 }, wind, x, dx, coupling, out))
+        let sections = Following { all: sections, first: 0 };
+        Some(match self.alone_by_states()? {
+            Aero::LiftingLine(line) => line.by_states(&sections, wind, x, dx, coupling, out),
+            Aero::Strip(model) => model.by_states(&sections, wind, x, dx, coupling, out),
+        })
     }
 
     /// Whether [`by_states`](Self::by_states) gives derivatives.
@@ -502,13 +505,13 @@ impl Surfaces {
         self.alone_by_states().is_some()
     }
 
-    fn alone_by_states(&self) -> Option<&StripModel> {
-        match (&self.surfaces[..], self.grounded) {
-            ([Surface { aero: Aero::Strip(model), .. }], false) => {
-                Some(model).filter(|model| model.knows_by_states())
-            }
-            _ => None,
-        }
+    fn alone_by_states(&self) -> Option<&Aero> {
+        let ([Surface { aero, .. }], false) = (&self.surfaces[..], self.grounded) else { return None };
+        let knows = match aero {
+            Aero::LiftingLine(line) => line.knows_by_states(),
+            Aero::Strip(model) => model.knows_by_states(),
+        };
+        knows.then_some(aero)
     }
 }
 
@@ -541,6 +544,10 @@ impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
     #[inline(always)]
     fn section(&self, i: usize) -> SectionMotion<S> {
         self.all.section(self.first + i)
+    }
+    #[inline(always)]
+    fn on_link(&self, i: usize) -> SectionMotion<S> {
+        self.all.on_link(self.first + i)
     }
     fn coordinates(&self) -> usize {
         self.all.coordinates()

@@ -21,17 +21,19 @@ impl<P: Scalar> Tree<P> {
         w_b: Vec3<S>,
         motions: &[LinkMotion<S>],
     ) -> ([[S; 6]; 6], Wrench<S>) {
-        let (mass, bias, _) = self.inertia_bias_and_moment(w_b, motions);
+        let mut mass = [[S::ZERO; 6]; 6];
+        let (bias, _) = self.inertia_bias_and_moment(w_b, motions, &mut mass);
         (mass, bias)
     }
 
-    /// The same with the sum of mass times position, kg m.
+    /// The same, the mass matrix in place, with the sum of mass times position, kg m.
     #[inline]
     pub(crate) fn inertia_bias_and_moment<S: Scalar + Meets<P>>(
         &self,
         w_b: Vec3<S>,
         motions: &[LinkMotion<S>],
-    ) -> ([[S; 6]; 6], Wrench<S>, Vec3<S>) {
+        mass: &mut [[S; 6]; 6],
+    ) -> (Wrench<S>, Vec3<S>) {
         let base = self.base.reaction_of_base(&w_b);
         let mut bias = base.bias;
         let mut first_moment = base.com.scaled(self.base.mass);
@@ -43,7 +45,8 @@ impl<P: Scalar> Tree<P> {
             first_moment += link.com.scaled(inertia.mass);
             about_origin.add(&link.about_origin);
         }
-        (mass_matrix(self.mass(), first_moment, &about_origin), bias, first_moment)
+        fill_mass_matrix(mass, self.mass(), first_moment, &about_origin);
+        (bias, first_moment)
     }
 
     /// Weight of base and links: the wrench about the body origin for the
@@ -222,20 +225,19 @@ impl<P: Scalar, S: Scalar + Meets<P>> CompositeBody<P, S> {
 
 /// M = [m 1, -[h]x; [h]x, I] for mass m, first moment h and inertia I about the origin.
 #[inline]
-fn mass_matrix<P: Scalar, S: Scalar + Meets<P>>(
+fn fill_mass_matrix<P: Scalar, S: Scalar + Meets<P>>(
+    m: &mut [[S; 6]; 6],
     mass: P,
     h: Vec3<S>,
     about_origin: &Symmetric<S>,
-) -> [[S; 6]; 6] {
+) {
     let (cross, about_origin) = (Mat3::skew(h), about_origin.full());
-    let mut m = [[S::ZERO; 6]; 6];
     for i in 0..3 {
-        m[i][i] = S::from(mass);
         for j in 0..3 {
+            m[i][j] = if i == j { S::from(mass) } else { S::ZERO };
             m[i + 3][j] = cross.0[i][j];
             m[i][j + 3] = cross.0[j][i];
             m[i + 3][j + 3] = about_origin.0[i][j];
         }
     }
-    m
 }

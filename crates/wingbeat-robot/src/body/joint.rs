@@ -29,22 +29,25 @@ impl RotationAxis {
         }
     }
 
-    /// `r` times the rotation by `angle` rad about the axis.
+    /// `r` times the rotation about the axis by the angle of this sine and cosine.
     #[inline]
-    pub(super) fn turn<S: Scalar>(&self, r: &Mat3<S>, angle: S) -> Mat3<S> {
+    pub(super) fn turn<S: Scalar>(&self, r: &Mat3<S>, turn: [S; 2]) -> Mat3<S> {
         match *self {
-            Self::Coordinate { index: 0, sign } => turn_columns::<1, 2, S>(r, angle, sign),
-            Self::Coordinate { index: 1, sign } => turn_columns::<2, 0, S>(r, angle, sign),
-            Self::Coordinate { sign, .. } => turn_columns::<0, 1, S>(r, angle, sign),
-            Self::General(axis) => *r * Mat3::rotation_about(axis, angle),
+            Self::Coordinate { index: 0, sign } => turn_columns::<1, 2, S>(r, turn, sign),
+            Self::Coordinate { index: 1, sign } => turn_columns::<2, 0, S>(r, turn, sign),
+            Self::Coordinate { sign, .. } => turn_columns::<0, 1, S>(r, turn, sign),
+            Self::General(axis) => *r * Mat3::rotation_by(axis, turn),
         }
     }
 }
 
 /// Turns columns `J` and `K` into each other: a rotation about the third axis.
 #[inline]
-fn turn_columns<const J: usize, const K: usize, S: Scalar>(r: &Mat3<S>, angle: S, sign: f64) -> Mat3<S> {
-    let (s, c) = angle.sin_cos();
+fn turn_columns<const J: usize, const K: usize, S: Scalar>(
+    r: &Mat3<S>,
+    [s, c]: [S; 2],
+    sign: f64,
+) -> Mat3<S> {
     let s = s * sign;
     let mut turned = *r;
     for i in 0..3 {

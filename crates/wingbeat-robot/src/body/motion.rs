@@ -1,9 +1,11 @@
 //! Motion of every link, outwards from the base.
 
+use super::MAX_LINKS;
 use super::dynamics::BaseAcceleration;
 use super::tree::{JointKind, LinkNode, Tree};
+use arrayvec::ArrayVec;
 use std::ops::Mul;
-use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3};
+use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, append_copies};
 
 /// Motion of one link. Everything is resolved in the body frame B; positions
 /// are from the body origin; rates are inertial (relative to W). SI units.
@@ -108,9 +110,9 @@ impl<S: Scalar> LinkMotion<S> {
         out.acceleration = self.acceleration + self.rate_dot.cross(arm) + self.rate.cross(sweep);
     }
 
-    /// Moves `out`, carried by this link, as its joint does.
+    /// Moves `out`, carried by this link, as its joint does, which turns it by the angle of the sine and cosine `turn`.
     #[inline]
-    fn articulate<P: Scalar>(&self, node: &LinkNode<P>, joint: &Jet<S>, out: &mut Self)
+    fn articulate<P: Scalar>(&self, node: &LinkNode<P>, joint: &Jet<S>, turn: [S; 2], out: &mut Self)
     where
         S: Meets<P>,
     {
@@ -127,7 +129,7 @@ impl<S: Scalar> LinkMotion<S> {
         match node.kind {
             JointKind::Revolute => {
                 let spin = axis * joint.d;
-                out.rotation = node.axis.turn(frame, joint.x);
+                out.rotation = node.axis.turn(frame, turn);
                 out.rate = self.rate + spin;
                 out.rate_dot = self.rate_dot + axis * joint.dd + self.rate.cross(spin);
             }
@@ -166,12 +168,20 @@ impl<P: Scalar> Tree<P> {
         w_b: Vec3<S>,
         out: &mut [LinkMotion<S>],
     ) {
+        // Sines and cosines first: each of them waits for all sums that were begun before.
+        let mut turns = ArrayVec::<[S; 2], MAX_LINKS>::new();
+        append_copies(&mut turns, [S::ZERO; 2], self.nodes.len());
+        for (i, node) in self.nodes.iter().enumerate() {
+            if node.kind == JointKind::Revolute {
+                turns[i] = joints[i].x.sin_cos().into();
+            }
+        }
         let base = LinkMotion::base(v_b, w_b);
         for (i, node) in self.nodes.iter().enumerate() {
             let (done, rest) = out.split_at_mut(i);
             let parent = node.parent.map_or(&base, |p| &done[p]);
             parent.carry(node.origin, &mut rest[0]);
-            parent.articulate(node, &joints[i], &mut rest[0]);
+            parent.articulate(node, &joints[i], turns[i], &mut rest[0]);
         }
     }
 }

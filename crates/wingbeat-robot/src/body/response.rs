@@ -209,19 +209,27 @@ impl<P: Scalar> Response<P> {
     /// has n entries. Paper eq. (mimic_dynamics).
     pub fn displacements<S: Scalar + Meets<P>>(&self, state: &[S], command: &[S], out: &mut [Jet<S>]) {
         let n = self.elements();
-        for i in 0..n {
-            let acceleration = match self {
-                Self::Uncoupled(e) if !e[i].rate_gain.is_zero() => {
-                    command[i] * e[i].rate_gain - state[i] * e[i].stiffness - state[n + i] * e[i].damping
+        let (out, y, rates) = (&mut out[..n], &state[..n], &state[n..2 * n]);
+        match self {
+            Self::Uncoupled(elements) => {
+                let (elements, command) = (&elements[..n], &command[..n]);
+                for i in 0..n {
+                    let (element, own) = (&elements[i], rates[i] * elements[i].damping);
+                    let driven = match element.rate_gain.is_zero() {
+                        true => (command[i] - y[i]) * element.stiffness,
+                        false => command[i] * element.rate_gain - y[i] * element.stiffness,
+                    };
+                    out[i] = Jet::new(y[i], rates[i], driven - own);
                 }
-                Self::Uncoupled(e) => (command[i] - state[i]) * e[i].stiffness - state[n + i] * e[i].damping,
-                Self::Coupled(c) => {
-                    let (width, m) = (2 * n, c.commands);
+            }
+            Self::Coupled(c) => {
+                let (width, m) = (2 * n, c.commands);
+                for i in 0..n {
                     let own = product(&c.state[i * width..(i + 1) * width], state);
-                    own + product(&c.command[i * m..(i + 1) * m], command)
+                    let driven = product(&c.command[i * m..(i + 1) * m], command);
+                    out[i] = Jet::new(y[i], rates[i], own + driven);
                 }
-            };
-            out[i] = Jet::new(state[i], state[n + i], acceleration);
+            }
         }
     }
 

@@ -7,7 +7,7 @@ use wingbeat::robot::Robot;
 use wingbeat::scenario::Scenario;
 
 /// Presets, laws, linkage, elastic joints, motor, tail, several wings, gusts, membranes, a ground, a perch.
-const FLOWN: [(&str, &[&str]); 27] = [
+const FLOWN: [(&str, &[&str]); 29] = [
     ("banking_turn.toml", &[]),
     ("banking_turn.toml", &["aero.law=stall", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=9", "air.wind_m_s=[0.2,-0.4,0.1]"]),
@@ -23,6 +23,7 @@ const FLOWN: [(&str, &[&str]); 27] = [
             "aero.full.edge_suction=false",
         ],
     ),
+    ("banking_turn.toml", &["aero.law=lev", "air.gust_m_s=0.3"]),
     ("banking_turn.toml", &["aero.preset=full", "aero.full.strips=16", "aero.full.edge_suction=true"]),
     (
         "passive_20g.toml",
@@ -38,6 +39,7 @@ const FLOWN: [(&str, &[&str]); 27] = [
     ("cruise_linkage.toml", &[]),
     ("bank15_20g.toml", &[]),
     ("aerobat_elastic.toml", &[]),
+    ("aerobat_elastic.toml", &["aero.preset=paper", "aero.law=stall"]),
     ("aerobat_membrane.toml", &[]),
     ("aerobat_membrane.toml", &["aero.law=lev", "aero.full.strips=12"]),
     ("aerobat_membrane.toml", &["aero.law=linear", "aero.full.strips=16", "air.gust_m_s=0.3"]),
