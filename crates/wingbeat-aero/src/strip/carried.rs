@@ -290,7 +290,7 @@ impl<P: Scalar> StripModel<P> {
                 let (field, of) = (edges[a][c].mixed(&edges[b][c], self.tables.fraction[i]), &mut fields[c]);
                 (of.heave[i], of.pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
                 if let Some(behind) = &self.tables.behind {
-                    of.heave[i] = of.heave[i] - of.pitch[i] * behind[i];
+                    of.heave[i] -= of.pitch[i] * behind[i];
                 }
                 let first = if of.strips.is_empty() { i } else { of.strips.start };
                 of.strips = first..i + 1;
