@@ -3,7 +3,7 @@
 use super::influence::{
     StripColumn, column, dot, dot_some, lanes, multiply, multiply_some, multiply_transposed, plain,
 };
-use super::motion::Vectors;
+use super::motion::{Strips, Vectors};
 use super::{StripFlow, StripModel};
 use crate::{ImpulseRates, ImpulseRow, SectionFields, Sections};
 use arrayvec::ArrayVec;
@@ -11,13 +11,13 @@ use std::ops::Range;
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
 
-/// What drives the carried air at 1/2 chord of a strip: its normal acceleration per acceleration
+/// What drives the carried air of a strip at 1/2 chord, or where aero.strip.carried_place has it: its normal acceleration per acceleration
 /// and angular acceleration of the body (6), the wash there, m/s, and its rate, m/s2.
 type CarriedDrive<S> = [S; 8];
 
 /// How the strips move per unit rate of a coordinate.
 struct CoordinateField<S: Scalar, const N: usize> {
-    /// Normal velocity at 1/2 chord, m/s over the unit of the rate.
+    /// Normal velocity where the wash drives the carried air, m/s over the unit of the rate.
     heave: StripColumn<S, N>,
     /// Pitch rate, rad/s over the unit of the rate.
     pitch: StripColumn<S, N>,
@@ -37,12 +37,16 @@ impl<P: Scalar> StripModel<P> {
         complete: bool,
     ) {
         let mut rate_left = [G::ZERO; N];
+        self.place_wash(flow);
         if !complete {
             self.add_inertia(flow, &mut rate_left);
         }
         if complete || const { size_of::<G>() > size_of::<K>() } {
-            flow.half_left = multiply(&flow.relief, &flow.strips.wash_half, self.settings.strips);
-            rate_left = multiply(&flow.relief, &flow.strips.wash_half_rate, self.settings.strips);
+            let [wash, rate] = self.driving(flow);
+            (flow.half_left, rate_left) = (
+                multiply(&flow.relief, wash, self.settings.strips),
+                multiply(&flow.relief, rate, self.settings.strips),
+            );
         }
         if self.settings.section.added_mass {
             self.impulses_of_motion(flow, &rate_left);
@@ -51,6 +55,32 @@ impl<P: Scalar> StripModel<P> {
         }
         if !complete {
             self.finish_added_mass(flow);
+        }
+    }
+
+    /// Takes the wash that drives the carried air where it is not at 1/2 chord.
+    #[inline(always)]
+    fn place_wash<K: Scalar + Meets<P>, G: Over<K> + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut StripFlow<K, G, N>,
+    ) {
+        let Some(behind) = &self.tables.behind else { return };
+        let strips = &flow.strips;
+        for i in 0..lanes::<G, N>(self.settings.strips) {
+            flow.placed[0][i] = strips.wash_half[i] + strips.pitch[i] * behind[i];
+            flow.placed[1][i] = strips.wash_half_rate[i] + strips.pitch_rate[i] * behind[i];
+        }
+    }
+
+    /// The wash that drives the carried air, m/s, and its rate, m/s2.
+    #[inline(always)]
+    fn driving<'a, K: Scalar, G: Over<K>, const N: usize>(
+        &self,
+        flow: &'a StripFlow<K, G, N>,
+    ) -> [&'a StripColumn<G, N>; 2] {
+        match self.tables.behind {
+            Some(_) => flow.placed.each_ref(),
+            None => [&flow.strips.wash_half, &flow.strips.wash_half_rate],
         }
     }
 
@@ -80,11 +110,10 @@ impl<P: Scalar> StripModel<P> {
         &self,
         flow: &StripFlow<K, G, N>,
     ) -> [CarriedDrive<K>; N] {
-        let strips = &flow.strips;
+        let (strips, [wash, rate]) = (&flow.strips, self.driving(flow));
         let drive = |i: usize| {
-            let normal = strips.normal.get(i);
-            let ([a, b, c], [d, e, f]) = (normal.0, strips.half.get(i).cross(normal).0);
-            [a, b, c, d, e, f, strips.wash_half[i].beneath(), strips.wash_half_rate[i].beneath()]
+            let ([a, b, c], [d, e, f]) = (strips.normal.get(i).0, self.turn(strips, i).0);
+            [a, b, c, d, e, f, wash[i].beneath(), rate[i].beneath()]
         };
         if const { !plain::<K>() } {
             let still = |i: usize| if i < self.settings.strips { drive(i) } else { [K::ZERO; 8] };
@@ -95,6 +124,20 @@ impl<P: Scalar> StripModel<P> {
             drives[i] = drive(i);
         }
         drives
+    }
+
+    /// Normal velocity of the air that strip `i` carries per angular velocity about the body origin, m.
+    #[inline(always)]
+    fn turn<K: Scalar + Meets<P>, G: Over<K>, const N: usize>(
+        &self,
+        strips: &Strips<K, G, N>,
+        i: usize,
+    ) -> Vec3<K> {
+        let at_half = strips.half.get(i).cross(strips.normal.get(i));
+        match &self.tables.behind {
+            Some(behind) => at_half - strips.across.get(i).scaled(behind[i]),
+            None => at_half,
+        }
     }
 
     /// Row `i` of A0^-1 times the drives.
@@ -126,8 +169,7 @@ impl<P: Scalar> StripModel<P> {
         flow: &mut StripFlow<K, G, N>,
         rate_left: &StripColumn<G, N>,
     ) {
-        let by_half = self.reciprocal(flow, &flow.strips.wash_half);
-        let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
+        let [by_half, by_rate] = self.driving(flow).map(|wash| self.reciprocal(flow, wash));
         for i in 0..lanes::<G, N>(self.settings.strips) {
             let mass = self.tables.mass[i];
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
@@ -153,7 +195,7 @@ impl<P: Scalar> StripModel<P> {
         self.symmetric_impulses(flow, moved, &mut impulses);
         let mut moments = Vectors::<K, N>::ZERO;
         for i in 0..lanes::<K, N>(n) {
-            moments.set(i, strips.half.get(i).cross(strips.normal.get(i)));
+            moments.set(i, self.turn(strips, i));
         }
         let resistance: StripColumn<K, N> = column(n, |i| {
             if !self.settings.section.section_moment {
@@ -247,6 +289,9 @@ impl<P: Scalar> StripModel<P> {
                 coordinates &= coordinates - 1;
                 let (field, of) = (edges[a][c].mixed(&edges[b][c], self.tables.fraction[i]), &mut fields[c]);
                 (of.heave[i], of.pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
+                if let Some(behind) = &self.tables.behind {
+                    of.heave[i] -= of.pitch[i] * behind[i];
+                }
                 let first = if of.strips.is_empty() { i } else { of.strips.start };
                 of.strips = first..i + 1;
             }

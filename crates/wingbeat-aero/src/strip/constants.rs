@@ -29,6 +29,8 @@ pub struct Lags {
     pub wake_delay: &'static [f64],
     /// Exponent of the aspect ratio in the delays.
     pub exponent: f64,
+    /// Whether what pitching adds to the chord doublet has its own place: see aero.strip.carried_place.
+    pub places: bool,
 }
 
 /// Two wash lags and one wake lag: three states per strip.
@@ -45,6 +47,7 @@ pub const THREE_LAGS: Lags = Lags {
     wake: &[0.74538],
     wake_delay: &[2.8989],
     exponent: 0.19827,
+    places: false,
 };
 
 /// Three wash lags and two wake lags: five states per strip.
@@ -57,6 +60,7 @@ pub const FIVE_LAGS: Lags = Lags {
     wake: &[0.7128378060464248, 0.28716219395357523],
     wake_delay: &[0.874302267660053, 4.768861216944018],
     exponent: 0.429521803562794,
+    places: true,
 };
 
 impl Lags {

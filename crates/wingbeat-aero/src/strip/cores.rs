@@ -49,22 +49,26 @@ pub(super) struct Cores<P = f64> {
     pub strips: Vec<StripCores<P>>,
 }
 
-/// The flat wing, x forward and y to the left, lengths over the mean chord.
-struct Flat<'a, P> {
+/// The flat wing, x forward and y to the left, lengths over the mean chord or as they are.
+pub(super) struct Flat<'a, P> {
     grid: &'a StripGrid<P>,
     scale: P,
     /// (k^2)^4.
     fade: f64,
 }
 
-impl<P: Scalar> Flat<'_, P> {
+impl<'a, P: Scalar> Flat<'a, P> {
+    /// With lengths in m, and no cores.
+    pub fn plain(grid: &'a StripGrid<P>) -> Self {
+        Self { grid, scale: P::ONE, fade: 0.0 }
+    }
     /// The point of edge `j` at the chord fraction `x`.
-    fn edge(&self, j: usize, x: f64) -> Vec3<P> {
+    pub fn edge(&self, j: usize, x: f64) -> Vec3<P> {
         let (leading, trailing) = self.grid.outline[j];
         Vec3([leading + (trailing - leading) * x, self.grid.arcs[j], P::ZERO]).scaled(self.scale)
     }
     /// The point of the control section of strip `i`; lanes beyond the last strip repeat it.
-    fn target(&self, i: usize, x: f64) -> Vec3<P> {
+    pub fn target(&self, i: usize, x: f64) -> Vec3<P> {
         let i = i.min(self.grid.chord.len() - 1);
         let (a, b) = (self.edge(i, x), self.edge(i + 1, x));
         a + (b - a).scaled(self.grid.fraction[i])

@@ -331,11 +331,14 @@ impl<P: Scalar> StripModel<P> {
             nose_up: S::ZERO,
             about_chord: impulse * strips.drift[i],
         };
+        if let Some(behind) = &self.tables.behind {
+            force.nose_up = -(force.normal * behind[i]);
+        }
         if self.settings.section.section_moment {
             let b = self.tables.chord[i] * 0.5;
             let moment =
                 strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);
-            force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
+            force.nose_up -= S::from(moment * self.section_mass(i, flow));
         }
         // That of a flap is its inertia too.
         if let Some(camber) = &response.camber

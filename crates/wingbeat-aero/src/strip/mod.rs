@@ -8,6 +8,7 @@
 
 mod bent;
 mod carried;
+mod carried_place;
 mod constants;
 mod cores;
 mod flap;
@@ -82,7 +83,9 @@ struct StripFlow<K: Scalar, S: Scalar, const N: usize> {
     far: Matrix<S, N>,
     /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
     relief: Matrix<K, N>,
-    /// What is left of the wash at 1/2 chord, m/s.
+    /// Wash that drives the carried air, m/s, and its rate, m/s2, where it is not taken at 1/2 chord; else not written.
+    placed: [StripColumn<S, N>; 2],
+    /// What is left of the wash that drives the carried air, m/s.
     half_left: StripColumn<S, N>,
     /// Normal speed left by a unit normal speed of the whole wing.
     unit_left: StripColumn<K, N>,
@@ -554,6 +557,7 @@ impl<K: Scalar, S: Over<K>, const N: usize> StripFlow<K, S, N> {
             remainder: matrix,
             far: matrix,
             relief: [[K::ZERO; N]; N],
+            placed: [zero; 2],
             half_left: zero,
             unit_left: [K::ZERO; N],
             impulse: zero,

@@ -1,5 +1,6 @@
 //! What of each strip never changes, padded so that loops over lanes need no end.
 
+use super::carried_place::carried_places;
 use super::grid::StripGrid;
 use super::reach::SpanReach;
 use super::side_edge::{self, TipPull};
@@ -63,6 +64,8 @@ pub(super) struct Tables<P: Scalar> {
     pub share: StripConstants<P>,
     /// Added mass as part of an infinite wing, kg.
     pub mass: StripConstants<P>,
+    /// How far behind mid chord the wash drives the carried air and its force acts, m, where it is not at mid chord.
+    pub behind: Option<StripConstants<P>>,
     /// Weight of the wash that acts at once in the lift wash: 1/2 with the weights that the set of lags has.
     pub at_once: P,
     /// Weights of the lags in the potential jump left on the chord.
@@ -138,6 +141,12 @@ impl<P: Scalar> Tables<P> {
             }),
             mass: scale(&|i| chord[i] * PI * chord[i] * cos[i] / 4.0)
                 .map(|mass| mass * numbers.added_mass_scale),
+            behind: (lags.places
+                && settings.doublet_wash
+                && settings.flap.is_none()
+                && settings.membrane.is_none())
+            .then(|| carried_places(grid, lags.doublet))
+            .map(|places| repeated(&|i| places[i])),
             at_once: numbers
                 .lags
                 .iter()

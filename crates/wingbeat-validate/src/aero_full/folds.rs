@@ -52,18 +52,45 @@ fn error(value: Complex, exact: Complex) -> f64 {
     (value.0 - exact.0).hypot(value.1 - exact.1) / exact.0.hypot(exact.1)
 }
 
-/// Worst complex error of the force of `strips` strips over motions and frequencies.
-fn worst(preset: ComparedPreset, strips: usize, still: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
+/// Worst complex errors of the force of `strips` strips over frequencies, in plunge and of those in pitch.
+fn worst(
+    preset: ComparedPreset,
+    strips: usize,
+    still: &Still,
+    exact: &[Vec<Complex>],
+) -> Result<[f64; 2], Error> {
     let model = preset.model_of(strips, still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
-    let mut worst: f64 = 0.0;
+    let mut worst = [0.0_f64; 2];
     for (m, motion) in motions(still)?.into_iter().enumerate() {
         let small = SmallMotion::new(&model, still, motion);
+        let of = &mut worst[usize::from(m > 0)];
         for (k, exact) in KS.iter().zip(exact) {
             let value = small.response(2.0 * k / still.chord)?[0];
-            worst = worst.max(error(value, exact[m]));
+            *of = of.max(error(value, exact[m]));
         }
     }
     Ok(worst)
+}
+
+/// How much less area `strips` strips have than the outline, as a share.
+fn lost_area(strips: usize, still: &Still) -> Result<f64, Error> {
+    let planform = still.wing.planform();
+    let model = ComparedPreset::Full.model_of(strips, planform, &still.hinges(), 1.0, 1e-6)?;
+    // Strips at even arcs, many enough that their sum is the area to 1e-6.
+    let cells = 10_000;
+    let step = planform.half_span() / f64::from(cells);
+    let half: f64 = (0..cells).map(|i| planform.chord((f64::from(i) + 0.5) * step) * step).sum();
+    // Straight between the edges of a strip, as the model has it.
+    let of_strips: f64 = model
+        .arcs()
+        .windows(2)
+        .zip(model.strip_arcs())
+        .map(|(ends, arc)| {
+            let [from, to] = [ends[0], ends[1]].map(|s| planform.chord(s));
+            from * (arc - ends[1]) + to * (ends[0] - arc)
+        })
+        .sum();
+    Ok(1.0 - of_strips / (2.0 * half))
 }
 
 /// Worst error of the lattice against the table of the flat wing.
@@ -84,7 +111,7 @@ fn lattice_error(flat: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
     Ok(worst)
 }
 
-/// Vertical force of Aerobat's planform at five folds in plunge and pitch, k <= 1, of 16 and of 32 strips.
+/// Vertical force of Aerobat's planform at five folds in plunge and pitch, k <= 1, of 9, 16 and 32 strips.
 pub fn folded_aerobat() -> Result<Vec<ComparisonRow>, Error> {
     let wings = FOLDS.map(|[inner, outer]| wings::aerobat_folded(inner, outer));
     let wings = wings.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -95,25 +122,39 @@ pub fn folded_aerobat() -> Result<Vec<ComparisonRow>, Error> {
     let row = |preset: ComparedPreset, strips: usize, id: &str| -> Result<ComparisonRow, Error> {
         let errors = wings.iter().zip(&lattice).map(|(still, exact)| worst(preset, strips, still, exact));
         let errors = errors.collect::<Result<Vec<_>, _>>()?;
-        let said = FOLDS
-            .iter()
-            .zip(&errors)
-            .map(|([inner, outer], e)| format!("{inner:+}, {outer:+}: {:.1} %", 100.0 * e));
+        let said = FOLDS.iter().zip(&errors).map(|([inner, outer], e)| {
+            let [plunge, pitch] = e.map(|e| 100.0 * e);
+            format!("{inner:+}, {outer:+}: {plunge:.1}, {pitch:.1} %")
+        });
         let lags = if preset == ComparedPreset::Full { "" } else { ", five lags" };
         let said = said.collect::<Vec<_>>().join("; ");
         let metric = format!(
             "{strips} strips{lags}: worst complex error of force, plunge and pitch, k <= 1; panels at {said}"
         );
-        Ok(ComparisonRow::shown(id, SOURCE, &metric, errors.iter().copied().fold(0.0, f64::max), ""))
+        Ok(ComparisonRow::shown(
+            id,
+            SOURCE,
+            &metric,
+            errors.iter().flatten().copied().fold(0.0, f64::max),
+            "",
+        ))
     };
     let check =
         "Aerobat, flat, k 0.1 to 1: worst error of the lattice, with the 24 strips of the table, against it";
     let id = "aero.full.folded_aerobat";
     Ok(vec![
         row(ComparedPreset::Full, 16, id)?,
+        row(ComparedPreset::Full, 9, &format!("{id}.strips_9"))?,
         row(ComparedPreset::Full, 32, &format!("{id}.strips_32"))?,
         row(ComparedPreset::FiveLags, 16, &format!("{id}.five_lags"))?,
         row(ComparedPreset::FiveLags, 32, &format!("{id}.five_lags_32"))?,
+        ComparisonRow::shown(
+            &format!("{id}.area"),
+            "the outline",
+            "area of 16 strips, less that of the outline, over it",
+            -lost_area(16, &wings[0])?,
+            "",
+        ),
         ComparisonRow::judged(
             &format!("{id}.lattice"),
             "linear lifting surface (own lattice, Richardson)",
