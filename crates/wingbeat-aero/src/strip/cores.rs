@@ -62,12 +62,12 @@ impl<'a, P: Scalar> Flat<'a, P> {
     pub fn plain(grid: &'a StripGrid<P>) -> Self {
         Self { grid, scale: P::ONE, fade: 0.0 }
     }
-    /// The point of edge `j` at the chord fraction `x`, m.
+    /// The point of edge `j` at the chord fraction `x`, m or over the mean chord.
     pub fn edge(&self, j: usize, x: f64) -> Vec3<P> {
         let (leading, trailing) = self.grid.outline[j];
         Vec3([leading + (trailing - leading) * x, self.grid.arcs[j], P::ZERO]).scaled(self.scale)
     }
-    /// The point of the control section of strip `i`, m; lanes beyond the last strip repeat it.
+    /// The point of the control section of strip `i`, m or over the mean chord; lanes beyond the last strip repeat it.
     pub fn target(&self, i: usize, x: f64) -> Vec3<P> {
         let i = i.min(self.grid.chord.len() - 1);
         let (a, b) = (self.edge(i, x), self.edge(i + 1, x));
