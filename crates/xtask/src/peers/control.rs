@@ -12,7 +12,9 @@ const REPEATS: usize = 7;
 
 /// Runs both sides in turn on every instance, prints the table and puts it into docs/performance.md.
 pub fn compare(python: &Path) -> bool {
-    let worker = ["build", "--release", "--package", "wingbeat-comparisons", "--example", "flapbody_worker"];
+    // The plant is of the comparisons, which only benches optimise.
+    let worker =
+        ["build", "--profile", "bench", "--package", "wingbeat-comparisons", "--example", "flapbody_worker"];
     if !tools::succeeds(tools::cargo(&worker)) {
         return false;
     }
