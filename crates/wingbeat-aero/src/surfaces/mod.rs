@@ -483,7 +483,7 @@ impl<P: Scalar> Surfaces<P> {
 
 impl Surfaces {
     /// As [`evaluate_sum`](Self::evaluate_sum) with the derivatives by all states in `out`; none where these surfaces do not give them: where they
-    /// are several, over a ground, of preset `as_printed`, of membranes, or of more than 16 strips.
+    /// are several, over a ground, of `paper` as printed, or of `full` with membranes or more than 16 strips.
     pub fn by_states(
         &self,
         sections: &impl Sections<f64>,
