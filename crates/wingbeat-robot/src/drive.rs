@@ -31,7 +31,9 @@ impl<S: Scalar> Ratios<S> {
     /// None again.
     pub fn clear(&mut self) {
         let Self { crank, loaded, pushes, crank_push } = self;
-        (crank.clear(), loaded.clear(), pushes.clear());
+        crank.clear();
+        loaded.clear();
+        pushes.clear();
         *crank_push = S::ZERO;
     }
 }

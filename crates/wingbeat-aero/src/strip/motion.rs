@@ -383,7 +383,7 @@ impl<P: Scalar> StripModel<P> {
             let mut even = sections.section(0);
             let mut odd = even;
             for i in 0..n {
-                let (left, right) = if i % 2 == 0 {
+                let (left, right) = if i.is_multiple_of(2) {
                     odd = sections.section(i + 1);
                     (&even, &odd)
                 } else {
@@ -392,7 +392,7 @@ impl<P: Scalar> StripModel<P> {
                 };
                 put(i, &ChordLine::from(left), &ChordLine::from(right));
             }
-            ChordLine::from(if n % 2 == 0 { &even } else { &odd })
+            ChordLine::from(if n.is_multiple_of(2) { &even } else { &odd })
         };
         wakes.last = self.vortex_line(&last, wind);
         wakes.strips = n;

@@ -40,7 +40,8 @@ impl<S: Scalar> Coordinates<S> {
     pub fn clear(&mut self) {
         let Self { count, shares, own } = self;
         *count = 0;
-        (shares.clear(), own.clear());
+        shares.clear();
+        own.clear();
     }
 
     /// Number of coordinates.
