@@ -207,7 +207,7 @@ impl JudgedFlight<'_> {
             judge.hold(&flight::LEAVES_RESIDUAL, beyond);
             judge.hold(&flight::BEYOND_RESIDUAL, beyond);
         }
-        if let Some(error) = self.summary.step_error_m {
+        if let Some(error) = self.context.step_error_m {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
             judge.hold_if(&flight::STEPS_ASKED, self.context.asked_error_m.map(|asked| error / asked));

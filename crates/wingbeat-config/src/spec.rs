@@ -347,6 +347,7 @@ pub struct FlightSpec {
     /// Integration step, s.
     pub step_s: f64,
     /// Error of the last position that all steps may make, m: they are as long as it allows, and `step_s` is the clock. Without it all are equal.
+    /// A controller flies twice, the second time within a tenth of it, and the distance of the ends is held against it too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_m: Option<f64>,
     /// Time of the inertance of springs, s, so that steps of this time follow any of them: what vibrates faster is slowed to it. Where not given:

@@ -165,7 +165,8 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_momentum_change_kg_m2_s: Option<f64>,
     /// Estimate of the error of the integration in the last position, m: what a step differs from two of half
-    /// its length, at instants of the flight, summed up to its end. Feedback and growth are not in it.
+    /// its length, at instants of the flight, summed up to its end. What a closed loop makes of it is not in it, but beside
+    /// `flight.error_m`: there it is at least the distance from where a flight of a tenth of that error ends.
     pub step_error_m: Option<f64>,
     /// Steps that `flight.error_m` made it take.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -337,6 +338,8 @@ pub(super) struct Context<'a> {
     pub turbulence: Option<Dryden>,
     pub wind: Vec3,
 }
+    /// Distance from where a flight in finer steps ends, m.
+    pub grown_error_m: Option<f64>,
 
 impl Context<'_> {
     fn reference(&self, t: f64) -> Option<Reference> {
@@ -423,7 +426,10 @@ impl Summary {
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),
-            step_error_m: context.step_error_m,
+            step_error_m: [context.step_error_m, context.grown_error_m]
+                .into_iter()
+                .flatten()
+                .reduce(f64::max),
             steps_taken: flight.taken.map(|taken| taken.steps),
             inertance_s: Some(context.robot.inertance_s()).filter(|time| *time > 0.0),
             warnings: Vec::new(),
