@@ -355,7 +355,7 @@ pub struct FlightSpec {
     /// longest of their steps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertance_s: Option<f64>,
-    /// Time between records, s.
+    /// Time between records, s. Means, powers and least clearance are those of the records: 32 or more in a cycle.
     pub record_every_s: f64,
     /// Time between records of the loads of every strip, s: whole records; without it there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
