@@ -286,6 +286,11 @@ impl JudgedFlight<'_> {
             if self.context.robot.density() > 0.0 {
                 stall::hold(judge, &means.stalled, "aero.law");
             }
+            // No law of wings carries what hangs from a perch or from its thrusters, or flies where there is no air.
+            if self.is_carried_by_air() && self.context.robot.thrusters().is_empty() {
+                judge.hold(&range::REVERSED_OUTSIDE, means.reversed_fraction);
+                judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
+            }
         }
     }
 
