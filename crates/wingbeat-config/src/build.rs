@@ -145,7 +145,15 @@ impl ScenarioSpec {
     }
 
     /// Key of the table that the controller is made of.
-    fn controller_table(&self) -> String {
+    /// Key of the table that the manoeuvre is made of.
+    pub(super) fn manoeuvre_table(&self) -> String {
+        match &self.manoeuvre {
+            Some(Chosen::Own(named)) => format!("manoeuvre.{}", named.name),
+            _ => "manoeuvre".into(),
+        }
+    }
+
+    pub(super) fn controller_table(&self) -> String {
         match &self.controller {
             Some(Chosen::Own(named)) => format!("controller.{}", named.name),
             _ => "controller".into(),

@@ -577,6 +577,8 @@ impl Scenario {
         // A lattice hears it whatever the preset.
         summary.warnings.extend(web::unheard(&self.spec.robot, &self.robot).filter(|_| lattice.is_none()));
         summary.warnings.extend(unheard::frictionless(&self.spec.robot, &self.robot));
+        summary.warnings.extend(unheard::unlifted(&self.robot));
+        summary.warnings.extend(self.spec.never_begun(&self.choice));
         summary.warnings.extend(unheard::inertance(&self.spec.flight, &self.robot));
         summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary
