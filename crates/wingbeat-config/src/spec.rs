@@ -92,7 +92,7 @@ pub struct ScenarioSpec {
 pub struct AirSpec {
     /// Density, kg/m3; 0 is a vacuum, in which surfaces bear no load and have no states.
     pub density_kg_m3: f64,
-    /// Wind velocity in W, m/s.
+    /// Wind velocity in W, m/s; none beside `[controller.orbit]`.
     #[serde(default)]
     pub wind_m_s: [f64; 3],
     /// Height of a plane that the air does not cross, m in W: ground beneath the robot, or a ceiling above it. Surfaces of preset `full`

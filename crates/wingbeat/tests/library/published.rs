@@ -32,7 +32,8 @@ fn whatever_a_controller_knows_makes_another_one() {
         ("estimator_20g.toml", "sensors.height.bias_m=0.0123"),
         ("estimator_20g.toml", "robot.body.mass_kg=0.0201"),
         ("estimator_20g.toml", "controller.orbit.estimator.missed_s=0.11"),
-        ("estimator_20g.toml", "air.wind_m_s=[0.0, 0.001, 0.0]"),
+        ("estimator_20g.toml", "air.density_kg_m3=1.2"),
+        ("banking_turn.toml", "air.wind_m_s=[0.0, 0.001, 0.0]"),
         ("path_figure8.toml", "path.lead_m=4.5"),
         ("banking_turn.toml", "flight.flapping=false"),
     ] {
