@@ -1,7 +1,7 @@
 //! What a scenario and its controller are made from.
 
 use std::path::Path;
-use wingbeat::scenario::{Document, Scenario, what_a_controller_knows};
+use wingbeat::scenario::{Document, Scenario, Sweep, what_a_controller_knows};
 
 #[test]
 fn published_numbers_stand_only_beside_their_own_case() {
@@ -18,6 +18,18 @@ fn published_numbers_stand_only_beside_their_own_case() {
     assert!(!published(&["aero.preset=full"]));
     assert!(!published(&["flight.duration_s=0.1"]));
     assert!(!published(&["name=again", "robot.body.mass_kg=0.03"]));
+}
+
+/// What a sweep draws are conditions of the published case; what it sets for all flights makes another.
+#[test]
+fn a_sweep_of_another_case_has_no_published_end() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sweeps/end_points.toml");
+    let published = |overrides: &[&str]| {
+        let document = overrides.iter().fold(Document::file(&path).unwrap(), |d, text| d.set(*text));
+        Sweep::new(document, &|_| Err("no tables".into())).unwrap().paper().is_some()
+    };
+    assert!(published(&[]) && published(&["runs=3", "scenario.flight.record_every_s=2e-3"]));
+    assert!(!published(&["scenario.flight.duration_s=3"]) && !published(&["set=[\"flight.duration_s=3\"]"]));
 }
 
 fn key(file: &str, overrides: &[&str]) -> String {
