@@ -381,11 +381,6 @@ impl JudgedFlight<'_> {
     }
 }
 
-/// Why it is open whether a short flight is carried.
-const NO_MEAN_FORCE: &str = "not judged: flight.weight_carried; the flight is shorter than a cycle of its gait, or with its wings at rest than 1 s (lengthen flight.duration_s)";
-/// Cycles that rounding takes from a whole one.
-const ROUNDING: f64 = 1e-6;
-/// Time after which a flight has a path that can be judged, s. *Choice.*
 /// What mends steps that end in a mass matrix or a number that cannot be.
 const STEPS_TOO_LONG: &str =
     ": steps are too long for such loads and speeds, if these are meant (shorten flight.step_s)";
@@ -393,6 +388,11 @@ const STEPS_TOO_LONG: &str =
 const NO_PATH: &str =
     "not judged: the angle of the path; the flight is shorter than 2 s (lengthen flight.duration_s)";
 
+/// Why it is open whether a short flight is carried.
+const NO_MEAN_FORCE: &str = "not judged: flight.weight_carried; the flight is shorter than a cycle of its gait, or with its wings at rest than 1 s (lengthen flight.duration_s)";
+/// Cycles that rounding takes from a whole one.
+const ROUNDING: f64 = 1e-6;
+/// Time after which a flight has a path that can be judged, s. *Choice.*
 const SETTLED: f64 = 2.0;
 /// Way below which a flight has no path angle, m. *Choice.*
 const STAYS: f64 = 1.0;
