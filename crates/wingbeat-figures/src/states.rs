@@ -114,3 +114,28 @@ fn panel(joint: &RecordJoint, t: &[f64]) -> FigurePanel {
 fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {
     Ok(needed(record, column)?.iter().map(|value| factor * value).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A loop in pitch: roll and heading leap by half a turn where the nose passes the vertical.
+    #[test]
+    fn a_loop_leaves_gaps_in_place_of_leaps() {
+        let half = std::f64::consts::PI;
+        let columns = ["roll", "pitch"].map(|name| Column::new(name, "rad", "WB"));
+        let mut record = Record::new(columns.into(), 6).unwrap();
+        for row in [[0.0, -1.2], [0.0, -1.5], [half, -1.4], [half, -1.0], [-half, -0.5], [-half, 0.5]] {
+            record.append(&row);
+        }
+        let up = upright(&record).unwrap();
+        // The last leap is a whole turn, which is none.
+        assert_eq!(
+            up.iter().map(|up| up.is_nan()).collect::<Vec<_>>(),
+            [false, true, true, false, false, false]
+        );
+        let heading = headings(&[3.0, 0.0, 0.0, -3.0, 3.0, 3.1], &up);
+        assert!(heading[0] == 3.0 && heading[1].is_nan() && heading[2].is_nan() && heading[3] == -3.0);
+        assert!((heading[5] - (3.1 - 2.0 * half)).abs() < 1e-12, "{heading:?}");
+    }
+}
