@@ -184,6 +184,9 @@ pub struct Scenario {
     prepared: Option<Prepared>,
 }
 
+/// Who sees the samples of a flight, and may stop it.
+type FlightObserver<'a> = &'a mut dyn FnMut(&Sample) -> ControlFlow<()>;
+
 /// A flown scenario.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -469,7 +472,7 @@ impl Scenario {
         controller: &mut (dyn Controller + 'c),
         mut sensors: Sensors,
         schedule: &Schedule,
-        (observe, finer): (&mut dyn FnMut(&Sample) -> ControlFlow<()>, Option<FinerFlight>),
+        (observe, finer): (FlightObserver, Option<FinerFlight>),
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut lattice = self.lattice()?;
