@@ -140,12 +140,21 @@ impl ScenarioSpec {
         let of_robot = ["drive", "structure", "surfaces", "thrusters"]
             .map(|key| (format!("{table}.{key}"), format!("robot.{key}")));
         let solver = self.solver.as_ref().map_or("solver".into(), |named| format!("solver.{}", named.name));
-        let own = [(format!("{table}.gait"), gait), path, (format!("{table}.solver"), solver)];
+        let wind = (format!("{table}.wind_m_s"), "air.wind_m_s".into());
+        let own = [(format!("{table}.gait"), gait), path, (format!("{table}.solver"), solver), wind];
         error.within(&table).renamed(&[own.as_slice(), &of_robot].concat())
     }
 
+    /// Key of the table that the manoeuvre is made of.
+    pub(super) fn manoeuvre_table(&self) -> String {
+        match &self.manoeuvre {
+            Some(Chosen::Own(named)) => format!("manoeuvre.{}", named.name),
+            _ => "manoeuvre".into(),
+        }
+    }
+
     /// Key of the table that the controller is made of.
-    fn controller_table(&self) -> String {
+    pub(super) fn controller_table(&self) -> String {
         match &self.controller {
             Some(Chosen::Own(named)) => format!("controller.{}", named.name),
             _ => "controller".into(),

@@ -114,9 +114,9 @@ impl Sweep {
         Ok(sweep)
     }
 
-    /// What is published of the scenario of its flights.
+    /// What is published of the scenario of its flights, where they are of that case but for what is drawn.
     pub fn paper(&self) -> Option<PaperResults> {
-        self.inner.parse::<super::ScenarioSpec>().ok()?.paper
+        Scenario::new(self.inner.clone()).ok()?.spec.paper
     }
 
     /// What a drawn key is, in words and with its unit; hinges, links and surfaces by their names.

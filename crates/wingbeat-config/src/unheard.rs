@@ -1,7 +1,8 @@
 //! What a run says of strips: keys that none of its models hears, keys that mislead, hinges that crowd them, few of them.
 
 use super::LatticeSpec;
-use super::spec::{AeroSpec, FlightSpec, FullAeroSpec};
+use super::doors::ChosenKinds;
+use super::spec::{AeroSpec, FlightSpec, FullAeroSpec, ScenarioSpec};
 use wingbeat_aero::{Aero, CD0, Preset};
 use wingbeat_judge::Warning;
 use wingbeat_robot::{Robot, RobotSpec};
@@ -126,4 +127,32 @@ pub(super) fn frictionless(spec: &RobotSpec, robot: &Robot) -> Option<Warning> {
         CD0.default
     );
     Some(Warning::new("aero.no_profile_drag", text).size(names.len() as f64).key(key))
+}
+
+/// The warning that `robot` has nothing that could lift it: neither a surface in air nor a thruster.
+pub(super) fn unlifted(robot: &Robot) -> Option<Warning> {
+    let lifts = robot.surfaces().next().is_some() || !robot.thrusters().is_empty();
+    let text = "the robot has no lifting surface and no thruster: it falls";
+    (!lifts && !robot.is_in_vacuum())
+        .then(|| Warning::new("flight.nothing_lifts", text).key("robot.surfaces"))
+}
+
+impl ScenarioSpec {
+    /// The warnings of what begins when the flight is over, and so is never flown.
+    pub(super) fn never_begun(&self, choice: &ChosenKinds) -> impl Iterator<Item = Warning> {
+        let table = |table: String| move |(key, start): (String, f64)| (format!("{table}.{key}"), start);
+        let manoeuvre = choice.manoeuvre.iter().flat_map(|manoeuvre| manoeuvre.begins());
+        let manoeuvre = manoeuvre.map(table(self.manoeuvre_table()));
+        let controller = choice.controller.iter().flat_map(|controller| controller.begins());
+        let controller = controller.map(table(self.controller_table()));
+        let gusts = self.air.gusts.iter().enumerate();
+        let gusts = gusts.map(|(i, gust)| (format!("air.gusts[{i}].start_s"), gust.start_s));
+        let end = self.flight.duration_s;
+        let all: Vec<(String, f64)> = manoeuvre.chain(controller).chain(gusts).collect();
+        all.into_iter().filter(move |(_, start)| *start >= end).map(move |(key, start)| {
+            let text =
+                format!("{key} = {start} is not before the end of the flight ({end} s): what begins there is never flown");
+            Warning::new("flight.never_begins", text).size(start).key(key)
+        })
+    }
 }

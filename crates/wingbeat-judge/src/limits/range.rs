@@ -35,7 +35,7 @@ pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.0
 /// edge, where it acts at three quarters. *Choice.*
 pub const REVERSED: JudgedLimit = JudgedLimit::warn_above("range.reversed_fraction", 0.1, "")
     .on("no law knows wind from behind (is the leading edge ahead?): share of strips and time with an angle of attack above 135 deg");
-/// Mostly so, of a wing that is held in its wind: lift acts at the wrong end of the chord. *Choice.*
+/// Mostly so: lift acts at the wrong end of the chord. Shipped flights have none. *Choice.*
 pub const REVERSED_OUTSIDE: JudgedLimit =
     JudgedLimit::at_most("range.reversed_outside_fraction", 0.5, "", Outside)
         .on("share of strips and time with the wind from behind, an angle of attack above 135 deg");
@@ -44,8 +44,8 @@ pub const REVERSED_OUTSIDE: JudgedLimit =
 /// measured up to 45 deg (`aero.mancini`, `aero.plates`). Any share that would not be printed as 0 % is told.
 pub const STALLED: JudgedLimit = JudgedLimit::warn_above("range.stall_fraction", 5e-4, "")
     .on("share of strips and time past what their lift law holds for");
-/// Nearly all of a wing that is held in its wind: what comes out is a guess at the drag of a plate. Aerobat on its stand in a slow wind has
-/// .52; flights tumble through such angles. *Choice.*
+/// Nearly all of a wing: what comes out is a guess at the drag of a plate. Aerobat on its stand in a slow wind has .52, in the first half
+/// second of its flight on springs .62, in its turn .15. *Choice.*
 pub const STALLED_OUTSIDE: JudgedLimit =
     JudgedLimit::at_most("range.stall_outside_fraction", 0.75, "", Outside)
         .on("no lift law was measured there: share of strips and time with an angle of attack above 45 deg");
