@@ -258,7 +258,7 @@ impl ScenarioSpec {
     }
 
     /// The robot as its controller knows it.
-    fn known_robot(&self) -> Result<Robot, Error> {
+    pub(super) fn known_robot(&self) -> Result<Robot, Error> {
         let wind = Wind::steady(Vec3(self.air.wind_m_s));
         self.robot_in(&self.robot, &self.aero, Air { density: self.air.density_kg_m3, wind }, None)
     }

@@ -1,6 +1,6 @@
 //! From a case file to a tethered wing and its summary.
 
-use super::fit::rejected_fit;
+use super::fit::{ByName, rejected_fit};
 use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
@@ -9,7 +9,7 @@ use super::span_keys::{resolve, varied};
 use super::spar_numbers::SparNumbers;
 use super::stall;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::unheard::{of_strips, side_edges};
+use super::unheard::{in_vain, of_strips, side_edges};
 use super::web;
 use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
 use serde::Serialize;
@@ -236,6 +236,8 @@ impl TetherCase {
             .chain(repeating(run, self.tether.clock.frequency_hz).filter(|_| !self.tether.motion.is_still()))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
+            .chain(given_twice(&self.document, &self.spec))
+            .chain(in_vain(&self.document, "aero", [&self.tether.aero]))
             .chain(side_edges(&self.spec.aero, [&self.tether.aero], Some(run.stalled.stalled())))
             .chain(of_strips(&self.spec.aero, None, [&self.tether.aero]))
             .chain(web::of_hinges(&self.spec.wing.hinges, &self.tether.aero))
@@ -286,6 +288,16 @@ impl TetherCase {
         let flap = FlapSummary::tethered(&self.tether.aero, angles[first..].iter().copied());
         flap.filter(|_| run.ending == Ending::Complete)
     }
+}
+
+/// The warnings that overrides of the merged `document` of a case, `spec`, say numbers of its wing that `numbers` gives too.
+pub(super) fn given_twice(document: &Document, spec: &TetherSpec) -> Vec<Warning> {
+    let by_name = ByName { key: "numbers", given: &spec.numbers, tables: &["wing", "wind", "aero", "spar"] };
+    by_name.given_twice(document, |document| {
+        let spec: TetherSpec = document.parse().ok()?;
+        let (_, _, aero) = spec.own_aero().ok()?;
+        Some(named(&WingNumbers::of(&aero), spec.spar.as_ref().map(SparNumbers::of).as_ref()))
+    })
 }
 
 /// What the tables of a motion say.
@@ -674,6 +686,37 @@ impl TetherSpec {
         self.check()?;
         let (motion, tables) = self.motion(folder, read, limits)?;
         let clock = self.time.clock();
+        let (planform, wing, aero) = self.own_aero()?;
+        let (aero, numbers) = self.numbered(&aero)?;
+        let spar = self.built_spar(&aero, &planform, numbers)?;
+        let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
+        let area = planform.area() * halves;
+        let tether = Tether {
+            reference: CoefficientScales {
+                density_kg_m3: aero.numbers().density,
+                speed_m_s: self.reference_speed()?,
+                area_m2: self.reference.area_m2.unwrap_or(area),
+                chord_m: self
+                    .reference
+                    .chord_m
+                    .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
+            },
+            wing,
+            motion,
+            ground: self.wind.ground_m.map(|height| Plane::new(&aero, height)),
+            aero,
+            wind: self.wind.velocity(),
+            side: self.wing.side,
+            clock,
+            spar,
+        };
+        let names = [("air", "wind"), ("hinges", "wing.hinges")];
+        tether.check().map_err(|e| e.renamed(&names))?;
+        Ok((tether, tables))
+    }
+
+    /// Its planform, its wing, and the model of that with no number by its name.
+    fn own_aero(&self) -> Result<(Planform, Wing, Aero), Error> {
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
         self.wing
             .flap
@@ -709,32 +752,7 @@ impl TetherSpec {
             strips: None,
         };
         let aero = self.aero.build(&outline, self.wind.density_kg_m3, false, &names)?;
-        let (aero, numbers) = self.numbered(&aero)?;
-        let spar = self.built_spar(&aero, &planform, numbers)?;
-        let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
-        let area = planform.area() * halves;
-        let tether = Tether {
-            reference: CoefficientScales {
-                density_kg_m3: aero.numbers().density,
-                speed_m_s: self.reference_speed()?,
-                area_m2: self.reference.area_m2.unwrap_or(area),
-                chord_m: self
-                    .reference
-                    .chord_m
-                    .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
-            },
-            wing,
-            motion,
-            ground: self.wind.ground_m.map(|height| Plane::new(&aero, height)),
-            aero,
-            wind: self.wind.velocity(),
-            side: self.wing.side,
-            clock,
-            spar,
-        };
-        let names = [("air", "wind"), ("hinges", "wing.hinges")];
-        tether.check().map_err(|e| e.renamed(&names))?;
-        Ok((tether, tables))
+        Ok((planform, wing, aero))
     }
 
     /// The speed of the coefficients: as given, and else the wind's.
