@@ -269,8 +269,8 @@ fn a_draw_that_changes_nothing_is_told() {
     let told = |set: &str| {
         let text = format!(
             "name = \"s\"\ncase = {:?}\nsampling = \"grid\"\nset = ['time.cycles=1', {set}]\n\
-             [[draws]]\nkey = \"wind.density_kg_m3\"\nlow = 0.9\nhigh = 1.3\ncount = 3\n\
-             [[draws]]\nkey = \"wind.speed_m_s\"\nlow = 6.0\nhigh = 7.0\ncount = 2\n",
+             [[draws]]\nkey = \"wind.density_kg_m3\"\nlow = 0.9\nhigh = 1.3\npoints = 3\n\
+             [[draws]]\nkey = \"wind.speed_m_s\"\nlow = 6.0\nhigh = 7.0\npoints = 2\n",
             root().join("cases/flap_f2.toml")
         );
         fs::write(folder.join("small.toml"), text).unwrap();
