@@ -274,6 +274,46 @@ fn warned(folder: &Path, out: &str) -> Vec<[String; 2]> {
 }
 
 #[test]
+fn degrees_in_place_of_radians_are_asked_about() {
+    let folder = scratch("fly-degrees");
+    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
+    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    let told = |set: &[&str]| {
+        let mut arguments = vec!["fly", "sc.toml", "--quiet", "--no-report", "--force", "--out", "o"];
+        let duration = ["flight.duration_s=0.02"];
+        arguments.extend(duration.iter().chain(set).flat_map(|set| ["--set", set]));
+        assert!(wingbeat(&folder, &arguments).status.code() != Some(2));
+        let ids = warned(&folder, "o").into_iter().map(|[id, _]| id);
+        ids.filter(|id| id.starts_with("range.joint_")).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&[]), [""; 0]);
+    assert_eq!(told(&["robot.links[1].driven.mean_rad=-30"]), ["range.joint_angle_rad"]);
+    assert_eq!(told(&["robot.links[2].driven.mean_rad=5"]), ["range.joint_angle_rad"]);
+    assert_eq!(told(&["robot.links[0].driven.harmonics[0].phase_rad=90"]), ["range.joint_phase_rad"]);
+}
+
+#[test]
+fn refusals_name_their_override_and_their_help() {
+    let folder = scratch("fly-refusals");
+    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
+    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    let said = |arguments: &[&str]| {
+        let output = wingbeat(&folder, arguments);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let strips = said(&["fly", "sc.toml", "--set", "aero.full.strips=32"]);
+    assert!(strips.contains("--set aero.full.strips=32"), "{strips}");
+    let density = said(&["fly", "sc.toml", "--set", "air.density_kg_m3=nan"]);
+    assert!(density.contains("allowed is a finite number") && !density.contains("magnitude"), "{density}");
+    let trim = said(&["trim", "sc.toml"]);
+    assert!(trim.contains("wingbeat new trim"), "{trim}");
+    let new = wingbeat(&folder, &["new", "case", "a b.toml"]);
+    let new = String::from_utf8(new.stdout).unwrap();
+    assert!(new.contains("next: wingbeat tether 'a b.toml'"), "{new}");
+}
+
+#[test]
 fn overrides_without_effect_are_told() {
     let folder = scratch("fly-in-vain");
     assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
