@@ -391,7 +391,13 @@ pub(super) fn robot(
         aero.build(outline, air.density, both, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
-    let robot = Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))?;
+    let robot = Robot::new(spec, models, air, phase).map_err(|e| {
+        let error = e.within("robot");
+        let Error::Invalid { key, .. } = &error;
+        // Where surfaces leave it open, their strips are those of the model.
+        let open = key == "robot.surfaces" && spec.surfaces.iter().any(|surface| surface.strips.is_none());
+        if open { error.against(["aero.full.strips"]) } else { error }
+    })?;
     let own = spec.own_numbers();
     let given = robot.check_given(&own).and_then(|()| robot.given(&own));
     let mut numbers = given.map_err(|e| of_numbers(e, spec).within("robot"))?;

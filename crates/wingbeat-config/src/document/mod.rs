@@ -411,7 +411,9 @@ impl Document {
             let largest = limits::largest(&key);
             let largest = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
             let own = of_start(&key).map(|range| range.allowed());
-            let allowed = own.unwrap_or_else(|| format!("a finite number, {largest} or less in magnitude"));
+            let finite = given.as_deref().is_some_and(|given| given.parse().is_ok_and(f64::is_finite));
+            let most = if finite { format!(", {largest} or less in magnitude") } else { String::new() };
+            let allowed = own.unwrap_or_else(|| format!("a finite number{most}"));
             let problem = KeyProblem::Value(allowed);
             Err(Wrong::new(place, key, given, problem).into())
         })

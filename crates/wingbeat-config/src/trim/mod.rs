@@ -187,7 +187,10 @@ impl Scenario {
 
     /// What `[trim]` asks.
     fn trim_spec(&self) -> Result<&TrimSpec, Error> {
-        self.spec.trim.as_ref().ok_or_else(|| Error::invalid("trim", "none", "a [trim]"))
+        self.spec
+            .trim
+            .as_ref()
+            .ok_or_else(|| Error::invalid("trim", "none", "a [trim], which `wingbeat new trim` writes"))
     }
 
     /// A cycle of the robot as the controller knows it, in the steps of `[trim]`.
