@@ -267,7 +267,7 @@ impl ScenarioSpec {
     }
 
     /// The robot as its controller knows it.
-    fn known_robot(&self) -> Result<Robot, Error> {
+    pub(super) fn known_robot(&self) -> Result<Robot, Error> {
         let wind = Wind::steady(Vec3(self.air.wind_m_s));
         self.robot_in(&self.robot, &self.aero, Air { density: self.air.density_kg_m3, wind }, None)
     }
@@ -400,7 +400,13 @@ pub(super) fn robot(
         aero.build(outline, air.density, both, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
-    let robot = Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))?;
+    let robot = Robot::new(spec, models, air, phase).map_err(|e| {
+        let error = e.within("robot");
+        let Error::Invalid { key, .. } = &error;
+        // Where surfaces leave it open, their strips are those of the model.
+        let open = key == "robot.surfaces" && spec.surfaces.iter().any(|surface| surface.strips.is_none());
+        if open { error.against(["aero.full.strips"]) } else { error }
+    })?;
     let own = spec.own_numbers();
     let given = robot.check_given(&own).and_then(|()| robot.given(&own));
     let mut numbers = given.map_err(|e| of_numbers(e, spec).within("robot"))?;

@@ -223,7 +223,9 @@ impl JudgedFlight<'_> {
         }
         if let Some([chordwise, spanwise]) = self.context.panels {
             judge.hold(&wake::ALONG, chordwise as f64);
+            judge.hold(&wake::FEW_ALONG, chordwise as f64);
             judge.hold(&wake::ACROSS, spanwise as f64);
+            judge.hold(&wake::FEW_ACROSS, spanwise as f64);
             judge.hold_if(&wake::INFLOW, self.summary.lattice.map(|lattice| lattice.inflow_fraction));
         }
         if let Some(crossing) = self.crossing {

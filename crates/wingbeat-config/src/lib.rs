@@ -525,12 +525,22 @@ impl Scenario {
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
+        summary.warnings.extend(self.in_vain());
         let past_stall = summary.stall_fraction;
         let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
         summary.warnings.extend(unheard::side_edges(self.spec.flown_aero(), surfaces, past_stall));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
         summary.warnings.extend(self.spec.near_ground(summary.ground_distance_m));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
+    }
+
+    /// The warnings that overrides have no effect: numbers that are given by name too, keys of models that no surface has.
+    fn in_vain(&self) -> Vec<Warning> {
+        let mut warnings = fit::given_twice(&self.document, &self.spec);
+        let models = [&self.robot, &self.model];
+        let surfaces = models.into_iter().flat_map(|robot| robot.surfaces().map(|(_, aero)| aero));
+        warnings.extend(unheard::in_vain(&self.document, "aero", surfaces));
+        warnings
     }
 
     /// A word for all surfaces of `robot`: where they differ each after its surface's name, without any `plain`.

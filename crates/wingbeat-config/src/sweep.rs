@@ -150,6 +150,22 @@ impl Sweep {
         }
     }
 
+    /// What is said of draws, and of overrides, of numbers that are given by name too.
+    pub(super) fn given_twice(&self) -> Vec<Warning> {
+        let drawn = self.drawn(0);
+        let said = match self.of {
+            SweepOf::Flights(_) => drawn.merged(&super::INCLUDES, &|_, _| None).and_then(|document| {
+                let spec = document.parse()?;
+                Ok(fit::given_twice(&document, &spec))
+            }),
+            SweepOf::Cases => drawn.merged(&["numbers"], &|_, _| None).and_then(|document| {
+                let spec = document.parse()?;
+                Ok(super::tether::given_twice(&document, &spec))
+            }),
+        };
+        said.unwrap_or_default()
+    }
+
     /// Number of runs.
     pub fn runs(&self) -> usize {
         self.spec.count()

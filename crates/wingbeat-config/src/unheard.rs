@@ -1,9 +1,9 @@
 //! What a run says of strips: keys that none of its models hears, keys that mislead, hinges that crowd them, few of them.
 
-use super::LatticeSpec;
 use super::doors::ChosenKinds;
 use super::spec::{AeroSpec, FlightSpec, FullAeroSpec, ScenarioSpec};
-use wingbeat_aero::{Aero, CD0, Preset};
+use super::{Document, LatticeSpec};
+use wingbeat_aero::{Aero, CD0, CRITICAL_SUCTION, Preset};
 use wingbeat_judge::Warning;
 use wingbeat_robot::{Robot, RobotSpec};
 
@@ -85,6 +85,46 @@ pub(super) fn of_strips<'a>(
         .chain(ribless(&models))
         .chain(swept(&models).filter(|_| lattice.is_none()))
         .collect()
+}
+
+/// Terms of `aero` that preset `as_printed` lacks, and settings of `aero.paper` that it alone has.
+const NOT_PRINTED: [&str; 3] = ["added_mass", "section_moment", "pitch_suction"];
+const PRINTED: [&str; 3] = ["paper.lag_speed", "paper.lift_tilt", "paper.printed_drag"];
+
+/// The warnings that overrides of the merged `document` give keys of its table `aero` that none of `models` hears. The terms of
+/// [`STRIP_KEYS`] are told wherever they are given.
+pub(super) fn in_vain<'a>(
+    document: &Document,
+    aero: &str,
+    models: impl IntoIterator<Item = &'a Aero>,
+) -> Vec<Warning> {
+    let models: Vec<&Aero> = models.into_iter().collect();
+    let any = |preset: Preset| models.iter().any(|model| model.preset() == preset);
+    let asks = |key: &str| {
+        models.iter().any(|model| model.law().about().parameters.iter().any(|asked| asked.key == key))
+    };
+    let why = |key: &str| -> Option<String> {
+        let lacks = |heard: bool| (!heard).then(|| "no surface has its preset".to_owned());
+        match key {
+            _ if PRINTED.contains(&key) => lacks(any(Preset::AsPrinted)),
+            _ if NOT_PRINTED.contains(&key) => lacks(any(Preset::Full) || any(Preset::Paper)),
+            _ if key.starts_with("paper.") => lacks(any(Preset::Paper) || any(Preset::AsPrinted)),
+            _ if key.starts_with("full.") => lacks(any(Preset::Full)),
+            _ if key == CRITICAL_SUCTION.key => {
+                (!asks(key)).then(|| "the law of no surface asks for it".to_owned())
+            }
+            _ => None,
+        }
+    };
+    let told = |key: &str| STRIP_KEYS.iter().any(|(told, _)| *told == key);
+    let said = |(key, value): (String, String)| {
+        let why = why(key.strip_prefix(aero)?.strip_prefix('.')?).filter(|_| !told(&key))?;
+        Some(Warning::new("aero.unheard", format!("{key} = {value} has no effect: {why}")).key(key))
+    };
+    if models.is_empty() {
+        return Vec::new();
+    }
+    document.given_by_overrides().into_iter().filter_map(said).collect()
 }
 
 /// The warning that the vortices of side edges push too hard where the share `past_stall` of the strips of `models` is beyond the stall
