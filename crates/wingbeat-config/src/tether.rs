@@ -496,15 +496,15 @@ impl TetherCase {
             Ok(StepChange { power, ..change(&run.means, &other.means, least) })
         };
         let coarse = against((steps / 2).max(2))?;
-        let parts: [(fn(&StepChange) -> f64, f64); 3] =
-            [(|of| of.mean, STEP_CHANGE), (|of| of.peak, PEAK_CHANGE), (|of| of.power, STEP_CHANGE)];
-        let holds = parts.map(|(part, most)| part(&coarse) <= most);
+        let most = [STEP_CHANGE, PEAK_CHANGE, STEP_CHANGE];
+        let parts = |of: StepChange| [of.mean, of.peak, of.power];
+        let holds: [bool; 3] = std::array::from_fn(|k| parts(coarse)[k] <= most[k]);
         if holds == [true; 3] || self.tether.stepped(2 * steps).check().is_err() {
             return Ok(Some(coarse));
         }
         let fine = against(2 * steps)?;
-        let of = |k: usize| parts[k].0(if holds[k] { &coarse } else { &fine });
-        Ok(Some(StepChange { mean: of(0), peak: of(1), power: of(2) }))
+        let [mean, peak, power] = std::array::from_fn(|k| parts(if holds[k] { coarse } else { fine })[k]);
+        Ok(Some(StepChange { mean, peak, power }))
     }
 
     /// The cautions that the steps are too long for the means and for the peaks.

@@ -411,8 +411,9 @@ impl Document {
             let largest = limits::largest(&key);
             let largest = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
             let own = of_start(&key).map(|range| range.allowed());
-            let finite = given.as_deref().is_some_and(|given| given.parse().is_ok_and(f64::is_finite));
-            let most = if finite { format!(", {largest} or less in magnitude") } else { String::new() };
+            // Of what is no number its size is not at fault, and the key may allow less than its unit.
+            let nan = given.as_deref().is_some_and(|given| given.parse().is_ok_and(f64::is_nan));
+            let most = if nan { String::new() } else { format!(", {largest} or less in magnitude") };
             let allowed = own.unwrap_or_else(|| format!("a finite number{most}"));
             let problem = KeyProblem::Value(allowed);
             Err(Wrong::new(place, key, given, problem).into())

@@ -132,7 +132,7 @@ impl SampleGrid {
 
 /// Part of how far a time stands from its place that the next places forget: clocks wander. *Choice.*
 const FORGOTTEN: f64 = 1.0 / 64.0;
-/// Times behind a gap that must confirm it: one that comes late has the next one near, and a burst of late ones all of its own. *Choice.*
+/// Times behind a gap that must confirm it: one that comes late has the next one near. *Choice.*
 const CONFIRMED_BY: usize = 16;
 
 /// Places by which each of the times goes on, from `gaps` in common steps. Not each gap is rounded by itself, as the jitter of two times would
@@ -228,13 +228,7 @@ mod tests {
         let late: Vec<f64> = (0..12_000)
             .map(|k| 1e-3 * (f64::from(k) + if even() < 0.02 { 0.5 + 0.4 * even() } else { 0.0 }))
             .collect();
-        // Sixteen samples at a time come at once.
-        let burst: Vec<f64> = (0..12_000)
-            .map(|k| {
-                1e-3 * (f64::from(k) + if k / 16 % 20 == 3 { 0.97 * f64::from(15 - k % 16) } else { 0.0 })
-            })
-            .collect();
-        for (times, most) in [(&jitter, 1), (&late, 1), (&burst, 1)] {
+        for (times, most) in [(&jitter, 1), (&late, 1)] {
             let grid = SampleGrid::timed(times, 1.0, false).unwrap();
             let missing = grid.len() - grid.place.len();
             assert!(missing <= most && (grid.rate - 1000.0).abs() < 0.1, "{missing} {}", grid.rate);

@@ -27,11 +27,11 @@ pub const LOADING: JudgedLimit = JudgedLimit::warn_above("range.span_loading_n_m
 /// Mass of a link over that of the body that carries it. Shipped robots have 0.3 and less. *Choice.*
 pub const LINK: JudgedLimit = JudgedLimit::warn_above("range.link_over_body", 5.0, "")
     .on("a link that is heavy for its body (is it in kg?): largest mass of a link over that of the body");
-/// Means and amplitudes of the angles of joints: no wing turns by more than half a turn; 5 deg are 0.087 rad. *Choice.*
-pub const ANGLE: JudgedLimit = JudgedLimit::warn_above("range.joint_angle_rad", std::f64::consts::PI, "rad")
+/// Means and amplitudes of the angles of joints: no wing turns by more than half a turn. *Choice.*
+pub const ANGLE: JudgedLimit = JudgedLimit::warn_above("range.joint_angle_rad", 3.2, "rad")
     .on("a joint that turns far (is its angle in rad?): largest mean or amplitude of a driven joint");
-/// Phases of the angles of joints: any is one within a turn. *Choice.*
-pub const PHASE: JudgedLimit = JudgedLimit::warn_above("range.joint_phase_rad", std::f64::consts::TAU, "rad")
+/// Phases of the angles of joints: any is one within a turn, 6.283 rad. *Choice.*
+pub const PHASE: JudgedLimit = JudgedLimit::warn_above("range.joint_phase_rad", 6.3, "rad")
     .on("a phase beyond a whole turn (is it in rad?): largest phase or lag of a driven joint");
 /// Density of the fluid: air has 1.2 kg/m3 at sea level and 0.09 at 20 km, in which nothing here flies (ISO 2533). *Choice.*
 pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.05, "kg/m3")
