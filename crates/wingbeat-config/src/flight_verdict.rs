@@ -289,7 +289,9 @@ impl JudgedFlight<'_> {
                 stall::hold(judge, &means.stalled, "aero.law");
             }
             // No law of wings carries what hangs from a perch or from its thrusters, or flies where there is no air.
-            if self.is_carried_by_air() && self.context.robot.thrusters().is_empty() {
+            // Of less than a cycle the shares are those of how it starts.
+            let flies = self.is_carried_by_air() && self.context.robot.thrusters().is_empty();
+            if flies && self.weight_carried().is_some() {
                 judge.hold(&range::REVERSED_OUTSIDE, means.reversed_fraction);
                 judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
             }
