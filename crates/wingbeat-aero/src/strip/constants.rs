@@ -46,19 +46,19 @@ pub struct Lags {
 ///
 /// A fit: least errors of lift against a linear lifting surface, each in parts of the size asked of it: plunge, pitch and flapping of 17 wings
 /// (rectangles, sweeps, tapers, an ellipse, Aerobat's flat and folded) of 9, 16 and 32 strips up to k = 3, the sudden start of rectangles,
-/// loads along their span, and the mean thrust of Garrick 1936, which the square of C(k) decides. 16 wings were kept aside.
+/// loads along their span, their mean thrust in pitch, that of Garrick 1936, which the square of C(k) decides, and row `aero.yeo.lift`. 16 wings were kept aside.
 /// One delay stands for the near wake, which folds leave as it is: the fit found no power of the distance between the tips.
 pub const THREE_LAGS: Lags = Lags {
-    rate: &[0.10872, 0.56405],
-    lift: &[0.34334, 0.15666],
-    rate_gain: &[1.48171, 1.58726],
-    lift_gain: &[0.26441, -0.26441],
-    circulation: &[0.35863333889706356, 0.6413666611029365],
-    doublet: 0.7308,
-    wake_at_once: 0.12752,
-    wake: &[0.87248],
-    wake_delay: &[1.11524],
-    exponent: 0.30006,
+    rate: &[0.09963, 0.51],
+    lift: &[0.31717, 0.18283],
+    circulation: &[0.3195978090503692, 0.6804021909496307],
+    doublet: 0.71432,
+    wake_at_once: 0.16595,
+    wake: &[0.83405],
+    wake_delay: &[1.32632],
+    rate_gain: &[1.39093, 1.27804],
+    lift_gain: &[0.27822, -0.27822],
+    exponent: 0.3312,
     folding: 0.0,
     places: true,
     fills: true,
@@ -109,7 +109,8 @@ impl Lags {
             rate: lag.rate * (lack * self.rate_gain[k]).exp(),
         };
         let lags: ArrayVec<_, MAX_WASH_LAGS> = plane.iter().enumerate().map(own).collect();
-        let mut circulation: ArrayVec<P, MAX_WASH_LAGS> = self.circulation.iter().map(|g| P::from(*g)).collect();
+        let mut circulation: ArrayVec<P, MAX_WASH_LAGS> =
+            self.circulation.iter().map(|g| P::from(*g)).collect();
         let jump = jump_weights(&lags, &circulation).into_iter().fold(P::ZERO, |sum, weight| sum + weight);
         let shift = (P::ONE - jump) / (lags[0].rate.recip() - lags[1].rate.recip());
         circulation[0] += shift;

@@ -482,6 +482,7 @@ impl<P: Scalar> StripModel<P> {
     /// area alone: rows of vortices shed at s leave the wash G B.n / (4 pi s^2) for each length of it, B the vector between
     /// its edges. So the span b by which a wake is near or far is the distance between the tips, as they lie now, and the law
     /// tau ~ (b/c)^p of the flat wings holds with it. Beside the mean chord c the distance is nothing, where the tips meet.
+    /// So with five lags; the one delay of three lags is that of the near wake, and no power of the distance made their fit better.
     ///
     /// Equation: aero.strip.wake_delay
     /// `tau = t c (b/c)^p ((B^2 + c^2)/(B_0^2 + c^2))^(p/2), B between the tips' quarter chords, B_0 on the flat wing`

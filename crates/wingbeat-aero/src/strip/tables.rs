@@ -1,10 +1,10 @@
 //! What of each strip never changes, padded so that loops over lanes need no end.
 
 use super::carried_place::carried_places;
+use super::constants::jump_weights;
 use super::grid::StripGrid;
 use super::reach::SpanReach;
 use super::side_edge::{self, TipPull};
-use super::constants::jump_weights;
 use super::{Lags, StripSettings};
 use crate::{LagNumbers, MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
 use arrayvec::ArrayVec;
