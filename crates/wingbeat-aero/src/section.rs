@@ -193,13 +193,13 @@ impl<S: Scalar> SectionFlow<S> {
         for i in 0..6 {
             let scaled = g[i] * mass;
             for j in i..6 {
-                matrix[i][j] += scaled * g[j];
+                matrix[i][j] = matrix[i][j].plus_product(scaled, g[j]);
             }
         }
         for i in 0..3 {
             let scaled = self.across[i] * inertia;
             for j in i..3 {
-                matrix[3 + i][3 + j] += scaled * self.across[j];
+                matrix[3 + i][3 + j] = matrix[3 + i][3 + j].plus_product(scaled, self.across[j]);
             }
         }
     }
@@ -295,8 +295,9 @@ impl<S: Scalar> SectionForce<S> {
     where
         S: Over<G>,
     {
-        let force = chordwise.times(self.chordwise) + normal.times(self.normal) + across.times(self.across);
-        let couple = across.times(self.nose_up) + chordwise.times(self.about_chord);
+        let in_plane = normal.times_plus(self.normal, chordwise.times(self.chordwise));
+        let force = across.times_plus(self.across, in_plane);
+        let couple = chordwise.times_plus(self.about_chord, across.times(self.nose_up));
         Wrench { force, moment: middle.cross_over(force) + couple }
     }
 }

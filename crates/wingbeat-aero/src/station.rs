@@ -156,5 +156,5 @@ impl<S: Scalar> SectionMotion<S> {
 
 #[inline]
 fn along<P: Scalar, S: Scalar + Meets<P>>(a: Vec3<S>, b: Vec3<S>, x: P) -> Vec3<S> {
-    a * S::from(P::ONE - x) + b * S::from(x)
+    (a * S::from(P::ONE - x)).shifted::<S>(b, S::from(x))
 }

@@ -1,6 +1,6 @@
 //! Whether runs can be those that their files say, before they are fitted.
 
-use crate::measured::{CellAxes, PhaseShift, axes, shift};
+use crate::measured::{CellAxes, PhaseShift, axes, dead, shift};
 use crate::{Error, HarmonicLayout, ModelStructure, ObservedCycles};
 use wingbeat::rig::cell::CHANNELS;
 
@@ -17,6 +17,8 @@ const GAINED: f64 = 0.5;
 /// What of a measured cycle does not agree with the model's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Disagreement {
+    /// A channel that stands still where the model's moves.
+    Dead(usize),
     /// Channels that would agree much better if they were others, or had the other sign, with the factor on each.
     Axes(CellAxes),
     /// A cycle behind (or, negative, ahead of) the model's by more than 5 deg.
@@ -24,12 +26,16 @@ pub enum Disagreement {
 }
 
 /// What of the cycle `measured` does not agree with `model`; `in_cell` are both in the frame of the cell, in the units of the
-/// channels. Axes that are swapped or flipped are told before a phase: with them it means nothing.
+/// channels. A channel that stands still is told first, as no other one can be in its place; axes that are swapped or flipped are told before
+/// a phase: with them it means nothing.
 pub fn disagreement(
     layout: HarmonicLayout,
     [measured, model]: [&[f64]; 2],
     in_cell: [&[f64]; 2],
 ) -> Option<Disagreement> {
+    if let Some(channel) = dead(layout, in_cell[0], in_cell[1]).first() {
+        return Some(Disagreement::Dead(*channel));
+    }
     if let Some(found) = axes(layout, in_cell[0], in_cell[1]) {
         return Some(Disagreement::Axes(found));
     }
@@ -43,6 +49,9 @@ impl Disagreement {
     /// What is seen.
     pub fn words(&self) -> String {
         match self {
+            Self::Dead(channel) => {
+                format!("{} stands still where the model's moves: the channel is dead", CHANNELS[*channel].0)
+            }
             Self::Axes(found) => {
                 let words: Vec<String> = wrong(found)
                     .map(|(i, from)| format!("{} is {from} of the file", CHANNELS[i].0))
@@ -62,6 +71,12 @@ impl Disagreement {
     /// What would be right, as keys of the run.
     pub fn mend(&self) -> String {
         match self {
+            Self::Dead(channel) => {
+                format!(
+                    "process.input.columns={{{0} = \"NAME\"}} if {0} is another column",
+                    CHANNELS[*channel].0
+                )
+            }
             Self::Axes(found) => {
                 let columns: Vec<String> =
                     wrong(found).map(|(i, from)| format!("{} = \"{from}\"", CHANNELS[i].0)).collect();
@@ -107,7 +122,7 @@ pub fn checked(
             continue;
         }
         match found {
-            Disagreement::Axes(_) => {
+            Disagreement::Dead(_) | Disagreement::Axes(_) => {
                 return Err(Error::data(&run.name, format!("{}: set {}", found.words(), found.mend())));
             }
             Disagreement::Phase(_) if fits_phase => {
@@ -141,7 +156,8 @@ fn check_case(
         (0..run.layout.width()).for_each(|part| among[run.layout.at(*channel, part)] = 0.0);
     }
     let what = match disagreement(run.layout, [&run.mean, &predicted], [&run.mean, &among]) {
-        None => return Ok(()),
+        // What stands still is found in the data too, by its name and with its size.
+        None | Some(Disagreement::Dead(_)) => return Ok(()),
         Some(found @ Disagreement::Axes(_)) => {
             format!(
                 "{}: compare.channels says which column is which, compare.scale with which sign",

@@ -22,6 +22,9 @@ pub struct FoundRun {
     pub after: Predicted,
     /// Covariance of the noise of its mean, by harmonic and channel, in the units of the channels, squared.
     pub noise: Vec<Vec<f64>>,
+    /// By how much the measured cycles are behind, and the standard error of that, rad, were it fitted beside the parameters; none where it
+    /// is not told.
+    pub behind: Option<[f64; 2]>,
 }
 
 /// All that was found.
@@ -103,6 +106,7 @@ impl CalibrationResult {
             Ok(FoundRun {
                 before: solved.problem.model.predict(run, &starts)?,
                 after: solved.predicted(run)?,
+                behind: solved.left_shift(run)?,
                 noise: (0..=observed.layout.harmonics).map(of).collect(),
                 observed,
             })

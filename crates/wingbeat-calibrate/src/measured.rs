@@ -2,11 +2,13 @@
 
 use crate::bins::Bins;
 use crate::observed::{Common, RunRole};
+use crate::problem::group;
 use crate::rig::RigTarget;
 use crate::tare::{Rest, Tare, clock, rest, share};
 use crate::{Error, HarmonicLayout, ObservedCycles, Tilts, project};
 use std::f64::consts::TAU;
 use std::ops::Range;
+use wingbeat::judge::limits::data::DEAD;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{PhaseSource, Samples, phase_of};
 use wingbeat::simulate::Record;
@@ -364,6 +366,27 @@ pub type CellAxes = [(usize, f64); 6];
 const TELLING: f64 = 0.03;
 /// What all changed axes must bring together. *Choice*: a model may be wrong by half.
 const CONVINCING: f64 = 0.4;
+
+/// Mean square of a channel over the cycle about its mean, in the square of its unit.
+pub fn variation(layout: HarmonicLayout, cycle: &[f64], channel: usize) -> f64 {
+    (1..layout.width())
+        .map(|part| HarmonicLayout::share(part) * cycle[layout.at(channel, part)].powi(2))
+        .sum()
+}
+
+/// Share of the largest channel of the model of its kind from which one that does not move is dead. *Choice.*
+const MOVES: f64 = 0.2;
+
+/// Channels of the measured cycle, in their units, that stand still where the model moves them; of six.
+pub fn dead(layout: HarmonicLayout, measured: &[f64], model: &[f64]) -> Vec<usize> {
+    let swing = |cycle: &[f64], channel: usize| variation(layout, cycle, channel).sqrt();
+    let stands = |channel: &usize| {
+        let largest = group(layout, *channel).map(|other| swing(model, other)).fold(0.0, f64::max);
+        let own = swing(model, *channel);
+        own > MOVES * largest && swing(measured, *channel) < DEAD.value * own
+    };
+    (0..layout.channels).filter(stands).collect()
+}
 
 /// Axes with which the measured cycle, in the units of the channels, agrees with the model much better than as they are; none
 /// where they are right. Forces and moments are turned apart from each other: a plug may be wrong, as may a sign in a file.

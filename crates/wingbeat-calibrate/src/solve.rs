@@ -13,6 +13,8 @@ const ROUNDS: usize = 3;
 const WRONG: f64 = 4.0;
 /// Load that counts as none, N and N m: below any cell's resolution.
 const LEAST_LOAD: f64 = 1e-6;
+/// Part of what cycles tell of their phase that must be left beside the parameters for it to be told. *Choice.*
+const TAKEN: f64 = 1e-4;
 /// Phases at which cycles are drawn and bands are held against measurements.
 pub const PHASES: usize = 200;
 
@@ -220,6 +222,40 @@ impl SolvedCalibration<'_> {
         let moved = LinearisedRuns { residuals, ..self.at.clone() };
         let normal = moved.normal(parameters, &once, &[run]);
         Ok(step(&normal, 0.0, parameters, &once, &free))
+    }
+
+    /// By how much the cycles measured in run `run` are behind the model's, and its standard error, rad, were it fitted beside the parameters:
+    /// what the residuals say of it once the parameters have taken what they can. None of a run that was not fitted, has no cycle, or of which
+    /// the parameters tell the phase.
+    ///
+    /// Equation: calibrate.left_shift
+    /// `D'C^-1 r / I, I = D'C^-1 D - D'C^-1 J B^-1 J'C^-1 D, D the slope of the cycle over its phase, r what is left; error I^(-1/2)`
+    /// Source: score test, Rao 1948, Proc. Camb. Phil. Soc. 44.
+    /// Test: `a_late_clock_is_told_beside_the_parameters`.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn left_shift(&self, run: usize) -> Result<Option<[f64; 2]>, Error> {
+        let observed = &self.problem.runs[run];
+        let Some(at) = self.at.of.iter().position(|of| *of == run).filter(|_| observed.frequency_hz > 0.0)
+        else {
+            return Ok(None);
+        };
+        let layout = observed.layout;
+        let cycle = self.problem.model.predict(run, &self.values)?;
+        let mut slope = vec![0.0; layout.len()];
+        for (channel, k) in (0..layout.channels).flat_map(|c| (1..=layout.harmonics).map(move |k| (c, k))) {
+            let [cosine, sine] = [2 * k - 1, 2 * k].map(|part| layout.at(channel, part));
+            slope[cosine] = -(k as f64) * cycle[sine];
+            slope[sine] = k as f64 * cycle[cosine];
+        }
+        let slope = self.problem.whiten(run, &slope);
+        let told = self.at.jacobians[at].transpose() * &slope;
+        let normal = self.at.normal(self.problem.parameters, &self.values, &[]).0;
+        let own = slope.norm_squared();
+        let information = own - told.dot(&(inverse(&normal) * &told));
+        let known = information > TAKEN * own;
+        Ok(known.then(|| [-slope.dot(&self.at.residuals[at]) / information, information.sqrt().recip()]))
     }
 
     /// Rms by channel, in its unit, of every fitted run that is left out, predicted from the others.

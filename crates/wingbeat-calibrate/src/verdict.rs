@@ -1,10 +1,10 @@
 //! The verdict on a fit.
 
+use crate::Label;
 use crate::found::{CalibrationResult, FoundRun};
-use crate::measured::{PhaseShift, shift};
+use crate::measured::{PhaseShift, shift, variation};
 use crate::problem::group;
 use crate::solve::rms;
-use crate::{HarmonicLayout, Label};
 use std::ops::Range;
 use wingbeat::judge::limits::calibration;
 use wingbeat::judge::{Judge, RunLimits, Verdict, Warning};
@@ -42,6 +42,16 @@ impl CalibrationResult {
                     by.to_degrees().abs(),
                     &format!("of {}", run.observed.name),
                 );
+            }
+            if let Some([by, error]) = run.behind {
+                let side = if by > 0.0 { "behind" } else { "ahead" };
+                let about = format!(
+                    "of {}, {:.2} +- {:.2} deg {side},",
+                    run.observed.name,
+                    by.abs().to_degrees(),
+                    error.to_degrees()
+                );
+                judge.hold_about(&calibration::LATE, (by / error).abs(), &about);
             }
         }
         judge.hold_if(&calibration::COLOURED, self.residual_autocorrelation());
@@ -156,11 +166,4 @@ impl FoundRun {
         let believed = then > ALIKE && then - now >= GAINED * own_loss;
         believed.then_some(by)
     }
-}
-
-/// Mean square of a channel over the cycle about its mean.
-fn variation(layout: HarmonicLayout, cycle: &[f64], channel: usize) -> f64 {
-    (1..layout.width())
-        .map(|part| HarmonicLayout::share(part) * cycle[layout.at(channel, part)].powi(2))
-        .sum()
 }

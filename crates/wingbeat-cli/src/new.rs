@@ -188,7 +188,7 @@ fn document(kind: DocumentKind, given: &str, main: DocumentKind, file: &str) -> 
 /// What to do with a document.
 fn next(kind: DocumentKind, path: &Path) -> String {
     use DocumentKind::{Arm, Calibration, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
-    let shown = path.display();
+    let shown = as_word(path);
     let file = path.file_name().unwrap_or_default().display();
     match kind {
         Robot => format!("next: name it in a scenario, robot = \"{file}\" (wingbeat new scenario)"),
@@ -198,6 +198,13 @@ fn next(kind: DocumentKind, path: &Path) -> String {
         Sweep => format!("next: wingbeat sweep {shown}"),
         Run | Runs => format!("next: wingbeat rig plan {shown}"),
         Calibration => format!("next: wingbeat calibrate {shown}"),
-        Rig => format!("next: wingbeat rig plan {}", path.with_file_name(beside(Run)).display()),
+        Rig => format!("next: wingbeat rig plan {}", as_word(&path.with_file_name(beside(Run)))),
     }
+}
+
+/// A path as one word of a shell.
+fn as_word(path: &Path) -> String {
+    let shown = path.display().to_string();
+    let plain = |letter: char| letter.is_alphanumeric() || "/\\._-+:,@%".contains(letter);
+    if shown.chars().all(plain) { shown } else { format!("'{}'", shown.replace('\'', r"'\''")) }
 }

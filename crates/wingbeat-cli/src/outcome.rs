@@ -118,7 +118,7 @@ fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<PaperLine> {
         ]);
         rows.extend(perch.least_clearance_m.map(|c| own("clear of the perch", number(1e3 * c), "mm")));
     }
-    rows.push(own("yaw change", number(summary.yaw_change_deg), "deg"));
+    rows.push(own("yaw change", settled(summary.yaw_change_deg), "deg"));
     rows
 }
 

@@ -140,12 +140,21 @@ impl ScenarioSpec {
         let of_robot = ["drive", "structure", "surfaces", "thrusters"]
             .map(|key| (format!("{table}.{key}"), format!("robot.{key}")));
         let solver = self.solver.as_ref().map_or("solver".into(), |named| format!("solver.{}", named.name));
-        let own = [(format!("{table}.gait"), gait), path, (format!("{table}.solver"), solver)];
+        let wind = (format!("{table}.wind_m_s"), "air.wind_m_s".into());
+        let own = [(format!("{table}.gait"), gait), path, (format!("{table}.solver"), solver), wind];
         error.within(&table).renamed(&[own.as_slice(), &of_robot].concat())
     }
 
+    /// Key of the table that the manoeuvre is made of.
+    pub(super) fn manoeuvre_table(&self) -> String {
+        match &self.manoeuvre {
+            Some(Chosen::Own(named)) => format!("manoeuvre.{}", named.name),
+            _ => "manoeuvre".into(),
+        }
+    }
+
     /// Key of the table that the controller is made of.
-    fn controller_table(&self) -> String {
+    pub(super) fn controller_table(&self) -> String {
         match &self.controller {
             Some(Chosen::Own(named)) => format!("controller.{}", named.name),
             _ => "controller".into(),
@@ -258,7 +267,7 @@ impl ScenarioSpec {
     }
 
     /// The robot as its controller knows it.
-    fn known_robot(&self) -> Result<Robot, Error> {
+    pub(super) fn known_robot(&self) -> Result<Robot, Error> {
         let wind = Wind::steady(Vec3(self.air.wind_m_s));
         self.robot_in(&self.robot, &self.aero, Air { density: self.air.density_kg_m3, wind }, None)
     }
@@ -391,7 +400,13 @@ pub(super) fn robot(
         aero.build(outline, air.density, both, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
-    let robot = Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))?;
+    let robot = Robot::new(spec, models, air, phase).map_err(|e| {
+        let error = e.within("robot");
+        let Error::Invalid { key, .. } = &error;
+        // Where surfaces leave it open, their strips are those of the model.
+        let open = key == "robot.surfaces" && spec.surfaces.iter().any(|surface| surface.strips.is_none());
+        if open { error.against(["aero.full.strips"]) } else { error }
+    })?;
     let own = spec.own_numbers();
     let given = robot.check_given(&own).and_then(|()| robot.given(&own));
     let mut numbers = given.map_err(|e| of_numbers(e, spec).within("robot"))?;

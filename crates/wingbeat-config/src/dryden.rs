@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_math::require;
 use wingbeat_robot::Dryden;
 
 /// Most nodes of the course of a flight's turbulence.
@@ -36,6 +35,8 @@ ranges!(DrydenSpec {
     airspeed_m_s: Range::between(0.1, 100.0),
     altitude_m: Range::between(3.048, 304.8),
     wind_6m_m_s: Range::between(0.0, 100.0),
+    deviation_m_s: Range::between(0.0, 100.0),
+    length_m: Range::between(1e-3, 1e4),
 });
 
 impl DrydenSpec {
@@ -48,13 +49,7 @@ impl DrydenSpec {
         let airspeed = self.airspeed_m_s;
         let made = match (self.altitude_m, self.wind_6m_m_s, self.deviation_m_s, self.length_m) {
             (Some(altitude), Some(wind), None, None) => Dryden::low(altitude, wind, airspeed),
-            (None, None, Some(deviation), Some(length)) => {
-                for (i, (deviation, length)) in deviation.iter().zip(&length).enumerate() {
-                    require::between(&format!("deviation_m_s[{i}]"), *deviation, 0.0, 100.0)?;
-                    require::between(&format!("length_m[{i}]"), *length, 1e-3, 1e4)?;
-                }
-                Dryden { deviation, length, airspeed }
-            }
+            (None, None, Some(deviation), Some(length)) => Dryden { deviation, length, airspeed },
             _ => {
                 let allowed = "altitude_m and wind_6m_m_s, or deviation_m_s and length_m";
                 return Err(Error::invalid("", "another choice of keys", allowed));

@@ -1,8 +1,61 @@
-//! What a run says of the fit that its numbers are from.
+//! What a run says of the numbers that it is given by name: the fit that they are from, and overrides that they make vain.
 
+use super::Document;
 use super::spec::ScenarioSpec;
 use wingbeat_judge::Warning;
-use wingbeat_robot::GivenNumbers;
+use wingbeat_math::NamedNumber;
+use wingbeat_robot::{GivenNumbers, stands_for};
+
+/// Numbers by name, which stand under a key.
+pub(super) struct ByName<'a> {
+    /// The key.
+    pub key: &'static str,
+    /// Names and values.
+    pub given: &'a GivenNumbers,
+    /// Tables whose overrides may say the same numbers.
+    pub tables: &'static [&'static str],
+}
+
+impl ByName<'_> {
+    /// The warnings that overrides of the merged `document` say a number that is given by name too, and have no effect. `numbers` tells what
+    /// the numbers of a document are where none is given by name.
+    pub fn given_twice(
+        &self,
+        document: &Document,
+        numbers: impl Fn(&Document) -> Option<Vec<NamedNumber>>,
+    ) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        if self.given.is_empty() {
+            return warnings;
+        }
+        let Some(with) = numbers(document) else { return warnings };
+        for (at, text, others) in document.without_each_override().filter(|(at, ..)| self.may_say(at)) {
+            let Some(without) = numbers(&others) else { continue };
+            let same = |number: &NamedNumber| {
+                without.iter().any(|o| o.name == number.name && o.value.to_bits() == number.value.to_bits())
+            };
+            let said: Vec<&NamedNumber> = with.iter().filter(|number| !same(number)).collect();
+            for (name, value) in self.given.iter() {
+                if said.iter().any(|number| stands_for(name, &number.name).is_some()) {
+                    let place = document.written(&format!("{}.\"{name}\"", self.key));
+                    let place = place.map_or(String::new(), |(_, place)| format!(" ({place})"));
+                    let text = format!(
+                        "{} gives {name} = {value}{place}, which takes the place of what --set {text} says: leave one of them out",
+                        self.key
+                    );
+                    warnings.push(Warning::new("numbers.given_twice", text).size(*value).key(&at));
+                }
+            }
+        }
+        warnings
+    }
+
+    /// Whether an override of `key` may say one of the numbers.
+    fn may_say(&self, key: &str) -> bool {
+        let table = key.split(['.', '[']).next().unwrap_or_default();
+        self.tables.contains(&table) && key != table && !key.starts_with(self.key)
+    }
+}
 
 /// The warning of a run that uses `numbers`, which stand under `key`, of a fit that was not found good.
 pub(super) fn rejected_fit(key: &'static str, numbers: &GivenNumbers) -> Option<Warning> {
@@ -22,4 +75,15 @@ pub(super) fn of_known(spec: &ScenarioSpec) -> Option<Warning> {
 pub(super) fn of_flown(spec: &ScenarioSpec) -> impl Iterator<Item = Warning> {
     let own = spec.mismatch.as_ref().and_then(|mismatch| mismatch.numbers.as_ref());
     of_known(spec).into_iter().chain(own.and_then(|numbers| rejected_fit("mismatch.numbers", numbers)))
+}
+
+/// The warnings that overrides of the merged `document` of a scenario, `spec`, say numbers of its robot that `robot.numbers` gives too.
+pub(super) fn given_twice(document: &Document, spec: &ScenarioSpec) -> Vec<Warning> {
+    let by_name =
+        ByName { key: "robot.numbers", given: &spec.robot.numbers, tables: &["robot", "aero", "air"] };
+    by_name.given_twice(document, |document| {
+        let mut spec: ScenarioSpec = document.parse().ok()?;
+        spec.robot.numbers = GivenNumbers::default();
+        Some(spec.known_robot().ok()?.parameters())
+    })
 }

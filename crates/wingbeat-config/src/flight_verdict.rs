@@ -4,7 +4,8 @@ use super::plausible;
 use super::spec::GoalSpec;
 use super::stall;
 use super::summary::{Context, PartClearance, Summary, mean};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
+use wingbeat_flight::guide::angle_error;
 use wingbeat_flight::simulate::{Cost, Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, linkage, range, trim, wake};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
@@ -52,7 +53,12 @@ impl JudgedFlight<'_> {
 
     /// Why the flight ended before its time.
     fn broken(&self) -> Option<(Status, String)> {
-        let shorter = || plausible::of_short_periods(self.context.robot, "a shorter flight.step_s");
+        let shorter = || {
+            let soft = plausible::of_short_periods(self.context.robot, "a shorter flight.step_s");
+            // At the start no step was taken yet.
+            let rigid = soft.is_empty() && self.flight.duration > 0.0;
+            if rigid { STEPS_TOO_LONG.to_owned() } else { soft }
+        };
         match self.flight.ending {
             Ending::Complete => None,
             Ending::Stopped => Some((Status::Interrupted, "stopped from outside".into())),
@@ -65,7 +71,9 @@ impl JudgedFlight<'_> {
                 Some((Status::Failed, format!("{fault}{}", shorter())))
             }
             Ending::Fault(fault) => {
-                let text = format!("{fault}, after {:.4} s{}", self.flight.duration, shorter());
+                let of_steps = matches!(fault, Fault::MassMatrix { .. });
+                let mend = if of_steps { shorter() } else { String::new() };
+                let text = format!("{fault}, after {:.4} s{mend}", self.flight.duration);
                 Some((Status::Failed, text))
             }
         }
@@ -98,25 +106,39 @@ impl JudgedFlight<'_> {
     /// What the goal asks: limit, bound, value where there is one, and why there may be none.
     fn asked(&self, goal: &GoalSpec) -> Vec<(&'static JudgedLimit, f64, Option<f64>, &'static str)> {
         const UNSETTLED: &str = "the flight ended before the goal's settling time";
+        const BRIEF: &str = "less than a cycle of the gait, or a single record, is left after goal.settle_s";
+        let brief = !self.counts();
         let reference = self.context.manoeuvre.is_some();
-        let angle = |value: Option<f64>| value.filter(|_| reference);
-        let why = if reference { UNSETTLED } else { "without [manoeuvre] there is no reference to hold" };
+        let counted = |value: Option<f64>| value.filter(|_| !brief);
+        let angle = |value: Option<f64>| counted(value).filter(|_| reference);
+        let settled = if brief && self.settled_rows() > 0 { BRIEF } else { UNSETTLED };
+        let why = if reference { settled } else { "without [manoeuvre] there is no reference to hold" };
         let summary = self.summary;
         let mut asked = vec![
             (&asked::ROLL, goal.roll_within_deg, angle(summary.roll_rms_error_deg), why),
             (&asked::PITCH, goal.pitch_within_deg, angle(summary.pitch_rms_error_deg), why),
         ];
         if let Some(within) = goal.altitude_within_m {
-            asked.push((&asked::ALTITUDE, within, self.altitude_change(), UNSETTLED));
+            asked.push((&asked::ALTITUDE, within, counted(self.altitude_change()), settled));
         }
         if let Some([low, high]) = goal.speed_between_m_s {
-            asked.push((&asked::SLOWEST, low, summary.mean_speed_m_s, UNSETTLED));
-            asked.push((&asked::FASTEST, high, summary.mean_speed_m_s, UNSETTLED));
+            asked.push((&asked::SLOWEST, low, counted(summary.mean_speed_m_s), settled));
+            asked.push((&asked::FASTEST, high, counted(summary.mean_speed_m_s), settled));
         }
         if let Some(least) = goal.clearance_m {
             asked.push((&asked::CLEARANCE, least, summary.least_clearance_m, "the robot has no clearances"));
         }
         asked
+    }
+
+    /// Records of the part that counts.
+    fn settled_rows(&self) -> usize {
+        self.record.rows().saturating_sub(self.first)
+    }
+
+    /// True where the part that counts says something of a goal: a whole cycle of the gait, or of wings at rest more than an instant.
+    fn counts(&self) -> bool {
+        self.cycles.map_or(self.settled_rows() > 1, |cycles| cycles + ROUNDING >= 1.0)
     }
 
     /// Judges what the goal leaves open by what the controller is there for.
@@ -129,8 +151,11 @@ impl JudgedFlight<'_> {
             }
         }
         if self.context.period_s.is_none() {
-            for limit in [&flight::FREE_PATH_ANGLE, &flight::FALLS] {
-                judge.hold_if(limit, self.path_angle().filter(|_| self.context.perch.is_none()));
+            if self.context.perch.is_none() {
+                for limit in [&flight::FREE_PATH_ANGLE, &flight::FALLS] {
+                    judge.hold_if(limit, self.path_angle());
+                }
+                self.open_path(judge);
             }
             return;
         }
@@ -165,6 +190,7 @@ impl JudgedFlight<'_> {
         let asks_height = goal.is_some_and(|goal| goal.altitude_within_m.is_some());
         if !has_height && !asks_height {
             judge.hold_if(&flight::PATH_ANGLE, self.path_angle());
+            self.open_path(judge);
         }
         if !self.context.inputs.is_empty() {
             judge.hold(&flight::SATURATION, summary.input_saturation_fraction);
@@ -197,7 +223,9 @@ impl JudgedFlight<'_> {
         }
         if let Some([chordwise, spanwise]) = self.context.panels {
             judge.hold(&wake::ALONG, chordwise as f64);
+            judge.hold(&wake::FEW_ALONG, chordwise as f64);
             judge.hold(&wake::ACROSS, spanwise as f64);
+            judge.hold(&wake::FEW_ACROSS, spanwise as f64);
             judge.hold_if(&wake::INFLOW, self.summary.lattice.map(|lattice| lattice.inflow_fraction));
         }
         if let Some(crossing) = self.crossing {
@@ -207,11 +235,19 @@ impl JudgedFlight<'_> {
             judge.hold(&flight::LEAVES_RESIDUAL, beyond);
             judge.hold(&flight::BEYOND_RESIDUAL, beyond);
         }
-        if let Some(error) = self.summary.step_error_m {
+        if let Some(error) = self.context.step_error_m {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
             judge.hold_if(&flight::STEPS_ASKED, self.context.asked_error_m.map(|asked| error / asked));
         }
+        let grown = self.context.grown_error_m.zip(self.context.asked_error_m);
+        judge.hold_if(&flight::ERROR_GROWN, grown.map(|(grown, asked)| grown / asked));
+        if let Some(records) = self.records_per_cycle()
+            && judge.hold(&flight::RECORDS, records)
+        {
+            judge.hold(&flight::FEW_RECORDS, records);
+        }
+        judge.hold_if(&flight::VERTICAL, self.steepest_deg());
         judge.hold_if(&flight::GROUND, self.summary.ground_distance_m);
         // A perch turns the robot that hits it.
         let alone = self.context.perch.is_none();
@@ -251,6 +287,13 @@ impl JudgedFlight<'_> {
             judge.hold(&range::REVERSED, means.reversed_fraction);
             if self.context.robot.density() > 0.0 {
                 stall::hold(judge, &means.stalled, "aero.law");
+            }
+            // No law of wings carries what hangs from a perch or from its thrusters, or flies where there is no air.
+            // Of less than a cycle the shares are those of how it starts.
+            let flies = self.is_carried_by_air() && self.context.robot.thrusters().is_empty();
+            if flies && self.weight_carried().is_some() {
+                judge.hold(&range::REVERSED_OUTSIDE, means.reversed_fraction);
+                judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
             }
         }
     }
@@ -296,19 +339,58 @@ impl JudgedFlight<'_> {
         z.iter().skip(self.first).map(|z| (z - start).abs()).reduce(f64::max)
     }
 
-    /// Angle between the path and the horizon over the whole flight, deg: height over length on the ground. Missing for a
-    /// flight that is too short to say, or that stays where it is.
+    /// Says of a flight that is to keep up, and is too short for its path to tell, that this is open.
+    fn open_path(&self, judge: &mut Judge) {
+        if self.flight.duration < SETTLED && self.is_carried_by_air() {
+            judge.find(Status::NotJudged, NO_PATH);
+        }
+    }
+
+    /// Angle between the path through the steady wind and the horizon over the whole flight, deg: height over length along the horizon.
+    /// Missing for a flight that is too short to say, or that stays where it is in its air.
     fn path_angle(&self) -> Option<f64> {
         if self.flight.duration < SETTLED {
             return None;
         }
         let along = |name: &str| self.record.values(name);
-        let (x, y) = (along("p_WB_x")?, along("p_WB_y")?);
-        let ground: f64 = (1..x.len()).map(|row| (x[row] - x[row - 1]).hypot(y[row] - y[row - 1])).sum();
-        let height = self.summary.altitude_change_m.abs();
-        (ground.max(height) > STAYS).then(|| height.atan2(ground).to_degrees())
+        let (t, x, y) = (along("t")?, along("p_WB_x")?, along("p_WB_y")?);
+        let Vec3([wind_x, wind_y, wind_z]) = self.context.wind;
+        let way = |row: usize| {
+            let time = t[row] - t[row - 1];
+            (x[row] - x[row - 1] - wind_x * time).hypot(y[row] - y[row - 1] - wind_y * time)
+        };
+        let length: f64 = (1..x.len()).map(way).sum();
+        let height = (self.summary.altitude_change_m - wind_z * (t.last()? - t.first()?)).abs();
+        (length.max(height) > STAYS).then(|| height.atan2(length).to_degrees())
+    }
+
+    /// Records in a cycle of the gait, in a second where it stands still; none of a single record.
+    fn records_per_cycle(&self) -> Option<f64> {
+        let span = |name: &str| match self.record.values(name)? {
+            [first, .., last] => Some(last - first),
+            _ => None,
+        };
+        let (time, turned) = (span("t")?, span("phase")? / TAU);
+        let of = if turned > 0.0 { turned } else { time };
+        Some((self.record.rows() - 1) as f64 / of * (1.0 + ROUNDING))
+    }
+
+    /// Largest size of the pitch, deg; 90 where the roll leaps by more than a quarter of a turn from a record to the next, as it does where the
+    /// nose passes the vertical between them.
+    fn steepest_deg(&self) -> Option<f64> {
+        let (pitch, roll) = (self.record.values("pitch")?, self.record.values("roll")?);
+        let leaps = roll.windows(2).any(|pair| angle_error(pair[1], pair[0]).abs() > FRAC_PI_2);
+        let largest = pitch.iter().map(|pitch| pitch.abs()).reduce(f64::max)?;
+        Some(if leaps { FRAC_PI_2 } else { largest }.to_degrees())
     }
 }
+
+/// What mends steps that end in a mass matrix or a number that cannot be.
+const STEPS_TOO_LONG: &str =
+    ": steps are too long for such loads and speeds, if these are meant (shorten flight.step_s)";
+/// Why it is open whether a short flight falls.
+const NO_PATH: &str =
+    "not judged: the angle of the path; the flight is shorter than 2 s (lengthen flight.duration_s)";
 
 /// Why it is open whether a short flight is carried.
 const NO_MEAN_FORCE: &str = "not judged: flight.weight_carried; the flight is shorter than a cycle of its gait, or with its wings at rest than 1 s (lengthen flight.duration_s)";

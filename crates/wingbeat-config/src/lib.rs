@@ -13,6 +13,7 @@ mod document;
 mod doors;
 mod dryden;
 mod estimate;
+mod finer;
 mod fit;
 mod flight_verdict;
 mod followed;
@@ -141,6 +142,7 @@ pub use watched::{ShownSample, Watched};
 
 use build::{Built, whole};
 use doors::ChosenKinds;
+use finer::FinerFlight;
 use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -148,10 +150,11 @@ use step_error::StepError;
 use wingbeat_aero::Aero;
 use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared, SearchWatch};
 use wingbeat_flight::simulate::{
-    Accuracy, Controller, Event, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_within,
+    Accuracy, Controller, Ending, Event, Flight, Record, Sample, Schedule, Sensors, fly_in, fly_within,
 };
 use wingbeat_judge::{RunLimits, Warning};
 use wingbeat_math::Error;
+use wingbeat_math::parallel;
 use wingbeat_math::{Quat, Vec3, pitch_of_nose_up};
 use wingbeat_ocp::plant::{Channel, Plant};
 use wingbeat_robot::Robot;
@@ -180,6 +183,9 @@ pub struct Scenario {
     /// What its controller shares with others.
     prepared: Option<Prepared>,
 }
+
+/// Who sees the samples of a flight, and may stop it.
+type FlightObserver<'a> = &'a mut dyn FnMut(&Sample) -> ControlFlow<()>;
 
 /// A flown scenario.
 #[derive(Clone, Debug)]
@@ -362,12 +368,28 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] when the controller's settings are out of range.
     pub fn fly(&self, mut observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
-        self.fly_under(&mut *self.pilot()?, self.sensors(), &self.schedule, &mut observe)
+        if !self.flies_again() {
+            let mut pilot = self.pilot(self.prepared.clone())?;
+            return self.fly_under(&mut *pilot, self.sensors(), &self.schedule, (&mut observe, None));
+        }
+        // Both begin with one search.
+        let prepared = self.prepared.clone().or_else(|| self.prepare());
+        let mut pilot = self.pilot(prepared.clone())?;
+        let (finer, first) = finer::pair();
+        let fly = || self.fly_under(&mut *pilot, self.sensors(), &self.schedule, (&mut observe, Some(finer)));
+        parallel::beside(move || self.fly_again(prepared, &first), fly)
     }
 
-    /// The scenario's controller; without one, the commands that the start holds.
-    fn pilot(&self) -> Result<Box<dyn Controller + '_>, Error> {
-        Ok(self.controller()?.unwrap_or_else(|| Box::new(HeldCommands(self.held_commands()))))
+    /// The scenario's controller, with what it shares with others of the same model; without one, the commands that the start holds.
+    fn pilot(&self, prepared: Option<Prepared>) -> Result<Box<dyn Controller + '_>, Error> {
+        let controller = self.spec.controller(&self.choice, &self.model, prepared)?;
+        Ok(controller.unwrap_or_else(|| Box::new(HeldCommands(self.held_commands()))))
+    }
+
+    /// By how much the claw in the state `x` is short of latching, dimensionless; infinite without a perch.
+    fn short_of_latching(&self, x: &[f64]) -> f64 {
+        let seen = self.spec.perch.as_ref().zip(self.robot.at_perch(x));
+        seen.map_or(f64::INFINITY, |(perch, seen)| perch.short_of_latching(&seen))
     }
 
     /// Flies the scenario's robot from its start under a controller of one's own, updated every
@@ -431,7 +453,9 @@ impl Scenario {
     ) -> Result<Run, Error> {
         let period = whole("period_s", period_s, self.schedule.step, "steps of")?;
         let schedule = Schedule { steps_per_update: Some(period), ..self.schedule };
-        self.fly_under(controller, sensors, &schedule, &mut observe)
+        let mut run = self.fly_under(controller, sensors, &schedule, (&mut observe, None))?;
+        run.summary.warnings.extend(self.spec.flight.error_m.map(|_| finer::flown_once()));
+        Ok(run)
     }
 
     /// What the scenario's controller is told of the robot.
@@ -448,7 +472,7 @@ impl Scenario {
         controller: &mut (dyn Controller + 'c),
         mut sensors: Sensors,
         schedule: &Schedule,
-        observe: &mut dyn FnMut(&Sample) -> ControlFlow<()>,
+        (observe, finer): (FlightObserver, Option<FinerFlight>),
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut lattice = self.lattice()?;
@@ -470,14 +494,14 @@ impl Scenario {
                 error.see(sample);
             }
             let seen = observe(sample);
+            if let Some(finer) = &finer {
+                finer.go_on();
+            }
             Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
         };
-        let (robot, sensors, perch) = (&self.robot, &mut sensors, self.spec.perch.as_ref());
+        let (robot, sensors) = (&self.robot, &mut sensors);
         // In a lattice the claw is looked at with the records alone.
-        let latches = |_: f64, x: &[f64]| {
-            let seen = perch.zip(robot.at_perch(x));
-            seen.map_or(f64::INFINITY, |(perch, seen)| perch.short_of_latching(&seen))
-        };
+        let latches = |_: f64, x: &[f64]| self.short_of_latching(x);
         let (mut flight, coupling) = match &mut lattice {
             None => {
                 let ends: (Event, _) = (&latches, asked.as_ref());
@@ -494,16 +518,29 @@ impl Scenario {
         let error = error.and_then(|error| error.at_end(flight.duration)).or(measured);
         let mut recorded = recorder.finish();
         let cut = recorded.cut(&flight.ending);
-        let mut summary = self.summarise(&recorded, &flight, schedule, error.filter(|_| !cut), coupling);
+        let whole = flight.ending == Ending::Complete;
+        let grown = finer.and_then(|finer| finer.distance(Vec3::from_slice(&x[robot.layout().position..])));
+        let errors = [error.filter(|_| !cut), grown.filter(|_| whole)];
+        let mut summary = self.summarise(&recorded, &flight, schedule, errors, coupling);
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
+        summary.warnings.extend(self.in_vain());
         let past_stall = summary.stall_fraction;
         let surfaces = self.robot.surfaces().map(|(_, aero)| aero);
         summary.warnings.extend(unheard::side_edges(self.spec.flown_aero(), surfaces, past_stall));
         summary.warnings.extend(grounded::crossing_gusts(&self.spec.air));
         summary.warnings.extend(self.spec.near_ground(summary.ground_distance_m));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
+    }
+
+    /// The warnings that overrides have no effect: numbers that are given by name too, keys of models that no surface has.
+    fn in_vain(&self) -> Vec<Warning> {
+        let mut warnings = fit::given_twice(&self.document, &self.spec);
+        let models = [&self.robot, &self.model];
+        let surfaces = models.into_iter().flat_map(|robot| robot.surfaces().map(|(_, aero)| aero));
+        warnings.extend(unheard::in_vain(&self.document, "aero", surfaces));
+        warnings
     }
 
     /// A word for all surfaces of `robot`: where they differ each after its surface's name, without any `plain`.
@@ -521,7 +558,7 @@ impl Scenario {
         recorded: &Recorded,
         flight: &Flight,
         schedule: &Schedule,
-        step_error_m: Option<f64>,
+        [step_error_m, grown_error_m]: [Option<f64>; 2],
         lattice: Option<LatticeSummary>,
     ) -> Summary {
         let context = summary::Context {
@@ -540,6 +577,7 @@ impl Scenario {
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
             asked_error_m: self.spec.flight.error_m,
+            grown_error_m,
             turbulence: self.spec.turbulence(),
             perch: self.spec.perch.as_ref(),
             wind: Vec3(self.spec.air.wind_m_s),
@@ -552,6 +590,8 @@ impl Scenario {
         // A lattice hears it whatever the preset.
         summary.warnings.extend(web::unheard(&self.spec.robot, &self.robot).filter(|_| lattice.is_none()));
         summary.warnings.extend(unheard::frictionless(&self.spec.robot, &self.robot));
+        summary.warnings.extend(unheard::unlifted(&self.robot));
+        summary.warnings.extend(self.spec.never_begun(&self.choice));
         summary.warnings.extend(unheard::inertance(&self.spec.flight, &self.robot));
         summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary

@@ -33,11 +33,26 @@ pub(super) fn hold_followed(judge: &mut Judge, robot: &Robot) {
     }
 }
 
+/// Holds the angles of the driven joints of `robot` against half a turn, and their phases against a whole one.
+fn hold_angles(judge: &mut Judge, robot: &Robot) {
+    let series = robot.numbers().series;
+    let largest = |of: &mut dyn Iterator<Item = f64>| of.map(f64::abs).reduce(f64::max);
+    let angles = series.iter().flat_map(|(series, _)| {
+        std::iter::once(series.mean_rad).chain(series.harmonics.iter().map(|harmonic| harmonic.amplitude_rad))
+    });
+    judge.hold_if(&range::ANGLE, largest(&mut { angles }));
+    let phases = series.iter().flat_map(|(series, lag)| {
+        std::iter::once(*lag).chain(series.harmonics.iter().map(|harmonic| harmonic.phase_rad))
+    });
+    judge.hold_if(&range::PHASE, largest(&mut { phases }));
+}
+
 /// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes and flaps against their links.
 pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());
     judge.hold_if(&range::THIN, Some(robot.density()).filter(|density| *density > 0.0));
     judge.hold_if(&flap::MASS, robot.flap_over_link());
+    hold_angles(judge, robot);
     hold_followed(judge, robot);
     link_spar::hold_shape(judge, robot);
     let width =

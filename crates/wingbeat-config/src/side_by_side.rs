@@ -78,7 +78,7 @@ impl Scenario {
             .collect();
         let flights = fly_side_by_side(|t, x, u, dx| robot.rates_side_by_side(t, x, u, dx), seats);
         let summary = |((scenario, recorder), flight): ((&&Self, Recorder), Flight)| {
-            scenario.summarise(&recorder.finish(), &flight, &scenario.schedule, None, None)
+            scenario.summarise(&recorder.finish(), &flight, &scenario.schedule, [None; 2], None)
         };
         Ok(all.iter().zip(recorders).zip(flights).map(summary).collect())
     }

@@ -92,7 +92,7 @@ pub struct ScenarioSpec {
 pub struct AirSpec {
     /// Density, kg/m3; 0 is a vacuum, in which surfaces bear no load and have no states.
     pub density_kg_m3: f64,
-    /// Wind velocity in W, m/s.
+    /// Wind velocity in W, m/s; none beside `[controller.orbit]`.
     #[serde(default)]
     pub wind_m_s: [f64; 3],
     /// Height of a plane that the air does not cross, m in W: ground beneath the robot, or a ceiling above it. Surfaces of preset `full`
@@ -347,6 +347,7 @@ pub struct FlightSpec {
     /// Integration step, s.
     pub step_s: f64,
     /// Error of the last position that all steps may make, m: they are as long as it allows, and `step_s` is the clock. Without it all are equal.
+    /// A controller flies twice, the second time within a tenth of it, and the distance of the ends is held against it too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_m: Option<f64>,
     /// Time of the inertance of springs, s, so that steps of this time follow any of them: what vibrates faster is slowed to it. Where not given:
@@ -354,7 +355,7 @@ pub struct FlightSpec {
     /// longest of their steps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertance_s: Option<f64>,
-    /// Time between records, s.
+    /// Time between records, s. Means, powers and least clearance are those of the records: 32 or more in a cycle.
     pub record_every_s: f64,
     /// Time between records of the loads of every strip, s: whole records; without it there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -100,7 +100,7 @@ pub struct Summary {
     /// Half of the pitch range, deg.
     pub pitch_half_amplitude_deg: Option<f64>,
     /// Change of heading over the whole flight, deg; left is positive.
-    pub yaw_change_deg: f64,
+    pub yaw_change_deg: Option<f64>,
     /// What the flight cost: power of the joints, and what carried the weight.
     #[serde(flatten)]
     pub cost: CostSummary,
@@ -165,7 +165,8 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_momentum_change_kg_m2_s: Option<f64>,
     /// Estimate of the error of the integration in the last position, m: what a step differs from two of half
-    /// its length, at instants of the flight, summed up to its end. Feedback and growth are not in it.
+    /// its length, at instants of the flight, summed up to its end. What a closed loop makes of it is not in it, but beside
+    /// `flight.error_m`: there it is at least the distance from where a flight of a tenth of that error ends.
     pub step_error_m: Option<f64>,
     /// Steps that `flight.error_m` made it take.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -275,10 +276,16 @@ impl Settled<'_> {
         let asked: Vec<f64> = roll.iter().zip(errors).map(|(is, error)| angle_error(*is, *error)).collect();
         turned::mean_roll(self.column("phase"), roll, &asked).map(f64::to_degrees)
     }
-    /// Number of cycles of the gait that it holds, dimensionless; none where the gait stands still.
+    /// Number of cycles of the gait that it holds, dimensionless, none of a single sample; missing where the gait stands still, and without
+    /// samples.
     pub fn cycles(&self) -> Option<f64> {
-        let [first, .., last] = self.column("phase") else { return None };
-        Some((last - first) / TAU).filter(|cycles| *cycles > 0.0)
+        let turned = |phase: &[f64]| match phase {
+            [first, .., last] => (last - first) / TAU,
+            _ => 0.0,
+        };
+        let phase = self.column("phase");
+        let moves = turned(self.record.values("phase")?) > 0.0;
+        (moves && !phase.is_empty()).then(|| turned(phase))
     }
     fn mean_deg(&self, name: &str) -> Option<f64> {
         mean(self.column(name)).map(f64::to_degrees)
@@ -331,6 +338,8 @@ pub(super) struct Context<'a> {
     /// Estimate of the error of the steps, m, and what was asked.
     pub step_error_m: Option<f64>,
     pub asked_error_m: Option<f64>,
+    /// Distance from where a flight in finer steps ends, m.
+    pub grown_error_m: Option<f64>,
     /// The perch beside the flight.
     pub perch: Option<&'a PerchSpec>,
     /// Turbulence of the air, and its steady wind, m/s.
@@ -397,7 +406,7 @@ impl Summary {
             pitch_rms_error_deg: rms_deg(&pitch_errors),
             pitch_max_error_deg: largest_deg(&pitch_errors),
             pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
-            yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
+            yaw_change_deg: record.values("yaw").map(|yaw| unwrapped_change(yaw).to_degrees()),
             cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot),
             measured: Measured::new(&settled),
             aero_preset: context.preset.clone(),
@@ -423,7 +432,10 @@ impl Summary {
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
             angular_momentum_change_kg_m2_s: momentum_change(record),
-            step_error_m: context.step_error_m,
+            step_error_m: [context.step_error_m, context.grown_error_m]
+                .into_iter()
+                .flatten()
+                .reduce(f64::max),
             steps_taken: flight.taken.map(|taken| taken.steps),
             inertance_s: Some(context.robot.inertance_s()).filter(|time| *time > 0.0),
             warnings: Vec::new(),
@@ -442,8 +454,26 @@ impl Summary {
         (summary.status, summary.reason) = (verdict.status, verdict.reason);
         (summary.judged, summary.not_judged) = (verdict.judged, not_judged);
         summary.warnings = verdict.warnings;
+        if summary.warnings.iter().any(|warning| warning.id == flight::VERTICAL.id) {
+            summary.leave_out_attitude();
+        }
         summary.warnings.extend(grew.then(|| sound::left_out(t.last().copied())));
         summary
+    }
+
+    /// Leaves out angles of which nothing can be said where the nose passes the vertical. What was judged of them stays, and the largest errors,
+    /// which say that the flight was lost.
+    fn leave_out_attitude(&mut self) {
+        let angles = [
+            &mut self.roll_mean_deg,
+            &mut self.turn_roll_mean_deg,
+            &mut self.roll_rms_error_deg,
+            &mut self.pitch_mean_deg,
+            &mut self.pitch_rms_error_deg,
+            &mut self.pitch_half_amplitude_deg,
+            &mut self.yaw_change_deg,
+        ];
+        angles.into_iter().for_each(|angle| *angle = None);
     }
 
     /// True when the whole duration was flown.

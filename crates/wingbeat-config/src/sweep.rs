@@ -114,9 +114,9 @@ impl Sweep {
         Ok(sweep)
     }
 
-    /// What is published of the scenario of its flights.
+    /// What is published of the scenario of its flights, where they are of that case but for what is drawn.
     pub fn paper(&self) -> Option<PaperResults> {
-        self.inner.parse::<super::ScenarioSpec>().ok()?.paper
+        Scenario::new(self.inner.clone()).ok()?.spec.paper
     }
 
     /// What a drawn key is, in words and with its unit; hinges, links and surfaces by their names.
@@ -148,6 +148,22 @@ impl Sweep {
                 spec.ok().and_then(|spec| fit::rejected_fit("numbers", &spec.numbers)).into_iter().collect()
             }
         }
+    }
+
+    /// What is said of draws, and of overrides, of numbers that are given by name too.
+    pub(super) fn given_twice(&self) -> Vec<Warning> {
+        let drawn = self.drawn(0);
+        let said = match self.of {
+            SweepOf::Flights(_) => drawn.merged(&super::INCLUDES, &|_, _| None).and_then(|document| {
+                let spec = document.parse()?;
+                Ok(fit::given_twice(&document, &spec))
+            }),
+            SweepOf::Cases => drawn.merged(&["numbers"], &|_, _| None).and_then(|document| {
+                let spec = document.parse()?;
+                Ok(super::tether::given_twice(&document, &spec))
+            }),
+        };
+        said.unwrap_or_default()
     }
 
     /// Number of runs.

@@ -1,10 +1,11 @@
 //! The verdict on a sweep.
 
+use super::sweep_spec::Draw;
 use super::{Sweep, SweepOf};
 use std::collections::BTreeMap;
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::limits::sweep;
-use wingbeat_judge::{Judge, Status, Verdict};
+use wingbeat_judge::{Judge, Status, Verdict, Warning};
 
 /// How many runs ended how.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -71,7 +72,7 @@ impl Sweep {
         let mut judge = Judge::new(&self.limits);
         if let Some(search) = &self.spec.search {
             self.judge_search(search, record, &mut judge);
-            self.of_fits().into_iter().for_each(|warning| judge.warn(warning));
+            self.of_fits().into_iter().chain(self.given_twice()).for_each(|warning| judge.warn(warning));
             return judge.verdict();
         }
         if counts.completed == 0 {
@@ -94,7 +95,50 @@ impl Sweep {
             }
             SweepOf::Cases => {}
         }
-        self.of_fits().into_iter().for_each(|warning| judge.warn(warning));
+        let in_vain = self.given_twice().into_iter().chain(self.unheard(record));
+        self.of_fits().into_iter().chain(in_vain).for_each(|warning| judge.warn(warning));
         judge.verdict()
+    }
+
+    /// The warnings that a draw changes no result: runs that differ in it alone agree to the last digit. `record` has a row for each run.
+    fn unheard(&self, record: &Record) -> Vec<Warning> {
+        let column = |name: &str| record.values(name).unwrap_or_default();
+        let completed: Vec<usize> = column("completed")
+            .iter()
+            .enumerate()
+            .filter(|(_, done)| **done == 1.0)
+            .map(|(k, _)| k)
+            .collect();
+        let results: Vec<&[f64]> =
+            self.of.measures().iter().map(|(name, _)| column(name)).filter(|of| !of.is_empty()).collect();
+        let draws: Vec<&[f64]> = self.spec.draws.iter().map(|draw| column(&draw.key)).collect();
+        let bits =
+            |columns: &[&[f64]], row: usize| columns.iter().map(|of| of[row].to_bits()).collect::<Vec<_>>();
+        let agree =
+            |a: usize, b: usize| results.iter().all(|of| of[a] == of[b] || of[a].is_nan() && of[b].is_nan());
+        let told = |(k, draw): (usize, &Draw)| {
+            let own = draws[k];
+            let others: Vec<&[f64]> =
+                draws.iter().enumerate().filter(|(o, _)| *o != k).map(|(_, of)| *of).collect();
+            let mut alone: BTreeMap<Vec<u64>, Vec<usize>> = BTreeMap::new();
+            completed.iter().for_each(|row| alone.entry(bits(&others, *row)).or_default().push(*row));
+            let mut compared = 0;
+            for rows in alone.values() {
+                let first = rows[0];
+                let other: Vec<usize> = rows.iter().copied().filter(|row| own[*row] != own[first]).collect();
+                if !other.iter().all(|row| agree(first, *row)) {
+                    return None;
+                }
+                compared += other.len();
+            }
+            let text = format!(
+                "{} changes no result: {} runs have to the last digit those of the ones that differ from them in it alone",
+                draw.key, compared
+            );
+            (compared > 0).then(|| {
+                Warning::new("sweep.unheard", text).size(compared as f64).key(format!("draws[{k}].key"))
+            })
+        };
+        self.spec.draws.iter().enumerate().filter_map(told).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! From a case file to a tethered wing and its summary.
 
-use super::fit::rejected_fit;
+use super::fit::{ByName, rejected_fit};
 use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
 use super::moved::{Moved, repeating};
@@ -9,7 +9,7 @@ use super::span_keys::{resolve, varied};
 use super::spar_numbers::SparNumbers;
 use super::stall;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::unheard::{of_strips, side_edges};
+use super::unheard::{in_vain, of_strips, side_edges};
 use super::web;
 use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
 use serde::Serialize;
@@ -164,6 +164,7 @@ impl TetherCase {
             stall_fraction: whole(Some(run.stalled.stalled())),
             step_change: step_change.map(|change| change.mean),
             step_change_of_peaks: step_change.map(|change| change.peak),
+            step_change_of_power: step_change.map(|change| change.power),
             separated_fraction: whole(Some(run.separated_fraction)),
             suction_lost_fraction: whole(Some(run.suction_lost_fraction)),
             membrane: self.skin(run),
@@ -199,6 +200,7 @@ impl TetherCase {
         }
         if run.ending == Ending::Complete {
             judge.hold_if(&tether::STEPS, step_change.map(|change| change.mean));
+            judge.hold_if(&tether::STEPS_OF_POWER, step_change.map(|change| change.power));
             Moved::new(&self.tether).hold(&mut judge);
             let planform = self.tether.wing.planform();
             if let Some((spar, numbers)) = self.spec.spar.as_ref().zip(self.spar_numbers) {
@@ -236,6 +238,8 @@ impl TetherCase {
             .chain(repeating(run, self.tether.clock.frequency_hz).filter(|_| !self.tether.motion.is_still()))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
+            .chain(given_twice(&self.document, &self.spec))
+            .chain(in_vain(&self.document, "aero", [&self.tether.aero]))
             .chain(side_edges(&self.spec.aero, [&self.tether.aero], Some(run.stalled.stalled())))
             .chain(of_strips(&self.spec.aero, None, [&self.tether.aero]))
             .chain(web::of_hinges(&self.spec.wing.hinges, &self.tether.aero))
@@ -288,6 +292,16 @@ impl TetherCase {
     }
 }
 
+/// The warnings that overrides of the merged `document` of a case, `spec`, say numbers of its wing that `numbers` gives too.
+pub(super) fn given_twice(document: &Document, spec: &TetherSpec) -> Vec<Warning> {
+    let by_name = ByName { key: "numbers", given: &spec.numbers, tables: &["wing", "wind", "aero", "spar"] };
+    by_name.given_twice(document, |document| {
+        let spec: TetherSpec = document.parse().ok()?;
+        let (_, _, aero) = spec.own_aero().ok()?;
+        Some(named(&WingNumbers::of(&aero), spec.spar.as_ref().map(SparNumbers::of).as_ref()))
+    })
+}
+
 /// What the tables of a motion say.
 #[derive(Default)]
 struct MotionTables {
@@ -324,6 +338,8 @@ pub struct TetherSummary {
     pub step_change: Option<f64>,
     /// The same of the least and the largest of a force or moment; compared with twice as many steps above 5 %.
     pub step_change_of_peaks: Option<f64>,
+    /// The same of the mean power, over the mean of its size; compared with twice as many steps above 2 %.
+    pub step_change_of_power: Option<f64>,
     /// Mean lift over the last cycle, N.
     pub mean_lift_n: Option<f64>,
     /// Mean force against the wind over the last cycle, N.
@@ -451,6 +467,8 @@ pub struct StepChange {
     pub mean: f64,
     /// Of a least or largest value, dimensionless.
     pub peak: f64,
+    /// Of the mean power, over the mean of its size, dimensionless.
+    pub power: f64,
 }
 
 impl TetherCase {
@@ -472,17 +490,21 @@ impl TetherCase {
         let scales = self.tether.reference;
         let force = ROUNDED * 0.5 * scales.density_kg_m3 * scales.speed_m_s.powi(2) * scales.area_m2;
         let least = [force, force * scales.chord_m];
-        let mut against =
-            |steps| Ok(change(&run.means, &simulate(&self.tether.stepped(steps))?.means, least));
+        let mut against = |steps| {
+            let other = simulate(&self.tether.stepped(steps))?;
+            let power = power_change(run, &other, force * scales.speed_m_s);
+            Ok(StepChange { power, ..change(&run.means, &other.means, least) })
+        };
         let coarse = against((steps / 2).max(2))?;
-        let [mean_holds, peak_holds] = [coarse.mean <= STEP_CHANGE, coarse.peak <= PEAK_CHANGE];
-        if mean_holds && peak_holds || self.tether.stepped(2 * steps).check().is_err() {
+        let most = [STEP_CHANGE, PEAK_CHANGE, STEP_CHANGE];
+        let parts = |of: StepChange| [of.mean, of.peak, of.power];
+        let holds: [bool; 3] = std::array::from_fn(|k| parts(coarse)[k] <= most[k]);
+        if holds == [true; 3] || self.tether.stepped(2 * steps).check().is_err() {
             return Ok(Some(coarse));
         }
         let fine = against(2 * steps)?;
-        let of = |holds: bool, part: fn(&StepChange) -> f64| if holds { part(&coarse) } else { part(&fine) };
-        let (mean, peak) = (of(mean_holds, |of| of.mean), of(peak_holds, |of| of.peak));
-        Ok(Some(StepChange { mean, peak }))
+        let [mean, peak, power] = std::array::from_fn(|k| parts(if holds[k] { coarse } else { fine })[k]);
+        Ok(Some(StepChange { mean, peak, power }))
     }
 
     /// The cautions that the steps are too long for the means and for the peaks.
@@ -490,21 +512,54 @@ impl TetherCase {
         let steps = self.spec.time.steps_per_cycle;
         let means = ("tether.steps", "mean loads", change.mean, STEP_CHANGE);
         let peaks = ("tether.steps_of_peaks", "least and largest loads", change.peak, PEAK_CHANGE);
-        [means, peaks].into_iter().filter(|(_, _, change, most)| !(change <= most)).map(
+        let power = ("tether.steps_of_power", "mean power", change.power, STEP_CHANGE);
+        [means, peaks, power].into_iter().filter(|(_, _, change, most)| !(change <= most)).map(
             move |(name, loads, change, _)| {
-                let percent = if change.is_finite() { 100.0 * change } else { f64::INFINITY };
-                let text = format!(
-                    "with other steps than time.steps_per_cycle = {steps} the {loads} change by {percent:.3e} % of \
-                     their range: take more steps per cycle"
-                );
+                let by = percent(change);
+                let text = match name {
+                    "tether.steps_of_power" => format!(
+                        "with other steps than time.steps_per_cycle = {steps} the {loads} changes by {by} of the mean of its size: \
+                         take more steps per cycle"
+                    ),
+                    _ => format!(
+                        "with other steps than time.steps_per_cycle = {steps} the {loads} change by {by} of their range: take \
+                         more steps per cycle"
+                    ),
+                };
                 Warning::new(name, text).size(change).key("time.steps_per_cycle")
             },
         )
     }
 }
 
+/// A share in per cent, with as many digits as say something; of what is not finite "without bound".
+fn percent(share: f64) -> String {
+    match 100.0 * share.abs() {
+        size if !size.is_finite() => "more than can be told".to_owned(),
+        size if size >= 1e4 => format!("{size:.1e} %"),
+        size if size >= 10.0 => format!("{size:.0} %"),
+        size => format!("{size:.1} %"),
+    }
+}
+
+/// The change of the mean power over the last cycle between two runs, over the mean of its size in the one where that is smaller; below
+/// `least`, W, it is rounding.
+fn power_change(one: &TetherRun, other: &TetherRun, least: f64) -> f64 {
+    let mean = |run: &TetherRun| run.mean("power").unwrap_or(f64::NAN);
+    let size = |run: &TetherRun| {
+        let power = run.last_cycle("power").unwrap_or_default();
+        power.iter().map(|power| power.abs()).sum::<f64>() / power.len() as f64
+    };
+    let scale = size(one).min(size(other));
+    match mean(one) - mean(other) {
+        apart if !apart.is_finite() => f64::NAN,
+        apart if scale > least => apart.abs() / scale,
+        _ => 0.0,
+    }
+}
+
 /// The largest relative changes of the loads between two runs, forces and moments each by the largest of their kind, in the run
-/// where that is smaller: the other may have grown without bound. Loads below `least`, N and N m, are rounding.
+/// where that is smaller: the other may have grown without bound. Loads below `least`, N and N m, are rounding; of power nothing is said.
 pub fn change(one: &[CycleMean], other: &[CycleMean], least: [f64; 2]) -> StepChange {
     let of = |kind: &str, least: f64, apart: fn(&CycleMean, &CycleMean) -> f64| {
         let rows = |means: &[CycleMean]| -> Vec<CycleMean> {
@@ -531,7 +586,7 @@ pub fn change(one: &[CycleMean], other: &[CycleMean], least: [f64; 2]) -> StepCh
         let [low, high] = [(a.low - b.low).abs(), (a.high - b.high).abs()];
         if low.is_nan() || high.is_nan() { f64::NAN } else { low.max(high) }
     });
-    StepChange { mean, peak }
+    StepChange { mean, peak, power: 0.0 }
 }
 
 /// What the names of numbers begin with that a wing alone has not.
@@ -674,6 +729,37 @@ impl TetherSpec {
         self.check()?;
         let (motion, tables) = self.motion(folder, read, limits)?;
         let clock = self.time.clock();
+        let (planform, wing, aero) = self.own_aero()?;
+        let (aero, numbers) = self.numbered(&aero)?;
+        let spar = self.built_spar(&aero, &planform, numbers)?;
+        let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
+        let area = planform.area() * halves;
+        let tether = Tether {
+            reference: CoefficientScales {
+                density_kg_m3: aero.numbers().density,
+                speed_m_s: self.reference_speed()?,
+                area_m2: self.reference.area_m2.unwrap_or(area),
+                chord_m: self
+                    .reference
+                    .chord_m
+                    .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
+            },
+            wing,
+            motion,
+            ground: self.wind.ground_m.map(|height| Plane::new(&aero, height)),
+            aero,
+            wind: self.wind.velocity(),
+            side: self.wing.side,
+            clock,
+            spar,
+        };
+        let names = [("air", "wind"), ("hinges", "wing.hinges")];
+        tether.check().map_err(|e| e.renamed(&names))?;
+        Ok((tether, tables))
+    }
+
+    /// Its planform, its wing, and the model of that with no number by its name.
+    fn own_aero(&self) -> Result<(Planform, Wing, Aero), Error> {
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
         self.wing
             .flap
@@ -709,32 +795,7 @@ impl TetherSpec {
             strips: None,
         };
         let aero = self.aero.build(&outline, self.wind.density_kg_m3, false, &names)?;
-        let (aero, numbers) = self.numbered(&aero)?;
-        let spar = self.built_spar(&aero, &planform, numbers)?;
-        let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
-        let area = planform.area() * halves;
-        let tether = Tether {
-            reference: CoefficientScales {
-                density_kg_m3: aero.numbers().density,
-                speed_m_s: self.reference_speed()?,
-                area_m2: self.reference.area_m2.unwrap_or(area),
-                chord_m: self
-                    .reference
-                    .chord_m
-                    .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
-            },
-            wing,
-            motion,
-            ground: self.wind.ground_m.map(|height| Plane::new(&aero, height)),
-            aero,
-            wind: self.wind.velocity(),
-            side: self.wing.side,
-            clock,
-            spar,
-        };
-        let names = [("air", "wind"), ("hinges", "wing.hinges")];
-        tether.check().map_err(|e| e.renamed(&names))?;
-        Ok((tether, tables))
+        Ok((planform, wing, aero))
     }
 
     /// The speed of the coefficients: as given, and else the wind's.

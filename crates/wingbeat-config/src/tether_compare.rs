@@ -129,7 +129,7 @@ impl TetherCase {
                     format!("under a column of the loads: {}", ours.join(", ")),
                 ));
             }
-            if !theirs.contains(their) {
+            if called(their, &theirs).is_none() {
                 return Err(Error::invalid(
                     key,
                     their,
@@ -137,7 +137,9 @@ impl TetherCase {
                 ));
             }
         }
-        Ok(self.spec.compare.channels.clone().into_iter().collect())
+        let found =
+            |(our, their): (&String, &String)| Some((our.clone(), called(their, &theirs)?.to_owned()));
+        Ok(self.spec.compare.channels.iter().filter_map(found).collect())
     }
 
     /// The phase of the measured rows, cycles.
@@ -164,6 +166,16 @@ impl TetherCase {
             TableBy::Phase => 1.0,
             TableBy::Time => self.measured_frequency(),
         };
+        let span = when.last().zip(when.first()).map_or(0.0, |(last, first)| last - first);
+        if pace * span > when.len() as f64 {
+            let unit = match spec.by {
+                TableBy::Phase => "is it in cycles? Degrees are to be divided by 360",
+                TableBy::Time => "is it in s? A header such as `t [ms]` says another unit",
+            };
+            let key = format!("column {name} of the data");
+            let given = format!("{:.0} cycles in {} rows", pace * span, when.len());
+            return Err(Error::invalid(key, given, format!("a row or more in each cycle: {unit}")));
+        }
         Ok(when.iter().map(|when| pace * when).collect())
     }
 
@@ -266,6 +278,29 @@ impl TetherCase {
         }
         found.into_iter().map(mended_in_compare).collect()
     }
+}
+
+/// The column of `theirs` that is called `name`, or else the only one that is the same load of a cell by another name: `Fz` is `force_z`.
+fn called<'a>(name: &str, theirs: &'a [String]) -> Option<&'a str> {
+    if let Some(own) = theirs.iter().find(|own| *own == name) {
+        return Some(own);
+    }
+    let load = load_of(name)?;
+    let mut same = theirs.iter().filter(|own| load_of(own).is_some_and(|own| own == load));
+    same.next().filter(|_| same.next().is_none()).map(String::as_str)
+}
+
+/// Names before the axis of a force, and of a moment.
+const LOADS: [&[&str]; 2] = [&["force_", "f_", "f"], &["moment_", "torque_", "m_", "t_", "m", "t"]];
+
+/// Which load of a cell a name is, and along which axis.
+fn load_of(name: &str) -> Option<(usize, String)> {
+    let name = name.to_lowercase();
+    let axis = |kind: &str| name.strip_prefix(kind).filter(|axis| ["x", "y", "z"].contains(axis));
+    LOADS
+        .iter()
+        .enumerate()
+        .find_map(|(kind, names)| Some((kind, names.iter().find_map(|n| axis(n))?.to_owned())))
 }
 
 /// Whether samples at these phases (cycles) are so few of a cycle that its harmonics turn into one another.

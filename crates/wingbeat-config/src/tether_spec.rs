@@ -6,7 +6,7 @@ use super::verdict_limits::VerdictLimits;
 use super::{AeroSpec, CompareSpec, RunName};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use wingbeat_aero::{CD0, CD90, FlapSpec, Gap, MembraneSpec, PlanformStation, SectionSpec};
+use wingbeat_aero::{CD0, CD90, DENSITY, FlapSpec, Gap, MembraneSpec, PlanformStation, SectionSpec};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{Clock, HingeKind, Side};
 use wingbeat_math::Error;
@@ -100,9 +100,11 @@ pub struct HingeSpec {
     #[serde(default)]
     pub side: Side,
     /// Arc at which it lies, m.
+    #[schemars(extend("minimum" = 0.0))]
     pub arc_m: f64,
     /// For a twist that grows evenly from `arc_m` to here, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0.0))]
     pub to_arc_m: Option<f64>,
     /// Place of a twist or sweep axis ahead of the hinge line, m.
     #[serde(default)]
@@ -162,6 +164,7 @@ pub struct FourierSpec {
 
 /// Wind.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct WindSpec {
     /// Speed, m/s; in still air, 0, the coefficients need a `reference.speed_m_s`, and a negative wind comes from behind.
@@ -179,6 +182,8 @@ pub struct WindSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground_m: Option<f64>,
 }
+
+ranges!(WindSpec { density_kg_m3: DENSITY.range });
 
 /// Cycles and steps.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -237,6 +242,7 @@ impl TetherSpec {
         self.run_name()?;
         self.wing.in_range().map_err(|e| e.within("wing"))?;
         self.time.clock().in_range().map_err(|e| e.within("time"))?;
+        self.wind.in_range().map_err(|e| e.within("wind"))?;
         require::finite("wind.ground_m", self.wind.ground_m.as_slice())?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
         self.wing.membrane.iter().try_for_each(|m| m.check().map_err(|e| e.within("wing.membrane")))?;

@@ -1,8 +1,9 @@
 //! What a run says of strips: keys that none of its models hears, keys that mislead, hinges that crowd them, few of them.
 
-use super::LatticeSpec;
-use super::spec::{AeroSpec, FlightSpec, FullAeroSpec};
-use wingbeat_aero::{Aero, CD0, Preset};
+use super::doors::ChosenKinds;
+use super::spec::{AeroSpec, FlightSpec, FullAeroSpec, ScenarioSpec};
+use super::{Document, LatticeSpec};
+use wingbeat_aero::{Aero, CD0, CRITICAL_SUCTION, Preset};
 use wingbeat_judge::Warning;
 use wingbeat_robot::{Robot, RobotSpec};
 
@@ -86,6 +87,46 @@ pub(super) fn of_strips<'a>(
         .collect()
 }
 
+/// Terms of `aero` that preset `as_printed` lacks, and settings of `aero.paper` that it alone has.
+const NOT_PRINTED: [&str; 3] = ["added_mass", "section_moment", "pitch_suction"];
+const PRINTED: [&str; 3] = ["paper.lag_speed", "paper.lift_tilt", "paper.printed_drag"];
+
+/// The warnings that overrides of the merged `document` give keys of its table `aero` that none of `models` hears. The terms of
+/// [`STRIP_KEYS`] are told wherever they are given.
+pub(super) fn in_vain<'a>(
+    document: &Document,
+    aero: &str,
+    models: impl IntoIterator<Item = &'a Aero>,
+) -> Vec<Warning> {
+    let models: Vec<&Aero> = models.into_iter().collect();
+    let any = |preset: Preset| models.iter().any(|model| model.preset() == preset);
+    let asks = |key: &str| {
+        models.iter().any(|model| model.law().about().parameters.iter().any(|asked| asked.key == key))
+    };
+    let why = |key: &str| -> Option<String> {
+        let lacks = |heard: bool| (!heard).then(|| "no surface has its preset".to_owned());
+        match key {
+            _ if PRINTED.contains(&key) => lacks(any(Preset::AsPrinted)),
+            _ if NOT_PRINTED.contains(&key) => lacks(any(Preset::Full) || any(Preset::Paper)),
+            _ if key.starts_with("paper.") => lacks(any(Preset::Paper) || any(Preset::AsPrinted)),
+            _ if key.starts_with("full.") => lacks(any(Preset::Full)),
+            _ if key == CRITICAL_SUCTION.key => {
+                (!asks(key)).then(|| "the law of no surface asks for it".to_owned())
+            }
+            _ => None,
+        }
+    };
+    let told = |key: &str| STRIP_KEYS.iter().any(|(told, _)| *told == key);
+    let said = |(key, value): (String, String)| {
+        let why = why(key.strip_prefix(aero)?.strip_prefix('.')?).filter(|_| !told(&key))?;
+        Some(Warning::new("aero.unheard", format!("{key} = {value} has no effect: {why}")).key(key))
+    };
+    if models.is_empty() {
+        return Vec::new();
+    }
+    document.given_by_overrides().into_iter().filter_map(said).collect()
+}
+
 /// The warning that the vortices of side edges push too hard where the share `past_stall` of the strips of `models` is beyond the stall
 /// angle: with them the force of a plate of aspect ratio 2 is 28 % too large from 22 degrees on, without them 8 % (`aero.plates`).
 pub(super) fn side_edges<'a>(
@@ -126,4 +167,32 @@ pub(super) fn frictionless(spec: &RobotSpec, robot: &Robot) -> Option<Warning> {
         CD0.default
     );
     Some(Warning::new("aero.no_profile_drag", text).size(names.len() as f64).key(key))
+}
+
+/// The warning that `robot` has nothing that could lift it: neither a surface in air nor a thruster.
+pub(super) fn unlifted(robot: &Robot) -> Option<Warning> {
+    let lifts = robot.surfaces().next().is_some() || !robot.thrusters().is_empty();
+    let text = "the robot has no lifting surface and no thruster: it falls";
+    (!lifts && !robot.is_in_vacuum())
+        .then(|| Warning::new("flight.nothing_lifts", text).key("robot.surfaces"))
+}
+
+impl ScenarioSpec {
+    /// The warnings of what begins when the flight is over, and so is never flown.
+    pub(super) fn never_begun(&self, choice: &ChosenKinds) -> impl Iterator<Item = Warning> {
+        let table = |table: String| move |(key, start): (String, f64)| (format!("{table}.{key}"), start);
+        let manoeuvre = choice.manoeuvre.iter().flat_map(|manoeuvre| manoeuvre.begins());
+        let manoeuvre = manoeuvre.map(table(self.manoeuvre_table()));
+        let controller = choice.controller.iter().flat_map(|controller| controller.begins());
+        let controller = controller.map(table(self.controller_table()));
+        let gusts = self.air.gusts.iter().enumerate();
+        let gusts = gusts.map(|(i, gust)| (format!("air.gusts[{i}].start_s"), gust.start_s));
+        let end = self.flight.duration_s;
+        let all: Vec<(String, f64)> = manoeuvre.chain(controller).chain(gusts).collect();
+        all.into_iter().filter(move |(_, start)| *start >= end).map(move |(key, start)| {
+            let text =
+                format!("{key} = {start} is not before the end of the flight ({end} s): what begins there is never flown");
+            Warning::new("flight.never_begins", text).size(start).key(key)
+        })
+    }
 }

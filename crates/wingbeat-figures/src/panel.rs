@@ -89,7 +89,8 @@ pub fn seen(y: &[f64], most: usize) -> Vec<usize> {
         let to = (from + stretch).min(y.len());
         let by = |a: &usize, b: &usize| y[*a].total_cmp(&y[*b]);
         let there = || (from..to).filter(|k| y[*k].is_finite());
-        let mut points = vec![from, to - 1];
+        // A gap stays one.
+        let mut points = vec![from, (from..to).find(|k| !y[*k].is_finite()).unwrap_or(to - 1)];
         points.extend(there().min_by(by).into_iter().chain(there().max_by(by)));
         points.sort_unstable();
         points.dedup();

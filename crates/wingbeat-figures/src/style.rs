@@ -111,6 +111,12 @@ pub fn area(corners: &[(f64, f64)], colour: &str, opacity: f64) -> Primitive {
     }))
 }
 
+/// A filled disc without an edge; its centre and radius in px.
+pub fn disc((cx, cy): PaperPoint, r: f64, colour: &str) -> Primitive {
+    let fill = Colour::from(colour);
+    Primitive::Circle { cx, cy, r, fill, fill_opacity: None, stroke: None, stroke_width: None }
+}
+
 /// The corners of an area, px, with the first at the end again.
 pub fn closed(corners: &[PaperPoint]) -> Vec<PaperPoint> {
     corners.iter().chain(corners.first()).copied().collect()

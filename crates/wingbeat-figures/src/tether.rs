@@ -115,7 +115,8 @@ impl<'a> LastCycle<'a> {
 }
 
 /// Circulation, where the model has one, angle of attack, separation and suction lost, where there are any, and force over the span at four phases of the last cycle.
-pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
+/// Where `edges` bear suction, the title says that the outermost strips have that of the side edges, which leaps with their width.
+pub fn span_loading(strips: &Record, edges: bool) -> Result<Figure, Error> {
     let (phase, arc) = (needed(strips, "phase")?, needed(strips, "arc")?);
     let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;
     let by_instant: Vec<f64> = phase.iter().copied().step_by(count).collect();
@@ -148,7 +149,11 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
         }
     }
     let width = needed(strips, "width")?;
-    panels.push(at_phases("force_z", "upward force per span, body axes [N/m]", &|row| 1.0 / width[row])?);
+    let title = match edges {
+        true => "upward force per span, body axes [N/m]; the last strips bear all suction of the side edges",
+        false => "upward force per span, body axes [N/m]",
+    };
+    panels.push(at_phases("force_z", title, &|row| 1.0 / width[row])?);
     Ok(Figure::new("span", stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL)))
 }
 
@@ -206,7 +211,7 @@ mod tests {
                 strips.append(&[f64::from(step), phase, strip, 1.0 - strip, phase + strip, 0.1, 0.0, 0.1]);
             }
         }
-        assert_eq!(span_loading(&strips).unwrap().name, "span");
+        assert_eq!(span_loading(&strips, true).unwrap().name, "span");
         assert!(matches!(cycle_loads(&strips), Err(Error::Column(_))));
     }
 }

@@ -193,8 +193,8 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
     let whole: Vec<usize> =
         (0..cycles).filter(|cycle| is_whole(phase, x, first + TAU * *cycle as f64)).collect();
     if whole.is_empty() {
-        let allowed =
-            "at least one cycle without missing samples; process.input.bridge_samples bridges short gaps";
+        let allowed = "at least one cycle without missing samples; process.input.bridge_samples bridges short gaps, process.input.rate_hz takes \
+             the rows at even steps";
         return Err(Error::invalid("process.window_s", format!("{cycles} cycles, each with a gap"), allowed));
     }
     let mut average = CycleAverage {

@@ -28,7 +28,7 @@ pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
         let mut pivot = a[j][j];
         for k in 0..j {
             scaled[k] = a[j][k] * a[k][k];
-            pivot -= a[j][k] * scaled[k];
+            pivot = pivot.less_product(a[j][k], scaled[k]);
         }
         let pivot = pivot.positive()?;
         a[j][j] = pivot;
@@ -36,15 +36,14 @@ pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
         for i in j + 1..n {
             let mut sum = a[i][j];
             for k in 0..j {
-                sum -= a[i][k] * scaled[k];
+                sum = sum.less_product(a[i][k], scaled[k]);
             }
             a[i][j] = sum * inverse[j];
         }
     }
     for i in 0..n {
         for k in 0..i {
-            let c = b[k] * a[i][k];
-            b[i] -= c;
+            b[i] = b[i].less_over(b[k], a[i][k]);
         }
     }
     for i in 0..n {
@@ -52,8 +51,7 @@ pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
     }
     for i in (0..n).rev() {
         for k in i + 1..n {
-            let c = b[k] * a[k][i];
-            b[i] -= c;
+            b[i] = b[i].less_over(b[k], a[k][i]);
         }
     }
     Some(b)

@@ -28,6 +28,16 @@ pub trait Over<G: Scalar>:
     fn fused(self, g: G, c: Self) -> Self;
     /// Square of `g` plus self, rounded once where the processor can.
     fn plus_square(self, g: G) -> Self;
+    /// self + a * g, rounded as [`Scalar::plus_product`].
+    #[inline(always)]
+    fn plus_over(self, a: Self, g: G) -> Self {
+        if const { Self::NARROW } { a.fused(g, self) } else { self + a * g }
+    }
+    /// self - a * g, rounded as [`Scalar::less_product`].
+    #[inline(always)]
+    fn less_over(self, a: Self, g: G) -> Self {
+        if const { Self::NARROW } { (-a).fused(g, self) } else { self - a * g }
+    }
     /// The part that `G` holds: without the derivatives that only this type carries.
     fn beneath(self) -> G;
 }
@@ -101,7 +111,25 @@ impl<S: Scalar> Vec3<S> {
         S: Over<T>,
     {
         let ([a, b, c], [x, y, z]) = (self.0, o.0);
-        Self([b * z - c * y, c * x - a * z, a * y - b * x])
+        Self([(b * z).less_over(c, y), (c * x).less_over(a, z), (a * y).less_over(b, x)])
+    }
+    /// The vector `x` of the way along `axis`, in its units: self + axis x, rounded as [`Scalar::plus_product`].
+    #[inline(always)]
+    pub fn shifted<P: Copy>(self, axis: Self, x: P) -> Self
+    where
+        S: Meets<P>,
+    {
+        if const { S::NARROW } {
+            let x = S::from(x);
+            return Self([0, 1, 2].map(|i| axis.0[i].mul_add(x, self.0[i])));
+        }
+        self + axis.scaled(x)
+    }
+    /// `sum` and this vector times `k`, which may carry more derivatives; rounded as [`Scalar::plus_product`].
+    #[inline(always)]
+    pub fn times_plus<T: Over<S>>(self, k: T, sum: Vec3<T>) -> Vec3<T> {
+        let ([a, b, c], [x, y, z]) = (self.0, sum.0);
+        Vec3([x.plus_over(k, a), y.plus_over(k, b), z.plus_over(k, c)])
     }
     /// Times a number that may carry more derivatives.
     #[inline]
@@ -111,13 +139,13 @@ impl<S: Scalar> Vec3<S> {
     /// Scalar product with a vector that may carry more derivatives.
     #[inline]
     pub fn dot_over<T: Over<S>>(self, o: Vec3<T>) -> T {
-        o.0[0] * self.0[0] + o.0[1] * self.0[1] + o.0[2] * self.0[2]
+        (o.0[0] * self.0[0]).plus_over(o.0[1], self.0[1]).plus_over(o.0[2], self.0[2])
     }
     /// Vector product with a vector that may carry more derivatives.
     #[inline]
     pub fn cross_over<T: Over<S>>(self, o: Vec3<T>) -> Vec3<T> {
         let ([a, b, c], [x, y, z]) = (self.0, o.0);
-        Vec3([z * b - y * c, x * c - z * a, y * a - x * b])
+        Vec3([(z * b).less_over(y, c), (x * c).less_over(z, a), (y * a).less_over(x, b)])
     }
 }
 

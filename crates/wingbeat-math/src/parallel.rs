@@ -144,6 +144,20 @@ pub fn chunks<T: Send>(items: &mut [T], most: usize, work: impl Fn(&mut T) + Syn
     });
 }
 
+/// `own` on the calling thread, and `other` on one beside it where the system starts one; what `own` gives, once both have ended.
+///
+/// ```
+/// let (tell, told) = std::sync::mpsc::channel();
+/// assert_eq!(wingbeat_math::parallel::beside(move || tell.send(1).unwrap(), || told.recv().unwrap()), 1);
+/// ```
+pub fn beside<R>(other: impl FnOnce() + Send, own: impl FnOnce() -> R) -> R {
+    thread::scope(|scope| {
+        // Without a thread what `other` holds is dropped, which `own` can see.
+        let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, other);
+        own()
+    })
+}
+
 /// `run` on the calling thread and on as many others as make up `cores`, as far as the system starts them.
 fn together(cores: usize, run: &(dyn Fn() + Sync)) {
     thread::scope(|scope| {

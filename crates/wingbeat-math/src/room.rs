@@ -38,6 +38,9 @@ pub fn append<T: Copy, const N: usize>(to: &mut ArrayVec<T, N>, values: &[T]) {
 /// Puts `value` behind those of `to`, which has room for it, `count` times.
 #[inline(always)]
 pub fn append_copies<T: Copy, const N: usize>(to: &mut ArrayVec<T, N>, value: T, count: usize) {
+    if count == 0 {
+        return;
+    }
     let end = to.len() + count;
     if const { size_of::<T>() > LARGE } {
         while to.len() < end {

@@ -2,6 +2,7 @@
 //! exact derivatives, [`Jet`](super::Jet) for rates along time, [`Lanes`](super::Lanes) for
 //! several systems at once. One source of the physics serves all four.
 
+use super::Meets;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -71,6 +72,25 @@ pub trait Scalar:
     #[inline]
     fn mul_add(self, a: Self, b: Self) -> Self {
         self * a + b
+    }
+    /// self + a * b. It is rounded once where numbers are [narrow](Self::NARROW), which takes fewer instructions; others keep the bits of a
+    /// product and a sum.
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        if const { Self::NARROW } { a.mul_add(b, self) } else { self + a * b }
+    }
+    /// self + a * p of a number `p` of a model, rounded as [`plus_product`](Self::plus_product).
+    #[inline(always)]
+    fn plus_met<P: Copy>(self, a: Self, p: P) -> Self
+    where
+        Self: Meets<P>,
+    {
+        if const { Self::NARROW } { a.mul_add(Self::from(p), self) } else { self + a * p }
+    }
+    /// self - a * b, rounded as [`plus_product`](Self::plus_product).
+    #[inline(always)]
+    fn less_product(self, a: Self, b: Self) -> Self {
+        if const { Self::NARROW } { (-a).mul_add(b, self) } else { self - a * b }
     }
     /// Sine.
     #[inline]

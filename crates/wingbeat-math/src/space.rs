@@ -4,7 +4,7 @@
 //! `p_WB` is the position of B's origin in W, `w_WB_B` the angular rate of B
 //! in W, resolved in B. Body axes are FLU (x forward, y left, z up).
 
-use super::Scalar;
+use super::{Meets, Scalar};
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
 /// A vector of three components. Its components are in the caller's unit.
@@ -50,17 +50,20 @@ impl<S: Scalar> Vec3<S> {
     /// Scalar product.
     #[inline]
     pub fn dot(self, o: Self) -> S {
-        self.0[0] * o.0[0] + self.0[1] * o.0[1] + self.0[2] * o.0[2]
+        (self.0[0] * o.0[0]).plus_product(self.0[1], o.0[1]).plus_product(self.0[2], o.0[2])
     }
     /// Vector product.
     #[inline]
     pub fn cross(self, o: Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.0, o.0);
-        Self([b * z - c * y, c * x - a * z, a * y - b * x])
+        Self([(b * z).less_product(c, y), (c * x).less_product(a, z), (a * y).less_product(b, x)])
     }
     /// Squared length.
     #[inline]
     pub fn norm_squared(self) -> S {
+        if const { S::NARROW } {
+            return self.dot(self);
+        }
         self.0[0].squared() + self.0[1].squared() + self.0[2].squared()
     }
     /// Length; not differentiable at zero.
@@ -210,8 +213,11 @@ impl<S: Scalar> Mat3<S> {
     #[inline]
     pub fn mul_constant<P: Scalar>(&self, v: Vec3<P>) -> Vec3<S>
     where
-        S: Mul<P, Output = S>,
+        S: Meets<P>,
     {
+        if const { S::NARROW } {
+            return *self * v.met();
+        }
         let ([a, b, c], [x, y, z]) = (&self.0, v.0);
         let row = |r: &[S; 3]| r[0] * x + r[1] * y + r[2] * z;
         Vec3([row(a), row(b), row(c)])
@@ -256,6 +262,7 @@ impl<S: Scalar> Mat3<S> {
         Self::rotation_z(yaw) * Self::rotation_y(pitch) * Self::rotation_x(roll)
     }
     /// (roll, pitch, yaw) rad of a rotation R_WB = Rz Ry Rx.
+    #[inline]
     pub fn roll_pitch_yaw(self) -> Vec3<S> {
         let m = self.0;
         let cos_pitch = (m[0][0] * m[0][0] + m[1][0] * m[1][0]).sqrt();
@@ -299,7 +306,9 @@ impl<S: Scalar> Mul<Vec3<S>> for Mat3<S> {
     type Output = Vec3<S>;
     #[inline]
     fn mul(self, v: Vec3<S>) -> Vec3<S> {
-        let row = |i: usize| self.0[i][0] * v[0] + self.0[i][1] * v[1] + self.0[i][2] * v[2];
+        let row = |i: usize| {
+            (self.0[i][0] * v[0]).plus_product(self.0[i][1], v[1]).plus_product(self.0[i][2], v[2])
+        };
         Vec3([row(0), row(1), row(2)])
     }
 }

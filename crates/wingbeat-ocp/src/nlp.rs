@@ -23,6 +23,18 @@ pub struct Structure {
     pub constraint_block: Vec<usize>,
 }
 
+impl Structure {
+    /// That of a small program in one block, of which no entry is known to be zero.
+    pub fn dense(variables: usize, constraints: usize) -> Self {
+        Self {
+            jacobian: (0..constraints).flat_map(|i| (0..variables).map(move |j| (i, j))).collect(),
+            hessian: (0..variables).flat_map(|i| (0..=i).map(move |j| (i, j))).collect(),
+            variable_block: vec![0; variables],
+            constraint_block: vec![0; constraints],
+        }
+    }
+}
+
 /// First and second derivatives at one point, in the order of [`Structure`].
 #[derive(Clone, Debug, Default)]
 pub struct Derivatives {
@@ -121,13 +133,7 @@ impl<F: Functions> Program for Dense<'_, F> {
         &self.constraints
     }
     fn structure(&self) -> Structure {
-        let (n, m) = (self.variables.len(), self.constraints.len());
-        Structure {
-            jacobian: (0..m).flat_map(|i| (0..n).map(move |j| (i, j))).collect(),
-            hessian: (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect(),
-            variable_block: vec![0; n],
-            constraint_block: vec![0; m],
-        }
+        Structure::dense(self.variables.len(), self.constraints.len())
     }
     fn evaluate(&mut self, x: &[f64], constraints: &mut [f64]) -> Result<f64, EvaluationError> {
         self.functions.constrain(x, constraints);

@@ -104,10 +104,14 @@ pub fn fly<'py>(
             Some(own) => scenario.fly_with(own, period_s, sensors, observe),
             None => scenario.fly(observe),
         };
-        run.map_err(|error| scenario.explain(&error))
+        run.map_err(|error| match &error {
+            // An argument, which no document gives.
+            Error::Invalid { key, .. } if key == "period_s" => refused(error),
+            _ => refused(scenario.explain(&error)),
+        })
     })?;
     raised.check()?;
-    let run = flown.map_err(refused)?;
+    let run = flown?;
     let summary = serde_json::to_string(&run.summary).map_err(refused)?;
     Ok((columns(py, run.record), run.strips.map(|strips| columns(py, strips)), summary))
 }

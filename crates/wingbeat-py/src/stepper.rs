@@ -44,7 +44,7 @@ impl PySaved {
     fn of(scenario: &PyScenario, parts: StateParts) -> PyResult<Self> {
         let (x, u, (start, length, first)) = parts;
         let robot = scenario.0.robot();
-        check("state", &x, robot.states().len())?;
+        check_state(robot, &x)?;
         check("inputs", &u, robot.inputs().len())?;
         check("clock", &[start, length], 2)?;
         let saved = wingbeat::simulate::Saved::of_parts(x, u, (start, length, first));
@@ -84,7 +84,7 @@ impl PyStepper {
     #[setter]
     fn set_state(&mut self, state: PyReadonlyArray1<f64>) -> PyResult<()> {
         let state = state.as_array().to_vec();
-        check("state", &state, self.stepper.state().len())?;
+        check_state(self.stepper.system(), &state)?;
         self.stepper.state_mut().copy_from_slice(&state);
         Ok(())
     }
@@ -107,7 +107,7 @@ impl PyStepper {
     #[pyo3(signature = (t=0.0, state=None))]
     fn reset(&mut self, t: f64, state: Option<PyReadonlyArray1<f64>>) -> PyResult<()> {
         let state = state.map_or_else(|| self.start.clone(), |state| state.as_array().to_vec());
-        check("state", &state, self.start.len())?;
+        check_state(self.stepper.system(), &state)?;
         check("t", &[t], 1)?;
         self.stepper.reset(t, &state);
         Ok(())
@@ -115,7 +115,10 @@ impl PyStepper {
 
     /// Steps of `dt` seconds under the inputs as they are set.
     #[pyo3(signature = (dt=1e-3, steps=1))]
-    fn step(&mut self, py: Python, dt: f64, steps: usize) -> PyResult<()> {
+    fn step(&mut self, py: Python, dt: f64, steps: i64) -> PyResult<()> {
+        let Ok(steps) = u64::try_from(steps) else {
+            return Err(refused(Error::invalid("steps", steps, "0 or more")));
+        };
         if !(dt > 0.0 && dt <= LONGEST) {
             return Err(refused(Error::invalid("dt", dt, format!("above 0, at most {LONGEST} s"))));
         }
@@ -191,6 +194,22 @@ impl PyStepper {
             self.stepper.time()
         )))
     }
+}
+
+/// Largest difference from 1 of the norm of an attitude that is set: rounding and noise on a state are less, and beyond it loads change with
+/// the norm. *Choice.*
+const TURNED: f64 = 1e-3;
+
+/// Refuses what is no state of `robot`: numbers too many or too few, and an attitude that is none.
+fn check_state(robot: &Robot, state: &[f64]) -> PyResult<()> {
+    check("state", state, robot.states().len())?;
+    let at = robot.layout().attitude;
+    let norm = state[at..at + 4].iter().map(|q| q * q).sum::<f64>().sqrt();
+    if (norm - 1.0).abs() <= TURNED {
+        return Ok(());
+    }
+    let key = format!("state[{at}:{}]", at + 4);
+    Err(refused(Error::invalid(key, format!("a quaternion of norm {norm}"), "a norm of 1, within 0.001")))
 }
 
 fn check(key: &str, given: &[f64], wanted: usize) -> PyResult<()> {

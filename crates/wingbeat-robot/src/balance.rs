@@ -22,6 +22,21 @@ impl Robot {
     pub(super) fn balanced_rates<K: Scalar>(
         &self,
         known: &Known,
+        at: (f64, &[Early], &[Early]),
+        dx: &mut [Early],
+    ) -> Result<(), Fault>
+    where
+        Early: Over<K>,
+    {
+        Evaluation::within(|out| self.balanced_in::<K>(out, known, at, dx))
+    }
+
+    /// The same in the room `out`.
+    #[inline(always)]
+    fn balanced_in<K: Scalar>(
+        &self,
+        out: &mut Evaluation<Early>,
+        known: &Known,
         (t, x, u): (f64, &[Early], &[Early]),
         dx: &mut [Early],
     ) -> Result<(), Fault>
@@ -32,12 +47,12 @@ impl Robot {
         let (early, air) = x.split_at(l.aero);
         let structure = &early[l.structure..];
         let clock = Jet::new(Early::from(t), Early::ONE, Early::ZERO);
-        let (mut out, mut mass) = (Evaluation::empty(), [[Early::ZERO; 6]; 6]);
+        let mut mass = [[Early::ZERO; 6]; 6];
         let held = (&[][..], Some(&known.degrees[..]));
-        let places = (&mut out, &mut mass);
+        let places = (&mut *out, &mut mass);
         let (body, setting) = self.instant((clock.x, &clock), early, u, held, dx, places)?;
-        let Evaluation { links, base, coordinates, .. } = &out;
-        let mut carriers = Carriers::none(coordinates);
+        let Evaluation { links, base, coordinates, carriers, .. } = out;
+        let mut carriers = Carriers::within(carriers, coordinates);
         carriers.follow(base, &self.carriers, links, [setting.wind_dot, setting.gravity]);
         (carriers.ground, carriers.complete) =
             (self.ground_below(setting.attitude, early[l.position + 2]), true);

@@ -2,7 +2,7 @@
 
 use super::dynamics::Evaluation;
 use super::observe::{Moving, Observation};
-use super::sections::Carriers;
+use super::sections::{CarrierRoom, Carriers};
 use super::surface::{External, between_edges};
 use super::{BodyMotion, CarriedLoads, Links, Robot, Stance};
 use crate::body::Coordinates;
@@ -118,7 +118,8 @@ impl Robot {
         self.moving((t, x, u), &beyond.links, &mut dx, &mut seen)?;
         let Moving { e, base, moving, wind: [wind, wind_dot], .. } = &seen;
         let still = Coordinates::none();
-        let mut carriers = Carriers::none(&still);
+        let mut room = CarrierRoom::new();
+        let mut carriers = Carriers::within(&mut room, &still);
         carriers.follow(base, &self.carriers, moving, [*wind_dot, self.gravity(e.attitude)]);
         carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;

@@ -2,7 +2,7 @@
 
 use super::drive::Ratios;
 use super::dynamics::{BodySystem, of_numbers};
-use super::sections::Carriers;
+use super::sections::{CarrierRoom, Carriers};
 use super::surface::External;
 use super::{Joints, Links, Robot};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
@@ -159,7 +159,8 @@ impl<P: Scalar> Robot<P> {
         if coordinates.count() > 0 {
             let mut moving = Links::new();
             moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
-            let mut carriers = Carriers::none(&coordinates);
+            let mut room = CarrierRoom::new();
+            let mut carriers = Carriers::within(&mut room, &coordinates);
             carriers.follow(&base, &self.carriers, &moving, [wind_dot, gravity]);
             let second_rates = self
                 .second_rates(&moving, &carriers, gravity, (wind, clock.d), (x, beyond), dx)
@@ -169,7 +170,8 @@ impl<P: Scalar> Robot<P> {
         }
         let mut moving = Links::new();
         moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
-        let mut carriers = Carriers::none(&still);
+        let mut room = CarrierRoom::new();
+        let mut carriers = Carriers::within(&mut room, &still);
         carriers.follow(&base, &self.carriers, &moving, [wind_dot, gravity]);
         let (structure_state, x) = x.split_at(structure);
         let dx = &mut dx[structure..];
@@ -216,7 +218,8 @@ impl<P: Scalar> Robot<P> {
         self.links(&joints, v, body.rate, &mut links);
         let (wind, wind_dot) = self.wind(clock.x, body.attitude);
         let still = Coordinates::none();
-        let mut carriers = Carriers::none(&still);
+        let mut room = CarrierRoom::new();
+        let mut carriers = Carriers::within(&mut room, &still);
         carriers.follow(&LinkMotion::base(v, body.rate), &self.carriers, &links, [wind_dot, Vec3::ZERO]);
         self.covering.settle(&carriers, wind, air);
         Ok(())

@@ -27,6 +27,15 @@ impl<S: Scalar> Ratios<S> {
     pub fn new() -> Self {
         Self { crank: ArrayVec::new(), loaded: ArrayVec::new(), pushes: ArrayVec::new(), crank_push: S::ZERO }
     }
+
+    /// None again.
+    pub fn clear(&mut self) {
+        let Self { crank, loaded, pushes, crank_push } = self;
+        crank.clear();
+        loaded.clear();
+        pushes.clear();
+        *crank_push = S::ZERO;
+    }
 }
 
 impl<P: Scalar> Robot<P> {

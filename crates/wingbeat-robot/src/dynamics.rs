@@ -4,7 +4,7 @@
 use super::drive::Ratios;
 use super::joints::Displaced;
 use super::perch::BodyPose;
-use super::sections::Carriers;
+use super::sections::{CarrierRoom, Carriers};
 use super::surface::{External, MechanismLoads};
 use super::{Joints, Links, Robot};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion};
@@ -14,7 +14,7 @@ use wingbeat_aero::{Ground, ImpulseRates};
 use wingbeat_math::linear::solve_symmetric_leading;
 #[cfg(feature = "lanes")]
 use wingbeat_math::{Double4, Single8};
-use wingbeat_math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, lift};
+use wingbeat_math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, kept, lift};
 use wingbeat_ocp::plant::{Channel, Early, Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
@@ -28,6 +28,8 @@ pub(super) struct Evaluation<G: Scalar, S: Over<G> = G> {
     pub links: Links<G>,
     /// The body as a link.
     pub base: LinkMotion<G>,
+    /// The base and those links that carry surfaces.
+    pub carriers: CarrierRoom<G>,
     /// How elastic joints and crank move the links.
     pub coordinates: Coordinates<G>,
     /// Ratios of the joints to a crank under a motor and to elements with an inertia.
@@ -47,11 +49,31 @@ impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
             joints: Joints::new(),
             links: Links::new(),
             base: LinkMotion::REST,
+            carriers: CarrierRoom::new(),
             coordinates: Coordinates::none(),
             ratios: Ratios::new(),
             acceleration: [S::ZERO; 6],
             second_rates: ArrayVec::new(),
         }
+    }
+
+    /// Does `work` in the room of an evaluation. Of plain numbers it is a new one; what is larger takes longer to fill with
+    /// constants than a room that the thread keeps takes to find, of which links and carriers stay as they were left, for what follows to write over.
+    #[inline(always)]
+    pub fn within<R>(work: impl FnOnce(&mut Self) -> R) -> R {
+        if const { size_of::<S>() <= size_of::<f64>() } {
+            return work(&mut Self::empty());
+        }
+        kept(
+            || Box::new(Self::empty()),
+            |room| {
+                room.joints.clear();
+                room.coordinates.clear();
+                room.ratios.clear();
+                room.second_rates.clear();
+                work(room)
+            },
+        )
     }
 }
 
@@ -132,7 +154,7 @@ impl Plant for Robot {
         dx: &mut [S],
     ) -> Result<(), Fault> {
         let clock = Jet::new(t, 1.0, 0.0);
-        self.evaluate_parts::<f64, _, _>(t, &clock, early, late, u, &[], dx, &mut Evaluation::empty())
+        Evaluation::within(|out| self.evaluate_parts::<f64, _, _>(t, &clock, early, late, u, &[], dx, out))
     }
     fn rates_in_numbers(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
         self.rates(t, x, u, dx)
@@ -143,7 +165,7 @@ impl Plant for Robot {
     fn rates_in_moving(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
         let (t, (early, air)) = (Early::from(t), x.split_at(self.layout.aero));
         let clock = Jet::new(t, Early::ONE, Early::ZERO);
-        self.evaluate_parts::<f64, _, _>(t, &clock, early, air, u, &[], dx, &mut Evaluation::empty())
+        Evaluation::within(|out| self.evaluate_parts::<f64, _, _>(t, &clock, early, air, u, &[], dx, out))
     }
     fn rates_about(
         &self,
@@ -234,7 +256,7 @@ impl<P: Scalar> Robot<P> {
         dx: &mut [S],
     ) -> Result<(), Fault> {
         let (early, air) = x.split_at(self.layout.aero);
-        self.evaluate_parts::<S, _, _>(t, clock, early, air, u, &[], dx, &mut Evaluation::empty())
+        Evaluation::within(|out| self.evaluate_parts::<S, _, _>(t, clock, early, air, u, &[], dx, out))
     }
 
     /// The same, given the states of body and structure and those of the air, under the loads `beyond` of links and body; places
@@ -257,8 +279,8 @@ impl<P: Scalar> Robot<P> {
         let mut mass = [[G::ZERO; 6]; 6];
         let (body, setting) = self.instant((t, clock), x, u, (beyond, None), dx, (out, &mut mass))?;
         let InstantSetting { attitude, wind, wind_dot, gravity, .. } = setting;
-        let Evaluation { links, base, coordinates, second_rates, .. } = out;
-        let mut carriers = Carriers::none(coordinates);
+        let Evaluation { links, base, carriers, coordinates, second_rates, .. } = out;
+        let mut carriers = Carriers::within(carriers, coordinates);
         carriers.follow(base, &self.carriers, links, [wind_dot, gravity]);
         carriers.ground = self.ground_below(attitude, x[l.position + 2]);
         let states = (structure, air, &mut dx[l.aero..]);
@@ -432,7 +454,10 @@ impl<P: Scalar> Robot<P> {
         w: Vec3<S>,
         links: &mut Links<S>,
     ) {
-        append_copies(links, LinkMotion::REST, joints.len());
+        // What an evaluation before has left is written over.
+        links.truncate(joints.len());
+        let lacking = joints.len() - links.len();
+        append_copies(links, LinkMotion::REST, lacking);
         self.mechanism.tree.motions(joints, v, w, links);
     }
 

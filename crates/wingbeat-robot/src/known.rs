@@ -62,8 +62,8 @@ impl Robot {
         if !self.add_elements(&clock, structure, &mut out)? {
             return Ok(false);
         }
-        let Evaluation { links, base, coordinates, .. } = &out;
-        let mut carriers = Carriers::none(coordinates);
+        let Evaluation { links, base, coordinates, carriers, .. } = &mut out;
+        let mut carriers = Carriers::within(carriers, coordinates);
         carriers.follow(base, &self.carriers, links, [setting.wind_dot, setting.gravity]);
         carriers.ground = self.ground_below(setting.attitude, early[l.position + 2]);
         let mut system = BodySystem::<f64, f64>::new(coordinates.count());

@@ -1,7 +1,7 @@
 //! What is worth seeing of a flight at one instant: angles, named forces, power.
 
 use super::dynamics::Evaluation;
-use super::sections::{Carriers, SurfaceSection};
+use super::sections::{CarrierRoom, Carriers, SurfaceSection};
 use super::surface::External;
 use super::{Links, MAX_ELEMENTS, Robot};
 use crate::MotorWork;
@@ -153,7 +153,8 @@ impl Robot {
         let Moving { e, body, base, moving, wind: [wind, wind_dot] } = seen;
         let (joints, links, body, wind) = (&e.joints, &e.links, *body, *wind);
         let still = Coordinates::none();
-        let mut carriers = Carriers::none(&still);
+        let mut room = CarrierRoom::new();
+        let mut carriers = Carriers::within(&mut room, &still);
         carriers.follow(base, &self.carriers, moving, [*wind_dot, self.gravity(e.attitude)]);
         carriers.ground = self.ground_below(e.attitude, x[self.layout.position + 2]);
         let aero = self.layout.aero;

@@ -107,7 +107,8 @@ impl<S: Scalar> PointMotion<S> {
     where
         S: Meets<P>,
     {
-        Self { p: self.p + axis.p.scaled(x), v: self.v + axis.v.scaled(x), a: self.a + axis.a.scaled(x) }
+        let [p, v, a] = [self.p.shifted(axis.p, x), self.v.shifted(axis.v, x), self.a.shifted(axis.a, x)];
+        Self { p, v, a }
     }
 }
 
@@ -172,12 +173,25 @@ impl<S: Scalar> Carrier<S> {
     }
 }
 
+/// Room for the motions of body and links that carry surfaces, which [`Carriers::follow`] writes.
+pub(super) struct CarrierRoom<S: Scalar> {
+    base: Carrier<S>,
+    links: ArrayVec<Carrier<S>, MAX_LINKS>,
+}
+
+impl<S: Scalar> CarrierRoom<S> {
+    /// Nothing is written yet.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { base: Carrier::ZERO, links: ArrayVec::new() }
+    }
+}
+
 /// Body and links that carry surfaces, at one instant; accelerations
 /// against air that itself accelerates with `wind_dot` (resolved in B), so that the added mass
 /// feels the gust.
 pub(super) struct Carriers<'a, S: Scalar> {
-    base: Carrier<S>,
-    links: ArrayVec<Carrier<S>, MAX_LINKS>,
+    room: &'a mut CarrierRoom<S>,
     /// Coordinates whose second rates the accelerations leave out.
     pub coordinates: &'a Coordinates<S>,
     /// The plane that the air does not cross.
@@ -189,11 +203,10 @@ pub(super) struct Carriers<'a, S: Scalar> {
 }
 
 impl<'a, S: Scalar> Carriers<'a, S> {
-    /// Room for them, which is large and so filled in place.
+    /// Those that `room` has place for.
     #[inline(always)]
-    pub fn none(coordinates: &'a Coordinates<S>) -> Self {
-        let (base, links) = (Carrier::ZERO, ArrayVec::new());
-        Self { base, links, coordinates, ground: None, gravity: Vec3::ZERO, complete: false }
+    pub fn within(room: &'a mut CarrierRoom<S>, coordinates: &'a Coordinates<S>) -> Self {
+        Self { room, coordinates, ground: None, gravity: Vec3::ZERO, complete: false }
     }
 
     /// Takes the body and the links `carriers`, in air that accelerates by `wind_dot`, under `gravity` (m/s2, B).
@@ -206,10 +219,14 @@ impl<'a, S: Scalar> Carriers<'a, S> {
         [wind_dot, gravity]: [Vec3<S>; 2],
     ) {
         self.gravity = gravity;
-        self.base.follow(base, wind_dot);
-        append_copies(&mut self.links, Carrier::ZERO, carriers.len());
+        let room = &mut *self.room;
+        room.base.follow(base, wind_dot);
+        // What an evaluation before has left is written over.
+        room.links.truncate(carriers.len());
+        let lacking = carriers.len() - room.links.len();
+        append_copies(&mut room.links, Carrier::ZERO, lacking);
         for i in 0..carriers.len() {
-            self.links[i].follow(&links[carriers[i]], wind_dot);
+            room.links[i].follow(&links[carriers[i]], wind_dot);
         }
     }
 }
@@ -242,8 +259,8 @@ impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
 
     #[inline(always)]
     fn carrier(&self, section: &SurfaceSection<P>) -> &Carrier<S> {
-        let carriers = self.carriers;
-        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier])
+        let room = &*self.carriers.room;
+        section.carrier.map_or(&room.base, |carrier| &room.links[carrier])
     }
 
     /// Whether section `i` lies between two links.

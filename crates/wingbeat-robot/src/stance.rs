@@ -2,7 +2,7 @@
 
 use super::carried::air_power;
 use super::drive::Ratios;
-use super::sections::{Carriers, Riding, SurfaceSection, Web};
+use super::sections::{CarrierRoom, Carriers, Riding, SurfaceSection, Web};
 use super::{BodyMotion, Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
 use wingbeat_math::{Jet, Mat3, Quat, Vec3, Wrench};
@@ -110,7 +110,8 @@ impl Robot {
     ) -> Result<T, Fault> {
         let (base, links) = self.moving_at(at)?;
         let still = Coordinates::none();
-        let mut carriers = Carriers::none(&still);
+        let mut room = CarrierRoom::new();
+        let mut carriers = Carriers::within(&mut room, &still);
         carriers.follow(&base, &self.carriers, &links, [Vec3::ZERO; 2]);
         let placement = &self.covering.laid[surface].placement;
         let sections: Vec<SurfaceSection> =

@@ -207,11 +207,11 @@ impl<P: Scalar> LiftingLine<P> {
     fn induced_wash<S: Scalar + Meets<P>>(&self, i: usize, gamma: &[S]) -> S {
         let row = &self.layout.influence[i * gamma.len()..(i + 1) * gamma.len()];
         if !self.layout.alternating {
-            return -(0..gamma.len()).fold(S::ZERO, |sum, j| sum + gamma[j] * row[j]);
+            return -(0..gamma.len()).fold(S::ZERO, |sum, j| sum.plus_met(gamma[j], row[j]));
         }
         let mut sum = gamma[i] * row[i];
         for j in ((i + 1) % 2..gamma.len()).step_by(2) {
-            sum += gamma[j] * row[j];
+            sum = sum.plus_met(gamma[j], row[j]);
         }
         -sum
     }
@@ -258,7 +258,7 @@ impl<P: Scalar> LiftingLine<P> {
         for k in 0..2 {
             let lag = x[(k + 1) * m + i];
             dx[(k + 1) * m + i] = (w - lag) * (speed * node.lag_rates[k]);
-            effective += lag * self.numbers.lags[k].weight;
+            effective = effective.plus_met(lag, self.numbers.lags[k].weight);
         }
         effective
     }

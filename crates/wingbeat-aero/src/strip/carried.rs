@@ -1,7 +1,7 @@
 //! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
 
 use super::influence::{
-    StripColumn, column, dot, dot_some, lanes, multiply, multiply_some, multiply_transposed, plain,
+    StripColumn, column, dot, dot_some, lanes, large, multiply, multiply_some, multiply_transposed,
 };
 use super::motion::{Strips, Vectors};
 use super::{StripFlow, StripModel};
@@ -115,12 +115,12 @@ impl<P: Scalar> StripModel<P> {
             let ([a, b, c], [d, e, f]) = (strips.normal.get(i).0, self.turn(strips, i).0);
             [a, b, c, d, e, f, wash[i].beneath(), rate[i].beneath()]
         };
-        if const { !plain::<K>() } {
+        if const { large::<K>() } {
             let still = |i: usize| if i < self.settings.strips { drive(i) } else { [K::ZERO; 8] };
             return std::array::from_fn(still);
         }
         let mut drives = [[K::ZERO; 8]; N];
-        for i in 0..N {
+        for i in 0..lanes::<K, N>(self.settings.strips) {
             drives[i] = drive(i);
         }
         drives
@@ -169,7 +169,9 @@ impl<P: Scalar> StripModel<P> {
         flow: &mut StripFlow<K, G, N>,
         rate_left: &StripColumn<G, N>,
     ) {
-        let [by_half, by_rate] = self.driving(flow).map(|wash| self.reciprocal(flow, wash));
+        let [wash, rate] = self.driving(flow);
+        let by_half = self.reciprocal(flow, wash);
+        let by_rate = self.reciprocal(flow, rate);
         for i in 0..lanes::<G, N>(self.settings.strips) {
             let mass = self.tables.mass[i];
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
@@ -342,17 +344,17 @@ impl<P: Scalar> StripModel<P> {
     ) {
         if self.settings.section.section_moment {
             let across = &flow.strips.across.0;
-            let mut turned = *across;
+            let mut turned = [[K::ZERO; N]; 3];
             for i in 0..lanes::<K, N>(self.settings.strips) {
                 let b = self.tables.chord[i] * 0.5;
                 let inertia = self.section_mass(i, flow) * (b * b * 0.125);
-                for axis in &mut turned {
-                    axis[i] *= inertia;
+                for axis in 0..3 {
+                    turned[axis][i] = across[axis][i] * inertia;
                 }
             }
             for r in 0..3 {
                 for c in 0..3 {
-                    flow.added_mass[3 + r][3 + c] += dot(&turned[r], &across[c]);
+                    flow.added_mass[3 + r][3 + c] += dot(&turned[r], &across[c], self.settings.strips);
                 }
             }
         }

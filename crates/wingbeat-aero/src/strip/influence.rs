@@ -31,21 +31,27 @@ pub(super) const fn plain<S>() -> bool {
     size_of::<S>() <= size_of::<f64>()
 }
 
-/// A column of so many `strips`, of which element `i` is `of(i)`. What is larger than plain numbers is written once, where a column set
-/// to zero first is written twice.
+/// A column of so many `strips`, of which element `i` is `of(i)`. What has many derivatives is written once, though it is copied then, where
+/// a column set to zero first is written twice.
 #[inline(always)]
 pub(super) fn column<S: Scalar, const N: usize>(
     strips: usize,
     mut of: impl FnMut(usize) -> S,
 ) -> StripColumn<S, N> {
-    if const { plain::<S>() } {
-        let mut column = [S::ZERO; N];
-        for i in 0..N {
-            column[i] = of(i);
-        }
-        return column;
+    if const { large::<S>() } {
+        return std::array::from_fn(|i| if i < strips { of(i) } else { S::ZERO });
     }
-    std::array::from_fn(|i| if i < strips { of(i) } else { S::ZERO })
+    let mut column = [S::ZERO; N];
+    for i in 0..lanes::<S, N>(strips) {
+        column[i] = of(i);
+    }
+    column
+}
+
+/// Whether a number takes more than a register.
+#[inline(always)]
+pub(super) const fn large<S>() -> bool {
+    size_of::<S>() > 4 * size_of::<f64>()
 }
 
 /// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
@@ -371,11 +377,13 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
         out: &mut Wash<'_, K, S, N>,
     ) {
         let cores = self.cores;
+        // The left and the right edge take turns, as their columns do: nothing is moved.
         let mut edges = [self.edge(wakes, 0); 2];
         self.trailing(&edges[0], &cores.edges[0], &mut beside[0]);
         for j in 0..n {
-            edges = [edges[1], self.edge(wakes, j + 1)];
-            self.trailing(&edges[1], &cores.edges[j + 1], &mut beside[(j + 1) % 2]);
+            edges[(j + 1) % 2] = self.edge(wakes, j + 1);
+            self.trailing(&edges[(j + 1) % 2], &cores.edges[j + 1], &mut beside[(j + 1) % 2]);
+            let edges = [&edges[j % 2], &edges[(j + 1) % 2]];
             let (left, right) = (&beside[j % 2], &beside[(j + 1) % 2]);
             let (ring, horseshoe, far) = (&mut out.ring[j], &mut out.horseshoe[j], &mut out.far[j]);
             if S::CARRIES {
@@ -392,7 +400,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
     fn strip_apart<S: Over<K> + Meets<P>>(
         &self,
-        edges: &[StripEdge<K, S>; 2],
+        edges: &[&StripEdge<K, S>; 2],
         left: &Trailing<K, S, N>,
         right: &Trailing<K, S, N>,
         cores: &StripCores<P>,
@@ -408,7 +416,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
     #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
     fn strip<S: Over<K> + Meets<P>>(
         &self,
-        edges: &[StripEdge<K, S>; 2],
+        edges: &[&StripEdge<K, S>; 2],
         left: &Trailing<K, S, N>,
         right: &Trailing<K, S, N>,
         cores: &StripCores<P>,
@@ -472,26 +480,30 @@ pub(super) fn multiply_transposed<K: Scalar, S: Over<K>, const N: usize>(
     n: usize,
 ) -> StripColumn<S, N> {
     if const { !plain::<S>() } {
-        return column(n, |j| dot(&m[j], v));
+        return column(n, |j| dot(&m[j], v, n));
     }
     let mut sum = [S::ZERO; N];
     for j in 0..n {
-        sum[j] = dot(&m[j], v);
+        sum[j] = dot(&m[j], v, n);
     }
     sum
 }
 
-/// a . b.
+/// a . b of so many `strips`, beyond which one of them is zero.
 #[inline(always)]
-pub(super) fn dot<K: Scalar, S: Over<K>, const N: usize>(a: &StripColumn<K, N>, b: &StripColumn<S, N>) -> S {
-    let mut lanes = [S::ZERO; 4];
+pub(super) fn dot<K: Scalar, S: Over<K>, const N: usize>(
+    a: &StripColumn<K, N>,
+    b: &StripColumn<S, N>,
+    strips: usize,
+) -> S {
+    let mut sums = [S::ZERO; 4];
     let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
-    for i in 0..a.len() {
+    for i in 0..lanes::<S, N>(strips).div_ceil(4).min(a.len()) {
         for k in 0..4 {
-            lanes[k] = b[i][k].fused(a[i][k], lanes[k]);
+            sums[k] = b[i][k].fused(a[i][k], sums[k]);
         }
     }
-    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
 /// a . b where b is zero but for `some`.
@@ -502,7 +514,7 @@ pub(super) fn dot_some<K: Scalar, S: Over<K>, const N: usize>(
     some: Range<usize>,
 ) -> S {
     if const { plain::<S>() } {
-        return dot(a, b);
+        return dot(a, b, N);
     }
     some.fold(S::ZERO, |sum, i| b[i].fused(a[i], sum))
 }
@@ -533,13 +545,18 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
     }
     let lanes = lanes::<S, N>(n.next_multiple_of(2));
     for k in (0..n).step_by(2) {
-        let pair = [m[k], m[k + 1]];
+        let (before, rest) = m.split_at_mut(k);
+        let (pair, after) = rest.split_at_mut(2);
         let block = inverse_of_pair([[pair[0][k], pair[1][k]], [pair[0][k + 1], pair[1][k + 1]]]);
-        let [p, q] = &pair;
-        for (j, other) in m.iter_mut().enumerate().take(n) {
-            if j / 2 == k / 2 {
-                continue;
-            }
+        // A copy is known to lie apart from the others, so that loops vectorise; numbers that fill a register need none.
+        let apart;
+        let [p, q] = if const { plain::<S>() || large::<S>() } {
+            apart = [pair[0], pair[1]];
+            [&apart[0], &apart[1]]
+        } else {
+            [&pair[0], &pair[1]]
+        };
+        for other in before.iter_mut().chain(&mut after[..n.saturating_sub(k + 2)]) {
             let (a, b) = (other[k], other[k + 1]);
             let f = -block[0][0].mul_add(a, block[0][1] * b);
             let g = -block[1][0].mul_add(a, block[1][1] * b);
@@ -549,11 +566,14 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
             // In place of what is eliminated.
             (other[k], other[k + 1]) = (f, g);
         }
-        for c in 0..2 {
-            for i in 0..lanes {
-                m[k + c][i] = pair[1][i].mul_add(block[1][c], pair[0][i] * block[0][c]);
+        for i in 0..lanes {
+            let (a, b) = (pair[0][i], pair[1][i]);
+            for c in 0..2 {
+                pair[c][i] = b.mul_add(block[1][c], a * block[0][c]);
             }
-            (m[k + c][k], m[k + c][k + 1]) = (block[0][c], block[1][c]);
+        }
+        for c in 0..2 {
+            (pair[c][k], pair[c][k + 1]) = (block[0][c], block[1][c]);
         }
     }
 }

@@ -4,7 +4,7 @@
 
 use super::influence::{Matrix, StripColumn, multiply, sum};
 use super::membrane::Camber;
-use super::response::{LagSums, Lagged, Spread};
+use super::response::{LagSums, Lagged, Spread, StripResponse};
 use super::settings::SpanForce;
 use super::{Room, StripFlow, StripModel};
 use crate::law::Attachment;
@@ -246,8 +246,10 @@ impl StripModel {
             of_separation: self.of_separation(&x[..states]),
         };
         let mut camber = Camber::none();
-        let response = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut);
-        let total = self.load_strips(flow, &response, None, Some(&mut strips[..n]));
+        let load = |response: &StripResponse<'_, Local, WIDE>, _: &mut [Local]| {
+            self.load_strips(flow, response, None, Some(&mut strips[..n]))
+        };
+        let total = self.respond(flow, None, &seeded, &mut rates, &mut camber, &mut cut, load);
         for (dx, rate) in dx.iter_mut().zip(&rates) {
             *dx = rate.re;
         }

@@ -26,13 +26,6 @@ impl<S: Scalar, const N: usize> InPlane<S, N> {
     }
 }
 
-/// Forces of all strips by source.
-struct Forces<S: Scalar, const N: usize> {
-    /// As the wash of wake and lags turns it.
-    lift: InPlane<S, N>,
-    drag: InPlane<S, N>,
-}
-
 /// Where the lift points.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Directed {
@@ -66,14 +59,12 @@ impl<P: Scalar> StripModel<P> {
         by_strip: Option<&mut [Wrench<S>]>,
     ) -> Wrench<S> {
         let strips = &flow.strips;
-        let forces = Forces {
-            lift: self.circulatory(strips, response, Directed::Turned),
-            drag: self.profile_drag(strips, &response.attached, self.numbers.drag()),
-        };
+        let lift = self.circulatory(strips, response, Directed::Turned);
+        let drag = self.profile_drag(strips, response.attached, self.numbers.drag());
         let load = |i: usize| {
-            let carried = self.carried_air(i, flow, response)
-                + self.beside(i, flow, response, forces.lift.chordwise[i]);
-            let force = forces.lift.at(i) + carried + forces.drag.at(i);
+            let carried =
+                self.carried_air(i, flow, response) + self.beside(i, flow, response, lift.chordwise[i]);
+            let force = lift.at(i) + carried + drag.at(i);
             strips.wrench(i, if self.has_side_edge(i) { force + self.side_edge(i, response) } else { force })
         };
         let total = if const { plain::<S>() } {
@@ -103,7 +94,7 @@ impl<P: Scalar> StripModel<P> {
             total
         };
         if let Some(loads) = loads {
-            self.break_down(flow, response, &forces, loads);
+            self.break_down(flow, response, [&lift, &drag], loads);
         }
         total
     }
@@ -118,7 +109,7 @@ impl<P: Scalar> StripModel<P> {
         &self,
         flow: &StripFlow<K, G, N>,
         response: &StripResponse<'_, S, N>,
-        forces: &Forces<S, N>,
+        [lift, drag]: [&InPlane<S, N>; 2],
         loads: &mut Loads<S>,
     ) {
         let first = loads.strips - self.settings.strips;
@@ -130,13 +121,13 @@ impl<P: Scalar> StripModel<P> {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
             let along_chord = wrench(plain.at(i));
-            let beside = self.beside(i, flow, response, forces.lift.chordwise[i]);
+            let beside = self.beside(i, flow, response, lift.chordwise[i]);
             let edges = if self.has_side_edge(i) { beside + self.side_edge(i, response) } else { beside };
             loads.strip[at] = StripLoads {
                 circulatory: along_chord + wrench(edges),
-                induced_drag: wrench(forces.lift.at(i)) + -along_chord,
+                induced_drag: wrench(lift.at(i)) + -along_chord,
                 added_mass: wrench(self.carried_air(i, flow, response)),
-                profile_drag: wrench(forces.drag.at(i)),
+                profile_drag: wrench(drag.at(i)),
             };
             if self.grid.covered[i] {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
@@ -166,7 +157,7 @@ impl<P: Scalar> StripModel<P> {
         plain: &InPlane<S, N>,
         detail: &mut [ForceDetail<S>],
     ) {
-        let plate = self.profile_drag(strips, &response.attached, self.numbers.drag().of_plate());
+        let plate = self.profile_drag(strips, response.attached, self.numbers.drag().of_plate());
         for (i, part) in detail.iter_mut().enumerate().take(self.settings.strips) {
             let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
             let vortex = response.edges.as_ref().map_or(S::ZERO, |e| self.vortex_force(i, response, e));
@@ -212,7 +203,7 @@ impl<P: Scalar> StripModel<P> {
         response: &StripResponse<'_, S, N>,
         directed: Directed,
     ) -> InPlane<S, N> {
-        let (attached, delta2, n) = (&response.attached, self.floor * self.floor, self.settings.strips);
+        let (attached, delta2, n) = (response.attached, self.floor * self.floor, self.settings.strips);
         let lift: StripColumn<S, N> =
             column(n, |i| response.lift_wash[i] * attached[i] * self.tables.lift_scale[i]);
         let (pitches, slope_share) = (self.settings.section.pitch_suction, self.tables.slope_share);
@@ -229,23 +220,22 @@ impl<P: Scalar> StripModel<P> {
             let suction = suction_share(inverse[i] * strips.along[i]);
             if response.edges.is_none() { suction * attached[i] } else { suction }
         });
-        let mut force = InPlane {
-            chordwise: column(n, |i| {
-                let suction = lift[i] * wash[i];
-                let suction = if pitches { suction + pitching(i) } else { suction + S::ZERO };
-                -(suction * shares[i])
-            }),
-            normal: column(n, |i| {
-                let along2 = strips.along[i].squared() + delta2;
-                lift[i] * (strips.speed[i] * along2.sqrt()) * inverse[i]
-            }),
-            ahead: column(n, |i| S::from(self.tables.chord[i] * 0.25)),
-        };
+        let mut force = InPlane::ZERO;
+        for i in 0..lanes::<S, N>(n) {
+            let suction = lift[i] * wash[i];
+            let suction = if pitches { suction + pitching(i) } else { suction + S::ZERO };
+            force.chordwise[i] = -(suction * shares[i]);
+        }
+        for i in 0..lanes::<S, N>(n) {
+            let along2 = strips.along[i].squared() + delta2;
+            force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse[i];
+            force.ahead[i] = S::from(self.tables.chord[i] * 0.25);
+        }
         if let Some(edges) = &response.edges {
             self.cap_suction(strips, response, edges, &shares, &mut force);
             if let Some(camber) = &response.camber {
                 let edge: [&[S]; 4] = [&camber.flat, &camber.nose, &edges.held, attached];
-                let washes: [&[S]; 3] = [&response.lift_wash, &wash, &shares];
+                let washes: [&[S]; 3] = [response.lift_wash, &wash, &shares];
                 self.keep_slopes(edge, washes, &mut force.chordwise);
             }
         }

@@ -46,7 +46,7 @@ use grid::StripGrid;
 use influence::{Matrix, StripColumn, TargetPlaces, Targets, Trailing, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
-use response::FullSpread;
+use response::{FullSpread, StripResponse};
 use settings::SpanForce;
 use tables::Tables;
 use wingbeat_math::{Error, Meets, Over, Scalar, Vec3, kept};
@@ -433,21 +433,24 @@ impl<P: Scalar> StripModel<P> {
         let mut camber = Camber::none();
         camber.given = loads.as_ref().map(|_| S::ZERO);
         let (x, dx) = (&x[..states], &mut dx[..states]);
-        let response = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut FullSpread);
-        if let Some(loads) = loads.as_deref_mut() {
-            self.note_membrane(flow, &response, (x, dx), loads);
-            self.note_flaps(flow, x, loads);
-        }
-        let strips = coupling.map(|Coupling { mass, strips, impulses }| {
-            if let Some(mass) = mass {
-                self.couple(flow, sections, mass);
+        let load = |response: &StripResponse<'_, S, N>, dx: &mut [S]| {
+            if let Some(loads) = loads.as_deref_mut() {
+                self.note_membrane(flow, response, (x, dx), loads);
+                self.note_flaps(flow, x, loads);
             }
-            if let (Some(rates), true) = (impulses, self.follows()) {
-                self.follow(flow, sections, rates);
-            }
-            strips
-        });
-        (self.load_strips(flow, &response, loads, strips), lifted(&flow.added_mass))
+            let strips = coupling.map(|Coupling { mass, strips, impulses }| {
+                if let Some(mass) = mass {
+                    self.couple(flow, sections, mass);
+                }
+                if let (Some(rates), true) = (impulses, self.follows()) {
+                    self.follow(flow, sections, rates);
+                }
+                strips
+            });
+            self.load_strips(flow, response, loads, strips)
+        };
+        let wrench = self.respond(flow, foreign.as_ref(), x, dx, &mut camber, &mut FullSpread, load);
+        (wrench, lifted(&flow.added_mass))
     }
 
     /// See [`Aero::settle`](crate::Aero::settle).

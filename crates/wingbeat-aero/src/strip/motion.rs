@@ -1,7 +1,7 @@
 //! Points, velocities and directions of edges and strips at one instant.
 
 use super::StripModel;
-use super::influence::{StripColumn, lanes, plain};
+use super::influence::{StripColumn, lanes, large, plain};
 use crate::section::ZeroLift;
 use crate::{SectionMotion, Sections};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
@@ -226,8 +226,8 @@ impl<K: Scalar, S: Over<K>> Strip<K, S> {
         K: Meets<P>,
         S: Meets<P>,
     {
-        let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
-        let between = |p: Vec3<K>, q: Vec3<K>| p + (q - p).scaled(fraction);
+        let mix = |p: Vec3<S>, q: Vec3<S>| p.shifted(q - p, fraction);
+        let between = |p: Vec3<K>, q: Vec3<K>| p.shifted(q - p, fraction);
         let (le, v_le, a_le) = (between(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
         let chord = between(a.te, b.te) - le;
         let chord_rate = mix(a.v_te, b.v_te) - v_le;
@@ -369,16 +369,37 @@ impl<P: Scalar> StripModel<P> {
         wakes: &mut Wakes<K, S, N>,
     ) {
         let n = self.settings.strips.min(N);
-        let mut edges = [ChordLine::from(&sections.section(0)); 2];
-        for i in 0..n {
-            let (left, right) = (i % 2, (i + 1) % 2);
-            edges[right] = ChordLine::from(&sections.section(i + 1));
-            let [left, right] = [&edges[left], &edges[right]];
+        let mut put = |i: usize, left: &ChordLine<K, S>, right: &ChordLine<K, S>| {
             wakes.set(i, &self.vortex_line(left, wind));
             let section = self.tables.section(i);
             strips.set(i, &Strip::new([left, right], section, wind, self.floor, self.zero_lift));
-        }
-        wakes.last = self.vortex_line(&edges[n % 2], wind);
+        };
+        // The left and the right edge take turns.
+        let last = if const { large::<S>() } {
+            let mut edges = [ChordLine::from(&sections.section(0)); 2];
+            for i in 0..n {
+                let (left, right) = (i % 2, (i + 1) % 2);
+                edges[right] = ChordLine::from(&sections.section(i + 1));
+                put(i, &edges[left], &edges[right]);
+            }
+            edges[n % 2]
+        } else {
+            // As sections, which come to where they stay.
+            let mut even = sections.section(0);
+            let mut odd = even;
+            for i in 0..n {
+                let (left, right) = if i.is_multiple_of(2) {
+                    odd = sections.section(i + 1);
+                    (&even, &odd)
+                } else {
+                    even = sections.section(i + 1);
+                    (&odd, &even)
+                };
+                put(i, &ChordLine::from(left), &ChordLine::from(right));
+            }
+            ChordLine::from(if n.is_multiple_of(2) { &even } else { &odd })
+        };
+        wakes.last = self.vortex_line(&last, wind);
         wakes.strips = n;
     }
 

@@ -1,7 +1,7 @@
 //! From lags and motion to washes, state rates and impulses.
 
 use super::constants::FOLLOWING_TIME;
-use super::influence::{StripColumn, column, lanes, multiply, plain};
+use super::influence::{StripColumn, column, lanes, large, multiply};
 use super::membrane::{Camber, SectionAirs};
 use super::motion::{Strips, Wakes};
 use super::mutual::Foreign;
@@ -35,24 +35,24 @@ pub(super) struct LagSums<S: Scalar, const N: usize> {
 /// Washes and impulses of the strips.
 pub(super) struct StripResponse<'a, S: Scalar, const N: usize> {
     /// Circulation, m2/s.
-    pub circulation: StripColumn<S, N>,
+    pub circulation: &'a StripColumn<S, N>,
     /// Share of the lift that stays attached.
-    pub attached: StripColumn<S, N>,
+    pub attached: &'a StripColumn<S, N>,
     /// Circulation of the lift times the density, kg/(m s), as the strips beside feel it; zero where they do not.
-    pub beside: StripColumn<S, N>,
+    pub beside: &'a StripColumn<S, N>,
     /// Wash at 3/4 chord, m/s.
-    pub wash: StripColumn<S, N>,
+    pub wash: &'a StripColumn<S, N>,
     /// Lift wash, m/s.
-    pub lift_wash: StripColumn<S, N>,
+    pub lift_wash: &'a StripColumn<S, N>,
     /// Lift wash with the part that only turns the force, m/s.
-    pub turning_wash: StripColumn<S, N>,
+    pub turning_wash: &'a StripColumn<S, N>,
     /// What law `lev` says of the leading edges.
-    pub edges: Option<LeadingEdges<S, N>>,
+    pub edges: Option<&'a LeadingEdges<S, N>>,
     /// What a membrane does.
     pub camber: Option<&'a Camber<'a, S, N>>,
     /// Normal impulse of the air on each strip, N s, and its rate, N.
-    pub impulse: StripColumn<S, N>,
-    pub impulse_rate: StripColumn<S, N>,
+    pub impulse: &'a StripColumn<S, N>,
+    pub impulse_rate: &'a StripColumn<S, N>,
 }
 
 /// The leading edges under law `lev`.
@@ -97,7 +97,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn lagged<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S]) -> Lagged<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
         let (wash, wake) = x.split_at(lags.rate.len() * n);
-        if const { !plain::<S>() } {
+        if const { large::<S>() } {
             let weighted = |i: usize, jump: bool| {
                 (0..lags.rate.len()).fold(S::ZERO, |sum, k| {
                     let lag = wash[k * n + i];
@@ -144,15 +144,27 @@ impl<P: Scalar> StripModel<P> {
         lagged: &Lagged<S, N>,
         attached: &StripColumn<S, N>,
     ) -> LagSums<S, N> {
-        let mut sums = LagSums { circulation: lagged.wash, jump: lagged.jump, delayed: lagged.delayed };
+        let zero = [S::ZERO; N];
+        let mut sums = LagSums { circulation: zero, jump: zero, delayed: zero };
         for i in 0..lanes::<S, N>(self.settings.strips) {
-            sums.circulation[i] *= attached[i] * self.tables.slope[i];
-            sums.jump[i] *= attached[i] * self.tables.jump[i];
+            (sums.circulation[i], sums.jump[i]) = self.attached_sums(i, lagged, attached);
             // What is left in a gap's lags has no wing to shed it.
-            sums.delayed[i] *= self.tables.covered[i];
-            sums.delayed[i] += sums.circulation[i] * self.lags.wake_at_once;
+            let delayed = lagged.delayed[i] * self.tables.covered[i];
+            sums.delayed[i] = delayed + sums.circulation[i] * self.lags.wake_at_once;
         }
         sums
+    }
+
+    /// What is attached of circulation and jump of strip `i`.
+    #[inline(always)]
+    fn attached_sums<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        lagged: &Lagged<S, N>,
+        attached: &StripColumn<S, N>,
+    ) -> (S, S) {
+        let circulation = lagged.wash[i] * (attached[i] * self.tables.slope[i]);
+        (circulation, lagged.jump[i] * (attached[i] * self.tables.jump[i]))
     }
 
     /// Rates of the sums, the speeds held.
@@ -164,7 +176,7 @@ impl<P: Scalar> StripModel<P> {
     >(
         &self,
         flow: &StripFlow<K, G, N>,
-        lagged: Lagged<S, N>,
+        lagged: &Lagged<S, N>,
         attached: &StripColumn<S, N>,
         x: &[S],
         dx: &[S],
@@ -180,13 +192,19 @@ impl<P: Scalar> StripModel<P> {
                 let held = |speed: G| Dual::<1, S>::constant(S::from(speed));
                 self.attached(&polar, held(strips.along[i]), held(strips.wash[i]), state).eps[0]
             }),
-            Attachment::Lagging { state, .. } => self.law_column(dx, state).map(|rate| -rate),
+            Attachment::Lagging { state, .. } => {
+                let mut rates = self.law_column(dx, state);
+                for i in 0..lanes::<S, N>(n) {
+                    rates[i] = -rates[i];
+                }
+                rates
+            }
         };
-        let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            rates.circulation[i] += more.circulation[i];
-            rates.jump[i] += more.jump[i];
-            rates.delayed[i] += more.delayed[i];
+        for i in 0..lanes::<S, N>(n) {
+            let (circulation, jump) = self.attached_sums(i, lagged, &attached_rate);
+            rates.circulation[i] += circulation;
+            rates.jump[i] += jump;
+            rates.delayed[i] += circulation * self.lags.wake_at_once;
         }
         rates
     }
@@ -296,11 +314,7 @@ impl<P: Scalar> StripModel<P> {
         flow: &StripFlow<K, G, N>,
         held_left: &StripColumn<S, N>,
     ) -> StripColumn<S, N> {
-        let mut impulse = *held_left;
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            impulse[i] = impulse[i] * self.tables.mass[i] + flow.impulse[i];
-        }
-        impulse
+        column(self.settings.strips, |i| held_left[i] * self.tables.mass[i] + flow.impulse[i])
     }
 
     /// P^' = F + (P - P^)/T: the followed impulse P^, driven by the force F of the impulse P whose influence
@@ -341,7 +355,7 @@ impl<P: Scalar> StripModel<P> {
             .for_each(|(x, impulse)| *x = impulse);
     }
 
-    /// Washes, state rates and impulses.
+    /// Washes, state rates and impulses, which are shown to `then`, with the rates, where they lie.
     ///
     /// A0 w3 = K (d w12 + D - Y) + R Y; w = w34 + w3, both winds of motion raised by the
     /// wash of other surfaces; l_k' = e_k V/b (w - l_k); y_m' = V/tau_m (Gamma - y_m).
@@ -356,6 +370,7 @@ impl<P: Scalar> StripModel<P> {
         K: Scalar + Meets<P>,
         G: Over<K> + Meets<P>,
         S: Over<G> + Over<K> + Meets<P>,
+        T,
         const N: usize,
     >(
         &self,
@@ -365,7 +380,8 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
         camber: &'a mut Camber<'a, S, N>,
         spread: &mut impl Spread<S, N>,
-    ) -> StripResponse<'a, S, N> {
+        then: impl FnOnce(&StripResponse<'_, S, N>, &mut [S]) -> T,
+    ) -> T {
         let lagged = self.lagged(x);
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
@@ -429,16 +445,19 @@ impl<P: Scalar> StripModel<P> {
         if let Attachment::Lagging { state, chords } = law.attachment {
             self.advance_separation(&flow.strips, edge_wash, (state, chords), x, dx, spread);
         }
-        let edges =
-            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx));
-        let [mut impulse, mut impulse_rate] = if self.settings.section.added_mass {
-            let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
+        let mut edges = LeadingEdges { held: [S::ONE; N], vortex: [S::ZERO; N] };
+        if law.edge_vortex {
+            self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx, &mut edges);
+        }
+        let (mut impulse, mut impulse_rate): (StripColumn<S, N>, StripColumn<S, N>);
+        if self.settings.section.added_mass {
+            let rates = self.lag_sum_rates(flow, &lagged, &attached, x, dx);
             let held_rate_left = match spread.left(&rates) {
                 Some(left) => left,
                 None => self.held_left(flow, &rates),
             };
-            let mut impulse = self.impulse(flow, &held_left);
-            let mut impulse_rate = column(self.settings.strips, |i| {
+            impulse = self.impulse(flow, &held_left);
+            impulse_rate = column(self.settings.strips, |i| {
                 held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i]
             });
             if let Some(camber) = camber {
@@ -447,10 +466,9 @@ impl<P: Scalar> StripModel<P> {
             if self.follows() {
                 self.follow_impulse(x, dx, &mut impulse, &mut impulse_rate);
             }
-            [impulse, impulse_rate]
         } else {
-            [[S::ZERO; N]; 2]
-        };
+            (impulse, impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
+        }
         if let (Some(camber), Some(_)) = (camber, &flaps) {
             for i in 0..self.settings.strips {
                 impulse[i] += camber.slope[0][i];
@@ -464,18 +482,19 @@ impl<P: Scalar> StripModel<P> {
             }
             spread.beside(&mut beside);
         }
-        StripResponse {
-            turning_wash,
-            edges,
+        let response = StripResponse {
+            turning_wash: &turning_wash,
+            edges: law.edge_vortex.then_some(&edges),
             camber,
-            beside,
-            circulation: sums.circulation,
-            attached,
-            wash,
-            lift_wash,
-            impulse,
-            impulse_rate,
-        }
+            beside: &beside,
+            circulation: &sums.circulation,
+            attached: &attached,
+            wash: &wash,
+            lift_wash: &lift_wash,
+            impulse: &impulse,
+            impulse_rate: &impulse_rate,
+        };
+        then(&response, dx)
     }
 
     /// One over the share to which the delays of the wakes shrink as the wing folds. Far behind, what is left of a wake acts by its
@@ -516,10 +535,7 @@ impl<P: Scalar> StripModel<P> {
     ) -> StripColumn<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
         let speed = &flow.strips.speed;
-        let mut lift_wash = *wash;
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            lift_wash[i] *= self.tables.at_once;
-        }
+        let mut lift_wash: StripColumn<S, N> = column(n, |i| wash[i] * self.tables.at_once);
         for (k, block) in x.chunks_exact(n).enumerate() {
             let rates = &mut dx[k * n..][..n];
             if let Some(LagNumbers { weight, rate }) = self.tables.lags.get(k) {
@@ -537,7 +553,7 @@ impl<P: Scalar> StripModel<P> {
         lift_wash
     }
 
-    /// Rates of the leading edges' vortices, and what the edges do. The linear suction over rho c dy / 2 is
+    /// Rates of the leading edges' vortices, and what the `edges` do, which are written for all strips. The linear suction over rho c dy / 2 is
     /// a0 cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
     ///
     /// Equation: aero.strip.edge_suction
@@ -555,9 +571,10 @@ impl<P: Scalar> StripModel<P> {
         [lift_wash, turning_wash]: [&StripColumn<S, N>; 2],
         x: &[S],
         dx: &mut [S],
-    ) -> LeadingEdges<S, N> {
+        edges: &mut LeadingEdges<S, N>,
+    ) {
         let (n, at, delta2) = (self.settings.strips, self.law_states(), self.floor * self.floor);
-        let mut edges = LeadingEdges { held: [S::ONE; N], vortex: self.law_column(x, 0) };
+        edges.vortex[..n].copy_from_slice(&x[at..][..n]);
         for i in 0..n {
             let (along, speed, lw) = (strips.along[i], strips.speed[i], lift_wash[i]);
             let turn = if self.settings.section.pitch_suction {
@@ -574,7 +591,6 @@ impl<P: Scalar> StripModel<P> {
             let rate = speed * (self.tables.turnover[i] * 0.5);
             dx[at + i] = lev::vortex_rate(edges.vortex[i], edge.lost, rate);
         }
-        edges
     }
 
     /// Rates of the separated shares, the `state` of the law that follows in so many `chords` of travel the incidence
@@ -640,14 +656,13 @@ impl<P: Scalar> StripModel<P> {
         let n = self.settings.strips;
         let seen: StripColumn<S, N> =
             column(n, |i| sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0));
-        let [far, near] = match spread.turned(&seen) {
-            Some(turned) => turned,
-            None => [multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n)],
+        let turn = |far: &StripColumn<S, N>, near: &StripColumn<S, N>| -> StripColumn<S, N> {
+            column(n, |i| lift_wash[i] + (far[i] - near[i]))
         };
-        let mut wash = far;
-        for i in 0..lanes::<S, N>(self.settings.strips) {
-            wash[i] = lift_wash[i] + (far[i] - near[i]);
-        }
+        let mut wash = match spread.turned(&seen) {
+            Some([far, near]) => turn(&far, &near),
+            None => turn(&multiply(&flow.far, &seen, n), &multiply(&flow.remainder, &seen, n)),
+        };
         if let Some(foreign) = foreign {
             for i in 0..lanes::<S, N>(self.settings.strips) {
                 wash[i] += foreign.at_bound[i] - foreign.at_control[i];

@@ -8,7 +8,7 @@ use serde::Serialize;
 use wingbeat::judge::data::{
     self, Finding, MeasuredChannel, Purpose, Series, SpectralLine, examined, find_frequency,
 };
-use wingbeat::judge::limits::data::{LINE, OF_LINE};
+use wingbeat::judge::limits::data::{CYCLES_LOST, FEW_CYCLES_LOST, LINE, LOST, OF_LINE};
 use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
 use wingbeat::simulate::{Column, Record};
@@ -153,9 +153,15 @@ fn not_finite(arguments: &Average, plain: &Plain, column: &Column) -> Option<Fin
 fn averages<'a>(arguments: &Average, plain: &'a Plain, frequency: f64) -> Result<Vec<Of<'a>>, Error> {
     let refused = |error: wingbeat::Error| {
         let wingbeat::Error::Invalid { value, .. } = error;
+        let help = match plain.missing {
+            0 => "give a longer file, or --frequency HZ".to_owned(),
+            missing => format!(
+                "by its times {missing} of {} samples are missing: --rate HZ takes the rows at even steps instead",
+                plain.time.len()
+            ),
+        };
         Error::Input(format!(
-            "{}: {value} at {frequency} Hz: allowed is at least one whole cycle without missing samples; give a longer \
-             file, or --frequency HZ",
+            "{}: {value} at {frequency} Hz: allowed is at least one whole cycle without missing samples; {help}",
             arguments.file.display()
         ))
     };
@@ -182,7 +188,9 @@ fn cycles(averages: &[Of]) -> Result<Record, Error> {
             Column { values: values.to_vec(), ..Column::new(name, unit, "") }
         };
         columns.push(of(channel.name.clone(), &average.mean));
-        columns.push(of(format!("{}{DEVIATION}", channel.name), &average.deviation));
+        let unknown = vec![f64::NAN; bins];
+        let deviation = if average.cycles > 1 { &average.deviation } else { &unknown };
+        columns.push(of(format!("{}{DEVIATION}", channel.name), deviation));
     }
     Ok(Record::new(columns, 0)?)
 }
@@ -200,8 +208,8 @@ struct ChannelAverage {
     least: f64,
     /// Largest of the mean cycle.
     most: f64,
-    /// Root mean square over the phases of the standard deviation over the cycles.
-    std: f64,
+    /// Root mean square over the phases of the standard deviation over the cycles; unknown of a single one.
+    std: Option<f64>,
     /// Whole cycles averaged.
     cycles: usize,
     /// Whole cycles left out because samples are missing in them.
@@ -217,7 +225,8 @@ impl ChannelAverage {
             mean: average.mean.iter().sum::<f64>() / bins,
             least: average.mean.iter().copied().fold(f64::INFINITY, f64::min),
             most: average.mean.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            std: (average.deviation.iter().map(|d| d * d).sum::<f64>() / bins).sqrt(),
+            std: (average.cycles > 1)
+                .then(|| (average.deviation.iter().map(|d| d * d).sum::<f64>() / bins).sqrt()),
             cycles: average.cycles,
             left_out: average.left_out,
         }
@@ -288,7 +297,7 @@ impl AverageSummary {
                 .flatten()
                 .map(|(c, average)| ChannelAverage::of(c, average))
                 .collect(),
-            verdict: verdict(arguments, plain, (told, rest.as_ref()), limits),
+            verdict: verdict(arguments, plain, (told, rest.as_ref()), averages.unwrap_or_default(), limits),
             rest,
         }
     }
@@ -308,7 +317,8 @@ impl AverageSummary {
             );
         }
         for ChannelAverage { name, unit, mean, least, most, std, cycles, .. } in &self.channels {
-            text += format!("{name:<14}{mean:>12.5}{least:>12.5}{most:>12.5}{std:>12.5}{cycles:>8}  {unit}")
+            let std = std.map_or("-".into(), |std| format!("{std:.5}"));
+            text += format!("{name:<14}{mean:>12.5}{least:>12.5}{most:>12.5}{std:>12}{cycles:>8}  {unit}")
                 .trim_end();
             text.push('\n');
         }
@@ -327,9 +337,16 @@ fn verdict(
     arguments: &Average,
     plain: &Plain,
     (told, rest): (&FrequencySource, Option<&RestSummary>),
+    averages: &[Of],
     limits: &RunLimits,
 ) -> Verdict {
     let mut judge = Judge::new(limits);
+    let of_rows = "(by the times of the file; --rate HZ takes the rows at even steps instead)";
+    let left_out = |(_, of): &Of| of.left_out as f64 / (of.cycles + of.left_out) as f64;
+    if let Some(share) = averages.iter().map(left_out).reduce(f64::max).filter(|_| plain.missing > 0) {
+        judge.hold_about(&CYCLES_LOST, share, of_rows);
+        judge.hold_about(&FEW_CYCLES_LOST, share, of_rows);
+    }
     if let Some(rest) = rest {
         rest.judge(&mut judge);
     }
@@ -391,6 +408,11 @@ fn verdict(
         purpose: Purpose::Loads,
     };
     let found = examined(&series, limits);
+    if plain.missing > 0 && !found.iter().any(|finding| finding.limit.id == LOST.id) {
+        let is_missing = |row: &usize| plain.channels.iter().all(|channel| !channel.values[*row].is_finite());
+        let missing = (0..plain.time.len()).filter(is_missing).count();
+        judge.hold_about(&LOST, missing as f64 / plain.time.len() as f64, of_rows);
+    }
     let none = found.iter().find(|finding| !finding.serious && finding.has_no_mean_cycle(limits));
     if let Some(finding) = none {
         let why = "leave a rest at the start out by --rest SECONDS";

@@ -1,9 +1,9 @@
 //! What a load cell reads at rest, taken from the begin of a file.
 
 use serde::Serialize;
-use wingbeat::judge::Judge;
 use wingbeat::judge::limits::data::REST;
 use wingbeat::judge::unit::is_load;
+use wingbeat::judge::{Judge, Status};
 use wingbeat_io::samples::Plain;
 
 use crate::error::Error;
@@ -73,6 +73,11 @@ impl RestSummary {
 
     /// A channel that is quiet at rest tells whether it was one: others may be noise throughout.
     pub fn judge(&self, judge: &mut Judge) {
+        if self.scatter_fraction.is_infinite() {
+            let text = "no load changes behind the rest that --rest takes: nothing was measured, or the column is another one";
+            judge.find(Status::SuspectData, text);
+            return;
+        }
         judge.hold_about(
             &REST,
             self.scatter_fraction,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::scenario::{Document, DocumentKind, RobotTrim, Scenario, TetherCase};
 
-use super::{head, is_taken, name_of, put};
+use super::{as_word, head, is_taken, name_of, put};
 use crate::args::New;
 use crate::error::Error;
 use crate::say;
@@ -23,7 +23,7 @@ pub fn write(
     let taken = is_taken(&path, arguments.force)?;
     let text = text(name.trim_end_matches(".toml"), path.parent().unwrap_or(Path::new("")))?;
     put(&path, &text, taken)?;
-    let shown = path.display();
+    let shown = as_word(&path);
     let next = match kind {
         "robot" => format!(
             "next: wingbeat show {shown}\nthen: wingbeat new scenario --robot {shown}, wingbeat new trim --robot {shown}"
@@ -32,7 +32,7 @@ pub fn write(
         "trim" => format!("next: wingbeat trim {shown}"),
         _ => format!("next: name your files in data, then wingbeat calibrate {shown} --information"),
     };
-    say::say(&format!("{shown}: written\n{next}\n"))
+    say::say(&format!("{}: written\n{next}\n", path.display()))
 }
 
 /// The least robot that flies.

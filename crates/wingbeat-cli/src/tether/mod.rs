@@ -7,6 +7,7 @@ mod tables;
 use std::time::Instant;
 
 use serde::Serialize;
+use wingbeat::aero::Aero;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::{
     Compared, Convergence, MeasuredComparison, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
@@ -129,7 +130,8 @@ impl TetherOutcome {
         let mut drawn = Vec::new();
         // Of a run that broke down there is no last cycle.
         if self.run.ending == Ending::Complete {
-            drawn.extend([cycle_loads(&self.run.loads), span_loading(&self.run.strips)]);
+            let edges = matches!(&tether.aero, Aero::Strip(strips) if strips.span_keys()[0]);
+            drawn.extend([cycle_loads(&self.run.loads), span_loading(&self.run.strips, edges)]);
         }
         if let (Some(spar), Some(steady)) = (&tether.spar, self.run.steady.as_ref().filter(|s| s.found)) {
             drawn.push(Ok(bent_wing(spar, steady)));

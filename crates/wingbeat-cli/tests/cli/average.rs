@@ -253,3 +253,65 @@ fn a_mean_cycle_that_is_that_of_none_is_not_periodic() {
     let (code, status, reason) = answer(&["--rest", "4"]);
     assert!(code == Some(0) && status == "ok", "{code:?} {status} {reason}");
 }
+
+#[test]
+fn times_that_jitter_lose_no_cycle_and_lost_ones_are_told() {
+    let folder = scratch("average-times");
+    let mut seed = 3;
+    let mut write = |name: &str, late: &dyn Fn(u32, f64) -> f64, keep: &dyn Fn(u32) -> bool, rows: u32| {
+        let mut text = String::from("t [s],Fz [N]\n");
+        for k in (0..rows).filter(|k| keep(*k)) {
+            let t = f64::from(k) * 1e-3;
+            let load = (TAU * 3.5 * t).cos() + 0.3 * (TAU * 7.0 * t).sin() + 0.02 * noise(&mut seed);
+            text += &format!("{:.6},{load:.6}\n", t + late(k, noise(&mut seed)));
+        }
+        fs::write(folder.join(name), text).unwrap();
+    };
+    let lost = |k: u32| k % 200 == 17 + k / 200 * 37 % 100;
+    write("jitter.csv", &|_, even| 3e-4 * even, &|_| true, 12_000);
+    write("late.csv", &|_, even| if even > 0.96 { 7e-4 } else { 0.0 }, &|_| true, 12_000);
+    write("gaps.csv", &|_, _| 0.0, &|k| ![100, 2344, 5432, 9000, 11_000].contains(&(k - k % 2)), 12_000);
+    write("many.csv", &|_, _| 0.0, &|k| !lost(k), 12_000);
+    write("one.csv", &|_, _| 0.0, &|_| true, 400);
+    let told = |name: &str, more: &[&str]| {
+        let out = format!("{name}.out");
+        let answer =
+            wingbeat(&folder, &[&["average", name, "--out", &out, "--quiet", "--force"], more].concat());
+        let error = String::from_utf8(answer.stderr).unwrap();
+        let summary = fs::read(folder.join(&out).join("summary.json"));
+        (error, summary.map(|text| json(&text)).unwrap_or_default())
+    };
+    for name in ["jitter.csv", "late.csv"] {
+        let (_, summary) = told(name, &[]);
+        assert_eq!(
+            (&summary["status"], summary["warnings"].as_array().unwrap().len()),
+            (&"ok".into(), 0),
+            "{summary}"
+        );
+        assert_eq!(
+            (summary["samples"].as_u64(), summary["missing"].as_u64()),
+            (Some(12_000), Some(0)),
+            "{summary}"
+        );
+        assert!(summary["channels"][0]["cycles"].as_u64() >= Some(40), "{summary}");
+    }
+    // Of five of 41 cycles two samples are missing.
+    let (_, summary) = told("gaps.csv", &[]);
+    assert_eq!(summary["status"], "ok", "{summary}");
+    assert_eq!(summary["warnings"][0]["id"], "data.cycles_left_out_told", "{summary}");
+    // Each cycle has a gap.
+    let (error, summary) = told("many.csv", &[]);
+    assert!(error.contains("60 of 12000 samples are missing") && error.contains("--rate HZ"), "{error}");
+    assert!(summary.is_null() && told("many.csv", &["--rate", "1000"]).1["status"] != Value::Null);
+    // But for one all cycles have.
+    write("most.csv", &|_, _| 0.0, &|k| k < 600 || !lost(k), 12_000);
+    let (error, summary) = told("most.csv", &[]);
+    assert_eq!(summary["status"], "suspect_data", "{summary}");
+    assert!(error.contains("data.cycles_left_out_fraction") && error.contains("--rate HZ"), "{error}");
+    // Of a single cycle no deviation is known.
+    let (_, summary) = told("one.csv", &["--frequency", "3.5"]);
+    let channel = &summary["channels"][0];
+    assert_eq!((&channel["cycles"], &channel["std"]), (&1.into(), &Value::Null), "{summary}");
+    let cycles = fs::read_to_string(folder.join("one.csv.out/cycles.csv")).unwrap();
+    assert!(cycles.lines().nth(1).unwrap().ends_with("NaN"), "{cycles}");
+}

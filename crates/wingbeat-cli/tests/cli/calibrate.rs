@@ -73,7 +73,7 @@ fn data_that_are_wrong_end_with_their_name_and_exit_code() {
         let (low, share) = (at.floor() as usize, at.fract());
         std::array::from_fn(|i| rows[low][i] + share * (rows[low + 1][i] - rows[low][i]))
     };
-    let cases: [Wrong; 12] = [
+    let cases: [Wrong; 13] = [
         ("good", &|_, row, _| row, [0, 0], "calibration.gain_unchecked"),
         ("constant", &|_, [t, ..], _| [t, 0.1, -0.5, 0.01], [2, 2], "never change"),
         ("zero", &|_, [t, ..], _| [t, 0.0, 0.0, 0.0], [2, 2], "never change"),
@@ -110,6 +110,7 @@ fn data_that_are_wrong_end_with_their_name_and_exit_code() {
             "data.stuck",
         ),
         ("dead", &|_, [t, _, b, c], _| [t, 0.02, b, c], [3, 3], "data.dead"),
+        ("standing", &|_, [t, a, _, c], _| [t, a, 0.05, c], [3, 3], "data.dead"),
         (
             "late",
             &|k, [t, ..], rows| {
@@ -212,4 +213,41 @@ fn what_a_wrong_model_leaves_is_told_from_noise() {
     assert!(noise.abs() < 0.3 && !warned, "{noise}");
     let (own, warned) = left("stall");
     assert!(own > 0.5 && warned, "{own}");
+}
+
+#[test]
+fn a_late_clock_is_told_beside_the_parameters() {
+    let folder = scratch("calibrate-late");
+    let rows = measured("linear");
+    let all = (CYCLES * STEPS) as f64;
+    let told = |name: &str, deg: f64| {
+        let back = deg / 360.0 * STEPS as f64;
+        let shifted = |k: usize, [t, ..]: [f64; 4], rows: &[[f64; 4]]| {
+            let at = (k as f64 + all - back) % all;
+            let (low, share) = (at.floor() as usize, at.fract());
+            let [_, a, b, c] =
+                std::array::from_fn(|i| rows[low][i] + share * (rows[low + 1][i] - rows[low][i]));
+            [t, a, b, c]
+        };
+        let data = format!("{name}.csv");
+        write(&folder.join(&data), &rows, &shifted);
+        let file = calibration(&folder, &data);
+        let output = wingbeat(&folder, &["calibrate", &file, "--out", name, "--quiet"]);
+        assert!(output.status.code().is_some_and(|code| code != 2), "{output:?}");
+        let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        assert_eq!(summary["status"], "ok", "{summary}");
+        let warnings = summary["warnings"].as_array().unwrap().iter();
+        let found: Vec<String> = warnings
+            .filter(|warning| warning["id"] == "calibration.shift_errors")
+            .map(|warning| warning["text"].as_str().unwrap().to_owned())
+            .collect();
+        println!("{name}: {found:?}");
+        found
+    };
+    assert_eq!(told("right", 0.0), [""; 0]);
+    let late = told("late", 4.0);
+    assert!(late.len() == 1 && late[0].contains("deg behind"), "{late:?}");
+    let early = told("early", -4.0);
+    assert!(early.len() == 1 && early[0].contains("deg ahead"), "{early:?}");
 }

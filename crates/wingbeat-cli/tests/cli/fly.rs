@@ -264,3 +264,88 @@ fn numbers_of_a_rejected_fit_are_said_wherever_they_are_given() {
         assert!(of_fit[0]["text"].as_str().unwrap().contains("a dead channel"), "{warned:?}");
     }
 }
+
+/// Ids and texts of the warnings in the summary of the run folder `out`.
+fn warned(folder: &Path, out: &str) -> Vec<[String; 2]> {
+    let summary = fs::read_to_string(folder.join(out).join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let warnings = summary["warnings"].as_array().unwrap().iter();
+    warnings.map(|warning| ["id", "text"].map(|key| warning[key].as_str().unwrap().to_owned())).collect()
+}
+
+#[test]
+fn degrees_in_place_of_radians_are_asked_about() {
+    let folder = scratch("fly-degrees");
+    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
+    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    let told = |set: &[&str]| {
+        let mut arguments = vec!["fly", "sc.toml", "--quiet", "--no-report", "--force", "--out", "o"];
+        let duration = ["flight.duration_s=0.02"];
+        arguments.extend(duration.iter().chain(set).flat_map(|set| ["--set", set]));
+        assert!(wingbeat(&folder, &arguments).status.code() != Some(2));
+        let ids = warned(&folder, "o").into_iter().map(|[id, _]| id);
+        ids.filter(|id| id.starts_with("range.joint_")).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&[]), [""; 0]);
+    assert_eq!(told(&["robot.links[1].driven.mean_rad=-30"]), ["range.joint_angle_rad"]);
+    assert_eq!(told(&["robot.links[2].driven.mean_rad=5"]), ["range.joint_angle_rad"]);
+    assert_eq!(told(&["robot.links[0].driven.harmonics[0].phase_rad=90"]), ["range.joint_phase_rad"]);
+}
+
+#[test]
+fn refusals_name_their_override_and_their_help() {
+    let folder = scratch("fly-refusals");
+    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
+    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    let said = |arguments: &[&str]| {
+        let output = wingbeat(&folder, arguments);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let strips = said(&["fly", "sc.toml", "--set", "aero.full.strips=32"]);
+    assert!(strips.contains("--set aero.full.strips=32"), "{strips}");
+    let density = said(&["fly", "sc.toml", "--set", "air.density_kg_m3=nan"]);
+    assert!(density.contains("allowed is a finite number") && !density.contains("magnitude"), "{density}");
+    let trim = said(&["trim", "sc.toml"]);
+    assert!(trim.contains("wingbeat new trim"), "{trim}");
+    let new = wingbeat(&folder, &["new", "case", "a b.toml"]);
+    let new = String::from_utf8(new.stdout).unwrap();
+    assert!(new.contains("next: wingbeat tether 'a b.toml'"), "{new}");
+}
+
+#[test]
+fn overrides_without_effect_are_told() {
+    let folder = scratch("fly-in-vain");
+    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
+    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    let told = |id: &str, set: &[&str]| {
+        let mut arguments = vec!["fly", "sc.toml", "--quiet", "--no-report", "--force", "--out", "o"];
+        let duration = ["flight.duration_s=0.02"];
+        arguments.extend(duration.iter().chain(set).flat_map(|set| ["--set", set]));
+        let answer = wingbeat(&folder, &arguments);
+        assert!(answer.status.code() != Some(2), "{}", String::from_utf8_lossy(&answer.stderr));
+        let texts = warned(&folder, "o").into_iter().filter(|warning| warning[0] == id);
+        texts.map(|[_, text]| text).collect::<Vec<_>>()
+    };
+    let numbers = r#"robot.numbers={"surfaces.wing.cd0"=0.03,"air.density_kg_m3"=1.0}"#;
+    let twice = |set: &[&str]| told("numbers.given_twice", set);
+    assert_eq!(twice(&[numbers]), [""; 0]);
+    assert_eq!(twice(&["robot.surfaces[0].cd0=1.5"]), [""; 0]);
+    assert_eq!(twice(&[numbers, "robot.body.mass_kg=0.03"]), [""; 0]);
+    let both = twice(&[numbers, "robot.surfaces[0].cd0=1.5", "air.density_kg_m3=1.3"]);
+    assert_eq!(both.len(), 2, "{both:?}");
+    for (text, parts) in both.iter().zip([
+        ["surfaces.wing.cd0 = 0.03 (--set robot.numbers=", "--set robot.surfaces[0].cd0=1.5"],
+        ["air.density_kg_m3 = 1 (--set robot.numbers=", "--set air.density_kg_m3=1.3"],
+    ]) {
+        assert!(parts.iter().all(|part| text.contains(part)), "{text}");
+    }
+    let unheard = |set: &[&str]| told("aero.unheard", set).len();
+    assert_eq!(unheard(&["aero.preset=paper", "aero.full.lags=five"]), 1);
+    assert_eq!(unheard(&["aero.preset=full", "aero.full.lags=five"]), 0);
+    assert_eq!(unheard(&["aero.preset=full", "aero.paper.nodes=20"]), 1);
+    assert_eq!(unheard(&["aero.preset=paper", "aero.paper.nodes=20"]), 0);
+    assert_eq!(unheard(&["aero.law=stall", "aero.critical_suction=0.2"]), 1);
+    assert_eq!(unheard(&["aero.law=lev", "aero.critical_suction=0.2"]), 0);
+    assert_eq!(unheard(&["aero.preset=full", "aero={paper={nodes=20},law=\"stall\"}"]), 1);
+}

@@ -262,3 +262,31 @@ fn a_search_keeps_its_candidates_and_says_what_its_best_misses() {
     }
     assert!(!folder.join("a/candidates.log").exists());
 }
+
+#[test]
+fn a_draw_that_changes_nothing_is_told() {
+    let folder = scratch("sweep-in-vain");
+    let told = |set: &str| {
+        let text = format!(
+            "name = \"s\"\ncase = {:?}\nsampling = \"grid\"\nset = ['time.cycles=1', {set}]\n\
+             [[draws]]\nkey = \"wind.density_kg_m3\"\nlow = 0.9\nhigh = 1.3\npoints = 3\n\
+             [[draws]]\nkey = \"wind.speed_m_s\"\nlow = 6.0\nhigh = 7.0\npoints = 2\n",
+            root().join("cases/flap_f2.toml")
+        );
+        fs::write(folder.join("small.toml"), text).unwrap();
+        let _ = fs::remove_dir_all(folder.join("o"));
+        let answer = sweep(&folder, "o");
+        assert!(answer.status.code() != Some(2), "{}", String::from_utf8_lossy(&answer.stderr));
+        let summary = fs::read_to_string(folder.join("o/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        let warnings = summary["warnings"].as_array().unwrap().iter();
+        warnings.map(|warning| (warning["id"].clone(), warning["key"].clone())).collect::<Vec<_>>()
+    };
+    let twice = ("numbers.given_twice".into(), "wind.density_kg_m3".into());
+    let unheard = ("sweep.unheard".into(), "draws[0].key".into());
+    let found = told(r#"'numbers={"air.density_kg_m3"=1.1}'"#);
+    assert!(found.contains(&twice) && found.contains(&unheard), "{found:?}");
+    assert!(!found.iter().any(|(_, key)| *key == "draws[1].key"), "{found:?}");
+    let found = told("");
+    assert!(!found.contains(&twice) && !found.iter().any(|(id, _)| *id == "sweep.unheard"), "{found:?}");
+}

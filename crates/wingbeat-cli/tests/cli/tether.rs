@@ -355,3 +355,72 @@ fn a_case_is_shown() {
         String::from_utf8(output.stderr).unwrap().contains("--phase NaN: allowed is a finite number, rad")
     );
 }
+
+#[test]
+fn a_power_that_moves_with_the_steps_is_told() {
+    let folder = scratch("tether-power");
+    assert!(wingbeat(&folder, &["new", "case", "c.toml"]).status.success());
+    let told = |steps: &str, out: &str| {
+        let set = format!("time.steps_per_cycle={steps}");
+        let output =
+            tether(&folder, Path::new("c.toml"), &["--set", &set, "--out", out, "--quiet", "--no-report"]);
+        assert!(output.status.success(), "{output:?}");
+        let summary = summary(&folder.join(out));
+        let told = summary["warnings"].to_string().contains("tether.steps_of_power");
+        (summary["step_change_of_power"].as_f64().unwrap(), told)
+    };
+    // With 14 steps the mean power is 4.4 % too large, and with 12 8.7 %.
+    let (change, is_told) = told("14", "few");
+    assert!(change > 0.02 && is_told, "{change}");
+    let (change, is_told) = told("100", "many");
+    assert!(change < 0.02 && !is_told, "{change}");
+}
+
+#[test]
+fn columns_keep_their_names_in_every_format() {
+    let folder = scratch("tether-compare-names");
+    assert!(compared(&folder, "plain.csv", 5.0, &|_, row| row).status.success());
+    let gain =
+        |name: &str| summary(&folder.join(format!("{name}.out")))["compare"][0]["gain"].as_f64().unwrap();
+    let text = fs::read_to_string(folder.join("plain.csv")).unwrap();
+    let cells = |row: &str| row.split(',').map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>();
+    let write = |name: &str, header: &str, row: &dyn Fn(&[f64]) -> String| {
+        let rows: String = text.lines().skip(1).map(|line| row(&cells(line)) + "\n").collect();
+        fs::write(folder.join(name), format!("{header}\n{rows}")).unwrap();
+    };
+    let decimal = |x: f64| x.to_string().replace('.', ",");
+    write("base.csv", "t,force_z", &|row| format!("{},{}", row[0], row[2]));
+    write("comma.csv", "t;force_z", &|row| format!("{};{}", decimal(row[0]), decimal(row[2])));
+    write("milli.csv", "t [ms],force_z", &|row| format!("{},{}", 1e3 * row[0], row[2]));
+    write("newton.csv", "t,force_z [N]", &|row| format!("{},{}", row[0], row[2]));
+    write("both.csv", "t [ms],force_z [mN]", &|row| format!("{},{}", 1e3 * row[0], 1e3 * row[2]));
+    write("bare.csv", "t,force_z", &|row| format!("{},{}", 1e3 * row[0], row[2]));
+    write("none.csv", "t [ms],force_z", &|row| {
+        format!("{},{}", 1e3 * row[0], if row[0] > 1.0 { f64::NAN } else { row[2] })
+    });
+    let case = cases().join("flap_f2.toml");
+    let run = |name: &str, keys: &[&str]| {
+        let out = format!("{name}.out");
+        let mut more =
+            [&BRIEF[..], &["--set", "time.frequency_hz=5.0", "--compare", name, "--out", &out, "--force"]]
+                .concat();
+        keys.iter().for_each(|key| more.extend(["--set", key]));
+        let output = tether(&folder, &case, &more);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    assert_ne!(run("base.csv", &[]).0, Some(2));
+    for name in ["comma.csv", "milli.csv", "newton.csv", "both.csv"] {
+        // By its own name without being asked for, and by any name of the channel where it is asked for.
+        for keys in [&[][..], &["compare.channels.force_z=force_z"], &["compare.channels.force_z=Fz"]] {
+            let (code, said) = run(name, keys);
+            assert_ne!(code, Some(2), "{name} {keys:?}: {said}");
+            assert!((gain(name) - gain("base.csv")).abs() < 1e-6, "{name} {keys:?}");
+        }
+    }
+    // A name in full is the column as it stands, in its own unit.
+    assert_ne!(run("newton.csv", &["compare.channels.force_z=force_z [N]"]).0, Some(2));
+    let (code, said) = run("bare.csv", &[]);
+    assert!(code == Some(2) && said.contains("is it in s?"), "{said}");
+    let (code, said) = run("none.csv", &[]);
+    assert!(code == Some(2) && said.contains("`force_z`") && !said.contains("Fz"), "{said}");
+}

@@ -101,3 +101,31 @@ fn what_cannot_be_stepped_is_refused() {
         assert!(output.status.code() == Some(2) && text.contains(says), "{text}");
     }
 }
+
+#[test]
+fn few_panels_are_told() {
+    let folder = scratch("wake-few-panels");
+    let case = root().join("cases/flap_f2.toml");
+    let told = |panels: [&str; 2]| {
+        let set = ["--steps", "16", "--prescribed", "--quiet", "--no-report", "--force", "--out", "o"];
+        let all = [
+            "wake",
+            case.to_str().unwrap(),
+            "--set",
+            "time.cycles=1",
+            "--chordwise",
+            panels[0],
+            "--spanwise",
+            panels[1],
+        ];
+        let output = wingbeat(&folder, &[&all[..], &set].concat());
+        assert!(output.status.code() != Some(2), "{output:?}");
+        let text = fs::read_to_string(folder.join("o/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let warnings = summary["warnings"].to_string();
+        ["wake.few_panels_along_chord", "wake.few_panels_along_span"].map(|id| warnings.contains(id))
+    };
+    assert_eq!(told(["3", "8"]), [true, false]);
+    assert_eq!(told(["4", "7"]), [false, true]);
+    assert_eq!(told(["4", "8"]), [false, false]);
+}

@@ -238,6 +238,25 @@ impl Document {
         besides(self) == besides(&written)
     }
 
+    /// Paths of the values that overrides give, each with its value as written.
+    pub(super) fn given_by_overrides(&self) -> Vec<(String, String)> {
+        let mut given = Vec::new();
+        if let Ok(tree) = self.sources.tree() {
+            tree::walk(&tree, &mut |path, value| {
+                if self.sources.is_override(value.span().start) {
+                    given.push((path.to_owned(), self.sources.text(&value.span())));
+                }
+            });
+        }
+        given
+    }
+
+    /// This merged document without each of its overrides in turn, with the key and the text of that.
+    pub(super) fn without_each_override(&self) -> impl Iterator<Item = (String, String, Self)> {
+        let each = self.sources.without_each_override();
+        each.map(|(at, text, sources)| (tree::path(at), text, Self { sources, ..self.clone() }))
+    }
+
     /// The files read: the first one and those it names.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.sources.files()
@@ -392,7 +411,10 @@ impl Document {
             let largest = limits::largest(&key);
             let largest = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
             let own = of_start(&key).map(|range| range.allowed());
-            let allowed = own.unwrap_or_else(|| format!("a finite number, {largest} or less in magnitude"));
+            // Of what is no number its size is not at fault, and the key may allow less than its unit.
+            let nan = given.as_deref().is_some_and(|given| given.parse().is_ok_and(f64::is_nan));
+            let most = if nan { String::new() } else { format!(", {largest} or less in magnitude") };
+            let allowed = own.unwrap_or_else(|| format!("a finite number{most}"));
             let problem = KeyProblem::Value(allowed);
             Err(Wrong::new(place, key, given, problem).into())
         })

@@ -175,6 +175,24 @@ impl Sources {
         Self { texts: self.texts.iter().filter(written).cloned().collect(), root: self.root.clone() }
     }
 
+    /// The same without each of the overrides in turn, with the steps to the place of that and its text.
+    pub fn without_each_override(&self) -> impl Iterator<Item = (&[String], String, Self)> {
+        let overrides = self.texts.iter().enumerate();
+        let overrides = overrides.filter(|(_, source)| {
+            matches!(source.origin, Origin::Override) && source.at.starts_with(&self.root)
+        });
+        overrides.map(|(k, source)| {
+            let mut others = self.clone();
+            others.texts.remove(k);
+            (&source.at[self.root.len()..], shown(&source.text), others)
+        })
+    }
+
+    /// Whether byte `at` is in an override.
+    pub fn is_override(&self, at: usize) -> bool {
+        self.source(at).is_some_and(|source| matches!(source.origin, Origin::Override))
+    }
+
     /// The same texts, of which only what lies at `steps` is looked at.
     pub fn part(&self, steps: &[String]) -> Self {
         let root = self.root.iter().chain(steps).cloned().collect();

@@ -210,7 +210,8 @@ impl Scenario {
         let schedule = Schedule { steps, ..self.schedule };
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
         let go_on = |_: &Sample, _: &(dyn Controller + '_)| Ok(ControlFlow::Continue(()));
-        let flight = fly(model, &mut sensors, &mut *self.pilot()?, &schedule, &mut x, go_on);
+        let flight =
+            fly(model, &mut sensors, &mut *self.pilot(self.prepared.clone())?, &schedule, &mut x, go_on);
         flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
         let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec).map_err(|e| e.within(KEY))?;
@@ -226,7 +227,8 @@ impl Scenario {
         let steps_per_sample = ((last - first) / SAMPLES as f64 / step).floor().max(1.0) as usize;
         let schedule = Schedule { steps: (last / step).ceil() as usize, steps_per_sample, ..self.schedule };
         let steps = schedule.steps;
-        let mut player = Playback::new(self.pilot()?, points.t.clone(), points.u.clone());
+        let mut player =
+            Playback::new(self.pilot(self.prepared.clone())?, points.t.clone(), points.u.clone());
         let mut recorder = Recorder::new(
             &self.model,
             self.manoeuvre(),

@@ -159,6 +159,7 @@ impl Scenario {
         summary.spar = means.as_ref().and_then(|means| means.spar);
         summary.pin_springs = means.as_ref().and_then(|means| means.pin_springs);
         summary.judge(cycle.robot(), &self.spec, &self.limits, means.as_ref());
+        summary.warnings.extend(self.in_vain());
         let family =
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let gains = gains.map(|held| ("gains.csv", held.table));
@@ -186,7 +187,10 @@ impl Scenario {
 
     /// What `[trim]` asks.
     fn trim_spec(&self) -> Result<&TrimSpec, Error> {
-        self.spec.trim.as_ref().ok_or_else(|| Error::invalid("trim", "none", "a [trim]"))
+        self.spec
+            .trim
+            .as_ref()
+            .ok_or_else(|| Error::invalid("trim", "none", "a [trim], which `wingbeat new trim` writes"))
     }
 
     /// A cycle of the robot as the controller knows it, in the steps of `[trim]`.
@@ -273,7 +277,7 @@ impl Scenario {
     /// The summary of what is asked.
     fn asked(&self, cycle: &Cycle, spec: &TrimSpec, search: Duration) -> TrimSummary {
         TrimSummary {
-            warnings: said_of(&self.spec, &self.model).collect(),
+            warnings: said_of(&self.spec, &self.model).chain(self.in_vain()).collect(),
             speed_m_s: spec.speed_m_s,
             climb_m_s: spec.climb_m_s,
             bank_deg: spec.bank_deg,

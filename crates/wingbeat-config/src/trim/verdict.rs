@@ -54,8 +54,11 @@ impl TrimSummary {
         }
         plausible::hold(&mut judge, robot);
         if let Some(means) = means {
-            judge.hold(&range::REVERSED, means.reversed_fraction);
+            for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
+                judge.hold(limit, means.reversed_fraction);
+            }
             stall::hold(&mut judge, &means.stalled, "aero.law");
+            judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
         }
         if let Some(membrane) = self.membrane {
             membrane.judge(&mut judge);

@@ -139,27 +139,14 @@ impl PathSheet {
             }
             self.line(&wing.leading, colour, 1.4);
         }
-        let (cx, cy) = self.at(bird.body);
-        self.disc(cx, cy, 2.4, style::INK);
-    }
-
-    fn disc(&mut self, cx: f64, cy: f64, r: f64, colour: &str) {
-        let fill = Colour::from(colour);
-        self.scene.elements.push(Primitive::Circle {
-            cx,
-            cy,
-            r,
-            fill,
-            fill_opacity: None,
-            stroke: None,
-            stroke_width: None,
-        });
+        let at = self.at(bird.body);
+        self.scene.elements.push(style::disc(at, 2.4, style::INK));
     }
 
     pub fn ends(&mut self, track: &[WorldPoint], t: &[f64]) {
         for (point, time) in [(track[0], t[0]), (track[track.len() - 1], t[t.len() - 1])] {
             let (x, y) = self.at(point);
-            self.disc(x, y, 3.6, style::INK);
+            self.scene.elements.push(style::disc((x, y), 3.6, style::INK));
             self.text((x - 30.0, y + 5.0), format!("{time:.1} s"), TextAnchor::End, style::TICKS);
         }
     }
@@ -185,7 +172,7 @@ impl PathSheet {
         let colour = style::colour(2);
         self.line(&[place, [place[0], place[1], room.low[2]]], colour, 0.8);
         let (x, y) = self.at(place);
-        self.disc(x, y, 5.0, colour);
+        self.scene.elements.push(style::disc((x, y), 5.0, colour));
         self.text((x + 8.0, y - 8.0), "perch".into(), TextAnchor::Start, style::TICKS);
     }
 

@@ -178,8 +178,7 @@ impl<'a> Sheet<'a> {
             }
         }
         for &(point, r, colour) in &drawing.dots {
-            let (cx, cy) = placed.at(point);
-            self.disc(cx, cy, r, colour);
+            self.scene.elements.push(style::disc(placed.at(point), r, colour));
         }
     }
 
@@ -207,19 +206,6 @@ impl<'a> Sheet<'a> {
     fn area(&mut self, placed: &PlacedView, points: &[ViewPoint], colour: &str, opacity: f64) {
         let corners: Vec<_> = points.iter().map(|point| placed.at(*point)).collect();
         self.scene.elements.push(style::area(&corners, colour, opacity));
-    }
-
-    fn disc(&mut self, cx: f64, cy: f64, r: f64, colour: &str) {
-        let fill = Colour::from(colour);
-        self.scene.elements.push(Primitive::Circle {
-            cx,
-            cy,
-            r,
-            fill,
-            fill_opacity: None,
-            stroke: None,
-            stroke_width: None,
-        });
     }
 
     /// Labels in the columns left and right of the view, each with a line to its point; none crosses another's row.

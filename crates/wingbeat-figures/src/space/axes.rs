@@ -71,9 +71,21 @@ impl Space {
             return Vec::new();
         }
         // No finer than the numbers beside the ticks can tell apart.
-        let step = round_step((high - low) * APART / length).max(TickScale::new(low, high).step);
-        let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+        let finest = TickScale::new(low, high).step;
+        let ends = |step: f64| ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+        let mut step = round_step((high - low) * APART / length).max(finest);
+        // A single number tells no scale.
+        while ends(step).1 <= ends(step).0 && round_step(0.4 * step) >= finest {
+            step = round_step(0.4 * step);
+        }
+        let (first, last) = ends(step);
         (first..=last).map(|k| k as f64 * step).collect()
+    }
+
+    /// Whether an axis that is seen has two ticks or more.
+    #[cfg(test)]
+    pub(super) fn has_scale(&self, axis: usize) -> bool {
+        self.ticks(axis).len() > 1
     }
 
     /// Length on paper of the edge along `axis` that begins at `from`, px.

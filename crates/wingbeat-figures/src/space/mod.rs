@@ -244,6 +244,10 @@ mod tests {
             _ => None,
         });
         assert!((bar.unwrap() - scale).abs() < 1e-9);
+        // An axis too short for two ticks as far apart as others has two nearer ones.
+        let flat = Bounds { low: [-2.0, -1.0, -0.09], high: [2.0, 1.0, 0.09] };
+        let space = Space::new(Camera::orthographic(-50.0, 28.0), flat, PANE);
+        assert!((0..3).all(|axis| space.has_scale(axis)) || space.scale() * 0.18 < 20.0, "{}", space.scale());
         // Straight from the front x is a point and has no ticks.
         let mut front = Space::new(Camera::orthographic(0.0, 0.0), bounds, PANE);
         front.axes(["x [m]", "y [m]", "z [m]"]);

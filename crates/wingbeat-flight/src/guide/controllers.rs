@@ -80,6 +80,11 @@ pub trait ControllerSpec: Debug + Send + Sync {
         false
     }
 
+    /// Keys of its table that say when something begins, with that time, s. A flight that ends before says that it never does.
+    fn begins(&self) -> Vec<(String, f64)> {
+        Vec::new()
+    }
+
     /// Whether the controller follows a path.
     fn follows_path(&self) -> bool {
         false

@@ -6,14 +6,15 @@ use super::{MAX_INTERVALS, MAX_ITERATIONS, MAX_MESHES, processor_time};
 use crate::simulate::{Held, Moment, Sizes, Stepper, System};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
+use std::time::Duration;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
 use wingbeat_math::{Scalar, pitch_of_nose_up};
-use wingbeat_ocp::interior_point::Options;
+use wingbeat_ocp::interior_point::{Options, SolveStatus};
 use wingbeat_ocp::plant::{Channel, Fault, Plant};
 use wingbeat_ocp::{
-    Ends, FREE, Instant, Interpolant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup,
+    Ends, FREE, Instant, Interpolant, OptimalControl, Optimum, Pass, Progress, Refinement, Scheme, Setup,
     Trajectory, defects, optimise,
 };
 use wingbeat_robot::body::drive_power;
@@ -29,6 +30,15 @@ const ROUNDED: f64 = 0.03;
 const ROUNDED_FIRST: f64 = 0.15;
 /// Barrier and margin of the problems after the first.
 const WARM: [f64; 2] = [1e-3, 1e-5];
+/// What is missing of a force, as a share of the one asked for, that is gone at once: a choice.
+const NEAR: f64 = 0.1;
+/// Share of a longer way that is gone at once, the share below which a step that failed is not halved, and the
+/// iterations in which a step succeeds or fails (20 to 130 where it does succeed): choices.
+const WAY: f64 = 0.125;
+const SHORTEST_WAY: f64 = 0.03;
+const STEP_ITERATIONS: usize = 200;
+/// Most iterations on a mesh.
+const ITERATIONS: usize = 400;
 /// Forces and moments are summed in mN and mN m, so that their states are of the order of the others.
 const MILLI: f64 = 1e3;
 
@@ -228,25 +238,48 @@ impl<'a> LeastPower<'a> {
     /// # Errors
     /// The [`Fault`] of the gait that is the guess.
     pub fn plan(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Optimum, Fault> {
-        let mut refinement = self.refinement();
+        let mut stages = Stages::new(self.refinement(), observer);
         let guess = self.guess()?;
-        if self.spec.storage == 1.0 {
-            return Ok(optimise(self, &guess, &refinement, observer));
-        }
         let smoother = Self { width: self.width / ROUNDED * ROUNDED_FIRST, ..self.clone() };
-        let first = optimise(&smoother, &guess, &Refinement { meshes: 1, ..refinement.clone() }, observer);
-        let solved = first.passes.last().is_some_and(|p| p.status.is_success());
-        let Some(guess) = first.solution.as_ref().filter(|_| solved) else { return Ok(first) };
-        let [barrier, margin] = WARM;
-        let time = refinement.solver.time.saturating_sub(first.processor_time);
-        refinement.iterations = refinement.iterations.saturating_sub(first.iterations);
-        refinement.solver = Options { barrier, margin, time, ..refinement.solver };
-        let mut optimum = optimise(self, &guess.points, &refinement, observer);
-        optimum.passes.splice(0..0, first.passes);
-        optimum.time += first.time;
-        optimum.processor_time += first.processor_time;
-        optimum.iterations += first.iterations;
-        Ok(optimum)
+        let first = smoother.approach(&guess, &mut stages);
+        let planned = match &first.solution {
+            Some(guess) if solved(&first) => {
+                stages.warm = true;
+                stages.solve(self, &guess.points, self.spec.meshes, ITERATIONS)
+            }
+            _ => first,
+        };
+        Ok(stages.whole(planned))
+    }
+
+    /// The gait on the first mesh. From one that bears half of the forces asked for the solver seldom finds its way at once, so
+    /// that these are raised from those of the guess in steps, each the guess of the next. They leave a fifth of the iterations to
+    /// the whole, which says what cannot be met.
+    fn approach(&self, guess: &Trajectory, stages: &mut Stages) -> Optimum {
+        let given = self.means(guess);
+        let given = [given.up_n, given.forward_n];
+        let far = self.asked.iter().zip(given).any(|(asked, given)| asked - given > NEAR * asked.abs());
+        let (mut reached, mut step) = (0.0, if far { WAY } else { 1.0 });
+        let mut start = guess.clone();
+        loop {
+            let last = step < SHORTEST_WAY || 5 * stages.iterations > 4 * self.spec.iterations;
+            let share = if last { 1.0 } else { f64::min(reached + step, 1.0) };
+            let part = |i: usize| self.asked[i].min(given[i] + share * (self.asked[i] - given[i]));
+            let problem = Self { asked: [part(0), part(1)], ..self.clone() };
+            let iterations = if last { ITERATIONS } else { STEP_ITERATIONS };
+            let optimum = stages.solve(&problem, &start, 1, iterations);
+            let found = solved(&optimum);
+            if share == 1.0 && (found || last) || stages.is_over(&optimum.status) {
+                return optimum;
+            }
+            match &optimum.solution {
+                Some(solution) if found => {
+                    (start, reached) = (solution.points.clone(), share);
+                    stages.warm = true;
+                }
+                _ => step *= 0.5,
+            }
+        }
     }
 
     /// Defects of a plan from its states and inputs alone, in the units of the states.
@@ -270,7 +303,7 @@ impl<'a> LeastPower<'a> {
     fn refinement(&self) -> Refinement {
         let solver = Options {
             time: processor_time(self.spec.time_limit_s),
-            iterations: 400,
+            iterations: ITERATIONS,
             tolerance: 1e-5,
             complementarity: 1e-6,
             acceptable: 1e-4,
@@ -344,6 +377,65 @@ impl<'a> LeastPower<'a> {
     }
 }
 
+/// Problems solved one after another within one limit of iterations and time.
+struct Stages<'o> {
+    refinement: Refinement,
+    observer: &'o mut dyn FnMut(Progress) -> ControlFlow<()>,
+    /// True where the guess is the solution of the problem before.
+    warm: bool,
+    passes: Vec<Pass>,
+    iterations: usize,
+    time: Duration,
+    processor_time: Duration,
+}
+
+impl<'o> Stages<'o> {
+    fn new(refinement: Refinement, observer: &'o mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        let (time, processor_time) = (Duration::ZERO, Duration::ZERO);
+        Self { refinement, observer, warm: false, passes: Vec::new(), iterations: 0, time, processor_time }
+    }
+
+    /// Solves `problem` from `guess` on so many meshes at most, each in so many iterations at most; where the mesh is one, on that of
+    /// the settings alone.
+    fn solve(
+        &mut self,
+        problem: &LeastPower,
+        guess: &Trajectory,
+        meshes: usize,
+        iterations: usize,
+    ) -> Optimum {
+        let mut refinement = Refinement { meshes, ..self.refinement.clone() };
+        refinement.solver.iterations = iterations;
+        if meshes == 1 {
+            refinement.most_intervals = refinement.intervals;
+        }
+        refinement.iterations = refinement.iterations.saturating_sub(self.iterations);
+        refinement.solver.time = refinement.solver.time.saturating_sub(self.processor_time);
+        if self.warm {
+            [refinement.solver.barrier, refinement.solver.margin] = WARM;
+        }
+        let optimum = optimise(problem, guess, &refinement, self.observer);
+        self.passes.extend(optimum.passes.iter().cloned());
+        self.iterations += optimum.iterations;
+        self.time += optimum.time;
+        self.processor_time += optimum.processor_time;
+        optimum
+    }
+
+    /// True when a solve that ended so leaves nothing to go on with: it was stopped, or iterations or time are used up.
+    fn is_over(&self, status: &SolveStatus) -> bool {
+        *status == SolveStatus::Stopped
+            || self.iterations >= self.refinement.iterations
+            || self.processor_time >= self.refinement.solver.time
+    }
+
+    /// The last of the solutions, with what all together took.
+    fn whole(self, last: Optimum) -> Optimum {
+        let Self { passes, iterations, time, processor_time, .. } = self;
+        Optimum { passes, iterations, time, processor_time, ..last }
+    }
+}
+
 /// The states of a [`LeastPower`] problem at one frequency and pitch.
 struct SteadyGait<'a> {
     problem: &'a LeastPower<'a>,
@@ -361,6 +453,11 @@ impl System for SteadyGait<'_> {
         let Moment { t, x, u, .. } = at;
         OptimalControl::rates(self.problem, Instant { t, x, u, p: &self.p }, dx)
     }
+}
+
+/// Whether the last mesh has an optimum, which may be coarse.
+fn solved(optimum: &Optimum) -> bool {
+    optimum.passes.last().is_some_and(|pass| pass.status.is_success())
 }
 
 fn flapping<S: Copy>(p: &[S]) -> Flapping<S> {

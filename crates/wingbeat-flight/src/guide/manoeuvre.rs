@@ -26,6 +26,11 @@ pub trait Manoeuvre: Debug + Send + Sync {
         Ok(())
     }
 
+    /// Keys of its table that say when something begins, with that time, s. A flight that ends before says that it never does.
+    fn begins(&self) -> Vec<(String, f64)> {
+        Vec::new()
+    }
+
     /// The reference at the time `t`, s. A controller asks at every node of its horizon, in no order.
     fn reference(&self, t: f64) -> Reference;
 }

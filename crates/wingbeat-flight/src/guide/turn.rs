@@ -101,6 +101,11 @@ impl Manoeuvre for Turn {
         self.track.as_ref().map_or(Ok(()), |track| track.check().map_err(|e| e.within("track")))
     }
 
+    fn begins(&self) -> Vec<(String, f64)> {
+        let turns = self.roll_deg != 0.0 || self.yaw_rate_rad_s != 0.0;
+        turns.then(|| ("turn_start_s".to_owned(), self.turn_start_s)).into_iter().collect()
+    }
+
     /// Within the turn the body rates are those of a steady turn,
     /// w = psi' (-sin theta, cos theta sin phi, cos theta cos phi).
     fn reference(&self, t: f64) -> Reference {

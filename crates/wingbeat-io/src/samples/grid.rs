@@ -86,12 +86,10 @@ impl SampleGrid {
             }
         };
         let step = step(&sorted)?;
+        let gaps: Vec<f64> = sorted.windows(2).map(|pair| (pair[1] - pair[0]) / step).collect();
         let mut ahead = 0_i64;
         let mut steps = vec![0; time.len()];
-        for (k, pair) in sorted.windows(2).enumerate() {
-            let gap = (pair[1] - pair[0]) / step;
-            // A duplicate has the same time; jitter may bring others near.
-            let moved = if gap < 1e-6 { 0 } else { gap.round().max(1.0) as i64 };
+        for (k, moved) in moves(&gaps).into_iter().enumerate() {
             ahead = ahead.saturating_add(moved);
             steps[order.as_ref().map_or(k + 1, |order| order[k + 1] as usize)] = ahead;
         }
@@ -130,6 +128,38 @@ impl SampleGrid {
         }
         Ok(Self { place, rows, start: start + first as f64 / rate, rate, duplicates, late })
     }
+}
+
+/// Part of how far a time stands from its place that the next places forget: clocks wander. *Choice.*
+const FORGOTTEN: f64 = 1.0 / 64.0;
+/// Times behind a gap that must confirm it: one that comes late has the next one near. *Choice.*
+const CONFIRMED_BY: usize = 16;
+
+/// Places by which each of the times goes on, from `gaps` in common steps. Not each gap is rounded by itself, as the jitter of two times would
+/// add up to samples that nobody took, but what the times have gone in all; a gap is one if no later time takes it back.
+fn moves(gaps: &[f64]) -> Vec<i64> {
+    let mut off = 0.0;
+    let of = |(k, gap): (usize, &f64)| {
+        // A duplicate has the same time; jitter may bring others near.
+        if *gap < 1e-6 {
+            return 0;
+        }
+        let mut reached = off + gap;
+        let mut moved = reached.round().max(1.0);
+        if moved > 1.0 {
+            let mut later = reached;
+            let mut places = 0.0;
+            for gap in gaps[k + 1..].iter().filter(|gap| **gap >= 1e-6).take(CONFIRMED_BY) {
+                later += gap;
+                places += 1.0;
+                moved = moved.min((later - places).round().max(1.0));
+            }
+        }
+        reached -= moved;
+        off = reached * (1.0 - FORGOTTEN);
+        moved as i64
+    };
+    gaps.iter().enumerate().map(of).collect()
 }
 
 /// The common step of ascending times, s: the mean of those that are no gaps.
@@ -185,6 +215,34 @@ mod tests {
         let grid = SampleGrid::timed(&time, 1.0, false).unwrap();
         assert_eq!((grid.len(), grid.place[300]), (1000, 340));
         assert!((grid.rate - 1000.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn jitter_and_late_samples_lose_none() {
+        let mut seed = 5_u64;
+        let mut even = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let jitter: Vec<f64> = (0..12_000).map(|k| 1e-3 * (f64::from(k) + 0.6 * (even() - 0.5))).collect();
+        let late: Vec<f64> = (0..12_000)
+            .map(|k| 1e-3 * (f64::from(k) + if even() < 0.02 { 0.5 + 0.4 * even() } else { 0.0 }))
+            .collect();
+        for (times, most) in [(&jitter, 1), (&late, 1)] {
+            let grid = SampleGrid::timed(times, 1.0, false).unwrap();
+            let missing = grid.len() - grid.place.len();
+            assert!(missing <= most && (grid.rate - 1000.0).abs() < 0.1, "{missing} {}", grid.rate);
+            // Of the same with three samples left out those are missing, where they were.
+            let gone = |k: &usize| !(7000..7003).contains(k);
+            let some: Vec<f64> = (0..times.len()).filter(gone).map(|k| times[k]).collect();
+            let grid = SampleGrid::timed(&some, 1.0, false).unwrap();
+            assert_eq!(grid.len() - grid.place.len(), 3 + missing);
+            assert!(grid.place[7000] - grid.place[6999] >= 3, "{}", grid.place[7000] - grid.place[6999]);
+        }
+        // A clock that runs faster by 1e-4 and one that wanders lose none either.
+        let wander = |k: u32| 1e-3 * (f64::from(k) + 3.0 * (f64::from(k) * 5e-4).sin());
+        let grid = SampleGrid::timed(&(0..12_000).map(wander).collect::<Vec<_>>(), 1.0, false).unwrap();
+        assert_eq!(grid.len(), 12_000);
     }
 
     #[test]

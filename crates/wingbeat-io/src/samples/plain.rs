@@ -56,10 +56,17 @@ pub struct Plain {
 pub fn read_measured(path: &Path) -> Result<Record, Error> {
     let plainly = crate::read_csv(path);
     if plainly.as_ref().is_ok_and(|record| ["t", "phase"].iter().any(|name| record.column(name).is_some())) {
-        return plainly;
+        return plainly.and_then(|record| named_plainly(path, record));
     }
+    let own_names = super::read_channels(path).map(|table| table.names_of_loads());
     let channels = super::read_channels(path).and_then(|table| table.plain(&ChannelRequest::default()));
     let Ok(Plain { time, mut channels, missing, .. }) = channels else { return plainly };
+    // Here columns keep the names of the file, whatever its format; what they are called elsewhere means them too.
+    for (own, name) in own_names.iter().flatten() {
+        if let Some(column) = channels.iter_mut().find(|column| column.name == *name) {
+            column.name.clone_from(own);
+        }
+    }
     let of = [ChannelQuantity::Force, ChannelQuantity::Moment, ChannelQuantity::Angle];
     // What is no force, moment or angle is none of the loads.
     let is_known = |unit: &str| unit.is_empty() || of.iter().any(|quantity| quantity.factor(unit).is_some());
@@ -84,6 +91,26 @@ pub fn read_measured(path: &Path) -> Result<Record, Error> {
     Record::new(channels, 0).map_err(|error| Error::format(path, error))
 }
 
+/// `record` with a column more for each whose name has a unit of force, moment or angle behind it, `force_z [mN]`: without the unit in its name, and
+/// in N, N m or rad.
+fn named_plainly(path: &Path, record: Record) -> Result<Record, Error> {
+    let of = [ChannelQuantity::Force, ChannelQuantity::Moment, ChannelQuantity::Angle];
+    let mut columns = record.columns().to_vec();
+    for column in record.columns() {
+        let (plain, unit) = base(&column.name);
+        let bracketed = column.name.ends_with([']', ')']) && !columns.iter().any(|other| other.name == plain);
+        let known =
+            |unit: &str, quantity: &ChannelQuantity| Some((quantity.factor(unit)?, quantity.names()[0]));
+        let found =
+            unit.filter(|_| bracketed).and_then(|unit| of.iter().find_map(|quantity| known(unit, quantity)));
+        if let Some((factor, unit)) = found {
+            let values = column.values.iter().map(|value| factor * value).collect();
+            columns.push(Column { values, ..Column::new(plain, unit, "") });
+        }
+    }
+    Record::new(columns, 0).map_err(|error| Error::format(path, error))
+}
+
 /// The channel that has most cells without a number, where there are more of them than the `missing` rows, which no channel has.
 fn no_numbers(channels: &[Column], missing: usize) -> Option<String> {
     let holes = |column: &&Column| column.values.iter().filter(|value| !value.is_finite()).count();
@@ -97,6 +124,12 @@ fn no_numbers(channels: &[Column], missing: usize) -> Option<String> {
 }
 
 impl SampleTable {
+    /// Names of the columns that are loads, without their units, and the names that the channels of [`plain`](Self::plain) have for them.
+    fn names_of_loads(&self) -> Vec<(String, String)> {
+        let loads = self.columns.iter().filter(|column| SIX.iter().any(|known| is(&column.name, known)));
+        loads.map(|column| (base(&column.name).0.to_owned(), short(&column.name))).collect()
+    }
+
     /// The channels by their own names.
     ///
     /// # Errors

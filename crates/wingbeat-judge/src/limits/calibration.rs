@@ -35,6 +35,12 @@ pub const WRONG_MODEL: JudgedLimit =
 /// Time shift that is left between measured and fitted cycles; runs are refused beyond it before the fit.
 pub const PHASE: JudgedLimit = JudgedLimit::at_most("calibration.phase_deg", 5.0, "deg", SuspectData)
     .on("shift between the measured and the fitted cycle");
+/// A shift that the residuals tell beside the parameters, which have taken what they can of it. *Choice*: noise alone reaches it in one of
+/// 16000 runs.
+pub const LATE: JudgedLimit = JudgedLimit::warn_above("calibration.shift_errors", 4.0, "").on(
+    "loads come early or late, and the parameters make up for it (mend the time of the first sample, or fit the phase; a wrong model \
+     shifts them too): shift that is left over its standard error,",
+);
 /// Circular correlation of what the fit leaves with itself one phase on, in deviations: 0 +- 1/sqrt(n W) of noise alone, with W numbers of
 /// each of n channels, which of a force with eight harmonics reaches half in one of 50, of three in one of 5000.
 pub const COLOURED: JudgedLimit = JudgedLimit::warn_above("calibration.residual_autocorrelation", 0.5, "")
@@ -52,7 +58,7 @@ pub const CORRELATION: JudgedLimit =
     JudgedLimit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 12] = [
+pub const ALL: [JudgedLimit; 13] = [
     EXPLAINED,
     MODEL_ERROR,
     WORSE,
@@ -61,6 +67,7 @@ pub const ALL: [JudgedLimit; 12] = [
     BEYOND_NOISE,
     WRONG_MODEL,
     PHASE,
+    LATE,
     COLOURED,
     REVERSED,
     IDENTIFIED,

@@ -15,6 +15,13 @@ pub const BACKWARD: JudgedLimit = JudgedLimit::at_most("data.backward_steps", 0.
 /// Interpolation over a twentieth of the samples moves a mean by less than the noise of a load cell; more does not.
 pub const LOST: JudgedLimit = JudgedLimit::at_most("data.lost_fraction", 0.05, "", SuspectData)
     .on("share of the samples that are missing in gaps");
+/// The mean of every second cycle has 1.4 times the error of that of all, and its scatter is hardly known any more. *Choice.*
+pub const CYCLES_LOST: JudgedLimit =
+    JudgedLimit::at_most("data.cycles_left_out_fraction", 0.5, "", SuspectData)
+        .on("share of the cycles that are left out as samples are missing in them");
+/// The same as a warning: the error grows by 5 %. *Choice.*
+pub const FEW_CYCLES_LOST: JudgedLimit = JudgedLimit::warn_above("data.cycles_left_out_told", 0.1, "")
+    .on("share of the cycles that are left out as samples are missing in them");
 /// Far below any load cell (1 uN) and any motion that moves air, in N, N m, m, deg or rad.
 pub const TINY: JudgedLimit = JudgedLimit::at_least("data.smallest_amplitude", 1e-9, "", SuspectData)
     .on("largest absolute value of all channels");
@@ -193,10 +200,12 @@ pub const BENT: JudgedLimit = JudgedLimit::warn_above("data.bent_fraction", 0.1,
     .on("rms of what a straight line leaves of a channel over that of the channel, where a bend explains it");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 56] = [
+pub const ALL: [JudgedLimit; 58] = [
     NOT_FINITE,
     BACKWARD,
     LOST,
+    CYCLES_LOST,
+    FEW_CYCLES_LOST,
     TINY,
     HUGE,
     STUCK,

@@ -27,6 +27,12 @@ pub const LOADING: JudgedLimit = JudgedLimit::warn_above("range.span_loading_n_m
 /// Mass of a link over that of the body that carries it. Shipped robots have 0.3 and less. *Choice.*
 pub const LINK: JudgedLimit = JudgedLimit::warn_above("range.link_over_body", 5.0, "")
     .on("a link that is heavy for its body (is it in kg?): largest mass of a link over that of the body");
+/// Means and amplitudes of the angles of joints: no wing turns by more than half a turn. *Choice.*
+pub const ANGLE: JudgedLimit = JudgedLimit::warn_above("range.joint_angle_rad", 3.2, "rad")
+    .on("a joint that turns far (is its angle in rad?): largest mean or amplitude of a driven joint");
+/// Phases of the angles of joints: any is one within a turn, 6.283 rad. *Choice.*
+pub const PHASE: JudgedLimit = JudgedLimit::warn_above("range.joint_phase_rad", 6.3, "rad")
+    .on("a phase beyond a whole turn (is it in rad?): largest phase or lag of a driven joint");
 /// Density of the fluid: air has 1.2 kg/m3 at sea level and 0.09 at 20 km, in which nothing here flies (ISO 2533). *Choice.*
 pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.05, "kg/m3")
     .on("air that is nearly a vacuum (is its density in kg/m3?): density");
@@ -35,7 +41,7 @@ pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.0
 /// edge, where it acts at three quarters. *Choice.*
 pub const REVERSED: JudgedLimit = JudgedLimit::warn_above("range.reversed_fraction", 0.1, "")
     .on("no law knows wind from behind (is the leading edge ahead?): share of strips and time with an angle of attack above 135 deg");
-/// Mostly so, of a wing that is held in its wind: lift acts at the wrong end of the chord. *Choice.*
+/// Mostly so: lift acts at the wrong end of the chord. Shipped flights have none. *Choice.*
 pub const REVERSED_OUTSIDE: JudgedLimit =
     JudgedLimit::at_most("range.reversed_outside_fraction", 0.5, "", Outside)
         .on("share of strips and time with the wind from behind, an angle of attack above 135 deg");
@@ -44,8 +50,8 @@ pub const REVERSED_OUTSIDE: JudgedLimit =
 /// measured up to 45 deg (`aero.mancini`, `aero.plates`). Any share that would not be printed as 0 % is told.
 pub const STALLED: JudgedLimit = JudgedLimit::warn_above("range.stall_fraction", 5e-4, "")
     .on("share of strips and time past what their lift law holds for");
-/// Nearly all of a wing that is held in its wind: what comes out is a guess at the drag of a plate. Aerobat on its stand in a slow wind has
-/// .52; flights tumble through such angles. *Choice.*
+/// Nearly all of a wing: what comes out is a guess at the drag of a plate. Aerobat on its stand in a slow wind has .52, in the first half
+/// second of its flight on springs .62, in its turn .15. *Choice.*
 pub const STALLED_OUTSIDE: JudgedLimit =
     JudgedLimit::at_most("range.stall_outside_fraction", 0.75, "", Outside)
         .on("no lift law was measured there: share of strips and time with an angle of attack above 45 deg");
@@ -63,7 +69,7 @@ pub fn viscosity(density: f64) -> f64 {
 }
 
 /// All of them.
-pub const ALL: [JudgedLimit; 14] = [
+pub const ALL: [JudgedLimit; 16] = [
     FOLLOWED,
     NOT_FOLLOWED,
     COMPRESSED,
@@ -73,6 +79,8 @@ pub const ALL: [JudgedLimit; 14] = [
     CENTRE,
     LOADING,
     LINK,
+    ANGLE,
+    PHASE,
     THIN,
     STALLED,
     STALLED_OUTSIDE,

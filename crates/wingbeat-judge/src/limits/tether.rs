@@ -10,6 +10,10 @@ pub const STEPS: JudgedLimit = JudgedLimit::at_most("tether.step_change_fraction
 pub const PEAKS: JudgedLimit = JudgedLimit::at_most("tether.peak_change_fraction", 0.5, "", NotResolved).on(
     "largest change of the least or largest of a load with half or twice the steps, over the largest load,",
 );
+/// With half of it the power says nothing. *Choice.*
+pub const STEPS_OF_POWER: JudgedLimit =
+    JudgedLimit::at_most("tether.power_change_fraction", 0.5, "", NotResolved)
+        .on("change of the mean power with half or twice the steps, over the mean of its size,");
 /// Ten times what the shipped cases reach. *Choice.*
 pub const CYCLES: JudgedLimit = JudgedLimit::at_most("tether.cycle_change_fraction", 0.01, "", NotPeriodic)
     .on("largest change of a load from the last cycle but one, over the largest of its kind,");
@@ -91,8 +95,9 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3,
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 22] = [
+pub const ALL: [JudgedLimit; 23] = [
     STEPS,
+    STEPS_OF_POWER,
     PEAKS,
     CYCLES,
     CROSSING,

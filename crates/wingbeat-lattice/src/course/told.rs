@@ -196,8 +196,10 @@ fn judged(watch: &CourseWatch<'_>, asked: &CourseRequest, limits: &RunLimits) ->
             // What the model sheds is one ring along the chord.
             if !asked.model {
                 judge.hold(&wake::ALONG, asked.chordwise as f64);
+                judge.hold(&wake::FEW_ALONG, asked.chordwise as f64);
             }
             judge.hold(&wake::ACROSS, asked.spanwise as f64);
+            judge.hold(&wake::FEW_ACROSS, asked.spanwise as f64);
             judge.hold(&wake::CORE, asked.core);
             judge.hold(&wake::INFLOW, watch.inflow());
             judge.hold_if(&wake::APART, watch.apart());

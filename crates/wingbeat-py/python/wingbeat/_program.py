@@ -282,6 +282,6 @@ def validate(*, only: str | None = None, quick: bool = True) -> list[dict[str, A
     with _aside() as folder:
         rows = Path(folder) / "rows.json"
         options = (["--quick"] if quick else []) + ([] if only is None else [f"--only={only}"])
-        run(["validate", "--quiet", "--json", rows, *options], name="wingbeat-validate")
+        run(["--quiet", "--json", rows, *options], name="wingbeat-validate")
         found: list[dict[str, Any]] = json.loads(rows.read_text(encoding="utf-8"))
         return found

@@ -302,7 +302,7 @@ def fly(
         ``record`` (a row per ``flight.record_every_s``), ``strips``, ``summary``, ``status``.
     """
     native = scenario_of(scenario, overrides)._native
-    names = None if sees is None else list(sees)
+    names = [sees] if isinstance(sees, str) else None if sees is None else list(sees)
     record, strips, summary = _wingbeat.fly(native, controller, period_s, names, observe)
     parts = None if strips is None else Strips(Record(strips))
     return Flight(record=Record(record), strips=parts, summary=judged(summary), document=native.resolved)

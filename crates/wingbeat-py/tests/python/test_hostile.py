@@ -165,3 +165,34 @@ def test_ctrl_c_in_a_plan_keeps_the_best_so_far():
         ended, status, rows = child.stdout.readline().split()
         assert child.wait(10) == 0
     assert float(ended) - sent < 1.0 and status == "interrupted" and int(rows) > 4
+
+
+def test_a_state_has_an_attitude(turn):
+    stepper = wingbeat.Stepper(turn)
+    names = [channel.name for channel in wingbeat.Scenario(turn).states]
+    at = names.index("quat_w")
+    for norm in (0.0, 2.0):
+        state = stepper.state
+        state[at : at + 4] *= norm
+        with pytest.raises(ValueError, match=rf"quaternion of norm {norm:g}"):
+            stepper.state = state
+        with pytest.raises(ValueError, match="quaternion of norm"):
+            stepper.reset(0.0, state)
+    state = stepper.state
+    state[at : at + 4] *= 1.0 + 1e-6
+    stepper.state = state
+    with pytest.raises(ValueError, match=r"steps = -1: allowed is 0 or more"):
+        stepper.step(1e-3, -1)
+
+
+def test_arguments_are_refused_as_arguments(turn):
+    def steer(t, measurement):
+        return [0.0] * 8
+
+    short = {"flight.duration_s": 0.006}
+    with pytest.raises(ValueError, match="^period_s = 0.00033") as refused:
+        wingbeat.fly(turn, short, controller=steer, period_s=0.00033)
+    assert ".toml" not in str(refused.value)
+    seen = []
+    wingbeat.fly(turn, short, controller=lambda t, m: seen.append(m.names) or [0.0] * 8, sees="quat")
+    assert seen[0] == ["quat_w", "quat_x", "quat_y", "quat_z"]

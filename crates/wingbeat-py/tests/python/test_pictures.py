@@ -1,6 +1,8 @@
 """Pictures, averages and plans that the program makes for the package, and results as notebooks show them."""
 
 import math
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -95,6 +97,33 @@ def test_validate_says_what_is_missing(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(FileNotFoundError, match="wingbeat-validate"):
         wingbeat.validate(only="aero")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the stand-in is a script of the shell")
+def test_validate_takes_the_words_of_its_program(monkeypatch, tmp_path):
+    stand_in = tmp_path / "wingbeat-validate"
+    row = '[{"id": "aero.one", "metric": "m", "value": 1.0, "limit": 2.0, "pass": true}]'
+    # It knows the options and no verb, writes the rows and ends as one does whose comparison failed.
+    words = "--quiet) ;; --quick) ;; --only=*) ;; --json) shift; out=$1 ;; *) echo \"error: unexpected argument '$1' found\" >&2; exit 2"
+    script = f"#!/bin/sh\nwhile [ $# -gt 0 ]; do case $1 in {words} ;; esac; shift; done\necho '{row}' > \"$out\"\nexit 1\n"
+    stand_in.write_text(script, encoding="utf-8")
+    stand_in.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    rows = wingbeat.validate(only="aero")
+    assert rows == [{"id": "aero.one", "metric": "m", "value": 1.0, "limit": 2.0, "pass": True}]
+
+
+def test_validate_compares():
+    real = Path(os.environ.get("WINGBEAT_PROGRAM", "wingbeat")).with_name("wingbeat-validate")
+    if not real.is_file():
+        pytest.skip("the program of the comparisons is not built")
+    path = f"{real.parent}{os.pathsep}{os.environ['PATH']}"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PATH", path)
+        rows = wingbeat.validate(only="paper.equations")
+        assert rows and all(row["id"].startswith("paper.equations") and row["pass"] for row in rows)
+        with pytest.raises(ValueError, match="no such comparison"):
+            wingbeat.validate(only="paper.equation_of_none")
 
 
 def test_a_measurement_is_a_mapping(turn):

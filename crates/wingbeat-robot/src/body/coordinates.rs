@@ -36,6 +36,14 @@ impl<S: Scalar> Coordinates<S> {
         Self { count: 0, shares: ArrayVec::new(), own: ArrayVec::new() }
     }
 
+    /// No coordinate again.
+    pub fn clear(&mut self) {
+        let Self { count, shares, own } = self;
+        *count = 0;
+        shares.clear();
+        own.clear();
+    }
+
     /// Number of coordinates.
     #[inline]
     pub fn count(&self) -> usize {

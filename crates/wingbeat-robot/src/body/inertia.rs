@@ -72,7 +72,8 @@ impl<S: Scalar> Symmetric<S> {
     #[inline]
     pub(super) fn apply(&self, v: &Vec3<S>) -> Vec3<S> {
         let ([xx, yy, zz, xy, xz, yz], [x, y, z]) = (&self.0, &v.0);
-        Vec3([*xx * *x + *xy * *y + *xz * *z, *xy * *x + *yy * *y + *yz * *z, *xz * *x + *yz * *y + *zz * *z])
+        let row = |a: S, b: S, c: S| (a * *x).plus_product(b, *y).plus_product(c, *z);
+        Vec3([row(*xx, *xy, *xz), row(*xy, *yy, *yz), row(*xz, *yz, *zz)])
     }
 
     /// Adds the outer product of two parallel vectors.
@@ -80,12 +81,12 @@ impl<S: Scalar> Symmetric<S> {
     pub(super) fn add_product(&mut self, a: &Vec3<S>, b: &Vec3<S>) {
         let ([ax, ay, az], [x, y, z]) = (a.0, b.0);
         let [xx, yy, zz, xy, xz, yz] = &mut self.0;
-        *xx += ax * x;
-        *yy += ay * y;
-        *zz += az * z;
-        *xy += ax * y;
-        *xz += ax * z;
-        *yz += ay * z;
+        *xx = xx.plus_product(ax, x);
+        *yy = yy.plus_product(ay, y);
+        *zz = zz.plus_product(az, z);
+        *xy = xy.plus_product(ax, y);
+        *xz = xz.plus_product(ax, z);
+        *yz = yz.plus_product(ay, z);
     }
 
     /// Adds another matrix.
@@ -162,7 +163,7 @@ impl<P: Scalar> LinkInertia<P> {
         let (first, zero) = (S::from(self.moments[0]), S::ZERO);
         let mut sum = Symmetric([first, first, first, zero, zero, zero]);
         for i in 0..2 {
-            let u = r.mul_constant(self.axes[i]);
+            let u = r.mul_constant::<f64>(self.axes[i]);
             sum.add_product(&u.scaled(self.moments[i + 1] - self.moments[0]), &u);
         }
         sum

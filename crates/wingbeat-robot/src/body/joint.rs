@@ -52,8 +52,8 @@ fn turn_columns<const J: usize, const K: usize, S: Scalar>(
     let mut turned = *r;
     for i in 0..3 {
         let (j, k) = (r.0[i][J], r.0[i][K]);
-        turned.0[i][J] = j * c + k * s;
-        turned.0[i][K] = k * c - j * s;
+        turned.0[i][J] = (j * c).plus_product(k, s);
+        turned.0[i][K] = (k * c).less_product(j, s);
     }
     turned
 }

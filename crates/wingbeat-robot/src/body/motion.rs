@@ -4,7 +4,6 @@ use super::MAX_LINKS;
 use super::dynamics::BaseAcceleration;
 use super::tree::{JointKind, LinkNode, Tree};
 use arrayvec::ArrayVec;
-use std::ops::Mul;
 use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, append_copies};
 
 /// Motion of one link. Everything is resolved in the body frame B; positions
@@ -56,7 +55,7 @@ impl<S: Scalar> LinkMotion<S> {
     #[inline]
     pub fn point<P: Scalar>(&self, r_l: Vec3<P>) -> Vec3<S>
     where
-        S: Mul<P, Output = S>,
+        S: Meets<P>,
     {
         self.position + self.rotation.mul_constant(r_l)
     }

@@ -16,6 +16,7 @@ pub enum GaitSpec {
     /// Joint coordinates as Fourier series of the phase.
     Fourier {
         /// Flapping frequency, Hz; 0 holds the wings still.
+        #[schemars(extend("minimum" = 0.0))]
         frequency_hz: f64,
         /// Flapping and a glide on folded wings in turn; `frequency_hz` is then that of both together.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -30,6 +31,7 @@ pub enum GaitSpec {
     /// Joint angles from the closed linkage of the computational structure.
     Linkage {
         /// Crank frequency, Hz; 0 holds the wings still.
+        #[schemars(extend("minimum" = 0.0))]
         frequency_hz: f64,
         /// Dimensions of the linkage.
         #[serde(default)]

@@ -4,6 +4,7 @@
 use std::hint::black_box;
 
 use wingbeat::aero::Loads;
+use wingbeat::math::Single8;
 use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::robot::BeyondLoads;
 
@@ -25,10 +26,17 @@ pub fn count(arguments: &[String]) -> Option<()> {
     let (mut dx, u) = (x.clone(), vec![0.01; robot.inputs().len()]);
     let mut linearisation = Linearisation::new(x.len(), u.len());
     let mut loads = Some(Loads::boxed());
+    let [x_lanes, u_lanes] =
+        [&x, &u].map(|numbers| numbers.iter().map(|number| Single8::from(*number)).collect::<Vec<_>>());
+    let mut dx_lanes = x_lanes.clone();
     for _ in 0..runs {
         let (t, x, u) = (black_box(0.1), black_box(&x[..]), black_box(&u[..]));
         match work.as_str() {
             "evaluation" | "spars" | "rigid" => robot.rates_in_numbers(t, x, u, &mut dx).ok()?,
+            "lanes" => {
+                let (x, u) = (black_box(&x_lanes[..]), black_box(&u_lanes[..]));
+                robot.rates_in_single8(Single8::from(t), x, u, &mut dx_lanes).ok()?;
+            }
             "jacobian" => linearisation.evaluate(robot, t, x, u).ok()?,
             "inputs" => linearisation.evaluate_inputs(robot, t, x, u).ok()?,
             "sample" => {
@@ -38,7 +46,7 @@ pub fn count(arguments: &[String]) -> Option<()> {
             }
             _ => return None,
         }
-        black_box((&dx, &linearisation));
+        black_box((&dx, &dx_lanes, &linearisation));
     }
     Some(())
 }

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::judge::Status;
 use wingbeat::scenario::{Document, Run, Scenario};
+use wingbeat::simulate::AtRest;
 
 /// A flight of `scenarios/banking_turn.toml`, whose inputs `free` leaves at rest.
 fn fly(free: bool, overrides: &[&str]) -> Run {
@@ -54,6 +55,36 @@ fn a_controller_acts_at_the_same_times_whatever_the_steps() {
     assert_eq!(chosen.summary.controller.updates, equal.summary.controller.updates);
     let off = apart(&equal, &chosen);
     assert!(off < 1e-8, "{off}");
+}
+
+#[test]
+fn an_error_that_the_closed_loop_lets_grow_is_stated() {
+    let grown =
+        |run: &Run| run.summary.judged.iter().find(|j| j.id == "flight.error_grown_fraction").cloned();
+    let kept = fly(false, &["flight.duration_s=0.3", "flight.error_m=1e-6"]);
+    let held = grown(&kept).unwrap();
+    assert!(held.met && held.value.unwrap() > 1e-4, "{held:?}");
+    assert!(grown(&fly(true, &["flight.duration_s=0.1", "flight.error_m=1e-6"])).is_none());
+    // Under a law that stalls the loop makes 45 mm of what steps err by .4 mm.
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn_stall.toml");
+    let set = ["flight.duration_s=2.5", "flight.error_m=1e-3"].map(String::from);
+    let lost = Scenario::load(&path, &set).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(lost.summary.status, Status::NotResolved, "{:?}", lost.summary.reason);
+    assert!(!grown(&lost).unwrap().met && lost.summary.step_error_m.unwrap() > 1e-2, "{:?}", lost.summary);
+    // One that is stopped stops the other.
+    let stopped = Scenario::load(&path, &set).unwrap().fly(|_| ControlFlow::Break(())).unwrap();
+    assert!(stopped.summary.status == Status::Interrupted && grown(&stopped).is_none());
+}
+
+#[test]
+fn a_controller_of_ones_own_beside_a_stated_error_is_told_that_it_flies_once() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+    let short = ["flight.duration_s=0.05".to_string(), "flight.error_m=1e-6".to_string()];
+    let scenario = Scenario::load(&path, &short).unwrap();
+    let run =
+        scenario.fly_with(&mut AtRest, 0.005, scenario.sensors(), |_| ControlFlow::Continue(())).unwrap();
+    let told = run.summary.warnings.iter().find(|warning| warning.id == "flight.error_of_steps");
+    assert_eq!(told.unwrap().key.as_deref(), Some("flight.error_m"));
 }
 
 #[test]

@@ -285,15 +285,16 @@ fn unknown_name() {
 fn numbers_are_finite() {
     let finite = |largest: &str| format!("a finite number, {largest} or less in magnitude");
     for bad in ["nan", "-inf", "1e400", "2e12"] {
+        let allowed = if bad == "nan" { "a finite number".to_owned() } else { finite("1e7") };
         assert_eq!(
             complaint("nan", &SCENARIO.replace("1e-4", bad)),
-            format!("scenarios/turn.toml:5: simulation.step_s = {bad}: allowed is {}", finite("1e7"))
+            format!("scenarios/turn.toml:5: simulation.step_s = {bad}: allowed is {allowed}")
         );
     }
     let files = Files::new("nan_set", SCENARIO, ROBOT);
     assert_eq!(
         files.complaint(&["robot.mass_kg=nan"]),
-        format!("--set robot.mass_kg=nan: robot.mass_kg = nan: allowed is {}", finite("1e5"))
+        "--set robot.mass_kg=nan: robot.mass_kg = nan: allowed is a finite number"
     );
 }
 

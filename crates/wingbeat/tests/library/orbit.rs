@@ -303,7 +303,7 @@ fn an_orbit_is_judged() {
     assert_eq!(warned(&turned.warnings), ["range.stall_fraction", "aero.turning_impulse"]);
     let met = |id: &str| well.judged.iter().filter(|judged| judged.id == id).all(|judged| judged.met);
     assert!(well.judged.iter().all(|judged| judged.met || judged.id == "range.stall_fraction"));
-    assert!(met("trim.unheld_multiplier") && well.judged.len() == 19, "{:?}", well.judged);
+    assert!(met("trim.unheld_multiplier") && well.judged.len() == 23, "{:?}", well.judged);
 
     // With edges' suction this start leads to no orbit there; with the impulse that turns it leads to an absurd one.
     let lost = trim(&["trim.climb_m_s=30"]);

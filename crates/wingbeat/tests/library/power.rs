@@ -151,6 +151,21 @@ fn a_gait_of_least_power_holds_its_force_with_less_power() {
     assert!((joints - air).abs() < 1e-3 * air.abs(), "{joints} {air}");
 }
 
+/// The robot's own gait bears two fifths of what is asked here: solved at once, first meshes of 16, 32 and 64 intervals ended infeasible.
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn the_gait_found_does_not_depend_on_the_first_mesh() {
+    let powers = [24, 32, 45].map(|intervals| {
+        let keys = [format!("plan.least_power.intervals={intervals}"), "plan.least_power.meshes=2".into()];
+        let planned =
+            scenario(&keys.each_ref().map(String::as_str)).plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        let PlanSummary::LeastPower(summary) = &planned.summary else { panic!("not a gait") };
+        assert_eq!(summary.solver.verdict.status, Status::Ok, "{intervals}: {:?}", summary.solver.verdict);
+        summary.plan.unwrap().means.drive_power_w
+    });
+    assert!(powers.iter().all(|power| (power / powers[0] - 1.0).abs() < 0.01), "{powers:?}");
+}
+
 #[test]
 #[ignore = "long: cargo xtask long tests"]
 fn a_force_out_of_reach_is_named() {

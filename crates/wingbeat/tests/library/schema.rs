@@ -43,6 +43,16 @@ fn a_schema_says_keys_meanings_defaults_and_ranges() {
     assert_eq!(air["required"], json!(["density_kg_m3"]));
     assert_eq!(air["properties"]["gust_m_s"]["default"], 0.0);
     assert_eq!(air["properties"]["wind_m_s"]["items"]["maximum"], 1e4);
+    let deviation = &schema["definitions"]["DrydenSpec"]["properties"]["deviation_m_s"]["items"];
+    assert_eq!((&deviation["minimum"], &deviation["maximum"]), (&json!(0.0), &json!(100.0)));
+    for gait in schema["definitions"]["GaitSpec"]["oneOf"].as_array().unwrap() {
+        let kind = gait["properties"].as_object().unwrap().values().next().unwrap();
+        assert_eq!(kind["properties"]["frequency_hz"]["minimum"], 0.0, "{kind}");
+    }
+    let case = DocumentKind::Case.schema();
+    let of = |table: &str, key: &str| case["definitions"][table]["properties"][key].clone();
+    assert_eq!(of("WindSpec", "density_kg_m3")["exclusiveMinimum"], 0.0);
+    assert_eq!(of("HingeSpec", "arc_m")["minimum"], 0.0);
     assert!(schema["properties"]["goal"]["description"].as_str().unwrap().starts_with("What counts"));
     assert!(!schema.to_string().contains("null"), "TOML has no null");
 }

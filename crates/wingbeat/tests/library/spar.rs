@@ -15,7 +15,7 @@ fn none(_: &Path) -> Result<Record, String> {
 }
 
 /// No change with other steps.
-const SAME: StepChange = StepChange { mean: 0.0, peak: 0.0 };
+const SAME: StepChange = StepChange { mean: 0.0, peak: 0.0, power: 0.0 };
 
 fn try_pazy(overrides: &[&str]) -> Result<TetherCase, String> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/pazy.toml");

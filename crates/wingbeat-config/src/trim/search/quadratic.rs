@@ -85,13 +85,7 @@ impl Program for StepProblem<'_> {
         &self.constraints
     }
     fn structure(&self) -> Structure {
-        let (n, m) = (self.variables.len(), self.constraints.len());
-        Structure {
-            jacobian: (0..m).flat_map(|i| (0..n).map(move |j| (i, j))).collect(),
-            hessian: (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect(),
-            variable_block: vec![0; n],
-            constraint_block: vec![0; m],
-        }
+        Structure::dense(self.variables.len(), self.constraints.len())
     }
     fn evaluate(&mut self, x: &[f64], constraints: &mut [f64]) -> Result<f64, EvaluationError> {
         let (d, excess) = (&x[..x.len() - 1], x[x.len() - 1]);

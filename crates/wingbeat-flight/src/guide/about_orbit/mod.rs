@@ -107,6 +107,11 @@ impl ControllerSpec for AboutOrbitSpec {
         }
     }
 
+    fn begins(&self) -> Vec<(String, f64)> {
+        let legs = self.legs.iter().enumerate();
+        legs.map(|(i, leg)| (format!("legs[{i}].start_s"), leg.start_s)).collect()
+    }
+
     fn follows_path(&self) -> bool {
         self.tracking.is_some()
     }

@@ -152,6 +152,11 @@ impl AboutOrbitSpec {
     /// All that can be said without looking for orbits; the cycle and the schedule that they are looked for with.
     pub(super) fn checked<'a>(&self, robot: &'a Robot) -> Result<(Cycle<'a>, CourseSchedule), Error> {
         self.in_range()?;
+        let wind = robot.mean_wind();
+        if wind.norm() > 0.0 {
+            let allowed = "still air beside controller.orbit, whose orbits are those of still air; what it is not told may blow: air.gusts";
+            return Err(Error::invalid("wind_m_s", format!("{:?}", wind.0), allowed));
+        }
         self.weights.in_range().map_err(|e| e.within("weights"))?;
         for (i, leg) in self.legs.iter().enumerate() {
             leg.in_range().map_err(|e| e.within(&format!("legs[{i}]")))?;
