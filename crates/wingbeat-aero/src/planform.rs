@@ -277,13 +277,36 @@ impl<P: Scalar> Planform<P> {
 
     /// Integrals of the chord, m2, and of its square, m3, between two arc coordinates, `from` < `to`, m.
     pub fn chord_integrals(&self, from: P, to: P) -> [P; 2] {
-        let stations = self.arcs.iter().flat_map(|arc| self.coordinates(*arc));
-        let mut bounds: Vec<P> = stations.filter(|s| *s > from && *s < to).chain([from, to]).collect();
-        wingbeat_math::order::ascend_by(&mut bounds, |item| item.value());
-        bounds.windows(2).fold([P::ZERO; 2], |[area, square], s| {
+        self.stretches(from, to).windows(2).fold([P::ZERO; 2], |[area, square], s| {
             let (length, a, b) = (s[1] - s[0], self.chord(s[0]), self.chord(s[1]));
             [area + length * (a + b) / 2.0, square + length * (a * a + a * b + b * b) / 3.0]
         })
+    }
+
+    /// How far ahead of the straight lines between two arc coordinates, `from` < `to`, the leading and the trailing edge lie in the
+    /// mean, m: nothing without a station between them.
+    pub fn bulge(&self, from: P, to: P) -> [P; 2] {
+        let stretches = self.stretches(from, to);
+        if stretches.len() == 2 {
+            return [P::ZERO; 2];
+        }
+        let trapezoid = |a: P, b: P| {
+            let (a, b) = (self.edges(a), self.edges(b));
+            [(a.0 + b.0) * 0.5, (a.1 + b.1) * 0.5]
+        };
+        let [leading, trailing] = trapezoid(from, to);
+        stretches.windows(2).fold([-leading, -trailing], |[leading, trailing], s| {
+            let (share, [ahead, behind]) = ((s[1] - s[0]) / (to - from), trapezoid(s[0], s[1]));
+            [leading + share * ahead, trailing + share * behind]
+        })
+    }
+
+    /// The arc coordinates between which the edges are straight, from `from` to `to`, m.
+    fn stretches(&self, from: P, to: P) -> Vec<P> {
+        let stations = self.arcs.iter().flat_map(|arc| self.coordinates(*arc));
+        let mut bounds: Vec<P> = stations.filter(|s| *s > from && *s < to).chain([from, to]).collect();
+        wingbeat_math::order::ascend_by(&mut bounds, |item| item.value());
+        bounds
     }
 
     /// Area of one half between two arc lengths from the root, m2.

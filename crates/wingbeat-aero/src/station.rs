@@ -110,6 +110,16 @@ impl<S: Scalar> SectionField<S> {
     {
         Self { le: along(self.le, other.le, x), te: along(self.te, other.te, x) }
     }
+    /// The field of a chord on the same line that begins `begin` chords behind the leading edge and is `stretch` times as long.
+    #[inline]
+    pub fn stretched<P: Scalar>(&self, begin: P, stretch: P) -> Self
+    where
+        S: Meets<P>,
+    {
+        let chord = self.te - self.le;
+        let le = self.le + chord.scaled(begin);
+        Self { le, te: le + chord.scaled(stretch) }
+    }
     /// Velocity (m/s) of mid chord along `normal`, and rate (rad/s) of nose-up pitch of a chord 1/`inverse_chord` m long, whose
     /// own normal is `upward`.
     #[inline]

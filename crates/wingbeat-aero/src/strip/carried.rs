@@ -289,7 +289,9 @@ impl<P: Scalar> StripModel<P> {
             while coordinates != 0 {
                 let c = coordinates.trailing_zeros() as usize;
                 coordinates &= coordinates - 1;
-                let (field, of) = (edges[a][c].mixed(&edges[b][c], self.tables.fraction[i]), &mut fields[c]);
+                let [fraction, begin, stretch] = self.tables.section(i);
+                let field = edges[a][c].mixed(&edges[b][c], fraction).stretched(begin, stretch);
+                let of = &mut fields[c];
                 (of.heave[i], of.pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
                 if let Some(behind) = &self.tables.behind {
                     of.heave[i] -= of.pitch[i] * behind[i];

@@ -33,7 +33,7 @@ pub(super) fn carried_places<P: Scalar>(grid: &StripGrid<P>, beta: f64) -> Vec<P
         grid.width[i] / grid.width[i].hypot(run)
     };
     let own = |i: usize, ends: [f64; 2], cosines: [P; 2]| {
-        let of = |k: usize| (cosines[k] * grid.chord[i] * (2.0 * PI * (CONTROL - ends[k]).abs())).recip();
+        let of = |k: usize| (cosines[k] * grid.between[i] * (2.0 * PI * (CONTROL - ends[k]).abs())).recip();
         of(0) + of(1)
     };
     let place = |i: usize| {
@@ -46,7 +46,7 @@ pub(super) fn carried_places<P: Scalar>(grid: &StripGrid<P>, beta: f64) -> Vec<P
             }
             // Both doublets over pi b cos(sweep).
             let doublets = nodes * FRAC_1_SQRT_2 - ring * (1.0 / 1.5);
-            let half_chord = grid.chord[j] * 0.5;
+            let half_chord = grid.between[j] * 0.5;
             sum - doublets * (half_chord * half_chord * grid.cos_half[j] * (0.5 * PI * beta))
         })
     };
@@ -76,7 +76,7 @@ mod tests {
             trailing_edge_m,
         };
         let planform = Planform::new(&rows.iter().map(station).collect::<Vec<_>>()).unwrap();
-        let grid = StripGrid::new(&planform, strips, &[]).unwrap();
+        let grid = StripGrid::new(&planform, strips, &[], true).unwrap();
         let over_chord = carried_places(&grid, 1.0).iter().zip(&grid.chord).map(|(h, c)| h / c).collect();
         (grid, over_chord)
     }

@@ -143,7 +143,7 @@ mod tests {
         });
         let planform = Planform::new(&stations).unwrap();
         for n in [8, 9, 16] {
-            let cores = Cores::new(&StripGrid::new(&planform, n, &[0.02, 0.07]).unwrap(), 0.3);
+            let cores = Cores::new(&StripGrid::new(&planform, n, &[0.02, 0.07], true).unwrap(), 0.3);
             let alike = |a: &StripConstants, b: &StripConstants| {
                 (0..n).all(|i| (a[i] / b[n - 1 - i] - 1.0).abs() < 1e-11)
             };

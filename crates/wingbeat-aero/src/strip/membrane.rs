@@ -376,7 +376,7 @@ impl<P: Scalar> StripModel<P> {
             (follows[0][i], follows[1][i]) = (x[followed + i], (first[i] - x[followed + i]) * per_time);
             slope[1][i] = second[i] * (wind * (self.carried_mass(i) * 0.5 / tables.chord[i]));
             couple[i] = self.camber_moment(i, wind, attached[i], of_chord.map(|shape| shape[i]), first[i]);
-            for (k, lag) in self.numbers.lags.iter().enumerate() {
+            for (k, lag) in tables.lags.iter().enumerate() {
                 dx[k * n + i] += fallen * (air.speed * (lag.rate * tables.turnover[i]));
             }
             if self.shapes_given {

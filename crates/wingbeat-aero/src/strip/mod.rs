@@ -139,7 +139,9 @@ impl<P: Scalar> StripModel<P> {
         let Some(planform) = &numbers.outline else {
             return Err(Error::invalid("planform", "none", "an outline"));
         };
-        let grid = StripGrid::new(planform, settings.strips, &numbers.bounds())?;
+        let lags = settings.lags.lags();
+        let whole_chord = settings.flap.is_none() && settings.membrane.is_none();
+        let grid = StripGrid::new(planform, settings.strips, &numbers.bounds(), lags.fills && whole_chord)?;
         let whole =
             numbers.hinges.iter().all(|arc| arc.is_zero()) && grid.covered.iter().all(|covered| *covered);
         if settings.side_edges && !(whole && settings.flap.is_none() && settings.strips > 1) {
@@ -147,7 +149,6 @@ impl<P: Scalar> StripModel<P> {
             return Err(Error::invalid("side_edges", true, allowed));
         }
         let span_force = settings.span_force()?;
-        let lags = settings.lags.lags();
         let ribs = settings.membrane.iter().flat_map(|membrane| &membrane.ribs_m);
         let ribs: Vec<f64> = ribs.copied().collect();
         let skin = |numbers| Membrane::new(numbers, &ribs, planform, &grid);

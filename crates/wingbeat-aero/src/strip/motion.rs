@@ -207,7 +207,8 @@ struct Strip<K: Scalar, S: Scalar> {
 }
 
 impl<K: Scalar, S: Over<K>> Strip<K, S> {
-    /// The strip between two edges, its control section at `fraction`.
+    /// The strip between two edges, its control section at `fraction`, whose chord begins `behind` chords behind the straight line between them
+    /// and is `stretch` times as long: see aero.strip.bulge.
     ///
     /// Equation: aero.strip.kinematics
     /// `n = unit(chord x line), n' and q from the rates of both`
@@ -216,7 +217,7 @@ impl<K: Scalar, S: Over<K>> Strip<K, S> {
     #[inline(always)]
     fn new<P: Scalar>(
         [a, b]: [&ChordLine<K, S>; 2],
-        fraction: P,
+        [fraction, behind, stretch]: [P; 3],
         wind: Vec3<S>,
         floor: f64,
         zero_lift: ZeroLift<P>,
@@ -231,6 +232,10 @@ impl<K: Scalar, S: Over<K>> Strip<K, S> {
         let chord = between(a.te, b.te) - le;
         let chord_rate = mix(a.v_te, b.v_te) - v_le;
         let chord_change = mix(a.a_te, b.a_te) - a_le;
+        let le = le + chord.scaled(behind);
+        let (v_le, a_le) = (v_le + chord_rate.scaled(behind), a_le + chord_change.scaled(behind));
+        let (chord, chord_rate) = (chord.scaled(stretch), chord_rate.scaled(stretch));
+        let chord_change = chord_change.scaled(stretch);
 
         let line = (b.le - a.le) + (b.te - a.te);
         let line_rate = (b.v_le - a.v_le) + (b.v_te - a.v_te);
@@ -366,8 +371,8 @@ impl<P: Scalar> StripModel<P> {
         let n = self.settings.strips.min(N);
         let mut put = |i: usize, left: &ChordLine<K, S>, right: &ChordLine<K, S>| {
             wakes.set(i, &self.vortex_line(left, wind));
-            let fraction = self.tables.fraction[i];
-            strips.set(i, &Strip::new([left, right], fraction, wind, self.floor, self.zero_lift));
+            let section = self.tables.section(i);
+            strips.set(i, &Strip::new([left, right], section, wind, self.floor, self.zero_lift));
         };
         // The left and the right edge take turns.
         let last = if const { large::<S>() } {
@@ -423,8 +428,8 @@ impl<P: Scalar> StripModel<P> {
     ) {
         for i in 0..lanes::<S, N>(self.settings.strips) {
             let (a, b) = (edges.left.get(i), edges.right.get(i));
-            let fraction = self.tables.fraction[i];
-            out.set(i, &Strip::new([&a, &b], fraction, wind, self.floor, zero_lift));
+            let section = self.tables.section(i);
+            out.set(i, &Strip::new([&a, &b], section, wind, self.floor, zero_lift));
         }
     }
 

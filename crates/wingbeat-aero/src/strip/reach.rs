@@ -79,7 +79,7 @@ mod tests {
         let station =
             |arc_m, chord: f64| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -chord };
         let planform = Planform::new(&[station(0.0, 0.1), station(0.3, 0.04)]).unwrap();
-        let grid = StripGrid::new(&planform, 12, &[]).unwrap();
+        let grid = StripGrid::new(&planform, 12, &[], true).unwrap();
         let mean = |of: &[f64]| of.iter().zip(&grid.width).map(|(q, width)| q * width).sum::<f64>();
         let mut squares: Vec<f64> = (0..12).map(|i| 0.5 + 0.5 * f64::from(3 * i % 7).sin()).collect();
         let before = squares.clone();
@@ -94,7 +94,7 @@ mod tests {
         assert!(same.iter().all(|q| (q - 0.3).abs() < 1e-15));
 
         let gap = Gap { from_arc_m: 0.0, to_arc_m: 0.05 };
-        let parted = StripGrid::new(&planform.with_gaps(&[gap]).unwrap(), 12, &[]).unwrap();
+        let parted = StripGrid::new(&planform.with_gaps(&[gap]).unwrap(), 12, &[], true).unwrap();
         let mut one: Vec<f64> = parted.control_arcs.iter().map(|arc| f64::from(*arc > 0.05)).collect();
         let begun = one.clone();
         SpanReach::new(&parted).spread(&mut one);

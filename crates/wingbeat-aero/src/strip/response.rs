@@ -101,7 +101,7 @@ impl<P: Scalar> StripModel<P> {
             let weighted = |i: usize, jump: bool| {
                 (0..lags.rate.len()).fold(S::ZERO, |sum, k| {
                     let lag = wash[k * n + i];
-                    sum + if jump { lag * self.tables.jump_weights[k] } else { lag * lags.circulation[k] }
+                    sum + lag * if jump { self.tables.jump_weights[k] } else { self.tables.circulation[k] }
                 })
             };
             let delayed = |i: usize| {
@@ -116,7 +116,7 @@ impl<P: Scalar> StripModel<P> {
         let zero = [S::ZERO; N];
         let mut sums = Lagged { wash: zero, jump: zero, delayed: zero };
         for (k, block) in wash.chunks_exact(n).enumerate() {
-            let (circulation, jump) = (lags.circulation[k], self.tables.jump_weights[k]);
+            let (circulation, jump) = (self.tables.circulation[k], self.tables.jump_weights[k]);
             for i in 0..n.min(N) {
                 sums.wash[i] += block[i] * circulation;
                 sums.jump[i] += block[i] * jump;
@@ -501,6 +501,7 @@ impl<P: Scalar> StripModel<P> {
     /// area alone: rows of vortices shed at s leave the wash G B.n / (4 pi s^2) for each length of it, B the vector between
     /// its edges. So the span b by which a wake is near or far is the distance between the tips, as they lie now, and the law
     /// tau ~ (b/c)^p of the flat wings holds with it. Beside the mean chord c the distance is nothing, where the tips meet.
+    /// So with five lags; the one delay of three lags is that of the near wake, and no power of the distance made their fit better.
     ///
     /// Equation: aero.strip.wake_delay
     /// `tau = t c (b/c)^p ((B^2 + c^2)/(B_0^2 + c^2))^(p/2), B between the tips' quarter chords, B_0 on the flat wing`
@@ -510,9 +511,12 @@ impl<P: Scalar> StripModel<P> {
         &self,
         wakes: &Wakes<K, S, N>,
     ) -> K {
+        if self.lags.folding == 0.0 {
+            return K::ONE;
+        }
         let between = wakes.edge(0).bound - wakes.edge(self.settings.strips).bound;
         let reach = between.norm_squared() + self.tables.chord_square;
-        (reach * self.tables.inverse_reach).powf(-0.5 * self.lags.exponent)
+        (reach * self.tables.inverse_reach).powf(-0.5 * self.lags.folding)
     }
 
     /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
@@ -534,7 +538,7 @@ impl<P: Scalar> StripModel<P> {
         let mut lift_wash: StripColumn<S, N> = column(n, |i| wash[i] * self.tables.at_once);
         for (k, block) in x.chunks_exact(n).enumerate() {
             let rates = &mut dx[k * n..][..n];
-            if let Some(LagNumbers { weight, rate }) = self.numbers.lags.get(k) {
+            if let Some(LagNumbers { weight, rate }) = self.tables.lags.get(k) {
                 for i in 0..n.min(N) {
                     lift_wash[i] += block[i] * *weight;
                     rates[i] = (wash[i] - block[i]) * (speed[i] * (*rate * self.tables.turnover[i]));

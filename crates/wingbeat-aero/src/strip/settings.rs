@@ -14,8 +14,8 @@ pub enum LagSet {
     /// Two wash lags, one wake lag: three states per strip.
     #[default]
     Three,
-    /// Three wash lags, two wake lags: five states per strip; circulation within 8 % instead of 25 %, and of a wing
-    /// that tapers and folds the force in plunge and pitch within 3.3 % instead of 4.1 % with 32 strips, 2.6 % instead of 3.1 % with 16.
+    /// Three wash lags, two wake lags: five states per strip; circulation within 8 % instead of 23 %, but of a wing
+    /// that tapers and folds the force in plunge and pitch within 3.3 % only, with three lags within 2.1 %.
     Five,
 }
 

@@ -1,11 +1,12 @@
 //! What of each strip never changes, padded so that loops over lanes need no end.
 
 use super::carried_place::carried_places;
+use super::constants::jump_weights;
 use super::grid::StripGrid;
 use super::reach::SpanReach;
 use super::side_edge::{self, TipPull};
 use super::{Lags, StripSettings};
-use crate::{MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
+use crate::{LagNumbers, MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
 use arrayvec::ArrayVec;
 use std::f64::consts::PI;
 use wingbeat_math::Scalar;
@@ -19,8 +20,11 @@ pub(super) type StripConstants<P = f64> = [P; MAX_STRIPS];
 pub(super) struct Tables<P: Scalar> {
     /// One on the wing, zero in a gap.
     pub covered: StripConstants<P>,
-    /// Place of the control section between the strip's edges, 0 to 1.
+    /// Place of the control section between the strip's edges, 0 to 1; how far behind the line between their leading edges its own begins,
+    /// and how long it is, both over the chord of that line.
     pub fraction: StripConstants<P>,
+    pub begin: StripConstants<P>,
+    pub stretch: StripConstants<P>,
     /// Chord, m.
     pub chord: StripConstants<P>,
     /// One over the half chord, 1/m.
@@ -68,6 +72,9 @@ pub(super) struct Tables<P: Scalar> {
     pub behind: Option<StripConstants<P>>,
     /// Weight of the wash that acts at once in the lift wash: 1/2 with the weights that the set of lags has.
     pub at_once: P,
+    /// Lags of the wash on the chord of this wing, and their weights in the circulation.
+    pub lags: ArrayVec<LagNumbers<P>, MAX_WASH_LAGS>,
+    pub circulation: ArrayVec<P, MAX_WASH_LAGS>,
     /// Weights of the lags in the potential jump left on the chord.
     pub jump_weights: ArrayVec<P, MAX_WASH_LAGS>,
     /// One over the lengths over which the wake lags act, 1/m.
@@ -78,6 +85,11 @@ pub(super) struct Tables<P: Scalar> {
 }
 
 impl<P: Scalar> Tables<P> {
+    /// Where the section of strip `i` lies between and behind its edges, and how long it is.
+    #[inline(always)]
+    pub fn section(&self, i: usize) -> [P; 3] {
+        [self.fraction[i], self.begin[i], self.stretch[i]]
+    }
     pub fn new(
         grid: &StripGrid<P>,
         settings: &StripSettings,
@@ -102,10 +114,18 @@ impl<P: Scalar> Tables<P> {
             let ahead = |(leading, trailing): (P, P)| leading + (trailing - leading) * x;
             ahead(grid.outline[i]) - ahead(grid.outline[i + 1])
         };
+        // Vortices lie on the lines between edges, the control point on the section of the strip.
+        let own_bound = |i: usize| {
+            let behind = chord[i] * 0.75 - grid.bulge[i][0] - grid.between[i] * 0.25;
+            (behind * (2.0 * PI) * cos[i]).recip()
+        };
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
+        let (own_lags, circulation) = lags.of_wing(&numbers.lags, grid.aspect);
         Self {
             covered: carried(&|_| P::ONE),
             fraction: repeated(&|i| grid.fraction[i]),
+            begin: repeated(&|i| -grid.bulge[i][0] / grid.between[i]),
+            stretch: repeated(&|i| chord[i] / grid.between[i]),
             chord: repeated(&|i| chord[i]),
             turnover: repeated(&|i| P::from(2.0) / chord[i]),
             slope_share: numbers.section_slope / (2.0 * PI),
@@ -113,9 +133,10 @@ impl<P: Scalar> Tables<P> {
             jump: carried(&|i| chord[i] * cos[i]).map(|width| (half_slope - PI / 3.0) * width),
             doublet: carried(&|i| chord[i] * PI * cos[i] / 3.0),
             inverse_doublet: carried(&|i| P::from(3.0) / (chord[i] * PI * cos[i])),
-            own_bound: repeated(&|i| (chord[i] * PI * cos[i]).recip()),
+            own_bound: repeated(&own_bound),
             own_ring: repeated(&|i| {
-                (chord[i] * PI * cos[i]).recip() + P::from(2.0) / (chord[i] * PI * cos34[i])
+                let ahead = grid.between[i] + grid.bulge[i][0] - chord[i] * 0.75;
+                own_bound(i) + (ahead * (2.0 * PI) * cos34[i]).recip()
             }),
             lift_scale: scale(&|i| chord[i] * cos[i]).map(|scale| half_slope * scale),
             inverse_width: carried(&|i| grid.width[i].recip()),
@@ -152,7 +173,9 @@ impl<P: Scalar> Tables<P> {
                 .iter()
                 .zip(lags.lift)
                 .fold(P::from(0.5), |rest, (lag, weight)| rest - (lag.weight - *weight)),
-            jump_weights: numbers.lags.iter().enumerate().map(|(k, lag)| lags.jump(k, lag)).collect(),
+            jump_weights: jump_weights(&own_lags, &circulation),
+            lags: own_lags,
+            circulation,
             chord_square: grid.mean_chord.squared(),
             inverse_reach: (grid.mean_chord.squared() + grid.tip_to_tip.squared()).recip(),
             inverse_wake_length: lags.wake_delay.iter().map(|t| (delay_scale * *t).recip()).collect(),

@@ -6,6 +6,7 @@ use super::linear::{Complex, RigidMotion, SmallMotion};
 use super::small::{extrapolated, motion_of};
 use super::wings::{self, Still};
 use crate::{ComparisonRow, Error, reference_table};
+use wingbeat::aero::{StripModel, StripSettings};
 use wingbeat::tether::TetheredBody;
 
 /// Dihedral of the inner and of the outer panels, degrees.
@@ -75,21 +76,13 @@ fn worst(
 /// How much less area `strips` strips have than the outline, as a share.
 fn lost_area(strips: usize, still: &Still) -> Result<f64, Error> {
     let planform = still.wing.planform();
-    let model = ComparedPreset::Full.model_of(strips, planform, &still.hinges(), 1.0, 1e-6)?;
+    let settings = StripSettings { strips, hinge_arcs_m: still.hinges(), ..StripSettings::default() };
+    let model = StripModel::new(planform, settings)?;
     // Strips at even arcs, many enough that their sum is the area to 1e-6.
     let cells = 10_000;
     let step = planform.half_span() / f64::from(cells);
     let half: f64 = (0..cells).map(|i| planform.chord((f64::from(i) + 0.5) * step) * step).sum();
-    // Straight between the edges of a strip, as the model has it.
-    let of_strips: f64 = model
-        .arcs()
-        .windows(2)
-        .zip(model.strip_arcs())
-        .map(|(ends, arc)| {
-            let [from, to] = [ends[0], ends[1]].map(|s| planform.chord(s));
-            from * (arc - ends[1]) + to * (ends[0] - arc)
-        })
-        .sum();
+    let of_strips: f64 = model.widths().iter().zip(model.chords()).map(|(width, chord)| width * chord).sum();
     Ok(1.0 - of_strips / (2.0 * half))
 }
 

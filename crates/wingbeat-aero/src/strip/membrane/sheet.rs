@@ -460,6 +460,8 @@ mod tests {
             fraction: vec![0.5; 5],
             covered: vec![true; 5],
             outline: vec![(0.1, -0.1); 6],
+            between: vec![0.2; 5],
+            bulge: vec![[0.0; 2]; 5],
             chord: vec![0.2; 5],
             width: vec![0.1; 5],
             cos_half: vec![1.0; 5],
