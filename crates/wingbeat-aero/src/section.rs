@@ -229,7 +229,7 @@ impl<S: Scalar> SectionFlow<S> {
         let mut fields = SectionFields::new();
         sections.fields(i, &mut fields);
         for (c, field) in fields.iter().enumerate() {
-            (heave[6 + c], pitch[6 + c]) = field.heave_and_pitch(normals, inverse_chord);
+            (heave[6 + c], pitch[6 + c]) = field.heave_and_pitch(P::from(0.5), normals, inverse_chord);
         }
         for r in 6..6 + count {
             let (heaving, pitching) = (heave[r] * mass, pitch[r] * inertia);

@@ -110,21 +110,15 @@ impl<S: Scalar> SectionField<S> {
     {
         Self { le: along(self.le, other.le, x), te: along(self.te, other.te, x) }
     }
-    /// The field of a chord on the same line that begins `begin` chords behind the leading edge and is `stretch` times as long.
+
+    /// Velocity (m/s) of the chord fraction `x` along `normal`, and rate (rad/s) of nose-up pitch of a chord 1/`inverse_chord` m
+    /// long, whose own normal is `upward`.
     #[inline]
-    pub fn stretched<P: Scalar>(&self, begin: P, stretch: P) -> Self
+    pub fn heave_and_pitch<P: Scalar>(&self, x: P, [normal, upward]: [Vec3<S>; 2], inverse_chord: S) -> (S, S)
     where
         S: Meets<P>,
     {
-        let chord = self.te - self.le;
-        let le = self.le + chord.scaled(begin);
-        Self { le, te: le + chord.scaled(stretch) }
-    }
-    /// Velocity (m/s) of mid chord along `normal`, and rate (rad/s) of nose-up pitch of a chord 1/`inverse_chord` m long, whose
-    /// own normal is `upward`.
-    #[inline]
-    pub fn heave_and_pitch(&self, [normal, upward]: [Vec3<S>; 2], inverse_chord: S) -> (S, S) {
-        let heave = (self.le + self.te).dot(normal) * 0.5;
+        let heave = along(self.le, self.te, x).dot(normal);
         (heave, -((self.te - self.le).dot(upward) * inverse_chord))
     }
 }

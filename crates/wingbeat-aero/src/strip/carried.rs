@@ -282,17 +282,18 @@ impl<P: Scalar> StripModel<P> {
                 continue;
             }
             moved |= 1 << i;
-            let inverse_chord = ((strips.half.get(i) - strips.quarter.get(i)).norm() * 4.0).recip();
+            let [fraction, quarter, half, _] = self.tables.section(i);
+            let inverse_chord =
+                (strips.half.get(i) - strips.quarter.get(i)).norm().recip() * (half - quarter);
             let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
             let normals = [normal, self.zero_lift.upward(chordwise, normal)].map(Vec3::lifted);
             let inverse_chord = G::from(inverse_chord);
             while coordinates != 0 {
                 let c = coordinates.trailing_zeros() as usize;
                 coordinates &= coordinates - 1;
-                let [fraction, begin, stretch] = self.tables.section(i);
-                let field = edges[a][c].mixed(&edges[b][c], fraction).stretched(begin, stretch);
+                let field = edges[a][c].mixed(&edges[b][c], fraction);
                 let of = &mut fields[c];
-                (of.heave[i], of.pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
+                (of.heave[i], of.pitch[i]) = field.heave_and_pitch(half, normals, inverse_chord);
                 if let Some(behind) = &self.tables.behind {
                     of.heave[i] -= of.pitch[i] * behind[i];
                 }

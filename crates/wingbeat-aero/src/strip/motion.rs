@@ -207,8 +207,8 @@ struct Strip<K: Scalar, S: Scalar> {
 }
 
 impl<K: Scalar, S: Over<K>> Strip<K, S> {
-    /// The strip between two edges, its control section at `fraction`, whose chord begins `behind` chords behind the straight line between them
-    /// and is `stretch` times as long: see aero.strip.bulge.
+    /// The strip between two edges, its control section at `fraction`, whose own 1/4, 1/2 and 3/4 chord lie at the chord fractions
+    /// `quarter`, `half` and `three_quarter` of the straight lines between the edges: see aero.strip.bulge.
     ///
     /// Equation: aero.strip.kinematics
     /// `n = unit(chord x line), n' and q from the rates of both`
@@ -217,7 +217,7 @@ impl<K: Scalar, S: Over<K>> Strip<K, S> {
     #[inline(always)]
     fn new<P: Scalar>(
         [a, b]: [&ChordLine<K, S>; 2],
-        [fraction, behind, stretch]: [P; 3],
+        [fraction, quarter, half, three_quarter]: [P; 4],
         wind: Vec3<S>,
         floor: f64,
         zero_lift: ZeroLift<P>,
@@ -232,10 +232,6 @@ impl<K: Scalar, S: Over<K>> Strip<K, S> {
         let chord = between(a.te, b.te) - le;
         let chord_rate = mix(a.v_te, b.v_te) - v_le;
         let chord_change = mix(a.a_te, b.a_te) - a_le;
-        let le = le + chord.scaled(behind);
-        let (v_le, a_le) = (v_le + chord_rate.scaled(behind), a_le + chord_change.scaled(behind));
-        let (chord, chord_rate) = (chord.scaled(stretch), chord_rate.scaled(stretch));
-        let chord_change = chord_change.scaled(stretch);
 
         let line = (b.le - a.le) + (b.te - a.te);
         let line_rate = (b.v_le - a.v_le) + (b.v_te - a.v_te);
@@ -254,13 +250,13 @@ impl<K: Scalar, S: Over<K>> Strip<K, S> {
             swinging - forward.times(forward.dot_over(swinging))
         });
 
-        let air_half = wind - (v_le + chord_rate.scaled(0.5));
-        let air = air_half - chord_rate.scaled(0.25);
+        let air_half = wind - (v_le + chord_rate.scaled(half));
+        let air = air_half - chord_rate.scaled(three_quarter - half);
         let (wash, along) = (normal.dot_over(air), chordwise.dot_over(air));
         Self {
-            quarter: le + chord.scaled(0.25),
-            half: le + chord.scaled(0.5),
-            three_quarter: le + chord.scaled(0.75),
+            quarter: le + chord.scaled(quarter),
+            half: le + chord.scaled(half),
+            three_quarter: le + chord.scaled(three_quarter),
             normal,
             normal_rate,
             chordwise,
@@ -268,7 +264,7 @@ impl<K: Scalar, S: Over<K>> Strip<K, S> {
             drift: -across.dot_over(air_half),
             wash,
             wash_half: normal.dot_over(air_half),
-            wash_half_rate: air_half.dot(normal_rate) - normal.dot_over(a_le + chord_change.scaled(0.5)),
+            wash_half_rate: air_half.dot(normal_rate) - normal.dot_over(a_le + chord_change.scaled(half)),
             along,
             speed: (wash * wash + along * along + floor * floor).sqrt(),
             pitch: -upward.dot_over(chord_rate) * inverse_chord,

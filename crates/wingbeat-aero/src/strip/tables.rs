@@ -20,11 +20,10 @@ pub(super) type StripConstants<P = f64> = [P; MAX_STRIPS];
 pub(super) struct Tables<P: Scalar> {
     /// One on the wing, zero in a gap.
     pub covered: StripConstants<P>,
-    /// Place of the control section between the strip's edges, 0 to 1; how far behind the line between their leading edges its own begins,
-    /// and how long it is, both over the chord of that line.
+    /// Place of the control section between the strip's edges, 0 to 1, and its 1/4, 1/2 and 3/4 chord as fractions of the chord that
+    /// straight lines between the edges have there.
     pub fraction: StripConstants<P>,
-    pub begin: StripConstants<P>,
-    pub stretch: StripConstants<P>,
+    pub places: [StripConstants<P>; 3],
     /// Chord, m.
     pub chord: StripConstants<P>,
     /// One over the half chord, 1/m.
@@ -85,11 +84,13 @@ pub(super) struct Tables<P: Scalar> {
 }
 
 impl<P: Scalar> Tables<P> {
-    /// Where the section of strip `i` lies between and behind its edges, and how long it is.
+    /// Where the control section of strip `i` lies between its edges, and where its 1/4, 1/2 and 3/4 chord lie behind them.
     #[inline(always)]
-    pub fn section(&self, i: usize) -> [P; 3] {
-        [self.fraction[i], self.begin[i], self.stretch[i]]
+    pub fn section(&self, i: usize) -> [P; 4] {
+        let [quarter, half, three_quarter] = self.places.each_ref().map(|place| place[i]);
+        [self.fraction[i], quarter, half, three_quarter]
     }
+
     pub fn new(
         grid: &StripGrid<P>,
         settings: &StripSettings,
@@ -124,8 +125,9 @@ impl<P: Scalar> Tables<P> {
         Self {
             covered: carried(&|_| P::ONE),
             fraction: repeated(&|i| grid.fraction[i]),
-            begin: repeated(&|i| -grid.bulge[i][0] / grid.between[i]),
-            stretch: repeated(&|i| chord[i] / grid.between[i]),
+            places: [0.25, 0.5, 0.75].map(|x| {
+                repeated(&|i| (chord[i] / grid.between[i]) * x - grid.bulge[i][0] / grid.between[i])
+            }),
             chord: repeated(&|i| chord[i]),
             turnover: repeated(&|i| P::from(2.0) / chord[i]),
             slope_share: numbers.section_slope / (2.0 * PI),
