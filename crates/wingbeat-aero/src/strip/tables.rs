@@ -23,7 +23,9 @@ pub(super) struct Tables<P: Scalar> {
     /// Place of the control section between the strip's edges, 0 to 1, and its 1/4, 1/2 and 3/4 chord as fractions of the chord that
     /// straight lines between the edges have there.
     pub fraction: StripConstants<P>,
-    pub places: [StripConstants<P>; 3],
+    pub quarter: StripConstants<P>,
+    pub half: StripConstants<P>,
+    pub three_quarter: StripConstants<P>,
     /// Chord, m.
     pub chord: StripConstants<P>,
     /// One over the half chord, 1/m.
@@ -87,8 +89,7 @@ impl<P: Scalar> Tables<P> {
     /// Where the control section of strip `i` lies between its edges, and where its 1/4, 1/2 and 3/4 chord lie behind them.
     #[inline(always)]
     pub fn section(&self, i: usize) -> [P; 4] {
-        let [quarter, half, three_quarter] = self.places.each_ref().map(|place| place[i]);
-        [self.fraction[i], quarter, half, three_quarter]
+        [self.fraction[i], self.quarter[i], self.half[i], self.three_quarter[i]]
     }
 
     pub fn new(
@@ -120,14 +121,16 @@ impl<P: Scalar> Tables<P> {
             let behind = chord[i] * 0.75 - grid.bulge[i][0] - grid.between[i] * 0.25;
             (behind * (2.0 * PI) * cos[i]).recip()
         };
+        let place =
+            |x: f64| repeated(&|i| (chord[i] / grid.between[i]) * x - grid.bulge[i][0] / grid.between[i]);
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         let (own_lags, circulation) = lags.of_wing(&numbers.lags, grid.aspect);
         Self {
             covered: carried(&|_| P::ONE),
             fraction: repeated(&|i| grid.fraction[i]),
-            places: [0.25, 0.5, 0.75].map(|x| {
-                repeated(&|i| (chord[i] / grid.between[i]) * x - grid.bulge[i][0] / grid.between[i])
-            }),
+            quarter: place(0.25),
+            half: place(0.5),
+            three_quarter: place(0.75),
             chord: repeated(&|i| chord[i]),
             turnover: repeated(&|i| P::from(2.0) / chord[i]),
             slope_share: numbers.section_slope / (2.0 * PI),
