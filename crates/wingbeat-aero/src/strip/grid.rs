@@ -58,7 +58,7 @@ pub enum AngleMap {
 const LEAST_SLOPE: f64 = 0.25;
 
 impl<P: Scalar> StripGrid<P> {
-    /// Lays `strips` strips; `fills`: they carry what the outline has beyond the straight lines between their edges.
+    /// Lays `strips` strips, with hinges at `hinge_arcs` (m along the wing); `fills`: they carry what the outline has beyond the straight lines between their edges.
     ///
     /// A corner of the outline between two edges is cut off by these lines: Aerobat's 16 strips would have 2.4 % less area than
     /// it. The mean of what is cut off, by length of arc, moves the edges of the strip's own section; vortices stay on the lines.

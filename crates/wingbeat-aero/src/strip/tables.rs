@@ -86,7 +86,7 @@ pub(super) struct Tables<P: Scalar> {
 }
 
 impl<P: Scalar> Tables<P> {
-    /// Where the control section of strip `i` lies between its edges, and where its 1/4, 1/2 and 3/4 chord lie behind them.
+    /// Where the control section of strip `i` lies between its edges, and where its 1/4, 1/2 and 3/4 chord lie behind them, as fractions.
     #[inline(always)]
     pub fn section(&self, i: usize) -> [P; 4] {
         [self.fraction[i], self.quarter[i], self.half[i], self.three_quarter[i]]

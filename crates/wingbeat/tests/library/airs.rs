@@ -89,7 +89,7 @@ fn adaptation_that_cannot_be_is_refused() {
     assert!(refused("estimator_20g", beside).contains("estimator"));
 }
 
-/// Told law `lev` and flown under `stall`, the commands of the regulator alone take the wings through each other. With a governor they
+/// Told law `lev` and flown under `stall`, the commands of the regulator alone let the skins of the wings, 3 mm thick, touch. With a governor they
 /// keep what is asked between its looks too: a turn has no reserve of the smooth minimum over left and right.
 #[test]
 fn a_governor_keeps_the_wings_apart() {
@@ -111,7 +111,7 @@ fn a_governor_keeps_the_wings_apart() {
     let free = Scenario::load(&path, &level).unwrap_or_else(|e| panic!("{e}"));
     let free = free.fly(|_| ControlFlow::Continue(())).unwrap();
     let [clear, crossed] = [&kept, &free].map(|run| run.summary.least_clearance_m.unwrap());
-    assert!(clear >= 0.008 && crossed < 0.0, "{clear} {crossed}");
+    assert!(clear >= 0.008 && crossed < 0.003, "{clear} {crossed}");
     let changed = kept.record.values("orbit_governed").unwrap().iter().copied().fold(0.0, f64::max);
     assert!(changed > 0.01 && free.summary.governed.is_none(), "{changed}");
     assert!(kept.summary.height_max_error_m.unwrap() < 0.05);

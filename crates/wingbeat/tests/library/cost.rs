@@ -186,7 +186,7 @@ fn a_level_orbit_carries_its_weight_and_flies_at_its_powers() {
     assert!((recorded.carried() - lift).abs() < 1e-9);
     // docs/flight.md and docs/gaits.md print it.
     assert!(
-        (summary.power_w_kg.unwrap() - 51.7).abs() < 0.05 && summary.power_w_kg == cost.positive_power_w_kg
+        (summary.power_w_kg.unwrap() - 50.6).abs() < 0.05 && summary.power_w_kg == cost.positive_power_w_kg
     );
     assert!((cost.net_power_w_kg.unwrap() - 33.5).abs() < 0.05, "{cost:?}");
     let (_, text) = &trimmed.files[0];

@@ -305,10 +305,10 @@ fn an_orbit_is_judged() {
     assert!(well.judged.iter().all(|judged| judged.met || judged.id == "range.stall_fraction"));
     assert!(met("trim.unheld_multiplier") && well.judged.len() == 23, "{:?}", well.judged);
 
-    // With edges' suction this start leads to no orbit there; with the impulse that turns it leads to an absurd one.
+    // This start leads to no orbit there; at 10 m/s, with the impulse that turns, it leads to an absurd one.
     let lost = trim(&["trim.climb_m_s=30"]);
     assert!(lost.status != Status::Ok && lost.reason.is_some(), "{lost:?}");
-    let rocket = trim(&["trim.climb_m_s=30", "aero.full.turning_impulse=true"]);
+    let rocket = trim(&["trim.climb_m_s=10", "aero.full.turning_impulse=true"]);
     let reason = rocket.reason.unwrap();
     assert!(rocket.status == Status::Outside && reason.contains("limits.trim.power_w_kg"), "{reason}");
     assert!(reason.contains("limits.trim.clearance_m"), "{reason}");
@@ -562,7 +562,7 @@ fn a_plan_without_the_structure_is_refused_where_there_is_none() {
 }
 
 /// A strip from one link to the next passes over within its own width, which the number of strips decides: without a web 24 strips ask
-/// for 17 % more power than 9.
+/// for 16 % more power than 9.
 #[test]
 fn a_web_makes_the_air_of_a_twisted_wing_converge_with_its_strips() {
     let power = |strips: usize, web: f64| {
@@ -572,8 +572,9 @@ fn a_web_makes_the_air_of_a_twisted_wing_converge_with_its_strips() {
     };
     let web = 0.0544457;
     let powers = [9, 16, 24, 32].map(|strips| power(strips, web));
-    for power in powers {
-        assert!((power / powers[3] - 1.0).abs() < 0.05, "{powers:?}");
+    // 9 strips ask for 5.5 % less than 32, 16 and 24 for 2.5 and 1.4 % less.
+    for (power, within) in powers.iter().zip([0.06, 0.03, 0.02, 0.0]) {
+        assert!((power / powers[3] - 1.0).abs() <= within, "{powers:?}");
     }
     // It is as long as the strip beside the hinge of 9 strips.
     assert!((power(9, 0.0) / powers[0] - 1.0).abs() < 1e-4, "{powers:?}");
