@@ -19,7 +19,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// Roll and pitch, heading, position, what carries the weight, and the robot's joints over time.
 ///
-/// The heading goes on beyond half a turn; roll and heading have gaps where the nose passes the vertical. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the shares of the weight
+/// The heading goes on beyond half a turn; roll has a gap where it passes half a turn, and with heading where the nose passes the vertical. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the shares of the weight
 /// where they are there, and the joints that are there and move. Where there are `roll_reference` and `pitch_reference` they are
 /// drawn fine, or the roll of the orbit, from which a flight about one records its error. The title says what the goal asks: a root mean
 /// square over the flight, and so no band that a curve could leave.
@@ -36,6 +36,16 @@ pub fn states_wide(record: &Record, asked: FigureTargets) -> Result<Figure, Erro
     Ok(Figure::new("states", two_stacks(panels, "time [s]", height)))
 }
 
+/// Angles in degrees, with a gap where one leaps from half a turn to the other side.
+fn parted(mut angles: Vec<f64>) -> Vec<f64> {
+    for i in (1..angles.len()).rev() {
+        if (angles[i] - angles[i - 1]).abs() > 180.0 {
+            angles[i] = f64::NAN;
+        }
+    }
+    angles
+}
+
 fn panels(record: &Record, asked: FigureTargets) -> Result<Vec<FigurePanel>, Error> {
     let t = needed(record, "t")?;
     let upright = upright(record)?;
@@ -50,7 +60,7 @@ fn panels(record: &Record, asked: FigureTargets) -> Result<Vec<FigurePanel>, Err
             let off = off.ok_or_else(|| Error::Column("roll_reference".into()))?;
             Ok::<Vec<f64>, Error>(own.iter().zip(off).map(|(own, off)| own - off).collect())
         });
-        let own = own.iter().zip(&upright).map(|(own, upright)| own + upright).collect();
+        let own = parted(own.iter().zip(&upright).map(|(own, upright)| own + upright).collect());
         attitude.curves.push(PanelCurve::new(name, t, own, index));
         if let Ok(reference) = asked {
             let name = if references.is_empty() { "references" } else { "" };
@@ -137,5 +147,7 @@ mod tests {
         let heading = headings(&[3.0, 0.0, 0.0, -3.0, 3.0, 3.1], &up);
         assert!(heading[0] == 3.0 && heading[1].is_nan() && heading[2].is_nan() && heading[3] == -3.0);
         assert!((heading[5] - (3.1 - 2.0 * half)).abs() < 1e-12, "{heading:?}");
+        let roll = parted(vec![170.0, 179.0, -179.0, -170.0]);
+        assert!(roll[2].is_nan() && (roll[0], roll[1], roll[3]) == (170.0, 179.0, -170.0));
     }
 }

@@ -73,13 +73,15 @@ impl Space {
         // No finer than the numbers beside the ticks can tell apart.
         let finest = TickScale::new(low, high).step;
         let ends = |step: f64| ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-        let mut step = round_step((high - low) * APART / length).max(finest);
-        // A single number tells no scale.
+        let apart = round_step((high - low) * APART / length).max(finest);
+        let mut step = apart;
+        // A single number tells no scale; of finer ones the outer two are furthest apart.
         while ends(step).1 <= ends(step).0 && round_step(0.4 * step) >= finest {
             step = round_step(0.4 * step);
         }
         let (first, last) = ends(step);
-        (first..=last).map(|k| k as f64 * step).collect()
+        let every = if step < apart { (last - first).max(1) as usize } else { 1 };
+        (first..=last).step_by(every).map(|k| k as f64 * step).collect()
     }
 
     /// Whether an axis that is seen has two ticks or more.
@@ -140,8 +142,11 @@ impl Space {
             let place = self.at(point);
             let tip = (place.0 + 4.0 * out.0, place.1 + 4.0 * out.1);
             self.back.push(style::sample(place, tip, style::INK, style::AXIS, None));
-            let shift = (NUMBERS * out.0, NUMBERS * out.1 + 4.5);
-            self.label(point, shift, &scale.number(*tick), anchor);
+            let number = scale.number(*tick);
+            // A number that would begin left of the pane begins there.
+            let begins = place.0 + NUMBERS * out.0 - LETTER * number.chars().count() as f64;
+            let before = if anchor == TextAnchor::End { (self.pane.x - begins).max(0.0) } else { 0.0 };
+            self.label(point, (NUMBERS * out.0 + before, NUMBERS * out.1 + 4.5), &number, anchor);
         }
         // An upright axis has its name above its upper end.
         if upright {

@@ -407,6 +407,8 @@ impl<'o> Stages<'o> {
         let mut refinement = Refinement { meshes, ..self.refinement.clone() };
         refinement.solver.iterations = iterations;
         if meshes == 1 {
+            // The gaits on the way to the whole are no meshes of it.
+            self.passes.clear();
             refinement.most_intervals = refinement.intervals;
         }
         refinement.iterations = refinement.iterations.saturating_sub(self.iterations);

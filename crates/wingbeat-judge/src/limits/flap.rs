@@ -18,7 +18,7 @@ pub const BEYOND_WEIGHT: JudgedLimit =
 const WEIGHT_SHARE: &str = "weight of a flap that is left out over what its spring bears: in a robot along its chord, on a tether all of it,";
 /// A flap cannot be heavier than the link whose mass holds its own.
 pub const MASS: JudgedLimit = JudgedLimit::at_most("flap.mass_fraction", 1.0, "", Outside)
-    .on("the masses of links hold those of flaps: largest mass of a flap on a link over that of the link");
+    .on("largest mass of a flap on a link over that of the link, which holds it");
 
 /// All of them.
 pub const ALL: [JudgedLimit; 5] = [ANGLE, BEYOND_ANGLE, WEIGHT, BEYOND_WEIGHT, MASS];

@@ -65,10 +65,11 @@ pub const MOMENTUM: JudgedLimit = JudgedLimit::at_most("flight.angular_momentum_
 
 /// Deviation of the turbulence over its airspeed. Taylor 1938: a frozen field needs it small; 0.3 is a choice.
 pub const TURBULENCE: JudgedLimit = JudgedLimit::warn_above("flight.turbulence_over_airspeed", 0.3, "")
-    .on("turbulence that flies past frozen is small beside the airspeed: largest deviation over air.dryden.airspeed_m_s");
+    .on("largest deviation of turbulence that is taken to fly past frozen over air.dryden.airspeed_m_s");
 /// Turbulence as strong as the stream that carries it past, which no frozen field is.
-pub const TURBULENCE_STRONG: JudgedLimit = JudgedLimit::at_most("flight.turbulence_beyond_airspeed", 1.0, "", Outside)
-    .on("turbulence that flies past frozen is weaker than the airspeed: largest deviation over air.dryden.airspeed_m_s");
+pub const TURBULENCE_STRONG: JudgedLimit =
+    JudgedLimit::at_most("flight.turbulence_beyond_airspeed", 1.0, "", Outside)
+        .on("largest deviation of turbulence, too strong to fly past frozen, over air.dryden.airspeed_m_s");
 /// Mean airspeed of the flight against that at which its turbulence passes: the larger over the smaller, less one.
 pub const TURBULENCE_SPEED: JudgedLimit = JudgedLimit::warn_above("flight.turbulence_speed", 0.3, "")
     .on("the turbulence passes at another speed than the robot flies: larger of its mean airspeed and air.dryden.airspeed_m_s over the smaller, less one");

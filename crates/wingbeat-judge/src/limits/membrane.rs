@@ -42,9 +42,8 @@ pub const BEYOND_BENDING: JudgedLimit =
     JudgedLimit::at_most("membrane.bending_outside_fraction", 1.0, "", Outside)
         .on("load that the bending stiffness of a membrane would bear, over what its tension bears,");
 /// A membrane cannot be heavier than the link whose mass holds its own.
-pub const MASS: JudgedLimit = JudgedLimit::at_most("membrane.mass_fraction", 1.0, "", Outside).on(
-    "the masses of links hold those of membranes: largest mass of a membrane on a link over that of the link",
-);
+pub const MASS: JudgedLimit = JudgedLimit::at_most("membrane.mass_fraction", 1.0, "", Outside)
+    .on("largest mass of a membrane on a link over that of the link, which holds it");
 
 /// Strain up to which the tension of rubber grows with it; films of plastic yield below a tenth of it.
 pub const STRAIN: JudgedLimit = JudgedLimit::warn_above("membrane.strain", 0.3, "")

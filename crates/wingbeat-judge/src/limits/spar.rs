@@ -17,9 +17,8 @@ pub const FREQUENCY: JudgedLimit = JudgedLimit::warn_above("spar.frequency_fract
 pub const END: JudgedLimit = JudgedLimit::warn_above("spar.end_fraction", 0.1, "")
     .on("a spar does not end where its wing ends (is length_m in m?): distance over its length");
 /// Centres of mass beyond the edges of the chord, where mass balances reach some tenths.
-pub const OFF_CHORD: JudgedLimit = JudgedLimit::at_most("spar.off_chord", 1.0, "", Outside).on(
-    "a spar lies in its wing (is ahead_m in m?): distance of its mass from the chord, over the mean chord,",
-);
+pub const OFF_CHORD: JudgedLimit = JudgedLimit::at_most("spar.off_chord", 1.0, "", Outside)
+    .on("distance of a spar's mass from the chord of its wing (is ahead_m in m?), over the mean chord,");
 /// Radius of gyration about the span over the chord: 0.29 of an even plate.
 pub const GYRATION: JudgedLimit = JudgedLimit::at_most("spar.gyration", 1.0, "", Outside).on(
     "an inertia that is large for its mass (is inertia_kg_m in kg m?): radius of gyration about the span over the mean chord,",

@@ -19,8 +19,8 @@ pub const WARNED: JudgedLimit = JudgedLimit::warn_above("sweep.warned_fraction",
 pub const SOME: JudgedLimit = JudgedLimit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");
 /// How many flights hold is what a sweep is there to find, so the limit is one that only a document raises.
-pub const HELD: JudgedLimit =
-    JudgedLimit::at_least("sweep.held_fraction", 0.0, "", OffTarget).on("share of the flights that are held");
+pub const HELD: JudgedLimit = JudgedLimit::at_least("sweep.held_fraction", 0.0, "", OffTarget)
+    .on("share of the flights that are held; a limit of 0 asks for none");
 
 /// A search ends well where its best candidate meets every goal in every flight.
 pub const MISSED: JudgedLimit = JudgedLimit::at_most("sweep.search_missed_goals", 0.0, "", NotFound)

@@ -50,7 +50,7 @@ pub const FLUTTER: JudgedLimit = JudgedLimit::at_most("tether.growth_fraction", 
 );
 /// Stations of a spar without mass, or without inertia about the span, where the wing has a chord. *Choice.*
 pub const MASSLESS: JudgedLimit = JudgedLimit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
-    "a wing has mass and inertia all along: least of either per length at a station of the spar, over the square or the fourth power of its chord, beside the median of all,",
+    "least mass or inertia of a wing per length at a station of the spar, over the square or the fourth power of its chord, beside the median of all,",
 );
 /// A spar that is lighter than this part of the air about it, pi rho c^2 / 4 per length: films without a spar have 0.15 in air. *Choice.*
 pub const LIGHT: JudgedLimit = JudgedLimit::warn_below("tether.spar_over_air", 0.1, "").on(
@@ -58,7 +58,7 @@ pub const LIGHT: JudgedLimit = JudgedLimit::warn_below("tether.spar_over_air", 0
 );
 /// Line and centres of mass of a spar beyond the edges of its chord, where no wing has them: mass balances reach some tenths. *Choice.*
 pub const OFF_CHORD: JudgedLimit = JudgedLimit::at_most("tether.spar_off_chord", 1.0, "", Outside).on(
-    "a spar lies in its wing (are ahead_m, aft_m, up_m and outboard_m in m?): largest distance of its line or of a centre of mass from the chord, over the mean chord,",
+    "largest distance of the spar's line or of a centre of mass from the chord (are ahead_m, aft_m, up_m and outboard_m in m?), over the mean chord,",
 );
 /// Radius of gyration about the span over the chord: 0.29 of an even plate. *Choice.*
 pub const GYRATION: JudgedLimit = JudgedLimit::at_most("tether.spar_gyration", 1.0, "", Outside).on(
