@@ -34,7 +34,7 @@ pub struct Lags {
     pub lift_gain: &'static [f64],
     /// Exponent of the aspect ratio in the delays.
     pub exponent: f64,
-    /// Exponent of the distance between the tips in the delays: see aero.strip.wake_delay.
+    /// Dimensionless exponent of the distance between the tips in the delays: see aero.strip.wake_delay.
     pub folding: f64,
     /// Whether what pitching adds to the chord doublet has its own place: see aero.strip.carried_place.
     pub places: bool,
