@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use wingbeat::aero::SectionMotion;
+use wingbeat::aero::{Planform, SectionMotion};
 use wingbeat::body::Harmonic;
 use wingbeat::math::interpolation::piecewise_linear;
 use wingbeat::math::{GRAVITY, Jet, Quat, RK4, Vec3, Workspace, Wrench};
@@ -37,8 +37,8 @@ const WEB_PARTS: usize = 8;
 pub struct LatticeFineness {
     /// Panels along the chord; the way of the trailing edges in a step, rms, is one of them.
     pub chordwise: usize,
-    /// Strips of preset `full`, whose wing the lattice has: straight between the chord lines at their edges. So it has the surface that closes
-    /// a hinge which twists, and that is as wide as one of these strips.
+    /// Strips of preset `full`, whose wing the lattice has: straight between the chord lines at their edges, but with the outline that strips
+    /// carry. So it has the surface that closes a hinge which twists, and that is as wide as one of these strips.
     pub strips: usize,
     /// Strips of the lattice in each of them.
     pub parts: usize,
@@ -360,7 +360,8 @@ impl OrbitMotion {
             return Err(Error::reference("orbit", "a wing that bends".to_owned()));
         }
         *layout = left_half(chordwise, &edges, parts);
-        *sections = Arc::new(StraightBetween { sections: sections.clone(), edges });
+        *sections =
+            Arc::new(StraightBetween { sections: sections.clone(), edges, planform: planform.clone() });
         scene.symmetric = true;
         let way = scene.edge_speed(self.duration) * self.duration;
         let steps = (way * chordwise as f64 / chord).round() as usize;
@@ -454,6 +455,18 @@ struct StraightBetween {
     sections: Arc<dyn MovingSections>,
     /// From left to right, m.
     edges: Vec<f64>,
+    planform: Planform,
+}
+
+impl StraightBetween {
+    /// How far the outline reaches at `arc` (m) beyond the straight lines between two edges (m), ahead and behind, over the chord between
+    /// these lines; `arc` lies the share `share` of the way from the first edge to the second.
+    fn beyond(&self, edges: [f64; 2], arc: f64, share: f64) -> [f64; 2] {
+        let [(le, te), (le_to, te_to)] = edges.map(|edge| self.planform.edges(edge));
+        let [line_le, line_te] = [le + (le_to - le) * share, te + (te_to - te) * share];
+        let (outline_le, outline_te) = self.planform.edges(arc);
+        [outline_le - line_le, line_te - outline_te].map(|beyond| beyond / (line_le - line_te))
+    }
 }
 
 impl MovingSections for StraightBetween {
@@ -465,12 +478,17 @@ impl MovingSections for StraightBetween {
             let right = self.edges.partition_point(|edge| edge >= arc).clamp(1, self.edges.len() - 1);
             let (a, b) = (&found[right - 1], &found[right]);
             let (from, to) = (self.edges[right - 1], self.edges[right]);
-            let mix = |a: Vec3, b: Vec3| a + (b - a) * ((from - arc) / (from - to));
+            let share = (from - arc) / (from - to);
+            let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
+            let [ahead, behind] = self.beyond([from, to], *arc, share);
+            let [le, te] = [mix(a.le, b.le), mix(a.te, b.te)];
+            let [v_le, v_te] = [mix(a.v_le, b.v_le), mix(a.v_te, b.v_te)];
+            let (chord, rate) = (te - le, v_te - v_le);
             SectionMotion {
-                le: mix(a.le, b.le),
-                te: mix(a.te, b.te),
-                v_le: mix(a.v_le, b.v_le),
-                v_te: mix(a.v_te, b.v_te),
+                le: le - chord * ahead,
+                te: te + chord * behind,
+                v_le: v_le - rate * ahead,
+                v_te: v_te + rate * behind,
                 ..SectionMotion::default()
             }
         }));
