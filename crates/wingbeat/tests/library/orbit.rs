@@ -386,7 +386,7 @@ fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
     }
 
     let trimmed = scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap();
-    let controller = "controller.orbit={period_s=0.0085, speed_m_s=3.543, free=['stroke', 'twist', 'swing']}";
+    let controller = "controller.orbit={period_s=0.0085, speed_m_s=3.57, free=['stroke', 'twist', 'swing']}";
     let document = Document::text("orbit.toml", &trimmed.files[0].1).unwrap().set(controller);
     // Off the orbit by 5 deg of roll.
     let document = document.set("start.roll_deg=5.0").set("flight.duration_s=2.55");
@@ -459,7 +459,7 @@ fn near_an_orbit_a_short_plan_asks_what_the_regulator_does() {
     let interval = 1.0 / (20.0 * 5.9163);
     let with = |predictive: &str| {
         let controller = format!(
-            "controller.orbit={{period_s=0.0085, speed_m_s=3.543, free=['stroke', 'twist', 'swing']{predictive}}}"
+            "controller.orbit={{period_s=0.0085, speed_m_s=3.57, free=['stroke', 'twist', 'swing']{predictive}}}"
         );
         let document = Document::text("orbit.toml", &trimmed.files[0].1).unwrap().set(controller);
         Scenario::new(document).unwrap_or_else(|e| panic!("{e}"))
