@@ -283,21 +283,23 @@ impl<P: Scalar> Planform<P> {
         })
     }
 
-    /// How far ahead of the straight lines between two arc coordinates, `from` < `to`, the leading and the trailing edge lie in the
-    /// mean, m: nothing without a station between them.
+    /// How far ahead of the straight lines between two arc coordinates, `from` < `to`, m, the leading and the trailing edge lie at `s` between
+    /// them, m.
+    pub fn ahead_of_lines(&self, [from, to]: [P; 2], s: P) -> [P; 2] {
+        let [(leading, trailing), (leading_to, trailing_to), (leading_at, trailing_at)] =
+            [from, to, s].map(|arc| self.edges(arc));
+        let share = (s - from) / (to - from);
+        let line = |a: P, b: P| a + (b - a) * share;
+        [leading_at - line(leading, leading_to), trailing_at - line(trailing, trailing_to)]
+    }
+
+    /// The mean of [`Planform::ahead_of_lines`] from `from` to `to`, m: nothing without a station between them.
     pub fn bulge(&self, from: P, to: P) -> [P; 2] {
         let stretches = self.stretches(from, to);
-        if stretches.len() == 2 {
-            return [P::ZERO; 2];
-        }
-        let trapezoid = |a: P, b: P| {
-            let (a, b) = (self.edges(a), self.edges(b));
-            [(a.0 + b.0) * 0.5, (a.1 + b.1) * 0.5]
-        };
-        let [leading, trailing] = trapezoid(from, to);
-        stretches.windows(2).fold([-leading, -trailing], |[leading, trailing], s| {
-            let (share, [ahead, behind]) = ((s[1] - s[0]) / (to - from), trapezoid(s[0], s[1]));
-            [leading + share * ahead, trailing + share * behind]
+        let at = |s: P| if s == from || s == to { [P::ZERO; 2] } else { self.ahead_of_lines([from, to], s) };
+        stretches.windows(2).fold([P::ZERO; 2], |mean, s| {
+            let (share, ahead) = ((s[1] - s[0]) / (to - from), [at(s[0]), at(s[1])]);
+            std::array::from_fn(|edge| mean[edge] + share * (ahead[0][edge] + ahead[1][edge]) * 0.5)
         })
     }
 

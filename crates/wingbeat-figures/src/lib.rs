@@ -3,6 +3,7 @@
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
 pub mod animation;
+mod attitude;
 mod average;
 mod bench;
 pub mod calibration;
@@ -44,6 +45,7 @@ mod wake;
 mod weight;
 mod write;
 
+pub use attitude::TurnsOfBody;
 pub use average::{DEVIATION, averaged};
 pub use bench::{comparison, convergence};
 pub use commands::commands;

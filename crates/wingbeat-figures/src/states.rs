@@ -1,10 +1,9 @@
 //! The state figure: roll and pitch with what is asked, heading, position, and the robot's joints over time.
 
-use wingbeat::judge::limits;
-use wingbeat::math::unwrapped;
 use wingbeat::robot::{BROADSIDE, Robot};
 use wingbeat::simulate::{Column, Record};
 
+use crate::attitude::TurnsOfBody;
 use crate::own_joints::{RecordJoint, moving};
 use crate::panel::{FigurePanel, PanelCurve, stacked, two_stacks};
 use crate::write::Figure;
@@ -19,7 +18,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// Roll and pitch, heading, position, what carries the weight, and the robot's joints over time.
 ///
-/// The heading goes on beyond half a turn; roll has a gap where it passes half a turn, and with heading where the nose passes the vertical. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the shares of the weight
+/// Roll and heading are [`TurnsOfBody`]. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the shares of the weight
 /// where they are there, and the joints that are there and move. Where there are `roll_reference` and `pitch_reference` they are
 /// drawn fine, or the roll of the orbit, from which a flight about one records its error. The title says what the goal asks: a root mean
 /// square over the flight, and so no band that a curve could leave.
@@ -36,19 +35,9 @@ pub fn states_wide(record: &Record, asked: FigureTargets) -> Result<Figure, Erro
     Ok(Figure::new("states", two_stacks(panels, "time [s]", height)))
 }
 
-/// Angles in degrees, with a gap where one leaps from half a turn to the other side.
-fn parted(mut angles: Vec<f64>) -> Vec<f64> {
-    for i in (1..angles.len()).rev() {
-        if (angles[i] - angles[i - 1]).abs() > 180.0 {
-            angles[i] = f64::NAN;
-        }
-    }
-    angles
-}
-
 fn panels(record: &Record, asked: FigureTargets) -> Result<Vec<FigurePanel>, Error> {
     let t = needed(record, "t")?;
-    let upright = upright(record)?;
+    let TurnsOfBody { roll, heading } = TurnsOfBody::of(record)?;
     let mut attitude = FigurePanel::new("roll and pitch [°]", Vec::new());
     let followed = [("roll", "roll (right wing down +)", DEGREES), ("pitch", "pitch (nose up +)", -DEGREES)];
     let mut references = Vec::new();
@@ -60,7 +49,7 @@ fn panels(record: &Record, asked: FigureTargets) -> Result<Vec<FigurePanel>, Err
             let off = off.ok_or_else(|| Error::Column("roll_reference".into()))?;
             Ok::<Vec<f64>, Error>(own.iter().zip(off).map(|(own, off)| own - off).collect())
         });
-        let own = parted(own.iter().zip(&upright).map(|(own, upright)| own + upright).collect());
+        let own = if angle == "roll" { degrees(&roll) } else { own };
         attitude.curves.push(PanelCurve::new(name, t, own, index));
         if let Ok(reference) = asked {
             let name = if references.is_empty() { "references" } else { "" };
@@ -73,8 +62,7 @@ fn panels(record: &Record, asked: FigureTargets) -> Result<Vec<FigurePanel>, Err
         attitude.title += &format!("; goal from {settled} s on: rms errors within {roll}° and {pitch}°");
     }
     attitude.curves.extend(references);
-    let yaw = headings(needed(record, "yaw")?, &upright).iter().map(|angle| angle * DEGREES).collect();
-    let heading = PanelCurve::new("yaw (left +)", t, yaw, 2);
+    let heading = PanelCurve::new("yaw (left +)", t, degrees(&heading), 2);
     let places = [("p_WB_x", "x"), ("p_WB_y", "y (left +)"), ("p_WB_z", "z (up +)")];
     let places = places.iter().enumerate();
     let places =
@@ -89,26 +77,6 @@ fn panels(record: &Record, asked: FigureTargets) -> Result<Vec<FigurePanel>, Err
     Ok(panels)
 }
 
-/// Nothing, rad, at every sample whose roll and heading say something; no number where the nose points straight up or down, or has passed the
-/// vertical since the sample before.
-fn upright(record: &Record) -> Result<Vec<f64>, Error> {
-    let (roll, pitch) = (needed(record, "roll")?, needed(record, "pitch")?);
-    let leaps = |row: usize| row > 0 && (roll[row] - roll[row - 1]).cos() < 0.0;
-    let steep = |pitch: f64| (DEGREES * pitch).abs() > limits::flight::VERTICAL.value;
-    let of = |(row, pitch): (usize, &f64)| if steep(*pitch) || leaps(row) { f64::NAN } else { 0.0 };
-    Ok(pitch.iter().enumerate().map(of).collect())
-}
-
-/// Headings without jumps by whole turns, rad, anew after each stretch without a number in `upright`.
-fn headings(yaw: &[f64], upright: &[f64]) -> Vec<f64> {
-    let rows: Vec<(f64, bool)> = yaw.iter().zip(upright).map(|(yaw, up)| (*yaw, up.is_finite())).collect();
-    let stretch = |rows: &[(f64, bool)]| {
-        let told = rows[0].1;
-        unwrapped(rows.iter().map(|(yaw, _)| if told { *yaw } else { f64::NAN }).collect())
-    };
-    rows.chunk_by(|a, b| a.1 == b.1).flat_map(stretch).collect()
-}
-
 /// The joint over time; of a pair the left one broad, which the right one may cover.
 fn panel(joint: &RecordJoint, t: &[f64]) -> FigurePanel {
     let curve = |(number, (side, column)): (usize, &(String, &Column))| {
@@ -121,33 +89,10 @@ fn panel(joint: &RecordJoint, t: &[f64]) -> FigurePanel {
     FigurePanel::new(joint.title(), joint.sides.iter().enumerate().map(curve).collect())
 }
 
-fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {
-    Ok(needed(record, column)?.iter().map(|value| factor * value).collect())
+fn degrees(angles: &[f64]) -> Vec<f64> {
+    angles.iter().map(|angle| angle * DEGREES).collect()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A loop in pitch: roll and heading leap by half a turn where the nose passes the vertical.
-    #[test]
-    fn a_loop_leaves_gaps_in_place_of_leaps() {
-        let half = std::f64::consts::PI;
-        let columns = ["roll", "pitch"].map(|name| Column::new(name, "rad", "WB"));
-        let mut record = Record::new(columns.into(), 6).unwrap();
-        for row in [[0.0, -1.2], [0.0, -1.5], [half, -1.4], [half, -1.0], [-half, -0.5], [-half, 0.5]] {
-            record.append(&row);
-        }
-        let up = upright(&record).unwrap();
-        // The last leap is a whole turn, which is none.
-        assert_eq!(
-            up.iter().map(|up| up.is_nan()).collect::<Vec<_>>(),
-            [false, true, true, false, false, false]
-        );
-        let heading = headings(&[3.0, 0.0, 0.0, -3.0, 3.0, 3.1], &up);
-        assert!(heading[0] == 3.0 && heading[1].is_nan() && heading[2].is_nan() && heading[3] == -3.0);
-        assert!((heading[5] - (3.1 - 2.0 * half)).abs() < 1e-12, "{heading:?}");
-        let roll = parted(vec![170.0, 179.0, -179.0, -170.0]);
-        assert!(roll[2].is_nan() && (roll[0], roll[1], roll[3]) == (170.0, 179.0, -170.0));
-    }
+fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {
+    Ok(needed(record, column)?.iter().map(|value| factor * value).collect())
 }

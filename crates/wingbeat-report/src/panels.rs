@@ -1,8 +1,8 @@
 //! The plots beside the picture: what is drawn of a record, by its columns.
 
-use wingbeat::math::unwrapped;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::{Column, Record};
+use wingbeat_figures::TurnsOfBody;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const MILLIMETRES: f64 = 1e3;
@@ -87,8 +87,12 @@ struct RecordRows<'a> {
 
 impl RecordRows<'_> {
     fn values(&self, name: &str, factor: f64) -> Option<Vec<f64>> {
-        let column = self.record.values(name)?;
-        Some(self.rows.iter().map(|&row| factor * column[row]).collect())
+        Some(self.shown(self.record.values(name)?, factor))
+    }
+
+    /// What is shown of one value for each row of the record.
+    fn shown(&self, values: &[f64], factor: f64) -> Vec<f64> {
+        self.rows.iter().map(|&row| factor * values[row]).collect()
     }
 
     fn curve(&self, (name, label, role): (&str, &str, CurveRole), factor: f64) -> Option<PageCurve> {
@@ -114,15 +118,15 @@ use CurveRole::{Own, Pale, Reference, Side, Total};
 pub fn flight(record: &Record, rows: &[usize], ground: Option<f64>) -> Vec<PagePanel> {
     let of = RecordRows { record, rows };
     let mut panels = Vec::new();
-    panels.extend(attitude(&of));
-    let yaw = of.record.values("yaw").map(|yaw| unwrapped(yaw.to_vec()));
-    panels.extend(yaw.map(|yaw| PagePanel {
+    let turns = TurnsOfBody::of(record).ok();
+    panels.extend(attitude(&of, turns.as_ref()));
+    panels.extend(turns.map(|turns| PagePanel {
         title: "heading, left +".into(),
         unit: "deg",
         curves: vec![PageCurve {
             label: "yaw".into(),
             role: Own(2),
-            values: rows.iter().map(|&row| DEGREES * yaw[row]).collect(),
+            values: of.shown(&turns.heading, DEGREES),
         }],
         limits: None,
     }));
@@ -162,9 +166,14 @@ pub fn flight(record: &Record, rows: &[usize], ground: Option<f64>) -> Vec<PageP
 }
 
 /// Roll and pitch with their references; the record counts pitch downward.
-fn attitude(of: &RecordRows) -> Option<PagePanel> {
+fn attitude(of: &RecordRows, turns: Option<&TurnsOfBody>) -> Option<PagePanel> {
+    let roll = turns.map(|turns| PageCurve {
+        label: "roll, right wing down +".into(),
+        role: Own(0),
+        values: of.shown(&turns.roll, DEGREES),
+    });
     let curves = vec![
-        of.curve(("roll", "roll, right wing down +", Own(0)), DEGREES),
+        roll,
         of.curve(("pitch", "pitch, nose up +", Own(1)), -DEGREES),
         of.curve(("roll_reference", "reference of roll", Reference), DEGREES),
         of.curve(("pitch_reference", "reference of pitch", Reference), -DEGREES),

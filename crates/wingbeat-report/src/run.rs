@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::scenario::{RigRun, Scenario, TetherCase};
 use wingbeat::simulate::{Column, Record};
+use wingbeat_figures::TurnsOfBody;
 use wingbeat_io::read_csv;
 
 use crate::files::Files;
@@ -16,8 +17,6 @@ use crate::panels::{self, CurveRole, PageCurve, PagePanel, begins_with};
 use crate::wake::Shot;
 use crate::{Error, flight, held};
 
-/// Pitch beyond which roll and heading are about one axis, rad: 86 deg, our choice.
-const VERTICAL: f64 = 1.5;
 /// Most runs of the rig that are shown on one page.
 const MOST_RUNS: usize = 8;
 
@@ -261,11 +260,8 @@ pub fn of_flight(name: &str, kind: &'static str, flown: FlownScenario, shown: &[
 /// Adds to a run what moves and what is plotted of a flight, of which the rows `shown` can be drawn.
 fn fill(run: &mut ShownRun, record: &Record, scenario: Option<&Scenario>, shown: &[usize]) {
     run.panels = panels::flight(record, shown, scenario.and_then(|scenario| scenario.robot().ground()));
-    let vertical = |&row: &usize| record.values("pitch").is_some_and(|pitch| pitch[row].abs() > VERTICAL);
-    if shown.iter().any(vertical) {
-        run.notes.push(
-            "where the nose passes the vertical, roll and heading turn over by 180 deg together".into(),
-        );
+    if TurnsOfBody::of(record).is_ok_and(|turns| shown.iter().any(|&row| turns.heading[row].is_nan())) {
+        run.notes.push("roll and heading have a gap where the nose passes the vertical".into());
     }
     if shown.len() < 2 {
         run.notes.push(format!("nothing moves: {} rows can be drawn", shown.len()));

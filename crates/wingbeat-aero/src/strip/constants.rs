@@ -36,8 +36,6 @@ pub struct Lags {
     pub exponent: f64,
     /// Dimensionless exponent of the distance between the tips in the delays: see aero.strip.wake_delay.
     pub folding: f64,
-    /// Whether what pitching adds to the chord doublet has its own place: see aero.strip.carried_place.
-    pub places: bool,
     /// Whether strips carry what the outline has beyond the straight lines between their edges: see aero.strip.bulge.
     pub fills: bool,
 }
@@ -60,7 +58,6 @@ pub const THREE_LAGS: Lags = Lags {
     lift_gain: &[0.27822, -0.27822],
     exponent: 0.3312,
     folding: 0.0,
-    places: true,
     fills: true,
 };
 
@@ -77,7 +74,6 @@ pub const FIVE_LAGS: Lags = Lags {
     lift_gain: &[0.0; 3],
     exponent: 0.429521803562794,
     folding: 0.429521803562794,
-    places: true,
     fills: false,
 };
 

@@ -167,12 +167,9 @@ impl<P: Scalar> Tables<P> {
             }),
             mass: scale(&|i| chord[i] * PI * chord[i] * cos[i] / 4.0)
                 .map(|mass| mass * numbers.added_mass_scale),
-            behind: (lags.places
-                && settings.doublet_wash
-                && settings.flap.is_none()
-                && settings.membrane.is_none())
-            .then(|| carried_places(grid, lags.doublet))
-            .map(|places| repeated(&|i| places[i])),
+            behind: (settings.doublet_wash && settings.flap.is_none() && settings.membrane.is_none())
+                .then(|| carried_places(grid, lags.doublet))
+                .map(|places| repeated(&|i| places[i])),
             at_once: numbers
                 .lags
                 .iter()

@@ -273,16 +273,26 @@ fn warned(folder: &Path, out: &str) -> Vec<[String; 2]> {
     warnings.map(|warning| ["id", "text"].map(|key| warning[key].as_str().unwrap().to_owned())).collect()
 }
 
+/// Makes `mini.toml`, a small robot, and `sc.toml`, in which it flies.
+fn small_scenario(folder: &Path) {
+    assert!(wingbeat(folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
+    assert!(wingbeat(folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+}
+
+/// Flies it for a moment into the folder `o`, whatever becomes of it.
+fn fly_shortly(folder: &Path, set: &[&str]) {
+    let mut arguments = vec!["fly", "sc.toml", "--quiet", "--no-report", "--force", "--out", "o"];
+    arguments.extend(["flight.duration_s=0.02"].iter().chain(set).flat_map(|set| ["--set", set]));
+    let answer = wingbeat(folder, &arguments);
+    assert!(answer.status.code() != Some(2), "{}", String::from_utf8_lossy(&answer.stderr));
+}
+
 #[test]
 fn degrees_in_place_of_radians_are_asked_about() {
     let folder = scratch("fly-degrees");
-    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
-    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    small_scenario(&folder);
     let told = |set: &[&str]| {
-        let mut arguments = vec!["fly", "sc.toml", "--quiet", "--no-report", "--force", "--out", "o"];
-        let duration = ["flight.duration_s=0.02"];
-        arguments.extend(duration.iter().chain(set).flat_map(|set| ["--set", set]));
-        assert!(wingbeat(&folder, &arguments).status.code() != Some(2));
+        fly_shortly(&folder, set);
         let ids = warned(&folder, "o").into_iter().map(|[id, _]| id);
         ids.filter(|id| id.starts_with("range.joint_")).collect::<Vec<_>>()
     };
@@ -295,8 +305,7 @@ fn degrees_in_place_of_radians_are_asked_about() {
 #[test]
 fn refusals_name_their_override_and_their_help() {
     let folder = scratch("fly-refusals");
-    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
-    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    small_scenario(&folder);
     let said = |arguments: &[&str]| {
         let output = wingbeat(&folder, arguments);
         assert_eq!(output.status.code(), Some(2), "{output:?}");
@@ -316,14 +325,9 @@ fn refusals_name_their_override_and_their_help() {
 #[test]
 fn overrides_without_effect_are_told() {
     let folder = scratch("fly-in-vain");
-    assert!(wingbeat(&folder, &["new", "robot", "--minimal", "mini.toml"]).status.success());
-    assert!(wingbeat(&folder, &["new", "scenario", "--robot", "mini.toml", "sc.toml"]).status.success());
+    small_scenario(&folder);
     let told = |id: &str, set: &[&str]| {
-        let mut arguments = vec!["fly", "sc.toml", "--quiet", "--no-report", "--force", "--out", "o"];
-        let duration = ["flight.duration_s=0.02"];
-        arguments.extend(duration.iter().chain(set).flat_map(|set| ["--set", set]));
-        let answer = wingbeat(&folder, &arguments);
-        assert!(answer.status.code() != Some(2), "{}", String::from_utf8_lossy(&answer.stderr));
+        fly_shortly(&folder, set);
         let texts = warned(&folder, "o").into_iter().filter(|warning| warning[0] == id);
         texts.map(|[_, text]| text).collect::<Vec<_>>()
     };

@@ -117,12 +117,15 @@ class Plots {
     const n = t.length, bin = Math.max(1, Math.floor(n / pixels / 1.2));
     let d = '', pen = 'M';
     const to = i => { d += `${pen}${X(t[i]).toFixed(1)} ${Y(values[i]).toFixed(1)}`; pen = 'L'; };
-    for (let i = 0; i < n; i += bin) {
-      let least = -1, most = -1;
-      for (let k = i; k < Math.min(n, i + bin); k++) if (Number.isFinite(values[k])) { if (least < 0 || values[k] < values[least]) least = k; if (most < 0 || values[k] > values[most]) most = k; }
-      if (least < 0) { pen = 'M'; continue; }
-      if (i && Math.abs(values[i] - values[i - 1]) > jump) pen = 'M';
-      if (least === most) to(least); else { to(Math.min(least, most)); to(Math.max(least, most)); }
+    for (let i = 0, k; i < n; i = k) {
+      let least = i, most = i;
+      const end = Math.min(n, i + bin);
+      for (k = i; k < end && Number.isFinite(values[k]); k++) { if (values[k] < values[least]) least = k; if (values[k] > values[most]) most = k; }
+      if (k > i) {
+        if (i && Math.abs(values[i] - values[i - 1]) > jump) pen = 'M';
+        if (least === most) to(least); else { to(Math.min(least, most)); to(Math.max(least, most)); }
+      }
+      if (k < end) { pen = 'M'; k++; }
     }
     return d;
   }

@@ -462,10 +462,9 @@ impl StraightBetween {
     /// How far the outline reaches at `arc` (m) beyond the straight lines between two edges (m), ahead and behind, over the chord between
     /// these lines; `arc` lies the share `share` of the way from the first edge to the second.
     fn beyond(&self, edges: [f64; 2], arc: f64, share: f64) -> [f64; 2] {
-        let [(le, te), (le_to, te_to)] = edges.map(|edge| self.planform.edges(edge));
-        let [line_le, line_te] = [le + (le_to - le) * share, te + (te_to - te) * share];
-        let (outline_le, outline_te) = self.planform.edges(arc);
-        [outline_le - line_le, line_te - outline_te].map(|beyond| beyond / (line_le - line_te))
+        let [ahead, ahead_of_trailing] = self.planform.ahead_of_lines(edges, arc);
+        let [from, to] = edges.map(|edge| self.planform.chord(edge));
+        [ahead, -ahead_of_trailing].map(|beyond| beyond / (from + (to - from) * share))
     }
 }
 
