@@ -283,7 +283,7 @@ impl<P: Scalar> Planform<P> {
         })
     }
 
-    /// How far ahead of the straight lines between two arc coordinates, `from` < `to`, m, the leading and the trailing edge lie at `s` between
+    /// How far ahead of the straight lines between two arc coordinates, m, the leading and the trailing edge lie at `s` between
     /// them, m.
     pub fn ahead_of_lines(&self, [from, to]: [P; 2], s: P) -> [P; 2] {
         let [(leading, trailing), (leading_to, trailing_to), (leading_at, trailing_at)] =
