@@ -13,6 +13,7 @@ mod law;
 mod lifting_line;
 mod loads;
 mod membrane;
+mod momentum;
 mod numbers;
 mod planform;
 mod section;
@@ -34,6 +35,7 @@ pub use loads::{
     Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, MembraneWork, StripLoads,
 };
 pub use membrane::{MEMBRANE_DRAWN, MembraneNumbers, MembraneSpec, membrane_rise};
+pub use momentum::induced_power;
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers, walk_web};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;

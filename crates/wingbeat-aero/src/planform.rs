@@ -75,7 +75,11 @@ impl Planform {
             return Err(Error::invalid("planform", given, "at least two stations"));
         }
         if stations[0].arc_m != 0.0 {
-            return Err(Error::invalid("planform[0].arc_m", stations[0].arc_m, "0: the plane of symmetry"));
+            return Err(Error::invalid(
+                "planform[0].arc_m",
+                stations[0].arc_m,
+                "0: the plane of symmetry; a wing that begins outboard of it leaves that out by `gaps`",
+            ));
         }
         for (i, s) in stations.iter().enumerate() {
             if i > 0 && !(s.arc_m > stations[i - 1].arc_m) {

@@ -245,6 +245,11 @@ fn table(summary: &TrimSummary) -> String {
     text
 }
 
+/// A number with five places, or four digits where these say too little.
+fn five_places(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:.3e}") } else { format!("{value:.5}") }
+}
+
 /// What a trim from a robot's file chose, in words.
 fn of_alone(alone: &AloneSummary) -> String {
     let mut text = format!(
@@ -260,7 +265,7 @@ fn of_alone(alone: &AloneSummary) -> String {
         text += &format!("{:<28}{:.2} m/s: {what}{reason}\n", "tried", tried.speed_m_s);
     }
     for (key, [from, to]) in &alone.changed {
-        let number = |value: &Option<f64>| value.map_or("left out".into(), |value| format!("{value:.5}"));
+        let number = |value: &Option<f64>| value.map_or("left out".into(), five_places);
         text += &format!("{:<28}{key} = {}, was {}\n", "chosen", number(to), number(from));
     }
     let Some(turn) = &alone.turn else { return text };

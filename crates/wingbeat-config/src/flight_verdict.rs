@@ -5,11 +5,12 @@ use super::spec::GoalSpec;
 use super::stall;
 use super::summary::{Context, PartClearance, Summary, mean};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use wingbeat_aero::induced_power;
 use wingbeat_flight::guide::angle_error;
 use wingbeat_flight::simulate::{Cost, Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, linkage, range, trim, wake};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
-use wingbeat_math::Vec3;
+use wingbeat_math::{GRAVITY, Vec3};
 use wingbeat_ocp::plant::Fault;
 
 /// A flight and what is judged of it.
@@ -294,8 +295,36 @@ impl JudgedFlight<'_> {
             if flies && self.weight_carried().is_some() {
                 judge.hold(&range::REVERSED_OUTSIDE, means.reversed_fraction);
                 judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
+                judge.hold_if(&flight::IDEAL, self.ideal_power_fraction());
             }
         }
+    }
+
+    /// Least power of the disc on the span over what the air gets of joints and of height, of at least two whole cycles that count. A kinetic
+    /// energy that changes counts as given to it. None in gusts, which give power, and over ground.
+    ///
+    /// Equation: flight.ideal_power_fraction
+    /// `P_ideal / (P - m g v_z + |change of m v^2 / 2| / T)`, `P_ideal` by aero.induced_power with `F = m g + m dv / T`
+    /// Source: balance of work in the air that is at rest far off.
+    /// Test: `the_power_of_a_flight_is_above_the_ideal_one`.
+    fn ideal_power_fraction(&self) -> Option<f64> {
+        let robot = self.context.robot;
+        let still = self.context.turbulence.is_none() && self.summary.ground_distance_m.is_none();
+        let whole = self.cycles.is_some_and(|cycles| cycles + ROUNDING >= 2.0);
+        let t = self.record.values("t").filter(|_| still && whole)?.get(self.first..)?;
+        let time = t.last()? - t.first()?;
+        let through_air = |row: usize| Some(velocity_at(self.record, row)? - self.context.wind);
+        let (start, end) = (through_air(self.first)?, through_air(self.record.rows() - 1)?);
+        let mean = |name: &str| mean(self.record.values(name)?.get(self.first..)?);
+        let [x, y, z] = ["x", "y", "z"].map(|axis| mean(&format!("v_WB_W_{axis}")));
+        let velocity = Vec3::new(x?, y?, z?) - self.context.wind;
+        let (mass, carried) = (robot.mass(), self.summary.cost.weight_carried?);
+        let force = Vec3::new(0.0, 0.0, carried * GRAVITY) + (end - start) * (1.0 / time);
+        let ideal = induced_power(force * mass, -velocity, robot.density(), 0.5 * plausible::span(robot));
+        let kinetic = 0.5 * (end.norm_squared() - start.norm_squared()).abs() / time;
+        let joints = self.summary.cost.net_power_w? + mean("regulator_power").unwrap_or_default().max(0.0);
+        let given = joints + mass * (kinetic - GRAVITY * velocity[2]);
+        (ideal > 0.0).then(|| ideal / given.max(1e-3 * ideal))
     }
 
     /// Largest size of the power of the driven joints, W; none of a flight that grew without bound.

@@ -1,9 +1,11 @@
 //! What a prescribed motion is, whatever becomes of the air.
 
 use std::f64::consts::PI;
+use wingbeat_aero::induced_power;
 use wingbeat_flight::tether::{Clock, Tether, TetherRun};
 use wingbeat_judge::limits::{range, tether};
 use wingbeat_judge::{Judge, Warning};
+use wingbeat_math::Vec3;
 
 /// A prescribed motion in numbers that are judged.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +16,8 @@ pub struct Moved {
     pub speed_m_s: f64,
     /// Least distance from the ground, m, where there is one.
     pub ground_m: Option<f64>,
+    /// Way of the wind in a cycle over the longest of a section in it, of a wing whose sections go further than some chords.
+    pub advance: Option<f64>,
     /// Cycles, of a motion that repeats, and reduced frequency k = omega c / (2 V) by the mean speed.
     pub repeated: Option<(usize, f64)>,
     /// Density of the fluid, kg/m3, and Reynolds number by the mean chord and speed.
@@ -30,6 +34,7 @@ impl Moved {
             crossing: tether.crossing_fraction(),
             speed_m_s: tether.largest_speed(),
             ground_m: tether.ground_distance(),
+            advance: advance(tether, chord),
             repeated: tether.repeats().then(|| (cycles, PI * frequency_hz * chord / speed)),
             fluid: [density, density * speed * chord / range::viscosity(density)],
         }
@@ -52,9 +57,43 @@ impl Moved {
             judge.hold(&tether::FIRST, cycles as f64);
             judge.hold(&tether::REDUCED, reduced_frequency);
         }
+        judge.hold_if(&tether::ADVANCE, self.advance.filter(|_| density > 0.0));
     }
 }
 
+/// Way of the wind in a cycle over that of the section which goes furthest, where that is long beside the mean chord `chord`, m:
+/// what stirs in place is judged by its reduced frequency.
+fn advance(tether: &Tether, chord: f64) -> Option<f64> {
+    let way = tether.longest_way();
+    let long = way > STROKE * chord;
+    long.then(|| tether.wind.norm() / (tether.clock.frequency_hz * way))
+}
+
+/// Least power of the disc that the wing reaches over the power into the air in the last cycle of `run`: joints and wind together. None over
+/// ground, and where the cycle is not like the one before.
+///
+/// Equation: tether.ideal_power_fraction
+/// `P_ideal / (P + F.U)`, `P_ideal` by aero.induced_power
+/// Source: balance of work in the air that is at rest far off.
+/// Test: `a_wing_that_beats_the_ideal_power_is_outside`.
+pub fn ideal_power_fraction(tether: &Tether, run: &TetherRun) -> Option<f64> {
+    let repeats = run.periodicity.as_ref()?.change <= tether::CYCLES.value;
+    if tether.ground.is_some() || !repeats {
+        return None;
+    }
+    let [drag, side, lift] = ["drag", "side", "lift"].map(|axis| run.mean(&format!("force_wind_{axis}")));
+    let (force, wind) = (Vec3::new(drag?, side?, lift?), Vec3::new(tether.wind.norm(), 0.0, 0.0));
+    let ideal = induced_power(force, wind, tether.reference.density_kg_m3, tether.reach());
+    let given = run.mean("power")? + force.dot(wind);
+    // What is zero by symmetry is rounding.
+    let scale = run.mean_positive_power()? + force.norm() * wind.norm();
+    (ideal > ROUNDING * scale).then(|| ideal / given.max(ideal / MOST))
+}
+
+/// Number that stands for every larger one, and for a wing that takes power from the air.
+const MOST: f64 = 1e3;
+/// Way of a section in a cycle, in mean chords, from which it may come back into its own wake. *Choice.*
+const STROKE: f64 = 4.0;
 /// Part of its range within which a load is the same half a cycle later. *Choice.*
 const WITHIN: f64 = 2e-2;
 /// Range of a load over the largest of all below which it is rounding. *Choice.*

@@ -47,6 +47,13 @@ fn hold_angles(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&range::PHASE, largest(&mut { phases }));
 }
 
+/// The longest of the surfaces of `robot` along its arc, m.
+pub(super) fn span(robot: &Robot) -> f64 {
+    let width =
+        |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());
+    robot.surfaces().map(|(_, aero)| width(aero)).fold(0.0, f64::max)
+}
+
 /// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes and flaps against their links.
 pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());
@@ -55,9 +62,7 @@ pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     hold_angles(judge, robot);
     hold_followed(judge, robot);
     link_spar::hold_shape(judge, robot);
-    let width =
-        |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());
-    let span = robot.surfaces().map(|(_, aero)| width(aero)).fold(0.0, f64::max);
+    let span = span(robot);
     let bodies = robot.numbers().bodies;
     let (Some(central), true) = (bodies.first(), span > 0.0) else { return };
     let heavy = || bodies.iter().filter(|body| body.mass > 0.0);

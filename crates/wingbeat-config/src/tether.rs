@@ -3,7 +3,7 @@
 use super::fit::{ByName, rejected_fit};
 use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
-use super::moved::{Moved, repeating};
+use super::moved::{Moved, ideal_power_fraction, repeating};
 use super::skin::MembraneSummary;
 use super::span_keys::{resolve, varied};
 use super::spar_numbers::SparNumbers;
@@ -202,6 +202,7 @@ impl TetherCase {
             judge.hold_if(&tether::STEPS, step_change.map(|change| change.mean));
             judge.hold_if(&tether::STEPS_OF_POWER, step_change.map(|change| change.power));
             Moved::new(&self.tether).hold(&mut judge);
+            judge.hold_if(&tether::IDEAL, ideal_power_fraction(&self.tether, run));
             let planform = self.tether.wing.planform();
             if let Some((spar, numbers)) = self.spec.spar.as_ref().zip(self.spar_numbers) {
                 let held = self.tether.motion.is_still();
@@ -374,7 +375,8 @@ pub struct SparSummary {
     pub tip_nose_up_deg: f64,
     /// Lowest frequencies of the unbent beam without air, Hz.
     pub frequencies_hz: Vec<f64>,
-    /// Growth rate of the small motion about it that decays least, 1/s; above 0 the wing flutters or diverges.
+    /// Growth rate of the small motion about it that decays least, 1/s, over its angular frequency, or the lowest of the spar where that is larger.
+    /// Above 1e-3 of it the wing flutters or diverges.
     pub growth_1_s: Option<f64>,
     /// Frequency of that motion, Hz; 0 of one that does not oscillate.
     pub frequency_hz: Option<f64>,
@@ -419,7 +421,8 @@ impl SparSummary {
             warnings.push(Warning::new("tether.flutter", text).key("wind.speed_m_s"));
         }
         if let (Some(growth), Some(frequency)) = (self.growth_1_s, self.frequency_hz)
-            && growth > 0.0
+            && let Some(lowest) = self.frequencies_hz.first()
+            && growth > tether::FLUTTER.value * std::f64::consts::TAU * frequency.max(*lowest)
             && !still
         {
             let what = if frequency > 0.0 { "flutters" } else { "diverges" };

@@ -174,6 +174,14 @@ impl<P: Scalar> LiftingLine<P> {
     pub fn widths(&self) -> &[P] {
         &self.layout.widths
     }
+    /// Mean over the area of the size of the sweep of the line of the quarter chords, rad. The line itself is straight: its wash knows no sweep.
+    pub fn mean_sweep(&self) -> P {
+        let cells = &self.layout.cells;
+        let [sum, area] = cells.iter().fold([P::ZERO; 2], |[sum, area], cell| {
+            [sum + cell.sweep.abs().atan2(P::ONE) * cell.area, area + cell.area]
+        });
+        sum / area
+    }
     /// Number of nodes.
     pub fn strips(&self) -> usize {
         self.nodes.len()

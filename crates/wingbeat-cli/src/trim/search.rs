@@ -66,7 +66,7 @@ pub fn table(search: &SearchSummary) -> String {
         "search"
     );
     for (key, value) in &search.values {
-        text += &format!("{:<28}{key} = {value:.5}\n", "");
+        text += &format!("{:<28}{key} = {}\n", "", super::five_places(*value));
     }
     text
 }

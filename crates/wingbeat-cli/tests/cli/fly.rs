@@ -353,3 +353,22 @@ fn overrides_without_effect_are_told() {
     assert_eq!(unheard(&["aero.law=lev", "aero.critical_suction=0.2"]), 0);
     assert_eq!(unheard(&["aero.preset=full", "aero={paper={nodes=20},law=\"stall\"}"]), 1);
 }
+
+#[test]
+fn the_power_of_a_flight_is_above_the_ideal_one() {
+    let folder = scratch("fly-ideal");
+    let scenario = root().join("scenarios/cruise_20g.toml");
+    let fly = |set: &str| {
+        let scenario = scenario.to_str().unwrap();
+        let shown = ["--quiet", "--no-report", "--force", "--out", "o"];
+        wingbeat(&folder, &[&["fly", scenario, "--set", set], &shown[..]].concat()).status.code()
+    };
+    assert_eq!(fly("flight.duration_s=2.0"), Some(0));
+    let summary = fs::read_to_string(folder.join("o/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let judged = summary["judged"].as_array().unwrap();
+    let ideal = judged.iter().find(|row| row["id"] == "flight.ideal_power_fraction").unwrap();
+    let value = ideal["value"].as_f64().unwrap();
+    assert!(value > 0.0 && value < 0.3, "{value}");
+    assert_eq!(fly(&format!("limits.flight.ideal_power_fraction={}", 0.9 * value)), Some(1));
+}

@@ -424,3 +424,42 @@ fn columns_keep_their_names_in_every_format() {
     let (code, said) = run("none.csv", &[]);
     assert!(code == Some(2) && said.contains("`force_z`") && !said.contains("Fz"), "{said}");
 }
+
+/// A rotor of two untwisted blades, a metre across, at a turn a second.
+const ROTOR: &str = r#"
+name = "rotor"
+wing.planform = [
+    { arc_m = 0.0, leading_edge_m = 0.02, trailing_edge_m = -0.06 },
+    { arc_m = 0.5, leading_edge_m = 0.02, trailing_edge_m = -0.06 },
+]
+wing.hinges = [
+    { name = "left", kind = "twist", arc_m = 0.0, side = "left", angle_deg.constant = 70.0 },
+    { name = "right", kind = "twist", arc_m = 0.0, side = "right", angle_deg.constant = -70.0 },
+]
+body.roll_deg.table = { file = "roll.csv", column = "roll" }
+wind = { speed_m_s = 1.0, density_kg_m3 = 1.225 }
+reference.speed_m_s = 1.0
+aero = { preset = "full", law = "linear", full.strips = 12 }
+time = { frequency_hz = 1.0, cycles = 4, steps_per_cycle = 200 }
+"#;
+
+#[test]
+fn a_wing_that_beats_the_ideal_power_is_outside() {
+    let folder = scratch("tether-ideal");
+    fs::write(folder.join("rotor.toml"), ROTOR).unwrap();
+    fs::write(folder.join("roll.csv"), "t,roll\n0,0\n100,36000\n").unwrap();
+    let judged = |speed: &str| {
+        let set = format!("wind.speed_m_s={speed}");
+        let run = ["--set", &set, "--force", "--out", "o", "--quiet", "--no-report"];
+        tether(&folder, Path::new("rotor.toml"), &run);
+        let summary = summary(&folder.join("o"));
+        let rows = summary["judged"].as_array().unwrap();
+        let value = rows.iter().find(|row| row["id"] == "tether.ideal_power_fraction");
+        let warned = summary["warnings"].to_string().contains("tether.advance_ratio");
+        (summary["status"].as_str().unwrap().to_owned(), value.unwrap()["value"].as_f64().unwrap(), warned)
+    };
+    let (status, fraction, warned) = judged("1.0");
+    assert!(status == "ok" && fraction < 0.6 && !warned, "{status} {fraction} {warned}");
+    let (status, fraction, warned) = judged("0.2");
+    assert!(status == "outside" && fraction > 1.05 && warned, "{status} {fraction} {warned}");
+}

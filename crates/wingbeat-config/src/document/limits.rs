@@ -18,21 +18,25 @@ pub const LARGEST: f64 = 1e12;
 
 /// Units and largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
 /// such that powers and products of several stay finite and no picture or table grows without bound.
-const BY_UNIT: [(&str, &str, f64); 24] = [
+const BY_UNIT: [(&str, &str, f64); 28] = [
     ("_w_kg", "W/kg", 1e5),
     ("_kg_m2", "kg m2", 1e6),
     ("_kg_m3", "kg/m3", 1e5),
     ("_rad_s", "rad/s", 1e6),
     ("_rad_s2", "rad/s2", 1e9),
+    ("_rad_s3", "rad/s3", LARGEST),
     ("_m_s2", "m/s2", 1e6),
     ("_n_m2", "N m2", 1e6),
     ("_kg_m", "kg/m", 1e4),
+    ("_n_m_a", "N m/A", LARGEST),
     ("_n_m", "N m", 1e6),
     ("_per_s", "1/s", 1e6),
+    ("_per_s2", "1/s2", LARGEST),
     ("_per_rad", "1/rad", 1e4),
     ("_m_s", "m/s", 1e4),
     ("_deg_s", "deg/s", 1e6),
     ("_deg", "deg", 3600.0),
+    ("_n_rad", "N/rad", 1e4),
     ("_rad", "rad", 1e4),
     ("_hz", "Hz", 1e7),
     ("_m2", "m2", 1e6),
@@ -53,12 +57,13 @@ fn row(path: &str) -> Option<(&'static str, f64)> {
 }
 
 /// The end of `key` that names a unit, the unit, and the largest magnitude. An inertia per length is a mass times a length, a density of an
-/// area a mass over it.
+/// area a mass over it, the integral of a height a length times a time.
 fn by_end(key: &str) -> Option<(&'static str, &'static str, f64)> {
     let (end, unit, most) = *BY_UNIT.iter().find(|(end, ..)| key.ends_with(end))?;
     let unit = match key {
         _ if key.ends_with("inertia_kg_m") => "kg m",
         _ if key.ends_with("density_kg_m2") => "kg/m2",
+        _ if key.ends_with("integral_m_s") => "m s",
         _ => unit,
     };
     Some((end, unit, most))
@@ -143,8 +148,10 @@ mod tests {
             "spar.inertia_kg_m",
             "spar.mass_kg_m",
             "rate_n_m",
+            "flap.stiffness_n_rad",
+            "weights.height_integral_m_s",
         ];
-        assert_eq!(keys.map(unit), ["N m2", "N m2", "kg m", "kg/m", "N m"]);
+        assert_eq!(keys.map(unit), ["N m2", "N m2", "kg m", "kg/m", "N m", "N/rad", "m s"]);
         assert_eq!(spoken("stations[1].inertia_kg_m"), "stations[1] inertia [kg m]");
         assert_eq!(spoken("robot.gait.fourier.frequency_hz"), "gait frequency [Hz]");
     }

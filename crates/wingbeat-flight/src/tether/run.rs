@@ -236,6 +236,32 @@ impl Tether {
         speeds.map(|v| (v - self.wind).norm()).fold(0.0, f64::max)
     }
 
+    /// Largest distance, m, of an edge of the wing in the last cycle from where the origin of the body is in the mean.
+    pub fn reach(&self) -> f64 {
+        let origins = || self.instants().map(|t| Vec3(self.motion.body(t).frame().origin.0.map(|x| x.x)));
+        let middle = origins().fold(Vec3::ZERO, |sum, origin| sum + origin) * (1.0 / LOOKS as f64);
+        let edges = self.instants().flat_map(|t| self.edges_at(t));
+        edges.flatten().map(|edge| (edge - middle).norm()).fold(0.0, f64::max)
+    }
+
+    /// Longest way, m, that the middle of a chord goes in the last cycle, beside the wind.
+    pub fn longest_way(&self) -> f64 {
+        let middles: Vec<Vec<Vec3>> = self
+            .instants()
+            .map(|t| self.edges_at(t).map(|[leading, trailing]| (leading + trailing) * 0.5).collect())
+            .collect();
+        let steps = |section: usize| {
+            let ends = middles.iter().zip(middles.iter().cycle().skip(1));
+            ends.map(|(at, to)| (to[section] - at[section]).norm()).sum::<f64>()
+        };
+        (0..self.aero.arcs().len()).map(steps).fold(0.0, f64::max)
+    }
+
+    /// Leading and trailing edge of each section at the time `t`, s.
+    fn edges_at(&self, t: f64) -> impl Iterator<Item = [Vec3; 2]> {
+        self.sections(t).into_iter().take(self.aero.arcs().len()).map(|section| [section.le, section.te])
+    }
+
     /// Mean chord over the arc, m, and the root mean square over the last cycle of the speed at which the middles of the strips move
     /// through the air, weighted by their areas, m/s.
     pub fn mean_chord_and_speed(&self) -> [f64; 2] {

@@ -84,7 +84,7 @@ pub struct Steady {
     pub tip: [f64; 3],
     /// Frequencies of the unbent beam without air, Hz, ascending.
     pub frequencies_hz: Vec<f64>,
-    /// Growth rate (1/s) and frequency (rad/s) of the motion that decays least.
+    /// Growth rate (1/s) and frequency (rad/s) of the motion that decays least beside its own frequency, or the lowest of the beam where that is larger.
     pub least_damped: [f64; 2],
     /// Relative distance: how far the tip of a beam with more coordinates is from this one, over its displacement or, where
     /// that is larger, a hundredth of its length.
@@ -287,8 +287,9 @@ impl Spar {
     /// The shape at rest in the wind with body and hinges held as they are at the time 0.
     pub fn steady(&self, tether: &Tether) -> Steady {
         let (at, found) = self.shape(tether);
-        let least_damped = if found { self.least_damped(tether, &at) } else { [f64::NAN; 2] };
         let frequencies_hz = unbent_hz(&self.beam);
+        let lowest = std::f64::consts::TAU * frequencies_hz.first().copied().unwrap_or_default();
+        let least_damped = if found { self.least_damped(tether, &at, lowest) } else { [f64::NAN; 2] };
         let tip = self.tip(&at.q);
         Steady {
             found,
@@ -363,11 +364,13 @@ impl Spar {
         Some([lowest, changes.take(JUDGED - 1).fold(lowest, f64::max)])
     }
 
-    /// Growth rate and frequency of the motion that decays least about a shape at rest.
-    fn least_damped(&self, tether: &Tether, at: &Stage) -> [f64; 2] {
+    /// Growth rate and angular frequency of the motion about a shape at rest that decays least, over its angular frequency or over `lowest`, rad/s,
+    /// where that is larger: fast ones with waves shorter than a strip grow by a share of theirs that strips do not resolve.
+    fn least_damped(&self, tether: &Tether, at: &Stage, lowest: f64) -> [f64; 2] {
         let coupled = CoupledSpar { tether, spar: self, still: Some(0.0), share: 1.0 };
         let found = coupled.eigenvalues(at);
-        let least = found.into_iter().filter(|s| s.1 >= 0.0).max_by(|a, b| a.0.total_cmp(&b.0));
+        let share = |(growth, frequency): &(f64, f64)| growth / frequency.max(lowest);
+        let least = found.into_iter().filter(|s| s.1 >= 0.0).max_by(|a, b| share(a).total_cmp(&share(b)));
         least.map_or([f64::NAN; 2], |(growth, frequency)| [growth, frequency])
     }
 

@@ -44,9 +44,9 @@ pub const SPAR_FREQUENCY: JudgedLimit = JudgedLimit::warn_above("tether.spar_fre
     "a spar with so few coefficients bends or twists at another frequency: largest change of its three lowest with one more, over them",
 );
 /// Disturbances of a wing that is held at rest: beyond the speed of flutter or divergence it would leave the shape whose loads are
-/// told. Rounding alone grows by 1e-9. *Choice.*
+/// told. Rounding alone grows by 1e-9, waves shorter than a strip by 4e-4 of their own frequency. *Choice.*
 pub const FLUTTER: JudgedLimit = JudgedLimit::at_most("tether.growth_fraction", 1e-3, "", Outside).on(
-    "small disturbances of a wing held at rest in the wind flutter or diverge: their growth rate over the lowest angular frequency of the spar",
+    "small disturbances of a wing held at rest in the wind flutter or diverge: their growth rate over their angular frequency, or the lowest of the spar where that is larger",
 );
 /// Stations of a spar without mass, or without inertia about the span, where the wing has a chord. *Choice.*
 pub const MASSLESS: JudgedLimit = JudgedLimit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
@@ -89,13 +89,23 @@ pub const SLENDER: JudgedLimit = JudgedLimit::warn_below("tether.aspect_ratio", 
 pub const REDUCED: JudgedLimit = JudgedLimit::warn_above("tether.reduced_frequency", 2.0, "").on(
     "the wing hardly leaves its wake of the stroke before (are chords in m and the frequency in Hz?): pi f times the mean chord over the root mean square of its speed through the air",
 );
+/// Least power that momentum asks of any wing within the sphere of this one, over what it gives to the air: shipped cases have 0.4 and less,
+/// an elliptic wing at rest has 1. Above it a model gives force for nothing. The margin is a *choice*.
+pub const IDEAL: JudgedLimit = JudgedLimit::at_most("tether.ideal_power_fraction", 1.05, "", Outside).on(
+    "the model gives more force than any wing of this reach can for its power, as where a wing comes back into its own wake: ideal power of the disc that it reaches over its power into the air,",
+);
+/// Way of the wind in a cycle over the longest way of a section in it. A revolving wing of two blades, with 0.32 and 0.064, has 3 % and 29 % more
+/// thrust by strips than by the free lattice; flapping ones that travel a span in a cycle have 0.5 and more. *Choice.*
+pub const ADVANCE: JudgedLimit = JudgedLimit::warn_below("tether.advance_ratio", 0.2, "").on(
+    "the wing comes back into its own wake, which strips take to lie straight behind them (wakes of `wingbeat wake` do not): way of the wind in a cycle over that of the tips",
+);
 /// Reynolds number of the mean chord and speed below which no section law here was measured, thin plates from 1e3 on.
 pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3, "").on(
     "the laws of sections are those of thin plates at Reynolds numbers of 1e3 to 1e5 (are lengths in m and speeds in m/s?): that of the mean chord and speed",
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 23] = [
+pub const ALL: [JudgedLimit; 25] = [
     STEPS,
     STEPS_OF_POWER,
     PEAKS,
@@ -118,5 +128,7 @@ pub const ALL: [JudgedLimit; 23] = [
     DAMPED,
     SLENDER,
     REDUCED,
+    IDEAL,
+    ADVANCE,
     VISCOUS,
 ];

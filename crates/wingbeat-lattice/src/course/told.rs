@@ -180,6 +180,8 @@ fn far(watch: &CourseWatch<'_>) -> Option<[f64; 2]> {
     let (drag, span) = watch.far.filter(|_| course.flown.is_none() && course.critical_suction.is_none())?;
     watch.unsteadiness().filter(|unsteady| *unsteady <= STEADY)?;
     let lift = watch.mean("joukowski", course.axes.up)?;
+    // What revolves may bear steady circulations too, and leaves no straight wake.
+    watch.mean("joukowski", course.axes.flight).filter(|along| along.abs() <= lift.abs())?;
     let pressure = 0.5 * course.scene.density_kg_m3 * course.scene.wind.norm_squared();
     let efficiency = lift * lift / (std::f64::consts::PI * pressure * span * span * drag);
     (drag > 0.0 && efficiency.is_finite()).then_some([drag, efficiency])

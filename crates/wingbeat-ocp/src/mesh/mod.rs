@@ -306,7 +306,8 @@ impl<P: OptimalControl> MeshRun<'_, P> {
                     | SolveStatus::IterationLimit
                     | SolveStatus::NumericalTrouble { .. }
             );
-            let fits = 2 * intervals <= self.refinement.most_intervals && !self.is_over();
+            let &Refinement { most_intervals, meshes, .. } = self.refinement;
+            let fits = 2 * intervals <= most_intervals && self.passes.len() < meshes && !self.is_over();
             if !again || result.1.is_none() || !fits {
                 break;
             }

@@ -82,6 +82,45 @@ fn the_pazy_wing_stays_at_rest_in_the_wind() {
     assert!(spar.grid_change.unwrap() < 0.1 && spar.frequencies_hz[0] > 4.0 && spar.frequencies_hz[0] < 6.0);
 }
 
+/// Modes whose waves are shorter than a strip grow by a share of their own frequency, however many elements have them.
+#[test]
+fn fast_modes_of_a_fine_spar_are_no_flutter() {
+    let station = |arc: f64| {
+        format!(
+            "{{ arc_m = {arc}, bending_n_m2 = 2.0, edge_bending_n_m2 = 200.0, torsion_n_m2 = 1.5, mass_kg_m = 0.3, inertia_kg_m = 1e-3 }}"
+        )
+    };
+    for elements in [2, 4] {
+        let text = format!(
+            r#"
+name = "cantilever"
+wing.planform = [
+  {{ arc_m = 0.0, leading_edge_m = 0.05, trailing_edge_m = -0.05 }},
+  {{ arc_m = 1.0, leading_edge_m = 0.05, trailing_edge_m = -0.05 }},
+]
+body.nose_up_deg.constant = 0.1
+wind = {{ speed_m_s = 5.0, density_kg_m3 = 1.225 }}
+aero = {{ preset = "full", law = "linear", full.strips = 8 }}
+time = {{ frequency_hz = 2.0, cycles = 1, steps_per_cycle = 200 }}
+[spar]
+elements = {elements}
+stations = [{}, {}]
+"#,
+            station(0.0),
+            station(1.0)
+        );
+        let case = TetherCase::new(Document::text("cantilever", &text).unwrap(), &none).unwrap();
+        let run = run(&case);
+        let [growth, frequency] = run.steady.as_ref().unwrap().least_damped;
+        assert!(growth < 1e-3 * frequency, "{elements} {growth} {frequency}");
+        let verdict = case.summary(&run, Some(SAME), None).verdict;
+        assert!(
+            verdict.judged.iter().any(|row| row.id == "tether.growth_fraction" && row.value.unwrap() < 1e-3)
+        );
+        assert_eq!(verdict.status, Status::Ok, "{:?}", verdict.reason);
+    }
+}
+
 /// A stiff spar is the rigid wing: its ringing, which no step resolves, dies away.
 #[test]
 fn a_stiff_spar_is_a_rigid_wing() {
