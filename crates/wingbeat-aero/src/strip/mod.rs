@@ -23,6 +23,7 @@ mod reach;
 mod response;
 mod settings;
 mod side_edge;
+mod slopes;
 mod tables;
 
 pub use bent::SkinSheet;
@@ -43,7 +44,7 @@ use crate::{
 use cores::Cores;
 use flap::Hinges;
 use grid::StripGrid;
-use influence::{Matrix, StripColumn, TargetPlaces, Targets, Trailing, Wash, invert, lanes, multiply, plain};
+use influence::{Beside, Matrix, StripColumn, TargetPlaces, Targets, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
 use response::{FullSpread, StripResponse};
@@ -108,7 +109,7 @@ struct Room<K: Scalar, S: Scalar, const N: usize> {
     flow: StripFlow<K, S, N>,
     wakes: Wakes<K, S, N>,
     places: TargetPlaces<K, N>,
-    beside: [Trailing<K, S, N>; 2],
+    beside: Beside<K, S, N>,
 }
 
 /// What is wanted beside the sum.
@@ -548,7 +549,7 @@ impl<K: Scalar, S: Over<K>, const N: usize> Room<K, S, N> {
         flow: StripFlow::STILL,
         wakes: Wakes::ZERO,
         places: TargetPlaces::ZERO,
-        beside: [Trailing::ZERO; 2],
+        beside: Beside::ZERO,
     };
 }
 
