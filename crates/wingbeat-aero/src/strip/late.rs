@@ -2,7 +2,7 @@
 //! washes alone, so that one pass carries the derivatives by the states of each strip and by those washes side by side, whatever the number
 //! of strips; the washes follow by products of the matrices at hand.
 
-use super::influence::{Matrix, StripColumn, multiply, sum};
+use super::influence::{Matrix, StripColumn, dot, multiply};
 use super::membrane::Camber;
 use super::response::{LagSums, Lagged, Spread, StripResponse};
 use super::settings::SpanForce;
@@ -184,6 +184,12 @@ impl ByWashes {
             sum[i] = a[i].mul_add(x[i], b[i].mul_add(y[i], c[i] * z[i]));
         }
         sum
+    }
+    /// The sum of the same over all strips.
+    #[inline(always)]
+    fn sum_along(&self, washes: &[StripSlopes; WASHES]) -> f64 {
+        let of = |k: usize| dot(&self.slopes[k], &washes[k], WIDE);
+        (of(0) + of(1)) + of(2)
     }
 }
 
@@ -380,8 +386,7 @@ impl StripModel {
                 rows.zip(&column[..n]).for_each(|(rate, value)| *rate = *value);
             }
             for (r, of_loads) in of_loads.iter().enumerate() {
-                let column = of_loads.along(&washes);
-                out.loads[r * states + s] = sum(&column) + loads[r][j].eps[block];
+                out.loads[r * states + s] = of_loads.sum_along(&washes) + loads[r][j].eps[block];
             }
         }
     }

@@ -143,7 +143,7 @@ fn faded(y: f64, core4: f64) -> (f64, f64) {
 /// Equation: aero.strip.segment_slopes
 /// `w = n.(x x y) h, h = (1/a + 1/b) f(s): by n (x x y) h; by x (y x n) h + n.(x x y) [(1/a + 1/b) f' (x b/a + y) - f x/a^3]; by y likewise`
 /// Source: aero.strip.segment by the chain rule.
-/// Test: `what_has_no_derivative_is_left_out_and_nothing_else`.
+/// Test: `slopes_are_the_derivatives_of_the_washes_themselves`.
 #[inline(always)]
 fn segment([x, y]: [Vec3; 2], [a, b]: [f64; 2], n: Vec3, core4: f64) -> Sloped {
     let cross = x.cross(y);
@@ -162,7 +162,7 @@ fn segment([x, y]: [Vec3; 2], [a, b]: [f64; 2], n: Vec3, core4: f64) -> Sloped {
 /// Equation: aero.strip.wake_slopes
 /// `w = n.(u x r) f(y), y = b (b - u.r): by r (n x u) f + n.(u x r) f' (r (2 b - u.r)/b - u b); by u (r x n) f - n.(u x r) f' b r`
 /// Source: aero.strip.trailing_vortex by the chain rule.
-/// Test: `what_has_no_derivative_is_left_out_and_nothing_else`.
+/// Test: `slopes_are_the_derivatives_of_the_washes_themselves`.
 #[inline(always)]
 fn wake(u: Vec3, r: Vec3, b: f64, n: Vec3, core4: f64) -> Sloped {
     let (cross, along) = (u.cross(r), u.dot(r));
