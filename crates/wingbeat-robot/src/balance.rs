@@ -2,7 +2,7 @@
 //! which needs no derivatives of its own.
 
 use super::Robot;
-use super::dynamics::{DegreeMatrix, Evaluation, Inertia};
+use super::dynamics::{DegreeMatrix, Evaluation, InstantInertia};
 use super::sections::Carriers;
 use arrayvec::ArrayVec;
 use wingbeat_math::linear::solve_symmetric_leading;
@@ -47,7 +47,7 @@ impl Robot {
         let (early, air) = x.split_at(l.aero);
         let structure = &early[l.structure..];
         let clock = Jet::new(Early::from(t), Early::ONE, Early::ZERO);
-        let held = (&[][..], Inertia::Held(&known.degrees));
+        let held = (&[][..], InstantInertia::Held(&known.degrees));
         let (body, setting) = self.instant((clock.x, &clock), early, u, held, dx, out)?;
         let Evaluation { links, base, coordinates, carriers, .. } = out;
         let mut carriers = Carriers::within(carriers, coordinates);

@@ -93,7 +93,7 @@ pub(super) struct InstantSetting<G: Scalar> {
 pub(super) type DegreeMatrix<G> = ArrayVec<[G; MAX_DEGREES], MAX_DEGREES>;
 
 /// What becomes of the inertia of body and links.
-pub(super) enum Inertia<'a, G> {
+pub(super) enum InstantInertia<'a, G> {
     /// The mass matrix gets that on the body's accelerations; the wrench holds the rest.
     Summed(&'a mut [[G; 6]; 6]),
     /// Body and coordinates have these accelerations, links and body move with them, and the wrench holds all of it.
@@ -285,7 +285,7 @@ impl<P: Scalar> Robot<P> {
         let l = &self.layout;
         let structure = &x[l.structure..];
         let mut mass = [[G::ZERO; 6]; 6];
-        let inertia = Inertia::Summed(&mut mass);
+        let inertia = InstantInertia::Summed(&mut mass);
         let (body, setting) = self.instant((t, clock), x, u, (beyond, inertia), dx, out)?;
         let InstantSetting { attitude, wind, wind_dot, gravity, .. } = setting;
         let Evaluation { links, base, carriers, coordinates, second_rates, .. } = out;
@@ -318,7 +318,7 @@ impl<P: Scalar> Robot<P> {
         (t, clock): (G, &Jet<G>),
         x: &[G],
         u: &[G],
-        (beyond, inertia): (&[Wrench<f64>], Inertia<'_, G>),
+        (beyond, inertia): (&[Wrench<f64>], InstantInertia<'_, G>),
         dx: &mut [S],
         out: &mut Evaluation<G, S>,
     ) -> Result<InstantForces<G>, Fault> {
@@ -330,8 +330,8 @@ impl<P: Scalar> Robot<P> {
         let Evaluation { joints, links, base, coordinates, ratios, .. } = out;
         let tree = &self.mechanism.tree;
         let (inertial, first_moment) = match inertia {
-            Inertia::Summed(mass) => tree.inertia_bias_and_moment(base.rate, links, mass),
-            Inertia::Held(held) => {
+            InstantInertia::Summed(mass) => tree.inertia_bias_and_moment(base.rate, links, mass),
+            InstantInertia::Held(held) => {
                 let held: ArrayVec<G, MAX_DEGREES> = held.iter().map(|a| G::from(*a)).collect();
                 self.let_go(joints, links, coordinates, ratios, &held[6..]);
                 let field = BaseAcceleration::from_slice(&held);

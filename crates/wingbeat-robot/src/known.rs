@@ -2,7 +2,7 @@
 //! by the accelerations of gravity and air.
 
 use super::Robot;
-use super::dynamics::{BodySystem, Evaluation, Inertia, add};
+use super::dynamics::{BodySystem, Evaluation, InstantInertia, add};
 use super::joints::Displaced;
 use super::sections::Carriers;
 use super::{Joints, MAX_ELEMENTS};
@@ -57,7 +57,7 @@ impl Robot {
         let ((early, air), clock) = (x.split_at(l.aero), Jet::new(t, 1.0, 0.0));
         let structure = &early[l.structure..];
         let (mut out, mut mass) = (Evaluation::empty(), [[0.0; 6]; 6]);
-        let inertia = Inertia::Summed(&mut mass);
+        let inertia = InstantInertia::Summed(&mut mass);
         let (mut net, setting) = self.instant((t, &clock), early, u, (&[], inertia), dx, &mut out)?;
         if !self.add_elements(&clock, structure, &mut out)? {
             return Ok(false);
