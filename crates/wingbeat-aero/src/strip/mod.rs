@@ -107,6 +107,7 @@ struct Room<K: Scalar, S: Scalar, const N: usize> {
     /// Number of strips that it was last used for: all is zero beyond them.
     strips: usize,
     flow: StripFlow<K, S, N>,
+    edges: Edges<K, S, N>,
     wakes: Wakes<K, S, N>,
     places: TargetPlaces<K, N>,
     beside: Beside<K, S, N>,
@@ -495,13 +496,12 @@ impl<P: Scalar> StripModel<P> {
         if room.strips != n {
             *room = Room { strips: n, ..Room::NEW };
         }
-        let Room { flow, wakes, places, beside, .. } = room;
+        let Room { flow, edges, wakes, places, beside, .. } = room;
         flow.added_mass = [[K::ZERO; 6]; 6];
         if const { plain::<S>() } {
-            let mut edges = Edges::ZERO;
             edges.fill(sections, n);
-            self.move_strips(&edges, wind, &mut flow.strips);
-            self.shed_wakes(&edges, wind, wakes);
+            self.move_strips(edges, wind, &mut flow.strips);
+            self.shed_wakes(edges, wind, wakes);
         } else {
             self.move_on(sections, wind, &mut flow.strips, wakes);
         }
@@ -547,6 +547,7 @@ impl<K: Scalar, S: Over<K>, const N: usize> Room<K, S, N> {
     const NEW: Self = Self {
         strips: 0,
         flow: StripFlow::STILL,
+        edges: Edges::ZERO,
         wakes: Wakes::ZERO,
         places: TargetPlaces::ZERO,
         beside: Beside::ZERO,
