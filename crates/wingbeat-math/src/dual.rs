@@ -224,6 +224,7 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     const ONE: Self = Self { re: S::ONE, eps: [S::ZERO; N] };
     const NARROW: bool = S::NARROW;
     const CARRIES: bool = true;
+    const FIRST_ORDER: bool = !S::CARRIES && !S::RECORDED && size_of::<S>() == size_of::<f64>();
 
     #[inline]
     fn value(self) -> f64 {
@@ -281,6 +282,14 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn squared_add(self, b: Self) -> Self {
         let slope = self.re + self.re;
         self.zip(b, self.re.squared_add(b.re), |e, b| e.mul_add(slope, b))
+    }
+    #[inline(always)]
+    fn plus_slope(mut self, slope: f64, of: &Self) -> Self {
+        let slope = S::from(slope);
+        for i in 0..N {
+            self.eps[i] = of.eps[i].mul_add(slope, self.eps[i]);
+        }
+        self
     }
     /// With s = 1/(x^4 + c): slope x^2 s (4 c s - 1) by x and -x^3 s^2 by c.
     #[inline]

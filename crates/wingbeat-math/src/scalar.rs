@@ -44,6 +44,8 @@ pub trait Scalar:
     const NARROW: bool = false;
     /// True of numbers with derivatives of their own, where a product costs more than a quotient of values.
     const CARRIES: bool = false;
+    /// Whether these are plain numbers with first derivatives and no others, for which the chain rule needs no more than plain slopes.
+    const FIRST_ORDER: bool = false;
     /// True of numbers that write down what is done with them: how fast that is does not matter, how often it is compiled does.
     const RECORDED: bool = false;
 
@@ -128,6 +130,11 @@ pub trait Scalar:
     fn faded_inverse(self, core4: Self) -> Self {
         let square = self.squared();
         square * self / square.squared_add(core4)
+    }
+    /// self with the derivatives of `of` times a plain `slope` added to its own, its value as it is.
+    #[inline(always)]
+    fn plus_slope(self, slope: f64, of: &Self) -> Self {
+        self + (*of - of.value()) * slope
     }
     /// |self|; the derivative follows the branch of the value, and is that of `self` at zero.
     #[inline]

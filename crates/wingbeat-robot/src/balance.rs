@@ -2,7 +2,7 @@
 //! which needs no derivatives of its own.
 
 use super::Robot;
-use super::dynamics::{DegreeMatrix, Evaluation};
+use super::dynamics::{DegreeMatrix, Evaluation, InstantInertia};
 use super::sections::Carriers;
 use arrayvec::ArrayVec;
 use wingbeat_math::linear::solve_symmetric_leading;
@@ -10,7 +10,7 @@ use wingbeat_math::{Jet, Over, Scalar, Vec3};
 use wingbeat_ocp::plant::{Early, Fault, Known, MAX_DEGREES};
 
 impl Robot {
-    /// See [`Plant::rates_about`](wingbeat_ocp::plant::Plant::rates_about), for a body with coordinates. With the accelerations a that are known, every part moves
+    /// See [`Plant::rates_about`](wingbeat_ocp::plant::Plant::rates_about). With the accelerations a that are known, every part moves
     /// as it does, and the loads that remain, R, vanish but for their derivatives. Accelerations are a + M^-1 R, M the mass
     /// matrix. Places in B carry the derivatives of `K` alone.
     ///
@@ -47,10 +47,8 @@ impl Robot {
         let (early, air) = x.split_at(l.aero);
         let structure = &early[l.structure..];
         let clock = Jet::new(Early::from(t), Early::ONE, Early::ZERO);
-        let mut mass = [[Early::ZERO; 6]; 6];
-        let held = (&[][..], Some(&known.degrees[..]));
-        let places = (&mut *out, &mut mass);
-        let (body, setting) = self.instant((clock.x, &clock), early, u, held, dx, places)?;
+        let held = (&[][..], InstantInertia::Held(&known.degrees));
+        let (body, setting) = self.instant((clock.x, &clock), early, u, held, dx, out)?;
         let Evaluation { links, base, coordinates, carriers, .. } = out;
         let mut carriers = Carriers::within(carriers, coordinates);
         carriers.follow(base, &self.carriers, links, [setting.wind_dot, setting.gravity]);

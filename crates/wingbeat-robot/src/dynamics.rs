@@ -92,6 +92,14 @@ pub(super) struct InstantSetting<G: Scalar> {
 /// Mass matrix of body and coordinates: as many rows as there are degrees of freedom.
 pub(super) type DegreeMatrix<G> = ArrayVec<[G; MAX_DEGREES], MAX_DEGREES>;
 
+/// What becomes of the inertia of body and links.
+pub(super) enum InstantInertia<'a, G> {
+    /// The mass matrix gets that on the body's accelerations; the wrench holds the rest.
+    Summed(&'a mut [[G; 6]; 6]),
+    /// Body and coordinates have these accelerations, links and body move with them, and the wrench holds all of it.
+    Held(&'a [f64]),
+}
+
 /// The wrench on the body of all but the air on the surfaces, and what led to it.
 type InstantForces<G> = (Wrench<G>, InstantSetting<G>);
 
@@ -277,7 +285,8 @@ impl<P: Scalar> Robot<P> {
         let l = &self.layout;
         let structure = &x[l.structure..];
         let mut mass = [[G::ZERO; 6]; 6];
-        let (body, setting) = self.instant((t, clock), x, u, (beyond, None), dx, (out, &mut mass))?;
+        let inertia = InstantInertia::Summed(&mut mass);
+        let (body, setting) = self.instant((t, clock), x, u, (beyond, inertia), dx, out)?;
         let InstantSetting { attitude, wind, wind_dot, gravity, .. } = setting;
         let Evaluation { links, base, carriers, coordinates, second_rates, .. } = out;
         let mut carriers = Carriers::within(carriers, coordinates);
@@ -302,40 +311,36 @@ impl<P: Scalar> Robot<P> {
         Ok(())
     }
 
-    /// The wrench on the body of all but the air on the surfaces, with what led to it; `mass` gets the mass matrix of body and links, `dx`
-    /// the rates that follow from the state alone. Where accelerations of body and coordinates are `held`, links and body move with them and
-    /// their inertia is in the wrench.
+    /// The wrench on the body of all but the air on the surfaces, with what led to it; `dx` gets the rates that follow from the state alone.
     #[inline(always)]
     pub(super) fn instant<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         (t, clock): (G, &Jet<G>),
         x: &[G],
         u: &[G],
-        (beyond, held): (&[Wrench<f64>], Option<&[f64]>),
+        (beyond, inertia): (&[Wrench<f64>], InstantInertia<'_, G>),
         dx: &mut [S],
-        (out, mass): (&mut Evaluation<G, S>, &mut [[G; 6]; 6]),
+        out: &mut Evaluation<G, S>,
     ) -> Result<InstantForces<G>, Fault> {
         let l = &self.layout;
         let structure = &x[l.structure..];
         let Evaluation { joints, ratios, .. } = out;
         self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
         let setting = self.set_out((t, clock), x, u, dx, out);
-        let held: Option<ArrayVec<G, MAX_DEGREES>> =
-            held.map(|held| held.iter().map(|a| G::from(*a)).collect());
         let Evaluation { joints, links, base, coordinates, ratios, .. } = out;
-        if let Some(held) = &held {
-            self.let_go(joints, links, coordinates, ratios, &held[6..]);
-        }
         let tree = &self.mechanism.tree;
-        let (bias, first_moment) = tree.inertia_bias_and_moment(base.rate, links, mass);
-        let mut body = tree.weight(setting.gravity, first_moment) + setting.drag + -bias;
-        if let Some(held) = &held {
-            let needed = |i: usize| (0..6).fold(G::ZERO, |sum, j| sum + mass[i][j] * held[j]);
-            body += -Wrench { force: Vec3([0, 1, 2].map(needed)), moment: Vec3([3, 4, 5].map(needed)) };
-            let field = BaseAcceleration::from_slice(held);
-            *base = base.accelerated(&field);
-            links.iter_mut().for_each(|link| *link = link.accelerated(&field));
-        }
+        let (inertial, first_moment) = match inertia {
+            InstantInertia::Summed(mass) => tree.inertia_bias_and_moment(base.rate, links, mass),
+            InstantInertia::Held(held) => {
+                let held: ArrayVec<G, MAX_DEGREES> = held.iter().map(|a| G::from(*a)).collect();
+                self.let_go(joints, links, coordinates, ratios, &held[6..]);
+                let field = BaseAcceleration::from_slice(&held);
+                *base = base.accelerated(&field);
+                links.iter_mut().for_each(|link| *link = link.accelerated(&field));
+                tree.inertial_and_moment(base.rate, &field, links)
+            }
+        };
+        let mut body = tree.weight(setting.gravity, first_moment) + setting.drag + -inertial;
         if !self.thrusters.is_empty() {
             body += self.thrust(structure);
         }
@@ -434,6 +439,10 @@ impl<P: Scalar> Robot<P> {
         (mass, impulses): (Option<&mut [[G; MAX_DEGREES]]>, Option<&mut ImpulseRates<G>>),
         forces: &mut [S],
     ) -> (Wrench<S>, [[G; 6]; 6]) {
+        // Nobody asks what links bear.
+        if carriers.coordinates.count() == 0 && impulses.is_none() {
+            return self.covering.sum::<K, _, _>(carriers, wind, x, dx, None);
+        }
         let links = self.mechanism.tree.links();
         let mut external = External::<S>::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));

@@ -2,7 +2,7 @@
 //! by the accelerations of gravity and air.
 
 use super::Robot;
-use super::dynamics::{BodySystem, Evaluation, add};
+use super::dynamics::{BodySystem, Evaluation, InstantInertia, add};
 use super::joints::Displaced;
 use super::sections::Carriers;
 use super::{Joints, MAX_ELEMENTS};
@@ -57,8 +57,8 @@ impl Robot {
         let ((early, air), clock) = (x.split_at(l.aero), Jet::new(t, 1.0, 0.0));
         let structure = &early[l.structure..];
         let (mut out, mut mass) = (Evaluation::empty(), [[0.0; 6]; 6]);
-        let places = (&mut out, &mut mass);
-        let (mut net, setting) = self.instant((t, &clock), early, u, (&[], None), dx, places)?;
+        let inertia = InstantInertia::Summed(&mut mass);
+        let (mut net, setting) = self.instant((t, &clock), early, u, (&[], inertia), dx, &mut out)?;
         if !self.add_elements(&clock, structure, &mut out)? {
             return Ok(false);
         }
@@ -100,12 +100,12 @@ impl Robot {
         };
         let singular = Fault::MassMatrix { time: t };
         let accelerations = system.responses(&net, &of_links, [own, self.elements.len()]).ok_or(singular)?;
-        known.clear(x.len(), u.len(), if late { by_states.states } else { 0 });
+        known.clear(x.len(), u.len());
         self.put_degrees((&accelerations, &system.mass), &impulses, known);
         self.put_columns(&accelerations, (&setting.attitude, &impulses), early, dx, known);
         if late {
             system.accelerate(by_states).ok_or(singular)?;
-            self.put_late(by_states, (&setting.attitude, &impulses), known);
+            self.put_late(by_states, (&setting.attitude, &impulses), x.len(), known);
         }
         let (wind, wind_dot) = self.wind.at(t);
         (known.wind, known.accelerations) = (wind, [Vec3::new(0.0, 0.0, -GRAVITY), wind_dot]);
@@ -149,10 +149,6 @@ impl Robot {
         known.degrees.clear();
         known.mass.clear();
         known.falling.clear();
-        // A matrix of the body alone costs no more with derivatives.
-        if count == 6 {
-            return;
-        }
         known.degrees.extend(accelerations[..count].iter().map(|acceleration| acceleration.re));
         mass[..count].iter().for_each(|row| known.mass.extend(&row[..count]));
         known.falling.extend(impulses.rows().map(|(state, by)| (self.layout.aero + state, *by)));
@@ -217,12 +213,22 @@ impl Robot {
         &self,
         by_states: &ByStates,
         (attitude, impulses): (&Mat3, &ImpulseRates<f64>),
+        rows: usize,
         known: &mut Known,
     ) {
         let (l, n, own) = (&self.layout, by_states.states, self.degrees());
+        // Row by row: each is written once.
+        for row in 0..rows {
+            match row.checked_sub(l.aero).and_then(|state| by_states.rates.get(state * n..(state + 1) * n)) {
+                Some(rates) => known.late.extend_from_slice(rates),
+                None => known.late.resize((row + 1) * n, 0.0),
+            }
+        }
         let mut add = |row: usize, factor: f64, of: usize| {
-            let row = known.late[row * n..][..n].iter_mut();
-            row.zip(&by_states.loads[of * n..]).for_each(|(sum, value)| *sum = factor.mul_add(*value, *sum));
+            let (row, of) = (&mut known.late[row * n..][..n], &by_states.loads[of * n..][..n]);
+            for i in 0..n {
+                row[i] = factor.mul_add(of[i], row[i]);
+            }
         };
         for i in 0..3 {
             (0..3).for_each(|k| add(l.velocity + i, attitude.0[i][k], k));
@@ -232,8 +238,6 @@ impl Robot {
         for (state, by) in impulses.rows() {
             (0..6 + own).for_each(|k| add(l.aero + state, -by[k], k));
         }
-        let own = known.late[l.aero * n..].iter_mut();
-        own.zip(&by_states.rates).for_each(|(sum, value)| *sum += value);
     }
 
     /// See [`Plant::derive`](wingbeat_ocp::plant::Plant::derive).

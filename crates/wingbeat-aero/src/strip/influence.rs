@@ -5,6 +5,7 @@
 
 use super::cores::{Cores, EdgeCores, StripCores};
 use super::motion::{StripEdge, Strips, Vectors, Wakes};
+use super::slopes::{WakeSlopes, by_slopes};
 use std::f64::consts::PI;
 use std::ops::Range;
 use wingbeat_math::{Dual, Meets, Over, Scalar, Vec3};
@@ -57,26 +58,29 @@ pub(super) const fn large<S>() -> bool {
 /// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
 /// chord, so that their high powers stay far from the ends of the numbers.
 pub(super) struct Targets<'a, P: Scalar, K: Scalar, const N: usize> {
-    cores: &'a Cores<P>,
+    pub cores: &'a Cores<P>,
     strips: usize,
-    at: &'a TargetPlaces<K, N>,
+    pub at: &'a TargetPlaces<K, N>,
 }
 
 /// Places of [`Targets`].
 pub(super) struct TargetPlaces<K, const N: usize> {
     /// 3/4 and 1/4 chord points.
-    control: Vectors<K, N>,
-    bound: Vectors<K, N>,
+    pub control: Vectors<K, N>,
+    pub bound: Vectors<K, N>,
     /// Normals over 4 pi, with their moments about the origin at both points.
-    normal: Vectors<K, N>,
+    pub normal: Vectors<K, N>,
     control_moment: Vectors<K, N>,
     bound_moment: Vectors<K, N>,
+    /// Points and normals without derivatives; written where slopes are wanted.
+    pub values: [Vectors<f64, N>; 3],
 }
 
 impl<K: Scalar, const N: usize> TargetPlaces<K, N> {
     pub const ZERO: Self = {
         let zero = Vectors::ZERO;
-        Self { control: zero, bound: zero, normal: zero, control_moment: zero, bound_moment: zero }
+        let values = [Vectors::ZERO; 3];
+        Self { control: zero, bound: zero, normal: zero, control_moment: zero, bound_moment: zero, values }
     };
 }
 
@@ -105,6 +109,16 @@ impl<K: Scalar, S: Over<K>, const N: usize> Trailing<K, S, N> {
         let (still, zero) = ([K::ZERO; N], [S::ZERO; N]);
         Self { to_bound: still, to_trailing: still, leg: still, wake: zero, far: zero }
     };
+}
+
+/// What edges and strips make on the way.
+pub(super) struct Beside<K, S, const N: usize> {
+    edges: [Trailing<K, S, N>; 2],
+    pub slopes: WakeSlopes<N>,
+}
+
+impl<K: Scalar, S: Over<K>, const N: usize> Beside<K, S, N> {
+    pub const ZERO: Self = Self { edges: [Trailing::ZERO; 2], slopes: WakeSlopes::ZERO };
 }
 
 /// Normal wash of a strip's vortex of unit strength on all strips.
@@ -235,7 +249,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
         places: &'a mut TargetPlaces<K, N>,
     ) -> Self {
         let count = cores.strips.len();
-        let TargetPlaces { control, bound, normal, control_moment, bound_moment } = &mut *places;
+        let TargetPlaces { control, bound, normal, control_moment, bound_moment, values } = &mut *places;
         for i in 0..lanes::<K, N>(count) {
             let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
             let at = |points: &Vectors<K, N>| points.get(i).scaled(cores.scale);
@@ -243,6 +257,10 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
             normal.set(i, n);
             control.set(i, p);
             bound.set(i, q);
+            if const { by_slopes::<P, K, S>() } {
+                values.iter_mut().zip([p, q, n]).for_each(|(values, v)| values.set(i, v.values()));
+                continue;
+            }
             control_moment.set(i, p.cross(n));
             bound_moment.set(i, q.cross(n));
         }
@@ -251,7 +269,7 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
 
     /// Edge `j` as seen from here.
     #[inline(always)]
-    fn edge<S: Over<K>>(&self, wakes: &Wakes<K, S, N>, j: usize) -> StripEdge<K, S> {
+    pub fn edge<S: Over<K>>(&self, wakes: &Wakes<K, S, N>, j: usize) -> StripEdge<K, S> {
         let StripEdge { bound, trailing, wake } = wakes.edge(j);
         let scale = self.cores.scale;
         StripEdge { bound: bound.scaled(scale), trailing: trailing.scaled(scale), wake }
@@ -373,10 +391,13 @@ impl<'a, P: Scalar, K: Scalar + Meets<P>, const N: usize> Targets<'a, P, K, N> {
         &self,
         wakes: &Wakes<K, S, N>,
         n: usize,
-        beside: &mut [Trailing<K, S, N>; 2],
+        beside: &mut Beside<K, S, N>,
         out: &mut Wash<'_, K, S, N>,
     ) {
-        let cores = self.cores;
+        if const { by_slopes::<P, K, S>() } {
+            return self.wash_by_slopes(wakes, n, &mut beside.slopes, out);
+        }
+        let (cores, beside) = (self.cores, &mut beside.edges);
         // The left and the right edge take turns, as their columns do: nothing is moved.
         let mut edges = [self.edge(wakes, 0); 2];
         self.trailing(&edges[0], &cores.edges[0], &mut beside[0]);

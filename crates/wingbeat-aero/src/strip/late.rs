@@ -2,7 +2,7 @@
 //! washes alone, so that one pass carries the derivatives by the states of each strip and by those washes side by side, whatever the number
 //! of strips; the washes follow by products of the matrices at hand.
 
-use super::influence::{Matrix, StripColumn, multiply, sum};
+use super::influence::{Matrix, StripColumn, dot, multiply};
 use super::membrane::Camber;
 use super::response::{LagSums, Lagged, Spread, StripResponse};
 use super::settings::SpanForce;
@@ -74,6 +74,13 @@ struct Cut<'a> {
     /// The first lane of the washes, and how many have been found.
     first: usize,
     found: usize,
+    of: &'a mut CutColumns,
+    /// What the rate of the separated share adds to the rates of what [`CutColumns::delayed`] and [`CutColumns::open`] hold, over it.
+    of_separation: [StripColumn<f64, WIDE>; 2],
+}
+
+/// What is noted of the strips. A thread keeps it; what a model does not note, it does not read.
+struct CutColumns {
     /// What the washes were found of.
     delayed: [StripColumn<Local, WIDE>; 2],
     open: [StripColumn<Local, WIDE>; 2],
@@ -84,8 +91,20 @@ struct Cut<'a> {
     /// spread, 1/s.
     sines: StripColumn<Local, WIDE>,
     following: StripColumn<f64, WIDE>,
-    /// What the rate of the separated share adds to the rates of what [`delayed`](Self::delayed) and [`open`](Self::open) hold, over it.
-    of_separation: [StripColumn<f64, WIDE>; 2],
+}
+
+impl CutColumns {
+    const ZERO: Self = {
+        let zero = [Local::ZERO; WIDE];
+        Self {
+            delayed: [zero; 2],
+            open: [zero; 2],
+            seen: zero,
+            beside: zero,
+            sines: zero,
+            following: [0.0; WIDE],
+        }
+    };
 }
 
 impl Cut<'_> {
@@ -109,41 +128,40 @@ impl Spread<Local, WIDE> for Cut<'_> {
         let left = self.model.held_left(self.flow, &plain);
         let (turn, lane) = (self.found, [0, 2][self.found]);
         self.found += 1;
-        self.delayed[turn] = sums.delayed;
+        self.of.delayed[turn] = sums.delayed;
         for i in 0..self.model.strips() {
-            self.open[turn][i] = (sums.jump[i] - sums.delayed[i]) * self.model.tables.inverse_doublet[i];
+            self.of.open[turn][i] = (sums.jump[i] - sums.delayed[i]) * self.model.tables.inverse_doublet[i];
         }
         Some(self.fresh(lane, &left))
     }
     fn turned(&mut self, seen: &StripColumn<Local, WIDE>) -> Option<[StripColumn<Local, WIDE>; 2]> {
-        self.seen = *seen;
+        self.of.seen = *seen;
         let (values, n) = (seen.map(|value| value.re), self.model.strips());
         let (far, near) = (multiply(&self.flow.far, &values, n), multiply(&self.flow.remainder, &values, n));
         Some([self.fresh(1, &far), near.map(Local::constant)])
     }
     fn beside(&mut self, bound: &mut StripColumn<Local, WIDE>) {
-        self.beside = *bound;
+        self.of.beside = *bound;
         for value in bound {
             *value = Local::constant(value.re);
         }
     }
     fn sines(&mut self, sines: &mut StripColumn<Local, WIDE>) {
-        self.sines = *sines;
+        self.of.sines = *sines;
         for sine2 in sines {
             *sine2 = Local::constant(sine2.re);
         }
     }
     fn spread_sines(&mut self, sines: &StripColumn<Local, WIDE>, rate: impl Fn(usize, Local) -> Local) {
         for i in 0..self.model.strips() {
-            self.following[i] = rate(i, Local::variable(sines[i].re, 0)).eps[0];
+            self.of.following[i] = rate(i, Local::variable(sines[i].re, 0)).eps[0];
         }
     }
 }
 
-/// Derivatives of a number on each strip by the washes there, as many as act on it.
+/// Derivatives of a number on each strip by the washes there.
 struct ByWashes {
     slopes: [StripSlopes; WASHES],
-    acting: ArrayVec<usize, WASHES>,
 }
 
 impl ByWashes {
@@ -155,19 +173,23 @@ impl ByWashes {
                 slopes[k][i] = value.eps[first + k];
             }
         }
-        let acts = |k: &usize| slopes[*k].iter().any(|slope| *slope != 0.0);
-        Self { acting: (0..WASHES).filter(acts).collect(), slopes }
+        Self { slopes }
     }
     /// The derivatives along a direction in which the washes change so.
     #[inline(always)]
     fn along(&self, washes: &[StripSlopes; WASHES]) -> StripSlopes {
+        let ([a, b, c], [x, y, z]) = (&self.slopes, washes);
         let mut sum = [0.0; WIDE];
-        for &k in &self.acting {
-            for i in 0..WIDE {
-                sum[i] = self.slopes[k][i].mul_add(washes[k][i], sum[i]);
-            }
+        for i in 0..WIDE {
+            sum[i] = a[i].mul_add(x[i], b[i].mul_add(y[i], c[i] * z[i]));
         }
         sum
+    }
+    /// The sum of the same over all strips.
+    #[inline(always)]
+    fn sum_along(&self, washes: &[StripSlopes; WASHES]) -> f64 {
+        let of = |k: usize| dot(&self.slopes[k], &washes[k], WIDE);
+        (of(0) + of(1)) + of(2)
     }
 }
 
@@ -207,7 +229,11 @@ impl StripModel {
                 if let (Some(rates), true) = (coupling.impulses, self.follows()) {
                     self.follow(&room.flow, sections, rates);
                 }
-                (self.differentiate(&room.flow, x, (dx, coupling.strips), out), room.flow.added_mass)
+                let load = kept(
+                    || Box::new((CutColumns::ZERO, [Wrench::ZERO; WIDE])),
+                    |cut| self.differentiate(&room.flow, x, (dx, coupling.strips), cut, out),
+                );
+                (load, room.flow.added_mass)
             },
         )
     }
@@ -218,6 +244,7 @@ impl StripModel {
         flow: &StripFlow<f64, f64, WIDE>,
         x: &[f64],
         (dx, by_strip): (&mut [f64], &mut [Wrench<f64>]),
+        (of, strips): &mut (CutColumns, [Wrench<Local>; WIDE]),
         out: &mut ByStates,
     ) -> Wrench<f64> {
         let (n, all) = (self.settings.strips, self.states());
@@ -230,21 +257,8 @@ impl StripModel {
         seeded.extend(x[states..all].iter().map(|value| Local::constant(*value)));
         let mut rates = ArrayVec::<Local, MOST>::new();
         append_copies(&mut rates, Local::ZERO, all);
-        let mut strips = [Wrench::ZERO; WIDE];
-        let zero = [Local::ZERO; WIDE];
-        let mut cut = Cut {
-            model: self,
-            flow,
-            first,
-            found: 0,
-            delayed: [zero; 2],
-            open: [zero; 2],
-            seen: zero,
-            beside: zero,
-            sines: zero,
-            following: [0.0; WIDE],
-            of_separation: self.of_separation(&x[..states]),
-        };
+        let of_separation = self.of_separation(&x[..states]);
+        let mut cut = Cut { model: self, flow, first, found: 0, of, of_separation };
         let mut camber = Camber::none();
         let load = |response: &StripResponse<'_, Local, WIDE>, _: &mut [Local]| {
             self.load_strips(flow, response, None, Some(&mut strips[..n]))
@@ -255,7 +269,7 @@ impl StripModel {
         }
         out.states = states;
         out.rates.resize(states * states, 0.0);
-        self.assemble(&cut, &rates, &strips, out);
+        self.assemble(&cut, &rates, strips, out);
         for (load, strip) in by_strip.iter_mut().zip(&strips[..n]) {
             *load = without_slopes(strip);
         }
@@ -286,7 +300,7 @@ impl StripModel {
                 pushes.push((i, k, strips.wrench(i, self.spread(i, weight * strips.drift[i]))));
             }
         }
-        for (i, k, force) in self.by_others(|k| cut.beside[k].re) {
+        for (i, k, force) in self.by_others(|k| cut.of.beside[k].re) {
             pushes.push((i, k, strips.wrench(i, force)));
         }
         pushes
@@ -301,7 +315,7 @@ impl StripModel {
             of_delayed[j] = multiply(relief, &remainder[j], n);
         }
         let by = |value: &dyn Fn(usize) -> Local| ByWashes::of(first, n, value);
-        let [delayed, open] = [by(&|i| cut.delayed[1][i]), by(&|i| cut.open[1][i])];
+        let [delayed, open] = [by(&|i| cut.of.delayed[1][i]), by(&|i| cut.of.open[1][i])];
         let mut loads = ArrayVec::<[Local; WIDE], MAX_DEGREES>::new();
         let pushes = self.pushes(cut);
         for r in 0..6 + out.weights.len() / n {
@@ -311,22 +325,27 @@ impl StripModel {
             }
             // What a strip does to the loads of those beside it counts as its own: only sums are wanted.
             for (i, k, push) in &pushes {
-                loads[r][*k] += cut.beside[*k] * row(r, *i, &out.weights[..], n, push);
+                loads[r][*k] += cut.of.beside[*k] * row(r, *i, &out.weights[..], n, push);
             }
         }
-        let of_loads: ArrayVec<ByWashes, MAX_DEGREES> = loads.iter().map(|of| by(&|i| of[i])).collect();
+        let mut of_loads = ArrayVec::<ByWashes, MAX_DEGREES>::new();
+        for of in &loads {
+            of_loads.push(by(&|i| of[i]));
+        }
         out.loads.resize(loads.len() * states, 0.0);
-        let of_rates: ArrayVec<ByWashes, LANES> =
-            (0..first).map(|block| by(&|i| rates[block * n + i])).collect();
-        let of_sines = by(&|i| cut.sines[i]);
+        let mut of_rates = ArrayVec::<ByWashes, LANES>::new();
+        for block in 0..first {
+            of_rates.push(by(&|i| rates[block * n + i]));
+        }
+        let of_sines = by(&|i| cut.of.sines[i]);
         let separated = match self.settings.section.law.about().attachment {
             Attachment::Lagging { state, .. } => Some(self.law_states() / n + state),
             Attachment::Whole | Attachment::AtOnce => None,
         };
         for s in 0..states {
             let (block, j) = (s / n, s % n);
-            let [d, o] = [&cut.delayed[0], &cut.open[0]].map(|of| of[j].eps[block]);
-            let seen = cut.seen[j].eps[block];
+            let [d, o] = [&cut.of.delayed[0], &cut.of.open[0]].map(|of| of[j].eps[block]);
+            let seen = cut.of.seen[j].eps[block];
             let mut washes = [[0.0; WIDE]; WASHES];
             for i in 0..WIDE {
                 washes[0][i] = of_delayed[j][i].mul_add(d, relief[j][i] * o);
@@ -337,16 +356,16 @@ impl StripModel {
             let mut pulled = [0.0; WIDE];
             if separated.is_some() {
                 let mut sines = of_sines.along(&washes);
-                sines[j] += cut.sines[j].eps[block];
+                sines[j] += cut.of.sines[j].eps[block];
                 self.tables.reach.spread(&mut sines[..n]);
                 for i in 0..n {
-                    pulled[i] = sines[i] * cut.following[i];
+                    pulled[i] = sines[i] * cut.of.following[i];
                 }
             }
             if cut.found == 2 {
                 let [mut d, mut o] = [delayed.along(&washes), open.along(&washes)];
-                d[j] += cut.delayed[1][j].eps[block];
-                o[j] += cut.open[1][j].eps[block];
+                d[j] += cut.of.delayed[1][j].eps[block];
+                o[j] += cut.of.open[1][j].eps[block];
                 let [of_d, of_o] = &cut.of_separation;
                 for i in 0..WIDE {
                     d[i] = of_d[i].mul_add(pulled[i], d[i]);
@@ -367,8 +386,7 @@ impl StripModel {
                 rows.zip(&column[..n]).for_each(|(rate, value)| *rate = *value);
             }
             for (r, of_loads) in of_loads.iter().enumerate() {
-                let column = of_loads.along(&washes);
-                out.loads[r * states + s] = sum(&column) + loads[r][j].eps[block];
+                out.loads[r * states + s] = of_loads.sum_along(&washes) + loads[r][j].eps[block];
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Forces and moments of the strips from their washes and impulses.
 
-use super::influence::{StripColumn, column, lanes, plain, sum};
+use super::influence::{StripColumn, column, lanes, large, plain, sum};
 use super::motion::{Strips, Vectors};
 use super::response::{LeadingEdges, StripResponse};
 use super::settings::SpanForce;
@@ -220,16 +220,29 @@ impl<P: Scalar> StripModel<P> {
             let suction = suction_share(inverse[i] * strips.along[i]);
             if response.edges.is_none() { suction * attached[i] } else { suction }
         });
-        let mut force = InPlane::ZERO;
-        for i in 0..lanes::<S, N>(n) {
+        let chordwise = |i: usize| {
             let suction = lift[i] * wash[i];
             let suction = if pitches { suction + pitching(i) } else { suction + S::ZERO };
-            force.chordwise[i] = -(suction * shares[i]);
-        }
-        for i in 0..lanes::<S, N>(n) {
+            -(suction * shares[i])
+        };
+        let normal = |i: usize| {
             let along2 = strips.along[i].squared() + delta2;
-            force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse[i];
-            force.ahead[i] = S::from(self.tables.chord[i] * 0.25);
+            lift[i] * (strips.speed[i] * along2.sqrt()) * inverse[i]
+        };
+        let ahead = |i: usize| S::from(self.tables.chord[i] * 0.25);
+        let mut force;
+        if const { large::<S>() } {
+            let (chordwise, normal) = (column(n, chordwise), column(n, normal));
+            force = InPlane { chordwise, normal, ahead: column(n, ahead) };
+        } else {
+            force = InPlane::ZERO;
+            for i in 0..lanes::<S, N>(n) {
+                force.chordwise[i] = chordwise(i);
+            }
+            for i in 0..lanes::<S, N>(n) {
+                force.normal[i] = normal(i);
+                force.ahead[i] = ahead(i);
+            }
         }
         if let Some(edges) = &response.edges {
             self.cap_suction(strips, response, edges, &shares, &mut force);
@@ -280,14 +293,22 @@ impl<P: Scalar> StripModel<P> {
         attached: &StripColumn<S, N>,
         drag: ProfileDrag<P>,
     ) -> InPlane<S, N> {
-        let delta2 = self.floor * self.floor;
-        let mut force = InPlane::ZERO;
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        let (n, delta2) = (self.settings.strips, self.floor * self.floor);
+        let section = |i: usize| {
             let section =
                 drag.section(&self.polar, strips.along[i], strips.wash_half[i], attached[i], delta2);
-            force.chordwise[i] = section.chordwise * self.tables.drag_scale[i];
-            force.normal[i] = section.normal * self.tables.drag_scale[i];
-            force.ahead[i] = (S::from(0.5) - section.centre) * self.tables.chord[i];
+            let scale = self.tables.drag_scale[i];
+            let ahead = (S::from(0.5) - section.centre) * self.tables.chord[i];
+            [section.chordwise * scale, section.normal * scale, ahead]
+        };
+        if const { large::<S>() } {
+            let sections: [_; N] = std::array::from_fn(|i| if i < n { section(i) } else { [S::ZERO; 3] });
+            let [chordwise, normal, ahead] = [0, 1, 2].map(|k| column(n, |i| sections[i][k]));
+            return InPlane { chordwise, normal, ahead };
+        }
+        let mut force = InPlane::ZERO;
+        for i in 0..lanes::<S, N>(n) {
+            [force.chordwise[i], force.normal[i], force.ahead[i]] = section(i);
         }
         force
     }

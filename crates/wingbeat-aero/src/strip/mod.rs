@@ -23,6 +23,7 @@ mod reach;
 mod response;
 mod settings;
 mod side_edge;
+mod slopes;
 mod tables;
 
 pub use bent::SkinSheet;
@@ -43,7 +44,7 @@ use crate::{
 use cores::Cores;
 use flap::Hinges;
 use grid::StripGrid;
-use influence::{Matrix, StripColumn, TargetPlaces, Targets, Trailing, Wash, invert, lanes, multiply, plain};
+use influence::{Beside, Matrix, StripColumn, TargetPlaces, Targets, Wash, invert, lanes, multiply, plain};
 use membrane::{Camber, Membrane};
 use motion::{Edges, Strips, Wakes};
 use response::{FullSpread, StripResponse};
@@ -106,9 +107,10 @@ struct Room<K: Scalar, S: Scalar, const N: usize> {
     /// Number of strips that it was last used for: all is zero beyond them.
     strips: usize,
     flow: StripFlow<K, S, N>,
+    edges: Edges<K, S, N>,
     wakes: Wakes<K, S, N>,
     places: TargetPlaces<K, N>,
-    beside: [Trailing<K, S, N>; 2],
+    beside: Beside<K, S, N>,
 }
 
 /// What is wanted beside the sum.
@@ -494,13 +496,12 @@ impl<P: Scalar> StripModel<P> {
         if room.strips != n {
             *room = Room { strips: n, ..Room::NEW };
         }
-        let Room { flow, wakes, places, beside, .. } = room;
+        let Room { flow, edges, wakes, places, beside, .. } = room;
         flow.added_mass = [[K::ZERO; 6]; 6];
         if const { plain::<S>() } {
-            let mut edges = Edges::ZERO;
             edges.fill(sections, n);
-            self.move_strips(&edges, wind, &mut flow.strips);
-            self.shed_wakes(&edges, wind, wakes);
+            self.move_strips(edges, wind, &mut flow.strips);
+            self.shed_wakes(edges, wind, wakes);
         } else {
             self.move_on(sections, wind, &mut flow.strips, wakes);
         }
@@ -546,9 +547,10 @@ impl<K: Scalar, S: Over<K>, const N: usize> Room<K, S, N> {
     const NEW: Self = Self {
         strips: 0,
         flow: StripFlow::STILL,
+        edges: Edges::ZERO,
         wakes: Wakes::ZERO,
         places: TargetPlaces::ZERO,
-        beside: [Trailing::ZERO; 2],
+        beside: Beside::ZERO,
     };
 }
 

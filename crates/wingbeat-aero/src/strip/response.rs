@@ -144,13 +144,21 @@ impl<P: Scalar> StripModel<P> {
         lagged: &Lagged<S, N>,
         attached: &StripColumn<S, N>,
     ) -> LagSums<S, N> {
+        let n = self.settings.strips;
+        // What is left in a gap's lags has no wing to shed it.
+        let delayed = |i: usize, circulation: S| {
+            lagged.delayed[i] * self.tables.covered[i] + circulation * self.lags.wake_at_once
+        };
+        if const { large::<S>() } {
+            let circulation = column(n, |i| self.attached_sums(i, lagged, attached).0);
+            let jump = column(n, |i| self.attached_sums(i, lagged, attached).1);
+            return LagSums { delayed: column(n, |i| delayed(i, circulation[i])), circulation, jump };
+        }
         let zero = [S::ZERO; N];
         let mut sums = LagSums { circulation: zero, jump: zero, delayed: zero };
-        for i in 0..lanes::<S, N>(self.settings.strips) {
+        for i in 0..lanes::<S, N>(n) {
             (sums.circulation[i], sums.jump[i]) = self.attached_sums(i, lagged, attached);
-            // What is left in a gap's lags has no wing to shed it.
-            let delayed = lagged.delayed[i] * self.tables.covered[i];
-            sums.delayed[i] = delayed + sums.circulation[i] * self.lags.wake_at_once;
+            sums.delayed[i] = delayed(i, sums.circulation[i]);
         }
         sums
     }
@@ -445,10 +453,11 @@ impl<P: Scalar> StripModel<P> {
         if let Attachment::Lagging { state, chords } = law.attachment {
             self.advance_separation(&flow.strips, edge_wash, (state, chords), x, dx, spread);
         }
-        let mut edges = LeadingEdges { held: [S::ONE; N], vortex: [S::ZERO; N] };
-        if law.edge_vortex {
+        let edges = law.edge_vortex.then(|| {
+            let mut edges = LeadingEdges { held: [S::ONE; N], vortex: [S::ZERO; N] };
             self.advance_edges(&flow.strips, [edge_wash, edge_turning], x, dx, &mut edges);
-        }
+            edges
+        });
         let (mut impulse, mut impulse_rate): (StripColumn<S, N>, StripColumn<S, N>);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, &lagged, &attached, x, dx);
@@ -475,16 +484,16 @@ impl<P: Scalar> StripModel<P> {
                 impulse_rate[i] += camber.slope[1][i];
             }
         }
-        let mut beside = [S::ZERO; N];
+        let mut beside;
         if self.pulls_at_tips() {
-            for i in 0..lanes::<S, N>(self.settings.strips) {
-                beside[i] = self.bound(i, lift_wash[i], attached[i]);
-            }
+            beside = column(self.settings.strips, |i| self.bound(i, lift_wash[i], attached[i]));
             spread.beside(&mut beside);
+        } else {
+            beside = [S::ZERO; N];
         }
         let response = StripResponse {
             turning_wash: &turning_wash,
-            edges: law.edge_vortex.then_some(&edges),
+            edges: edges.as_ref(),
             camber,
             beside: &beside,
             circulation: &sums.circulation,

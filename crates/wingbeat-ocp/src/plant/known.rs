@@ -58,12 +58,13 @@ impl Known {
         }
     }
 
-    /// Sets all derivatives of `states` states by `inputs` inputs and by `late` states to zero.
-    pub fn clear(&mut self, states: usize, inputs: usize, late: usize) {
-        for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6), (&mut self.late, late)] {
+    /// Sets all derivatives of `states` states by `inputs` inputs and by uniform accelerations to zero, and leaves none by late states.
+    pub fn clear(&mut self, states: usize, inputs: usize) {
+        for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6)] {
             values.clear();
             values.resize(states * width, 0.0);
         }
+        self.late.clear();
     }
 
     /// Leaves out a row that is all zero, among states with so many `inputs`.

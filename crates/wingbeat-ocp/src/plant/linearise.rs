@@ -69,7 +69,13 @@ impl Linearisation {
         }
         let known = self.by_known(plant, t, x, u, true)?;
         let of = EarlyDirections::of(plant, known);
-        self.by_early(plant, t, x, u, &EarlyDirections { about: !self.known.mass.is_empty(), ..of })?;
+        self.by_early(
+            plant,
+            t,
+            x,
+            u,
+            &EarlyDirections { about: known && !self.known.mass.is_empty(), ..of },
+        )?;
         if known && !plant.derived_states().is_empty() {
             plant.derive(x, &self.f, &self.known, &mut self.a);
         }
@@ -228,9 +234,10 @@ fn scatter<const N: usize>(
     if start >= end {
         return;
     }
-    for (row, rate) in matrix.chunks_exact_mut(width).zip(rates) {
-        let lanes = &rate.eps[start - block.start..end - block.start];
-        row[to + start - run.start..].iter_mut().zip(lanes).for_each(|(to, lane)| *to = *lane);
+    let (lane, to) = (start - block.start, to + start - run.start);
+    for i in 0..rates.len() {
+        let row = &mut matrix[i * width + to..][..end - start];
+        row.copy_from_slice(&rates[i].eps[lane..][..end - start]);
     }
 }
 
@@ -241,10 +248,12 @@ fn seed<const N: usize>(
     first: usize,
     direction: impl Fn(usize) -> Option<usize>,
 ) {
-    for (i, (o, v)) in out.iter_mut().zip(values).enumerate() {
-        *o = match direction(i).and_then(|direction| direction.checked_sub(first)) {
-            Some(lane) if lane < N => Dual::variable(*v, lane),
-            _ => Dual::constant(*v),
-        };
+    for i in 0..out.len() {
+        out[i] = Dual::constant(values[i]);
+        if let Some(lane) = direction(i).and_then(|direction| direction.checked_sub(first))
+            && lane < N
+        {
+            out[i].eps[lane] = 1.0;
+        }
     }
 }

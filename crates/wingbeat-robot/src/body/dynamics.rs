@@ -49,6 +49,27 @@ impl<P: Scalar> Tree<P> {
         (bias, first_moment)
     }
 
+    /// The wrench about the body origin that base and links need to move as they do, with the base's own acceleration `field`, which
+    /// `motions` hold too; then the sum of mass times position, kg m.
+    #[inline]
+    pub(crate) fn inertial_and_moment<S: Scalar + Meets<P>>(
+        &self,
+        w_b: Vec3<S>,
+        field: &BaseAcceleration<S>,
+        motions: &[LinkMotion<S>],
+    ) -> (Wrench<S>, Vec3<S>) {
+        let base = self.base.reaction_of_base(&w_b);
+        let mut needed = base.full(self.base.mass, field.origin, field.angular);
+        let mut first_moment = base.com.scaled(self.base.mass);
+        for i in 0..self.nodes.len() {
+            let Some(inertia) = &self.nodes[i].inertia else { continue };
+            let link = inertia.reaction(&motions[i]);
+            needed += link.bias;
+            first_moment += link.com.scaled(inertia.mass);
+        }
+        (needed, first_moment)
+    }
+
     /// Weight of base and links: the wrench about the body origin for the
     /// gravitational acceleration `g_b` in B, m/s2.
     pub fn gravity<S: Scalar + Meets<P>>(&self, g_b: Vec3<S>, motions: &[LinkMotion<S>]) -> Wrench<S> {
