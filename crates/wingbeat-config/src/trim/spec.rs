@@ -8,6 +8,10 @@ use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::Robot;
 
+/// What two free numbers count for that leave the frequency where it is, beside two of which it is one. *Choice*: a gait whose frequency
+/// stays is seldom a good one.
+const HELD_FREQUENCY: f64 = 0.1;
+
 /// The periodic flight that `wingbeat trim` looks for, beginning from the scenario's start and the robot's gait.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
@@ -112,8 +116,12 @@ impl TrimSpec {
             return Ok(());
         }
         let all = steadiness(cycle, &course, &free, point).map_err(|failure| failure.to_string())?;
-        let best = all.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some(([i, j], _)) = best.filter(|best| best.1 > better * all[0].1) {
+        let worth = |(pair, least): &([usize; 2], f64)| {
+            let held = pair.iter().all(|place| free[*place] != Free::Frequency);
+            if held { HELD_FREQUENCY * least } else { *least }
+        };
+        let best = all.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
+        if let Some(([i, j], _)) = best.filter(|best| worth(best) > better * worth(&all[0])) {
             self.free.swap(0, *i);
             self.free.swap(1, *j);
         }
