@@ -124,12 +124,12 @@ pub fn descend<L: Landscape>(
             return end(x, seen, iteration, Ended::Converged);
         }
         let at = (&x[..], &seen);
-        let mut trial = Trial::new(landscape, at, found.d, found.gain);
+        let mut trial = TriedStep::new(landscape, at, found.d, found.gain);
         if trial.share < SHARES[0]
             && let Some(limits) = trial.bent_limits(&slopes, at)
             && let Some(second) = step(&x, (&limits, &slopes), &hessian, WEIGHT, radius)
         {
-            let second = Trial::new(landscape, at, second.d, found.gain);
+            let second = TriedStep::new(landscape, at, second.d, found.gain);
             trial = if second.share > trial.share { second } else { trial };
         }
         let length = trial.d.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
@@ -155,7 +155,7 @@ pub fn descend<L: Landscape>(
 }
 
 /// A step that is tried.
-struct Trial<P> {
+struct TriedStep<P> {
     d: Vec<f64>,
     x: Vec<f64>,
     /// What is at its end, where there is anything.
@@ -164,7 +164,7 @@ struct Trial<P> {
     share: f64,
 }
 
-impl<P> Trial<P> {
+impl<P> TriedStep<P> {
     /// The step `d` from a point, for which the model says a `gain`.
     fn new<L: Landscape<More = P>>(
         landscape: &L,
