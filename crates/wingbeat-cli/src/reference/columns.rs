@@ -345,7 +345,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("ended", &[STARTS], ONE, "", "How it ended: 0 converged, 1 no shorter step gains, 2 iteration limit, 3 no orbit beside the last one."),
     column("kept", &[STARTS], ONE, "", "1 where the gait keeps to the limits."),
     column("iterations", &[STARTS], ONE, "", "Steps tried."),
-    column("violation", &[STARTS], ONE, "", "The worst limit missed, in its scale: 10 mm of clearance, .1 of a share or a multiplier, the frequency, the power."),
+    column("violation", &[STARTS], ONE, "", "The worst limit missed, in its scale: 10 mm of clearance, .1 of a share or a multiplier, .025 of the range of a command, the frequency, the power."),
     column("objective", &[STARTS], ONE, "", "What is to be least over that of the robot's own gait; of a payload the mass, negative."),
     column("mass_kg", &[STARTS], &["kg"], "", "Mass of the robot."),
     column("run", &[RUNS], ONE, "", "Number of the run, from 0; of a grid the last draw varies fastest."),

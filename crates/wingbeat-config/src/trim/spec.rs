@@ -1,11 +1,16 @@
 //! What `wingbeat trim` is asked.
 
 use super::search::SearchSpec;
+use crate::Scenario;
 use serde::{Deserialize, Serialize};
-use wingbeat_flight::orbit::{Course, Free};
+use wingbeat_flight::orbit::{Course, Cycle, Free, Point, steadiness};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::Robot;
+
+/// What two free numbers count for that leave the frequency where it is, beside two of which it is one. *Choice*: a gait whose frequency
+/// stays is seldom a good one.
+const HELD_FREQUENCY: f64 = 0.1;
 
 /// The periodic flight that `wingbeat trim` looks for, beginning from the scenario's start and the robot's gait.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -93,6 +98,34 @@ impl TrimSpec {
     /// The course asked.
     pub(super) fn course(&self) -> Course {
         Course { speed: self.speed_m_s, climb: self.climb_m_s, bank: self.bank_deg.to_radians() }
+    }
+
+    /// Puts those two first of what is free that lead to the orbits of straight flight about `point` of `scenario` best, where they do so
+    /// `better` times as well as the first two.
+    pub(super) fn frees_the_steadiest(
+        &mut self,
+        scenario: &Scenario,
+        cycle: &Cycle,
+        point: &Point,
+        better: f64,
+    ) -> Result<(), String> {
+        let course = self.course();
+        let named = |name: &String| Free::named(scenario.model(), name, false);
+        let free: Vec<Free> = self.free.iter().filter_map(named).flatten().collect();
+        if cycle.coupled(&course) || free.len() != self.free.len() || free.len() < 3 {
+            return Ok(());
+        }
+        let all = steadiness(cycle, &course, &free, point).map_err(|failure| failure.to_string())?;
+        let worth = |(pair, least): &([usize; 2], f64)| {
+            let held = pair.iter().all(|place| free[*place] != Free::Frequency);
+            if held { HELD_FREQUENCY * least } else { *least }
+        };
+        let best = all.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
+        if let Some(([i, j], _)) = best.filter(|best| worth(best) > better * worth(&all[0])) {
+            self.free.swap(0, *i);
+            self.free.swap(1, *j);
+        }
+        Ok(())
     }
 
     /// What is free: in straight flight the first two, of which pairs move alike; in a turn all, each by itself.

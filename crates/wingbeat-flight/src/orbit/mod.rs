@@ -27,6 +27,6 @@ pub(crate) use linear::{fly_held, fly_part};
 pub use measure::{Measures, SKIN, StripAreas, measure};
 pub use modes::{Mode, Modes, Sector, floquet, floquet_over};
 pub use newton::{FoundOrbit, Orbit, search};
-pub use newton::{Tangent, search_from, search_near};
+pub use newton::{Tangent, search_from, search_near, steadiness};
 pub use recoil::{drift, settle};
 pub use section::{Direction, OrbitSection};

@@ -17,6 +17,9 @@ const TOLERANCE: f64 = 1e-11;
 const COARSE: f64 = 1e-6;
 /// Halvings of a step that does not lessen the residual.
 const HALVINGS: usize = 8;
+/// Largest condition missed of an orbit of which rounding lets no step lessen it, in the same units: rates of a small and fast robot are
+/// hundreds of rad/s.
+const ROUNDED: f64 = 1e-10;
 /// By how much a step with the derivatives of an earlier point must lessen the residual for the next to keep them.
 const KEPT: f64 = 0.4;
 /// Weight of the state against what is free in a step of least norm.
@@ -246,6 +249,9 @@ fn iterated(
         let singular = Failure::Singular { iteration, residual };
         let step = tangent.step(&missed).ok_or(singular.clone())?;
         let Some((next, left, share)) = shortened(cycle, conditions, free, &point, &step, residual) else {
+            if residual <= ROUNDED {
+                return Ok((point, residual, iteration, tangent));
+            }
             let condition = conditions.name(cycle, worst);
             return Err(Failure::NotConverged { iterations: iteration, residual, condition });
         };
@@ -337,6 +343,29 @@ pub fn search_near(
         return finished(cycle, course, free, point, left, 0);
     }
     search_from(cycle, course, free, point, &mut |_, _| ControlFlow::Continue(()))
+}
+
+/// How well each pair of `free` leads to the orbits about that at `point`: their places, and the least singular value of the derivatives
+/// by the state and these two, commands in halves of their ranges. Where it is 0 the orbits fold: the pair leads to none further on.
+///
+/// # Errors
+/// The [`Failure`] of a model that cannot be evaluated.
+pub fn steadiness(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    point: &Point,
+) -> Result<Vec<([usize; 2], f64)>, Failure> {
+    let tangent = Tangent::at(cycle, course, free, point)?;
+    let columns = tangent.weights.len();
+    let all = DMatrix::from_row_slice(tangent.matrix.len() / columns, columns, &tangent.matrix);
+    let states = columns - free.len();
+    let least = |[i, j]: [usize; 2]| {
+        let kept: Vec<usize> = (0..states).chain([states + i, states + j]).collect();
+        all.select_columns(&kept).singular_values().min()
+    };
+    let pairs = (0..free.len()).flat_map(|i| (i + 1..free.len()).map(move |j| [i, j]));
+    Ok(pairs.map(|pair| (pair, least(pair))).collect())
 }
 
 /// While the derivatives still point well, further steps cost a cycle of plain numbers: the point after them and the

@@ -45,7 +45,8 @@ fn a_search_finds_a_gait_that_takes_less_power_within_its_limits() {
         ControlFlow::Continue(())
     });
     let whole = whole.unwrap();
-    assert_eq!(whole.summary.power_w_kg, Some(found));
+    // On the orbit of the descent, which that found again from the scenario's own equals.
+    assert!((whole.summary.power_w_kg.unwrap() / found - 1.0).abs() < 1e-9);
     assert_eq!(whole.summary.search.unwrap().values, summary.values);
     assert_eq!(whole.starts.unwrap().values("objective"), record.values("objective"));
     assert_eq!(

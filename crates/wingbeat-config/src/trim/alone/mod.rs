@@ -450,6 +450,9 @@ impl RobotTrim {
             measure(&cycle, &found.orbit, &scenario.strip_areas()).map_err(|fault| fault.to_string())?;
         let mut spec = scenario.on_orbit(&cycle, &found.orbit.point, found.orbit.end.duration);
         numbers::fold(&mut spec);
+        if let Some(trim) = &mut spec.trim {
+            trim.frees_the_steadiest(&scenario, &cycle, &found.orbit.point, 1.0)?;
+        }
         let mass = scenario.model().mass();
         Ok(self.candidate(spec, &found, &measures, mass))
     }

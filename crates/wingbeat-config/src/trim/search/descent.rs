@@ -123,29 +123,75 @@ pub fn descend<L: Landscape>(
         if found.gain < GAIN {
             return end(x, seen, iteration, Ended::Converged);
         }
-        let ahead: Vec<f64> = x.iter().zip(&found.d).map(|(x, d)| (x + d).clamp(0.0, 1.0)).collect();
-        let there = landscape.look(&ahead, &seen);
-        let share = there.as_ref().map_or(-1.0, |there| (seen.merit() - there.merit()) / found.gain);
-        let length = found.d.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
-        if share < SHARES[0] {
+        let at = (&x[..], &seen);
+        let mut trial = TriedStep::new(landscape, at, found.d, found.gain);
+        if trial.share < SHARES[0]
+            && let Some(limits) = trial.bent_limits(&slopes, at)
+            && let Some(second) = step(&x, (&limits, &slopes), &hessian, WEIGHT, radius)
+        {
+            let second = TriedStep::new(landscape, at, second.d, found.gain);
+            trial = if second.share > trial.share { second } else { trial };
+        }
+        let length = trial.d.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        if trial.share < SHARES[0] {
             radius = FACTORS[0] * length;
-        } else if share > SHARES[1] && length > 0.9 * radius {
+        } else if trial.share > SHARES[1] && length > 0.9 * radius {
             radius = longest.min(FACTORS[1] * radius);
         }
-        if share > TAKEN
-            && let Some(mut there) = there
+        if trial.share > TAKEN
+            && let Some(mut there) = trial.there
         {
-            let Some(next) = landscape.slopes(&ahead, &mut there) else {
-                return end(ahead, there, iteration, Ended::NoSlopes);
+            let Some(next) = landscape.slopes(&trial.x, &mut there) else {
+                return end(trial.x, there, iteration, Ended::NoSlopes);
             };
             let bend = bend(&slopes, &next, &found.multipliers);
-            curve(&mut hessian, &found.d, &bend);
-            (x, seen, slopes) = (ahead, there, next);
+            curve(&mut hessian, &trial.d, &bend);
+            (x, seen, slopes) = (trial.x, there, next);
         } else if radius < shortest {
             return end(x, seen, iteration, Ended::NoStep);
         }
     }
     end(x, seen, most, Ended::IterationLimit)
+}
+
+/// A step that is tried.
+struct TriedStep<P> {
+    d: Vec<f64>,
+    x: Vec<f64>,
+    /// What is at its end, where there is anything.
+    there: Option<DescentPoint<P>>,
+    /// What the merit falls by there, as a share of what the model says; below 0 where there is nothing.
+    share: f64,
+}
+
+impl<P> TriedStep<P> {
+    /// The step `d` from a point, for which the model says a `gain`.
+    fn new<L: Landscape<More = P>>(
+        landscape: &L,
+        (from, seen): (&[f64], &DescentPoint<P>),
+        d: Vec<f64>,
+        gain: f64,
+    ) -> Self {
+        let x: Vec<f64> = from.iter().zip(&d).map(|(x, d)| (x + d).clamp(0.0, 1.0)).collect();
+        let there = landscape.look(&x, seen);
+        let share = there.as_ref().map_or(-1.0, |there| (seen.merit() - there.merit()) / gain);
+        Self { d, x, there, share }
+    }
+
+    /// The limits with the bend that the step has met: a second step by them gives back what the first misses by it, where a merit
+    /// would refuse also good steps along a curved limit.
+    ///
+    /// Equation: trim.second_order_step
+    /// `c(x + d) - A d + A d2 <= s in place of c(x) + A d <= s`
+    /// Source: Fletcher 1982, Second order corrections for non-differentiable optimization; Nocedal & Wright 2006, 15.6.
+    /// Test: `a_step_along_a_curved_limit_is_corrected`.
+    fn bent_limits(&self, slopes: &Slopes, (_, seen): (&[f64], &DescentPoint<P>)) -> Option<Vec<f64>> {
+        let there = self.there.as_ref()?;
+        let along: Vec<f64> = slopes.limits.iter().map(|row| dot(row, &self.d)).collect();
+        let foreseen = seen.limits.iter().zip(&along).map(|(c, along)| c + along).fold(0.0, f64::max);
+        let bent = || there.limits.iter().zip(&along).map(|(c, along)| c - along).collect();
+        (there.violation() > foreseen).then(bent)
+    }
 }
 
 /// Growth of the Lagrangian's gradient.

@@ -4,19 +4,25 @@ use super::descent::{DescentPoint, Landscape, Slopes};
 use super::spec::{Goal, SearchSpec};
 use crate::sweep::with_all;
 use crate::{Document, Scenario};
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{
-    Cycle, Failure, FoundOrbit, Measures, Point, Tangent, floquet, measure, search_near,
+    Cycle, Failure, FoundOrbit, Free, Measures, Point, Tangent, floquet, measure, search_near,
 };
 use wingbeat_math::parallel;
-use wingbeat_ocp::plant::Fault;
+use wingbeat_ocp::plant::{Fault, Plant};
 
 /// Scales of the limits: what counts as one of a clearance, m, of a share and of a multiplier.
 const CLEARANCE: f64 = 0.01;
 const SHARE: f64 = 0.1;
 const MULTIPLIER: f64 = 0.1;
+/// Where in its range, from -1 to 1, a command that is free stops, and what counts as one beyond. *Choice*: an orbit beyond 1 is none.
+const HELD: [f64; 2] = [0.95, 0.05];
 /// Step of the differences, as a share of a range: orbits close to 1e-11.
 const STEP: f64 = 1e-5;
+/// How many times as well as the first two of what is free two others lead to the orbits about one before they take their places.
+/// *Choice.*
+const BETTER: f64 = 2.0;
 /// Parts of the way from the scenario's own gait to one that its start does not lead to.
 const PARTS: usize = 16;
 
@@ -40,6 +46,8 @@ pub(super) struct Facts {
 /// An orbit with one number of strips.
 struct FlownOrbit {
     found: FoundOrbit,
+    /// As [`held`] says.
+    held: Vec<f64>,
     measures: Measures,
     multiplier: f64,
     speed: f64,
@@ -48,9 +56,15 @@ struct FlownOrbit {
 
 /// What belongs to a gait.
 pub(super) struct Gait {
+    /// Shares of the ranges.
+    x: Vec<f64>,
     pub points: Vec<Point>,
+    /// What is free, `trim.free` of each scenario: the orbits of straight flight are those of the first two.
+    pub free: Vec<Vec<String>>,
     /// Where derivatives were asked for.
     tangents: Vec<Tangent>,
+    /// The same: derivatives of each orbit's point by the coordinates.
+    moves: Vec<Vec<Point>>,
     pub facts: Facts,
 }
 
@@ -82,6 +96,13 @@ impl<'a> Gaits<'a> {
         Scenario::new(document).map_err(|error| error.to_string())
     }
 
+    /// The same in which `free` is free.
+    fn freeing(&self, model: usize, x: &[f64], free: &[String]) -> Result<Scenario, String> {
+        let mut scenario = self.scenario(model, x)?;
+        scenario.spec.trim.iter_mut().for_each(|trim| trim.free = free.to_vec());
+        Ok(scenario)
+    }
+
     /// The gait at `x`, found as `wingbeat trim` does.
     pub fn first(&mut self, x: &[f64]) -> Result<DescentPoint<Gait>, String> {
         let seen = self.anew(x)?;
@@ -91,7 +112,12 @@ impl<'a> Gaits<'a> {
 
     /// The gait at `x` from its scenario's own start.
     fn anew(&self, x: &[f64]) -> Result<DescentPoint<Gait>, String> {
-        self.gait(x, |_, scenario, cycle| {
+        let own = |document: &Document| {
+            let scenario = Scenario::new(document.clone()).map_err(|error| error.to_string())?;
+            Ok::<_, String>(scenario.spec.trim.map_or(Vec::new(), |trim| trim.free))
+        };
+        let free = self.documents.iter().map(own).collect::<Result<Vec<_>, _>>()?;
+        self.gait(x, &free, |_, scenario, cycle| {
             let found = scenario.find_orbit(cycle, &mut |_, _| ControlFlow::Continue(()));
             found.map_err(|error| error.to_string())?.map_err(|failure| failure.to_string())
         })
@@ -123,16 +149,16 @@ impl<'a> Gaits<'a> {
         close: &DescentPoint<Gait>,
         tangents: &[Tangent],
     ) -> Result<DescentPoint<Gait>, String> {
-        self.gait(x, |model, scenario, cycle| {
+        self.gait(x, &close.more.free, |model, scenario, cycle| {
             let (course, free) = scenario.asked_of_orbit(cycle).map_err(|error| error.to_string())?;
-            let point = close.more.points[model].clone();
+            let point = close.more.ahead(model, x);
             search_near(cycle, &course, &free, point, &tangents[model]).map_err(|failure| failure.to_string())
         })
     }
 
     fn tangents(&self, x: &[f64], seen: &DescentPoint<Gait>) -> Result<Vec<Tangent>, String> {
         let of = |(model, point): (usize, &Point)| {
-            let scenario = self.scenario(model, x)?;
+            let scenario = self.freeing(model, x, &seen.more.free[model])?;
             let cycle = scenario.cycle().map_err(|error| error.to_string())?;
             let (course, free) = scenario.asked_of_orbit(&cycle).map_err(|error| error.to_string())?;
             Tangent::at(&cycle, &course, &free, point).map_err(|failure: Failure| failure.to_string())
@@ -140,13 +166,26 @@ impl<'a> Gaits<'a> {
         seen.more.points.iter().enumerate().map(of).collect()
     }
 
+    /// What is free for the gaits about the one at `x`.
+    fn steadiest(&self, x: &[f64], seen: &DescentPoint<Gait>) -> Result<Vec<Vec<String>>, String> {
+        let of = |(model, point): (usize, &Point)| {
+            let scenario = self.freeing(model, x, &seen.more.free[model])?;
+            let cycle = scenario.cycle().map_err(|error| error.to_string())?;
+            let mut trim = scenario.trim_spec().map_err(|error| error.to_string())?.clone();
+            trim.frees_the_steadiest(&scenario, &cycle, point, BETTER)?;
+            Ok(trim.free)
+        };
+        seen.more.points.iter().enumerate().map(of).collect()
+    }
+
     fn gait(
         &self,
         x: &[f64],
+        all_free: &[Vec<String>],
         find: impl Fn(usize, &Scenario, &Cycle) -> Result<FoundOrbit, String>,
     ) -> Result<DescentPoint<Gait>, String> {
         let flown = |model: usize| -> Result<FlownOrbit, String> {
-            let scenario = self.scenario(model, x)?;
+            let scenario = self.freeing(model, x, &all_free[model])?;
             let cycle = scenario.cycle().map_err(|error| error.to_string())?;
             let found = find(model, &scenario, &cycle)?;
             let broken = |fault: Fault| fault.to_string();
@@ -155,14 +194,15 @@ impl<'a> Gaits<'a> {
                 Some(_) => floquet(&cycle, &found.orbit).map_err(broken)?.largest(),
                 None => f64::NAN,
             };
+            let held = held(&scenario, &cycle, &found.orbit.point);
             let (speed, mass) = (found.orbit.course.speed, scenario.model().mass());
-            Ok(FlownOrbit { found, measures, multiplier, speed, mass })
+            Ok(FlownOrbit { found, held, measures, multiplier, speed, mass })
         };
         let flown: Vec<FlownOrbit> = (0..self.documents.len()).map(flown).collect::<Result<_, _>>()?;
-        Ok(self.seen(&flown))
+        Ok(self.seen(x, all_free, &flown))
     }
 
-    fn seen(&self, flown: &[FlownOrbit]) -> DescentPoint<Gait> {
+    fn seen(&self, x: &[f64], free: &[Vec<String>], flown: &[FlownOrbit]) -> DescentPoint<Gait> {
         let own = &flown[0];
         let least = |flown: &FlownOrbit| flown.measures.least_clearance.unwrap_or(f64::INFINITY);
         let power = |flown: &FlownOrbit| flown.measures.cost.positive_power / flown.mass;
@@ -198,13 +238,55 @@ impl<'a> Gaits<'a> {
             at_most(flown.measures.softly_stalled[0], asked.stall_fraction_12, SHARE);
             at_most(flown.measures.softly_stalled[1], asked.stall_fraction_20, SHARE);
             at_most(flown.multiplier, asked.multiplier, MULTIPLIER);
+            for held in &flown.held {
+                at_most(*held, Some(HELD[0]), HELD[1]);
+                at_most(-held, Some(HELD[0]), HELD[1]);
+            }
         }
         at_most(facts.frequency, asked.frequency_hz, facts.frequency);
         at_most(facts.power_per_mass, asked.power_w_kg, facts.power_per_mass);
         let points = flown.iter().map(|flown| flown.found.orbit.point.clone()).collect();
-        let more = Gait { points, tangents: Vec::new(), facts };
+        let (x, free) = (x.to_vec(), free.to_vec());
+        let more = Gait { x, points, free, tangents: Vec::new(), moves: Vec::new(), facts };
         DescentPoint { objective: objective / self.scale, limits, more }
     }
+}
+
+impl Gait {
+    /// Where the orbit of `model` is at the shares `x` of the ranges, to first order where derivatives are known.
+    fn ahead(&self, model: usize, x: &[f64]) -> Point {
+        let mut point = self.points[model].clone();
+        for (moves, (to, from)) in self.moves.iter().zip(x.iter().zip(&self.x)) {
+            add(&mut point, &moves[model], to - from);
+        }
+        point
+    }
+}
+
+/// Where the commands that `[trim]` may free lie in their ranges, from -1 to 1, in the order of the inputs.
+fn held(scenario: &Scenario, cycle: &Cycle, point: &Point) -> Vec<f64> {
+    let (model, trim) = (scenario.model(), scenario.spec.trim.as_ref());
+    let coupled = trim.is_some_and(|trim| cycle.coupled(&trim.course()));
+    let names = trim.map_or(&[][..], |trim| &trim.free);
+    let free = names.iter().filter_map(|name| Free::named(model, name, coupled)).flatten();
+    let inputs: BTreeSet<usize> = free
+        .filter_map(|free| match free {
+            Free::Inputs(direction) => direction.first().map(|(input, _)| *input),
+            Free::Frequency => None,
+        })
+        .collect();
+    let share = |&input: &usize| {
+        let channel = &model.inputs()[input];
+        (point.inputs[input] - 0.5 * (channel.low + channel.high)) / (0.5 * (channel.high - channel.low))
+    };
+    inputs.iter().map(share).filter(|share| share.is_finite()).collect()
+}
+
+/// `point` and `share` times `other`.
+fn add(point: &mut Point, other: &Point, share: f64) {
+    point.z.iter_mut().zip(&other.z).for_each(|(a, b)| *a += share * b);
+    point.pace += share * other.pace;
+    point.inputs.iter_mut().zip(&other.inputs).for_each(|(a, b)| *a += share * b);
 }
 
 impl Landscape for Gaits<'_> {
@@ -216,22 +298,38 @@ impl Landscape for Gaits<'_> {
 
     /// Differences of orbits found anew beside this one, on all cores.
     fn slopes(&self, x: &[f64], seen: &mut DescentPoint<Gait>) -> Option<Slopes> {
+        seen.more.moves.clear();
+        seen.more.free = self.steadiest(x, seen).ok()?;
         seen.more.tangents = self.tangents(x, seen).ok()?;
         let columns: Vec<usize> = (0..x.len()).collect();
         let beside = |_: usize, &i: &usize| {
-            let step = if x[i] > 0.5 { -STEP } else { STEP };
-            let mut x = x.to_vec();
-            x[i] += step;
-            let there = self.near(&x, seen, &seen.more.tangents).ok()?;
+            let inwards = if x[i] > 0.5 { -STEP } else { STEP };
+            // Where there is no orbit on one side, there may be one on the other.
+            let sides = [inwards, -inwards].into_iter().filter(|step| (0.0..=1.0).contains(&(x[i] + step)));
+            let (step, there) = sides.into_iter().find_map(|step| {
+                let mut x = x.to_vec();
+                x[i] += step;
+                Some((step, self.near(&x, seen, &seen.more.tangents).ok()?))
+            })?;
             let limits = there.limits.iter().zip(&seen.limits).map(|(b, a)| (b - a) / step).collect();
-            Some(((there.objective - seen.objective) / step, limits))
+            let change = |(there, here): (&Point, &Point)| {
+                let mut zero =
+                    Point { z: vec![0.0; here.z.len()], pace: 0.0, inputs: vec![0.0; here.inputs.len()] };
+                add(&mut zero, there, 1.0 / step);
+                add(&mut zero, here, -1.0 / step);
+                zero
+            };
+            let moves: Vec<Point> = there.more.points.iter().zip(&seen.more.points).map(change).collect();
+            Some(((there.objective - seen.objective) / step, limits, moves))
         };
-        let columns: Vec<(f64, Vec<f64>)> =
+        let columns: Vec<(f64, Vec<f64>, Vec<Point>)> =
             parallel::map(&columns, beside).into_iter().collect::<Option<_>>()?;
         let rows = seen.limits.len();
-        Some(Slopes {
-            objective: columns.iter().map(|(objective, _)| *objective).collect(),
-            limits: (0..rows).map(|j| columns.iter().map(|(_, limits)| limits[j]).collect()).collect(),
-        })
+        let slopes = Slopes {
+            objective: columns.iter().map(|(objective, ..)| *objective).collect(),
+            limits: (0..rows).map(|j| columns.iter().map(|(_, limits, _)| limits[j]).collect()).collect(),
+        };
+        seen.more.moves = columns.into_iter().map(|(.., moves)| moves).collect();
+        Some(slopes)
     }
 }

@@ -17,6 +17,7 @@ use gaits::{Gait, Gaits};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use wingbeat_flight::orbit::Point;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_judge::Status;
 use wingbeat_math::Error;
@@ -77,8 +78,8 @@ pub struct SearchSummary {
     pub ended: &'static str,
     /// Its iterations.
     pub iterations: usize,
-    /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, the frequency, the
-    /// power.
+    /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, .025 of the range of a
+    /// command, the frequency, the power.
     pub violation: f64,
     /// The varied numbers, by their keys and in the units of these.
     pub values: BTreeMap<String, f64>,
@@ -230,20 +231,23 @@ impl GaitSearch<'_> {
         let refused = |what: String, allowed: &str| {
             E::from(self.scenario.explain(&Error::invalid("trim.search", what, allowed)))
         };
+        let mut orbits = Vec::new();
         for start in 0..self.starts() {
             if rows.iter().any(|row| row[0] == start as f64) {
                 continue;
             }
             let mut stopped = false;
-            let row = self.row(start, &mut |at| {
+            let descent = self.descent(start, &mut |at| {
                 let flow = tell(at);
                 stopped |= flow.is_break();
                 flow
             });
-            match row {
-                Some(row) => {
+            match descent {
+                Some(descent) => {
+                    let row = self.told(start, &descent);
                     keep(&row)?;
                     rows.push(row);
+                    orbits.push((start, descent.seen));
                 }
                 None if stopped => return Ok(None),
                 None => return Err(refused(format!("start {start}"), "a start beside a gait with an orbit")),
@@ -254,7 +258,7 @@ impl GaitSearch<'_> {
             .map_err(|error| E::from(self.scenario.explain(&error)))?;
         rows.iter().for_each(|row| starts.append(row));
         let (best, summary) =
-            self.best(&starts).map_err(|reason| refused(reason, "a best gait with an orbit"))?;
+            self.best_of(&starts, &orbits).map_err(|reason| refused(reason, "a best gait with an orbit"))?;
         Ok(Some(Searched { starts, best, summary }))
     }
 
@@ -265,8 +269,17 @@ impl GaitSearch<'_> {
         start: usize,
         tell: &mut dyn FnMut(SearchProgress) -> ControlFlow<()>,
     ) -> Option<Vec<f64>> {
+        Some(self.told(start, &self.descent(start, tell)?))
+    }
+
+    /// The descent from start `start`.
+    fn descent(
+        &self,
+        start: usize,
+        tell: &mut dyn FnMut(SearchProgress) -> ControlFlow<()>,
+    ) -> Option<Descent<Gait>> {
         let (x, seen) = self.begin(start)?;
-        let descent = descend(&self.gaits, x, seen, self.spec.iterations, &mut |iteration, seen| {
+        descend(&self.gaits, x, seen, self.spec.iterations, &mut |iteration, seen| {
             let facts = &seen.more.facts;
             tell(SearchProgress {
                 start,
@@ -275,8 +288,7 @@ impl GaitSearch<'_> {
                 frequency_hz: facts.frequency,
                 violation: seen.violation(),
             })
-        })?;
-        Some(self.told(start, &descent))
+        })
     }
 
     /// Where start `start` begins: beside the own gait, as near as it needs to be for an orbit.
@@ -291,6 +303,29 @@ impl GaitSearch<'_> {
             let seen = self.gaits.reached(&x, &self.own, &self.first).ok()?;
             Some((x, seen))
         })
+    }
+
+    /// The orbit at the shares `x`, to which the descent from `start` came with this objective: that it found, of those `made`, else the
+    /// one to which the scenario's own leads, or the descent made again where that is no such orbit.
+    fn orbit(
+        &self,
+        (start, objective): (usize, f64),
+        x: &[f64],
+        made: &[(usize, DescentPoint<Gait>)],
+    ) -> Result<(Point, Vec<String>), String> {
+        let own = |seen: &DescentPoint<Gait>| (seen.more.points[0].clone(), seen.more.free[0].clone());
+        if let Some((_, seen)) = made.iter().find(|(number, _)| *number == start) {
+            return Ok(own(seen));
+        }
+        let again = |reason: String| {
+            let descent = self.descent(start, &mut |_| ControlFlow::Continue(()));
+            descent.map(|descent| own(&descent.seen)).ok_or(reason)
+        };
+        match self.gaits.reached(x, &self.own, &self.first) {
+            Ok(seen) if (seen.objective - objective).abs() <= ALIKE * objective.abs() => Ok(own(&seen)),
+            Ok(_) => again("another orbit is found".into()),
+            Err(reason) => again(reason),
+        }
     }
 
     fn told(&self, start: usize, descent: &Descent<Gait>) -> Vec<f64> {
@@ -324,6 +359,15 @@ impl GaitSearch<'_> {
     /// # Errors
     /// Why its orbit is not found again.
     pub fn best(&self, record: &Record) -> Result<(Scenario, SearchSummary), String> {
+        self.best_of(record, &[])
+    }
+
+    /// The same, with the gaits of starts whose descent was made just now.
+    fn best_of(
+        &self,
+        record: &Record,
+        made: &[(usize, DescentPoint<Gait>)],
+    ) -> Result<(Scenario, SearchSummary), String> {
         let column = |name: &str| record.values(name).unwrap_or_default();
         let (kept, objective, violation) = (column("kept"), column("objective"), column("violation"));
         let order = |i: usize| if kept[i] == 1.0 { (0, objective[i]) } else { (1, violation[i]) };
@@ -332,12 +376,13 @@ impl GaitSearch<'_> {
             .ok_or("no start")?;
         let values: Vec<f64> = record.columns()[COLUMNS.len()..].iter().map(|c| c.values[best]).collect();
         let x: Vec<f64> = self.spec.vary.iter().zip(&values).map(|(vary, v)| vary.share(*v)).collect();
-        let found = self.gaits.reached(&x, &self.own, &self.first)?;
-        let scenario = self.gaits.scenario(0, &x)?;
+        let start = column("start")[best] as usize;
+        let (point, free) = self.orbit((start, objective[best]), &x, made)?;
+        let mut scenario = self.gaits.scenario(0, &x)?;
+        scenario.spec.trim.iter_mut().for_each(|trim| trim.free.clone_from(&free));
         let cycle = scenario.cycle().map_err(|error| error.to_string())?;
-        let point = &found.more.points[0];
-        let end = cycle.end(point).map_err(|fault| fault.to_string())?;
-        let spec = scenario.on_orbit(&cycle, point, end.duration);
+        let end = cycle.end(&point).map_err(|fault| fault.to_string())?;
+        let spec = scenario.on_orbit(&cycle, &point, end.duration);
         let document = Document::value("gait", &spec).map_err(|error| error.to_string())?;
         let mut good: Vec<f64> =
             (0..record.rows()).filter(|&i| kept[i] == 1.0).map(|i| objective[i]).collect();
@@ -348,7 +393,7 @@ impl GaitSearch<'_> {
             starts: record.rows(),
             kept: good.len(),
             minima: usize::from(!good.is_empty()) + good.windows(2).filter(|pair| apart(pair)).count(),
-            best: column("start")[best] as usize,
+            best: start,
             ended: Ended::ALL.get(column("ended")[best] as usize).map_or("", |ended| ended.words()),
             iterations: column("iterations")[best] as usize,
             violation: violation[best],
