@@ -77,6 +77,11 @@ impl Ended {
     /// All ends, in the order of their numbers in tables.
     pub const ALL: [Self; 4] = [Self::Converged, Self::NoStep, Self::IterationLimit, Self::NoSlopes];
 
+    /// Whether nothing near was found to be better.
+    pub fn is_minimum(self) -> bool {
+        matches!(self, Self::Converged | Self::NoStep)
+    }
+
     /// In words.
     pub fn words(self) -> &'static str {
         match self {

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::Point;
 use wingbeat_flight::simulate::{Column, Record};
-use wingbeat_judge::Status;
+use wingbeat_judge::{Status, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 use wingbeat_math::order::filled;
@@ -70,7 +70,7 @@ pub struct SearchSummary {
     pub starts: usize,
     /// Starts whose gait keeps to the limits.
     pub kept: usize,
-    /// Minima among them: objectives that differ by more than a thousandth.
+    /// Minima among them: objectives that differ by more than a thousandth, of starts that ended at one.
     pub minima: usize,
     /// Number of the best start, from 0.
     pub best: usize,
@@ -130,6 +130,16 @@ impl Searched {
             summary.status = summary.status.max(Status::OffTarget);
             summary.reason =
                 Some(summary.reason.iter().cloned().chain([missed]).collect::<Vec<_>>().join("; "));
+        }
+        if search.ended == Ended::IterationLimit.words() {
+            let text = format!(
+                "the search used up its {} iterations: its gait is an orbit that keeps to its verdict, and no minimum",
+                search.iterations
+            );
+            let size = search.iterations as f64;
+            summary
+                .warnings
+                .push(Warning::new("trim.search_ended", text).size(size).key("trim.search.iterations"));
         }
         summary.search = Some(search);
         Ok(trimmed)
@@ -384,17 +394,19 @@ impl GaitSearch<'_> {
         let end = cycle.end(&point).map_err(|fault| fault.to_string())?;
         let spec = scenario.on_orbit(&cycle, &point, end.duration);
         let document = Document::value("gait", &spec).map_err(|error| error.to_string())?;
-        let mut good: Vec<f64> =
-            (0..record.rows()).filter(|&i| kept[i] == 1.0).map(|i| objective[i]).collect();
-        wingbeat_math::order::ascend(&mut good);
+        let good = || (0..record.rows()).filter(|&i| kept[i] == 1.0);
+        let ended = |i: usize| Ended::ALL.get(column("ended")[i] as usize).copied();
+        let is_minimum = |i: &usize| ended(*i).is_some_and(Ended::is_minimum);
+        let mut least: Vec<f64> = good().filter(is_minimum).map(|i| objective[i]).collect();
+        wingbeat_math::order::ascend(&mut least);
         let apart = |pair: &[f64]| pair[1] - pair[0] > ALIKE * pair[0].abs().max(pair[1].abs());
         let summary = SearchSummary {
             goal: self.spec.goal,
             starts: record.rows(),
-            kept: good.len(),
-            minima: usize::from(!good.is_empty()) + good.windows(2).filter(|pair| apart(pair)).count(),
+            kept: good().count(),
+            minima: usize::from(!least.is_empty()) + least.windows(2).filter(|pair| apart(pair)).count(),
             best: start,
-            ended: Ended::ALL.get(column("ended")[best] as usize).map_or("", |ended| ended.words()),
+            ended: ended(best).map_or("", Ended::words),
             iterations: column("iterations")[best] as usize,
             violation: violation[best],
             values: filled(self.spec.vary.iter().zip(values).map(|(vary, v)| (vary.key.clone(), v))),
