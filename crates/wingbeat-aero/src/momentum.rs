@@ -14,7 +14,7 @@ const HALVINGS: usize = 60;
 /// Where the wing drives no air but is driven by it, momentum bounds the power only up to the force that halves the velocity.
 ///
 /// Equation: aero.induced_power
-/// `P = F w, 2 rho pi R^2 w |U - w F/|F|| = F`
+/// `P = F w, 2 rho pi R^2 w norm(U - w f) = F, f the unit vector of F`
 /// Source: Glauert 1926 (forward flight), Rankine & Froude (axial).
 /// Test: `the_induced_power_is_that_of_discs_and_elliptic_wings`.
 pub fn induced_power(force: Vec3, wind: Vec3, density: f64, radius: f64) -> f64 {

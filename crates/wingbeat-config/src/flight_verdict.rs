@@ -304,7 +304,7 @@ impl JudgedFlight<'_> {
     /// energy that changes counts as given to it. None in gusts, which give power, and over ground.
     ///
     /// Equation: flight.ideal_power_fraction
-    /// `P_ideal / (P - m g v_z + |change of m v^2 / 2| / T)`, `P_ideal` by aero.induced_power with `F = m g + m dv / T`
+    /// `P_ideal / (P - m g v_z + abs(m v_1^2 - m v_0^2)/(2 T)), P_ideal by aero.induced_power with F = m g + m (v_1 - v_0)/T`
     /// Source: balance of work in the air that is at rest far off.
     /// Test: `the_power_of_a_flight_is_above_the_ideal_one`.
     fn ideal_power_fraction(&self) -> Option<f64> {

@@ -73,7 +73,7 @@ fn advance(tether: &Tether, chord: f64) -> Option<f64> {
 /// ground, and where the cycle is not like the one before.
 ///
 /// Equation: tether.ideal_power_fraction
-/// `P_ideal / (P + F.U)`, `P_ideal` by aero.induced_power
+/// `P_ideal / (P + F.U), P_ideal by aero.induced_power`
 /// Source: balance of work in the air that is at rest far off.
 /// Test: `a_wing_that_beats_the_ideal_power_is_outside`.
 pub fn ideal_power_fraction(tether: &Tether, run: &TetherRun) -> Option<f64> {
