@@ -9,8 +9,12 @@ use crate::own_joints;
 
 /// Rows of the last whole cycle of the joint that turns most, from one upward crossing of its mean to the next.
 ///
-/// None when the record holds no whole cycle.
+/// None when the record holds no whole cycle, or the phase of its gait stands still.
 pub fn last(record: &Record) -> Option<Range<usize>> {
+    let rests = |phase: &[f64]| phase.first() == phase.last();
+    if record.values("phase").is_some_and(rests) {
+        return None;
+    }
     let turning = own_joints::left(record).filter(|(joint, _)| joint.turns);
     let (_, column) = turning.max_by(|a, b| a.0.range().total_cmp(&b.0.range()))?;
     let angle = &column.values;

@@ -211,6 +211,15 @@ impl Own {
         Ok(Self { update: update.unbind(), places: None, inputs: names, held, raised })
     }
 
+    /// What is said of an `answer` that is no list of numbers.
+    fn refused(&self, answer: &Bound<'_, PyAny>) -> PyErr {
+        let given = answer.repr().map_or_else(|_| "something else".into(), |text| text.to_string());
+        let (wanted, names) = (self.inputs.len(), self.inputs.join(", "));
+        PyTypeError::new_err(format!(
+            "the controller answers {given}: allowed are None, or {wanted} numbers, {names}"
+        ))
+    }
+
     fn asked(&mut self, py: Python, t: f64, measured: &wingbeat::simulate::Measurement) -> PyResult<Update> {
         let places = match &self.places {
             Some(places) => places.clone_ref(py),
@@ -231,7 +240,7 @@ impl Own {
         let wanted = self.inputs.len();
         let taken = match answer.extract::<PyReadonlyArray1<f64>>() {
             Ok(array) => array.as_array().to_vec(),
-            Err(_) => answer.extract::<Vec<f64>>()?,
+            Err(_) => answer.extract::<Vec<f64>>().map_err(|_| self.refused(&answer))?,
         };
         if taken.len() != wanted {
             let (given, names) = (taken.len(), self.inputs.join(", "));

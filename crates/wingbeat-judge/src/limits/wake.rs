@@ -6,7 +6,7 @@ use crate::status::Status::NotResolved;
 /// A symmetric motion whose halves drift apart.
 pub const DRIFTED: JudgedLimit = JudgedLimit::warn_above("wake.symmetry_fraction", 0.01, "").on(
     "left and right of a symmetric motion drift apart, the free wake is not resolved where it meets the wing or itself \
-     (try --prescribed, a larger --core or more --steps): largest difference of a ring and its mirror image over the largest ring",
+     (do the halves overlap? else try --prescribed, a larger --core or more --steps): largest difference of a ring and its mirror image over the largest ring",
 );
 /// Halves that have nothing to do with each other any more.
 pub const LOST: JudgedLimit = JudgedLimit::at_most("wake.symmetry_lost_fraction", 0.5, "", NotResolved)
