@@ -34,7 +34,7 @@ impl TrimSummary {
         // Of an orbit that gains hold what grows without them is told.
         let alone =
             self.largest_multiplier.filter(|_| growth.is_some_and(|growth| growth <= trim::GROWS.value));
-        let held: [(&'static JudgedLimit, Option<f64>); 11] = [
+        let held: [(&'static JudgedLimit, Option<f64>); 12] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
             (&trim::BEYOND_20, self.stall_fraction_20),
@@ -45,6 +45,7 @@ impl TrimSummary {
             (&trim::ALONE_GROWS, alone),
             (&trim::GAINS_GROW, upset),
             (&trim::RESIDUAL, self.residual),
+            (&trim::WEIGHT, self.lift_over_weight.map(|lift| (lift - 1.0).abs())),
             (&trim::STEPS, steps),
         ];
         for (limit, value) in held {

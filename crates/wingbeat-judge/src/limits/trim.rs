@@ -1,7 +1,7 @@
 //! Limits of a periodic flight. All values are choices; the shipped trims of level flight lie well within them.
 
 use super::JudgedLimit;
-use crate::status::Status::{NotFound, OffTarget, Outside};
+use crate::status::Status::{NotFound, NotResolved, OffTarget, Outside};
 
 /// Power that a flyer must be exceptional for. Birds and bats have flight muscles of 15 to 30 % of the body, and quail give
 /// 350 to 400 W per kg of muscle in the strokes of a take-off, the most that was measured (Askew, Marsh & Ellington 2001,
@@ -41,12 +41,16 @@ pub const GAINS_GROW: JudgedLimit = JudgedLimit::warn_above("trim.gains_multipli
 pub const RESIDUAL: JudgedLimit = JudgedLimit::at_most("trim.residual", 1e-8, "", NotFound)
     .on("largest error of a condition of the orbit, in SI units");
 
+/// Mean upward force of an orbit, which is the weight whatever its path: what differs is lost between the steps of the integration. Shipped
+/// trims have 2e-3 and less. *Choice.*
+pub const WEIGHT: JudgedLimit = JudgedLimit::at_most("trim.weight_error_fraction", 0.05, "", NotResolved)
+    .on("the loads of the orbit do not carry its weight, and are lost between its steps (shorten trim.step_s): difference of the mean upward force from the weight, over it");
 /// Steps of the orbit's cycle. With 17 the power of `cruise_20g` is 1.2 % above that of 170.
 pub const STEPS: JudgedLimit = JudgedLimit::warn_below("trim.steps_per_cycle", 40.0, "")
     .on("the steps of the integration are long (shorten trim.step_s): number of steps of a cycle");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 12] = [
+pub const ALL: [JudgedLimit; 13] = [
     HIGH_POWER,
     POWER,
     PEAK,
@@ -58,5 +62,6 @@ pub const ALL: [JudgedLimit; 12] = [
     ALONE_GROWS,
     GAINS_GROW,
     RESIDUAL,
+    WEIGHT,
     STEPS,
 ];
