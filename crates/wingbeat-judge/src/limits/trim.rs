@@ -42,8 +42,8 @@ pub const RESIDUAL: JudgedLimit = JudgedLimit::at_most("trim.residual", 1e-8, ""
     .on("largest error of a condition of the orbit, in SI units");
 
 /// Mean upward force of an orbit, which is the weight whatever its path: what differs is lost between the steps of the integration. Shipped
-/// trims have 2e-3 and less. *Choice.*
-pub const WEIGHT: JudgedLimit = JudgedLimit::at_most("trim.weight_error_fraction", 0.05, "", NotResolved)
+/// trims have 1e-6 and less. *Choice.*
+pub const WEIGHT: JudgedLimit = JudgedLimit::at_most("trim.weight_error_fraction", 0.01, "", NotResolved)
     .on("the loads of the orbit do not carry its weight, and are lost between its steps (shorten trim.step_s): difference of the mean upward force from the weight, over it");
 /// Steps of the orbit's cycle. With 17 the power of `cruise_20g` is 1.2 % above that of 170.
 pub const STEPS: JudgedLimit = JudgedLimit::warn_below("trim.steps_per_cycle", 40.0, "")
