@@ -16,7 +16,7 @@ pub struct Moved {
     pub speed_m_s: f64,
     /// Least distance from the ground, m, where there is one.
     pub ground_m: Option<f64>,
-    /// Way of the wind in a cycle over the longest of a section in it, of a wing whose sections go further than some chords.
+    /// Way of the wind in a cycle over the longest of a section in it, dimensionless, of a wing whose sections go further than some chords.
     pub advance: Option<f64>,
     /// Cycles, of a motion that repeats, and reduced frequency k = omega c / (2 V) by the mean speed.
     pub repeated: Option<(usize, f64)>,
@@ -69,7 +69,7 @@ fn advance(tether: &Tether, chord: f64) -> Option<f64> {
     long.then(|| tether.wind.norm() / (tether.clock.frequency_hz * way))
 }
 
-/// Least power of the disc that the wing reaches over the power into the air in the last cycle of `run`: joints and wind together. None over
+/// Least power of the disc that the wing reaches over the power into the air in the last cycle of `run`, dimensionless: joints and wind together. None over
 /// ground, and where the cycle is not like the one before.
 ///
 /// Equation: tether.ideal_power_fraction

@@ -9,9 +9,9 @@ use crate::{Error, needed};
 /// Roll and heading of every row, rad, and no number where they say nothing.
 #[derive(Clone, Debug)]
 pub struct TurnsOfBody {
-    /// Right wing down positive, with a gap where it passes half a turn.
+    /// Right wing down positive, rad, with a gap where it passes half a turn.
     pub roll: Vec<f64>,
-    /// Left positive, on beyond half a turn.
+    /// Left positive, rad, on beyond half a turn.
     pub heading: Vec<f64>,
 }
 

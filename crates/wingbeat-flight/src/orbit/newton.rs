@@ -346,7 +346,7 @@ pub fn search_near(
 }
 
 /// How well each pair of `free` leads to the orbits about that at `point`: their places, and the least singular value of the derivatives
-/// by the state and these two, commands in halves of their ranges. Where it is 0 the orbits fold: the pair leads to none further on.
+/// by the state and these two, commands in halves of their ranges: dimensionless. Where it is 0 the orbits fold: the pair leads to none further on.
 ///
 /// # Errors
 /// The [`Failure`] of a model that cannot be evaluated.
