@@ -89,13 +89,13 @@ pub const SLENDER: JudgedLimit = JudgedLimit::warn_below("tether.aspect_ratio", 
 pub const REDUCED: JudgedLimit = JudgedLimit::warn_above("tether.reduced_frequency", 2.0, "").on(
     "the wing hardly leaves its wake of the stroke before (are chords in m and the frequency in Hz?): pi f times the mean chord over the root mean square of its speed through the air",
 );
-/// Least power that momentum asks of any wing within the sphere of this one, over what it gives to the air: shipped cases have 0.4 and less,
-/// an elliptic wing at rest has 1. Above it a model gives force for nothing. The margin is a *choice*.
+/// Least power that momentum asks of any wing within the sphere of this one, over what it gives to the air: shipped cases have 0.47 and
+/// less, an elliptic wing at rest nearly 1. Above it a model gives force for nothing. The margin is a *choice*.
 pub const IDEAL: JudgedLimit = JudgedLimit::at_most("tether.ideal_power_fraction", 1.05, "", Outside).on(
     "the model gives more force than any wing of this reach can for its power, as where a wing comes back into its own wake: ideal power of the disc that it reaches over its power into the air,",
 );
-/// Way of the wind in a cycle over the longest way of a section in it. A revolving wing of two blades, with 0.32 and 0.064, has 3 % and 29 % more
-/// thrust by strips than by the free lattice; flapping ones that travel a span in a cycle have 0.5 and more. *Choice.*
+/// Way of the wind in a cycle over the longest way of a section in it. A revolving wing of two blades, with 0.32, has 3 % more
+/// thrust by strips than by the prescribed lattice, and with 0.064 29 % more than by the free one; the shipped flapping cases have 0.25 and more. *Choice.*
 pub const ADVANCE: JudgedLimit = JudgedLimit::warn_below("tether.advance_ratio", 0.2, "").on(
     "the wing comes back into its own wake, which strips take to lie straight behind them (wakes of `wingbeat wake` do not): way of the wind in a cycle over that of the tips",
 );
