@@ -34,6 +34,8 @@ impl TrimSummary {
         // Of an orbit that gains hold what grows without them is told.
         let alone =
             self.largest_multiplier.filter(|_| growth.is_some_and(|growth| growth <= trim::GROWS.value));
+        // Thrusters carry too.
+        let lift = self.lift_over_weight.filter(|_| robot.thrusters().is_empty());
         let held: [(&'static JudgedLimit, Option<f64>); 12] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
@@ -45,7 +47,7 @@ impl TrimSummary {
             (&trim::ALONE_GROWS, alone),
             (&trim::GAINS_GROW, upset),
             (&trim::RESIDUAL, self.residual),
-            (&trim::WEIGHT, self.lift_over_weight.map(|lift| (lift - 1.0).abs())),
+            (&trim::WEIGHT, lift.map(|lift| (lift - 1.0).abs())),
             (&trim::STEPS, steps),
         ];
         for (limit, value) in held {
