@@ -1,5 +1,6 @@
 //! The verdict on a flight: its goal, the limits of the task without one, and what a reader must know.
 
+use super::moved::fraction_of;
 use super::plausible;
 use super::spec::GoalSpec;
 use super::stall;
@@ -300,7 +301,7 @@ impl JudgedFlight<'_> {
         }
     }
 
-    /// Least power of the disc on the span over what the air gets of joints and of height, of at least two whole cycles that count. A kinetic
+    /// Least power of the disc that the surfaces reach over what the air gets of joints and of height, of at least two whole cycles that count. A kinetic
     /// energy that changes counts as given to it. None in gusts, which give power, and over ground.
     ///
     /// Equation: flight.ideal_power_fraction
@@ -309,7 +310,8 @@ impl JudgedFlight<'_> {
     /// Test: `the_power_of_a_flight_is_above_the_ideal_one`.
     fn ideal_power_fraction(&self) -> Option<f64> {
         let robot = self.context.robot;
-        let still = self.context.turbulence.is_none() && self.summary.ground_distance_m.is_none();
+        let gusty = self.context.gusty || self.context.turbulence.is_some();
+        let still = !gusty && self.summary.ground_distance_m.is_none();
         let whole = self.cycles.is_some_and(|cycles| cycles + ROUNDING >= 2.0);
         let t = self.record.values("t").filter(|_| still && whole)?.get(self.first..)?;
         let time = t.last()? - t.first()?;
@@ -320,11 +322,11 @@ impl JudgedFlight<'_> {
         let velocity = Vec3::new(x?, y?, z?) - self.context.wind;
         let (mass, carried) = (robot.mass(), self.summary.cost.weight_carried?);
         let force = Vec3::new(0.0, 0.0, carried * GRAVITY) + (end - start) * (1.0 / time);
-        let ideal = induced_power(force * mass, -velocity, robot.density(), 0.5 * plausible::span(robot));
+        let ideal = induced_power(force * mass, -velocity, robot.density(), plausible::reach(robot));
         let kinetic = 0.5 * (end.norm_squared() - start.norm_squared()).abs() / time;
         let joints = self.summary.cost.net_power_w? + mean("regulator_power").unwrap_or_default().max(0.0);
         let given = joints + mass * (kinetic - GRAVITY * velocity[2]);
-        (ideal > 0.0).then(|| ideal / given.max(1e-3 * ideal))
+        (ideal > 0.0).then(|| fraction_of(ideal, given))
     }
 
     /// Largest size of the power of the driven joints, W; none of a flight that grew without bound.

@@ -579,6 +579,7 @@ impl Scenario {
             asked_error_m: self.spec.flight.error_m,
             grown_error_m,
             turbulence: self.spec.turbulence(),
+            gusty: self.spec.air.gust_m_s != 0.0 || !self.spec.air.gusts.is_empty(),
             perch: self.spec.perch.as_ref(),
             wind: Vec3(self.spec.air.wind_m_s),
         };

@@ -87,7 +87,12 @@ pub fn ideal_power_fraction(tether: &Tether, run: &TetherRun) -> Option<f64> {
     let given = run.mean("power")? + force.dot(wind);
     // What is zero by symmetry is rounding.
     let scale = run.mean_positive_power()? + force.norm() * wind.norm();
-    (ideal > ROUNDING * scale).then(|| ideal / given.max(ideal / MOST))
+    (ideal > ROUNDING * scale).then(|| fraction_of(ideal, given))
+}
+
+/// The power `ideal` over that `given`, W; a thousand where less or none is given.
+pub(super) fn fraction_of(ideal: f64, given: f64) -> f64 {
+    ideal / given.max(ideal / MOST)
 }
 
 /// Number that stands for every larger one, and for a wing that takes power from the air.

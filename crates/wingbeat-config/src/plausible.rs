@@ -49,9 +49,16 @@ fn hold_angles(judge: &mut Judge, robot: &Robot) {
 
 /// The longest of the surfaces of `robot` along its arc, m.
 pub(super) fn span(robot: &Robot) -> f64 {
-    let width =
-        |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());
     robot.surfaces().map(|(_, aero)| width(aero)).fold(0.0, f64::max)
+}
+
+/// How far the surfaces of `robot` reach from the middle of all, laid end to end, m: those of one side are half a wing each.
+pub(super) fn reach(robot: &Robot) -> f64 {
+    0.5 * robot.surfaces().map(|(_, aero)| width(aero)).sum::<f64>()
+}
+
+fn width(aero: &Aero) -> f64 {
+    aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs())
 }
 
 /// Holds masses and inertias of `robot` against what wings of its span carry, and those of membranes and flaps against their links.

@@ -326,7 +326,7 @@ impl SparSpec {
 
 /// Growth rate of small disturbances over their angular frequency, or the lowest of the spar where that is larger; not finite where the
 /// eigenvalues were not found.
-pub(super) fn growth(steady: &Steady) -> Option<f64> {
+fn growth(steady: &Steady) -> Option<f64> {
     let [growth, frequency] = steady.least_damped;
     Some(growth / (TAU * steady.frequencies_hz.first()?).max(frequency))
 }

@@ -344,6 +344,8 @@ pub(super) struct Context<'a> {
     pub perch: Option<&'a PerchSpec>,
     /// Turbulence of the air, and its steady wind, m/s.
     pub turbulence: Option<Dryden>,
+    /// Whether gusts are added to it.
+    pub gusty: bool,
     pub wind: Vec3,
 }
 

@@ -375,8 +375,8 @@ pub struct SparSummary {
     pub tip_nose_up_deg: f64,
     /// Lowest frequencies of the unbent beam without air, Hz.
     pub frequencies_hz: Vec<f64>,
-    /// Growth rate of the small motion about it that decays least, 1/s, over its angular frequency, or the lowest of the spar where that is larger.
-    /// Above 1e-3 of it the wing flutters or diverges.
+    /// Growth rate, 1/s, of the small motion about it that decays least beside its angular frequency, or beside the lowest of the spar where
+    /// that is larger. Above 1e-3 of that the wing flutters or diverges.
     pub growth_1_s: Option<f64>,
     /// Frequency of that motion, Hz; 0 of one that does not oscillate.
     pub frequency_hz: Option<f64>,

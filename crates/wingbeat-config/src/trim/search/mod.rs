@@ -133,7 +133,7 @@ impl Searched {
         }
         if search.ended == Ended::IterationLimit.words() {
             let text = format!(
-                "the search used up its {} iterations: its gait is an orbit that keeps to its verdict, and no minimum",
+                "the search used up its {} iterations, so that its gait need not be a minimum",
                 search.iterations
             );
             let size = search.iterations as f64;
