@@ -259,20 +259,33 @@ impl Beam {
 
     /// Derivatives of the residual, J over the units of two coordinates, by coordinates, their rates and their accelerations,
     /// exact.
-    pub fn tangents(
+    pub fn tangents(&self, setting: &Setting, at: [&[f64]; 3], others: &[Wrench<f64>]) -> [DMatrix<f64>; 3] {
+        self.first_tangents(setting, at, others)
+    }
+
+    /// The tangent stiffness at rest in the coordinates `q`: derivatives of the residual by them, J over the units of two
+    /// coordinates.
+    pub fn tangent_stiffness(&self, setting: &Setting, q: &[f64]) -> DMatrix<f64> {
+        let zero = vec![0.0; q.len()];
+        let [stiffness] = self.first_tangents(setting, [q, &zero, &zero], &[]);
+        stiffness
+    }
+
+    /// The first `K` of [`tangents`](Self::tangents).
+    fn first_tangents<const K: usize>(
         &self,
         setting: &Setting,
         [q, v, a]: [&[f64]; 3],
         others: &[Wrench<f64>],
-    ) -> [DMatrix<f64>; 3] {
+    ) -> [DMatrix<f64>; K] {
         let n = q.len();
-        let mut all = [0; 3].map(|_| DMatrix::zeros(n, n));
+        let mut all = [0; K].map(|_| DMatrix::zeros(n, n));
         let others: Vec<Wrench<Dual<LANES>>> = others
             .iter()
             .map(|w| Wrench { force: w.force.each(Dual::constant), moment: w.moment.each(Dual::constant) })
             .collect();
         let mut out = vec![Dual::<LANES>::ZERO; n];
-        for first in (0..3 * n).step_by(LANES) {
+        for first in (0..K * n).step_by(LANES) {
             let seeded = |values: &[f64], which: usize| -> Vec<Dual<LANES>> {
                 let seed = |(i, value): (usize, &f64)| {
                     let mut x = Dual::constant(*value);
@@ -285,7 +298,7 @@ impl Beam {
             };
             let [q, v, a] = [seeded(q, 0), seeded(v, 1), seeded(a, 2)];
             self.residual(setting, [&q, &v, &a], &others, &mut out);
-            for lane in 0..LANES.min(3 * n - first) {
+            for lane in 0..LANES.min(K * n - first) {
                 let (which, column) = ((first + lane) / n, (first + lane) % n);
                 out.iter().enumerate().for_each(|(row, x)| all[which][(row, column)] = x.eps[lane]);
             }

@@ -2,7 +2,7 @@
 
 use crate::beam::Beam;
 use crate::motion::Setting;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Most Newton steps per step of the load.
 const MOST: usize = 40;
@@ -62,7 +62,7 @@ fn relax(beam: &Beam, setting: &Setting, held: &mut HeldShape) {
     let (mut least, mut stalled) = (f64::INFINITY, 0);
     for _ in 0..MOST {
         beam.residual(setting, [&held.q, &zero, &zero], &[], &mut out);
-        let [stiffness, _, _]: [DMatrix<f64>; 3] = beam.tangents(setting, [&held.q, &zero, &zero], &[]);
+        let stiffness = beam.tangent_stiffness(setting, &held.q);
         let scale = (0..n).map(|i| (stiffness[(i, i)] * held.q[i]).abs()).fold(0.0, f64::max);
         let largest = out.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         held.residual = if largest == 0.0 { 0.0 } else { largest / scale.max(f64::MIN_POSITIVE) };
