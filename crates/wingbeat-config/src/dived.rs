@@ -37,7 +37,7 @@ pub struct DiveSummary {
 impl DiveSummary {
     /// Of a record whose gait has cycles of `cycle` s; none without a dive, or where the flight ends within two cycles of its begin.
     /// `wind` is the mean velocity of the air, m/s.
-    pub fn new(record: &Record, cycle: f64, wind: Vec3) -> Option<Self> {
+    pub fn new(record: &Record, cycle: f64, wind: Vec3, perfect: bool) -> Option<Self> {
         let column = |name: &str| record.values(name);
         let (t, dived) = (column("t")?, column("orbit_dive")?);
         let [x, y, z] = ["x", "y", "z"].map(|axis| column(&format!("p_WB_{axis}")));
@@ -64,7 +64,12 @@ impl DiveSummary {
         let head = mean(&speeds?)?.powi(2) / (2.0 * GRAVITY);
         let height_lost_m = mean(&z[level])? - z[first..].iter().copied().fold(f64::INFINITY, f64::min);
         let planned = first..first + dived[first..].partition_point(|share| *share < 1.0);
-        let errors = &column("orbit_pitch_error")?[planned];
+        let errors: Vec<f64> = if perfect {
+            column("orbit_pitch_error")?[planned].to_vec()
+        } else {
+            let asked = &column("orbit_pitch_asked")?[planned.clone()];
+            pitch[planned].iter().zip(asked).map(|(is, asked)| is - asked).collect()
+        };
         Some(Self {
             height_lost_m,
             velocity_heads: height_lost_m / head,

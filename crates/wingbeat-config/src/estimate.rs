@@ -75,11 +75,6 @@ impl<'a> Estimated<'a> {
         (!rows.is_empty()).then_some(Self { record, rows, errors })
     }
 
-    /// Largest magnitude of the height less that asked, m, where `off` holds what the controller took it for.
-    pub fn height_error(&self, off: &[f64]) -> Option<f64> {
-        self.rows.iter().zip(&self.errors).map(|(&row, errors)| (off[row] - errors[0]).abs()).reduce(f64::max)
-    }
-
     /// Columns of the innovations, one for each kind of reading.
     fn innovations(&self) -> impl Iterator<Item = &Column> {
         self.record.columns().iter().filter(|column| column.name.starts_with("estimate_innovation_"))

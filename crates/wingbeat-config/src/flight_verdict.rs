@@ -167,6 +167,8 @@ impl JudgedFlight<'_> {
             judge.hold_if(&flight::ATTITUDE, summary.roll_rms_error_deg);
             judge.hold_if(&flight::ATTITUDE, summary.pitch_rms_error_deg);
         }
+        judge
+            .hold_if(&flight::ESTIMATE, summary.estimate.as_ref().map(|estimate| estimate.normalised_square));
         if let Some(governed) = &summary.governed {
             governed.judge(judge);
         }

@@ -1,6 +1,7 @@
 //! How still a hovering robot was, and what its controller took for the force of the air.
 
 use super::summary::mean;
+use super::told_errors::TrueErrors;
 use serde::Serialize;
 use wingbeat_aero::LoadSource;
 use wingbeat_flight::simulate::{AXES, Record};
@@ -25,7 +26,7 @@ pub struct HoverSummary {
 
 impl HoverSummary {
     /// Of the rows from `first` on; none where nothing hovered.
-    pub fn new(record: &Record, first: usize) -> Option<Self> {
+    pub(super) fn new(record: &Record, first: usize, truth: Option<&TrueErrors>) -> Option<Self> {
         let column = |name: &str| record.values(name).and_then(|values| values.get(first..));
         let vector = |prefix: &str| -> Option<Vec<Vec3>> {
             let [x, y, z] = AXES.map(|axis| column(&format!("{prefix}_{axis}")));
@@ -37,7 +38,8 @@ impl HoverSummary {
             Some([axis(0)?, axis(1)?, axis(2)?])
         };
         let rms = |sizes: &[f64]| mean(&sizes.iter().map(|s| s * s).collect::<Vec<_>>()).map(f64::sqrt);
-        let (errors, estimate) = (vector("hover_error")?, vector("hover_force")?);
+        let errors = truth.map_or_else(|| vector("hover_error"), TrueErrors::hover)?;
+        let estimate = vector("hover_force")?;
         let (roll, pitch, yaw) = (column("roll")?, column("pitch")?, column("yaw")?);
         let attitude = |row: usize| Mat3::from_roll_pitch_yaw(roll[row], pitch[row], yaw[row]);
         // The angle of a rotation by its trace.

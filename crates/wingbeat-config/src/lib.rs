@@ -68,6 +68,7 @@ mod tether;
 mod tether_compare;
 mod tether_converge;
 mod tether_spec;
+mod told_errors;
 mod trim;
 mod turned;
 mod unheard;
@@ -499,6 +500,7 @@ impl Scenario {
             }
             Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
         };
+        let perfect = sensors.are_perfect();
         let (robot, sensors) = (&self.robot, &mut sensors);
         // In a lattice the claw is looked at with the records alone.
         let latches = |_: f64, x: &[f64]| self.short_of_latching(x);
@@ -521,7 +523,7 @@ impl Scenario {
         let whole = flight.ending == Ending::Complete;
         let grown = finer.and_then(|finer| finer.distance(Vec3::from_slice(&x[robot.layout().position..])));
         let errors = [error.filter(|_| !cut), grown.filter(|_| whole)];
-        let mut summary = self.summarise(&recorded, &flight, schedule, errors, coupling);
+        let mut summary = self.summarise(&recorded, &flight, schedule, errors, (coupling, perfect));
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
@@ -559,7 +561,7 @@ impl Scenario {
         flight: &Flight,
         schedule: &Schedule,
         [step_error_m, grown_error_m]: [Option<f64>; 2],
-        lattice: Option<LatticeSummary>,
+        (lattice, perfect): (Option<LatticeSummary>, bool),
     ) -> Summary {
         let context = summary::Context {
             robot: &self.robot,
@@ -579,6 +581,8 @@ impl Scenario {
             asked_error_m: self.spec.flight.error_m,
             grown_error_m,
             turbulence: self.spec.turbulence(),
+            perfect,
+            path: self.spec.path.as_ref(),
             gusty: self.spec.air.gust_m_s != 0.0 || !self.spec.air.gusts.is_empty(),
             perch: self.spec.perch.as_ref(),
             wind: Vec3(self.spec.air.wind_m_s),

@@ -19,11 +19,12 @@ use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
+use super::told_errors::TrueErrors;
 use super::turned;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::time::Duration;
-use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
+use wingbeat_flight::guide::{Manoeuvre, PathSpec, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
 use wingbeat_judge::limits::{flight, trim};
 use wingbeat_judge::{Judge, Judged, RunLimits, Status, Warning};
@@ -61,8 +62,8 @@ pub struct Summary {
     pub mean_speed_m_s: Option<f64>,
     /// Mean rate at which height is lost, m/s; negative in a climb.
     pub sink_rate_m_s: Option<f64>,
-    /// Largest |height - reference| from the settling time on, as the controller measured it, m; under
-    /// `[controller.orbit]`. With an estimator the true height counts, at the updates.
+    /// Largest |height - reference| from the settling time on, at the updates of the controller, m; under `[controller.orbit]`. The true
+    /// height counts, whatever the controller is told.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_max_error_m: Option<f64>,
     /// How well an estimator knew the flight.
@@ -87,7 +88,7 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn_roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg: that of the manoeuvre; without one that of the orbit at the same
-    /// phase, as the controller measured it; level without either.
+    /// phase, at the updates; level without either.
     pub roll_rms_error_deg: Option<f64>,
     /// Largest |roll - reference|, deg.
     pub roll_max_error_deg: Option<f64>,
@@ -254,6 +255,8 @@ impl ControllerSummary {
 pub(super) struct Settled<'a> {
     record: &'a Record,
     first: usize,
+    /// Where the controller is told of the flight with errors.
+    truth: Option<TrueErrors<'a>>,
 }
 
 impl Settled<'_> {
@@ -263,9 +266,14 @@ impl Settled<'_> {
     }
     /// The angle `name` minus its reference at every sample, rad: that of the manoeuvre, or of the orbit, or level.
     fn errors(&self, name: &str, context: &Context, angle: impl Fn(Reference) -> f64) -> Vec<f64> {
-        let about_orbit = self.column(&format!("orbit_{name}_error"));
-        if context.manoeuvre.is_none() && !about_orbit.is_empty() {
-            return about_orbit.to_vec();
+        if context.manoeuvre.is_none() {
+            let about_orbit = match &self.truth {
+                Some(truth) => truth.angle(name),
+                None => Some(self.column(&format!("orbit_{name}_error")).to_vec()),
+            };
+            if let Some(errors) = about_orbit.filter(|errors| !errors.is_empty()) {
+                return errors;
+            }
         }
         let samples = self.column(name).iter().zip(self.column("t"));
         samples.map(|(&is, &t)| angle_error(is, context.reference(t).map_or(0.0, &angle))).collect()
@@ -273,7 +281,10 @@ impl Settled<'_> {
     /// Mean roll in the turn, deg, of a flight with these errors of the roll, rad.
     fn turn_roll_deg(&self, errors: &[f64]) -> Option<f64> {
         let roll = self.column("roll");
-        let asked: Vec<f64> = roll.iter().zip(errors).map(|(is, error)| angle_error(*is, *error)).collect();
+        let asked: Vec<f64> = match self.column("orbit_roll_asked") {
+            [] => roll.iter().zip(errors).map(|(is, error)| angle_error(*is, *error)).collect(),
+            asked => asked.to_vec(),
+        };
         turned::mean_roll(self.column("phase"), roll, &asked).map(f64::to_degrees)
     }
     /// Number of cycles of the gait that it holds, dimensionless, none of a single sample; missing where the gait stands still, and without
@@ -342,6 +353,10 @@ pub(super) struct Context<'a> {
     pub grown_error_m: Option<f64>,
     /// The perch beside the flight.
     pub perch: Option<&'a PerchSpec>,
+    /// Whether the controller is told of the state as it is.
+    pub perfect: bool,
+    /// The path to follow.
+    pub path: Option<&'a PathSpec>,
     /// Turbulence of the air, and its steady wind, m/s.
     pub turbulence: Option<Dryden>,
     /// Whether gusts are added to it.
@@ -365,7 +380,9 @@ impl Summary {
         let (means, grew) = (context.means, context.means.is_none());
         let t = record.values("t").unwrap_or_default();
         let first = if grew { t.len() } else { t.partition_point(|&t| t < settle) };
-        let settled = Settled { record, first };
+        let truth = context.period_s.filter(|_| !context.perfect);
+        let truth = truth.map(|period| TrueErrors::new(record, first, period));
+        let settled = Settled { record, first, truth };
         let change = |name| match record.values(name) {
             Some([first, .., last]) => last - first,
             _ => f64::NAN,
@@ -387,17 +404,15 @@ impl Summary {
             altitude_change_m: change("p_WB_z"),
             mean_speed_m_s: velocity.map(|(speed, _)| speed),
             sink_rate_m_s: velocity.map(|(_, climb)| -climb),
-            height_max_error_m: match &estimated {
-                Some(estimated) => {
-                    record.values("orbit_height_error").and_then(|off| estimated.height_error(off))
-                }
+            height_max_error_m: match &settled.truth {
+                Some(truth) => truth.height().and_then(|off| off.iter().map(|e| e.abs()).reduce(f64::max)),
                 None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
             },
-            path: PathSummary::new(record, settled.first),
-            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz(), context.wind)
+            path: PathSummary::new(record, settled.first, settled.truth.as_ref().zip(context.path)),
+            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz(), context.wind, context.perfect)
                 .filter(|_| !grew),
             perch: context.perch.and_then(|perch| PerchSummary::new(record, perch)),
-            hover: HoverSummary::new(record, settled.first),
+            hover: HoverSummary::new(record, settled.first, settled.truth.as_ref()),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
             // A half loop to a perch ends with half a turn of roll, and is no turn.

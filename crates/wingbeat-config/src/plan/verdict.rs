@@ -50,8 +50,17 @@ pub(super) fn judge_solver(judge: &mut Judge, optimum: &Optimum, tolerance: f64)
         judge.hold(&plan::RESIDUAL, *residual);
         judge.hold(&plan::INTERVAL_ERROR, optimum.error);
         judge.hold(&plan::OVER_TOLERANCE, optimum.error / tolerance);
+        judge.hold_if(&plan::OBJECTIVE_CHANGE, objective_change(optimum));
     }
     met && optimum.status != Ended::Stopped
+}
+
+/// Relative change of the objective from the last mesh before that of the plan with an optimum; none of a single mesh.
+fn objective_change(optimum: &Optimum) -> Option<f64> {
+    let mut solved = optimum.passes.iter().rev().filter(|pass| pass.status.is_success());
+    let last = solved.find(|pass| pass.objective == optimum.objective)?;
+    let before = solved.next()?;
+    Some((before.objective - last.objective).abs() / last.objective.abs().max(f64::MIN_POSITIVE))
 }
 
 /// Largest distance of a re-simulation from the plan, each state relative to 1 + its largest magnitude, as the error of an

@@ -204,11 +204,12 @@ impl Controller for Hover<'_> {
     fn columns(&self) -> Vec<Column> {
         let errors = AXES.map(|axis| Column::new(format!("hover_error_{axis}"), "m", "W"));
         let forces = AXES.map(|axis| Column::new(format!("hover_force_{axis}"), "N", "W"));
-        errors.into_iter().chain(forces).collect()
+        let asked = AXES.map(|axis| Column::new(format!("hover_asked_{axis}"), "m", "W"));
+        errors.into_iter().chain(forces).chain(asked).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
-        row.extend(self.seen.iter().flat_map(|vector| vector.0));
+        row.extend(self.seen.iter().flat_map(|vector| vector.0).chain(self.spec.place_m));
     }
 }
 

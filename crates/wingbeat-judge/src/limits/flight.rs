@@ -10,6 +10,10 @@ pub const ALTITUDE: JudgedLimit = JudgedLimit::at_most("flight.altitude_m", 2.0,
 /// is the most.
 pub const ATTITUDE: JudgedLimit =
     JudgedLimit::at_most("flight.attitude_rms_deg", 10.0, "deg", OffTarget).on("rms error of roll or pitch");
+/// Errors of an estimator, of height, velocity, roll, pitch and rates, over what its filter expects: 1 of one that knows how well it knows.
+/// The shipped flight has .73; beyond 4 the errors are twice what it says. *Choice.*
+pub const ESTIMATE: JudgedLimit = JudgedLimit::warn_above("flight.estimate_normalised_square", 4.0, "")
+    .on("the estimator believes too much: mean square of its errors over the variances that it states");
 /// Distance from the path. Held flights stay within 0.1 m.
 pub const PATH: JudgedLimit =
     JudgedLimit::at_most("flight.path_m", 2.0, "m", OffTarget).on("largest distance across the path");
@@ -141,7 +145,7 @@ pub const VERTICAL: JudgedLimit = JudgedLimit::warn_above("flight.vertical_deg",
     .on("roll, pitch and heading say nothing of a flight whose nose points straight up or down, and are left out: largest pitch");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 38] = [
+pub const ALL: [JudgedLimit; 39] = [
     FEW_RECORDS,
     RECORDS,
     ERROR_GROWN,
@@ -157,6 +161,7 @@ pub const ALL: [JudgedLimit; 38] = [
     NOT_KEPT,
     ALTITUDE,
     ATTITUDE,
+    ESTIMATE,
     PATH,
     PLACE,
     PATH_ANGLE,

@@ -18,6 +18,9 @@ pub const INTERVAL_ERROR: JudgedLimit = JudgedLimit::at_most("plan.interval_erro
 /// The same over the tolerance that the plan asks for; up to a hundred times of it the solver goes on.
 pub const OVER_TOLERANCE: JudgedLimit = JudgedLimit::warn_above("plan.error_over_tolerance", 1.0, "")
     .on("the mesh is coarser than the plan asks (more meshes, or a larger tolerance): error between the nodes over the tolerance");
+/// An optimum that moves with its mesh. Shipped plans change by .002 and less. *Choice.*
+pub const OBJECTIVE_CHANGE: JudgedLimit = JudgedLimit::warn_above("plan.objective_change_fraction", 0.01, "")
+    .on("the optimum moves with the mesh: relative change of the objective from the mesh before");
 /// A simulation under the planned inputs that comes elsewhere says that mesh or model do not hold the plan.
 pub const RESIMULATION: JudgedLimit =
     JudgedLimit::at_most("plan.resimulation_fraction", 0.1, "", NotResolved)
@@ -42,11 +45,12 @@ pub const MODELS: JudgedLimit = JudgedLimit::warn_above("plan.model_force_fracti
     .on("the gait depends on the aerodynamic preset: change of the mean upward force under the other one, over the weight,");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 11] = [
+pub const ALL: [JudgedLimit; 12] = [
     VIOLATION,
     RESIDUAL,
     INTERVAL_ERROR,
     OVER_TOLERANCE,
+    OBJECTIVE_CHANGE,
     RESIMULATION,
     SATURATION,
     FLOWN,

@@ -226,6 +226,11 @@ impl Solved {
         let quality = |of: &Self| Quality { infeasibility: of.misses.infeasibility, objective: of.objective };
         quality(self).beats(&quality(other), acceptable)
     }
+
+    /// True when `finer`, an optimum that was found from elsewhere, is dearer and no more accurate: another one, and a worse.
+    fn dominates(&self, finer: &Self) -> bool {
+        self.objective < finer.objective && self.error <= finer.error
+    }
 }
 
 struct MeshRun<'a, P> {
@@ -264,14 +269,19 @@ impl<P: OptimalControl> MeshRun<'_, P> {
             }
             let start = resample(solved, &mesh);
             let accurate = solved.error <= NEARLY * self.refinement.tolerance;
-            match self.finer(mesh, &start) {
-                (next_status, Some(next)) if next_status.is_success() => {
+            let (warm, (next_status, next)) = self.finer(mesh, &start);
+            match next {
+                Some(next) if next_status.is_success() && (warm || !solved.dominates(&next)) => {
                     (status, last) = (next_status, Some(next));
                 }
-                (next_status, _) => {
+                _ => {
                     // The coarser solution stands, as far as it is accurate.
                     let stopped = next_status == SolveStatus::Stopped;
-                    status = if accurate && !stopped { SolveStatus::Acceptable } else { next_status };
+                    status = match next_status {
+                        _ if accurate && !stopped => SolveStatus::Acceptable,
+                        found if found.is_success() => SolveStatus::CoarseMesh { error: solved.error },
+                        found => found,
+                    };
                     break;
                 }
             }
@@ -280,13 +290,17 @@ impl<P: OptimalControl> MeshRun<'_, P> {
     }
 
     /// A finer mesh from the solution on a coarser one: a warm start, and a
-    /// cold one where that fails.
-    fn finer(&mut self, mesh: Vec<f64>, start: &Trajectory) -> (SolveStatus, Option<Solved>) {
+    /// cold one where that fails; whether the end is that of the warm start.
+    fn finer(&mut self, mesh: Vec<f64>, start: &Trajectory) -> (bool, (SolveStatus, Option<Solved>)) {
         let solver = self.refinement.solver.clone();
         let warm = Options { barrier: WARM_BARRIER, margin: WARM_MARGIN, ..solver.clone() };
         let (status, solved) = self.solve_mesh(mesh.clone(), start, warm);
         let over = status == SolveStatus::Stopped || self.is_over();
-        if status.is_success() || over { (status, solved) } else { self.solve_mesh(mesh, start, solver) }
+        if status.is_success() || over {
+            (true, (status, solved))
+        } else {
+            (false, self.solve_mesh(mesh, start, solver))
+        }
     }
 
     /// True when iterations or time are used up.

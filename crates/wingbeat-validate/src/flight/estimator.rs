@@ -32,11 +32,9 @@ fn flown(name: &str, overrides: &[&str], roll_deg: f64) -> Result<Vec<Comparison
     let turned = &roll[t.partition_point(|at| *at < TURNED)..];
     let rms = |of: &[f64]| (of.iter().map(|x| x * x).sum::<f64>() / of.len() as f64).sqrt();
     let off = rms(&turned.iter().map(|roll| roll.to_degrees() - roll_deg).collect::<Vec<_>>());
-    // What is asked at each instant is what the estimate has, less how far that is off.
-    let (estimated, error) = (values(&record, "estimate_roll")?, values(&record, "orbit_roll_error")?);
-    let through: Vec<f64> = (t.partition_point(|at| *at < TURNING)..t.len())
-        .map(|k| (roll[k] - estimated[k] + error[k]).to_degrees())
-        .collect();
+    let asked = values(&record, "orbit_roll_asked")?;
+    let through: Vec<f64> =
+        (t.partition_point(|at| *at < TURNING)..t.len()).map(|k| (roll[k] - asked[k]).to_degrees()).collect();
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
         let id = format!("flight.estimator.{name}.{end}");
         ComparisonRow::judged(&id, "what is asked of the flight", metric, value, limit, unit)

@@ -177,6 +177,39 @@ fn the_filter_knows_how_well_it_knows() {
     assert_eq!(run.summary.controller.failures, 0);
 }
 
+/// Errors of an angle, deg: root mean square of the true one less that asked, at the updates from `from` s on.
+fn true_rms_deg(run: &wingbeat::scenario::Run, angle: &str, from: f64) -> f64 {
+    let column = |name: &str| run.record.values(name).unwrap();
+    let (t, asked) = (column("t"), column(&format!("orbit_{angle}_asked")));
+    let updated = |k: &usize| t[*k] >= from && (t[*k] / PERIOD - (t[*k] / PERIOD).round()).abs() < 1e-6;
+    let squares: Vec<f64> =
+        (0..t.len()).filter(updated).map(|k| (column(angle)[k] - asked[k]).powi(2)).collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt().to_degrees()
+}
+
+/// In gusts that the filter takes for rotations the controller believes that it turns, and does not.
+#[test]
+fn a_flight_is_judged_by_the_truth_and_not_by_what_its_controller_believes() {
+    let lost = scenario(&["flight.duration_s=5.0", "air.gust_m_s=1.5"]);
+    let run = lost.fly(|_| ControlFlow::Continue(())).unwrap();
+    let (told, own) = (run.summary.roll_rms_error_deg.unwrap(), true_rms_deg(&run, "roll", 2.0));
+    assert!((told / own - 1.0).abs() < 1e-6 && own > 5.0, "{told} deg told, {own} are");
+    let warned = run.summary.warnings.iter().any(|w| w.id == "flight.estimate_normalised_square");
+    assert!(warned && run.summary.estimate.as_ref().unwrap().normalised_square > 4.0);
+}
+
+/// A place that is told 100 mm beside where the robot is does not put it there.
+#[test]
+fn noise_of_the_sensors_is_no_error_of_the_flight() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/bank15_20g.toml");
+    let document = Document::file(&path).unwrap().set("flight.duration_s=3.0").set("sensors.position_m=0.1");
+    let run = Scenario::new(document).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
+    let largest =
+        |name: &str| run.record.values(name).unwrap().iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let (told, believed) = (run.summary.height_max_error_m.unwrap(), largest("orbit_height_error"));
+    assert!(believed > 0.25 && told < 0.15, "{told} m told, {believed} m believed");
+}
+
 #[test]
 fn without_the_airspeed_the_filter_flies_by_its_model() {
     let mut scenario = scenario(&[]);

@@ -83,6 +83,8 @@ struct AboutOrbit<'a> {
     /// What the last update found: legs done, deviations of height, roll and pitch, share of the dive or landing, how
     /// far ahead of the landing's plan, how far other laws than the one that is known are taken to hold.
     seen: [f64; 7],
+    /// Height (m), roll and pitch (rad) that were asked then.
+    asked: [f64; 3],
 }
 
 impl ControllerSpec for AboutOrbitSpec {
@@ -186,6 +188,7 @@ impl ControllerSpec for AboutOrbitSpec {
             lands: None,
             airs,
             seen: [0.0; 7],
+            asked: [0.0; 3],
         }))
     }
 }
@@ -248,6 +251,13 @@ impl AboutOrbit<'_> {
             }
         }
         true
+    }
+
+    /// Notes what was asked at an update: what `s` says of the body less the errors that were seen.
+    fn note(&mut self, s: &[f64]) {
+        let [_, off @ .., _, _, _] = self.seen;
+        let own = [Deviations::HEIGHT, Deviations::ROLL, Deviations::PITCH];
+        self.asked = std::array::from_fn(|i| s[own[i]] - off[i]);
     }
 
     /// The controller's commands at the time `t` for deviations `error` from what is asked, `since` cycles after the start of a dive.
@@ -328,7 +338,10 @@ impl Controller for AboutOrbit<'_> {
         if let Some(airs) = &mut self.airs {
             airs.learn(t, (self.robot, &self.x), &self.held);
         }
+        let mut s = vec![0.0; self.deviations.len()];
+        self.deviations.of(&self.x, &mut s);
         if self.land(t, cycles) {
+            self.note(&s);
             return Update::Fresh;
         }
         let x = &self.x;
@@ -351,8 +364,6 @@ impl Controller for AboutOrbit<'_> {
             }
             self.family.deviate(adaptation.added(), cycles, &mut asked.numbers);
         }
-        let mut s = vec![0.0; self.deviations.len()];
-        self.deviations.of(x, &mut s);
         let mut error: Vec<f64> = s.iter().zip(&asked.numbers).map(|(s, asked)| s - asked).collect();
         error[Deviations::HEIGHT] -= height;
         error[Deviations::VELOCITY.start] -= faster;
@@ -363,6 +374,7 @@ impl Controller for AboutOrbit<'_> {
         let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
         let dived = self.family.dive().map_or(0.0, |dive| since / dive.cycles);
         self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived, 0.0, 0.0];
+        self.note(&s);
         let Some(predictive) = &mut self.predictive else {
             return match self.regulate(place, (t, cycles, since), asked, &error) {
                 Ok(()) => Update::Fresh,
@@ -390,6 +402,9 @@ impl Controller for AboutOrbit<'_> {
             Column::new("orbit_height_error", "m", "W"),
             Column::new("orbit_roll_error", "rad", "WB"),
             Column::new("orbit_pitch_error", "rad", "WB"),
+            Column::new("orbit_height_asked", "m", "W"),
+            Column::new("orbit_roll_asked", "rad", "WB"),
+            Column::new("orbit_pitch_asked", "rad", "WB"),
         ];
         let dive =
             self.family.dive().map(|_| ["orbit_dive", "orbit_dive_saved"].map(|n| Column::new(n, "", "")));
@@ -415,7 +430,7 @@ impl Controller for AboutOrbit<'_> {
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
-        row.extend(&self.seen[..4]);
+        row.extend(self.seen[..4].iter().chain(&self.asked));
         match (self.family.dive(), self.family.landing()) {
             (_, Some(landing)) => row.extend(self.seen[4..7].iter().chain(&landing.reached)),
             (Some(dive), None) => row.extend([self.seen[4], dive.saved]),
