@@ -48,12 +48,12 @@ fn few(models: &[&Aero]) -> Option<Warning> {
 /// and 60 deg has 18, 37 and 83 % more lift slope with `paper` than with `full`.
 fn straightened(models: &[&Aero]) -> Option<Warning> {
     let sweep = |model: &&Aero| match model {
-        Aero::LiftingLine(line) => Some(line.mean_sweep().to_degrees()),
+        Aero::LiftingLine(line) => Some((line.mean_sweep().to_degrees(), model.preset().name())),
         Aero::Strip(_) => None,
     };
-    let most = models.iter().filter_map(sweep).fold(0.0, f64::max);
+    let (most, name) = models.iter().filter_map(sweep).fold((0.0, ""), |a, b| if b.0 > a.0 { b } else { a });
     let text = format!(
-        "the lifting line of preset `paper` is straight, and this wing sweeps by {most:.0} deg in the mean: its lift is too large, by 18 % with 30 deg and by 37 % with 45 (`full` knows sweep)"
+        "the lifting line of preset `{name}` is straight, and this wing sweeps by {most:.0} deg in the mean: its lift is too large, by 18 % with 30 deg and by 37 % with 45 (`full` knows sweep)"
     );
     (most > SWEPT).then(|| Warning::new("aero.straight_line", text).size(most).key("aero.preset"))
 }
