@@ -109,7 +109,8 @@ impl Robot {
         }
         let (wind, wind_dot) = self.wind.at(t);
         (known.wind, known.accelerations) = (wind, [Vec3::new(0.0, 0.0, -GRAVITY), wind_dot]);
-        [known.position, known.velocity, known.rate] = [l.position, l.velocity, l.rate].map(|state| known.row(state));
+        [known.position, known.velocity, known.rate] =
+            [l.position, l.velocity, l.rate].map(|state| known.row(state));
         Ok(true)
     }
 

@@ -10,10 +10,10 @@ use wingbeat_math::{Dual, Scalar, Vec3, append_copies};
 
 /// Most derivatives that the pass carries: by the wash and by the states of a node. *Choice*: two registers of AVX2.
 const LANES: usize = 8;
-/// The same where the law has no states: one register.
-const FEW: usize = 4;
 /// Most states.
 const MOST: usize = MAX_STRIPS * (LANES - 1);
+
+type NodeDual = Dual<LANES>;
 
 impl LiftingLine {
     /// Whether [`by_states`](Self::by_states) takes this line: preset `as_printed` scales the wash.
@@ -23,6 +23,7 @@ impl LiftingLine {
 
     /// As an evaluation of one surface alone, with the derivatives by all of its states: df_i/dx_j = df_i/dx_i (i = j) - df_i/dw_i D_ij of
     /// circulations x_j, of the wash w_i = -sum D_ij x_j.
+    #[inline(never)]
     pub(crate) fn by_states(
         &self,
         sections: &impl Sections<f64>,
@@ -32,35 +33,18 @@ impl LiftingLine {
         coupling: Coupling<'_, f64, f64>,
         out: &mut ByStates,
     ) -> (Wrench<f64>, [[f64; 6]; 6]) {
-        if self.states() < FEW * self.strips() {
-            return self.by_states_in::<FEW>(sections, wind, x, dx, coupling, out);
-        }
-        self.by_states_in::<LANES>(sections, wind, x, dx, coupling, out)
-    }
-
-    /// The same with `N` derivatives.
-    #[inline(never)]
-    fn by_states_in<const N: usize>(
-        &self,
-        sections: &impl Sections<f64>,
-        wind: Vec3,
-        x: &[f64],
-        dx: &mut [f64],
-        coupling: Coupling<'_, f64, f64>,
-        out: &mut ByStates,
-    ) -> (Wrench<f64>, [[f64; 6]; 6]) {
         let (m, states) = (self.strips(), self.states());
-        let (mut seeded, mut rates) = (ArrayVec::<Dual<N>, MOST>::new(), ArrayVec::<Dual<N>, MOST>::new());
-        append_copies(&mut seeded, Dual::<N>::ZERO, states);
-        append_copies(&mut rates, Dual::<N>::ZERO, states);
+        let (mut seeded, mut rates) = (ArrayVec::<NodeDual, MOST>::new(), ArrayVec::<NodeDual, MOST>::new());
+        append_copies(&mut seeded, NodeDual::ZERO, states);
+        append_copies(&mut rates, NodeDual::ZERO, states);
         for s in 0..states {
-            seeded[s] = Dual::<N>::variable(x[s], 1 + s / m);
+            seeded[s] = NodeDual::variable(x[s], 1 + s / m);
         }
-        let mut strips = ArrayVec::<Wrench<Dual<N>>, MAX_STRIPS>::new();
+        let mut strips = ArrayVec::<Wrench<NodeDual>, MAX_STRIPS>::new();
         append_copies(&mut strips, Wrench::ZERO, m);
         let by_strip = coupling.strips;
         let coupling = Coupling { mass: coupling.mass, strips: &mut strips, impulses: None };
-        let induced = |i| Dual::<N>::variable(self.induced_wash(i, &x[..m]), 0);
+        let induced = |i| NodeDual::variable(self.induced_wash(i, &x[..m]), 0);
         let states_of = (&seeded[..], &mut rates[..]);
         let (total, added_mass) = self.sum_in(sections, wind, states_of, Some(coupling), induced);
         for i in 0..states {

@@ -1,9 +1,7 @@
 //! Elimination of the states: every node's state as a linear function of the
 //! inputs, interval by interval.
 
-use super::dense::{
-    Factor, WIDEST, add_product, factor, padded, panels, solve, solve_one,
-};
+use super::dense::{Factor, WIDEST, add_product, factor, padded, panels, solve, solve_one};
 use super::plan::Horizon;
 use crate::plant::Linearisation;
 use std::ops::Range;

@@ -44,24 +44,22 @@ macro_rules! by_width {
 /// C += A B for rows of C of `stride`, of which the first `width` entries are meant; the columns of A from each of the given ones on
 /// meet rows of B of `width`. Blocks of [`PACK`] entries of A that are zero cost nothing: a term of zero adds nothing, to the bit.
 pub fn add_product(c: &mut [f64], stride: usize, a: &Factor, parts: &[(usize, &[f64])], width: usize) {
-    by_width!(width, add_rows(c, stride, a, parts));
+    for (place, i) in a.rows[0].clone().chain(a.rows[1].clone()).enumerate() {
+        let row = &a.a[i * a.stride..][..a.stride];
+        by_width!(width, add_row(&mut c[place * stride..], a.scale, row, parts));
+    }
 }
 
+/// c += scale times the sum of the entries of a row of A from each of the given ones on times the rows of B.
 #[inline(never)]
-fn add_rows<const N: usize>(c: &mut [f64], stride: usize, a: &Factor, parts: &[(usize, &[f64])]) {
-    let mut place = 0;
-    for run in &a.rows {
-        for i in run.clone() {
-            let (row, mut sum) = (&a.a[i * a.stride..][..a.stride], [0.0; N]);
-            for (from, b) in parts {
-                add_terms(&mut sum, &row[*from..], b.as_chunks().0);
-            }
-            let c = &mut c[place..][..N];
-            for l in 0..N {
-                c[l] = fused(a.scale, sum[l], c[l]);
-            }
-            place += stride;
-        }
+fn add_row<const N: usize>(c: &mut [f64], scale: f64, row: &[f64], parts: &[(usize, &[f64])]) {
+    let mut sum = [0.0; N];
+    for (from, b) in parts {
+        add_terms(&mut sum, &row[*from..], b.as_chunks().0);
+    }
+    let c = &mut c[..N];
+    for l in 0..N {
+        c[l] = fused(scale, sum[l], c[l]);
     }
 }
 
@@ -157,7 +155,11 @@ pub fn factor(a: &mut [f64], pivots: &mut [usize]) -> bool {
             let Some(p) = pivot(a, n, k) else { return false };
             pivots[k] = p;
             exchange(a, n, p, k);
-            if end - start == PANEL { eliminate::<PANEL>(a, n, start, k) } else { eliminate::<PACK>(a, n, start, k) }
+            if end - start == PANEL {
+                eliminate::<PANEL>(a, n, start, k)
+            } else {
+                eliminate::<PACK>(a, n, start, k)
+            }
         }
         if start > 0 {
             let (above, panel) = a.split_at_mut(start * n);
@@ -237,34 +239,20 @@ fn take_rows(y: &mut [f64], factors: &[f64], from: usize, rows: &[f64], stride: 
 /// Solves A X = B in place from the output of [`factor`], for rows of B of
 /// `width`, a multiple of [`PACK`] up to [`WIDEST`].
 pub fn solve(lu: &[f64], pivots: &[usize], b: &mut [f64], width: usize) {
-    by_width!(width, solve_rows(lu, pivots, b));
-}
-
-#[inline(never)]
-fn solve_rows<const N: usize>(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
-    let (n, x) = (pivots.len(), b.as_chunks_mut::<N>().0);
+    let n = pivots.len();
     for k in (0..n).rev() {
-        if pivots[k] != k {
-            x.swap(pivots[k], k);
-        }
+        exchange(b, width, pivots[k], k);
     }
     for k in (0..n).rev() {
-        let (above, below) = x.split_at_mut(k + 1);
-        let mut sum = [0.0; N];
-        add_terms(&mut sum, &lu[k * n + k + 1..][..n - k - 1], below);
-        let row = &mut above[k];
-        for l in 0..N {
-            row[l] -= sum[l];
-        }
+        let (above, below) = b.split_at_mut((k + 1) * width);
+        let factors = &lu[k * n + k + 1..(k + 1) * n];
+        by_width!(width, add_row(&mut above[k * width..], -1.0, factors, &[(0, below)]));
     }
     for k in 0..n {
-        let (above, rest) = x.split_at_mut(k);
-        let (mut sum, inverse) = ([0.0; N], 1.0 / lu[k * n + k]);
-        add_terms(&mut sum, &lu[k * n..][..k], above);
-        let row = &mut rest[0];
-        for l in 0..N {
-            row[l] = (row[l] - sum[l]) * inverse;
-        }
+        let (above, rest) = b.split_at_mut(k * width);
+        by_width!(width, add_row(rest, -1.0, &lu[k * n..][..k], &[(0, above)]));
+        let inverse = 1.0 / lu[k * n + k];
+        rest[..width].iter_mut().for_each(|x| *x *= inverse);
     }
 }
 
@@ -353,7 +341,8 @@ mod tests {
                     b[i * PACK + 1] += entry(i, j) * (j as f64 - 1.5);
                 }
             }
-            let (mut pivots, mut one) = (vec![0; n], b[1..].iter().step_by(PACK).copied().collect::<Vec<_>>());
+            let (mut pivots, mut one) =
+                (vec![0; n], b[1..].iter().step_by(PACK).copied().collect::<Vec<_>>());
             assert!(factor(&mut lu, &mut pivots));
             let exchanges = (0..n).filter(|&k| pivots[k] != k).count();
             assert!(if turned == 0 { exchanges == 0 } else { exchanges > 1 }, "{pivots:?}");
@@ -364,7 +353,9 @@ mod tests {
                 assert!((one[i] - (i as f64 - 1.5)).abs() < 1e-12, "{one:?}");
             }
         }
-        let singular = |i: usize, j: usize| if i < 2 && j < 2 { ((i + 1) * (j + 1)) as f64 } else { f64::from(u8::from(i == j)) };
+        let singular = |i: usize, j: usize| {
+            if i < 2 && j < 2 { ((i + 1) * (j + 1)) as f64 } else { f64::from(u8::from(i == j)) }
+        };
         let mut a: Vec<f64> = (0..16).map(|k| singular(k / 4, k % 4)).collect();
         assert!(!factor(&mut a, &mut [0; 4]));
     }
@@ -372,6 +363,9 @@ mod tests {
     #[test]
     fn panels_are_of_about_one_width() {
         let of = |width| panels(width).collect::<Vec<_>>();
-        assert_eq!([of(48), of(60), of(100)], [vec![(0, 48)], vec![(0, 32), (32, 28)], vec![(0, 36), (36, 36), (72, 28)]]);
+        assert_eq!(
+            [of(48), of(60), of(100)],
+            [vec![(0, 48)], vec![(0, 32), (32, 28)], vec![(0, 36), (36, 36), (72, 28)]]
+        );
     }
 }

@@ -393,11 +393,12 @@ impl Tracking for Knowing {
 fn a_cost_that_says_which_states_it_knows_has_the_same_plan() {
     let (plant, settings, start) =
         (Actuated::new(true), Settings::new(INTERVALS, STEP), [0.5, 0.1, 0.0, 0.3]);
-    let [mut one, mut other] =
-        [RealTime::new(&plant, &Origin, settings).unwrap(), RealTime::new(&plant, &Knowing, settings).unwrap()];
+    let [mut one, mut other] = [
+        RealTime::new(&plant, &Origin, settings).unwrap(),
+        RealTime::new(&plant, &Knowing, settings).unwrap(),
+    ];
     one.reset(&plant, &start);
     other.reset(&plant, &start);
-    let ends =
-        [one.solve(&plant, &Origin, 0.0, &start, 3), other.solve(&plant, &Knowing, 0.0, &start, 3)];
+    let ends = [one.solve(&plant, &Origin, 0.0, &start, 3), other.solve(&plant, &Knowing, 0.0, &start, 3)];
     assert!(ends.iter().all(UpdateStatus::updated) && one.plan().x == other.plan().x);
 }
