@@ -183,7 +183,7 @@ impl<S: Scalar> SectionFlow<S> {
     /// Adds this strip's share of the added-mass matrix (upper triangle) on
     /// [acceleration; angular acceleration] of the body origin: `mass` along
     /// the normal at mid chord, `inertia` kg m2 about the section's axis.
-    #[inline(always)]
+    #[inline]
     pub fn add_inertia<P: Scalar>(&self, mass: P, inertia: P, matrix: &mut [[S; 6]; 6])
     where
         S: Meets<P>,

@@ -7,9 +7,6 @@
 use super::{Meets, Scalar};
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-/// Bytes from which on a number is large: a vector of such numbers is not copied without need.
-const LARGE: usize = 64;
-
 /// A vector of three components. Its components are in the caller's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vec3<S: Scalar = f64>(pub [S; 3]);
@@ -56,17 +53,8 @@ impl<S: Scalar> Vec3<S> {
         (self.0[0] * o.0[0]).plus_product(self.0[1], o.0[1]).plus_product(self.0[2], o.0[2])
     }
     /// Vector product.
-    #[inline(always)]
+    #[inline]
     pub fn cross(self, o: Self) -> Self {
-        // Large numbers are not copied to be handed on.
-        if const { size_of::<S>() > LARGE } { Self::crossed(&self, &o) } else { self.crossed_here(o) }
-    }
-    /// [`cross`](Self::cross) of numbers that stay where they are.
-    fn crossed(a: &Self, b: &Self) -> Self {
-        a.crossed_here(*b)
-    }
-    #[inline(always)]
-    fn crossed_here(self, o: Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.0, o.0);
         Self([(b * z).less_product(c, y), (c * x).less_product(a, z), (a * y).less_product(b, x)])
     }

@@ -304,7 +304,7 @@ impl ActiveSet {
     /// J2 - b (J2 v) v' with v = p + sgn(p_1) |p| e_1, p = J2' a, b = 1/(|p| (|p| + |p_1|)); J2 p is the primal direction.
     ///
     /// Equation: ocp.reflected_basis
-    /// `J2 := J2 - (J2 v) v'/(|p| (|p| + |p_1|)), v = p + sgn(p_1) |p| e_1, p = J2' a`
+    /// `J2 := J2 - (J2 v) v'/(q (q + abs(p_1))), v = p + sgn(p_1) q e_1, p = J2' a, q = abs(p)`
     /// Source: Householder; Golub & Van Loan, Matrix Computations, 5.1.
     /// Test: `random_programs_satisfy_the_optimality_conditions`.
     fn add(&mut self, bound: Bound) {
