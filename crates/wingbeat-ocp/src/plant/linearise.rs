@@ -235,6 +235,7 @@ fn scatter<const N: usize>(
 
 /// Copies so few numbers that a call would take longer.
 #[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "what it asks for is that call")]
 fn copy_few(to: &mut [f64], from: &[f64]) {
     let (blocks, rest) = to.as_chunks_mut::<4>();
     let (from, from_rest) = from.as_chunks::<4>();
