@@ -1,7 +1,7 @@
 //! Elimination of the states: every node's state as a linear function of the
 //! inputs, interval by interval.
 
-use super::dense::{Factor, WIDEST, add_product, factor, padded, panels, solve, solve_one};
+use super::dense::{LeftFactor, WIDEST, add_product, factor, padded, panels, solve, solve_one};
 use super::plan::Horizon;
 use crate::plant::Linearisation;
 use std::ops::Range;
@@ -96,7 +96,7 @@ struct GroupFactor {
 }
 
 /// An interval of which the states at the end are asked for.
-struct Interval<'a> {
+struct SolvedInterval<'a> {
     h: f64,
     middle: &'a Linearisation,
     end: &'a Linearisation,
@@ -187,7 +187,7 @@ impl Elimination {
                 return false;
             }
         }
-        let interval = Interval {
+        let interval = SolvedInterval {
             h: self.horizon.step,
             middle,
             end,
@@ -301,7 +301,7 @@ impl Elimination {
         for i in 0..size {
             matrix[i * size + i] += 1.0;
         }
-        let factors = Factor { scale: h * h / 12.0, a: middle, stride: n, rows: runs.clone() };
+        let factors = LeftFactor { scale: h * h / 12.0, a: middle, stride: n, rows: runs.clone() };
         for (first, width) in panels(size) {
             let panel = if width == size {
                 &self.end[..]
@@ -328,12 +328,12 @@ impl Groups {
     /// rates there, `states` (and their width) the states in their own order.
     fn solve(
         &self,
-        interval: &Interval,
+        interval: &SolvedInterval,
         (panel, width): (usize, usize),
         (x1, f1, known): (&mut [f64], &mut [f64], &mut [f64]),
         (states, w1): (&mut [f64], usize),
     ) {
-        let Interval { h, middle, end, defect, inputs: [old, new], factors, goes_on } = *interval;
+        let SolvedInterval { h, middle, end, defect, inputs: [old, new], factors, goes_on } = *interval;
         let (runs, [others, driven], n) = (self.runs(), self.sizes(), self.states);
         let m = middle.b.len() / n;
         let begins = [0, others * width];
@@ -351,7 +351,7 @@ impl Groups {
         }
         let [(x1, x_driven), (f1, f_driven), (known, known_driven)] =
             [x1, f1, known].map(|rows| rows.split_at_mut(others * width));
-        let by = |scale: f64, a, group: usize| Factor { scale, a, stride: n, rows: runs[group].clone() };
+        let by = |scale: f64, a, group: usize| LeftFactor { scale, a, stride: n, rows: runs[group].clone() };
         if driven > 0 {
             let (at, count) = (runs[1][0].start, runs[1][0].len() * width);
             add(x_driven, h / 6.0, f_driven);

@@ -13,7 +13,7 @@ pub fn panels(width: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// `scale` times some rows of a matrix with rows of `stride`.
-pub struct Factor<'a> {
+pub struct LeftFactor<'a> {
     pub scale: f64,
     pub a: &'a [f64],
     pub stride: usize,
@@ -43,7 +43,7 @@ macro_rules! by_width {
 
 /// C += A B for rows of C of `stride`, of which the first `width` entries are meant; the columns of A from each of the given ones on
 /// meet rows of B of `width`. Blocks of [`PACK`] entries of A that are zero cost nothing: a term of zero adds nothing, to the bit.
-pub fn add_product(c: &mut [f64], stride: usize, a: &Factor, parts: &[(usize, &[f64])], width: usize) {
+pub fn add_product(c: &mut [f64], stride: usize, a: &LeftFactor, parts: &[(usize, &[f64])], width: usize) {
     for (place, i) in a.rows[0].clone().chain(a.rows[1].clone()).enumerate() {
         let row = &a.a[i * a.stride..][..a.stride];
         by_width!(width, add_row(&mut c[place * stride..], a.scale, row, parts));
@@ -91,7 +91,7 @@ fn add_terms<const N: usize>(sum: &mut [f64; N], a: &[f64], b: &[[f64; N]]) {
 pub fn multiply_add(c: &mut [f64], a: &[f64], b: &[f64], width: usize) {
     let inner = b.len() / width;
     if width <= WIDEST {
-        let a = Factor { scale: 1.0, a, stride: inner, rows: [0..c.len() / width, 0..0] };
+        let a = LeftFactor { scale: 1.0, a, stride: inner, rows: [0..c.len() / width, 0..0] };
         return add_product(c, width, &a, &[(0, b)], width);
     }
     for (c, a) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
