@@ -20,6 +20,17 @@ pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
     a: &mut [[G; N]],
     mut b: [S; N],
 ) -> Option<[S; N]> {
+    solve_symmetric_rows(a, &mut b[..n])?;
+    Some(b)
+}
+
+/// The same for as many leading rows and columns as `b` has entries, which become those of the answer.
+#[inline]
+pub fn solve_symmetric_rows<const N: usize, G: Scalar, S: Over<G>>(
+    a: &mut [[G; N]],
+    b: &mut [S],
+) -> Option<()> {
+    let n = b.len();
     let a = &mut a[..n];
     let mut inverse = [G::ZERO; N];
     for j in 0..n {
@@ -54,7 +65,7 @@ pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
             b[i] = b[i].less_over(b[k], a[k][i]);
         }
     }
-    Some(b)
+    Some(())
 }
 
 /// LU factorisation with partial pivoting of the row-major `n` x `n` matrix

@@ -24,6 +24,21 @@ pub fn axpy(y: &mut [f64], a: f64, x: &[f64]) {
     }
 }
 
+/// y = a x + b z
+#[inline]
+pub fn combine(y: &mut [f64], [a, b]: [f64; 2], [x, z]: [&[f64]; 2]) {
+    let n = y.len().min(x.len()).min(z.len());
+    let (ys, y_rest) = y[..n].as_chunks_mut();
+    let ((xs, x_rest), (zs, z_rest)) = (x[..n].as_chunks(), z[..n].as_chunks());
+    let (a_all, b_all) = (f64x4::splat(a), f64x4::splat(b));
+    for i in 0..ys.len().min(xs.len()).min(zs.len()) {
+        ys[i] = f64x4::new(zs[i]).mul_add(b_all, f64x4::new(xs[i]) * a_all).to_array();
+    }
+    for i in 0..y_rest.len().min(x_rest.len()).min(z_rest.len()) {
+        y_rest[i] = fused(b, z_rest[i], a * x_rest[i]);
+    }
+}
+
 /// y += sum_k a_k x_k
 pub fn axpy_four(y: &mut [f64], a: [f64; 4], x: [&[f64]; 4]) {
     let n = x.iter().fold(y.len(), |n, x| n.min(x.len()));

@@ -58,6 +58,22 @@ impl<S: Scalar> Vec3<S> {
         let ([a, b, c], [x, y, z]) = (self.0, o.0);
         Self([(b * z).less_product(c, y), (c * x).less_product(a, z), (a * y).less_product(b, x)])
     }
+    /// Adds the vector product of `a` and `b`, component by component in place: a vector of large numbers that is made elsewhere is copied.
+    #[inline]
+    pub fn add_cross(&mut self, a: &Self, b: &Self) {
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            self.0[i] += (a.0[j] * b.0[k]).less_product(a.0[k], b.0[j]);
+        }
+    }
+    /// Becomes the vector product of `a` and `b`, likewise.
+    #[inline]
+    pub fn set_cross(&mut self, a: &Self, b: &Self) {
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            self.0[i] = (a.0[j] * b.0[k]).less_product(a.0[k], b.0[j]);
+        }
+    }
     /// Squared length.
     #[inline]
     pub fn norm_squared(self) -> S {

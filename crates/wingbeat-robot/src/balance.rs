@@ -7,7 +7,7 @@ use super::sections::Carriers;
 use arrayvec::ArrayVec;
 use wingbeat_math::linear::solve_symmetric_leading;
 use wingbeat_math::{Jet, Over, Scalar, Vec3};
-use wingbeat_ocp::plant::{Early, Fault, Known, MAX_DEGREES};
+use wingbeat_ocp::plant::{Early, Fault, Known, MAX_DEGREES, PartsInEarly};
 
 impl Robot {
     /// See [`Plant::rates_about`](wingbeat_ocp::plant::Plant::rates_about). With the accelerations a that are known, every part moves
@@ -22,8 +22,8 @@ impl Robot {
     pub(super) fn balanced_rates<K: Scalar>(
         &self,
         known: &Known,
-        at: (f64, &[Early], &[Early]),
-        dx: &mut [Early],
+        at: PartsInEarly<'_>,
+        dx: [&mut [Early]; 2],
     ) -> Result<(), Fault>
     where
         Early: Over<K>,
@@ -37,14 +37,13 @@ impl Robot {
         &self,
         out: &mut Evaluation<Early>,
         known: &Known,
-        (t, x, u): (f64, &[Early], &[Early]),
-        dx: &mut [Early],
+        (t, [early, air], u): PartsInEarly<'_>,
+        [dx, air_rates]: [&mut [Early]; 2],
     ) -> Result<(), Fault>
     where
         Early: Over<K>,
     {
         let (l, count) = (&self.layout, self.degrees());
-        let (early, air) = x.split_at(l.aero);
         let structure = &early[l.structure..];
         let clock = Jet::new(Early::from(t), Early::ONE, Early::ZERO);
         let held = (&[][..], InstantInertia::Held(&known.degrees));
@@ -55,7 +54,6 @@ impl Robot {
         (carriers.ground, carriers.complete) =
             (self.ground_below(setting.attitude, early[l.position + 2]), true);
         let mut left = [Early::ZERO; MAX_DEGREES];
-        let air_rates = &mut dx[l.aero..];
         let forces = &mut left[6..];
         self.mechanism.tree.coordinate_inertia(links, setting.gravity, coordinates, None, forces);
         self.add_efforts(structure, Early::ONE, forces);
@@ -65,7 +63,7 @@ impl Robot {
         if let Some(motor) = &self.motor {
             forces[count - 1] -= Early::from(motor.inertia() * known.degrees[5 + count]);
         }
-        let states = (air, air_rates);
+        let states = (air, &mut *air_rates);
         let (load, _) = self.bear_air::<K, _, _>(&carriers, setting.wind, states, (None, None), forces);
         let net = load + body;
         net.force.store(&mut left);
@@ -80,14 +78,14 @@ impl Robot {
             solve_symmetric_leading(6 + count, &mut mass, left).ok_or(Fault::MassMatrix { time: t })?;
         for (state, by) in &known.falling {
             for i in 0..6 + count {
-                dx[*state] -= changes[i] * by[i];
+                air_rates[*state - l.aero] -= changes[i] * by[i];
             }
         }
         let accelerations: ArrayVec<Early, MAX_DEGREES> =
             known.degrees.iter().zip(&changes).map(|(held, change)| *change + *held).collect();
         setting.attitude.times(Vec3::from_slice(&accelerations)).store(&mut dx[l.velocity..]);
         Vec3::from_slice(&accelerations[3..]).store(&mut dx[l.rate..]);
-        self.store_coordinate_rates(structure, &accelerations[6..], &mut dx[l.structure..l.aero]);
+        self.store_coordinate_rates(structure, &accelerations[6..], &mut dx[l.structure..]);
         Ok(())
     }
 }

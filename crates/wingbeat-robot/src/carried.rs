@@ -326,7 +326,7 @@ impl<P: Scalar> Robot<P> {
         }
         self.let_loaded_go(joints, ratios, second_rates);
         for (i, link) in links.iter_mut().enumerate() {
-            *link = link.accelerated(&coordinates.combined(i, second_rates));
+            link.accelerate(&coordinates.combined(i, second_rates));
         }
     }
 

@@ -15,7 +15,9 @@ use wingbeat_math::linear::solve_symmetric_leading;
 #[cfg(feature = "lanes")]
 use wingbeat_math::{Double4, Single8};
 use wingbeat_math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, kept, lift};
-use wingbeat_ocp::plant::{Channel, Early, Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
+use wingbeat_ocp::plant::{
+    Channel, Early, Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES, PartsInEarly, Plant,
+};
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
 /// not enter is in `G`.
@@ -140,6 +142,11 @@ impl Plant for Robot {
     fn derive(&self, x: &[f64], f: &[f64], known: &Known, a: &mut [f64]) {
         self.turned_columns(x, f, known, a);
     }
+    fn driven_states(&self) -> Range<usize> {
+        // Elements with an inertia are moved by what they carry.
+        let driven = if self.loaded.is_empty() { 2 * self.elements.len() } else { 0 };
+        self.layout.structure..self.layout.structure + driven
+    }
     fn placing_states(&self) -> [Range<usize>; 2] {
         let (l, elements) = (&self.layout, self.elements.len());
         [l.structure..l.structure + elements, l.joints..l.joints + self.degrees()]
@@ -179,12 +186,12 @@ impl Plant for Robot {
         &self,
         known: &Known,
         places: bool,
-        (t, x, u): (f64, &[Early], &[Early]),
-        dx: &mut [Early],
+        at: PartsInEarly<'_>,
+        dx: [&mut [Early]; 2],
     ) -> Result<(), Fault> {
         match places {
-            true => self.balanced_rates::<Early>(known, (t, x, u), dx),
-            false => self.balanced_rates::<f64>(known, (t, x, u), dx),
+            true => self.balanced_rates::<Early>(known, at, dx),
+            false => self.balanced_rates::<f64>(known, at, dx),
         }
     }
     fn rates_in_late(
@@ -335,8 +342,8 @@ impl<P: Scalar> Robot<P> {
                 let held: ArrayVec<G, MAX_DEGREES> = held.iter().map(|a| G::from(*a)).collect();
                 self.let_go(joints, links, coordinates, ratios, &held[6..]);
                 let field = BaseAcceleration::from_slice(&held);
-                *base = base.accelerated(&field);
-                links.iter_mut().for_each(|link| *link = link.accelerated(&field));
+                base.accelerate(&field);
+                links.iter_mut().for_each(|link| link.accelerate(&field));
                 tree.inertial_and_moment(base.rate, &field, links)
             }
         };

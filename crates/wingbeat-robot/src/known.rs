@@ -9,8 +9,8 @@ use super::{Joints, MAX_ELEMENTS};
 use crate::body::MAX_LINKS;
 use arrayvec::ArrayVec;
 use wingbeat_aero::{ByStates, Coupling, ImpulseRates, MAX_STRIPS};
-use wingbeat_math::linear::solve_symmetric_leading;
-use wingbeat_math::{Dual, GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench, kept};
+use wingbeat_math::linear::solve_symmetric_rows;
+use wingbeat_math::{Dual, GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench, append_copies, kept};
 use wingbeat_ocp::plant::{Fault, Known, Late, MAX_COORDINATES, MAX_DEGREES};
 
 /// Derivatives carried by the solve: by the accelerations of gravity and air, then by those of the elements.
@@ -109,7 +109,8 @@ impl Robot {
         }
         let (wind, wind_dot) = self.wind.at(t);
         (known.wind, known.accelerations) = (wind, [Vec3::new(0.0, 0.0, -GRAVITY), wind_dot]);
-        (known.position, known.velocity, known.rate) = (l.position, l.velocity, l.rate);
+        [known.position, known.velocity, known.rate] =
+            [l.position, l.velocity, l.rate].map(|state| known.row(state));
         Ok(true)
     }
 
@@ -141,7 +142,7 @@ impl Robot {
     /// Notes the accelerations found and the mass matrix on them, and what falls with them.
     fn put_degrees(
         &self,
-        (accelerations, mass): (&[Late; MAX_DEGREES], &[[f64; MAX_DEGREES]]),
+        (accelerations, mass): (&[Late], &[[f64; MAX_DEGREES]]),
         impulses: &ImpulseRates<f64>,
         known: &mut Known,
     ) {
@@ -158,7 +159,7 @@ impl Robot {
     /// the second rates of the coordinates.
     fn put_columns(
         &self,
-        accelerations: &[Late; MAX_DEGREES],
+        accelerations: &[Late],
         (attitude, impulses): (&Mat3, &ImpulseRates<f64>),
         early: &[f64],
         dx: &mut [f64],
@@ -173,8 +174,9 @@ impl Robot {
                 gains.push((i, k, gain));
             }
         }
-        let mut put = |dx: &mut [f64], row: usize, rate: Late| {
-            dx[row] = rate.re;
+        let mut put = |dx: &mut [f64], state: usize, rate: Late| {
+            dx[state] = rate.re;
+            let row = known.row(state);
             known.fields[row * FIELDS..][..FIELDS].copy_from_slice(&rate.eps[..FIELDS]);
             let columns = &mut known.inputs[row * inputs..][..inputs];
             for (i, k, gain) in &gains {
@@ -213,18 +215,22 @@ impl Robot {
         &self,
         by_states: &ByStates,
         (attitude, impulses): (&Mat3, &ImpulseRates<f64>),
-        rows: usize,
+        states: usize,
         known: &mut Known,
     ) {
         let (l, n, own) = (&self.layout, by_states.states, self.degrees());
         // Row by row: each is written once.
-        for row in 0..rows {
-            match row.checked_sub(l.aero).and_then(|state| by_states.rates.get(state * n..(state + 1) * n)) {
+        for state in 0..states {
+            if known.left_out.iter().any(|run| run.contains(&state)) {
+                continue;
+            }
+            match state.checked_sub(l.aero).and_then(|of| by_states.rates.get(of * n..(of + 1) * n)) {
                 Some(rates) => known.late.extend_from_slice(rates),
-                None => known.late.resize((row + 1) * n, 0.0),
+                None => known.late.resize(known.late.len() + n, 0.0),
             }
         }
-        let mut add = |row: usize, factor: f64, of: usize| {
+        let mut add = |state: usize, factor: f64, of: usize| {
+            let row = known.row(state);
             let (row, of) = (&mut known.late[row * n..][..n], &by_states.loads[of * n..][..n]);
             for i in 0..n {
                 row[i] = factor.mul_add(of[i], row[i]);
@@ -313,9 +319,10 @@ impl BodySystem<f64, f64> {
         net: &Wrench<f64>,
         of_links: &Field,
         [own, elements]: [usize; 2],
-    ) -> Option<[Late; MAX_DEGREES]> {
-        let mut rhs = [Late::constant(0.0); MAX_DEGREES];
-        for (i, value) in rhs.iter_mut().enumerate().take(6 + own) {
+    ) -> Option<ArrayVec<Late, MAX_DEGREES>> {
+        let mut rhs = ArrayVec::new();
+        append_copies(&mut rhs, Late::ZERO, 6 + own);
+        for (i, value) in rhs.iter_mut().enumerate() {
             value.re = match i {
                 0..3 => net.force[i],
                 3..6 => net.moment[i - 3],
@@ -329,21 +336,23 @@ impl BodySystem<f64, f64> {
                 value.eps[FIELDS + e] = -self.mass[i][6 + own + e];
             }
         }
-        solve_symmetric_leading(6 + own, &mut self.mass.clone(), rhs)
+        solve_symmetric_rows(&mut self.mass.clone(), &mut rhs)?;
+        Some(rhs)
     }
 
     /// Turns the derivatives of loads by states into those of the accelerations of body and coordinates.
     fn accelerate(&self, by_states: &mut ByStates) -> Option<()> {
         let n = by_states.states;
         let degrees = by_states.loads.len() / n;
+        let mut rhs = ArrayVec::<Late, MAX_DEGREES>::new();
+        append_copies(&mut rhs, Late::ZERO, degrees);
         for first in (0..n).step_by(Late::LANES) {
             let width = Late::LANES.min(n - first);
-            let mut rhs = [Late::constant(0.0); MAX_DEGREES];
-            for (i, value) in rhs.iter_mut().enumerate().take(degrees) {
+            for (i, value) in rhs.iter_mut().enumerate() {
                 value.eps[..width].copy_from_slice(&by_states.loads[i * n + first..][..width]);
             }
-            let solved = solve_symmetric_leading(degrees, &mut self.mass.clone(), rhs)?;
-            for (i, value) in solved.iter().enumerate().take(degrees) {
+            solve_symmetric_rows(&mut self.mass.clone(), &mut rhs)?;
+            for (i, value) in rhs.iter().enumerate() {
                 by_states.loads[i * n + first..][..width].copy_from_slice(&value.eps[..width]);
             }
         }

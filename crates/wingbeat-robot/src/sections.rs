@@ -124,12 +124,17 @@ impl<S: Scalar> Carrier<S> {
     /// been written piece by piece waits for its pieces.
     #[inline(always)]
     fn follow(&mut self, link: &LinkMotion<S>, wind_dot: Vec3<S>) {
-        self.origin = PointMotion { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
+        (self.origin.p, self.origin.v) = (link.position, link.velocity);
+        for i in 0..3 {
+            self.origin.a[i] = link.acceleration[i] - wind_dot[i];
+        }
         for (axis, along) in self.along.iter_mut().enumerate() {
-            let direction = link.rotation.column(axis);
-            let sweep = link.rate.cross(direction);
-            let bend = link.rate_dot.cross(direction) + link.rate.cross(sweep);
-            *along = PointMotion { p: direction, v: sweep, a: bend };
+            for i in 0..3 {
+                along.p[i] = link.rotation.0[i][axis];
+            }
+            along.v.set_cross(&link.rate, &along.p);
+            along.a.set_cross(&link.rate_dot, &along.p);
+            along.a.add_cross(&link.rate, &along.v);
         }
         (self.rate, self.rate_dot) = (link.rate, link.rate_dot);
     }

@@ -373,14 +373,17 @@ impl<P: Scalar> LiftingLine<P> {
         let mut sum = (Wrench::ZERO, [[G::ZERO; 6]; 6]);
         let (wrench, added_mass) = &mut sum;
         let stream = self.stream(sections, wind);
+        // Of plain numbers the matrix costs less than to ask.
+        let weighed = const { size_of::<G>() <= size_of::<f64>() } || !sections.complete();
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = SectionFlow::new(&sections.on_link(i), wind, node.inverse_edge, self.zero_lift);
             let printed = stream.map(|stream| self.section_speed(i, stream, &sections.on_link(i), wind));
             let flow = self.flow(i, &section, (printed, induced(i)), x, dx);
+            let matrix = weighed.then_some(&mut *added_mass);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow, self.numbers.drag())
-                + self.carried_air(node, &section, flow.speed, Some(&mut *added_mass));
+                + self.carried_air(node, &section, flow.speed, matrix);
             let load = section.wrench(force);
             *wrench += load;
             if let Some(coupling) = &mut coupling {
@@ -391,7 +394,9 @@ impl<P: Scalar> LiftingLine<P> {
                 coupling.strips[i] = load;
             }
         }
-        mirror_upper(added_mass);
+        if weighed {
+            mirror_upper(added_mass);
+        }
         sum
     }
 

@@ -558,6 +558,9 @@ pub(super) fn sum<S: Scalar, const N: usize>(a: &StripColumn<S, N>) -> S {
 /// `N` is even.
 #[inline(never)]
 pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) {
+    if const { S::FIRST_ORDER && large::<S>() } {
+        return invert_by_values(m, n);
+    }
     if n % 2 == 1 {
         // An unknown of its own makes the number even.
         m.iter_mut().for_each(|column| column[n] = S::ZERO);
@@ -599,6 +602,60 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
     }
 }
 
+/// The same of a matrix with first derivatives, from the inverse R of its values.
+///
+/// Equation: aero.strip.inverse_slopes
+/// `d(A^-1) = -R dA R, R = A^-1`
+/// Source: derivative of A R = 1.
+/// Test: `the_inverse_has_the_derivatives_that_its_elimination_carries`.
+fn invert_by_values<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) {
+    let (mut inverse, mut turned) = ([[0.0; N]; N], [[0.0; N]; N]);
+    for j in 0..n {
+        for i in 0..n {
+            inverse[j][i] = m[j][i].value();
+        }
+    }
+    invert(&mut inverse, n);
+    for j in 0..n {
+        for i in 0..n {
+            turned[j][i] = -inverse[i][j];
+        }
+    }
+    // dA R row by row, then the rest column by column, each in place.
+    let mut kept = [S::ZERO; N];
+    for i in 0..n {
+        for k in 0..n {
+            kept[k] = m[k][i];
+        }
+        for j in (0..n).step_by(2) {
+            let sums = two_sums(&kept[..n], [&inverse[j], &inverse[(j + 1).min(N - 1)]]);
+            for c in 0..2.min(n - j) {
+                m[j + c][i] = sums[c];
+            }
+        }
+    }
+    for j in 0..n {
+        kept[..n].copy_from_slice(&m[j][..n]);
+        for i in (0..n).step_by(2) {
+            let sums = two_sums(&kept[..n], [&turned[i], &turned[(i + 1).min(N - 1)]]);
+            for c in 0..2.min(n - i) {
+                m[j][i + c] = S::from(inverse[j][i + c]).plus_slope(1.0, &sums[c]);
+            }
+        }
+    }
+}
+
+/// Derivatives of two sums of the numbers `of`, by their slopes.
+#[inline(always)]
+fn two_sums<S: Scalar, const N: usize>(of: &[S], [slopes, others]: [&[f64; N]; 2]) -> [S; 2] {
+    let (mut one, mut other) = (S::ZERO, S::ZERO);
+    for k in 0..of.len().min(N) {
+        one = one.plus_slope(slopes[k], &of[k]);
+        other = other.plus_slope(others[k], &of[k]);
+    }
+    [one, other]
+}
+
 /// Inverse of a 2 x 2 matrix by rows.
 #[inline(always)]
 fn inverse_of_pair<S: Scalar>([[a, b], [c, d]]: [[S; 2]; 2]) -> [[S; 2]; 2] {
@@ -609,6 +666,31 @@ fn inverse_of_pair<S: Scalar>([[a, b], [c, d]]: [[S; 2]; 2]) -> [[S; 2]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use wingbeat_math::Dual;
+
+    #[test]
+    fn the_inverse_has_the_derivatives_that_its_elimination_carries() {
+        type Few = Dual<8>;
+        for n in [1, 5, 6, 8] {
+            let mut m: Matrix<Few, 8> = std::array::from_fn(|j| {
+                std::array::from_fn(|i| {
+                    let of = |k: usize| 0.1 * ((3 * i + 5 * j + 7 * k) as f64).sin();
+                    Dual { re: of(0) + f64::from(u8::from(i == j)), eps: std::array::from_fn(|k| of(k + 1)) }
+                })
+            });
+            // Duals of duals have derivatives of another order, and are eliminated as they are.
+            let mut carried: Matrix<Dual<8, Dual<1>>, 8> = m.map(|column| {
+                column.map(|of| Dual { re: Dual::constant(of.re), eps: of.eps.map(Dual::constant) })
+            });
+            invert(&mut m, n);
+            invert(&mut carried, n);
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                let (one, other) = (m[j][i], carried[j][i]);
+                let off = (0..8).map(|k| (one.eps[k] - other.eps[k].re).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-13 && (one.re - other.re.re).abs() < 1e-14, "{n}: {off}");
+            }
+        }
+    }
 
     #[test]
     fn the_inverse_times_the_matrix_is_one() {

@@ -3,6 +3,7 @@
 use super::manoeuvre::{Manoeuvre, angle_error};
 use super::mpc::{MpcSpec, Weights};
 use super::soft_clearance::SoftClearance;
+use std::ops::Range;
 use std::sync::Arc;
 use wingbeat_math::Error;
 use wingbeat_math::Scalar;
@@ -77,6 +78,12 @@ impl<P: Plant> Tracking for AttitudeTracking<'_, P> {
             outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * (weight * factor);
         }
         self.clearance.shortfalls(&self.chart, t, x, &mut outputs[5..]);
+    }
+
+    fn known_states(&self, states: usize) -> Range<usize> {
+        // Clearances know the shape.
+        let rotation = self.chart.rotation().filter(|_| self.clearance.count == 0);
+        rotation.map_or(0..states, |rotation| rotation.min(self.rate)..rotation.max(self.rate) + 3)
     }
 
     fn change_weight(&self, input: usize) -> f64 {

@@ -1,6 +1,6 @@
 //! A local three-component attitude in place of the quaternion.
 
-use super::{Channel, Early, Fault, Known, Late, MAX_STATES, Plant, Role};
+use super::{Channel, Early, Fault, Known, Late, MAX_STATES, PartsInEarly, Plant, Role};
 use arrayvec::ArrayVec;
 use std::ops::{Deref, Range};
 use wingbeat_math::{Dual, Mat3, Over, Quat, Scalar, Vec3, append, append_copies, lift};
@@ -250,6 +250,13 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
     fn unfelt_states(&self) -> Range<usize> {
         self.plant.unfelt_states()
     }
+    fn driven_states(&self) -> Range<usize> {
+        let driven = self.plant.driven_states();
+        let attitude = self.plant.attitude().filter(|attitude| *attitude < driven.start);
+        let given = self.plant.given_states().iter().filter(|run| run.start < driven.start);
+        let before = attitude.map_or(0, |_| 1) + given.map(Range::len).sum::<usize>();
+        driven.start - before..driven.end - before
+    }
     fn placing_states(&self) -> [Range<usize>; 2] {
         let less = usize::from(self.plant.attitude().is_some());
         self.plant.placing_states().map(|run| run.start.saturating_sub(less)..run.end.saturating_sub(less))
@@ -263,14 +270,15 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         known: &mut Known,
     ) -> Result<bool, Fault> {
         let mut knows = false;
+        if let Some(a) = self.plant.attitude() {
+            // Of the quaternion three rows are left, for the rotation vector.
+            known.left_out.push(a..a + 1);
+            known.left_out.extend_from_slice(self.plant.given_states());
+        }
         self.localised(t, local, 0, dx, |x, dx| {
             knows = self.plant.known(t, x, u, dx, known)?;
             Ok(())
         })?;
-        if let (Some(a), true) = (self.plant.attitude(), knows) {
-            known.leave_out_runs(self.plant.given_states(), u.len());
-            known.leave_out(a, u.len());
-        }
         Ok(knows)
     }
     fn derived_states(&self) -> Range<usize> {
@@ -323,10 +331,26 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         &self,
         known: &Known,
         places: bool,
-        (t, local, u): (f64, &[Early], &[Early]),
-        dx: &mut [Early],
+        (t, [early, late], u): PartsInEarly<'_>,
+        [dx, late_dx]: [&mut [Early]; 2],
     ) -> Result<(), Fault> {
-        self.localised(t, local, 0, dx, |x, dx| self.plant.rates_about(known, places, (t, x, u), dx))
+        if self.motion.width == 0 {
+            return self.localised(t, early, 0, dx, |x, dx| {
+                self.plant.rates_about(known, places, (t, [x, late], u), [dx, late_dx])
+            });
+        }
+        let (mut local, mut rates) = (States::new(), States::new());
+        append(&mut local, early);
+        append(&mut local, late);
+        rest(&mut rates, local.len());
+        self.localised(t, &local, 0, &mut rates, |x, dx| {
+            let (early, late) = x.split_at(self.plant.late_states());
+            let (dx, late_dx) = dx.split_at_mut(early.len());
+            self.plant.rates_about(known, places, (t, [early, late], u), [dx, late_dx])
+        })?;
+        dx.copy_from_slice(&rates[..dx.len()]);
+        late_dx.copy_from_slice(&rates[dx.len()..]);
+        Ok(())
     }
     fn rates_in_late(
         &self,

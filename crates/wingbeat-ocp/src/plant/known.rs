@@ -2,6 +2,7 @@
 
 use super::MAX_DEGREES;
 use std::ops::Range;
+use wingbeat_math::rows::fused;
 use wingbeat_math::{Dual, Mat3, Vec3};
 
 /// What a plant knows of its derivatives without carrying them through an evaluation: those by inputs that enter by accelerations
@@ -30,11 +31,13 @@ pub struct Known {
     /// States of the plant whose rates fall with these accelerations, and by how much, in the units of the rates over those of the
     /// accelerations.
     pub falling: Vec<(usize, [f64; MAX_DEGREES])>,
-    /// Place of the position in the state.
+    /// States of the plant that have no row here, in ascending runs: whoever asks does without them, and their rows would be all zero.
+    pub left_out: Vec<Range<usize>>,
+    /// Row of the position.
     pub position: usize,
-    /// Place of the velocity in the state.
+    /// Row of the velocity.
     pub velocity: usize,
-    /// Place of the angular rate in the state.
+    /// Row of the angular rate.
     pub rate: usize,
 }
 
@@ -42,24 +45,26 @@ impl Known {
     /// Room for a plant of `states` states and `inputs` inputs.
     pub fn new(states: usize, inputs: usize) -> Self {
         Self {
-            // A plant that is seen in a chart has a state more.
-            inputs: Vec::with_capacity((states + 1) * inputs),
-            fields: Vec::with_capacity((states + 1) * 6),
+            inputs: Vec::with_capacity(states * inputs),
+            fields: Vec::with_capacity(states * 6),
             wants_late: false,
-            late: Vec::with_capacity((states + 1) * states),
+            late: Vec::with_capacity(states * states),
             wind: Vec3::ZERO,
             accelerations: [Vec3::ZERO; 2],
             degrees: Vec::with_capacity(MAX_DEGREES),
             mass: Vec::with_capacity(MAX_DEGREES * MAX_DEGREES),
             falling: Vec::with_capacity(states),
+            left_out: Vec::with_capacity(states),
             position: 0,
             velocity: 0,
             rate: 0,
         }
     }
 
-    /// Sets all derivatives of `states` states by `inputs` inputs and by uniform accelerations to zero, and leaves none by late states.
+    /// Sets all derivatives of `states` states, less those left out, by `inputs` inputs and by uniform accelerations to zero, and leaves none
+    /// by late states.
     pub fn clear(&mut self, states: usize, inputs: usize) {
+        let states = states - self.left_out.iter().map(Range::len).sum::<usize>();
         for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6)] {
             values.clear();
             values.resize(states * width, 0.0);
@@ -67,25 +72,10 @@ impl Known {
         self.late.clear();
     }
 
-    /// Leaves out a row that is all zero, among states with so many `inputs`.
-    pub(super) fn leave_out(&mut self, row: usize, inputs: usize) {
-        let late = self.late.len() * 6 / self.fields.len();
-        for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6), (&mut self.late, late)] {
-            values.drain(row * width..(row + 1) * width);
-        }
-        for place in [&mut self.position, &mut self.velocity, &mut self.rate] {
-            *place -= usize::from(*place > row);
-        }
-    }
-
-    /// Leaves out the rows in ascending `runs`, which are all zero, among states with so many `inputs`.
-    pub(super) fn leave_out_runs(&mut self, runs: &[Range<usize>], inputs: usize) {
-        let late = self.late.len() * 6 / self.fields.len();
-        for (values, width) in [(&mut self.inputs, inputs), (&mut self.fields, 6), (&mut self.late, late)] {
-            for run in runs.iter().rev() {
-                values.drain(run.start * width..run.end * width);
-            }
-        }
+    /// Row of the derivatives of a state that is not left out.
+    pub fn row(&self, state: usize) -> usize {
+        let before = self.left_out.iter().filter(|run| run.end <= state);
+        state - before.map(Range::len).sum::<usize>()
     }
 
     /// Writes the derivatives of the rates `f` at the state `x` by `K` coordinates c of the attitude into the columns from `at` on of
@@ -114,16 +104,23 @@ impl Known {
             let felt = self.accelerations.map(|field| change.transpose_mul(field));
             (r * change.transpose_mul(against) * inverse, felt, change * acceleration)
         });
-        let rows = a.chunks_exact_mut(x.len()).zip(self.fields.as_chunks::<6>().0).enumerate();
-        for (i, (row, fields)) in rows {
-            let [a, b, c, d, e, f] = *fields;
-            let by_velocity = Vec3::from_slice(&row[self.velocity..]);
-            let still = (self.position..self.position + 3).contains(&i);
-            for (value, (velocity, [gravity, air], _)) in row[at..].iter_mut().zip(&changes) {
-                let by =
-                    by_velocity.dot(*velocity) + Vec3([a, b, c]).dot(*gravity) + Vec3([d, e, f]).dot(*air);
-                *value = if still { 0.0 } else { by };
+        // What each component of the velocity and of the fields adds to the columns, side by side.
+        let mut by = [[0.0; K]; 9];
+        for (k, (velocity, [gravity, air], _)) in changes.iter().enumerate() {
+            for i in 0..3 {
+                (by[i][k], by[3 + i][k], by[6 + i][k]) = (velocity[i], gravity[i], air[i]);
             }
+        }
+        for (i, fields) in self.fields.as_chunks::<6>().0.iter().enumerate() {
+            let (row, mut sum) = (&mut a[i * x.len()..][..x.len()], [0.0; K]);
+            if !(self.position..self.position + 3).contains(&i) {
+                for (value, by) in row[self.velocity..][..3].iter().chain(fields).zip(&by) {
+                    for k in 0..K {
+                        sum[k] = fused(*value, by[k], sum[k]);
+                    }
+                }
+            }
+            row[at..][..K].copy_from_slice(&sum);
         }
         for (i, row) in a.chunks_exact_mut(x.len()).skip(self.velocity).take(3).enumerate() {
             for (value, (.., turned)) in row[at..].iter_mut().zip(&changes) {

@@ -115,6 +115,7 @@ impl Linearisation {
     ) -> Result<bool, Fault> {
         self.known.wants_late = late;
         self.known.late.clear();
+        self.known.left_out.clear();
         let known = plant.known(t, x, u, &mut self.f, &mut self.known)?;
         if known {
             self.b.copy_from_slice(&self.known.inputs);
@@ -140,11 +141,13 @@ impl Linearisation {
         }
         for first in (0..directions.max(usize::from(!of.about))).step_by(Early::LANES) {
             let count = Early::LANES.min(directions - first);
-            seed(&mut self.x[..late], x, first, |i| of.direction(i));
-            seed(&mut self.u, u, first, |i| (i < of.inputs).then_some(states + i));
+            seed(&mut self.x[..late], x, (first, 0), &of.runs);
+            seed(&mut self.u, u, (first, states), std::slice::from_ref(&(0..of.inputs)));
             let places = first < of.placing;
             if of.about {
-                plant.rates_about(&self.known, places, (t, &self.x, &self.u), &mut self.dx)?;
+                let (early, after) = self.x.split_at(late);
+                let (dx, late_dx) = self.dx.split_at_mut(late);
+                plant.rates_about(&self.known, places, (t, [early, after], &self.u), [dx, late_dx])?;
             } else if places {
                 plant.rates_in_early(t, &self.x, &self.u, &mut self.dx)?;
             } else {
@@ -177,7 +180,7 @@ impl Linearisation {
     ) -> Result<(), Fault> {
         let (n, count) = (self.f.len(), late.len());
         for first in (0..count).step_by(Late::LANES) {
-            seed(&mut self.late[..count], late, first, Some);
+            seed(&mut self.late[..count], late, (first, 0), std::slice::from_ref(&(0..count)));
             plant.rates_in_late(t, early, &self.late[..count], u, &mut self.late_dx)?;
             let width = Late::LANES.min(count - first);
             for (row, rate) in self.a.chunks_exact_mut(n).zip(&self.late_dx) {
@@ -207,17 +210,6 @@ impl EarlyDirections {
     fn states(&self) -> usize {
         self.runs.iter().map(Range::len).sum()
     }
-    /// The direction of a state.
-    fn direction(&self, state: usize) -> Option<usize> {
-        let mut first = 0;
-        for run in &self.runs {
-            if run.contains(&state) {
-                return Some(first + state - run.start);
-            }
-            first += run.len();
-        }
-        None
-    }
 }
 
 /// Writes the derivatives of the rates along the directions of a `block` that lie in `run` into the columns from `to` on of a
@@ -237,23 +229,43 @@ fn scatter<const N: usize>(
     let (lane, to) = (start - block.start, to + start - run.start);
     for i in 0..rates.len() {
         let row = &mut matrix[i * width + to..][..end - start];
-        row.copy_from_slice(&rates[i].eps[lane..][..end - start]);
+        copy_few(row, &rates[i].eps[lane..][..end - start]);
     }
 }
 
-/// Seeds those of the `values` whose direction lies in the block that starts at `first`.
+/// Copies so few numbers that a call would take longer.
+#[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "what it asks for is that call")]
+fn copy_few(to: &mut [f64], from: &[f64]) {
+    let (blocks, rest) = to.as_chunks_mut::<4>();
+    let (from, from_rest) = from.as_chunks::<4>();
+    for i in 0..blocks.len().min(from.len()) {
+        blocks[i] = from[i];
+    }
+    match (rest, from_rest) {
+        ([to], [from]) => *to = *from,
+        ([a, b], [x, y]) => (*a, *b) = (*x, *y),
+        ([a, b, c], [x, y, z]) => (*a, *b, *c) = (*x, *y, *z),
+        _ => {}
+    }
+}
+
+/// Seeds the `values`, of which those in `runs` are the directions from `direction` on in their order, for the block of directions that
+/// starts at `first`.
 fn seed<const N: usize>(
     out: &mut [Dual<N>],
     values: &[f64],
-    first: usize,
-    direction: impl Fn(usize) -> Option<usize>,
+    (first, mut direction): (usize, usize),
+    runs: &[Range<usize>],
 ) {
     for i in 0..out.len() {
         out[i] = Dual::constant(values[i]);
-        if let Some(lane) = direction(i).and_then(|direction| direction.checked_sub(first))
-            && lane < N
-        {
-            out[i].eps[lane] = 1.0;
+    }
+    for run in runs {
+        let block = first.max(direction)..(first + N).min(direction + run.len());
+        for lane in block {
+            out[run.start + lane - direction].eps[lane - first] = 1.0;
         }
+        direction += run.len();
     }
 }

@@ -200,6 +200,11 @@ pub trait Plant: Sync {
         0..0
     }
 
+    /// States whose rates know only themselves and the inputs.
+    fn driven_states(&self) -> Range<usize> {
+        0..0
+    }
+
     /// States between those and the late ones on which places depend, in ascending runs. Inputs and other states leave places
     /// as they are, so that derivatives by them need not follow what places alone decide: see
     /// [`rates_in_moving`](Self::rates_in_moving).
@@ -285,19 +290,31 @@ pub trait Plant: Sync {
         self.rates_in_early(t, x, u, dx)
     }
     /// [`rates_in_early`](Self::rates_in_early), or where nothing `places` [`rates_in_moving`](Self::rates_in_moving), at a point of which the
-    /// plant [knows](Self::known) its accelerations and their mass matrix: rates in the units of the states over s.
+    /// plant [knows](Self::known) its accelerations and their mass matrix: rates in the units of the states over s. States and rates come
+    /// in two parts, the early ones first.
     ///
     /// # Errors
     /// Those of `rates`.
+    ///
+    /// # Panics
+    /// Where a plant leaves it to those and has more than [`MAX_STATES`] states.
     fn rates_about(
         &self,
         known: &Known,
         places: bool,
-        (t, x, u): (f64, &[Early], &[Early]),
-        dx: &mut [Early],
+        (t, [early, late], u): PartsInEarly<'_>,
+        [dx, late_dx]: [&mut [Early]; 2],
     ) -> Result<(), Fault> {
         let _ = known;
-        if places { self.rates_in_early(t, x, u, dx) } else { self.rates_in_moving(t, x, u, dx) }
+        let (mut x, mut rates) = ([Early::ZERO; MAX_STATES], [Early::ZERO; MAX_STATES]);
+        let n = early.len() + late.len();
+        x[..early.len()].copy_from_slice(early);
+        x[early.len()..n].copy_from_slice(late);
+        let (x, rates) = (&x[..n], &mut rates[..n]);
+        if places { self.rates_in_early(t, x, u, rates) } else { self.rates_in_moving(t, x, u, rates) }?;
+        dx.copy_from_slice(&rates[..dx.len()]);
+        late_dx.copy_from_slice(&rates[dx.len()..]);
+        Ok(())
     }
     /// [`rates_by_late`](Self::rates_by_late) with the derivatives by late states that one pass of a [`Linearisation`] carries.
     ///
@@ -340,6 +357,9 @@ pub trait Plant: Sync {
         self.rates(t, x, u, dx)
     }
 }
+
+/// Time (s), early and late states, and inputs, in the units of their channels.
+pub type PartsInEarly<'a> = (f64, [&'a [Early]; 2], &'a [Early]);
 
 /// Lanes in which plants are stepped, each by the rates that the crate of the plant has compiled for them.
 pub trait PlantLanes: Lanes {

@@ -300,15 +300,24 @@ impl ActiveSet {
         room
     }
 
-    /// Lets `bound` bind: rotates J2 so that J' a has one entry below R.
+    /// Lets `bound` bind, of which the [directions](Self::directions) are at hand: reflects J2 so that J' a has one entry below R,
+    /// J2 - b (J2 v) v' with v = p + sgn(p_1) |p| e_1, p = J2' a, b = 1/(|p| (|p| + |p_1|)); J2 p is the primal direction.
+    ///
+    /// Equation: ocp.reflected_basis
+    /// `J2 := J2 - (J2 v) v'/(q (q + abs(p_1))), v = p + sgn(p_1) q e_1, p = J2' a, q = abs(p)`
+    /// Source: Householder; Golub & Van Loan, Matrix Computations, 5.1.
+    /// Test: `random_programs_satisfy_the_optimality_conditions`.
     fn add(&mut self, bound: Bound) {
         let (n, q) = (self.n, self.binding.len());
-        for j in (q + 1..n).rev() {
-            let (c, s, length) = rotation(self.projected[j - 1], self.projected[j]);
-            self.projected[j - 1] = length;
-            self.projected[j] = 0.0;
-            rotate_rows(&mut self.basis, n, j - 1, c, s);
+        let first = self.projected[q];
+        let length = dot(&self.projected[q..], &self.projected[q..]).sqrt().copysign(first);
+        axpy(&mut self.direction, length, &self.basis[q * n..][..n]);
+        let share = 1.0 / (length * (length + first));
+        self.projected[q] += length;
+        for (p, row) in self.projected.iter().zip(self.basis.chunks_exact_mut(n)).skip(q) {
+            axpy(row, -share * p, &self.direction);
         }
+        self.projected[q] = -length;
         self.triangle[q * n..][..=q].copy_from_slice(&self.projected[..=q]);
         self.binding.push(bound);
     }

@@ -1,122 +1,119 @@
 //! Dense row-major kernels whose inner loops run along contiguous rows. Entries are in the caller's units.
 
+use std::ops::Range;
 use wingbeat_math::rows::{axpy, dot, fused};
 
-/// The entries of a matrix row in blocks of [`PACK`], without blocks that are zero, then the entries that fill no block; made once,
-/// reused. An entry of zero adds nothing, to the bit.
-#[derive(Clone, Debug)]
-pub struct Terms {
-    /// First column and entries of each block, as many as are `used`.
-    blocks: Vec<(usize, [f64; PACK])>,
-    used: usize,
-    rest: [f64; PACK],
-    /// Columns of the `rest`.
-    beyond: std::ops::Range<usize>,
+/// Widest panel: its rows are summed in registers.
+pub const WIDEST: usize = 48;
+
+/// First column and width of panels of about the same width that make up `width` columns, a multiple of [`PACK`].
+pub fn panels(width: usize) -> impl Iterator<Item = (usize, usize)> {
+    let each = padded(width.div_ceil(width.div_ceil(WIDEST).max(1))).max(PACK);
+    (0..width).step_by(each).map(move |first| (first, each.min(width - first)))
 }
 
-impl Terms {
-    /// Storage for rows of at most `n` entries.
-    pub fn new(n: usize) -> Self {
-        Self { blocks: vec![(0, [0.0; PACK]); n / PACK], used: 0, rest: [0.0; PACK], beyond: 0..0 }
-    }
+/// `scale` times some rows of a matrix with rows of `stride`.
+pub struct LeftFactor<'a> {
+    pub scale: f64,
+    pub a: &'a [f64],
+    pub stride: usize,
+    pub rows: [Range<usize>; 2],
+}
 
-    /// Gathers `scale` times `row`.
-    fn gather(&mut self, scale: f64, row: &[f64]) {
-        let (blocks, rest) = row.as_chunks::<PACK>();
-        self.used = 0;
-        for k in 0..blocks.len() {
-            let [a, b, c, d] = blocks[k];
-            if (a != 0.0) | (b != 0.0) | (c != 0.0) | (d != 0.0) {
-                self.blocks[self.used] = (k * PACK, [scale * a, scale * b, scale * c, scale * d]);
-                self.used += 1;
-            }
+/// Calls a kernel for rows of `width`, a multiple of [`PACK`] up to [`WIDEST`].
+macro_rules! by_width {
+    ($width:expr, $kernel:ident $arguments:tt) => {
+        match $width {
+            4 => $kernel::<4> $arguments,
+            8 => $kernel::<8> $arguments,
+            12 => $kernel::<12> $arguments,
+            16 => $kernel::<16> $arguments,
+            20 => $kernel::<20> $arguments,
+            24 => $kernel::<24> $arguments,
+            28 => $kernel::<28> $arguments,
+            32 => $kernel::<32> $arguments,
+            36 => $kernel::<36> $arguments,
+            40 => $kernel::<40> $arguments,
+            44 => $kernel::<44> $arguments,
+            48 => $kernel::<48> $arguments,
+            width => panic!("a panel of {width} columns"),
         }
-        self.beyond = row.len() - rest.len()..row.len();
-        for j in 0..rest.len() {
-            self.rest[j] = scale * rest[j];
-        }
-    }
+    };
+}
 
-    /// row += sum of the terms times the rows of B that they name.
-    fn add_to(&self, row: &mut [f64], b: &[f64]) {
-        let width = row.len();
-        let mut first = 0;
-        while first < width {
-            first += match (width - first) / PACK {
-                12.. => self.add_block::<48>(row, b, first),
-                11 => self.add_block::<44>(row, b, first),
-                10 => self.add_block::<40>(row, b, first),
-                9 => self.add_block::<36>(row, b, first),
-                8 => self.add_block::<32>(row, b, first),
-                7 => self.add_block::<28>(row, b, first),
-                6 => self.add_block::<24>(row, b, first),
-                5 => self.add_block::<20>(row, b, first),
-                4 => self.add_block::<16>(row, b, first),
-                3 => self.add_block::<12>(row, b, first),
-                2 => self.add_block::<8>(row, b, first),
-                _ => self.add_block::<PACK>(row, b, first),
-            };
-        }
+/// C += A B for rows of C of `stride`, of which the first `width` entries are meant; the columns of A from each of the given ones on
+/// meet rows of B of `width`. Blocks of [`PACK`] entries of A that are zero cost nothing: a term of zero adds nothing, to the bit.
+pub fn add_product(c: &mut [f64], stride: usize, a: &LeftFactor, parts: &[(usize, &[f64])], width: usize) {
+    for (place, i) in a.rows[0].clone().chain(a.rows[1].clone()).enumerate() {
+        let row = &a.a[i * a.stride..][..a.stride];
+        by_width!(width, add_row(&mut c[place * stride..], a.scale, row, parts));
     }
+}
 
-    /// [`add_to`](Self::add_to) on `N` columns, summed in registers; returns `N`.
-    #[inline]
-    fn add_block<const N: usize>(&self, row: &mut [f64], b: &[f64], first: usize) -> usize {
-        let width = row.len();
-        let mut sum = [0.0; N];
-        for (column, block) in &self.blocks[..self.used] {
-            let b = &b[column * width + first..][..(PACK - 1) * width + N];
-            for k in 0..PACK {
-                let b = &b[k * width..][..N];
-                for l in 0..N {
-                    sum[l] = fused(block[k], b[l], sum[l]);
-                }
-            }
+/// c += scale times the sum of the entries of a row of A from each of the given ones on times the rows of B.
+#[inline(never)]
+fn add_row<const N: usize>(c: &mut [f64], scale: f64, row: &[f64], parts: &[(usize, &[f64])]) {
+    let mut sum = [0.0; N];
+    for (from, b) in parts {
+        add_terms(&mut sum, &row[*from..], b.as_chunks().0);
+    }
+    let c = &mut c[..N];
+    for l in 0..N {
+        c[l] = fused(scale, sum[l], c[l]);
+    }
+}
+
+/// sum += sum_k a_k b_k over as many as there are of both.
+#[inline(always)]
+fn add_terms<const N: usize>(sum: &mut [f64; N], a: &[f64], b: &[[f64; N]]) {
+    let n = a.len().min(b.len());
+    let (blocks, rest) = a[..n].as_chunks::<PACK>();
+    let (rows, rows_rest) = b[..n].as_chunks::<PACK>();
+    for i in 0..blocks.len().min(rows.len()) {
+        let (a, b) = (&blocks[i], &rows[i]);
+        if (a[0] == 0.0) & (a[1] == 0.0) & (a[2] == 0.0) & (a[3] == 0.0) {
+            continue;
         }
-        for j in self.beyond.clone() {
-            let (a, b) = (self.rest[j - self.beyond.start], &b[j * width + first..][..N]);
+        for k in 0..PACK {
             for l in 0..N {
-                sum[l] = fused(a, b[l], sum[l]);
+                sum[l] = fused(a[k], b[k][l], sum[l]);
             }
         }
-        let row = &mut row[first..][..N];
+    }
+    for k in 0..rest.len().min(rows_rest.len()) {
         for l in 0..N {
-            row[l] += sum[l];
+            sum[l] = fused(rest[k], rows_rest[k][l], sum[l]);
         }
-        N
     }
 }
 
-/// C += alpha A B for A (n x p) and rows of B and C of `width`, a multiple of
-/// [`PACK`]; blocks of A that are zero cost nothing.
-pub fn multiply_add(c: &mut [f64], alpha: f64, a: &[f64], b: &[f64], width: usize, terms: &mut Terms) {
+/// C += A B for A (n x p) and rows of B and C of `width`, a multiple of [`PACK`].
+pub fn multiply_add(c: &mut [f64], a: &[f64], b: &[f64], width: usize) {
     let inner = b.len() / width;
-    for (c, a) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
-        terms.gather(alpha, a);
-        terms.add_to(c, b);
+    if width <= WIDEST {
+        let a = LeftFactor { scale: 1.0, a, stride: inner, rows: [0..c.len() / width, 0..0] };
+        return add_product(c, width, &a, &[(0, b)], width);
     }
-}
-
-/// c += alpha A x for one x, A row-major with as many columns.
-pub fn multiply_add_one(c: &mut [f64], alpha: f64, a: &[f64], x: &[f64]) {
-    for i in 0..c.len() {
-        c[i] = fused(alpha, dot(&a[i * x.len()..][..x.len()], x), c[i]);
+    for (c, a) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
+        for (a, b) in a.iter().zip(b.chunks_exact(width)).filter(|(a, _)| **a != 0.0) {
+            axpy(c, *a, b);
+        }
     }
 }
 
 /// As [`solve`] for one right side.
-pub fn solve_one(lu: &[f64], stride: usize, pivots: &[usize], b: &mut [f64]) {
+pub fn solve_one(lu: &[f64], pivots: &[usize], b: &mut [f64]) {
     let n = pivots.len();
     for k in (0..n).rev() {
         b.swap(pivots[k], k);
     }
     for k in (0..n).rev() {
         let (above, below) = b[..n].split_at_mut(k + 1);
-        above[k] -= dot(&lu[k * stride + k + 1..k * stride + n], below);
+        above[k] -= dot(&lu[k * n + k + 1..k * n + n], below);
     }
     for k in 0..n {
         let (above, rest) = b.split_at_mut(k);
-        rest[0] = (rest[0] - dot(&lu[k * stride..][..k], above)) / lu[k * stride + k];
+        rest[0] = (rest[0] - dot(&lu[k * n..][..k], above)) / lu[k * n + k];
     }
 }
 
@@ -140,42 +137,41 @@ pub fn padded(columns: usize) -> usize {
     columns.next_multiple_of(PACK)
 }
 
-/// Factors the row-major n x n matrix A = U L from the last state to the
-/// first, in place, rows padded to `stride`: states that only respond stand
-/// last, so that what they do not drive stays zero and costs nothing. A
+/// Columns that [`factor`] eliminates at a time.
+const PANEL: usize = 8;
+
+/// Factors the row-major n x n matrix A = U L, n a multiple of [`PACK`], from the last state to the
+/// first, in place. A
 /// diagonal below a tenth of its column gives way to the largest entry above
 /// it; `pivots` receives the exchanges. False when the matrix is singular.
 ///
-/// [`PACK`] columns are eliminated at a time, then what stands before them hears of all of them at once, in the same order.
-pub fn factor(a: &mut [f64], n: usize, stride: usize, pivots: &mut [usize]) -> bool {
-    let mut end = n;
+/// Of [`PANEL`] columns that are eliminated what stands before them hears at once.
+#[inline(never)]
+pub fn factor(a: &mut [f64], pivots: &mut [usize]) -> bool {
+    let (n, mut end) = (pivots.len(), pivots.len());
     while end > 0 {
-        let start = (end - 1) / PACK * PACK;
+        let start = end.saturating_sub(PANEL);
         for k in (start..end).rev() {
-            let Some(p) = pivot(a, stride, k) else { return false };
+            let Some(p) = pivot(a, n, k) else { return false };
             pivots[k] = p;
-            exchange(a, stride, p, k);
-            eliminate(a, stride, start, k);
-        }
-        let (above, panel) = a.split_at_mut(start * stride);
-        let last = end - start - 1;
-        for i in (0..last).rev() {
-            let (upper, lower) = panel.split_at_mut((i + 1) * stride);
-            let (head, factors) = upper[i * stride..].split_at_mut(start);
-            for k in (i + 1..=last).rev() {
-                axpy(head, -factors[k], &lower[(k - i - 1) * stride..]);
+            exchange(a, n, p, k);
+            if end - start == PANEL {
+                eliminate::<PANEL>(a, n, start, k)
+            } else {
+                eliminate::<PACK>(a, n, start, k)
             }
         }
-        // Of a panel of fewer columns the factors that are not there are zero: their row may be any.
-        let row = |k: usize| &packs(&panel[k.min(last) * stride..])[..start / PACK];
-        let rows = [row(0), row(1), row(2), row(3)];
-        for i in 0..start {
-            let (head, factors) = above[i * stride..][..start + PACK].split_at_mut(start);
-            let mut negative = [0.0; PACK];
-            for k in 0..PACK {
-                negative[k] = if k <= last { -factors[k] } else { 0.0 };
+        if start > 0 {
+            let (above, panel) = a.split_at_mut(start * n);
+            for i in (0..PANEL - 1).rev() {
+                let (upper, lower) = panel.split_at_mut((i + 1) * n);
+                let (head, factors) = upper[i * n..].split_at_mut(start);
+                take_rows(head, factors, i + 1, lower, n);
             }
-            subtract(packs_mut(head), negative, rows);
+            for row in above.chunks_exact_mut(n) {
+                let (head, factors) = row.split_at_mut(start);
+                take_rows(head, factors, 0, panel, n);
+            }
         }
         end = start;
     }
@@ -198,36 +194,42 @@ fn pivot(a: &[f64], stride: usize, k: usize) -> Option<usize> {
     if gives_way { (0..k).find(|i| a[i * stride + k].abs() == largest) } else { Some(k) }
 }
 
-/// Eliminates the column `k` from all rows above, in the columns from `start` on.
-fn eliminate(a: &mut [f64], stride: usize, start: usize, k: usize) {
+/// Eliminates the column `k` from all rows above, in the `N` columns from `start` on.
+fn eliminate<const N: usize>(a: &mut [f64], stride: usize, start: usize, k: usize) {
     let (above, rest) = a.split_at_mut(k * stride);
     let (at, inverse) = (k - start, 1.0 / rest[k]);
-    let mut leading = [0.0; PACK];
+    let mut leading = [0.0; N];
     leading[..at].copy_from_slice(&rest[start..k]);
     for row in above.chunks_exact_mut(stride) {
-        let row = &mut row[start..][..PACK];
+        let row = &mut row[start..][..N];
         let factor = row[at] * inverse;
-        for l in 0..PACK {
+        for l in 0..N {
             row[l] = fused(-factor, leading[l], row[l]);
         }
         row[at] = factor;
     }
 }
 
-/// y += sum of the terms `factors` times the `rows`, which are as long, from the last to the first.
-#[inline]
-fn subtract(y: &mut [[f64; PACK]], factors: [f64; PACK], rows: [&[[f64; PACK]]; PACK]) {
-    let [a, b, c, d] = factors;
-    if (a == 0.0) & (b == 0.0) & (c == 0.0) & (d == 0.0) {
+/// y -= sum of the `factors` of a panel from the one given on times the `rows` of `stride`, which begin with as many entries.
+#[inline(never)]
+fn take_rows(y: &mut [f64], factors: &[f64], from: usize, rows: &[f64], stride: usize) {
+    let mut negative = [0.0; PANEL];
+    for k in from..PANEL {
+        negative[k] = -factors[k];
+    }
+    if negative == [0.0; PANEL] {
         return;
     }
+    let y = packs_mut(y);
     let n = y.len();
-    let rows = [&rows[0][..n], &rows[1][..n], &rows[2][..n], &rows[3][..n]];
+    // Of the factors before, which are zero here, the row may be any.
+    let row = |k: usize| &packs(&rows[k.saturating_sub(from) * stride..])[..n];
+    let rows = [row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)];
     for i in 0..n {
         let mut sum = y[i];
-        for k in (0..PACK).rev() {
+        for k in 0..PANEL {
             for l in 0..PACK {
-                sum[l] = fused(factors[k], rows[k][i][l], sum[l]);
+                sum[l] = fused(negative[k], rows[k][i][l], sum[l]);
             }
         }
         y[i] = sum;
@@ -235,24 +237,22 @@ fn subtract(y: &mut [[f64; PACK]], factors: [f64; PACK], rows: [&[[f64; PACK]]; 
 }
 
 /// Solves A X = B in place from the output of [`factor`], for rows of B of
-/// `width`, a multiple of [`PACK`].
-pub fn solve(lu: &[f64], stride: usize, pivots: &[usize], b: &mut [f64], width: usize, terms: &mut Terms) {
+/// `width`, a multiple of [`PACK`] up to [`WIDEST`].
+pub fn solve(lu: &[f64], pivots: &[usize], b: &mut [f64], width: usize) {
     let n = pivots.len();
     for k in (0..n).rev() {
         exchange(b, width, pivots[k], k);
     }
     for k in (0..n).rev() {
         let (above, below) = b.split_at_mut((k + 1) * width);
-        terms.gather(-1.0, &lu[k * stride + k + 1..k * stride + n]);
-        terms.add_to(&mut above[k * width..], below);
+        let factors = &lu[k * n + k + 1..(k + 1) * n];
+        by_width!(width, add_row(&mut above[k * width..], -1.0, factors, &[(0, below)]));
     }
     for k in 0..n {
         let (above, rest) = b.split_at_mut(k * width);
-        let row = &mut rest[..width];
-        terms.gather(-1.0, &lu[k * stride..][..k]);
-        terms.add_to(row, above);
-        let inverse = 1.0 / lu[k * stride + k];
-        row.iter_mut().for_each(|x| *x *= inverse);
+        by_width!(width, add_row(rest, -1.0, &lu[k * n..][..k], &[(0, above)]));
+        let inverse = 1.0 / lu[k * n + k];
+        rest[..width].iter_mut().for_each(|x| *x *= inverse);
     }
 }
 
@@ -323,35 +323,49 @@ mod tests {
         let a = [1.0, 0.0, 2.0, -1.0, 3.0, 0.5];
         let b = [1.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 5.0, 6.0, 0.0, 0.0];
         let mut c = [1.0; 8];
-        multiply_add(&mut c, 2.0, &a, &b, PACK, &mut Terms::new(3));
-        assert_eq!(c, [23.0, 29.0, 1.0, 1.0, 22.0, 27.0, 1.0, 1.0]);
+        multiply_add(&mut c, &a, &b, PACK);
+        assert_eq!(c, [12.0, 15.0, 1.0, 1.0, 11.5, 14.0, 1.0, 1.0]);
     }
 
     #[test]
     fn factors_solve_with_and_without_exchanges() {
-        for (n, turned) in [(5, 0), (5, 2), (14, 0), (14, 6), (16, 0), (16, 9)] {
+        for (n, turned) in [(4, 0), (8, 3), (12, 0), (16, 6), (20, 0), (20, 9)] {
             let entry = |i: usize, j: usize| match (i, j) {
-                (0, 3) | (1, 4) if turned == 0 => 0.0,
+                (0, 3) | (1, 2) if turned == 0 => 0.0,
                 _ => ((i * 7 + j * 3) as f64).sin() + if j == (i + turned) % n { 9.0 } else { 0.0 },
             };
-            let stride = padded(n);
-            let mut lu = vec![0.0; n * stride];
-            let mut b = vec![0.0; n * PACK];
+            let (mut lu, mut b) = (vec![0.0; n * n], vec![0.0; n * PACK]);
             for i in 0..n {
                 for j in 0..n {
-                    lu[i * stride + j] = entry(i, j);
+                    lu[i * n + j] = entry(i, j);
                     b[i * PACK + 1] += entry(i, j) * (j as f64 - 1.5);
                 }
             }
-            let mut pivots = vec![0; n];
-            assert!(factor(&mut lu, n, stride, &mut pivots));
+            let (mut pivots, mut one) =
+                (vec![0; n], b[1..].iter().step_by(PACK).copied().collect::<Vec<_>>());
+            assert!(factor(&mut lu, &mut pivots));
             let exchanges = (0..n).filter(|&k| pivots[k] != k).count();
             assert!(if turned == 0 { exchanges == 0 } else { exchanges > 1 }, "{pivots:?}");
-            solve(&lu, stride, &pivots, &mut b, PACK, &mut Terms::new(n));
+            solve(&lu, &pivots, &mut b, PACK);
+            solve_one(&lu, &pivots, &mut one);
             for i in 0..n {
                 assert!((b[i * PACK + 1] - (i as f64 - 1.5)).abs() < 1e-12, "{b:?}");
+                assert!((one[i] - (i as f64 - 1.5)).abs() < 1e-12, "{one:?}");
             }
         }
-        assert!(!factor(&mut [1.0, 2.0, 0.0, 0.0, 2.0, 4.0, 0.0, 0.0], 2, 4, &mut [0; 2]));
+        let singular = |i: usize, j: usize| {
+            if i < 2 && j < 2 { ((i + 1) * (j + 1)) as f64 } else { f64::from(u8::from(i == j)) }
+        };
+        let mut a: Vec<f64> = (0..16).map(|k| singular(k / 4, k % 4)).collect();
+        assert!(!factor(&mut a, &mut [0; 4]));
+    }
+
+    #[test]
+    fn panels_are_of_about_one_width() {
+        let of = |width| panels(width).collect::<Vec<_>>();
+        assert_eq!(
+            [of(48), of(60), of(100)],
+            [vec![(0, 48)], vec![(0, 32), (32, 28)], vec![(0, 36), (36, 36), (72, 28)]]
+        );
     }
 }

@@ -162,7 +162,7 @@ impl RealTime {
             middles: vec![Linearisation::new(n, m); kept],
             point: Midpoint::new(n, m),
             defect: vec![0.0; n],
-            states: Elimination::new(horizon, kept),
+            states: Elimination::new(horizon, kept, plant.driven_states()),
             reduction: Reduction::new(horizon, residuals, rows, nodes_kept),
             qp: QuadraticProgram::new(variables, rows),
             solver: ActiveSet::new(variables),

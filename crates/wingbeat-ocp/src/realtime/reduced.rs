@@ -2,7 +2,7 @@
 
 use super::active_set::QuadraticProgram;
 use super::condense::{Columns, Elimination};
-use super::dense::{Terms, multiply_add, padded};
+use super::dense::{multiply_add, padded};
 use super::plan::{Horizon, Plan};
 use super::status::Limit;
 use super::tracking::{Component, Tracking};
@@ -23,7 +23,6 @@ pub struct Reduction {
     by_input: Vec<f64>,
     /// Slopes of the residuals: of all nodes where states are moved afterwards, else of the last.
     slopes: Vec<ResidualSlopes>,
-    terms: Terms,
     /// Meaning of each row of the program.
     pub meaning: Vec<Limit>,
 }
@@ -54,7 +53,6 @@ impl Reduction {
                 };
                 kept
             ],
-            terms: Terms::new(n),
             meaning: Vec::with_capacity(rows),
         }
     }
@@ -116,11 +114,12 @@ impl Reduction {
             }
         }
         let by_state = &by_state[..count * n];
-        multiply_add(reduced, 1.0, by_state, states.state(node, columns), width, &mut self.terms);
+        multiply_add(reduced, by_state, states.state(node, columns), width);
         for row in reduced.chunks_exact(width) {
             let (r, slope) = (row[0], &row[1..used]);
             axpy(&mut qp.gradient, 2.0 * r, slope);
-            for (i, s) in slope.iter().enumerate() {
+            // Most residuals of inputs know one.
+            for (i, s) in slope.iter().enumerate().filter(|(_, s)| **s != 0.0) {
                 axpy(&mut qp.hessian[i * size..][..=i], 2.0 * s, slope);
             }
         }
@@ -172,24 +171,32 @@ impl Reduction {
         for (d, u) in self.u.iter_mut().zip(plan.input(node)) {
             *d = Dual::constant(*u);
         }
-        for first in (0..n + m).step_by(LANES) {
-            let block = first..(first + LANES).min(n + m);
+        // Those of inputs follow the states that are known.
+        let known = tracking.known_states(n);
+        let count_known = known.len();
+        for first in (0..count_known + m).step_by(LANES) {
+            let block = first..(first + LANES).min(count_known + m);
             for j in block.clone() {
-                let variable = if j < n { &mut self.x[j] } else { &mut self.u[j - n] };
+                let variable = match j.checked_sub(count_known) {
+                    None => &mut self.x[known.start + j],
+                    Some(j) => &mut self.u[j],
+                };
                 variable.eps[j - first] = 1.0;
             }
             let r = &mut self.r[..count];
             tracking.residual(node, plan.time(node), &self.x, &self.u, r);
             for j in block {
-                let (matrix, stride, column) = if j < n {
-                    (&mut self.slopes[slot].by_state, n, j)
-                } else {
-                    (&mut self.by_input, m, j - n)
+                let (matrix, stride, column) = match j.checked_sub(count_known) {
+                    None => (&mut self.slopes[slot].by_state, n, known.start + j),
+                    Some(j) => (&mut self.by_input, m, j),
                 };
                 for (i, r) in r.iter().enumerate() {
                     matrix[i * stride + column] = r.eps[j - first];
                 }
-                let variable = if j < n { &mut self.x[j] } else { &mut self.u[j - n] };
+                let variable = match j.checked_sub(count_known) {
+                    None => &mut self.x[known.start + j],
+                    Some(j) => &mut self.u[j],
+                };
                 variable.eps[j - first] = 0.0;
             }
         }

@@ -1,5 +1,6 @@
 //! What a plan is asked to follow.
 
+use std::ops::Range;
 use wingbeat_math::Scalar;
 
 /// A least-squares cost on the nodes of the horizon, and what limits it beyond
@@ -13,6 +14,11 @@ pub trait Tracking {
     /// Writes the residuals of `node` at the time `t`, s; `r` has the length
     /// given by [`residuals`](Self::residuals).
     fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]);
+
+    /// States of which residuals know, of so many, the same at all times; all by default. Derivatives by others are zero and not asked for.
+    fn known_states(&self, states: usize) -> Range<usize> {
+        0..states
+    }
 
     /// Weight c_j on the squared change of input `j` over each interval, 1 over the square of its unit: the cost is
     /// dimensionless.

@@ -63,9 +63,9 @@ impl<P: Scalar> Tree<P> {
         let mut first_moment = base.com.scaled(self.base.mass);
         for i in 0..self.nodes.len() {
             let Some(inertia) = &self.nodes[i].inertia else { continue };
-            let link = inertia.reaction(&motions[i]);
-            needed += link.bias;
-            first_moment += link.com.scaled(inertia.mass);
+            let (com, _, of_link) = inertia.needed(&motions[i]);
+            needed += of_link;
+            first_moment += com.scaled(inertia.mass);
         }
         (needed, first_moment)
     }

@@ -239,12 +239,22 @@ impl<P: Scalar> LinkInertia<P> {
     /// T = c x F + I w' + w x I w.
     #[inline(always)]
     pub(super) fn reaction<S: Scalar + Meets<P>>(&self, motion: &LinkMotion<S>) -> Reaction<S> {
+        let (com, about_com, bias) = self.needed(motion);
+        Reaction { com, about_origin: self.steiner(about_com, &com), bias }
+    }
+
+    /// Its centre of mass from the body origin (m, B), inertia about it, and the wrench about the body origin that the motion needs.
+    #[inline(always)]
+    pub(super) fn needed<S: Scalar + Meets<P>>(
+        &self,
+        motion: &LinkMotion<S>,
+    ) -> (Vec3<S>, Symmetric<S>, Wrench<S>) {
         let com = motion.point(self.com);
         let about_com = self.about_com(&motion.rotation);
         let force = motion.acceleration_at(com).scaled(self.mass);
         let gyroscopic = motion.rate.cross(about_com.apply(&motion.rate));
         let moment = com.cross(force) + about_com.apply(&motion.rate_dot) + gyroscopic;
-        Reaction { com, about_origin: self.steiner(about_com, &com), bias: Wrench { force, moment } }
+        (com, about_com, Wrench { force, moment })
     }
 
     /// [`LinkInertia::reaction`] of the base, whose axes are B: F = m w x (w x c), T = w x I w.

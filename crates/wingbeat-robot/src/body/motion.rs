@@ -84,10 +84,19 @@ impl<S: Scalar> LinkMotion<S> {
     /// The same motion with the field of acceleration `x` about the body origin added.
     #[inline]
     pub fn accelerated(&self, x: &BaseAcceleration<S>) -> Self {
-        Self {
-            acceleration: self.acceleration + x.at(self.position),
-            rate_dot: self.rate_dot + x.angular,
-            ..*self
+        let mut motion = *self;
+        motion.accelerate(x);
+        motion
+    }
+
+    /// Adds the field of acceleration `x` about the body origin.
+    #[inline]
+    pub fn accelerate(&mut self, x: &BaseAcceleration<S>) {
+        let mut there = x.origin;
+        there.add_cross(&x.angular, &self.position);
+        for i in 0..3 {
+            self.acceleration[i] += there[i];
+            self.rate_dot[i] += x.angular[i];
         }
     }
 

@@ -7,6 +7,7 @@ use wingbeat::aero::Loads;
 use wingbeat::math::Single8;
 use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::robot::BeyondLoads;
+use wingbeat::simulate::Measurement;
 
 use super::scenario;
 
@@ -26,10 +27,11 @@ pub fn count(arguments: &[String]) -> Option<()> {
     let (mut dx, u) = (x.clone(), vec![0.01; robot.inputs().len()]);
     let mut linearisation = Linearisation::new(x.len(), u.len());
     let mut loads = Some(Loads::boxed());
+    let mut controller = if work == "update" { scenario.controller().ok()? } else { None };
     let [x_lanes, u_lanes] =
         [&x, &u].map(|numbers| numbers.iter().map(|number| Single8::from(*number)).collect::<Vec<_>>());
     let mut dx_lanes = x_lanes.clone();
-    for _ in 0..runs {
+    for run in 0..runs {
         let (t, x, u) = (black_box(0.1), black_box(&x[..]), black_box(&u[..]));
         match work.as_str() {
             "evaluation" | "spars" | "rigid" => robot.rates_in_numbers(t, x, u, &mut dx).ok()?,
@@ -39,6 +41,11 @@ pub fn count(arguments: &[String]) -> Option<()> {
             }
             "jacobian" => linearisation.evaluate(robot, t, x, u).ok()?,
             "inputs" => linearisation.evaluate_inputs(robot, t, x, u).ok()?,
+            "update" => {
+                // The state is the same each time: the plan moves on to it.
+                let t = 0.005 * run as f64;
+                black_box(controller.as_mut()?.update(t, &Measurement::new(t, robot.states(), x)));
+            }
             "sample" => {
                 loads = Some(
                     black_box(robot.observe_beyond(t, x, u, &BeyondLoads::NONE, loads.take()?).ok()?).strips,

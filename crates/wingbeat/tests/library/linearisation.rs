@@ -92,6 +92,12 @@ fn apart<P: Plant>(plant: &P, t: f64, x: &[f64], u: &[f64]) -> f64 {
         }
         largest = largest.max((linear.f[i] - value).abs() / (1.0 + value.abs()));
     }
+    // States that are driven know only themselves.
+    let driven = plant.driven_states();
+    for i in driven.clone() {
+        let others = (0..n).filter(|column| !driven.contains(column));
+        assert!(others.into_iter().all(|column| whole[column][i] == 0.0), "state {i} is not driven");
+    }
     let mut inputs = Linearisation::new(n, m);
     inputs.evaluate_inputs(plant, t, x, u).unwrap();
     let same = inputs.b.iter().zip(&linear.b).all(|(a, b)| (a - b).abs() <= 1e-12 * (1.0 + b.abs()));

@@ -310,3 +310,95 @@ fn a_plan_goes_on_after_an_answer_as_after_a_whole_update() {
     let ends = plans.each_mut().map(|plan| plan.solve(&pendulum, &tracking, 0.7 * STEP, &x, 2));
     assert!(ends[0] == ends[1] && apart(&plans) < 1e-12, "{ends:?}");
 }
+
+/// A pendulum, turned by an actuator that follows the input by itself, and says so where it is `told`.
+struct Actuated {
+    states: [Channel; 4],
+    inputs: [Channel; 1],
+    told: bool,
+}
+
+impl Actuated {
+    fn new(told: bool) -> Self {
+        let states = ["angle", "place", "speed", "rate"].map(|name| Channel::free(name, "", ""));
+        Self { states, inputs: [Channel::limited("command", "", "", -1.5, 1.5)], told }
+    }
+}
+
+impl Plant for Actuated {
+    fn states(&self) -> &[Channel] {
+        &self.states
+    }
+    fn inputs(&self) -> &[Channel] {
+        &self.inputs
+    }
+    fn rates<S: Scalar>(&self, _t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+        (dx[0], dx[1]) = (x[3], x[2]);
+        dx[2] = (u[0] - x[1].sin()) * 90.0 - x[2] * 12.0;
+        dx[3] = x[1] + x[2] * x[3] * 0.1 - x[0].sin() * 4.0;
+        Ok(())
+    }
+    fn driven_states(&self) -> std::ops::Range<usize> {
+        if self.told { 1..3 } else { 0..0 }
+    }
+}
+
+#[test]
+fn states_that_are_driven_are_found_first_and_the_plan_is_the_same() {
+    // The longer horizon has more columns than a panel.
+    for (intervals, step) in [(INTERVALS, STEP), (60, 0.05)] {
+        let settings = Settings { prepared: true, ..Settings::new(intervals, step) };
+        let start = [0.5, 0.0, 0.0, 0.3];
+        let mut plans = [true, false].map(|told| {
+            let plant = Actuated::new(told);
+            let mut plan = RealTime::new(&plant, &Origin, settings).unwrap();
+            plan.reset(&plant, &start);
+            assert_eq!(plan.solve(&plant, &Origin, 0.0, &start, 30), UpdateStatus::Solved);
+            plan
+        });
+        assert!(apart(&plans) < 1e-9, "{}", apart(&plans));
+        for (plan, told) in plans.iter_mut().zip([true, false]) {
+            let plant = Actuated::new(told);
+            plan.shift(&plant, 0.3 * step);
+            let found: Vec<f64> = plan.state(0).iter().map(|x| x + 0.01).collect();
+            assert!(plan.prepare(&plant, &Origin, 0.3 * step, 1));
+            assert!(plan.answer(&plant, &Origin, &found).updated());
+        }
+        assert!(apart(&plans) < 1e-9, "{}", apart(&plans));
+        let [one, other] = plans.each_ref().map(|plan| plan.sensitivity(intervals));
+        let off = one.iter().zip(other).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-9 && one.iter().any(|s| s.abs() > 0.1), "{off}");
+    }
+}
+
+/// [`Origin`], which says of which states it knows.
+struct Knowing;
+
+impl Tracking for Knowing {
+    fn residuals(&self, node: usize) -> usize {
+        Origin.residuals(node)
+    }
+    fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]) {
+        Origin.residual(node, t, x, u, r);
+    }
+    fn known_states(&self, _: usize) -> std::ops::Range<usize> {
+        0..2
+    }
+    fn change_weight(&self, input: usize) -> f64 {
+        Origin.change_weight(input)
+    }
+}
+
+#[test]
+fn a_cost_that_says_which_states_it_knows_has_the_same_plan() {
+    let (plant, settings, start) =
+        (Actuated::new(true), Settings::new(INTERVALS, STEP), [0.5, 0.1, 0.0, 0.3]);
+    let [mut one, mut other] = [
+        RealTime::new(&plant, &Origin, settings).unwrap(),
+        RealTime::new(&plant, &Knowing, settings).unwrap(),
+    ];
+    one.reset(&plant, &start);
+    other.reset(&plant, &start);
+    let ends = [one.solve(&plant, &Origin, 0.0, &start, 3), other.solve(&plant, &Knowing, 0.0, &start, 3)];
+    assert!(ends.iter().all(UpdateStatus::updated) && one.plan().x == other.plan().x);
+}
