@@ -42,6 +42,7 @@ fn a_robot_alone_is_trimmed() {
 
 /// The gait found does not hang on 2 % of the mass, its orbit is that of the search, and it has left the 50 W/kg of the scan far behind.
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn a_robot_a_little_lighter_is_trimmed_alike() {
     let power = |mass: &str| {
         let overrides = ["aero.full.turning_impulse=true", &format!("robot.body.mass_kg={mass}")];
