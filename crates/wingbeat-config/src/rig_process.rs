@@ -14,8 +14,8 @@ use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::cell::{CHANNELS, six, wrench};
 use wingbeat_rig::netft::{StatusClass, classify};
 use wingbeat_rig::process::{
-    Comparison, Corrected, Corrector, CycleAverage, Samples, Steps, Tilt, Weighing, compare, phase_average,
-    phase_of, recorded_motion, weigh,
+    Comparison, Corrected, Corrector, CycleAverage, PhaseSource, Samples, Steps, Tilt, Weighing, compare,
+    phase_average, phase_of, recorded_motion, weigh,
 };
 
 /// Share of each attitude's time that is left out at its begin and at its end.
@@ -168,7 +168,7 @@ impl RigRun {
             None => None,
             Some(record) => {
                 let exact = Steps { tare: false, drift: false, cutoff_multiple: 0.0, ..spec.steps };
-                let mut samples = Samples::from_record(record, "true_")?;
+                let mut samples = self.read(record, "true_")?;
                 if !own_motion {
                     samples.carried_by(carrier);
                 }
@@ -248,13 +248,22 @@ impl RigRun {
         end: f64,
     ) -> Result<(Samples<'a>, Outside), Error> {
         let own_motion = holds_motion(&record);
-        let mut samples = Samples::from_record(record, "")?;
+        let mut samples = self.read(record, "")?;
         if !own_motion {
             samples.carried_by(carrier);
         }
         let outside = self.outside(&samples, end)?;
         samples.leave_out(&outside.rows);
         Ok((samples, outside))
+    }
+
+    /// The channels behind `prefix` of a record; the encoder's only where the phase is by it.
+    fn read<'a>(&self, record: Record, prefix: &str) -> Result<Samples<'a>, Error> {
+        let mut samples = Samples::from_record(record, prefix)?;
+        if self.spec.process.phase != PhaseSource::Encoder {
+            samples.phase.clear();
+        }
+        Ok(samples)
     }
 
     /// What of the channels in the `window` (s) has too few counts.

@@ -1,5 +1,6 @@
 //! Tare, drift, weight and inertia, and the change to the body frame.
 
+use super::clock::PhaseFit;
 use crate::arm::{MAX_JOINTS, SerialArm};
 use crate::carrier::{CellMount, ToolCarrier, carried_frames};
 use crate::cell::{CHANNELS, six, wrench};
@@ -25,7 +26,7 @@ pub struct Steps {
     pub gravity: bool,
     /// Take the inertia of the mount away.
     pub mount_inertia: bool,
-    /// Take the inertia of body and wings away: what is left is aerodynamic.
+    /// Take the inertia of body and wings away, at the encoder's phase: what is left is aerodynamic.
     pub robot_inertia: bool,
     /// Turn the wrench to the body frame, about the body's origin; else it stays in the cell's.
     pub body_frame: bool,
@@ -57,7 +58,7 @@ pub struct Samples<'a> {
     pub time: Vec<f64>,
     /// Fx .. Tz in the cell frame, N and N m.
     pub channels: [Vec<f64>; 6],
-    /// Stroke phase, rad, without jumps and gaps; empty when there is no encoder.
+    /// Phase of the gait, rad, without jumps and gaps; empty when there is no encoder.
     pub phase: Vec<f64>,
     /// Status words of the box, bits without unit; empty when there are none.
     pub status: Vec<f64>,
@@ -209,7 +210,7 @@ pub struct Corrector<'a> {
 pub struct Corrected {
     /// Time, s.
     pub time: Vec<f64>,
-    /// Stroke phase, rad; empty when there is no encoder.
+    /// Stroke phase as it was fitted, rad; empty when there is no encoder.
     pub phase: Vec<f64>,
     /// Fx .. Tz about the body origin in B (or the cell's in C), N and N m.
     pub channels: [Vec<f64>; 6],
@@ -231,13 +232,17 @@ impl Corrector<'_> {
     /// above half the rate. Faults of the model come back as such.
     pub fn correct(&self, mut samples: Samples) -> Result<Result<Corrected, Fault>, Error> {
         let mut out = Corrected { rate: samples.rate(), ..Default::default() };
-        let mut memory = ModelMemory::default();
+        let mut memory = ModelMemory { fit: self.fitted(&samples), ..Default::default() };
         if (self.steps.tare || self.steps.drift)
             && let Err(fault) = self.tare(&samples, &mut memory, &mut out)?
         {
             return Ok(Err(fault));
         }
+        if memory.fit.is_some() {
+            out.phase.reserve_exact(samples.phase.len());
+        }
         for row in 0..samples.time.len() {
+            out.phase.extend(memory.phase(&samples, row).map(|phase| phase.x));
             if !samples.is_whole(row) {
                 samples.channels.iter_mut().for_each(|channel| channel[row] = f64::NAN);
                 continue;
@@ -262,7 +267,10 @@ impl Corrector<'_> {
         } else {
             out.channels = samples.channels.clone();
         }
-        (out.time, out.phase, out.unfiltered) = (samples.time, samples.phase, samples.channels);
+        if out.phase.is_empty() {
+            out.phase = samples.phase;
+        }
+        (out.time, out.unfiltered) = (samples.time, samples.channels);
         Ok(Ok(out))
     }
 
@@ -313,7 +321,7 @@ impl Corrector<'_> {
         row: usize,
         memory: &mut ModelMemory,
     ) -> Result<ModelledSample, Fault> {
-        let asked = (samples.posture(row), self.clock(samples, row));
+        let asked = (samples.posture(row), self.clock(memory.phase(samples, row)));
         match &memory.last {
             Some((same, model)) if *same == asked => Ok(*model),
             _ => {
@@ -354,24 +362,26 @@ impl Corrector<'_> {
         Ok(ModelledSample { weight, removed })
     }
 
-    /// The gait's clock from the encoder: time, rate and its slope.
-    fn clock(&self, samples: &Samples, row: usize) -> Jet {
-        let n = samples.phase.len();
-        if n < 3 || self.frequency <= 0.0 {
-            return Jet::default();
-        }
-        let w = std::f64::consts::TAU * self.frequency;
-        let k = row.clamp(1, n - 2);
-        let h = samples.time[k + 1] - samples.time[k];
-        let p = |i: usize| (samples.phase[i] - samples.phase[0]) / w;
-        let rate = (p(k + 1) - p(k - 1)) / (2.0 * h);
-        Jet::new(p(row), rate, (p(k + 1) - 2.0 * p(k) + p(k - 1)) / (h * h))
+    /// The gait's clock, s, with its rate and the slope of that: when an even crank that begins with the run has the phase that the
+    /// encoder shows. Without an encoder the wings are where they rest.
+    fn clock(&self, phase: Option<Jet>) -> Jet {
+        let per_s = std::f64::consts::TAU * self.frequency;
+        phase.map_or(Jet::default(), |phase| (phase + -self.robot.phase(0.0)) / per_s)
+    }
+
+    /// The fit of the encoder's phase; none without one, or where the wings are still.
+    fn fitted(&self, samples: &Samples) -> Option<PhaseFit> {
+        let many = samples.phase.len();
+        let even = many == samples.time.len();
+        even.then(|| PhaseFit::new(1.0 / samples.rate(), self.frequency, many))?
     }
 
     /// Weight of the robot at `row`, in C, and the direction of gravity, m/s2 in C.
     pub fn robot_weight(&self, samples: &Samples, row: usize) -> Result<(Wrench<f64>, Vec3), Fault> {
         let (cell, body) = carried_frames(&self.tool(&samples.posture(row)), self.mount);
-        let loads = self.robot_loads(&body, self.clock(samples, row), &mut ModelMemory::default())?;
+        let mut memory = ModelMemory { fit: self.fitted(samples), ..Default::default() };
+        let clock = self.clock(memory.phase(samples, row));
+        let loads = self.robot_loads(&body, clock, &mut memory)?;
         let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
         Ok((self.mount.to_cell(&loads.0), down))
     }
@@ -407,6 +417,24 @@ struct ModelMemory {
     u: Vec<f64>,
     dx: Vec<f64>,
     last: Option<((Posture, Jet), ModelledSample)>,
+    fit: Option<PhaseFit>,
+    /// The phase of one row.
+    phase: Option<(usize, Jet)>,
+}
+
+impl ModelMemory {
+    /// The phase of the stroke at `row`, with its rates; none without an encoder.
+    fn phase(&mut self, samples: &Samples, row: usize) -> Option<Jet> {
+        let fit = self.fit?;
+        match self.phase {
+            Some((of, phase)) if of == row => Some(phase),
+            _ => {
+                let phase = fit.at(&samples.phase, row);
+                self.phase = Some((row, phase));
+                Some(phase)
+            }
+        }
+    }
 }
 
 /// What the model says of one sample, in C.

@@ -2,6 +2,7 @@
 //! tare and drift, weight and inertia by model, body frame, zero-phase filter,
 //! phase average, envelope.
 
+mod clock;
 mod correct;
 mod filter;
 mod input;
