@@ -69,8 +69,8 @@ impl RigRun {
         let encoder = self.spec.process.phase == PhaseSource::Encoder;
         let own = self.robot.phase(0.0);
         // The clock of the experiment loses half of the time in which the flapping starts.
-        let begun = encoder.then_some(at_zero + 0.5 * rate * self.spec.rig.spin_up_s);
-        let start = [("gait.phase_rate_rad_s", rate), ("gait.phase_rad", begun.unwrap_or(own))];
+        let ahead = encoder.then_some(at_zero + 0.5 * rate * self.spec.rig.spin_up_s);
+        let start = [("gait.phase_rate_rad_s", rate), ("gait.phase_rad", own + ahead.unwrap_or(0.0))];
         let (robot, numbers) = self.adjusted(&start)?;
         let windy = self.robot.mean_wind() != Vec3::ZERO;
         let step = 1.0 / (STEPS_PER_CYCLE * frequency);
@@ -85,7 +85,8 @@ impl RigRun {
         };
         let time: Vec<f64> = (0..wrenches.len()).map(|k| first + k as f64 * step).collect();
         let even: Vec<f64> = time.iter().map(|t| at_zero + rate * t).collect();
-        let known = encoder.then(|| time.iter().map(|t| experiment.phase(*t)).collect()).unwrap_or_default();
+        let known =
+            encoder.then(|| time.iter().map(|t| experiment.phase(*t) - own).collect()).unwrap_or_default();
         let channels = std::array::from_fn(|i| wrenches.iter().map(|row| row[i]).collect());
         let samples = Samples::carried(time, channels, known, carrier);
         let tare = windy && first <= -rest && self.spec.process.steps.tare;
@@ -103,7 +104,7 @@ impl RigRun {
             cycles: self.averages(&corrected, &phase, window)?,
             trace: self.trace(corrected, phase, window)?,
             frequency_hz: frequency,
-            ahead_rad: begun.map(|begun| (begun - own + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0),
+            ahead_rad: ahead.map(|ahead| (ahead + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0),
             still: None,
         }))
     }

@@ -220,8 +220,43 @@ pub struct Corrected {
     pub offset: [f64; 6],
     /// Drift of the channels in C, per s.
     pub slope: [f64; 6],
+    /// How the channels moved in the rest, where it was tared.
+    pub rest: Option<RestDrift>,
     /// Samples per second.
     pub rate: f64,
+}
+
+/// Slopes of the channels in C over the rest before the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestDrift {
+    /// Per s, in N and N m.
+    pub slope: [f64; 6],
+    /// Standard errors of them, by the scatter of means over parts of the rest: noise that lasts counts as such.
+    pub error: [f64; 6],
+    /// Middle of the rest, s.
+    pub middle_s: f64,
+}
+
+/// Parts of the rest whose means tell its slope. *Choice*: each lasts far longer than a period of the mains.
+const PARTS: usize = 16;
+
+impl RestDrift {
+    /// Of the channels at the times `t` (s), 16 or more.
+    fn of(t: &[f64], channels: &[Vec<f64>; 6]) -> Self {
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+        let each = t.len().div_ceil(PARTS);
+        let times: Vec<f64> = t.chunks(each).map(mean).collect();
+        let (middle_s, parts) = (mean(t), times.len() as f64);
+        let places: f64 = times.iter().map(|t| (t - mean(&times)).powi(2)).sum();
+        let one = |y: &Vec<f64>| {
+            let means: Vec<f64> = y.chunks(each).map(mean).collect();
+            let (at_zero, slope) = tare_line(&times, &means);
+            let left: f64 = times.iter().zip(&means).map(|(t, y)| (y - at_zero - slope * t).powi(2)).sum();
+            [slope, (left / (parts - 2.0).max(1.0) / places).sqrt()]
+        };
+        let all = channels.each_ref().map(one);
+        Self { slope: all.map(|of| of[0]), error: all.map(|of| of[1]), middle_s }
+    }
 }
 
 impl Corrector<'_> {
@@ -303,6 +338,7 @@ impl Corrector<'_> {
                 y.push(samples.channels[i][*row] - weight[i]);
             }
         }
+        out.rest = Some(RestDrift::of(&time, &unloaded));
         for (i, y) in unloaded.iter().enumerate() {
             let (offset, slope) = tare_line(&time, y);
             if self.steps.drift {
@@ -362,11 +398,11 @@ impl Corrector<'_> {
         Ok(ModelledSample { weight, removed })
     }
 
-    /// The gait's clock, s, with its rate and the slope of that: when an even crank that begins with the run has the phase that the
-    /// encoder shows. Without an encoder the wings are where they rest.
+    /// The gait's clock, s, with its rate and the slope of that: where the encoder shows 0 the wings are at `gait.phase_rad`. Without an
+    /// encoder they are there throughout.
     fn clock(&self, phase: Option<Jet>) -> Jet {
         let per_s = std::f64::consts::TAU * self.frequency;
-        phase.map_or(Jet::default(), |phase| (phase + -self.robot.phase(0.0)) / per_s)
+        phase.map_or(Jet::default(), |phase| phase / per_s)
     }
 
     /// The fit of the encoder's phase; none without one, or where the wings are still.
@@ -376,11 +412,19 @@ impl Corrector<'_> {
         even.then(|| PhaseFit::new(1.0 / samples.rate(), self.frequency, many))?
     }
 
-    /// Weight of the robot at `row`, in C, and the direction of gravity, m/s2 in C.
-    pub fn robot_weight(&self, samples: &Samples, row: usize) -> Result<(Wrench<f64>, Vec3), Fault> {
+    /// Weight of the robot at `row`, in C, its gait's clock `later` (s), and the direction of gravity, m/s2 in C.
+    ///
+    /// # Errors
+    /// Faults of the model.
+    pub fn robot_weight(
+        &self,
+        samples: &Samples,
+        row: usize,
+        later: f64,
+    ) -> Result<(Wrench<f64>, Vec3), Fault> {
         let (cell, body) = carried_frames(&self.tool(&samples.posture(row)), self.mount);
         let mut memory = ModelMemory { fit: self.fitted(samples), ..Default::default() };
-        let clock = self.clock(memory.phase(samples, row));
+        let clock = self.clock(memory.phase(samples, row)) + later;
         let loads = self.robot_loads(&body, clock, &mut memory)?;
         let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
         Ok((self.mount.to_cell(&loads.0), down))
@@ -455,4 +499,25 @@ pub fn tare_line(t: &[f64], y: &[f64]) -> (f64, f64) {
     }
     let slope = if tt > 0.0 { ty / tt } else { 0.0 };
     (my - slope * mt, slope)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat_math::Random;
+
+    #[test]
+    fn a_rest_that_drifts_is_told_from_one_that_hums() {
+        let t: Vec<f64> = (0..14_000).map(|k| k as f64 / 7000.0 - 2.0).collect();
+        let mut random = Random::stream(7, 0);
+        let mut channel = |slope: f64| -> Vec<f64> {
+            t.iter().map(|t| slope * t + 3e-3 * random.normal() + 0.05 * (314.0 * t).sin()).collect()
+        };
+        let channels = [0.01, 0.0, 0.0, -0.02, 0.0, 0.0].map(&mut channel);
+        let rest = RestDrift::of(&t, &channels);
+        assert!((rest.slope[0] - 0.01).abs() < 2e-3 && (rest.slope[3] + 0.02).abs() < 2e-3, "{rest:?}");
+        let ratio = |i: usize| (rest.slope[i] / rest.error[i]).abs();
+        assert!(ratio(0) > 8.0 && ratio(3) > 8.0 && [1, 2, 4, 5].iter().all(|i| ratio(*i) < 5.0), "{rest:?}");
+        assert!((rest.middle_s + 1.0).abs() < 1e-3);
+    }
 }

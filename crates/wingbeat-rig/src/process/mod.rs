@@ -9,7 +9,7 @@ mod input;
 mod motion;
 mod tilt;
 
-pub use correct::{Corrected, Corrector, Samples, Steps, tare_line};
+pub use correct::{Corrected, Corrector, RestDrift, Samples, Steps, tare_line};
 pub use filter::Butterworth;
 pub use input::{InputSpec, UnitSpec};
 pub use motion::recorded_motion;
