@@ -85,8 +85,8 @@ impl RigRun {
         };
         let time: Vec<f64> = (0..wrenches.len()).map(|k| first + k as f64 * step).collect();
         let even: Vec<f64> = time.iter().map(|t| at_zero + rate * t).collect();
-        let known =
-            encoder.then(|| time.iter().map(|t| experiment.phase(*t) - own).collect()).unwrap_or_default();
+        let shown = time.iter().map(|t| experiment.phase(*t) - own);
+        let known = if encoder { shown.collect() } else { Vec::new() };
         let channels = std::array::from_fn(|i| wrenches.iter().map(|row| row[i]).collect());
         let samples = Samples::carried(time, channels, known, carrier);
         let tare = windy && first <= -rest && self.spec.process.steps.tare;
