@@ -150,6 +150,7 @@ impl RigRun {
         let numbers = given.map_err(|e| e.within("rig.robot"))?;
         let mount = numbers.mount(&drawn);
         let robot = spec.robot()?;
+        spec.check_inertia(&robot)?;
         resolve(&mut resolved, "rig.aero", aeros(&robot));
         Ok(Self {
             robot,

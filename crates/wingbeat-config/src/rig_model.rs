@@ -85,9 +85,8 @@ impl RigRun {
         };
         let time: Vec<f64> = (0..wrenches.len()).map(|k| first + k as f64 * step).collect();
         let even: Vec<f64> = time.iter().map(|t| at_zero + rate * t).collect();
-        let mut known = if encoder { even.clone() } else { Vec::new() };
-        // Weight by model is that of the wings' phase since the measured one at the begin of the record.
-        known.iter_mut().take(1).for_each(|phase| *phase = strokes.phase[0]);
+        let shown = time.iter().map(|t| experiment.phase(*t) - own);
+        let known = if encoder { shown.collect() } else { Vec::new() };
         let channels = std::array::from_fn(|i| wrenches.iter().map(|row| row[i]).collect());
         let samples = Samples::carried(time, channels, known, carrier);
         let tare = windy && first <= -rest && self.spec.process.steps.tare;

@@ -7,21 +7,24 @@ use super::rig_statement::statement;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use wingbeat_flight::simulate::{Column, Record};
-use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, of_few_counts};
+use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, cut_off, of_few_counts};
+use wingbeat_judge::limits::data::REST_DRIFT;
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::cell::{CHANNELS, six, wrench};
 use wingbeat_rig::netft::{StatusClass, classify};
 use wingbeat_rig::process::{
-    Comparison, Corrected, Corrector, CycleAverage, Samples, Steps, Tilt, Weighing, compare, phase_average,
-    phase_of, recorded_motion, weigh,
+    Comparison, Corrected, Corrector, CycleAverage, PhaseSource, RestDrift, Samples, Steps, Tilt, Weighing,
+    compare, phase_average, phase_of, recorded_motion, tare_line, weigh,
 };
 
 /// Share of each attitude's time that is left out at its begin and at its end.
 const SETTLING: [f64; 2] = [0.2, 0.05];
 /// Motion of the arm that is kept after the window, s.
 const AFTER_S: f64 = 5.0;
+/// Standard errors from which a rest drifts: of sixteen means, noise reaches 5 less than once in 5000 rests (Student).
+const ERRORS: f64 = 5.0;
 /// Length at which forces and moments of the cell are known equally well, m: 1/64 N mm over 1/320 N.
 const LEVER: f64 = 5e-3;
 
@@ -42,8 +45,8 @@ pub struct Processed {
     pub slope: [f64; 6],
     /// Samples with a channel at the end of its range.
     pub saturated: usize,
-    /// Channels of the cell that have too few counts in the window, as they were recorded.
-    pub coarse: Vec<Finding>,
+    /// What is wrong with the channels of the cell as they were recorded: too few counts, cut off, a rest that drifts.
+    pub recorded: Vec<Finding>,
     /// Samples left out because the box says that they are not to be trusted.
     pub serious: usize,
     /// The window sample by sample: t, cycle (turns of the stroke), each channel unfiltered (`raw_`) and as averaged.
@@ -59,6 +62,9 @@ pub struct TiltWeighing {
     pub load: Weighing,
     /// The mount alone: the load less the weight of the robot by its model.
     pub mount: Weighing,
+    /// How the centre of the mount moves in the cell's frame for each degree of the gait's phase by which the wings rest elsewhere than
+    /// in the model, mm: no plus-minus holds it.
+    pub mount_mm_per_deg: [f64; 3],
 }
 
 impl Processed {
@@ -156,7 +162,7 @@ impl RigRun {
         let own_motion = holds_motion(&record);
         let simulated = record.column("true_Fz").map(|_| record.clone());
         let (samples, outside) = self.samples(record, carrier, window.1)?;
-        let coarse = self.of_few_counts(&samples, window);
+        let mut found = self.as_recorded(&samples, window);
         let mut measured = match self.corrector(spec.steps).correct(samples)? {
             Ok(corrected) => corrected,
             Err(fault) => return Ok(Err(fault)),
@@ -164,11 +170,12 @@ impl RigRun {
         let encoder = std::mem::take(&mut measured.phase);
         let force = &measured.channels[2];
         let phase = phase_of(spec.phase, &measured.time, encoder, force, self.frequency())?;
+        self.check_sense(&measured.time, &phase, window)?;
         let truth = match simulated {
             None => None,
             Some(record) => {
                 let exact = Steps { tare: false, drift: false, cutoff_multiple: 0.0, ..spec.steps };
-                let mut samples = Samples::from_record(record, "true_")?;
+                let mut samples = self.read(record, "true_")?;
                 if !own_motion {
                     samples.carried_by(carrier);
                 }
@@ -179,6 +186,7 @@ impl RigRun {
             }
         };
         let cycles = self.averages(&measured, &phase, window)?;
+        found.extend(measured.rest.and_then(|rest| self.drifting(&rest, &cycles, window)));
         let of_record = own_motion || recorded.is_some();
         let mut statement = statement(self, &measured, &cycles[0], window, of_record);
         let strokes = Strokes { time: &measured.time, phase: &phase, window };
@@ -200,7 +208,7 @@ impl RigRun {
             truth,
             still: None,
             saturated: outside.saturated,
-            coarse,
+            recorded: found,
             serious: outside.serious,
         }))
     }
@@ -216,7 +224,10 @@ impl RigRun {
         let end = self.duration(carrier);
         let (samples, _) = self.samples(record, carrier, end)?;
         let corrector = self.corrector(self.spec.process.steps);
-        let (mut load, mut mount) = (Vec::new(), Vec::new());
+        let (mut load, mut mount, mut posed) = (Vec::new(), Vec::new(), Vec::new());
+        // A degree of the gait, s.
+        let pace = self.robot.frequency_hz();
+        let degree = if pace > 0.0 { 1.0 / (360.0 * pace) } else { 0.0 };
         for k in 0..hold.tilts_deg.len() {
             let at = |share: f64| samples.index((k as f64 + share) * hold.each_s);
             let rows = at(SETTLING[0])..at(1.0 - SETTLING[1]);
@@ -226,8 +237,9 @@ impl RigRun {
                 let given = format!("attitude {} from {} s", k + 1, k as f64 * hold.each_s);
                 return Err(Error::invalid("hold.each_s", given, "a time for which the record has samples"));
             }
-            let (robot, gravity) = match corrector.robot_weight(&samples, middle) {
-                Ok(weight) => weight,
+            let weight = |later: f64| corrector.robot_weight(&samples, middle, later);
+            let ((robot, gravity), other) = match weight(0.0).and_then(|now| Ok((now, weight(degree)?.0))) {
+                Ok(weights) => weights,
                 Err(fault) => return Ok(Err(fault)),
             };
             let mean = |of: &[f64]| whole.iter().map(|row| of[*row]).sum::<f64>() / whole.len() as f64;
@@ -235,9 +247,13 @@ impl RigRun {
             let tilt = Tilt { time: mean(&samples.time), gravity, wrench: all };
             load.push(tilt);
             mount.push(Tilt { wrench: six(&(wrench(all) + -robot)), ..tilt });
+            posed.push(Tilt { wrench: six(&(wrench(all) + -other)), ..tilt });
         }
         let drift = self.spec.process.steps.drift;
-        Ok(Ok(TiltWeighing { load: weigh(&load, drift, LEVER)?, mount: weigh(&mount, drift, LEVER)? }))
+        let mount = weigh(&mount, drift, LEVER)?;
+        let posed = weigh(&posed, drift, LEVER)?;
+        let mount_mm_per_deg = std::array::from_fn(|i| 1e3 * (posed.com_m[i] - mount.com_m[i]));
+        Ok(Ok(TiltWeighing { load: weigh(&load, drift, LEVER)?, mount, mount_mm_per_deg }))
     }
 
     /// The samples of a record, without those that are not to be used.
@@ -248,7 +264,7 @@ impl RigRun {
         end: f64,
     ) -> Result<(Samples<'a>, Outside), Error> {
         let own_motion = holds_motion(&record);
-        let mut samples = Samples::from_record(record, "")?;
+        let mut samples = self.read(record, "")?;
         if !own_motion {
             samples.carried_by(carrier);
         }
@@ -257,21 +273,80 @@ impl RigRun {
         Ok((samples, outside))
     }
 
-    /// What of the channels in the `window` (s) has too few counts.
-    fn of_few_counts(&self, samples: &Samples, window: (f64, f64)) -> Vec<Finding> {
+    /// The channels behind `prefix` of a record; the encoder's only where the phase is by it.
+    fn read<'a>(&self, record: Record, prefix: &str) -> Result<Samples<'a>, Error> {
+        let mut samples = Samples::from_record(record, prefix)?;
+        if self.spec.process.phase != PhaseSource::Encoder {
+            samples.phase.clear();
+        }
+        Ok(samples)
+    }
+
+    /// Refuses an encoder that counts down.
+    fn check_sense(&self, time: &[f64], phase: &[f64], window: (f64, f64)) -> Result<(), Error> {
+        let rows = rows(time, window);
+        let (_, rate) = tare_line(&time[rows.clone()], &phase[rows]);
+        if !(rate < 0.0) {
+            return Ok(());
+        }
+        let given = format!("a phase that turns at {:.4} Hz", rate / TAU);
+        let allowed = "the phase of the gait, which goes ahead: a minus before the name of its column turns the encoder round, \
+                       process.input.columns = {phase = \"-phase\"}";
+        Err(Error::invalid("process.input.columns", given, allowed))
+    }
+
+    /// The drift of the rest that moves the tare most, where no slope is taken away.
+    fn drifting(&self, rest: &RestDrift, cycles: &[CycleAverage; 6], window: (f64, f64)) -> Option<Finding> {
+        let steps = self.spec.process.steps;
+        let range = |of: &CycleAverage| {
+            let (low, high) = of.mean.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            high - low
+        };
+        let later = 0.5 * (window.0 + window.1) - rest.middle_s;
+        let part = |i: usize| {
+            let largest = cycles[i / 3 * 3..i / 3 * 3 + 3].iter().map(range).fold(0.0, f64::max);
+            (rest.slope[i] * later).abs() / largest.max(f64::MIN_POSITIVE)
+        };
+        let told = (0..6).filter(|i| rest.slope[*i].abs() > ERRORS * rest.error[*i]);
+        let most = told.max_by(|a, b| part(*a).total_cmp(&part(*b)))?;
+        let ((name, unit), slope) = (CHANNELS[most], rest.slope[most]);
+        let text = format!(
+            "changes by {slope:.2e} {unit} per s in the rest, {:.0} standard errors: by the middle of what is averaged the tare is off \
+             by {:.2e} {unit}, {:.0} % of the range; take the slope away, or let the cell warm up",
+            (slope / rest.error[most]).abs(),
+            (slope * later).abs(),
+            100.0 * part(most)
+        );
+        let found =
+            Finding::new("data.rest_drifts", &REST_DRIFT, format!("{name} of the file"), part(most), text);
+        let found = found.mended_by(Some("process.steps.drift".into()));
+        (steps.tare && !steps.drift && found.breaks(&self.limits)).then_some(found)
+    }
+
+    /// What of the channels in the `window` (s) has too few counts or is cut off.
+    fn as_recorded(&self, samples: &Samples, window: (f64, f64)) -> Vec<Finding> {
         let rows = rows(&samples.time, window);
-        let time = &samples.time[rows.clone()];
-        let channels = CHANNELS.iter().zip(&samples.channels);
+        let whole = rows.clone().all(|row| samples.is_whole(row));
+        let kept = |of: &[f64]| -> Vec<f64> {
+            rows.clone().filter(|row| samples.is_whole(*row)).map(|row| of[row]).collect()
+        };
+        // Long files are not copied where nothing is missing.
+        let copied = if whole { Vec::new() } else { samples.channels.iter().map(|of| kept(of)).collect() };
+        let of = |i: usize| copied.get(i).map_or(&samples.channels[i][rows.clone()], Vec::as_slice);
+        let time = if whole { Vec::new() } else { kept(&samples.time) };
+        let channels = CHANNELS.iter().enumerate();
         let series = Series {
             what: "the file",
-            phase: time,
+            phase: if whole { &samples.time[rows.clone()] } else { &time },
             frequency_hz: None,
             channels: channels
-                .map(|((name, unit), of)| MeasuredChannel { name, unit, samples: &of[rows.clone()] })
+                .map(|(i, (name, unit))| MeasuredChannel { name, unit, samples: of(i) })
                 .collect(),
             purpose: Purpose::Loads,
         };
-        of_few_counts(&series, &self.limits)
+        let mut found = of_few_counts(&series, &self.limits);
+        found.extend(cut_off(&series, &self.limits));
+        found
     }
 
     /// Samples at the end of the cell's range or with a bad status, up to `end` (s).

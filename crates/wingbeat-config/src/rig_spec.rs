@@ -316,6 +316,25 @@ impl RigRunSpec {
         Err(Error::invalid("frequency_hz", frequency, allowed).against(["rig.cell.rate_hz"]))
     }
 
+    /// Refuses to take inertia away where the phase of the wings, or its acceleration, is not known.
+    pub(super) fn check_inertia(&self, robot: &Robot) -> Result<(), Error> {
+        let allowed = match (self.process.phase, robot.motor()) {
+            (PhaseSource::Encoder, None) => return Ok(()),
+            (PhaseSource::Encoder, Some(_)) => {
+                "false: a motor turns this robot's crank by the loads of the air"
+            }
+            _ => {
+                "false, or process.phase = encoder with a column of the gait's phase \
+                 (process.input.columns.phase): by force or frequency alone the pose of the wings is not known"
+            }
+        };
+        let flaps = self.frequency_hz.unwrap_or_else(|| self.rig.robot.gait.frequency_hz()) > 0.0;
+        if !(self.process.steps.robot_inertia && flaps) {
+            return Ok(());
+        }
+        Err(Error::invalid("process.steps.robot_inertia", true, allowed).against(["process.phase"]))
+    }
+
     /// The robot in the rig's air, with this run's wind and frequency.
     pub(super) fn robot(&self) -> Result<Robot, Error> {
         let mut robot = self.rig.robot.clone();

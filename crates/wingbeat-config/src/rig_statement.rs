@@ -25,6 +25,8 @@ pub fn statement(
             .join(", ")
     };
     let motion = if own_motion { "as recorded" } else { "of the run's plan" };
+    let by_encoder = run.spec.process.phase == PhaseSource::Encoder;
+    let posed = if by_encoder { "" } else { ", the wings as they rest: no encoder tells their pose" };
     let frequency = run.frequency();
     let cutoff = steps.cutoff_multiple * frequency;
     let phase = match run.spec.process.phase {
@@ -37,7 +39,7 @@ pub fn statement(
     vec![
         step(steps.tare, "tare", format!("offset in the rest before the run: {}", six(&measured.offset))),
         step(steps.drift, "drift", format!("slope of that rest per s: {}", six(&measured.slope))),
-        step(steps.gravity, "gravity", format!("weight of mount and robot by model, motion {motion}")),
+        step(steps.gravity, "gravity", format!("weight of mount and robot by model, motion {motion}{posed}")),
         step(steps.mount_inertia, "inertia of the mount", format!("by model, motion {motion}")),
         step(
             steps.robot_inertia,

@@ -180,6 +180,11 @@ impl Experiment<'_> {
         ((self.rest + self.duration) * self.cell.rate_hz).round() as usize
     }
 
+    /// Phase of the gait at `t`, rad, of a crank without a motor.
+    pub fn phase(&self, t: f64) -> f64 {
+        self.robot.phase(self.clock(t).x)
+    }
+
     /// The gait's clock at `t`, with the pace of the crank; its rate is a motor's share of its supply voltage.
     fn clock(&self, t: f64) -> Jet {
         self.deviations.clock(self.even_clock(t))

@@ -15,5 +15,6 @@ pub const CASES: &[Case] = &[
     Case { id: "rig.wrench_static", quick: true, run: runs::wrench_static },
     Case { id: "rig.newton_euler", quick: false, run: runs::newton_euler },
     Case { id: "rig.filter", quick: true, run: runs::filter },
+    Case { id: "rig.vacuum", quick: true, run: runs::vacuum },
     Case { id: "rig.pipeline_recovers_truth", quick: false, run: runs::pipeline_recovers_truth },
 ];

@@ -11,6 +11,7 @@ mod plan;
 mod record;
 mod report;
 mod rig_beside;
+mod rig_faults;
 mod rig_plan;
 mod rig_process;
 mod rig_simulate;

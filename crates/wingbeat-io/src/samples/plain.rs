@@ -8,7 +8,7 @@ use wingbeat::simulate::{Column, Record};
 use super::SampleTable;
 use super::grid::SampleGrid;
 use super::record::ANOTHER_RATE;
-use super::record::spread;
+use super::record::{Bridged, spread};
 use super::resolve::{KnownChannel, SEQUENCES, SIX, TIME, base, names};
 use crate::Error;
 
@@ -152,7 +152,8 @@ impl SampleTable {
                 return Err(self.bad(format!("several columns are called `{name}`: rename them")));
             }
             let values = std::mem::take(&mut self.columns[k].values);
-            let values = if grid.is_whole(rows) { values } else { spread(&values, &grid, 0) };
+            let values =
+                if grid.is_whole(rows) { values } else { spread(&values, &grid, (0, Bridged::Line)) };
             channels.push(Column { values, ..Column::new(name, unit, "") });
         }
         let even = || (0..grid.len()).map(|k| grid.start + k as f64 / grid.rate).collect();

@@ -1,5 +1,7 @@
 //! From a file's columns to the record that processing reads: known names, SI units, equal steps of time.
 
+use std::f64::consts::{PI, TAU};
+
 use serde::Serialize;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::InputSpec;
@@ -213,7 +215,8 @@ fn on_grid(
     }
     if !grid.is_whole(import.rows) {
         for column in &mut columns {
-            column.values = spread(&column.values, grid, input.bridge_samples);
+            let bridged = Bridged::of(column);
+            column.values = spread(&column.values, grid, (input.bridge_samples, bridged));
         }
     }
     let mut time = Column::new("t", "s", "");
@@ -223,8 +226,43 @@ fn on_grid(
     Ok(ImportedRecord { record: Record::new(columns, 0)?, import })
 }
 
-/// `values` on the grid; gaps of at most `bridge` samples by straight lines, others not-a-number.
-pub(super) fn spread(values: &[f64], grid: &SampleGrid, bridge: usize) -> Vec<f64> {
+/// How values between two samples are made up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Bridged {
+    /// By a straight line.
+    Line,
+    /// By a straight line the shorter way round, rad: an encoder falls back by a turn in each cycle.
+    Angle,
+    /// Bits, of which those of either hold.
+    Bits,
+}
+
+impl Bridged {
+    fn of(column: &Column) -> Self {
+        let reach = |of: &[f64]| {
+            let there = || of.iter().copied().filter(|x| x.is_finite());
+            there().fold(f64::MIN, f64::max) - there().fold(f64::MAX, f64::min)
+        };
+        match column.name.as_str() {
+            "status" => Self::Bits,
+            // One that counts turns does not fall back.
+            "phase" if reach(&column.values) <= TAU * (1.0 + 1e-6) => Self::Angle,
+            _ => Self::Line,
+        }
+    }
+
+    /// The value at the part `share` of the way from `before` to `after`.
+    fn at(self, before: f64, after: f64, share: f64) -> f64 {
+        match self {
+            Self::Line => before + (after - before) * share,
+            Self::Angle => before + ((after - before + PI).rem_euclid(TAU) - PI) * share,
+            Self::Bits => f64::from(before as u32 | after as u32),
+        }
+    }
+}
+
+/// `values` on the grid; gaps of at most so many samples bridged as is said, others not-a-number.
+pub(super) fn spread(values: &[f64], grid: &SampleGrid, (bridge, how): (usize, Bridged)) -> Vec<f64> {
     let mut out = vec![f64::NAN; grid.len()];
     let mut last: Option<(usize, f64)> = None;
     for (place, row) in grid.place.iter().zip(&grid.rows) {
@@ -233,11 +271,34 @@ pub(super) fn spread(values: &[f64], grid: &SampleGrid, bridge: usize) -> Vec<f6
             && place - from <= bridge.saturating_add(1)
         {
             for k in from + 1..place {
-                out[k] = before + (value - before) * (k - from) as f64 / (place - from) as f64;
+                out[k] = how.at(before, value, (k - from) as f64 / (place - from) as f64);
             }
         }
         out[place] = value;
         last = Some((place, value));
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_bridged_the_shorter_way_round_and_by_the_bits_of_either() {
+        let named =
+            |name: &str, values: &[f64]| Column { values: values.to_vec(), ..Column::new(name, "", "") };
+        let wrap = Bridged::of(&named("phase", &[0.0, 6.2]));
+        // From 6.2 rad over the wrap to 0.2 rad.
+        let half = 6.2 + 0.5 * (0.2 + TAU - 6.2);
+        assert!(
+            (wrap.at(6.2, 0.2, 0.5) - half).abs() < 1e-12
+                && (wrap.at(0.2, 6.2, 0.5) - (0.2 + 6.2 - half)).abs() < 1e-12
+        );
+        let turns = Bridged::of(&named("phase", &[0.0, 60.0]));
+        assert_eq!((turns, turns.at(1.0, 9.0, 0.5)), (Bridged::Line, 5.0));
+        let bits = Bridged::of(&named("status", &[0.0, 1.0]));
+        assert_eq!(bits.at(f64::from(0x8002_0000_u32), 1.0, 0.5), f64::from(0x8002_0001_u32));
+        assert_eq!(Bridged::of(&named("Fz", &[0.0, 1.0])), Bridged::Line);
+    }
 }

@@ -43,7 +43,7 @@ mod values;
 pub use finding::Finding;
 pub use frequency::{Frequency, estimate};
 pub use lines::{SpectralLine, find_frequency};
-pub use reference::{CyclePair, compared, reversed_among};
+pub use reference::{CyclePair, compared, mean_apart, reversed_among};
 
 use crate::limits::RunLimits;
 use crate::unit;
@@ -157,6 +157,13 @@ pub fn of_few_counts(series: &Series, limits: &RunLimits) -> Vec<Finding> {
         series.channels.iter().map(|channel| values::Extent::of(channel.samples)).collect();
     let found = values::coarse(series, &extents).into_iter();
     found.filter(|finding| finding.breaks(limits)).collect()
+}
+
+/// Which channels of forces and moments, as their instrument gave them, are cut off: less a drift, turned or moved they are flat no more.
+pub fn cut_off(series: &Series, limits: &RunLimits) -> Vec<Finding> {
+    let extents: Vec<Option<values::Extent>> =
+        series.channels.iter().map(|channel| values::Extent::of(channel.samples)).collect();
+    values::cut_off(series, &extents, limits)
 }
 
 /// One finding of a frequency that several channels have: it is that of the file.

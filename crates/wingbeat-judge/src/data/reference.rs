@@ -2,7 +2,9 @@
 
 use super::Finding;
 use crate::limits::RunLimits;
-use crate::limits::data::{BENT, DEAD, GAIN, LAGS, LARGEST, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED};
+use crate::limits::data::{
+    BENT, DEAD, GAIN, LAGS, LARGEST, MEAN, REVERSED, SHIFT, SWAPPED, UNLIKE, UNRELATED,
+};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
 /// symmetry is computed as rounding.
@@ -89,6 +91,28 @@ pub fn compared(what: &str, pairs: &[CyclePair], limits: &RunLimits) -> Vec<Find
     }
     found.retain(|finding| finding.breaks(limits));
     found
+}
+
+/// The channel whose mean differs most from the computed one, in parts of its computed range; a channel that is small beside another one
+/// of its unit counts in parts of that.
+pub fn mean_apart(what: &str, pairs: &[CyclePair]) -> Option<Finding> {
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    let size = |pair: &CyclePair| {
+        let same = pairs.iter().filter(|other| other.unit == pair.unit);
+        let most = same.map(|other| range(other.computed)).fold(0.0, f64::max);
+        (mean(pair.measured) - mean(pair.computed)).abs()
+            / range(pair.computed).max(TELLING * most).max(f64::MIN_POSITIVE)
+    };
+    let pair = pairs.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let text = format!(
+        "its mean is {:.3e} {unit}, computed are {:.3e} {unit}: the fixture's mass, where the body sits in the cell, the tare, or the mean \
+         load of the air in the model may cause it",
+        mean(pair.measured),
+        mean(pair.computed),
+        unit = pair.unit
+    );
+    let about = format!("{} of {what}", pair.name);
+    Some(Finding::new("data.mean", &MEAN, about, size(pair), text).in_channel(pair.name))
 }
 
 impl PairComparison {

@@ -140,6 +140,38 @@ pub(super) fn coarse(series: &Series, extents: &[Option<Extent>]) -> Vec<Finding
     all().filter_map(told).collect()
 }
 
+/// Loads that are cut off, as their instrument gave them, but for those that are small beside another one of their unit.
+pub(super) fn cut_off(series: &Series, extents: &[Option<Extent>], limits: &RunLimits) -> Vec<Finding> {
+    let all =
+        || series.channels.iter().zip(extents).filter_map(|(channel, extent)| Some((channel, (*extent)?)));
+    let most = |unit: &str| {
+        all().filter(|(other, _)| other.unit == unit).map(|(_, extent)| extent.range()).fold(0.0, f64::max)
+    };
+    let told = |(channel, extent): (&MeasuredChannel, Extent)| {
+        let breaks = |finding: &Finding| finding.breaks(limits);
+        // Samples that were bridged lie between the counts of the others.
+        let extent = Extent { count: extent.count.max(usual_step(channel.samples)), ..extent };
+        let at_ends = clipped(series, channel, extent, &[extent.high, extent.low]).filter(breaks);
+        let found = at_ends.or_else(|| clipped_within(series, channel, extent).filter(breaks))?;
+        Some(found.in_channel(channel.name))
+    };
+    let large = |(channel, extent): &(&MeasuredChannel, Extent)| {
+        extent.range() > 0.0 && extent.range() > TELLING * most(channel.unit)
+    };
+    all().filter(large).filter_map(told).collect()
+}
+
+/// Steps that tell the usual one. *Choice.*
+const STEPS_SEEN: usize = 20_000;
+
+/// The median of the steps between samples that differ.
+fn usual_step(samples: &[f64]) -> f64 {
+    let every = samples.len().div_ceil(STEPS_SEEN).max(1);
+    let steps = samples.windows(2).step_by(every).map(|pair| (pair[1] - pair[0]).abs());
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+    if steps.is_empty() { 0.0 } else { super::noise::median(&mut steps) }
+}
+
 /// Share of the rows at which a motion stands still from which its steps are those of an encoder or of a table by hand; rounded rows that
 /// are near to one another stand still at the ends of the stroke alone. *Choice.*
 const STANDS: f64 = 0.4;

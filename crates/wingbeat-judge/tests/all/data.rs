@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 use wingbeat_judge::data::{
-    CyclePair, Finding, MeasuredChannel, Purpose, Series, SpectralLine, compared, estimate, examined,
-    find_frequency, not_finite, of_few_counts, reversed_among,
+    CyclePair, Finding, MeasuredChannel, Purpose, Series, SpectralLine, compared, cut_off, estimate,
+    examined, find_frequency, mean_apart, not_finite, of_few_counts, reversed_among,
 };
 use wingbeat_judge::{Judge, RunLimits, Status, limits};
 
@@ -1124,4 +1124,44 @@ fn noise_drift_and_rest_have_no_line() {
         assert_eq!(line.frequency, None, "{what}: {line:?}");
     }
     assert_eq!(line(&[], &[]).frequency, None);
+}
+
+/// A load of few counts whose gaps were bridged is flat at its ends, but not cut off.
+#[test]
+fn loads_are_told_as_cut_off_where_they_were_recorded() {
+    let count = 1.0 / 320.0;
+    let noise = |k: usize| count * ((k as f64 * 12.9898).sin() * 43_758.545_3).fract();
+    let load = |k: usize| 0.025 * (TAU * k as f64 / 2000.0).sin() - 0.2 + noise(k);
+    let counts = |x: f64| (x / count).round() * count;
+    let quantised: Vec<f64> = (0..20_000).map(|k| counts(load(k))).collect();
+    let mut bridged = quantised.clone();
+    (25..19_999).step_by(50).for_each(|k| bridged[k] = 0.5 * (quantised[k - 1] + quantised[k + 1]));
+    let clipped: Vec<f64> = (0..20_000).map(|k| counts(load(k)).min(counts(-0.19))).collect();
+    let told = |samples: &[f64]| {
+        let phase: Vec<f64> = (0..samples.len()).map(|k| k as f64 / 2000.0).collect();
+        let channels = vec![MeasuredChannel { name: "Fy", unit: "N", samples }];
+        let series =
+            Series { what: "file", phase: &phase, frequency_hz: None, channels, purpose: Purpose::Loads };
+        cut_off(&series, &RunLimits::default()).iter().map(|finding| finding.id).collect::<Vec<_>>()
+    };
+    assert!(told(&quantised).is_empty() && told(&bridged).is_empty());
+    assert_eq!(told(&clipped), ["data.clipped"]);
+}
+
+#[test]
+fn the_mean_that_is_furthest_from_the_model_is_told() {
+    let wave = |mean: f64, size: f64| -> Vec<f64> {
+        (0..64).map(|k| mean + size * (TAU * f64::from(k) / 64.0).sin()).collect()
+    };
+    let [fy, fz, off] = [wave(0.05, 0.01), wave(0.2, 0.5), wave(0.1, 0.01)];
+    let of = |measured: &[f64]| {
+        let pair = |name, measured, computed| CyclePair { name, unit: "N", measured, computed };
+        mean_apart("run", &[pair("Fy", measured, &fy), pair("Fz", &fz, &fz)]).unwrap()
+    };
+    let limits = RunLimits::default();
+    assert!(!of(&fy).breaks(&limits));
+    let told = of(&off);
+    // Of the larger range of the unit a twentieth counts at least.
+    assert!(told.breaks(&limits) && told.channel == "Fy" && (told.size - 1.0).abs() < 1e-6, "{told:?}");
+    assert!(told.text.contains("the fixture's mass"));
 }

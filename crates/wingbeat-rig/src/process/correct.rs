@@ -1,5 +1,6 @@
 //! Tare, drift, weight and inertia, and the change to the body frame.
 
+use super::clock::PhaseFit;
 use crate::arm::{MAX_JOINTS, SerialArm};
 use crate::carrier::{CellMount, ToolCarrier, carried_frames};
 use crate::cell::{CHANNELS, six, wrench};
@@ -25,7 +26,7 @@ pub struct Steps {
     pub gravity: bool,
     /// Take the inertia of the mount away.
     pub mount_inertia: bool,
-    /// Take the inertia of body and wings away: what is left is aerodynamic.
+    /// Take the inertia of body and wings away, at the encoder's phase: what is left is aerodynamic.
     pub robot_inertia: bool,
     /// Turn the wrench to the body frame, about the body's origin; else it stays in the cell's.
     pub body_frame: bool,
@@ -57,7 +58,7 @@ pub struct Samples<'a> {
     pub time: Vec<f64>,
     /// Fx .. Tz in the cell frame, N and N m.
     pub channels: [Vec<f64>; 6],
-    /// Stroke phase, rad, without jumps and gaps; empty when there is no encoder.
+    /// Phase of the gait, rad, without jumps and gaps; empty when there is no encoder.
     pub phase: Vec<f64>,
     /// Status words of the box, bits without unit; empty when there are none.
     pub status: Vec<f64>,
@@ -209,7 +210,7 @@ pub struct Corrector<'a> {
 pub struct Corrected {
     /// Time, s.
     pub time: Vec<f64>,
-    /// Stroke phase, rad; empty when there is no encoder.
+    /// Stroke phase as it was fitted, rad; empty when there is no encoder.
     pub phase: Vec<f64>,
     /// Fx .. Tz about the body origin in B (or the cell's in C), N and N m.
     pub channels: [Vec<f64>; 6],
@@ -219,8 +220,43 @@ pub struct Corrected {
     pub offset: [f64; 6],
     /// Drift of the channels in C, per s.
     pub slope: [f64; 6],
+    /// How the channels moved in the rest, where it was tared.
+    pub rest: Option<RestDrift>,
     /// Samples per second.
     pub rate: f64,
+}
+
+/// Slopes of the channels in C over the rest before the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestDrift {
+    /// Per s, in N and N m.
+    pub slope: [f64; 6],
+    /// Standard errors of them, by the scatter of means over parts of the rest: noise that lasts counts as such.
+    pub error: [f64; 6],
+    /// Middle of the rest, s.
+    pub middle_s: f64,
+}
+
+/// Parts of the rest whose means tell its slope. *Choice*: each lasts far longer than a period of the mains.
+const PARTS: usize = 16;
+
+impl RestDrift {
+    /// Of the channels at the times `t` (s), 16 or more.
+    fn of(t: &[f64], channels: &[Vec<f64>; 6]) -> Self {
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+        let each = t.len().div_ceil(PARTS);
+        let times: Vec<f64> = t.chunks(each).map(mean).collect();
+        let (middle_s, parts) = (mean(t), times.len() as f64);
+        let places: f64 = times.iter().map(|t| (t - mean(&times)).powi(2)).sum();
+        let one = |y: &Vec<f64>| {
+            let means: Vec<f64> = y.chunks(each).map(mean).collect();
+            let (at_zero, slope) = tare_line(&times, &means);
+            let left: f64 = times.iter().zip(&means).map(|(t, y)| (y - at_zero - slope * t).powi(2)).sum();
+            [slope, (left / (parts - 2.0).max(1.0) / places).sqrt()]
+        };
+        let all = channels.each_ref().map(one);
+        Self { slope: all.map(|of| of[0]), error: all.map(|of| of[1]), middle_s }
+    }
 }
 
 impl Corrector<'_> {
@@ -231,13 +267,17 @@ impl Corrector<'_> {
     /// above half the rate. Faults of the model come back as such.
     pub fn correct(&self, mut samples: Samples) -> Result<Result<Corrected, Fault>, Error> {
         let mut out = Corrected { rate: samples.rate(), ..Default::default() };
-        let mut memory = ModelMemory::default();
+        let mut memory = ModelMemory { fit: self.fitted(&samples), ..Default::default() };
         if (self.steps.tare || self.steps.drift)
             && let Err(fault) = self.tare(&samples, &mut memory, &mut out)?
         {
             return Ok(Err(fault));
         }
+        if memory.fit.is_some() {
+            out.phase.reserve_exact(samples.phase.len());
+        }
         for row in 0..samples.time.len() {
+            out.phase.extend(memory.phase(&samples, row).map(|phase| phase.x));
             if !samples.is_whole(row) {
                 samples.channels.iter_mut().for_each(|channel| channel[row] = f64::NAN);
                 continue;
@@ -262,7 +302,10 @@ impl Corrector<'_> {
         } else {
             out.channels = samples.channels.clone();
         }
-        (out.time, out.phase, out.unfiltered) = (samples.time, samples.phase, samples.channels);
+        if out.phase.is_empty() {
+            out.phase = samples.phase;
+        }
+        (out.time, out.unfiltered) = (samples.time, samples.channels);
         Ok(Ok(out))
     }
 
@@ -295,6 +338,7 @@ impl Corrector<'_> {
                 y.push(samples.channels[i][*row] - weight[i]);
             }
         }
+        out.rest = Some(RestDrift::of(&time, &unloaded));
         for (i, y) in unloaded.iter().enumerate() {
             let (offset, slope) = tare_line(&time, y);
             if self.steps.drift {
@@ -313,7 +357,7 @@ impl Corrector<'_> {
         row: usize,
         memory: &mut ModelMemory,
     ) -> Result<ModelledSample, Fault> {
-        let asked = (samples.posture(row), self.clock(samples, row));
+        let asked = (samples.posture(row), self.clock(memory.phase(samples, row)));
         match &memory.last {
             Some((same, model)) if *same == asked => Ok(*model),
             _ => {
@@ -354,24 +398,34 @@ impl Corrector<'_> {
         Ok(ModelledSample { weight, removed })
     }
 
-    /// The gait's clock from the encoder: time, rate and its slope.
-    fn clock(&self, samples: &Samples, row: usize) -> Jet {
-        let n = samples.phase.len();
-        if n < 3 || self.frequency <= 0.0 {
-            return Jet::default();
-        }
-        let w = std::f64::consts::TAU * self.frequency;
-        let k = row.clamp(1, n - 2);
-        let h = samples.time[k + 1] - samples.time[k];
-        let p = |i: usize| (samples.phase[i] - samples.phase[0]) / w;
-        let rate = (p(k + 1) - p(k - 1)) / (2.0 * h);
-        Jet::new(p(row), rate, (p(k + 1) - 2.0 * p(k) + p(k - 1)) / (h * h))
+    /// The gait's clock, s, with its rate and the slope of that: where the encoder shows 0 the wings are at `gait.phase_rad`. Without an
+    /// encoder they are there throughout.
+    fn clock(&self, phase: Option<Jet>) -> Jet {
+        let per_s = std::f64::consts::TAU * self.frequency;
+        phase.map_or(Jet::default(), |phase| phase / per_s)
     }
 
-    /// Weight of the robot at `row`, in C, and the direction of gravity, m/s2 in C.
-    pub fn robot_weight(&self, samples: &Samples, row: usize) -> Result<(Wrench<f64>, Vec3), Fault> {
+    /// The fit of the encoder's phase; none without one, or where the wings are still.
+    fn fitted(&self, samples: &Samples) -> Option<PhaseFit> {
+        let many = samples.phase.len();
+        let even = many == samples.time.len();
+        even.then(|| PhaseFit::new(1.0 / samples.rate(), self.frequency, many))?
+    }
+
+    /// Weight of the robot at `row`, in C, its gait's clock `later` (s), and the direction of gravity, m/s2 in C.
+    ///
+    /// # Errors
+    /// Faults of the model.
+    pub fn robot_weight(
+        &self,
+        samples: &Samples,
+        row: usize,
+        later: f64,
+    ) -> Result<(Wrench<f64>, Vec3), Fault> {
         let (cell, body) = carried_frames(&self.tool(&samples.posture(row)), self.mount);
-        let loads = self.robot_loads(&body, self.clock(samples, row), &mut ModelMemory::default())?;
+        let mut memory = ModelMemory { fit: self.fitted(samples), ..Default::default() };
+        let clock = self.clock(memory.phase(samples, row)) + later;
+        let loads = self.robot_loads(&body, clock, &mut memory)?;
         let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
         Ok((self.mount.to_cell(&loads.0), down))
     }
@@ -407,6 +461,24 @@ struct ModelMemory {
     u: Vec<f64>,
     dx: Vec<f64>,
     last: Option<((Posture, Jet), ModelledSample)>,
+    fit: Option<PhaseFit>,
+    /// The phase of one row.
+    phase: Option<(usize, Jet)>,
+}
+
+impl ModelMemory {
+    /// The phase of the stroke at `row`, with its rates; none without an encoder.
+    fn phase(&mut self, samples: &Samples, row: usize) -> Option<Jet> {
+        let fit = self.fit?;
+        match self.phase {
+            Some((of, phase)) if of == row => Some(phase),
+            _ => {
+                let phase = fit.at(&samples.phase, row);
+                self.phase = Some((row, phase));
+                Some(phase)
+            }
+        }
+    }
 }
 
 /// What the model says of one sample, in C.
@@ -427,4 +499,25 @@ pub fn tare_line(t: &[f64], y: &[f64]) -> (f64, f64) {
     }
     let slope = if tt > 0.0 { ty / tt } else { 0.0 };
     (my - slope * mt, slope)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat_math::Random;
+
+    #[test]
+    fn a_rest_that_drifts_is_told_from_one_that_hums() {
+        let t: Vec<f64> = (0..14_000).map(|k| k as f64 / 7000.0 - 2.0).collect();
+        let mut random = Random::stream(7, 0);
+        let mut channel = |slope: f64| -> Vec<f64> {
+            t.iter().map(|t| slope * t + 3e-3 * random.normal() + 0.05 * (314.0 * t).sin()).collect()
+        };
+        let channels = [0.01, 0.0, 0.0, -0.02, 0.0, 0.0].map(&mut channel);
+        let rest = RestDrift::of(&t, &channels);
+        assert!((rest.slope[0] - 0.01).abs() < 2e-3 && (rest.slope[3] + 0.02).abs() < 2e-3, "{rest:?}");
+        let ratio = |i: usize| (rest.slope[i] / rest.error[i]).abs();
+        assert!(ratio(0) > 8.0 && ratio(3) > 8.0 && [1, 2, 4, 5].iter().all(|i| ratio(*i) < 5.0), "{rest:?}");
+        assert!((rest.middle_s + 1.0).abs() < 1e-3);
+    }
 }

@@ -2,13 +2,14 @@
 //! tare and drift, weight and inertia by model, body frame, zero-phase filter,
 //! phase average, envelope.
 
+mod clock;
 mod correct;
 mod filter;
 mod input;
 mod motion;
 mod tilt;
 
-pub use correct::{Corrected, Corrector, Samples, Steps, tare_line};
+pub use correct::{Corrected, Corrector, RestDrift, Samples, Steps, tare_line};
 pub use filter::Butterworth;
 pub use input::{InputSpec, UnitSpec};
 pub use motion::recorded_motion;

@@ -185,20 +185,25 @@ fn rigid_momentum(frame: &FrameMotion, mass: f64, com: Vec3, inertia: Mat3) -> (
     (linear, frame.pose.point(com).cross(linear) + spin)
 }
 
-/// A sine at the flapping frequency through the filter of the pipeline.
+/// Sines at the flapping frequency, at the cut-off and above it through the filter of the pipeline.
 pub fn filter() -> Result<Vec<ComparisonRow>, Error> {
     const ID: &str = "rig.filter";
     const RATE: f64 = 7000.0;
     let run = load("roll15_speed08", &[])?;
     let f = run.frequency();
-    let filter = Butterworth::new(run.spec.process.steps.cutoff_multiple * f, RATE)?;
-    let x: Vec<f64> = (0..28_000).map(|k| (TAU * f * f64::from(k) / RATE).sin()).collect();
-    let y = filter.apply(&x);
-    let part =
-        |g: fn(f64) -> f64| (6000..22_000).map(|k| y[k] * g(TAU * f * k as f64 / RATE)).sum::<f64>() / 8000.0;
-    let (sine, cosine) = (part(f64::sin), part(f64::cos));
+    let cutoff = run.spec.process.steps.cutoff_multiple * f;
+    let filter = Butterworth::new(cutoff, RATE)?;
+    let passed = |f: f64| {
+        let x: Vec<f64> = (0..28_000).map(|k| (TAU * f * f64::from(k) / RATE).sin()).collect();
+        let y = filter.apply(&x);
+        let part = |g: fn(f64) -> f64| {
+            (6000..22_000).map(|k| y[k] * g(TAU * f * k as f64 / RATE)).sum::<f64>() / 8000.0
+        };
+        [part(f64::sin), part(f64::cos)]
+    };
+    let [sine, cosine] = passed(f);
     let source = "a sine at the flapping frequency";
-    Ok(vec![
+    let mut rows = vec![
         ComparisonRow::judged(ID, source, "|gain - 1|", (sine.hypot(cosine) - 1.0).abs(), 1e-3, ""),
         ComparisonRow::judged(
             &format!("{ID}.phase"),
@@ -208,7 +213,61 @@ pub fn filter() -> Result<Vec<ComparisonRow>, Error> {
             1e-3,
             "rad",
         ),
-    ])
+    ];
+    let source = "1 / (1 + (w / wc)^8), w = tan(pi f / rate): Butterworth of fourth order, both ways";
+    for (name, multiple) in [("cutoff", 1.0), ("above", 1.5)] {
+        let [sine, cosine] = passed(multiple * cutoff);
+        let w = |f: f64| (0.5 * TAU * f / RATE).tan();
+        let gain = 1.0 / (1.0 + (w(multiple * cutoff) / w(cutoff)).powi(8));
+        let off = (sine - gain).hypot(cosine);
+        let metric = format!("|gain - closed form| at {multiple} times the cut-off");
+        rows.push(ComparisonRow::judged(&format!("{ID}.{name}"), source, &metric, off, 1e-6, ""));
+    }
+    Ok(rows)
+}
+
+/// Runs in a vacuum: once weight and inertia are taken away, nothing is left, whatever the phase at which the wings rest.
+pub fn vacuum() -> Result<Vec<ComparisonRow>, Error> {
+    const ID: &str = "rig.vacuum";
+    let common = [
+        "rig.air.density_kg_m3=1e-30",
+        "rig.rest_s=2.0",
+        "rig.cell.resonance_hz=3000.0",
+        "rig.cell.filter_hz=3400.0",
+        "process.steps.tare=true",
+        "process.steps.drift=true",
+        "process.steps.robot_inertia=true",
+        "process.phase=\"encoder\"",
+    ];
+    let held = ["hold.each_s=1.5", "hold.tilts_deg=[[20.0, 10.0]]"];
+    let mut rows = Vec::new();
+    for (name, file, also) in [("hold", "bench", &held[..]), ("turn", "roll15_speed08", &[])] {
+        let run = load(file, &[&common[..], also].concat())?;
+        let still =
+            load(file, &[&common[..], also, &["rig.robot.numbers={\"gait.phase_rad\"=1.3}"]].concat())?;
+        let plan = match run.spec.turn {
+            Some(_) => Some(run.plan()?.map_err(|refusal| Error::NoAnswer(refusal.to_string()))?),
+            None => None,
+        };
+        let carrier = run.carrier(plan.as_ref());
+        let record = still.simulate(&carrier, 1, |_| ())??.record;
+        let done = run.process(record, &carrier, run.window(plan.as_ref(), &carrier))??;
+        let source = "the rig's simulation without air, whose wings rest at another phase of the gait: nothing is left";
+        for (part, unit, limit, channels) in [("force", "N", 4e-3, 0..3), ("moment", "N m", 4e-4, 3..6)] {
+            let most =
+                done.cycles[channels].iter().flat_map(|of| &of.mean).fold(0.0, |a: f64, x| a.max(x.abs()));
+            let metric = format!("largest {part} of the phase average");
+            rows.push(ComparisonRow::judged(
+                &format!("{ID}.{name}.{part}"),
+                source,
+                &metric,
+                most,
+                limit,
+                unit,
+            ));
+        }
+    }
+    Ok(rows)
 }
 
 /// A simulated run after processing: its phase averages beside those of its noise-free wrench.

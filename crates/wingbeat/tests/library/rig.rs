@@ -118,3 +118,26 @@ fn a_pose_that_no_joint_can_have_is_an_error() {
         }
     }
 }
+
+/// By force or frequency the pose of the wings is not known, and a motor's crank turns as the loads let it.
+#[test]
+fn inertia_is_not_taken_away_without_the_phase_of_the_gait() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let bench = |sets: &[&str]| {
+        let overrides: Vec<String> = sets.iter().map(|set| (*set).into()).collect();
+        RigRun::load(&root.join("rigs/runs/bench.toml"), &overrides).map(|_| ()).map_err(|e| e.to_string())
+    };
+    let inertia = "process.steps.robot_inertia=true";
+    for phase in ["force", "frequency"] {
+        let refused = bench(&[inertia, &format!("process.phase=\"{phase}\"")]).unwrap_err();
+        for key in ["process.steps.robot_inertia", "process.phase = encoder", "process.input.columns.phase"] {
+            assert!(refused.contains(key), "{refused}");
+        }
+    }
+    let encoder = "process.phase=\"encoder\"";
+    assert_eq!(bench(&[inertia, encoder]), Ok(()));
+    assert_eq!(bench(&[inertia, "frequency_hz=0.0"]), Ok(()), "the wings rest");
+    let robot = format!("rig.robot={}", root.join("robots/motor_flapper.toml").display());
+    let refused = bench(&[inertia, encoder, &robot]).unwrap_err();
+    assert!(refused.contains("a motor turns this robot's crank"), "{refused}");
+}

@@ -3,8 +3,10 @@
 use std::f64::consts::TAU;
 
 use wingbeat::judge::RunLimits;
-use wingbeat::judge::data::{CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined};
-use wingbeat::judge::limits::data::{COVERED, FREQUENCY};
+use wingbeat::judge::data::{
+    CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined, mean_apart,
+};
+use wingbeat::judge::limits::data::{BACKWARD, COVERED, FREQUENCY, PHASE_RATE, RESONANCE};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{CycleAverage, PhaseSource};
 use wingbeat::scenario::ProcessedRun;
@@ -16,6 +18,9 @@ const HARMONICS: usize = 8;
 /// What of the run does not agree with its model, with the keys that would mend it; none where nothing is wrong.
 pub fn judged(one: &ProcessedRun) -> Option<String> {
     let processed = one.averaged()?;
+    if of_phase(one).is_some_and(|finding| finding.breaks(&one.run.limits)) {
+        return None;
+    }
     let model = processed.model.as_ref()?;
     let layout = HarmonicLayout { channels: 6, harmonics: HARMONICS };
     let (measured, model) = (harmonics(&processed.cycles)?, harmonics(&model.cycles)?);
@@ -40,11 +45,22 @@ fn harmonics(cycles: &[CycleAverage; 6]) -> Option<Vec<f64>> {
 /// What is wrong with the samples of a run in the `window` (s), by themselves and beside the model on the measured motion. What
 /// is told as a disagreement with the model too is only noted.
 pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &RunLimits) -> Vec<Finding> {
-    let mut found: Vec<Finding> = one.averaged().map(|of| of.coarse.clone()).unwrap_or_default();
-    // Once they are turned, few counts are no longer told.
-    found.extend(of_samples(one, limits).unwrap_or_default().into_iter().filter(|of| of.id != "data.coarse"));
-    found.extend(beside_model(one, limits).unwrap_or_default());
+    let mut found: Vec<Finding> = one.averaged().map(|of| of.recorded.clone()).unwrap_or_default();
+    found.extend(resonant(one).filter(|finding| finding.breaks(limits)));
     found.extend(cut(one, window).filter(|finding| finding.breaks(limits)));
+    // With another phase nothing else can be told.
+    if let Some(phase) = of_phase(one).filter(|finding| finding.breaks(limits)) {
+        found.push(phase);
+        return found.into_iter().map(keyed).collect();
+    }
+    // Once they are turned, few counts are no longer told, nor once more what is cut off.
+    let told = |of: &Finding| {
+        of.id == "data.coarse" || found.iter().any(|other| other.id == "data.clipped" && other.id == of.id)
+    };
+    let samples: Vec<Finding> =
+        of_samples(one, limits).unwrap_or_default().into_iter().filter(|of| !told(of)).collect();
+    found.extend(samples);
+    found.extend(beside_model(one, limits).unwrap_or_default());
     // Noise has no frequency.
     let noise = found.iter().any(|finding| finding.id == "data.noise");
     found.extend(of_frequency(one).filter(|finding| !noise && finding.breaks(limits)));
@@ -78,6 +94,50 @@ fn of_samples(one: &ProcessedRun, limits: &RunLimits) -> Option<Vec<Finding>> {
     let (phase, kept): (_, Vec<Vec<f64>>) = (kept(cycle), raw.iter().map(|of| kept(of)).collect());
     let kept: Vec<&[f64]> = kept.iter().map(Vec::as_slice).collect();
     Some(examined(&phase, &kept))
+}
+
+/// An encoder that goes back, or turns at another rate than the gait.
+fn of_phase(one: &ProcessedRun) -> Option<Finding> {
+    let trace = &one.averaged()?.trace;
+    let (t, cycle) = (trace.values("t")?, trace.values("cycle")?);
+    if one.run.spec.process.phase != PhaseSource::Encoder {
+        return None;
+    }
+    let about = || format!("phase of {}", one.name());
+    let back = cycle.windows(2).filter(|pair| pair[1] <= pair[0]).count();
+    if back > 0 {
+        let text = format!(
+            "does not go ahead at {back} of {} samples: the encoder stands still, loses counts, or its column is another one; leave \
+             that part out, or take the phase by force or frequency",
+            cycle.len()
+        );
+        return Some(Finding::new("data.phase", &BACKWARD, about(), back as f64, text));
+    }
+    let (given, turned) = (one.run.frequency(), (cycle.last()? - cycle.first()?) / (t.last()? - t.first()?));
+    let ratio = turned / given;
+    let text = format!(
+        "turns at {turned:.4} Hz, {ratio:.3} times the {given} Hz that are given for the run: the encoder sits before a gear, its unit is \
+         another one, or the frequency is; give the phase of the gait, or take it by force or frequency"
+    );
+    Some(Finding::new("data.phase", &PHASE_RATE, about(), (ratio - 1.0).abs(), text))
+}
+
+/// By how much the resonance of the mount on its cell makes the highest harmonic that is judged too large: 1 / (1 - (f / f_r)^2), which
+/// is the gain of a mass on a spring that hardly damps.
+fn resonant(one: &ProcessedRun) -> Option<Finding> {
+    let trace = one.averaged()?;
+    let (frequency, resonance) = (one.run.frequency(), one.run.spec.rig.cell.resonance_hz);
+    let cutoff = one.run.spec.process.steps.cutoff_multiple;
+    let kept = if cutoff > 0.0 { cutoff.min(HARMONICS as f64) } else { HARMONICS as f64 };
+    let highest = kept.floor().max(1.0);
+    let at = highest * frequency;
+    let gain = |f: f64| 1.0 / (1.0 - (f / resonance).powi(2)).max(f64::MIN_POSITIVE) - 1.0;
+    let text = format!(
+        "the resonance at {resonance} Hz makes harmonic {highest} of the loads, at {at:.1} Hz, {:.0} % too large, and the model beside has \
+         none: stiffen the mount, or average fewer harmonics",
+        100.0 * gain(at)
+    );
+    (!trace.cycles.is_empty()).then(|| Finding::new("data.resonance", &RESONANCE, one.name(), gain(at), text))
 }
 
 /// The frequency of the strokes that the force tells, against that of the run: a phase by the force follows any.
@@ -122,13 +182,21 @@ fn beside_model(one: &ProcessedRun, limits: &RunLimits) -> Option<Vec<Finding>> 
     // A model may be wrong by much, but not so that the loads turned over are like it.
     let turned = |finding: &Finding| finding.id == "data.reversed" && finding.about == one.name();
     let noted = |finding: Finding| if turned(&finding) { finding } else { finding.noted() };
-    Some(compared(one.name(), &pairs, limits).into_iter().map(noted).collect())
+    let mut found: Vec<Finding> = compared(one.name(), &pairs, limits).into_iter().map(noted).collect();
+    // Without a tare the mean is that of the cell's offset.
+    if one.run.spec.process.steps.tare {
+        found.extend(mean_apart(one.name(), &pairs).filter(|finding| finding.breaks(limits)));
+    }
+    Some(found)
 }
 
 /// The same with the key of the run that mends it.
 fn keyed(finding: Finding) -> Finding {
     let key = match finding.id {
         "data.frequency" => Some("frequency_hz"),
+        "data.phase" => Some("process.input.columns"),
+        "data.resonance" => Some("process.steps.cutoff_multiple"),
+        "data.mean" => Some("rig.mount"),
         "data.cut" => Some("process.input.start_s"),
         "data.drift" => Some("process.steps.drift"),
         "data.reversed" | "data.swapped" | "data.dead" => Some("process.input.columns"),

@@ -272,6 +272,14 @@ fn weighing(name: &str, weighed: &TiltWeighing) -> String {
         1e3 * w.residual_rms[1],
         1e3 * w.residual_largest[1]
     );
+    let moved = weighed.mount_mm_per_deg;
+    if moved.iter().any(|x| *x != 0.0) {
+        let moved = moved.map(|x| format!("{x:.3}")).join(", ");
+        text += &format!(
+            "  +- is that of the fit: where the robot's wings rest is by its model; 1 deg of its gait's phase moves the centre of the \
+             mount by {moved} mm\n"
+        );
+    }
     text + &format!(
         "  to use it: --set rig.mount.link.mass_kg={:.6} --set 'rig.mount.link.com_m=[{:.6}, {:.6}, {:.6}]'\n",
         w.mass_kg, w.com_m[0], w.com_m[1], w.com_m[2]
