@@ -1130,7 +1130,7 @@ fn noise_drift_and_rest_have_no_line() {
 #[test]
 fn loads_are_told_as_cut_off_where_they_were_recorded() {
     let count = 1.0 / 320.0;
-    let noise = |k: usize| count * ((k as f64 * 12.9898).sin() * 43_758.545_3).fract();
+    let noise = |k: usize| 0.3 * count * ((k as f64 * 12.9898).sin() * 43_758.545_3).fract();
     let load = |k: usize| 0.025 * (TAU * k as f64 / 2000.0).sin() - 0.2 + noise(k);
     let counts = |x: f64| (x / count).round() * count;
     let quantised: Vec<f64> = (0..20_000).map(|k| counts(load(k))).collect();
