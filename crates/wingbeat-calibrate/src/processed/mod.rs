@@ -1,4 +1,6 @@
-//! The numbers beside the figures.
+//! What `rig process` says of its runs.
+
+mod judged;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,8 +12,17 @@ use wingbeat::rig::process::{Comparison, Steps};
 use wingbeat::scenario::{CombinedRuns, Evaluated, ProcessedRun, TiltWeighing};
 use wingbeat_io::samples::Import;
 
-use super::ProcessedFile;
-use super::judged::{findings, judged};
+use judged::{findings, judged};
+
+/// A file of samples, how it was read, and what of it was averaged, s.
+pub struct ProcessedFile {
+    /// Where it lies.
+    pub file: PathBuf,
+    /// How it was read.
+    pub import: Import,
+    /// Begin and end of what was averaged, s.
+    pub window: (f64, f64),
+}
 
 /// The contents of summary.json.
 #[derive(Serialize)]
