@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 from numpy.typing import ArrayLike
 
 from wingbeat import _wingbeat
-from wingbeat._documents import Overrides, Robot, Scenario, Source, document
+from wingbeat._documents import Overrides, Robot, Scenario, Source, document, number
 from wingbeat._html import picture, table, text
 from wingbeat._record import Array, Record, Strips
 from wingbeat._verdicts import judged
@@ -303,7 +303,7 @@ def fly(
     """
     native = scenario_of(scenario, overrides)._native
     names = [sees] if isinstance(sees, str) else None if sees is None else list(sees)
-    record, strips, summary = _wingbeat.fly(native, controller, period_s, names, observe)
+    record, strips, summary = _wingbeat.fly(native, controller, number("period_s", period_s), names, observe)
     parts = None if strips is None else Strips(Record(strips))
     return Flight(record=Record(record), strips=parts, summary=judged(summary), document=native.resolved)
 
