@@ -81,17 +81,16 @@ impl RigRun {
         Self::build(spec, resolved, document.clone()).map_err(|error| document.explain(&error))
     }
 
-    /// The runs of a file: itself, or those that it lists, `runs = ["a.toml", ...]`, each with `overrides`. A run
+    /// The runs of a document: itself, or those that it lists, `runs = ["a.toml", ...]`, each with `overrides`. A run
     /// without a seed gets its number, from 0; an override of the seed is that of the first run.
     ///
     /// # Errors
     /// Those of [`new`](Self::new); two runs of one name.
     pub fn load_all(
-        path: &Path,
+        list: Document,
         overrides: &[String],
         translate: Translate,
     ) -> Result<Vec<Self>, ConfigError> {
-        let list = Document::file(path)?;
         if list.written("runs").is_none() {
             return Ok(vec![Self::new(seeded(list, overrides, 0), translate)?]);
         }
