@@ -10,6 +10,7 @@ use std::path::Path;
 use wingbeat::judge::RunLimits;
 use wingbeat::math::NamedNumber;
 use wingbeat::parallel;
+use wingbeat::robot::FittedModel;
 use wingbeat::scenario::{
     CalibratedRunSpec, CalibrationSpec, ConfigError, Document, KeyProblem, RigRun, StructureOfModel,
     TetherCase, Translate, ValuePlace, Wrong, nearest_names,
@@ -36,6 +37,15 @@ pub struct ModelStructure {
     pub model: RigModel,
     /// What is fitted.
     pub parameters: Vec<FittedParameter>,
+}
+
+impl ModelStructure {
+    /// Robot, preset and law of its first run; of cases alone those of the first.
+    pub fn fitted_with(&self) -> FittedModel {
+        let of_case = || self.model.cases.first().map(|case| case.case.fitted_model());
+        let of_run = self.model.targets.first().map(|target| target.run.fitted_model());
+        of_run.or_else(of_case).unwrap_or_default()
+    }
 }
 
 impl CalibrationFile {

@@ -13,7 +13,7 @@ use wingbeat_rig::arm::{LimitProfile, Payload, SerialArm};
 use wingbeat_rig::carrier::{CellMount, ToolCarrier};
 use wingbeat_rig::plan::{ArmApproach, Envelope, Margins, PlacementWorkspace, Refusal, TurnPlan, TurnSpec};
 use wingbeat_rig::{BenchDeviations, Experiment, Outcome, Pose, RigNumbers};
-use wingbeat_robot::Robot;
+use wingbeat_robot::{FittedModel, Robot};
 
 /// A checked run.
 #[derive(Debug)]
@@ -166,8 +166,13 @@ impl RigRun {
     }
 
     /// What is said of the fit that the numbers of its robot are from.
-    pub fn of_fit(&self) -> Option<Warning> {
-        fit::rejected_fit("rig.robot.numbers", &self.spec.rig.robot.numbers)
+    pub fn of_fit(&self) -> impl Iterator<Item = Warning> {
+        fit::of_numbers("rig.robot.numbers", &self.spec.rig.robot.numbers, &self.fitted_model())
+    }
+
+    /// The model that numbers that are fitted to it are of.
+    pub fn fitted_model(&self) -> FittedModel {
+        fit::model_of(Some(&self.spec.rig.robot), &self.spec.rig.aero)
     }
 
     /// Flapping frequency, Hz.

@@ -116,7 +116,7 @@ fn verdict(runs: &[ProcessedRun], files: &[ProcessedFile]) -> Verdict {
     let judged = runs.iter().zip(files).map(|(one, file)| {
         let mut judge = Judge::new(&one.run.limits);
         findings(one, file.window, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
-        one.run.of_fit().into_iter().for_each(|warning| judge.warn(warning));
+        one.run.of_fit().for_each(|warning| judge.warn(warning));
         judge.verdict().of(&one.run.spec.name)
     });
     let judged: Vec<Verdict> = judged.collect();
