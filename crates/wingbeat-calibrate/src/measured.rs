@@ -128,12 +128,12 @@ pub fn observed(
 fn cycles_of(target: &RigTarget, pass: &MeasuredPass, bins: &mut Bins) -> Result<Cycles, Error> {
     let rows = window(target, pass)?;
     let range = target.run.spec.rig.cell.calibration.range();
-    let oddities = clipped(pass, rows.clone(), &range);
     let outside = target.run.outside(&pass.time, &pass.channels, &pass.status, target.window().1);
     let outside = outside.map_err(|error| Error::data(&pass.file, target.run.explain(&error).to_string()))?;
     let finite = |k: usize| pass.channels.iter().all(|channel| channel[k].is_finite());
     let mut usable: Vec<bool> = (0..pass.time.len()).map(finite).collect();
     outside.rows.iter().for_each(|row| usable[*row] = false);
+    let oddities = clipped(pass, rows.clone().filter(|k| usable[*k]), &range);
     let rest = rest(target, pass, &usable)?;
     let lines = rest.as_ref().map_or([(0.0, 0.0); 6], |rest| rest.lines);
     let mut channels: [Vec<f64>; 6] = Default::default();
@@ -297,11 +297,11 @@ fn unusable(target: &RigTarget, pass: &MeasuredPass, rows: Range<usize>) -> Stri
 /// reaches an extreme once.
 const CLIPPED: f64 = 0.03;
 
-/// Channels that stand at their highest or lowest value within the range for longer than noise lets them.
-fn clipped(pass: &MeasuredPass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
+/// Channels that, at the samples `rows`, stand at their highest or lowest value within the range for longer than noise lets them.
+fn clipped(pass: &MeasuredPass, rows: impl Iterator<Item = usize> + Clone, range: &[f64; 6]) -> Vec<String> {
     let mut told = Vec::new();
     for (i, (name, unit)) in CHANNELS.iter().enumerate() {
-        let values = || rows.clone().map(|k| pass.channels[i][k]).filter(|x| x.is_finite());
+        let values = || rows.clone().map(|k| pass.channels[i][k]);
         for end in [values().fold(f64::NEG_INFINITY, f64::max), values().fold(f64::INFINITY, f64::min)] {
             let (count, all) = (values().filter(|x| *x == end).count(), values().count());
             let flat = values().all(|x| x == end);
