@@ -167,10 +167,11 @@ fn the_model_follows_the_joints_that_were_recorded() {
         let mut columns = vec![Column { values: pass.time.clone(), ..Column::new("t", "s", "") }];
         for j in 0..target.run.arm.dof() {
             let wave = |t: f64| [(rate * t).sin(), rate * (rate * t).cos(), -rate * rate * (rate * t).sin()];
-            let parts: [(&str, fn(Jet) -> f64); 3] =
-                [("q", |jet| jet.x), ("dq", |jet| jet.d), ("ddq", |jet| jet.dd)];
-            for (k, (name, part)) in parts.into_iter().enumerate() {
-                let value = |t: &f64| part(carrier.joints(*t).unwrap()[j]) + by * wave(*t)[k];
+            for (k, name) in ["q", "dq", "ddq"].into_iter().enumerate() {
+                let value = |t: &f64| {
+                    let Jet { x, d, dd } = carrier.joints(*t).unwrap()[j];
+                    [x, d, dd][k] + by * wave(*t)[k]
+                };
                 let values = pass.time.iter().map(value).collect();
                 columns.push(Column { values, ..Column::new(format!("{name}{}", j + 1), "", "") });
             }
