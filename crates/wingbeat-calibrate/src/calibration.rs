@@ -10,6 +10,7 @@ use std::path::Path;
 use wingbeat::judge::RunLimits;
 use wingbeat::math::NamedNumber;
 use wingbeat::parallel;
+use wingbeat::robot::FittedModel;
 use wingbeat::scenario::{
     CalibratedRunSpec, CalibrationSpec, ConfigError, Document, KeyProblem, RigRun, StructureOfModel,
     TetherCase, Translate, ValuePlace, Wrong, nearest_names,
@@ -17,6 +18,10 @@ use wingbeat::scenario::{
 
 /// Names that a refusal of an unknown one proposes.
 const PROPOSED: usize = 4;
+/// What is said of passes that recorded the joints.
+const MEAN_MOTION: &str = "the model follows the mean of the joints that the passes recorded";
+/// What is said of passes of which not all recorded all joints.
+const NO_MOTION: &str = "not all passes recorded all joints without gaps: the model follows the plan";
 /// What overrides of the model's air begin with: those of a case do without the first part.
 const OF_RIG: &str = "rig.";
 
@@ -36,6 +41,15 @@ pub struct ModelStructure {
     pub model: RigModel,
     /// What is fitted.
     pub parameters: Vec<FittedParameter>,
+}
+
+impl ModelStructure {
+    /// Robot, preset and law of its first run; of cases alone those of the first.
+    pub fn fitted_with(&self) -> FittedModel {
+        let of_case = || self.model.cases.first().map(|case| case.case.fitted_model());
+        let of_run = self.model.targets.first().map(|target| target.run.fitted_model());
+        of_run.or_else(of_case).unwrap_or_default()
+    }
 }
 
 impl CalibrationFile {
@@ -356,21 +370,31 @@ impl CalibrationFile {
         self.explain(&refused.renamed(&names)).into()
     }
 
-    /// What was measured in the runs of `structure`; `read` reads a file of samples for a run. Runs without files are
-    /// made by the `truth`.
+    /// What was measured in the runs of `structure`, which then moves as it was measured; `read` reads a file of samples for a run. Runs
+    /// without files are made by the `truth`.
     ///
     /// # Errors
     /// Samples that cannot be used.
     pub fn observed(
         &self,
-        structure: &ModelStructure,
+        structure: &mut ModelStructure,
         translate: Translate,
         read: &(dyn Fn(&Path, &RigRun) -> Result<MeasuredPass, Error> + Sync),
     ) -> Result<Vec<ObservedCycles>, CalibrationFailure> {
         let passes = self.passes(structure, translate, read)?;
+        let targets = structure.model.targets.iter_mut().zip(&passes);
+        let follows: Vec<bool> = targets.map(|(target, passes)| target.follow(passes)).collect();
+        let structure = &*structure;
         let one = |k: usize, passes: &Vec<MeasuredPass>| {
             let target = &structure.model.targets[k];
-            observed(target, passes, RunRole::of(&self.spec.runs[k]), self.spec.robust)
+            let mut seen = observed(target, passes, RunRole::of(&self.spec.runs[k]), self.spec.robust)?;
+            let some = || passes.iter().any(|pass| pass.motion.is_some());
+            seen.oddities.extend(match follows[k] {
+                true if passes.len() > 1 => Some(MEAN_MOTION.to_owned()),
+                false if some() => Some(NO_MOTION.to_owned()),
+                _ => None,
+            });
+            Ok(seen)
         };
         let all: Result<Vec<ObservedCycles>, Error> = parallel::map(&passes, one).into_iter().collect();
         let mut all = all?;

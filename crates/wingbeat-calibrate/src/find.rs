@@ -39,8 +39,8 @@ impl CalibrationFile {
     /// # Errors
     /// Bad runs, samples that cannot be used, a model without an answer.
     pub fn prepared(&self) -> Result<PreparedCalibration<'_>, CalibrationFailure> {
-        let structure = self.structure(&[], &urdf_as_toml)?;
-        let runs = self.observed(&structure, &urdf_as_toml, &data::read)?;
+        let mut structure = self.structure(&[], &urdf_as_toml)?;
+        let runs = self.observed(&mut structure, &urdf_as_toml, &data::read)?;
         let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
         let mut cautions = checked(&structure, &runs, &values)?;
         let by_case = doctor::suspected(&structure, &runs, &values)?;
@@ -152,6 +152,9 @@ impl PreparedCalibration<'_> {
         watch: &mut FitWatch,
     ) -> Result<Rival, CalibrationFailure> {
         let mut structure = self.calibration.structure(set, &urdf_as_toml)?;
+        for (target, own) in structure.model.targets.iter_mut().zip(&self.structure.model.targets) {
+            target.moves_as(own);
+        }
         for (parameter, value) in structure.parameters.iter_mut().zip(&solved.values) {
             parameter.start = *value;
         }

@@ -7,6 +7,7 @@ use crate::{
 };
 use wingbeat::judge::Warning;
 use wingbeat::judge::data::Finding;
+use wingbeat::robot::FittedModel;
 use wingbeat::simulate::{Column, Record};
 
 /// Variance far below any cell's resolution, of channels that repeat to the last digit.
@@ -33,6 +34,8 @@ pub struct CalibrationResult {
     pub name: String,
     /// The model's overrides.
     pub model: Vec<String>,
+    /// Robot, preset and law of the model.
+    pub fitted_with: FittedModel,
     /// What was fitted.
     pub parameters: Vec<FittedParameter>,
     /// Names and values of what was held, in their declared units.
@@ -118,6 +121,7 @@ impl CalibrationResult {
         Ok(Self {
             name: calibration.spec.name.clone(),
             model: calibration.spec.model.clone(),
+            fitted_with: structure.fitted_with(),
             parameters: structure.parameters.clone(),
             held: structure.model.held.clone(),
             values: solved.values.clone(),

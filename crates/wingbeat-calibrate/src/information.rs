@@ -12,6 +12,8 @@ pub const CLOSE: f64 = 0.9;
 const NOTHING: f64 = 1.0;
 /// Smallest eigenvalue of the information with a unit diagonal: below it directions are of rounding. *Choice.*
 const LEAST: f64 = 1e-7;
+/// Slope of the loads by a parameter, in parts of its size and of the largest, below which no load depends on it: what rounding leaves.
+const SILENT: f64 = 1e-9;
 
 /// What the runs say of the parameters at their starts.
 #[derive(Clone, Debug)]
@@ -31,6 +33,8 @@ pub struct Information {
     pub correlations: DMatrix<f64>,
     /// Groups of parameters of which only a combination is told, with its weights in parts of their sizes.
     pub inseparable: Vec<Vec<(usize, f64)>>,
+    /// Parameters on which no load depends, whatever their priors say.
+    pub silent: Vec<usize>,
     /// Pairs that are close, with their correlation.
     pub close: Vec<(usize, usize, f64)>,
     /// Runs, of those given, that suffice for every parameter's standard error to be below its size, in order of what
@@ -65,6 +69,9 @@ impl Information {
         let (square, _) = at.normal(parameters, values, &[]);
         let known = (0..n).map(|k| 1.0 / (square[(k, k)].sqrt() * sizes[k])).collect();
         let (together, inseparable) = told(&square, &sizes);
+        let slope = |k: usize| at.jacobians.iter().map(|j| j.column(k).norm_squared()).sum::<f64>();
+        let by_size: Vec<f64> = (0..n).map(|k| slope(k).sqrt() * sizes[k]).collect();
+        let largest = by_size.iter().copied().fold(0.0, f64::max);
         let correlations = correlations(&inverse(&square));
         let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (j, i)));
         let among = |i: usize| inseparable.iter().any(|group| group.iter().any(|(k, _)| *k == i));
@@ -80,6 +87,7 @@ impl Information {
             known,
             correlations,
             inseparable,
+            silent: (0..n).filter(|k| !(by_size[*k] > SILENT * largest)).collect(),
             close,
             suffice: suffice(problem, at, values, &sizes),
         }
@@ -95,7 +103,7 @@ impl Information {
         for group in &self.inseparable {
             let names: Vec<&str> = group.iter().map(|(k, _)| name(k)).collect();
             told.push(match names.as_slice() {
-                [one] => format!("{one}: no run depends on it"),
+                [one] => format!("{one}: {NO_LOAD}"),
                 _ => format!(
                     "{}: only {} is told, not each; hold all but one, give priors, or add runs that part them",
                     names.join(" and "),
@@ -103,19 +111,29 @@ impl Information {
                 ),
             });
         }
-        let grouped = |k: usize| self.inseparable.iter().any(|group| group.iter().any(|(i, _)| *i == k));
+        let prior = |k: &usize| problem.parameters[*k].prior.is_some();
+        told.extend(self.silent.iter().filter(|k| prior(k)).map(|k| format!("{}: {NO_LOAD}", name(k))));
+        let grouped = |k: usize| {
+            self.silent.contains(&k)
+                || self.inseparable.iter().any(|group| group.iter().any(|(i, _)| *i == k))
+        };
         for (k, error) in self.together.iter().enumerate() {
             if *error > NOTHING && !grouped(k) {
                 told.push(format!(
-                    "{}: its standard error would be {:.1} times its size; hold it, give a prior, or add runs",
+                    "{}: its standard error would be {:.1} times its size; hold it, {} prior, or add runs",
                     name(&k),
-                    error
+                    error,
+                    if prior(&k) { "give a narrower" } else { "give a" }
                 ));
             }
         }
         if told.is_empty() { Ok(()) } else { Err(Error::Uninformed(told.join("\n"))) }
     }
 }
+
+/// What is said of a parameter on which no load depends.
+const NO_LOAD: &str =
+    "no load of the runs depends on it, as other laws (aero.law) or presets might: leave it out";
 
 /// The combination that a group tells: powers of a product, as relative changes add up.
 fn product(group: &[(usize, f64)], problem: &FitProblem) -> String {
@@ -138,7 +156,7 @@ fn told(square: &DMatrix<f64>, sizes: &[f64]) -> (Vec<f64>, Vec<Vec<(usize, f64)
     let n = sizes.len();
     let diagonal: Vec<f64> = (0..n).map(|k| square[(k, k)].sqrt()).collect();
     let largest = (0..n).map(|k| diagonal[k] * sizes[k]).fold(0.0, f64::max);
-    let silent = |k: usize| !(diagonal[k] * sizes[k] > 1e-9 * largest);
+    let silent = |k: usize| !(diagonal[k] * sizes[k] > SILENT * largest);
     let unit = DMatrix::from_fn(n, n, |i, j| match (silent(i) || silent(j), i == j) {
         (true, true) => 1.0,
         (true, false) => 0.0,

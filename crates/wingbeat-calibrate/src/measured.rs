@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use wingbeat::judge::limits::data::DEAD;
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::rig::netft::{StatusClass, classify};
 use wingbeat::rig::process::{PhaseSource, Samples, phase_of};
 use wingbeat::simulate::Record;
 
@@ -27,17 +28,33 @@ pub struct MeasuredPass {
     pub phase: Vec<f64>,
     /// Fx .. Tz in the cell's frame, N and N m.
     pub channels: [Vec<f64>; 6],
+    /// Status words of the box, bits without unit; empty when there are none.
+    pub status: Vec<f64>,
+    /// Time, and positions, rates and accelerations of the arm's joints; none where they are not recorded.
+    pub motion: Option<Record>,
 }
 
 impl MeasuredPass {
-    /// The columns t, Fx .. Tz and phase of a record.
+    /// The columns t, Fx .. Tz, phase, status, and those of the joints of a record.
     ///
     /// # Errors
     /// A column that is missing.
     pub fn of(file: &str, record: Record) -> Result<Self, Error> {
-        let samples = Samples::from_record(record, "")?;
-        Ok(Self { file: file.into(), time: samples.time, phase: samples.phase, channels: samples.channels })
+        let motion = joints(&record);
+        let Samples { time, phase, channels, status, .. } = Samples::from_record(record, "")?;
+        Ok(Self { file: file.into(), time, phase, channels, status, motion })
     }
+}
+
+/// The columns of a record by which the joints of an arm move; none without the first joint.
+fn joints(record: &Record) -> Option<Record> {
+    record.column("q1")?;
+    let of_joint = |name: &str| {
+        let number = ["ddq", "dq", "q"].into_iter().find_map(|of| name.strip_prefix(of));
+        number.is_some_and(|number| number.parse::<usize>().is_ok())
+    };
+    let columns = record.columns().iter().filter(|column| column.name == "t" || of_joint(&column.name));
+    Record::new(columns.cloned().collect(), 0).ok()
 }
 
 /// What a pass gives.
@@ -111,8 +128,13 @@ pub fn observed(
 fn cycles_of(target: &RigTarget, pass: &MeasuredPass, bins: &mut Bins) -> Result<Cycles, Error> {
     let rows = window(target, pass)?;
     let range = target.run.spec.rig.cell.calibration.range();
-    let oddities = clipped(pass, rows.clone(), &range);
-    let rest = rest(target, pass)?;
+    let outside = target.run.outside(&pass.time, &pass.channels, &pass.status, target.window().1);
+    let outside = outside.map_err(|error| Error::data(&pass.file, target.run.explain(&error).to_string()))?;
+    let finite = |k: usize| pass.channels.iter().all(|channel| channel[k].is_finite());
+    let mut usable: Vec<bool> = (0..pass.time.len()).map(finite).collect();
+    outside.rows.iter().for_each(|row| usable[*row] = false);
+    let oddities = clipped(pass, rows.clone().filter(|k| usable[*k]), &range);
+    let rest = rest(target, pass, &usable)?;
     let lines = rest.as_ref().map_or([(0.0, 0.0); 6], |rest| rest.lines);
     let mut channels: [Vec<f64>; 6] = Default::default();
     // One sample more on both sides.
@@ -122,10 +144,10 @@ fn cycles_of(target: &RigTarget, pass: &MeasuredPass, bins: &mut Bins) -> Result
             let (offset, slope) = lines[i];
             pass.channels[i][k] - offset - slope * pass.time[k]
         });
-        let body = if is_usable(pass, &range, k) { target.in_body(raw) } else { [f64::NAN; 6] };
+        let body = if usable[k] { target.in_body(raw) } else { [f64::NAN; 6] };
         channels.iter_mut().zip(body).for_each(|(channel, x)| channel.push(x));
     }
-    let read = TaredPass { target, pass, rows, from, channels, rest, oddities };
+    let read = TaredPass { target, pass, rows, usable, from, channels, rest, oddities };
     match target.tilts() {
         Some(tilts) => Ok(read.tilted(tilts, bins)),
         None => read.flapped(bins),
@@ -149,16 +171,14 @@ fn window(target: &RigTarget, pass: &MeasuredPass) -> Result<Range<usize>, Error
     Ok(from..to)
 }
 
-fn is_usable(pass: &MeasuredPass, range: &[f64; 6], k: usize) -> bool {
-    (0..6).all(|i| pass.channels[i][k].is_finite() && pass.channels[i][k].abs() < range[i] * (1.0 - 1e-9))
-}
-
 /// A pass less its tare, in the body's axes.
 struct TaredPass<'a> {
     target: &'a RigTarget,
     pass: &'a MeasuredPass,
     /// Samples over which the run is averaged.
     rows: Range<usize>,
+    /// Which samples are there and not left out.
+    usable: Vec<bool>,
     /// The sample with which `channels` begin.
     from: usize,
     /// Loads; NaN where a sample cannot be used.
@@ -222,8 +242,7 @@ impl TaredPass<'_> {
             .map(|cycle| project(&phase, channels, begin + TAU * cycle as f64, layout.harmonics))
             .collect();
         let left_out = all.iter().filter(|cycle| cycle.is_none()).count();
-        let range = target.run.spec.rig.cell.calibration.range();
-        let some_bad = self.rows.clone().any(|k| !is_usable(pass, &range, k));
+        let some_bad = self.usable[self.rows.clone()].contains(&false);
         let what = || unusable(target, pass, self.rows.clone());
         if some_bad && left_out == 0 || left_out == whole {
             return Err(wrong(format!("{}: no cycle is left", what())));
@@ -266,6 +285,11 @@ fn unusable(target: &RigTarget, pass: &MeasuredPass, rows: Range<usize>) -> Stri
             ));
         }
     }
+    let bad = |k: &usize| pass.status.get(*k).is_some_and(|word| classify(*word as u32) != StatusClass::Good);
+    let by_box = rows.clone().filter(bad).count();
+    if by_box > 0 {
+        told.push(format!("{by_box} are not to be trusted by the status words of the box"));
+    }
     format!("of {} samples {}", rows.len(), told.join(", "))
 }
 
@@ -273,11 +297,11 @@ fn unusable(target: &RigTarget, pass: &MeasuredPass, rows: Range<usize>) -> Stri
 /// reaches an extreme once.
 const CLIPPED: f64 = 0.03;
 
-/// Channels that stand at their highest or lowest value within the range for longer than noise lets them.
-fn clipped(pass: &MeasuredPass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
+/// Channels that, at the samples `rows`, stand at their highest or lowest value within the range for longer than noise lets them.
+fn clipped(pass: &MeasuredPass, rows: impl Iterator<Item = usize> + Clone, range: &[f64; 6]) -> Vec<String> {
     let mut told = Vec::new();
     for (i, (name, unit)) in CHANNELS.iter().enumerate() {
-        let values = || rows.clone().map(|k| pass.channels[i][k]).filter(|x| x.is_finite());
+        let values = || rows.clone().map(|k| pass.channels[i][k]);
         for end in [values().fold(f64::NEG_INFINITY, f64::max), values().fold(f64::INFINITY, f64::min)] {
             let (count, all) = (values().filter(|x| *x == end).count(), values().count());
             let flat = values().all(|x| x == end);

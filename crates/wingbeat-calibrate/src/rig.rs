@@ -1,13 +1,14 @@
 //! Runs on the rig as a model of cycles.
 
+use crate::measured::MeasuredPass;
 use crate::tilts::{INSTANTS, Tilts};
 use crate::{CaseTarget, CycleModel, Error, HarmonicLayout, PHASES, phase_of, project};
 use std::f64::consts::TAU;
-use wingbeat::math::Vec3;
+use wingbeat::math::{Jet, Vec3};
 use wingbeat::plant::Fault;
 use wingbeat::rig::carrier::{CellMount, ToolCarrier, carried_frames};
 use wingbeat::rig::cell::{CellSpec, six, wrench};
-use wingbeat::rig::{Instants, Wrenches};
+use wingbeat::rig::{Instants, JointTrajectory, Wrenches};
 use wingbeat::scenario::RigRun;
 
 /// Share of the rest at its begin that the tare leaves out, as the processing of runs does.
@@ -123,6 +124,24 @@ impl RigTarget {
     /// The attitudes of a run whose wings are still.
     pub fn tilts(&self) -> Option<Tilts> {
         self.tilts
+    }
+
+    /// Follows the joints that `passes` recorded, by the rule of `rig process`; of several passes their mean. True where it does: where a pass
+    /// has none, the motion stays as planned.
+    pub fn follow(&mut self, passes: &[MeasuredPass]) -> bool {
+        let joints = |pass: &MeasuredPass| self.run.recorded_joints(pass.motion.as_ref()?, self.window);
+        let Some(mut all) = passes.iter().map(joints).collect::<Option<Vec<JointTrajectory>>>() else {
+            return false;
+        };
+        let Some(first) = all.pop() else { return false };
+        let trajectory = mean(first, &all);
+        self.carrier = ToolCarrier::Arm { arm: Box::new(self.run.arm.clone()), trajectory };
+        true
+    }
+
+    /// Moves as `other`, the same run, does.
+    pub fn moves_as(&mut self, other: &Self) {
+        self.carrier = other.carrier.clone();
     }
 
     /// What carries the robot.
@@ -268,6 +287,24 @@ pub fn in_cell(mount: &CellMount, layout: HarmonicLayout, cycle: &[f64]) -> Vec<
         (0..6).for_each(|channel| turned[layout.at(channel, part)] = cell[channel]);
     }
     turned
+}
+
+/// The mean of a motion and `others`, at the instants of the first.
+fn mean(mut of: JointTrajectory, others: &[JointTrajectory]) -> JointTrajectory {
+    let share = 1.0 / (1 + others.len()) as f64;
+    for row in 0..of.len() {
+        let t = row as f64 * of.step;
+        let jets: Vec<_> = others.iter().map(|other| other.at(t)).collect();
+        let add = |rows: &mut Vec<Vec<f64>>, part: fn(&Jet) -> f64| {
+            for (j, value) in rows[row].iter_mut().enumerate() {
+                *value = share * (*value + jets.iter().map(|jets| part(&jets[j])).sum::<f64>());
+            }
+        };
+        add(&mut of.position, |jet| jet.x);
+        add(&mut of.velocity, |jet| jet.d);
+        add(&mut of.acceleration, |jet| jet.dd);
+    }
+    of
 }
 
 /// Whether the robot at rest stands in a wind.

@@ -31,15 +31,14 @@ pub struct Tare {
 /// batch. *Choice.*
 const BATCHES: usize = 24;
 
-/// Offset and slope of each channel over the rest, as it is read; none where the run takes no tare.
-pub fn rest(target: &RigTarget, pass: &MeasuredPass) -> Result<Option<Rest>, Error> {
+/// Offset and slope of each channel over the `usable` samples of the rest, as it is read; none where the run takes no tare.
+pub fn rest(target: &RigTarget, pass: &MeasuredPass, usable: &[bool]) -> Result<Option<Rest>, Error> {
     if !target.tared() {
         return Ok(None);
     }
     let end = pass.time.partition_point(|t| *t < -1e-9);
     let from = (end as f64 * SETTLING) as usize;
-    let rows: Vec<usize> =
-        (from..end).filter(|k| pass.channels.iter().all(|channel| channel[*k].is_finite())).collect();
+    let rows: Vec<usize> = (from..end).filter(|k| usable[*k]).collect();
     if rows.len() < 16 {
         let what = format!(
             "{} samples of rest before the run: at least 16 are needed for the tare (process.input.start_s says when \

@@ -60,6 +60,8 @@ impl Clean {
             time: Vec::with_capacity(self.rows.len()),
             phase: Vec::with_capacity(self.rows.len()),
             channels: Default::default(),
+            status: Vec::new(),
+            motion: None,
         };
         let rate = TAU * target.run.frequency();
         for (k, row) in self.rows.iter().enumerate() {

@@ -4,6 +4,7 @@ use crate::data::SampleFiles;
 use crate::found::CalibrationResult;
 use crate::{FittedParameter, Information, RunRole, rms};
 use wingbeat::judge::Verdict;
+use wingbeat::robot::FittedModel;
 
 /// The information table as text: what the runs tell of the parameters before they are fitted.
 pub fn information(of: &Information, parameters: &[FittedParameter]) -> String {
@@ -300,6 +301,9 @@ pub fn numbers(found: &CalibrationResult, files: &SampleFiles, commit: &str, ver
         verdict.reason.as_deref().unwrap_or_default(),
         env!("CARGO_PKG_VERSION")
     );
+    let FittedModel { robot, preset, law } = &found.fitted_with;
+    let of = if robot.is_empty() { String::new() } else { format!("robot = {robot:?}, ") };
+    text += &format!("model = {{ {of}preset = {preset:?}, law = {law:?} }}\n");
     for (k, parameter) in found.parameters.iter().enumerate() {
         text += &format!(
             "{:?} = {:?} # standard error {:.3e}, {}\n",

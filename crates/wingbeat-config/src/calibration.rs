@@ -408,7 +408,9 @@ impl ParameterSpec {
         }
         let within = Range::between(low, high);
         self.start.map_or(Ok(()), |start| within.check("start", start))?;
-        let Some([_, deviation]) = self.prior else { return Ok(()) };
+        let Some([mean, deviation]) = self.prior else { return Ok(()) };
+        // A prior in another unit, degrees for radians, mostly lies where the number cannot.
+        within.check("prior[0]", mean)?;
         Range::POSITIVE.check("prior[1]", deviation)
     }
 }

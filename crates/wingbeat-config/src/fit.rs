@@ -1,10 +1,10 @@
-//! What a run says of the numbers that it is given by name: the fit that they are from, and overrides that they make vain.
+//! What a run says of the numbers that it is given by name: the fit that they are from, another model than it had, and overrides that they make vain.
 
-use super::Document;
 use super::spec::ScenarioSpec;
+use super::{AeroSpec, Document};
 use wingbeat_judge::Warning;
 use wingbeat_math::NamedNumber;
-use wingbeat_robot::{GivenNumbers, stands_for};
+use wingbeat_robot::{FittedModel, GivenNumbers, RobotSpec, stands_for};
 
 /// Numbers by name, which stand under a key.
 pub(super) struct ByName<'a> {
@@ -57,8 +57,37 @@ impl ByName<'_> {
     }
 }
 
+/// The warnings of a run in the `model` that uses `numbers`, which stand under `key`: that their fit was not found good, and that they are
+/// of another model.
+pub(super) fn of_numbers(
+    key: &'static str,
+    numbers: &GivenNumbers,
+    model: &FittedModel,
+) -> impl Iterator<Item = Warning> + use<> {
+    rejected_fit(key, numbers).into_iter().chain(other_model(key, numbers, model))
+}
+
+/// The warning that `numbers`, which stand under `key`, were fitted with another model than `model`.
+fn other_model(key: &'static str, numbers: &GivenNumbers, model: &FittedModel) -> Option<Warning> {
+    let apart = numbers.model.as_ref()?.apart(model);
+    let text = format!(
+        "the numbers of {key} were fitted with another model ({}): they make up for what that one lacks, and may not hold here",
+        apart.join("; ")
+    );
+    (!apart.is_empty()).then(|| Warning::new("fit.other_model", text).key(key))
+}
+
+/// The model of `robot` in the air of `aero`; without a robot that of a wing alone.
+pub(super) fn model_of(robot: Option<&RobotSpec>, aero: &AeroSpec) -> FittedModel {
+    FittedModel {
+        robot: robot.map(|robot| robot.name.clone()).unwrap_or_default(),
+        preset: aero.preset.name().into(),
+        law: aero.law.name().into(),
+    }
+}
+
 /// The warning of a run that uses `numbers`, which stand under `key`, of a fit that was not found good.
-pub(super) fn rejected_fit(key: &'static str, numbers: &GivenNumbers) -> Option<Warning> {
+fn rejected_fit(key: &'static str, numbers: &GivenNumbers) -> Option<Warning> {
     let verdict = numbers.verdict.as_ref().filter(|verdict| !verdict.is_ok())?;
     let reason = if verdict.reason.is_empty() { String::new() } else { format!(" ({})", verdict.reason) };
     let text =
@@ -67,14 +96,16 @@ pub(super) fn rejected_fit(key: &'static str, numbers: &GivenNumbers) -> Option<
 }
 
 /// The same of the robot that a scenario's controller knows.
-pub(super) fn of_known(spec: &ScenarioSpec) -> Option<Warning> {
-    rejected_fit("robot.numbers", &spec.robot.numbers)
+pub(super) fn of_known(spec: &ScenarioSpec) -> impl Iterator<Item = Warning> {
+    of_numbers("robot.numbers", &spec.robot.numbers, &model_of(Some(&spec.robot), &spec.aero))
 }
 
 /// The same of that robot and of the one that flies.
 pub(super) fn of_flown(spec: &ScenarioSpec) -> impl Iterator<Item = Warning> {
     let own = spec.mismatch.as_ref().and_then(|mismatch| mismatch.numbers.as_ref());
-    of_known(spec).into_iter().chain(own.and_then(|numbers| rejected_fit("mismatch.numbers", numbers)))
+    let model = model_of(Some(&spec.robot), &spec.aero);
+    let of_own = own.map(|numbers| of_numbers("mismatch.numbers", numbers, &model));
+    of_known(spec).chain(of_own.into_iter().flatten())
 }
 
 /// The warnings that overrides of the merged `document` of a scenario, `spec`, say numbers of its robot that `robot.numbers` gives too.

@@ -426,7 +426,7 @@ const NO_PATH: &str =
     "not judged: the angle of the path; the flight is shorter than 2 s (lengthen flight.duration_s)";
 
 /// Why it is open whether a short flight is carried.
-const NO_MEAN_FORCE: &str = "not judged: flight.weight_carried; the flight is shorter than a cycle of its gait, or with its wings at rest than 1 s (lengthen flight.duration_s)";
+const NO_MEAN_FORCE: &str = "not judged: flight.weight_carried; the flight is shorter than a cycle of its gait, or with its wings at rest than 1 s (lengthen flight.duration_s, or mend the drive of a gait that does not turn)";
 /// Cycles that rounding takes from a whole one.
 const ROUNDING: f64 = 1e-6;
 /// Time after which a flight has a path that can be judged, s. *Choice.*

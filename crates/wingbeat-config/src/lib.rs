@@ -107,7 +107,7 @@ pub use plan::{
 pub use planned::{PreparedSummary, ReducedPlanSummary};
 pub use rig::RigRun;
 pub use rig_model::Modelled;
-pub use rig_process::{Processed, TiltWeighing};
+pub use rig_process::{Outside, Processed, TiltWeighing};
 pub use rig_simulated::{SimulatedRun, SimulatedSummary};
 pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, RigSpec};
 pub use rig_together::{CombinedRuns, Evaluated, ProcessedRun, WindowedRun, subtract_still_air, together};

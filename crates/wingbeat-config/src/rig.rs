@@ -13,7 +13,7 @@ use wingbeat_rig::arm::{LimitProfile, Payload, SerialArm};
 use wingbeat_rig::carrier::{CellMount, ToolCarrier};
 use wingbeat_rig::plan::{ArmApproach, Envelope, Margins, PlacementWorkspace, Refusal, TurnPlan, TurnSpec};
 use wingbeat_rig::{BenchDeviations, Experiment, Outcome, Pose, RigNumbers};
-use wingbeat_robot::Robot;
+use wingbeat_robot::{FittedModel, Robot};
 
 /// A checked run.
 #[derive(Debug)]
@@ -81,17 +81,16 @@ impl RigRun {
         Self::build(spec, resolved, document.clone()).map_err(|error| document.explain(&error))
     }
 
-    /// The runs of a file: itself, or those that it lists, `runs = ["a.toml", ...]`, each with `overrides`. A run
+    /// The runs of a document: itself, or those that it lists, `runs = ["a.toml", ...]`, each with `overrides`. A run
     /// without a seed gets its number, from 0; an override of the seed is that of the first run.
     ///
     /// # Errors
     /// Those of [`new`](Self::new); two runs of one name.
     pub fn load_all(
-        path: &Path,
+        list: Document,
         overrides: &[String],
         translate: Translate,
     ) -> Result<Vec<Self>, ConfigError> {
-        let list = Document::file(path)?;
         if list.written("runs").is_none() {
             return Ok(vec![Self::new(seeded(list, overrides, 0), translate)?]);
         }
@@ -168,8 +167,13 @@ impl RigRun {
     }
 
     /// What is said of the fit that the numbers of its robot are from.
-    pub fn of_fit(&self) -> Option<Warning> {
-        fit::rejected_fit("rig.robot.numbers", &self.spec.rig.robot.numbers)
+    pub fn of_fit(&self) -> impl Iterator<Item = Warning> {
+        fit::of_numbers("rig.robot.numbers", &self.spec.rig.robot.numbers, &self.fitted_model())
+    }
+
+    /// The model that numbers that are fitted to it are of.
+    pub fn fitted_model(&self) -> FittedModel {
+        fit::model_of(Some(&self.spec.rig.robot), &self.spec.rig.aero)
     }
 
     /// Flapping frequency, Hz.

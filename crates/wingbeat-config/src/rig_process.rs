@@ -11,6 +11,7 @@ use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, cut_off, o
 use wingbeat_judge::limits::data::REST_DRIFT;
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
+use wingbeat_rig::JointTrajectory;
 use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::cell::{CHANNELS, six, wrench};
 use wingbeat_rig::netft::{StatusClass, classify};
@@ -155,7 +156,7 @@ impl RigRun {
         window: (f64, f64),
     ) -> Result<Result<Processed, Fault>, Error> {
         let spec = &self.spec.process;
-        let recorded = recorded_motion(&record, &self.arm, window.1 + AFTER_S);
+        let recorded = self.recorded_joints(&record, window);
         let recorded =
             recorded.map(|trajectory| ToolCarrier::Arm { arm: Box::new(self.arm.clone()), trajectory });
         let carrier = recorded.as_ref().unwrap_or(carrier);
@@ -268,7 +269,7 @@ impl RigRun {
         if !own_motion {
             samples.carried_by(carrier);
         }
-        let outside = self.outside(&samples, end)?;
+        let outside = self.outside(&samples.time, &samples.channels, &samples.status, end)?;
         samples.leave_out(&outside.rows);
         Ok((samples, outside))
     }
@@ -349,15 +350,30 @@ impl RigRun {
         found
     }
 
-    /// Samples at the end of the cell's range or with a bad status, up to `end` (s).
-    fn outside(&self, samples: &Samples, end: f64) -> Result<Outside, Error> {
+    /// The motion of the arm's joints by their columns of a record, of which `window` (s) is averaged; none where one is missing.
+    pub fn recorded_joints(&self, record: &Record, window: (f64, f64)) -> Option<JointTrajectory> {
+        recorded_motion(record, &self.arm, window.1 + AFTER_S)
+    }
+
+    /// Samples at the end of the cell's range or with a bad status, up to `end` (s), of `channels` (N and N m) at the times `time` (s) with
+    /// the words `status` (none without a box).
+    ///
+    /// # Errors
+    /// Saturated samples, unless `process.saturated` says what becomes of them.
+    pub fn outside(
+        &self,
+        time: &[f64],
+        channels: &[Vec<f64>; 6],
+        status: &[f64],
+        end: f64,
+    ) -> Result<Outside, Error> {
         let range = self.spec.rig.cell.calibration.range();
         let policy = self.spec.process.saturated;
         let mut outside = Outside::default();
         let mut first = None;
-        for row in 0..samples.index(end) {
-            let over = (0..6).find(|i| samples.channels[*i][row].abs() >= range[*i] * (1.0 - 1e-9));
-            let class = samples.status.get(row).map_or(StatusClass::Good, |status| classify(*status as u32));
+        for row in 0..time.partition_point(|t| *t < end - 1e-9) {
+            let over = (0..6).find(|i| channels[*i][row].abs() >= range[*i] * (1.0 - 1e-9));
+            let class = status.get(row).map_or(StatusClass::Good, |status| classify(*status as u32));
             if over.is_some() || class == StatusClass::Saturated {
                 outside.saturated += 1;
                 first = first.or(Some((row, over)));
@@ -377,7 +393,7 @@ impl RigRun {
              process.saturated = leave_out leaves their cycles out, keep uses them",
             self.spec.rig.cell.calibration
         );
-        Err(Error::invalid(key, format!("t {:.4} s", samples.time[row]), allowed))
+        Err(Error::invalid(key, format!("t {:.4} s", time[row]), allowed))
     }
 
     pub(super) fn corrector(&self, steps: Steps) -> Corrector<'_> {
@@ -435,11 +451,14 @@ impl RigRun {
 }
 
 /// Samples that are not to be used, or not as they are.
-#[derive(Default)]
-struct Outside {
-    rows: Vec<usize>,
-    saturated: usize,
-    serious: usize,
+#[derive(Clone, Debug, Default)]
+pub struct Outside {
+    /// Those that are left out.
+    pub rows: Vec<usize>,
+    /// How many have a channel at the end of its range, or a status word that says so.
+    pub saturated: usize,
+    /// How many others have a status word that forbids to trust them.
+    pub serious: usize,
 }
 
 /// Rows of a window of time.

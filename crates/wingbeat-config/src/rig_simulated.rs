@@ -113,7 +113,7 @@ impl RigRun {
     /// Those of [`plan`](Self::plan) and [`simulate`](Self::simulate).
     pub fn simulated(&self, seed: u64, progress: impl FnMut(f64)) -> Result<SimulatedRun, Error> {
         let mut judge = Judge::new(&self.limits);
-        self.of_fit().into_iter().for_each(|warning| judge.warn(warning));
+        self.of_fit().for_each(|warning| judge.warn(warning));
         let plan = match self.spec.turn {
             None => None,
             Some(_) => match self.plan()? {

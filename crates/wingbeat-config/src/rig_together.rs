@@ -5,7 +5,7 @@ use super::rig::RigRun;
 use super::rig_process::{Processed, TiltWeighing};
 use std::collections::BTreeMap;
 use wingbeat_flight::simulate::{Column, Record};
-use wingbeat_math::Error;
+use wingbeat_math::{Error, require};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::cell::CHANNELS;
@@ -80,12 +80,13 @@ impl RigRun {
     /// turn cannot be planned, or the samples not be evaluated.
     ///
     /// # Errors
-    /// Those of [`plan`](Self::plan) and [`evaluate`](Self::evaluate).
+    /// A window that is none; those of [`plan`](Self::plan) and [`evaluate`](Self::evaluate).
     pub fn evaluated(
         &self,
         record: Record,
         measured: Option<(f64, f64)>,
     ) -> Result<Result<WindowedRun, String>, Error> {
+        measured.map_or(Ok(()), |(begin, end)| require::range("window_s", [begin, end]))?;
         let plan = match (&self.spec.turn, measured) {
             (Some(_), None) => match self.plan()? {
                 Ok(plan) => Some(plan),

@@ -296,7 +296,8 @@ impl Settled<'_> {
         };
         let phase = self.column("phase");
         let moves = turned(self.record.values("phase")?) > 0.0;
-        (moves && !phase.is_empty()).then(|| turned(phase))
+        // A motor that stalls may turn back.
+        (moves && !phase.is_empty()).then(|| turned(phase).max(0.0))
     }
     fn mean_deg(&self, name: &str) -> Option<f64> {
         mean(self.column(name)).map(f64::to_degrees)

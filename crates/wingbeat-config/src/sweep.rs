@@ -145,7 +145,10 @@ impl Sweep {
             }
             SweepOf::Cases => {
                 let spec = self.inner.parse::<super::TetherSpec>();
-                spec.ok().and_then(|spec| fit::rejected_fit("numbers", &spec.numbers)).into_iter().collect()
+                let of = |spec: super::TetherSpec| {
+                    fit::of_numbers("numbers", &spec.numbers, &fit::model_of(None, &spec.aero)).collect()
+                };
+                spec.map(of).unwrap_or_default()
             }
         }
     }

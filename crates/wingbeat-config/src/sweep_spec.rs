@@ -81,7 +81,7 @@ pub enum Sampling {
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct Draw {
-    /// Key of the scenario or case, e.g. `mismatch.mass`, `mismatch.com_m[0]` or `time.frequency_hz`.
+    /// Key of the scenario or case, e.g. `mismatch.mass`, `mismatch.com_x_m` or `time.frequency_hz`.
     pub key: String,
     /// Lower end, in the unit of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -251,6 +251,10 @@ impl SweepSpec {
             return Err(Error::invalid("runs", runs, allowed).against(["sampling"]));
         }
         require::between(if grid { "draws" } else { "runs" }, self.count(), 1, MAX_RUNS)?;
+        if self.draws.is_empty() && self.count() > 1 {
+            let allowed = "at least one draw, or runs = 1: without a draw all runs are equal";
+            return Err(Error::invalid("draws", "none", allowed).against(["runs"]));
+        }
         match (&self.scenario, &self.case, self.hold) {
             (Some(_), None, Some(_)) if self.search.is_some() => {
                 Err(Error::invalid("hold", "given", "none of a search: its goals say what is asked"))

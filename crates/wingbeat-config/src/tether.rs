@@ -1,6 +1,6 @@
 //! From a case file to a tethered wing and its summary.
 
-use super::fit::{ByName, rejected_fit};
+use super::fit::{ByName, model_of, of_numbers};
 use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
 use super::moved::{Moved, ideal_power_fraction, repeating};
@@ -27,7 +27,7 @@ use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::{Declared, NamedNumber, Parameters, Vec3};
 use wingbeat_ocp::plant::Fault;
-use wingbeat_robot::DriveSpec;
+use wingbeat_robot::{DriveSpec, FittedModel};
 use wingbeat_robot::{SurfaceOutline, check_given, former};
 
 /// The folder from which the path at a key is seen.
@@ -238,7 +238,7 @@ impl TetherCase {
             ))
             .chain(repeating(run, self.tether.clock.frequency_hz).filter(|_| !self.tether.motion.is_still()))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
-            .chain(rejected_fit("numbers", &self.spec.numbers))
+            .chain(of_numbers("numbers", &self.spec.numbers, &self.fitted_model()))
             .chain(given_twice(&self.document, &self.spec))
             .chain(in_vain(&self.document, "aero", [&self.tether.aero]))
             .chain(side_edges(&self.spec.aero, [&self.tether.aero], Some(run.stalled.stalled())))
@@ -255,6 +255,11 @@ impl TetherCase {
         let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
         found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
+    }
+
+    /// The model that numbers that are fitted to it are of: that of a wing alone.
+    pub fn fitted_model(&self) -> FittedModel {
+        model_of(None, &self.spec.aero)
     }
 
     /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a

@@ -6,11 +6,13 @@ use std::f64::consts::TAU;
 const TURNING: f64 = 0.98;
 /// Least bank of a turn, rad. *Choice*: beyond what flapping asks of a straight flight.
 const LEAST_BANK: f64 = 0.05;
+/// Cycles that a turn lasts at least. *Choice*: a gust makes a straight flight bank for less than one.
+const LASTS: f64 = 2.0;
 /// Part of a cycle, rad, that rounding takes from a whole one. *Choice.*
 const ROUNDING: f64 = 1e-6;
 
 /// Mean roll, rad, over the whole cycles over which the mean bank `asked` is nearly the largest; none without such a turn to one side, where
-/// all cycles are of it, and where there is no whole one. Where `phase` (rad) stands still, every sample counts as a cycle.
+/// all cycles are of it, where it lasts less than two, and where there is no whole one. Where `phase` (rad) stands still, every sample counts as a cycle.
 ///
 /// `mean of R over the ends of cycles with |A| >= .98 max |A|, R and A the means of roll and asked roll over the cycle before`
 /// Source: own derivation. In a stroke the asked roll itself swings, so that instants of a large one are the crests alone.
@@ -23,7 +25,16 @@ pub(super) fn mean_roll(phase: &[f64], roll: &[f64], asked: &[f64]) -> Option<f6
     let one_sided = banks.iter().all(|bank| !turning(*bank) || bank.signum() == largest.signum());
     let in_turn = || rolls.iter().zip(&banks).filter(|(_, bank)| turning(**bank)).map(|(roll, _)| *roll);
     let count = in_turn().count();
-    let part = largest.is_finite() && largest.abs() >= LEAST_BANK && one_sided && count < rolls.len();
+    let lasts = match phase {
+        [first, .., last] if last > first => {
+            let whole = phase.len() - banks.len();
+            let steps = phase[whole..].windows(2).zip(&banks[1..]).filter(|(_, bank)| turning(**bank));
+            steps.map(|(phase, _)| phase[1] - phase[0]).sum::<f64>() >= LASTS * TAU
+        }
+        _ => true,
+    };
+    let part =
+        largest.is_finite() && largest.abs() >= LEAST_BANK && one_sided && lasts && count < rolls.len();
     part.then(|| in_turn().sum::<f64>() / count as f64)
 }
 
@@ -84,6 +95,11 @@ mod tests {
         let [phase, mut both] = flight(20.0, 0.5, 0.06);
         both.iter_mut().take(200).for_each(|roll| *roll = -0.5);
         assert_eq!(mean_roll(&phase, &both, &both), None);
+        // A gust on a straight path: the asked bank swells and ebbs.
+        let [phase, _] = flight(20.0, 0.0, 0.0);
+        let gust: Vec<f64> =
+            phase.iter().map(|phase| 0.3 * (-(phase - 60.0).powi(2) / 200.0).exp()).collect();
+        assert_eq!(mean_roll(&phase, &gust, &gust), None);
         assert_eq!(mean_roll(&phase, &[0.5; 3], &[0.5; 3]), None);
         assert_eq!(mean_roll(&[1.0; 4], &[0.1, 0.1, 0.5, 0.6], &[0.0, 0.0, 0.5, 0.5]), Some(0.55));
     }

@@ -32,9 +32,17 @@ pub fn csv_bytes(record: &Record) -> Result<Vec<u8>, String> {
     Ok(text)
 }
 
-/// A number, in the caller's unit, in the fewest letters that read back as the same number.
+/// Whole numbers below it are exact: 2^53.
+const WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// A number, in the caller's unit, in the fewest letters that read back as the same number; a whole one below 2^53 in full, as other
+/// programs take one with a power for a number that is not whole.
 pub fn shortest(value: f64) -> String {
-    let (plain, power) = (value.to_string(), format!("{value:e}"));
+    let plain = value.to_string();
+    if value.fract() == 0.0 && value.abs() < WHOLE {
+        return plain;
+    }
+    let power = format!("{value:e}");
     if power.len() < plain.len() { power } else { plain }
 }
 
@@ -148,8 +156,8 @@ mod tests {
     #[test]
     fn numbers_are_short_and_read_back_the_same() {
         assert_eq!(
-            [0.0, -0.25, 100.0, 1e4, 1e-7, 1.5e300].map(shortest),
-            ["0", "-0.25", "100", "1e4", "1e-7", "1.5e300"]
+            [0.0, -0.25, 100.0, 1e3, -4e6, 9_007_199_254_740_991.0, 1e16, 1e-7, 1.5e300].map(shortest),
+            ["0", "-0.25", "100", "1000", "-4000000", "9007199254740991", "1e16", "1e-7", "1.5e300"]
         );
         for value in [0.1 + 0.2, f64::MIN_POSITIVE, f64::MAX, -1.0 / 3.0, 5e-324] {
             assert_eq!(shortest(value).parse::<f64>().unwrap().to_bits(), value.to_bits());

@@ -64,8 +64,11 @@ impl PyScenario {
     }
 
     /// Roll, pitch (rad) and angular rate (rad/s) that the manoeuvre asks at `t`; none without a manoeuvre.
-    fn reference(&self, t: f64) -> Option<(f64, f64, [f64; 3])> {
-        self.0.manoeuvre().map(|manoeuvre| manoeuvre.reference(t)).map(|r| (r.roll, r.pitch, r.w.0))
+    fn reference(&self, t: f64) -> PyResult<Option<(f64, f64, [f64; 3])>> {
+        if !t.is_finite() {
+            return Err(refused(Error::invalid("t", t, "a finite number, s")));
+        }
+        Ok(self.0.manoeuvre().map(|manoeuvre| manoeuvre.reference(t)).map(|r| (r.roll, r.pitch, r.w.0)))
     }
 }
 

@@ -1,19 +1,26 @@
 //! Runs of the bench.
 
+use crate::document::PyDocument;
 use crate::table::{NamedColumn, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use wingbeat::parallel;
-use wingbeat::scenario::{ConfigError, Document as Text, Evaluated, RigRun, SimulatedRun};
+use wingbeat::scenario::{ConfigError, ProcessedRun, RigRun, SimulatedRun, subtract_still_air, together};
+use wingbeat_calibrate::{ProcessSummary, ProcessedFile};
 
 /// What became of a run, by name: record where there is one, the numbers as JSON, and the run as TOML.
 type Simulated<'py> = (String, Option<Vec<NamedColumn<'py>>>, String, String);
 
-/// Plans and simulates the run of a file, or those that it lists; `overrides` are `key=value`.
+/// Plans and simulates the run of a document, or those that a file lists; `overrides` are `key=value`.
 #[pyfunction]
-pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Vec<Simulated<'_>>> {
-    let runs = RigRun::load_all(&path, &overrides, &wingbeat_io::urdf_as_toml).map_err(refused)?;
+pub fn rig_simulate<'py>(
+    py: Python<'py>,
+    document: &PyDocument,
+    overrides: Vec<String>,
+) -> PyResult<Vec<Simulated<'py>>> {
+    let runs = RigRun::load_all(document.0.clone(), &overrides, &wingbeat_io::urdf_as_toml);
+    let runs = runs.map_err(refused)?;
     let doors = wingbeat_lattice::doors();
     let runs: Vec<RigRun> = runs.into_iter().map(|run| run.through(&doors)).collect();
     let done = wait::work(py, move |_| {
@@ -35,48 +42,38 @@ pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> Py
         .collect()
 }
 
-/// Name, phase averages (none of static tilts), and the numbers as JSON.
-type AveragedRun<'py> = (String, Option<Vec<NamedColumn<'py>>>, String);
+/// Name, phase averages (none of static tilts), the numbers as JSON, and the run as TOML.
+type AveragedRun<'py> = (String, Option<Vec<NamedColumn<'py>>>, String, String);
 
-/// Processes a file of samples as the run of a file; `window_s` is what a simulation measured.
+/// Processes a file of samples as the run of a document; `window_s` is what a simulation measured.
 #[pyfunction]
-pub fn rig_process(
-    py: Python<'_>,
+pub fn rig_process<'py>(
+    py: Python<'py>,
     samples: PathBuf,
-    run: PathBuf,
-    overrides: Vec<String>,
+    run: &PyDocument,
     window_s: Option<(f64, f64)>,
-) -> PyResult<AveragedRun<'_>> {
-    let text = Text::file(&run).map_err(refused)?.overridden(&overrides);
-    let run = RigRun::new(text, &wingbeat_io::urdf_as_toml).map_err(refused)?;
+) -> PyResult<AveragedRun<'py>> {
+    let run = RigRun::new(run.0.clone(), &wingbeat_io::urdf_as_toml).map_err(refused)?;
+    let run = run.through(&wingbeat_lattice::doors());
+    let (name, resolved) = (run.spec.name.clone(), run.resolved.clone());
     let done = wait::work(py, move |_| -> Result<_, String> {
         let named = |what: String| format!("{}: {what}", samples.display());
         let input = &run.spec.process.input;
         let read = wingbeat_io::samples::read_samples(&samples, input).and_then(|read| read.import(input));
-        let record = read.map_err(|error| error.to_string())?.record;
-        let evaluated =
-            run.evaluated(record, window_s).map_err(|error| named(run.explain(&error).to_string()))?;
-        let (evaluated, window_s) = evaluated.map_err(named)?;
-        let name = run.spec.name.clone();
-        match evaluated {
-            Evaluated::Averaged(done) => {
-                let record = done.record(run.processed_frame()).map_err(|error| error.to_string())?;
-                let json = serde_json::json!({
-                    "window_s": window_s,
-                    "cycles": done.cycles[0].cycles,
-                    "cycles_left_out": done.cycles[0].left_out,
-                    "saturated": done.saturated,
-                    "serious": done.serious,
-                    "simulated": done.is_simulated(),
-                    "statement": done.statement,
-                });
-                Ok((name, Some(record), json))
-            }
-            Evaluated::Weighed(done) => {
-                Ok((name, None, serde_json::to_value(done).map_err(|error| error.to_string())?))
-            }
-        }
+        let imported = read.map_err(|error| error.to_string())?;
+        let evaluated = run.evaluated(imported.record, window_s);
+        let evaluated = evaluated.map_err(|error| named(run.explain(&error).to_string()))?;
+        let (result, window) = evaluated.map_err(named)?;
+        let mut runs = [ProcessedRun { run, result }];
+        subtract_still_air(&mut runs).map_err(|error| error.to_string())?;
+        let together = together(&runs).map_err(|error| error.to_string())?;
+        let files = [ProcessedFile { file: samples, import: imported.import, window }];
+        let summary = ProcessSummary::new(&runs, &files, together.as_ref());
+        let [one] = &runs;
+        let record = one.averaged().map(|done| done.record(one.run.processed_frame()));
+        let record = record.transpose().map_err(|error| error.to_string())?;
+        Ok((record, serde_json::to_string(&summary).map_err(|error| error.to_string())?))
     })?;
-    let (name, record, json) = done.map_err(refused)?;
-    Ok((name, record.map(|record| columns(py, record)), json.to_string()))
+    let (record, summary) = done.map_err(refused)?;
+    Ok((name, record.map(|record| columns(py, record)), summary, resolved))
 }

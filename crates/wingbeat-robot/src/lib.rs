@@ -59,9 +59,9 @@ pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::is_of_rig;
 pub use spec::{
     BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
-    GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec, LinkageOutput, PanelSpec,
-    PinSpringSpec, RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec, StructureSpec,
-    SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
+    FittedModel, GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec, LinkageOutput,
+    PanelSpec, PinSpringSpec, RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec,
+    StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 #[cfg(feature = "schema")]
 pub use spec::{file_or, file_or_numbers, numbers_table};

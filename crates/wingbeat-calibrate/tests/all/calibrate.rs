@@ -2,8 +2,10 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use wingbeat::math::Jet;
 use wingbeat::rig::cell::{CellSpec, LoadCell};
 use wingbeat::scenario::Document;
+use wingbeat::simulate::{Column, Record};
 use wingbeat_calibrate::measured::{MeasuredPass, observed};
 use wingbeat_calibrate::{
     CalibrationFile, FitProgress, HarmonicLayout, ModelStructure, ObservedCycles, RigTarget, RunRole,
@@ -96,7 +98,11 @@ fn samples_that_cannot_be_the_runs_are_refused_with_what_would_be_right() {
         let from = pass.time.partition_point(|t| *t < 0.0);
         pass.channels[2][from..].fill(17.0);
     });
-    assert!(full.unwrap_err().contains("end of the cell's range"));
+    let full = full.unwrap_err();
+    assert!(
+        full.contains("saturated samples, the first by Fz") && full.contains("process.saturated"),
+        "{full}"
+    );
     let no_encoder = with(&|pass| pass.phase.clear()).unwrap_err();
     assert!(no_encoder.contains("process.phase"), "{no_encoder}");
     let short = with(&|pass| {
@@ -106,6 +112,106 @@ fn samples_that_cannot_be_the_runs_are_refused_with_what_would_be_right() {
         pass.channels.iter_mut().for_each(|channel| channel.truncate(to));
     });
     assert!(short.unwrap_err().contains("process.input.start_s"));
+}
+
+#[test]
+fn status_words_of_the_box_are_those_of_processed_runs() {
+    let (_, mut structure, passes) = first();
+    let with = |target: &RigTarget, word: f64| {
+        let mut changed = passes.clone();
+        let (from, to) =
+            (passes[1].time.partition_point(|t| *t < 1.3), passes[1].time.partition_point(|t| *t < 1.32));
+        changed[1].status = vec![0.0; passes[1].time.len()];
+        changed[1].status[from..to].fill(word);
+        (see(target, &changed), to - from)
+    };
+    let target = &structure.model.targets[0];
+    let (saturated, serious) = (f64::from(0x8002_0000_u32), f64::from(0x8000_0001_u32));
+    let (refused, count) = with(target, saturated);
+    let refused = refused.unwrap_err();
+    assert!(
+        refused.contains(&format!("{count} saturated samples, the first by the status word")),
+        "{refused}"
+    );
+    let (left, count) = with(target, serious);
+    let left = left.unwrap();
+    assert_eq!((left.cycles.len(), left.left_out), (8, 1));
+    assert!(left.oddities[0].contains(&format!("{count} are not to be trusted")), "{:?}", left.oddities);
+    // In the rest they are no part of the tare.
+    let mut rest = passes.clone();
+    rest[0].status = vec![0.0; passes[0].time.len()];
+    let end = passes[0].time.partition_point(|t| *t < -0.05);
+    rest[0].status[end - 40..end].fill(serious);
+    rest[0].channels[2][end - 40..end].fill(7.0);
+    let (clean, held) = (see(target, &passes).unwrap(), see(target, &rest).unwrap());
+    let apart = clean.mean.iter().zip(&held.mean).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-3, "{apart}");
+    let leave_out = of_itself(&[
+        "truth.passes=3",
+        "model=[\"process.saturated=leave_out\", \"rig.aero.preset=paper\", \"rig.aero.law=linear\", \"rig.cell.rate_hz=1750\", \"rig.cell.filter_hz=500\"]",
+    ]);
+    structure = leave_out.structure(&[], &|_, _| None).unwrap();
+    let (left, _) = with(&structure.model.targets[0], saturated);
+    assert_eq!(left.unwrap().left_out, 1);
+}
+
+#[test]
+fn the_model_follows_the_joints_that_were_recorded() {
+    let (_, mut structure, mut passes) = first();
+    let target = &mut structure.model.targets[0];
+    let planned = target.predict(&[]).unwrap();
+    assert!(!target.follow(&passes), "no pass has joints");
+    let carrier = target.carrier().clone();
+    let rate = 12.0;
+    let shaken = |by: f64, pass: &MeasuredPass| {
+        let mut columns = vec![Column { values: pass.time.clone(), ..Column::new("t", "s", "") }];
+        for j in 0..target.run.arm.dof() {
+            let wave = |t: f64| [(rate * t).sin(), rate * (rate * t).cos(), -rate * rate * (rate * t).sin()];
+            for (k, name) in ["q", "dq", "ddq"].into_iter().enumerate() {
+                let value = |t: &f64| {
+                    let Jet { x, d, dd } = carrier.joints(*t).unwrap()[j];
+                    [x, d, dd][k] + by * wave(*t)[k]
+                };
+                let values = pass.time.iter().map(value).collect();
+                columns.push(Column { values, ..Column::new(format!("{name}{}", j + 1), "", "") });
+            }
+        }
+        Some(Record::new(columns, 0).unwrap())
+    };
+    let apart = |target: &RigTarget| {
+        let told = target.predict(&[]).unwrap();
+        let largest = |of: &[f64]| of.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        let differ: Vec<f64> = told.iter().zip(&planned).map(|(a, b)| a - b).collect();
+        largest(&differ) / largest(&planned)
+    };
+    let motions = [0.0, 0.005, -0.005].map(|by| shaken(by, &passes[0]));
+    let target = &mut structure.model.targets[0];
+    passes.truncate(2);
+    let mut follow = |of: [usize; 2]| {
+        passes.iter_mut().zip(of).for_each(|(pass, k)| pass.motion.clone_from(&motions[k]));
+        assert!(target.follow(&passes));
+        apart(target)
+    };
+    let [planned, shaken, mean] = [[0, 0], [1, 1], [1, 2]].map(&mut follow);
+    assert!(planned < 1e-6 && shaken > 0.01 && mean < 1e-6, "{planned} {shaken} {mean}");
+    passes[1].motion = None;
+    assert!(!target.follow(&passes), "one pass has no joints");
+}
+
+#[test]
+fn priors_that_cannot_be_and_of_what_no_load_depends_on_are_refused() {
+    let with = |prior: &str| {
+        let parameters = format!(
+            "parameters=[{{name=\"surfaces.wing.cd0\"}}, {{name=\"surfaces.wing.stall_angle_rad\", prior={prior}}}]"
+        );
+        let calibration = of_itself(&["truth.passes=3", &parameters]);
+        let prepared = calibration.prepared().map_err(|error| error.to_string())?;
+        prepared.check().map_err(|error| error.to_string())
+    };
+    let degrees = with("[12.0, 1.0]").unwrap_err();
+    assert!(degrees.contains("parameters[1].prior[0] = 12"), "{degrees}");
+    let silent = with("[0.2, 0.02]").unwrap_err();
+    assert!(silent.contains("surfaces.wing.stall_angle_rad: no load of the runs depends on it"), "{silent}");
 }
 
 #[test]
@@ -144,7 +250,7 @@ fn a_fit_of_the_right_model_finds_the_truth() {
     let none = |path: &Path, _: &wingbeat::scenario::RigRun| {
         Err(wingbeat_calibrate::Error::data(path.display().to_string(), "no file"))
     };
-    let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
+    let runs = calibration.observed(&mut structure, &|_, _| None, &none).unwrap();
     let truth: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
     structure.parameters.iter_mut().for_each(|parameter| parameter.start *= 1.15);
     let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
@@ -165,11 +271,11 @@ fn a_fit_of_the_right_model_finds_the_truth() {
 #[test]
 fn the_noise_of_a_run_to_come_is_that_of_its_samples() {
     let calibration = of_itself(&["starts=1"]);
-    let structure = calibration.structure(&[], &|_, _| None).unwrap();
+    let mut structure = calibration.structure(&[], &|_, _| None).unwrap();
     let none = |path: &Path, _: &wingbeat::scenario::RigRun| {
         Err(wingbeat_calibrate::Error::data(path.display().to_string(), "no file"))
     };
-    let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
+    let runs = calibration.observed(&mut structure, &|_, _| None, &none).unwrap();
     let watch = &mut |_: &FitProgress| ControlFlow::Continue(());
     let plan = calibration.plan();
     let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
@@ -206,7 +312,7 @@ fn static_tilts_tell_mass_and_centre_in_a_stage_of_their_own() {
     let none = |path: &Path, _: &wingbeat::scenario::RigRun| {
         Err(wingbeat_calibrate::Error::data(path.display().to_string(), "no file"))
     };
-    let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
+    let runs = calibration.observed(&mut structure, &|_, _| None, &none).unwrap();
     assert_eq!((runs[0].layout.harmonics, runs[0].left_out), (6, 0));
     let truth: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
     assert!(checked(&structure, &runs, &truth).is_ok());

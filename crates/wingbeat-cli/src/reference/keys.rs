@@ -136,7 +136,12 @@ impl<'a> SchemaWalk<'a> {
         if is_file(value) {
             return "file, or the table itself".into();
         }
-        if let Some(shipped) = list(value, "anyOf").first() {
+        let choices = list(value, "anyOf");
+        let plain = |choice: &Value| choice["type"].is_string() && choice["type"] != "object";
+        if !choices.is_empty() && choices.iter().all(plain) {
+            return choices.iter().map(|choice| self.form(choice)).collect::<Vec<_>>().join(" or ");
+        }
+        if let Some(shipped) = choices.first() {
             return self.form(self.resolved(shipped)) + ", or a table under a name of your own";
         }
         let names = self.names(value);

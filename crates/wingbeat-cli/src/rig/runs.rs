@@ -15,6 +15,6 @@ pub fn run(file: &Path, overrides: &[String]) -> Result<RigRun, Error> {
 
 /// Reads the runs of `file`: itself, or those that it lists.
 pub fn load(file: &Path, overrides: &[String]) -> Result<Vec<RigRun>, Error> {
-    let runs = RigRun::load_all(file, overrides, &urdf_as_toml)?;
+    let runs = RigRun::load_all(Document::file(file)?, overrides, &urdf_as_toml)?;
     Ok(runs.into_iter().map(|run| run.through(&wingbeat_lattice::doors())).collect())
 }

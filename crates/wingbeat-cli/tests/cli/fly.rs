@@ -265,6 +265,28 @@ fn numbers_of_a_rejected_fit_are_said_wherever_they_are_given() {
     }
 }
 
+#[test]
+fn numbers_of_another_model_are_said() {
+    let folder = scratch("fly-model");
+    let told = |model: &str| {
+        let set = format!("robot.numbers={{model = {{{model}}}}}");
+        let output = glide(&folder, &["--set", &set, "--force", "--out", "o"]);
+        assert!(output.status.success(), "{output:?}");
+        let all = warned(&folder, "o").into_iter();
+        all.filter(|[id, _]| id == "fit.other_model").map(|[_, text]| text).collect::<Vec<_>>()
+    };
+    let apart = told("robot = \"a wing\", preset = \"as_printed\", law = \"lev3d\"");
+    assert!(apart.len() == 1 && apart[0].contains("robot \"a wing\", here"), "{apart:?}");
+    assert!(apart[0].contains("preset \"as_printed\", here") && apart[0].contains("law \"lev3d\", here"));
+    let resolved: toml::Table = fs::read_to_string(folder.join("o/scenario.toml")).unwrap().parse().unwrap();
+    let word = |table: &str, key: &str| resolved[table][key].as_str().unwrap().to_owned();
+    let own = [("robot", "name"), ("aero", "preset"), ("aero", "law")].map(|(table, key)| word(table, key));
+    let [robot, preset, law] = own;
+    assert_eq!(told(&format!("robot = \"{robot}\", preset = \"{preset}\", law = \"{law}\"")), [""; 0]);
+    // Numbers of a wing alone name no robot.
+    assert_eq!(told(&format!("preset = \"{preset}\", law = \"{law}\"")), [""; 0]);
+}
+
 /// Ids and texts of the warnings in the summary of the run folder `out`.
 fn warned(folder: &Path, out: &str) -> Vec<[String; 2]> {
     let summary = fs::read_to_string(folder.join(out).join("summary.json")).unwrap();

@@ -229,6 +229,7 @@ fn a_case_is_swept_over_a_grid_with_its_table() {
         (format!("{head}{}", draws.replace("high = 4.0", "high = 2e9")), "draws[0].high"),
         (format!("{head}scenario = \"x.toml\"\n{draws}"), "x.toml"),
         (head.replace("grid", "random") + &draws.replace("points", "# points"), "runs = 0"),
+        (head.replace("grid", "random") + "runs = 6\ndraws = []\n", "without a draw all runs are equal"),
     ] {
         fs::write(folder.join("small.toml"), text).unwrap();
         let output = sweep(&folder, "bad");

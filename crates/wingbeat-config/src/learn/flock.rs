@@ -223,7 +223,10 @@ impl Flock {
     ) -> Result<Batch, Error> {
         let (count, inputs) = (self.count(), self.actions());
         if actions.len() != count * inputs {
-            let allowed = format!("{}, {inputs} of each of {count}", count * inputs);
+            let allowed = match count {
+                1 => format!("{inputs}, one of each input"),
+                _ => format!("{}, {inputs} of each of {count} robots", count * inputs),
+            };
             return Err(Error::invalid("actions", format!("{} numbers", actions.len()), allowed));
         }
         if let Some(place) = actions.iter().position(|action| !action.is_finite()) {

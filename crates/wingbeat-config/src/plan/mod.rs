@@ -176,7 +176,7 @@ impl Scenario {
     /// A judge who knows the limits of the scenario and where the robot's numbers are from.
     fn judge_of_plan(&self) -> Judge<'_> {
         let mut judge = Judge::new(&self.limits);
-        fit::of_known(&self.spec).into_iter().chain(self.in_vain()).for_each(|warning| judge.warn(warning));
+        fit::of_known(&self.spec).chain(self.in_vain()).for_each(|warning| judge.warn(warning));
         judge
     }
 

@@ -272,7 +272,8 @@ fn backwards(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Fi
 
 fn dead(about: String, pair: &CyclePair, told: &PairComparison) -> Finding {
     let text = format!(
-        "moves by {:.3e} {} where {:.3e} are computed: the channel is dead, or its unit is another one",
+        "moves by {:.3e} {} where {:.3e} are computed: the channel is dead, its unit is another one, or the model \
+         that computes it is wrong (aero.law)",
         told.measured, pair.unit, told.computed
     );
     Finding::new("data.dead", &DEAD, about, told.measured / told.computed, text)

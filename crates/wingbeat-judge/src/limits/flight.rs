@@ -119,7 +119,7 @@ pub const PREPARED_MISSED: JudgedLimit = JudgedLimit::warn_above("flight.prepare
 
 /// Cycles of the gait over which a flight's means are taken: of less than one they are those of the part of the stroke that was flown.
 pub const AVERAGED: JudgedLimit = JudgedLimit::warn_below("flight.cycles_averaged", 1.0, "")
-    .on("means are not those of whole cycles (lengthen flight.duration_s): number of cycles of the gait in the part of the flight that counts");
+    .on("means are not those of whole cycles (lengthen flight.duration_s, or mend a drive that does not turn): number of cycles of the gait in the part of the flight that counts");
 
 /// Records of a cycle from which means, shares and extremes are taken. Of 53 of 58 shipped flights whose last cycle alone is read at equal parts,
 /// wherever these begin, the positive power errs by 11 % at most with 12 and by 1.4 % with 32 (52 of them 7 and 1.1 %). Where commands leap within

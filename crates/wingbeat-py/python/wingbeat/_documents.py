@@ -25,8 +25,9 @@ def shipped(name: str) -> Path:
     """
     home = Path(__file__).parent
     path = home / name
-    if not path.exists():
-        folder = path.parent if path.parent.is_dir() else home
+    inside = home in path.resolve().parents
+    if not inside or not path.exists():
+        folder = path.parent if inside and path.parent.is_dir() else home
         known = sorted(entry.name for entry in folder.iterdir() if entry.suffix == ".toml" or entry.is_dir())
         raise ValueError(f"{name}: allowed are {', '.join(known)}")
     return path
@@ -40,6 +41,14 @@ def _table(toml: str) -> dict[str, Any]:
         import tomli as tomllib
 
     return tomllib.loads(toml)
+
+
+def number(key: str, given: Any) -> float:
+    """A number that was given as ``key``."""
+    try:
+        return float(given)
+    except (TypeError, ValueError):
+        raise ValueError(f"{key} = {given!r}: allowed is a number") from None
 
 
 def document(source: Source, overrides: Overrides | None, name: str) -> _wingbeat.Document:
@@ -114,7 +123,7 @@ class Scenario:
     overrides
         Keys that are set otherwise: paths, ``{"aero.preset": "full"}``, or dictionaries in dictionaries.
     robot
-        Takes the place of the scenario's own robot.
+        Takes the place of the scenario's own robot: a `Robot`, a TOML file, or a dictionary.
 
     Examples
     --------
@@ -122,13 +131,13 @@ class Scenario:
     """
 
     def __init__(
-        self, source: Source, overrides: Overrides | None = None, *, robot: Robot | None = None
+        self, source: Source, overrides: Overrides | None = None, *, robot: Robot | Source | None = None
     ) -> None:
         self._take(document(source, overrides, "scenario"), robot)
 
     @classmethod
     def from_text(
-        cls, toml: str, overrides: Overrides | None = None, *, robot: Robot | None = None
+        cls, toml: str, overrides: Overrides | None = None, *, robot: Robot | Source | None = None
     ) -> Scenario:
         """A scenario from TOML; files that it names are sought from the working folder."""
         scenario = cls.__new__(cls)
@@ -136,9 +145,10 @@ class Scenario:
         scenario._take(made.overridden(dict(overrides)) if overrides else made, robot)
         return scenario
 
-    def _take(self, made: _wingbeat.Document, robot: Robot | None) -> None:
+    def _take(self, made: _wingbeat.Document, robot: Robot | Source | None) -> None:
         if robot is not None:
-            made = made.put("robot", robot._document)
+            given = robot if isinstance(robot, Robot) else Robot(robot)
+            made = made.put("robot", given._document)
         self._native = _wingbeat.Scenario(made)
 
     @property
@@ -177,7 +187,7 @@ class Scenario:
 
     def reference(self, t: float) -> tuple[float, float, list[float]] | None:
         """Roll and pitch (rad) and angular rate (rad/s, body axes) that the manoeuvre asks at ``t``."""
-        return self._native.reference(t)
+        return self._native.reference(number("t", t))
 
     def __eq__(self, other: object) -> bool:
         return self.toml == other.toml if isinstance(other, Scenario) else NotImplemented

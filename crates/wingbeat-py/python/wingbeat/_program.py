@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
@@ -219,7 +219,7 @@ class RigPlan:
 
 
 def rig_plan(
-    path: str | PathLike[str],
+    path: Source,
     overrides: Overrides | None = None,
     *,
     from_deg: Sequence[float] | None = None,
@@ -229,7 +229,7 @@ def rig_plan(
     Parameters
     ----------
     path
-        A run of the rig, or a file with ``runs = ["a.toml", ...]``.
+        A TOML file of a run of the rig or with ``runs = ["a.toml", ...]``, or a dictionary of the same keys.
     overrides
         Keys of the run that are set otherwise, ``{"profile": "paper-tool"}``.
     from_deg
@@ -244,8 +244,12 @@ def rig_plan(
     if from_deg is not None:
         options += ["--from-deg", ",".join(repr(float(joint)) for joint in from_deg)]
     with _aside() as folder:
-        out = Path(folder) / "out"
-        done = run(["rig", "plan", "--quiet", "--out", out, *options, "--", path])
+        out, file = Path(folder) / "out", Path(folder) / "run.toml"
+        if isinstance(path, Mapping):
+            file.write_text(document(path, None, "run").resolved(), encoding="utf-8")
+        else:
+            file = Path(path)
+        done = run(["rig", "plan", "--quiet", "--out", out, *options, "--", file])
         if done.returncode != 0:
             raise ValueError(done.stderr.strip().removeprefix("error: "))
         plans = []

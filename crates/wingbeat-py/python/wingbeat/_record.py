@@ -106,6 +106,17 @@ class Record(Mapping[str, Array]):
 
         return columns(self, names, against)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same columns with the same values; one that is not a number is equal to itself."""
+        if not isinstance(other, Record):
+            return NotImplemented
+        values = other._values
+        return self._columns == other._columns and all(
+            np.array_equal(own, values[name], equal_nan=True) for name, own in self._values.items()
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __repr__(self) -> str:
         return f"Record({self.rows} rows, {len(self)} columns)"
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 from numpy.typing import ArrayLike
 
 from wingbeat import _wingbeat
-from wingbeat._documents import Overrides, Robot, Scenario, Source, document
+from wingbeat._documents import Overrides, Robot, Scenario, Source, document, number
 from wingbeat._html import picture, table, text
 from wingbeat._record import Array, Record, Strips
 from wingbeat._verdicts import judged
@@ -215,6 +215,11 @@ class Calibrated(Viewed):
         return text(self.report or self.information)
 
     @property
+    def status(self) -> str:
+        """``ok``, or what kept the fit from it; ``not_judged`` where only the information was asked for."""
+        return str(self.summary.get("status", "not_judged"))
+
+    @property
     def values(self) -> dict[str, float]:
         """The fitted parameters by name."""
         return {row["name"]: row["value"] for row in self.summary.get("parameters", [])}
@@ -240,15 +245,13 @@ class Bench(Result):
         return begin, end
 
 
-@dataclass(frozen=True)
-class Processed(Shown):
-    """Samples of the rig, processed."""
+@dataclass(frozen=True, kw_only=True)
+class Processed(Result):
+    """Samples of the rig, processed; its status is ``ok`` or ``suspect_data``."""
 
     name: str
     record: Record | None
     """Phase averages of the six channels; none of static tilts."""
-    summary: dict[str, Any]
-    """Window, cycles and what was done; of static tilts mass, centre and offsets with their deviations."""
 
     def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
         return self.name, {"summary.json": summary_text(self.summary)}, {f"{self.name}.parquet": self.record}
@@ -303,7 +306,7 @@ def fly(
     """
     native = scenario_of(scenario, overrides)._native
     names = [sees] if isinstance(sees, str) else None if sees is None else list(sees)
-    record, strips, summary = _wingbeat.fly(native, controller, period_s, names, observe)
+    record, strips, summary = _wingbeat.fly(native, controller, number("period_s", period_s), names, observe)
     parts = None if strips is None else Strips(Record(strips))
     return Flight(record=Record(record), strips=parts, summary=judged(summary), document=native.resolved)
 
@@ -529,13 +532,13 @@ def calibrate(
     return Calibrated(Record(record), judged(summary), information_text, report, numbers, residual)
 
 
-def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[Bench]:
+def rig(run: Source, overrides: Overrides | None = None) -> list[Bench]:
     """Plans and simulates a run of the rig, or all that a file lists.
 
     Parameters
     ----------
-    path
-        A run of the rig, or a file with ``runs = ["a.toml", ...]``.
+    run
+        A TOML file of a run of the rig or with ``runs = ["a.toml", ...]``, or a dictionary of the same keys.
     overrides
         Keys of the run that are set otherwise, ``{"frequency_hz": 3.0}``.
 
@@ -545,7 +548,7 @@ def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[B
         Of each run its ``name``, ``record`` (samples of the load cell, N and N m), ``summary`` and ``window_s``.
     """
     texts = _wingbeat.overrides(dict(overrides or {}))
-    runs = _wingbeat.rig_simulate(fspath(path), texts)
+    runs = _wingbeat.rig_simulate(document(run, None, "run"), texts)
     return [
         Bench(name=name, record=_given(record), summary=judged(summary), document=resolved)
         for name, record, summary, resolved in runs
@@ -554,7 +557,7 @@ def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[B
 
 def process(
     samples: str | PathLike[str],
-    run: str | PathLike[str],
+    run: Source,
     overrides: Overrides | None = None,
     *,
     window_s: tuple[float, float] | None = None,
@@ -566,7 +569,7 @@ def process(
     samples
         Samples of the load cell, in any format that the program reads.
     run
-        The run that was measured, a TOML file.
+        The run that was measured: a TOML file, or a dictionary of the same keys.
     overrides
         Keys of the run that are set otherwise.
     window_s
@@ -575,8 +578,8 @@ def process(
     Returns
     -------
     Processed
-        ``record`` (phase averages of the six channels, N and N m) and ``summary``.
+        ``record`` (phase averages of the six channels, N and N m), ``summary``, ``status``.
     """
-    texts = _wingbeat.overrides(dict(overrides or {}))
-    name, record, summary = _wingbeat.rig_process(fspath(samples), fspath(run), texts, window_s)
-    return Processed(name, _given(record), judged(summary))
+    made = document(run, overrides, "run")
+    name, record, summary, resolved = _wingbeat.rig_process(fspath(samples), made, window_s)
+    return Processed(name=name, record=_given(record), summary=judged(summary), document=resolved)

@@ -206,12 +206,11 @@ def tether(
 ) -> tuple[list[_Column], list[_Column], list[_Column] | None, str, str]: ...
 def rig_process(
     samples: str | PathLike[str],
-    run: str | PathLike[str],
-    overrides: Sequence[str],
+    run: Document,
     window_s: tuple[float, float] | None,
-) -> tuple[str, list[_Column] | None, str]: ...
+) -> tuple[str, list[_Column] | None, str, str]: ...
 def rig_simulate(
-    path: str | PathLike[str], overrides: Sequence[str]
+    document: Document, overrides: Sequence[str]
 ) -> list[tuple[str, list[_Column] | None, str, str]]: ...
 _Trimmed: TypeAlias = tuple[
     list[_Column] | None,

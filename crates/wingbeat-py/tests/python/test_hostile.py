@@ -196,3 +196,25 @@ def test_arguments_are_refused_as_arguments(turn):
     seen = []
     wingbeat.fly(turn, short, controller=lambda t, m: seen.append(m.names) or [0.0] * 8, sees="quat")
     assert seen[0] == ["quat_w", "quat_x", "quat_y", "quat_z"]
+
+
+def test_what_is_given_wrongly_is_named(turn):
+    with pytest.raises(ValueError, match="x: .*"):
+        wingbeat.Scenario(turn, robot="x")
+    assert wingbeat.Scenario(turn, robot=wingbeat.shipped("robots/aerobat_beta.toml")).mass_kg > 0.0
+    with pytest.raises(ValueError, match="period_s = 'a': allowed is a number"):
+        wingbeat.fly(turn, {"flight.duration_s": 0.02}, controller=lambda t, seen: None, period_s="a")
+    with pytest.raises(ValueError, match="t = NaN: allowed is a finite number"):
+        wingbeat.Scenario(turn).reference(float("nan"))
+    with pytest.raises(ValueError, match="allowed are .*scenarios"):
+        wingbeat.shipped("../x")
+    with pytest.raises(ValueError, match="allowed are .*scenarios"):
+        wingbeat.shipped("../numpy")
+
+
+def test_records_are_equal_by_their_values(turn):
+    short = {"flight.duration_s": 0.02}
+    one, other = (wingbeat.fly(turn, short).record for _ in range(2))
+    assert one == other and one is not other
+    assert one != wingbeat.fly(turn, {"flight.duration_s": 0.03}).record
+    assert one != {} and (one == 3) is False

@@ -305,9 +305,34 @@ def test_processed_samples_are_the_programs(program, tmp_path):
     processed = wingbeat.process(tmp_path / "samples.parquet", run, sets)
     processed.record.write(tmp_path / "record.parquet")
     assert (tmp_path / "record.parquet").read_bytes() == (tmp_path / "out/bench.parquet").read_bytes()
-    summary = json.loads((tmp_path / "out/summary.json").read_text())["runs"]["bench"]
-    assert processed.summary["statement"] == summary["statement"]
-    assert processed.summary["window_s"] == summary["window_s"]
+    assert processed.summary == json.loads((tmp_path / "out/summary.json").read_text())
+    assert processed.status == processed.summary["status"] == "ok"
+    with pytest.raises(ValueError, match="window_s"):
+        wingbeat.process(tmp_path / "samples.parquet", run, sets, window_s=(float("nan"), 3.0))
+
+
+def test_samples_that_are_suspect_are_a_warning(tmp_path):
+    run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 4.0, "rig.cell.rate_hz": 1750.0, "rig.cell.filter_hz": 500.0}
+    [bench] = wingbeat.rig(run, sets)
+    bench.record.write(tmp_path / "samples.parquet")
+    columns = {name: f"-{name}" for name in ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")}
+    with pytest.warns(wingbeat.ResultWarning) as warned:
+        processed = wingbeat.process(tmp_path / "samples.parquet", run, {**sets, "process.input.columns": columns})
+    assert processed.status == "suspect_data" and processed.summary["reason"]
+    assert "status.suspect_data" in [each.message.id for each in warned]
+
+
+def test_a_run_of_the_bench_may_be_a_dictionary(tmp_path):
+    import tomllib
+
+    run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 2.0, "rig.cell.rate_hz": 1750.0, "rig.cell.filter_hz": 500.0}
+    [bench] = wingbeat.rig(run, sets)
+    whole = tomllib.loads(bench.document)
+    [again] = wingbeat.rig(whole)
+    assert again.summary == bench.summary
+    bench.record.write(tmp_path / "samples.parquet")
+    sampled = tmp_path / "samples.parquet"
+    assert wingbeat.process(sampled, whole).summary == wingbeat.process(sampled, run, sets).summary
 
 
 def test_a_case_is_compared_and_refined_as_the_program_does(program, tmp_path):

@@ -1,4 +1,4 @@
-//! Numbers by name, and the verdict on the fit that they are from.
+//! Numbers by name, the verdict on the fit that they are from, and the model that was fitted.
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
@@ -8,6 +8,8 @@ use std::ops::{Deref, DerefMut};
 
 /// The key of a file of numbers that holds the verdict on their fit.
 const VERDICT: &str = "verdict";
+/// The key that holds the model that was fitted.
+const MODEL: &str = "model";
 
 /// The verdict on a fit, as `wingbeat calibrate` writes it into its file of numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
@@ -30,18 +32,47 @@ impl FitVerdict {
     }
 }
 
+/// The model that numbers were fitted with, as `wingbeat calibrate` writes it into its file of numbers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FittedModel {
+    /// Name of the robot; none of a fit to cases of a wing alone.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub robot: String,
+    /// Preset of the aerodynamic model.
+    pub preset: String,
+    /// Lift law.
+    pub law: String,
+}
+
+impl FittedModel {
+    /// What of it is not as in `other`, in words; what one of them does not say agrees.
+    pub fn apart(&self, other: &Self) -> Vec<String> {
+        let parts = [
+            ("robot", &self.robot, &other.robot),
+            ("preset", &self.preset, &other.preset),
+            ("law", &self.law, &other.law),
+        ];
+        let differ =
+            parts.into_iter().filter(|(_, own, other)| own != other && !own.is_empty() && !other.is_empty());
+        differ.map(|(what, own, other)| format!("{what} {own:?}, here {other:?}")).collect()
+    }
+}
+
 /// Numbers by name; from a calibration with the verdict on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GivenNumbers {
     numbers: BTreeMap<String, f64>,
     /// The verdict on the fit; none of numbers that are written by hand.
     pub verdict: Option<FitVerdict>,
+    /// The model that was fitted; none of numbers that are written by hand, and of older files.
+    pub model: Option<FittedModel>,
 }
 
 impl GivenNumbers {
-    /// True without numbers and verdict.
+    /// True without numbers, verdict and model.
     pub fn is_silent(&self) -> bool {
-        self.numbers.is_empty() && self.verdict.is_none()
+        self.numbers.is_empty() && self.verdict.is_none() && self.model.is_none()
     }
 }
 
@@ -61,7 +92,7 @@ impl DerefMut for GivenNumbers {
 
 impl From<BTreeMap<String, f64>> for GivenNumbers {
     fn from(numbers: BTreeMap<String, f64>) -> Self {
-        Self { numbers, verdict: None }
+        Self { numbers, ..Self::default() }
     }
 }
 
@@ -73,6 +104,9 @@ impl Serialize for GivenNumbers {
         }
         if let Some(verdict) = &self.verdict {
             map.serialize_entry(VERDICT, verdict)?;
+        }
+        if let Some(model) = &self.model {
+            map.serialize_entry(MODEL, model)?;
         }
         map.end()
     }
@@ -98,6 +132,8 @@ impl<'de> Visitor<'de> for Names {
         while let Some(name) = map.next_key::<String>()? {
             if name == VERDICT {
                 given.verdict = Some(map.next_value()?);
+            } else if name == MODEL {
+                given.model = Some(map.next_value()?);
             } else if given.numbers.insert(name.clone(), map.next_value()?).is_some() {
                 return Err(de::Error::custom(format!("{name} once")));
             }

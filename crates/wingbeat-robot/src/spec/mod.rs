@@ -15,7 +15,7 @@ mod wing;
 pub use bound::BoundSpec;
 pub use clearance::{CapsuleSpec, ClearanceSpec};
 pub use gait::{GaitSpec, PinSpringSpec};
-pub use given::{FitVerdict, GivenNumbers};
+pub use given::{FitVerdict, FittedModel, GivenNumbers};
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
 pub use residual::ResidualSpec;
 pub use spar::{LinkSparSpec, SparInWing, SparShape};
@@ -116,12 +116,15 @@ pub fn file_or_numbers(generator: &mut schemars::SchemaGenerator) -> schemars::S
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers_table(generator)] })
 }
 
-/// Numbers by name, with the verdict on their fit.
+/// Numbers by name, with the verdict on their fit and the model that was fitted.
 #[cfg(feature = "schema")]
 pub fn numbers_table(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
     schemars::json_schema!({
         "type": "object",
-        "properties": { "verdict": generator.subschema_for::<FitVerdict>() },
+        "properties": {
+            "verdict": generator.subschema_for::<FitVerdict>(),
+            "model": generator.subschema_for::<FittedModel>()
+        },
         "additionalProperties": { "type": "number" }
     })
 }

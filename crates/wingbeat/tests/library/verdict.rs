@@ -211,6 +211,9 @@ fn a_crank_that_its_motor_does_not_turn_is_outside() {
     let weak = ["flight.duration_s=0.3", "robot.drive.motor.stall_torque_n_m=1e-9"];
     let stalled = fly("motor_flapper", &weak);
     assert!(!told(&stalled).met && stalled.status == Status::Outside, "{:?}", told(&stalled));
+    // What turns back is no part of a cycle.
+    let cycles = stalled.judged.iter().find(|judged| judged.id == "flight.cycles_averaged");
+    assert!(cycles.is_none_or(|cycles| cycles.value.is_none_or(|count| count >= 0.0)), "{cycles:?}");
     // Of gaits at a constant rate nothing is said.
     let constant = fly("cruise_20g", &["flight.duration_s=0.1"]);
     assert!(constant.judged.iter().all(|judged| judged.id != "linkage.crank_rate_fraction"));

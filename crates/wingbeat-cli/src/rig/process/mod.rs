@@ -1,7 +1,5 @@
 //! `wingbeat rig process`.
 
-mod judged;
-mod numbers;
 mod source;
 
 use std::path::{Path, PathBuf};
@@ -10,8 +8,8 @@ use std::time::Instant;
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
 use wingbeat::scenario::{CombinedRuns, ProcessedRun, RunName, subtract_still_air, together};
+use wingbeat_calibrate::{ProcessSummary, ProcessedFile};
 use wingbeat_figures::{CellOrigin, Figure};
-use wingbeat_io::samples::Import;
 use wingbeat_io::write_parquet;
 
 use super::runs;
@@ -21,15 +19,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
 use crate::say;
-use numbers::ProcessSummary;
 use source::SampleSource;
-
-/// A file of samples, how it was read, and what of it was averaged, s.
-struct ProcessedFile {
-    file: PathBuf,
-    import: Import,
-    window: (f64, f64),
-}
 
 /// Processes a file, a run folder, a recording, or a folder of run folders.
 pub fn process(arguments: &RigProcess) -> Result<(), Error> {

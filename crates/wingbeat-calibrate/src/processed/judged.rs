@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::{HarmonicLayout, disagreement, in_cell, project};
 use wingbeat::judge::RunLimits;
 use wingbeat::judge::data::{
     CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined, mean_apart,
@@ -10,7 +11,6 @@ use wingbeat::judge::limits::data::{BACKWARD, COVERED, FREQUENCY, PHASE_RATE, RE
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{CycleAverage, PhaseSource};
 use wingbeat::scenario::ProcessedRun;
-use wingbeat_calibrate::{HarmonicLayout, disagreement, in_cell, project};
 
 /// Harmonics by which a cycle is judged.
 const HARMONICS: usize = 8;

@@ -1,4 +1,6 @@
-//! The numbers beside the figures.
+//! What `rig process` says of its runs.
+
+mod judged;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,8 +12,17 @@ use wingbeat::rig::process::{Comparison, Steps};
 use wingbeat::scenario::{CombinedRuns, Evaluated, ProcessedRun, TiltWeighing};
 use wingbeat_io::samples::Import;
 
-use super::ProcessedFile;
-use super::judged::{findings, judged};
+use judged::{findings, judged};
+
+/// A file of samples, how it was read, and what of it was averaged, s.
+pub struct ProcessedFile {
+    /// Where it lies.
+    pub file: PathBuf,
+    /// How it was read.
+    pub import: Import,
+    /// Begin and end of what was averaged, s.
+    pub window: (f64, f64),
+}
 
 /// The contents of summary.json.
 #[derive(Serialize)]
@@ -105,7 +116,7 @@ fn verdict(runs: &[ProcessedRun], files: &[ProcessedFile]) -> Verdict {
     let judged = runs.iter().zip(files).map(|(one, file)| {
         let mut judge = Judge::new(&one.run.limits);
         findings(one, file.window, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
-        one.run.of_fit().into_iter().for_each(|warning| judge.warn(warning));
+        one.run.of_fit().for_each(|warning| judge.warn(warning));
         judge.verdict().of(&one.run.spec.name)
     });
     let judged: Vec<Verdict> = judged.collect();
