@@ -13,13 +13,13 @@ struct CopyLimit {
     most: usize,
 }
 
-/// Limits of the program with all formats, which has 13, 4, 4 and 142 copies. The last has one for each table that is read: serde compiles a
+/// Limits of the program with all formats, which has 13, 4, 4 and 143 copies. The last has one for each table that is read: serde compiles a
 /// reader for every type.
 const LIMITS: [CopyLimit; 4] = [
     CopyLimit { name: "StripModel::evaluate_in", holds: ["5strip", "11evaluate_in17h"], most: 14 },
     CopyLimit { name: "Tableau::integrate", holds: ["11runge_kutta", "9integrate17h"], most: 5 },
     CopyLimit { name: "Stepper::run", holds: ["Stepper$LT$", "3run17h"], most: 4 },
-    CopyLimit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 142 },
+    CopyLimit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 143 },
 ];
 
 /// Most code of the program with all formats, without incremental builds: 15.83 MB.

@@ -231,7 +231,7 @@ pub struct Corrected {
 pub struct RestDrift {
     /// Per s, in N and N m.
     pub slope: [f64; 6],
-    /// Standard errors of them, by the scatter of means over parts of the rest: noise that lasts counts as such.
+    /// Standard errors of them, per s in N and N m, by the scatter of means over parts of the rest: noise that lasts counts as such.
     pub error: [f64; 6],
     /// Middle of the rest, s.
     pub middle_s: f64,
