@@ -369,7 +369,7 @@ impl<P: Scalar> StripModel<P> {
             };
         }
         // Columns of plain numbers are as wide as there are strips, in whole registers; of others only their room is.
-        // The tests of this crate take one width, for which they are compiled in half the time; those of `wingbeat` take all.
+        // The tests of this crate take one width, for which they are compiled in less time; those of `wingbeat` take the others.
         if const { cfg!(test) || S::RECORDED || !plain::<P>() } {
             self.evaluate_in::<G, G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted)
         } else if const { size_of::<K>() < size_of::<G>() } {
