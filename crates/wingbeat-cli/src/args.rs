@@ -49,10 +49,10 @@ pub struct Fly {
 /// command is given again.
 ///
 /// With `[search]` each candidate gives the keys of `draws` a value and is flown once for each of `flights`. Its cost is the sum of
-/// (miss / `per`)^2 over all goals and flights; a flight that breaks down costs 1e6 or more. The search is separable CMA-ES, a
-/// local evolution strategy (Ros & Hansen 2008); the same seed gives the same candidates. candidates.csv holds values, goals and
-/// cost of every candidate, best.toml the scenario of the best, for `fly`. It ends `ok` where one candidate meets all goals, else
-/// `not_found` with a warning `search.missed` for each goal missed.
+/// (miss / `per`)^2 over all goals and flights; a flight that breaks down or is not resolved costs 1e6 or more. The search is separable
+/// CMA-ES, a local evolution strategy (Ros & Hansen 2008); the same seed gives the same candidates. candidates.csv holds values, goals,
+/// verdicts and cost of every candidate, best.toml the scenario of the best, for `fly`. It ends `ok` where one candidate meets all goals
+/// and no verdict of its flights refuses them, else `not_found` with a warning `search.missed` for each that is missed.
 #[derive(Debug, Args)]
 pub struct SweepArguments {
     /// The sweep: scenario and what counts as held, or case; draws
@@ -559,7 +559,7 @@ pub struct RigRecord {
     /// Added to the box's ports 49152 and 80
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = offset())]
     pub port_offset: u16,
-    /// Seconds to record; without it until Ctrl-C
+    /// Seconds to record from now on, also where a recording goes on; without it until Ctrl-C
     #[arg(long, value_name = "S")]
     pub duration: Option<f64>,
     /// Take the load at the start as zero

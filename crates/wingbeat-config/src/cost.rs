@@ -6,7 +6,7 @@ use wingbeat_flight::simulate::Cost;
 use wingbeat_math::order::filled;
 use wingbeat_robot::{Robot, WeightPart};
 
-/// Power of the joints, and what carried the weight, as means over whole cycles. Missing where nothing was averaged.
+/// Power of the joints, without that of thrusters, and what carried the weight, as means over whole cycles. Missing where nothing was averaged.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CostSummary {
     /// Mean of the positive part of the total power of the driven joints, W: what one drive gives that takes nothing back.

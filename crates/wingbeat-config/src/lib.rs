@@ -143,7 +143,7 @@ pub use watched::{ShownSample, Watched};
 
 use build::{Built, whole};
 use doors::ChosenKinds;
-use finer::FinerFlight;
+use finer::SecondFlight;
 use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -371,13 +371,16 @@ impl Scenario {
     pub fn fly(&self, mut observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
         if !self.flies_again() {
             let mut pilot = self.pilot(self.prepared.clone())?;
-            return self.fly_under(&mut *pilot, self.sensors(), &self.schedule, (&mut observe, None));
+            let halved = || self.end_in_half_steps();
+            let again = SecondFlight::Halved(&halved);
+            return self.fly_under(&mut *pilot, self.sensors(), &self.schedule, (&mut observe, again));
         }
         // Both begin with one search.
         let prepared = self.prepared.clone().or_else(|| self.prepare());
         let mut pilot = self.pilot(prepared.clone())?;
         let (finer, first) = finer::pair();
-        let fly = || self.fly_under(&mut *pilot, self.sensors(), &self.schedule, (&mut observe, Some(finer)));
+        let again = SecondFlight::Beside(finer);
+        let fly = || self.fly_under(&mut *pilot, self.sensors(), &self.schedule, (&mut observe, again));
         parallel::beside(move || self.fly_again(prepared, &first), fly)
     }
 
@@ -454,7 +457,7 @@ impl Scenario {
     ) -> Result<Run, Error> {
         let period = whole("period_s", period_s, self.schedule.step, "steps of")?;
         let schedule = Schedule { steps_per_update: Some(period), ..self.schedule };
-        let mut run = self.fly_under(controller, sensors, &schedule, (&mut observe, None))?;
+        let mut run = self.fly_under(controller, sensors, &schedule, (&mut observe, SecondFlight::Never))?;
         run.summary.warnings.extend(self.spec.flight.error_m.map(|_| finer::flown_once()));
         Ok(run)
     }
@@ -473,7 +476,7 @@ impl Scenario {
         controller: &mut (dyn Controller + 'c),
         mut sensors: Sensors,
         schedule: &Schedule,
-        (observe, finer): (FlightObserver, Option<FinerFlight>),
+        (observe, again): (FlightObserver, SecondFlight),
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut lattice = self.lattice()?;
@@ -495,7 +498,7 @@ impl Scenario {
                 error.see(sample);
             }
             let seen = observe(sample);
-            if let Some(finer) = &finer {
+            if let SecondFlight::Beside(finer) = &again {
                 finer.go_on();
             }
             Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
@@ -521,8 +524,13 @@ impl Scenario {
         let mut recorded = recorder.finish();
         let cut = recorded.cut(&flight.ending);
         let whole = flight.ending == Ending::Complete;
-        let grown = finer.and_then(|finer| finer.distance(Vec3::from_slice(&x[robot.layout().position..])));
-        let errors = [error.filter(|_| !cut), grown.filter(|_| whole)];
+        let position = Vec3::from_slice(&x[robot.layout().position..]);
+        let error = error.filter(|_| !cut);
+        let errors = match again {
+            SecondFlight::Never => [error, None],
+            SecondFlight::Halved(end) => [error.map(|most| self.measured_error(most, end, position)), None],
+            SecondFlight::Beside(finer) => [error, finer.distance(position).filter(|_| whole)],
+        };
         let mut summary = self.summarise(&recorded, &flight, schedule, errors, (coupling, perfect));
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));

@@ -22,6 +22,9 @@ const MOST_FITTED: usize = 10_000_000;
 const CYCLES: f64 = 3.0;
 const REPEATS: f64 = 0.95;
 
+/// Part of a cycle by which the span of a table that ends where it begins may differ from one.
+const CLOSED: f64 = 1e-6;
+
 /// Part of its mean by which a coordinate that is held may move. *Choice*: 0.2 deg at 20 deg.
 const HELD: f64 = 0.01;
 
@@ -194,6 +197,8 @@ impl TableSpec {
             found.extend(self.left(&left, share).filter(|finding| finding.breaks(limits)));
             return Ok(BuiltCoordinate { coordinate, smoothed: Some(left), found });
         }
+        self.in_order(&record, (pace, frequency_hz))
+            .map_err(|e| Error::invalid("file", path.display(), e))?;
         let spline = match self.repeats() {
             true => closed(&t, &y, 1.0 / frequency_hz),
             false => CubicSpline::natural(&t, &y),
@@ -202,6 +207,33 @@ impl TableSpec {
         let other = other.map_or(String::new(), |words| format!("; {words}"));
         let refused = |error: Error| Error::invalid("file", path.display(), format!("{error}{other}"));
         Ok(BuiltCoordinate { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
+    }
+
+    /// Refuses, in words, times that do not ascend, and more than a cycle of a table that repeats, whose times are `pace` times those of
+    /// the record.
+    fn in_order(&self, record: &Record, (pace, frequency_hz): (f64, f64)) -> Result<(), String> {
+        let (name, unit) = match self.by {
+            TableBy::Time => (self.by.column(), "s"),
+            TableBy::Phase => (self.by.column(), "cycles"),
+        };
+        let when = record.values(name).unwrap_or_default();
+        if let Some(row) = (1..when.len()).find(|&row| !(when[row] > when[row - 1])) {
+            return Err(format!(
+                "a column {name} that ascends: row {} has {} {unit} after {} {unit}",
+                row + 1,
+                when[row],
+                when[row - 1]
+            ));
+        }
+        let [first, .., last] = when else { return Ok(()) };
+        let cycle = 1.0 / (frequency_hz * pace);
+        if self.repeats() && last - first > cycle * (1.0 + CLOSED) {
+            return Err(format!(
+                "at most one cycle of a table that repeats, {cycle:.6} {unit}; {name} spans {:.6} {unit}: with harmonics it takes several",
+                last - first
+            ));
+        }
+        Ok(())
     }
 
     /// That harmonics leave `share` of the motion.
@@ -263,7 +295,7 @@ fn column<'a>(record: &'a Record, name: &str, key: &str) -> Result<&'a [f64], Er
 /// A periodic spline; a last sample that is the first of the next cycle goes.
 fn closed(t: &[f64], y: &[f64], period: f64) -> Result<CubicSpline, Error> {
     match t {
-        [first, inner @ .., last] if (last - first - period).abs() < 1e-6 * period => {
+        [first, inner @ .., last] if (last - first - period).abs() < CLOSED * period => {
             CubicSpline::periodic(&t[..=inner.len()], &y[..=inner.len()], period)
         }
         _ => CubicSpline::periodic(t, y, period),

@@ -1,6 +1,7 @@
 //! The search of a sweep: candidates, what their flights came to, and the best of them.
 
 use super::sweep::with_all;
+use super::sweep_verdict::status;
 use super::{ConfigError, Scenario, SearchGoal, Summary, Sweep, SweepSearch};
 use serde::Serialize;
 use std::ops::ControlFlow;
@@ -12,6 +13,8 @@ use wingbeat_math::{Error, Evolution};
 /// What a flight costs that was not flown whole, times 2 less the share that was: more than any miss that is worth a look.
 /// *Choice.*
 const BROKEN: f64 = 1e6;
+/// Column of the verdict of a flight, by the place of its status in [`Status::ALL`].
+const STATUS: &str = "status";
 /// Measures of a candidate beside those of its flights.
 const OWN: [(&str, &str); 2] = [("ends_apart", "m"), ("cost", "")];
 
@@ -46,6 +49,8 @@ pub struct SearchFound {
 pub struct SearchFlight {
     /// Its overrides.
     pub overrides: Vec<String>,
+    /// Status of its own verdict; missing where the scenario refused the values.
+    pub status: Option<&'static str>,
     /// Its goals: key, value in the unit that ends it, what is asked, and whether it is met.
     pub goals: Vec<(String, Option<f64>, String, bool)>,
 }
@@ -59,6 +64,14 @@ pub struct SweepFound {
     /// The best candidate.
     #[serde(flatten)]
     pub found: SearchFound,
+}
+
+impl SearchFlight {
+    /// The status of a verdict that lets nobody use the flight.
+    fn refused(&self) -> Option<&'static str> {
+        let refuses = |status: &&Status| **status > Status::OffTarget && self.status == Some(status.name());
+        Status::ALL.iter().find(refuses).map(|status| status.name())
+    }
 }
 
 impl SweepFound {
@@ -122,6 +135,9 @@ impl Sweep {
                 true => String::new(),
                 false => format!(" (flight {number}, {})", flight.overrides.join(", ")),
             };
+            if let Some(refused) = flight.refused() {
+                say(format!("the own verdict of the best candidate{which} refuses it: {refused}"));
+            }
             for (key, value, asked, met) in &flight.goals {
                 if !met {
                     let value = value.map_or("not known".into(), |value| format!("{value:.4}"));
@@ -146,8 +162,8 @@ impl<'a> CandidateSearch<'a> {
     pub fn columns(&self) -> Vec<Column> {
         let draws = self.sweep.spec.draws.iter().map(|draw| Column::new(draw.key.clone(), "", ""));
         let goals = (0..self.spec.count()).flat_map(|flight| {
-            let name = move |goal: &SearchGoal| Column::new(format!("flight_{flight}_{}", goal.key), "", "");
-            self.spec.goals.iter().map(name)
+            let name = move |key: &str| Column::new(format!("flight_{flight}_{key}"), "", "");
+            self.spec.goals.iter().map(move |goal| name(&goal.key)).chain([name(STATUS)])
         });
         let own = OWN.iter().map(|(name, unit)| Column::new(*name, *unit, ""));
         std::iter::once(Column::new("run", "", "")).chain(draws).chain(goals).chain(own).collect()
@@ -213,7 +229,7 @@ impl<'a> CandidateSearch<'a> {
         for flight in 0..self.spec.count() {
             // Values that the scenario refuses cost as much as a flight that broke down at once.
             let Ok(scenario) = Scenario::new(self.document(values, flight)) else {
-                row.extend(vec![f64::NAN; self.spec.goals.len()]);
+                row.extend(vec![f64::NAN; self.spec.goals.len() + 1]);
                 cost += 2.0 * BROKEN;
                 ends.push((f64::NAN, f64::NAN));
                 continue;
@@ -225,10 +241,11 @@ impl<'a> CandidateSearch<'a> {
             let summary = &flown.summary;
             let told = serde_json::to_value(summary).unwrap_or_default();
             for goal in &self.spec.goals {
-                let value = number(&told, &goal.key).filter(|_| summary.completed()).unwrap_or(f64::NAN);
+                let value = number(&told, &goal.key).filter(|_| resolved(summary)).unwrap_or(f64::NAN);
                 row.push(value);
                 cost += goal.miss(value).map_or(BROKEN, |miss| (miss / goal.per).powi(2)).min(BROKEN);
             }
+            row.push(f64::from(summary.status as u8));
             cost += broken(summary, scenario.spec.flight.duration_s);
             ends.push((summary.distance_x_m, summary.distance_y_m));
         }
@@ -269,7 +286,8 @@ impl SearchFound {
                 (goal.key.clone(), Some(value).filter(|value| value.is_finite()), goal.asked(), met)
             };
             let overrides = spec.flights.get(number).cloned().unwrap_or_default();
-            SearchFlight { overrides, goals: spec.goals.iter().map(goal).collect() }
+            let status = status(at(&format!("flight_{number}_{STATUS}"))).map(Status::name);
+            SearchFlight { overrides, status, goals: spec.goals.iter().map(goal).collect() }
         };
         let apart = at("ends_apart");
         Some(Self {
@@ -290,9 +308,14 @@ fn number(summary: &serde_json::Value, key: &str) -> Option<f64> {
     own.or_else(judged)?.as_f64()
 }
 
-/// What a flight costs that was not flown to its end.
+/// Whether a flight was flown to its end, and does not depend on its steps.
+fn resolved(summary: &Summary) -> bool {
+    summary.status < Status::NotResolved
+}
+
+/// What a flight costs that was not flown to its end, or is not resolved.
 fn broken(summary: &Summary, duration: f64) -> f64 {
-    if summary.completed() { 0.0 } else { BROKEN * (2.0 - (summary.duration_s / duration).clamp(0.0, 1.0)) }
+    if resolved(summary) { 0.0 } else { BROKEN * (2.0 - (summary.duration_s / duration).clamp(0.0, 1.0)) }
 }
 
 /// Largest distance between two of the points, m; 0 of one, and not a number where one of them is not known.

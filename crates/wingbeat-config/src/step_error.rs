@@ -45,6 +45,12 @@ fn reached(off: &Off, flown: Vec3, left: f64) -> Vec3 {
     off.position + (off.velocity + turned) * left
 }
 
+/// The error of a flight that ends at the first of two positions, the other that of the same flight in half steps, m: that of its steps and
+/// of all that became of them.
+pub fn halved([whole, half]: [Vec3; 2]) -> f64 {
+    (whole - half).norm() / ORDER
+}
+
 /// Errors that the steps add, per second of flight, and the velocity there.
 #[derive(Clone, Copy)]
 struct Rate {
@@ -105,8 +111,8 @@ impl<'a> StepError<'a> {
         Some(Rate { t: sample.t, of, flown: Vec3::from_slice(&sample.x[layout.velocity..]) })
     }
 
-    /// The error of the position at the time `end`, m; infinite where a step cannot be taken, none without
-    /// samples.
+    /// Most that the errors of steps may do to the position at the time `end`, m, if nothing damps or amplifies them; infinite where a
+    /// step cannot be taken, none without samples.
     pub fn at_end(&self, end: f64) -> Option<f64> {
         if self.failed {
             return Some(f64::INFINITY);

@@ -25,7 +25,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::time::Duration;
 use wingbeat_flight::guide::{Manoeuvre, PathSpec, Reference, angle_error};
-use wingbeat_flight::simulate::{Cost, Flight, Record};
+use wingbeat_flight::simulate::{Cost, Flight, Record, whole_strokes};
 use wingbeat_judge::limits::{flight, trim};
 use wingbeat_judge::{Judge, Judged, RunLimits, Status, Warning};
 use wingbeat_math::Vec3;
@@ -165,9 +165,10 @@ pub struct Summary {
     /// Largest change of the angular momentum about the centre of mass, kg m2/s, in a vacuum, where nothing can change it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_momentum_change_kg_m2_s: Option<f64>,
-    /// Estimate of the error of the integration in the last position, m: what a step differs from two of half
-    /// its length, at instants of the flight, summed up to its end. What a closed loop makes of it is not in it, but beside
-    /// `flight.error_m`: there it is at least the distance from where a flight of a tenth of that error ends.
+    /// Error of the integration in the last position, m: as the most that the errors of steps may do, measured by halved steps at instants
+    /// of the flight, if nothing damps or amplifies them. Where that is beyond the limits, or `flight.error_m` is given under a controller,
+    /// it is the distance to the end of a second flight in finer steps, with all that a closed loop makes of it; a controller of the
+    /// caller's own is not flown twice.
     pub step_error_m: Option<f64>,
     /// Steps that `flight.error_m` made it take.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -263,6 +264,11 @@ impl Settled<'_> {
     /// The samples of a column that count, in its unit; none of a column that is not there.
     pub fn column(&self, name: &str) -> &[f64] {
         self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
+    }
+    /// Those of the last whole strokes, over which powers are averaged; all where there is none.
+    pub fn in_strokes(&self, name: &str) -> &[f64] {
+        let first = whole_strokes(self.record, self.first).unwrap_or(self.first);
+        self.record.values(name).map_or(&[], |v| &v[first.min(v.len())..])
     }
     /// The angle `name` minus its reference at every sample, rad: that of the manoeuvre, or of the orbit, or level.
     fn errors(&self, name: &str, context: &Context, angle: impl Fn(Reference) -> f64) -> Vec<f64> {

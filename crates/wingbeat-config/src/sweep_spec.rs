@@ -2,6 +2,7 @@
 
 use super::{RunName, Summary, SweepOf, SweepSearch, VerdictLimits};
 use serde::{Deserialize, Serialize};
+use wingbeat_judge::Status;
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 use wingbeat_math::range::{Range, ranges};
@@ -122,8 +123,8 @@ pub(super) enum Listed {
 const HOLD: &str =
     "a table [hold] with roll_within_deg and pitch_within_deg, which say what counts as held, of flights";
 
-/// Largest errors of a held flight, from the goal's settling time on. A flight to a `[perch]` is held where the claw latches and its own
-/// verdict lets it be used.
+/// Largest errors of a held flight, from the goal's settling time on; one that is not resolved is not held. A flight to a `[perch]` is held
+/// where the claw latches and it misses no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -153,12 +154,12 @@ impl Hold {
         clearance_m: f64::NEG_INFINITY,
     };
 
-    /// True when the whole flight was flown and the errors stayed within; on a landing, where it latched and no limit was missed.
+    /// True when the whole flight was flown and resolved, and the errors stayed within; on a landing, where it latched and no limit was missed.
     pub fn met(&self, summary: &Summary) -> bool {
         if let Some(perch) = &summary.perch {
             return perch.caught && summary.status.exit_code() == 0;
         }
-        summary.completed()
+        summary.status < Status::NotResolved
             && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)
             && summary.pitch_max_error_deg.is_some_and(|e| e <= self.pitch_within_deg)
             && self.height_within_m.is_none_or(|most| summary.height_max_error_m.is_some_and(|e| e <= most))

@@ -14,7 +14,7 @@ pub struct SweepCounts {
     pub runs: usize,
     /// Those that were carried out to their end: what tables and figures are of.
     pub completed: usize,
-    /// Those of them whose own verdict lets them be used.
+    /// Those of them whose own verdict lets them be used: what was asked may be missed.
     pub usable: usize,
     /// Completed runs that carry warnings.
     pub warned: usize,
@@ -23,7 +23,7 @@ pub struct SweepCounts {
 }
 
 /// The status that a number of the column `status` stands for.
-fn status(number: f64) -> Option<Status> {
+pub(super) fn status(number: f64) -> Option<Status> {
     Status::ALL.into_iter().enumerate().find(|(place, _)| *place as f64 == number).map(|(_, status)| status)
 }
 
@@ -47,12 +47,12 @@ impl SweepCounts {
         counts
     }
 
-    /// Rows of the completed runs whose own verdict lets them be used.
+    /// Rows of the completed runs whose own verdict lets them be used, missed goals among them.
     pub fn usable_rows(record: &Record) -> Vec<usize> {
         let column = |name: &str| record.values(name).unwrap_or_default();
         let rows = column("completed").iter().zip(column("status")).enumerate();
         let usable = |(done, number): (&f64, &f64)| {
-            *done == 1.0 && status(*number).is_some_and(|status| status.exit_code() == 0)
+            *done == 1.0 && status(*number).is_some_and(|status| status <= Status::OffTarget)
         };
         rows.filter(|(_, row)| usable(*row)).map(|(row, _)| row).collect()
     }
@@ -83,17 +83,14 @@ impl Sweep {
         if counts.completed > 0 {
             judge.hold(&sweep::WARNED, share(counts.warned, counts.completed));
         }
-        match self.of {
-            SweepOf::Flights(_) => {
-                let held = record.values("held").unwrap_or_default();
-                let held = held.iter().filter(|held| **held == 1.0).count();
-                judge.hold(&sweep::HELD, share(held, counts.runs));
-            }
-            SweepOf::Cases if counts.completed > 0 => {
-                judge.hold(&sweep::USABLE, share(counts.usable, counts.completed));
-                judge.hold(&sweep::SOME, counts.usable as f64);
-            }
-            SweepOf::Cases => {}
+        if counts.completed > 0 {
+            judge.hold(&sweep::USABLE, share(counts.usable, counts.completed));
+            judge.hold(&sweep::SOME, counts.usable as f64);
+        }
+        if matches!(self.of, SweepOf::Flights(_)) {
+            let held = record.values("held").unwrap_or_default();
+            let held = held.iter().filter(|held| **held == 1.0).count();
+            judge.hold(&sweep::HELD, share(held, counts.runs));
         }
         let in_vain = self.given_twice().into_iter().chain(self.unheard(record));
         self.of_fits().into_iter().chain(in_vain).for_each(|warning| judge.warn(warning));
@@ -116,8 +113,14 @@ impl Sweep {
             |columns: &[&[f64]], row: usize| columns.iter().map(|of| of[row].to_bits()).collect::<Vec<_>>();
         let agree =
             |a: usize, b: usize| results.iter().all(|of| of[a] == of[b] || of[a].is_nan() && of[b].is_nan());
+        // Where no result differs anywhere, none of the draws does anything, however many differ at once.
+        let all_agree = completed.iter().all(|row| agree(completed[0], *row));
         let told = |(k, draw): (usize, &Draw)| {
             let own = draws[k];
+            if all_agree {
+                let other = completed.iter().filter(|row| own[**row] != own[completed[0]]).count();
+                return in_vain(k, draw, other);
+            }
             let others: Vec<&[f64]> =
                 draws.iter().enumerate().filter(|(o, _)| *o != k).map(|(_, of)| *of).collect();
             let mut alone: BTreeMap<Vec<u64>, Vec<usize>> = BTreeMap::new();
@@ -131,14 +134,17 @@ impl Sweep {
                 }
                 compared += other.len();
             }
-            let text = format!(
-                "{} changes no result: {} runs have to the last digit those of the ones that differ from them in it alone",
-                draw.key, compared
-            );
-            (compared > 0).then(|| {
-                Warning::new("sweep.unheard", text).size(compared as f64).key(format!("draws[{k}].key"))
-            })
+            in_vain(k, draw, compared)
         };
         self.spec.draws.iter().enumerate().filter_map(told).collect()
     }
+}
+
+/// The warning that draw number `k` changes no result, as so many runs show that have another value of it; none without such.
+fn in_vain(k: usize, draw: &Draw, runs: usize) -> Option<Warning> {
+    let text = format!(
+        "{} changes no result: {runs} runs have to the last digit those of ones with another value of it and nothing else that acts",
+        draw.key
+    );
+    (runs > 0).then(|| Warning::new("sweep.unheard", text).size(runs as f64).key(format!("draws[{k}].key")))
 }

@@ -94,7 +94,8 @@ pub fn summary(
         text += &format!("{key:<48}{value:>12.5}\n");
     }
     for (number, flight) in found.flights.iter().enumerate() {
-        text += &format!("\nflight {number}  {}\n", flight.overrides.join(", "));
+        let status = flight.status.unwrap_or("refused");
+        text += &format!("\nflight {number}  {status}  {}\n", flight.overrides.join(", "));
         for (key, value, asked, met) in &flight.goals {
             let value = value.map_or("-".into(), |value| format!("{value:.4}"));
             let met = if *met { "met" } else { "missed" };

@@ -156,6 +156,25 @@ fn a_sweep_is_judged_by_its_limits() {
 }
 
 #[test]
+fn flights_that_their_own_verdict_refuses_are_neither_held_nor_used() {
+    let folder = scratch("sweep-refused");
+    glides(&folder, "[0.002, 0.003]", "");
+    let with = |limits: &str| {
+        let text = fs::read_to_string(folder.join("small.toml")).unwrap();
+        fs::write(folder.join("small.toml"), format!("set = [{limits}]\n{text}")).unwrap();
+    };
+    with("'limits.flight.steps_lost_m=1e-30'");
+    let output = sweep(&folder, "a");
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let found = summary(&folder, "a");
+    assert_eq!(
+        (&found["status"], &found["held"], &found["usable"]),
+        (&"not_resolved".into(), &0.into(), &0.into())
+    );
+    assert!(found["reason"].as_str().unwrap().contains("sweep.usable_runs"), "{found}");
+}
+
+#[test]
 fn a_sweep_of_a_rejected_fit_says_so() {
     let folder = scratch("sweep-fit");
     let fit = "[scenario.mismatch]\nnumbers = { verdict = { status = \"suspect_data\" } }\n";
@@ -256,6 +275,7 @@ fn a_search_keeps_its_candidates_and_says_what_its_best_misses() {
     assert!(told.contains("not_found"), "{told}");
     let table = fs::read_to_string(folder.join("a/candidates.csv")).unwrap();
     assert_eq!(table.lines().count(), 5, "{table}");
+    assert!(table.lines().next().unwrap().contains("flight_0_status"), "{table}");
     let summary = fs::read_to_string(folder.join("a/summary.json")).unwrap();
     assert!(summary.contains("search.missed") && summary.contains("distance_x_m"), "{summary}");
     for name in ["best.toml", "figures/search.png", "record.parquet", "sweep.toml", "manifest.json"] {
@@ -290,4 +310,24 @@ fn a_draw_that_changes_nothing_is_told() {
     assert!(!found.iter().any(|(_, key)| *key == "draws[1].key"), "{found:?}");
     let found = told("");
     assert!(!found.contains(&twice) && !found.iter().any(|(id, _)| *id == "sweep.unheard"), "{found:?}");
+}
+
+#[test]
+fn draws_at_random_of_which_none_does_anything_are_told() {
+    let folder = scratch("sweep-all-in-vain");
+    let drawn =
+        |key: &str, low: f64, high: f64| format!("[[draws]]\nkey = {key:?}\nlow = {low}\nhigh = {high}\n");
+    let text = format!(
+        "name = \"s\"\ncase = {:?}\nruns = 4\nset = ['time.cycles=1', 'numbers={{\"air.density_kg_m3\"=1.1}}']\n{}{}",
+        root().join("cases/flap_f2.toml"),
+        drawn("wind.density_kg_m3", 0.9, 1.3),
+        drawn("aero.paper.regularisation_m_s", 0.01, 0.02)
+    );
+    fs::write(folder.join("small.toml"), text).unwrap();
+    let answer = sweep(&folder, "o");
+    assert!(answer.status.code() != Some(2), "{}", String::from_utf8_lossy(&answer.stderr));
+    let found = summary(&folder, "o");
+    let told =
+        found["warnings"].as_array().unwrap().iter().filter(|warning| warning["id"] == "sweep.unheard");
+    assert_eq!(told.map(|warning| &warning["key"]).collect::<Vec<_>>(), ["draws[0].key", "draws[1].key"]);
 }

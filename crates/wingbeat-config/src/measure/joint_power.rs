@@ -7,11 +7,11 @@ const DRIVE: &str = "drive_power";
 const ACTUATORS: &str = "regulator_power";
 
 fn of(settled: &Settled<'_>, column: &str) -> Option<f64> {
-    mean(settled.column(column))
+    mean(settled.in_strokes(column))
 }
 
 fn given_of(settled: &Settled<'_>, column: &str) -> Option<f64> {
-    given(settled.column(column))
+    given(settled.in_strokes(column))
 }
 
 pub(super) const MEASURES: &[Measure] = &[

@@ -17,7 +17,7 @@ pub(super) const MEASURES: &[Measure] = &[
         line: Some(("power of the motor", 3, "W, of its shaft")),
         always: false,
         swept: None,
-        value: |settled: &Settled<'_>| mean(settled.column("motor_power")),
+        value: |settled: &Settled<'_>| mean(settled.in_strokes("motor_power")),
     },
     Measure {
         key: "electrical_power_w",
@@ -25,7 +25,7 @@ pub(super) const MEASURES: &[Measure] = &[
         line: Some(("motor, electrical", 3, "W")),
         always: false,
         swept: None,
-        value: |settled| mean(settled.column("electrical_power")),
+        value: |settled| mean(settled.in_strokes("electrical_power")),
     },
     Measure {
         key: "crank_ripple",

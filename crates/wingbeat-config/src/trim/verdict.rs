@@ -84,6 +84,20 @@ impl TrimSummary {
         self.take(judge.verdict());
     }
 
+    /// Judges the least clearance, m, of the orbits that a search flew beside this one, in other airs or by other numbers of strips.
+    pub(super) fn hold_elsewhere(&mut self, limits: &RunLimits, least: Option<f64>) {
+        let Some(least) = least.filter(|least| self.least_clearance_m.is_none_or(|own| *least < own)) else {
+            return;
+        };
+        let mut judge = Judge::new(limits);
+        judge.hold_about(&trim::CLEARANCE, least, "in trim.search.airs and strips");
+        let verdict = judge.verdict();
+        self.status = self.status.max(verdict.status);
+        self.reason =
+            [self.reason.take(), verdict.reason].into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
+        self.judged.extend(verdict.judged);
+    }
+
     /// Takes a verdict in.
     pub(super) fn take(&mut self, verdict: Verdict) {
         (self.status, self.reason) = (verdict.status, verdict.reason);

@@ -47,6 +47,18 @@ pub enum Failure {
         /// Largest allowed, in its unit.
         high: f64,
     },
+    /// The frequency left the range of the measured residual loads.
+    #[error(
+        "frequency = {value:.4} Hz is outside {low:.4} to {high:.4}, where robot.residual holds (robot.residual.frequency_hz to 1 %): take          frequency out of trim.free, or measure the residual near {value:.1} Hz"
+    )]
+    Residual {
+        /// Where it went, Hz.
+        value: f64,
+        /// Least allowed, Hz.
+        low: f64,
+        /// Largest allowed, Hz.
+        high: f64,
+    },
     /// Left and right differ: flight straight ahead was looked for as if they did not.
     #[error(
         "left and right differ: over the cycle that was found {condition} is missed by {missed:.2e}, and orbits straight ahead are looked for in \

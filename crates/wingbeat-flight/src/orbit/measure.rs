@@ -31,7 +31,7 @@ pub struct Measures {
     pub twist_power: f64,
     /// Mean power of the regulators, W.
     pub regulator_power: f64,
-    /// Frequency times the vertical way of the tip of the first surface against the body over the speed.
+    /// Frequency times the vertical way against the body of the tip that goes furthest, over the speed; dimensionless.
     pub strouhal: f64,
     /// Shares of U^2 c dy dt beyond 12 and 20 deg of incidence, U the speed of the strip's quarter chord in the air.
     pub stalled: [f64; 2],
@@ -111,11 +111,19 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
     measures.mean_angles = [mean(&|k| angles(k)[0]), mean(&|k| angles(k)[1])];
     let [low, high] = swing(&|k| states[k][layout.position + 2] - orbit.course.climb * (k + 1) as f64 * step);
     measures.heave = high - low;
-    if seen[0].outlines.first().is_some_and(|points| !points.is_empty()) {
-        let [low, high] = swing(&|k| seen[k].outlines[0][0][0][2]);
-        let frequency = robot.strokes_per_cycle() as f64 / duration;
-        measures.strouhal = frequency * (high - low) / orbit.course.speed;
-    }
+    // The tip that goes furthest: in a turn they differ.
+    let tips = seen[0].outlines.iter().enumerate().flat_map(|(i, points)| {
+        [0, points.len().saturating_sub(1)]
+            .into_iter()
+            .filter(|_| !points.is_empty())
+            .map(move |end| (i, end))
+    });
+    let furthest = tips.map(|(i, end)| {
+        let [low, high] = swing(&|k| seen[k].outlines[i][end][0][2]);
+        high - low
+    });
+    let frequency = robot.strokes_per_cycle() as f64 / duration;
+    measures.strouhal = frequency * furthest.fold(0.0, f64::max) / orbit.course.speed;
     let heights = |o: &Observation| {
         (0..o.strips.strips).map(|i| [o.strips.camber[i], o.strips.camber_forward[i]]).collect()
     };

@@ -476,7 +476,12 @@ fn in_range(cycle: &Cycle, free: &[Free], point: &Point) -> Result<(), Failure> 
         let (name, unit, [low, high]) = cycle.described(free);
         let value = cycle.value(free, point);
         if !(value >= low && value <= high) {
-            return Err(Failure::Range { name, value, unit, low, high });
+            let measured = *free == Free::Frequency && cycle.robot().residual_frequencies().is_some();
+            return Err(if measured {
+                Failure::Residual { value, low, high }
+            } else {
+                Failure::Range { name, value, unit, low, high }
+            });
         }
     }
     Ok(())

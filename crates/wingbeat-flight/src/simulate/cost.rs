@@ -65,7 +65,7 @@ impl Cost {
     /// The mean over the last whole strokes among the rows of a record from `first` on, over all of them where there is no whole stroke;
     /// none where it lacks a column or a row.
     pub fn of_record(record: &Record, first: usize) -> Option<Self> {
-        let first = first + before_whole_strokes(record.values("phase")?.get(first..)?);
+        let first = whole_strokes(record, first)?;
         let from = |name: &str| record.values(name)?.get(first..);
         let powers = [from(POWERS[0])?, from(POWERS[1])?];
         let shares: Vec<&[f64]> =
@@ -88,6 +88,12 @@ impl Cost {
     pub fn carried(&self) -> f64 {
         self.shares.iter().sum()
     }
+}
+
+/// The first row of the last whole strokes among those from `first` on, `first` itself where there is no whole stroke; none where the record
+/// lacks the phase or the row.
+pub fn whole_strokes(record: &Record, first: usize) -> Option<usize> {
+    Some(first + before_whole_strokes(record.values("phase")?.get(first..)?))
 }
 
 /// Rows before the last whole strokes of a record that holds one.

@@ -83,6 +83,18 @@ pub struct Schedule {
     pub steps_per_sample: usize,
 }
 
+impl Schedule {
+    /// The same flight in steps of half the length.
+    pub fn halved(&self) -> Self {
+        Self {
+            step: 0.5 * self.step,
+            steps: 2 * self.steps,
+            steps_per_update: self.steps_per_update.map(|steps| 2 * steps),
+            steps_per_sample: 2 * self.steps_per_sample,
+        }
+    }
+}
+
 /// The plant at one instant, as it is recorded.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {

@@ -18,7 +18,7 @@ mod system;
 mod together;
 
 pub use accuracy::{Accuracy, Reach, Taken, mean_error};
-pub use cost::{Cost, pin_columns};
+pub use cost::{Cost, pin_columns, whole_strokes};
 pub use coupled::{AirCoupling, Fineness, Flow, fly_in};
 pub use coupled::{Bears, Beyond, Steers, step_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};

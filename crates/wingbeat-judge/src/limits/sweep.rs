@@ -22,9 +22,9 @@ pub const SOME: JudgedLimit = JudgedLimit::at_least("sweep.usable_runs", 1.0, ""
 pub const HELD: JudgedLimit = JudgedLimit::at_least("sweep.held_fraction", 0.0, "", OffTarget)
     .on("share of the flights that are held; a limit of 0 asks for none");
 
-/// A search ends well where its best candidate meets every goal in every flight.
+/// A search ends well where its best candidate meets every goal in every flight, and no verdict refuses one.
 pub const MISSED: JudgedLimit = JudgedLimit::at_most("sweep.search_missed_goals", 0.0, "", NotFound)
-    .on("goals of a search that its best candidate misses, over all its flights");
+    .on("goals of a search that its best candidate misses, over all its flights, and flights that their own verdict refuses");
 
 /// All of them.
 pub const ALL: [JudgedLimit; 7] = [COMPLETED, FAILED, USABLE, WARNED, SOME, HELD, MISSED];

@@ -76,6 +76,23 @@ fn an_error_that_the_closed_loop_lets_grow_is_stated() {
     assert!(stopped.summary.status == Status::Interrupted && grown(&stopped).is_none());
 }
 
+/// A sail is stiff: what a step errs in it is gone in the next ones, and a guess that carries it on to the end is far off.
+#[test]
+fn errors_of_steps_that_die_out_are_measured_by_a_second_flight() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/sail_glide.toml");
+    let fly = |more: &[&str]| {
+        let always = ["flight.duration_s=1", "flight.record_every_s=2e-2"];
+        let set: Vec<String> = always.iter().chain(more).map(|set| (*set).to_string()).collect();
+        Scenario::load(&path, &set).unwrap().fly(|_| ControlFlow::Continue(())).unwrap()
+    };
+    let guessed =
+        fly(&["flight.step_s=2e-3", "limits.flight.step_error_m=1e3", "limits.flight.steps_lost_m=1e3"]);
+    let measured = fly(&["flight.step_s=2e-3", "limits.flight.step_error_m=1e-12"]);
+    let off = apart(&measured, &fly(&["flight.step_s=2.5e-4"]));
+    let [guess, told] = [guessed, measured].map(|run| run.summary.step_error_m.unwrap());
+    assert!(told > 0.5 * off && told < 2.0 * off && guess > 100.0 * off, "{guess} {told} {off}");
+}
+
 #[test]
 fn a_controller_of_ones_own_beside_a_stated_error_is_told_that_it_flies_once() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");

@@ -33,6 +33,22 @@ fn share(record: &Record, row: usize, parts: &[WeightPart]) -> f64 {
     parts.iter().map(|part| record.values(&Cost::column(*part)).unwrap()[row]).sum()
 }
 
+/// All powers of a flight are means over the same strokes: what drive and actuators take is the net power, and what they give is no less
+/// than the positive one.
+#[test]
+fn powers_of_a_short_flight_are_of_the_same_strokes() {
+    let run = fly(&scenario("banking_turn.toml", &["flight.duration_s=0.9", "goal.settle_s=0.2"]));
+    let of = |key: &str| {
+        let found = run.summary.measured.iter().find(|(measure, _)| measure.key == key);
+        found.and_then(|(_, value)| value.to_owned()).unwrap()
+    };
+    let cost = &run.summary.cost;
+    let (net, positive) = (cost.net_power_w.unwrap(), cost.positive_power_w.unwrap());
+    let sum = of("drive_power_w") + of("regulator_power_w");
+    assert!((sum - net).abs() < 1e-9 * net.abs(), "{sum} {net}");
+    assert!(of("drive_power_given_w") + of("regulator_power_given_w") >= positive, "{positive}");
+}
+
 /// At every instant the parts sum to the forces by source, as these are recorded, and all together to the upward force.
 #[test]
 fn the_shares_of_the_weight_sum_to_the_upward_force() {

@@ -84,6 +84,34 @@ fn what_cannot_be_searched_is_refused() {
     assert!(refused("{key='trim.speed_m_s', low=4.0, high=5.0}").contains("vary[0].low"));
     assert!(refused("{key='robot.body.mass_kg', low=-0.1, high=0.1}").contains("vary[0].low"));
     assert!(scenario(&[]).gait_search().unwrap().is_none());
+    let weightless = scenario(&[
+        "trim.search={goal='payload', limits={}, vary=[{key='trim.speed_m_s', low=3.0, high=5.0}]}",
+    ]);
+    let message = weightless.gait_search().err().unwrap().to_string();
+    assert!(message.contains("trim.search.vary") && message.contains("robot.body.mass_kg"), "{message}");
+}
+
+/// Beside a duration that is a whole number of steps is one that the scenario refuses: the search goes nowhere, and says so.
+#[test]
+fn a_search_that_cannot_step_is_told() {
+    let search = "trim.search={goal='power', limits={}, vary=[{key='flight.duration_s', low=1.0, high=5.0}]}";
+    let trimmed = scenario(&[search]).trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    let told = trimmed.summary.warnings.iter().find(|warning| warning.id == "trim.search_ended").unwrap();
+    assert!(told.text.contains("ended after 0 iterations") && told.text.contains("refuses"), "{told:?}");
+}
+
+/// Wings that pass through each other in another air of the search are judged.
+#[test]
+fn a_gait_is_judged_in_all_airs_of_its_search() {
+    let search = "trim.search={goal='power', iterations=1, limits={}, airs=[['trim.bank_deg=40']], \
+                  vary=[{key='trim.speed_m_s', low=3.0, high=5.0}]}";
+    let free = "trim.free=['frequency', 'twist', 'stroke', 'swing']";
+    let trimmed = scenario(&[search, free]).trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    let summary = &trimmed.summary;
+    let elsewhere = summary.search.as_ref().unwrap().least_clearance_m.unwrap();
+    assert!(elsewhere < 0.0 && summary.least_clearance_m.unwrap() > 0.0, "{elsewhere}");
+    assert_eq!(summary.status, wingbeat::judge::Status::Outside, "{:?}", summary.reason);
+    assert!(summary.reason.as_ref().unwrap().contains("trim.search.airs"), "{:?}", summary.reason);
 }
 
 #[test]

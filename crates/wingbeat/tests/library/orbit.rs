@@ -254,6 +254,10 @@ fn a_family_leads_along_any_number_to_the_orbit_that_is_there() {
     }
     let free = "trim.free=['frequency', 'twist', 'stroke']";
     let turn = orbit(&[free, "trim.bank_deg=6", "trim.family={along='bank_deg', to=0, steps=2}"]);
+    // The tip that goes furthest is another one to the other side.
+    let [right, left] =
+        ["trim.bank_deg=6", "trim.bank_deg=-6"].map(|bank| orbit(&[free, bank]).summary.strouhal);
+    assert!(right.zip(left).is_some_and(|(right, left)| (right - left).abs() < 1e-6), "{right:?} {left:?}");
     // Left and right are alike again; the strokes keep what the turn gave both.
     assert_eq!(last(&turn, "command_twist_left"), last(&turn, "command_twist_right"));
     let [left, right] = ["left", "right"].map(|side| last(&turn, &format!("command_stroke_{side}")));

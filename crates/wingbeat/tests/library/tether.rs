@@ -547,6 +547,20 @@ fn a_table_by_phase_or_at_another_frequency_is_the_same_motion() {
         let message = tabled(&record, keys, &[]).unwrap_err();
         assert!(message.contains(part), "{keys}: {message}");
     }
+    // In the words of the file, not of the spline.
+    let twice =
+        table("phase", "shoulder", (0..=64).map(|i| (f64::from(i) / 32.0, angle(f64::from(i) / 32.0))));
+    let turned = table("phase", "shoulder", [0.0, 0.25, 0.5, 0.4, 0.75].map(|p| (p, angle(p))).into_iter());
+    for (record, parts) in [
+        (
+            &twice,
+            ["at most one cycle of a table that repeats, 1.000000 cycles", "phase spans 2.000000 cycles"],
+        ),
+        (&turned, ["a column phase that ascends", "row 4 has 0.4 cycles after 0.5 cycles"]),
+    ] {
+        let message = tabled(record, "by=\"phase\"", &[]).unwrap_err();
+        assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    }
 }
 
 #[test]

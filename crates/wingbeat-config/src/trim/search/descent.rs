@@ -69,7 +69,7 @@ pub enum Ended {
     NoStep,
     /// The iterations allowed were used up.
     IterationLimit,
-    /// There are no derivatives: an orbit beside the last one was not found.
+    /// There are no derivatives: beside the last gait one has no orbit, or is refused.
     NoSlopes,
 }
 
@@ -88,7 +88,7 @@ impl Ended {
             Self::Converged => "converged",
             Self::NoStep => "no shorter step gains",
             Self::IterationLimit => "iteration limit",
-            Self::NoSlopes => "no orbit beside the last one",
+            Self::NoSlopes => "no gait beside the last one",
         }
     }
 }

@@ -81,6 +81,9 @@ pub struct SearchSummary {
     /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, .025 of the range of a
     /// command, the frequency, the power.
     pub violation: f64,
+    /// Least clearance in the scenario's own air and strips, `airs` and `strips`, m; missing without two parts that can meet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_clearance_m: Option<f64>,
     /// The varied numbers, by their keys and in the units of these.
     pub values: BTreeMap<String, f64>,
 }
@@ -131,16 +134,26 @@ impl Searched {
             summary.reason =
                 Some(summary.reason.iter().cloned().chain([missed]).collect::<Vec<_>>().join("; "));
         }
-        if search.ended == Ended::IterationLimit.words() {
-            let text = format!(
-                "the search used up its {} iterations, so that its gait need not be a minimum",
-                search.iterations
-            );
-            let size = search.iterations as f64;
-            summary
-                .warnings
-                .push(Warning::new("trim.search_ended", text).size(size).key("trim.search.iterations"));
+        let ended = Ended::ALL.into_iter().find(|ended| search.ended == ended.words());
+        let early = match ended {
+            Some(Ended::IterationLimit) => {
+                Some((format!("used up its {} iterations", search.iterations), "trim.search.iterations"))
+            }
+            Some(Ended::NoSlopes) => {
+                let text = format!(
+                    "ended after {} iterations, as beside its last gait one has no orbit, or the scenario refuses its values",
+                    search.iterations
+                );
+                Some((text, "trim.search.vary"))
+            }
+            _ => None,
+        };
+        if let Some((how, key)) = early {
+            let text = format!("the search {how}, so that its gait need not be a minimum");
+            let warning = Warning::new("trim.search_ended", text).size(search.iterations as f64).key(key);
+            summary.warnings.push(warning);
         }
+        summary.hold_elsewhere(best.limits(), search.least_clearance_m);
         summary.search = Some(search);
         Ok(trimmed)
     }
@@ -167,6 +180,11 @@ impl Scenario {
             }
             own.push(self.own_share(&document, i, vary)?);
         }
+        if spec.goal == Goal::Payload && !self.varies_mass(&document, &spec.vary) {
+            let keys = spec.vary.iter().map(|vary| vary.key.as_str()).collect::<Vec<_>>().join(", ");
+            let allowed = "a key among them that changes the mass, as trim.search.goal = payload asks for: robot.body.mass_kg";
+            return Err(self.explain(&Error::invalid("trim.search.vary", keys, allowed)));
+        }
         for (i, air) in spec.airs.iter().enumerate() {
             Self::new(with_all(document.clone(), air)).map_err(|error| {
                 let allowed = format!("keys and values of the scenario ({error})");
@@ -182,6 +200,14 @@ impl Scenario {
                 Err(self.explain(&Error::invalid("trim.search", "a search", allowed)))
             }
         }
+    }
+
+    /// Whether one of the numbers that are varied changes the mass of the robot between the ends of its range.
+    fn varies_mass(&self, document: &Document, vary: &[VarySpec]) -> bool {
+        let mass = |key: &str, at: f64| {
+            Self::new(document.clone().set(format!("{key}={at:?}"))).map(|scenario| scenario.model().mass())
+        };
+        vary.iter().any(|vary| matches!((mass(&vary.key, vary.low), mass(&vary.key, vary.high)), (Ok(a), Ok(b)) if a != b))
     }
 
     /// The share of its range at which a varied number stands; both ends are tried.
@@ -409,6 +435,7 @@ impl GaitSearch<'_> {
             ended: ended(best).map_or("", Ended::words),
             iterations: column("iterations")[best] as usize,
             violation: violation[best],
+            least_clearance_m: Some(column("least_clearance_m")[best]).filter(|least| least.is_finite()),
             values: filled(self.spec.vary.iter().zip(values).map(|(vary, v)| (vary.key.clone(), v))),
         };
         Ok((Scenario::new(document).map_err(|error| error.to_string())?, summary))
