@@ -82,6 +82,8 @@ impl Sweep {
         judge.hold(&sweep::FAILED, share(counts.runs - counts.completed, counts.runs));
         if counts.completed > 0 {
             judge.hold(&sweep::WARNED, share(counts.warned, counts.completed));
+            let unjudged = counts.statuses.get(Status::NotJudged.name()).copied().unwrap_or_default();
+            judge.hold(&sweep::UNJUDGED, share(unjudged, counts.completed));
         }
         if counts.completed > 0 {
             judge.hold(&sweep::USABLE, share(counts.usable, counts.completed));

@@ -15,6 +15,9 @@ pub const USABLE: JudgedLimit = JudgedLimit::warn_below("sweep.usable_fraction",
 /// Runs with warnings, which the tables of a sweep cannot repeat.
 pub const WARNED: JudgedLimit = JudgedLimit::warn_above("sweep.warned_fraction", 0.0, "")
     .on("a run made alone prints its own warnings: share of the completed runs that carry any");
+/// Runs of which nothing says whether they may be used, as a first cycle from rest or a flight of a moment: tables count them.
+pub const UNJUDGED: JudgedLimit = JudgedLimit::warn_above("sweep.unjudged_fraction", 0.0, "")
+    .on("what their task asks could not be judged (not_judged), and tables and figures count them: share of the completed runs");
 /// Where none can be used, tables and figures are of what their own verdicts refuse.
 pub const SOME: JudgedLimit = JudgedLimit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");
@@ -27,4 +30,4 @@ pub const MISSED: JudgedLimit = JudgedLimit::at_most("sweep.search_missed_goals"
     .on("goals of a search that its best candidate misses, over all its flights, and flights that their own verdict refuses");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 7] = [COMPLETED, FAILED, USABLE, WARNED, SOME, HELD, MISSED];
+pub const ALL: [JudgedLimit; 8] = [COMPLETED, FAILED, USABLE, WARNED, UNJUDGED, SOME, HELD, MISSED];
