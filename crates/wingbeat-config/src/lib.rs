@@ -372,7 +372,11 @@ impl Scenario {
         if !self.flies_again() {
             let mut pilot = self.pilot(self.prepared.clone())?;
             let halved = || self.end_in_half_steps();
-            let again = SecondFlight::Halved(&halved);
+            // Steps chosen by an error have measured it.
+            let again = match self.spec.flight.error_m {
+                None => SecondFlight::Halved(&halved),
+                Some(_) => SecondFlight::Never,
+            };
             return self.fly_under(&mut *pilot, self.sensors(), &self.schedule, (&mut observe, again));
         }
         // Both begin with one search.
@@ -528,7 +532,10 @@ impl Scenario {
         let error = error.filter(|_| !cut);
         let errors = match again {
             SecondFlight::Never => [error, None],
-            SecondFlight::Halved(end) => [error.map(|most| self.measured_error(most, end, position)), None],
+            SecondFlight::Halved(end) if whole => {
+                [error.map(|most| self.measured_error(most, end, position)), None]
+            }
+            SecondFlight::Halved(_) => [error, None],
             SecondFlight::Beside(finer) => [error, finer.distance(position).filter(|_| whole)],
         };
         let mut summary = self.summarise(&recorded, &flight, schedule, errors, (coupling, perfect));
