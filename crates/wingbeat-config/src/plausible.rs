@@ -66,6 +66,8 @@ pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
     judge.hold_if(&membrane::MASS, robot.membrane_over_link());
     judge.hold_if(&range::THIN, Some(robot.density()).filter(|density| *density > 0.0));
     judge.hold_if(&flap::MASS, robot.flap_over_link());
+    let apart = robot.panels_apart();
+    [&range::APART, &range::TORN].into_iter().for_each(|limit| judge.hold_if(limit, apart));
     hold_angles(judge, robot);
     hold_followed(judge, robot);
     link_spar::hold_shape(judge, robot);

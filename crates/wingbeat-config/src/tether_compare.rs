@@ -7,6 +7,7 @@ use std::ops::RangeInclusive;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_flight::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit, smooth};
 use wingbeat_judge::data::{CyclePair, Finding, MeasuredChannel, Purpose, Series, compared, examined};
+use wingbeat_judge::limits::data::OTHER_FREQUENCY;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 
@@ -113,6 +114,7 @@ impl TetherCase {
                 .filter(|name| theirs.contains(name))
                 .map(|name| (name.clone(), name))
                 .collect();
+            self.scales_one_of(&both)?;
             if both.is_empty() {
                 let allowed =
                     format!("column of the loads = column of the file; it has {}", theirs.join(", "));
@@ -139,7 +141,22 @@ impl TetherCase {
         }
         let found =
             |(our, their): (&String, &String)| Some((our.clone(), called(their, &theirs)?.to_owned()));
-        Ok(self.spec.compare.channels.iter().filter_map(found).collect())
+        let channels: Vec<_> = self.spec.compare.channels.iter().filter_map(found).collect();
+        self.scales_one_of(&channels)?;
+        Ok(channels)
+    }
+
+    /// Refuses a factor on a column that is not compared.
+    fn scales_one_of(&self, channels: &[(String, String)]) -> Result<(), Error> {
+        let compared = |our: &String| channels.iter().any(|(compared, _)| compared == our);
+        match self.spec.compare.scale.iter().find(|(our, _)| !channels.is_empty() && !compared(our)) {
+            None => Ok(()),
+            Some((our, factor)) => {
+                let names: Vec<_> = channels.iter().map(|(our, _)| our.as_str()).collect();
+                let allowed = format!("under a column that is compared: {}", names.join(", "));
+                Err(Error::invalid(format!("scale.{our}"), factor, allowed))
+            }
+        }
     }
 
     /// The phase of the measured rows, cycles.
@@ -234,6 +251,17 @@ impl TetherCase {
         Ok(MeasuredComparison { channels: compared, found, cycle })
     }
 
+    /// That the measured motion is faster or slower than that of the case.
+    fn other_frequency(&self) -> Option<Finding> {
+        let (own, measured) = (self.spec.time.frequency_hz, self.spec.compare.frequency_hz?);
+        let off = (measured / own - 1.0).abs();
+        let text = format!(
+            "the case moves at {own:.4} Hz, the measured motion at {measured:.4} Hz (compare.frequency_hz): at another reduced frequency \
+             loads are others; set time.frequency_hz, or the wind so that both have the same"
+        );
+        Some(Finding::new("data.other_frequency", &OTHER_FREQUENCY, MEASURED.to_owned(), off, text))
+    }
+
     /// What is wrong with the measured channels, and what of their `cycle` cannot be that of the case. Lag and gain are what the
     /// comparison fits, so that a shift is noted alone.
     fn suspected(
@@ -259,6 +287,7 @@ impl TetherCase {
             purpose: Purpose::Datum,
         };
         let mut found = examined(&series, &self.limits);
+        found.extend(self.other_frequency().filter(|finding| finding.breaks(&self.limits)));
         // Cycles of another frequency are none.
         if !found.iter().any(|finding| finding.id == "data.frequency") {
             let of = |kind: &str, ours: &str| cycle.values(&format!("{kind}_{ours}")).unwrap_or_default();
@@ -326,7 +355,7 @@ const MEASURED: &str = "the measured file";
 /// A finding in data that `compare` reads, with the key of the case that mends it.
 pub fn mended_in_compare(finding: Finding) -> Finding {
     let key = match finding.id {
-        "data.frequency" => Some("compare.frequency_hz"),
+        "data.frequency" | "data.other_frequency" => Some("compare.frequency_hz"),
         "data.reversed" | "data.scaled" | "data.tiny" | "data.huge" => Some("compare.scale"),
         "data.swapped" | "data.dead" => Some("compare.channels"),
         _ => None,

@@ -120,7 +120,7 @@ impl SurfaceSpec {
     pub(super) fn placement(&self) -> PlacementNumbers {
         PlacementNumbers {
             shift: self.planform_shift_m,
-            panels: self.panels.iter().map(PanelSpec::numbers).collect(),
+            panels: self.panels.iter().map(|panel| panel.numbers(self.span)).collect(),
         }
     }
 }
@@ -132,11 +132,11 @@ impl PanelSpec {
     }
 
     /// Where it says that it lies.
-    pub(super) fn numbers(&self) -> PanelNumbers {
+    pub(super) fn numbers(&self, span: Span) -> PanelNumbers {
         PanelNumbers {
             from_arc: self.from_arc_m,
             origin: Vec3(self.origin_m),
-            direction: Vec3(self.direction),
+            direction: Vec3(self.along(span)),
             web: self.web_m,
             piece: self.piece,
         }
@@ -174,6 +174,29 @@ impl<P: Scalar> Placement<P> {
         let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
         let across = if left { -panel.along } else { panel.along };
         SurfaceSection::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
+    }
+
+    /// Where one panel ends and the next begins, for each half: the links of both, and their chord lines on the hinge, in the frames of
+    /// these, m.
+    pub(super) fn meetings(&self) -> Vec<[(Option<usize>, [Vec3<P>; 2]); 2]> {
+        let mut meetings = Vec::new();
+        for (half, panels) in self.panels.iter().enumerate() {
+            for pair in panels.windows(2) {
+                let arc = pair[1].from_arc;
+                let here = self
+                    .planform
+                    .coordinates(arc)
+                    .into_iter()
+                    .filter(|s| self.planform.on_left(*s) == (half == 0));
+                meetings.extend(here.map(|s| {
+                    let (leading, trailing) = self.planform.edges(s);
+                    let line =
+                        |panel: &Panel<P>| [leading, trailing].map(|x| panel.point(arc, x + self.shift));
+                    [0, 1].map(|i| (pair[i].link, line(&pair[i])))
+                }));
+            }
+        }
+        meetings
     }
 
     /// The chord line at the arc coordinate `s` (m), where the surface passes over from one link to the next: at b = (arc - h)/w beyond

@@ -5,7 +5,7 @@ use super::drive::Ratios;
 use super::sections::{CarrierRoom, Carriers, Riding, SurfaceSection, Web};
 use super::{BodyMotion, Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
-use wingbeat_math::{Jet, Mat3, Quat, Vec3, Wrench};
+use wingbeat_math::{Jet, Mat3, Quat, Vec3, Wrench, segment_distance};
 use wingbeat_ocp::plant::Fault;
 
 /// What the places and velocities of a robot's surfaces follow from.
@@ -97,6 +97,25 @@ impl Robot {
         let mut links = Links::new();
         self.links(&joints, velocity, at.rate, &mut links);
         Ok((LinkMotion::base(velocity, at.rate), links))
+    }
+
+    /// Largest distance on a hinge between the chord lines of the panels that meet there, over the shorter of them, dimensionless, as the robot
+    /// hangs still; none of surfaces of one panel. Chord lines that cross, as those on a joint do, are 0 apart.
+    pub fn panels_apart(&self) -> Option<f64> {
+        let body = BodyMotion::steady(Mat3::IDENTITY, Vec3::ZERO);
+        let still = self.carried_stance(&Jet::new(0.0, 1.0, 0.0), Vec3::ZERO, &body, &self.carried_still());
+        let (base, links) = self.moving_at(&still).ok()?;
+        let line = |(link, ends): (Option<usize>, [Vec3; 2])| {
+            let link = link.map_or(&base, |i| &links[i]);
+            ends.map(|end| link.point(end))
+        };
+        let apart = |meeting: [(Option<usize>, [Vec3; 2]); 2]| {
+            let [inner, outer] = meeting.map(line);
+            let chord = [inner, outer].map(|[leading, trailing]| (leading - trailing).norm());
+            segment_distance(inner, outer) / chord[0].min(chord[1])
+        };
+        let meetings = self.covering.laid.iter().flat_map(|surface| surface.placement.meetings());
+        meetings.map(apart).filter(|apart| apart.is_finite()).reduce(f64::max)
     }
 
     /// `then` with the sections of the surface number `surface` at the arc coordinates `arcs`, riding on links whose accelerations

@@ -149,7 +149,7 @@ impl WingSpec {
             link: link.into(),
             from_arc_m,
             origin_m,
-            direction: [0.0, 1.0, 0.0],
+            direction: None,
             web_m: 0.0,
             piece: false,
         };

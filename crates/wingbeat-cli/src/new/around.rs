@@ -52,6 +52,19 @@ fn seen(file: &Path, folder: &Path) -> Result<String, Error> {
     Ok(toml::Value::from(text.replace('\\', "/")).to_string())
 }
 
+/// Fewest and most strips that a scenario begins with. *Choice.*
+const FEW: usize = 9;
+const MANY: usize = 32;
+
+/// Whether a robot can be built on so many strips.
+fn flies(robot: &Document, strips: usize) -> bool {
+    let around = Document::text("new", AROUND).and_then(|around| around.put("robot", robot.clone()));
+    let set = |around: Document| {
+        around.set("aero.preset=full".to_owned()).set(format!("aero.full.strips={strips}"))
+    };
+    around.is_ok_and(|around| Scenario::new(set(around)).is_ok())
+}
+
 /// A flight of the robot in a file without controller, or the search of its periodic flight.
 pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<String, Error> {
     let document = Document::file(robot)?;
@@ -59,8 +72,13 @@ pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<Str
     // A robot without surfaces flies too.
     let speed = scenario.guessed_speed().map_or(5.0, |speed| (10.0 * speed).round().max(1.0) / 10.0);
     let trim = match trim {
-        true => Some(RobotTrim::new(document, &[], 0.0)?),
+        true => Some(RobotTrim::new(document.clone(), &[], 0.0)?),
         false => None,
+    };
+    // Nine where the hinges, spars and webs of the robot allow it.
+    let strips = match &trim {
+        Some(trim) => trim.scenario.spec.aero.full.strips,
+        None => (FEW..=MANY).find(|strips| flies(&document, *strips)).unwrap_or(FEW),
     };
     let beyond = trim.as_ref().map(RobotTrim::beyond_file).transpose()?.flatten();
     let file = seen(robot, folder)?;
@@ -75,7 +93,6 @@ pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<Str
          law = \"stall\"                # or \"linear\", \"lev\"\n\n[aero.full]\nstrips = {strips}                   # along the span\n\n\
          [start]\nvelocity_m_s = [{speed:.1}, 0.0, 0.0]   # about where the surfaces, as they stand at the start, carry the weight at CL .6\n\
          nose_up_deg = 3.0\n\n",
-        strips = trim.as_ref().map_or(9, |trim| trim.scenario.spec.aero.full.strips),
     );
     if let Some(trim) = &trim {
         text += &format!(

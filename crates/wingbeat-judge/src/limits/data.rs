@@ -53,6 +53,9 @@ pub const APERIODIC: JudgedLimit = JudgedLimit::at_most("data.aperiodic_fraction
 /// The tolerance of `calibrate` for the frequency of a run; judged where the data tell it that well.
 pub const FREQUENCY: JudgedLimit = JudgedLimit::at_most("data.frequency_fraction", 0.01, "", SuspectData)
     .on("relative difference between the frequency of the data and the one given");
+/// Loads of a motion at another frequency: 10 % change the reduced frequency as much, and what the inertia gives by a fifth. *Choice.*
+pub const OTHER_FREQUENCY: JudgedLimit = JudgedLimit::warn_above("data.other_frequency_fraction", 0.1, "")
+    .on("relative difference between the frequency of a measured motion and that of the case beside it");
 /// Noise that adds half to the acceleration adds as much to the loads.
 pub const ROUGH: JudgedLimit = JudgedLimit::at_most("data.acceleration_noise_fraction", 0.5, "", SuspectData)
     .on("noise of the acceleration relative to the acceleration");
@@ -214,7 +217,7 @@ pub const RESONANCE: JudgedLimit = JudgedLimit::warn_above("data.resonance_fract
     .on("what the resonance of the mount adds to the highest harmonic that is judged");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 62] = [
+pub const ALL: [JudgedLimit; 63] = [
     MEAN,
     REST_DRIFT,
     PHASE_RATE,
@@ -234,6 +237,7 @@ pub const ALL: [JudgedLimit; 62] = [
     SHARE,
     APERIODIC,
     FREQUENCY,
+    OTHER_FREQUENCY,
     ROUGH,
     REVERSED,
     SWAPPED,

@@ -21,6 +21,13 @@ pub const COMPACT: JudgedLimit = JudgedLimit::warn_below("range.gyration_of_body
 /// Distance of a centre of mass from the joint that carries it, over the span. *Choice.*
 pub const CENTRE: JudgedLimit = JudgedLimit::warn_above("range.centre_over_span", 1.0, "")
     .on("a centre of mass far off (is it in m?): largest distance from the joint of a body over the span");
+/// Distance between two panels of a surface on the hinge where they meet, over the chord there: the model takes them for one wing. Shipped
+/// robots have SHIPPED and less. *Choice.*
+pub const APART: JudgedLimit = JudgedLimit::warn_above("range.panels_apart_fraction", 0.05, "")
+    .on("panels of a surface do not meet on their hinge (see origin_m of links and panels, and from_arc_m): largest distance between their chord lines there over the chord");
+/// The same where they are no wing any more. *Choice.*
+pub const TORN: JudgedLimit = JudgedLimit::at_most("range.panels_torn_fraction", 0.25, "", Outside)
+    .on("a surface is torn on a hinge (see origin_m of links and panels, and from_arc_m): largest distance between the chord lines of two panels there over the chord");
 /// Weight over the square of the span: 19 N/m2 of 10 kg on 2.3 m, a heavy bird, and 2180 of 20 kg in place of 20 g on 0.3 m. *Choice.*
 pub const LOADING: JudgedLimit = JudgedLimit::warn_above("range.span_loading_n_m2", 100.0, "N/m2")
     .on("the robot is heavy for its wings (is its mass in kg?): weight over the square of the span");
@@ -69,7 +76,7 @@ pub fn viscosity(density: f64) -> f64 {
 }
 
 /// All of them.
-pub const ALL: [JudgedLimit; 16] = [
+pub const ALL: [JudgedLimit; 18] = [
     FOLLOWED,
     NOT_FOLLOWED,
     COMPRESSED,
@@ -77,6 +84,8 @@ pub const ALL: [JudgedLimit; 16] = [
     GYRATION,
     COMPACT,
     CENTRE,
+    APART,
+    TORN,
     LOADING,
     LINK,
     ANGLE,

@@ -435,14 +435,11 @@ impl RobotSpec {
                 );
                 return Err(Error::invalid(format!("links[{i}].spar.length_m"), spar.length_m, allowed));
             }
-            let [x, y, z] = panel.direction;
+            let along = panel.along(surface.span);
+            let [x, y, z] = along;
             if !(y > 0.0 && x == 0.0 && z == 0.0) {
                 let key = format!("surfaces.{}.panels[{k}].direction", surface.name);
-                return Err(Error::invalid(
-                    key,
-                    format!("{:?}", panel.direction),
-                    "along y, as the spar runs",
-                ));
+                return Err(Error::invalid(key, format!("{along:?}"), "along y, as the spar runs"));
             }
         }
         for (i, link) in self.links.iter().enumerate() {

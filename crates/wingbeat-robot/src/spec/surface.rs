@@ -72,9 +72,10 @@ pub struct PanelSpec {
     /// Place of its begin in the frame of the link, m; edges lie ahead of it along x.
     #[serde(default)]
     pub origin_m: [f64; 3],
-    /// Direction of the span from the root on, in the frame of the link, across x, dimensionless; any length above 0.
-    #[serde(default = "left")]
-    pub direction: [f64; 3],
+    /// Direction of the span from the root on, in the frame of the link, across x, dimensionless; any length above 0. By default along
+    /// y to the side of the surface: `[0, 1, 0]`, of one with `span = "right"` `[0, -1, 0]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
     /// Length from its begin over which chord lines pass over from that of the panel before to its own, m; where 0 one strip does it,
     /// whatever its width. Of the lattice and preset `full`.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -87,10 +88,6 @@ pub struct PanelSpec {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
 fn is_zero(length: &f64) -> bool {
     *length == 0.0
-}
-
-fn left() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
 }
 
 ranges!(SurfaceSpec { cd0: CD0.range, cd90: CD90.range, strips: Range::between(1.0, MAX_STRIPS as f64) });
@@ -119,10 +116,10 @@ impl SurfaceSpec {
         let tip = self.planform.last().map_or(0.0, |s| s.arc_m);
         for (i, panel) in self.panels.iter().enumerate() {
             let within = |e: Error| e.within(&format!("panels[{i}]"));
-            panel.check().map_err(within)?;
+            panel.check(self.span).map_err(within)?;
             let from = |i: usize| self.panels.get(i).map(|panel| panel.from_arc_m);
             let beside = [i.checked_sub(1).and_then(from), from(i + 1)];
-            let placed = panel.numbers().check(beside, tip).map_err(within);
+            let placed = panel.numbers(self.span).check(beside, tip).map_err(within);
             placed.map_err(|e| e.against([format!("planform[{}].arc_m", self.planform.len() - 1)]))?;
         }
         Ok(())
@@ -130,8 +127,32 @@ impl SurfaceSpec {
 }
 
 impl PanelSpec {
-    fn check(&self) -> Result<(), Error> {
-        finite("origin_m", &self.origin_m)?;
-        finite("direction", &self.direction)
+    /// The direction of its span, of a surface that spans `span`.
+    pub(crate) fn along(&self, span: Span) -> [f64; 3] {
+        self.direction.unwrap_or([0.0, outwards(span), 0.0])
     }
+
+    fn check(&self, span: Span) -> Result<(), Error> {
+        finite("origin_m", &self.origin_m)?;
+        let along = self.along(span);
+        finite("direction", &along)?;
+        let [_, y, z] = along;
+        if span != Span::Symmetric && y * outwards(span) < 0.0 && y.abs() > z.abs() {
+            let allowed = match span {
+                Span::Right => {
+                    "one with y below 0: the tip of a surface with span = \"right\" is to the right, its root at its left"
+                }
+                _ => {
+                    "one with y above 0: the tip of a surface with span = \"left\" is to the left, its root at its right"
+                }
+            };
+            return Err(Error::invalid("direction", format!("{along:?}"), allowed).against(["span"]));
+        }
+        Ok(())
+    }
+}
+
+/// The sign of y on the way from the root of a surface to its tip; of one on both sides to the left tip.
+fn outwards(span: Span) -> f64 {
+    if span == Span::Right { -1.0 } else { 1.0 }
 }

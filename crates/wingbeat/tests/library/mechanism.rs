@@ -295,7 +295,7 @@ fn derivatives_by_the_length_of_a_web_are_exact() {
 /// A wing on the left alone and its mirror image on the right load the body alike.
 #[test]
 fn one_sided_surfaces_mirror_one_another() {
-    let side = |span: &str, y: f64| {
+    let side = |span: &str, y: f64, direction: &str| {
         format!(
             r#"
 name = "half"
@@ -307,10 +307,11 @@ planform = [
   {{ arc_m = 0.0, leading_edge_m = 0.03, trailing_edge_m = -0.07 }},
   {{ arc_m = 0.3, leading_edge_m = 0.01, trailing_edge_m = -0.03 }},
 ]
-panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0], direction = [0.0, {y}, 0.0] }}]
+panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0]{direction} }}]
 "#
         )
     };
+    let side = |span: &str, y: f64| side(span, y, "");
     for preset in [Preset::Paper, Preset::Full] {
         let load = |span: &str, y: f64| {
             let robot = robot(&side(span, y), preset, 1.2);
