@@ -500,7 +500,6 @@ impl Scenario {
             }
             Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
         };
-        let perfect = sensors.are_perfect();
         let (robot, sensors) = (&self.robot, &mut sensors);
         // In a lattice the claw is looked at with the records alone.
         let latches = |_: f64, x: &[f64]| self.short_of_latching(x);
@@ -523,7 +522,7 @@ impl Scenario {
         let whole = flight.ending == Ending::Complete;
         let grown = finer.and_then(|finer| finer.distance(Vec3::from_slice(&x[robot.layout().position..])));
         let errors = [error.filter(|_| !cut), grown.filter(|_| whole)];
-        let mut summary = self.summarise(&recorded, &flight, schedule, errors, (coupling, perfect));
+        let mut summary = self.summarise(&recorded, &flight, schedule, errors, coupling);
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
@@ -561,7 +560,7 @@ impl Scenario {
         flight: &Flight,
         schedule: &Schedule,
         [step_error_m, grown_error_m]: [Option<f64>; 2],
-        (lattice, perfect): (Option<LatticeSummary>, bool),
+        lattice: Option<LatticeSummary>,
     ) -> Summary {
         let context = summary::Context {
             robot: &self.robot,
@@ -581,7 +580,6 @@ impl Scenario {
             asked_error_m: self.spec.flight.error_m,
             grown_error_m,
             turbulence: self.spec.turbulence(),
-            perfect,
             path: self.spec.path.as_ref(),
             gusty: self.spec.air.gust_m_s != 0.0 || !self.spec.air.gusts.is_empty(),
             perch: self.spec.perch.as_ref(),

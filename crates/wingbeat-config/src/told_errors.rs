@@ -1,12 +1,30 @@
-//! The errors of a flight whose controller is told of it with errors of its own, by noise, delay or an estimator: the true motion beside what
-//! was asked.
+//! The errors of a flight under a controller: the true motion beside what was asked, whatever the controller is told of it.
 
+use std::ops::Range;
 use wingbeat_flight::guide::{PathSpec, angle_error};
-use wingbeat_flight::simulate::Record;
-use wingbeat_math::Vec3;
+use wingbeat_flight::simulate::{Record, is_at};
 
-/// Largest difference of the time of a record from that of an update, s. *Choice*: rounding alone.
-const ROUNDING: f64 = 1e-9;
+/// The updates of a flight's controller, the first at its start. Where it ends there is none.
+#[derive(Clone, Copy)]
+pub(super) struct Updates {
+    /// Time between two, s.
+    pub period: f64,
+    /// How many there were.
+    pub count: usize,
+}
+
+impl Updates {
+    /// Those of the `rows` of `record` that are at an update.
+    pub fn rows(self, record: &Record, rows: Range<usize>) -> Vec<usize> {
+        let t = record.values("t").unwrap_or_default();
+        let updated = |row: &usize| {
+            let number = (t[*row] / self.period).round();
+            number < self.count as f64 && is_at(t[*row], number * self.period)
+        };
+        (rows.start..rows.end.min(t.len())).filter(updated).collect()
+    }
+}
+use wingbeat_math::Vec3;
 
 /// True errors at the records of updates, as what is asked is recorded there; at all records where none falls on an update, with
 /// what was asked last.
@@ -16,14 +34,10 @@ pub(super) struct TrueErrors<'a> {
 }
 
 impl<'a> TrueErrors<'a> {
-    /// Of the rows from `first` on of a controller with an update every `period` s.
-    pub fn new(record: &'a Record, first: usize, period: f64) -> Self {
-        let t = record.values("t").unwrap_or_default();
-        let updated = |row: &usize| (t[*row] - (t[*row] / period).round() * period).abs() < ROUNDING;
-        let mut rows: Vec<usize> = (first..t.len()).filter(updated).collect();
-        if rows.is_empty() {
-            rows = (first..t.len()).collect();
-        }
+    /// Of these `rows` under a controller with such `updates`.
+    pub fn new(record: &'a Record, rows: Range<usize>, updates: Updates) -> Self {
+        let updated = updates.rows(record, rows.clone());
+        let rows = if updated.is_empty() { rows.collect() } else { updated };
         Self { record, rows }
     }
 
@@ -49,10 +63,14 @@ impl<'a> TrueErrors<'a> {
         self.by([name, &format!("orbit_{name}_asked")], angle_error)
     }
 
-    /// Distances across the path and arcs ahead of what time and speed ask, m, and the arc at the end.
+    /// Distances across the path and arcs ahead of what time and speed ask, m, and the arc at the end of the flight.
     pub fn path(&self, spec: &PathSpec) -> Option<([Vec<f64>; 2], f64)> {
         let path = spec.build().ok()?;
-        let [x, y, z] = ["x", "y", "z"].map(|axis| self.column(&format!("p_WB_{axis}")));
+        let place = |axis: &str| format!("p_WB_{axis}");
+        let last = |name: &str| self.record.values(name)?.last().copied();
+        let end = Vec3::new(last(&place("x"))?, last(&place("y"))?, last(&place("z"))?);
+        let end = path.beside(end, last("path_arc")?).arc;
+        let [x, y, z] = ["x", "y", "z"].map(|axis| self.column(&place(axis)));
         let (x, y, z) = (x?, y?, z?);
         let (arcs, ahead) = (self.column("path_arc")?, self.column("path_along")?);
         let beside = (0..x.len()).map(|k| path.beside(Vec3::new(x[k], y[k], z[k]), arcs[k]));
@@ -60,7 +78,7 @@ impl<'a> TrueErrors<'a> {
         let along =
             beside.iter().zip(arcs.iter().zip(&ahead)).map(|(own, (arc, along))| own.arc - arc + along);
         let across = beside.iter().map(|own| own.cross).collect();
-        Some(([across, along.collect()], beside.last()?.arc))
+        Some(([across, along.collect()], end))
     }
 
     /// Vectors from the place at which to hover to where the robot is, m, W.

@@ -181,7 +181,11 @@ fn the_filter_knows_how_well_it_knows() {
 fn true_rms_deg(run: &wingbeat::scenario::Run, angle: &str, from: f64) -> f64 {
     let column = |name: &str| run.record.values(name).unwrap();
     let (t, asked) = (column("t"), column(&format!("orbit_{angle}_asked")));
-    let updated = |k: &usize| t[*k] >= from && (t[*k] / PERIOD - (t[*k] / PERIOD).round()).abs() < 1e-6;
+    // None at the end, which nothing follows.
+    let updated = |k: &usize| {
+        let number = t[*k] / PERIOD;
+        t[*k] >= from && k + 1 < t.len() && (number - number.round()).abs() < 1e-6
+    };
     let squares: Vec<f64> =
         (0..t.len()).filter(updated).map(|k| (column(angle)[k] - asked[k]).powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt().to_degrees()
@@ -208,6 +212,25 @@ fn noise_of_the_sensors_is_no_error_of_the_flight() {
         |name: &str| run.record.values(name).unwrap().iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let (told, believed) = (run.summary.height_max_error_m.unwrap(), largest("orbit_height_error"));
     assert!(believed > 0.25 && told < 0.15, "{told} m told, {believed} m believed");
+}
+
+/// Perfect sensors are no other way: the true motion at the updates, each counted once.
+#[test]
+fn a_flight_with_perfect_sensors_is_judged_as_any_other() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/bank15_20g.toml");
+    // A whole number of updates, and none at the end; the second half counts.
+    let document = Document::file(&path).unwrap().set("flight.duration_s=3.0");
+    let run = Scenario::new(document).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
+    let controller = &run.summary.controller;
+    assert_eq!((controller.period_s, controller.updates), (Some(PERIOD), 400));
+    let (told, own) = (run.summary.roll_rms_error_deg.unwrap(), true_rms_deg(&run, "roll", 1.5));
+    assert!((told / own - 1.0).abs() < 1e-9 && own > 0.1, "{told} deg told, {own} are");
+    // What the controller found at its last update is the error there, and no later one counts.
+    let held = run.record.values("orbit_pitch_error").unwrap();
+    let settled = run.record.values("t").unwrap().partition_point(|t| *t < 1.5);
+    let most = held[settled..].iter().fold(0.0, |most: f64, error| most.max(error.abs())).to_degrees();
+    let told = run.summary.pitch_max_error_deg.unwrap();
+    assert!((told / most - 1.0).abs() < 1e-9, "{told} deg told, {most} are");
 }
 
 #[test]
