@@ -197,7 +197,8 @@ fn a_flight_is_judged_by_the_truth_and_not_by_what_its_controller_believes() {
     let lost = scenario(&["flight.duration_s=5.0", "air.gust_m_s=1.5"]);
     let run = lost.fly(|_| ControlFlow::Continue(())).unwrap();
     let (told, own) = (run.summary.roll_rms_error_deg.unwrap(), true_rms_deg(&run, "roll", 2.0));
-    assert!((told / own - 1.0).abs() < 1e-6 && own > 5.0, "{told} deg told, {own} are");
+    // Those that fall on a record, every second one.
+    assert!((told / own - 1.0).abs() < 0.01 && own > 5.0, "{told} deg told, {own} are");
     let warned = run.summary.warnings.iter().any(|w| w.id == "flight.estimate_normalised_square");
     assert!(warned && run.summary.estimate.as_ref().unwrap().normalised_square > 4.0);
 }
@@ -223,14 +224,17 @@ fn a_flight_with_perfect_sensors_is_judged_as_any_other() {
     let run = Scenario::new(document).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
     let controller = &run.summary.controller;
     assert_eq!((controller.period_s, controller.updates), (Some(PERIOD), 400));
-    let (told, own) = (run.summary.roll_rms_error_deg.unwrap(), true_rms_deg(&run, "roll", 1.5));
-    assert!((told / own - 1.0).abs() < 1e-9 && own > 0.1, "{told} deg told, {own} are");
-    // What the controller found at its last update is the error there, and no later one counts.
-    let held = run.record.values("orbit_pitch_error").unwrap();
-    let settled = run.record.values("t").unwrap().partition_point(|t| *t < 1.5);
-    let most = held[settled..].iter().fold(0.0, |most: f64, error| most.max(error.abs())).to_degrees();
+    // What it found at each stands in the first record from there on.
+    let column = |name: &str| run.record.values(name).unwrap();
+    let found = |name: &str, number: usize| {
+        column(name)[column("t").partition_point(|t| *t < number as f64 * PERIOD - 1e-9)].to_degrees()
+    };
+    let squares: f64 = (200..400).map(|number| found("orbit_roll_error", number).powi(2)).sum();
+    let (told, own) = (run.summary.roll_rms_error_deg.unwrap(), (squares / 200.0).sqrt());
+    assert!((told / own - 1.0).abs() < 1e-6 && own > 0.1, "{told} deg told, {own} are");
+    let most = (200..400).map(|number| found("orbit_pitch_error", number).abs()).fold(0.0, f64::max);
     let told = run.summary.pitch_max_error_deg.unwrap();
-    assert!((told / most - 1.0).abs() < 1e-9, "{told} deg told, {most} are");
+    assert!((told / most - 1.0).abs() < 1e-4, "{told} deg told, {most} are");
 }
 
 #[test]
