@@ -152,7 +152,7 @@ impl OptimalControl for Tracks {
     fn rates<S: Scalar>(&self, at: Instant<S>, dx: &mut [S]) -> Result<(), Fault> {
         CART.rates(at, dx)?;
         let drag = if self.solved.get() == 2 { self.drag } else { 0.0 };
-        dx[1] = dx[1] - at.x[1].squared() * drag;
+        dx[1] -= at.x[1].squared() * drag;
         Ok(())
     }
     fn end_cost<S: Scalar>(&self, ends: Ends<S>) -> S {
