@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::ocp::Progress;
 use wingbeat::ocp::interior_point::Iteration;
-use wingbeat::scenario::{GaitNumbers, LeastPowerSummary, PlanSummary, RollInSummary, Scenario};
+use wingbeat::scenario::{GaitNumbers, LeastPowerSummary, PlanSpec, PlanSummary, RollInSummary, Scenario};
 use wingbeat_figures::{FLIGHT, FigureMaker, FigureTargets, GAIT};
 use wingbeat_io::write_parquet;
 
@@ -29,6 +29,10 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
     let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     let bar = iterations(options.quiet);
+    let stage = match &scenario.spec.plan {
+        Some(PlanSpec::LeastPower(_)) => "stage",
+        _ => "start",
+    };
     let planned = scenario.plan(&mut |step| {
         // From now on there is something to be kept: the solver hears of the signal at its next iteration.
         interrupt.patient();
@@ -37,7 +41,8 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
             Progress::Pass(pass) => progress::line(
                 &bar,
                 &format!(
-                    "mesh {} of {} intervals: {} after {} iterations, objective {:.6}, error {:.1e}",
+                    "{stage} {}, mesh {} of {} intervals: {} after {} iterations, objective {:.6}, error {:.1e}",
+                    pass.stage + 1,
                     pass.number + 1,
                     pass.intervals,
                     pass.status,

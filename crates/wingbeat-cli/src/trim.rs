@@ -264,6 +264,10 @@ fn of_alone(alone: &AloneSummary) -> String {
         let reason = tried.reason.as_deref().map_or(String::new(), |reason| format!("; {reason}"));
         text += &format!("{:<28}{:.2} m/s: {what}{reason}\n", "tried", tried.speed_m_s);
     }
+    let steps = alone.search_iterations.map_or(String::new(), |steps| format!(" after {steps} steps tried"));
+    text.extend(
+        alone.search_ended.iter().map(|ended| format!("{:<28}{ended}{steps}\n", "search of the gait")),
+    );
     for (key, [from, to]) in &alone.changed {
         let number = |value: &Option<f64>| value.map_or("left out".into(), five_places);
         text += &format!("{:<28}{key} = {}, was {}\n", "chosen", number(to), number(from));

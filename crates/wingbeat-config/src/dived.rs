@@ -2,6 +2,7 @@
 
 use super::flight_verdict::velocity_at;
 use super::summary::mean;
+use super::told_errors::{TrueErrors, Updates};
 use serde::Serialize;
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::limits::flight;
@@ -30,14 +31,14 @@ pub struct DiveSummary {
     pub path_down_deg: f64,
     /// Time from its begin until the path is level in every cycle to the end of the flight, s; none where it never is.
     pub level_after_s: Option<f64>,
-    /// Largest difference of the pitch from the plan until it ends, deg.
+    /// Largest difference of the pitch from the plan until it ends, at the updates of the controller, deg.
     pub pitch_error_deg: f64,
 }
 
 impl DiveSummary {
     /// Of a record whose gait has cycles of `cycle` s; none without a dive, or where the flight ends within two cycles of its begin.
     /// `wind` is the mean velocity of the air, m/s.
-    pub fn new(record: &Record, cycle: f64, wind: Vec3, perfect: bool) -> Option<Self> {
+    pub(super) fn new(record: &Record, cycle: f64, wind: Vec3, updates: Updates) -> Option<Self> {
         let column = |name: &str| record.values(name);
         let (t, dived) = (column("t")?, column("orbit_dive")?);
         let [x, y, z] = ["x", "y", "z"].map(|axis| column(&format!("p_WB_{axis}")));
@@ -64,12 +65,7 @@ impl DiveSummary {
         let head = mean(&speeds?)?.powi(2) / (2.0 * GRAVITY);
         let height_lost_m = mean(&z[level])? - z[first..].iter().copied().fold(f64::INFINITY, f64::min);
         let planned = first..first + dived[first..].partition_point(|share| *share < 1.0);
-        let errors: Vec<f64> = if perfect {
-            column("orbit_pitch_error")?[planned].to_vec()
-        } else {
-            let asked = &column("orbit_pitch_asked")?[planned.clone()];
-            pitch[planned].iter().zip(asked).map(|(is, asked)| is - asked).collect()
-        };
+        let errors = TrueErrors::new(record, planned, updates).angle("pitch")?;
         Some(Self {
             height_lost_m,
             velocity_heads: height_lost_m / head,

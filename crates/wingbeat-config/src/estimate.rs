@@ -1,6 +1,7 @@
 //! How well a controller's estimator knew the flight.
 
 use super::summary::mean;
+use super::told_errors::Updates;
 use serde::Serialize;
 use wingbeat_flight::guide::angle_error;
 use wingbeat_flight::simulate::{Column, Record};
@@ -34,8 +35,6 @@ pub struct EstimateSummary {
 /// Numbers that are estimated, in the order of the columns.
 const NAMES: [&str; 9] =
     ["height", "forward", "leftward", "upward", "roll", "pitch", "w_WB_B_x", "w_WB_B_y", "w_WB_B_z"];
-/// Largest difference of the time of a record from that of an update, s.
-const ROUNDING: f64 = 1e-9;
 
 /// An estimated flight: rows that are updates, and at each the errors.
 pub(super) struct Estimated<'a> {
@@ -46,10 +45,10 @@ pub(super) struct Estimated<'a> {
 }
 
 impl<'a> Estimated<'a> {
-    /// Of the rows from `first` on; none where nothing was estimated.
-    pub fn new(record: &'a Record, first: usize) -> Option<Self> {
-        let (t, of) = (record.values("t")?, record.values("estimate_t")?);
-        let rows: Vec<usize> = (first..t.len()).filter(|&row| (t[row] - of[row]).abs() < ROUNDING).collect();
+    /// Of the rows from `first` on under a controller with such `updates`; none where nothing was estimated.
+    pub fn new(record: &'a Record, first: usize, updates: Updates) -> Option<Self> {
+        record.column("estimate_t")?;
+        let rows = updates.rows(record, first..record.rows());
         let values = |name: String| record.values(&name);
         let estimates = NAMES.map(|name| values(format!("estimate_{name}")));
         let truth =

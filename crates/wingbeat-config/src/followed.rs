@@ -4,7 +4,6 @@ use super::summary::mean;
 use super::told_errors::TrueErrors;
 use serde::Serialize;
 use wingbeat_flight::guide::PathSpec;
-use wingbeat_flight::simulate::Record;
 
 /// Errors from the path from the settling time on, at the updates of the controller.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -22,20 +21,9 @@ pub struct PathSummary {
 }
 
 impl PathSummary {
-    /// Of the rows from `first` on; none where no path was followed. By the true place where the controller is told of it with errors.
-    pub(super) fn new(
-        record: &Record,
-        first: usize,
-        truth: Option<(&TrueErrors, &PathSpec)>,
-    ) -> Option<Self> {
-        let column = |name: &str| record.values(name).and_then(|values| values.get(first..));
-        let ([cross, along], arc_m) = match truth {
-            Some((truth, path)) => truth.path(path)?,
-            None => {
-                let arc = *column("path_arc")?.last()?;
-                (["path_cross", "path_along"].map(|name| column(name).unwrap_or_default().to_vec()), arc)
-            }
-        };
+    /// Of the true places beside `path`; none where no path was followed.
+    pub(super) fn new(truth: &TrueErrors, path: &PathSpec) -> Option<Self> {
+        let ([cross, along], arc_m) = truth.path(path)?;
         let (cross, along) = (&cross[..], &along[..]);
         let rms = |values: &[f64]| mean(&values.iter().map(|v| v * v).collect::<Vec<_>>()).map(f64::sqrt);
         let largest = |values: &[f64]| values.iter().map(|v| v.abs()).reduce(f64::max);

@@ -10,7 +10,7 @@ use wingbeat_math::{Mat3, Vec3};
 /// Hover from the settling time on.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HoverSummary {
-    /// Root mean square of the distance from the place asked, m.
+    /// Root mean square of the distance from the place asked, at the updates of the controller, m.
     pub place_rms_m: f64,
     /// Root mean square of the rotation, deg.
     pub attitude_rms_deg: f64,
@@ -26,7 +26,7 @@ pub struct HoverSummary {
 
 impl HoverSummary {
     /// Of the rows from `first` on; none where nothing hovered.
-    pub(super) fn new(record: &Record, first: usize, truth: Option<&TrueErrors>) -> Option<Self> {
+    pub(super) fn new(record: &Record, first: usize, truth: &TrueErrors) -> Option<Self> {
         let column = |name: &str| record.values(name).and_then(|values| values.get(first..));
         let vector = |prefix: &str| -> Option<Vec<Vec3>> {
             let [x, y, z] = AXES.map(|axis| column(&format!("{prefix}_{axis}")));
@@ -38,7 +38,7 @@ impl HoverSummary {
             Some([axis(0)?, axis(1)?, axis(2)?])
         };
         let rms = |sizes: &[f64]| mean(&sizes.iter().map(|s| s * s).collect::<Vec<_>>()).map(f64::sqrt);
-        let errors = truth.map_or_else(|| vector("hover_error"), TrueErrors::hover)?;
+        let errors = truth.hover()?;
         let estimate = vector("hover_force")?;
         let (roll, pitch, yaw) = (column("roll")?, column("pitch")?, column("yaw")?);
         let attitude = |row: usize| Mat3::from_roll_pitch_yaw(roll[row], pitch[row], yaw[row]);

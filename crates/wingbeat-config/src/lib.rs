@@ -507,7 +507,6 @@ impl Scenario {
             }
             Ok(if recorder.latched() { ControlFlow::Break(()) } else { seen })
         };
-        let perfect = sensors.are_perfect();
         let (robot, sensors) = (&self.robot, &mut sensors);
         // In a lattice the claw is looked at with the records alone.
         let latches = |_: f64, x: &[f64]| self.short_of_latching(x);
@@ -538,7 +537,7 @@ impl Scenario {
             SecondFlight::Halved(_) => [error, None],
             SecondFlight::Beside(finer) => [error, finer.distance(position).filter(|_| whole)],
         };
-        let mut summary = self.summarise(&recorded, &flight, schedule, errors, (coupling, perfect));
+        let mut summary = self.summarise(&recorded, &flight, schedule, errors, coupling);
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         summary.warnings.extend(fit::of_flown(&self.spec));
@@ -576,7 +575,7 @@ impl Scenario {
         flight: &Flight,
         schedule: &Schedule,
         [step_error_m, grown_error_m]: [Option<f64>; 2],
-        (lattice, perfect): (Option<LatticeSummary>, bool),
+        lattice: Option<LatticeSummary>,
     ) -> Summary {
         let context = summary::Context {
             robot: &self.robot,
@@ -596,7 +595,6 @@ impl Scenario {
             asked_error_m: self.spec.flight.error_m,
             grown_error_m,
             turbulence: self.spec.turbulence(),
-            perfect,
             path: self.spec.path.as_ref(),
             gusty: self.spec.air.gust_m_s != 0.0 || !self.spec.air.gusts.is_empty(),
             perch: self.spec.perch.as_ref(),

@@ -18,6 +18,8 @@ pub struct Moved {
     pub ground_m: Option<f64>,
     /// Way of the wind in a cycle over the longest of a section in it, dimensionless, of a wing whose sections go further than some chords.
     pub advance: Option<f64>,
+    /// Cycles, of a motion that goes on without repeating, of a wing whose sections go further than some chords.
+    pub turning: Option<usize>,
     /// Cycles, of a motion that repeats, and reduced frequency k = omega c / (2 V) by the mean speed.
     pub repeated: Option<(usize, f64)>,
     /// Density of the fluid, kg/m3, and Reynolds number by the mean chord and speed.
@@ -35,6 +37,7 @@ impl Moved {
             speed_m_s: tether.largest_speed(),
             ground_m: tether.ground_distance(),
             advance: advance(tether, chord),
+            turning: (!tether.repeats() && goes_far(tether, chord)).then_some(cycles),
             repeated: tether.repeats().then(|| (cycles, PI * frequency_hz * chord / speed)),
             fluid: [density, density * speed * chord / range::viscosity(density)],
         }
@@ -58,19 +61,27 @@ impl Moved {
             judge.hold(&tether::REDUCED, reduced_frequency);
         }
         judge.hold_if(&tether::ADVANCE, self.advance.filter(|_| density > 0.0));
+        judge.hold_if(
+            &tether::TURNING,
+            self.turning.filter(|_| self.ground_m.is_none()).map(|cycles| cycles as f64),
+        );
     }
 }
 
 /// Way of the wind in a cycle over that of the section which goes furthest, where that is long beside the mean chord `chord`, m:
 /// what stirs in place is judged by its reduced frequency.
 fn advance(tether: &Tether, chord: f64) -> Option<f64> {
-    let way = tether.longest_way();
-    let long = way > STROKE * chord;
-    long.then(|| tether.wind.norm() / (tether.clock.frequency_hz * way))
+    let way = || tether.clock.frequency_hz * tether.longest_way();
+    goes_far(tether, chord).then(|| tether.wind.norm() / way())
+}
+
+/// Whether a section goes so far in a cycle, beside the mean chord `chord`, m, that it may come back into its own wake.
+fn goes_far(tether: &Tether, chord: f64) -> bool {
+    tether.longest_way() > STROKE * chord
 }
 
 /// Least power of the disc that the wing reaches over the power into the air in the last cycle of `run`, dimensionless: joints and wind together. None over
-/// ground, and where the cycle is not like the one before.
+/// ground, of a single cycle, and where the cycle is not like the one before.
 ///
 /// Equation: tether.ideal_power_fraction
 /// `P_ideal / (P + F.U), P_ideal by aero.induced_power`

@@ -4,7 +4,7 @@ use super::recorder::Recorder;
 use super::{ConfigError, Scenario, Summary, written};
 use std::ops::ControlFlow;
 use wingbeat_flight::guide::HeldCommands;
-use wingbeat_flight::simulate::{Controller, Flight, Sample, Seat, Sensors, fly_side_by_side};
+use wingbeat_flight::simulate::{Controller, Flight, Sample, Seat, fly_side_by_side};
 use wingbeat_math::{Double4, Lanes};
 use wingbeat_robot::{BodySpec, Robot};
 
@@ -55,7 +55,6 @@ impl Scenario {
         };
         let mut controllers = all.iter().map(controller).collect::<Result<Vec<_>, _>>()?;
         let mut sensors: Vec<_> = all.iter().map(|scenario| scenario.sensors()).collect();
-        let perfect: Vec<bool> = sensors.iter().map(Sensors::are_perfect).collect();
         let starts: Vec<_> = all.iter().map(|scenario| scenario.start()).collect();
         let recorder = |(scenario, controller): (&&'a Self, &Steering<'a>)| {
             let rows = scenario.schedule.steps / scenario.schedule.steps_per_sample + 1;
@@ -78,10 +77,9 @@ impl Scenario {
             })
             .collect();
         let flights = fly_side_by_side(|t, x, u, dx| robot.rates_side_by_side(t, x, u, dx), seats);
-        let summary = |(((scenario, recorder), flight), perfect): (((&&Self, Recorder), Flight), bool)| {
-            let told = (None, perfect);
-            scenario.summarise(&recorder.finish(), &flight, &scenario.schedule, [None; 2], told)
+        let summary = |((scenario, recorder), flight): ((&&Self, Recorder), Flight)| {
+            scenario.summarise(&recorder.finish(), &flight, &scenario.schedule, [None; 2], None)
         };
-        Ok(all.iter().zip(recorders).zip(flights).zip(perfect).map(summary).collect())
+        Ok(all.iter().zip(recorders).zip(flights).map(summary).collect())
     }
 }

@@ -19,7 +19,7 @@ use super::recorder::{FlightMeans, momentum_change};
 use super::skin::MembraneSummary;
 use super::sound;
 use super::spec::GoalSpec;
-use super::told_errors::TrueErrors;
+use super::told_errors::{TrueErrors, Updates};
 use super::turned;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -256,7 +256,7 @@ impl ControllerSummary {
 pub(super) struct Settled<'a> {
     record: &'a Record,
     first: usize,
-    /// Where the controller is told of the flight with errors.
+    /// Where there is a controller.
     truth: Option<TrueErrors<'a>>,
 }
 
@@ -273,10 +273,7 @@ impl Settled<'_> {
     /// The angle `name` minus its reference at every sample, rad: that of the manoeuvre, or of the orbit, or level.
     fn errors(&self, name: &str, context: &Context, angle: impl Fn(Reference) -> f64) -> Vec<f64> {
         if context.manoeuvre.is_none() {
-            let about_orbit = match &self.truth {
-                Some(truth) => truth.angle(name),
-                None => Some(self.column(&format!("orbit_{name}_error")).to_vec()),
-            };
+            let about_orbit = self.truth.as_ref().and_then(|truth| truth.angle(name));
             if let Some(errors) = about_orbit.filter(|errors| !errors.is_empty()) {
                 return errors;
             }
@@ -305,8 +302,18 @@ impl Settled<'_> {
         // A motor that stalls may turn back.
         (moves && !phase.is_empty()).then(|| turned(phase).max(0.0))
     }
+    /// Mean of an angle, deg, from -180 to 180: of one that passes half a turn, the way that it goes.
     fn mean_deg(&self, name: &str) -> Option<f64> {
-        mean(self.column(name)).map(f64::to_degrees)
+        let angles = self.column(name);
+        let first = *angles.first()?;
+        let (mut turns, mut before) = (0.0, first);
+        let whole = |&angle: &f64| {
+            turns -= ((angle - before) / TAU).round();
+            before = angle;
+            angle + turns * TAU
+        };
+        let mean = mean(&angles.iter().map(whole).collect::<Vec<_>>())?;
+        Some((mean - (mean / TAU).round() * TAU).to_degrees())
     }
 }
 
@@ -360,8 +367,6 @@ pub(super) struct Context<'a> {
     pub grown_error_m: Option<f64>,
     /// The perch beside the flight.
     pub perch: Option<&'a PerchSpec>,
-    /// Whether the controller is told of the state as it is.
-    pub perfect: bool,
     /// The path to follow.
     pub path: Option<&'a PathSpec>,
     /// Turbulence of the air, and its steady wind, m/s.
@@ -387,9 +392,10 @@ impl Summary {
         let (means, grew) = (context.means, context.means.is_none());
         let t = record.values("t").unwrap_or_default();
         let first = if grew { t.len() } else { t.partition_point(|&t| t < settle) };
-        let truth = context.period_s.filter(|_| !context.perfect);
-        let truth = truth.map(|period| TrueErrors::new(record, first, period));
+        let updates = context.period_s.map(|period| Updates { period, count: flight.updates.len() });
+        let truth = updates.map(|updates| TrueErrors::new(record, first..record.rows(), updates));
         let settled = Settled { record, first, truth };
+        let cycle = 1.0 / context.robot.frequency_hz();
         let change = |name| match record.values(name) {
             Some([first, .., last]) => last - first,
             _ => f64::NAN,
@@ -397,7 +403,8 @@ impl Summary {
         let roll_errors = settled.errors("roll", context, |reference| reference.roll);
         let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
         let crossing = PartClearance::new(record, context.clearances);
-        let estimated = Estimated::new(record, settled.first);
+        let estimated = updates.and_then(|updates| Estimated::new(record, settled.first, updates));
+        let height = settled.truth.as_ref().and_then(TrueErrors::height);
         let velocity = mean_velocity(record, settled.first, Vec3::ZERO);
         let mut summary = Self {
             status: Status::Ok,
@@ -411,15 +418,17 @@ impl Summary {
             altitude_change_m: change("p_WB_z"),
             mean_speed_m_s: velocity.map(|(speed, _)| speed),
             sink_rate_m_s: velocity.map(|(_, climb)| -climb),
-            height_max_error_m: match &settled.truth {
-                Some(truth) => truth.height().and_then(|off| off.iter().map(|e| e.abs()).reduce(f64::max)),
-                None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
-            },
-            path: PathSummary::new(record, settled.first, settled.truth.as_ref().zip(context.path)),
-            dive: DiveSummary::new(record, 1.0 / context.robot.frequency_hz(), context.wind, context.perfect)
+            height_max_error_m: height.and_then(|off| off.iter().map(|e| e.abs()).reduce(f64::max)),
+            path: settled
+                .truth
+                .as_ref()
+                .zip(context.path)
+                .and_then(|(truth, path)| PathSummary::new(truth, path)),
+            dive: updates
+                .and_then(|updates| DiveSummary::new(record, cycle, context.wind, updates))
                 .filter(|_| !grew),
             perch: context.perch.and_then(|perch| PerchSummary::new(record, perch)),
-            hover: HoverSummary::new(record, settled.first, settled.truth.as_ref()),
+            hover: settled.truth.as_ref().and_then(|truth| HoverSummary::new(record, settled.first, truth)),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
             // A half loop to a perch ends with half a turn of roll, and is no turn.

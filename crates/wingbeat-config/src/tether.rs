@@ -246,7 +246,8 @@ impl TetherCase {
             .chain(web::of_hinges(&self.spec.wing.hinges, &self.tether.aero))
             .chain(run.steady.iter().flat_map(|steady| {
                 let still = self.tether.motion.is_still();
-                SparSummary::of(steady).warnings(&self.spec.time, still)
+                let (growth, _) = self.limits.of(&tether::FLUTTER);
+                SparSummary::of(steady).warnings(&self.spec.time, still, growth)
             }))
             .for_each(|warning| judge.warn(warning));
         // Peaks of a rough table move with the steps: then the data are at fault.
@@ -381,7 +382,7 @@ pub struct SparSummary {
     /// Lowest frequencies of the unbent beam without air, Hz.
     pub frequencies_hz: Vec<f64>,
     /// Growth rate, 1/s, of the small motion about it that decays least beside its angular frequency, or beside the lowest of the spar where
-    /// that is larger. Above 1e-3 of that the wing flutters or diverges.
+    /// that is larger. Above `tether.growth_fraction` of that the wing flutters or diverges.
     pub growth_1_s: Option<f64>,
     /// Frequency of that motion, Hz; 0 of one that does not oscillate.
     pub frequency_hz: Option<f64>,
@@ -414,8 +415,9 @@ impl SparSummary {
         }
     }
 
-    /// Cautions: no shape, disturbances that grow about the start of a motion, steps that miss the lowest frequency.
-    fn warnings(&self, clock: &ClockSpec, still: bool) -> Vec<Warning> {
+    /// Cautions: no shape, disturbances that grow about the start of a motion by more than `most` of their angular frequency, steps that
+    /// miss the lowest frequency.
+    fn warnings(&self, clock: &ClockSpec, still: bool, most: f64) -> Vec<Warning> {
         let mut warnings = Vec::new();
         if !self.found {
             let text = "no shape at rest in the wind was found, so that the wing begins unbent in still air";
@@ -427,7 +429,7 @@ impl SparSummary {
         }
         if let (Some(growth), Some(frequency)) = (self.growth_1_s, self.frequency_hz)
             && let Some(lowest) = self.frequencies_hz.first()
-            && growth > tether::FLUTTER.value * std::f64::consts::TAU * frequency.max(*lowest)
+            && growth > most * std::f64::consts::TAU * frequency.max(*lowest)
             && !still
         {
             let what = if frequency > 0.0 { "flutters" } else { "diverges" };

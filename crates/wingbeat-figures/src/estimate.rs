@@ -1,6 +1,6 @@
 //! The true flight, what an estimator took it for, and how sure it was.
 
-use wingbeat::simulate::Record;
+use wingbeat::simulate::{Record, is_at};
 
 use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
@@ -22,7 +22,7 @@ const PANELS: [(&str, &str, f64); 6] = [
 /// Needs the columns `estimate_*` of a flight with an estimator and those of the true state.
 pub fn estimate(record: &Record) -> Result<Figure, Error> {
     let (t, of) = (needed(record, "t")?, needed(record, "estimate_t")?);
-    let rows: Vec<usize> = (0..t.len()).filter(|&row| (t[row] - of[row]).abs() < 1e-9).collect();
+    let rows: Vec<usize> = (0..t.len()).filter(|&row| is_at(t[row], of[row])).collect();
     let at: Vec<f64> = rows.iter().map(|&row| t[row]).collect();
     let pick =
         |name: &str| needed(record, name).map(|v| rows.iter().map(|&row| v[row]).collect::<Vec<f64>>());

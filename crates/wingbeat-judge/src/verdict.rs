@@ -127,7 +127,8 @@ impl<'a> Judge<'a> {
         Self { limits, status: Status::Ok, reasons: Vec::new(), judged: Vec::new(), warnings: Vec::new() }
     }
 
-    /// Holds `value`, in the unit of the limit, against `limit`; true when it is allowed.
+    /// Holds `value`, in the unit of the limit, against `limit`; true when it is allowed. A limit that only a document gives is off
+    /// without it.
     pub fn hold(&mut self, limit: &'static JudgedLimit, value: f64) -> bool {
         self.hold_about(limit, value, "")
     }
@@ -157,6 +158,9 @@ impl<'a> Judge<'a> {
         value: f64,
         about: &str,
     ) -> bool {
+        if bound.is_infinite() {
+            return true;
+        }
         let met = limit.allows(value, bound);
         self.judged.push(Judged {
             id: limit.id,

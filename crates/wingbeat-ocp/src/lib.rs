@@ -24,7 +24,7 @@ mod transcription;
 pub use collocation::{Collocation, Transcribed};
 pub use defects::defects;
 pub use interpolant::Interpolant;
-pub use mesh::{Misses, Optimum, Pass, Progress, Refinement, optimise};
+pub use mesh::{Misses, Optimum, Pass, Progress, Refinement, optimise, optimise_stage};
 pub use multipliers::Multipliers;
 pub use problem::{Ends, FREE, Instant, Limits, OptimalControl, Scales, Setup};
 pub use scheme::{InputShape, Scheme};

@@ -1,7 +1,7 @@
 //! One problem from several guesses: how many minima there are.
 
 use super::interior_point::SolveStatus;
-use super::mesh::{Optimum, Progress, Refinement, optimise};
+use super::mesh::{Optimum, Progress, Refinement, optimise_stage};
 use super::problem::OptimalControl;
 use super::trajectory::Trajectory;
 use std::ops::ControlFlow;
@@ -44,7 +44,7 @@ impl Starts {
     }
 }
 
-/// Solves `problem` from each of `guesses`, mesh after mesh, and keeps the lowest solution.
+/// Solves `problem` from each of `guesses`, a stage each, mesh after mesh, and keeps the lowest solution.
 ///
 /// # Panics
 /// Without a guess.
@@ -57,8 +57,8 @@ pub fn optimise_from<P: OptimalControl>(
     let mut best: Option<Optimum> = None;
     let mut objectives = Vec::with_capacity(guesses.len());
     let mut stopped = false;
-    for guess in guesses {
-        let optimum = optimise(problem, guess, refinement, observer);
+    for (stage, guess) in guesses.iter().enumerate() {
+        let optimum = optimise_stage(problem, guess, refinement, observer, stage);
         let solved = optimum.status.is_success();
         stopped = optimum.status == SolveStatus::Stopped;
         objectives.push(solved.then_some(optimum.objective));
@@ -123,8 +123,11 @@ mod tests {
         assert_eq!(alike.minima(), 1);
         // Asked to end in the second start: the first, the lower one, is kept, and the third is not tried.
         let lower = [guesses[1].clone(), guesses[0].clone(), guesses[2].clone()];
-        let mut passes = 0;
+        let (mut passes, mut stages) = (0, Vec::new());
         let mut ends = |at: Progress| {
+            if let Progress::Pass(pass) = at {
+                stages.push(pass.stage);
+            }
             passes += usize::from(matches!(at, Progress::Pass(_)));
             if passes == 1 && matches!(at, Progress::Iteration(_)) {
                 ControlFlow::Break(())
@@ -134,6 +137,7 @@ mod tests {
         };
         let cut = optimise_from(&Wells, &lower, &refinement, &mut ends);
         assert_eq!((cut.best.status, cut.objectives.len()), (SolveStatus::Stopped, 2));
+        assert_eq!(stages, [0, 1]);
         assert!(cut.best.objective < -0.19, "{}", cut.best.objective);
     }
 }

@@ -213,11 +213,11 @@ fn the_page_of_verdicts_lists_every_status_and_limit() {
         let size = limit.value.abs();
         let powers = size > 0.0 && !(1e-3..1e5).contains(&size);
         let value = if powers { format!("{:e}", limit.value) } else { limit.value.to_string() };
-        let row = format!(
-            "| `{}` | {} | {side} {value}{unit} | {status} |",
-            limit.id,
-            limit.meaning.trim_end_matches(',')
-        );
+        let allowed = format!("{side} {value}{unit}");
+        let allowed =
+            if limit.value.is_finite() { allowed } else { format!("{side} what `[limits]` gives; else off") };
+        let row =
+            format!("| `{}` | {} | {allowed} | {status} |", limit.id, limit.meaning.trim_end_matches(','));
         let kind = limit.id.split('.').next().unwrap();
         match kinds.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, rows)) => rows.push(row),

@@ -348,7 +348,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("start", &[STARTS], ONE, "", "Number of the start, from 0, the robot's own gait."),
     column("ended", &[STARTS], ONE, "", "How it ended: 0 converged, 1 no shorter step gains, 2 iteration limit, 3 no gait beside the last one."),
     column("kept", &[STARTS], ONE, "", "1 where the gait keeps to the limits."),
-    column("iterations", &[STARTS], ONE, "", "Steps tried."),
+    column("iterations", &[STARTS], ONE, "", "Steps tried, also those refused."),
     column("violation", &[STARTS], ONE, "", "The worst limit missed, in its scale: 10 mm of clearance, .1 of a share or a multiplier, .025 of the range of a command, the frequency, the power."),
     column("objective", &[STARTS], ONE, "", "What is to be least over that of the robot's own gait; of a payload the mass, negative."),
     column("mass_kg", &[STARTS], &["kg"], "", "Mass of the robot."),

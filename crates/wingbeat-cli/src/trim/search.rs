@@ -62,7 +62,7 @@ pub fn table(search: &SearchSummary) -> String {
     let SearchSummary { starts, kept, minima, best, ended, iterations, .. } = search;
     let mut text = format!(
         "{:<28}{kept} of {starts} starts keep to the limits, {minima} different minima; start {best}: {ended} after \
-         {iterations} iterations\n",
+         {iterations} steps tried\n",
         "search"
     );
     for (key, value) in &search.values {

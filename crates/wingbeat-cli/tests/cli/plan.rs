@@ -106,6 +106,11 @@ fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
     assert!(output.status.success(), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("replayed from rest") && text.contains("own gait"), "{text}");
+    // Each gait on the way is a stage of its own.
+    let meshes = String::from_utf8(output.stderr).unwrap();
+    for stage in ["stage 1, mesh 1 of 16 intervals: ", "stage 2, mesh 1 of 16 intervals: "] {
+        assert_eq!(meshes.matches(stage).count(), 1, "{meshes}");
+    }
     let names = [
         "figures",
         "joints.csv",

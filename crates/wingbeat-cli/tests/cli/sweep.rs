@@ -144,6 +144,9 @@ fn a_sweep_is_judged_by_its_limits() {
         assert_eq!(output.status.code(), Some(if status == "ok" { 0 } else { 3 }), "{out}: {output:?}");
         assert_eq!(summary(&folder, out)["status"], status, "{out}");
         assert!(!String::from_utf8(output.stdout).unwrap().contains("NaN"), "{out}");
+        // Off until a document gives it.
+        let judged = summary(&folder, out)["judged"].to_string();
+        assert_eq!(judged.contains("sweep.held_fraction"), !limit.is_empty(), "{out}: {judged}");
     }
     let of = summary(&folder, "b");
     assert!(

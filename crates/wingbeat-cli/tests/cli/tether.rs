@@ -462,4 +462,17 @@ fn a_wing_that_beats_the_ideal_power_is_outside() {
     assert!(status == "ok" && fraction < 0.6 && !warned, "{status} {fraction} {warned}");
     let (status, fraction, warned) = judged("0.2");
     assert!(status == "outside" && fraction > 1.05 && warned, "{status} {fraction} {warned}");
+    // The first cycle alone holds the start from rest: that it is not judged is told.
+    let turning = |cycles: &str| {
+        let set = format!("time.cycles={cycles}");
+        tether(
+            &folder,
+            Path::new("rotor.toml"),
+            &["--set", &set, "--force", "--out", "o", "--quiet", "--no-report"],
+        );
+        let summary = summary(&folder.join("o"));
+        let has = |list: &str, id: &str| summary[list].as_array().unwrap().iter().any(|row| row["id"] == id);
+        [has("judged", "tether.ideal_power_fraction"), has("warnings", "tether.turning_cycles")]
+    };
+    assert_eq!([turning("1"), turning("4")], [[false, true], [true, false]]);
 }

@@ -15,7 +15,7 @@ use wingbeat_ocp::interior_point::{Options, SolveStatus};
 use wingbeat_ocp::plant::{Channel, Fault, Plant};
 use wingbeat_ocp::{
     Ends, FREE, Instant, Interpolant, OptimalControl, Optimum, Pass, Progress, Refinement, Scheme, Setup,
-    Trajectory, defects, optimise,
+    Trajectory, defects, optimise_stage,
 };
 use wingbeat_robot::body::drive_power;
 
@@ -383,6 +383,8 @@ struct Stages<'o> {
     observer: &'o mut dyn FnMut(Progress) -> ControlFlow<()>,
     /// True where the guess is the solution of the problem before.
     warm: bool,
+    /// Number of the next.
+    stage: usize,
     passes: Vec<Pass>,
     iterations: usize,
     time: Duration,
@@ -392,7 +394,8 @@ struct Stages<'o> {
 impl<'o> Stages<'o> {
     fn new(refinement: Refinement, observer: &'o mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
         let (time, processor_time) = (Duration::ZERO, Duration::ZERO);
-        Self { refinement, observer, warm: false, passes: Vec::new(), iterations: 0, time, processor_time }
+        let passes = Vec::new();
+        Self { refinement, observer, warm: false, stage: 0, passes, iterations: 0, time, processor_time }
     }
 
     /// Solves `problem` from `guess` on so many meshes at most, each in so many iterations at most; where the mesh is one, on that of
@@ -416,7 +419,8 @@ impl<'o> Stages<'o> {
         if self.warm {
             [refinement.solver.barrier, refinement.solver.margin] = WARM;
         }
-        let optimum = optimise(problem, guess, &refinement, self.observer);
+        let optimum = optimise_stage(problem, guess, &refinement, self.observer, self.stage);
+        self.stage += 1;
         self.passes.extend(optimum.passes.iter().cloned());
         self.iterations += optimum.iterations;
         self.time += optimum.time;

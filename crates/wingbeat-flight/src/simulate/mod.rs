@@ -24,7 +24,7 @@ pub use coupled::{Bears, Beyond, Steers, step_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Event, Flight, Sample, Schedule, Update, fly, fly_until, fly_within};
 pub use inertance::{fastest_vibration, follow};
-pub use record::{Column, Record};
+pub use record::{Column, Record, is_at};
 pub use sensitive::{Sensitive, Varied, packed};
 pub use sensor::*;
 pub use side_by_side::{Seat, fly_side_by_side};

@@ -3,6 +3,14 @@
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::{Channel, Fault};
 
+/// Largest difference of the time of a record from that of an update, s. *Choice*: rounding alone.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether a record of the time `t` is that of an update at the time `update`, both in s.
+pub fn is_at(t: f64, update: f64) -> bool {
+    (t - update).abs() < ROUNDING
+}
+
 /// One named column of a [`Record`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {

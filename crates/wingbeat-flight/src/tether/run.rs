@@ -15,6 +15,8 @@ use wingbeat_ocp::plant::Fault;
 
 /// Instants of a cycle at which the motion alone is looked at.
 const LOOKS: usize = 64;
+/// Distance from the middle plane over that from the root along the arc below which a section lies on it, as one that flaps by 90 deg does: rounding.
+const ON_PLANE: f64 = 1e-9;
 /// Most steps of one run.
 const MAX_STEPS: usize = 500_000;
 /// Most rows of strips of a run: about half a GB in memory.
@@ -212,17 +214,20 @@ impl Tether {
         (0..LOOKS).map(move |k| (cycles as f64 - 1.0 + k as f64 / LOOKS as f64) / frequency_hz)
     }
 
-    /// Share of the last cycle in which a section further than its chord from the root has the middle of its chord beyond the
-    /// body's middle plane. At the root a wing that sweeps may pass it.
+    /// Share of the last cycle in which a section lies beyond the body's middle plane: the middle of its chord where it is further than
+    /// its chord from the root, nearer both of its edges. At the root a wing that sweeps may pass the plane with one edge.
     pub fn crossing_fraction(&self) -> f64 {
         let crosses = |t: f64| {
             let (frame, sections) = (self.motion.body(t).frame(), self.sections(t));
             let origin = Vec3(frame.origin.0.map(|x| x.x));
             let across = Vec3([0, 1, 2].map(|i| frame.turn.0[i][1].x));
-            self.aero.arcs().iter().zip(&sections).any(|(arc, section)| {
-                let chord = (section.le - section.te).norm();
-                let middle = (section.le + section.te) * 0.5 - origin;
-                arc.abs() > chord && arc.signum() * middle.dot(across) < 0.0
+            let outboard = self.aero.arcs().iter().zip(&sections).filter(|(arc, _)| **arc != 0.0);
+            outboard.into_iter().any(|(arc, section)| {
+                let [leading, trailing] =
+                    [section.le, section.te].map(|edge| arc.signum() * (edge - origin).dot(across));
+                let far = arc.abs() > (section.le - section.te).norm();
+                let inmost = if far { 0.5 * (leading + trailing) } else { leading.max(trailing) };
+                inmost < -ON_PLANE * arc.abs()
             })
         };
         self.instants().filter(|t| crosses(*t)).count() as f64 / LOOKS as f64

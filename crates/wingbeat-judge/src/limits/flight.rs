@@ -55,10 +55,10 @@ pub const FAILURES: JudgedLimit =
         .on("share of the updates in which the controller found no solution");
 /// Error of the integration's steps that a reader must know.
 pub const STEP_ERROR: JudgedLimit = JudgedLimit::warn_above("flight.step_error_m", 0.01, "m")
-    .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position, without what a closed loop makes of it");
+    .on("the steps of the integration are too long (shorten flight.step_s): error of the last position, by a second flight in half steps, of a controller of your own as it is estimated,");
 /// Error of the integration's steps that leaves nothing of the flight.
 pub const STEPS_LOST: JudgedLimit = JudgedLimit::at_most("flight.steps_lost_m", 1.0, "m", NotResolved)
-    .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position, without what a closed loop makes of it");
+    .on("the steps of the integration are too long (shorten flight.step_s): error of the last position, by a second flight in half steps, of a controller of your own as it is estimated,");
 /// Error of steps that were chosen by an error.
 pub const STEPS_ASKED: JudgedLimit = JudgedLimit::at_most("flight.error_asked_fraction", 1.0, "", NotResolved)
     .on("flight.error_m cannot be kept by steps of flight.step_s / 64 or more: the error of the last position as it was measured, over flight.error_m");

@@ -37,7 +37,7 @@ pub struct JudgedLimit {
     pub id: &'static str,
     /// The side on which a value may lie.
     pub sense: Sense,
-    /// The limit, in `unit`.
+    /// The limit, in `unit`; infinite where nothing is judged until a document gives one.
     pub value: f64,
     /// Its unit; empty for a pure number.
     pub unit: &'static str,

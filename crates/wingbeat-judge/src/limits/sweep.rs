@@ -21,9 +21,9 @@ pub const UNJUDGED: JudgedLimit = JudgedLimit::warn_above("sweep.unjudged_fracti
 /// Where none can be used, tables and figures are of what their own verdicts refuse.
 pub const SOME: JudgedLimit = JudgedLimit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");
-/// How many flights hold is what a sweep is there to find, so the limit is one that only a document raises.
-pub const HELD: JudgedLimit = JudgedLimit::at_least("sweep.held_fraction", 0.0, "", OffTarget)
-    .on("share of the flights that are held; a limit of 0 asks for none");
+/// How many flights hold is what a sweep is there to find, so only a document gives the limit.
+pub const HELD: JudgedLimit = JudgedLimit::at_least("sweep.held_fraction", f64::NEG_INFINITY, "", OffTarget)
+    .on("share of the flights that are held");
 
 /// A search ends well where its best candidate meets every goal in every flight, and no verdict refuses one.
 pub const MISSED: JudgedLimit = JudgedLimit::at_most("sweep.search_missed_goals", 0.0, "", NotFound)

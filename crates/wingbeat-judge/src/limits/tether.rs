@@ -94,6 +94,10 @@ pub const REDUCED: JudgedLimit = JudgedLimit::warn_above("tether.reduced_frequen
 pub const IDEAL: JudgedLimit = JudgedLimit::at_most("tether.ideal_power_fraction", 1.05, "", Outside).on(
     "the model gives more force than any wing of this reach can for its power, as where a wing comes back into its own wake: ideal power of the disc that it reaches over its power into the air,",
 );
+/// Cycles of a wing that goes on, as a rotor by a table does: the power of the first holds the start from rest.
+pub const TURNING: JudgedLimit = JudgedLimit::warn_below("tether.turning_cycles", 2.0, "").on(
+    "the power is not held against the ideal one (tether.ideal_power_fraction), as it holds the start from rest (take more time.cycles): cycles of a wing that goes on for more than some chords",
+);
 /// Way of the wind in a cycle over the longest way of a section in it. A revolving wing of two blades, with 0.32, has 3 % more
 /// thrust by strips than by the prescribed lattice, and with 0.064 29 % more than by the free one; the shipped flapping cases have 0.25 and more. *Choice.*
 pub const ADVANCE: JudgedLimit = JudgedLimit::warn_below("tether.advance_ratio", 0.2, "").on(
@@ -105,7 +109,7 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3,
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 25] = [
+pub const ALL: [JudgedLimit; 26] = [
     STEPS,
     STEPS_OF_POWER,
     PEAKS,
@@ -129,6 +133,7 @@ pub const ALL: [JudgedLimit; 25] = [
     SLENDER,
     REDUCED,
     IDEAL,
+    TURNING,
     ADVANCE,
     VISCOUS,
 ];

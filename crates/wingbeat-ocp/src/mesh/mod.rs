@@ -66,7 +66,9 @@ impl Default for Refinement {
 /// A mesh that was solved.
 #[derive(Clone, Debug)]
 pub struct Pass {
-    /// Number, from 0.
+    /// Number of the problem or of the guess that it is of, from 0, where several are solved one after another.
+    pub stage: usize,
+    /// Number of the mesh of that stage, from 0.
     pub number: usize,
     /// Intervals.
     pub intervals: usize,
@@ -127,6 +129,22 @@ pub struct Misses {
     pub violation: f64,
     /// Name of that constraint; empty without one.
     pub constraint: String,
+}
+
+/// Solves as [`optimise`] does, where its meshes are of the stage of number `stage`, from 0, of several solves.
+pub fn optimise_stage<P: OptimalControl>(
+    problem: &P,
+    guess: &Trajectory,
+    refinement: &Refinement,
+    observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    stage: usize,
+) -> Optimum {
+    let mut optimum = optimise(problem, guess, refinement, &mut |at| match at {
+        Progress::Pass(pass) => observer(Progress::Pass(&Pass { stage, ..pass.clone() })),
+        iteration @ Progress::Iteration(_) => observer(iteration),
+    });
+    optimum.passes.iter_mut().for_each(|pass| pass.stage = stage);
+    optimum
 }
 
 impl Optimum {
@@ -382,7 +400,7 @@ impl<P: OptimalControl> MeshRun<'_, P> {
         };
         let error = errors.iter().fold(0.0_f64, |m, e| m.max(*e));
         let (number, intervals) = (self.passes.len(), mesh.len() - 1);
-        let pass = Pass { number, intervals, status: status.clone(), iterations, objective, error };
+        let pass = Pass { stage: 0, number, intervals, status: status.clone(), iterations, objective, error };
         let stopped = (self.observer)(Progress::Pass(&pass)).is_break();
         self.passes.push(pass);
         let status = if stopped { SolveStatus::Stopped } else { status };

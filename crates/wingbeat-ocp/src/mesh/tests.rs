@@ -2,6 +2,7 @@ use super::*;
 use crate::defects::defects;
 use crate::plant::{Channel, Fault};
 use crate::{Ends, FREE, Instant, Limits};
+use std::cell::Cell;
 use wingbeat_math::Scalar;
 
 /// A cart driven from rest to rest over `distance` in least time, |u| <= 1;
@@ -134,6 +135,62 @@ fn a_limit_of_iterations_returns_the_best_that_was_met() {
     assert!(!found.status.is_success() || found.error <= 100.0 * Refinement::default().tolerance);
     // The same however often it is asked.
     assert_eq!(limited(first + 1).objective.to_bits(), found.objective.to_bits());
+}
+
+/// The cart, whose track is another for each solve, the last with a drag: stands in for a finer mesh on which the warm start finds nothing
+/// and the cold one another optimum.
+struct Tracks {
+    of_solves: [Cart; 3],
+    drag: f64,
+    solved: Cell<usize>,
+}
+
+impl OptimalControl for Tracks {
+    fn setup(&self) -> Setup {
+        self.of_solves[self.solved.get()].setup()
+    }
+    fn rates<S: Scalar>(&self, at: Instant<S>, dx: &mut [S]) -> Result<(), Fault> {
+        CART.rates(at, dx)?;
+        let drag = if self.solved.get() == 2 { self.drag } else { 0.0 };
+        dx[1] -= at.x[1].squared() * drag;
+        Ok(())
+    }
+    fn end_cost<S: Scalar>(&self, ends: Ends<S>) -> S {
+        CART.end_cost(ends)
+    }
+}
+
+#[test]
+fn a_plan_keeps_its_coarser_optimum_over_a_dominated_one() {
+    // Without drag the first is exact on any mesh. None reaches 30 m in 2 s.
+    let found = |last: Cart, drag: f64| {
+        let lost = Cart { distance: 30.0, time: [0.1, 2.0], ..CART };
+        let problem = Tracks { of_solves: [CART, lost, last], drag, solved: Cell::new(0) };
+        let guess = problem.setup().straight_line();
+        let refinement = Refinement { intervals: 8, meshes: 3, ..Refinement::default() };
+        let optimum = optimise(&problem, &guess, &refinement, &mut |at| {
+            if matches!(at, Progress::Pass(_)) {
+                problem.solved.set((problem.solved.get() + 1).min(2));
+            }
+            ControlFlow::Continue(())
+        });
+        let ends: Vec<bool> = optimum.passes.iter().map(|pass| pass.status.is_success()).collect();
+        assert_eq!(ends[..3], [true, false, true], "{:?}", optimum.passes);
+        optimum
+    };
+    // Slower, and with a drag: dearer and less accurate.
+    let dominated = found(Cart { speed: [-0.5, 0.5], ..CART }, 0.5);
+    let [first, _, third] = &dominated.passes[..] else { panic!("{:?}", dominated.passes) };
+    assert!(
+        third.objective > first.objective + 0.4 && third.error > first.error + 1e-8,
+        "{third:?} {first:?}"
+    );
+    assert_eq!(dominated.objective.to_bits(), first.objective.to_bits());
+    assert_eq!((&dominated.status, dominated.ended_on), (&SolveStatus::Acceptable, third.intervals));
+    assert_eq!(dominated.solution.as_ref().unwrap().intervals(), 8);
+    // A cheaper one takes its place.
+    let cheaper = found(Cart { distance: 0.5, ..CART }, 0.0);
+    assert!(cheaper.objective < first.objective - 0.5, "{}", cheaper.objective);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use wingbeat::judge::Status;
-use wingbeat::scenario::{Document, RobotTrim, Trimmed};
+use wingbeat::scenario::{Document, RobotTrim, TrimProgress, Trimmed};
 
 fn robot(name: &str) -> Document {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../robots/any/{name}.toml"));
@@ -68,6 +68,22 @@ fn what_cannot_be_trimmed_says_why() {
     let stopped = RobotTrim::new(robot("single_12g"), &[], 0.0).unwrap();
     let stopped = stopped.trim(&mut |_| ControlFlow::Break(())).unwrap().summary;
     assert!(stopped.status == Status::Interrupted && stopped.reason.unwrap().contains("stopped"));
+}
+
+/// A search that gives nothing leaves the gait of the scan, and the summary says so.
+#[test]
+fn a_search_that_finds_no_gait_is_told() {
+    let mut trim = RobotTrim::new(robot("elastic_16g"), &[], 0.0).unwrap();
+    trim.iterations = 1;
+    let trimmed = trim.trim(&mut |at| match at {
+        TrimProgress::Search(_) => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    });
+    let summary = trimmed.unwrap().summary;
+    let alone = summary.alone.as_ref().unwrap();
+    assert_eq!((alone.search_ended.as_deref(), alone.search_iterations), (Some("none found"), None));
+    let told = summary.warnings.iter().find(|warning| warning.id == "trim.search_ended").unwrap();
+    assert!(told.text.contains("that of the scan") && told.text.contains("stopped"), "{}", told.text);
 }
 
 /// What is told of a robot whose trim is stopped at once.

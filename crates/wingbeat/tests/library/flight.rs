@@ -16,6 +16,19 @@ fn fly(overrides: &[&str]) -> Run {
     scenario.fly(|_| ControlFlow::Continue(())).unwrap()
 }
 
+/// Of a roll that swings about half a turn the mean is half a turn, not the mean of 179 and -179 deg.
+#[test]
+fn a_flight_on_its_back_has_a_mean_roll_of_half_a_turn() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/glide.toml");
+    let sets = ["start.roll_deg=180", "start.rate_rad_s=[0.02, 0.0, 0.0]", "flight.duration_s=0.4"];
+    let scenario = Scenario::load(&path, &sets.map(str::to_owned)).unwrap_or_else(|e| panic!("{e}"));
+    let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
+    let roll = run.record.values("roll").unwrap();
+    assert!(roll.iter().any(|roll| *roll > 0.0) && roll.iter().any(|roll| *roll < 0.0));
+    let mean = run.summary.roll_mean_deg.unwrap();
+    assert!(mean.abs() > 170.0, "{mean} deg");
+}
+
 #[test]
 fn the_banking_turn_holds_the_attitude_of_the_paper_and_converges_with_the_step() {
     let run = fly(&["flight.record_every_s=0.005"]);

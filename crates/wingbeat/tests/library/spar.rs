@@ -257,6 +257,11 @@ fn a_wing_beyond_its_speed_of_flutter_is_outside() {
     let moved = verdict(&["wind.speed_m_s=100.0", "body.heave_m={fourier={sin=[0.001]}}"]);
     assert!(moved.warnings.iter().any(|warning| warning.id == "tether.flutter"), "{moved:?}");
     assert!(moved.judged.iter().all(|judged| judged.id != "tether.growth_fraction"));
+    // By the limit of the case.
+    let allowed =
+        ["wind.speed_m_s=100.0", "body.heave_m={fourier={sin=[0.001]}}", "limits.tether.growth_fraction=10"];
+    let moved = verdict(&allowed);
+    assert!(moved.warnings.iter().all(|warning| warning.id != "tether.flutter"), "{moved:?}");
 }
 
 #[test]

@@ -50,6 +50,37 @@ fn a_sudden_start_ends_near_the_steady_lift() {
     assert!((lift[0] / (std::f64::consts::PI * alpha) - 1.0).abs() < 0.02, "{}", lift[0]);
 }
 
+/// Halves shorter than their chord have no section further from the root than that.
+#[test]
+fn short_halves_that_pass_through_each_other_cross() {
+    let crossing = |half_span: f64, hinge: &str| {
+        let text = format!(
+            "name = \"short\"\nwing.planform = [\n{{ arc_m = 0.0, leading_edge_m = 0.03, trailing_edge_m = -0.07 }},\n\
+             {{ arc_m = {half_span:?}, leading_edge_m = 0.03, trailing_edge_m = -0.07 }},\n]\nwing.hinges = [{hinge}]\n\
+             wind = {{ speed_m_s = 2.0, density_kg_m3 = 1.225 }}\naero = {{ preset = \"full\", law = \"stall\" }}\n\
+             time = {{ frequency_hz = 2.0, cycles = 2, steps_per_cycle = 100 }}\n"
+        );
+        let none = |_: &std::path::Path| Err::<Record, String>("no table".into());
+        TetherCase::new(Document::text("short", &text).unwrap(), &none).unwrap().tether.crossing_fraction()
+    };
+    let flap = |most: f64| {
+        format!("{{ name = \"flap\", kind = \"flap\", arc_m = 0.0, angle_deg.fourier.sin = [{most:?}] }}")
+    };
+    // Beyond 90 deg of a sine of 120 deg: acos(90/120)/pi on either side.
+    let share = (90.0_f64 / 120.0).acos() * 2.0 / std::f64::consts::PI;
+    for half_span in [0.08, 0.3] {
+        let told = crossing(half_span, &flap(120.0));
+        assert!((told - share).abs() < 0.05, "{half_span} m: {told}, not {share}");
+        assert_eq!(crossing(half_span, &flap(89.0)), 0.0, "{half_span} m");
+        // About a line ahead of the leading edge the roots overlap all the time.
+        let swept = |ahead: f64| {
+            let hinge = "name = \"sweep\", kind = \"sweep\", arc_m = 0.0, angle_deg.constant = -40.0";
+            crossing(half_span, &format!("{{ {hinge}, ahead_m = {ahead:?} }}"))
+        };
+        assert_eq!((swept(0.0), swept(0.2)), (0.0, 1.0), "{half_span} m");
+    }
+}
+
 /// A small wing that sweeps and turns its leading edge up and over.
 const REVERSAL: &str = r#"
 name = "reversal"

@@ -100,6 +100,13 @@ pub struct AloneSummary {
     /// Numbers that were changed: key, value of the file and value found in the unit that ends the key, none where it was left
     /// out, as those of a motor.
     pub changed: BTreeMap<String, [Option<f64>; 2]>,
+    /// How the search of the gait ended: `converged`, `no shorter step gains`, `iteration limit`, `no orbit beside the last one`, or `none
+    /// found` where it could not begin or was stopped; missing where none was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search_ended: Option<String>,
+    /// Steps that it tried, also those that were refused; missing where none was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search_iterations: Option<usize>,
     /// The turn that was flown.
     pub turn: Option<TurnSummary>,
 }
@@ -138,13 +145,24 @@ fn next(powers: &[f64], best: Option<(f64, f64)>, searches: usize) -> Option<usi
     }
 }
 
-/// A gait that a search has found, on its orbit.
+/// A gait that a search has found, on its orbit, or that of the scan where the search found none.
 struct Gaited {
     /// By how much it misses a limit.
     violation: f64,
     /// W/kg.
     power: f64,
     spec: ScenarioSpec,
+    searched: SearchEnd,
+}
+
+/// How a search of gaits came out.
+enum SearchEnd {
+    /// None was asked for.
+    NotAsked,
+    /// It ended in words after so many steps.
+    Ended(&'static str, usize),
+    /// It found nothing, and why.
+    NotMade(String),
 }
 
 impl Gaited {
@@ -285,19 +303,33 @@ impl RobotTrim {
             flow
         };
         for step in STEPS_S {
-            let Some(mut spec) = self.best(step, &mut alone.tried, observe)? else { continue };
+            let Some(Gaited { mut spec, searched, .. }) = self.best(step, &mut alone.tried, observe)? else {
+                continue;
+            };
             spec.trim.iter_mut().for_each(|trim| trim.step_s = TrimSpec::level(1.0).step_s);
             let scenario = Scenario::new(Document::value("trim", &spec)?)?;
             let trimmed = scenario.trim(observe)?;
             let done = trimmed.summary.frequency_hz.is_some();
-            found = Some((spec, scenario, trimmed));
+            found = Some((spec, scenario, trimmed, searched));
             if done {
                 break;
             }
         }
-        let Some((spec, scenario, mut trimmed)) = found else {
+        let Some((spec, scenario, mut trimmed, searched)) = found else {
             return Ok(self.nothing(alone, stopped));
         };
+        match searched {
+            SearchEnd::NotAsked => {}
+            SearchEnd::Ended(how, steps) => {
+                (alone.search_ended, alone.search_iterations) = (Some(how.into()), Some(steps));
+            }
+            SearchEnd::NotMade(why) => {
+                let text =
+                    format!("the gait is that of the scan: the search of a better one gave none ({why})");
+                trimmed.summary.warnings.push(Warning::new("trim.search_ended", text));
+                alone.search_ended = Some("none found".into());
+            }
+        }
         for vary in &self.vary {
             let now = Document::value("trim", &spec)?;
             if let (Ok(from), Ok(to)) = (self.document.number(&vary.key), now.number(&vary.key))
@@ -331,7 +363,7 @@ impl RobotTrim {
         step: f64,
         tried: &mut Vec<Tried>,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
-    ) -> Result<Option<ScenarioSpec>, ConfigError> {
+    ) -> Result<Option<Gaited>, ConfigError> {
         let mut candidates = self.scan(step, tried, observe);
         // Equal ones keep the order of the second number.
         ascend_by(&mut candidates, |candidate| candidate.order.1);
@@ -345,7 +377,7 @@ impl RobotTrim {
                 best = Some(found);
             }
         }
-        Ok(best.map(|best| best.spec))
+        Ok(best)
     }
 
     /// That no orbit was found, and why.
@@ -513,14 +545,14 @@ impl RobotTrim {
         Candidate { spec, order: (sum, power), tried }
     }
 
-    /// The best gait near that of a candidate; the candidate's where the search cannot begin.
+    /// The best gait near that of a candidate; the candidate's where the search finds none.
     fn searched(
         &self,
         candidate: Candidate,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Result<Gaited, ConfigError> {
         let Candidate { spec, order: (violation, power), .. } = candidate;
-        let mut gait = Gaited { violation, power, spec };
+        let mut gait = Gaited { violation, power, spec, searched: SearchEnd::NotAsked };
         if self.iterations == 0 {
             return Ok(gait);
         }
@@ -548,9 +580,17 @@ impl RobotTrim {
         let mut asked = spec.clone();
         asked.trim.iter_mut().for_each(|trim| trim.search = Some(search.clone()));
         let scenario = Scenario::new(Document::value("trim", &asked)?)?;
-        let Ok(Some(search)) = scenario.gait_search() else { return Ok(gait) };
         let tell = &mut |at| observe(TrimProgress::Search(at));
-        let searched = search.all::<ConfigError>(Vec::new(), &mut |_| Ok(()), tell);
+        let searched = match scenario.gait_search() {
+            Ok(Some(search)) => search.all::<ConfigError>(Vec::new(), &mut |_| Ok(()), tell),
+            Ok(None) => Ok(None),
+            Err(error) => Err(error),
+        };
+        gait.searched = match &searched {
+            Ok(Some(searched)) => SearchEnd::Ended(searched.summary.ended, searched.summary.iterations),
+            Ok(None) => SearchEnd::NotMade("it was stopped".into()),
+            Err(error) => SearchEnd::NotMade(error.to_string()),
+        };
         if let Ok(Some(searched)) = searched {
             gait.spec = searched.best.spec.clone();
             numbers::fold(&mut gait.spec);

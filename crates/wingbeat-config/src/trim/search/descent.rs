@@ -97,6 +97,7 @@ impl Ended {
 pub struct Descent<P> {
     pub x: Vec<f64>,
     pub seen: DescentPoint<P>,
+    /// Steps that were tried, also those that were refused.
     pub iterations: usize,
     pub ended: Ended,
 }
@@ -123,10 +124,10 @@ pub fn descend<L: Landscape>(
             return None;
         }
         let Some(found) = step(&x, (&seen.limits, &slopes), &hessian, WEIGHT, radius) else {
-            return end(x, seen, iteration, Ended::NoStep);
+            return end(x, seen, iteration - 1, Ended::NoStep);
         };
         if found.gain < GAIN {
-            return end(x, seen, iteration, Ended::Converged);
+            return end(x, seen, iteration - 1, Ended::Converged);
         }
         let at = (&x[..], &seen);
         let mut trial = TriedStep::new(landscape, at, found.d, found.gain);

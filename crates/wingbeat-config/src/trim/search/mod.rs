@@ -76,7 +76,7 @@ pub struct SearchSummary {
     pub best: usize,
     /// How it ended.
     pub ended: &'static str,
-    /// Its iterations.
+    /// Its iterations: steps that were tried, also those that were refused.
     pub iterations: usize,
     /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, .025 of the range of a
     /// command, the frequency, the power.

@@ -39,7 +39,7 @@ pub struct SearchSpec {
     /// Seed of the starts.
     #[serde(default)]
     pub seed: u64,
-    /// Most iterations from a start.
+    /// Most iterations from a start: steps that are tried, also those that are refused.
     #[serde(default = "sixty")]
     pub iterations: usize,
 }

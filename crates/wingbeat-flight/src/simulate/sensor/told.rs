@@ -150,11 +150,6 @@ impl Sensors {
         }
     }
 
-    /// Whether all that is told is told as it is, at once.
-    pub fn are_perfect(&self) -> bool {
-        self.noise.is_none() && self.delay == 0 && self.fitted.is_none()
-    }
-
     /// The same sensors without those of the channels that `sees` denies: an inertial unit is
     /// `|role| matches!(role, Role::Attitude(_) | Role::AngularRate(_))`.
     #[must_use]

@@ -37,6 +37,26 @@ fn a_descent_ends_on_the_limit_at_the_lowest_point() {
     assert!((a + b - 1.0).abs() < 1e-4 && condition(a).abs() < 0.2, "{a} {b} {}", condition(a));
 }
 
+/// Where nothing is to be gained.
+struct Plain;
+
+impl Landscape for Plain {
+    type More = ();
+    fn look(&self, _: &[f64], _: &DescentPoint<()>) -> Option<DescentPoint<()>> {
+        panic!("no step is worth a try")
+    }
+    fn slopes(&self, _: &[f64], _: &mut DescentPoint<()>) -> Option<Slopes> {
+        Some(Slopes { objective: vec![0.0], limits: Vec::new() })
+    }
+}
+
+#[test]
+fn a_descent_counts_the_steps_that_it_tries() {
+    let seen = DescentPoint { objective: 1.0, limits: Vec::new(), more: () };
+    let found = descend(&Plain, vec![0.5], seen, 200, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    assert_eq!((found.ended, found.iterations), (Ended::Converged, 0));
+}
+
 /// Powell's circle (Maratos 1978): of 2 (a^2 + b^2 - 1) - a on the unit circle, whose every full step raises both the objective and what
 /// is missed. In shares of [-1.5, 1.5]^2; counts where it was looked.
 struct Circle(Cell<usize>);
