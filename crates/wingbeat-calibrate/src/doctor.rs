@@ -178,9 +178,40 @@ pub fn suspected(
     let of = |(case, run): (&CaseTarget, &ObservedCycles)| {
         let predicted = case.predict(&model.numbers(values))?;
         let beside = beside(run, &predicted, &case.case.limits);
+        let beside = beside.into_iter().map(|finding| by_law(case, finding, &model.numbers(values)));
+        let beside = beside.collect::<Result<Vec<Finding>, Error>>()?;
         Ok(run.found.iter().cloned().chain(beside).collect())
     };
     model.cases.iter().zip(&runs[model.targets.len()..]).map(of).collect()
+}
+
+/// Share of strips and time past what their law holds for from which it is the law that may shift the loads. *Choice*: below it the
+/// loads of the others tell the clock.
+const PAST_LAW: f64 = 0.1;
+/// Lag that a law makes at most where it does not hold, deg. *Choice*: a stall by a cosine of 25 to 40 deg lags 20 to 27 deg behind attached
+/// flow (`aero.law`).
+const LAW_LAGS: f64 = 30.0;
+
+/// A shift of phase as a warning where the model of `case` with these numbers is past what its law holds for: then it is the model that is wrong,
+/// which the misfit says.
+fn by_law(case: &CaseTarget, finding: Finding, to: &[(&str, f64)]) -> Result<Finding, Error> {
+    if finding.id != "data.shift" || !finding.serious || finding.size > LAW_LAGS {
+        return Ok(finding);
+    }
+    Ok(match case.past_law(to)?.filter(|(_, share)| *share > PAST_LAW) {
+        None => finding,
+        Some((law, share)) => {
+            let text = format!(
+                "{}; {:.0} % of strips and time are past what law `{law}` holds for, and a wrong law shifts the loads as well: take one that holds \
+                 there (aero.law) before the time is mended",
+                finding.text,
+                100.0 * share
+            );
+            let mut noted = finding.noted();
+            noted.text = text;
+            noted
+        }
+    })
 }
 
 fn values(layout: HarmonicLayout, cycle: &[f64], channel: usize) -> Vec<f64> {

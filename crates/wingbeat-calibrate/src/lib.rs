@@ -48,7 +48,7 @@ pub use harmonics::{HarmonicLayout, project};
 pub use information::{CLOSE, Information, channel_name};
 pub use observed::{Common, ObservedCycles, RunRole, scatter};
 pub use problem::{CycleModel, FitProblem, FittedParameter, Whitened};
-pub use processed::{ProcessSummary, ProcessedFile};
+pub use processed::{ProcessSummary, ProcessedFile, ProcessedTogether, SampleSource};
 pub use residual::{LearnedChannel, LearnedResidual};
 pub use rig::{RigModel, RigTarget, in_cell, respond};
 pub use rival::{NextRun, Rival, expected_noise};

@@ -11,7 +11,7 @@ use std::ops::Range;
 use wingbeat::judge::limits::data::DEAD;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::netft::{StatusClass, classify};
-use wingbeat::rig::process::{PhaseSource, Samples, phase_of};
+use wingbeat::rig::process::{PhaseSource, Samples, fitted_phase, phase_of};
 use wingbeat::simulate::Record;
 
 /// Largest share by which the measured frequency may differ from the run's. *Choice.*
@@ -24,7 +24,7 @@ pub struct MeasuredPass {
     pub file: String,
     /// Time, s; the run begins at 0.
     pub time: Vec<f64>,
-    /// Phase of the encoder, rad, ascending; empty without one.
+    /// Phase of the encoder, rad, without jumps; empty without one.
     pub phase: Vec<f64>,
     /// Fx .. Tz in the cell's frame, N and N m.
     pub channels: [Vec<f64>; 6],
@@ -335,7 +335,12 @@ fn phases(
         let what = "no column of phase: process.phase = \"force\" or \"frequency\" does without an encoder";
         return Err(Error::data(&pass.file, what));
     }
-    let phase = pass.phase[from..from + count].to_vec();
+    let step = (pass.time[pass.time.len() - 1] - pass.time[0]) / (pass.time.len() - 1) as f64;
+    let whole = fitted_phase(pass.phase.clone(), step, target.run.frequency());
+    let window = (time[0], time[time.len() - 1]);
+    let turned = target.run.check_sense(&pass.time, &whole, window);
+    turned.map_err(|error| Error::data(&pass.file, target.run.explain(&error).to_string()))?;
+    let phase = whole[from..from + count].to_vec();
     match phase.windows(2).position(|pair| !(pair[1] > pair[0])) {
         None => Ok(phase),
         Some(k) => {

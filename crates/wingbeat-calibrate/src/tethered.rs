@@ -4,6 +4,7 @@ use crate::bins::Bins;
 use crate::observed::{Common, RunRole};
 use crate::{Error, HarmonicLayout, ObservedCycles, doctor, project};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 use wingbeat::plant::Fault;
 use wingbeat::scenario::{ConfigError, TetherCase};
 use wingbeat::simulate::Record;
@@ -83,6 +84,17 @@ impl CaseTarget {
             false => vec![0.0; self.layout().len()],
         };
         Ok(to[..count].iter().map(|(name, _)| one(name)).collect())
+    }
+
+    /// Name of the lift law that most strips and instants of the last cycle, with these numbers of wing and air, are past the angle of attack of, up
+    /// to which it holds, and their share.
+    ///
+    /// # Errors
+    /// Numbers that no wing has.
+    pub fn past_law(&self, to: &[(&str, f64)]) -> Result<Option<(&'static str, f64)>, Error> {
+        let run = self.case.adjusted(&self.own(to))?.run(|_| ControlFlow::Continue(()));
+        let most = run.stalled.by_law().max_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(most.map(|(law, share)| (law.name(), share)))
     }
 
     /// What was measured: the whole cycles of the `files`, their names beside.

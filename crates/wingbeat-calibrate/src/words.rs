@@ -301,9 +301,10 @@ pub fn numbers(found: &CalibrationResult, files: &SampleFiles, commit: &str, ver
         verdict.reason.as_deref().unwrap_or_default(),
         env!("CARGO_PKG_VERSION")
     );
-    let FittedModel { robot, preset, law } = &found.fitted_with;
+    let FittedModel { robot, preset, law, half_span_m } = &found.fitted_with;
     let of = if robot.is_empty() { String::new() } else { format!("robot = {robot:?}, ") };
-    text += &format!("model = {{ {of}preset = {preset:?}, law = {law:?} }}\n");
+    let span = half_span_m.map_or(String::new(), |span| format!(", half_span_m = {span:?}"));
+    text += &format!("model = {{ {of}preset = {preset:?}, law = {law:?}{span} }}\n");
     for (k, parameter) in found.parameters.iter().enumerate() {
         text += &format!(
             "{:?} = {:?} # standard error {:.3e}, {}\n",

@@ -1,15 +1,20 @@
 //! What a run says of the numbers that it is given by name: the fit that they are from, another model than it had, and overrides that they make vain.
 
+use super::rig_spec::RigRunSpec;
 use super::spec::ScenarioSpec;
 use super::{AeroSpec, Document};
+use wingbeat_aero::PlanformStation;
 use wingbeat_judge::Warning;
 use wingbeat_math::NamedNumber;
+use wingbeat_rig::RigNumbers;
 use wingbeat_robot::{FittedModel, GivenNumbers, RobotSpec, stands_for};
 
 /// Numbers by name, which stand under a key.
 pub(super) struct ByName<'a> {
     /// The key.
     pub key: &'static str,
+    /// Whose numbers they are, where that is not all that the run has.
+    pub of: &'static str,
     /// Names and values.
     pub given: &'a GivenNumbers,
     /// Tables whose overrides may say the same numbers.
@@ -40,8 +45,8 @@ impl ByName<'_> {
                     let place = document.written(&format!("{}.\"{name}\"", self.key));
                     let place = place.map_or(String::new(), |(_, place)| format!(" ({place})"));
                     let text = format!(
-                        "{} gives {name} = {value}{place}, which takes the place of what --set {text} says: leave one of them out",
-                        self.key
+                        "{} gives {name} = {value}{place}, which takes the place of what --set {text} says{}: leave one of them out",
+                        self.key, self.of
                     );
                     warnings.push(Warning::new("numbers.given_twice", text).size(*value).key(&at));
                 }
@@ -77,12 +82,23 @@ fn other_model(key: &'static str, numbers: &GivenNumbers, model: &FittedModel) -
     (!apart.is_empty()).then(|| Warning::new("fit.other_model", text).key(key))
 }
 
-/// The model of `robot` in the air of `aero`; without a robot that of a wing alone.
-pub(super) fn model_of(robot: Option<&RobotSpec>, aero: &AeroSpec) -> FittedModel {
+/// Name of the surface whose numbers a wing alone has.
+const WING: &str = "wing";
+
+/// The model of `robot` in the air of `aero`.
+pub(super) fn model_of(robot: &RobotSpec, aero: &AeroSpec) -> FittedModel {
+    let surface = robot.surfaces.iter().find(|surface| surface.name == WING).map(|of| of.planform.as_slice());
+    let wing = robot.wing.as_ref().map(|wing| wing.planform.as_slice());
+    FittedModel { robot: robot.name.clone(), ..model_of_wing(wing.or(surface).unwrap_or_default(), aero) }
+}
+
+/// The model of a wing of this planform, which has no name, in the air of `aero`.
+pub(super) fn model_of_wing(planform: &[PlanformStation], aero: &AeroSpec) -> FittedModel {
     FittedModel {
-        robot: robot.map(|robot| robot.name.clone()).unwrap_or_default(),
+        robot: String::new(),
         preset: aero.preset.name().into(),
         law: aero.law.name().into(),
+        half_span_m: planform.last().map(|tip| tip.arc_m),
     }
 }
 
@@ -97,24 +113,54 @@ fn rejected_fit(key: &'static str, numbers: &GivenNumbers) -> Option<Warning> {
 
 /// The same of the robot that a scenario's controller knows.
 pub(super) fn of_known(spec: &ScenarioSpec) -> impl Iterator<Item = Warning> {
-    of_numbers("robot.numbers", &spec.robot.numbers, &model_of(Some(&spec.robot), &spec.aero))
+    of_numbers("robot.numbers", &spec.robot.numbers, &model_of(&spec.robot, &spec.aero))
 }
 
 /// The same of that robot and of the one that flies.
 pub(super) fn of_flown(spec: &ScenarioSpec) -> impl Iterator<Item = Warning> {
     let own = spec.mismatch.as_ref().and_then(|mismatch| mismatch.numbers.as_ref());
-    let model = model_of(Some(&spec.robot), &spec.aero);
+    let model = model_of(&spec.robot, spec.flown_aero());
     let of_own = own.map(|numbers| of_numbers("mismatch.numbers", numbers, &model));
     of_known(spec).chain(of_own.into_iter().flatten())
 }
 
-/// The warnings that overrides of the merged `document` of a scenario, `spec`, say numbers of its robot that `robot.numbers` gives too.
+/// The warnings that overrides of the merged `document` of a scenario, `spec`, say numbers of its robot that `robot.numbers` gives too, or
+/// `mismatch.numbers` those of the robot that flies.
 pub(super) fn given_twice(document: &Document, spec: &ScenarioSpec) -> Vec<Warning> {
-    let by_name =
-        ByName { key: "robot.numbers", given: &spec.robot.numbers, tables: &["robot", "aero", "air"] };
-    by_name.given_twice(document, |document| {
+    let of = if spec.mismatch.is_some() { " of the robot that the controller knows" } else { "" };
+    let tables = &["robot", "aero", "air"];
+    let by_name = ByName { key: "robot.numbers", of, given: &spec.robot.numbers, tables };
+    let mut warnings = by_name.given_twice(document, |document| {
         let mut spec: ScenarioSpec = document.parse().ok()?;
         spec.robot.numbers = GivenNumbers::default();
         Some(spec.known_robot().ok()?.parameters())
+    });
+    let Some(given) = spec.mismatch.as_ref().and_then(|mismatch| mismatch.numbers.as_ref()) else {
+        return warnings;
+    };
+    let tables = &["robot", "aero", "air", "mismatch"];
+    let by_name = ByName { key: "mismatch.numbers", of: " of the robot that flies", given, tables };
+    warnings.extend(by_name.given_twice(document, |document| {
+        let mut spec: ScenarioSpec = document.parse().ok()?;
+        spec.robot.numbers = GivenNumbers::default();
+        // Its factors act on the numbers that are given by name.
+        spec.aero = spec.flown_aero().clone();
+        spec.mismatch = None;
+        Some(spec.known_robot().ok()?.parameters())
+    }));
+    warnings
+}
+
+/// The warnings that overrides of the merged `document` of a run on the rig, `spec`, say numbers of robot and rig that `rig.robot.numbers`
+/// gives too.
+pub(super) fn given_twice_on_rig(document: &Document, spec: &RigRunSpec) -> Vec<Warning> {
+    let tables = &["rig"];
+    let by_name = ByName { key: "rig.robot.numbers", of: "", given: &spec.rig.robot.numbers, tables };
+    by_name.given_twice(document, |document| {
+        let mut spec: RigRunSpec = document.parse().ok()?;
+        spec.rig.robot.numbers = GivenNumbers::default();
+        let mut numbers = spec.robot().ok()?.parameters();
+        numbers.extend(RigNumbers::of(&spec.rig.mount.drawn()).parameters());
+        Some(numbers)
     })
 }

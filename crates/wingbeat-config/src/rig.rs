@@ -25,6 +25,8 @@ pub struct RigRun {
     document: Document,
     /// The robot in its air.
     pub robot: Robot,
+    /// The same without the motor that turns its crank, where it has one.
+    without_motor: Option<Robot>,
     /// The arm.
     pub arm: SerialArm,
     /// Its limits.
@@ -34,7 +36,7 @@ pub struct RigRun {
     /// Cell and mount as drawn.
     drawn: CellMount,
     /// How the rig differs from that.
-    numbers: RigNumbers,
+    pub(super) numbers: RigNumbers,
     /// Limits of its verdicts.
     pub limits: RunLimits,
     /// What makes the air of a lattice.
@@ -137,22 +139,17 @@ impl RigRun {
             Some(profile) => (profile, "profile"),
             None => (&spec.rig.profile, "rig.profile"),
         };
-        let body = spec.rig.mount.link.body();
-        let drawn = CellMount {
-            cell: spec.rig.mount.cell.pose(),
-            body: spec.rig.mount.body.pose(),
-            mass: body.mass,
-            com: body.com,
-            inertia: body.inertia,
-        };
+        let drawn = spec.rig.mount.drawn();
         let given = RigNumbers::of(&drawn).given(&spec.rig.robot.numbers);
         let numbers = given.map_err(|e| e.within("rig.robot"))?;
         let mount = numbers.mount(&drawn);
         let robot = spec.robot()?;
-        spec.check_inertia(&robot)?;
+        spec.check_inertia()?;
+        let without_motor = robot.motor().map(|_| spec.without_motor().robot()).transpose()?;
         resolve(&mut resolved, "rig.aero", aeros(&robot));
         Ok(Self {
             robot,
+            without_motor,
             arm: spec.rig.arm.build().map_err(|e| e.within("rig.arm"))?,
             profile: spec.rig.arm.profile(profile).map_err(|e| e.renamed(&[("profile", key)]))?,
             mount,
@@ -166,14 +163,15 @@ impl RigRun {
         })
     }
 
-    /// What is said of the fit that the numbers of its robot are from.
+    /// What is said of the fit that the numbers of its robot are from, and of overrides that they make vain.
     pub fn of_fit(&self) -> impl Iterator<Item = Warning> {
-        fit::of_numbers("rig.robot.numbers", &self.spec.rig.robot.numbers, &self.fitted_model())
+        let of = fit::of_numbers("rig.robot.numbers", &self.spec.rig.robot.numbers, &self.fitted_model());
+        of.chain(fit::given_twice_on_rig(&self.document, &self.spec))
     }
 
     /// The model that numbers that are fitted to it are of.
     pub fn fitted_model(&self) -> FittedModel {
-        fit::model_of(Some(&self.spec.rig.robot), &self.spec.rig.aero)
+        fit::model_of(&self.spec.rig.robot, &self.spec.rig.aero)
     }
 
     /// Flapping frequency, Hz.
@@ -184,6 +182,11 @@ impl RigRun {
     /// Cell and mount as the rig's file draws them, without the numbers that say how they are.
     pub fn mount_as_drawn(&self) -> CellMount {
         self.drawn
+    }
+
+    /// The robot with its crank at the gait's clock: where an encoder says how the crank turned, no motor does.
+    pub fn cranked(&self) -> &Robot {
+        self.without_motor.as_ref().unwrap_or(&self.robot)
     }
 
     /// Body in the tool frame, X_TB.
@@ -238,7 +241,7 @@ impl RigRun {
         for k in 0..looks {
             let t = k as f64 / (looks as f64 * frequency.max(f64::MIN_POSITIVE));
             // A gait that cannot be posed is refused where it is flapped.
-            let Ok(robot) = self.robot.at_rest(t) else { return Ok(()) };
+            let Ok(robot) = self.cranked().at_rest(t) else { return Ok(()) };
             points.extend(robot.outlines.iter().flat_map(|outline| outline.ribs.iter().flatten().copied()));
         }
         let most = |of: &[Vec3], along: Vec3| of.iter().map(|p| p.dot(along)).fold(f64::MIN, f64::max);

@@ -4,12 +4,12 @@ use super::RigRun;
 use std::f64::consts::TAU;
 use wingbeat_flight::simulate::Record;
 use wingbeat_math::Error;
-use wingbeat_math::Vec3;
+use wingbeat_math::{Jet, Vec3};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::Instants;
 use wingbeat_rig::carrier::ToolCarrier;
 use wingbeat_rig::process::{
-    Comparison, CycleAverage, PhaseSource, Samples, Steps, compare, phase_of, tare_line,
+    Comparison, CrankRipple, CycleAverage, PhaseSource, Samples, Steps, compare, phase_of, tare_line,
 };
 
 /// Steps of a stroke.
@@ -40,6 +40,8 @@ pub struct Modelled {
 pub(super) struct Strokes<'a> {
     pub time: &'a [f64],
     pub phase: &'a [f64],
+    /// How the crank turns unevenly within a cycle.
+    pub ripple: &'a CrankRipple,
     pub window: (f64, f64),
 }
 
@@ -52,7 +54,7 @@ impl Modelled {
 
 impl RigRun {
     /// The run by its model, on the motion of `carrier` and with wings that beat as they were measured to: at the mean rate
-    /// of the window, evenly. Without an encoder the crank begins with the run.
+    /// of the window, within a cycle as the crank does in all. Without an encoder the crank begins with the run, and is even.
     ///
     /// # Errors
     /// Those of processing. A fault of the model comes back as such.
@@ -63,30 +65,36 @@ impl RigRun {
     ) -> Result<Result<Modelled, Fault>, Error> {
         let (begin, end) = strokes.window;
         let rows = super::rig_process::rows(strokes.time, strokes.window);
-        let (at_zero, rate) = tare_line(&strokes.time[rows.clone()], &strokes.phase[rows]);
+        let even: Vec<f64> = strokes.phase[rows.clone()].iter().map(|x| strokes.ripple.even(*x)).collect();
+        let (at_zero, rate) = tare_line(&strokes.time[rows], &even);
         let frequency = rate / TAU;
         let end = end.min(begin + (MOST_CYCLES + 0.5) / frequency);
         let encoder = self.spec.process.phase == PhaseSource::Encoder;
-        let own = self.robot.phase(0.0);
+        let cranked = self.cranked();
+        let own = cranked.phase(0.0);
         // The clock of the experiment loses half of the time in which the flapping starts.
         let ahead = encoder.then_some(at_zero + 0.5 * rate * self.spec.rig.spin_up_s);
-        let start = [("gait.phase_rate_rad_s", rate), ("gait.phase_rad", own + ahead.unwrap_or(0.0))];
-        let (robot, numbers) = self.adjusted(&start)?;
+        let pace = ahead.map_or(Vec::new(), |ahead| strokes.ripple.waves(rate, ahead));
+        // The clock with its waves begins at 0.
+        let begun = pace.iter().map(|wave| rate * wave.at(Jet::default()).x).sum::<f64>();
+        let start = own + ahead.unwrap_or(0.0) + begun;
+        let start = [("gait.phase_rate_rad_s", rate), ("gait.phase_rad", start)];
+        let robot = cranked.with(&cranked.given(&start)?)?;
         let windy = self.robot.mean_wind() != Vec3::ZERO;
         let step = 1.0 / (STEPS_PER_CYCLE * frequency);
         let rest = if windy { self.spec.rig.rest_s } else { 16.0 * step };
         let first = (begin - BEFORE / frequency).max(-rest);
         let last = end + AFTER / frequency;
         let instants = Instants { begin: first, step, steps: ((last - first) / step).ceil() as usize };
-        let experiment = self.experiment(&robot, numbers, carrier, 0);
+        let mut experiment = self.experiment(&robot, self.numbers, carrier, 0);
+        experiment.deviations.pace = pace;
         let wrenches = match experiment.wrenches(&instants) {
             Ok(wrenches) => wrenches,
             Err(fault) => return Ok(Err(fault)),
         };
         let time: Vec<f64> = (0..wrenches.len()).map(|k| first + k as f64 * step).collect();
-        let even: Vec<f64> = time.iter().map(|t| at_zero + rate * t).collect();
-        let shown = time.iter().map(|t| experiment.phase(*t) - own);
-        let known = if encoder { shown.collect() } else { Vec::new() };
+        let shown: Vec<f64> = time.iter().map(|t| experiment.phase(*t) - own).collect();
+        let known = if encoder { shown.clone() } else { Vec::new() };
         let channels = std::array::from_fn(|i| wrenches.iter().map(|row| row[i]).collect());
         let samples = Samples::carried(time, channels, known, carrier);
         let tare = windy && first <= -rest && self.spec.process.steps.tare;
@@ -96,7 +104,7 @@ impl RigRun {
             Err(fault) => return Ok(Err(fault)),
         };
         let phase = match self.spec.process.phase {
-            PhaseSource::Encoder => even,
+            PhaseSource::Encoder => shown,
             other => phase_of(other, &corrected.time, Vec::new(), &corrected.channels[2], frequency)?,
         };
         let window = (begin, end);

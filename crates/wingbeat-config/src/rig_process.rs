@@ -190,7 +190,7 @@ impl RigRun {
         found.extend(measured.rest.and_then(|rest| self.drifting(&rest, &cycles, window)));
         let of_record = own_motion || recorded.is_some();
         let mut statement = statement(self, &measured, &cycles[0], window, of_record);
-        let strokes = Strokes { time: &measured.time, phase: &phase, window };
+        let strokes = Strokes { time: &measured.time, phase: &phase, ripple: &measured.ripple, window };
         let modelled = self.modelled(&strokes, carrier).map_err(|error| error.to_string());
         let model = match modelled.and_then(|answer| answer.map_err(|fault| fault.to_string())) {
             Ok(model) => Some(model),
@@ -283,8 +283,11 @@ impl RigRun {
         Ok(samples)
     }
 
-    /// Refuses an encoder that counts down.
-    fn check_sense(&self, time: &[f64], phase: &[f64], window: (f64, f64)) -> Result<(), Error> {
+    /// Refuses an encoder whose `phase` (rad) at the times `time` (s) goes down over the `window` (s).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with what turns it round.
+    pub fn check_sense(&self, time: &[f64], phase: &[f64], window: (f64, f64)) -> Result<(), Error> {
         let rows = rows(time, window);
         let (_, rate) = tare_line(&time[rows.clone()], &phase[rows]);
         if !(rate < 0.0) {
@@ -398,7 +401,7 @@ impl RigRun {
 
     pub(super) fn corrector(&self, steps: Steps) -> Corrector<'_> {
         let frequency = self.frequency();
-        Corrector { robot: &self.robot, arm: Some(&self.arm), mount: &self.mount, steps, frequency }
+        Corrector { robot: self.cranked(), arm: Some(&self.arm), mount: &self.mount, steps, frequency }
     }
 
     pub(super) fn averages(

@@ -188,7 +188,7 @@ impl RigRun {
 
     /// Share of the cycle of the gait in which a clearance is below zero, and the least of all, m, elastic joints at rest.
     fn clearance(&self) -> (f64, Option<f64>) {
-        let (robot, frequency) = (&self.robot, self.frequency());
+        let (robot, frequency) = (self.cranked(), self.frequency());
         if !(frequency > 0.0) {
             return (0.0, None);
         }

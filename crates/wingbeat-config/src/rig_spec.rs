@@ -10,6 +10,7 @@ use wingbeat_math::Vec3;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
 use wingbeat_rig::arm::{ArmConfig, LinkConfig, ToolConfig};
+use wingbeat_rig::carrier::CellMount;
 use wingbeat_rig::cell::CellSpec;
 use wingbeat_rig::plan::TurnSpec;
 use wingbeat_rig::process::{InputSpec, PhaseSource, Steps};
@@ -215,6 +216,20 @@ pub struct MountSpec {
     pub link: LinkConfig,
 }
 
+impl MountSpec {
+    /// Cell and mount as they are drawn.
+    pub(super) fn drawn(&self) -> CellMount {
+        let body = self.link.body();
+        CellMount {
+            cell: self.cell.pose(),
+            body: self.body.pose(),
+            mass: body.mass,
+            com: body.com,
+            inertia: body.inertia,
+        }
+    }
+}
+
 /// Space that the wings sweep: a fan about the body's x axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
@@ -316,23 +331,26 @@ impl RigRunSpec {
         Err(Error::invalid("frequency_hz", frequency, allowed).against(["rig.cell.rate_hz"]))
     }
 
-    /// Refuses to take inertia away where the phase of the wings, or its acceleration, is not known.
-    pub(super) fn check_inertia(&self, robot: &Robot) -> Result<(), Error> {
-        let allowed = match (self.process.phase, robot.motor()) {
-            (PhaseSource::Encoder, None) => return Ok(()),
-            (PhaseSource::Encoder, Some(_)) => {
-                "false: a motor turns this robot's crank by the loads of the air"
-            }
-            _ => {
-                "false, or process.phase = encoder with a column of the gait's phase \
-                 (process.input.columns.phase): by force or frequency alone the pose of the wings is not known"
-            }
-        };
+    /// Refuses to take inertia away where the phase of the wings is not known.
+    pub(super) fn check_inertia(&self) -> Result<(), Error> {
+        if self.process.phase == PhaseSource::Encoder {
+            return Ok(());
+        }
+        let allowed = "false, or process.phase = encoder with a column of the gait's phase \
+                       (process.input.columns.phase): by force or frequency alone the pose of the wings is not known";
         let flaps = self.frequency_hz.unwrap_or_else(|| self.rig.robot.gait.frequency_hz()) > 0.0;
         if !(self.process.steps.robot_inertia && flaps) {
             return Ok(());
         }
         Err(Error::invalid("process.steps.robot_inertia", true, allowed).against(["process.phase"]))
+    }
+
+    /// The run of the same robot without the motor that turns its crank.
+    pub(super) fn without_motor(&self) -> Self {
+        let mut other = self.clone();
+        other.rig.robot.drive = Default::default();
+        other.rig.robot.numbers.retain(|name, _| !name.starts_with("motor."));
+        other
     }
 
     /// The robot in the rig's air, with this run's wind and frequency.

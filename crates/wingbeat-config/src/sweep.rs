@@ -146,7 +146,8 @@ impl Sweep {
             SweepOf::Cases => {
                 let spec = self.inner.parse::<super::TetherSpec>();
                 let of = |spec: super::TetherSpec| {
-                    fit::of_numbers("numbers", &spec.numbers, &fit::model_of(None, &spec.aero)).collect()
+                    let model = fit::model_of_wing(&spec.wing.planform, &spec.aero);
+                    fit::of_numbers("numbers", &spec.numbers, &model).collect()
                 };
                 spec.map(of).unwrap_or_default()
             }

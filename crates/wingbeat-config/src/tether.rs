@@ -1,6 +1,6 @@
 //! From a case file to a tethered wing and its summary.
 
-use super::fit::{ByName, model_of, of_numbers};
+use super::fit::{ByName, model_of_wing, of_numbers};
 use super::grounded::{mean_chord, near};
 use super::hinged::FlapSummary;
 use super::moved::{Moved, ideal_power_fraction, repeating};
@@ -260,7 +260,7 @@ impl TetherCase {
 
     /// The model that numbers that are fitted to it are of: that of a wing alone.
     pub fn fitted_model(&self) -> FittedModel {
-        model_of(None, &self.spec.aero)
+        model_of_wing(&self.spec.wing.planform, &self.spec.aero)
     }
 
     /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a
@@ -301,7 +301,8 @@ impl TetherCase {
 
 /// The warnings that overrides of the merged `document` of a case, `spec`, say numbers of its wing that `numbers` gives too.
 pub(super) fn given_twice(document: &Document, spec: &TetherSpec) -> Vec<Warning> {
-    let by_name = ByName { key: "numbers", given: &spec.numbers, tables: &["wing", "wind", "aero", "spar"] };
+    let tables = &["wing", "wind", "aero", "spar"];
+    let by_name = ByName { key: "numbers", of: "", given: &spec.numbers, tables };
     by_name.given_twice(document, |document| {
         let spec: TetherSpec = document.parse().ok()?;
         let (_, _, aero) = spec.own_aero().ok()?;

@@ -29,8 +29,8 @@ const LEFT: f64 = 62.0;
 /// Length of a sample in the legend, and the width of that of the band, px.
 const SAMPLE: f64 = 34.0;
 const BROAD: f64 = 7.0;
-/// Share of the largest range of a unit that every frame of it holds. *Choice.*
-const QUIET: f64 = 0.15;
+/// Share of the largest range of a unit that every frame of it holds. *Choice*: ten steps of a cell whose largest load is a tenth of its range.
+const QUIET: f64 = 0.03;
 /// Height of a panel, px.
 const HEIGHT: f64 = 190.0;
 /// Room around the figure, between its panels, and for the label of the axis, px.
@@ -106,6 +106,12 @@ impl CellCurves<'_> {
     }
 }
 
+/// The ends of a frame that holds these and a range of `least` or more.
+fn widened((bottom, top): (f64, f64), least: f64) -> (f64, f64) {
+    let more = 0.5 * (least - (top - bottom)).max(0.0);
+    (bottom - more, top + more)
+}
+
 /// The curves of a channel in a frame that holds a range of `least` or more.
 fn draw(
     canvas: &mut Canvas,
@@ -117,9 +123,8 @@ fn draw(
     last: bool,
 ) {
     let &CellCurves { low, high, line } = curves;
-    let (bottom, top) = curves.ends();
-    let more = 0.5 * (least - (top - bottom)).max(0.0);
-    let up = TickScale::padded(bottom - more, top + more, 0.08);
+    let (bottom, top) = widened(curves.ends(), least);
+    let up = TickScale::padded(bottom, top, 0.08);
     let across = TickScale::new(t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(1.0));
     let x = FrameAxis::of(across);
     let x = if last { x.labelled(across.label("time [s]")) } else { x };
@@ -142,4 +147,18 @@ fn draw(
     frame.draw(canvas);
     let (x, y) = (place[0] + 0.5 * (room[0] + place[2] - room[1]), place[1] + 20.0);
     canvas.elements.push(style::words(x, y, up.label(title), TextAnchor::Middle, false));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_load_fills_its_frame_and_noise_does_not() {
+        // A roll of 4 mN m beside a pitch of 72, and noise of a step of the cell.
+        let least = QUIET * 72e-3;
+        assert_eq!(widened((0.0, 4e-3), least), (0.0, 4e-3));
+        let (bottom, top) = widened((0.0, 1e-4), least);
+        assert!((top - bottom - least).abs() < 1e-15 && top - bottom > 10.0 * 1e-4);
+    }
 }

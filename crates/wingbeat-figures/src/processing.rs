@@ -89,12 +89,17 @@ pub fn cycles(trace: &Record, average: &Record, cell: CellOrigin) -> Result<Figu
     for (name, unit) in CHANNELS {
         let still = average.values(&format!("still_{name}"));
         let mut curves = sweeps(cycle, &less(needed(trace, name)?, cycle, still));
-        let mean = needed(average, name)?.to_vec();
-        curves.push(PanelCurve::new("mean", phase, mean, 1).whole());
+        let mean = closed(needed(average, name)?, |first| first);
+        curves.push(PanelCurve::new("mean", &closed(phase, |first| first + 1.0), mean, 1).whole());
         panels.push(FigurePanel::new(title(name, unit), curves));
     }
     let x = format!("phase of the cycle, turns; {}", cell.name());
     Ok(Figure::new("cycles", stacked(panels, &x, HEIGHT)))
+}
+
+/// Values over a cycle with that of its end, which `again` makes of the first.
+fn closed(values: &[f64], again: impl Fn(f64) -> f64) -> Vec<f64> {
+    values.iter().copied().chain(values.first().map(|first| again(*first))).collect()
 }
 
 /// `values` without the average in still air where that is taken away from the mean too.
@@ -149,6 +154,12 @@ fn covered(cycle: &[f64], values: &[f64]) -> PanelCurve {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mean_cycle_ends_where_it_begins() {
+        assert_eq!(closed(&[0.0, 0.25, 0.5, 0.75], |first| first + 1.0), [0.0, 0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(closed(&[3.0, 1.0], |first| first), [3.0, 1.0, 3.0]);
+    }
 
     #[test]
     fn cycles_lose_what_their_mean_lost() {

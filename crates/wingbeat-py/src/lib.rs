@@ -63,7 +63,7 @@ mod module {
     #[pymodule_export]
     use super::plan::plan;
     #[pymodule_export]
-    use super::rig::{rig_process, rig_simulate};
+    use super::rig::{rig_process, rig_process_all, rig_simulate};
     #[pymodule_export]
     use super::stepper::{PySaved, PyStepper};
     #[pymodule_export]

@@ -134,10 +134,9 @@ pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<RunMotio
             push(point, place.origin);
         }
         add_pose(&mut motion, &body);
-        // The time at which the gait alone has the phase of the record.
-        let gait =
-            phase.as_ref().map_or(t, |phase| (phase[i] - run.robot.phase(0.0)) / (TAU * run.frequency()));
-        let seen = run.robot.at_rest(gait).map_err(|fault| format!("t = {t} s: {fault}"))?;
+        // The encoder shows 0 where the gait is at its start.
+        let gait = phase.as_ref().map_or(t, |phase| phase[i] / (TAU * run.frequency()));
+        let seen = run.cranked().at_rest(gait).map_err(|fault| format!("t = {t} s: {fault}"))?;
         add_skeleton(&mut motion, &seen);
     }
     motion.lines = vec![arm, sting];

@@ -48,7 +48,8 @@ pub struct Sinusoid {
 }
 
 impl Sinusoid {
-    fn at(&self, t: Jet) -> Jet {
+    /// Its value at the time `t` (s), in the unit of its amplitude, with the rates of that.
+    pub fn at(&self, t: Jet) -> Jet {
         (t * self.rate + self.phase).sin() * self.amplitude
     }
 }

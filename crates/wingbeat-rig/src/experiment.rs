@@ -309,7 +309,8 @@ impl Experiment<'_> {
         bent: impl Iterator<Item = f64>,
     ) {
         row.clear();
-        row.extend([t, now.phase + self.deviations.encoder_rad]);
+        // An encoder shows 0 where the wings are at `gait.phase_rad`.
+        row.extend([t, now.phase - self.robot.phase(0.0) + self.deviations.encoder_rad]);
         match self.carrier.joints(t) {
             Some(q) => {
                 let q = &q[..self.dof()];

@@ -1,6 +1,7 @@
 //! What `rig process` says of its runs.
 
 mod judged;
+mod source;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,6 +14,7 @@ use wingbeat::scenario::{CombinedRuns, Evaluated, ProcessedRun, TiltWeighing};
 use wingbeat_io::samples::Import;
 
 use judged::{findings, judged};
+pub use source::{ProcessedTogether, SampleSource};
 
 /// A file of samples, how it was read, and what of it was averaged, s.
 pub struct ProcessedFile {
@@ -220,7 +222,9 @@ impl ProcessSummary {
             let share =
                 |runs: &BTreeMap<&str, Comparison>| runs.get(name).map_or(0.0, |c| 100.0 * c.rmse / c.range);
             let worst = self.runs_against_truth.values().map(share).fold(0.0, f64::max);
-            text += &format!("{name:8}{worst:12.2}\n");
+            // Without a load there is no range.
+            let worst = if worst < 1e4 { format!("{worst:.2}") } else { "-".into() };
+            text += &format!("{name:8}{worst:>12}\n");
         }
         text
     }

@@ -243,6 +243,32 @@ fn swapped_axes_and_shifted_phases_are_found_and_proposed() {
     assert!(clipped.contains("samples of Ty stand at"), "{clipped}");
 }
 
+/// Counts that come and go are fitted, as `rig process` does; an encoder that goes back all the time is refused with what turns it round.
+#[test]
+fn an_encoder_whose_counts_go_back_is_fitted() {
+    let (_, structure, passes) = first();
+    let target = &structure.model.targets[0];
+    let clean = see(target, &passes).unwrap();
+    let count = std::f64::consts::TAU / 1024.0;
+    let mut counted = passes.clone();
+    for pass in &mut counted {
+        for (k, phase) in pass.phase.iter_mut().enumerate() {
+            // Counts come and go by one.
+            *phase = ((*phase / count).round() + [-1.0, 1.0, 0.0][k % 3]) * count;
+        }
+        assert!(pass.phase.windows(2).any(|pair| pair[1] < pair[0]));
+    }
+    let fitted = see(target, &counted).unwrap();
+    let size = clean.mean.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    for (a, b) in clean.mean.iter().zip(&fitted.mean) {
+        assert!((a - b).abs() < 0.01 * size, "{a} {b}");
+    }
+    let mut back = passes;
+    back.iter_mut().flat_map(|pass| &mut pass.phase).for_each(|phase| *phase = -*phase);
+    let told = see(target, &back).unwrap_err();
+    assert!(told.contains("phase = \"-phase\""), "{told}");
+}
+
 #[test]
 fn a_fit_of_the_right_model_finds_the_truth() {
     let calibration = of_itself(&["starts=1"]);

@@ -187,6 +187,46 @@ fn a_moment_reversed_in_one_of_three_passes_is_suspect() {
     assert!(serious.len() == 1 && serious[0].contains("pass12.csv"), "{serious:?}");
 }
 
+/// Data past the stall angle, fitted with a law that knows none: it is the model that is wrong, and data that come late stay suspect.
+#[test]
+fn stalled_loads_under_attached_flow_are_a_wrong_model_and_no_wrong_data() {
+    let told = |law: &str, angle: f64, later: f64, name: &str| {
+        let pitch = [
+            format!("body.nose_up_deg.fourier.cos=[{angle:?}]"),
+            "time.frequency_hz=0.05".into(),
+            "wing.cd0=0.02".into(),
+        ];
+        let own: Vec<&str> = pitch.iter().map(String::as_str).collect();
+        let of = case_of("cases/pitch.toml", &[&own[..], &[&format!("aero.law={law}")]].concat());
+        let data = measured_with(&of, &[], name, 31);
+        let text = std::fs::read_to_string(&data).unwrap();
+        let moved = |line: &str| match line.split_once(',') {
+            Some((t, rest)) if t != "t" => format!("{},{rest}\n", t.parse::<f64>().unwrap() + later),
+            _ => format!("{line}\n"),
+        };
+        std::fs::write(&data, text.lines().map(moved).collect::<String>()).unwrap();
+        let cases = cases(&data).replace(CASE, "cases/pitch.toml");
+        let sets: String = pitch.iter().map(|set| format!("{set:?}, ")).collect();
+        let cases = cases.replace("set = [", &format!("set = [{sets}\"aero.law=linear\", "));
+        let names = ["surfaces.wing.lift_slope_per_rad", "surfaces.wing.cd0"];
+        let parameters = names.map(|name| format!("[[parameters]]\nname = \"{name}\"\n")).concat();
+        let calibration = calibrated(&format!("name = \"stalled\"\nstarts = 1\n{cases}{parameters}"));
+        let prepared = calibration.prepared().unwrap();
+        prepared.check().unwrap();
+        let found = prepared.fit(&mut (), &mut |_: &FitProgress| ControlFlow::Continue(())).unwrap();
+        found.verdict(calibration.limits())
+    };
+    let stalled = told("stall", 25.0, 0.0, "stalled.csv");
+    assert_eq!(stalled.status, Status::Outside, "{stalled:?}");
+    let reason = stalled.reason.as_ref().unwrap();
+    assert!(reason.contains("limits.calibration.wrong_model_chi_squared"), "{reason}");
+    let shift = stalled.warnings.iter().find(|warning| warning.id == "data.shift").unwrap();
+    assert!(shift.text.contains("law `linear`") && shift.text.contains("aero.law"), "{shift:?}");
+    // Attached flow that comes 20 deg late.
+    let late = told("linear", 6.0, 20.0 * 20.0 / 360.0, "late.csv");
+    assert_eq!(late.status, Status::SuspectData, "{late:?}");
+}
+
 /// A file of samples of the case that `of` makes of time and force.
 fn made(file: &str, mut of: impl FnMut(f64, f64) -> [f64; 3]) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("wingbeat-calibrate-{}", std::process::id()));

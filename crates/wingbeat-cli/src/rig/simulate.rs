@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
 use wingbeat::scenario::{RigRun, SimulatedSummary};
@@ -27,14 +27,6 @@ struct SimulationSummary {
     told: SimulatedSummary,
     /// Wall time, s.
     wall_s: f64,
-}
-
-/// What of it processing reads.
-#[derive(Debug, Deserialize)]
-#[serde(expecting = "struct Measured")]
-pub struct MeasuredWindow {
-    /// Begin and end of what is averaged, s.
-    pub window_s: (f64, f64),
 }
 
 /// Plans and simulates every run into its own folder.

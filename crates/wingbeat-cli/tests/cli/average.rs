@@ -315,3 +315,38 @@ fn times_that_jitter_lose_no_cycle_and_lost_ones_are_told() {
     let cycles = fs::read_to_string(folder.join("one.csv.out/cycles.csv")).unwrap();
     assert!(cycles.lines().nth(1).unwrap().ends_with("NaN"), "{cycles}");
 }
+
+/// Gaps that come again every third or fourth stroke make lines of their own in a spectrum, which are no strokes; strokes that differ by turns are.
+#[test]
+fn gaps_that_come_again_make_no_frequency() {
+    let folder = scratch("average-gaps");
+    let mut seed = 11;
+    let mut found = |every: f64, gap: f64, by_turns: f64| {
+        let mut text = "t,Fz\n".to_owned();
+        for k in 0..12_000 {
+            let t = f64::from(k) * 1e-3;
+            let stroke = 3.5 * t;
+            if (stroke / every).fract() * every > every - gap {
+                continue;
+            }
+            let p = TAU * stroke;
+            let load = 0.4 * p.cos()
+                + 0.15 * (2.0 * p + 0.4).sin()
+                + by_turns * (0.5 * p).cos()
+                + 0.01 * noise(&mut seed);
+            text += &format!("{t:.3},{load:.5}\n");
+        }
+        fs::write(folder.join("gaps.csv"), text).unwrap();
+        let answer = wingbeat(&folder, &["average", "gaps.csv", "--out", "o", "--force"]);
+        let summary = fs::read(folder.join("o/summary.json"));
+        let told = String::from_utf8_lossy(&answer.stderr).into_owned();
+        assert!(answer.status.code() != Some(2), "{every} {gap}: {told}");
+        json(&summary.unwrap())["frequency_hz"].as_f64().unwrap()
+    };
+    for (every, gap) in [(4.0, 0.3), (4.0, 0.7), (4.0, 1.0), (3.0, 0.3), (3.0, 0.5), (2.0, 0.3)] {
+        let frequency = found(every, gap, 0.0);
+        assert!((frequency - 3.5).abs() < 0.01, "{every} {gap}: {frequency}");
+    }
+    let frequency = found(4.0, 0.3, 0.2);
+    assert!((frequency - 1.75).abs() < 0.01, "{frequency}");
+}

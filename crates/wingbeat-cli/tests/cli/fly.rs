@@ -278,13 +278,26 @@ fn numbers_of_another_model_are_said() {
     let apart = told("robot = \"a wing\", preset = \"as_printed\", law = \"lev3d\"");
     assert!(apart.len() == 1 && apart[0].contains("robot \"a wing\", here"), "{apart:?}");
     assert!(apart[0].contains("preset \"as_printed\", here") && apart[0].contains("law \"lev3d\", here"));
+    let long = told(&format!("robot = \"{}\", preset = \"paper\", law = \"stall\"", "r".repeat(100_000)));
+    assert!(
+        long.len() == 1 && long[0].len() < 500 && long[0].contains("rrr...\", here"),
+        "{}",
+        long[0].len()
+    );
     let resolved: toml::Table = fs::read_to_string(folder.join("o/scenario.toml")).unwrap().parse().unwrap();
     let word = |table: &str, key: &str| resolved[table][key].as_str().unwrap().to_owned();
     let own = [("robot", "name"), ("aero", "preset"), ("aero", "law")].map(|(table, key)| word(table, key));
     let [robot, preset, law] = own;
     assert_eq!(told(&format!("robot = \"{robot}\", preset = \"{preset}\", law = \"{law}\"")), [""; 0]);
     // Numbers of a wing alone name no robot.
-    assert_eq!(told(&format!("preset = \"{preset}\", law = \"{law}\"")), [""; 0]);
+    let alone = format!("preset = \"{preset}\", law = \"{law}\"");
+    assert_eq!(told(&alone), [""; 0]);
+    // What tells wings is their span.
+    let planform = resolved["robot"]["wing"]["planform"].as_array().unwrap();
+    let span = planform.last().unwrap()["arc_m"].as_float().unwrap();
+    assert_eq!(told(&format!("{alone}, half_span_m = {:?}", 1.1 * span)), [""; 0]);
+    let other = told(&format!("{alone}, half_span_m = {:?}", 2.0 * span));
+    assert!(other.len() == 1 && other[0].contains("half span of"), "{other:?}");
 }
 
 /// Ids and texts of the warnings in the summary of the run folder `out`.
@@ -335,6 +348,10 @@ fn refusals_name_their_override_and_their_help() {
     };
     let strips = said(&["fly", "sc.toml", "--set", "aero.full.strips=32"]);
     assert!(strips.contains("--set aero.full.strips=32"), "{strips}");
+    fs::write(folder.join("n.toml"), "# By hand.\n\n\"body.mass_kg\" = 0.02\n\"surfaces.wing.cd9\" = 1.0\n")
+        .unwrap();
+    let name = said(&["fly", "sc.toml", "--set", "robot.numbers=n.toml"]);
+    assert!(name.contains("n.toml:4: robot.numbers = \"surfaces.wing.cd9\""), "{name}");
     let density = said(&["fly", "sc.toml", "--set", "air.density_kg_m3=nan"]);
     assert!(density.contains("allowed is a finite number") && !density.contains("magnitude"), "{density}");
     let trim = said(&["trim", "sc.toml"]);
@@ -366,6 +383,15 @@ fn overrides_without_effect_are_told() {
     ]) {
         assert!(parts.iter().all(|part| text.contains(part)), "{text}");
     }
+    // Of the robot that flies beside the one that is known.
+    let flies = r#"mismatch.numbers={"surfaces.wing.cd0"=0.04}"#;
+    assert_eq!(twice(&[flies, "mismatch.mass=1.1"]), [""; 0]);
+    let of_flown = twice(&[flies, "robot.surfaces[0].cd0=1.5"]);
+    assert!(
+        of_flown.len() == 1 && of_flown[0].starts_with("mismatch.numbers gives surfaces.wing.cd0 = 0.04"),
+        "{of_flown:?}"
+    );
+    assert!(of_flown[0].contains("of the robot that flies"), "{of_flown:?}");
     let unheard = |set: &[&str]| told("aero.unheard", set).len();
     assert_eq!(unheard(&["aero.preset=paper", "aero.full.lags=five"]), 1);
     assert_eq!(unheard(&["aero.preset=full", "aero.full.lags=five"]), 0);

@@ -71,7 +71,9 @@ pub fn value(sources: &Sources, root: &ValueTree, error: &Error) -> ConfigError 
         number(&written).is_some_and(|a| number(value).is_some_and(|b| (a - b).abs() <= 1e-9 * a.abs()));
     let value = if whole && same { written } else { value.clone() };
     let problem = KeyProblem::Value(allowed.clone());
-    let error = Wrong::new(sources.place(span.start), key, Some(value), problem);
+    // A name that a table may not have stands where it is written in there.
+    let start = key_in(root, key, &value).unwrap_or(span.start);
+    let error = Wrong::new(sources.place(start), key, Some(value), problem);
     let others = against.iter().filter_map(|key| {
         let (span, whole) = deepest(root, key);
         let value = sources.text(&span);
@@ -91,6 +93,15 @@ fn deepest(root: &ValueTree, path: &str) -> (Range<usize>, bool) {
         }
     }
     (value.span(), true)
+}
+
+/// Where the key whose quoted name is `name` stands in the table at `path`.
+fn key_in(root: &ValueTree, path: &str, name: &str) -> Option<usize> {
+    let at = tree::steps(path)
+        .into_iter()
+        .try_fold(root.get_ref(), |value, step| tree::child(value, &step).map(Spanned::get_ref));
+    let mut keys = at?.as_table()?.keys();
+    keys.find(|key| format!("{:?}", key.get_ref()) == name).map(|key| key.span().start)
 }
 
 /// Whether there is a table at `path`.

@@ -132,8 +132,8 @@ impl SampleGrid {
 
 /// Part of how far a time stands from its place that the next places forget: clocks wander. *Choice.*
 const FORGOTTEN: f64 = 1.0 / 64.0;
-/// Times behind a gap that must confirm it: one that comes late has the next one near. *Choice.*
-const CONFIRMED_BY: usize = 16;
+/// Times behind a gap that must confirm it: of times that come late together the last ones follow closely. *Choice.*
+const CONFIRMED_BY: usize = 64;
 
 /// Places by which each of the times goes on, from `gaps` in common steps. Not each gap is rounded by itself, as the jitter of two times would
 /// add up to samples that nobody took, but what the times have gone in all; a gap is one if no later time takes it back.
@@ -144,25 +144,36 @@ fn moves(gaps: &[f64]) -> Vec<i64> {
         if *gap < 1e-6 {
             return 0;
         }
-        let mut reached = off + gap;
-        let mut moved = reached.round().max(1.0);
-        if moved > 1.0 {
-            let mut later = reached;
-            let mut places = 0.0;
-            for gap in gaps[k + 1..].iter().filter(|gap| **gap >= 1e-6).take(CONFIRMED_BY) {
-                later += gap;
-                places += 1.0;
-                moved = moved.min((later - places).round().max(1.0));
-            }
-        }
-        reached -= moved;
-        off = reached * (1.0 - FORGOTTEN);
+        let reached = off + gap;
+        let moved = confirmed(gaps, k, reached);
+        let left = reached - moved;
+        // Times that come late together are far off until the last of them.
+        off = if left > 1.0 { left } else { left * (1.0 - FORGOTTEN) };
         moved as i64
     };
     gaps.iter().enumerate().map(of).collect()
 }
 
-/// The common step of ascending times, s: the mean of those that are no gaps.
+/// Places by which the gap `k` of `gaps`, in common steps, goes on, where it reaches so far: no more than the times behind it leave.
+fn confirmed(gaps: &[f64], k: usize, reached: f64) -> f64 {
+    let mut moved = reached.round().max(1.0);
+    let (mut later, mut places) = (reached, 0.0);
+    for gap in gaps[k + 1..].iter().filter(|gap| **gap >= 1e-6).take(CONFIRMED_BY) {
+        if moved <= 1.0 {
+            break;
+        }
+        later += gap;
+        places += 1.0;
+        moved = moved.min((later - places).round().max(1.0));
+    }
+    moved
+}
+
+/// Steps from which one is a gap, if the times behind it confirm that: over the median, which coarse times round down, and then over the step
+/// that this gives. *Choice.*
+const GAPS: [f64; 2] = [2.5, 1.5];
+
+/// The common step of ascending times, s: the mean of those that are no gaps. Times that come late together count as they come.
 fn step(time: &[f64]) -> Result<f64, String> {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if steps.len() < 2 {
@@ -174,11 +185,16 @@ fn step(time: &[f64]) -> Result<f64, String> {
     }
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let (sum, count) = steps
-        .iter()
-        .filter(|step| **step < 2.5 * median)
-        .fold((0.0, 0.0), |(sum, count), step| (sum + step, count + f64::from(u8::from(*step > 0.0))));
-    Ok(sum / count)
+    let of = |step: f64, gap: f64| {
+        let gaps: Vec<f64> = time.windows(2).map(|pair| (pair[1] - pair[0]) / step).collect();
+        let counts = |(k, own): &(usize, &f64)| **own < gap || confirmed(&gaps, *k, **own) <= 1.0;
+        let (sum, count) =
+            gaps.iter().enumerate().filter(counts).fold((0.0, 0.0), |(sum, count), (_, own)| {
+                (sum + own, count + f64::from(u8::from(*own > 0.0)))
+            });
+        step * sum / count
+    };
+    Ok(GAPS.into_iter().fold(median, of))
 }
 
 #[cfg(test)]
@@ -243,6 +259,34 @@ mod tests {
         let wander = |k: u32| 1e-3 * (f64::from(k) + 3.0 * (f64::from(k) * 5e-4).sin());
         let grid = SampleGrid::timed(&(0..12_000).map(wander).collect::<Vec<_>>(), 1.0, false).unwrap();
         assert_eq!(grid.len(), 12_000);
+    }
+
+    #[test]
+    fn single_samples_that_are_missing_are_no_longer_step() {
+        let lost = |k: &u32| k % 200 != 17 + k / 200 * 37 % 100;
+        let times: Vec<f64> = (0..12_000).filter(lost).map(|k| 1e-3 * f64::from(k)).collect();
+        let grid = SampleGrid::timed(&times, 1.0, false).unwrap();
+        assert_eq!((grid.len(), times.len()), (12_000, 11_940));
+    }
+
+    #[test]
+    fn times_that_come_late_together_invent_no_samples() {
+        for many in [2, 8, 16, 40] {
+            let late = |k: u32| match k % 700 {
+                place if place < many && k >= 700 => {
+                    f64::from(k - place + many) - 0.02 * f64::from(many - place)
+                }
+                _ => f64::from(k),
+            };
+            let times: Vec<f64> = (0..12_000).map(|k| 1e-3 * late(k)).collect();
+            let grid = SampleGrid::timed(&times, 1.0, false).unwrap();
+            assert_eq!(grid.len(), 12_000, "{many}");
+            // What is missing beside them still is.
+            let gone: Vec<f64> =
+                times.iter().copied().enumerate().filter(|(k, _)| k % 1500 != 1200).map(|(_, t)| t).collect();
+            let grid = SampleGrid::timed(&gone, 1.0, false).unwrap();
+            assert_eq!((grid.len(), gone.len()), (12_000, 11_992), "{many}");
+        }
     }
 
     #[test]

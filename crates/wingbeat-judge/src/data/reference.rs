@@ -94,7 +94,7 @@ pub fn compared(what: &str, pairs: &[CyclePair], limits: &RunLimits) -> Vec<Find
 }
 
 /// The channel whose mean differs most from the computed one, in parts of its computed range; a channel that is small beside another one
-/// of its unit counts in parts of that.
+/// of its unit counts in parts of that. None where as good as nothing is computed for the unit, as of the air in a vacuum.
 pub fn mean_apart(what: &str, pairs: &[CyclePair]) -> Option<Finding> {
     let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
     let size = |pair: &CyclePair| {
@@ -103,7 +103,12 @@ pub fn mean_apart(what: &str, pairs: &[CyclePair]) -> Option<Finding> {
         (mean(pair.measured) - mean(pair.computed)).abs()
             / range(pair.computed).max(TELLING * most).max(f64::MIN_POSITIVE)
     };
-    let pair = pairs.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let computed = |pair: &&CyclePair| {
+        let same = || pairs.iter().filter(|other| other.unit == pair.unit);
+        let most = |of: fn(&CyclePair) -> f64| same().map(of).fold(0.0, f64::max);
+        most(|pair| range(pair.computed)) > TELLING * most(|pair| range(pair.measured))
+    };
+    let pair = pairs.iter().filter(computed).max_by(|a, b| size(a).total_cmp(&size(b)))?;
     let text = format!(
         "its mean is {:.3e} {unit}, computed are {:.3e} {unit}: the fixture's mass, where the body sits in the cell, the tare, or the mean \
          load of the air in the model may cause it",

@@ -257,6 +257,24 @@ class Processed(Result):
         return self.name, {"summary.json": summary_text(self.summary)}, {f"{self.name}.parquet": self.record}
 
 
+@dataclass(frozen=True, kw_only=True)
+class ProcessedRuns(Result):
+    """Folders of samples of the rig, processed together; the status is the worst of all."""
+
+    records: dict[str, Record | None]
+    """By the name of the run, phase averages of the six channels; none of static tilts."""
+
+    envelope: Record | None
+    """What all runs cover, beside the simulation of one of them; none of static tilts."""
+
+    documents: dict[str, str] = field(default_factory=dict, repr=False)
+    """By the name of the run, what was processed, as it was resolved: TOML."""
+
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        files = {f"{name}.parquet": record for name, record in self.records.items()}
+        return "processed", {"summary.json": summary_text(self.summary)}, files | {"envelope.parquet": self.envelope}
+
+
 def _given(columns: list[_wingbeat._Column] | None) -> Record | None:
     """The record of what may be missing."""
     return None if columns is None else Record(columns)
@@ -583,3 +601,37 @@ def process(
     made = document(run, overrides, "run")
     name, record, summary, resolved = _wingbeat.rig_process(fspath(samples), made, window_s)
     return Processed(name=name, record=_given(record), summary=judged(summary), document=resolved)
+
+
+def process_all(
+    path: str | PathLike[str],
+    run: Source | None = None,
+    overrides: Overrides | None = None,
+) -> ProcessedRuns:
+    """Processes a folder of ``rig simulate`` or ``rig record``, or a folder of such folders, together.
+
+    The average of a run that another one names as its ``process.still_air`` is taken away from that one, as the program does.
+
+    Parameters
+    ----------
+    path
+        The folder, or a file of samples.
+    run
+        The run that was measured: a TOML file, or a dictionary of the same keys; without it that of each folder.
+    overrides
+        Keys of every run that are set otherwise.
+
+    Returns
+    -------
+    ProcessedRuns
+        ``records`` by the name of the run (phase averages of the six channels, N and N m), ``envelope``, ``documents``, ``summary``, ``status``.
+    """
+    made = None if run is None else document(run, None, "run")
+    texts = _wingbeat.overrides(dict(overrides or {}))
+    parts, envelope, summary = _wingbeat.rig_process_all(fspath(path), made, texts)
+    return ProcessedRuns(
+        records={name: _given(record) for name, record, _ in parts},
+        envelope=_given(envelope),
+        summary=judged(summary),
+        documents={name: resolved for name, _, resolved in parts},
+    )

@@ -37,6 +37,7 @@ __all__ = [
     "read_csv",
     "read_parquet",
     "rig_process",
+    "rig_process_all",
     "rig_simulate",
     "tether",
     "trim",
@@ -209,6 +210,11 @@ def rig_process(
     run: Document,
     window_s: tuple[float, float] | None,
 ) -> tuple[str, list[_Column] | None, str, str]: ...
+def rig_process_all(
+    path: str | PathLike[str],
+    run: Document | None,
+    overrides: Sequence[str],
+) -> tuple[list[tuple[str, list[_Column] | None, str]], list[_Column] | None, str]: ...
 def rig_simulate(
     document: Document, overrides: Sequence[str]
 ) -> list[tuple[str, list[_Column] | None, str, str]]: ...

@@ -311,6 +311,33 @@ def test_processed_samples_are_the_programs(program, tmp_path):
         wingbeat.process(tmp_path / "samples.parquet", run, sets, window_s=(float("nan"), 3.0))
 
 
+def test_a_folder_of_runs_is_processed_as_by_the_program(program, tmp_path):
+    sets = {"hold.each_s": 4.0, "rig.cell.rate_hz": 1750.0, "rig.cell.filter_hz": 500.0}
+    runs = tmp_path / "runs.toml"
+    for name, pace in [("a", 3.5), ("b", 3.0)]:
+        text = (ROOT / "rigs/runs/bench.toml").read_text().replace('name = "bench"', f'name = "{name}"')
+        text = text.replace('rig = "../', f'rig = "{ROOT}/rigs/').replace("frequency_hz = 3.5", f"frequency_hz = {pace}")
+        (tmp_path / f"{name}.toml").write_text(text)
+    runs.write_text('runs = ["a.toml", "b.toml"]\n')
+    assert program("rig", "simulate", runs, "--quiet", "--out", tmp_path / "sim", *sets_of(sets)).returncode == 0
+    process = {"process.bins": 100}
+    done = program("rig", "process", tmp_path / "sim", "--quiet", "--out", tmp_path / "out", *sets_of(process))
+    assert done.returncode == 0, done.stderr
+    together = wingbeat.process_all(tmp_path / "sim", overrides=process)
+    assert together.summary == json.loads((tmp_path / "out/summary.json").read_text())
+    assert together.status == "ok" and list(together.records) == list(together.documents) == ["a", "b"]
+    for name, record in {**together.records, "envelope": together.envelope}.items():
+        record.write(tmp_path / "record.parquet")
+        assert (tmp_path / "record.parquet").read_bytes() == (tmp_path / f"out/{name}.parquet").read_bytes()
+    # A run that is given is that of every folder.
+    with pytest.raises(ValueError, match="a second run called"):
+        wingbeat.process_all(tmp_path / "sim", tmp_path / "a.toml", sets)
+    one = wingbeat.process_all(tmp_path / "sim/a", tmp_path / "a.toml", sets)
+    assert list(one.records) == ["a"]
+    with pytest.raises(ValueError, match=r"run=\"RUN.toml\""):
+        wingbeat.process_all(tmp_path / "sim/a/record.parquet")
+
+
 def test_samples_that_are_suspect_are_a_warning(tmp_path):
     run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 4.0, "rig.cell.rate_hz": 1750.0, "rig.cell.filter_hz": 500.0}
     [bench] = wingbeat.rig(run, sets)

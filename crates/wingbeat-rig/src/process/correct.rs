@@ -1,6 +1,6 @@
 //! Tare, drift, weight and inertia, and the change to the body frame.
 
-use super::clock::PhaseFit;
+use super::clock::{CrankRipple, PhaseFit};
 use crate::arm::{MAX_JOINTS, SerialArm};
 use crate::carrier::{CellMount, ToolCarrier, carried_frames};
 use crate::cell::{CHANNELS, six, wrench};
@@ -212,6 +212,8 @@ pub struct Corrected {
     pub time: Vec<f64>,
     /// Stroke phase as it was fitted, rad; empty when there is no encoder.
     pub phase: Vec<f64>,
+    /// How the crank turns unevenly within a cycle; evenly without an encoder.
+    pub ripple: CrankRipple,
     /// Fx .. Tz about the body origin in B (or the cell's in C), N and N m.
     pub channels: [Vec<f64>; 6],
     /// The same before the filter.
@@ -277,7 +279,7 @@ impl Corrector<'_> {
             out.phase.reserve_exact(samples.phase.len());
         }
         for row in 0..samples.time.len() {
-            out.phase.extend(memory.phase(&samples, row).map(|phase| phase.x));
+            out.phase.extend(memory.phase(row).map(|phase| phase.x));
             if !samples.is_whole(row) {
                 samples.channels.iter_mut().for_each(|channel| channel[row] = f64::NAN);
                 continue;
@@ -302,8 +304,9 @@ impl Corrector<'_> {
         } else {
             out.channels = samples.channels.clone();
         }
-        if out.phase.is_empty() {
-            out.phase = samples.phase;
+        match memory.fit {
+            Some(fit) => out.ripple = fit.ripple,
+            None => out.phase = samples.phase,
         }
         (out.time, out.unfiltered) = (samples.time, samples.channels);
         Ok(Ok(out))
@@ -357,7 +360,7 @@ impl Corrector<'_> {
         row: usize,
         memory: &mut ModelMemory,
     ) -> Result<ModelledSample, Fault> {
-        let asked = (samples.posture(row), self.clock(memory.phase(samples, row)));
+        let asked = (samples.posture(row), self.clock(memory.phase(row)));
         match &memory.last {
             Some((same, model)) if *same == asked => Ok(*model),
             _ => {
@@ -409,7 +412,7 @@ impl Corrector<'_> {
     fn fitted(&self, samples: &Samples) -> Option<PhaseFit> {
         let many = samples.phase.len();
         let even = many == samples.time.len();
-        even.then(|| PhaseFit::new(1.0 / samples.rate(), self.frequency, many))?
+        even.then(|| PhaseFit::new(&samples.phase, 1.0 / samples.rate(), self.frequency))?
     }
 
     /// Weight of the robot at `row`, in C, its gait's clock `later` (s), and the direction of gravity, m/s2 in C.
@@ -424,7 +427,7 @@ impl Corrector<'_> {
     ) -> Result<(Wrench<f64>, Vec3), Fault> {
         let (cell, body) = carried_frames(&self.tool(&samples.posture(row)), self.mount);
         let mut memory = ModelMemory { fit: self.fitted(samples), ..Default::default() };
-        let clock = self.clock(memory.phase(samples, row)) + later;
+        let clock = self.clock(memory.phase(row)) + later;
         let loads = self.robot_loads(&body, clock, &mut memory)?;
         let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
         Ok((self.mount.to_cell(&loads.0), down))
@@ -468,12 +471,12 @@ struct ModelMemory {
 
 impl ModelMemory {
     /// The phase of the stroke at `row`, with its rates; none without an encoder.
-    fn phase(&mut self, samples: &Samples, row: usize) -> Option<Jet> {
-        let fit = self.fit?;
+    fn phase(&mut self, row: usize) -> Option<Jet> {
+        let fit = self.fit.as_ref()?;
         match self.phase {
             Some((of, phase)) if of == row => Some(phase),
             _ => {
-                let phase = fit.at(&samples.phase, row);
+                let phase = fit.at(row);
                 self.phase = Some((row, phase));
                 Some(phase)
             }

@@ -9,6 +9,7 @@ mod input;
 mod motion;
 mod tilt;
 
+pub use clock::{CrankRipple, fitted_phase};
 pub use correct::{Corrected, Corrector, RestDrift, Samples, Steps, tare_line};
 pub use filter::Butterworth;
 pub use input::{InputSpec, UnitSpec};

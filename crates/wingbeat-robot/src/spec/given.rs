@@ -33,7 +33,7 @@ impl FitVerdict {
 }
 
 /// The model that numbers were fitted with, as `wingbeat calibrate` writes it into its file of numbers.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FittedModel {
     /// Name of the robot; none of a fit to cases of a wing alone.
@@ -43,7 +43,13 @@ pub struct FittedModel {
     pub preset: String,
     /// Lift law.
     pub law: String,
+    /// Half span of the wing along its arc, m: tells a wing alone, which has no name, from another one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub half_span_m: Option<f64>,
 }
+
+/// Share by which half spans of one wing may differ. *Choice*: the arc begins at the shoulder or at the middle of the body.
+const SPANS: f64 = 0.2;
 
 impl FittedModel {
     /// What of it is not as in `other`, in words; what one of them does not say agrees.
@@ -55,8 +61,21 @@ impl FittedModel {
         ];
         let differ =
             parts.into_iter().filter(|(_, own, other)| own != other && !own.is_empty() && !other.is_empty());
-        differ.map(|(what, own, other)| format!("{what} {own:?}, here {other:?}")).collect()
+        let span = self.half_span_m.zip(other.half_span_m);
+        let span = span.filter(|(own, other)| !((own / other).ln().abs() < SPANS));
+        let span = span.map(|(own, other)| format!("a wing of a half span of {own} m, here {other} m"));
+        let differ = differ.map(|(what, own, other)| format!("{what} {:?}, here {:?}", cut(own), cut(other)));
+        differ.chain(span).collect()
     }
+}
+
+/// Most letters of a name in a warning. *Choice.*
+const LETTERS: usize = 80;
+
+/// A name with its end left out where it is longer than anyone reads.
+fn cut(name: &str) -> String {
+    let short: String = name.chars().take(LETTERS).collect();
+    if short.len() < name.len() { short + "..." } else { short }
 }
 
 /// Numbers by name; from a calibration with the verdict on it.

@@ -7,7 +7,7 @@ use wingbeat::judge::{Status, Verdict};
 use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3};
 use wingbeat::plant::Plant;
 use wingbeat::robot::BodyMotion;
-use wingbeat::scenario::RigRun;
+use wingbeat::scenario::{Processed, RigRun};
 
 #[test]
 fn a_robot_at_rest_bears_its_weight_on_the_stand() {
@@ -138,6 +138,90 @@ fn inertia_is_not_taken_away_without_the_phase_of_the_gait() {
     assert_eq!(bench(&[inertia, encoder]), Ok(()));
     assert_eq!(bench(&[inertia, "frequency_hz=0.0"]), Ok(()), "the wings rest");
     let robot = format!("rig.robot={}", root.join("robots/motor_flapper.toml").display());
-    let refused = bench(&[inertia, encoder, &robot]).unwrap_err();
-    assert!(refused.contains("a motor turns this robot's crank"), "{refused}");
+    assert_eq!(bench(&[inertia, encoder, &robot]), Ok(()), "the encoder shows how the motor turns the crank");
+}
+
+/// The bench for some seconds, by its encoder.
+fn bench(sets: &[&str]) -> RigRun {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let zero = "[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]";
+    let ideal = ["bias", "drift_per_s"].map(|key| format!("rig.cell.{key}={zero}"));
+    let common =
+        ["process.phase=\"encoder\"", "rig.rest_s=0.5", "rig.cell.noise_steps=0.0", &ideal[0], &ideal[1]];
+    let overrides: Vec<String> = common.iter().chain(sets).map(|set| (*set).into()).collect();
+    RigRun::load(&root.join("rigs/runs/bench.toml"), &overrides).unwrap()
+}
+
+/// What processing makes of the simulated bench.
+fn processed(run: &RigRun) -> Processed {
+    let carrier = run.carrier(None);
+    let record = run.simulate(&carrier, 1, |_| ()).unwrap().unwrap().record;
+    run.process(record, &carrier, run.window(None, &carrier)).unwrap().unwrap()
+}
+
+fn range(of: &[f64]) -> f64 {
+    of.iter().copied().fold(f64::MIN, f64::max) - of.iter().copied().fold(f64::MAX, f64::min)
+}
+
+/// An encoder shows 0 where the wings are at `gait.phase_rad`: the wings of the model are where they were, and the loads come as much earlier.
+#[test]
+fn a_gait_that_begins_elsewhere_is_processed_as_it_is_simulated() {
+    let brief =
+        ["rig.cell.rate_hz=1750.0", "rig.cell.filter_hz=500.0", "hold.each_s=3.0", "process.bins=160"];
+    let sets = [
+        &brief[..],
+        &["process.steps.robot_inertia=true", "hold.tilts_deg=[[30.0, 0.0]]", "process.window_s=[1.0, 3.0]"],
+    ]
+    .concat();
+    let own = processed(&bench(&sets));
+    let eighth = format!("rig.robot.numbers={{\"gait.phase_rad\"={:?}}}", TAU / 8.0);
+    let moved = processed(&bench(&[&sets[..], &[eighth.as_str()]].concat()));
+    for (channel, most) in [(2, 0.03), (4, 0.03)] {
+        let (a, b) = (&own.cycles[channel].mean, &moved.cycles[channel].mean);
+        let bins = a.len();
+        let apart = (0..bins).map(|k| (a[(k + bins / 8) % bins] - b[k]).abs()).fold(0.0, f64::max);
+        assert!(apart < most * range(a), "{channel}: {apart} of {}", range(a));
+        let against = moved.against_model().unwrap()[channel];
+        assert!(against.rmse < 0.05 * against.range, "{channel}: {against:?}");
+    }
+}
+
+/// A motor's crank turns unevenly: the encoder shows it, so that the inertia of the wings is taken away, and the model beats as they did.
+#[test]
+fn the_crank_of_a_motor_is_processed_as_its_encoder_shows_it() {
+    let motor = "rig.robot.drive={motor={stall_torque_n_m=6e-3, no_load_speed_rad_s=1300.0, gear_ratio=60.0, efficiency=0.8, \
+                 rotor_inertia_kg_m2=4e-9, crank_inertia_kg_m2=1e-6}}";
+    let stiff =
+        ["rig.cell.resonance_hz=3000.0", "rig.cell.filter_hz=3400.0", "hold.each_s=2.0", "frequency_hz=3.3"];
+    let vacuum =
+        [&stiff[..], &[motor, "rig.air.density_kg_m3=1e-30", "process.window_s=[1.0, 2.0]"]].concat();
+    let whole = processed(&bench(&vacuum));
+    let left = processed(&bench(&[&vacuum[..], &["process.steps.robot_inertia=true"]].concat()));
+    let [of, is] = [&whole, &left].map(|done| range(&done.cycles[2].mean));
+    assert!(of > 0.1 && is < 0.01 * of, "{is} N of {of} N");
+    // In air, beside the model that was simulated.
+    let air = processed(&bench(&[&stiff[..], &[motor, "process.window_s=[1.0, 2.0]"]].concat()));
+    let against = air.against_model().unwrap()[2];
+    assert!(against.rmse < 0.02 * against.range, "{against:?}");
+}
+
+#[test]
+fn overrides_that_numbers_of_the_rig_make_vain_are_told() {
+    let numbers = r#"rig.robot.numbers={"body.mass_kg"=0.03,"mount.mass_kg"=0.02}"#;
+    let told = |sets: &[&str]| -> Vec<String> {
+        let run = bench(sets);
+        run.of_fit()
+            .filter(|warning| warning.id == "numbers.given_twice")
+            .map(|warning| warning.text)
+            .collect()
+    };
+    assert_eq!(told(&[numbers, "rig.robot.body.com_m=[0.0, 0.0, 0.0]"]), [""; 0]);
+    assert_eq!(told(&["rig.robot.body.mass_kg=0.02"]), [""; 0]);
+    for (set, name) in [
+        ("rig.robot.body.mass_kg=0.02", "body.mass_kg = 0.03"),
+        ("rig.mount.link.mass_kg=0.05", "mount.mass_kg = 0.02"),
+    ] {
+        let all = told(&[numbers, set]);
+        assert!(all.len() == 1 && all[0].contains(name) && all[0].contains(set), "{set}: {all:?}");
+    }
 }

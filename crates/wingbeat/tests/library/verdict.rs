@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use wingbeat::guide::SearchWatch;
-use wingbeat::judge::{Status, Warning};
+use wingbeat::judge::data::{CyclePair, mean_apart};
+use wingbeat::judge::{RunLimits, Status, Warning};
 use wingbeat::scenario::{Scenario, Summary};
 
 fn scenario(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
@@ -481,4 +482,26 @@ fn a_flight_backwards_or_past_every_law_is_outside() {
     assert!(!missed(&allowed).iter().any(|id| id.contains("outside_fraction")), "{:?}", allowed.reason);
     let hover = fly("hover_guarded", &["flight.duration_s=0.2"]);
     assert!(hover.judged.iter().all(|judged| judged.id != "range.stall_outside_fraction"));
+}
+
+/// Where nothing is computed, as of the air in a vacuum, a mean is not held against it.
+#[test]
+fn means_are_held_against_loads_that_are_computed() {
+    let wave = |mean: f64, size: f64| -> Vec<f64> {
+        (0..64).map(|k| mean + size * (f64::from(k) * std::f64::consts::TAU / 64.0).sin()).collect()
+    };
+    let told = |size: f64| {
+        let (measured, computed, moments) = (wave(0.3, 0.02), wave(0.0, size), wave(0.0, 0.01));
+        let pairs = [
+            CyclePair { name: "Fz", unit: "N", measured: &measured, computed: &computed },
+            CyclePair { name: "Ty", unit: "N m", measured: &moments, computed: &moments },
+        ];
+        mean_apart("run", &pairs)
+            .filter(|finding| finding.breaks(&RunLimits::default()))
+            .map(|finding| finding.about)
+    };
+    assert_eq!(told(0.02), Some("Fz of run".into()));
+    for nothing in [0.0, 1e-30, 1e-5] {
+        assert_eq!(told(nothing), None, "{nothing}");
+    }
 }

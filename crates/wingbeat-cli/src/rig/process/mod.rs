@@ -1,14 +1,11 @@
 //! `wingbeat rig process`.
 
-mod source;
-
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use wingbeat::judge::Verdict;
-use wingbeat::parallel;
-use wingbeat::scenario::{CombinedRuns, ProcessedRun, RunName, subtract_still_air, together};
-use wingbeat_calibrate::{ProcessSummary, ProcessedFile};
+use wingbeat::scenario::{CombinedRuns, ProcessedRun, RunName};
+use wingbeat_calibrate::{ProcessedTogether, SampleSource};
 use wingbeat_figures::{CellOrigin, Figure};
 use wingbeat_io::write_parquet;
 
@@ -19,21 +16,22 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
 use crate::say;
-use source::SampleSource;
 
 /// Processes a file, a run folder, a recording, or a folder of run folders.
 pub fn process(arguments: &RigProcess) -> Result<(), Error> {
     let start = Instant::now();
     let interrupt = Interrupt::listen()?;
-    let sources = source::find(&arguments.path, arguments.run.as_deref())?;
+    let sources = SampleSource::find(&arguments.path, arguments.run.is_some(), "--run RUN.toml");
+    let sources = sources.map_err(Error::Input)?;
     let (parent, name) = results_beside(&arguments.path)?;
     let folder = RunFolder::create_in(arguments.out.as_deref(), &parent, &name, arguments.force)?;
-    let answers = parallel::map(&sources, |_, source| one(source, &arguments.overrides));
-    let (mut runs, files): (Vec<_>, Vec<_>) =
-        answers.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-    subtract_still_air(&mut runs)?;
-    let together = together(&runs)?;
-    let summary = ProcessSummary::new(&runs, &files, together.as_ref());
+    let load = |source: &SampleSource| {
+        let file = source.run.as_ref().or(arguments.run.as_ref());
+        let file = file.ok_or_else(|| format!("{}: no run", source.samples.display()))?;
+        runs::run(file, &arguments.overrides).map_err(|error| error.to_string())
+    };
+    let ProcessedTogether { runs, together, summary } =
+        ProcessedTogether::of(&sources, load).map_err(Error::Input)?;
     for run in &runs {
         write(&folder, run)?;
     }
@@ -64,17 +62,6 @@ fn results_beside(path: &Path) -> Result<(PathBuf, RunName), Error> {
     let name =
         RunName::new("name", &format!("{stem}-processed")).or(RunName::new("name", "samples-processed"))?;
     Ok((path.parent().unwrap_or(Path::new("")).into(), name))
-}
-
-fn one(source: &SampleSource, overrides: &[String]) -> Result<(ProcessedRun, ProcessedFile), Error> {
-    let (run, file) = (runs::run(&source.run, overrides)?, source.samples.clone());
-    let input = &run.spec.process.input;
-    let imported = wingbeat_io::samples::read_samples(&file, input)?.import(input)?;
-    let named = |what: String| Error::Input(format!("{}: {what}", file.display()));
-    let refused = |error: wingbeat::Error| named(run.explain(&error).to_string());
-    let evaluated = run.evaluated(imported.record, source.window).map_err(refused)?;
-    let (result, window) = evaluated.map_err(named)?;
-    Ok((ProcessedRun { run, result }, ProcessedFile { file, import: imported.import, window }))
 }
 
 /// Writes the averages of a run, with its figures.
