@@ -76,7 +76,7 @@ pub(super) fn of_numbers(
 fn other_model(key: &'static str, numbers: &GivenNumbers, model: &FittedModel) -> Option<Warning> {
     let apart = numbers.model.as_ref()?.apart(model);
     let text = format!(
-        "the numbers of {key} were fitted with another model ({}): they make up for what that one lacks, and may not hold here",
+        "what stands under {key} was fitted with another model ({}): its numbers make up for what that one lacks, and may not hold here",
         apart.join("; ")
     );
     (!apart.is_empty()).then(|| Warning::new("fit.other_model", text).key(key))

@@ -229,13 +229,11 @@ impl TetherCase {
         if let Some(flap) = self.hinged(run) {
             flap.judge(&mut judge);
         }
+        let (distance, chord) = (self.tether.ground_distance(), mean_chord(self.tether.wing.planform()));
+        judge.hold_if(&tether::LOW, distance.map(|distance| distance / chord));
         self.slow()
             .into_iter()
-            .chain(near(
-                self.tether.ground_distance(),
-                mean_chord(self.tether.wing.planform()),
-                "wind.ground_m",
-            ))
+            .chain(near(distance, chord, "wind.ground_m"))
             .chain(repeating(run, self.tether.clock.frequency_hz).filter(|_| !self.tether.motion.is_still()))
             .chain(step_change.into_iter().flat_map(|change| self.coarse(change)))
             .chain(of_numbers("numbers", &self.spec.numbers, &self.fitted_model()))

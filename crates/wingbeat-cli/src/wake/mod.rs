@@ -147,8 +147,8 @@ pub fn refused(error: wingbeat_lattice::Error) -> Error {
             value,
             allowed,
         } => Error::Input(format!("--{key} {value}: allowed is {allowed}")),
-        wingbeat_lattice::Error::Setting { key: key @ "core.radius_m", value, allowed } => {
-            Error::Input(format!("--core: {key} = {}: allowed is {allowed}", shortest(value)))
+        wingbeat_lattice::Error::Setting { key: "core.radius_m", value, allowed } => {
+            Error::Input(format!("--core: a radius of {} m: allowed is {allowed}", shortest(value)))
         }
         wingbeat_lattice::Error::Setting { key: "critical_suction", value, allowed } => {
             Error::Input(format!("--critical-suction {}: allowed is {allowed}", shortest(value)))

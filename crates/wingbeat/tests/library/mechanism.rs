@@ -311,6 +311,10 @@ panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0]{direction} }}]
 "#
         )
     };
+    let turned = Document::text("turned", &side("right", -0.02, ", direction = [0.0, 1.0, 0.0]"));
+    let refused = turned.and_then(|turned| turned.robot()).err().unwrap().to_string();
+    assert!(refused.contains("panels[0].direction") && refused.contains("y below 0"), "{refused}");
+    // The direction of the span follows from the side where it is not given.
     let side = |span: &str, y: f64| side(span, y, "");
     for preset in [Preset::Paper, Preset::Full] {
         let load = |span: &str, y: f64| {
@@ -332,6 +336,20 @@ panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0]{direction} }}]
             assert!((left.force[i] - sign * right.force[i]).abs() < 1e-12 * scale, "{left:?} {right:?}");
             assert!((left.moment[i] + sign * right.moment[i]).abs() < 1e-12 * scale, "{left:?} {right:?}");
         }
+    }
+}
+
+/// Panels meet on their hinges; one that begins elsewhere is as far from there as it was moved.
+#[test]
+fn panels_that_do_not_meet_are_measured() {
+    for text in [FLAPPER.to_owned(), webbed()] {
+        let apart = robot(&text, Preset::Full, 1.2).panels_apart().unwrap();
+        assert!(apart < 1e-12, "{apart}");
+        let torn = text.replace("from_arc_m = 0.07", "from_arc_m = 0.06");
+        // The hand's other end is as far from the feather, where the chord is less.
+        let chord = 0.1 - 0.25 * 0.13;
+        let apart = robot(&torn, Preset::Full, 1.2).panels_apart().unwrap();
+        assert!((apart - 0.01 / chord).abs() < 1e-9, "{apart}");
     }
 }
 

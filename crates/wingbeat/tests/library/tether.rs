@@ -665,6 +665,11 @@ fn measured_loads_are_compared_with_computed_ones() {
     assert!(lift.fit.rms < 2e-3 * lift.fit.range, "{lift:?}");
     assert!(power.fit.lag_cycles.abs() < 1e-3 && (power.fit.gain - 0.9).abs() < 1e-3, "{power:?}");
     assert_eq!((compared.cycle.rows(), compared.cycle.columns().len()), (360, 11));
+    let other = compared.found.iter().find(|finding| finding.id == "data.other_frequency").unwrap();
+    assert!(other.words().contains("3.5000 Hz, the measured motion at 2.0000 Hz"), "{}", other.words());
+    let scaled = case("flap_f2", &["compare.channels={power=\"P\"}", "compare.scale.force_x=2.0"]);
+    let message = scaled.channels(&measured).unwrap_err().to_string();
+    assert!(message.contains("compare.scale.force_x") && message.contains("is compared: power"), "{message}");
 
     let refuse = |text: &str, record: &Record| {
         let own = case("flap_f2", &[text]);
@@ -791,7 +796,11 @@ fn a_tethered_wing_feels_the_ground() {
         let run = case.tether.run(|_| ControlFlow::Continue(()));
         let verdict = case.summary(&run, None, None).verdict;
         let judged = verdict.judged.iter().find(|judged| judged.id == "tether.ground_distance_m").unwrap();
-        let outside = verdict.reason.is_some_and(|reason| reason.contains("tether.ground_distance_m"));
+        let reason = verdict.reason.unwrap_or_default();
+        let outside = reason.contains("tether.ground_distance_m");
+        let low = verdict.judged.iter().find(|judged| judged.id == "tether.ground_chords").unwrap();
+        assert_eq!(low.met, low.value.unwrap() >= 0.25);
+        assert_eq!(low.met, !reason.contains("tether.ground_chords"));
         assert_eq!(judged.met, !outside);
         (mean(&run, "force_wind_lift"), judged.met)
     };
