@@ -96,7 +96,8 @@ pub struct TetherArguments {
 ///
 /// In summary.json, `circulation_error` is the largest circulation around a strip and its wake over that of the largest ring, zero
 /// by Kelvin's theorem; `symmetry_error` is the largest difference between a ring and its mirror image over the largest ring, null
-/// where the motion is not symmetric. `down_over_up` is the mean bound circulation by width in the downstroke over that in the
+/// where the motion is not symmetric. `down_over_up` is the mean size of the bound circulation, without its sign, by width in the
+/// downstroke over that in the
 /// upstroke, of each half of the first surface, and `left_over_right` that of left and right. `wake_drag_n` is the drag by the wake
 /// far behind (Trefftz plane) and `span_efficiency` that of the mean lift by it; both are null in unsteady flow, where the mean
 /// bound circulation of a half changes by more than 0.02 of it within the last cycle (`unsteadiness`). `past_stall` is the share of

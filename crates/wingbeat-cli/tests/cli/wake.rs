@@ -129,3 +129,36 @@ fn few_panels_are_told() {
     assert_eq!(told(["4", "7"]), [false, true]);
     assert_eq!(told(["4", "8"]), [false, false]);
 }
+
+/// A joint that lowers the wing as its angle grows begins the downstroke where the wing is highest too.
+#[test]
+fn the_downstroke_does_not_depend_on_the_sign_of_the_joint() {
+    let folder = scratch("wake-sign");
+    let written = wingbeat(&folder, &["new", "robot", "up.toml", "--minimal"]);
+    assert!(written.status.success(), "{written:?}");
+    let up = fs::read_to_string(folder.join("up.toml")).unwrap();
+    let down = up.replace("axis = [1.0, 0.0, 0.0]", "axis = [-1.0, 0.0, 0.0]").replace(
+        "{ mean_rad = 0.0989, harmonics = [{ amplitude_rad = 0.9003,",
+        "{ mean_rad = -0.0989, harmonics = [{ amplitude_rad = -0.9003,",
+    );
+    assert_eq!(down.matches("-0.9003").count(), 1);
+    fs::write(folder.join("down.toml"), down).unwrap();
+    let ratio = |name: &str| {
+        let robot = format!("{name}.toml");
+        let scenario = format!("{name}_flight.toml");
+        let made = wingbeat(&folder, &["new", "scenario", &scenario, "--robot", &robot]);
+        assert!(made.status.success(), "{made:?}");
+        let flown =
+            ["fly", &scenario, "--quiet", "--no-report", "--out", name, "--set", "flight.duration_s=0.5"];
+        assert!(wingbeat(&folder, &flown).status.success());
+        let small = ["--prescribed", "--chordwise", "2", "--spanwise", "8", "--steps", "24", "--cycles", "1"];
+        let out = format!("{name}_wake");
+        let output = wingbeat(&folder, &[&["wake", name, "--out", &out], &small[..]].concat());
+        assert!(out.contains("wake") && output.status.code() != Some(2), "{output:?}");
+        let summary = fs::read_to_string(folder.join(&out).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        summary["down_over_up"]["left"].as_f64().unwrap()
+    };
+    let (up, down) = (ratio("up"), ratio("down"));
+    assert!((up - down).abs() < 1e-6 * up && up > 1.0, "{up} {down}");
+}

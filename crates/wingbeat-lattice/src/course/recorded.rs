@@ -7,7 +7,7 @@ use wingbeat::aero::Span;
 use wingbeat::math::Vec3;
 use wingbeat::math::interpolation::piecewise_linear;
 use wingbeat::plant::Plant;
-use wingbeat::robot::SurfaceOutline;
+use wingbeat::robot::{Observation, SurfaceOutline};
 use wingbeat::scenario::{Chosen, Scenario};
 use wingbeat::simulate::Record;
 
@@ -15,6 +15,8 @@ use wingbeat::simulate::Record;
 const CYCLES: usize = 3;
 /// Way of a stretch without flapping, mean chords a cycle. *Choice.*
 const WAY: f64 = 10.0;
+/// Instants of a cycle at which joints and tips are looked at.
+const LOOKS: std::ops::Range<u32> = 0..48;
 /// Swing of a joint from which it strokes, rad.
 const SWINGS: f64 = 1e-3;
 
@@ -179,7 +181,7 @@ impl RecordedFlight {
         let mut course = LatticeCourse {
             name: stretch.name.clone(),
             title: stretch.title.clone(),
-            stroke: self.stroke(&clock, begin),
+            stroke: self.stroke(&flight, &clock, begin),
             axes: Axes::new(through),
             chord,
             groups: groups.map(of).collect(),
@@ -206,25 +208,39 @@ impl RecordedFlight {
         self.scenario.robot().clearances().iter().any(|channel| within(&channel.name) < 0.0)
     }
 
-    /// The joint that swings most in the cycle from `begin` on, mean of left and right.
-    fn stroke(&self, clock: &CourseClock, begin: f64) -> Stroke {
+    /// The joint that swings most in the cycle from `begin` on, mean of left and right, twists only where nothing else swings; upwards as the
+    /// tips of the wings go up with it.
+    fn stroke(&self, flight: &FlightStretch, clock: &CourseClock, begin: f64) -> Stroke {
         let t = self.column("t");
         let cycle = |share: f64| begin + share / clock.frequency_hz;
         let at = |name: &str, share: f64| piecewise_linear(t, self.column(name), cycle(share));
         let swing = |name: &str| {
-            let values = (0..48).map(|k| at(name, f64::from(k) / 48.0));
+            let values = LOOKS.map(|k| at(name, f64::from(k) / f64::from(LOOKS.end)));
             let (low, high) =
                 values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             high - low
         };
         let robot = self.scenario.robot();
-        let most = robot.joint_names().max_by(|a, b| swing(a).total_cmp(&swing(b)));
-        let first = most.filter(|name| self.flaps() && swing(name) > SWINGS);
-        let Some(left) = first else { return Stroke::new(clock, |_| 0.0) };
+        let most = |twist: bool| {
+            let joints =
+                robot.joint_names().enumerate().filter(move |(joint, _)| robot.is_twist(*joint) == twist);
+            let most = joints.map(|(_, name)| name).max_by(|a, b| swing(a).total_cmp(&swing(b)));
+            most.filter(|name| self.flaps() && swing(name) > SWINGS)
+        };
+        let Some(left) = most(false).or_else(|| most(true)) else { return Stroke::new(clock, |_| 0.0) };
         let right = left.replace("left", "right");
         let pair =
             [left, right.as_str()].map(|name| if self.record.values(name).is_some() { name } else { left });
-        Stroke::new(clock, |share| pair.iter().map(|name| at(name, share)).sum())
+        let stroke = |share: f64| pair.iter().map(|name| at(name, share)).sum::<f64>();
+        let looks: Vec<[f64; 2]> = LOOKS
+            .map(|k| f64::from(k) / f64::from(LOOKS.end))
+            .filter_map(|share| Some([stroke(share), tip_height(&flight.observe(cycle(share))?)?]))
+            .collect();
+        let mean = |i: usize| looks.iter().map(|look| look[i]).sum::<f64>() / looks.len() as f64;
+        let means = [mean(0), mean(1)];
+        let together: f64 = looks.iter().map(|[stroke, tips]| (stroke - means[0]) * (tips - means[1])).sum();
+        let upwards = if together < 0.0 { -1.0 } else { 1.0 };
+        Stroke::new(clock, |share| upwards * stroke(share))
     }
 
     /// Share of strips and instants of the last cycle past the stall angle of their section, by the model that flew.
@@ -244,4 +260,12 @@ impl RecordedFlight {
         }
         f64::from(past as u32) / f64::from(all.max(1))
     }
+}
+
+/// Mean height of the ends of all surfaces above the body's origin, along its z axis, m; none without a surface. Roots, which hardly move,
+/// count as well.
+fn tip_height(seen: &Observation) -> Option<f64> {
+    let ends = seen.outlines.iter().flat_map(|outline| outline.first().into_iter().chain(outline.last()));
+    let heights: Vec<f64> = ends.map(|end| end[0][2]).collect();
+    (!heights.is_empty()).then(|| heights.iter().sum::<f64>() / heights.len() as f64)
 }

@@ -56,9 +56,9 @@ pub struct CourseSummary {
     pub circulation_error: f64,
     /// Largest difference of a ring and its mirror image over the largest ring.
     pub symmetry_error: Option<f64>,
-    /// Mean bound circulation of the downstroke over that of the upstroke.
+    /// Mean size of the bound circulation, without its sign, of the downstroke over that of the upstroke.
     pub down_over_up: DownOverUp,
-    /// Mean bound circulation of the left half over that of the right.
+    /// The same of the left half over that of the right.
     pub left_over_right: LeftOverRight,
     /// Share of strips and instants of the last cycle past the stall angle.
     pub past_stall: f64,
@@ -142,7 +142,7 @@ impl CourseSummary {
 
     /// Rows of the printed table: name, number, unit.
     fn rows(&self) -> Vec<(&'static str, Option<f64>, &'static str)> {
-        let bound = "mean bound circulation";
+        let bound = "mean size of the bound circulation";
         let steady = [
             ("wake drag", self.wake_drag_n, "N, of the wake far behind"),
             ("span efficiency", self.span_efficiency, "by the drag of the wake"),

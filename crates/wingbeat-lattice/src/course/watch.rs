@@ -175,7 +175,7 @@ impl<'a> CourseWatch<'a> {
         }
     }
 
-    /// Mean bound circulation by width of the left and right half of the first surface.
+    /// Mean size of the bound circulation, without its sign, by width of the left and right half of the first surface.
     fn mean_circulations(&self, lattice: &Lattice, origin: Vec3) -> [Option<f64>; 2] {
         let (mut sums, mut widths) = ([0.0; 2], [0.0; 2]);
         let parts = by_surface(lattice.meshes(), lattice.rings());
