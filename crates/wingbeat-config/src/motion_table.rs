@@ -197,16 +197,19 @@ impl TableSpec {
             found.extend(self.left(&left, share).filter(|finding| finding.breaks(limits)));
             return Ok(BuiltCoordinate { coordinate, smoothed: Some(left), found });
         }
-        self.in_order(&record, (pace, frequency_hz))
-            .map_err(|e| Error::invalid("file", path.display(), e))?;
         let spline = match self.repeats() {
             true => closed(&t, &y, 1.0 / frequency_hz),
             false => CubicSpline::natural(&t, &y),
         };
         let other = found.iter().find(|finding| finding.id == "data.frequency").map(Finding::words);
         let other = other.map_or(String::new(), |words| format!("; {words}"));
-        let refused = |error: Error| Error::invalid("file", path.display(), format!("{error}{other}"));
-        Ok(BuiltCoordinate { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
+        let refused = |allowed: String| Error::invalid("file", path.display(), format!("{allowed}{other}"));
+        self.in_order(&record, (pace, frequency_hz)).map_err(refused)?;
+        Ok(BuiltCoordinate {
+            coordinate: Coordinate::Table(spline.map_err(|error| refused(error.to_string()))?),
+            smoothed: None,
+            found,
+        })
     }
 
     /// Refuses, in words, times that do not ascend, and more than a cycle of a table that repeats, whose times are `pace` times those of

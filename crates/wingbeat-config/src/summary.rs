@@ -265,7 +265,7 @@ impl Settled<'_> {
     pub fn column(&self, name: &str) -> &[f64] {
         self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
     }
-    /// Those of the last whole strokes, over which powers are averaged; all where there is none.
+    /// Those of the last whole strokes, in its unit, over which powers are averaged; all where there is none.
     pub fn in_strokes(&self, name: &str) -> &[f64] {
         let first = whole_strokes(self.record, self.first).unwrap_or(self.first);
         self.record.values(name).map_or(&[], |v| &v[first.min(v.len())..])

@@ -92,7 +92,7 @@ fn what_cannot_be_stepped_is_refused() {
         ),
         (["--core", "0"], "--core: a radius of 0 m: allowed is above 0"),
         (["--core", "nan"], "--core: a radius of NaN m: allowed is above 0"),
-        (["--core", "1e300"], "e298: allowed is above 0 and at most 0.08"),
+        (["--core", "1e300"], "e298 m: allowed is above 0 and at most 0.08"),
         (["--steps", "100000"], "allowed are at most 200000"),
         (["--spanwise", "1"], "strips = 1"),
     ] {

@@ -312,7 +312,7 @@ panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0]{direction} }}]
         )
     };
     let turned = Document::text("turned", &side("right", -0.02, ", direction = [0.0, 1.0, 0.0]"));
-    let refused = turned.and_then(|turned| turned.robot()).err().unwrap().to_string();
+    let refused = turned.unwrap().robot().unwrap().check().unwrap_err().to_string();
     assert!(refused.contains("panels[0].direction") && refused.contains("y below 0"), "{refused}");
     // The direction of the span follows from the side where it is not given.
     let side = |span: &str, y: f64| side(span, y, "");
