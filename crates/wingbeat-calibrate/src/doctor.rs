@@ -178,8 +178,6 @@ pub fn suspected(
     let of = |(case, run): (&CaseTarget, &ObservedCycles)| {
         let predicted = case.predict(&model.numbers(values))?;
         let beside = beside(run, &predicted, &case.case.limits);
-        let beside = beside.into_iter().map(|finding| by_law(case, finding, &model.numbers(values)));
-        let beside = beside.collect::<Result<Vec<Finding>, Error>>()?;
         Ok(run.found.iter().cloned().chain(beside).collect())
     };
     model.cases.iter().zip(&runs[model.targets.len()..]).map(of).collect()
@@ -192,8 +190,23 @@ const PAST_LAW: f64 = 0.1;
 /// flow (`aero.law`).
 const LAW_LAGS: f64 = 30.0;
 
-/// A shift of phase as a warning where the model of `case` with these numbers is past what its law holds for: then it is the model that is wrong,
-/// which the misfit says.
+/// The findings of each case as a fit with `values`, in the units of the parameters, tells them: a shift of phase is a warning where the model
+/// is past what its law holds for, as then the model may be wrong, which the misfit says.
+///
+/// # Errors
+/// A model without an answer.
+pub fn of_fit(
+    structure: &ModelStructure,
+    found: &[Vec<Finding>],
+    values: &[f64],
+) -> Result<Vec<Vec<Finding>>, Error> {
+    let numbers = structure.model.numbers(values);
+    let of = |(case, found): (&CaseTarget, &Vec<Finding>)| {
+        found.iter().map(|finding| by_law(case, finding.clone(), &numbers)).collect()
+    };
+    structure.model.cases.iter().zip(found).map(of).collect()
+}
+
 fn by_law(case: &CaseTarget, finding: Finding, to: &[(&str, f64)]) -> Result<Finding, Error> {
     if finding.id != "data.shift" || !finding.serious || finding.size > LAW_LAGS {
         return Ok(finding);

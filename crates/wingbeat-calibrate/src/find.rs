@@ -29,6 +29,8 @@ pub struct PreparedCalibration<'a> {
     pub cautions: Vec<String>,
     /// What is wrong with the data of cases, and with the gain of runs that weigh.
     pub found: Vec<Finding>,
+    /// The same as a fit tells it, which judges its model too.
+    found_by_fit: Vec<Finding>,
     /// That no run checks the gain of the cell.
     pub unchecked: Option<Warning>,
 }
@@ -50,6 +52,8 @@ impl CalibrationFile {
         let of_runs = telling.as_deref().unwrap_or(&runs);
         let problem = FitProblem::new(&structure.model, of_runs, &structure.parameters)?;
         let (weighed, unchecked) = doctor::gains(&structure, &problem, &values, self.limits())?;
+        let of_fit = doctor::of_fit(&structure, &by_case, &values)?.into_iter().flatten();
+        let found_by_fit = of_fit.chain(weighed.iter().cloned()).collect();
         let found = by_case.into_iter().flatten().chain(weighed).collect();
         let at = LinearisedRuns::at(&problem, &problem.fitted(), &values)?;
         self.check_stages(&problem, &at)?;
@@ -61,6 +65,7 @@ impl CalibrationFile {
             information,
             cautions,
             found,
+            found_by_fit,
             unchecked,
         })
     }
@@ -128,7 +133,7 @@ impl PreparedCalibration<'_> {
         let (information, cautions) = (self.information.clone(), self.cautions.clone());
         let mut found =
             CalibrationResult::of(calibration, structure, &self.runs, &solved, information, cautions)?;
-        found.findings.clone_from(&self.found);
+        found.findings.clone_from(&self.found_by_fit);
         found.unchecked.clone_from(&self.unchecked);
         for rival in calibration.structures() {
             found.rivals.push(self.rival(&rival.name, &rival.set, &solved, watch)?);

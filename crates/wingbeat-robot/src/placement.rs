@@ -59,6 +59,9 @@ impl<P: Scalar> Parameters<P> for PlacementNumbers<P> {
     }
 }
 
+/// A link, none for the body, and a chord line in its frame, m: leading and trailing edge.
+pub(super) type LinkLine<P> = (Option<usize>, [Vec3<P>; 2]);
+
 /// A stretch of one half of a surface on a link.
 #[derive(Clone, Copy, Debug)]
 struct Panel<P: Scalar = f64> {
@@ -178,7 +181,7 @@ impl<P: Scalar> Placement<P> {
 
     /// Where one panel ends and the next begins, for each half: the links of both, and their chord lines on the hinge, in the frames of
     /// these, m.
-    pub(super) fn meetings(&self) -> Vec<[(Option<usize>, [Vec3<P>; 2]); 2]> {
+    pub(super) fn meetings(&self) -> Vec<[LinkLine<P>; 2]> {
         let mut meetings = Vec::new();
         for (half, panels) in self.panels.iter().enumerate() {
             for pair in panels.windows(2) {

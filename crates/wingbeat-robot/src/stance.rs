@@ -2,6 +2,7 @@
 
 use super::carried::air_power;
 use super::drive::Ratios;
+use super::placement::LinkLine;
 use super::sections::{CarrierRoom, Carriers, Riding, SurfaceSection, Web};
 use super::{BodyMotion, Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
@@ -105,11 +106,11 @@ impl Robot {
         let body = BodyMotion::steady(Mat3::IDENTITY, Vec3::ZERO);
         let still = self.carried_stance(&Jet::new(0.0, 1.0, 0.0), Vec3::ZERO, &body, &self.carried_still());
         let (base, links) = self.moving_at(&still).ok()?;
-        let line = |(link, ends): (Option<usize>, [Vec3; 2])| {
+        let line = |(link, ends): LinkLine<f64>| {
             let link = link.map_or(&base, |i| &links[i]);
             ends.map(|end| link.point(end))
         };
-        let apart = |meeting: [(Option<usize>, [Vec3; 2]); 2]| {
+        let apart = |meeting: [LinkLine<f64>; 2]| {
             let [inner, outer] = meeting.map(line);
             let chord = [inner, outer].map(|[leading, trailing]| (leading - trailing).norm());
             segment_distance(inner, outer) / chord[0].min(chord[1])

@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use wingbeat::parallel;
 use wingbeat::scenario::{
     CombinedRuns, ProcessedRun, RigRun, subtract_still_air, text_of, together as combined,
@@ -20,12 +19,6 @@ pub struct SampleSource {
     pub run: Option<PathBuf>,
     /// Begin and end of what is averaged, s, where a simulation says it.
     pub window: Option<(f64, f64)>,
-}
-
-/// What the summary of a simulated run says to processing.
-#[derive(Deserialize)]
-struct MeasuredWindow {
-    window_s: (f64, f64),
 }
 
 impl SampleSource {
@@ -67,9 +60,16 @@ impl SampleSource {
         }
         let file = path.join("summary.json");
         let text = text_of(&file).map_err(|source| format!("{}: {source}", file.display()))?;
-        let summary: MeasuredWindow =
+        let summary: serde_json::Value =
             serde_json::from_str(&text).map_err(|error| format!("{}: {error}", file.display()))?;
-        Ok(Self { samples, run: Some(scenario), window: Some(summary.window_s) })
+        let window = || match summary.get("window_s")?.as_array()?.as_slice() {
+            [begin, end] => Some((begin.as_f64()?, end.as_f64()?)),
+            _ => None,
+        };
+        let window = window().ok_or_else(|| {
+            format!("{}: window_s: allowed are begin and end of what is averaged, s", file.display())
+        })?;
+        Ok(Self { samples, run: Some(scenario), window: Some(window) })
     }
 
     fn measured(samples: &Path, given: bool, give: &str) -> Result<Self, String> {
