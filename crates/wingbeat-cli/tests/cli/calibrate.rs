@@ -149,7 +149,9 @@ fn data_that_are_wrong_end_with_their_name_and_exit_code() {
         assert_eq!(folder.join(name).is_dir(), codes[0] != 2, "{name}");
         if codes[0] == 3 {
             let numbers = fs::read_to_string(folder.join(name).join("numbers.toml")).unwrap();
-            assert!(numbers.contains("suspect_data"), "{numbers}");
+            // In the stall of this case the law shifts loads as a late clock does.
+            let status = if name == "late" { "outside" } else { "suspect_data" };
+            assert!(numbers.contains(status), "{numbers}");
         }
     }
 }
