@@ -154,7 +154,7 @@ fn the_downstroke_does_not_depend_on_the_sign_of_the_joint() {
         let small = ["--prescribed", "--chordwise", "2", "--spanwise", "8", "--steps", "24", "--cycles", "1"];
         let out = format!("{name}_wake");
         let output = wingbeat(&folder, &[&["wake", name, "--out", &out], &small[..]].concat());
-        assert!(out.contains("wake") && output.status.code() != Some(2), "{output:?}");
+        assert!(output.status.code() != Some(2), "{output:?}");
         let summary = fs::read_to_string(folder.join(&out).join("summary.json")).unwrap();
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
         summary["down_over_up"]["left"].as_f64().unwrap()

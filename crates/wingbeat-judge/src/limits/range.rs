@@ -22,7 +22,7 @@ pub const COMPACT: JudgedLimit = JudgedLimit::warn_below("range.gyration_of_body
 pub const CENTRE: JudgedLimit = JudgedLimit::warn_above("range.centre_over_span", 1.0, "")
     .on("a centre of mass far off (is it in m?): largest distance from the joint of a body over the span");
 /// Distance between two panels of a surface on the hinge where they meet, over the chord there: the model takes them for one wing. Shipped
-/// robots have SHIPPED and less. *Choice.*
+/// robots have 3e-13 and less. *Choice.*
 pub const APART: JudgedLimit = JudgedLimit::warn_above("range.panels_apart_fraction", 0.05, "")
     .on("panels of a surface do not meet on their hinge (see origin_m of links and panels, and from_arc_m): largest distance between their chord lines there over the chord");
 /// The same where they are no wing any more. *Choice.*
