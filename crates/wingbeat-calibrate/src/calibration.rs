@@ -10,7 +10,7 @@ use std::path::Path;
 use wingbeat::judge::RunLimits;
 use wingbeat::math::NamedNumber;
 use wingbeat::parallel;
-use wingbeat::robot::FittedModel;
+use wingbeat::robot::{FittedModel, PHASE_RATE};
 use wingbeat::scenario::{
     CalibratedRunSpec, CalibrationSpec, ConfigError, Document, KeyProblem, RigRun, StructureOfModel,
     TetherCase, Translate, ValuePlace, Wrong, nearest_names,
@@ -326,7 +326,12 @@ impl CalibrationFile {
                         "one of {count} names, the nearest {near}; `wingbeat calibrate FILE --names` lists all"
                     )
                 };
-                let allowed = today.map_or_else(listed, |new| format!("its new name, {new:?}"));
+                let renamed = || today.map_or_else(listed, |new| format!("its new name, {new:?}"));
+                let allowed = if spec.name == PHASE_RATE {
+                    "a number of the model: how fast the crank turns is read from the data of each run".into()
+                } else {
+                    renamed()
+                };
                 return Err(self.explain(&wingbeat::Error::invalid(key("name"), &spec.name, allowed)).into());
             };
             let of_key = |e: wingbeat::Error| e.within(&format!("parameters[{k}]"));
@@ -515,6 +520,7 @@ fn known(targets: &[RigTarget], cases: &[CaseTarget]) -> Vec<NamedNumber> {
             known.push(number);
         }
     }
+    known.retain(|number| number.name != PHASE_RATE);
     known
 }
 

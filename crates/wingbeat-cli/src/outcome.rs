@@ -199,7 +199,7 @@ fn controller(summary: &Summary) -> Vec<PaperLine> {
     if controller.updates > 0 {
         rows.extend([
             own("controller failures", controller.failures.to_string(), ""),
-            own("updates past their period", controller.late.to_string(), ""),
+            own("updates past their period or deadline", controller.late.to_string(), ""),
             own("update, median", number(1e-3 * controller.median_us), "ms"),
             own("update, 99.9 %", number(1e-3 * controller.p999_us), "ms"),
         ]);

@@ -60,6 +60,9 @@ pub fn figure(arguments: &Show) -> Result<Figure, Error> {
         let run = Document::text("show", ON_A_STAND)?.put("rig", document)?;
         return rig(RigRun::new(run, &urdf_as_toml)?, arguments);
     }
+    if arguments.joints_deg.is_some() {
+        return Err(Error::Input("--joints-deg: allowed for the arm of a rig or a run".into()));
+    }
     if is("wing") && is("wind") {
         return case(document, arguments);
     }

@@ -4,7 +4,7 @@ use super::moved::fraction_of;
 use super::plausible;
 use super::spec::GoalSpec;
 use super::stall;
-use super::summary::{Context, PartClearance, Summary, mean};
+use super::summary::{Context, ControllerSummary, PartClearance, Summary, mean};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use wingbeat_aero::induced_power;
 use wingbeat_flight::guide::angle_error;
@@ -200,8 +200,8 @@ impl JudgedFlight<'_> {
             judge.hold(&flight::SATURATION, summary.input_saturation_fraction);
         }
         if summary.controller.updates > 0 {
-            let share = summary.controller.failures as f64 / summary.controller.updates as f64;
-            judge.hold(&flight::FAILURES, share);
+            let ControllerSummary { failures, dropped, updates, .. } = summary.controller;
+            judge.hold(&flight::FAILURES, (failures + dropped) as f64 / updates as f64);
         }
     }
 

@@ -204,6 +204,8 @@ pub struct ControllerSummary {
     /// Updates that took longer than the period by the wall clock, or missed their deadline and kept the previous
     /// plan.
     pub late: usize,
+    /// Those of them that missed their deadline.
+    pub dropped: usize,
     /// Time between updates, s; none without a controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
@@ -241,6 +243,7 @@ impl ControllerSummary {
             late: flight
                 .late
                 .max(us.iter().filter(|us| period_s.is_some_and(|period| **us > 1e6 * period)).count()),
+            dropped: flight.late,
             period_s,
             median_us: quantile(0.5),
             p99_us: quantile(0.99),

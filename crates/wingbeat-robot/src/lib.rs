@@ -56,13 +56,13 @@ pub use pin_springs::{PinDeflection, PinWork};
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
-pub use spec::is_of_rig;
 pub use spec::{
     BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
     FittedModel, GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec, LinkageOutput,
     PanelSpec, PinSpringSpec, RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec,
     StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
+pub use spec::{PHASE_RATE, PHASE_START, is_of_rig};
 #[cfg(feature = "schema")]
 pub use spec::{file_or, file_or_numbers, numbers_table};
 pub use stance::Stance;

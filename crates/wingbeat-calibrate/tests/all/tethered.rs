@@ -367,6 +367,11 @@ fn refusals_say_where_and_what() {
     let unknown = told(&with("", "[[parameters]]\nname = \"surfaces.wing.cd9\"\n"));
     assert!(unknown.contains("surfaces.wing.cd90") && unknown.contains("--names"), "{unknown}");
     assert!(unknown.len() < 400 && unknown.starts_with("cal:"), "{unknown}");
+    let rate = told(&with("", "[[parameters]]\nname = \"gait.phase_rate_rad_s\"\n"));
+    assert!(
+        rate.contains("gait.phase_rate_rad_s") && rate.contains("read from the data of each run"),
+        "{rate}"
+    );
     let bounds = told(&with("", "[[parameters]]\nname = \"surfaces.wing.lift_slope_per_rad\"\nhigh = 4.0\n"));
     assert!(bounds.contains("parameters[0].high = 4.0"), "{bounds}");
     assert!(bounds.contains("the model's own value"), "{bounds}");

@@ -74,6 +74,7 @@ fn show_draws_each_kind_of_file_and_refuses_the_others() {
         ("rigs/seven_runs.toml", &[][..], "a list of runs"),
         ("rigs/aerobat_on_gen3.toml", &["--joints-deg", "1,2"], "6 finite numbers"),
         ("robots/aerobat_paper.toml", &["--phase", "nan"], "--phase NaN"),
+        ("robots/four_wings.toml", &["--joints-deg", "1,2"], "for the arm of a rig"),
         ("sweeps/flap_map.toml", &[], "key"),
     ] {
         let file = root().join(file);

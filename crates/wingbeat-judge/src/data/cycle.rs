@@ -308,7 +308,7 @@ fn of_channel(
             Some(scatter) if !(finding.serious && finding.breaks(limits)) => scatter,
             _ => finding,
         });
-        found.extend(strokes.runs_away(series, one));
+        found.extend(strokes.runs_away(series, one, limits));
     }
     found.extend(drift(series, one).map(|of| {
         // The mean of a load changes with the size of the strokes.

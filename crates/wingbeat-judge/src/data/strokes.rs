@@ -5,8 +5,8 @@ use super::noise::{Order, deviation, third};
 use super::spread::CycleSpread;
 use super::values::Extent;
 use super::{Cause, Finding, Purpose, Series};
-use crate::limits::JudgedLimit;
-use crate::limits::data::{DIFFERS, EARLY, PHASES, RUNS, SCATTER, TREND};
+use crate::limits::data::{DIFFERS, EARLY, PHASES, RUN_AWAY, RUNS, SCATTER, TREND};
+use crate::limits::{JudgedLimit, RunLimits};
 
 /// Points of a cycle from which its slope is known. *Choice.*
 const FOR_SLOPE: f64 = 8.0;
@@ -105,21 +105,20 @@ impl StrokeVariation {
     }
 
     /// The finding that the cycles come later and later, or earlier, by a straight line: the frequency is another one.
-    pub fn runs_away(&self, series: &Series, one: &SplitChannel) -> Option<Finding> {
+    pub fn runs_away(&self, series: &Series, one: &SplitChannel, limits: &RunLimits) -> Option<Finding> {
         let [by, error] = self.late.trend();
         let told = self.late.is_told() && by.abs() > SURE * error;
-        let given = series.frequency_hz?;
+        let (given, size) = (series.frequency_hz?, 360.0 * by.abs());
         // From begin to end a cycle passes less or more.
         let own = given * (1.0 + by / series.cycles());
         let text = format!(
-            "its cycles come {} by {:.1} deg from start to end: it repeats at {own:.4} Hz, and {given:.4} Hz is given for it",
+            "its cycles come {} by {size:.1} deg from start to end: it repeats at {own:.4} Hz, and {given:.4} Hz is given for it",
             if by > 0.0 { "earlier" } else { "later" },
-            360.0 * by.abs()
         );
+        let away = series.purpose.is_loads() && size > limits.of(&RUN_AWAY).0;
+        let limit = if away { &RUN_AWAY } else { &RUNS };
         let about = series.about(one.channel.name);
-        told.then(|| {
-            Finding::new("data.runs_away", &RUNS, about, 360.0 * by.abs(), text).in_channel(one.channel.name)
-        })
+        told.then(|| Finding::new("data.runs_away", limit, about, size, text).in_channel(one.channel.name))
     }
 }
 

@@ -189,6 +189,9 @@ pub const EARLY: JudgedLimit = JudgedLimit::warn_above("data.phase_differs_deg",
 /// angle, 0.1 % of the first harmonic.
 pub const RUNS: JudgedLimit = JudgedLimit::warn_above("data.phase_runs_deg", 8.0, "deg")
     .on("drift of the phase of the cycles of a channel from start to end, by a straight line,");
+/// The same of loads that are held against computed ones: their mean comes half as early, which is the tolerance of a shift.
+pub const RUN_AWAY: JudgedLimit = JudgedLimit::at_most("data.phase_run_away_deg", 10.0, "deg", SuspectData)
+    .on("drift of the phase of the cycles of a load from start to end, by a straight line,");
 /// Loads that grow by less from begin to end lie within what strokes of a steady crank do (measured: 6 to 20 %).
 pub const TREND: JudgedLimit = JudgedLimit::warn_above("data.size_trend_fraction", 0.3, "")
     .on("change of the size of the cycles of a channel from start to end, by a straight line, over their mean size,");
@@ -217,7 +220,7 @@ pub const RESONANCE: JudgedLimit = JudgedLimit::warn_above("data.resonance_fract
     .on("what the resonance of the mount adds to the highest harmonic that is judged");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 63] = [
+pub const ALL: [JudgedLimit; 64] = [
     MEAN,
     REST_DRIFT,
     PHASE_RATE,
@@ -277,6 +280,7 @@ pub const ALL: [JudgedLimit; 63] = [
     PHASES,
     EARLY,
     RUNS,
+    RUN_AWAY,
     TURNS,
     LEAPS,
     BACKWARDS,

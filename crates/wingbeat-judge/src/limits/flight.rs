@@ -52,7 +52,7 @@ pub const BEYOND_RESIDUAL: JudgedLimit =
 /// Updates that failed, so that the previous plan was flown.
 pub const FAILURES: JudgedLimit =
     JudgedLimit::at_most("flight.controller_failures_fraction", 0.1, "", NotResolved)
-        .on("share of the updates in which the controller found no solution");
+        .on("share of the updates in which the controller found no solution, or none by its deadline");
 /// Error of the integration's steps that a reader must know.
 pub const STEP_ERROR: JudgedLimit = JudgedLimit::warn_above("flight.step_error_m", 0.01, "m")
     .on("the steps of the integration are too long (shorten flight.step_s): error of the last position, by a second flight in half steps, of a controller of your own as it is estimated,");

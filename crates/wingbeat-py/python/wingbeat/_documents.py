@@ -133,7 +133,7 @@ class Scenario:
     def __init__(
         self, source: Source, overrides: Overrides | None = None, *, robot: Robot | Source | None = None
     ) -> None:
-        self._take(document(source, overrides, "scenario"), robot)
+        self._take(document(source, None, "scenario"), overrides, robot)
 
     @classmethod
     def from_text(
@@ -141,15 +141,16 @@ class Scenario:
     ) -> Scenario:
         """A scenario from TOML; files that it names are sought from the working folder."""
         scenario = cls.__new__(cls)
-        made = _wingbeat.Document.text("scenario", toml)
-        scenario._take(made.overridden(dict(overrides)) if overrides else made, robot)
+        scenario._take(_wingbeat.Document.text("scenario", toml), overrides, robot)
         return scenario
 
-    def _take(self, made: _wingbeat.Document, robot: Robot | Source | None) -> None:
+    def _take(
+        self, made: _wingbeat.Document, overrides: Overrides | None, robot: Robot | Source | None
+    ) -> None:
         if robot is not None:
             given = robot if isinstance(robot, Robot) else Robot(robot)
             made = made.put("robot", given._document)
-        self._native = _wingbeat.Scenario(made)
+        self._native = _wingbeat.Scenario(made.overridden(dict(overrides)) if overrides else made)
 
     @property
     def name(self) -> str:

@@ -294,7 +294,7 @@ def fly(
     overrides: Overrides | None = None,
     *,
     controller: Controller | Callable[[float, _wingbeat.Measurement], ArrayLike | None] | None = None,
-    period_s: float = 0.005,
+    period_s: float | None = None,
     sees: Sequence[str] | None = None,
     observe: Observer | None = None,
 ) -> Flight:
@@ -310,7 +310,7 @@ def fly(
         An object with ``update(t, measurement)``, or such a function: the inputs that hold from ``t`` (s) on, in the order of
         ``Scenario.inputs``; ``None`` leaves those in force.
     period_s
-        Time between two updates, s: whole time steps of the scenario.
+        Time between two updates of that controller, s: whole time steps of the scenario; without it 5 ms.
     sees
         States that the controller sees, by name or by what their names begin with: ``["quat", "w_WB_B"]`` is an inertial unit.
         Without it all.
@@ -323,8 +323,12 @@ def fly(
         ``record`` (a row per ``flight.record_every_s``), ``strips``, ``summary``, ``status``.
     """
     native = scenario_of(scenario, overrides)._native
+    for name, given in {"period_s": period_s, "sees": sees}.items():
+        if controller is None and given is not None:
+            raise ValueError(f"{name} = {given!r}: allowed is nothing without a controller")
+    period = 0.005 if period_s is None else number("period_s", period_s)
     names = [sees] if isinstance(sees, str) else None if sees is None else list(sees)
-    record, strips, summary = _wingbeat.fly(native, controller, number("period_s", period_s), names, observe)
+    record, strips, summary = _wingbeat.fly(native, controller, period, names, observe)
     parts = None if strips is None else Strips(Record(strips))
     return Flight(record=Record(record), strips=parts, summary=judged(summary), document=native.resolved)
 
@@ -518,6 +522,10 @@ def wake(
         native = scenario_of(scenario, overrides)._native
         stepped, summary = _wingbeat.wake_flight(native, source.record._given(), asked)
     else:
+        of_flight = {"scenario": scenario, "at": at or None, "cycles": cycles, "model": model or None}
+        for name, given in of_flight.items():
+            if given is not None:
+                raise ValueError(f"{name} = {given!r}: allowed is nothing for a case, which is no Flight")
         stepped, summary = _wingbeat.wake_case(document(source, overrides, "case"), asked)
     stretches = [Stretch(name, Record(record), dict(phases)) for name, record, phases in stepped]
     return Wake(stretches=stretches, summary=judged(summary))

@@ -204,12 +204,27 @@ def test_what_is_given_wrongly_is_named(turn):
     assert wingbeat.Scenario(turn, robot=wingbeat.shipped("robots/aerobat_beta.toml")).mass_kg > 0.0
     with pytest.raises(ValueError, match="period_s = 'a': allowed is a number"):
         wingbeat.fly(turn, {"flight.duration_s": 0.02}, controller=lambda t, seen: None, period_s="a")
+    for name, given in {"period_s": 0.01, "sees": ["quat"]}.items():
+        with pytest.raises(ValueError, match=f"^{name} = .*without a controller"):
+            wingbeat.fly(turn, {"flight.duration_s": 0.02}, **{name: given})
+    case = wingbeat.shipped("cases/flap_f1.toml")
+    for name, given in {"at": [0.1], "cycles": 1, "model": True, "scenario": turn}.items():
+        with pytest.raises(ValueError, match=f"^{name} = .*no Flight"):
+            wingbeat.wake(case, **{name: given})
     with pytest.raises(ValueError, match="t = NaN: allowed is a finite number"):
         wingbeat.Scenario(turn).reference(float("nan"))
     with pytest.raises(ValueError, match="allowed are .*scenarios"):
         wingbeat.shipped("../x")
     with pytest.raises(ValueError, match="allowed are .*scenarios"):
         wingbeat.shipped("../numpy")
+
+
+def test_the_overrides_of_a_scenario_are_nearer_than_those_of_its_robot(turn):
+    robot = wingbeat.Robot(wingbeat.shipped("robots/aerobat_beta.toml"), {"body.mass_kg": 0.7})
+    for given in (robot, wingbeat.Robot(robot.to_dict())):
+        assert wingbeat.Scenario(turn, robot=given).to_dict()["robot"]["body"]["mass_kg"] == 0.7
+        nearer = wingbeat.Scenario(turn, {"robot.body.mass_kg": 0.8}, robot=given)
+        assert nearer.to_dict()["robot"]["body"]["mass_kg"] == 0.8
 
 
 def test_records_are_equal_by_their_values(turn):

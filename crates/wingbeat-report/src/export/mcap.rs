@@ -299,17 +299,17 @@ fn transform(motion: &RunMotion, i: usize, time: u64, turn: [f64; 4]) -> CdrMess
     let mut message = CdrMessage::new();
     message.int(pieces.len() as u32 + 1);
     message.header(time, WORLD).text(BODY).doubles(&at(&motion.position, i).0).doubles(&turn);
-    for ros::FlatPiece { frame, edges: [front, back], .. } in pieces {
-        let q = super::gltf::quaternion(&basis(front - back));
+    for ros::FlatPiece { frame, edges: [front, back], left, .. } in pieces {
+        let q = super::gltf::quaternion(&basis(front - back, left));
         message.header(time, BODY).text(&frame).doubles(&((front + back) * 0.5).0).doubles(&q);
     }
     message
 }
 
-/// Axes with x along `chord` and y as far to the left as that allows.
-fn basis(chord: Vec3) -> wingbeat::math::Mat3 {
+/// Axes with x along `chord` and y as far along `left` as that allows; where the span runs along the chord, as far up.
+fn basis(chord: Vec3, left: Vec3) -> wingbeat::math::Mat3 {
     let x = direction(chord);
-    let across = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|v| x.cross(Vec3(v)));
+    let across = [direction(left), Vec3([0.0, 0.0, 1.0])].map(|v| x.cross(v));
     let z = if across[0].norm() > 0.1 { direction(across[0]) } else { direction(across[1]) };
     wingbeat::math::Mat3::from_columns(x, z.cross(x), z)
 }
@@ -392,4 +392,37 @@ fn joint_state<'a>(
     });
     state.list(positions).list(rates).list(&[]);
     state
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_frame_of_a_rib_lies_in_the_wing_however_it_is_raised() {
+        // A half wing that is raised by 60 deg and twisted, and its image beyond a gap.
+        let (up, twist) = (60_f64.to_radians(), 0.2_f64);
+        let span = Vec3::new(0.0, up.cos(), up.sin());
+        let chord = Vec3::new(twist.cos(), twist.sin() * up.sin(), -twist.sin() * up.cos());
+        let point = |p: Vec3| p.0.map(|x| vec![x]);
+        let rib = |side: f64, along: f64| {
+            let mirrored = |v: Vec3| Vec3::new(v[0], side * v[1], v[2]);
+            [0.05, -0.1].map(|x| point(mirrored(span * along + chord * x)))
+        };
+        let surface = SurfaceTrack {
+            name: "wing".into(),
+            ribs: vec![rib(1.0, 0.3), rib(1.0, 0.1), rib(-1.0, 0.1), rib(-1.0, 0.3)],
+            covered: vec![true, false, true],
+            ..SurfaceTrack::default()
+        };
+        for k in 0..4 {
+            let piece = &ros::pieces(&surface, k, 0)[0];
+            let frame = basis(piece.edges[0] - piece.edges[1], piece.left);
+            let side = if k < 2 { 1.0 } else { -1.0 };
+            let axis = |j: usize| Vec3([0, 1, 2].map(|i| frame.0[i][j]));
+            let mirrored = |v: Vec3| Vec3::new(v[0], side * v[1], v[2]);
+            assert!((axis(0) - mirrored(chord)).norm() < 1e-12, "rib {k}: {frame:?}");
+            assert!((axis(1) - mirrored(span) * side).norm() < 1e-12, "rib {k}: {frame:?}");
+        }
+    }
 }

@@ -81,10 +81,11 @@ pub const TYPES: [(&str, &str); 6] = [
 /// The quality of service of a topic whose last message late readers get, as `ros2 bag` writes it.
 pub const LATCHED: &str = "- history: 3\n  depth: 0\n  reliability: 1\n  durability: 1\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false";
 
-/// A flat piece that moves: its frame, its front and its back edge, and whether it is drawn.
+/// A flat piece that moves: its frame, its front and its back edge, the direction of the span there, to the left, and whether it is drawn.
 pub struct FlatPiece {
     pub frame: String,
     pub edges: [Vec3; 2],
+    pub left: Vec3,
     pub drawn: bool,
 }
 
@@ -92,15 +93,29 @@ pub struct FlatPiece {
 pub fn pieces(surface: &SurfaceTrack, k: usize, i: usize) -> Vec<FlatPiece> {
     let points = surface.along(k, i);
     let frame = format!("{}_rib_{k}", surface.name);
+    let left = span(surface, k, i);
     let part = |(n, edges): (usize, &[Vec3])| FlatPiece {
         frame: format!("{frame}_part_{n}"),
         edges: [edges[0], edges[1]],
+        left,
         drawn: true,
     };
     let flat = points.len() == 2;
     let parts = points.windows(2).filter(|_| !flat).enumerate().map(part);
-    let chord = FlatPiece { frame: frame.clone(), edges: [points[0], points[points.len() - 1]], drawn: flat };
+    let chord =
+        FlatPiece { frame: frame.clone(), edges: [points[0], points[points.len() - 1]], left, drawn: flat };
     std::iter::once(chord).chain(parts).collect()
+}
+
+/// From the middle of the rib to the right of rib `k` to that of the rib to its left in frame `i`, m in B: over the panels on both sides of it,
+/// of which there are one or two; straight to the left where there is none.
+fn span(surface: &SurfaceTrack, k: usize, i: usize) -> Vec3 {
+    let middle = |k: usize| (at(&surface.ribs[k][0], i) + at(&surface.ribs[k][1], i)) * 0.5;
+    let covered = |panel: usize| surface.covered.get(panel) == Some(&true);
+    let to_left = k.checked_sub(1).filter(|panel| covered(*panel));
+    let to_right = if covered(k) { k + 1 } else { k };
+    let span = middle(to_left.unwrap_or(k)) - middle(to_right);
+    if span.norm() > 0.0 { span } else { Vec3([0.0, 1.0, 0.0]) }
 }
 
 /// The robot as links for its body and every piece of its ribs, which hang on it by floating joints: their places are in the transforms.

@@ -67,7 +67,7 @@ pub struct RobotSpec {
     #[serde(default)]
     pub structure: StructureSpec,
     /// Numbers by name, `"surfaces.wing.cd0" = 0.03`, in place of those that follow from the other keys; or a file of such
-    /// numbers, as `wingbeat calibrate` writes it. Numbers of the rig (`mount.`, `crank.`) count on the rig alone.
+    /// numbers, as `wingbeat calibrate` writes it. Numbers of the rig (`mount.`, `crank.`, `gait.phase_rad`) count on the rig alone; a flight begins at `start.phase_rad`.
     /// Such a file may carry the `verdict` on its fit: a run that uses numbers of another one than `ok` says so.
     #[serde(default, skip_serializing_if = "GivenNumbers::is_silent")]
     #[schemars(schema_with = "file_or_numbers")]
@@ -137,7 +137,9 @@ pub fn file_or<T: schemars::JsonSchema>(generator: &mut schemars::SchemaGenerato
 }
 
 /// The number that is the gait's frequency.
-const PHASE_RATE: &str = "gait.phase_rate_rad_s";
+pub const PHASE_RATE: &str = "gait.phase_rate_rad_s";
+/// Number that says where the crank is when its encoder shows 0.
+pub const PHASE_START: &str = "gait.phase_rad";
 
 /// Whether a number is one of the rig that carries the robot.
 pub fn is_of_rig(name: &str) -> bool {
@@ -169,7 +171,9 @@ impl RobotSpec {
             None => Ok(()),
             Some(rate) => {
                 let key = format!("numbers.\"{PHASE_RATE}\"");
-                Err(Error::invalid(key, rate, "the frequency where the gait has it"))
+                let allowed =
+                    format!("no such number: the frequency is gait.{}.frequency_hz", self.gait.kind());
+                Err(Error::invalid(key, rate, allowed))
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use wingbeat::judge::Status;
 use wingbeat::scenario::{Document, Scenario};
 use wingbeat::simulate::Record;
 
@@ -117,7 +118,11 @@ fn updates_may_be_prepared_before_their_measurement() {
     assert_eq!(rare.summary.prepared.unwrap().missed_max_deg, missed.missed_max_deg);
     // A plan that was kept begins where nothing was measured; all updates come late here.
     let late = flown(&["controller.prepared=true", "controller.deadline_s=1e-7"]);
-    assert_eq!(late.summary.controller.late, late.summary.controller.updates);
+    let (counted, verdict) = (&late.summary.controller, &late.summary);
+    assert_eq!([counted.late, counted.dropped], [counted.updates; 2]);
+    let reason = verdict.reason.as_deref().unwrap_or_default();
+    assert_eq!(verdict.status, Status::NotResolved, "{reason}");
+    assert!(reason.contains("none by its deadline"), "{reason}");
     let commands = late.record.values("roll").unwrap();
     assert!(commands.iter().all(|roll| roll.is_finite()));
     // Where updates are rare and a gust is strong, what is found is far from what was expected.

@@ -44,6 +44,23 @@ fn a_mismatch_acts_on_numbers_given_by_name() {
     }
 }
 
+#[test]
+fn what_an_encoder_shows_does_not_move_the_start_of_a_flight() {
+    let start = ["start.phase_rad=2.0", "flight.duration_s=0.02"];
+    let own = end("glide.toml", &start);
+    for table in ["robot.numbers", "mismatch.numbers"] {
+        let shown = format!("{table}={{'gait.phase_rad'=0.03}}");
+        assert_eq!(own, end("glide.toml", &[start[0], start[1], &shown]), "{table}");
+    }
+    assert_ne!(own, end("glide.toml", &["start.phase_rad=2.1", start[1]]));
+    let told =
+        shipped("glide.toml", &["robot.numbers={'gait.phase_rate_rad_s'=20.0}"]).map(drop).unwrap_err();
+    assert!(
+        told.contains("gait.linkage.frequency_hz") || told.contains("gait.fourier.frequency_hz"),
+        "{told}"
+    );
+}
+
 /// Name and value of the numbers of the flown robot.
 fn flown(overrides: &[&str]) -> Vec<(String, f64)> {
     shipped("banking_turn_short.toml", overrides).unwrap().robot().named_numbers()
