@@ -326,7 +326,7 @@ fn shifted(what: &str, telling: &[(&CyclePair, &PairComparison)]) -> Option<Find
     let lag = alike.iter().map(|told| told.share.powi(2) * told.lag_deg).sum::<f64>() / weight;
     let text = format!(
         "is {:.1} deg {} what is computed: a shift of phase turns inertia and lift into drag; mend the time of the \
-         first sample, or fit the phase",
+         first sample, or fit the phase of runs on a rig",
         lag.abs(),
         if lag > 0.0 { "behind" } else { "ahead of" }
     );

@@ -38,7 +38,7 @@ pub const PHASE: JudgedLimit = JudgedLimit::at_most("calibration.phase_deg", 5.0
 /// A shift that the residuals tell beside the parameters, which have taken what they can of it. *Choice*: noise alone reaches it in one of
 /// 16000 runs.
 pub const LATE: JudgedLimit = JudgedLimit::warn_above("calibration.shift_errors", 4.0, "").on(
-    "loads come early or late, and the parameters make up for it (mend the time of the first sample, or fit the phase; a wrong model \
+    "loads come early or late, and the parameters make up for it (mend the time of the first sample, or fit the phase of runs on a rig; a wrong model \
      shifts them too): shift that is left over its standard error,",
 );
 /// Circular correlation of what the fit leaves with itself one phase on, in deviations: 0 +- 1/sqrt(n W) of noise alone, with W numbers of

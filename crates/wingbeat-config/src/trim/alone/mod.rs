@@ -13,7 +13,7 @@ mod turn;
 
 pub use turn::TurnSummary;
 
-use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec};
+use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec, ended_early};
 use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
 use crate::{ConfigError, Document, Scenario, ScenarioSpec, written};
@@ -321,6 +321,9 @@ impl RobotTrim {
         match searched {
             SearchEnd::NotAsked => {}
             SearchEnd::Ended(how, steps) => {
+                // Its keys are not the caller's.
+                let early = ended_early(how, steps).map(|warning| Warning { key: None, ..warning });
+                trimmed.summary.warnings.extend(early);
                 (alone.search_ended, alone.search_iterations) = (Some(how.into()), Some(steps));
             }
             SearchEnd::NotMade(why) => {

@@ -65,11 +65,11 @@ pub trait Landscape {
 pub enum Ended {
     /// Nothing is left to gain.
     Converged,
-    /// No step as short as allowed gains anything.
+    /// No step as short as allowed gains anything, though there are gaits at its end.
     NoStep,
     /// The iterations allowed were used up.
     IterationLimit,
-    /// There are no derivatives: beside the last gait one has no orbit, or is refused.
+    /// Beside the last gait one has no orbit, or is refused: there are no derivatives, or the shortest step leads to nothing.
     NoSlopes,
 }
 
@@ -144,6 +144,7 @@ pub fn descend<L: Landscape>(
         } else if trial.share > SHARES[1] && length > 0.9 * radius {
             radius = longest.min(FACTORS[1] * radius);
         }
+        let nowhere = trial.there.is_none();
         if trial.share > TAKEN
             && let Some(mut there) = trial.there
         {
@@ -154,7 +155,7 @@ pub fn descend<L: Landscape>(
             curve(&mut hessian, &trial.d, &bend);
             (x, seen, slopes) = (trial.x, there, next);
         } else if radius < shortest {
-            return end(x, seen, iteration, Ended::NoStep);
+            return end(x, seen, iteration, if nowhere { Ended::NoSlopes } else { Ended::NoStep });
         }
     }
     end(x, seen, most, Ended::IterationLimit)

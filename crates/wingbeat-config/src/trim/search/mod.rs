@@ -134,29 +134,28 @@ impl Searched {
             summary.reason =
                 Some(summary.reason.iter().cloned().chain([missed]).collect::<Vec<_>>().join("; "));
         }
-        let ended = Ended::ALL.into_iter().find(|ended| search.ended == ended.words());
-        let early = match ended {
-            Some(Ended::IterationLimit) => {
-                Some((format!("used up its {} iterations", search.iterations), "trim.search.iterations"))
-            }
-            Some(Ended::NoSlopes) => {
-                let text = format!(
-                    "ended after {} iterations, as beside its last gait one has no orbit, or the scenario refuses its values",
-                    search.iterations
-                );
-                Some((text, "trim.search.vary"))
-            }
-            _ => None,
-        };
-        if let Some((how, key)) = early {
-            let text = format!("the search {how}, so that its gait need not be a minimum");
-            let warning = Warning::new("trim.search_ended", text).size(search.iterations as f64).key(key);
-            summary.warnings.push(warning);
-        }
+        summary.warnings.extend(ended_early(search.ended, search.iterations));
         summary.hold_elsewhere(best.limits(), search.least_clearance_m);
         summary.search = Some(search);
         Ok(trimmed)
     }
+}
+
+/// The warning that a search which ended so, in words, after so many iterations need not have found a minimum.
+pub(super) fn ended_early(ended: &str, iterations: usize) -> Option<Warning> {
+    let ended = Ended::ALL.into_iter().find(|of| ended == of.words());
+    let (how, key) = match ended? {
+        Ended::IterationLimit => (format!("used up its {iterations} iterations"), "trim.search.iterations"),
+        Ended::NoSlopes => {
+            let text = format!(
+                "ended after {iterations} iterations, as beside its last gait one has no orbit, or the scenario refuses its values"
+            );
+            (text, "trim.search.vary")
+        }
+        Ended::Converged | Ended::NoStep => return None,
+    };
+    let text = format!("the search {how}, so that its gait need not be a minimum");
+    Some(Warning::new("trim.search_ended", text).size(iterations as f64).key(key))
 }
 
 impl Scenario {

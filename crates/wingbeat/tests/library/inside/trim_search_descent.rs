@@ -57,6 +57,30 @@ fn a_descent_counts_the_steps_that_it_tries() {
     assert_eq!((found.ended, found.iterations), (Ended::Converged, 0));
 }
 
+/// A slope that ends at half of its range, beyond which there is nothing.
+struct Cliff;
+
+impl Landscape for Cliff {
+    type More = ();
+    fn look(&self, x: &[f64], _: &DescentPoint<()>) -> Option<DescentPoint<()>> {
+        (x[0] <= 0.5).then(|| DescentPoint { objective: -x[0], limits: Vec::new(), more: () })
+    }
+    fn slopes(&self, _: &[f64], _: &mut DescentPoint<()>) -> Option<Slopes> {
+        Some(Slopes { objective: vec![-1.0], limits: Vec::new() })
+    }
+}
+
+#[test]
+fn a_descent_that_comes_to_an_edge_has_found_no_minimum() {
+    let seen = DescentPoint { objective: -0.3, limits: Vec::new(), more: () };
+    let found = descend(&Cliff, vec![0.3], seen, 200, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    assert!(
+        found.ended == Ended::NoSlopes && !found.ended.is_minimum() && found.x[0] > 0.45,
+        "{:?}",
+        found.x
+    );
+}
+
 /// Powell's circle (Maratos 1978): of 2 (a^2 + b^2 - 1) - a on the unit circle, whose every full step raises both the objective and what
 /// is missed. In shares of [-1.5, 1.5]^2; counts where it was looked.
 struct Circle(Cell<usize>);
