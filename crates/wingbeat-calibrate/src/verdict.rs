@@ -51,7 +51,11 @@ impl CalibrationResult {
                     by.abs().to_degrees(),
                     error.to_degrees()
                 );
-                judge.hold_about(&calibration::LATE, (by / error).abs(), &about);
+                let errors = (by / error).abs();
+                judge.hold_about(&calibration::LATE, errors, &about);
+                if errors > limits.of(&calibration::LATE).0 {
+                    judge.hold_about(&calibration::LEFT, by.abs().to_degrees(), &about);
+                }
             }
         }
         judge.hold_if(&calibration::COLOURED, self.residual_autocorrelation());

@@ -41,6 +41,10 @@ pub const LATE: JudgedLimit = JudgedLimit::warn_above("calibration.shift_errors"
     "loads come early or late, and the parameters make up for it (mend the time of the first sample, or fit the phase of runs on a rig; a wrong model \
      shifts them too): shift that is left over its standard error,",
 );
+/// The same in degrees, of shifts beyond those errors: as large as the tolerance of a clock before the fit.
+pub const LEFT: JudgedLimit = JudgedLimit::at_most("calibration.shift_left_deg", 5.0, "deg", Outside).on(
+    "the parameters make up for a late clock or a wrong law: shift that is left, known to more than limits.calibration.shift_errors of its errors,",
+);
 /// Circular correlation of what the fit leaves with itself one phase on, in deviations: 0 +- 1/sqrt(n W) of noise alone, with W numbers of
 /// each of n channels, which of a force with eight harmonics reaches half in one of 50, of three in one of 5000.
 pub const COLOURED: JudgedLimit = JudgedLimit::warn_above("calibration.residual_autocorrelation", 0.5, "")
@@ -58,7 +62,7 @@ pub const CORRELATION: JudgedLimit =
     JudgedLimit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 13] = [
+pub const ALL: [JudgedLimit; 14] = [
     EXPLAINED,
     MODEL_ERROR,
     WORSE,
@@ -68,6 +72,7 @@ pub const ALL: [JudgedLimit; 13] = [
     WRONG_MODEL,
     PHASE,
     LATE,
+    LEFT,
     COLOURED,
     REVERSED,
     IDENTIFIED,
