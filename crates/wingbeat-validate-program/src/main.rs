@@ -233,6 +233,12 @@ fn nothing_selected(selection: &Selection, long: bool) -> Error {
     if !long && named(selection) {
         return Error::Input(format!("--only {only}: it takes minutes and is run with --long"));
     }
+    let unhurried = Selection { quick: false, ..selection.clone() };
+    if selection.quick && !select(&short, &unhurried).is_empty() {
+        return Error::Input(format!(
+            "--only {only}: it is none of the quick comparisons: leave --quick out"
+        ));
+    }
     let mut ids: Vec<&str> = short.iter().map(|case| case.id).collect();
     if long {
         ids.extend(slow.iter().map(|case| case.id).chain(longest.iter().map(|case| case.id)));

@@ -62,6 +62,9 @@ fn a_long_comparison_is_run_when_it_is_asked_for() {
     assert_eq!(output.status.code(), Some(2));
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(message.contains("flight.draws: it takes minutes and is run with --long"), "{message}");
+    let output = compared(&folder, &["--quick", "--only", "calibrate.scherer"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("leave --quick out") && output.status.code() == Some(2), "{message}");
     let output = compared(&folder, &["--long", "--only", "flight.drawn"]);
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(

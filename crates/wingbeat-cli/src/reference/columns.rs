@@ -188,7 +188,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("spar_force_<axis>", &[LOADS], N, "root", "Force that holds the left spar at its root."),
     column("spar_moment_<axis>", &[LOADS], NM, "root", "Moment that holds it there."),
     column("spar_strain_<number>", &[LOADS], &["1/m"], "", "Coordinates of the spar, which the drawing of the bent wing is made from: of each element the Legendre coefficients of twist, then of the two curvatures."),
-    column("force_<source>_<axis>", &[FLIGHT, GAIT, LOADS], N, "B", "Force by source: circulatory, induced_drag, added_mass, profile_drag; of a robot also body_drag, gravity and inertia (minus the rate of momentum, with which all sum to zero)."),
+    column("force_<source>_<axis>", &[FLIGHT, GAIT, LOADS], N, "B", "Force by source: circulatory, induced_drag, added_mass, profile_drag; of a robot also body_drag, gravity and inertia (minus the rate of momentum, with which all and the `thrust` of thrusters sum to zero)."),
     column("moment_<source>_<axis>", &[FLIGHT, GAIT, LOADS], NM, "B", "Moment by source about the body's origin."),
     column("force_<axis>", &[LOADS], N, "B", "Force of the air, sum over the sources."),
     column("moment_<axis>", &[LOADS], NM, "B", "Moment of the air about the body's origin, sum over the sources."),

@@ -236,6 +236,11 @@ fn wings_are_exported_as_they_bend_and_bulge() {
         fs::read(folder.join(file)).unwrap().windows(word.len()).any(|at| at == word)
     };
     assert!(holds("sail.glb", b"\"scale\""));
+    // What thrusters give is a load as others are.
+    let hover = root().join("scenarios/hover_guarded.toml").display().to_string();
+    done(&["fly", &hover, "--set", "flight.duration_s=0.02", "--out", "hover", "--quiet"]);
+    done(&["export", "hover", "--mcap", "--quiet"]);
+    assert!(holds("hover.mcap", b"/wrench/thrust") && !holds("sail.mcap", b"/wrench/thrust"));
     // The four parts of a rib of the sail stand in place of its chord.
     assert!(holds("sail.mcap", b"_rib_0_part_3\"><visual>") && holds("sail.mcap", b"_rib_0\"/>"));
 }

@@ -244,7 +244,11 @@ pub fn mcap(motion: &RunMotion, flown: &Record, name: &str) -> Result<Vec<u8>, S
     for source in motion.sources.iter().filter(|source| source.place.is_none()) {
         let plain = source.name.replace(' ', "_");
         let moment = axes(flown, &rows, &format!("moment_{plain}"))?;
-        wrenches.push((file.channel(&format!("/wrench/{plain}"), ros::WRENCH), &source.force, moment));
+        wrenches.push((file.channel(&format!("/wrench/{plain}"), ros::WRENCH), source.force.clone(), moment));
+    }
+    if let Ok(thrust) = axes(flown, &rows, "thrust") {
+        let moment = axes(flown, &rows, "thrust_moment")?;
+        wrenches.push((file.channel("/wrench/thrust", ros::WRENCH), thrust, moment));
     }
     let start = motion.t.first().copied().unwrap_or(0.0);
     for (i, t) in motion.t.iter().enumerate() {
