@@ -74,7 +74,8 @@ pub struct TetherArguments {
     /// The case
     #[arg(value_name = "CASE.toml")]
     pub case: PathBuf,
-    /// Also run it with three numbers of strips and three of steps, and with twice the elements of a spar, on all cores, and say whether its numbers converge
+    /// Also run it with three numbers of strips and three of steps (half, once and twice its own; a quarter, half and once where twice is not
+    /// allowed), and with twice the elements of a spar, on all cores, and say whether its numbers converge
     #[arg(long)]
     pub converge: bool,
     /// Also compare the last cycle with a measured one: columns t (s) or phase (cycles) and channels, see
@@ -96,9 +97,9 @@ pub struct TetherArguments {
 ///
 /// In summary.json, `circulation_error` is the largest circulation around a strip and its wake over that of the largest ring, zero
 /// by Kelvin's theorem; `symmetry_error` is the largest difference between a ring and its mirror image over the largest ring, null
-/// where the motion is not symmetric. `down_over_up` is the mean size of the bound circulation, without its sign, by width in the
-/// downstroke over that in the
-/// upstroke, of each half of the first surface, and `left_over_right` that of left and right. `wake_drag_n` is the drag by the wake
+/// where the motion is not symmetric. `down_over_up` is the mean bound circulation by width, positive where it lifts the wing's
+/// upper side, in the downstroke over that in the upstroke, of each half of the first surface: negative where one of them pushes down.
+/// `left_over_right` is that of left and right. `wake_drag_n` is the drag by the wake
 /// far behind (Trefftz plane) and `span_efficiency` that of the mean lift by it; both are null in unsteady flow, where the mean
 /// bound circulation of a half changes by more than 0.02 of it within the last cycle (`unsteadiness`). `past_stall` is the share of
 /// strips and time steps that the strip model has past its stall angle, and `strongest` the strongest ring at each phase drawn, and
@@ -129,7 +130,7 @@ pub struct WakeArguments {
     /// Let the wind alone carry the wake
     #[arg(long)]
     pub prescribed: bool,
-    /// Radius of the cores of the wake's vortices, mean chords
+    /// Radius of the cores of the wake's vortices, mean chords; as wings feel them, at most a tenth of their way from the trailing edge
     #[arg(long, value_name = "SHARE", default_value_t = CourseRequest::default().core)]
     pub core: f64,
     /// Largest suction parameter of the leading edges (dimensionless, about 0.11 for flat plates): what is above is shed there;

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Instant;
 
+use wingbeat::judge::limits::range::APART;
 use wingbeat::rig::Pose;
 use wingbeat::rig::arm::MAX_JOINTS;
 use wingbeat::robot::{Robot, Skeleton};
@@ -85,7 +86,7 @@ fn seen(robot: Result<Skeleton, wingbeat::plant::Fault>) -> Result<Skeleton, Err
 
 fn robot(scenario: &Scenario, path: &Path) -> Result<Figure, Error> {
     let robot = scenario.robot();
-    let skeleton = seen(robot.at_rest(0.0))?;
+    let skeleton = robot.parted(seen(robot.at_rest(0.0))?, APART.value);
     let mut drawing = Drawing::new();
     drawing.robot(&skeleton, &wingbeat::rig::Pose::IDENTITY, true);
     drawing.frame("body B: x forward, y left, z up", &wingbeat::rig::Pose::IDENTITY);

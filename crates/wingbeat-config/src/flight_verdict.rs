@@ -74,7 +74,11 @@ impl JudgedFlight<'_> {
             }
             Ending::Fault(fault) => {
                 let of_steps = matches!(fault, Fault::MassMatrix { .. });
-                let mend = if of_steps { shorter() } else { String::new() };
+                let mend = match of_steps {
+                    true if self.flight.duration > 0.0 => shorter(),
+                    true => plausible::of_no_inertia(self.context.robot),
+                    false => String::new(),
+                };
                 let text = format!("{fault}, after {:.4} s{mend}", self.flight.duration);
                 Some((Status::Failed, text))
             }

@@ -28,8 +28,8 @@ pub struct LatticeSpec {
     /// Whether the local air carries the wake; else the wind alone.
     #[serde(default)]
     pub free_wake: bool,
-    /// Radius of the cores of the wake's vortices, mean chords of the first surface: well below a panel's chord, where the air does not
-    /// carry the wake off, since the first of them stands at the trailing edge.
+    /// Radius of the cores of the wake's vortices, mean chords of the first surface; as wings feel them, at most a tenth of their way from
+    /// the trailing edge, unless air comes in over it.
     #[serde(default = "core")]
     pub core_chords: f64,
     /// Whether parts of the robot may pass through each other: bound vortices are then rounded off where they are felt further along
@@ -144,10 +144,8 @@ pub struct LatticeSummary {
     pub wake_chords: Option<f64>,
 }
 
-/// Way in a step above which a step is said to be long, chords of a panel, and below which cores are said to be wide, radii.
-/// *Choices.*
+/// Way in a step above which a step is said to be long, chords of a panel. *Choice.*
 const LONG: f64 = 2.0;
-const NARROW: f64 = 1.0;
 /// Way of a shed vortex in a step above which it is said to run away, mean chords. *Choice.*
 const FAR: f64 = 0.5;
 /// Length of a wake below which it is said to be forgotten too soon, mean chords. *Choice*: of the glider the rate of sink is 8 % off at 9
@@ -174,19 +172,13 @@ impl LatticeSummary {
 
     /// What a reader must know of the steps.
     pub fn cautions(&self) -> Vec<String> {
-        let Self { step_s, way_panels, way_cores, sheet_way_chords, wake_chords, .. } = *self;
+        let Self { step_s, way_panels, sheet_way_chords, wake_chords, .. } = *self;
         let mut cautions = Vec::new();
         if way_panels > LONG {
             let shorter = step_s / way_panels;
             cautions.push(format!(
                 "the steps of the lattice are long: in one the wing goes {way_panels:.1} chords of a panel; with lattice.step_s \
                  = {shorter:.2e} it would go one"
-            ));
-        }
-        if way_panels > 0.0 && way_cores < NARROW {
-            cautions.push(format!(
-                "the cores of the wake are wide: in a step of the lattice the wing goes {way_cores:.2} of their radius; lengthen \
-                 lattice.step_s or lower lattice.core_chords"
             ));
         }
         if let Some(way) = sheet_way_chords.filter(|way| *way > FAR) {

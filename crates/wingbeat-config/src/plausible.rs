@@ -24,6 +24,16 @@ pub(super) fn of_short_periods(robot: &Robot, key: &str) -> String {
     }
 }
 
+/// What a run whose mass matrix is none from the start says of `robot`.
+pub(super) fn of_no_inertia(robot: &Robot) -> String {
+    let mut text = ": a link or a piece of a spar turns without inertia of its own or beyond it".to_owned();
+    if robot.surfaces().any(|(_, aero)| aero.membrane().is_some() || aero.flap().is_some()) {
+        text += ", out of which the mass of a flap or membrane is taken: raise inertia_kg_m2 of the link or inertia_kg_m of its spar, or lower \
+                 areal_density_kg_m2";
+    }
+    text
+}
+
 /// Holds the frequency up to which the vibrations of springs with an inertance are slowed by at most half a per cent against that of the gait.
 pub(super) fn hold_followed(judge: &mut Judge, robot: &Robot) {
     if robot.inertance_s() > 0.0 {

@@ -273,6 +273,14 @@ impl Sweep {
         let Some((k, wrong)) = places.filter_map(|(k, here)| Some((k, of(&here)?))).next() else {
             return error;
         };
+        if let KeyProblem::Value(allowed) = &wrong.problem
+            && allowed.starts_with("a whole number")
+            && draw.values.is_empty()
+        {
+            let allowed = format!("values = [..] in place of a range: {} is {allowed}", draw.key);
+            let low = draw.low.unwrap_or(value);
+            return self.document.explain(&Error::invalid(format!("{place}.low"), low, allowed));
+        }
         let key = match (k, &wrong.problem) {
             (0, KeyProblem::Value(_)) => format!("{place}.{end}"),
             (0, _) => format!("{place}.key"),

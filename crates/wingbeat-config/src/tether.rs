@@ -9,7 +9,7 @@ use super::span_keys::{resolve, varied};
 use super::spar_numbers::SparNumbers;
 use super::stall;
 use super::tether_spec::{ClockSpec, ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::unheard::{in_vain, of_strips, side_edges};
+use super::unheard::{by_lattice, in_vain, of_strips, side_edges};
 use super::web;
 use super::{ConfigError, CoordinateSpec, Document, MeasuredComparison, Smoothed};
 use serde::Serialize;
@@ -259,6 +259,11 @@ impl TetherCase {
     /// The model that numbers that are fitted to it are of: that of a wing alone.
     pub fn fitted_model(&self) -> FittedModel {
         model_of_wing(&self.spec.wing.planform, &self.spec.aero)
+    }
+
+    /// The warnings that it gives keys that change no load of the vortex lattice.
+    pub fn unheard_by_lattice(&self) -> Vec<Warning> {
+        by_lattice(&self.document, !self.spec.numbers.is_empty())
     }
 
     /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a

@@ -203,7 +203,20 @@ impl TetherCase {
         );
         let runs: Vec<ConvergenceRun> = runs.into_iter().flatten().collect();
         let whole = watch().is_continue() && runs.len() == cells.len();
-        Ok(whole.then(|| Convergence::new(levels, runs)))
+        let (key, strips) = self.strips();
+        let own = [
+            (key, strips, levels.strips),
+            ("time.steps_per_cycle", self.spec.time.steps_per_cycle, levels.steps_per_cycle),
+        ];
+        let finest = own.into_iter().filter(|(_, own, levels)| levels[LEVELS - 1] == *own);
+        Ok(whole.then(|| {
+            let mut table = Convergence::new(levels, runs);
+            for (key, own, _) in finest {
+                table.verdict +=
+                    &format!("; {key} = {own} of the case is the finest, as twice that is not allowed");
+            }
+            table
+        }))
     }
 
     /// The same case with other strips, steps per cycle and, where they are given, elements of its spar.

@@ -147,6 +147,29 @@ pub(super) fn in_vain<'a>(
     document.given_by_overrides().into_iter().filter_map(said).collect()
 }
 
+/// The warnings that the merged `document` of a case gives keys that change no load of the vortex lattice: overrides of sections and of the
+/// aerodynamic model, and fitted `numbers` wherever they stand.
+pub(super) fn by_lattice(document: &Document, numbers: bool) -> Vec<Warning> {
+    const NUMBERS: &str = "numbers";
+    let unheard = |key: &str| {
+        let under = ["aero.", "wing.section.", "wing.sections", "numbers."];
+        ["wing.cd0", "wing.cd90"].contains(&key) || under.iter().any(|table| key.starts_with(table))
+    };
+    let said = |key: &str, value: &str| {
+        let text =
+            format!("{key}{value} has no effect on loads: the lattice has no sections and no friction");
+        Warning::new("aero.unheard", text).key(key)
+    };
+    let given = document.given_by_overrides();
+    let given = given.iter().filter(|(key, _)| unheard(key));
+    let mut all: Vec<Warning> = given.map(|(key, value)| said(key, &format!(" = {value}"))).collect();
+    if numbers && !all.iter().any(|warning| warning.key.as_ref().is_some_and(|key| key.starts_with(NUMBERS)))
+    {
+        all.push(said(NUMBERS, ""));
+    }
+    all
+}
+
 /// The warning that the vortices of side edges push too hard where the share `past_stall` of the strips of `models` is beyond the stall
 /// angle: with them the force of a plate of aspect ratio 2 is 28 % too large from 22 degrees on, without them 8 % (`aero.plates`).
 pub(super) fn side_edges<'a>(

@@ -3,7 +3,7 @@
 use crate::course::{CROSSING, FAST_FROM, MOST_RINGS};
 use crate::flown::laid;
 use crate::layout::{PanelLayout, Spacing};
-use crate::mesh::Mesh;
+use crate::mesh::{EdgeInflow, Mesh};
 use crate::motion::{LatticeSurface, MovingSections, Panels, Scene};
 use crate::settings::{LatticeSettings, WakeMotion};
 use crate::skin::{BentPiece, SurfaceEdges};
@@ -121,16 +121,13 @@ struct EdgeTravel {
     edges: usize,
     /// Sums of squares, m2 and chords of a panel.
     squares: [f64; 2],
-    /// Widths over whose trailing edge the air comes in, and all, m.
-    inflow: [f64; 2],
+    inflow: EdgeInflow,
 }
 
 impl EdgeTravel {
     /// Goes on by those of `meshes` in a step of `step` s.
     fn go(&mut self, meshes: &[Mesh], wind: Vec3, step: f64) {
-        for [inward, all] in meshes.iter().map(|mesh| mesh.inflow(wind)) {
-            self.inflow = [self.inflow[0] + inward, self.inflow[1] + all];
-        }
+        self.inflow.add(meshes, wind);
         for (mesh, edge) in meshes.iter().flat_map(|mesh| mesh.edges.iter().map(move |edge| (mesh, edge))) {
             let way = (edge.v_te - wind).norm() * step;
             if way > 0.0 {
@@ -275,8 +272,7 @@ impl Flow for CoupledLattice {
         let [way, panels] = self.way.squares.map(|sum| (sum / self.way.edges.max(1) as f64).sqrt());
         let settings = self.lattice.settings();
         let sheet = settings.critical_suction.map(|_| self.lattice.farthest() / self.chord);
-        let [inward, all] = self.way.inflow;
-        let inflow = inward / all.max(f64::MIN_POSITIVE);
+        let inflow = self.way.inflow.share();
         Fineness { panels, cores: way / settings.core.radius_m, sheet, inflow }
     }
 }

@@ -20,8 +20,8 @@ pub struct Lattice {
     meshes: Vec<Mesh>,
     wakes: Vec<Wake>,
     influence: Influence,
-    /// Circulations of the rings now and at the two instants before, by surface and panel, m2/s.
-    rings: [Vec<f64>; 3],
+    /// Circulations of the rings now and at the three instants before, by surface and panel, m2/s.
+    rings: [Vec<f64>; 4],
     /// Instants solved.
     solved: usize,
     /// What leaves the leading edges, where they shed.
@@ -145,6 +145,9 @@ impl Lattice {
     /// The loads of the instant `t` s, to which the wakes have come.
     fn arrive(&mut self, t: f64) -> Result<LatticeLoads, Error> {
         self.join(t)?;
+        if !self.settings.emulates() {
+            self.soften(true);
+        }
         let (points, places) = self.places();
         let mut air = self.influence.velocities(&points, &places, &self.sources(false, true));
         air.iter_mut().for_each(|v| *v += self.scene.wind);
@@ -177,7 +180,18 @@ impl Lattice {
         if !loads.is_finite() {
             return Err(Error::NotFinite { time: t, what: "load" });
         }
+        self.soften(false);
         Ok(loads)
+    }
+
+    /// Gives the vortices of the wakes the cores that wings feel, or those that they have for each other.
+    fn soften(&mut self, on_wings: bool) {
+        let LatticeSettings { core, step_s, .. } = self.settings;
+        for (wake, mesh) in self.wakes.iter_mut().zip(&mut self.meshes) {
+            let rear = if on_wings { mesh.rear() } else { Vec::new() };
+            wake.soften(&core, step_s, &rear);
+            mesh.soften_ends(core.radius_m, &rear);
+        }
     }
 
     /// The next instant with the circulations `rings` of another model, by surface and panel (m2/s), in place of those that keep the
@@ -241,7 +255,8 @@ impl Lattice {
             // A whole number of steps may come out just below it.
             let rows = self.settings.longest_age_s / step + 1e-9;
             wake.truncate(rows.min(1e9) as usize, self.settings.longest_distance_m);
-            wake.set_segments(&self.settings.core, step);
+            wake.set_segments();
+            wake.soften(&self.settings.core, step, &[]);
             first += panels;
         }
         if let Some(Shedding { sheets, jumps, .. }) = &mut self.shedding {
@@ -253,7 +268,8 @@ impl Lattice {
                 Shedding::join(sheet, mesh, (self.solved > 0).then_some(own));
                 let rows = self.settings.longest_age_s / step + 1e-9;
                 sheet.truncate(rows.min(1e9) as usize, self.settings.longest_distance_m);
-                sheet.set_segments(&self.settings.sheet_core(), step);
+                sheet.set_segments();
+                sheet.soften(&self.settings.sheet_core(), step, &[]);
             }
         }
         let finite = |mesh: &Mesh| mesh.controls.iter().all(|c| (c.normal + c.at + c.velocity).is_finite());
@@ -372,23 +388,27 @@ impl Lattice {
         Ok(())
     }
 
-    /// Rates of circulations now and at the two instants before by backward differences of second order, m2/s2. The first instant, when all starts at
-    /// once, has none.
+    /// Rates of circulations now and at the instants `before` by backward differences of as high an order, m2/s2. The first instant, when
+    /// all starts at once, has none.
     ///
     /// Equation: lattice.rates
-    /// `(3 G_n - 4 G_n-1 + G_n-2)/(2 h)`
+    /// `(11 G_n - 18 G_n-1 + 9 G_n-2 - 2 G_n-3)/(6 h) of rings, (3 G_n - 4 G_n-1 + G_n-2)/(2 h) of jumps at leading edges`
     /// Source: backward differences.
     /// Test: `a_long_wing_starts_as_wagner_says`.
-    fn rates(&self, [now, one, two]: &[Vec<f64>; 3]) -> Vec<f64> {
+    fn rates(&self, circulations: &[Vec<f64>]) -> Vec<f64> {
         let per_step = self.settings.step_s.recip();
         let emulated = self.settings.emulates();
-        let rate = |i: usize| match self.solved {
-            0 if !emulated => 0.0,
-            2.. if !emulated => (1.5 * now[i] - 2.0 * one[i] + 0.5 * two[i]) * per_step,
-            0 => now[i] * per_step,
-            _ => (now[i] - one[i]) * per_step,
+        let order = if emulated { 1 } else { self.solved.min(circulations.len() - 1) };
+        let weights: &[f64] = match order {
+            0 => &[],
+            1 => &[1.0, -1.0],
+            2 => &[1.5, -2.0, 0.5],
+            _ => &[11.0 / 6.0, -3.0, 1.5, -1.0 / 3.0],
         };
-        (0..now.len()).map(rate).collect()
+        let rate = |i: usize| {
+            per_step * weights.iter().zip(circulations).map(|(weight, ring)| weight * ring[i]).sum::<f64>()
+        };
+        (0..circulations[0].len()).map(rate).collect()
     }
 
     /// The surfaces as they lay at the last instant solved.

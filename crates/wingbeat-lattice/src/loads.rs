@@ -63,6 +63,8 @@ struct LoadedSurface<'a> {
     fronts: Vec<Vec3>,
     legs: Vec<Vec3>,
     ends: Vec<Vec3>,
+    /// Cosines of [`Mesh::leaving`].
+    leaving: Vec<f64>,
     density: f64,
     emulates: bool,
     /// Whether the last legs lie between the wing and its mirror image, whose legs undo them.
@@ -102,6 +104,7 @@ impl LatticeLoads {
                 } else {
                     Vec::new()
                 },
+                leaving: (0..mesh.strips).map(|j| mesh.leaving(j, scene.wind)).collect(),
                 density: air.density,
                 emulates,
                 undone: scene.symmetric && mesh.reaches_middle(),
@@ -209,18 +212,21 @@ impl LoadedSurface<'_> {
     }
 
     /// Force of the growing jump of potential, rho A d(phi)/dt n at the middle of the panel. The jump on a panel is that of the ring
-    /// before it up to its bound vortex, and of its own ring behind.
+    /// before it up to its bound vortex, and of its own ring behind. Bound vortices stand for the sheet up to half a panel behind them,
+    /// the last ones up to the last control point; on the quarter of a panel behind that stands the sheet that is being shed, of the strength
+    /// -dG/dt/V where the air leaves at the speed V, and bears V cos e of it, e the angle between its way and the wing.
     ///
     /// Equation: lattice.unsteady_force
-    /// `rho A n d/dt(3/4 G_i + 1/4 G_i-1)`
-    /// Source: Katz & Plotkin 2001, section 13.12; shares own: the ring before reaches to the bound vortex.
+    /// `rho A n d/dt(3/4 G_i + 1/4 G_i-1), (3 - cos e)/4 in the place of 3/4 in the last row`
+    /// Source: Katz & Plotkin 2001, section 13.12; shares own: the ring before reaches to the bound vortex, and Kutta's condition at the edge.
     /// Test: `a_long_wing_starts_as_wagner_says`.
     fn grown(&self, i: usize, j: usize) -> (Vec3, Vec3) {
         let n = self.mesh.strips;
         let at_edge = || self.jump_rates.get(j).copied().unwrap_or(0.0);
         let before = if i > 0 { self.rates[(i - 1) * n + j] } else { at_edge() };
         let own = self.rates[i * n + j];
-        let rate = if self.emulates { own } else { 0.75 * own + 0.25 * before };
+        let share = if i + 1 == self.mesh.chordwise { 0.75 - 0.25 * self.leaving[j] } else { 0.75 };
+        let rate = if self.emulates { own } else { share * own + 0.25 * before };
         let control = &self.mesh.controls[i * n + j];
         let (middle, _) = self.mesh.middle(i, j);
         (middle, control.normal * (self.density * rate * control.area))

@@ -10,9 +10,42 @@ use wingbeat::math::{Dual, Vec3};
 pub(crate) const VORTEX: f64 = 0.25;
 /// Place of a panel's control point along its chord.
 const CONTROL: f64 = 0.75;
-/// Share of a step's way behind the trailing edge at which the last rings end: as their bound vortices stand at 1/4 of a panel,
-/// the first vortex of the wake stands at 1/4 of its own.
+/// Share of a step's way behind the trailing edge at which the last rings end where that way is a panel's chord: as their bound
+/// vortices stand at 1/4 of a panel, the first vortex of the wake stands at 1/4 of its own.
 const BEHIND: f64 = 0.25;
+
+/// Euler's digamma function of `x` above 0, dimensionless: by its recurrence, and from 6 on by its asymptotic series.
+fn digamma(mut x: f64) -> f64 {
+    let mut sum = 0.0;
+    while x < 6.0 {
+        sum -= x.recip();
+        x += 1.0;
+    }
+    let square = (x * x).recip();
+    sum + x.ln() - 0.5 / x - square * (1.0 / 12.0 - square * (1.0 / 120.0 - square / 252.0))
+}
+
+/// Share of a step's way behind the trailing edge at which the last rings end, `ratio` that way over the chord of a panel,
+/// dimensionless. Sheets of even strength on both sides of the last control point induce nothing there. Their vortices, a panel
+/// or a step's way apart, do the same where psi(y) = psi(1/2) - ln(ratio), y the distance of the first of the wake over its way: sums of
+/// 1/(y + n) are -psi(y) and a term that both share. Below a quarter they would end on the wing, and end at its edge.
+///
+/// Equation: lattice.first_vortex
+/// `psi(y) = psi(1/2) - ln(ratio), share = y - 1/(4 ratio), at least 0`
+/// Source: own derivation; 1/4 where the ratio is 1.
+/// Test: `lift_in_plunge_is_that_of_theodorsen_with_the_default_core`.
+fn behind(ratio: f64) -> f64 {
+    if !(ratio > BEHIND) {
+        return 0.0;
+    }
+    let right = digamma(0.5) - ratio.ln();
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        *(if digamma(middle) < right { &mut low } else { &mut high }) = middle;
+    }
+    (low - BEHIND / ratio).max(0.0)
+}
 
 /// Share of the way from the leading edge to the row that left it a step ago at which the newest vortex of its sheet stands: that is a
 /// quarter of a step behind the edge where rows leave it at an even pace. *Choice.*
@@ -27,6 +60,22 @@ pub struct VortexElement {
     pub velocity: Vec3,
     /// From its begin to its end, m.
     pub along: Vec3,
+}
+
+/// The trailing edge at an edge of the strips.
+#[derive(Clone, Copy, Debug)]
+pub struct Rear {
+    /// Place, m.
+    pub at: Vec3,
+    /// A unit vector out over it, in the plane of the strips beside it.
+    pub outward: Vec3,
+}
+
+impl Rear {
+    /// How far `p` (m) lies over the wing, as where air comes in over the edge, m; 0 behind it.
+    pub fn over(&self, p: Vec3) -> f64 {
+        (self.at - p).dot(self.outward).max(0.0)
+    }
 }
 
 /// A control point.
@@ -179,22 +228,14 @@ impl Mesh {
         self.mean_chord
     }
 
-    /// Width of the strips over whose trailing edge the air comes in, in the wind `wind` m/s, and of all, m.
-    pub(crate) fn inflow(&self, wind: Vec3) -> [f64; 2] {
-        let (mut inward, mut all) = (0.0, 0.0);
-        for (j, arcs) in self.arcs.windows(2).enumerate() {
-            let (left, right) = (self.tail(j), self.tail(j + 1));
-            let edge = right.at - left.at;
-            let (a, b) = (&self.edges[j], &self.edges[j + 1]);
-            let chord = a.te - a.le + b.te - b.le;
-            let outward = chord * edge.norm_squared() - edge * edge.dot(chord);
-            let width = (arcs[1] - arcs[0]).abs();
-            all += width;
-            if (wind * 2.0 - left.velocity - right.velocity).dot(outward) < 0.0 {
-                inward += width;
-            }
-        }
-        [inward, all]
+    /// The trailing edge by edge of the strips, from left to right.
+    pub(crate) fn rear(&self) -> Vec<Rear> {
+        let outward = |j: usize| self.over_edge(j, Vec3::ZERO).0;
+        let of = |j: usize| {
+            let beside = [j.saturating_sub(1), j.min(self.strips - 1)];
+            Rear { at: self.tail(j).at, outward: (outward(beside[0]) + outward(beside[1])).unit() }
+        };
+        (0..=self.strips).map(of).collect()
     }
 
     /// Where [`controls`](Self::controls), [`fronts`](Self::fronts) and [`legs`](Self::legs) lie along the arc, m, one after another.
@@ -204,6 +245,28 @@ impl Mesh {
         let fronts = (0..self.chordwise).flat_map(move |_| fronts.clone());
         let legs = (0..self.legs.len() / self.arcs.len()).flat_map(|_| self.arcs.iter().copied());
         self.controls.iter().map(|c| c.arc).chain(fronts).chain(legs)
+    }
+
+    /// Cosine of the angle between the wing and the way square to the trailing edge of strip `j` on which the air leaves it in the wind `wind`
+    /// m/s, dimensionless; 0 where it comes in there or rests.
+    pub(crate) fn leaving(&self, j: usize, wind: Vec3) -> f64 {
+        let (outward, through) = self.over_edge(j, wind);
+        let out = through.dot(outward);
+        if out > 0.0 { out / out.hypot(through.dot(self.rear_normal(j))) } else { 0.0 }
+    }
+
+    /// Unit normal of the last panel of strip `j`.
+    fn rear_normal(&self, j: usize) -> Vec3 {
+        self.controls[self.panels() - self.strips + j].normal
+    }
+
+    /// A unit vector in the last panel of strip `j` out over its trailing edge, square to it, and twice the air's velocity there in the wind
+    /// `wind`, m/s.
+    fn over_edge(&self, j: usize, wind: Vec3) -> (Vec3, Vec3) {
+        let (left, right) = (self.tail(j), self.tail(j + 1));
+        // From left to right, with the normal up.
+        let outward = (right.at - left.at).cross(self.rear_normal(j)).unit();
+        (outward, wind * 2.0 - left.velocity - right.velocity)
     }
 
     /// Number of panels.
@@ -264,14 +327,29 @@ impl Mesh {
         if self.core == 0.0 {
             front.extend(tails().map(|tail| tail.at));
         }
-        ends.extend(tails().map(|tail| tail.at + (wind - tail.velocity) * (BEHIND * step)));
+        ends.extend(tails().zip(&self.edges).map(|(tail, edge)| {
+            let way = (wind - tail.velocity) * step;
+            let share = match self.core == 0.0 {
+                true => behind(way.norm() * m / (edge.te - edge.le).norm()),
+                false => BEHIND,
+            };
+            tail.at + way * share
+        }));
         front.extend_from_slice(&ends);
-        let (bound, trailing) = (&mut self.bound, &mut self.trailing);
-        (bound.points, trailing.points) = (front, ends);
+        let bound = &mut self.bound;
+        (bound.points, self.trailing.points) = (front, ends);
         let square = if self.rounded { 1.0 } else { self.core * self.core };
         bound.arcs.clone_from(&self.arcs);
         bound.soften(|_, _| square, |_, _| square);
-        trailing.soften(|_, _| self.wake_core * self.wake_core, |_, _| 0.0);
+        self.soften_ends(self.wake_core, &[]);
+    }
+
+    /// Gives the ends of the last rings cores of the radius `core` m, which over the wing, whose edge is `rear`, are at most as wide as they are
+    /// far over it, and none behind.
+    pub fn soften_ends(&mut self, core: f64, rear: &[Rear]) {
+        let most: Vec<f64> = rear.iter().zip(&self.trailing.points).map(|(rear, p)| rear.over(*p)).collect();
+        let radius = |j: usize| most.iter().skip(j).take(2).fold(core, |least, most| least.min(*most));
+        self.trailing.soften(|_, j| radius(j).powi(2), |_, _| 0.0);
     }
 
     /// Lays the rings of the nose, whose ends are at first above or below the leading edge, where the air leaves it, and then the share
@@ -472,6 +550,29 @@ impl Mesh {
         nose.along.extend((1..nose.rows()).flat_map(|_| (0..=n).map(leg)));
         heads.along.clear();
         heads.across.clone_from(jumps);
+    }
+}
+
+/// Widths of trailing edges over which the air comes in, and of all, summed over steps, m.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct EdgeInflow([f64; 2]);
+
+impl EdgeInflow {
+    /// Adds those of `meshes` in the wind `wind` m/s.
+    pub(crate) fn add(&mut self, meshes: &[Mesh], wind: Vec3) {
+        for mesh in meshes {
+            for (j, arcs) in mesh.arcs.windows(2).enumerate() {
+                let (outward, through) = mesh.over_edge(j, wind);
+                let width = (arcs[1] - arcs[0]).abs();
+                self.0[0] += if through.dot(outward) < 0.0 { width } else { 0.0 };
+                self.0[1] += width;
+            }
+        }
+    }
+
+    /// The share of the first, dimensionless.
+    pub(crate) fn share(self) -> f64 {
+        self.0[0] / self.0[1].max(f64::MIN_POSITIVE)
     }
 }
 

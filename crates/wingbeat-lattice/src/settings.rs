@@ -9,6 +9,11 @@ const LAMB: f64 = 1.25643;
 /// the wing, and noisy thereafter.
 pub(crate) const SHEET_CORE: f64 = 0.1;
 
+/// Most of a core where wings feel it, over the way along the wake from the trailing edge. *Choice*: it takes 1 % at most of what a vortex
+/// does at control points before it, and 0.2 % of the lift of a plate in plunge. What lies over the wing, as where air comes in over the
+/// edge, has cores as wide as that at least.
+pub(crate) const CLOSE: f64 = 0.1;
+
 /// How vortices of the wake are rounded off: rc^2 = radius^2 + 4 a (nu + squire |Gamma|) age.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Core {

@@ -1,7 +1,8 @@
 //! The wake of a surface: rows of vertices from the oldest to the trailing edge.
 
 use crate::kernel::VortexGrid;
-use crate::settings::Core;
+use crate::mesh::Rear;
+use crate::settings::{CLOSE, Core};
 use wingbeat::math::Vec3;
 
 /// A sheet of vortex rings. Ring row r lies between the rows r and r + 1 of vertices; the last row of vertices is the ends of the
@@ -48,13 +49,13 @@ impl Wake {
         self.before.drain(..(gone * n).min(self.before.len()));
     }
 
-    /// Puts the rings on the segments, with the cores that they have after steps of `step` s each.
+    /// Puts the rings on the segments.
     ///
     /// Equation: lattice.wake_rings
     /// `the ring shed at t_n carries the last ring's circulation of t_n; segments the difference of their rings`
     /// Source: Kutta; Katz & Plotkin 2001, section 13.12.
     /// Test: `rings_close_and_leave_by_age_and_distance`.
-    pub fn set_segments(&mut self, core: &Core, step: f64) {
+    pub fn set_segments(&mut self) {
         let (n, rows) = (self.grid.columns - 1, self.rows());
         let rings = &self.rings;
         let ring = |r: usize, j: usize| rings[r * n + j];
@@ -70,17 +71,42 @@ impl Wake {
                 grid.along.extend((0..=n).map(|j| beside(j) - if j > 0 { beside(j - 1) } else { 0.0 }));
             }
         }
+    }
+
+    /// Gives the segments the cores that they have after steps of `step` s each; as the wing with the trailing edge `rear` feels them
+    /// they have at most a share of their way along the sheet from there, and what they lie over the wing.
+    ///
+    /// Equation: lattice.close_core
+    /// `rc = min(core, s/10 + d), s along the sheet from the trailing edge, d how far over the wing`
+    /// Source: own: a vortex at s acts on control points as 1/(1 + rc^2/d^2) of a bare one, d > s.
+    /// Test: `lift_in_plunge_is_that_of_theodorsen_with_the_default_core`.
+    pub fn soften(&mut self, core: &Core, step: f64, rear: &[Rear]) {
+        let (n, rows) = (self.grid.columns - 1, self.rows());
+        let rings = &self.rings;
+        let ring = |r: usize, j: usize| rings[r * n + j];
+        let grid = &mut self.grid;
+        // Squares of the longest cores, by vertex.
+        let mut most = vec![f64::INFINITY; grid.points.len()];
+        for (j, rear) in rear.iter().enumerate() {
+            let mut way = 0.0;
+            for at in (0..=rows).rev().map(|r| r * (n + 1) + j) {
+                let here = grid.points[at];
+                way += grid.points.get(at + n + 1).map_or(0.0, |newer| (*newer - here).norm());
+                most[at] = (CLOSE * way + rear.over(here)).powi(2);
+            }
+        }
+        let least = |r: usize, j: usize, next: usize| most[r * (n + 1) + j].min(most[r * (n + 1) + j + next]);
         let mean = |values: [Option<f64>; 2]| {
             let known = values.into_iter().flatten();
             known.clone().map(f64::abs).sum::<f64>() / (known.count().max(1)) as f64
         };
         let across = |r: usize, j: usize| {
             let strength = mean([r.checked_sub(1).map(|r| ring(r, j)), (r < rows).then(|| ring(r, j))]);
-            core.square((rows - r) as f64 * step, strength)
+            core.square((rows - r) as f64 * step, strength).min(least(r, j, 1))
         };
         let along = |r: usize, j: usize| {
             let strength = mean([j.checked_sub(1).map(|j| ring(r, j)), (j < n).then(|| ring(r, j))]);
-            core.square(((rows - r) as f64 - 0.5) * step, strength)
+            core.square(((rows - r) as f64 - 0.5) * step, strength).min(least(r, j, n + 1))
         };
         grid.soften(across, along);
     }
@@ -134,7 +160,22 @@ mod tests {
             let row: Vec<Vec3> = (0..3).map(|j| Vec3::new(f64::from(k), f64::from(j), 0.0)).collect();
             wake.join(&row, (k > 0).then_some(&[1.0, f64::from(k)]));
         }
-        wake.set_segments(&core, 1.0);
+        wake.set_segments();
+        wake.soften(&core, 1.0, &[]);
+        assert!(
+            wake.grid.core_across.iter().chain(&wake.grid.core_along).all(|core| (core - 0.01).abs() < 1e-15)
+        );
+        // Rows are 1 m apart.
+        // Two columns lie behind an edge, the third over it.
+        let rear =
+            |outward: f64| Rear { at: Vec3::new(5.0, 0.0, 0.0), outward: Vec3::new(outward, 0.0, 0.0) };
+        let core = Core { radius_m: 0.25, ..core };
+        wake.soften(&core, 1.0, &[rear(-1.0), rear(-1.0), rear(1.0)]);
+        let of_rows: Vec<f64> = wake.grid.core_across.chunks(2).rev().map(|row| row[0].sqrt()).collect();
+        let right = [0.0, 0.1, 0.2, 0.25, 0.25, 0.25];
+        let over: Vec<f64> = wake.grid.core_along.chunks(3).rev().map(|row| row[2].sqrt()).collect();
+        assert!(over[0] == 0.0 && over[1..].iter().all(|own| *own == 0.25), "{over:?}");
+        assert!(of_rows.iter().zip(right).all(|(own, right)| (own - right).abs() < 1e-12), "{of_rows:?}");
         for j in 0..2 {
             let sum: f64 = wake.grid.across.iter().skip(j).step_by(2).sum();
             assert!(sum.abs() < 1e-15);

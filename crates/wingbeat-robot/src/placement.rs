@@ -62,6 +62,14 @@ impl<P: Scalar> Parameters<P> for PlacementNumbers<P> {
 /// A link, none for the body, and a chord line in its frame, m: leading and trailing edge.
 pub(super) type LinkLine<P> = (Option<usize>, [Vec3<P>; 2]);
 
+/// Where two panels meet: the arc coordinate of the hinge, m, whether that is on the left, and the chord lines there of the inner and the
+/// outer panel.
+pub(super) struct PanelMeeting<P: Scalar> {
+    pub at: P,
+    pub left: bool,
+    pub lines: [LinkLine<P>; 2],
+}
+
 /// A stretch of one half of a surface on a link.
 #[derive(Clone, Copy, Debug)]
 struct Panel<P: Scalar = f64> {
@@ -179,9 +187,8 @@ impl<P: Scalar> Placement<P> {
         SurfaceSection::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
     }
 
-    /// Where one panel ends and the next begins, for each half: the links of both, and their chord lines on the hinge, in the frames of
-    /// these, m.
-    pub(super) fn meetings(&self) -> Vec<[LinkLine<P>; 2]> {
+    /// Where one panel ends and the next begins, for each half.
+    pub(super) fn meetings(&self) -> Vec<PanelMeeting<P>> {
         let mut meetings = Vec::new();
         for (half, panels) in self.panels.iter().enumerate() {
             for pair in panels.windows(2) {
@@ -195,7 +202,8 @@ impl<P: Scalar> Placement<P> {
                     let (leading, trailing) = self.planform.edges(s);
                     let line =
                         |panel: &Panel<P>| [leading, trailing].map(|x| panel.point(arc, x + self.shift));
-                    [0, 1].map(|i| (pair[i].link, line(&pair[i])))
+                    let lines = [0, 1].map(|i| (pair[i].link, line(&pair[i])));
+                    PanelMeeting { at: s, left: half == 0, lines }
                 }));
             }
         }

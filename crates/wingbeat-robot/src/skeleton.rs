@@ -3,7 +3,9 @@
 use super::Robot;
 use super::dynamics::Evaluation;
 use super::observe::Observation;
+use super::placement::PanelMeeting;
 use super::sections::SurfaceSection;
+use super::stance::lines_apart;
 use crate::body::{JointKind, LinkMotion};
 use wingbeat_aero::{Loads, Surface, flap_hinge, flap_points, membrane_points};
 use wingbeat_math::{Mat3, Vec3};
@@ -59,6 +61,35 @@ pub struct Skeleton {
 }
 
 impl Robot {
+    /// `skeleton` with a gap on each hinge on which the chord lines of the panels that meet lie further apart than the share `least` of
+    /// them; surfaces that bend stay as they are.
+    #[must_use]
+    pub fn parted(&self, mut skeleton: Skeleton, least: f64) -> Skeleton {
+        let Skeleton { links, outlines, .. } = &mut skeleton;
+        for (outline, laid) in
+            outlines.iter_mut().zip(&self.covering.laid).filter(|(o, _)| o.raised.is_empty())
+        {
+            let mut arcs = laid.stations.clone();
+            for PanelMeeting { at, left, lines } in laid.placement.meetings() {
+                let ribs = lines.map(|(link, ends)| match link.map(|i| &links[i]) {
+                    Some(link) => ends.map(|end| link.origin + link.rotation * end),
+                    None => ends,
+                });
+                let Some(i) = arcs.iter().position(|arc| *arc == at).filter(|_| lines_apart(ribs) > least)
+                else {
+                    continue;
+                };
+                // From left to right the outer one comes first on the left.
+                let [inner, outer] = ribs;
+                let pair = if left { [outer, inner] } else { [inner, outer] };
+                arcs.insert(i, at);
+                outline.ribs.splice(i..=i, pair);
+                outline.covered.insert(i, false);
+            }
+        }
+        skeleton
+    }
+
     /// The robot at (t, x, u).
     ///
     /// # Errors

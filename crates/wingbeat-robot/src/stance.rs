@@ -2,7 +2,7 @@
 
 use super::carried::air_power;
 use super::drive::Ratios;
-use super::placement::LinkLine;
+use super::placement::{LinkLine, PanelMeeting};
 use super::sections::{CarrierRoom, Carriers, Riding, SurfaceSection, Web};
 use super::{BodyMotion, Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
@@ -36,6 +36,12 @@ impl PartialEq for Stance {
         let soft = self.structure == other.structure && self.bends == other.bends;
         clock(self) == clock(other) && body(self) == body(other) && soft
     }
+}
+
+/// Distance of two chord lines over the shorter of them, dimensionless.
+pub(super) fn lines_apart([inner, outer]: [[Vec3; 2]; 2]) -> f64 {
+    let chord = [inner, outer].map(|[leading, trailing]| (leading - trailing).norm());
+    segment_distance(inner, outer) / chord[0].min(chord[1])
 }
 
 impl Robot {
@@ -110,11 +116,7 @@ impl Robot {
             let link = link.map_or(&base, |i| &links[i]);
             ends.map(|end| link.point(end))
         };
-        let apart = |meeting: [LinkLine<f64>; 2]| {
-            let [inner, outer] = meeting.map(line);
-            let chord = [inner, outer].map(|[leading, trailing]| (leading - trailing).norm());
-            segment_distance(inner, outer) / chord[0].min(chord[1])
-        };
+        let apart = |meeting: PanelMeeting<f64>| lines_apart(meeting.lines.map(line));
         let meetings = self.covering.laid.iter().flat_map(|surface| surface.placement.meetings());
         meetings.map(apart).filter(|apart| apart.is_finite()).reduce(f64::max)
     }

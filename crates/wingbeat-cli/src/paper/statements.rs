@@ -195,14 +195,16 @@ fn wake(all: &mut Vec<Statement>, wake: Option<&WakeSummary>) {
     };
     let ratio = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}"));
     let both = told.down_over_up.left.zip(told.down_over_up.right);
+    let past_stall = told.past_stall.unwrap_or(1.0);
     let here = format!(
         "mean bound circulation of the downstroke over the upstroke: left {}, right {}; {:.0} % of the strips are past stall",
         ratio(told.down_over_up.left),
         ratio(told.down_over_up.right),
-        100.0 * told.past_stall
+        100.0 * past_stall
     );
-    let falls = both.map(|(left, right)| left.min(right) > 1.0);
-    let attached = told.past_stall <= 0.05;
+    // Vorticity has a size, whichever way it turns.
+    let falls = both.map(|(left, right)| left.abs().min(right.abs()) > 1.0);
+    let attached = past_stall <= 0.05;
     put(here, if attached { StatementOutcome::when(falls) } else { StatementOutcome::NotComparable });
 }
 

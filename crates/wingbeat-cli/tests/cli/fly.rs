@@ -420,3 +420,29 @@ fn the_power_of_a_flight_is_above_the_ideal_one() {
     assert!(value > 0.0 && value < 0.31, "{value}");
     assert_eq!(fly(&format!("limits.flight.ideal_power_fraction={}", 0.9 * value)), Some(3));
 }
+
+/// A flap whose mass is taken out of the pieces of a spar that have no inertia about the span: no step is short enough.
+#[test]
+fn pieces_of_a_spar_without_inertia_are_named() {
+    let folder = scratch("fly-inertia");
+    assert!(wingbeat(&folder, &["new", "robot", "r.toml", "--minimal"]).status.success());
+    let text = fs::read_to_string(folder.join("r.toml")).unwrap();
+    let text = text
+        .replace(
+            "inertia_kg_m2 = [1.2e-6, 5e-7, 1.6e-6]\n",
+            "inertia_kg_m2 = [1.2e-6, 5e-7, 1.6e-6]\nspar = { length_m = 0.12, segments = 3, bending_n_m2 = 2e-2, \
+             torsion_n_m2 = 1e-2, mass_kg_m = 0.005 }\n",
+        )
+        .replace(
+            "name = \"wing\"\n",
+            "name = \"wing\"\nflap = { chord_fraction = 0.2, stiffness_n_rad = 1.0, areal_density_kg_m2 = 0.1 }\n",
+        );
+    assert!(text.contains("spar = {") && text.contains("flap = {"), "{text}");
+    fs::write(folder.join("r.toml"), text).unwrap();
+    assert!(wingbeat(&folder, &["new", "scenario", "s.toml", "--robot", "r.toml"]).status.success());
+    let set = ["--set", "flight.duration_s=0.01", "--no-report", "--out", "a"];
+    let output = wingbeat(&folder, &[&["fly", "s.toml"], &set[..]].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("mass matrix") && said.contains("inertia_kg_m of its spar"), "{said}");
+    assert!(!said.contains("shorter flight.step_s"), "{said}");
+}

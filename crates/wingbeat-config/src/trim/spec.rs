@@ -67,6 +67,9 @@ ranges!(TrimSpec {
 });
 ranges!(FamilySpec { to: Range::between(-1e9, 1e9), steps: Range::between(1.0, 1000.0) });
 
+/// Numbers that are free at least in a turn, and in any flight of a robot whose left and right differ.
+pub(super) const COUPLED: usize = 4;
+
 impl TrimSpec {
     /// Level flight at `speed`, of which nothing is free yet.
     pub(super) fn level(speed_m_s: f64) -> Self {
@@ -142,7 +145,7 @@ impl TrimSpec {
                     .ok_or_else(|| Error::invalid(key, format!("{name:?}"), Free::names(robot).join(", ")))?,
             );
         }
-        let needed = if turning { 4 } else { 2 };
+        let needed = if turning { COUPLED } else { 2 };
         if all.len() < needed || (!turning && all.len() != needed) {
             let allowed = if turning {
                 "four numbers or more for a turn, or for a robot whose left and right differ"

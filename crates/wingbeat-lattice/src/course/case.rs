@@ -4,6 +4,7 @@ use super::{Axes, CourseClock, CourseRequest, LatticeCourse, Stroke, fitting};
 use crate::{Error, FlappingWing, Scene};
 use std::ops::ControlFlow;
 use wingbeat::scenario::{Moved, TetherCase};
+use wingbeat::simulate::Ending;
 
 /// Steps of a cycle without wind.
 const STILL: f64 = 48.0;
@@ -44,15 +45,19 @@ pub fn case(
         crosses: false,
         moved: Some(moved),
         critical_suction: asked.critical_suction,
+        unheard: case.unheard_by_lattice(),
         past_stall: past_stall(case, flow),
     })
 }
 
-/// Share of strips and instants of the last cycle past the stall angle, by the strip model of the case.
-fn past_stall(case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>) -> f64 {
+/// Share of strips and instants of the last cycle past the stall angle, by the strip model of the case; none where that breaks down.
+fn past_stall(case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>) -> Option<f64> {
     let run = case.tether.run(|_| flow());
+    if run.ending != Ending::Complete {
+        return None;
+    }
     let incidence = run.strips.values("incidence").unwrap_or_default();
     let last = &incidence[incidence.len() - incidence.len() / case.tether.clock.cycles..];
     let stall = case.tether.aero.stall_angle();
-    last.iter().filter(|angle| angle.abs() > stall).count() as f64 / last.len().max(1) as f64
+    Some(last.iter().filter(|angle| angle.abs() > stall).count() as f64 / last.len().max(1) as f64)
 }

@@ -19,6 +19,7 @@ use crate::{
     Core, Error, FlightStretch, Lattice, LatticeSettings, PanelLayout, Panels, Scene, Spacing, WakeMotion,
 };
 use wingbeat::aero::SectionMotion;
+use wingbeat::judge::Warning;
 use wingbeat::math::Vec3;
 use wingbeat::scenario::Moved;
 
@@ -214,14 +215,16 @@ pub struct LatticeCourse {
     pub symmetric: bool,
     /// The flight that moves them; none in a case.
     pub flown: Option<MovingFlight>,
-    /// Share of strips and instants of the last cycle past the stall angle of their section.
-    pub past_stall: f64,
+    /// Share of strips and instants of the last cycle past the stall angle of their section; none where the strip model breaks down.
+    pub past_stall: Option<f64>,
     /// Whether parts of the robot pass through each other on the way.
     pub crosses: bool,
     /// Of a case, its motion.
     pub moved: Option<Moved>,
     /// Largest suction parameter of the leading edges, which shed what is above, dimensionless; none in attached flow.
     pub critical_suction: Option<f64>,
+    /// What is said of keys that the lattice does not hear.
+    pub unheard: Vec<Warning>,
 }
 
 impl LatticeCourse {
@@ -238,9 +241,14 @@ impl LatticeCourse {
             }
             None => "attached flow is assumed".into(),
         };
-        match self.past_stall > 0.0 {
-            true => format!("{assumed}, {:.0} % of the strips are past stall", 100.0 * self.past_stall),
-            false => assumed,
+        match self.past_stall {
+            Some(share) if share > 0.0 => {
+                format!("{assumed}, {:.0} % of the strips are past stall", 100.0 * share)
+            }
+            Some(_) => assumed,
+            None => format!(
+                "{assumed}, and the strip model that tells what is past stall breaks down (see `wingbeat tether`)"
+            ),
         }
     }
 

@@ -8,7 +8,7 @@ use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
 /// Ratio of downstroke to upstroke.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct DownOverUp {
-    /// Ratio of the left half.
+    /// Ratio of the left half; negative where the bound circulation of one stroke lifts the wing's upper side and that of the other its lower.
     pub left: Option<f64>,
     /// Ratio of the right half.
     pub right: Option<f64>,
@@ -60,8 +60,8 @@ pub struct CourseSummary {
     pub down_over_up: DownOverUp,
     /// The same of the left half over that of the right.
     pub left_over_right: LeftOverRight,
-    /// Share of strips and instants of the last cycle past the stall angle.
-    pub past_stall: f64,
+    /// Share of strips and instants of the last cycle past the stall angle; null where the strip model of a case breaks down.
+    pub past_stall: Option<f64>,
     /// Names and shares of the cycle of the phases that are drawn.
     pub phases: Vec<(String, f64)>,
     /// At each of them the strongest ring of the wake: in an upstroke it was mostly shed before.
@@ -142,7 +142,7 @@ impl CourseSummary {
 
     /// Rows of the printed table: name, number, unit.
     fn rows(&self) -> Vec<(&'static str, Option<f64>, &'static str)> {
-        let bound = "mean size of the bound circulation";
+        let bound = "mean bound circulation, positive where it lifts";
         let steady = [
             ("wake drag", self.wake_drag_n, "N, of the wake far behind"),
             ("span efficiency", self.span_efficiency, "by the drag of the wake"),
@@ -164,7 +164,7 @@ impl CourseSummary {
             ("down over up, right", self.down_over_up.right, bound),
             ("left over right, down", self.left_over_right.down, bound),
             ("left over right, up", self.left_over_right.up, bound),
-            ("past stall", Some(self.past_stall), "share of strips and instants"),
+            ("past stall", self.past_stall, "share of strips and instants"),
         ];
         let steady = steady.into_iter().filter(|row| row.1.is_some());
         rows.into_iter().chain(steady).chain(shedding.into_iter().filter(|row| row.1.is_some())).collect()
@@ -223,7 +223,12 @@ fn judged(watch: &CourseWatch<'_>, asked: &CourseRequest, limits: &RunLimits) ->
         }
     }
     let course = watch.course;
-    judge.warn(Warning::new("wake.attached_flow", course.assumed()).size(course.past_stall));
+    let attached = Warning::new("wake.attached_flow", course.assumed());
+    judge.warn(match course.past_stall {
+        Some(share) => attached.size(share),
+        None => attached,
+    });
+    course.unheard.iter().for_each(|warning| judge.warn(warning.clone()));
     course.crossing().into_iter().for_each(|text| judge.warn(Warning::new("wake.crossing", text)));
     judge.verdict()
 }

@@ -1,6 +1,7 @@
 //! What is kept of a stepped lattice.
 
 use super::{LatticeCourse, PHASES};
+use crate::mesh::EdgeInflow;
 use crate::{Lattice, LatticeLoads, Mesh, VortexPicture};
 use serde::Serialize;
 use wingbeat::math::{Vec3, Wrench};
@@ -39,7 +40,7 @@ const NO_FORCE: f64 = 1e-6;
 pub struct CourseWatch<'a> {
     /// What was stepped through.
     pub course: &'a LatticeCourse,
-    /// Loads in W about the body's origin and mean bound circulations by step.
+    /// Loads in W about the body's origin and mean bound circulations by step; positive ones lift the wing's upper side.
     pub record: Record,
     /// The four phases of the last cycle.
     pub shots: Vec<LatticeShot>,
@@ -55,8 +56,8 @@ pub struct CourseWatch<'a> {
     pub far: Option<(f64, f64)>,
     /// Sum and count of the share of strips that shed at the leading edge, over the last cycle.
     shed: (f64, f64),
-    /// Widths of trailing edges over which the air comes in, and of all, summed over the last cycle, m.
-    inflow: [f64; 2],
+    /// Over the last cycle.
+    inflow: EdgeInflow,
     asymmetry: f64,
     largest: f64,
     /// Sum and count of the mean bound circulation of the left and right half, in down- and upstroke.
@@ -96,7 +97,7 @@ impl<'a> CourseWatch<'a> {
             farthest: 0.0,
             far: None,
             shed: (0.0, 0.0),
-            inflow: [0.0; 2],
+            inflow: EdgeInflow::default(),
             asymmetry: 0.0,
             largest: 0.0,
             halves: [[(0.0, 0.0); 2]; 2],
@@ -130,10 +131,7 @@ impl<'a> CourseWatch<'a> {
         if k < first_of_last {
             return;
         }
-        let wind = lattice.scene().wind;
-        for [inward, all] in lattice.meshes().iter().map(|mesh| mesh.inflow(wind)) {
-            self.inflow = [self.inflow[0] + inward, self.inflow[1] + all];
-        }
+        self.inflow.add(lattice.meshes(), lattice.scene().wind);
         self.shed = (self.shed.0 + lattice.shed_share(), self.shed.1 + 1.0);
         let phase = ((k - first_of_last) as f64 + 0.5) / clock.steps as f64;
         self.add_circulations(sides, usize::from(!course.stroke.is_down(phase)));
@@ -175,7 +173,7 @@ impl<'a> CourseWatch<'a> {
         }
     }
 
-    /// Mean size of the bound circulation, without its sign, by width of the left and right half of the first surface.
+    /// Mean bound circulation by width of the left and right half of the first surface, m2/s; positive lifts the wing's upper side.
     fn mean_circulations(&self, lattice: &Lattice, origin: Vec3) -> [Option<f64>; 2] {
         let (mut sums, mut widths) = ([0.0; 2], [0.0; 2]);
         let parts = by_surface(lattice.meshes(), lattice.rings());
@@ -186,7 +184,7 @@ impl<'a> CourseWatch<'a> {
                 let width = (pair[1].le - pair[0].le).norm();
                 let middle = (pair[0].le + pair[1].le) * 0.5 - origin;
                 let side = usize::from(middle.dot(self.course.axes.left) < 0.0);
-                sums[side] += ring.abs() * width;
+                sums[side] += ring * width;
                 widths[side] += width;
             }
         }
@@ -203,10 +201,11 @@ impl<'a> CourseWatch<'a> {
         }
     }
 
-    /// Mean bound circulation of a half (0 left, 1 right) over the down- (0) or upstroke (1) of the last cycle, m2/s.
+    /// Mean bound circulation of a half (0 left, 1 right) over the down- (0) or upstroke (1) of the last cycle, m2/s; positive lifts the wing's
+    /// upper side.
     pub fn circulation(&self, side: usize, stroke: usize) -> Option<f64> {
         let (sum, count) = self.halves[side][stroke];
-        self.course.stroke.steps.and((count > 0.0 && sum > 0.0).then(|| sum / count))
+        self.course.stroke.steps.and((count > 0.0 && sum != 0.0).then(|| sum / count))
     }
 
     /// The strongest ring of the wake of a shot, and when it was shed; nothing of a wing that does not stroke.
@@ -231,7 +230,7 @@ impl<'a> CourseWatch<'a> {
 
     /// Share of trailing edges and steps of the last cycle at which the air comes in.
     pub fn inflow(&self) -> f64 {
-        self.inflow[0] / self.inflow[1].max(f64::MIN_POSITIVE)
+        self.inflow.share()
     }
 
     /// Root mean square over the last cycle of the difference of the forces by Joukowski and by Bernoulli over that of the latter; none of a
@@ -259,8 +258,9 @@ impl<'a> CourseWatch<'a> {
         let of = |side: &str| {
             let last = self.record.values(&format!("circulation_{side}"))?.get(first..)?;
             let least = last.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = last.iter().copied().fold(0.0, f64::max);
-            (most > 0.0).then(|| (most - least) / most)
+            let most = last.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let largest = most.max(-least);
+            (largest > 0.0).then(|| (most - least) / largest)
         };
         of("left").into_iter().chain(of("right")).reduce(f64::max)
     }

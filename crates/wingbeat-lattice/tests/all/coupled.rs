@@ -72,10 +72,11 @@ fn falls(document: Document) -> f64 {
 fn a_light_plate_falls_as_the_air_that_it_carries_lets_it() {
     // An eighth of the mass of that air.
     let mass = 0.125 * carried();
-    // As long as the wake has hardly left the edge, its core must be small against a panel.
-    let fall = falls(plate(mass, 8, 1e-4, &["lattice.core_chords=1e-4"]));
-    let found = mass * (1.0 / fall - 1.0);
-    assert!((found / carried() - 1.0).abs() < 0.01, "{found} {}", carried());
+    // The wake has hardly left the edge, whatever its cores.
+    for core in ["lattice.core_chords=1e-4", "lattice.core_chords=0.02"] {
+        let found = mass * (1.0 / falls(plate(mass, 8, 1e-4, &[core])) - 1.0);
+        assert!((found / carried() - 1.0).abs() < 0.01, "{core}: {found} {}", carried());
+    }
 }
 
 #[test]

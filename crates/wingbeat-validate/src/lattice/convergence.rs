@@ -28,7 +28,7 @@ pub fn convergence() -> Result<Vec<ComparisonRow>, Error> {
             "lattice.convergence.plunge",
             "own refinement, 4 to 16 panels and their steps",
             unsteady,
-            1.0,
+            2.0,
             0.3,
         ),
     ];

@@ -6,6 +6,7 @@
 //!   way to the strokes and the controller twists the wings against them, so that the force is a small difference of parts on each of which
 //!   `full` is within 2 to 3 %. Shown.
 
+use super::small::extrapolated;
 use crate::aero_turn::turn;
 use crate::shipped;
 use crate::{ComparisonRow, Error};
@@ -124,11 +125,9 @@ fn errors(flown: &LatticeFlight) -> Result<ForceErrors, Error> {
     let (coarse, fine) = (forces(flown, 4)?, forces(flown, 8)?);
     let of = |(up, steps, _): &([Vec<f64>; 2], usize, f64), by: usize| mean_and_amplitude(&up[by], *steps);
     let (full, k) = (of(&fine, 0), fine.2);
-    // In unsteady flow the error falls as the panels' chord.
-    let limit = |coarse: f64, fine: f64| 2.0 * fine - coarse;
     let (rough, near) = (of(&coarse, 1), of(&fine, 1));
-    let mean = limit(rough.0, near.0);
-    let amplitude: [f64; 2] = std::array::from_fn(|i| limit(rough.1[i], near.1[i]));
+    let mean = extrapolated(rough.0, near.0);
+    let amplitude: [f64; 2] = std::array::from_fn(|i| extrapolated(rough.1[i], near.1[i]));
     let size = amplitude[0].hypot(amplitude[1]);
     let far = (amplitude[0] - full.1[0]).hypot(amplitude[1] - full.1[1]);
     let error_of_mean = (full.0 / mean - 1.0).abs();

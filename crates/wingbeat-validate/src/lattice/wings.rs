@@ -10,7 +10,7 @@ use wingbeat_lattice::{FlappingWing, Lattice, LatticeLoads, LatticeSettings, Pan
 /// Chord of the wings in small motions, m; their speed is 1 m/s, their density 1 kg/m3.
 pub const CHORD: f64 = 1.0;
 /// Radius of the wake's cores, chords: small motions need none.
-const CORE: f64 = 1e-4;
+pub const CORE: f64 = 1e-4;
 /// Length of the wake behind wings with ends, chords.
 const LONGEST: f64 = 40.0;
 /// Size of small motions, rad.
@@ -48,11 +48,22 @@ pub fn loads(
     step: Option<f64>,
     steps: usize,
 ) -> Result<Vec<LatticeLoads>, Error> {
+    loads_with(CORE, wing, panels, step, steps)
+}
+
+/// The same with cores of the radius `core` chords.
+pub fn loads_with(
+    core: f64,
+    wing: &FlappingWing,
+    panels: Panels,
+    step: Option<f64>,
+    steps: usize,
+) -> Result<Vec<LatticeLoads>, Error> {
     let scene = Scene::new(wing, panels, true)?;
     let step = step.unwrap_or(CHORD / panels.chordwise as f64);
     // In two dimensions the wake is felt however long it is.
     let longest_distance_m = if panels.spanwise == 1 { f64::INFINITY } else { LONGEST * CHORD.max(step) };
-    let settings = LatticeSettings { longest_distance_m, ..LatticeSettings::new(step, CORE * CHORD) };
+    let settings = LatticeSettings { longest_distance_m, ..LatticeSettings::new(step, core * CHORD) };
     let mut lattice = Lattice::new(scene, settings)?;
     (0..steps).map(|_| Ok(lattice.step()?)).collect()
 }

@@ -65,6 +65,14 @@ fn what_cannot_be_trimmed_says_why() {
     assert!(refused(0.0, "robot.body.mass_kg=-1.0").contains("robot.body.mass_kg"));
     assert!(refused(0.0, "robot.bodies=1").contains("unknown key"));
     assert!(refused(0.0, "air.wind_m_s=[1.0, 0.0, 0.0]").contains("still air"));
+    // What it chooses itself is not overridden, and messages name its scenario.
+    let own = refused(0.0, "trim.speed_m_s=3.0");
+    assert!(own.contains("trim.speed_m_s = 3.0: allowed is none with a robot's file"), "{own}");
+    let clash = refused(0.0, "aero.preset=as_printed");
+    assert!(
+        clash.contains("the scenario that `trim` puts around a robot") && clash.contains("aero.law"),
+        "{clash}"
+    );
     let stopped = RobotTrim::new(robot("single_12g"), &[], 0.0).unwrap();
     let stopped = stopped.trim(&mut |_| ControlFlow::Break(())).unwrap().summary;
     assert!(stopped.status == Status::Interrupted && stopped.reason.unwrap().contains("stopped"));
@@ -84,6 +92,21 @@ fn a_search_that_finds_no_gait_is_told() {
     assert_eq!((alone.search_ended.as_deref(), alone.search_iterations), (Some("none found"), None));
     let told = summary.warnings.iter().find(|warning| warning.id == "trim.search_ended").unwrap();
     assert!(told.text.contains("that of the scan") && told.text.contains("stopped"), "{}", told.text);
+}
+
+/// One wing on the left: no number but the frequency can be chosen, and a level flight takes four.
+#[test]
+fn a_wing_on_one_side_is_refused_before_its_search() {
+    let file = "name = \"one\"\n[body]\nmass_kg = 0.02\ninertia_kg_m2 = [1e-5, 2e-5, 3e-5]\n[[links]]\nname = \"arm\"\nside = \"single\"\n\
+                mass_kg = 0.001\ninertia_kg_m2 = [1e-6, 1e-7, 1e-6]\naxis = [1.0, 0.0, 0.0]\n\
+                driven = { mean_rad = 0.1, harmonics = [{ amplitude_rad = 0.6, phase_rad = 0.0 }] }\n[gait.fourier]\nfrequency_hz = 8.0\n\
+                [[surfaces]]\nname = \"wing\"\nspan = \"left\"\npanels = [{ link = \"arm\" }]\nplanform = [\n\
+                { arc_m = 0.0, leading_edge_m = 0.03, trailing_edge_m = -0.05 },\n\
+                { arc_m = 0.2, leading_edge_m = 0.03, trailing_edge_m = -0.05 }]\n";
+    let trim =
+        RobotTrim::new(Document::text("one.toml", file).unwrap(), &[], 0.0).unwrap_or_else(|e| panic!("{e}"));
+    let error = trim.trim(&mut |_| ControlFlow::Continue(())).err().unwrap().to_string();
+    assert!(error.contains("robot.structure.elements") && error.contains("left and right"), "{error}");
 }
 
 /// What is told of a robot whose trim is stopped at once.

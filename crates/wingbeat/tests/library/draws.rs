@@ -150,3 +150,20 @@ fn the_flown_robot_differs_and_the_known_one_does_not() {
     assert_eq!(a.model().mass(), b.model().mass());
     assert!(a.robot().mass() != b.robot().mass());
 }
+
+#[test]
+fn a_range_for_a_whole_number_asks_for_values() {
+    let of = |draw: &str| {
+        let text = format!("name = \"map\"\nruns = 3\n[[draws]]\nkey = \"aero.full.strips\"\n{draw}\n");
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let document = Document::text("map", &text).unwrap();
+        Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES)
+    };
+    let refused = of("low = 5.0\nhigh = 9.0").err().unwrap().to_string();
+    assert!(
+        refused.contains("draws[0].low = 5.0: allowed is values = [..] in place of a range"),
+        "{refused}"
+    );
+    assert!(refused.contains("aero.full.strips is a whole number"), "{refused}");
+    assert!(of("values = [5, 7, 9]").is_ok());
+}

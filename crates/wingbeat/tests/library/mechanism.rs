@@ -6,7 +6,7 @@ use wingbeat::aero::{
 use wingbeat::body::LinkMotion;
 use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace, Wrench};
 use wingbeat::plant::{Linearisation, Plant};
-use wingbeat::robot::{Air, Robot, Varying, Wind};
+use wingbeat::robot::{Air, Outline, Robot, Varying, Wind};
 use wingbeat::scenario::Document;
 
 /// Body with a chain of a skew hinge, a slide and a driven hinge, and a pair of elastic fins.
@@ -350,6 +350,16 @@ fn panels_that_do_not_meet_are_measured() {
         let chord = 0.1 - 0.25 * 0.13;
         let apart = robot(&torn, Preset::Full, 1.2).panels_apart().unwrap();
         assert!((apart - 0.01 / chord).abs() < 1e-9, "{apart}");
+        // Drawn with a gap on both hinges that are torn, over the way that one was moved.
+        let (whole, torn) = (robot(&text, Preset::Full, 1.2), robot(&torn, Preset::Full, 1.2));
+        let [own, same, parted] = [(&whole, 1.0), (&whole, 0.05), (&torn, 0.05)]
+            .map(|(robot, least)| robot.parted(robot.at_rest(0.0).unwrap(), least).outlines.remove(0));
+        assert_eq!((own.ribs.len(), &own.covered), (same.ribs.len(), &same.covered));
+        let gaps = |outline: &Outline| outline.covered.iter().filter(|covered| !**covered).count();
+        assert_eq!((parted.ribs.len(), gaps(&parted)), (own.ribs.len() + 4, gaps(&own) + 4));
+        let pairs = parted.ribs.windows(2).zip(&parted.covered).filter(|(_, covered)| !**covered);
+        let ways: Vec<f64> = pairs.map(|(pair, _)| (pair[0][0] - pair[1][0]).norm()).collect();
+        assert!(ways.iter().any(|way| (way - 0.01).abs() < 1e-9), "{ways:?}");
     }
 }
 

@@ -385,6 +385,26 @@ fn convergence_tells_of_a_coarse_spar() {
     assert!(change(&fine) < 1e-3, "{}", fine.verdict);
 }
 
+/// Strips beyond 32 are not allowed, so 32 are the finest.
+#[test]
+fn convergence_says_where_the_own_grid_is_the_finest() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+    let verdict = |strips: usize| {
+        let set =
+            [format!("aero.full.strips={strips}"), "time.steps_per_cycle=16".into(), "time.cycles=1".into()];
+        let case = TetherCase::load(&file, &set, &none).unwrap();
+        let watch = || ControlFlow::Continue(());
+        case.converge(&none, &watch, |_| {}).unwrap().unwrap().verdict
+    };
+    let own = verdict(32);
+    assert!(own.contains("8 to 32") || own.contains("16 to 32 strips"), "{own}");
+    assert!(
+        own.ends_with("aero.full.strips = 32 of the case is the finest, as twice that is not allowed"),
+        "{own}"
+    );
+    assert!(!verdict(8).contains("is the finest"));
+}
+
 /// Against 1.875^2 sqrt(E I/(m L^4)) and pi/2 sqrt(G J/(I L^2)) of a uniform cantilever, and the rows `fsi.beam.segments` of chains in a robot.
 #[test]
 fn few_pieces_bend_and_twist_at_the_frequencies_of_the_page() {

@@ -14,6 +14,7 @@ mod turn;
 pub use turn::TurnSummary;
 
 use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec, ended_early};
+use super::spec::COUPLED;
 use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
 use crate::{ConfigError, Document, Scenario, ScenarioSpec, written};
@@ -31,6 +32,8 @@ use wingbeat_math::order::{ascend_by, filled};
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_robot::{LinkSide, Outline, RobotSpec};
 
+/// What messages call the scenario that stands around a robot.
+const SCENARIO: &str = "the scenario that `trim` puts around a robot";
 /// What stands around a robot: still air at sea level, strips under law `stall`.
 const AROUND: &str = "[air]\ndensity_kg_m3 = 1.225\n[aero]\npreset = \"full\"\nlaw = \"stall\"\n[flight]\nduration_s = 2.0\nstep_s = \
                       5e-4\nrecord_every_s = 2e-3\n";
@@ -193,7 +196,12 @@ impl RobotTrim {
     pub fn new(robot: Document, overrides: &[String], bank_deg: f64) -> Result<Self, ConfigError> {
         let ask = Ask { bank_deg };
         ask.in_range().map_err(|error| robot.explain(&error))?;
-        let around = Document::text("trim", &format!("name = \"trim\"\n{AROUND}"))?;
+        let chosen = overrides.iter().filter_map(|text| text.split_once('='));
+        if let Some((key, value)) = chosen.into_iter().find(|(key, _)| key.trim().starts_with("trim")) {
+            let allowed = "none with a robot's file, whose speed and gait `trim` chooses: `wingbeat new trim` writes a scenario that gives them";
+            return Err(robot.explain(&Error::invalid(key.trim(), value, allowed)));
+        }
+        let around = Document::text(SCENARIO, &format!("name = \"trim\"\n{AROUND}"))?;
         let own: RobotSpec = robot.parse()?;
         let surfaces = own.surfaces.len() + usize::from(own.wing.is_some());
         let most = STRIPS[1] / surfaces.max(1);
@@ -218,21 +226,21 @@ impl RobotTrim {
         let mut warnings = Vec::new();
         let left_out = without_motor(&mut spec, &mut warnings);
         let_flap(&mut spec, &size, &mut warnings);
-        let needed = if bank_deg == 0.0 { 1 } else { 4 };
+        let needed = if bank_deg == 0.0 { 1 } else { COUPLED };
         let assumed = with_actuators(&mut spec, &given, needed, &mut warnings);
         let chord = longest_chord(&given.spec.robot);
         let vary = numbers::numbers(&spec.robot, chord);
         let free = vec!["frequency".to_string()];
         let asked = |free| TrimSpec { free, ..TrimSpec::level(size.speed().clamp(0.5, 50.0)) };
         spec.trim = Some(asked(free));
-        let named = Scenario::new(Document::value("trim", &spec)?)?;
+        let named = Scenario::new(Document::value(SCENARIO, &spec)?)?;
         let mut free = numbers::free(named.model());
         // A rudder has no effect on level flight: what level flight takes comes first.
         ascend_by(&mut free, |name| f64::from(u8::from(numbers::acts_across(&spec.robot, name))));
         spec.trim = Some(asked(free));
-        let document = Document::value("trim", &spec)?;
+        let document = Document::value(SCENARIO, &spec)?;
         let scenario = Scenario::new(document.clone())?;
-        scenario.cycle().map_err(|error| given.explain(&error))?;
+        scenario.cycle().map_err(refused)?;
         let iterations = ITERATIONS;
         Ok(Self { scenario, document, vary, size, ask, assumed, given_hz, left_out, warnings, iterations })
     }
@@ -289,6 +297,7 @@ impl RobotTrim {
             let error = Error::invalid("robot.links", "none moves a surface", allowed);
             return Err(self.scenario.explain(&error));
         }
+        self.can_be_held().map_err(|error| self.scenario.explain(&error))?;
         let mut alone = AloneSummary {
             guessed_speed_m_s: self.size.speed(),
             guessed_frequency_hz: self.size.frequency(),
@@ -307,7 +316,7 @@ impl RobotTrim {
                 continue;
             };
             spec.trim.iter_mut().for_each(|trim| trim.step_s = TrimSpec::level(1.0).step_s);
-            let scenario = Scenario::new(Document::value("trim", &spec)?)?;
+            let scenario = Scenario::new(Document::value(SCENARIO, &spec)?)?;
             let trimmed = scenario.trim(observe)?;
             let done = trimmed.summary.frequency_hz.is_some();
             found = Some((spec, scenario, trimmed, searched));
@@ -334,7 +343,7 @@ impl RobotTrim {
             }
         }
         for vary in &self.vary {
-            let now = Document::value("trim", &spec)?;
+            let now = Document::value(SCENARIO, &spec)?;
             if let (Ok(from), Ok(to)) = (self.document.number(&vary.key), now.number(&vary.key))
                 && from != to
             {
@@ -358,6 +367,21 @@ impl RobotTrim {
         trimmed.summary.warnings.extend(self.warnings.iter().cloned());
         trimmed.summary.alone = Some(alone);
         Ok(trimmed)
+    }
+
+    /// Refuses a robot whose left and right differ and that has too few numbers to be chosen.
+    fn can_be_held(&self) -> Result<(), Error> {
+        let (cycle, course) = (self.scenario.cycle()?, self.scenario.trim_spec()?.course());
+        let coupled = cycle.coupled(&course);
+        let free = numbers::all_free(self.scenario.model(), coupled).len();
+        if !coupled || free >= COUPLED {
+            return Ok(());
+        }
+        let allowed = format!(
+            "actuators that make it {COUPLED} or more, as left and right of the robot differ and no flight stays level by fewer"
+        );
+        let given = format!("{free} number to choose, the frequency counted");
+        Err(Error::invalid("robot.structure.elements", given, allowed))
     }
 
     /// The best gait that scan and search find in steps of `step` s, on its orbit.
@@ -561,7 +585,7 @@ impl RobotTrim {
         }
         let spec = &gait.spec;
         let speed = spec.trim.as_ref().map_or(1.0, |trim| trim.speed_m_s);
-        let own = Document::value("trim", spec)?;
+        let own = Document::value(SCENARIO, spec)?;
         let mut vary = self.vary.clone();
         vary.push(VarySpec { key: "trim.speed_m_s".into(), low: 0.6 * speed, high: 1.5 * speed });
         // What was folded in may lie beyond a range.
@@ -582,7 +606,7 @@ impl RobotTrim {
         let search = SearchSpec { iterations: self.iterations, ..SearchSpec::new(Goal::Power, vary, limits) };
         let mut asked = spec.clone();
         asked.trim.iter_mut().for_each(|trim| trim.search = Some(search.clone()));
-        let scenario = Scenario::new(Document::value("trim", &asked)?)?;
+        let scenario = Scenario::new(Document::value(SCENARIO, &asked)?)?;
         let tell = &mut |at| observe(TrimProgress::Search(at));
         let searched = match scenario.gait_search() {
             Ok(Some(search)) => search.all::<ConfigError>(Vec::new(), &mut |_| Ok(()), tell),
