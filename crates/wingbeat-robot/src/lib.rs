@@ -121,7 +121,7 @@ pub struct Layout {
 /// A robot in air, as a [`Plant`](wingbeat_ocp::plant::Plant). Inputs are the
 /// regulators omega of the structure elements. Its numbers are of type `P`, so that they may carry derivatives:
 /// [`Robot::varied`].
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Robot<P: Scalar = f64> {
     mechanism: Mechanism<P>,
     phase_rate: P,
@@ -158,6 +158,39 @@ pub struct Robot<P: Scalar = f64> {
     /// Those of them that are given.
     given: Vec<Range<usize>>,
     inputs: Vec<Channel>,
+}
+
+/// Of plain numbers alone: this is compiled here once, a copy of any numbers again in every crate that makes one.
+impl Clone for Robot {
+    fn clone(&self) -> Self {
+        Self {
+            mechanism: self.mechanism.clone(),
+            phase_rate: self.phase_rate,
+            phase_start: self.phase_start,
+            strokes_per_cycle: self.strokes_per_cycle,
+            motor: self.motor,
+            response: self.response.clone(),
+            strokes: self.strokes.clone(),
+            elements: self.elements.clone(),
+            moved: self.moved.clone(),
+            loaded: self.loaded.clone(),
+            thrusters: self.thrusters.clone(),
+            covering: self.covering.clone(),
+            clearances: self.clearances.clone(),
+            carriers: self.carriers.clone(),
+            drag_area: self.drag_area,
+            inertance: self.inertance.clone(),
+            density: self.density,
+            wind: self.wind.clone(),
+            ground: self.ground,
+            residual: self.residual.clone(),
+            perch: self.perch,
+            layout: self.layout,
+            states: self.states.clone(),
+            given: self.given.clone(),
+            inputs: self.inputs.clone(),
+        }
+    }
 }
 
 /// The regulator that paces the crank.

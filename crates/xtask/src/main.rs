@@ -20,6 +20,7 @@ mod names;
 mod pages;
 mod paper;
 mod peers;
+mod plain;
 mod programs;
 mod python;
 mod report;
@@ -63,6 +64,9 @@ cargo xtask TASK
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if plain::is_called() {
+        return plain::compile(&arguments);
+    }
     let helped = arguments.iter().any(|argument| argument == "--help" || argument == "-h");
     let task = if helped { "help" } else { arguments.first().map_or("", String::as_str) };
     let outcome = match task {

@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::report::Job;
-use crate::tools;
+use crate::{plain, tools};
 
 /// A program of tests.
 #[derive(Debug, PartialEq)]
@@ -26,7 +26,9 @@ const SLOW: [&str; 4] =
 pub fn built() -> Option<Vec<Job>> {
     let arguments =
         [&["test"], &tools::TESTS[..], &["--no-run", "--message-format=json-render-diagnostics"]].concat();
-    let messages = tools::output(tools::cargo(&arguments))?;
+    let mut build = tools::cargo(&arguments);
+    plain::compiled_plain(&mut build);
+    let messages = tools::output(build)?;
     let mut programs: Vec<TestProgram> = messages.lines().filter_map(program).collect();
     programs.sort_by_key(|program| SLOW.iter().position(|name| *name == program.name).unwrap_or(SLOW.len()));
     Some(programs.into_iter().map(job).collect())

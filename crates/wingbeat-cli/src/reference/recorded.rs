@@ -122,7 +122,8 @@ const SOFT: &str = "scenarios/soft_bank15.toml";
 const BRIEF: [(&[&str], &[&str]); 5] = [
     // It begins within the flight.
     (&["plan", "roll_in"], &["plan.roll_in.start_s=0.0"]),
-    (&["controller", "orbit"], &["controller.orbit.legs=[]"]),
+    // Few strips have the columns of many, and an orbit in a third of the time.
+    (&["controller", "orbit"], &["controller.orbit.legs=[]", "aero.full.strips=8"]),
     (
         &["controller", "orbit", "dive"],
         &["controller.orbit.dive.nose_down_deg=10.0", "controller.orbit.dive.cycles=2"],
@@ -131,6 +132,8 @@ const BRIEF: [(&[&str], &[&str]); 5] = [
         &["controller", "orbit", "landing"],
         &[
             "controller.orbit.landing={cycles=2, iterations=1, speed_within_m_s=100.0, pitch_within_deg=180.0}",
+            // It starts with states of so many.
+            "aero.full.strips=9",
         ],
     ),
     (
@@ -168,7 +171,11 @@ fn columns_of_flights_and_strips_are_in_the_reference() {
     let flexure = "robot.gait.linkage.springs=[{pin='coupler_rod', stiffness=1e-3}]";
     fly(&mut met, "scenarios/cruise_linkage.toml", &[flexure]);
     let reduced = "controller.orbit.predictive={intervals=3, interval_s=0.0075, structure='orbit'}";
-    fly(&mut met, "scenarios/membrane_bank15.toml", &["controller.orbit.legs=[]", reduced]);
+    fly(
+        &mut met,
+        "scenarios/membrane_bank15.toml",
+        &["controller.orbit.legs=[]", "aero.full.strips=8", reduced],
+    );
     fly(&mut met, "scenarios/banking_turn.toml", &["controller.prepared=true"]);
     fly(&mut met, "scenarios/paper_turn.toml", &["controller.horizon_between_cycles=[0.5, 1.5]"]);
     met.all_of(FLIGHT);

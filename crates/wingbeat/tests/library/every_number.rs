@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::Plant;
 use wingbeat::robot::Robot;
@@ -177,8 +178,8 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios")
 }
 
-/// Shipped scenarios, of each robot, preset and law one; with every one of them the `whole` list.
-fn scenarios(whole: bool) -> Vec<(String, Document)> {
+/// Shipped scenarios, of each robot, preset and law one.
+static SCENARIOS: LazyLock<Vec<(String, Document)>> = LazyLock::new(|| {
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder()).unwrap().map(|file| file.unwrap().path()).collect();
     files.sort();
@@ -192,14 +193,14 @@ fn scenarios(whole: bool) -> Vec<(String, Document)> {
         let scenario = Scenario::new(document.clone()).unwrap();
         let spec = &scenario.spec;
         let make = format!("{} {:?} {:?}", spec.robot.name, spec.aero.preset, spec.aero.law);
-        if seen.insert(make) || whole {
+        if seen.insert(make) {
             // With what the file includes.
             let name = file.file_stem().unwrap().to_string_lossy().into_owned();
             all.push((name, Document::text(&file.to_string_lossy(), &scenario.resolved).unwrap()));
         }
     }
     all
-}
+});
 
 /// A state somewhere in flight, elements displaced and all else moving.
 fn flying(robot: &Robot, t: f64) -> Vec<f64> {
@@ -286,7 +287,7 @@ fn listed(list: &[(&str, &[&str], &str)], what: &str, document: &str) -> bool {
 #[test]
 fn every_number_of_every_robot_acts_as_key() {
     let mut silent = Vec::new();
-    for (name, document) in scenarios(false) {
+    for (name, document) in SCENARIOS.iter() {
         let own = Built::of(&Scenario::new(document.clone()).unwrap());
         for key in document.numbers() {
             if !SHOWN.iter().any(|table| key.starts_with(table)) {
@@ -295,7 +296,7 @@ fn every_number_of_every_robot_acts_as_key() {
             let text = document.written(&key).unwrap().0;
             let other = Scenario::new(document.clone().set(format!("{key}={}", moved(&text))));
             // A refusal tells of the number, too.
-            if other.is_ok_and(|other| own.is_that_of(&other)) && !listed(STILL_KEYS, &key, &name) {
+            if other.is_ok_and(|other| own.is_that_of(&other)) && !listed(STILL_KEYS, &key, name) {
                 silent.push(format!("{name}: {key} = {text}"));
             }
         }
@@ -306,8 +307,8 @@ fn every_number_of_every_robot_acts_as_key() {
 #[test]
 fn every_number_of_every_robot_acts_as_parameter() {
     let mut silent = Vec::new();
-    for (name, document) in scenarios(false) {
-        let scenario = Scenario::new(document).unwrap();
+    for (name, document) in SCENARIOS.iter() {
+        let scenario = Scenario::new(document.clone()).unwrap();
         let robot = scenario.robot();
         let own = looks(robot);
         let mut names = BTreeSet::new();
@@ -318,7 +319,7 @@ fn every_number_of_every_robot_acts_as_parameter() {
             let value = if number.value == 0.0 { 1e-3 } else { 1.01 * number.value };
             let other = robot.adjusted(&[(&number.name, value)]);
             if other.is_ok_and(|other| is_seen_as(&own, &other))
-                && !listed(STILL_PARAMETERS, &number.name, &name)
+                && !listed(STILL_PARAMETERS, &number.name, name)
             {
                 silent.push(format!("{name}: {} = {}", number.name, number.value));
             }
@@ -330,7 +331,7 @@ fn every_number_of_every_robot_acts_as_parameter() {
 #[test]
 fn every_factor_of_a_mismatch_acts() {
     let mut silent = Vec::new();
-    for (name, document) in scenarios(false) {
+    for (name, document) in SCENARIOS.iter() {
         let own = looks(Scenario::new(document.clone()).unwrap().robot());
         for factor in [
             "density=1.01",
@@ -347,7 +348,7 @@ fn every_factor_of_a_mismatch_acts() {
         ] {
             let other = Scenario::new(document.clone().set(format!("mismatch.{factor}")));
             if other.is_ok_and(|other| is_seen_as(&own, other.robot()))
-                && !listed(STILL_FACTORS, factor, &name)
+                && !listed(STILL_FACTORS, factor, name)
             {
                 silent.push(format!("{name}: {factor}"));
             }

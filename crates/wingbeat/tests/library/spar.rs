@@ -364,7 +364,7 @@ fn a_coarse_spar_is_not_resolved() {
 fn convergence_tells_of_a_coarse_spar() {
     let resolved = Document::text("flapper", &flapper(0.01, "").unwrap().resolved).unwrap();
     let table = |spar: &str| {
-        let set = ["aero.full.strips=12", "time.steps_per_cycle=32", spar];
+        let set = ["aero.full.strips=8", "time.steps_per_cycle=24", spar];
         let case = set.iter().fold(resolved.clone(), |document, set| document.set(*set));
         let case = TetherCase::new(case, &none).unwrap();
         let watch = || ControlFlow::Continue(());
@@ -374,7 +374,7 @@ fn convergence_tells_of_a_coarse_spar() {
     for table in [&coarse, &fine] {
         assert_eq!((table.cells.len(), table.levels.spar_elements), (10, Some([1, 2])));
         let last = table.cells[9];
-        assert_eq!((last.strips, last.steps_per_cycle, last.spar_elements), (24, 64, Some(2)));
+        assert_eq!((last.strips, last.steps_per_cycle, last.spar_elements), (16, 48, Some(2)));
         assert!(table.verdict.contains("and 1 to 2 elements of the spar spread by"), "{}", table.verdict);
     }
     let change = |table: &Convergence| {

@@ -27,7 +27,7 @@ const OTHER_AIR: &str = "mismatch.aero.law=stall";
 
 #[test]
 fn a_flight_that_falls_is_off_target_without_a_goal() {
-    let lost = fly("bank30_20g_lev", &[OTHER_AIR, "flight.duration_s=6"]);
+    let lost = fly("bank15_20g_lev", &[OTHER_AIR, "flight.duration_s=3"]);
     assert!(lost.status >= Status::OffTarget, "{:?}", lost.reason);
     let missed = missed(&lost);
     assert!(
