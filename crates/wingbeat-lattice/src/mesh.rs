@@ -2,6 +2,7 @@
 
 use crate::kernel::VortexGrid;
 use crate::motion::LatticeSurface;
+use crate::settings::OVER;
 use std::f64::consts::PI;
 use wingbeat::aero::{ChordBend, SectionMotion};
 use wingbeat::math::{Dual, Vec3};
@@ -72,9 +73,9 @@ pub struct Rear {
 }
 
 impl Rear {
-    /// How far `p` (m) lies over the wing, as where air comes in over the edge, m; 0 behind it.
+    /// Widest core, m, at `p` (m) by how far that lies over the wing, as where air comes in over the edge; 0 behind it.
     pub fn over(&self, p: Vec3) -> f64 {
-        (self.at - p).dot(self.outward).max(0.0)
+        OVER * (self.at - p).dot(self.outward).max(0.0)
     }
 }
 
@@ -344,8 +345,8 @@ impl Mesh {
         self.soften_ends(self.wake_core, &[]);
     }
 
-    /// Gives the ends of the last rings cores of the radius `core` m, which over the wing, whose edge is `rear`, are at most as wide as they are
-    /// far over it, and none behind.
+    /// Gives the ends of the last rings cores of the radius `core` m, and over the wing, whose edge is `rear`, at most those of
+    /// [`Rear::over`]; none behind it.
     pub fn soften_ends(&mut self, core: f64, rear: &[Rear]) {
         let most: Vec<f64> = rear.iter().zip(&self.trailing.points).map(|(rear, p)| rear.over(*p)).collect();
         let radius = |j: usize| most.iter().skip(j).take(2).fold(core, |least, most| least.min(*most));

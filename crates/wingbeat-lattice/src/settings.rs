@@ -11,8 +11,11 @@ pub(crate) const SHEET_CORE: f64 = 0.1;
 
 /// Most of a core where wings feel it, over the way along the wake from the trailing edge. *Choice*: it takes 1 % at most of what a vortex
 /// does at control points before it, and 0.2 % of the lift of a plate in plunge. What lies over the wing, as where air comes in over the
-/// edge, has cores as wide as that at least.
+/// edge, has wider ones ([`OVER`]).
 pub(crate) const CLOSE: f64 = 0.1;
+/// Most of such a core over how far it lies over the wing. *Choice*: without it loads are noise where air comes in over the edge, and steeper ones
+/// let steps that are tried for a robot jump.
+pub(crate) const OVER: f64 = 8.0;
 
 /// How vortices of the wake are rounded off: rc^2 = radius^2 + 4 a (nu + squire |Gamma|) age.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -74,10 +74,10 @@ impl Wake {
     }
 
     /// Gives the segments the cores that they have after steps of `step` s each; as the wing with the trailing edge `rear` feels them
-    /// they have at most a share of their way along the sheet from there, and what they lie over the wing.
+    /// they have at most a share of their way along the sheet from there, and more as they lie over the wing.
     ///
     /// Equation: lattice.close_core
-    /// `rc = min(core, s/10 + d), s along the sheet from the trailing edge, d how far over the wing`
+    /// `rc = min(core, s/10 + 8 d), s along the sheet from the trailing edge, d how far over the wing`
     /// Source: own: a vortex at s acts on control points as 1/(1 + rc^2/d^2) of a bare one, d > s.
     /// Test: `lift_in_plunge_is_that_of_theodorsen_with_the_default_core`.
     pub fn soften(&mut self, core: &Core, step: f64, rear: &[Rear]) {

@@ -28,7 +28,8 @@ pub const FEW_ALONG: JudgedLimit = JudgedLimit::warn_below("wake.few_panels_alon
 /// by Bernoulli 7 to 22 % with 5, 3 % with 8.
 pub const FEW_ACROSS: JudgedLimit = JudgedLimit::warn_below("wake.few_panels_along_span", 8.0, "")
     .on("few panels (lift errs by up to 15 % with 5, by 2 % with 8): number of panels along the span");
-/// A core of a fifth of the chord changes the mean drag of `flap_f2` by 8 %, one of a chord by 30 % (of a twentieth).
+/// Wings feel narrow ones near the trailing edge whatever this is: of `flap_f2` under a prescribed wake one of a chord changes the mean drag by
+/// 0.1 %. What is smeared is a wake that rolls up, or that wings meet again. *Choice.*
 pub const CORE: JudgedLimit = JudgedLimit::warn_above("wake.core_fraction", 0.2, "").on(
     "vortices of the wake are smeared over a large part of the wing: radius of their cores over the mean chord",
 );

@@ -38,7 +38,7 @@ pub fn slope() -> Result<Vec<ComparisonRow>, Error> {
     ])
 }
 
-/// The limit of values at panels of a length and of half of it: their error falls as the square of the length (`lattice.convergence`).
+/// The limit of values at panels of a length and of half of it, in the unit of these: their error falls as the square of the length (`lattice.convergence`).
 pub fn extrapolated(coarse: f64, fine: f64) -> f64 {
     (4.0 * fine - coarse) / 3.0
 }
