@@ -346,7 +346,7 @@ impl Mesh {
     }
 
     /// Gives the ends of the last rings cores of the radius `core` m, and over the wing, whose edge is `rear`, at most those of
-    /// [`Rear::over`]; none behind it.
+    /// `Rear::over`; none behind it.
     pub fn soften_ends(&mut self, core: f64, rear: &[Rear]) {
         let most: Vec<f64> = rear.iter().zip(&self.trailing.points).map(|(rear, p)| rear.over(*p)).collect();
         let radius = |j: usize| most.iter().skip(j).take(2).fold(core, |least, most| least.min(*most));

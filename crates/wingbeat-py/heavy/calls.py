@@ -103,7 +103,7 @@ class Pool:
     def waked(self):
         import wingbeat
 
-        return wingbeat.wake(self.shipped("cases/plunge.toml"), chordwise=1, spanwise=4, steps=8, cycles=1)
+        return wingbeat.wake(self.shipped("cases/plunge.toml"), chordwise=1, spanwise=4, steps=8)
 
     def bench(self):
         import wingbeat

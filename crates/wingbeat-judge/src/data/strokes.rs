@@ -115,7 +115,7 @@ impl StrokeVariation {
             "its cycles come {} by {size:.1} deg from start to end: it repeats at {own:.4} Hz, and {given:.4} Hz is given for it",
             if by > 0.0 { "earlier" } else { "later" },
         );
-        let away = series.purpose.is_loads() && size > limits.of(&RUN_AWAY).0;
+        let away = series.purpose == Purpose::Datum && size > limits.of(&RUN_AWAY).0;
         let limit = if away { &RUN_AWAY } else { &RUNS };
         let about = series.about(one.channel.name);
         told.then(|| Finding::new("data.runs_away", limit, about, size, text).in_channel(one.channel.name))

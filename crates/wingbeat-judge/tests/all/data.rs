@@ -840,9 +840,12 @@ fn a_motion_in_steps_and_one_that_runs_away_are_told() {
 fn loads_that_run_away_from_the_clock_by_more_than_the_tolerance_of_a_shift_are_refused() {
     // Drifts of 5.4, 54 and 86 deg in 30 cycles.
     for (ratio, refused) in [(1.0005, false), (1.005, true), (0.992, true)] {
-        let told = found(&loads(&Load { ratio, cycles: 30.0, ..Load::default() }));
-        let serious: Vec<_> = told.iter().filter(|of| of.serious).map(|of| of.id).collect();
-        assert_eq!(serious.contains(&"data.runs_away"), refused, "{ratio}: {told:?}");
+        let (phase, channels, _) = loads(&Load { ratio, cycles: 30.0, ..Load::default() });
+        for (purpose, refused) in [(Purpose::Datum, refused), (Purpose::Loads, false)] {
+            let told = found(&(phase.clone(), channels.clone(), purpose));
+            let serious: Vec<_> = told.iter().filter(|of| of.serious).map(|of| of.id).collect();
+            assert_eq!(serious.contains(&"data.runs_away"), refused, "{ratio}: {told:?}");
+        }
     }
 }
 
