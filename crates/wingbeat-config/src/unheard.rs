@@ -59,11 +59,11 @@ fn straightened(models: &[&Aero]) -> Option<Warning> {
 }
 
 /// The warning that the impulse of the circulation turns on one of `models` that folds and has a swept trailing edge: over the cycle the lift of
-/// the shipped gaits errs by 0.39 to 0.51 of its rms with it (`trim.lattice.*.over_the_cycle`).
+/// the shipped gaits errs by 0.39 to 0.52 of its rms with it (`trim.lattice.*.over_the_cycle`).
 fn swept(models: &[&Aero]) -> Option<Warning> {
     let is_swept = |model: &&Aero| matches!(model, Aero::Strip(strips) if strips.turns_swept());
     let wrong = models.iter().any(is_swept);
-    let text = "a wing that folds has a swept trailing edge: at whole strokes the lift of the shipped gaits errs over the cycle by 0.39 to 0.51 of its rms with this term, by 0.20 to 0.26 with edge_suction, which a membrane, a flap or one strip lacks";
+    let text = "a wing that folds has a swept trailing edge: at whole strokes the lift of the shipped gaits errs over the cycle by 0.39 to 0.52 of its rms with this term, by 0.20 to 0.27 with edge_suction, which a membrane, a flap or one strip lacks";
     wrong.then(|| Warning::new("aero.turning_impulse", text.to_owned()).key("aero.full.turning_impulse"))
 }
 

@@ -64,13 +64,13 @@ pub struct StripSettings {
     pub folding_rates: bool,
     /// Impulse of the bound circulation as a section turns about its chord and drifts along its span: a spanwise force and a couple.
     /// Without it a rectangular wing that folds by 50 degrees in the upstroke lifts 25 % more than the free lattice, with it as much. On
-    /// wings with a swept trailing edge it is too large: over the cycle the lift of shipped gaits errs by 0.39 to 0.51 of its rms with
-    /// it, by 0.20 to 0.26 with `edge_suction`. Where it is not given it is on, unless `edge_suction` is.
+    /// wings with a swept trailing edge it is too large: over the cycle the lift of shipped gaits errs by 0.39 to 0.52 of its rms with
+    /// it, by 0.20 to 0.27 with `edge_suction`. Where it is not given it is on, unless `edge_suction` is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning_impulse: Option<bool>,
     /// Suction square to swept leading edges and of the side edges at the tips along the span, and the pressure where sections drift
     /// along it. The rectangular wing that folds lifts 8 % less than the free lattice with it; over the cycle the lift of shipped gaits
-    /// errs by 0.20 to 0.26 of its rms. Where not given: unless `turning_impulse` is true or the wing has a membrane, a flap or one
+    /// errs by 0.20 to 0.27 of its rms. Where not given: unless `turning_impulse` is true or the wing has a membrane, a flap or one
     /// strip, which are refused it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub edge_suction: Option<bool>,
