@@ -218,7 +218,7 @@ fn disagreement(row: &Value, page: &str) -> Option<String> {
     let cells: Vec<&str> = line.trim_end_matches(" |").rsplit(" | ").take(2).collect();
     let written = |cell: usize| cells.get(cell).and_then(|cell| cell.parse::<f64>().ok());
     let same = |written: Option<f64>, now: Option<f64>| match (written, now) {
-        (Some(a), Some(b)) => (a - b).abs() <= 0.02 * b.abs() || (a.abs() < 1e-4 && b.abs() < 1e-4),
+        (Some(a), Some(b)) => (a - b).abs() <= 0.02 * b.abs() || (a.abs() <= 1e-4 && b.abs() <= 1e-4),
         (a, b) => a.is_none() && b.is_none(),
     };
     let agrees = same(written(0), row["limit"].as_f64()) && same(written(1), row["value"].as_f64());

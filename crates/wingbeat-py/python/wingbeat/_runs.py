@@ -310,7 +310,7 @@ def fly(
         An object with ``update(t, measurement)``, or such a function: the inputs that hold from ``t`` (s) on, in the order of
         ``Scenario.inputs``; ``None`` leaves those in force.
     period_s
-        Time between two updates of that controller, s: whole time steps of the scenario; without it 5 ms.
+        Time between two updates, s: whole time steps of the scenario; without it 5 ms. Only beside a controller.
     sees
         States that the controller sees, by name or by what their names begin with: ``["quat", "w_WB_B"]`` is an inertial unit.
         Without it all.
