@@ -6,6 +6,7 @@ use super::linear::{Complex, RigidMotion, SmallMotion};
 use super::small::{extrapolated, motion_of};
 use super::wings::{self, Still};
 use crate::{ComparisonRow, Error, reference_table};
+use std::f64::consts::FRAC_PI_2;
 use wingbeat::aero::{StripModel, StripSettings};
 use wingbeat::tether::TetheredBody;
 
@@ -13,40 +14,70 @@ use wingbeat::tether::TetheredBody;
 const FOLDS: [[f64; 2]; 5] = [[0.0, 0.0], [15.0, -45.0], [15.0, -60.0], [30.0, -20.0], [-15.0, -60.0]];
 /// Reduced frequencies by the mean chord.
 const KS: [f64; 5] = [0.1, 0.25, 0.5, 0.75, 1.0];
-/// Strips of the lattice, and of that of the table.
-const STATIONS: usize = 32;
-const OF_TABLE: usize = 24;
-const SOURCE: &str = "linear vortex lattice, 6 and 12 x 32 panels";
+/// Strips of one half of the lattice where its arcs are coarsest: what [`Fineness`] multiplies.
+const COARSEST: f64 = 8.0;
+const SOURCE: &str = "linear vortex lattice, 8 and 16 panels x 32 strips a half";
 
-/// Plunge, and pitch about four axes.
-fn motions(still: &Still) -> Result<Vec<RigidMotion>, Error> {
-    ["plunge", "pitch0", "pitch.25", "pitch.5", "pitch.75"]
-        .map(|name| motion_of(name, still))
-        .into_iter()
-        .collect()
+/// Panels of a lattice.
+#[derive(Clone, Copy)]
+struct Fineness {
+    /// Along the chord, of the coarser of both from which it is extrapolated.
+    chordwise: usize,
+    /// Strips over those of the coarsest lattice.
+    spanwise: usize,
 }
 
-/// Vertical force of the lattice of so many `stations` per unit of each motion, N, extrapolated from 6 and 12 panels.
-fn exact(still: &Still, k: f64, stations: usize) -> Result<Vec<Complex>, Error> {
-    let wing = ComparedPreset::Full.model_of(stations, still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
+const REFERENCE: Fineness = Fineness { chordwise: 8, spanwise: 4 };
+const COARSER: Fineness = Fineness { chordwise: 6, spanwise: 3 };
+
+/// Plunge, and pitch about four axes.
+const MOTIONS: [&str; 5] = ["plunge", "pitch0", "pitch.25", "pitch.5", "pitch.75"];
+
+fn motions(still: &Still) -> Result<Vec<RigidMotion>, Error> {
+    MOTIONS.map(|name| motion_of(name, still)).into_iter().collect()
+}
+
+/// Arcs from the left tip to the right one, m: even in the angle whose sine is the arc over the half span, with edges at the hinges;
+/// `spanwise` times as many as the coarsest.
+fn arcs(still: &Still, spanwise: usize) -> Vec<f64> {
+    let half = still.wing.planform().half_span();
+    let hinges = still.hinges().into_iter().filter(|arc| *arc > 0.0).map(|arc| (arc / half).asin());
+    let borders: Vec<f64> = [0.0].into_iter().chain(hinges).chain([FRAC_PI_2]).collect();
+    let mut right = Vec::new();
+    for ends in borders.windows(2) {
+        let [from, to] = [ends[0], ends[1]];
+        let strips = spanwise * ((to - from) / FRAC_PI_2 * COARSEST).round().max(1.0) as usize;
+        right.extend((1..=strips).map(|i| half * (from + (to - from) * i as f64 / strips as f64).sin()));
+    }
+    let left = right.iter().rev().copied();
+    left.chain([0.0]).chain(right.iter().map(|arc: &f64| -arc)).collect()
+}
+
+/// Vertical force of the lattice per unit of each motion, N, extrapolated in the number of panels along the chord.
+fn exact(still: &Still, k: f64, of: Fineness) -> Result<Vec<Complex>, Error> {
     let frame = TetheredBody::rest().frame();
-    let edge = |arc: &f64| {
+    let (arcs, half) = (arcs(still, of.spanwise), still.wing.planform().half_span());
+    let section = |arc: &f64| {
         let section = still.wing.section(*arc, &frame, &still.angles);
         [section.le, section.te]
     };
-    let between = wing.arcs().windows(2).zip(wing.strip_arcs()).take(stations / 2);
-    let fractions: Vec<f64> = between.map(|(ends, arc)| (ends[0] - arc) / (ends[0] - ends[1])).collect();
+    let angle = |arc: f64| (arc / half).min(1.0).asin();
+    let fraction = |ends: &[f64]| {
+        let control = half * (0.5 * (angle(ends[0]) + angle(ends[1]))).sin();
+        (ends[0] - control) / (ends[0] - ends[1])
+    };
+    let fractions: Vec<f64> = arcs.windows(2).take(arcs.len() / 2).map(fraction).collect();
     let lift = |chordwise: usize| {
         let lattice = HarmonicLattice {
             chordwise,
-            edges: wing.arcs().iter().map(edge).collect(),
+            edges: arcs.iter().map(section).collect(),
             fractions: fractions.clone(),
             chord: still.chord,
             omega: 2.0 * k / still.chord,
         };
         lattice.lift(&motions(still)?)
     };
-    Ok(extrapolated(&lift(6)?, &lift(12)?))
+    Ok(extrapolated(&lift(of.chordwise)?, &lift(2 * of.chordwise)?))
 }
 
 fn error(value: Complex, exact: Complex) -> f64 {
@@ -86,20 +117,21 @@ fn lost_area(strips: usize, still: &Still) -> Result<f64, Error> {
     Ok(1.0 - of_strips / (2.0 * half))
 }
 
-/// Worst error of the lattice against the table of the flat wing.
-fn lattice_error(flat: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
+/// Worst error of the table of six wings against the lattice, for the wing `name` at the reduced frequencies `ks`.
+fn table_error(name: &str, ks: &[f64], of: Fineness) -> Result<f64, Error> {
+    let still = wings::other(name)?;
+    let exact = ks.iter().map(|k| exact(&still, *k, of)).collect::<Result<Vec<_>, _>>()?;
     let table = reference_table!("lifting_surface/other_wings.csv")?;
-    let (names, motions, ks) = (table.words("wing")?, table.words("motion")?, table.column("k")?);
+    let (names, motions, k_of) = (table.words("wing")?, table.words("motion")?, table.column("k")?);
     let (re, im) = (table.column("Re_H")?, table.column("Im_H")?);
-    let named = ["plunge", "pitch0", "pitch.25", "pitch.5", "pitch.75"];
     let mut worst: f64 = 0.0;
-    for i in (0..table.len()).filter(|&i| names[i] == "aerobat_flat") {
-        let Some(k) = KS.iter().position(|k| *k == ks[i]) else { continue };
-        let Some(m) = named.iter().position(|name| *name == motions[i]) else { continue };
-        let (scale, omega) = (0.5 * flat.area, 2.0 * ks[i] / flat.chord);
+    for i in (0..table.len()).filter(|&i| names[i] == name) {
+        let Some(k) = ks.iter().position(|k| *k == k_of[i]) else { continue };
+        let Some(m) = MOTIONS.iter().position(|motion| *motion == motions[i]) else { continue };
+        let (scale, omega) = (0.5 * still.area, 2.0 * k_of[i] / still.chord);
         let plunge = (-omega * scale * im[i], omega * scale * re[i]);
         let table = if m == 0 { plunge } else { (scale * re[i], scale * im[i]) };
-        worst = worst.max(error(exact[k][m], table));
+        worst = worst.max(error(table, exact[k][m]));
     }
     Ok(worst)
 }
@@ -108,10 +140,15 @@ fn lattice_error(flat: &Still, exact: &[Vec<Complex>]) -> Result<f64, Error> {
 pub fn folded_aerobat() -> Result<Vec<ComparisonRow>, Error> {
     let wings = FOLDS.map(|[inner, outer]| wings::aerobat_folded(inner, outer));
     let wings = wings.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let exact_at = |still: &Still, stations| {
-        KS.iter().map(|k| exact(still, *k, stations)).collect::<Result<Vec<_>, _>>()
-    };
-    let lattice = wings.iter().map(|still| exact_at(still, STATIONS)).collect::<Result<Vec<_>, _>>()?;
+    let exact_at =
+        |still: &Still, of| KS.iter().map(|k| exact(still, *k, of)).collect::<Result<Vec<_>, Error>>();
+    let lattice = wings.iter().map(|still| exact_at(still, REFERENCE)).collect::<Result<Vec<_>, _>>()?;
+    let coarser = exact_at(&wings[0], COARSER)?;
+    let six = ["rect4", "ell4", "tap.4_AR6", "swept30_AR6", "aerobat_flat", "elbow-60_rect6"];
+    let tables = six.map(|name| table_error(name, &[0.1, 0.3, 0.5], COARSER));
+    let tables = tables.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().fold(0.0, f64::max);
+    let both = coarser.iter().flatten().zip(lattice[0].iter().flatten());
+    let moved = both.map(|(coarse, fine)| error(*coarse, *fine)).fold(0.0, f64::max);
     let row = |preset: ComparedPreset, strips: usize, id: &str| -> Result<ComparisonRow, Error> {
         let errors = wings.iter().zip(&lattice).map(|(still, exact)| worst(preset, strips, still, exact));
         let errors = errors.collect::<Result<Vec<_>, _>>()?;
@@ -132,8 +169,6 @@ pub fn folded_aerobat() -> Result<Vec<ComparisonRow>, Error> {
             "",
         ))
     };
-    let check =
-        "Aerobat, flat, k 0.1 to 1: worst error of the lattice, with the 24 strips of the table, against it";
     let id = "aero.full.folded_aerobat";
     Ok(vec![
         row(ComparedPreset::Full, 16, id)?,
@@ -150,9 +185,24 @@ pub fn folded_aerobat() -> Result<Vec<ComparisonRow>, Error> {
         ),
         ComparisonRow::judged(
             &format!("{id}.lattice"),
-            "linear lifting surface (own lattice, Richardson)",
-            check,
-            lattice_error(&wings[0], &exact_at(&wings[0], OF_TABLE)?)?,
+            "the same lattice, 6 and 12 panels x 24 strips a half",
+            "Aerobat, flat, k 0.1 to 1: worst error of the coarser lattice against the finer",
+            moved,
+            0.005,
+            "",
+        ),
+        ComparisonRow::shown(
+            &format!("{id}.table"),
+            SOURCE,
+            "Aerobat, flat, k 0.1 to 1: worst error of the table of six wings, of 12 strips a half",
+            table_error("aerobat_flat", &KS, REFERENCE)?,
+            "",
+        ),
+        ComparisonRow::judged(
+            &format!("{id}.tables"),
+            "the same lattice, 6 and 12 panels x 24 strips a half",
+            "all six wings, k 0.1 to 0.5: worst error of that table",
+            tables,
             0.01,
             "",
         ),

@@ -157,9 +157,10 @@ impl HarmonicLattice {
                 rhs[(n + row) * columns + column] = -normal[2] * im;
             }
             for j in 0..ns {
+                let mut front = self.pair(j, 0, 0.0, (p, normal));
                 for i in 0..nc {
-                    let of = |i: usize| self.pair(j, i, 0.0, (p, normal));
-                    let ring = of(i) - of(i + 1);
+                    let next = self.pair(j, i + 1, 0.0, (p, normal));
+                    let ring = std::mem::replace(&mut front, next) - next;
                     let tail = if i + 1 == nc { self.wake(j, &rows, (p, normal)) } else { (0.0, 0.0) };
                     let column = j * nc + i;
                     m[row * 2 * n + column] = ring + tail.0;
@@ -179,11 +180,13 @@ impl HarmonicLattice {
     }
 
     /// Force per span over dynamic pressure of each strip, m: 2 [Gamma + i omega sum(G dx)], Kutta-Joukowski of the bound
-    /// vortices and the rate of the jump.
+    /// vortices and the rate of the jump. A ring holds the jump at the end of its panel, so the sum is the trapezoid's: half of the last
+    /// ring lies on the wing.
     fn force(&self, rings: &[Complex]) -> Vec<Complex> {
         let of = |(j, strip): (usize, &[Complex])| {
-            let sum = strip.iter().fold((0.0, 0.0), |s, g| (s.0 + g.0, s.1 + g.1));
             let (end, panel) = (strip[strip.len() - 1], self.omega * self.panel(j));
+            let start = (-0.5 * end.0, -0.5 * end.1);
+            let sum = strip.iter().fold(start, |s, g| (s.0 + g.0, s.1 + g.1));
             (2.0 * (end.0 - panel * sum.1), 2.0 * (end.1 + panel * sum.0))
         };
         rings.chunks_exact(self.chordwise).enumerate().map(of).collect()
