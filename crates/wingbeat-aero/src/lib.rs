@@ -150,6 +150,13 @@ impl<P: Scalar> Aero<P> {
             Self::Strip(model) => model.strips(),
         }
     }
+    /// False of a strip `i` in a gap of the planform.
+    pub fn covers(&self, i: usize) -> bool {
+        match self {
+            Self::LiftingLine(_) => true,
+            Self::Strip(model) => model.covers(i),
+        }
+    }
     /// Number of states.
     pub fn states(&self) -> usize {
         match self {

@@ -11,7 +11,8 @@ const HALVINGS: usize = 60;
 /// velocity. Of a wing at rest in the wind it is the induced drag of the elliptic loading times the speed, of one that hovers the
 /// ideal power of the disc, and of a propeller what it takes beyond thrust times speed.
 ///
-/// Where the wing drives no air but is driven by it, momentum bounds the power only up to the force that halves the velocity.
+/// Against the force, w norm(U - w f) has a largest value where the air across is slow, u_across^2 < u_along^2/8: a turbine halves the velocity
+/// there. Momentum bounds the power of a larger force by the velocity of the largest.
 ///
 /// Equation: aero.induced_power
 /// `P = F w, 2 rho pi R^2 w norm(U - w f) = F, f the unit vector of F`
@@ -26,8 +27,16 @@ pub fn induced_power(force: Vec3, wind: Vec3, density: f64, radius: f64) -> f64 
     // Along the velocity that the air is given, and across.
     let along = -wind.dot(force) / size;
     let across = (wind.dot(wind) - along * along).max(0.0).sqrt();
-    let most = if along < 0.0 { -0.5 * along } else { flux.sqrt() };
     let given = |w: f64| w * across.hypot(along + w);
+    let falls = along * along - 8.0 * across * across;
+    let most = if along >= 0.0 {
+        flux.sqrt()
+    } else if falls > 0.0 {
+        0.25 * (-3.0 * along - falls.sqrt())
+    } else {
+        // Where w is twice the velocity along or more, the air through the circle is at least half as fast as w.
+        (-2.0 * along).max((2.0 * flux).sqrt())
+    };
     let mut bounds = [0.0, most];
     for _ in 0..HALVINGS {
         let middle = 0.5 * (bounds[0] + bounds[1]);
@@ -65,6 +74,24 @@ mod tests {
         let taken = drag * 4.0
             - induced_power(Vec3::new(-drag, 0.0, 0.0), Vec3::new(-4.0, 0.0, 0.0), density, radius);
         near(taken, 16.0 / 27.0 * 0.5 * density * disc * 64.0);
+        // A wing that glides or is blown needs what it needs in level flight, but for the cosine of the slope.
+        for slope in [-0.3_f64, -0.02, -1e-9, 0.0, 1e-9, 0.02, 0.3] {
+            let wind = Vec3::new(-speed * slope.cos(), 0.0, speed * slope.sin());
+            let power = induced_power(up(lift), wind, density, radius);
+            assert!(
+                (power / (drag * speed) - 1.0).abs() < slope.abs() * slope.abs() + 1e-9,
+                "{slope} {power}"
+            );
+        }
+        // Where the product rises throughout it is the flux; where it does not, at least up to its largest value.
+        for (across, heavy) in [(2.0, 1.0), (0.8, 0.1), (0.8, 100.0), (0.2, 1e-3)] {
+            let force = up(heavy);
+            let w = induced_power(force, Vec3::new(-across, 0.0, 2.0), density, radius) / heavy;
+            let flux = heavy / (2.0 * density * disc);
+            near(w * across.hypot(w - 2.0), flux);
+        }
+        let least = |across: f64| induced_power(up(9.0), Vec3::new(-across, 0.0, 2.0), density, radius) / 9.0;
+        assert!(least(0.0) == 1.0 && least(0.2) > 1.0 && least(0.2) < 1.5);
         // No force, no air.
         assert_eq!(induced_power(Vec3::ZERO, wind, density, radius), 0.0);
         assert_eq!(induced_power(up(1.0), wind, 0.0, radius), 0.0);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 use wingbeat_aero::induced_power;
-use wingbeat_flight::tether::{Clock, Tether, TetherRun};
+use wingbeat_flight::tether::{Clock, Side, Tether, TetherRun};
 use wingbeat_judge::limits::{range, tether};
 use wingbeat_judge::{Judge, Warning};
 use wingbeat_math::Vec3;
@@ -94,7 +94,12 @@ pub fn ideal_power_fraction(tether: &Tether, run: &TetherRun) -> Option<f64> {
     }
     let [drag, side, lift] = ["drag", "side", "lift"].map(|axis| run.mean(&format!("force_wind_{axis}")));
     let (force, wind) = (Vec3::new(drag?, side?, lift?), Vec3::new(tether.wind.norm(), 0.0, 0.0));
-    let ideal = induced_power(force, wind, tether.reference.density_kg_m3, tether.reach());
+    let (density, reach) = (tether.reference.density_kg_m3, tether.reach());
+    let ideal = match tether.side {
+        Side::Both => induced_power(force, wind, density, reach),
+        // Half of what both take.
+        _ => 0.5 * induced_power(Vec3::new(2.0 * force[0], 0.0, 2.0 * force[2]), wind, density, reach),
+    };
     let given = run.mean("power")? + force.dot(wind);
     // What is zero by symmetry is rounding.
     let scale = run.mean_positive_power()? + force.norm() * wind.norm();

@@ -238,7 +238,11 @@ impl<'a> Recorder<'a> {
                 stalled.see(aero, incidence.by_ref().take(aero.strips()));
             }
         }
-        let count = self.incidence.len().max(1) as f64;
+        let all = self.robot.surfaces().map(|(_, aero)| aero.strips()).sum::<usize>();
+        let covered =
+            self.robot.surfaces().map(|(_, aero)| (0..aero.strips()).filter(|i| aero.covers(*i)).count());
+        let instants = self.incidence.len() / all.max(1);
+        let count = (instants * covered.sum::<usize>()).max(1) as f64;
         let reversed = self.incidence.iter().filter(|a| a.abs() > FROM_BEHIND).count() as f64 / count;
         let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
         let means = FlightMeans {

@@ -97,9 +97,9 @@ impl Wind {
     }
 
     /// Mean wind with a gust: along each axis a sum of sinusoids with random
-    /// phases, amplitudes falling with the inverse of the frequency (a velocity
-    /// spectrum of slope -2, Dryden's beyond its corner: MIL-F-8785C) and adding
-    /// up to `peak`, m/s, so that no component ever exceeds it.
+    /// phases at frequencies in a constant ratio, amplitudes falling with the inverse
+    /// of the frequency (a spectrum of slope -3; [`turbulent`](Self::turbulent) has Dryden's, -2) and
+    /// adding up to `peak`, m/s, so that no component ever exceeds it.
     pub fn gusty(mean: Vec3, peak: f64, seed: u64) -> Self {
         if peak == 0.0 {
             return Self::steady(mean);

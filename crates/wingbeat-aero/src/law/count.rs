@@ -15,13 +15,14 @@ pub struct StallCount {
 }
 
 impl StallCount {
-    /// Counts the strips of `aero` at an instant, or at several, by their angles of attack, rad.
+    /// Counts the strips of `aero` at an instant, or at several, by their angles of attack, rad; those in gaps are none.
     pub fn see<P: Scalar>(&mut self, aero: &Aero<P>, incidence: impl Iterator<Item = f64>) {
         let (law, stall) = (aero.law(), aero.stall_angle());
         let [holds, untested] = [law.holds_to(stall), UNTESTED_DEG.to_radians()];
         let past = |a: f64, limit: f64| f64::from(u8::from(a.abs() > limit));
         let [seen, beyond] = &mut self.of[law as usize];
-        for a in incidence {
+        let covered = (0..aero.strips()).map(|i| aero.covers(i)).cycle();
+        for (a, _) in incidence.zip(covered).filter(|(_, covered)| *covered) {
             self.seen += 1.0;
             self.stalled += past(a, stall);
             self.untested += past(a, untested);

@@ -131,14 +131,14 @@ impl<P: Scalar> StripModel<P> {
             };
             if self.grid.covered[i] {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
+                loads.separated[at] = S::ONE - response.attached[i];
+                loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
             }
             loads.wash[at] = response.wash[i];
             let height = |m: usize| {
                 response.camber.and_then(|camber| camber.of_chord[m].get(i)).copied().unwrap_or(S::ZERO)
             };
             (loads.camber[at], loads.camber_forward[at]) = (height(0), height(1));
-            loads.separated[at] = S::ONE - response.attached[i];
-            loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
             loads.circulation[at] = response.circulation[i];
             loads.quarter_chord[at] = flow.strips.quarter.get(i).lifted();
         }

@@ -222,6 +222,10 @@ impl<P: Scalar> StripModel<P> {
     pub fn strips(&self) -> usize {
         self.settings.strips
     }
+    /// False of a strip `i` in a gap of the planform.
+    pub fn covers(&self, i: usize) -> bool {
+        self.grid.covered[i]
+    }
     /// Whether hinges lie too close for so many strips, so that widths jump there: see [`StripSpacing::crowded`].
     pub fn is_crowded(&self) -> bool {
         self.grid.crowded

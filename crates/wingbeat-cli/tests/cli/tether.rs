@@ -476,3 +476,75 @@ fn a_wing_that_beats_the_ideal_power_is_outside() {
     };
     assert_eq!([turning("1"), turning("4")], [[false, true], [true, false]]);
 }
+
+#[test]
+fn a_blown_wing_without_enough_drag_beats_the_ideal_power() {
+    let folder = scratch("tether-blown");
+    let mut run = vec!["--force", "--out", "o", "--quiet", "--no-report"];
+    for set in [
+        "aero.full.force_tilt=false",
+        "wing.cd0=0.0005",
+        "wing.cd90=0",
+        "body={}",
+        "wind.incidence_deg=5",
+        "time.cycles=20",
+    ] {
+        run.extend(["--set", set]);
+    }
+    let output = tether(&folder, &cases().join("plunge.toml"), &run);
+    let summary = summary(&folder.join("o"));
+    let rows = summary["judged"].as_array().unwrap();
+    let ideal = rows.iter().find(|row| row["id"] == "tether.ideal_power_fraction").unwrap();
+    let fraction = ideal["value"].as_f64().unwrap();
+    // Lift of an aspect ratio of 4 costs C_L^2/(pi AR) at least: 15 times this drag.
+    assert!(output.status.code() == Some(3) && (13.0..17.0).contains(&fraction), "{fraction}");
+}
+
+/// A rectangle held at 60 degrees, with strips that a gap may part.
+const STALLED: &str = r#"
+name = "stalled"
+wing.planform = [
+    { arc_m = 0.0, leading_edge_m = 0.5, trailing_edge_m = -0.5 },
+    { arc_m = 2.0, leading_edge_m = 0.5, trailing_edge_m = -0.5 },
+]
+wind = { speed_m_s = 1.0, incidence_deg = 60, density_kg_m3 = 1.225 }
+aero = { preset = "full", law = "stall", full = { strips = 16, regularisation_m_s = 0.01 } }
+time = { frequency_hz = 0.2, cycles = 4, steps_per_cycle = 128 }
+"#;
+
+#[test]
+fn strips_in_a_gap_are_neither_stalled_nor_attached() {
+    let folder = scratch("tether-gap");
+    for (name, gaps) in [("whole", ""), ("gap", "wing.gaps = [{ from_arc_m = 0.5, to_arc_m = 0.8 }]\n")] {
+        let text = STALLED.to_owned() + gaps;
+        let case = folder.join(format!("{name}.toml"));
+        fs::write(&case, text).unwrap();
+        let output = tether(&folder, &case, &["--out", name, "--quiet", "--no-report"]);
+        let summary = summary(&folder.join(name));
+        let rows = summary["judged"].as_array().unwrap();
+        let stalled = rows.iter().find(|row| row["id"] == "range.stall_fraction").unwrap();
+        assert_eq!(stalled["value"].as_f64(), Some(1.0), "{name} {output:?}");
+    }
+}
+
+#[test]
+fn half_a_wing_keeps_its_mirror_plane() {
+    let folder = scratch("tether-half");
+    let case = cases().join("flap_f1.toml");
+    for (set, words) in [
+        ("body.roll_deg={constant=10}", "body.roll_deg = given: allowed is 0 of half a wing"),
+        ("wind.sideslip_deg=10", "wind.sideslip_deg = given: allowed is 0 of half a wing"),
+    ] {
+        let run = ["--set", "wing.side=\"left\"", "--set", set, "--out", "o"];
+        let output = tether(&folder, &case, &run);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && told.contains(words), "{told}");
+    }
+    let text = fs::read_to_string(&case).unwrap();
+    let one_sided = text.replace("kind = \"flap\"", "kind = \"flap\"\nside = \"left\"");
+    assert_ne!(one_sided, text);
+    fs::write(folder.join("half.toml"), one_sided).unwrap();
+    let run = ["--set", "wing.side=\"left\"", "--out", "o"];
+    let told = String::from_utf8_lossy(&tether(&folder, Path::new("half.toml"), &run).stderr).into_owned();
+    assert!(told.contains("hinges[0].side = given: allowed is `both` of half a wing"), "{told}");
+}

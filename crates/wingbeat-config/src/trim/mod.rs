@@ -264,12 +264,15 @@ impl Scenario {
         Point { z, pace: 1.0, inputs: self.held_commands() }
     }
 
-    /// Areas of the strips of all surfaces, m2.
+    /// Areas of the strips of all surfaces, m2; 0 in gaps.
     fn strip_areas(&self) -> Vec<f64> {
         let outlines = self.spec.robot.outlines().unwrap_or_default();
         let of = |((_, aero), outline): ((&str, &wingbeat_aero::Aero), wingbeat_robot::SurfaceOutline)| {
-            let strips = aero.strip_arcs().iter().zip(aero.widths());
-            strips.map(|(arc, width)| outline.planform.chord(*arc) * width).collect::<Vec<_>>()
+            let strips = aero.strip_arcs().iter().zip(aero.widths()).enumerate();
+            let area = |(i, (arc, width)): (usize, (&f64, &f64))| {
+                if aero.covers(i) { outline.planform.chord(*arc) * width } else { 0.0 }
+            };
+            strips.map(area).collect::<Vec<_>>()
         };
         self.model.surfaces().zip(outlines).flat_map(of).collect()
     }

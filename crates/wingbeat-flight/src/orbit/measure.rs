@@ -141,6 +141,7 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
     let wind = robot.mean_wind();
     let mut total = 0.0;
     let strips = areas.len().min(seen[0].strips.strips);
+    let covered = areas.iter().take(strips).filter(|area| **area > 0.0).count().max(1);
     for k in 0..n {
         let (o, x) = (&seen[k], &states[k]);
         let velocity = o.attitude.transpose_mul(Vec3::from_slice(&x[layout.velocity..]) - wind);
@@ -158,7 +159,7 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
                 measures.stalled[j] += weight * share_beyond(around, limit);
                 measures.softly_stalled[j] += weight * soft_step((here - limit) / SOFT_DEG.to_radians());
                 if here > limit {
-                    measures.stalled_strips[j] += 1.0 / (n * strips) as f64;
+                    measures.stalled_strips[j] += 1.0 / (n * covered) as f64;
                 }
             }
             measures.separated[0] += weight * o.strips.separated[i];

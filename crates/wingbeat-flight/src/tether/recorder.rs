@@ -165,8 +165,11 @@ impl TetherRecorder {
         let last =
             |name: &str| &record.values(name).unwrap_or_default()[cycle.start * strips..cycle.end * strips];
         let mean_of = |name: &str, count: fn(f64) -> f64| {
-            let last = last(name);
-            last.iter().map(|value| count(*value)).sum::<f64>() / last.len().max(1) as f64
+            let covered = (0..strips).map(|i| tether.aero.covers(i)).cycle();
+            let last = last(name).iter().zip(covered).filter(|(_, covered)| *covered);
+            let (sum, seen) =
+                last.fold((0.0, 0.0), |(sum, seen), (value, _)| (sum + count(*value), seen + 1.0));
+            sum / f64::max(seen, 1.0)
         };
         let mut stalled = StallCount::default();
         stalled.see(&tether.aero, last("incidence").iter().copied());

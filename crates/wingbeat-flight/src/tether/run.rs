@@ -147,6 +147,7 @@ impl Tether {
             return Err(Error::invalid("hinges", self.motion.hinges.len(), allowed));
         }
         TetherRecorder::columns(self)?;
+        self.check_mirror()?;
         self.check_ground()?;
         if let Some(spar) = &self.spar {
             spar.check(self)?;
@@ -170,6 +171,32 @@ impl Tether {
             let allowed = format!("at most {MAX_STRIP_ROWS} rows of steps times strips; these make {rows}");
             let error = Error::invalid("time.cycles", self.clock.cycles, allowed);
             return Err(error.against(["time.steps_per_cycle"]));
+        }
+        Ok(())
+    }
+
+    /// Refuses of a half with a mirror plane at its root what would move both halves otherwise than as images.
+    fn check_mirror(&self) -> Result<(), Error> {
+        if self.side == Side::Both {
+            return Ok(());
+        }
+        let refused = |key: &str, value: &str, allowed: &str| {
+            Err(Error::invalid(
+                key,
+                value,
+                format!("{allowed} of half a wing, which its mirror plane doubles"),
+            ))
+        };
+        if !matches!(self.motion.roll, Coordinate::Constant(roll) if roll == 0.0) {
+            return refused("body.roll_deg", "given", "0");
+        }
+        if self.wind[1] != 0.0 {
+            return refused("wind.sideslip_deg", "given", "0");
+        }
+        for (i, hinge) in self.wing.hinges().iter().enumerate() {
+            if hinge.side != Side::Both {
+                return refused(&format!("hinges[{i}].side"), "given", "`both`");
+            }
         }
         Ok(())
     }
