@@ -237,6 +237,11 @@ impl<P: Scalar> Planform<P> {
         self.gaps.iter().fold(self.half_span(), |span, g| span - (g.to_arc_m - g.from_arc_m))
     }
 
+    /// Mean chord without the gaps, m.
+    pub fn mean_chord(&self) -> P {
+        self.area() / (self.covered_half_span() * 2.0)
+    }
+
     /// Number of stations.
     pub fn stations(&self) -> usize {
         self.arcs.len()

@@ -1,7 +1,7 @@
 //! Ground and ceiling: what they ask of a scenario, how near a flight comes, and what is said of gusts.
 
 use super::spec::{AirSpec, ScenarioSpec};
-use wingbeat_aero::{Planform, Preset};
+use wingbeat_aero::Preset;
 use wingbeat_flight::simulate::Record;
 use wingbeat_judge::Warning;
 use wingbeat_math::Error;
@@ -76,14 +76,9 @@ impl ScenarioSpec {
     /// That caution of a flight of strips.
     pub(super) fn near_ground(&self, distance: Option<f64>) -> Option<Warning> {
         let outlines = self.robot.outlines().ok().filter(|_| self.lattice.is_none())?;
-        let chords = outlines.iter().map(|outline| mean_chord(&outline.planform));
+        let chords = outlines.iter().map(|outline| outline.planform.mean_chord());
         near(distance, chords.reduce(f64::max)?, KEY)
     }
-}
-
-/// Mean chord of a wing of two halves, m.
-pub(super) fn mean_chord(planform: &Planform) -> f64 {
-    planform.area() / (2.0 * planform.covered_half_span())
 }
 
 /// The caution that gusts blow through the plane.

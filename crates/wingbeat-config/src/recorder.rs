@@ -183,6 +183,9 @@ impl<'a> Recorder<'a> {
         }
         row.extend(o.weight_shares(self.mass));
         row.extend((position + o.attitude * o.center_of_mass).0);
+        if !self.robot.wind_over_time().is_steady() {
+            row.extend(self.robot.wind_over_time().at(t).0.0);
+        }
         if self.robot.is_in_vacuum() {
             row.extend(o.angular_momentum.0);
         }
@@ -344,6 +347,9 @@ fn columns(robot: &Robot) -> Vec<Column> {
     }
     columns.extend(Cost::columns());
     columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
+    if !robot.wind_over_time().is_steady() {
+        columns.extend(AXES.map(|a| column(format!("wind_{a}"), "m/s", "W")));
+    }
     if robot.is_in_vacuum() {
         columns.extend(AXES.map(|a| column(format!("{MOMENTUM}_{a}"), "kg m2/s", "W")));
     }

@@ -1,6 +1,5 @@
 //! What a case says of the beams that carry the halves of its wing.
 
-use super::grounded::mean_chord;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use wingbeat_aero::{Aero, Planform};
@@ -217,7 +216,7 @@ impl SparSpec {
     /// least and largest radius of gyration about the span over the mean chord, of stations with mass, the largest of its `masses` too.
     fn placed(&self, planform: &Planform) -> (f64, Option<[f64; 2]>) {
         let (mut off, mut radii) = (0.0_f64, None::<[f64; 2]>);
-        let chord = mean_chord(planform);
+        let chord = planform.mean_chord();
         let (tip, mut beyond) = (planform.station_arcs().last().copied().unwrap_or_default(), 0.0_f64);
         let mut put = |arc: f64, ahead: f64, up: f64| {
             let (leading, trailing) = planform.edges(arc);

@@ -1,7 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::fit::{ByName, model_of_wing, of_numbers};
-use super::grounded::{mean_chord, near};
+use super::grounded::near;
 use super::hinged::FlapSummary;
 use super::moved::{Moved, ideal_power_fraction, repeating};
 use super::skin::MembraneSummary;
@@ -217,7 +217,7 @@ impl TetherCase {
             }
             stall::hold(&mut judge, &run.stalled, "aero.law");
             judge.hold(&range::STALLED_OUTSIDE, run.stalled.untested());
-            judge.hold(&tether::SLENDER, 2.0 * planform.covered_half_span() / mean_chord(planform));
+            judge.hold(&tether::SLENDER, 2.0 * planform.covered_half_span() / planform.mean_chord());
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);
@@ -229,7 +229,7 @@ impl TetherCase {
         if let Some(flap) = self.hinged(run) {
             flap.judge(&mut judge);
         }
-        let (distance, chord) = (self.tether.ground_distance(), mean_chord(self.tether.wing.planform()));
+        let (distance, chord) = (self.tether.ground_distance(), self.tether.wing.planform().mean_chord());
         judge.hold_if(&tether::LOW, distance.map(|distance| distance / chord));
         self.slow()
             .into_iter()

@@ -141,7 +141,7 @@ impl EdgeTravel {
 
 /// Mean chord of a surface, m.
 fn mean_chord(outline: &SurfaceOutline) -> f64 {
-    outline.planform.area() / (2.0 * outline.planform.half_span())
+    outline.planform.mean_chord()
 }
 
 impl CoupledLattice {

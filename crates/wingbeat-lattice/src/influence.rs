@@ -139,10 +139,24 @@ impl Influence {
         places: &[PointLocation],
         sources: &InducingGrids<'_>,
     ) -> Vec<Vec3> {
+        self.velocities_by(points, points, places, sources)
+    }
+
+    /// The same, by sums that are chosen for the points `by`, near these in the same order: trials of one instant have one choice.
+    pub fn velocities_by(
+        &self,
+        points: &[Vec3],
+        by: &[Vec3],
+        places: &[PointLocation],
+        sources: &InducingGrids<'_>,
+    ) -> Vec<Vec3> {
         let count = points.len();
         let images = self.mirrors.images();
-        let image = images.clone().flat_map(|image| points.iter().map(move |p| image.point(*p)));
-        let all: Vec<Vec3> = points.iter().copied().chain(image).collect();
+        let with_images = |points: &[Vec3]| -> Vec<Vec3> {
+            let image = images.clone().flat_map(|image| points.iter().map(move |p| image.point(*p)));
+            points.iter().copied().chain(image).collect()
+        };
+        let (all, by) = (with_images(points), with_images(by));
         let mut lanes = FieldPoints::default();
         lanes.set(all.iter().copied());
         let mut velocities = vec![Vec3::ZERO; all.len()];
@@ -166,7 +180,7 @@ impl Influence {
         for grid in &sources.cored {
             // A single row has no cells to be halved.
             match grid.rows() > 1 && grid.segments() >= self.fast_from {
-                true => PatchTree::new(grid).add_velocities(&all, &mut velocities),
+                true => PatchTree::new(grid).add_velocities(&all, &by, &mut velocities),
                 false => add_velocities::<true>(grid, &lanes, &mut velocities),
             }
         }

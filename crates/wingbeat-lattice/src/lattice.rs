@@ -28,6 +28,8 @@ pub struct Lattice {
     shedding: Option<Shedding>,
     /// The wakes and sheets as they come to the instant that is being solved, while several motions are tried there.
     arriving: Option<[Vec<Wake>; 2]>,
+    /// Points of the first of the trials of an instant, which choose the sums of all: those of the loads, and those beside sheets.
+    first: [Vec<Vec3>; 2],
 }
 
 /// Most panels: their matrix has the square of it. *Choice.*
@@ -90,7 +92,18 @@ impl Lattice {
         let wakes = meshes.iter().map(|_| Wake::default()).collect();
         let rings = std::array::from_fn(|_| vec![0.0; panels]);
         let shedding = settings.critical_suction.map(|critical| Shedding::new(critical, &meshes));
-        Ok(Self { scene, settings, meshes, wakes, influence, rings, solved: 0, shedding, arriving: None })
+        Ok(Self {
+            scene,
+            settings,
+            meshes,
+            wakes,
+            influence,
+            rings,
+            solved: 0,
+            shedding,
+            arriving: None,
+            first: Default::default(),
+        })
     }
 
     /// Solves the next instant, returns its loads and carries the wake on to the one after it.
@@ -100,6 +113,7 @@ impl Lattice {
     pub fn step(&mut self) -> Result<LatticeLoads, Error> {
         let t = self.time();
         self.leave(t)?;
+        self.first = Default::default();
         let loads = self.arrive(t)?;
         self.solved += 1;
         Ok(loads)
@@ -121,6 +135,7 @@ impl Lattice {
             }
             None => {
                 self.leave(t)?;
+                self.first = Default::default();
                 self.arriving = Some([self.wakes.clone(), self.sheets().to_vec()]);
             }
         }
@@ -149,7 +164,12 @@ impl Lattice {
             self.soften(true);
         }
         let (points, places) = self.places();
-        let mut air = self.influence.velocities(&points, &places, &self.sources(false, true));
+        let [first, beside] = &mut self.first;
+        if first.is_empty() {
+            first.clone_from(&points);
+        }
+        let (first, mut beside) = (std::mem::take(first), std::mem::take(beside));
+        let mut air = self.influence.velocities_by(&points, &first, &places, &self.sources(false, true));
         air.iter_mut().for_each(|v| *v += self.scene.wind);
         self.solve(t, &air)?;
         let own = self.influence.velocities(&points, &places, &self.sources(true, false));
@@ -164,13 +184,15 @@ impl Lattice {
         }
         if self.shedding.is_some() {
             let mut at = 0;
-            let changes = spread::changes_by_sheets(&self.meshes, self.sheets(), &self.influence);
+            let changes =
+                spread::changes_by_sheets(&self.meshes, self.sheets(), &self.influence, &mut beside);
             for (mesh, change) in self.meshes.iter().zip(changes) {
                 let first = at + mesh.panels() + mesh.fronts.len();
                 air[first..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
                 at = first + mesh.legs.len();
             }
         }
+        self.first = [first, beside];
         let rates = self.rates(&self.rings);
         let jump_rates = self.shedding.as_ref().map_or_else(Vec::new, |own| self.rates(&own.jumps));
         let density = self.scene.density_kg_m3;

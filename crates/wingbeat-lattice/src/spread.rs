@@ -87,8 +87,14 @@ fn fractions(mesh: &Mesh, j: usize) -> impl Iterator<Item = f64> {
 /// leading edges shed: on the legs of the first panels and of the nose their mean from the middle of one strip beside to that of the
 /// other. A sheet lies over a wing by less than the width of a strip, and its filaments right over the legs: at a distance a, filaments
 /// that are d apart induce at the legs coth(pi a/d) times what the sheet does for which they stand, and their mean over d is that
-/// of the sheet. So it is with the corner that each filament has at the edge, which would pull itself.
-pub fn changes_by_sheets(meshes: &[Mesh], sheets: &[Wake], influence: &Influence) -> Vec<Vec<Vec3>> {
+/// of the sheet. So it is with the corner that each filament has at the edge, which would pull itself. The points `first` choose the sums
+/// ([`Influence::velocities_by`]), or become those of this trial where there are none.
+pub fn changes_by_sheets(
+    meshes: &[Mesh],
+    sheets: &[Wake],
+    influence: &Influence,
+    first: &mut Vec<Vec3>,
+) -> Vec<Vec<Vec3>> {
     let rising: Vec<VortexGrid> = meshes.iter().map(rising).collect();
     let heads = meshes.iter().map(|mesh| &mesh.heads);
     let cored = heads.chain(sheets.iter().map(|sheet| &sheet.grid)).collect();
@@ -104,7 +110,10 @@ pub fn changes_by_sheets(meshes: &[Mesh], sheets: &[Wake], influence: &Influence
             }
         }
     }
-    let velocities = influence.velocities(&points, &places, &sources);
+    if first.is_empty() {
+        first.clone_from(&points);
+    }
+    let velocities = influence.velocities_by(&points, first, &places, &sources);
     let mut seen = velocities.iter();
     let of = |mesh: &Mesh| {
         let mut changes = vec![Vec3::ZERO; mesh.legs.len()];

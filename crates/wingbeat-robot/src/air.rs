@@ -175,6 +175,11 @@ impl Wind {
 }
 
 impl<P: Scalar> Wind<P> {
+    /// Whether it is one velocity for all time.
+    pub fn is_steady(&self) -> bool {
+        self.waves.is_empty() && self.pulses.is_empty() && self.course.nodes.is_empty()
+    }
+
     /// The wind without its gust, m/s in W.
     pub fn mean(&self) -> Vec3<P> {
         self.mean

@@ -256,6 +256,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("orbit_pitch_asked", &[FLIGHT], RAD, "WB", "Its pitch."),
     column("thrust_moment_<axis>", &[FLIGHT], NM, "B", "Moment of the thrusters about the body's origin."),
     column("thrust_<axis>", &[FLIGHT], N, "B", "Force of the thrusters on the body."),
+    column("wind_<axis>", &[FLIGHT], &["m/s"], "W", "Velocity of the air, gusts and turbulence included, where it changes."),
     column("hover_error_<axis>", &[FLIGHT], M, "W", "Place less that asked at the last update, as measured, under `[controller.hover]`."),
     column("hover_force_<axis>", &[FLIGHT], N, "W", "Mean force of the air as its observer has it: what pushes the robot beside thrusters and gravity."),
     column("hover_asked_<axis>", &[FLIGHT], M, "W", "The place asked."),

@@ -153,6 +153,10 @@ pub fn refused(error: wingbeat_lattice::Error) -> Error {
         wingbeat_lattice::Error::Setting { key: "critical_suction", value, allowed } => {
             Error::Input(format!("--critical-suction {}: allowed is {allowed}", shortest(value)))
         }
+        wingbeat_lattice::Error::Setting { key: key @ "zero_lift_angle_deg", value, allowed } => {
+            let value = shortest((value * 1e9).round() / 1e9);
+            Error::Input(format!("{key} of `aero` or of a section = {value}: allowed is {allowed}"))
+        }
         wingbeat_lattice::Error::Setting { key: "panels", value, allowed } => {
             Error::Input(format!("--chordwise times --spanwise: {value} panels: allowed is {allowed}"))
         }

@@ -12,8 +12,8 @@ const NOW: &str = "# mine\nname = \"a\"\nstart = { velocity_m_s = [1.0, 0.0, 0.0
 /// Draws of then and their calibration.
 const OTHERS: [(&str, &str); 4] = [
     (
-        "[[draws]]\nkey = \"start.pitch_deg\"\nlow = -4.0\nhigh = 1.0\n[[draws]]\nkey = \"start.pitch_deg\"\nvalues = [1, -2]\n",
-        "[[draws]]\nkey = \"start.nose_up_deg\"\nlow = -1.0\nhigh = 4.0\n[[draws]]\nkey = \"start.nose_up_deg\"\nvalues = [-1, 2]\n",
+        "[[draws]]\nkey = \"start.pitch_deg\"\nlow = -4.0\nhigh = 1.0\n[[draws]]\nkey = \"start.pitch_deg\"\nvalues = [1, -2, 0x1_0]\n",
+        "[[draws]]\nkey = \"start.nose_up_deg\"\nlow = -1.0\nhigh = 4.0\n[[draws]]\nkey = \"start.nose_up_deg\"\nvalues = [-1, 2, -16]\n",
     ),
     (
         "[[parameters]]\nname = \"surfaces.wing.section_slope\"\n[numbers]\n\"links.a.series.x\" = 1\n",

@@ -246,3 +246,35 @@ fn strips_that_break_down_say_nothing_of_stall() {
     let whole = summary_of(&folder, "ellipse.toml", &["--set", "time.steps_per_cycle=8000"]);
     assert_eq!(whole["past_stall"], 0.0);
 }
+
+#[test]
+fn a_prescribed_wake_that_stays_with_the_wing_is_outside() {
+    let folder = scratch("wake-stays");
+    let case = root().join("cases/flap_f2.toml");
+    let run = |more: &[&str]| {
+        let mut args =
+            vec!["wake", case.to_str().unwrap(), "--force", "--out", "o", "--quiet", "--no-report"];
+        args.extend([
+            "--chordwise",
+            "2",
+            "--spanwise",
+            "8",
+            "--steps",
+            "24",
+            "--set",
+            "reference.speed_m_s=1.5",
+        ]);
+        args.extend(more);
+        wingbeat(&folder, &args)
+    };
+    let told = |output: &std::process::Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    let stays = run(&["--prescribed", "--set", "wind.speed_m_s=0.1"]);
+    let words = "a prescribed wake moves with the wind alone";
+    assert!(stays.status.code() == Some(3) && told(&stays).contains(words), "{stays:?}");
+    for more in [&["--prescribed"][..], &["--set", "wind.speed_m_s=0.1"]] {
+        assert!(!told(&run(more)).contains(words), "{more:?}");
+    }
+    let cambered = run(&["--set", "aero.zero_lift_angle_deg=-3"]);
+    let words = "zero_lift_angle_deg of `aero` or of a section = -3: allowed is 0";
+    assert!(cambered.status.code() == Some(2) && told(&cambered).contains(words), "{cambered:?}");
+}

@@ -167,7 +167,15 @@ fn turned(text: &str, value: &Spanned<DeValue>, edits: &mut Vec<Edit>) {
 
 /// Minus a number as it is written; none of what is no number.
 fn negative(number: &str) -> Option<String> {
-    let value: f64 = number.replace('_', "").parse().ok()?;
+    let plain = number.replace('_', "");
+    let based = [("0x", 16), ("0o", 8), ("0b", 2)]
+        .into_iter()
+        .find_map(|(sign, base)| i64::from_str_radix(plain.strip_prefix(sign)?, base).ok());
+    if let Some(value) = based {
+        // These have no sign.
+        return Some((-value).to_string());
+    }
+    let value: f64 = plain.parse().ok()?;
     let size = number.trim_start_matches(['-', '+']);
     let minus = value > 0.0;
     Some(format!("{}{size}", if minus { "-" } else { "" }))

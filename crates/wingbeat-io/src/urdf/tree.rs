@@ -48,7 +48,7 @@ pub struct UrdfLink {
 
 /// How the child of a joint moves in its parent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(missing_docs)]
+#[expect(missing_docs, reason = "the words of URDF")]
 pub enum JointType {
     #[default]
     Fixed,

@@ -106,7 +106,7 @@ pub const TURNING: JudgedLimit = JudgedLimit::warn_below("tether.turning_cycles"
 /// Way of the wind in a cycle over the longest way of a section in it. A revolving wing of two blades, with 0.32, has 3 % more
 /// thrust by strips than by the prescribed lattice, and with 0.064 29 % more than by the free one; the shipped flapping cases have 0.25 and more. *Choice.*
 pub const ADVANCE: JudgedLimit = JudgedLimit::warn_below("tether.advance_ratio", 0.2, "").on(
-    "the wing comes back into its own wake, which strips take to lie straight behind them (wakes of `wingbeat wake` do not): way of the wind in a cycle over that of the tips",
+    "the wing comes back into its own wake, which strips take to lie straight behind them (free wakes of `wingbeat wake` do not): way of the wind in a cycle over that of the tips",
 );
 /// Reynolds number of the mean chord and speed below which no section law here was measured, thin plates from 1e3 on.
 pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3, "").on(

@@ -56,8 +56,5 @@ fn past_stall(case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>) -> Option<f
     if run.ending != Ending::Complete {
         return None;
     }
-    let incidence = run.strips.values("incidence").unwrap_or_default();
-    let last = &incidence[incidence.len() - incidence.len() / case.tether.clock.cycles..];
-    let stall = case.tether.aero.stall_angle();
-    Some(last.iter().filter(|angle| angle.abs() > stall).count() as f64 / last.len().max(1) as f64)
+    Some(run.stalled.stalled())
 }

@@ -95,10 +95,7 @@ impl RecordedFlight {
 
     /// Mean chord of the first surface, m.
     fn chord(&self) -> f64 {
-        self.outlines.first().map_or(1.0, |outline| {
-            let planform = &outline.planform;
-            planform.area() / (2.0 * planform.half_span())
-        })
+        self.outlines.first().map_or(1.0, |outline| outline.planform.mean_chord())
     }
 
     /// Speed through the air at `t` s.
@@ -247,19 +244,20 @@ impl RecordedFlight {
     /// Share of strips and instants of the last cycle past the stall angle of their section, by the model that flew.
     fn past_stall(&self, flight: &FlightStretch, begin: f64, clock: &CourseClock) -> f64 {
         let surfaces = self.scenario.robot().surfaces();
-        let limits: Vec<f64> =
-            surfaces.flat_map(|(_, aero)| std::iter::repeat_n(aero.stall_angle(), aero.strips())).collect();
+        let limits: Vec<Option<f64>> = surfaces
+            .flat_map(|(_, aero)| (0..aero.strips()).map(|i| aero.covers(i).then(|| aero.stall_angle())))
+            .collect();
         let (mut past, mut all) = (0, 0);
         for k in 0..clock.steps {
             let seen = flight.observe(begin + k as f64 * clock.step_s());
             for (angle, limit) in
                 seen.iter().flat_map(|seen| seen.incidence().zip(&limits).collect::<Vec<_>>())
             {
-                past += usize::from(angle.abs() > *limit);
-                all += 1;
+                past += usize::from(limit.is_some_and(|limit| angle.abs() > limit));
+                all += usize::from(limit.is_some());
             }
         }
-        f64::from(past as u32) / f64::from(all.max(1))
+        past as f64 / all.max(1) as f64
     }
 }
 

@@ -207,6 +207,7 @@ fn judged(watch: &CourseWatch<'_>, asked: &CourseRequest, limits: &RunLimits) ->
             judge.hold_if(&wake::APART, watch.apart());
             let moved = watch.course.moved;
             moved.iter().for_each(|moved| moved.hold(&mut judge));
+            judge.hold_if(&wake::STAYS, moved.and_then(|moved| moved.advance).filter(|_| asked.prescribed));
             if moved.is_none_or(|moved| moved.repeated.is_some()) {
                 judge.hold(&wake::STEPS, watch.course.clock.steps as f64);
                 judge.hold(&wake::FEW_STEPS, watch.course.clock.steps as f64);

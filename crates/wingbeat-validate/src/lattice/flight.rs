@@ -89,7 +89,7 @@ fn forces(flown: &LatticeFlight, chordwise: usize) -> Result<([Vec<f64>; 2], usi
     let run = scenario.fly(|_| ControlFlow::Continue(()))?;
     let outlines = scenario.spec.robot.outlines()?;
     let planform = &outlines[0].planform;
-    let chord = planform.area() / (2.0 * planform.half_span());
+    let chord = planform.mean_chord();
     let to = from + *cycles as f64 / frequency;
     let flight = Arc::new(FlightStretch::new(scenario.robot(), &run.record, *from, to)?);
     let panels = Panels { chordwise, spanwise: 24, spacing: Spacing::Lan };

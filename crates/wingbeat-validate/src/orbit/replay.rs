@@ -345,7 +345,7 @@ impl OrbitMotion {
         let LatticeFineness { chordwise, strips, parts, core } = fineness;
         let outlines = self.scenario.spec.robot.outlines()?;
         let planform = &outlines[0].planform;
-        let chord = planform.area() / (2.0 * planform.half_span());
+        let chord = planform.mean_chord();
         let flight = Arc::new(self.flight()?);
         let panels = Panels { chordwise, spanwise: strips * parts, spacing: Spacing::Lan };
         let density = self.scenario.spec.air.density_kg_m3;

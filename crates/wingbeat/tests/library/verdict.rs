@@ -398,6 +398,15 @@ fn a_path_is_as_steep_in_any_wind() {
 }
 
 #[test]
+fn a_path_that_turns_back_on_itself_is_refused() {
+    let curve = "path.curve={points={points_m=[[3.0, 0.0, 0.0], [0.5, 0.0, 0.0]]}}";
+    let told = scenario("path_figure8", &[curve])
+        .and_then(|of| of.fly(|_| ControlFlow::Continue(())).map_err(|e| e.to_string()));
+    let told = told.err().unwrap();
+    assert!(told.contains("points_m[0] = ") && told.contains("nowhere turns back on itself"), "{told}");
+}
+
+#[test]
 fn a_flight_too_short_for_its_path_is_not_judged() {
     let brief = fly("glide", &["flight.duration_s=1.9"]);
     assert_eq!(brief.status, Status::NotJudged, "{:?}", brief.reason);

@@ -232,6 +232,9 @@ impl HelixSpec {
     }
 }
 
+/// Largest turn of a path from station to station, rad: sharper ones are cusps, where the curve runs back. *Choice.*
+const SHARPEST: f64 = 0.5;
+
 impl PointsSpec {
     fn stations(&self, step: f64, most: f64) -> Result<Vec<Station>, Error> {
         let points = &self.points_m;
@@ -262,7 +265,14 @@ impl PointsSpec {
             let [x, y, z] = splines.each_ref().map(|spline| spline.at(at));
             let speed = x.d.hypot(y.d).max(1e-6);
             let direction = y.d.atan2(x.d);
-            heading += (direction - heading + PI).rem_euclid(TAU) - PI;
+            let turn = (direction - heading + PI).rem_euclid(TAU) - PI;
+            if turn.abs() > SHARPEST && !stations.is_empty() {
+                let point = chords.iter().skip(2).position(|chord| at <= *chord).unwrap_or(0);
+                let allowed = "points between which the path nowhere turns back on itself";
+                let key = format!("points_m[{point}]");
+                return Err(Error::invalid(key, format!("{:?}", points[point]), allowed));
+            }
+            heading += turn;
             let curvature = (x.d * y.dd - y.d * x.dd) / speed.powi(3);
             stations.push(Station { place: Vec3::new(x.x, y.x, z.x), heading, curvature });
             // The midpoint rule for equal arcs over the ground.
