@@ -233,7 +233,7 @@ impl JudgedFlight<'_> {
             judge.hold(&wake::ALONG, chordwise as f64);
             judge.hold(&wake::FEW_ALONG, chordwise as f64);
             judge.hold(&wake::ACROSS, spanwise as f64);
-            judge.hold(&wake::FEW_ACROSS, spanwise as f64);
+            judge.hold(&wake::FEW_OF_FLIGHT, spanwise as f64);
             judge.hold_if(&wake::INFLOW, self.summary.lattice.map(|lattice| lattice.inflow_fraction));
         }
         if let Some(crossing) = self.crossing {

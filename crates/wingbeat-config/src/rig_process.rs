@@ -7,8 +7,8 @@ use super::rig_statement::statement;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use wingbeat_flight::simulate::{Column, Record};
-use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, cut_off, of_few_counts};
-use wingbeat_judge::limits::data::REST_DRIFT;
+use wingbeat_judge::data::{Finding, MeasuredChannel, Purpose, Series, cut_off, of_few_counts, rest_scatter};
+use wingbeat_judge::limits::data::{REST, REST_DRIFT};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::JointTrajectory;
@@ -350,7 +350,23 @@ impl RigRun {
         };
         let mut found = of_few_counts(&series, &self.limits);
         found.extend(cut_off(&series, &self.limits));
+        found.extend(self.restless(samples, rows.clone()).filter(|finding| finding.breaks(&self.limits)));
         found
+    }
+
+    /// How the loads scatter in the rest from which the tare is taken, beside those in `rows`.
+    fn restless(&self, samples: &Samples, rows: std::ops::Range<usize>) -> Option<Finding> {
+        let steps = self.spec.process.steps;
+        let rest = 0..samples.index(0.0);
+        let of = samples.channels.iter().filter_map(|of| rest_scatter(&of[rest.clone()], &of[rows.clone()]));
+        let least = of.fold(f64::INFINITY, f64::min);
+        let text = format!(
+            "the loads scatter there by {:.0} % of what they do in the run: the wings move in it, or the loads are noise; say when the run \
+             begins, or without a rest set process.steps.tare and drift to false",
+            100.0 * least
+        );
+        let asked = (steps.tare || steps.drift) && !rest.is_empty() && least.is_finite();
+        asked.then(|| Finding::new("data.rest", &REST, "the rest of the file", least, text))
     }
 
     /// The motion of the arm's joints by their columns of a record, of which `window` (s) is averaged; none where one is missing.

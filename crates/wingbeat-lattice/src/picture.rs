@@ -51,7 +51,8 @@ impl VortexPicture {
             let (n, points) = (wake.grid.columns, &wake.grid.points);
             for (at, circulation) in wake.rings.iter().enumerate() {
                 let k = at / (n - 1) * n + at % (n - 1);
-                let corners = [k, k + 1, k + n + 1, k + n].map(|k| points[k]);
+                // As on the wing: the younger edge first, from left to right.
+                let corners = [k + n, k + n + 1, k + 1, k].map(|k| points[k]);
                 picture.wake.push(Quad { corners, circulation: *circulation });
                 // Rows join at the trailing edge: the last is the youngest.
                 picture.age.push(wake.rows() - at / (n - 1));

@@ -59,6 +59,7 @@ pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &RunLimits) -> V
     };
     let samples: Vec<Finding> =
         of_samples(one, limits).unwrap_or_default().into_iter().filter(|of| !told(of)).collect();
+    let samples = samples.into_iter().map(|of| of.of_mean_cycle(limits));
     found.extend(samples);
     found.extend(beside_model(one, limits).unwrap_or_default());
     // Noise has no frequency.
@@ -197,7 +198,7 @@ fn keyed(finding: Finding) -> Finding {
         "data.phase" => Some("process.input.columns"),
         "data.resonance" => Some("process.steps.cutoff_multiple"),
         "data.mean" => Some("rig.mount"),
-        "data.cut" => Some("process.input.start_s"),
+        "data.cut" | "data.rest" => Some("process.input.start_s"),
         "data.drift" => Some("process.steps.drift"),
         "data.reversed" | "data.swapped" | "data.dead" => Some("process.input.columns"),
         "data.noise" | "data.not_periodic" => Some("process.window_s"),

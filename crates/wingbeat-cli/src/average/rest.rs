@@ -1,6 +1,7 @@
 //! What a load cell reads at rest, taken from the begin of a file.
 
 use serde::Serialize;
+use wingbeat::judge::data::{mean, rest_scatter};
 use wingbeat::judge::limits::data::REST;
 use wingbeat::judge::unit::is_load;
 use wingbeat::judge::{Judge, Status};
@@ -57,11 +58,11 @@ impl RestSummary {
                     column.name
                 )));
             }
-            let moving = scatter(&column.values[count..], self::mean(&column.values[count..]));
-            let quarters = column.values[..count].chunks(count.div_ceil(4));
-            let at_rest = quarters.map(|quarter| scatter(quarter, mean)).fold(0.0, f64::max);
-            if moving > 0.0 && (!known || is_load(&column.name, &column.unit)) {
-                scatter_fraction = scatter_fraction.min(at_rest / moving);
+            let (rest, moving) = column.values.split_at(count);
+            if let Some(fraction) = rest_scatter(rest, moving)
+                && (!known || is_load(&column.name, &column.unit))
+            {
+                scatter_fraction = scatter_fraction.min(fraction);
             }
             column.values.drain(..count);
             column.values.iter_mut().for_each(|value| *value -= mean);
@@ -91,16 +92,4 @@ impl RestSummary {
         let all = self.channels.iter().map(of).collect::<Vec<_>>().join(", ");
         format!("rest, first {} s, subtracted: {all}\n", self.duration_s)
     }
-}
-
-/// Mean of the values that are numbers.
-fn mean(values: &[f64]) -> f64 {
-    let finite = || values.iter().filter(|value| value.is_finite());
-    finite().sum::<f64>() / finite().count() as f64
-}
-
-/// Root mean square of what the values that are numbers lie off `mean`; 0 where none is one.
-fn scatter(values: &[f64], mean: f64) -> f64 {
-    let finite = || values.iter().filter(|value| value.is_finite());
-    (finite().map(|value| (value - mean).powi(2)).sum::<f64>() / finite().count().max(1) as f64).sqrt()
 }

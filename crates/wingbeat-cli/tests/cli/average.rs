@@ -350,3 +350,35 @@ fn gaps_that_come_again_make_no_frequency() {
     let frequency = found(4.0, 0.3, 0.2);
     assert!((frequency - 1.75).abs() < 0.01, "{frequency}");
 }
+
+/// Fz = 1 + 0.3 cos + 1.5 cos 2 at so many samples a cycle.
+fn two_harmonics(path: &std::path::Path, per_cycle: f64) {
+    let (hz, seconds) = (7.313, 60.0);
+    let rate = per_cycle * hz;
+    let row = |k: usize| {
+        let t = k as f64 / rate;
+        let phase = std::f64::consts::TAU * hz * t;
+        let noise = 0.01 * (12.9898 * k as f64).sin();
+        format!("{t:.9},{}\n", 1.0 + 0.3 * phase.cos() + 1.5 * (2.0 * phase).cos() + noise)
+    };
+    let rows: String = (0..(seconds * rate) as usize).map(row).collect();
+    fs::write(path, format!("t,Fz\n{rows}")).unwrap();
+}
+
+#[test]
+fn a_mean_cycle_that_loses_its_second_harmonic_is_told() {
+    let folder = scratch("average-sparse");
+    for (per_cycle, code, words) in
+        [(4.24, 3, "data.samples_per_cycle_of_loads"), (5.5, 0, "data.few_samples"), (9.3, 0, "")]
+    {
+        two_harmonics(&folder.join("a.csv"), per_cycle);
+        let output = wingbeat(
+            &folder,
+            &["average", "a.csv", "--units", "N", "--frequency", "7.313", "--force", "--out", "o"],
+        );
+        let told =
+            String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(code), "{per_cycle}: {told}");
+        assert!(told.contains(words) && (!words.is_empty() || !told.contains("second harmonic")), "{told}");
+    }
+}

@@ -252,3 +252,35 @@ fn static_tilts_weigh_the_mount() {
         near(&mount["bias"][k], *bias, 1e-3);
     }
 }
+
+#[test]
+fn a_rest_in_which_wings_flap_and_a_window_that_holds_rest_are_suspect() {
+    let folder = scratch("rig-process-rest");
+    // At rest up to 1.5 s, with the noise of the cell.
+    signal(&folder.join("rest.parquet"), |k, values| {
+        for (i, value) in values.iter_mut().enumerate() {
+            let noise = [1.0, 1.0, 1.0, 5e-3, 5e-3, 5e-3][i] * 2e-3 * (12.9898 * (6 * k + i) as f64).sin();
+            *value = if k < 1500 { noise } else { *value + noise };
+        }
+    });
+    signal(&folder.join("moves.parquet"), |_, _| {});
+    let process = |file: &str, sets: &[&str]| {
+        let mut run = vec!["process", file, "--run", "", "--force", "--out", "o", "--quiet"];
+        let bench = bench();
+        run[3] = &bench;
+        run.extend(AS_MEASURED);
+        run.extend(sets.iter().flat_map(|set| ["--set", *set]));
+        let output = rig(&folder, &run);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let tared = |start: &'static str| ["process.steps.tare=true", start];
+    for (file, start, limit) in [
+        ("moves.parquet", "process.input.start_s=1.5", "limits.data.rest_fraction"),
+        ("rest.parquet", "process.input.start_s=0.5", "limits.data.size_scatter_fraction"),
+    ] {
+        let (code, told) = process(file, &tared(start));
+        assert!(code == Some(3) && told.contains(limit), "{file} {start}: {told}");
+    }
+    let (_, told) = process("rest.parquet", &tared("process.input.start_s=1.5"));
+    assert!(!told.contains("rest_fraction") && !told.contains("size_scatter"), "{told}");
+}

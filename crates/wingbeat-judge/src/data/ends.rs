@@ -2,7 +2,7 @@
 
 use super::outliers::place;
 use super::{Finding, MeasuredChannel, Purpose, Series};
-use crate::limits::data::{ENDS, PHASE_GAP, SAMPLES};
+use crate::limits::data::{CURVED, ENDS, FEW_CURVED, PHASE_GAP, SAMPLES};
 
 /// Rows from which the inside of a table tells how it moves. *Choice.*
 const FEW: usize = 5;
@@ -47,13 +47,22 @@ pub(super) fn apart(series: &Series, channel: &MeasuredChannel) -> Option<Findin
     })
 }
 
-/// The finding that the samples of a cycle are so few that others would have the same.
-pub(super) fn sparse(series: &Series, cycles: f64) -> Option<Finding> {
+/// The findings that the samples of a cycle are so few that others would have the same, and that the mean cycle of loads loses harmonics.
+pub(super) fn sparse(series: &Series, cycles: f64) -> Vec<Finding> {
     let size = series.phase.len().saturating_sub(1) as f64 / cycles;
-    let text = format!(
-        "{size:.2} samples a cycle: motions and loads of other frequencies have the same; sample faster"
-    );
-    (cycles > 1.0).then(|| Finding::new("data.few_samples", &SAMPLES, series.what, size, text))
+    let same = "motions and loads of other frequencies have the same; sample faster";
+    let lost = "the mean cycle loses part of its second harmonic (16 % with 5, 6 % with 6, 1 % with 8); sample faster";
+    let of = |limit, words: &str| {
+        let text = format!("{size:.2} samples a cycle: {words}");
+        Finding::new("data.few_samples", limit, series.what, size, text)
+    };
+    let mut found = vec![of(&SAMPLES, same)];
+    // Of the limits for loads the one that refuses comes first.
+    if series.purpose.is_loads() && size >= SAMPLES.value {
+        found.push(of(if size < CURVED.value { &CURVED } else { &FEW_CURVED }, lost));
+    }
+    found.retain(|_| cycles > 1.0);
+    found
 }
 
 /// Places of the cycle in which samples are looked for. *Choice.*

@@ -52,6 +52,11 @@ impl Finding {
         self.limit.id == SCATTER.id && self.breaks(limits)
     }
 
+    /// The same where the mean cycle is what is asked for: cycles of which it is none are not explained by wings that rest or start.
+    pub fn of_mean_cycle(self, limits: &RunLimits) -> Self {
+        Self { serious: self.serious || self.has_no_mean_cycle(limits), ..self }
+    }
+
     /// Whether it says that a channel has no signal of its own: it is dead, or was stuck.
     pub fn is_silence(&self) -> bool {
         matches!(self.id, "data.dead" | "data.stuck")

@@ -34,6 +34,7 @@ mod outliers;
 mod plateau;
 mod rectified;
 mod reference;
+mod rest;
 mod same;
 mod spread;
 mod strokes;
@@ -44,6 +45,7 @@ pub use finding::Finding;
 pub use frequency::{Frequency, estimate};
 pub use lines::{SpectralLine, find_frequency};
 pub use reference::{CyclePair, compared, mean_apart, reversed_among};
+pub use rest::{mean, rest_scatter};
 
 use crate::limits::RunLimits;
 use crate::unit;

@@ -414,8 +414,11 @@ fn power_is_that_of_body_and_hinges() {
     for preset in PRESETS {
         for (side, middle) in [("both", "odd"), ("both", "even"), ("left", "even")] {
             let strips = if middle == "odd" { 13 } else { 12 };
-            let mut overrides = vec![MORE_HINGES.to_owned()];
-            overrides.extend(ALL_MOVE.map(str::to_owned));
+            let own = if side == "left" { "both" } else { "right" };
+            let mut overrides = vec![MORE_HINGES.replace("\"right\"", &format!("\"{own}\""))];
+            // A half keeps its mirror plane: it neither rolls, nor has a hinge of one side.
+            let breaks = |set: &&str| side == "left" && (set.contains("roll") || set.contains("side"));
+            overrides.extend(ALL_MOVE.into_iter().filter(|set| !breaks(set)).map(str::to_owned));
             overrides.push(format!("wing.side={side}"));
             overrides.push(format!("aero.preset={preset}"));
             overrides.push(format!(
