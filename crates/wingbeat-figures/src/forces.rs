@@ -17,14 +17,18 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
     Ok(Figure::new("forces", stacked(panels, &x_label, style::PANEL)))
 }
 
+/// Name of a curve, and its values.
+type NamedCurve = (String, Vec<f64>);
+
 /// Name and values (N) of every curve that it draws, along each axis of the body.
 ///
 /// # Errors
 /// As [`forces`].
 #[doc(hidden)]
-pub fn drawn_forces(record: &Record) -> Result<Vec<Vec<(String, Vec<f64>)>>, Error> {
+pub fn drawn_forces(record: &Record) -> Result<[Vec<NamedCurve>; 3], Error> {
     let of = |panel: FigurePanel| panel.curves.into_iter().map(|curve| (curve.name, curve.y)).collect();
-    Ok(panels(record)?.0.into_iter().map(of).collect())
+    let mut along = panels(record)?.0.into_iter().map(of);
+    Ok([(); 3].map(|()| along.next().unwrap_or_default()))
 }
 
 /// Its panels, and what lies along them.
