@@ -463,6 +463,7 @@ impl CoupledSpar<'_> {
                 p.each(|j: Jet<S>| j.x)
             };
             let [at, other] = edges.map(place);
+            // A strip moves as the mean of its edges: shares of its force and of its moment about their mean do its work.
             let middle = at.scaled(S::from(shares[0])) + other.scaled(S::from(shares[1]));
             let about = whole.moment - middle.cross(whole.force);
             for (edge, share) in edges.into_iter().zip(shares) {
