@@ -203,8 +203,8 @@ pub struct Calibrate {
 /// Newton's method finds the orbit. They change pitch, frequency and numbers of the file: means, amplitudes and phases of joints,
 /// springs, settings of surfaces, and the centre of mass along the body. A gait search then takes the power down, within 200 W/kg,
 /// three times the frequency of birds of that size, 45 deg of driven twist, 30 % of U^2 c dy beyond 20 deg, and a clearance of 5 %
-/// of the span or 70 % of that at the start. `--bank` flies level, into the turn and in it, with up to three speeds and weights,
-/// for 20 mm of height and 3 deg of mean roll.
+/// of the span or 70 % of that at the start. Where it gets stuck beside gaits without an orbit, up to two other frequencies begin anew.
+/// `--bank` flies level, into the turn and in it, with up to three speeds and weights, for 20 mm of height and 3 deg of mean roll.
 #[derive(Debug, Args)]
 pub struct Trim {
     /// The scenario; or a robot, which is trimmed from its file alone

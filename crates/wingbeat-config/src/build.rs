@@ -16,7 +16,9 @@ use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
 use wingbeat_math::require;
 use wingbeat_ocp::plant::Plant;
-use wingbeat_robot::{Air, Dryden, PHASE_START, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
+use wingbeat_robot::{
+    Air, Dryden, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, counts_on_rig_alone, stands_for,
+};
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
@@ -285,7 +287,7 @@ impl ScenarioSpec {
         mismatch: Option<&Mismatch>,
     ) -> Result<Robot, Error> {
         let mut spec = spec.clone();
-        spec.numbers.retain(|name, _| name != PHASE_START);
+        spec.numbers.retain(|name, _| !counts_on_rig_alone(name));
         if !self.flight.flapping {
             spec.hold_still();
         }

@@ -7,7 +7,7 @@ use wingbeat_aero::PlanformStation;
 use wingbeat_judge::Warning;
 use wingbeat_math::NamedNumber;
 use wingbeat_rig::RigNumbers;
-use wingbeat_robot::{FittedModel, GivenNumbers, RobotSpec, stands_for};
+use wingbeat_robot::{FittedModel, GivenNumbers, RobotSpec, counts_on_rig_alone, stands_for};
 
 /// Numbers by name, which stand under a key.
 pub(super) struct ByName<'a> {
@@ -111,16 +111,28 @@ fn rejected_fit(key: &'static str, numbers: &GivenNumbers) -> Option<Warning> {
     Some(Warning::new("fit.rejected", text).key(key))
 }
 
-/// The same of the robot that a scenario's controller knows.
+/// The warning of a flight that `numbers`, which stand under `key`, hold some that count on the rig alone.
+fn of_rig(key: &'static str, numbers: &GivenNumbers) -> Option<Warning> {
+    let names: Vec<&str> =
+        numbers.keys().map(String::as_str).filter(|name| counts_on_rig_alone(name)).collect();
+    let text = format!("{key} holds numbers of the rig, which no flight takes: {}", names.join(", "));
+    (!names.is_empty()).then(|| Warning::new("fit.rig_alone", text).size(names.len() as f64).key(key))
+}
+
+/// The same of the robot that a scenario's controller knows, in flight.
 pub(super) fn of_known(spec: &ScenarioSpec) -> impl Iterator<Item = Warning> {
-    of_numbers("robot.numbers", &spec.robot.numbers, &model_of(&spec.robot, &spec.aero))
+    let (key, numbers) = ("robot.numbers", &spec.robot.numbers);
+    of_numbers(key, numbers, &model_of(&spec.robot, &spec.aero)).chain(of_rig(key, numbers))
 }
 
 /// The same of that robot and of the one that flies.
 pub(super) fn of_flown(spec: &ScenarioSpec) -> impl Iterator<Item = Warning> {
     let own = spec.mismatch.as_ref().and_then(|mismatch| mismatch.numbers.as_ref());
     let model = model_of(&spec.robot, spec.flown_aero());
-    let of_own = own.map(|numbers| of_numbers("mismatch.numbers", numbers, &model));
+    let of_own = own.map(|numbers| {
+        let key = "mismatch.numbers";
+        of_numbers(key, numbers, &model).chain(of_rig(key, numbers))
+    });
     of_known(spec).chain(of_own.into_iter().flatten())
 }
 

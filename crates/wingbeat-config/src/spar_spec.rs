@@ -267,12 +267,15 @@ impl SparSpec {
         let changes = steady.and_then(|steady| steady.frequency_change);
         judge.hold_if(&tether::SPAR_LOWEST, changes.map(|[lowest, _]| lowest));
         judge.hold_if(&tether::SPAR_FREQUENCY, changes.map(|[_, largest]| largest));
-        let growth = steady.filter(|steady| held && steady.found).and_then(growth);
+        let growth = steady.filter(|steady| held && steady.found);
+        let growth = growth.and_then(|steady| beside_frequency(steady, steady.least_damped));
         if growth.is_some_and(|growth| !growth.is_finite()) {
             let text = "no growth of small disturbances of the wing at rest in the wind was found: it may flutter or diverge";
             judge.find(Status::NotResolved, text);
         }
         judge.hold_if(&tether::FLUTTER, growth.filter(|growth| growth.is_finite()));
+        let fast = steady.and_then(|steady| beside_frequency(steady, steady.least_damped_fast?));
+        judge.hold_if(&tether::FAST, fast);
         judge.hold(&tether::MASSLESS, self.least_mass(planform));
         judge.hold(&tether::LIGHT, self.over_air(planform, density));
         let (off, radii) = self.placed(planform);
@@ -323,10 +326,9 @@ impl SparSpec {
     }
 }
 
-/// Growth rate of small disturbances over their angular frequency, or the lowest of the spar where that is larger; not finite where the
+/// Growth rate of a small disturbance over its angular frequency, or the lowest of the spar where that is larger; not finite where the
 /// eigenvalues were not found.
-fn growth(steady: &Steady) -> Option<f64> {
-    let [growth, frequency] = steady.least_damped;
+fn beside_frequency(steady: &Steady, [growth, frequency]: [f64; 2]) -> Option<f64> {
     Some(growth / (TAU * steady.frequencies_hz.first()?).max(frequency))
 }
 

@@ -46,15 +46,17 @@ impl SweepOf {
     }
 }
 
+/// Keys of what is read into a sweep.
+const READ: [&str; 5] =
+    ["scenario", "scenario.robot", "scenario.robot.numbers", "scenario.robot.residual", "case"];
+
 /// A sweep whose scenario or case has the overrides that its key `set` lists.
 fn with_own_overrides(document: Document) -> Result<Document, ConfigError> {
     if document.written("set").is_none() {
         return Ok(document);
     }
     let of = if document.written("case").is_some() { "case" } else { "scenario" };
-    let set: Vec<String> = document.parse_at("set")?;
-    let set: Vec<String> = set.iter().map(|text| format!("{of}.{text}")).collect();
-    document.overridden(&set).merged(&[], &|_, _| None)
+    document.overridden_by_list("set", of)?.merged(&READ, &|_, _| None)
 }
 
 impl Sweep {
@@ -89,10 +91,7 @@ impl Sweep {
     /// Messages with the place, the key, the value given and what is allowed.
     pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
         // What is run is read here, once: all runs are of the same, and the sweep holds it.
-        let document = document.merged(
-            &["scenario", "scenario.robot", "scenario.robot.numbers", "scenario.robot.residual", "case"],
-            &|_, _| None,
-        )?;
+        let document = document.merged(&READ, &|_, _| None)?;
         let document = with_own_overrides(document)?;
         let spec: SweepSpec = document.parse()?;
         let mut resolved: toml::Table = document.parse()?;

@@ -29,7 +29,7 @@ pub struct SweepSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "crate::schema::file_or::<crate::TetherSpec>")]
     pub case: Option<toml::Value>,
-    /// Overrides of the scenario or case, as `--set` takes them: `set = ["flight.duration_s=2.0"]`.
+    /// Overrides of the scenario or case, as `--set` takes them: `set = ["flight.duration_s=2.0"]`; files in them are sought beside this one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
     /// How values are drawn.

@@ -386,7 +386,7 @@ pub struct SparSummary {
     /// Lowest frequencies of the unbent beam without air, Hz.
     pub frequencies_hz: Vec<f64>,
     /// Growth rate, 1/s, of the small motion about it that decays least beside its angular frequency, or beside the lowest of the spar where
-    /// that is larger. Above `tether.growth_fraction` of that the wing flutters or diverges.
+    /// that is larger, among those up to a reduced frequency of 2 or the third of the spar. Above `tether.growth_fraction` of that the wing flutters or diverges.
     pub growth_1_s: Option<f64>,
     /// Frequency of that motion, Hz; 0 of one that does not oscillate.
     pub frequency_hz: Option<f64>,

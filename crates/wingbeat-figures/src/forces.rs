@@ -10,9 +10,29 @@ use crate::{Error, cycle, needed, style};
 const AXES: [(&str, &str); 3] =
     [("x", "along the body, forward [N]"), ("y", "to its left [N]"), ("z", "to its top [N]")];
 
-/// Every `force_<source>_x`, `_y`, `_z` (body frame) and the sum of those of the air over the last whole stroke;
-/// over the whole record when there is none.
+/// Every `force_<source>_x`, `_y`, `_z` and the thrust of thrusters (body frame), which all sum to zero, and the sum of those of the air
+/// over the last whole stroke; over the whole record when there is none.
 pub fn forces(record: &Record) -> Result<Figure, Error> {
+    let (panels, x_label) = panels(record)?;
+    Ok(Figure::new("forces", stacked(panels, &x_label, style::PANEL)))
+}
+
+/// Name of a curve, and its values.
+type NamedCurve = (String, Vec<f64>);
+
+/// Name and values (N) of every curve that it draws, along each axis of the body.
+///
+/// # Errors
+/// As [`forces`].
+#[doc(hidden)]
+pub fn drawn_forces(record: &Record) -> Result<[Vec<NamedCurve>; 3], Error> {
+    let of = |panel: FigurePanel| panel.curves.into_iter().map(|curve| (curve.name, curve.y)).collect();
+    let mut along = panels(record)?.0.into_iter().map(of);
+    Ok([(); 3].map(|()| along.next().unwrap_or_default()))
+}
+
+/// Its panels, and what lies along them.
+fn panels(record: &Record) -> Result<(Vec<FigurePanel>, String), Error> {
     let t = needed(record, "t")?;
     let sources = sources(record);
     if sources.is_empty() {
@@ -43,6 +63,9 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
             }
             curves.push(PanelCurve::new(spoken(source), &x, y.to_vec(), index));
         }
+        if let Ok(thrust) = needed(record, &format!("thrust_{axis}")) {
+            curves.push(PanelCurve::new("thrusters", &x, thrust[rows.clone()].to_vec(), sources.len()));
+        }
         curves.push(PanelCurve::total("air, total", &x, sum));
         panels.push(FigurePanel::new(label, curves));
     }
@@ -53,7 +76,7 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
     } else {
         "time [s]".into()
     };
-    Ok(Figure::new("forces", stacked(panels, &x_label, style::PANEL)))
+    Ok((panels, x_label))
 }
 
 /// A source as the legend names it: the profile drag is that of attached flow, `cd0`, and of separated flow, `cd90`.

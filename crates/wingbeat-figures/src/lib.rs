@@ -55,7 +55,7 @@ pub use error::Error;
 pub use estimate::estimate;
 pub use followed::{ground, tracking};
 pub use force_moment::force_moment;
-pub use forces::forces;
+pub use forces::{drawn_forces, forces};
 pub use gait::gait;
 pub use hover::hover;
 pub use joints::joint_histories;

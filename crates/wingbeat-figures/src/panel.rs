@@ -236,7 +236,8 @@ fn fill(frame: &mut PlotFrame, panel: FigurePanel) {
 /// where the legend of the next panel begins.
 fn named(curves: &[PanelCurve], (x, y): (f64, f64), height: f64) -> Vec<Primitive> {
     let named: Vec<&PanelCurve> = curves.iter().filter(|curve| !curve.name.is_empty()).collect();
-    let most = MOST_NAMED.min((height / CLOSE) as usize).max(1);
+    // Beside them their sum.
+    let most = (MOST_NAMED + 1).min((height / CLOSE) as usize).max(1);
     let shown = if named.len() > most { most - 1 } else { named.len() };
     let line = (height / (named.len().min(most) as f64 + 0.5)).min(LINE);
     let left = (named.len() > shown).then(|| {

@@ -172,3 +172,26 @@ fn a_record_of_one_row_is_refused_or_drawn_but_never_a_panic() {
     assert!(forces(&record).is_err());
     let _ = (states(&record, FigureTargets::default()), commands(&record));
 }
+
+/// Of a robot on thrusters what is drawn sums to zero with the inertia, as without them.
+#[test]
+fn all_forces_that_are_drawn_sum_to_zero() {
+    let mut all = columns();
+    all.extend(["x", "y", "z"].map(|axis| Column::new(format!("thrust_{axis}"), "N", "B")));
+    let mut record = Record::new(all, 1001).unwrap();
+    for i in 0..=1000 {
+        let mut row = row(1e-3 * f64::from(i));
+        let sources = row[row.len() - 15..].to_vec();
+        row.extend((0..3).map(|axis| -sources.iter().skip(axis).step_by(3).sum::<f64>()));
+        record.append(&row);
+    }
+    for panel in wingbeat_figures::drawn_forces(&record).unwrap() {
+        assert!(panel.iter().any(|(name, _)| name == "thrusters"));
+        let parts: Vec<_> = panel.iter().filter(|(name, _)| name != "air, total").collect();
+        for i in 0..parts[0].1.len() {
+            let sum: f64 = parts.iter().map(|(_, values)| values[i]).sum();
+            assert!(sum.abs() < 1e-12, "{sum}");
+        }
+    }
+    assert!(forces(&record).unwrap().svg().contains("thrusters"));
+}

@@ -128,7 +128,14 @@ fn spread(
     room: &mut DictionaryRoom,
 ) -> PyResult<()> {
     for (key, value) in overrides {
-        let key = format!("{above}{}", name(&key)?);
+        let key = name(&key)?;
+        // A number's own name has points, which lead nowhere.
+        let whole = above == "numbers." || above.ends_with(".numbers.");
+        let key = if whole && !key.starts_with('"') {
+            format!("{above}\"{key}\"")
+        } else {
+            format!("{above}{key}")
+        };
         match value.cast::<PyDict>() {
             Ok(below) if !below.is_empty() => {
                 room.below(&key, |room| spread(below, &format!("{key}."), texts, room))?;

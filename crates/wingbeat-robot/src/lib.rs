@@ -62,7 +62,7 @@ pub use spec::{
     PanelSpec, PinSpringSpec, RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec,
     StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
-pub use spec::{PHASE_RATE, PHASE_START, is_of_rig};
+pub use spec::{PHASE_RATE, counts_on_rig_alone, is_of_rig};
 #[cfg(feature = "schema")]
 pub use spec::{file_or, file_or_numbers, numbers_table};
 pub use stance::Stance;

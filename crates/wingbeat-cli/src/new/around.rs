@@ -75,6 +75,7 @@ pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<Str
         true => Some(RobotTrim::new(document.clone(), &[], 0.0)?),
         false => None,
     };
+    trim.as_ref().map_or(Ok(()), RobotTrim::can_be_held)?;
     // Nine where the hinges, spars and webs of the robot allow it.
     let strips = match &trim {
         Some(trim) => trim.scenario.spec.aero.full.strips,

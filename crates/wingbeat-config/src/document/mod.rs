@@ -34,7 +34,7 @@ pub use limits::{largest, spoken, text_of, unit};
 pub(super) use outline::KEY as OUTLINE_KEY;
 pub use outline::OutlineFile;
 pub use source::Translate;
-use source::{Origin, Sources};
+use source::{ListedOverride, Origin, Sources};
 use wingbeat_math::Error;
 pub use wingbeat_math::names::nearest_names;
 use wingbeat_math::names::one_of;
@@ -77,7 +77,7 @@ use super::spec::StartSpec;
 pub struct Document {
     sources: Sources,
     /// Overrides that are not yet applied: files that the document names come before them.
-    overrides: Vec<String>,
+    overrides: Vec<(String, Option<ListedOverride>)>,
     /// Whether it is merged, after which numbers without meaning are refused.
     merged: bool,
 }
@@ -132,7 +132,8 @@ impl Document {
     pub fn put(mut self, key: &str, other: Self) -> Result<Self, ConfigError> {
         self.sources.put(other.sources, &tree::steps(key))?;
         let key = key.to_owned();
-        self.overrides.extend(other.overrides.into_iter().map(|text| format!("{key}.{text}")));
+        let within = |(text, listed)| (format!("{key}.{text}"), listed);
+        self.overrides.extend(other.overrides.into_iter().map(within));
         Ok(self)
     }
 
@@ -141,15 +142,30 @@ impl Document {
     /// The value is TOML, or else text: `law=stall` means `law="stall"`.
     #[must_use]
     pub fn set(mut self, text: impl Into<String>) -> Self {
-        self.overrides.push(text.into());
+        self.overrides.push((text.into(), None));
         self
     }
 
     /// This document with several [overrides](Self::set).
     #[must_use]
     pub fn overridden(mut self, texts: &[String]) -> Self {
-        self.overrides.extend_from_slice(texts);
+        self.overrides.extend(texts.iter().map(|text| (text.clone(), None)));
         self
+    }
+
+    /// This document with the overrides of what stands at `within` that it lists itself at `key`; files that they name are sought
+    /// from where they are listed.
+    ///
+    /// # Errors
+    /// A list that is none of texts.
+    pub fn overridden_by_list(mut self, key: &str, within: &str) -> Result<Self, ConfigError> {
+        let texts: Vec<String> = self.parse_at(key)?;
+        for (i, text) in texts.iter().enumerate() {
+            let item = format!("{key}[{i}]");
+            let listed = self.written(&item).map(|(_, place)| (place, self.folder(&item)));
+            self.overrides.push((format!("{within}.{text}"), listed));
+        }
+        Ok(self)
     }
 
     /// The TOML file `path` with the files named by `includes` and with `overrides`.
@@ -169,17 +185,17 @@ impl Document {
         let key_of = |text: &str| text.split('=').next().unwrap_or_default().trim().to_owned();
         let overrides = std::mem::take(&mut self.overrides);
         for key in includes {
-            let mut named = overrides.iter().filter(|text| key_of(text) == *key);
-            named.try_for_each(|text| self.sources.read_override(text))?;
+            let mut named = overrides.iter().filter(|(text, _)| key_of(text) == *key);
+            named.try_for_each(|(text, listed)| self.sources.read_override(text, listed.clone()))?;
             self.include(key, translate)?;
         }
-        let rest = overrides.iter().filter(|text| !includes.contains(&key_of(text).as_str()));
+        let rest = overrides.into_iter().filter(|(text, _)| !includes.contains(&key_of(text).as_str()));
         // The stations of an outline are there before an override names one.
-        let (mut outlines, mut rest): (Vec<_>, Vec<_>) = rest.partition(|text| of_outline(&key_of(text)));
-        outlines.drain(..).try_for_each(|text| self.sources.read_override(text))?;
-        self.read_outlines()?;
-        rest.drain(..).try_for_each(|text| self.sources.read_override(text))?;
-        self.read_outlines()?;
+        let (outlines, rest): (Vec<_>, Vec<_>) = rest.partition(|(text, _)| of_outline(&key_of(text)));
+        for overrides in [outlines, rest] {
+            overrides.into_iter().try_for_each(|(text, listed)| self.sources.read_override(&text, listed))?;
+            self.read_outlines()?;
+        }
         self.read_airfoils()?;
         self.merged = true;
         Ok(self)

@@ -30,9 +30,12 @@ pub enum Origin {
     Table(PathBuf),
     /// A value of the library, by its name.
     Value(String),
-    /// `key=value`.
-    Override,
+    /// `key=value`, of a document that lists it where it does: its place and the folder of its file.
+    Override(Option<ListedOverride>),
 }
+
+/// Where a document lists an override.
+pub type ListedOverride = (ValuePlace, PathBuf);
 
 #[derive(Clone, Debug)]
 struct SourceText {
@@ -128,10 +131,10 @@ impl Sources {
         self.tree().map(drop)
     }
 
-    /// Reads an override `key=value`; the value is TOML or else text.
-    pub fn read_override(&mut self, text: &str) -> Result<(), ConfigError> {
+    /// Reads an override `key=value`, of a document that lists it where it does; the value is TOML or else text.
+    pub fn read_override(&mut self, text: &str, listed: Option<ListedOverride>) -> Result<(), ConfigError> {
         let Some((key, value)) = text.split_once('=').filter(|(key, _)| !tree::steps(key).is_empty()) else {
-            return Err(of_place(ValuePlace::Override(shown(text)), "allowed is KEY=VALUE".into()));
+            return Err(of_place(place_of(text, &listed), "allowed is KEY=VALUE".into()));
         };
         let mut toml = format!("v={}", value.trim());
         if !DeTable::parse(&toml).is_ok_and(|table| table.get_ref().len() == 1) {
@@ -140,9 +143,9 @@ impl Sources {
         let at: Vec<String> = self.root.iter().cloned().chain(tree::steps(key)).collect();
         if at.len() > limits::DEEPEST {
             let what = format!("allowed is a key of at most {} names", limits::DEEPEST);
-            return Err(of_place(ValuePlace::Override(brief(text)), what));
+            return Err(of_place(place_of(&brief(text), &listed), what));
         }
-        self.add(Origin::Override, text.into(), &toml, at, Joins::Instead)
+        self.add(Origin::Override(listed), text.into(), &toml, at, Joins::Instead)
     }
 
     /// The texts as one tree, later ones in the place of earlier ones, each over those that it is based on.
@@ -171,7 +174,7 @@ impl Sources {
 
     /// The same without overrides.
     pub fn as_written(&self) -> Self {
-        let written = |source: &&SourceText| !matches!(source.origin, Origin::Override);
+        let written = |source: &&SourceText| !matches!(source.origin, Origin::Override(_));
         Self { texts: self.texts.iter().filter(written).cloned().collect(), root: self.root.clone() }
     }
 
@@ -179,7 +182,7 @@ impl Sources {
     pub fn without_each_override(&self) -> impl Iterator<Item = (&[String], String, Self)> {
         let overrides = self.texts.iter().enumerate();
         let overrides = overrides.filter(|(_, source)| {
-            matches!(source.origin, Origin::Override) && source.at.starts_with(&self.root)
+            matches!(source.origin, Origin::Override(_)) && source.at.starts_with(&self.root)
         });
         overrides.map(|(k, source)| {
             let mut others = self.clone();
@@ -190,7 +193,7 @@ impl Sources {
 
     /// Whether byte `at` is in an override.
     pub fn is_override(&self, at: usize) -> bool {
-        self.source(at).is_some_and(|source| matches!(source.origin, Origin::Override))
+        self.source(at).is_some_and(|source| matches!(source.origin, Origin::Override(_)))
     }
 
     /// The same texts, of which only what lies at `steps` is looked at.
@@ -208,13 +211,17 @@ impl Sources {
             Origin::File(file) | Origin::Table(file) => ValuePlace::Line(file.clone(), line),
             Origin::Text(name) => ValuePlace::Text(name.clone(), line),
             Origin::Value(name) => ValuePlace::Value(name.clone()),
-            Origin::Override => ValuePlace::Override(shown(&source.text)),
+            Origin::Override(listed) => place_of(&source.text, listed),
         }
     }
 
     /// The folder of the file that byte `at` is in; empty where it is in none.
     pub fn folder(&self, at: usize) -> PathBuf {
-        let file = self.source(at).and_then(|source| source.file()?.parent());
+        let source = self.source(at);
+        if let Some(Origin::Override(Some((_, folder)))) = source.map(|source| &source.origin) {
+            return folder.clone();
+        }
+        let file = source.and_then(|source| source.file()?.parent());
         file.map(Path::to_path_buf).unwrap_or_default()
     }
 
@@ -222,10 +229,10 @@ impl Sources {
     pub fn text(&self, span: &Range<usize>) -> String {
         let Some(source) = self.source(span.start) else { return String::new() };
         match &source.origin {
-            Origin::Override if span.start == source.start => {
+            Origin::Override(_) if span.start == source.start => {
                 brief(source.text.split_once('=').map_or("", |(_, value)| value.trim()))
             }
-            Origin::Override => brief(source.toml.get(span.clone()).unwrap_or("")),
+            Origin::Override(_) => brief(source.toml.get(span.clone()).unwrap_or("")),
             _ => brief(source.text.get(span.start - source.start..span.end - source.start).unwrap_or("")),
         }
     }
@@ -273,11 +280,16 @@ impl SourceText {
         let span = self.start..self.start + self.text.len();
         let mut table = table.into_inner();
         let value = match self.origin {
-            Origin::Override | Origin::Table(_) => table.remove("v").map(Spanned::into_inner),
+            Origin::Override(_) | Origin::Table(_) => table.remove("v").map(Spanned::into_inner),
             _ => None,
         };
         Ok(Spanned::new(span, value.unwrap_or(DeValue::Table(table))))
     }
+}
+
+/// Where an override stands.
+fn place_of(text: &str, listed: &Option<ListedOverride>) -> ValuePlace {
+    listed.as_ref().map_or_else(|| ValuePlace::Override(shown(text)), |(place, _)| place.clone())
 }
 
 /// An override as messages show it: whole, unless it is very long.

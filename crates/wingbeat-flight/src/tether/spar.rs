@@ -22,6 +22,9 @@ const FOUND: f64 = 1e-9;
 const NO_STRAIN: f64 = 1e-6;
 /// Size of the states of the air over the speed of reference, m/s over m/s, by which changes of smaller ones are measured. *Choice.*
 const NO_WASH: f64 = 1e-3;
+/// Reduced frequency omega c/(2 V) up to which a motion of the beam is flutter where it grows: lift is compared up to 1. Faster ones are hardly damped by air, none
+/// with its axis at 3/4 of the chord, and the error of the strips makes them grow by 2e-5 of their frequency. *Choice.*
+const FAST: f64 = 2.0;
 /// Shares of the loads under which the shape is sought one after another.
 const SHARES: usize = 4;
 
@@ -84,8 +87,11 @@ pub struct Steady {
     pub tip: [f64; 3],
     /// Frequencies of the unbent beam without air, Hz, ascending.
     pub frequencies_hz: Vec<f64>,
-    /// Growth rate (1/s) and frequency (rad/s) of the motion that decays least beside its own frequency, or the lowest of the beam where that is larger.
+    /// Growth rate (1/s) and frequency (rad/s) of the motion that decays least beside its own frequency, or the lowest of the beam where that is larger:
+    /// of those up to a reduced frequency of 2, or the third of the beam where that is faster.
     pub least_damped: [f64; 2],
+    /// The same of faster ones.
+    pub least_damped_fast: Option<[f64; 2]>,
     /// Relative distance: how far the tip of a beam with more coordinates is from this one, over its displacement or, where
     /// that is larger, a hundredth of its length.
     pub grid_change: Option<f64>,
@@ -288,8 +294,10 @@ impl Spar {
     pub fn steady(&self, tether: &Tether) -> Steady {
         let (at, found) = self.shape(tether);
         let frequencies_hz = unbent_hz(&self.beam);
-        let lowest = std::f64::consts::TAU * frequencies_hz.first().copied().unwrap_or_default();
-        let least_damped = if found { self.least_damped(tether, &at, lowest) } else { [f64::NAN; 2] };
+        let (least_damped, least_damped_fast) = match found {
+            true => self.least_damped(tether, &at, &frequencies_hz),
+            false => ([f64::NAN; 2], None),
+        };
         let tip = self.tip(&at.q);
         Steady {
             found,
@@ -298,6 +306,7 @@ impl Spar {
             x: at.x,
             frequencies_hz,
             least_damped,
+            least_damped_fast,
             grid_change: None,
             frequency_change: None,
         }
@@ -364,14 +373,24 @@ impl Spar {
         Some([lowest, changes.take(JUDGED - 1).fold(lowest, f64::max)])
     }
 
-    /// Growth rate and angular frequency of the motion about a shape at rest that decays least, over its angular frequency or over `lowest`, rad/s,
-    /// where that is larger: fast ones with waves shorter than a strip grow by a share of theirs that strips do not resolve.
-    fn least_damped(&self, tether: &Tether, at: &Stage, lowest: f64) -> [f64; 2] {
+    /// Growth rate and angular frequency of the motion about a shape at rest that decays least, over its angular frequency or over the lowest of the unbent
+    /// beam, whose `frequencies_hz` are given, where that is larger: of slow ones and of fast ones.
+    fn least_damped(
+        &self,
+        tether: &Tether,
+        at: &Stage,
+        frequencies_hz: &[f64],
+    ) -> ([f64; 2], Option<[f64; 2]>) {
         let coupled = CoupledSpar { tether, spar: self, still: Some(0.0), share: 1.0 };
-        let found = coupled.eigenvalues(at);
-        let share = |(growth, frequency): &(f64, f64)| growth / frequency.max(lowest);
-        let least = found.into_iter().filter(|s| s.1 >= 0.0).max_by(|a, b| share(a).total_cmp(&share(b)));
-        least.map_or([f64::NAN; 2], |(growth, frequency)| [growth, frequency])
+        let own = |k: usize| std::f64::consts::TAU * frequencies_hz.get(k).copied().unwrap_or_default();
+        let planform = tether.wing.planform();
+        let chord = planform.area() / (2.0 * planform.covered_half_span());
+        let fast = (2.0 * FAST * tether.wind.norm() / chord).max(own(JUDGED - 1));
+        let share = |[growth, frequency]: &[f64; 2]| growth / frequency.max(own(0));
+        let found = coupled.eigenvalues(at).into_iter().filter(|s| s[1] >= 0.0);
+        let (slow, fast): (Vec<_>, Vec<_>) = found.partition(|s| s[1] <= fast);
+        let least = |of: Vec<[f64; 2]>| of.into_iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+        (least(slow).unwrap_or([f64::NAN; 2]), least(fast))
     }
 
     /// Runs all cycles from the shape at rest.
@@ -435,17 +454,27 @@ impl CoupledSpar<'_> {
         for i in 0..loads.strips {
             let (edges, share) = tether.aero.strip_sections(i);
             let whole = loads.strip[i].total();
-            for (edge, share) in edges.into_iter().zip([1.0 - share, share]) {
+            let shares = [1.0 - share, share];
+            // An edge within the root lies on its straight extension, since no hinge is between.
+            let place = |edge: usize| {
+                let arc = arcs[edge] - spar.root_m;
+                let Place { p, r } = &places[spar.beam.nearest(arc.max(0.0))];
+                let p = if arc < 0.0 { *p + r.column(0).scaled(Jet::from(arc)) } else { *p };
+                p.each(|j: Jet<S>| j.x)
+            };
+            let [at, other] = edges.map(place);
+            // A strip moves as the mean of its edges: shares of its force and of its moment about their mean do its work.
+            let middle = at.scaled(S::from(shares[0])) + other.scaled(S::from(shares[1]));
+            let about = whole.moment - middle.cross(whole.force);
+            for (edge, share) in edges.into_iter().zip(shares) {
                 // The root bears what lies on an edge there of a strip outboard; a strip across it leaves its inner share to the
                 // rigid part.
                 let at_root = !planform.beyond(spar.root_m, arcs[edge])
                     && planform.beyond(tether.aero.strip_arcs()[i], spar.root_m);
                 if at_root || planform.beyond(arcs[edge], spar.root_m) {
                     let node = spar.beam.nearest(arcs[edge] - spar.root_m);
-                    let (force, moment) = (whole.force * S::from(share), whole.moment * S::from(share));
-                    let moment = moment - places[node].p.each(|j: Jet<S>| j.x).cross(force);
-                    let scale = S::from(self.share);
-                    borne[node] += Wrench { force: force * scale, moment: moment * scale };
+                    let share = S::from(share * self.share);
+                    borne[node] += Wrench { force: whole.force * share, moment: about * share };
                 }
             }
         }
@@ -505,8 +534,8 @@ impl CoupledSpar<'_> {
         all
     }
 
-    /// Growth rates and frequencies of small motions about a stage at rest.
-    fn eigenvalues(&self, at: &Stage) -> Vec<(f64, f64)> {
+    /// Growth rates (1/s) and angular frequencies (rad/s) of small motions about a stage at rest.
+    fn eigenvalues(&self, at: &Stage) -> Vec<[f64; 2]> {
         let n = at.q.len();
         let [by_q, by_v, by_a, by_x, by_w] = self.tangents(0.0, at);
         let join = |parts: &[&DMatrix<f64>]| {
@@ -516,7 +545,7 @@ impl CoupledSpar<'_> {
         let Some(rates) = join(&[&by_a, &by_w]).lu().solve(&join(&[&by_q, &by_v, &by_x])) else {
             return Vec::new();
         };
-        of_first_order(&rates, n).iter().map(|s| (s.re, s.im)).collect()
+        of_first_order(&rates, n).iter().map(|s| [s.re, s.im]).collect()
     }
 }
 

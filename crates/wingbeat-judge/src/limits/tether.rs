@@ -49,9 +49,13 @@ pub const SPAR_FREQUENCY: JudgedLimit = JudgedLimit::warn_above("tether.spar_fre
     "a spar with so few coefficients bends or twists at another frequency: largest change of its three lowest with one more, over them",
 );
 /// Disturbances of a wing that is held at rest: beyond the speed of flutter or divergence it would leave the shape whose loads are
-/// told. Rounding alone grows by 1e-9, waves shorter than a strip by 4e-4 of their own frequency. *Choice.*
+/// told. Rounding alone grows by 1e-9. *Choice.*
 pub const FLUTTER: JudgedLimit = JudgedLimit::at_most("tether.growth_fraction", 1e-3, "", Outside).on(
     "small disturbances of a wing held at rest in the wind flutter or diverge: their growth rate over their angular frequency, or the lowest of the spar where that is larger",
+);
+/// The same of motions beyond a reduced frequency of 2 and the three lowest of the spar, which air hardly damps. *Choice.*
+pub const FAST: JudgedLimit = JudgedLimit::warn_above("tether.fast_growth_fraction", 1e-3, "").on(
+    "a spar vibrates too fast for the air of the strips, which says nothing of flutter (give spar.damping_s): growth rate over the angular frequency",
 );
 /// Stations of a spar without mass, or without inertia about the span, where the wing has a chord. *Choice.*
 pub const MASSLESS: JudgedLimit = JudgedLimit::at_least("tether.spar_mass_fraction", 0.01, "", Outside).on(
@@ -114,7 +118,7 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("tether.reynolds", 1e3,
 );
 
 /// All of them.
-pub const ALL: [JudgedLimit; 27] = [
+pub const ALL: [JudgedLimit; 28] = [
     STEPS,
     STEPS_OF_POWER,
     PEAKS,
@@ -128,6 +132,7 @@ pub const ALL: [JudgedLimit; 27] = [
     SPAR_LOWEST,
     SPAR_FREQUENCY,
     FLUTTER,
+    FAST,
     MASSLESS,
     LIGHT,
     OFF_CHORD,

@@ -90,7 +90,10 @@ class Record(Mapping[str, Array]):
     def to_numpy(self, names: Sequence[str] | None = None) -> Array:
         """The columns side by side, a copy: (rows, columns)."""
         chosen = list(self) if names is None else names
-        return np.column_stack([self[name] for name in chosen])
+        table = np.empty((self.rows, len(chosen)))
+        for place, name in enumerate(chosen):
+            table[:, place] = self[name]
+        return table
 
     def to_pandas(self) -> pd.DataFrame:
         """A table that shares the columns' memory; ``attrs`` holds units and frames, as pandas finds them in the file."""

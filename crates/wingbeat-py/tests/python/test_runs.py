@@ -251,6 +251,18 @@ def test_a_calibration_is_the_programs(program, tmp_path):
     assert turn.mass_kg > 0.0
 
 
+def test_numbers_by_name_are_given_as_numbers_toml_writes_them():
+    case = ROOT / "cases/flap_f2.toml"
+    few = {"time.cycles": 1, "time.steps_per_cycle": 24, "aero.full.strips": 8}
+    drag = {"surfaces.wing.cd0": 0.06, "surfaces.wing.lift_slope_per_rad": 5.0}
+    nested = wingbeat.tether(case, {**few, "numbers": drag})
+    by_path = wingbeat.tether(case, {**few, **{f'numbers."{name}"': value for name, value in drag.items()}})
+    assert nested.record == by_path.record
+    assert wingbeat.tether(case, few).record != nested.record
+    flown = wingbeat.Scenario(ROOT / "scenarios/glide.toml", {"robot": {"numbers": {"body.mass_kg": 0.02}}})
+    assert flown.to_dict()["robot"]["numbers"] == {"body.mass_kg": 0.02}
+
+
 def test_a_plan_is_the_programs_plan(program, tmp_path):
     least_power = {
         "storage": 1.0,
@@ -426,6 +438,7 @@ def test_records_share_memory_and_carry_units(turn):
     assert np.shares_memory(table["roll"].to_numpy(), record["roll"])
     assert not record["roll"].flags.writeable
     assert record.to_numpy(["t", "roll"]).shape == (record.rows, 2)
+    assert record.to_numpy([]).shape == (record.rows, 0)
     with pytest.raises(KeyError, match="allowed are t, phase"):
         record["rol"]
 

@@ -146,6 +146,12 @@ pub fn is_of_rig(name: &str) -> bool {
     ["mount.", "crank."].iter().any(|of| name.starts_with(of))
 }
 
+/// Whether a number counts on the rig alone: one of what carries the robot there, or of what its encoder shows. A flight begins where
+/// its scenario says.
+pub fn counts_on_rig_alone(name: &str) -> bool {
+    is_of_rig(name) || name == PHASE_START
+}
+
 impl RobotSpec {
     /// Checks what the types alone do not: ranges, names, clashes.
     ///

@@ -1,6 +1,7 @@
 //! Goland's wing: a uniform cantilever whose bending and torsion flutter.
 
 mod lattice;
+mod tether;
 
 use super::C;
 use super::theodorsen::loads;
@@ -15,6 +16,7 @@ use wingbeat::structure::{
 /// The comparisons.
 pub const CASES: &[Case] = &[
     Case { id: "fsi.goland.strip", quick: true, run: strip },
+    Case { id: "fsi.goland.tether", quick: true, run: tether::rows },
     Case { id: "fsi.goland.lattice", quick: false, run: lattice::rows },
 ];
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use wingbeat::judge::Status;
-use wingbeat::scenario::{Document, RobotTrim, TrimProgress, Trimmed};
+use wingbeat::scenario::{Document, RobotTrim, TrimProgress, Trimmed, TurnSummary};
 
 fn robot(name: &str) -> Document {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../robots/any/{name}.toml"));
@@ -107,6 +107,49 @@ fn a_wing_on_one_side_is_refused_before_its_search() {
         RobotTrim::new(Document::text("one.toml", file).unwrap(), &[], 0.0).unwrap_or_else(|e| panic!("{e}"));
     let error = trim.trim(&mut |_| ControlFlow::Continue(())).err().unwrap().to_string();
     assert!(error.contains("robot.structure.elements") && error.contains("left and right"), "{error}");
+    // So `new trim` asks before it writes.
+    assert_eq!(trim.can_be_held().unwrap_err().to_string(), error);
+}
+
+/// A robot whose sides differ is given as many actuators as its level flight takes, where its own are fewer.
+#[test]
+fn a_robot_whose_sides_differ_gets_actuators_enough() {
+    let one = "[{ name = \"tip\", moves = [\"wing_left\"], low = -0.3, high = 0.3 }, \
+               { name = \"tip_other\", moves = [\"wing_right\"], low = -0.3, high = 0.3 }]";
+    let overrides = |aside: &str| {
+        let elements = format!("robot.structure={{ frequency_hz = 12.0, damping = 0.8, elements = {one} }}");
+        [elements, format!("robot.body.com_m=[0.0, {aside}, -0.005]")]
+    };
+    let free = |aside: &str| {
+        let trim =
+            RobotTrim::new(robot("single_12g"), &overrides(aside), 0.0).unwrap_or_else(|e| panic!("{e}"));
+        assert!(trim.can_be_held().is_ok(), "{:?}", trim.free());
+        trim.free().to_vec()
+    };
+    assert!(free("0.0").iter().any(|name| name == "tip"), "{:?}", free("0.0"));
+    assert_eq!(free("0.004"), ["frequency", "wing_stroke", "wing"]);
+}
+
+/// Why a turn was not flown is told in words of what was asked, not of the controller that `trim` puts around it.
+#[test]
+fn a_turn_without_a_feedback_says_so() {
+    let refused = |key: &str| {
+        let error = wingbeat::math::Error::invalid(key, "given", "weights with which the feedback settles");
+        TurnSummary::not_flown(&error, 8.671)
+    };
+    let told = refused("controller.orbit.weights");
+    assert_eq!(told, "at 8.67 m/s no feedback by its actuators holds the flight into it");
+    let told = refused("controller.orbit.legs[0]");
+    assert_eq!(told, "at 8.67 m/s no periodic flight leads into it: given");
+}
+
+/// From the file's 8 Hz the search of this robot ends at 140 W/kg with no way on; from the frequency of scaling laws it finds less.
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn a_search_that_got_stuck_begins_again() {
+    let summary = trimmed("single_12g", None, 0.0, &[]).summary;
+    assert_eq!(summary.status, Status::Ok, "{:?}", summary.reason);
+    assert!(summary.power_w_kg.unwrap() < 45.0, "{:?}", summary.power_w_kg);
 }
 
 /// What is told of a robot whose trim is stopped at once.

@@ -167,3 +167,32 @@ fn a_range_for_a_whole_number_asks_for_values() {
     assert!(refused.contains("aero.full.strips is a whole number"), "{refused}");
     assert!(of("values = [5, 7, 9]").is_ok());
 }
+
+/// What a sweep lists under `set` is written in the sweep, so that files in it are sought from there and errors name its line.
+#[test]
+fn files_that_overrides_of_a_sweep_name_lie_beside_it() {
+    let folder = std::env::temp_dir().join(format!("wingbeat-draws-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("sweeps")).unwrap();
+    std::fs::write(folder.join("mine.toml"), "\"surfaces.wing.cd0\" = 0.041\n").unwrap();
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/glide.toml");
+    let file = folder.join("sweeps/of_fit.toml");
+    let load = |numbers: &str| {
+        let text = format!(
+            "name = \"of_fit\"\nscenario = {scenario:?}\nruns = 2\nset = [\n  \"flight.duration_s=0.1\",\n  \"robot.numbers={numbers}\",\n]\n\
+             hold = {{ roll_within_deg = 5.0, pitch_within_deg = 10.0 }}\n[[draws]]\nkey = \"start.phase_rad\"\nlow = 0.0\nhigh = 1.0\n"
+        );
+        std::fs::write(&file, text).unwrap();
+        Sweep::load(&file, &[], NO_TABLES).map_err(|error| error.to_string())
+    };
+    let sweep = load("../mine.toml").unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(sweep.scenario(0).unwrap().spec.robot.numbers["surfaces.wing.cd0"], 0.041);
+    // What is kept of it needs no file.
+    assert!(!sweep.resolved.contains("mine.toml"), "{}", sweep.resolved);
+    let told = load("../none.toml").map(drop).unwrap_err();
+    assert!(
+        told.contains("of_fit.toml:6: ") && told.contains("robot.numbers") && told.contains("none.toml"),
+        "{told}"
+    );
+    assert!(!told.contains("--set"), "{told}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -53,6 +53,18 @@ fn what_an_encoder_shows_does_not_move_the_start_of_a_flight() {
         assert_eq!(own, end("glide.toml", &[start[0], start[1], &shown]), "{table}");
     }
     assert_ne!(own, end("glide.toml", &["start.phase_rad=2.1", start[1]]));
+    let told = |table: &str, numbers: &str| {
+        let scenario =
+            shipped("glide.toml", &[start[0], start[1], &format!("{table}={{{numbers}}}")]).unwrap();
+        let warnings = scenario.fly(|_| ControlFlow::Continue(())).unwrap().summary.warnings;
+        warnings.into_iter().find(|warning| warning.id == "fit.rig_alone")
+    };
+    for table in ["robot.numbers", "mismatch.numbers"] {
+        let told = told(table, "'gait.phase_rad'=0.03, 'mount.mass_kg'=0.1, 'body.mass_kg'=0.02").unwrap();
+        assert!(told.text.ends_with("which no flight takes: gait.phase_rad, mount.mass_kg"), "{told:?}");
+        assert_eq!(told.key.as_deref(), Some(table));
+    }
+    assert!(told("robot.numbers", "'body.mass_kg'=0.02").is_none());
     let told =
         shipped("glide.toml", &["robot.numbers={'gait.phase_rate_rad_s'=20.0}"]).map(drop).unwrap_err();
     assert!(

@@ -121,6 +121,67 @@ stations = [{}, {}]
     }
 }
 
+/// Goland's wing at a tenth of its size, without damping, in a wind of `speed` m/s on so many strips.
+fn goland(strips: usize, speed: f64) -> TetherCase {
+    let station = |arc: f64| {
+        format!(
+            "{{ arc_m = {arc}, torsion_n_m2 = 98.7, bending_n_m2 = 977.0, edge_bending_n_m2 = 97700.0, mass_kg_m = 0.3571, aft_m = 0.018288, inertia_kg_m = 7.446e-4 }}"
+        )
+    };
+    let text = format!(
+        r#"
+name = "goland"
+wing.planform = [
+  {{ arc_m = 0.0, leading_edge_m = 0.06035, trailing_edge_m = -0.12253 }},
+  {{ arc_m = 0.6096, leading_edge_m = 0.06035, trailing_edge_m = -0.12253 }},
+]
+wind = {{ speed_m_s = {speed:?}, density_kg_m3 = 1.225 }}
+aero = {{ preset = "full", law = "linear", full.strips = {strips} }}
+time = {{ frequency_hz = 50.0, cycles = 1, steps_per_cycle = 64 }}
+spar = {{ elements = 2, stations = [{}, {}] }}
+"#,
+        station(0.0),
+        station(0.6096)
+    );
+    TetherCase::new(Document::text("goland", &text).unwrap(), &none).unwrap()
+}
+
+/// Fast motions, which air hardly damps, are neither told nor judged: bending with torsion is, which flutters above 147 m/s.
+#[test]
+fn motions_too_fast_for_the_air_are_no_flutter() {
+    let at = |strips: usize, speed: f64| {
+        let case = goland(strips, speed);
+        let steady = case.tether.spar.as_ref().unwrap().steady(&case.tether);
+        let [growth, omega] = steady.least_damped;
+        (growth, omega / (2.0 * PI), steady)
+    };
+    for strips in [6, 12, 24] {
+        for speed in [75.0, 140.0] {
+            let (growth, hz, steady) = at(strips, speed);
+            assert!(growth < -0.1 && hz < 800.0, "{strips} {speed} {growth} {hz}");
+            // The loads of the strips do the work of their motion, or these would grow by 1e-3 of their frequency.
+            let [growth, omega] = steady.least_damped_fast.unwrap();
+            assert!(growth < 5e-5 * omega && omega > 3e3, "{strips} {speed} {growth} {omega}");
+        }
+    }
+    let (growth, hz, _) = at(12, 175.0);
+    assert!(growth > 1.0 && (90.0..120.0).contains(&hz), "{growth} {hz}");
+    let told = |fast: [f64; 2]| {
+        let case = goland(12, 140.0);
+        let run = run(&case);
+        let steady =
+            wingbeat::tether::Steady { least_damped_fast: Some(fast), ..run.steady.clone().unwrap() };
+        case.summary(&TetherRun { steady: Some(steady), ..run }, Some(SAME), None).verdict
+    };
+    let warned = |verdict: &wingbeat::judge::Verdict| -> Option<String> {
+        let of = verdict.warnings.iter().find(|warning| warning.id == "tether.fast_growth_fraction");
+        of.map(|warning| warning.text.clone())
+    };
+    let (quiet, loud) = (told([0.1, 3e4]), told([100.0, 3e4]));
+    assert!(quiet.status == Status::Ok && loud.status == Status::Ok, "{quiet:?} {loud:?}");
+    assert!(warned(&quiet).is_none() && warned(&loud).unwrap().contains("spar.damping_s"), "{loud:?}");
+}
+
 /// A stiff spar is the rigid wing: its ringing, which no step resolves, dies away.
 #[test]
 fn a_stiff_spar_is_a_rigid_wing() {

@@ -13,7 +13,7 @@ mod turn;
 
 pub use turn::TurnSummary;
 
-use super::search::{Goal, LimitsSpec, SearchSpec, VarySpec, ended_early};
+use super::search::{Ended, Goal, LimitsSpec, SearchSpec, VarySpec, ended_early};
 use super::spec::COUPLED;
 use super::summary::TrimSummary;
 use super::{TrimProgress, TrimSpec, Trimmed};
@@ -22,6 +22,7 @@ use balance::{Balance, BalancingGait};
 use begin::{FASTEST, flaps, frequency_key, let_flap, longest_chord, with_actuators, without_motor};
 use guess::Size;
 use serde::Serialize;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{FoundOrbit, Measures, OrbitSection, Point, measure, search, search_from};
@@ -57,6 +58,11 @@ const SEARCHES: usize = 2;
 const FURTHER: usize = 2;
 /// Iterations of the search of gaits. *Choice.*
 const ITERATIONS: usize = 20;
+/// Frequencies over that of scaling laws at which a search begins again where the one from the file's own has got stuck, as many as
+/// [`ANEW`] at most, none within this share of the file's. *Choices.*
+const OTHERS: [f64; 3] = [1.0, 0.7, 1.4];
+const ANEW: usize = 2;
+const BESIDE: f64 = 0.1;
 /// Steps of integration of scan and search, s: the second where what the first finds is no orbit in the step of a trim. *Choices.*
 const STEPS_S: [f64; 2] = [1e-3, 5e-4];
 /// Mean pitches, rad, and paces to begin from at each speed, one after another until there is an orbit. *Choices.*
@@ -156,6 +162,8 @@ struct Gaited {
     power: f64,
     spec: ScenarioSpec,
     searched: SearchEnd,
+    /// Whether the scan found fewer orbits than it looked for.
+    few: bool,
 }
 
 /// How a search of gaits came out.
@@ -172,6 +180,18 @@ impl Gaited {
     /// What is the less the better the gait is.
     fn order(&self) -> (f64, f64) {
         (self.violation.max(0.0), self.power)
+    }
+
+    /// Whether another start may find a better one: the search got stuck beside gaits without an orbit, or at once where the scan had little
+    /// to begin from. One that used up its iterations was on its way.
+    fn is_stuck(&self) -> bool {
+        match self.searched {
+            SearchEnd::NotAsked => false,
+            SearchEnd::NotMade(_) => true,
+            SearchEnd::Ended(how, _) => {
+                how == Ended::NoSlopes.words() || self.few && how == Ended::NoStep.words()
+            }
+        }
     }
 }
 
@@ -226,7 +246,10 @@ impl RobotTrim {
         let mut warnings = Vec::new();
         let left_out = without_motor(&mut spec, &mut warnings);
         let_flap(&mut spec, &size, &mut warnings);
-        let needed = if bank_deg == 0.0 { 1 } else { COUPLED };
+        spec.trim = Some(TrimSpec::level(size.speed().clamp(0.5, 50.0)));
+        let alike =
+            Scenario::new(Document::value(SCENARIO, &spec)?)?.cycle().map_or(true, |c| c.section().alike());
+        let needed = if alike && bank_deg == 0.0 { 1 } else { COUPLED };
         let assumed = with_actuators(&mut spec, &given, needed, &mut warnings);
         let chord = longest_chord(&given.spec.robot);
         let vary = numbers::numbers(&spec.robot, chord);
@@ -297,7 +320,7 @@ impl RobotTrim {
             let error = Error::invalid("robot.links", "none moves a surface", allowed);
             return Err(self.scenario.explain(&error));
         }
-        self.can_be_held().map_err(|error| self.scenario.explain(&error))?;
+        self.can_be_held()?;
         let mut alone = AloneSummary {
             guessed_speed_m_s: self.size.speed(),
             guessed_frequency_hz: self.size.frequency(),
@@ -312,7 +335,8 @@ impl RobotTrim {
             flow
         };
         for step in STEPS_S {
-            let Some(Gaited { mut spec, searched, .. }) = self.best(step, &mut alone.tried, observe)? else {
+            let Some(Gaited { mut spec, searched, .. }) = self.of_starts(step, &mut alone.tried, observe)?
+            else {
                 continue;
             };
             spec.trim.iter_mut().for_each(|trim| trim.step_s = TrimSpec::level(1.0).step_s);
@@ -370,7 +394,14 @@ impl RobotTrim {
     }
 
     /// Refuses a robot whose left and right differ and that has too few numbers to be chosen.
-    fn can_be_held(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// Such a robot, with the numbers that it needs.
+    pub fn can_be_held(&self) -> Result<(), ConfigError> {
+        self.has_enough_free().map_err(|error| self.scenario.explain(&error))
+    }
+
+    fn has_enough_free(&self) -> Result<(), Error> {
         let (cycle, course) = (self.scenario.cycle()?, self.scenario.trim_spec()?.course());
         let coupled = cycle.coupled(&course);
         let free = numbers::all_free(self.scenario.model(), coupled).len();
@@ -384,14 +415,44 @@ impl RobotTrim {
         Err(Error::invalid("robot.structure.elements", given, allowed))
     }
 
-    /// The best gait that scan and search find in steps of `step` s, on its orbit.
-    fn best(
+    /// The best gait from the frequency of the file and, where its search gets stuck, from others.
+    fn of_starts(
         &self,
         step: f64,
         tried: &mut Vec<Tried>,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Result<Option<Gaited>, ConfigError> {
-        let mut candidates = self.scan(step, tried, observe);
+        let stopped = Cell::new(false);
+        let mut observe = |at| {
+            let flow = observe(at);
+            stopped.set(stopped.get() || flow.is_break());
+            flow
+        };
+        let own = self.scenario.spec.robot.gait.frequency_hz();
+        let Some(mut best) = self.best((own, step), tried, &mut observe)? else { return Ok(None) };
+        let others = OTHERS.map(|share| share * self.size.frequency());
+        let others = others.into_iter().filter(|other| (other / own - 1.0).abs() > BESIDE);
+        for other in others.take(ANEW) {
+            if stopped.get() || !best.is_stuck() {
+                break;
+            }
+            let found = self.best((other, step), tried, &mut observe)?;
+            best = found
+                .into_iter()
+                .fold(best, |best, found| if found.order() < best.order() { found } else { best });
+        }
+        Ok(Some(best))
+    }
+
+    /// The best gait that scan and search find from the frequency `hz` in steps of `step` s, on its orbit.
+    fn best(
+        &self,
+        (hz, step): (f64, f64),
+        tried: &mut Vec<Tried>,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<Option<Gaited>, ConfigError> {
+        let mut candidates = self.scan((hz, step), tried, observe);
+        let few = candidates.len() < ENOUGH;
         // Equal ones keep the order of the second number.
         ascend_by(&mut candidates, |candidate| candidate.order.1);
         ascend_by(&mut candidates, |candidate| candidate.order.0);
@@ -399,7 +460,7 @@ impl RobotTrim {
         for searches in 0..SEARCHES + FURTHER {
             let powers: Vec<f64> = candidates.iter().map(|candidate| candidate.order.1).collect();
             let Some(next) = next(&powers, best.as_ref().map(Gaited::order), searches) else { break };
-            let found = self.searched(candidates.remove(next), observe)?;
+            let found = Gaited { few, ..self.searched(candidates.remove(next), observe)? };
             if best.as_ref().is_none_or(|best| found.order() < best.order()) {
                 best = Some(found);
             }
@@ -433,10 +494,10 @@ impl RobotTrim {
         Trimmed::nothing(summary)
     }
 
-    /// Orbits at the speeds of the scan.
+    /// Orbits at the speeds of the scan, from the frequency `hz` in steps of `step` s.
     fn scan(
         &self,
-        step: f64,
+        (hz, step): (f64, f64),
         tried: &mut Vec<Tried>,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Vec<Candidate> {
@@ -450,7 +511,7 @@ impl RobotTrim {
                     stopped |= flow.is_break();
                     flow
                 };
-                match self.at((speed, step), start, &mut tell) {
+                match self.at((speed, hz, step), start, &mut tell) {
                     Ok(candidate) => {
                         reason.clear();
                         tried.push(candidate.tried.clone());
@@ -474,10 +535,10 @@ impl RobotTrim {
         found
     }
 
-    /// The orbit at `speed`, in steps of `step` s, of the gait nearest to the file's that is in balance.
+    /// The orbit at `speed`, from the frequency `hz` in steps of `step` s, of the gait nearest to the file's that is in balance.
     fn at(
         &self,
-        (speed, step): (f64, f64),
+        (speed, hz, step): (f64, f64, f64),
         (pitch, pace): (f64, f64),
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
     ) -> Result<Candidate, String> {
@@ -485,7 +546,8 @@ impl RobotTrim {
             .document
             .clone()
             .set(format!("trim.speed_m_s={speed:?}"))
-            .set(format!("trim.step_s={step:?}"));
+            .set(format!("trim.step_s={step:?}"))
+            .set(format!("{}={hz:?}", frequency_key(&self.scenario.spec)));
         let balance = Balance { document: &document, vary: &self.vary, length: 0.1 * self.size.span };
         let own = |vary: &VarySpec| document.number(&vary.key).map_or(0.5, |value| vary.share(value));
         let x: Vec<f64> = self.vary.iter().map(own).collect();
@@ -579,7 +641,7 @@ impl RobotTrim {
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Result<Gaited, ConfigError> {
         let Candidate { spec, order: (violation, power), .. } = candidate;
-        let mut gait = Gaited { violation, power, spec, searched: SearchEnd::NotAsked };
+        let mut gait = Gaited { violation, power, spec, searched: SearchEnd::NotAsked, few: false };
         if self.iterations == 0 {
             return Ok(gait);
         }

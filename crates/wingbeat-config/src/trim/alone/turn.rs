@@ -7,6 +7,7 @@ use crate::{ConfigError, Document, Scenario, ScenarioSpec};
 use serde::Serialize;
 use std::ops::ControlFlow;
 use wingbeat_judge::{Judged, Status, Warning};
+use wingbeat_math::Error;
 
 /// Step of integration, s, and updates of the controller in a cycle. *Choices* of the shipped turns.
 const STEP: f64 = 2.5e-4;
@@ -70,6 +71,19 @@ impl TurnSummary {
             power_w_kg: None,
             input_saturation_fraction: None,
             flights: 0,
+        }
+    }
+
+    /// Why none is flown at `speed`, m/s: its controller is no key that the user gave.
+    #[doc(hidden)]
+    pub fn not_flown(error: &Error, speed: f64) -> String {
+        let Error::Invalid { key, value, allowed, .. } = error;
+        match key.strip_prefix("controller.orbit.") {
+            Some("weights") => {
+                format!("at {speed:.2} m/s no feedback by its actuators holds the flight into it")
+            }
+            Some(_) => format!("at {speed:.2} m/s no periodic flight leads into it: {value}"),
+            None => format!("at {speed:.2} m/s it is not flown: {key} = {value}, allowed is {allowed}"),
         }
     }
 
@@ -145,7 +159,7 @@ pub(super) fn flown(
             Ok(scenario) => match scenario.fly(|_| tell()) {
                 Ok(run) => (turned(&run.summary, bank_deg, speed), Some(scenario.resolved.clone())),
                 Err(error) => {
-                    (TurnSummary::none(bank_deg, speed, scenario.explain(&error).to_string()), None)
+                    (TurnSummary::none(bank_deg, speed, TurnSummary::not_flown(&error, speed)), None)
                 }
             },
             Err(error) => (TurnSummary::none(bank_deg, speed, error.to_string()), None),

@@ -175,7 +175,7 @@ fn endless(coarse: [f64; 2], fine: [f64; 2], ratio: f64) -> [f64; 2] {
 
 /// What another program for the same wing tends to with endless panels, and how far its two series of grids end from one another,
 /// relative.
-fn apart() -> Result<([f64; 2], f64), Error> {
+pub(super) fn apart() -> Result<([f64; 2], f64), Error> {
     let table = reference_table!("goland/surface.csv")?;
     let [inset, panels, speed, frequency] = ["inset", "chordwise", "speed_m_s", "frequency_rad_s"];
     let [inset, panels, speed, frequency] =
