@@ -455,12 +455,14 @@ impl CoupledSpar<'_> {
             let (edges, share) = tether.aero.strip_sections(i);
             let whole = loads.strip[i].total();
             let shares = [1.0 - share, share];
-            // An edge within the root lies on its straight extension, since no hinge is between.
+            // An edge within the root lies on its straight extension, since no hinge is between; one of the other half is an image.
             let place = |edge: usize| {
-                let arc = arcs[edge] - spar.root_m;
+                let image = arcs[edge] < -spar.root_m;
+                let arc = if image { -arcs[edge] } else { arcs[edge] } - spar.root_m;
                 let Place { p, r } = &places[spar.beam.nearest(arc.max(0.0))];
                 let p = if arc < 0.0 { *p + r.column(0).scaled(Jet::from(arc)) } else { *p };
-                p.each(|j: Jet<S>| j.x)
+                let Vec3([x, y, z]) = p.each(|j: Jet<S>| j.x);
+                Vec3([x, if image { -y } else { y }, z])
             };
             let [at, other] = edges.map(place);
             // A strip moves as the mean of its edges: shares of its force and of its moment about their mean do its work.

@@ -82,7 +82,11 @@ impl TurnSummary {
             Some("weights") => {
                 format!("at {speed:.2} m/s no feedback by its actuators holds the flight into it")
             }
-            Some(_) => format!("at {speed:.2} m/s no periodic flight leads into it: {value}"),
+            Some(_) => {
+                // What it advises is for a scenario that names its start.
+                let why = value.split(": begin").next().unwrap_or(value);
+                format!("at {speed:.2} m/s no periodic flight leads into it: {why}")
+            }
             None => format!("at {speed:.2} m/s it is not flown: {key} = {value}, allowed is {allowed}"),
         }
     }
