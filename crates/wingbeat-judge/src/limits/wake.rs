@@ -30,7 +30,7 @@ pub const FEW_ACROSS: JudgedLimit = JudgedLimit::warn_below("wake.few_panels_alo
     .on("few panels (lift of a flat wing errs by up to 15 % with 5, by 2 % with 8): number of panels along the span");
 /// Of robots in flight, whose wings fold and twist, the weight carried over the first 0.4 s falls with the panels across: `cruise_20g` 0.92, 0.87, 0.82,
 /// 0.795 with 12, 16, 24, 36, `soft_20g` 1.03, 0.75, 0.66 with 12, 16, 20, and from 24 to 36 over 0.6 s 0.559 to 0.548. *Choice.*
-pub const FEW_OF_FLIGHT: JudgedLimit = JudgedLimit::warn_below("lattice.few_panels_along_span", 24.0, "").on(
+pub const FEW_OF_FLIGHT: JudgedLimit = JudgedLimit::warn_below("wake.few_panels_in_flight", 24.0, "").on(
     "few panels for wings that fold or twist, of which lift errs most (compare two numbers of them): number of panels along the span",
 );
 /// Wings feel narrow ones near the trailing edge whatever this is: of `flap_f2` under a prescribed wake one of a chord changes the mean drag by
