@@ -1,5 +1,6 @@
 //! The load cell: an ATI Nano17 between mount and robot.
 
+use crate::netft::BOX_RATE;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -69,15 +70,12 @@ pub struct CellSpec {
     pub filter_hz: f64,
 }
 
-/// Sampling rate of the box, Hz.
-const BOX_RATE_HZ: f64 = 7000.0;
-
 ranges!(CellSpec {
-    rate_hz: Range::over(0.0, BOX_RATE_HZ),
+    rate_hz: Range::over(0.0, BOX_RATE),
     noise_steps: Range::NOT_NEGATIVE,
-    resonance_hz: Range::inside(0.0, 0.5 * BOX_RATE_HZ),
+    resonance_hz: Range::inside(0.0, 0.5 * BOX_RATE),
     resonance_damping: Range::inside(0.0, 1.0),
-    filter_hz: Range::inside(0.0, 0.5 * BOX_RATE_HZ),
+    filter_hz: Range::inside(0.0, 0.5 * BOX_RATE),
 });
 
 impl CellSpec {
@@ -89,7 +87,7 @@ impl CellSpec {
         let check = |key: &str, value: f64, good: bool, allowed: &str| {
             if good { Ok(()) } else { Err(Error::invalid(key, value, allowed).against(["rate_hz"])) }
         };
-        let divisor = BOX_RATE_HZ / self.rate_hz;
+        let divisor = BOX_RATE / self.rate_hz;
         let whole = divisor >= 1.0 && (divisor - divisor.round()).abs() < 1e-9;
         check("rate_hz", self.rate_hz, whole, "7000 divided by a whole number")?;
         let nyquist = 0.5 * self.rate_hz;

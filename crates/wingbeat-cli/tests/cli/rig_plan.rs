@@ -51,6 +51,8 @@ fn what_cannot_be_planned_is_refused_with_what_to_do() {
     let fast = run("roll15_speed09");
     for (file, more, parts) in [
         (&fast, ["--set", "profile=moveit-hard"], &["exceeds the limit", "keeps every limit at"][..]),
+        (&run("roll15_speed08"), ["--set", "rig.mount.link.mass_kg=6"], &["torque", "exceeds the limit"]),
+        (&fast, ["--set", "turn.speed_m_s=10000"], &["turn.speed_m_s = 10000", "a way of at most 1000 m"]),
         (&fast, ["--set", "profile=cautious"], &["profile = cautious", "moveit-hard", "urdf"]),
         (&fast, ["--set", "turn.centre_m=[4.0, 4.0]"], &["roll15_speed09", "no place in the workspace"]),
         (&fast, ["--from-deg", "0,0,200,0,0,0"], &["--from-deg.joint_3 = 200", "deg"]),
@@ -60,6 +62,8 @@ fn what_cannot_be_planned_is_refused_with_what_to_do() {
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!((output.status.code(), message.lines().count()), (Some(2), 1), "{more:?}: {message}");
         parts.iter().for_each(|part| assert!(message.contains(part), "{more:?}: {message}"));
+        // Torque that bears weight does not go with the speed.
+        assert!(!message.contains("torque") || !message.contains("keeps every limit"), "{message}");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 0, "{more:?}");
     }
     let simulated =

@@ -284,3 +284,46 @@ fn a_rest_in_which_wings_flap_and_a_window_that_holds_rest_are_suspect() {
     let (_, told) = process("rest.parquet", &tared("process.input.start_s=1.5"));
     assert!(!told.contains("rest_fraction") && !told.contains("size_scatter"), "{told}");
 }
+
+/// A spring that rests turned by a radian hangs there, and not at 0, while the mount is weighed.
+#[test]
+fn elastic_joints_are_weighed_where_they_rest() {
+    let folder = scratch("rig-process-elastic");
+    let read = |name: &str| fs::read_to_string(root().join(name)).unwrap();
+    let robot = read("robots/any/elastic_16g.toml");
+    let turned =
+        robot.replace("stiffness = 1e-2, damping = 1e-4", "stiffness = 10.0, damping = 0.02, rest = 1.0");
+    assert_ne!(robot, turned);
+    fs::write(folder.join("robot.toml"), turned).unwrap();
+    fs::copy(rigs().join("arms/kinova_gen3_6dof.toml"), folder.join("arm.toml")).unwrap();
+    let rig_text = read("rigs/aerobat_on_gen3.toml");
+    let rig_text = rig_text.replace("../robots/aerobat_beta.toml", "robot.toml");
+    let rig_text = rig_text.replace("arms/kinova_gen3_6dof.toml", "arm.toml");
+    fs::write(folder.join("rig.toml"), rig_text).unwrap();
+    let run = "name = \"tilts\"\nrig = \"rig.toml\"\nfrequency_hz = 0.0\n[hold]\neach_s = 0.4\n\
+        tilts_deg = [[0.0, 0.0], [40.0, 0.0], [-40.0, 0.0], [0.0, 40.0], [0.0, -40.0], [30.0, 30.0]]\n\
+        [process]\nphase = \"frequency\"\n";
+    fs::write(folder.join("run.toml"), run).unwrap();
+    let quiet = [
+        "rig.air.density_kg_m3=0.001",
+        "rig.aero.preset=full",
+        "rig.aero.law=stall",
+        "rig.cell.noise_steps=0",
+        "rig.cell.bias=[0,0,0,0,0,0]",
+        "rig.cell.drift_per_s=[0,0,0,0,0,0]",
+        "rig.truth.set=[]",
+        "process.steps.drift=false",
+    ];
+    let with = |verb: &[&str]| {
+        let sets = quiet.iter().flat_map(|set| ["--set", *set]);
+        rig(&folder, &verb.iter().copied().chain(sets).chain(["--quiet"]).collect::<Vec<_>>())
+    };
+    let output = with(&["simulate", "run.toml", "--out", "s"]);
+    assert!(output.status.success(), "{output:?}");
+    let output = with(&["process", "s", "--run", "run.toml", "--out", "p"]);
+    assert!(output.status.success(), "{output:?}");
+    let summary = fs::read_to_string(folder.join("p/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let com = &summary["static_tilts"]["tilts"]["mount"]["com_m"];
+    assert!((0..2).all(|i| com[i].as_f64().unwrap().abs() < 2e-4), "{summary}");
+}

@@ -4,6 +4,7 @@ use crate::Pose;
 use wingbeat_math::Error;
 use wingbeat_math::require;
 use wingbeat_math::{Mat3, Scalar, Vec3};
+use wingbeat_robot::body::principal_moments;
 
 /// Largest number of joints; kinematics live on the stack.
 pub const MAX_JOINTS: usize = 8;
@@ -102,7 +103,7 @@ impl LinkBody {
                 return Err(Error::invalid(item(i), product, allowed).against([j, k].map(item)));
             }
         }
-        Ok(())
+        principal_moments(self.inertia).map(drop)
     }
 }
 

@@ -38,7 +38,7 @@ pub enum Refusal {
         peak: Peak,
         /// Name of the joint, or `tool`.
         joint: String,
-        /// Fastest speed at which the same motion keeps every limit, m/s.
+        /// Fastest speed at which the same motion keeps every limit, m/s; 0 where none is known.
         feasible_speed: f64,
     },
     /// The best place found comes too near to something.
@@ -103,7 +103,10 @@ impl PlacementWorkspace<'_> {
         all.extend(sampled_peaks(self.profile, &plan.trajectory));
         match binding(&all) {
             Some(peak) if peak.share() > 1.0 => {
+                // What does not go with the speed is not kept at another one either, as far as is known.
+                let stays = all.iter().any(|peak| peak.kind.order() == 0 && peak.share() > 1.0);
                 let headroom = all.iter().map(Peak::headroom).fold(f64::INFINITY, f64::min);
+                let headroom = if stays { 0.0 } else { headroom };
                 let joint = joint_name(self.arm, peak);
                 let feasible_speed = headroom * plan.placed.path.turn().speed;
                 Err(Refusal::Limit { peak: *peak, joint, feasible_speed })
@@ -145,10 +148,13 @@ impl std::fmt::Display for Refusal {
                 let (words, unit) = peak.kind.words();
                 write!(
                     f,
-                    "{joint}: {words} {:.3} {unit} exceeds the limit {:.3} {unit}; \
-                     the same motion keeps every limit at {feasible_speed:.3} m/s",
+                    "{joint}: {words} {:.3} {unit} exceeds the limit {:.3} {unit}",
                     peak.value, peak.limit
-                )
+                )?;
+                match *feasible_speed > 0.0 {
+                    true => write!(f, "; the same motion keeps every limit at {feasible_speed:.3} m/s"),
+                    false => Ok(()),
+                }
             }
             Self::Near { clearance, singularity_margin } => write!(
                 f,

@@ -10,6 +10,8 @@ use wingbeat_math::{Jet, Mat3, Scalar, Vec3, pitch_of_nose_up};
 
 /// Longest part of a turn, s: it passes in an arm's reach.
 const LONGEST_S: f64 = 60.0;
+/// Longest way of a turn, m: far beyond any arm. *Choice.*
+const LONGEST_M: f64 = 1e3;
 /// Largest roll and pitch, deg.
 const STEEPEST_DEG: f64 = 60.0;
 /// Times are whole multiples of this, s.
@@ -121,6 +123,12 @@ impl TurnSpec {
         let turn = settled.turn(choice);
         between("straight_s", turn.straight, -0.5 * turn.run_up, LONGEST_S)
             .map_err(|e| e.against(["run_up_s"]))?;
+        let way = turn.speed * (turn.run_up + turn.straight + turn.roll_in + turn.measured + turn.run_down);
+        if way > LONGEST_M {
+            let allowed =
+                format!("a way of at most {LONGEST_M} m, far beyond the reach of an arm; it is {way:.0} m");
+            return Err(Error::invalid("speed_m_s", turn.speed, allowed).against(["measured_s"]));
+        }
         Ok(turn)
     }
 

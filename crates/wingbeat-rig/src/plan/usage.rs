@@ -36,7 +36,7 @@ impl LimitKind {
         }
     }
     /// Power of the speed with which the quantity grows when the motion runs faster; 0 for torque.
-    fn order(self) -> i32 {
+    pub(super) fn order(self) -> i32 {
         match self {
             Self::Velocity | Self::ToolSpeed | Self::ToolRate => 1,
             Self::Acceleration | Self::ToolAcceleration => 2,

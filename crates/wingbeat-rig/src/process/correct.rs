@@ -448,7 +448,9 @@ impl Corrector<'_> {
         clock: Jet,
         memory: &mut ModelMemory,
     ) -> Result<(Wrench<f64>, Wrench<f64>), Fault> {
-        memory.x.resize(self.robot.carried_states(), 0.0);
+        if memory.x.len() != self.robot.carried_states() {
+            memory.x = self.robot.carried_still();
+        }
         memory.u.resize(self.robot.inputs().len(), 0.0);
         memory.dx.resize(memory.x.len(), 0.0);
         let ModelMemory { x, u, dx, .. } = memory;

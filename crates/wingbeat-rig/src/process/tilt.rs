@@ -39,6 +39,8 @@ pub struct Weighing {
     pub residual_largest: [f64; 2],
 }
 
+/// Variance of mass and first moments beside offsets and drift, over that beside known ones, from which they are not determined. *Choice.*
+const INFLATION: f64 = 1e4;
 /// Unknowns: mass, first moment, offsets, and drift where wanted.
 const FIXED: usize = 10;
 
@@ -71,28 +73,44 @@ pub fn weigh(tilts: &[Tilt], drift: bool, lever: f64) -> Result<Weighing, Error>
         }
     }
     let mut pivots = vec![0; unknowns];
+    let own: [f64; 4] = std::array::from_fn(|i| normal[i * unknowns + i]);
+    let undetermined = || {
+        let allowed = "tilts that part mass and centre from the offsets, and from their drift where that is fitted: one attitude twice or more of them";
+        Error::invalid("hold.tilts_deg", format!("{} attitudes", tilts.len()), allowed)
+    };
     if !lu_factor(&mut normal, unknowns, &mut pivots) {
-        return Err(Error::invalid("hold.tilts_deg", "attitudes", "tilts that part mass from offsets"));
+        return Err(undetermined());
     }
     lu_solve(&normal, unknowns, &pivots, &mut solution, 1);
     let left = |(row, value): &(Vec<f64>, f64)| value - dot(row, &solution);
     let residuals: Vec<f64> = rows.iter().map(left).collect();
     let freedom = (rows.len() - unknowns).max(1) as f64;
     let variance = residuals.iter().map(|r| r * r).sum::<f64>() / freedom;
-    let covariance = |i: usize| {
+    let inverse = |i: usize| -> Vec<f64> {
         let mut unit = vec![0.0; unknowns];
         unit[i] = 1.0;
         lu_solve(&normal, unknowns, &pivots, &mut unit, 1);
-        (variance * unit[i].max(0.0)).sqrt()
+        unit
     };
+    // How much more of the variance an unknown has than if the others were known.
+    let columns: [Vec<f64>; 4] = std::array::from_fn(inverse);
+    if !columns.iter().zip(own).enumerate().all(|(i, (column, own))| column[i] * own < INFLATION) {
+        return Err(undetermined());
+    }
     let mass = solution[0];
+    // Of (m c)/m: both err, and together.
+    let com_variance = |i: usize| {
+        let c = solution[1 + i] / mass;
+        columns[1 + i][1 + i] + c * c * columns[0][0] - 2.0 * c * columns[0][1 + i]
+    };
+    let sigma = |of: f64| (variance * of.max(0.0)).sqrt();
     let part = |from: usize| std::array::from_fn(|i| solution.get(from + i).copied().unwrap_or(0.0));
     Ok(Weighing {
         tilts: tilts.len(),
         mass_kg: mass,
-        mass_sigma_kg: covariance(0),
+        mass_sigma_kg: sigma(columns[0][0]),
         com_m: std::array::from_fn(|i| solution[1 + i] / mass),
-        com_sigma_m: std::array::from_fn(|i| covariance(1 + i) / mass.abs()),
+        com_sigma_m: std::array::from_fn(|i| sigma(com_variance(i)) / mass.abs()),
         bias: part(4),
         drift_per_s: part(FIXED),
         residual_rms: parts(&residuals, lever, |r| {
@@ -191,5 +209,13 @@ mod tests {
         let same: Vec<Tilt> = (0..9).map(|k| tilt(k, 0.02 * k as f64, 0.0)).collect();
         assert!(weigh(&same, true, 0.01).unwrap_err().to_string().contains("hold.tilts_deg"));
         assert!(weigh(&tilts[..2], false, 0.01).is_err());
+        // As many equations as unknowns determine nothing beside a drift.
+        let three: Vec<Tilt> = [(0.0, 0.0), (0.8, 0.0), (0.0, 0.8)]
+            .iter()
+            .enumerate()
+            .map(|(k, (r, p))| tilt(k, *r, *p))
+            .collect();
+        assert!(weigh(&three, false, 0.01).is_ok());
+        assert!(weigh(&three, true, 0.01).unwrap_err().to_string().contains("their drift"));
     }
 }

@@ -105,6 +105,22 @@ impl<S: Scalar> Symmetric<S> {
     }
 }
 
+/// Principal moments of `inertia` (kg m2) and their axes, of what some distribution of mass has.
+///
+/// # Errors
+/// [`Error::Invalid`] when it is not symmetric, or its principal moments are negative or break the triangle inequality.
+pub fn principal_moments(inertia: Mat3) -> Result<(Vec3, Mat3), Error> {
+    let (moments, axes) = principal_axes(inertia)
+        .ok_or_else(|| Error::invalid("inertia_kg_m2", format!("{:?}", inertia.0), "a symmetric matrix"))?;
+    let [a, b, c] = moments.0;
+    let tolerance = -1e-9 * (a + b + c).abs();
+    if [a, b, c, a + b - c, b + c - a, c + a - b].iter().any(|&x| x < tolerance) {
+        let allowed = "positive semi-definite, each principal moment at most the sum of the others";
+        return Err(Error::invalid("inertia_kg_m2", format!("{:?}", inertia.0), allowed));
+    }
+    Ok((moments, axes))
+}
+
 impl LinkInertia<f64> {
     /// Checks and stores; `inertia` is about the centre of mass, in link axes.
     ///
@@ -116,15 +132,7 @@ impl LinkInertia<f64> {
         if !com.is_finite() {
             return Err(Error::invalid("com_m", format!("{:?}", com.0), "finite numbers"));
         }
-        let (moments, axes) = principal_axes(inertia).ok_or_else(|| {
-            Error::invalid("inertia_kg_m2", format!("{:?}", inertia.0), "a symmetric matrix")
-        })?;
-        let [a, b, c] = moments.0;
-        let tolerance = -1e-9 * (a + b + c).abs();
-        if [a, b, c, a + b - c, b + c - a, c + a - b].iter().any(|&x| x < tolerance) {
-            let allowed = "positive semi-definite, each principal moment at most the sum of the others";
-            return Err(Error::invalid("inertia_kg_m2", format!("{:?}", inertia.0), allowed));
-        }
+        let (moments, axes) = principal_moments(inertia)?;
         Ok(Self::about(mass, com, moments, [axes.column(1), axes.column(2)]))
     }
 

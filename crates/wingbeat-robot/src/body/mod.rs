@@ -18,7 +18,7 @@ pub use coordinates::Coordinates;
 pub use dynamics::{BaseAcceleration, drive_power, joint_power};
 pub use forward::FreeAcceleration;
 pub use gait::{FourierSeries, Harmonic, MAX_HARMONICS};
-pub use inertia::{BodyNumbers, INERTIA, MASS, PLACE};
+pub use inertia::{BodyNumbers, INERTIA, MASS, PLACE, principal_moments};
 pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePin, LinkagePose, MARGIN_LIMIT, REGULATED};
 pub use momentum::Momentum;
 pub use motion::LinkMotion;

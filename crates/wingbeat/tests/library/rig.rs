@@ -6,8 +6,10 @@ use std::path::Path;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3};
 use wingbeat::plant::Plant;
+use wingbeat::rig::process::recorded_motion;
 use wingbeat::robot::BodyMotion;
 use wingbeat::scenario::{Processed, RigRun};
+use wingbeat::simulate::{Column, Record};
 
 #[test]
 fn a_robot_at_rest_bears_its_weight_on_the_stand() {
@@ -223,5 +225,39 @@ fn overrides_that_numbers_of_the_rig_make_vain_are_told() {
     ] {
         let all = told(&[numbers, set]);
         assert!(all.len() == 1 && all[0].contains(name) && all[0].contains(set), "{set}: {all:?}");
+    }
+}
+
+/// A file that begins when the arm already moves holds the same motion.
+#[test]
+fn a_recorded_motion_keeps_its_time() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rigs/runs/roll15_speed08.toml");
+    let arm = RigRun::load(&file, &[]).unwrap().arm;
+    let names = ["t", "q1", "q2", "q3", "q4", "q5", "q6"];
+    let record = |times: &mut dyn Iterator<Item = f64>| {
+        let mut record = Record::new(names.map(|name| Column::new(name, "", "")).to_vec(), 1).unwrap();
+        for t in times {
+            let q = |j: usize| 0.2 * (2.0 * t + j as f64).sin();
+            record.append(&[t, q(0), q(1), q(2), q(3), q(4), q(5)]);
+        }
+        record
+    };
+    let step = 1.0 / 7000.0;
+    let all: Vec<f64> = (-7000..21_000).map(|k| f64::from(k) * step).collect();
+    let motion = |from: f64, jitter: f64| {
+        let moved = |(k, t): (usize, &f64)| t + jitter * step * (k as f64).sin();
+        let mut times = all.iter().enumerate().map(moved).filter(|t| *t >= from);
+        recorded_motion(&record(&mut times), &arm, 2.5).unwrap()
+    };
+    let whole = motion(-1.0, 0.0);
+    for other in [motion(0.4, 0.0), motion(-1.0, 0.3)] {
+        for (k, row) in whole.position.iter().enumerate().skip(800).take(1500) {
+            let at = k as f64 * whole.step / other.step;
+            let (before, share) = (at as usize, at.fract());
+            for (j, q) in row.iter().enumerate() {
+                let [a, b] = [0, 1].map(|more| other.position[before + more][j]);
+                assert!((a + (b - a) * share - q).abs() < 1e-5, "{k} {j}: {a} {q}");
+            }
+        }
     }
 }
