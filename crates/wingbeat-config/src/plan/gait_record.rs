@@ -48,7 +48,7 @@ impl Replay<'_> {
             Err(error) => return Ok(Err(error)),
         };
         let h = 1.0 / self.flapping.frequency_hz / STEPS as f64;
-        let mut stepper = Stepper::new(self, 0.0, &vec![0.0; robot.carried_states()]);
+        let mut stepper = Stepper::new(self, 0.0, &robot.carried_still());
         for _ in 1..CYCLES {
             stepper.run(h, STEPS, &mut Player { replay: self, told: None }).check()?;
             stepper.set_time(0.0);

@@ -10,7 +10,7 @@ pub fn rest_scatter(rest: &[f64], moving: &[f64]) -> Option<f64> {
     (after > 0.0).then(|| most / after)
 }
 
-/// Mean of the values that are numbers.
+/// Mean of the values that are numbers, in their unit.
 pub fn mean(values: &[f64]) -> f64 {
     let finite = || values.iter().filter(|value| value.is_finite());
     finite().sum::<f64>() / finite().count() as f64

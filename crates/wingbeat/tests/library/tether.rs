@@ -429,7 +429,7 @@ fn power_is_that_of_body_and_hinges() {
             let columns = run.loads.columns().iter();
             let parts: Vec<&[f64]> =
                 columns.filter(|c| c.name.starts_with("power_")).map(|c| c.values.as_slice()).collect();
-            assert_eq!(parts.len(), if side == "both" { 9 } else { 5 });
+            assert_eq!(parts.len(), if side == "both" { 9 } else { 6 });
             let total = run.loads.values("power").unwrap();
             let apart = |i: usize| (total[i] - parts.iter().map(|part| part[i]).sum::<f64>()).abs();
             let worst = (0..total.len()).map(apart).fold(0.0, f64::max) / largest(total);
