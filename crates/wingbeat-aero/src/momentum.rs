@@ -74,14 +74,12 @@ mod tests {
         let taken = drag * 4.0
             - induced_power(Vec3::new(-drag, 0.0, 0.0), Vec3::new(-4.0, 0.0, 0.0), density, radius);
         near(taken, 16.0 / 27.0 * 0.5 * density * disc * 64.0);
+        let level = lift * lift / (0.5 * density * speed * PI * 4.0 * radius * radius);
         // A wing that glides or is blown needs what it needs in level flight, but for the cosine of the slope.
         for slope in [-0.3_f64, -0.02, -1e-9, 0.0, 1e-9, 0.02, 0.3] {
             let wind = Vec3::new(-speed * slope.cos(), 0.0, speed * slope.sin());
             let power = induced_power(up(lift), wind, density, radius);
-            assert!(
-                (power / (drag * speed) - 1.0).abs() < slope.abs() * slope.abs() + 1e-9,
-                "{slope} {power}"
-            );
+            assert!((power / level - 1.0).abs() < slope * slope + 1e-9, "{slope} {power}");
         }
         // Where the product rises throughout it is the flux; where it does not, at least up to its largest value.
         for (across, heavy) in [(2.0, 1.0), (0.8, 0.1), (0.8, 100.0), (0.2, 1e-3)] {

@@ -183,7 +183,17 @@ fn beside_model(one: &ProcessedRun, limits: &RunLimits) -> Option<Vec<Finding>> 
     // A model may be wrong by much, but not so that the loads turned over are like it.
     let turned = |finding: &Finding| finding.id == "data.reversed" && finding.about == one.name();
     let noted = |finding: Finding| if turned(&finding) { finding } else { finding.noted() };
-    let mut found: Vec<Finding> = compared(one.name(), &pairs, limits).into_iter().map(noted).collect();
+    // A reversed Fz that gives the phase turns it by half a cycle, and the others with it.
+    let by_force = one.run.spec.process.phase == PhaseSource::Force;
+    let or_fz = |mut finding: Finding| {
+        let of_other = !finding.about.starts_with("Fz") && finding.about != one.name();
+        if by_force && finding.id == "data.reversed" && of_other {
+            finding.text += "; or Fz is, from which the phase is taken";
+        }
+        finding
+    };
+    let all = compared(one.name(), &pairs, limits).into_iter();
+    let mut found: Vec<Finding> = all.map(noted).map(or_fz).collect();
     // Without a tare the mean is that of the cell's offset.
     if one.run.spec.process.steps.tare {
         found.extend(mean_apart(one.name(), &pairs).filter(|finding| finding.breaks(limits)));

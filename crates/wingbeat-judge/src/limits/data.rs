@@ -177,8 +177,8 @@ pub const CURVED: JudgedLimit =
     JudgedLimit::at_least("data.samples_per_cycle_of_loads", 5.0, "", SuspectData).on(
         "number of samples of a cycle, of which the mean one loses more than a sixth of its second harmonic,",
     );
-/// Of 5 to 8 samples a cycle it loses 16 to 1 % of it.
-pub const FEW_CURVED: JudgedLimit = JudgedLimit::warn_below("data.few_samples_per_cycle", 8.0, "")
+/// Of 5 to 6 samples a cycle it loses 16 to 6 % of it.
+pub const FEW_CURVED: JudgedLimit = JudgedLimit::warn_below("data.few_samples_per_cycle", 6.0, "")
     .on("the mean cycle loses part of its second harmonic (16 % with 5, 6 % with 6, 1 % with 8; sample faster): number of samples of a cycle");
 /// Where the data alone tell the frequency, less than three samples of the strongest line let its second harmonic look like another
 /// line below it.

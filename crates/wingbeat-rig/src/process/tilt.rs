@@ -94,7 +94,9 @@ pub fn weigh(tilts: &[Tilt], drift: bool, lever: f64) -> Result<Weighing, Error>
     };
     // How much more of the variance an unknown has than if the others were known.
     let columns: [Vec<f64>; 4] = std::array::from_fn(inverse);
-    if !columns.iter().zip(own).enumerate().all(|(i, (column, own))| column[i] * own < INFLATION) {
+    // Rounding makes that of a singular matrix large, or negative.
+    let known = |(i, (column, own)): (usize, (&Vec<f64>, f64))| (0.0..INFLATION).contains(&(column[i] * own));
+    if !columns.iter().zip(own).enumerate().all(known) {
         return Err(undetermined());
     }
     let mass = solution[0];

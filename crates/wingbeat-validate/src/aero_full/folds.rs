@@ -14,21 +14,21 @@ use wingbeat::tether::TetheredBody;
 const FOLDS: [[f64; 2]; 5] = [[0.0, 0.0], [15.0, -45.0], [15.0, -60.0], [30.0, -20.0], [-15.0, -60.0]];
 /// Reduced frequencies by the mean chord.
 const KS: [f64; 5] = [0.1, 0.25, 0.5, 0.75, 1.0];
-/// Strips of one half of the lattice where its arcs are coarsest: what [`Fineness`] multiplies.
+/// Strips of one half of the lattice where its arcs are coarsest: what [`HarmonicPanels`] multiplies.
 const COARSEST: f64 = 8.0;
 const SOURCE: &str = "linear vortex lattice, 8 and 16 panels x 32 strips a half";
 
 /// Panels of a lattice.
 #[derive(Clone, Copy)]
-struct Fineness {
+struct HarmonicPanels {
     /// Along the chord, of the coarser of both from which it is extrapolated.
     chordwise: usize,
     /// Strips over those of the coarsest lattice.
     spanwise: usize,
 }
 
-const REFERENCE: Fineness = Fineness { chordwise: 8, spanwise: 4 };
-const COARSER: Fineness = Fineness { chordwise: 6, spanwise: 3 };
+const REFERENCE: HarmonicPanels = HarmonicPanels { chordwise: 8, spanwise: 4 };
+const COARSER: HarmonicPanels = HarmonicPanels { chordwise: 6, spanwise: 3 };
 
 /// Plunge, and pitch about four axes.
 const MOTIONS: [&str; 5] = ["plunge", "pitch0", "pitch.25", "pitch.5", "pitch.75"];
@@ -54,7 +54,7 @@ fn arcs(still: &Still, spanwise: usize) -> Vec<f64> {
 }
 
 /// Vertical force of the lattice per unit of each motion, N, extrapolated in the number of panels along the chord.
-fn exact(still: &Still, k: f64, of: Fineness) -> Result<Vec<Complex>, Error> {
+fn exact(still: &Still, k: f64, of: HarmonicPanels) -> Result<Vec<Complex>, Error> {
     let frame = TetheredBody::rest().frame();
     let (arcs, half) = (arcs(still, of.spanwise), still.wing.planform().half_span());
     let section = |arc: &f64| {
@@ -118,7 +118,7 @@ fn lost_area(strips: usize, still: &Still) -> Result<f64, Error> {
 }
 
 /// Worst error of the table of six wings against the lattice, for the wing `name` at the reduced frequencies `ks`.
-fn table_error(name: &str, ks: &[f64], of: Fineness) -> Result<f64, Error> {
+fn table_error(name: &str, ks: &[f64], of: HarmonicPanels) -> Result<f64, Error> {
     let still = wings::other(name)?;
     let exact = ks.iter().map(|k| exact(&still, *k, of)).collect::<Result<Vec<_>, _>>()?;
     let table = reference_table!("lifting_surface/other_wings.csv")?;
