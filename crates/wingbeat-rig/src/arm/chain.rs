@@ -193,13 +193,28 @@ impl SerialArm {
 
 #[cfg(test)]
 mod tests {
+    use super::LinkBody;
     use crate::arm::ArmConfig;
+    use wingbeat_math::Mat3;
 
     #[test]
     fn zero_pose_stands_upright() {
         let arm = ArmConfig::kinova_gen3().build().unwrap();
         let tool = arm.tool_pose(&[0.0; 6]);
         assert!((tool.origin[2] - 1.17662).abs() < 6e-6, "{:?}", tool.origin);
+    }
+
+    #[test]
+    fn a_link_has_an_inertia_that_some_body_has() {
+        let link = |moments: [f64; 3]| {
+            let inertia =
+                Mat3(std::array::from_fn(|i| std::array::from_fn(|j| if i == j { moments[i] } else { 0.0 })));
+            LinkBody { mass: 1.0, inertia, ..LinkBody::default() }.check()
+        };
+        assert!(link([1.0, 0.6, 0.5]).is_ok() && link([1.0, 0.5, 0.5]).is_ok() && link([0.0; 3]).is_ok());
+        for moments in [[1.0, 0.0, 0.0], [1.0, 0.4, 0.5], [-1.0, 1.0, 1.0]] {
+            assert!(link(moments).unwrap_err().to_string().contains("inertia_kg_m2"), "{moments:?}");
+        }
     }
 
     #[test]
