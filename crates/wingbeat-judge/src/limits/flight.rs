@@ -134,7 +134,7 @@ pub const RECORDS: JudgedLimit = JudgedLimit::at_least("flight.records_per_cycle
 /// makes of the errors of steps.
 pub const ERROR_GROWN: JudgedLimit = JudgedLimit::at_most("flight.error_grown_fraction", 1.0, "", NotResolved)
     .on("flight.error_m is not kept, since the closed loop lets errors grow (ask for less, if rounding leaves it): distance from where a flight of a tenth of flight.error_m ends, over flight.error_m");
-/// As [`tether.ideal_power_fraction`](super::tether::IDEAL), over whole cycles of a flight: of shipped ones that are `ok` it is 0.31 and less. The margin is a
+/// As [`tether.ideal_power_fraction`](super::tether::IDEAL), over whole cycles of a flight: of shipped ones that are `ok` it is 0.45 and less. The margin is a
 /// *choice*.
 pub const IDEAL: JudgedLimit = JudgedLimit::at_most("flight.ideal_power_fraction", 1.05, "", Outside).on(
     "the models carry the robot with less power than any wings of its span can, as where wings come back into their own wake: ideal power of the disc on the span over the power into the air,",

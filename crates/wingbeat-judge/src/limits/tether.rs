@@ -98,7 +98,7 @@ pub const SLENDER: JudgedLimit = JudgedLimit::warn_below("tether.aspect_ratio", 
 pub const REDUCED: JudgedLimit = JudgedLimit::warn_above("tether.reduced_frequency", 2.0, "").on(
     "the wing hardly leaves its wake of the stroke before (are chords in m and the frequency in Hz?): pi f times the mean chord over the root mean square of its speed through the air",
 );
-/// Least power that momentum asks of any wing within the sphere of this one, over what it gives to the air: shipped cases have 0.47 and
+/// Least power that momentum asks of any wing within the sphere of this one, over what it gives to the air: shipped cases have 0.91 and
 /// less, an elliptic wing at rest nearly 1. Above it a model gives force for nothing. The margin is a *choice*.
 pub const IDEAL: JudgedLimit = JudgedLimit::at_most("tether.ideal_power_fraction", 1.05, "", Outside).on(
     "the model gives more force than any wing of this reach can for its power, as where a wing comes back into its own wake: ideal power of the disc that it reaches over its power into the air,",
