@@ -292,6 +292,20 @@ pub fn residual(found: &CalibrationResult, files: &SampleFiles, commit: &str) ->
     Some(text)
 }
 
+/// Standard errors and correlations of the parameters of which the data say anything, as a line of a file of numbers.
+fn uncertainty(found: &CalibrationResult) -> String {
+    let told: Vec<usize> =
+        (0..found.errors.len()).filter(|k| found.errors[*k].is_finite() && found.errors[*k] > 0.0).collect();
+    if told.is_empty() {
+        return String::new();
+    }
+    let names: Vec<&str> = told.iter().map(|k| found.parameters[*k].name.as_str()).collect();
+    let errors: Vec<f64> = told.iter().map(|k| found.errors[*k]).collect();
+    let rows: Vec<Vec<f64>> =
+        told.iter().map(|i| told.iter().map(|j| found.correlations[*i][*j]).collect()).collect();
+    format!("uncertainty = {{ of = {names:?}, standard_error = {errors:?}, correlation = {rows:?} }}\n")
+}
+
 /// The numbers as a file that `robot.numbers` names; `commit` is that of the program.
 pub fn numbers(found: &CalibrationResult, files: &SampleFiles, commit: &str, verdict: &Verdict) -> String {
     let mut text = origin(found, files, (commit, "Numbers of robot and rig, calibrated", "numbers"));
@@ -305,6 +319,7 @@ pub fn numbers(found: &CalibrationResult, files: &SampleFiles, commit: &str, ver
     let of = if robot.is_empty() { String::new() } else { format!("robot = {robot:?}, ") };
     let span = half_span_m.map_or(String::new(), |span| format!(", half_span_m = {span:?}"));
     text += &format!("model = {{ {of}preset = {preset:?}, law = {law:?}{span} }}\n");
+    text += &uncertainty(found);
     for (k, parameter) in found.parameters.iter().enumerate() {
         text += &format!(
             "{:?} = {:?} # standard error {:.3e}, {}\n",

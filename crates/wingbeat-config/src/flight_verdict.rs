@@ -7,7 +7,7 @@ use super::stall;
 use super::summary::{Context, ControllerSummary, PartClearance, Summary, mean};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use wingbeat_aero::induced_power;
-use wingbeat_flight::guide::angle_error;
+use wingbeat_flight::guide::{Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, linkage, range, trim, wake};
 use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Status, Verdict, Warning};
@@ -33,6 +33,9 @@ pub(super) type FlightVerdict = (Verdict, Vec<&'static str>);
 /// Duration from which the mean power of a flight is that of whole cycles, and the mean force of wings at rest that of a fall or a glide, s.
 /// *Choice*: three cycles of the slowest gaits.
 const LONG_ENOUGH: f64 = 1.0;
+
+/// Least turn of the heading that a manoeuvre asks for which the heading is judged, rad. *Choice.*
+const TURN: f64 = 0.1;
 
 impl JudgedFlight<'_> {
     /// Judges by the goal, the task and the limits.
@@ -171,6 +174,12 @@ impl JudgedFlight<'_> {
             judge.hold_if(&flight::ATTITUDE, summary.roll_rms_error_deg);
             judge.hold_if(&flight::ATTITUDE, summary.pitch_rms_error_deg);
         }
+        if self.tracks_attitude() {
+            let turned = self.turned_fraction();
+            if turned.is_none_or(|turned| judge.hold(&flight::TURNED, turned)) {
+                judge.hold_if(&flight::TURNED_IN_PART, turned);
+            }
+        }
         judge
             .hold_if(&flight::ESTIMATE, summary.estimate.as_ref().map(|estimate| estimate.normalised_square));
         if let Some(governed) = &summary.governed {
@@ -213,6 +222,27 @@ impl JudgedFlight<'_> {
     fn tracks_attitude(&self) -> bool {
         let orbit = self.record.values("orbit_roll_error").is_some();
         orbit || (self.context.manoeuvre.is_some() && self.flight.duration >= SETTLED)
+    }
+
+    /// Heading flown over the heading that the manoeuvre asks, over the part of the flight that counts; none where it asks for less than [`TURN`].
+    ///
+    /// Equation: flight.turned_fraction
+    /// `sum r d psi / sum r^2 dt, r = (w_y sin phi + w_z cos phi) / cos theta of the reference`
+    /// Source: least squares of the flown rate of heading by the asked one.
+    /// Test: `a_turn_to_the_other_side_is_off_target`.
+    fn turned_fraction(&self) -> Option<f64> {
+        let manoeuvre = self.context.manoeuvre?;
+        let [t, yaw] = ["t", "yaw"].map(|name| self.record.values(name)?.get(self.first..));
+        let (t, yaw) = (t?, yaw?);
+        let (mut asked, mut flown, mut square) = (0.0, 0.0, 0.0);
+        for (t, yaw) in t.windows(2).zip(yaw.windows(2)) {
+            let Reference { roll, pitch, w } = manoeuvre.reference(0.5 * (t[0] + t[1]));
+            let rate = (w[1] * roll.sin() + w[2] * roll.cos()) / pitch.cos();
+            asked += rate * (t[1] - t[0]);
+            flown += rate * angle_error(yaw[1], yaw[0]);
+            square += rate * rate * (t[1] - t[0]);
+        }
+        (asked.abs() >= TURN).then(|| flown / square)
     }
 
     /// Largest speed through the mean wind, m/s.

@@ -15,6 +15,7 @@ mod dryden;
 mod estimate;
 mod finer;
 mod fit;
+mod fit_draw;
 mod flight_verdict;
 mod followed;
 mod governed;

@@ -2,6 +2,7 @@
 
 use super::document::{ConfigError, Document, KeyProblem, ValuePlace, Wrong, spoken};
 use super::fit;
+use super::fit_draw::DrawnNumbers;
 use super::shared::Shared;
 use super::sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 use super::{PaperResults, ReadTable, Scenario, TetherCase};
@@ -22,6 +23,8 @@ pub struct Sweep {
     pub resolved: String,
     document: Document,
     inner: Document,
+    /// The numbers that are drawn.
+    drawn: DrawnNumbers,
     /// Part of its range by draw and run, of a Latin hypercube.
     parts: Vec<Vec<usize>>,
     pub(super) shared: Arc<Shared>,
@@ -59,6 +62,15 @@ fn with_own_overrides(document: Document) -> Result<Document, ConfigError> {
     document.overridden_by_list("set", of)?.merged(&READ, &|_, _| None)
 }
 
+/// A sweep with the fits that its draws name in their places.
+fn with_read_fits(document: Document) -> Result<Document, ConfigError> {
+    let keys = (0..).map(|draw| format!("draws[{draw}].fit"));
+    let count = (0..).take_while(|draw| document.written(&format!("draws[{draw}]")).is_some()).count();
+    let fits: Vec<String> = keys.take(count).filter(|key| document.written(key).is_some()).collect();
+    let keys: Vec<&str> = fits.iter().map(String::as_str).collect();
+    if keys.is_empty() { Ok(document) } else { document.merged(&keys, &|_, _| None) }
+}
+
 impl Sweep {
     /// Reads and checks a sweep file and its scenario or case; `read` reads the tables of a case.
     ///
@@ -92,18 +104,23 @@ impl Sweep {
     pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
         // What is run is read here, once: all runs are of the same, and the sweep holds it.
         let document = document.merged(&READ, &|_, _| None)?;
-        let document = with_own_overrides(document)?;
+        let document = with_read_fits(with_own_overrides(document)?)?;
         let spec: SweepSpec = document.parse()?;
         let mut resolved: toml::Table = document.parse()?;
         // What is run holds them, and would lose by them what is resolved there.
         resolved.remove("set");
         let of = spec.check().map_err(|error| document.explain(&error))?;
         let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
+        let drawn = DrawnNumbers::of(&spec).map_err(|error| document.explain(&error))?;
         let inner = document.part(of.key())?;
-        spec.check_keys(&|key| inner.numbered(key)).map_err(|error| document.explain(&error))?;
+        let fits = spec.draws.iter().filter_map(Draw::whole_fit).collect::<Vec<_>>();
+        let inner = with_all(inner, &fits);
+        SweepSpec::check_keys(&drawn, &|key| inner.numbered(key))
+            .map_err(|error| document.explain(&error))?;
         let parts = spec.parts();
         let shared = Arc::default();
-        let mut sweep = Self { spec, of, resolved: String::new(), document, inner, parts, shared, limits };
+        let mut sweep =
+            Self { spec, of, resolved: String::new(), document, inner, drawn, parts, shared, limits };
         sweep.check_draws(read)?;
         if sweep.of != SweepOf::Cases {
             let scenario = Scenario::new(sweep.inner.clone())?;
@@ -174,12 +191,17 @@ impl Sweep {
         self.spec.count()
     }
 
-    /// The values drawn for run `run`, in the order of the draws and in the units of their keys. Random numbers are from a
+    /// One draw for every number that is drawn: those of the file, of a fit one for each of its numbers.
+    pub fn draws(&self) -> &[Draw] {
+        &self.drawn.draws
+    }
+
+    /// The values drawn for run `run`, in the order of [`draws`](Self::draws) and in the units of their keys. Random numbers are from a
     /// stream of its own for every run, so that order and interruption do not matter. Of a grid the last draw varies fastest.
     pub fn values(&self, run: usize) -> Vec<f64> {
         let mut random = Random::stream(self.spec.seed, run as u64);
         let (mut left, mut grid) = (self.runs(), run);
-        let mut value = |(k, draw): (usize, &Draw)| match self.spec.sampling {
+        let mut value = |(k, draw): (usize, &Draw), random: &mut Random| match self.spec.sampling {
             Sampling::Random => draw.share(random.unit()),
             Sampling::LatinHypercube => {
                 draw.share((self.parts[k][run] as f64 + random.unit()) / self.runs() as f64)
@@ -192,7 +214,15 @@ impl Sweep {
                 draw.at(place)
             }
         };
-        self.spec.draws.iter().enumerate().map(&mut value).collect()
+        self.spec
+            .draws
+            .iter()
+            .enumerate()
+            .flat_map(|(k, draw)| match self.drawn.fit(k) {
+                Some(fit) => fit.drawn(&mut random),
+                None => vec![value((k, draw), &mut random)],
+            })
+            .collect()
     }
 
     /// What run `run` runs, with its values.
@@ -202,7 +232,7 @@ impl Sweep {
 
     /// What is run, with a value for each draw.
     pub(super) fn with(&self, values: &[f64]) -> Document {
-        let draws = self.spec.draws.iter().zip(values);
+        let draws = self.draws().iter().zip(values);
         draws.fold(self.inner.clone(), |document, (draw, value)| set(document, draw, *value))
     }
 
@@ -253,8 +283,9 @@ impl Sweep {
                 self.document.explain(&Error::invalid(place(), flight.join(", "), allowed))
             })?;
         }
-        for (i, draw) in self.spec.draws.iter().enumerate() {
+        for (i, draw) in self.drawn.places.iter().zip(self.draws()) {
             for (end, value) in draw.tried() {
+                let end = if self.spec.draws[*i].fit.is_some() { "fit".into() } else { end };
                 let outcome = built(set(self.inner.clone(), draw, value));
                 outcome.map_err(|error| self.blamed(error, draw, value, (&format!("draws[{i}]"), &end)))?;
             }
@@ -285,7 +316,10 @@ impl Sweep {
             (0, _) => format!("{place}.key"),
             (k, _) => format!("{place}.also[{}]", k - 1),
         };
-        let value = self.document.written(&key).map_or(String::new(), |(value, _)| value);
+        let value = match end {
+            "fit" => format!("{} = {value}, {} standard errors off,", draw.key, super::fit_draw::TRIED),
+            _ => self.document.written(&key).map_or(String::new(), |(value, _)| value),
+        };
         let allowed = format!("what the {} allows ({error})", self.of.key());
         self.document.explain(&Error::invalid(key, value, allowed))
     }

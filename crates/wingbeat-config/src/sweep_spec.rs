@@ -1,5 +1,6 @@
 //! What a sweep file says, and the checks of it.
 
+use super::fit_draw::DrawnNumbers;
 use super::{RunName, Summary, SweepOf, SweepSearch, VerdictLimits};
 use serde::{Deserialize, Serialize};
 use wingbeat_judge::Status;
@@ -7,6 +8,7 @@ use wingbeat_math::Error;
 use wingbeat_math::Random;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
+use wingbeat_robot::GivenNumbers;
 
 /// Most runs of a sweep.
 const MAX_RUNS: usize = 1_000_000;
@@ -77,8 +79,8 @@ pub enum Sampling {
     Grid,
 }
 
-/// One key drawn from [low, high], or from a list of values.
-#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+/// One key drawn from [low, high], or from a list of values; or the numbers of a fit.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct Draw {
@@ -104,6 +106,12 @@ pub struct Draw {
     /// Other keys that take the same value; behind a minus sign its negative: `-robot.structure.elements[0].low`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub also: Vec<String>,
+    /// Numbers of a fit in place of a range, a file that `wingbeat calibrate` wrote or its table, for a key `robot.numbers`,
+    /// `mismatch.numbers` or, of a case, `numbers`: those that it fitted are drawn together, normal, with its standard errors and correlations;
+    /// those that it held stay.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "wingbeat_robot::file_or_numbers")]
+    pub fit: Option<GivenNumbers>,
 }
 
 /// A value of a list, for the schema.
@@ -234,6 +242,11 @@ impl SweepSpec {
         let grid = self.sampling == Sampling::Grid;
         for (i, draw) in self.draws.iter().enumerate() {
             draw.check(grid).map_err(|e| e.within(&format!("draws[{i}]")))?;
+            if draw.fit.is_some() && (self.sampling != Sampling::Random || self.search.is_some()) {
+                let allowed = "none of a grid, a Latin hypercube or a search: a fit has no range to divide";
+                let error = Error::invalid(format!("draws[{i}].fit"), "given", allowed);
+                return Err(error.against(["sampling", "search"]));
+            }
         }
         match &self.search {
             Some(search) => self.check_search(search)?,
@@ -278,9 +291,9 @@ impl SweepSpec {
 
 impl SweepSpec {
     /// No two draws set the same key, items of lists by their `numbered` places, and a minus sign stands before the key of a number.
-    pub(super) fn check_keys(&self, numbered: &dyn Fn(&str) -> String) -> Result<(), Error> {
+    pub(super) fn check_keys(drawn: &DrawnNumbers, numbered: &dyn Fn(&str) -> String) -> Result<(), Error> {
         let mut seen: Vec<String> = Vec::new();
-        for (i, draw) in self.draws.iter().enumerate() {
+        for (i, draw) in drawn.places.iter().zip(&drawn.draws) {
             for (k, written) in std::iter::once(&draw.key).chain(&draw.also).enumerate() {
                 let wrong = |allowed: &str| {
                     let place = if k == 0 { "key".into() } else { format!("also[{}]", k - 1) };
@@ -388,6 +401,9 @@ impl Draw {
 
     pub(super) fn check(&self, grid: bool) -> Result<(), Error> {
         self.in_range()?;
+        if self.fit.is_some() {
+            return self.check_alone();
+        }
         if !self.values.is_empty() {
             return self.check_list();
         }
@@ -405,6 +421,22 @@ impl Draw {
             }
             None if grid => Err(Error::invalid("points", "none", "the number of values of a grid")),
             _ => Ok(()),
+        }
+    }
+
+    /// Beside a fit nothing else says what is drawn.
+    fn check_alone(&self) -> Result<(), Error> {
+        let given = [
+            ("low", self.low.is_some()),
+            ("high", self.high.is_some()),
+            ("points", self.points.is_some()),
+            ("values", !self.values.is_empty()),
+            ("start", self.start.is_some()),
+            ("also", !self.also.is_empty()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((key, _)) => Err(Error::invalid(key, "given", "none beside fit").against(["fit"])),
+            None => Ok(()),
         }
     }
 

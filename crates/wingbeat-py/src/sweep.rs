@@ -87,7 +87,7 @@ impl PySweep {
     /// Flies a candidate with its values: its row; none where `stop` was called.
     fn candidate(&self, py: Python, run: usize, values: Vec<f64>) -> PyResult<Option<Vec<f64>>> {
         self.check(run)?;
-        let draws = self.sweep.spec.draws.len();
+        let draws = self.sweep.draws().len();
         if values.len() != draws || !values.iter().all(|value| value.is_finite()) {
             let allowed = format!("{draws} finite numbers, one for each draw");
             return Err(refused(wingbeat::Error::invalid("values", format!("{values:?}"), allowed)));

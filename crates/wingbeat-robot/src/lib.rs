@@ -57,10 +57,10 @@ pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::{
-    BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
-    FittedModel, GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec, LinkageOutput,
-    PanelSpec, PinSpringSpec, RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape, StopSpec,
-    StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
+    BodySpec, BoundSpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, FitUncertainty,
+    FitVerdict, FittedModel, GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSparSpec, LinkSpec,
+    LinkageOutput, PanelSpec, PinSpringSpec, RegulatorSpec, ResidualSpec, RobotSpec, SparInWing, SparShape,
+    StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub use spec::{PHASE_RATE, counts_on_rig_alone, is_of_rig};
 #[cfg(feature = "schema")]

@@ -280,7 +280,7 @@ fn columns_of_sweeps_are_in_the_reference() {
         let path = root().join("sweeps").join(file).with_extension("toml");
         let sweep = Sweep::load(&path, &[], &|path| Err(format!("{}: no table", path.display()))).unwrap();
         let columns = sweep.columns();
-        let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
+        let drawn: Vec<String> = sweep.draws().iter().map(|draw| draw.key.clone()).collect();
         met.see(record, &columns, &drawn);
         met.all_of(record);
     }
@@ -290,7 +290,7 @@ fn columns_of_sweeps_are_in_the_reference() {
 fn columns_of_candidates_are_in_the_reference() {
     let path = root().join("sweeps/paper_turn_search.toml");
     let sweep = Sweep::load(&path, &[], &|path| Err(format!("{}: no table", path.display()))).unwrap();
-    let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
+    let drawn: Vec<String> = sweep.draws().iter().map(|draw| draw.key.clone()).collect();
     let keys: Vec<String> = sweep.spec.search.iter().flat_map(|s| &s.goals).map(|g| g.key.clone()).collect();
     let mut met = Met::default();
     met.see(CANDIDATES, &sweep.search().unwrap().columns(), &[drawn, keys].concat());

@@ -10,7 +10,7 @@ const MAPPED: [&str; 4] = ["mean_lift", "mean_thrust", "mean_power", "propulsive
 
 /// The keys that are drawn, with what their axes are called.
 pub fn labelled(sweep: &Sweep) -> Vec<(&str, String)> {
-    sweep.spec.draws.iter().map(|draw| (draw.key.as_str(), sweep.spoken(&draw.key))).collect()
+    sweep.draws().iter().map(|draw| (draw.key.as_str(), sweep.spoken(&draw.key))).collect()
 }
 
 /// Maps over the first two draws.
@@ -83,7 +83,7 @@ impl CaseSweepSummary {
             self.measures.iter().any(|of| of.least_run == Some(*run) || of.most_run == Some(*run))
         };
         for (row, run) in runs.iter().enumerate().filter(|(_, run)| named(run)) {
-            let drawn = sweep.spec.draws.iter().filter_map(|draw| {
+            let drawn = sweep.draws().iter().filter_map(|draw| {
                 let value = record.values(&draw.key)?[row];
                 let word = draw.word(value).map_or_else(|| value.to_string(), |word| word.to_string());
                 Some(format!("{} = {word}", draw.key))

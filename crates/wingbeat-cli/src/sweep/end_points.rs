@@ -34,7 +34,7 @@ fn groups(record: &Record, sweep: &Sweep) -> Vec<(String, Vec<usize>)> {
             let value = record.values(&draw.key)?[row];
             Some(draw.word(value)?.to_string().trim_matches('"').to_owned())
         };
-        let words: Vec<String> = sweep.spec.draws.iter().filter_map(word).collect();
+        let words: Vec<String> = sweep.draws().iter().filter_map(word).collect();
         let name = if words.is_empty() { "all".into() } else { words.join(", ") };
         match groups.iter_mut().find(|group| group.0 == name) {
             Some(group) => group.1.push(row),
@@ -118,7 +118,7 @@ pub fn text(groups: &[EndPointGroup]) -> String {
 /// The end points of all flights, and the published one.
 pub fn drawn(record: &Record, sweep: &Sweep) -> Result<Figure, wingbeat_figures::Error> {
     let groups = groups(record, sweep);
-    let varied = labelled(sweep).pop().filter(|_| sweep.spec.draws.len() == 1 && groups.len() == 1);
+    let varied = labelled(sweep).pop().filter(|_| sweep.draws().len() == 1 && groups.len() == 1);
     wingbeat_figures::end_points(record, &EndPoints { groups: &groups, published: published(sweep), varied })
 }
 

@@ -10,6 +10,12 @@ pub const ALTITUDE: JudgedLimit = JudgedLimit::at_most("flight.altitude_m", 2.0,
 /// is the most.
 pub const ATTITUDE: JudgedLimit =
     JudgedLimit::at_most("flight.attitude_rms_deg", 10.0, "deg", OffTarget).on("rms error of roll or pitch");
+/// Heading flown over the heading that the manoeuvre asks, from the settling time on: below 0 the robot turns to the other side, whatever its bank.
+pub const TURNED: JudgedLimit = JudgedLimit::at_least("flight.turned_fraction", 0.0, "", OffTarget)
+    .on("the robot turns to the other side than manoeuvre.yaw_rate_rad_s asks (controller.weights.rate_axes weighs the heading rate): heading flown over the heading asked");
+/// The same of a turn that is flown in part. *Choice.*
+pub const TURNED_IN_PART: JudgedLimit = JudgedLimit::warn_below("flight.turned_in_part_fraction", 0.5, "")
+    .on("the robot hardly turns (controller.weights.rate_axes weighs the heading rate that manoeuvre.yaw_rate_rad_s asks): heading flown over the heading asked");
 /// Errors of an estimator, of height, velocity, roll, pitch and rates, over what its filter expects: 1 of one that knows how well it knows.
 /// The shipped flight has .73; beyond 4 the errors are twice what it says. *Choice.*
 pub const ESTIMATE: JudgedLimit = JudgedLimit::warn_above("flight.estimate_normalised_square", 4.0, "")
@@ -145,7 +151,7 @@ pub const VERTICAL: JudgedLimit = JudgedLimit::warn_above("flight.vertical_deg",
     .on("roll, pitch and heading say nothing of a flight whose nose points straight up or down, and are left out: largest pitch");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 39] = [
+pub const ALL: [JudgedLimit; 41] = [
     FEW_RECORDS,
     RECORDS,
     ERROR_GROWN,
@@ -161,6 +167,8 @@ pub const ALL: [JudgedLimit; 39] = [
     NOT_KEPT,
     ALTITUDE,
     ATTITUDE,
+    TURNED,
+    TURNED_IN_PART,
     ESTIMATE,
     PATH,
     PLACE,

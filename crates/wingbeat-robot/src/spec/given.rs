@@ -10,6 +10,8 @@ use std::ops::{Deref, DerefMut};
 const VERDICT: &str = "verdict";
 /// The key that holds the model that was fitted.
 const MODEL: &str = "model";
+/// The key that holds how well the fit knows its numbers.
+const UNCERTAINTY: &str = "uncertainty";
 
 /// The verdict on a fit, as `wingbeat calibrate` writes it into its file of numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
@@ -46,6 +48,18 @@ pub struct FittedModel {
     /// Half span of the wing along its arc, m: tells a wing alone, which has no name, from another one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub half_span_m: Option<f64>,
+}
+
+/// How well a fit knows its numbers, as `wingbeat calibrate` writes it into its file of numbers.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FitUncertainty {
+    /// Names of the fitted numbers.
+    pub of: Vec<String>,
+    /// Their standard errors, in their units.
+    pub standard_error: Vec<f64>,
+    /// Rows of the correlations of their estimates, dimensionless.
+    pub correlation: Vec<Vec<f64>>,
 }
 
 /// Share by which half spans of one wing may differ. *Choice*: the arc begins at the shoulder or at the middle of the body.
@@ -86,12 +100,14 @@ pub struct GivenNumbers {
     pub verdict: Option<FitVerdict>,
     /// The model that was fitted; none of numbers that are written by hand, and of older files.
     pub model: Option<FittedModel>,
+    /// How well the fit knows them; none of numbers that are written by hand, and of older files.
+    pub uncertainty: Option<FitUncertainty>,
 }
 
 impl GivenNumbers {
-    /// True without numbers, verdict and model.
+    /// True without numbers and anything on their fit.
     pub fn is_silent(&self) -> bool {
-        self.numbers.is_empty() && self.verdict.is_none() && self.model.is_none()
+        *self == Self::default()
     }
 }
 
@@ -127,6 +143,9 @@ impl Serialize for GivenNumbers {
         if let Some(model) = &self.model {
             map.serialize_entry(MODEL, model)?;
         }
+        if let Some(uncertainty) = &self.uncertainty {
+            map.serialize_entry(UNCERTAINTY, uncertainty)?;
+        }
         map.end()
     }
 }
@@ -153,6 +172,8 @@ impl<'de> Visitor<'de> for Names {
                 given.verdict = Some(map.next_value()?);
             } else if name == MODEL {
                 given.model = Some(map.next_value()?);
+            } else if name == UNCERTAINTY {
+                given.uncertainty = Some(map.next_value()?);
             } else if given.numbers.insert(name.clone(), map.next_value()?).is_some() {
                 return Err(de::Error::custom(format!("{name} once")));
             }

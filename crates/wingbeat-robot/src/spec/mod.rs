@@ -15,7 +15,7 @@ mod wing;
 pub use bound::BoundSpec;
 pub use clearance::{CapsuleSpec, ClearanceSpec};
 pub use gait::{GaitSpec, PinSpringSpec};
-pub use given::{FitVerdict, FittedModel, GivenNumbers};
+pub use given::{FitUncertainty, FitVerdict, FittedModel, GivenNumbers};
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
 pub use residual::ResidualSpec;
 pub use spar::{LinkSparSpec, SparInWing, SparShape};
@@ -123,7 +123,8 @@ pub fn numbers_table(generator: &mut schemars::SchemaGenerator) -> schemars::Sch
         "type": "object",
         "properties": {
             "verdict": generator.subschema_for::<FitVerdict>(),
-            "model": generator.subschema_for::<FittedModel>()
+            "model": generator.subschema_for::<FittedModel>(),
+            "uncertainty": generator.subschema_for::<FitUncertainty>()
         },
         "additionalProperties": { "type": "number" }
     })

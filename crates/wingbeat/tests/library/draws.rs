@@ -9,7 +9,7 @@ fn sweep() -> Sweep {
 }
 
 fn ends(sweep: &Sweep, k: usize) -> [f64; 2] {
-    let draw = &sweep.spec.draws[k];
+    let draw = &sweep.draws()[k];
     [draw.low, draw.high].map(|end| end.unwrap_or(f64::NAN))
 }
 
@@ -136,7 +136,7 @@ fn draws_lie_in_their_ranges_and_belong_to_their_flight() {
     for run in 0..50 {
         for (k, value) in sweep.values(run).into_iter().enumerate() {
             let [low, high] = ends(&sweep, k);
-            assert!((low..=high).contains(&value), "{} = {value}", sweep.spec.draws[k].key);
+            assert!((low..=high).contains(&value), "{} = {value}", sweep.draws()[k].key);
         }
     }
     assert_eq!(sweep.values(41), later);
@@ -195,4 +195,78 @@ fn files_that_overrides_of_a_sweep_name_lie_beside_it() {
     );
     assert!(!told.contains("--set"), "{told}");
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A sweep of a case that draws a fit of two numbers and a held one.
+fn of_fit(uncertainty: &str, more: &str) -> Result<Sweep, String> {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+    let text = format!(
+        "name = \"fit\"\nruns = 4000\nseed = 2\n{more}\n[[draws]]\nkey = \"wind.speed_m_s\"\nlow = 1.0\nhigh = 2.0\n\
+         [[draws]]\nkey = \"numbers\"\n[draws.fit]\n\"surfaces.wing.cd90\" = 1.9\n\"surfaces.wing.cd0\" = 0.06\n\
+         \"surfaces.wing.added_mass_scale\" = 0.9\n{uncertainty}\n"
+    );
+    let document = Document::text("fit", &text).unwrap();
+    let document = document.put("case", Document::file(&case).unwrap()).unwrap();
+    Sweep::new(document, NO_TABLES).map_err(|error| error.to_string())
+}
+
+const UNCERTAINTY: &str = "uncertainty = { of = [\"surfaces.wing.cd0\", \"surfaces.wing.added_mass_scale\"], \
+     standard_error = [0.01, 0.05], correlation = [[1.0, -0.8], [-0.8, 1.0]] }";
+
+#[test]
+fn a_fit_is_drawn_with_its_errors_and_correlations() {
+    let sweep = of_fit(UNCERTAINTY, "").unwrap_or_else(|e| panic!("{e}"));
+    let keys: Vec<&str> = sweep.draws().iter().map(|draw| draw.key.as_str()).collect();
+    let of =
+        ["wind.speed_m_s", "numbers.\"surfaces.wing.cd0\"", "numbers.\"surfaces.wing.added_mass_scale\""];
+    assert_eq!(keys, of);
+    let drawn: Vec<Vec<f64>> = (0..sweep.runs()).map(|run| sweep.values(run)).collect();
+    let mean = |of: &dyn Fn(&[f64]) -> f64| drawn.iter().map(|x| of(x)).sum::<f64>() / drawn.len() as f64;
+    let by = |k: usize, (value, error): (f64, f64)| move |x: &[f64]| (x[k] - value) / error;
+    let (drag, mass) = (by(1, (0.06, 0.01)), by(2, (0.9, 0.05)));
+    // Deviations of a mean of 4000 are 0.016, of a variance 0.022.
+    assert!(mean(&drag).abs() < 0.06 && mean(&mass).abs() < 0.06);
+    assert!(
+        (mean(&|x| drag(x).powi(2)) - 1.0).abs() < 0.09 && (mean(&|x| mass(x).powi(2)) - 1.0).abs() < 0.09
+    );
+    assert!((mean(&|x| drag(x) * mass(x)) + 0.8).abs() < 0.08);
+    assert_eq!(sweep.values(17), sweep.values(17));
+    // A run has what was drawn, and what the fit held.
+    let case = sweep.case(5, NO_TABLES).unwrap();
+    let given = |name: &str| case.spec.numbers.get(name).copied();
+    let values = sweep.values(5);
+    assert_eq!(given("surfaces.wing.cd0"), Some(values[1]));
+    assert_eq!(given("surfaces.wing.added_mass_scale"), Some(values[2]));
+    assert_eq!(given("surfaces.wing.cd90"), Some(1.9));
+    // The sweep as it is kept draws the same.
+    let kept = sweep.kept(NO_TABLES, |path| path.display().to_string()).unwrap();
+    let again = Sweep::new(Document::text("kept", &kept).unwrap(), NO_TABLES).unwrap();
+    assert_eq!(again.values(5), values);
+}
+
+#[test]
+fn a_fit_that_cannot_be_drawn_is_refused() {
+    let of = |uncertainty: &str, more: &str| of_fit(uncertainty, more).expect_err("refused");
+    let refused = [
+        (of("", ""), "draws[1].fit.uncertainty"),
+        (of(&UNCERTAINTY.replace("0.01,", "-0.01,"), ""), "standard_error[0] = -0.01"),
+        (of(&UNCERTAINTY.replace("[0.01, ", "[0.01, 0.1, "), ""), "as many of standard_error"),
+        (of(&UNCERTAINTY.replace("-0.8]", "0.8]"), ""), "the same both ways"),
+        (of(&UNCERTAINTY.replace("-0.8", "-1.8"), ""), "no eigenvalue below 0"),
+        (of(&UNCERTAINTY.replace("[0.01, ", "[0.2, "), ""), "2 standard errors off"),
+        (of(&UNCERTAINTY.replace("wing.cd0", "wing.cd00"), ""), "names of numbers that the fit gives"),
+        (of(UNCERTAINTY, "sampling = \"latin_hypercube\""), "a fit has no range to divide"),
+        (
+            of(
+                &format!(
+                    "{UNCERTAINTY}\n[[draws]]\nkey = \"numbers.\\\"surfaces.wing.cd0\\\"\"\nlow = 0.1\nhigh = 0.2"
+                ),
+                "",
+            ),
+            "a key that is drawn once",
+        ),
+    ];
+    for (message, part) in refused {
+        assert!(message.contains(part), "{part}: {message}");
+    }
 }
