@@ -254,87 +254,85 @@ impl JudgedFlight<'_> {
 
     /// Holds the flight against the range in which its model, its fit and its steps are good.
     fn model(&self, judge: &mut Judge) {
-        plausible::hold(judge, self.context.robot);
-        judge.hold_if(&linkage::CRANK_RATE, self.crank_rate_fraction());
-        for limit in [&range::COMPRESSED, &range::MACH] {
-            judge.hold(limit, self.largest_airspeed() / range::SOUND_M_S);
-        }
-        if let Some([chordwise, spanwise]) = self.context.panels {
-            judge.hold(&wake::ALONG, chordwise as f64);
-            judge.hold(&wake::FEW_ALONG, chordwise as f64);
-            judge.hold(&wake::ACROSS, spanwise as f64);
-            judge.hold(&wake::FEW_OF_FLIGHT, spanwise as f64);
-            judge.hold_if(&wake::INFLOW, self.summary.lattice.map(|lattice| lattice.inflow_fraction));
-        }
+        let (summary, robot) = (self.summary, self.context.robot);
+        plausible::hold(judge, robot);
+        self.speed_and_panels(judge);
         if let Some(crossing) = self.crossing {
             crossing.hold(judge);
         }
-        if let Some(beyond) = self.summary.beyond_residual_fraction {
-            judge.hold(&flight::LEAVES_RESIDUAL, beyond);
-            judge.hold(&flight::BEYOND_RESIDUAL, beyond);
+        self.fit_and_steps(judge);
+        // A perch turns the robot that hits it.
+        let alone = self.context.perch.is_none();
+        judge.hold_each(&[
+            (&[&flight::VERTICAL], self.steepest_deg()),
+            (&[&flight::GROUND], summary.ground_distance_m),
+            (&[&flight::MOMENTUM], summary.angular_momentum_change_kg_m2_s.filter(|_| alone)),
+        ]);
+        summary.membrane.iter().for_each(|membrane| membrane.judge(judge));
+        summary.flap.iter().for_each(|flap| flap.judge(judge));
+        summary.spar.iter().for_each(|spar| spar.judge(judge));
+        summary.pin_springs.iter().for_each(|pins| pins.judge(judge));
+        self.power_and_turbulence(judge);
+        let Some(means) = self.context.means else { return };
+        judge.hold(&range::REVERSED, means.reversed_fraction);
+        if robot.density() > 0.0 {
+            stall::hold(judge, &means.stalled, "aero.law");
         }
-        if let Some(error) = self.context.step_error_m {
-            judge.hold(&flight::STEP_ERROR, error);
-            judge.hold(&flight::STEPS_LOST, error);
-            judge.hold_if(&flight::STEPS_ASKED, self.context.asked_error_m.map(|asked| error / asked));
+        // No law of wings carries what hangs from a perch or from its thrusters, or flies where there is no air.
+        // Of less than a cycle the shares are those of how it starts.
+        let flies = self.is_carried_by_air() && robot.thrusters().is_empty();
+        if flies && self.weight_carried().is_some() {
+            judge.hold(&range::REVERSED_OUTSIDE, means.reversed_fraction);
+            judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
+            judge.hold_if(&flight::IDEAL, self.ideal_power_fraction());
         }
-        let grown = self.context.grown_error_m.zip(self.context.asked_error_m);
-        judge.hold_if(&flight::ERROR_GROWN, grown.map(|(grown, asked)| grown / asked));
+    }
+
+    fn speed_and_panels(&self, judge: &mut Judge) {
+        let panels = self.context.panels.map(|panels| panels.map(|count| count as f64));
+        let lattice = self.summary.lattice.filter(|_| panels.is_some());
+        let mach = self.largest_airspeed() / range::SOUND_M_S;
+        judge.hold_each(&[
+            (&[&linkage::CRANK_RATE], self.crank_rate_fraction()),
+            (&[&range::COMPRESSED, &range::MACH], Some(mach)),
+            (&[&wake::ALONG, &wake::FEW_ALONG], panels.map(|[along, _]| along)),
+            (&[&wake::ACROSS, &wake::FEW_OF_FLIGHT], panels.map(|[_, across]| across)),
+            (&[&wake::INFLOW], lattice.map(|lattice| lattice.inflow_fraction)),
+        ]);
+    }
+
+    fn fit_and_steps(&self, judge: &mut Judge) {
+        let (error, grown) = (self.context.step_error_m, self.context.grown_error_m);
+        let over_asked = |error: Option<f64>| Some(error? / self.context.asked_error_m?);
+        let beyond = self.summary.beyond_residual_fraction;
+        judge.hold_each(&[
+            (&[&flight::LEAVES_RESIDUAL, &flight::BEYOND_RESIDUAL], beyond),
+            (&[&flight::STEP_ERROR, &flight::STEPS_LOST], error),
+            (&[&flight::STEPS_ASKED], over_asked(error)),
+            (&[&flight::ERROR_GROWN], over_asked(grown)),
+        ]);
         if let Some(records) = self.records_per_cycle()
             && judge.hold(&flight::RECORDS, records)
         {
             judge.hold(&flight::FEW_RECORDS, records);
         }
-        judge.hold_if(&flight::VERTICAL, self.steepest_deg());
-        judge.hold_if(&flight::GROUND, self.summary.ground_distance_m);
-        // A perch turns the robot that hits it.
-        let alone = self.context.perch.is_none();
-        judge.hold_if(&flight::MOMENTUM, self.summary.angular_momentum_change_kg_m2_s.filter(|_| alone));
-        if let Some(membrane) = self.summary.membrane {
-            membrane.judge(judge);
-        }
-        if let Some(flap) = self.summary.flap {
-            flap.judge(judge);
-        }
-        if let Some(spar) = self.summary.spar {
-            spar.judge(judge);
-        }
-        if let Some(pins) = self.summary.pin_springs {
-            pins.judge(judge);
-        }
-        judge.hold_if(&trim::PEAK, self.peak_power().map(|power| power / self.context.robot.mass()));
-        if self.flight.duration >= LONG_ENOUGH {
-            for limit in [&trim::POWER, &trim::HIGH_POWER] {
-                judge.hold_if(limit, self.summary.cost.positive_power_w_kg);
-            }
-        }
-        if let Some(turbulence) = &self.context.turbulence {
-            let most = turbulence.deviation.into_iter().fold(0.0, f64::max);
-            for limit in [&flight::TURBULENCE, &flight::TURBULENCE_STRONG] {
-                judge.hold(limit, most / turbulence.airspeed);
-            }
-            let of = turbulence.airspeed;
-            let airspeed = mean_velocity(self.record, 0, self.context.wind);
-            let apart = airspeed.map(|(speed, _)| (speed / of).max(of / speed) - 1.0);
-            for limit in [&flight::TURBULENCE_SPEED, &flight::TURBULENCE_ELSEWHERE] {
-                judge.hold_if(limit, apart);
-            }
-        }
-        judge.hold_if(&flight::AVERAGED, self.cycles.map(|cycles| cycles + ROUNDING));
-        if let Some(means) = self.context.means {
-            judge.hold(&range::REVERSED, means.reversed_fraction);
-            if self.context.robot.density() > 0.0 {
-                stall::hold(judge, &means.stalled, "aero.law");
-            }
-            // No law of wings carries what hangs from a perch or from its thrusters, or flies where there is no air.
-            // Of less than a cycle the shares are those of how it starts.
-            let flies = self.is_carried_by_air() && self.context.robot.thrusters().is_empty();
-            if flies && self.weight_carried().is_some() {
-                judge.hold(&range::REVERSED_OUTSIDE, means.reversed_fraction);
-                judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
-                judge.hold_if(&flight::IDEAL, self.ideal_power_fraction());
-            }
-        }
+    }
+
+    fn power_and_turbulence(&self, judge: &mut Judge) {
+        let long = self.flight.duration >= LONG_ENOUGH;
+        let turbulence = self.context.turbulence;
+        let deviation = turbulence.map(|air| air.deviation.into_iter().fold(0.0, f64::max) / air.airspeed);
+        let apart = turbulence.map(|air| air.airspeed).and_then(|of| {
+            let (speed, _) = mean_velocity(self.record, 0, self.context.wind)?;
+            Some((speed / of).max(of / speed) - 1.0)
+        });
+        judge.hold_each(&[
+            (&[&trim::PEAK], self.peak_power().map(|power| power / self.context.robot.mass())),
+            (&[&trim::POWER, &trim::HIGH_POWER], self.summary.cost.positive_power_w_kg.filter(|_| long)),
+            (&[&flight::TURBULENCE, &flight::TURBULENCE_STRONG], deviation),
+            (&[&flight::TURBULENCE_SPEED, &flight::TURBULENCE_ELSEWHERE], apart),
+            (&[&flight::AVERAGED], self.cycles.map(|cycles| cycles + ROUNDING)),
+        ]);
     }
 
     /// Least power of the disc that the surfaces reach over what the air gets of joints and of height, of at least two whole cycles that count. A kinetic

@@ -11,8 +11,7 @@ pub use crate::document::tree::{path, steps};
 #[cfg(feature = "schema")]
 pub use crate::schema::plain;
 pub use crate::sound::rows;
-pub use crate::tether::change;
-pub use crate::tether_converge::{ladder, observed_order};
+pub use crate::tether::{change, ladder, observed_order};
 pub use crate::trim::alone::balance::least;
 pub use crate::trim::alone::guess::Size;
 pub use crate::trim::alone::{RobotTrim, STALLED};

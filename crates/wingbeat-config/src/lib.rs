@@ -66,9 +66,6 @@ mod sweep_row;
 mod sweep_spec;
 mod sweep_verdict;
 mod tether;
-mod tether_compare;
-mod tether_converge;
-mod tether_spec;
 mod told_errors;
 mod trim;
 mod turned;
@@ -127,12 +124,11 @@ pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use sweep_verdict::SweepCounts;
-pub use tether::{SparSummary, StepChange, TetherCase, TetherSummary};
-pub use tether_compare::{CompareSpec, Compared, MeasuredComparison, mended_in_compare};
-pub use tether_converge::{Convergence, ConvergenceCell, ConvergenceRun, Levels, QUANTITIES, QuantitySpread};
-pub use tether_spec::{
-    ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
-    TetheredBodySpec, TetheredWingSpec, WindSpec,
+pub use tether::{
+    ClockSpec, CompareSpec, Compared, Convergence, ConvergenceCell, ConvergenceRun, CoordinateSpec,
+    FourierSpec, HingeSpec, Levels, MeasuredComparison, QUANTITIES, QuantitySpread, ReadTable, ReferenceSpec,
+    SparSummary, StepChange, TetherCase, TetherSpec, TetherSummary, TetheredBodySpec, TetheredWingSpec,
+    WindSpec, mended_in_compare,
 };
 pub use trim::{
     AloneSummary, Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, RobotTrim, SearchProgress,

@@ -146,6 +146,13 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// The same of each value of a table, against all its limits.
+    pub fn hold_each(&mut self, table: &[(&[&'static JudgedLimit], Option<f64>)]) {
+        for (limits, value) in table {
+            limits.iter().for_each(|limit| self.hold_if(limit, *value));
+        }
+    }
+
     /// Holds `value`, in the unit of the limit, against `bound`, which the document's task states; `limit` says the rest.
     pub fn hold_to(&mut self, limit: &'static JudgedLimit, bound: f64, value: f64) -> bool {
         self.take(limit, (bound, false), value, "")

@@ -5,11 +5,9 @@ mod rest;
 use std::time::Instant;
 
 use serde::Serialize;
-use wingbeat::judge::data::{
-    self, Finding, MeasuredChannel, Purpose, Series, SpectralLine, examined, find_frequency,
-};
-use wingbeat::judge::limits::data::{CYCLES_LOST, FEW_CYCLES_LOST, LINE, LOST, OF_LINE};
-use wingbeat::judge::{Judge, RunLimits, Status, Verdict, Warning};
+use wingbeat::judge::data::{AveragedFile, MeasuredChannel, SpectralLine, find_frequency, not_finite};
+use wingbeat::judge::limits::data::LINE;
+use wingbeat::judge::{RunLimits, Verdict};
 use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_figures::DEVIATION;
@@ -44,15 +42,17 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     let folder = RunFolder::create(arguments.out.as_deref(), &name, arguments.force)?;
     let bar = progress::bar(Some(2), "averaging {bar:30} {pos} of {len} steps", arguments.quiet);
     let limits = RunLimits::default();
-    let told = match arguments.frequency {
-        Some(frequency) => FrequencySource::Given(frequency),
-        None => FrequencySource::Found(find_frequency(&plain.time, &channels(&plain), limits.of(&LINE).0)),
+    let line = match arguments.frequency {
+        Some(_) => None,
+        None => Some(find_frequency(&plain.time, &channels(&plain), limits.of(&LINE).0)),
     };
+    let frequency = arguments.frequency.or(line.and_then(|line| line.frequency));
     bar.set_position(1);
     interrupt.check()?;
-    let averages = told.frequency().map(|f| averages(arguments, &plain, f)).transpose()?;
+    let averages = frequency.map(|f| averages(arguments, &plain, f)).transpose()?;
     let averages = averages.filter(|averages| !averages.is_empty());
-    let summary = AverageSummary::of(arguments, &plain, (&told, rest), averages.as_deref(), &limits);
+    let summary =
+        AverageSummary::of(arguments, &plain, (frequency, line, rest), averages.as_deref(), &limits);
     bar.finish_and_clear();
     folder.write_json("summary.json", &summary)?;
     if let Some(averages) = &averages {
@@ -116,38 +116,15 @@ fn leave_out_counters(plain: &mut Plain) {
 }
 
 fn channels(plain: &Plain) -> Vec<MeasuredChannel<'_>> {
-    plain.channels.iter().map(|column| channel(column, &column.values)).collect()
+    plain.channels.iter().map(channel).collect()
 }
 
-fn channel<'a>(column: &'a Column, samples: &'a [f64]) -> MeasuredChannel<'a> {
-    MeasuredChannel { name: &column.name, unit: &column.unit, samples }
-}
-
-/// Where the frequency comes from.
-enum FrequencySource {
-    /// The command line, Hz.
-    Given(f64),
-    /// The data.
-    Found(SpectralLine),
-}
-
-impl FrequencySource {
-    fn frequency(&self) -> Option<f64> {
-        match self {
-            Self::Given(frequency) => Some(*frequency),
-            Self::Found(line) => line.frequency,
-        }
-    }
+fn channel(column: &Column) -> MeasuredChannel<'_> {
+    MeasuredChannel { name: &column.name, unit: &column.unit, samples: &column.values }
 }
 
 /// A channel and its average.
 type Of<'a> = (&'a Column, CycleAverage);
-
-/// What is wrong with a channel that has values that are no numbers, beside the samples that are missing.
-fn not_finite(arguments: &Average, plain: &Plain, column: &Column) -> Option<Finding> {
-    let file = arguments.file.display().to_string();
-    data::not_finite(&file, &channel(column, &column.values), plain.missing)
-}
 
 /// Every channel by the phase, which is 0 at the time 0; none of a channel that is no number in every cycle.
 fn averages<'a>(arguments: &Average, plain: &'a Plain, frequency: f64) -> Result<Vec<Of<'a>>, Error> {
@@ -165,12 +142,14 @@ fn averages<'a>(arguments: &Average, plain: &'a Plain, frequency: f64) -> Result
             arguments.file.display()
         ))
     };
+    let file = arguments.file.display().to_string();
+    let broken = |column| not_finite(&file, &channel(column), plain.missing).is_some();
     let phase = phase_of(PhaseSource::Frequency, &plain.time, Vec::new(), &[], frequency).map_err(refused)?;
     let mut averages = Vec::new();
     for column in &plain.channels {
         match phase_average(&phase, &column.values, arguments.bins).map_err(refused) {
             Ok(average) => averages.push((column, average)),
-            Err(_) if not_finite(arguments, plain, column).is_some() => {}
+            Err(_) if broken(column) => {}
             Err(error) => return Err(error),
         }
     }
@@ -271,33 +250,40 @@ impl AverageSummary {
     fn of(
         arguments: &Average,
         plain: &Plain,
-        (told, rest): (&FrequencySource, Option<RestSummary>),
+        (frequency, line, rest): (Option<f64>, Option<SpectralLine>, Option<RestSummary>),
         averages: Option<&[Of]>,
         limits: &RunLimits,
     ) -> Self {
-        let line = match told {
-            FrequencySource::Found(line) => Some(line),
-            FrequencySource::Given(_) => None,
+        let left_out = |(_, of): &Of| of.left_out as f64 / (of.cycles + of.left_out) as f64;
+        let averages = averages.unwrap_or_default();
+        let file = arguments.file.display().to_string();
+        let averaged = AveragedFile {
+            file: &file,
+            time: &plain.time,
+            channels: channels(plain),
+            missing: plain.missing,
+            rate: plain.rate,
+            other_rate: plain.other_rate,
+            frequency,
+            line,
+            rest_scatter: rest.as_ref().map(|rest| rest.scatter_fraction),
+            left_out: averages.iter().map(left_out).reduce(f64::max),
         };
+        let verdict = averaged.verdict(limits);
         let span = plain.time.last().unwrap_or(&0.0) - plain.time.first().unwrap_or(&0.0);
         Self {
-            file: arguments.file.display().to_string(),
+            file,
             samples: plain.time.len(),
             missing: plain.missing,
             duplicates: plain.duplicates,
             rate_hz: plain.rate,
             duration_s: span,
-            frequency_hz: told.frequency(),
+            frequency_hz: frequency,
             frequency_error_hz: line.and_then(|line| line.frequency.map(|_| line.error)),
             frequency_from: if line.is_some() { "data" } else { "given" },
             strongest_line_hz: line.and_then(|line| line.frequency.map(|_| line.strongest)),
-            channels: averages
-                .iter()
-                .copied()
-                .flatten()
-                .map(|(c, average)| ChannelAverage::of(c, average))
-                .collect(),
-            verdict: verdict(arguments, plain, (told, rest.as_ref()), averages.unwrap_or_default(), limits),
+            channels: averages.iter().map(|(c, average)| ChannelAverage::of(c, average)).collect(),
+            verdict,
             rest,
         }
     }
@@ -327,100 +313,4 @@ impl AverageSummary {
         }
         text
     }
-}
-
-/// Samples of a period of the strongest line below which its frequency may be another one. *Choice.*
-const FEWEST: f64 = 4.0;
-
-/// What the samples say of themselves. Those that are missing are gaps.
-fn verdict(
-    arguments: &Average,
-    plain: &Plain,
-    (told, rest): (&FrequencySource, Option<&RestSummary>),
-    averages: &[Of],
-    limits: &RunLimits,
-) -> Verdict {
-    let mut judge = Judge::new(limits);
-    let of_rows = "(by the times of the file; --rate HZ takes the rows at even steps instead)";
-    let left_out = |(_, of): &Of| of.left_out as f64 / (of.cycles + of.left_out) as f64;
-    if let Some(share) = averages.iter().map(left_out).reduce(f64::max).filter(|_| plain.missing > 0) {
-        judge.hold_about(&CYCLES_LOST, share, of_rows);
-        judge.hold_about(&FEW_CYCLES_LOST, share, of_rows);
-    }
-    if let Some(rest) = rest {
-        rest.judge(&mut judge);
-    }
-    if let FrequencySource::Found(line) = told {
-        judge.hold(&LINE, line.over_noise);
-    }
-    if let FrequencySource::Found(SpectralLine { frequency: None, over_noise, .. }) = told {
-        let text = format!(
-            "{}: no channel has a load that repeats: noise, or less than four cycles; give the frequency with \
-             --frequency HZ if you know it",
-            arguments.file.display()
-        );
-        judge.warn(Warning::new("data.noise", text).size(*over_noise));
-        let lines = "lines stand above the noise, but no channel repeats at one frequency: too short a file, a frequency that \
-                     changes, or a jump of phase";
-        if *over_noise >= limits.of(&LINE).0 {
-            judge.find(Status::NotFound, lines);
-        }
-    }
-    if let FrequencySource::Found(SpectralLine { frequency: Some(_), strongest, .. }) = told
-        && plain.rate < FEWEST * strongest
-    {
-        let size = plain.rate / strongest;
-        let text = format!(
-            "{size:.2} samples a period of the strongest line: at {:.6} Hz a frequency of {:.6} Hz looks the same; sample faster, or \
-             give --frequency HZ",
-            plain.rate,
-            plain.rate - strongest
-        );
-        judge.warn(Warning::new("data.aliased", text).size(size).key("--frequency"));
-        judge.hold(&OF_LINE, size);
-    }
-    if let Some(own) = plain.other_rate {
-        let text = format!(
-            "--rate {} was followed; by its own times {} has {own:.6} Hz",
-            plain.rate,
-            arguments.file.display()
-        );
-        judge.warn(Warning::new("data.rate", text).size(own).key("--rate"));
-    }
-    let (broken, all): (Vec<&Column>, Vec<&Column>) =
-        plain.channels.iter().partition(|column| not_finite(arguments, plain, column).is_some());
-    for finding in broken.iter().filter_map(|column| not_finite(arguments, plain, column)) {
-        finding.put(&mut judge);
-    }
-    // Without a frequency there is no cycle to judge by.
-    let Some(frequency) = told.frequency() else { return judge.verdict() };
-    let whole: Vec<usize> = (0..plain.time.len())
-        .filter(|row| all.iter().all(|channel| channel.values[*row].is_finite()))
-        .collect();
-    let phase: Vec<f64> = whole.iter().map(|row| frequency * plain.time[*row]).collect();
-    let kept = |column: &Column| whole.iter().map(|row| column.values[*row]).collect::<Vec<f64>>();
-    let kept: Vec<Vec<f64>> = all.iter().map(|column| kept(column)).collect();
-    let series = Series {
-        what: &arguments.file.display().to_string(),
-        phase: &phase,
-        frequency_hz: Some(frequency),
-        channels: all.iter().zip(&kept).map(|(column, samples)| channel(column, samples)).collect(),
-        purpose: Purpose::Loads,
-    };
-    let found = examined(&series, limits);
-    if plain.missing > 0 && !found.iter().any(|finding| finding.limit.id == LOST.id) {
-        let is_missing = |row: &usize| plain.channels.iter().all(|channel| !channel.values[*row].is_finite());
-        let missing = (0..plain.time.len()).filter(is_missing).count();
-        judge.hold_about(&LOST, missing as f64 / plain.time.len() as f64, of_rows);
-    }
-    let none = found.iter().find(|finding| !finding.serious && finding.has_no_mean_cycle(limits));
-    if let Some(finding) = none {
-        let why = "leave a rest at the start out by --rest SECONDS";
-        judge.find(Status::NotPeriodic, format!("{}; {why}", finding.words()));
-    }
-    for finding in found {
-        let key = (finding.id == "data.frequency").then(|| "--frequency".to_owned());
-        finding.mended_by(key).put(&mut judge);
-    }
-    judge.verdict()
 }

@@ -2,9 +2,7 @@
 
 use serde::Serialize;
 use wingbeat::judge::data::{mean, rest_scatter};
-use wingbeat::judge::limits::data::REST;
 use wingbeat::judge::unit::is_load;
-use wingbeat::judge::{Judge, Status};
 use wingbeat_io::samples::Plain;
 
 use crate::error::Error;
@@ -29,7 +27,7 @@ pub struct RestSummary {
     /// How long it lasts, s.
     duration_s: f64,
     /// Scatter in the quarter of the rest where it is largest over that of what follows, in the channel of a load where that is least.
-    scatter_fraction: f64,
+    pub scatter_fraction: f64,
     /// What each channel reads.
     channels: Vec<RestReading>,
 }
@@ -70,20 +68,6 @@ impl RestSummary {
         }
         plain.time.drain(..count);
         Ok(Self { duration_s: seconds, scatter_fraction, channels })
-    }
-
-    /// A channel that is quiet at rest tells whether it was one: others may be noise throughout.
-    pub fn judge(&self, judge: &mut Judge) {
-        if self.scatter_fraction.is_infinite() {
-            let text = "no load changes behind the rest that --rest takes: nothing was measured, or the column is another one";
-            judge.find(Status::SuspectData, text);
-            return;
-        }
-        judge.hold_about(
-            &REST,
-            self.scatter_fraction,
-            "(the wings move there, or the loads are noise; --rest)",
-        );
     }
 
     /// The readings in a line.

@@ -3,11 +3,10 @@
 use super::gait_record::{Replay, beside, cycle_mean, means, stalled};
 use super::{CHECK_STEPS, PlanNodes, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::summary::PartClearance;
-use crate::tether_spec::{
-    ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
-    WindSpec,
+use crate::{
+    ClockSpec, CompareSpec, CoordinateSpec, HingeSpec, ReferenceSpec, Scenario, TableSpec, TetherSpec,
+    TetheredBodySpec, TetheredWingSpec, WindSpec, stall, written,
 };
-use crate::{CompareSpec, Scenario, TableSpec, stall, written};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;

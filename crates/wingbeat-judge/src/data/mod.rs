@@ -22,6 +22,7 @@
 //! assert!(verdict.warnings[0].text.contains("5.17"), "{}", verdict.warnings[0].text);
 //! ```
 
+mod averaged;
 mod backwards;
 mod cycle;
 mod ends;
@@ -41,6 +42,7 @@ mod strokes;
 mod time;
 mod values;
 
+pub use averaged::AveragedFile;
 pub use finding::Finding;
 pub use frequency::{Frequency, estimate};
 pub use lines::{SpectralLine, find_frequency};

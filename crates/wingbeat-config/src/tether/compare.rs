@@ -1,6 +1,7 @@
 //! The loads of a case beside a measured file.
 
-use super::{ConfigError, TableBy, TetherCase};
+use super::TetherCase;
+use crate::{ConfigError, TableBy};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;

@@ -1,9 +1,10 @@
 //! What a case file of a tethered wing says.
 
-use super::motion_table::TableSpec;
-use super::spar_spec::SparSpec;
-use super::verdict_limits::VerdictLimits;
-use super::{AeroSpec, CompareSpec, RunName};
+use super::CompareSpec;
+use crate::motion_table::TableSpec;
+use crate::spar_spec::SparSpec;
+use crate::verdict_limits::VerdictLimits;
+use crate::{AeroSpec, RunName};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use wingbeat_aero::{CD0, CD90, DENSITY, FlapSpec, Gap, MembraneSpec, PlanformStation, SectionSpec};

@@ -1,7 +1,8 @@
 //! How much the numbers of a case depend on its strips, steps and elements of its spar.
 
-use super::tether::STEP_CHANGE;
-use super::{ConfigError, Document, ReadTable, TetherCase};
+use super::steps::STEP_CHANGE;
+use super::{ReadTable, TetherCase};
+use crate::{ConfigError, Document};
 use serde::Serialize;
 use std::ops::ControlFlow;
 use wingbeat_aero::{MAX_STRIPS, Preset};
