@@ -184,6 +184,13 @@ impl<P: Scalar> Aero<P> {
             Self::Strip(model) => model.widths(),
         }
     }
+    /// Chord of strip `i`, m.
+    pub fn chord(&self, i: usize) -> P {
+        match self {
+            Self::LiftingLine(line) => line.chord(i),
+            Self::Strip(model) => model.chords()[i],
+        }
+    }
     /// What [`Loads::circulation`] holds: three lags make no bound circulation.
     pub fn circulation(&self) -> Circulation {
         match self {

@@ -1,5 +1,6 @@
 //! The verdict on a flight: its goal, the limits of the task without one, and what a reader must know.
 
+use super::measure::speed;
 use super::moved::fraction_of;
 use super::plausible;
 use super::spec::GoalSpec;
@@ -168,7 +169,7 @@ impl JudgedFlight<'_> {
             }
             return;
         }
-        let height = summary.height_max_error_m.filter(|_| summary.path.is_none());
+        let height = summary.height_max_error_m;
         judge.hold_if(&flight::ALTITUDE, height);
         if self.tracks_attitude() && goal.is_none() {
             judge.hold_if(&flight::ATTITUDE, summary.roll_rms_error_deg);
@@ -202,8 +203,13 @@ impl JudgedFlight<'_> {
             None => {}
         }
         judge.hold_if(&flight::PATH, summary.path.as_ref().map(|path| path.cross_max_m));
+        judge.hold_if(&flight::ALONG, summary.path.as_ref().map(|path| path.along_max_m));
+        // A landing and a dive have speeds of their own.
+        if summary.perch.is_none() && summary.dive.is_none() {
+            judge.hold_if(&flight::SPEED, summary.measured.get(speed::FRACTION));
+        }
         judge.hold_if(&flight::PLACE, summary.hover.as_ref().map(|hover| hover.place_rms_m));
-        let has_height = height.is_some() || summary.path.is_some() || summary.hover.is_some();
+        let has_height = height.is_some() || summary.hover.is_some();
         let asks_height = goal.is_some_and(|goal| goal.altitude_within_m.is_some());
         if !has_height && !asks_height {
             judge.hold_if(&flight::PATH_ANGLE, self.path_angle());
@@ -275,6 +281,7 @@ impl JudgedFlight<'_> {
         self.power_and_turbulence(judge);
         let Some(means) = self.context.means else { return };
         judge.hold(&range::REVERSED, means.reversed_fraction);
+        judge.hold_if(&range::VISCOUS, means.reynolds);
         if robot.density() > 0.0 {
             stall::hold(judge, &means.stalled, "aero.law");
         }

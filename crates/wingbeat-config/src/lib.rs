@@ -17,6 +17,7 @@ mod finer;
 mod fit;
 mod fit_draw;
 mod flight_verdict;
+mod flow_past;
 mod followed;
 mod governed;
 mod grounded;

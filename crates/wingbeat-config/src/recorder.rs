@@ -1,5 +1,6 @@
 //! From an observed robot to the columns of a record.
 
+use super::flow_past::FlowPast;
 use super::hinged::FlapSummary;
 use super::link_spar::LinkSparSummary;
 use super::perch::{self, PerchSpec};
@@ -61,6 +62,8 @@ pub struct FlightMeans {
     pub stalled: StallCount,
     /// Share of strips that the wind meets from behind, at an angle of attack above 135 degrees.
     pub reversed_fraction: f64,
+    /// Mean Reynolds number of the strips, by their own chords and speeds; none where there is no air.
+    pub reynolds: Option<f64>,
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
@@ -91,6 +94,7 @@ pub struct Recorder<'a> {
     incidence: Vec<f64>,
     /// Sums of separated and suction_lost over the same strips.
     shares: [f64; 2],
+    past: FlowPast,
     /// Samples beyond the velocities of `robot.residual`, and all of those that tell.
     beyond: [f64; 2],
     strips: Option<StripRows>,
@@ -136,6 +140,7 @@ impl<'a> Recorder<'a> {
             loads: None,
             incidence: Vec::new(),
             shares: [0.0; 2],
+            past: FlowPast::default(),
             beyond: [0.0; 2],
             strips: samples_per_strips.map(strips),
             perch: None,
@@ -207,6 +212,8 @@ impl<'a> Recorder<'a> {
         self.row = row;
         recorded?;
         self.incidence.extend(o.incidence());
+        let quarter_chords = o.strips.quarter_chord.iter().map(|p| position + o.attitude * *p);
+        self.past.see(self.robot, t, quarter_chords);
         let columns = [&o.strips.separated, &o.strips.suction_lost];
         for (sum, column) in self.shares.iter_mut().zip(columns) {
             *sum += column[..o.strips.strips].iter().sum::<f64>();
@@ -258,6 +265,7 @@ impl<'a> Recorder<'a> {
             spar: LinkSparSummary::of(self.robot, &self.record),
             pin_springs: PinSummary::of(self.robot, &self.record),
             reversed_fraction: reversed,
+            reynolds: self.past.reynolds(self.robot.density()),
             stalled,
         };
         let strips = self.strips.map(|strips| strips.recorder.finish());

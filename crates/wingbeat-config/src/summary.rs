@@ -260,7 +260,7 @@ pub(super) struct Settled<'a> {
     record: &'a Record,
     first: usize,
     /// Where there is a controller.
-    truth: Option<TrueErrors<'a>>,
+    pub truth: Option<TrueErrors<'a>>,
 }
 
 impl Settled<'_> {

@@ -129,6 +129,17 @@ impl<'a> TrueErrors<'a> {
         self.by([name, &format!("orbit_{name}_asked")], angle_error)
     }
 
+    /// Velocities along the heading that were asked about an orbit, and the errors of those flown, m/s.
+    pub fn speed(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let asked = self.set("orbit_speed_asked")?;
+        let [x, y] = ["x", "y"].map(|axis| self.truth(&format!("v_WB_W_{axis}")));
+        let (x, y) = (x?, y?);
+        let yaw = self.set("yaw")?;
+        let along = |k: usize| x[k] * yaw[k].cos() + y[k] * yaw[k].sin() - asked[k];
+        let errors = (0..asked.len()).map(along).collect();
+        Some((asked, errors))
+    }
+
     /// Distances across the path and arcs ahead of what time and speed ask, m, and the arc at the end of the flight.
     pub fn path(&self, spec: &PathSpec) -> Option<([Vec<f64>; 2], f64)> {
         let path = spec.build().ok()?;

@@ -174,6 +174,10 @@ impl<P: Scalar> LiftingLine<P> {
     pub fn widths(&self) -> &[P] {
         &self.layout.widths
     }
+    /// Chord at node `i`, m.
+    pub fn chord(&self, i: usize) -> P {
+        self.nodes[i].half_chord * 2.0
+    }
     /// Mean over the area of the size of the sweep of the line of the quarter chords, rad. The line itself is straight: its wash knows no sweep.
     pub fn mean_sweep(&self) -> P {
         let cells = &self.layout.cells;

@@ -254,6 +254,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("orbit_height_asked", &[FLIGHT], M, "W", "Height of the reference at the last update, under `[controller.orbit]`."),
     column("orbit_roll_asked", &[FLIGHT], RAD, "WB", "Its roll."),
     column("orbit_pitch_asked", &[FLIGHT], RAD, "WB", "Its pitch."),
+    column("orbit_speed_asked", &[FLIGHT], &["m/s"], "H", "Its velocity along the heading; in a landing, of which no speed is asked, that of the robot."),
     column("thrust_moment_<axis>", &[FLIGHT], NM, "B", "Moment of the thrusters about the body's origin."),
     column("thrust_<axis>", &[FLIGHT], N, "B", "Force of the thrusters on the body."),
     column("wind_<axis>", &[FLIGHT], &["m/s"], "W", "Velocity of the air, gusts and turbulence included, where it changes."),

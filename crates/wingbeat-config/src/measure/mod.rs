@@ -10,7 +10,7 @@ use super::summary::Settled;
 /// Declares the modules of a list and the table of what they hold.
 macro_rules! measures {
     ($($module:ident,)+) => {
-        $(mod $module;)+
+        $(pub(crate) mod $module;)+
 
         /// All quantities, in the order of the file.
         const ALL: &[&[Measure]] = &[$($module::MEASURES),+];
@@ -20,6 +20,7 @@ macro_rules! measures {
 measures! {
     joint_power,
     motor,
+    speed,
 }
 
 /// A number that a record tells of a flight.

@@ -57,6 +57,7 @@ impl TrimSummary {
         }
         plausible::hold(&mut judge, robot);
         if let Some(means) = means {
+            judge.hold_if(&range::VISCOUS, means.reynolds);
             for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
                 judge.hold(limit, means.reversed_fraction);
             }

@@ -23,6 +23,12 @@ pub const ESTIMATE: JudgedLimit = JudgedLimit::warn_above("flight.estimate_norma
 /// Distance from the path. Held flights stay within 0.1 m.
 pub const PATH: JudgedLimit =
     JudgedLimit::at_most("flight.path_m", 2.0, "m", OffTarget).on("largest distance across the path");
+/// Place along the path, beside that which time and speed ask. Shipped flights stay within M_ALONG m.
+pub const ALONG: JudgedLimit = JudgedLimit::at_most("flight.path_along_m", 5.0, "m", OffTarget)
+    .on("largest distance along the path from where time and speed ask the robot to be");
+/// Velocity along the heading beside that of the orbit. Shipped flights stay within M_SPEED.
+pub const SPEED: JudgedLimit = JudgedLimit::at_most("flight.speed_error_fraction", 0.15, "", OffTarget)
+    .on("rms error of the velocity along the heading over the mean velocity asked");
 /// Distance from the place to hover at. Held flights stay within 0.02 m.
 pub const PLACE: JudgedLimit = JudgedLimit::at_most("flight.place_rms_m", 1.0, "m", OffTarget)
     .on("rms distance from the place of the hover");
@@ -151,7 +157,7 @@ pub const VERTICAL: JudgedLimit = JudgedLimit::warn_above("flight.vertical_deg",
     .on("roll, pitch and heading say nothing of a flight whose nose points straight up or down, and are left out: largest pitch");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 41] = [
+pub const ALL: [JudgedLimit; 43] = [
     FEW_RECORDS,
     RECORDS,
     ERROR_GROWN,
@@ -171,6 +177,8 @@ pub const ALL: [JudgedLimit; 41] = [
     TURNED_IN_PART,
     ESTIMATE,
     PATH,
+    ALONG,
+    SPEED,
     PLACE,
     PATH_ANGLE,
     FREE_PATH_ANGLE,

@@ -44,6 +44,11 @@ pub const PHASE: JudgedLimit = JudgedLimit::warn_above("range.joint_phase_rad", 
 pub const THIN: JudgedLimit = JudgedLimit::warn_below("range.density_kg_m3", 0.05, "kg/m3")
     .on("air that is nearly a vacuum (is its density in kg/m3?): density");
 
+/// As [`tether.reynolds`](super::tether::VISCOUS), of the strips of a robot.
+pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("range.reynolds", 1e3, "").on(
+    "the laws of sections are those of thin plates at Reynolds numbers of 1e3 to 1e5 (are lengths in m and speeds in m/s?): mean of that of the strips",
+);
+
 /// Sections that the wind meets from behind. No law here knows them: they take lift at the quarter chord behind the nominal leading
 /// edge, where it acts at three quarters. *Choice.*
 pub const REVERSED: JudgedLimit = JudgedLimit::warn_above("range.reversed_fraction", 0.1, "")
@@ -76,7 +81,7 @@ pub fn viscosity(density: f64) -> f64 {
 }
 
 /// All of them.
-pub const ALL: [JudgedLimit; 18] = [
+pub const ALL: [JudgedLimit; 19] = [
     FOLLOWED,
     NOT_FOLLOWED,
     COMPRESSED,
@@ -91,6 +96,7 @@ pub const ALL: [JudgedLimit; 18] = [
     ANGLE,
     PHASE,
     THIN,
+    VISCOUS,
     STALLED,
     STALLED_OUTSIDE,
     REVERSED,

@@ -185,6 +185,10 @@ def test_a_flight_is_judged_by_the_same_reward(turn):
     judged = environment.judge(flight)
     for name, terms in judged.items():
         assert terms == pytest.approx([step[name] for step in flown], abs=1e-12)
+    for every in (2e-3, 1e-2):
+        flight = wingbeat.fly(turn, SHORT | {"flight.record_every_s": every}, controller=lambda t, m: inputs)
+        with pytest.raises(ValueError, match=r"flight.record_every_s = 0.0.*: allowed is 0.005 s over a whole number"):
+            environment.judge(flight)
 
 
 def test_bad_input_is_refused():
@@ -194,8 +198,17 @@ def test_bad_input_is_refused():
     with pytest.raises(gym.error.ResetNeeded):
         environment.step(np.zeros(8))
     environment.reset(seed=1)
-    with pytest.raises(ValueError, match="actions = 3 numbers: allowed is 8"):
+    with pytest.raises(ValueError, match=r"actions of the shape \(3,\): allowed is \(8,\)"):
         environment.step(np.zeros(3))
+    with pytest.raises(ValueError, match=r"actions of the shape \(2, 4\): allowed is \(8,\)"):
+        environment.step(np.zeros((2, 4)))
+    robots = make_vec(2)
+    assert np.array_equal(robots.reset(seed=np.int64(3))[0], make_vec(2).reset(seed=3)[0])
+    for given in [(8, 2), (4, 4), (1, 16), (16,)]:
+        with pytest.raises(ValueError, match=r"allowed is \(2, 8\)"):
+            robots.step(np.zeros(given))
+    with pytest.raises(ValueError, match="seed = -1: allowed is 0 or more"):
+        robots.reset(seed=[-1, 2])
     with pytest.raises(ValueError, match=r"actions\[0\]\[2\] = NaN: allowed is a finite number"):
         environment.step(np.array([0.0, 0.0, np.nan, 0.0, 0.0, 0.0, 0.0, 0.0]))
     with pytest.raises(ValueError, match="allowed is spread"):

@@ -84,7 +84,7 @@ struct AboutOrbit<'a> {
     /// far ahead of the landing's plan, how far other laws than the one that is known are taken to hold.
     seen: [f64; 7],
     /// Height (m), roll and pitch (rad) that were asked then.
-    asked: [f64; 3],
+    asked: [f64; 4],
 }
 
 impl ControllerSpec for AboutOrbitSpec {
@@ -188,7 +188,7 @@ impl ControllerSpec for AboutOrbitSpec {
             lands: None,
             airs,
             seen: [0.0; 7],
-            asked: [0.0; 3],
+            asked: [0.0; 4],
         }))
     }
 }
@@ -253,10 +253,11 @@ impl AboutOrbit<'_> {
         true
     }
 
-    /// Notes what was asked at an update: what `s` says of the body less the errors that were seen.
-    fn note(&mut self, s: &[f64]) {
-        let [_, off @ .., _, _, _] = self.seen;
-        let own = [Deviations::HEIGHT, Deviations::ROLL, Deviations::PITCH];
+    /// Notes what was asked at an update: what `s` says of the body less the errors that were seen, `faster` of the speed.
+    fn note(&mut self, s: &[f64], faster: f64) {
+        let [_, height, roll, pitch, ..] = self.seen;
+        let own = [Deviations::HEIGHT, Deviations::ROLL, Deviations::PITCH, Deviations::VELOCITY.start];
+        let off = [height, roll, pitch, faster];
         self.asked = std::array::from_fn(|i| s[own[i]] - off[i]);
     }
 
@@ -341,7 +342,8 @@ impl Controller for AboutOrbit<'_> {
         let mut s = vec![0.0; self.deviations.len()];
         self.deviations.of(&self.x, &mut s);
         if self.land(t, cycles) {
-            self.note(&s);
+            // No speed is asked of a landing.
+            self.note(&s, 0.0);
             return Update::Fresh;
         }
         let x = &self.x;
@@ -374,7 +376,7 @@ impl Controller for AboutOrbit<'_> {
         let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
         let dived = self.family.dive().map_or(0.0, |dive| since / dive.cycles);
         self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH], dived, 0.0, 0.0];
-        self.note(&s);
+        self.note(&s, error[Deviations::VELOCITY.start]);
         let Some(predictive) = &mut self.predictive else {
             return match self.regulate(place, (t, cycles, since), asked, &error) {
                 Ok(()) => Update::Fresh,
@@ -405,6 +407,7 @@ impl Controller for AboutOrbit<'_> {
             Column::new("orbit_height_asked", "m", "W"),
             Column::new("orbit_roll_asked", "rad", "WB"),
             Column::new("orbit_pitch_asked", "rad", "WB"),
+            Column::new("orbit_speed_asked", "m/s", "H"),
         ];
         let dive =
             self.family.dive().map(|_| ["orbit_dive", "orbit_dive_saved"].map(|n| Column::new(n, "", "")));

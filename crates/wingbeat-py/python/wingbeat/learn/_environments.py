@@ -117,7 +117,12 @@ class _Flock:
     def judged(self, flight: Flight) -> dict[str, Array]:
         """The terms of the reward of a flight at the ends of the steps of an episode."""
         record = flight.record
-        every = round(PERIOD_S / (record["t"][1] - record["t"][0]))
+        step = record["t"][1] - record["t"][0]
+        every = round(PERIOD_S / step)
+        if every < 1 or abs(every * step - PERIOD_S) > 1e-6 * PERIOD_S:
+            raise ValueError(
+                f"flight.record_every_s = {step:.6g}: allowed is {PERIOD_S} s over a whole number, so that records meet the steps"
+            )
         rows = slice(every, None, every)
         middle = np.array([0.5 * (c.low + c.high) for c in self.action])
         half = np.array([0.5 * (c.high - c.low) for c in self.action])
@@ -129,6 +134,13 @@ class _Flock:
             for t, state, given in zip(record["t"][rows], states, inputs, strict=True)
         ]
         return dict(zip(self.terms, np.array(terms).T, strict=True))
+
+    def rows(self, actions: Actions, shape: tuple[int, ...]) -> Array:
+        """Actions of that shape, a row for each robot."""
+        given = np.asarray(actions, dtype=np.float64)
+        if given.shape != shape:
+            raise ValueError(f"actions of the shape {given.shape}: allowed is {shape}")
+        return given.reshape(-1, len(self.action))
 
     def spread_of(self, options: dict[str, Any] | None) -> float:
         """How much the start varies: the option ``spread``, or what was given at first."""
@@ -193,8 +205,8 @@ class Environment(gym.Env[Array, Actions]):
         """Holds an action for 5 ms."""
         if self._begun is None:
             raise gym.error.ResetNeeded("reset the environment before the first step")
-        actions = np.asarray(action, dtype=np.float64).reshape(1, -1)
-        seen, reward, terms, terminated, truncated = self._flock.native.step(actions)
+        rows = self._flock.rows(action, (len(self.action),))
+        seen, reward, terms, terminated, truncated = self._flock.native.step(rows)
         info = {"reward_terms": dict(zip(self._flock.terms, terms[0].tolist(), strict=True))}
         return seen[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), info
 
@@ -250,14 +262,16 @@ class VectorEnvironment(VectorEnv[Array, Actions, Array]):
     ) -> tuple[Array, dict[str, Any]]:
         """Starts all episodes: from ``seed``, ``seed + 1``, ..., or the next ones of the last seeds."""
         spread = self._flock.spread_of(options)
-        if isinstance(seed, int):
-            super().reset(seed=seed)
-            seeds = [seed + number for number in range(self.num_envs)]
+        if isinstance(seed, (int, np.integer)):
+            super().reset(seed=int(seed))
+            seeds = [int(seed) + number for number in range(self.num_envs)]
         elif seed is None and self._begun == spread:
             return self._flock.native.again(), {}
         else:
             given = seed if seed is not None else [None] * self.num_envs
-            seeds = [int(self.np_random.integers(2**63)) if one is None else one for one in given]
+            seeds = [int(self.np_random.integers(2**63)) if one is None else int(one) for one in given]
+            if min(seeds, default=0) < 0:
+                raise ValueError(f"seed = {min(seeds)}: allowed is 0 or more")
         self._begun = spread
         return self._flock.native.reset(seeds, spread), {}
 
@@ -267,7 +281,7 @@ class VectorEnvironment(VectorEnv[Array, Actions, Array]):
         """Holds an action of each robot for 5 ms."""
         if self._begun is None:
             raise gym.error.ResetNeeded("reset the environments before the first step")
-        rows = np.asarray(actions, dtype=np.float64)
+        rows = self._flock.rows(actions, (self.num_envs, len(self._flock.action)))
         seen, rewards, terms, terminated, truncated = self._flock.native.step(rows)
         named = {name: terms[:, place] for place, name in enumerate(self._flock.terms)}
         return seen, rewards, terminated, truncated, {"reward_terms": named}
