@@ -35,7 +35,7 @@ use wingbeat_robot::{Dryden, Robot};
 /// `summary.json` of a flight. What is optional is taken from the goal's settling
 /// time (2 s without a goal) on, and missing when the flight ended before.
 /// Pitch is FLU: negative is nose up.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]
 pub struct Summary {
     /// The verdict: `ok`, `not_judged`, `off_target`, `outside`, `not_resolved`, `failed` or `interrupted`.
     #[schemars(skip)]
@@ -392,91 +392,22 @@ impl Summary {
     pub(super) fn new(record: &Record, flight: &Flight, context: &Context) -> Self {
         let settle = context.goal.map_or(SETTLE.min(0.5 * flight.duration), |g| g.settle_s);
         // Of a flight whose numbers grew without bound no means are taken, and the way is that before.
-        let (means, grew) = (context.means, context.means.is_none());
+        let grew = context.means.is_none();
         let t = record.values("t").unwrap_or_default();
         let first = if grew { t.len() } else { t.partition_point(|&t| t < settle) };
         let updates = context.period_s.map(|period| Updates { period, count: flight.updates.len() });
         let truth = updates.map(|updates| TrueErrors::new(record, first..record.rows(), updates));
         let settled = Settled { record, first, truth };
-        let cycle = 1.0 / context.robot.frequency_hz();
-        let change = |name| match record.values(name) {
-            Some([first, .., last]) => last - first,
-            _ => f64::NAN,
-        };
-        let roll_errors = settled.errors("roll", context, |reference| reference.roll);
-        let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
         let crossing = PartClearance::new(record, context.clearances);
-        let estimated = updates.and_then(|updates| Estimated::new(record, settled.first, updates));
-        let height = settled.truth.as_ref().and_then(TrueErrors::height);
-        let velocity = mean_velocity(record, settled.first, Vec3::ZERO);
-        let mut summary = Self {
-            status: Status::Ok,
-            reason: None,
-            judged: Vec::new(),
-            not_judged: Vec::new(),
-            duration_s: flight.duration,
-            real_time_factor: flight.duration / flight.wall.as_secs_f64(),
-            distance_x_m: change("p_WB_x"),
-            distance_y_m: change("p_WB_y"),
-            altitude_change_m: change("p_WB_z"),
-            mean_speed_m_s: velocity.map(|(speed, _)| speed),
-            sink_rate_m_s: velocity.map(|(_, climb)| -climb),
-            height_max_error_m: height.and_then(|off| off.iter().map(|e| e.abs()).reduce(f64::max)),
-            path: settled
-                .truth
-                .as_ref()
-                .zip(context.path)
-                .and_then(|(truth, path)| PathSummary::new(truth, path)),
-            dive: updates
-                .and_then(|updates| DiveSummary::new(record, cycle, context.wind, updates))
-                .filter(|_| !grew),
-            perch: context.perch.and_then(|perch| PerchSummary::new(record, perch)),
-            hover: settled.truth.as_ref().and_then(|truth| HoverSummary::new(record, settled.first, truth)),
-            estimate: estimated.as_ref().and_then(Estimated::summary),
-            roll_mean_deg: settled.mean_deg("roll"),
-            // A half loop to a perch ends with half a turn of roll, and is no turn.
-            turn_roll_mean_deg: settled.turn_roll_deg(&roll_errors).filter(|_| context.perch.is_none()),
-            roll_rms_error_deg: rms_deg(&roll_errors),
-            roll_max_error_deg: largest_deg(&roll_errors),
-            pitch_mean_deg: settled.mean_deg("pitch"),
-            pitch_rms_error_deg: rms_deg(&pitch_errors),
-            pitch_max_error_deg: largest_deg(&pitch_errors),
-            pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
-            yaw_change_deg: record.values("yaw").map(|yaw| unwrapped_change(yaw).to_degrees()),
-            cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot),
-            measured: Measured::new(&settled),
-            aero_preset: context.preset.clone(),
-            lattice: context.lattice,
-            lift_law: context.law.clone(),
-            stall_fraction: means.map(|means| means.stalled.stalled()),
-            separated_fraction: means.map(|means| means.separated_fraction),
-            suction_lost_fraction: means.map(|means| means.suction_lost_fraction),
-            membrane: means.and_then(|means| means.membrane),
-            flap: means.and_then(|means| means.flap),
-            spar: means.and_then(|means| means.spar),
-            pin_springs: means.and_then(|means| means.pin_springs),
-            law_states: means.map_or(Vec::new(), |means| means.law_states.clone()),
-            beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
-            input_saturation_fraction: saturation(record, context.inputs),
-            least_clearance_m: crossing.as_ref().map(|c| c.least_m),
-            constant_clearance: crossing.as_ref().and_then(PartClearance::constant),
-            governed: crossing
-                .as_ref()
-                .and_then(|c| GovernedSummary::new(record, c.least_m, flight.updates.len())),
-            plan: ReducedPlanSummary::new(record),
-            prepared: PreparedSummary::new(record),
-            crossing_fraction: crossing.as_ref().map(|c| c.fraction),
-            ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
-            angular_momentum_change_kg_m2_s: momentum_change(record),
-            step_error_m: [context.step_error_m, context.grown_error_m]
-                .into_iter()
-                .flatten()
-                .reduce(f64::max),
-            steps_taken: flight.taken.map(|taken| taken.steps),
-            inertance_s: Some(context.robot.inertance_s()).filter(|time| *time > 0.0),
-            warnings: Vec::new(),
-            controller: ControllerSummary::new(flight, context.period_s),
-        };
+        let mut summary = Self::of_run(flight, context)
+            .with_way(&settled, crossing.as_ref(), context)
+            .with_attitude(&settled, context);
+        if let Some(means) = context.means {
+            summary = summary.with_means(means);
+        }
+        if let Some(updates) = updates {
+            summary = summary.with_guidance(&settled, updates, context);
+        }
         let flown = JudgedFlight {
             summary: &summary,
             record,
@@ -495,6 +426,105 @@ impl Summary {
         }
         summary.warnings.extend(grew.then(|| sound::left_out(t.last().copied())));
         summary
+    }
+
+    /// How it ran, and in which models.
+    fn of_run(flight: &Flight, context: &Context) -> Self {
+        let errors = [context.step_error_m, context.grown_error_m];
+        Self {
+            status: Status::Ok,
+            duration_s: flight.duration,
+            real_time_factor: flight.duration / flight.wall.as_secs_f64(),
+            aero_preset: context.preset.clone(),
+            lattice: context.lattice,
+            lift_law: context.law.clone(),
+            step_error_m: errors.into_iter().flatten().reduce(f64::max),
+            steps_taken: flight.taken.map(|taken| taken.steps),
+            inertance_s: Some(context.robot.inertance_s()).filter(|time| *time > 0.0),
+            controller: ControllerSummary::new(flight, context.period_s),
+            ..Self::default()
+        }
+    }
+
+    /// The same with what the record shows of its way, its cost, its inputs and its clearances.
+    fn with_way(self, settled: &Settled, crossing: Option<&PartClearance>, context: &Context) -> Self {
+        let record = settled.record;
+        let change = |name| match record.values(name) {
+            Some([first, .., last]) => last - first,
+            _ => f64::NAN,
+        };
+        let (speed, climb) = mean_velocity(record, settled.first, Vec3::ZERO).unzip();
+        Self {
+            distance_x_m: change("p_WB_x"),
+            distance_y_m: change("p_WB_y"),
+            altitude_change_m: change("p_WB_z"),
+            mean_speed_m_s: speed,
+            sink_rate_m_s: climb.map(|climb| -climb),
+            cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot),
+            measured: Measured::new(settled),
+            perch: context.perch.and_then(|perch| PerchSummary::new(record, perch)),
+            input_saturation_fraction: saturation(record, context.inputs),
+            plan: ReducedPlanSummary::new(record),
+            prepared: PreparedSummary::new(record),
+            least_clearance_m: crossing.map(|c| c.least_m),
+            constant_clearance: crossing.and_then(PartClearance::constant),
+            governed: crossing.and_then(|c| GovernedSummary::new(record, c.least_m, self.controller.updates)),
+            crossing_fraction: crossing.map(|c| c.fraction),
+            ground_distance_m: context.robot.ground().and_then(|ground| ground_distance(record, ground)),
+            angular_momentum_change_kg_m2_s: momentum_change(record),
+            ..self
+        }
+    }
+
+    /// The same with its angles.
+    fn with_attitude(self, settled: &Settled, context: &Context) -> Self {
+        let roll_errors = settled.errors("roll", context, |reference| reference.roll);
+        let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
+        Self {
+            roll_mean_deg: settled.mean_deg("roll"),
+            // A half loop to a perch ends with half a turn of roll, and is no turn.
+            turn_roll_mean_deg: settled.turn_roll_deg(&roll_errors).filter(|_| context.perch.is_none()),
+            roll_rms_error_deg: rms_deg(&roll_errors),
+            roll_max_error_deg: largest_deg(&roll_errors),
+            pitch_mean_deg: settled.mean_deg("pitch"),
+            pitch_rms_error_deg: rms_deg(&pitch_errors),
+            pitch_max_error_deg: largest_deg(&pitch_errors),
+            pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
+            yaw_change_deg: settled.record.values("yaw").map(|yaw| unwrapped_change(yaw).to_degrees()),
+            ..self
+        }
+    }
+
+    /// The same with the means over its samples.
+    fn with_means(self, means: &FlightMeans) -> Self {
+        Self {
+            stall_fraction: Some(means.stalled.stalled()),
+            separated_fraction: Some(means.separated_fraction),
+            suction_lost_fraction: Some(means.suction_lost_fraction),
+            membrane: means.membrane,
+            flap: means.flap,
+            spar: means.spar,
+            pin_springs: means.pin_springs,
+            law_states: means.law_states.clone(),
+            beyond_residual_fraction: means.beyond_residual_fraction,
+            ..self
+        }
+    }
+
+    /// The same with how a controller that is asked at `updates` led it.
+    fn with_guidance(self, settled: &Settled, updates: Updates, context: &Context) -> Self {
+        let (record, truth) = (settled.record, settled.truth.as_ref());
+        let height = truth.and_then(TrueErrors::height);
+        let estimated = Estimated::new(record, settled.first, updates);
+        let dive = DiveSummary::new(record, 1.0 / context.robot.frequency_hz(), context.wind, updates);
+        Self {
+            height_max_error_m: height.and_then(|off| off.iter().map(|e| e.abs()).reduce(f64::max)),
+            path: truth.zip(context.path).and_then(|(truth, path)| PathSummary::new(truth, path)),
+            dive: dive.filter(|_| context.means.is_some()),
+            hover: truth.and_then(|truth| HoverSummary::new(record, settled.first, truth)),
+            estimate: estimated.as_ref().and_then(Estimated::summary),
+            ..self
+        }
     }
 
     /// Leaves out angles of which nothing can be said where the nose passes the vertical. What was judged of them stays, and the largest errors,
