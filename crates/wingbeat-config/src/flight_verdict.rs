@@ -7,7 +7,7 @@ use super::spec::GoalSpec;
 use super::stall;
 use super::summary::{Context, ControllerSummary, PartClearance, Summary, mean};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use wingbeat_aero::induced_power;
+use wingbeat_aero::{Aero, induced_power};
 use wingbeat_flight::guide::{Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, linkage, range, trim, wake};
@@ -251,11 +251,24 @@ impl JudgedFlight<'_> {
         (asked.abs() >= TURN).then(|| flown / square)
     }
 
-    /// Largest speed through the mean wind, m/s.
+    /// Least distance from the ground over the mean chord of the largest surface, of strips.
+    fn ground_chords(&self) -> Option<f64> {
+        let mean_chord = |aero: &Aero| {
+            let strips = || (0..aero.strips()).filter(|i| aero.covers(*i));
+            let area: f64 = strips().map(|i| aero.chord(i) * aero.widths()[i]).sum();
+            area / strips().map(|i| aero.widths()[i]).sum::<f64>()
+        };
+        let chord = self.context.robot.surfaces().map(|(_, aero)| mean_chord(aero)).reduce(f64::max)?;
+        let distance = self.summary.ground_distance_m.filter(|_| self.context.panels.is_none())?;
+        Some(distance / chord)
+    }
+
+    /// Largest speed of body and strips through the mean wind, m/s.
     fn largest_airspeed(&self) -> f64 {
         let wind = self.context.robot.wind_over_time().mean();
         let speed = |row| velocity_at(self.record, row).map_or(0.0, |v| (v - wind).norm());
-        (0..self.record.rows()).map(speed).fold(0.0, f64::max)
+        let strips = self.context.means.map_or(0.0, |means| means.fastest_m_s);
+        (0..self.record.rows()).map(speed).fold(strips, f64::max)
     }
 
     /// Holds the flight against the range in which its model, its fit and its steps are good.
@@ -272,6 +285,7 @@ impl JudgedFlight<'_> {
         judge.hold_each(&[
             (&[&flight::VERTICAL], self.steepest_deg()),
             (&[&flight::GROUND], summary.ground_distance_m),
+            (&[&flight::LOW], self.ground_chords().filter(|_| alone)),
             (&[&flight::MOMENTUM], summary.angular_momentum_change_kg_m2_s.filter(|_| alone)),
         ]);
         summary.membrane.iter().for_each(|membrane| membrane.judge(judge));
@@ -280,8 +294,7 @@ impl JudgedFlight<'_> {
         summary.pin_springs.iter().for_each(|pins| pins.judge(judge));
         self.power_and_turbulence(judge);
         let Some(means) = self.context.means else { return };
-        judge.hold(&range::REVERSED, means.reversed_fraction);
-        judge.hold_if(&range::VISCOUS, means.reynolds);
+        means.hold(judge);
         if robot.density() > 0.0 {
             stall::hold(judge, &means.stalled, "aero.law");
         }

@@ -11,6 +11,8 @@ pub(super) struct FlowPast {
     before: Option<(f64, Vec<Vec3<f64>>)>,
     /// Sums of V c dA and dA, m4/s and m2.
     sums: [f64; 2],
+    /// Largest speed of a strip, m/s.
+    pub fastest_m_s: f64,
 }
 
 impl FlowPast {
@@ -28,6 +30,7 @@ impl FlowPast {
                     let speed = ((*to - *from) * (1.0 / (t - then)) - wind).norm();
                     self.sums[0] += speed * chord * area;
                     self.sums[1] += area;
+                    self.fastest_m_s = self.fastest_m_s.max(speed);
                 }
             }
         }

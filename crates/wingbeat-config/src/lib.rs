@@ -34,6 +34,7 @@ mod mismatch;
 mod motion_table;
 mod moved;
 mod name;
+mod nearness;
 mod perch;
 mod pinned;
 mod plan;
@@ -607,7 +608,11 @@ impl Scenario {
         summary.warnings.extend(web::unheard(&self.spec.robot, &self.robot).filter(|_| lattice.is_none()));
         summary.warnings.extend(unheard::frictionless(&self.spec.robot, &self.robot));
         summary.warnings.extend(unheard::unlifted(&self.robot));
+        summary.warnings.extend(nearness::in_pieces(&self.robot));
         summary.warnings.extend(self.spec.never_begun(&self.choice));
+        if schedule.steps_per_update.is_none() {
+            summary.warnings.extend(self.spec.unfollowed());
+        }
         summary.warnings.extend(unheard::inertance(&self.spec.flight, &self.robot));
         summary.warnings.extend(lattice::soft(lattice, surfaces()));
         summary

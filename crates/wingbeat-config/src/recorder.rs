@@ -3,6 +3,7 @@
 use super::flow_past::FlowPast;
 use super::hinged::FlapSummary;
 use super::link_spar::LinkSparSummary;
+use super::nearness::surfaces_apart;
 use super::perch::{self, PerchSpec};
 use super::pinned::PinSummary;
 use super::skin::MembraneSummary;
@@ -13,6 +14,8 @@ use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{
     AXES, Column, Controller, Cost, Ending, Flight, Record, Sample, StripRecorder, pin_columns,
 };
+use wingbeat_judge::Judge;
+use wingbeat_judge::limits::range;
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -45,6 +48,18 @@ pub(super) fn source_values(parts: &[Wrench<f64>; LoadSource::ALL.len()]) -> imp
     parts.iter().flat_map(|w| w.force.0.into_iter().chain(w.moment.0))
 }
 
+/// Instants of a flight at which it is looked how near its surfaces come. *Choice*: 40 of each of five cycles.
+const LOOKS: usize = 200;
+
+impl FlightMeans {
+    /// Holds what the air and the surfaces are like against what the models were made for.
+    pub fn hold(&self, judge: &mut Judge) {
+        judge.hold(&range::REVERSED, self.reversed_fraction);
+        judge.hold_if(&range::VISCOUS, self.reynolds);
+        judge.hold_if(&range::NEAR, self.surfaces_apart);
+    }
+}
+
 /// The records of a flight.
 pub struct Recorded {
     /// One row per sample.
@@ -64,6 +79,10 @@ pub struct FlightMeans {
     pub reversed_fraction: f64,
     /// Mean Reynolds number of the strips, by their own chords and speeds; none where there is no air.
     pub reynolds: Option<f64>,
+    /// Largest speed of a strip through the mean wind, from sample to sample, m/s.
+    pub fastest_m_s: f64,
+    /// Least distance of surfaces that lie on one another, over the larger chord; none where none do.
+    pub surfaces_apart: Option<f64>,
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
@@ -95,6 +114,9 @@ pub struct Recorder<'a> {
     /// Sums of separated and suction_lost over the same strips.
     shares: [f64; 2],
     past: FlowPast,
+    /// Every how many samples it is looked how near surfaces come, and samples so far.
+    looks: [usize; 2],
+    apart: Option<f64>,
     /// Samples beyond the velocities of `robot.residual`, and all of those that tell.
     beyond: [f64; 2],
     strips: Option<StripRows>,
@@ -141,6 +163,8 @@ impl<'a> Recorder<'a> {
             incidence: Vec::new(),
             shares: [0.0; 2],
             past: FlowPast::default(),
+            looks: [rows.div_ceil(LOOKS).max(1), 0],
+            apart: None,
             beyond: [0.0; 2],
             strips: samples_per_strips.map(strips),
             perch: None,
@@ -214,6 +238,12 @@ impl<'a> Recorder<'a> {
         self.incidence.extend(o.incidence());
         let quarter_chords = o.strips.quarter_chord.iter().map(|p| position + o.attitude * *p);
         self.past.see(self.robot, t, quarter_chords);
+        let [every, seen] = &mut self.looks;
+        if seen.is_multiple_of(*every) && self.robot.surfaces().nth(1).is_some() {
+            let apart = surfaces_apart(self.robot, t, x);
+            self.apart = [self.apart, apart].into_iter().flatten().reduce(f64::min);
+        }
+        *seen += 1;
         let columns = [&o.strips.separated, &o.strips.suction_lost];
         for (sum, column) in self.shares.iter_mut().zip(columns) {
             *sum += column[..o.strips.strips].iter().sum::<f64>();
@@ -266,6 +296,8 @@ impl<'a> Recorder<'a> {
             pin_springs: PinSummary::of(self.robot, &self.record),
             reversed_fraction: reversed,
             reynolds: self.past.reynolds(self.robot.density()),
+            fastest_m_s: self.past.fastest_m_s,
+            surfaces_apart: self.apart,
             stalled,
         };
         let strips = self.strips.map(|strips| strips.recorder.finish());

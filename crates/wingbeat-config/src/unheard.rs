@@ -221,6 +221,19 @@ pub(super) fn unlifted(robot: &Robot) -> Option<Warning> {
 }
 
 impl ScenarioSpec {
+    /// The warnings that tables which a controller alone follows stand in a flight without one.
+    pub(super) fn unfollowed(&self) -> impl Iterator<Item = Warning> {
+        let tables = [
+            ("manoeuvre", self.manoeuvre.is_some(), "nothing flies it"),
+            ("path", self.path.is_some(), "nothing flies it"),
+            ("sensors", self.sensors.is_some(), "nobody is told what they read"),
+        ];
+        tables.into_iter().filter(|(_, given, _)| *given).map(|(table, _, why)| {
+            let text = format!("[{table}] has no effect on a flight without a controller: {why}");
+            Warning::new("flight.not_controlled", text).key(table)
+        })
+    }
+
     /// The warnings of what begins when the flight is over, and so is never flown.
     pub(super) fn never_begun(&self, choice: &ChosenKinds) -> impl Iterator<Item = Warning> {
         let table = |table: String| move |(key, start): (String, f64)| (format!("{table}.{key}"), start);

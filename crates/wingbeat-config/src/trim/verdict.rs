@@ -1,6 +1,7 @@
 //! The verdict on a periodic flight.
 
 use super::summary::{TrimSummary, hover_wash};
+use crate::nearness;
 use crate::recorder::FlightMeans;
 use crate::spec::{AirSpec, ScenarioSpec};
 use crate::summary::touching;
@@ -57,10 +58,8 @@ impl TrimSummary {
         }
         plausible::hold(&mut judge, robot);
         if let Some(means) = means {
-            judge.hold_if(&range::VISCOUS, means.reynolds);
-            for limit in [&range::REVERSED, &range::REVERSED_OUTSIDE] {
-                judge.hold(limit, means.reversed_fraction);
-            }
+            means.hold(&mut judge);
+            judge.hold(&range::REVERSED_OUTSIDE, means.reversed_fraction);
             stall::hold(&mut judge, &means.stalled, "aero.law");
             judge.hold(&range::STALLED_OUTSIDE, means.stalled.untested());
         }
@@ -126,6 +125,7 @@ pub(super) fn said_of(spec: &ScenarioSpec, robot: &Robot) -> impl Iterator<Item 
         .chain(unheard)
         .chain(web)
         .chain(unheard::frictionless(&spec.robot, robot))
+        .chain(nearness::in_pieces(robot))
         .chain(unheard::inertance(&spec.flight, robot))
 }
 

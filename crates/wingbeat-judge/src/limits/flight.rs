@@ -51,6 +51,10 @@ pub const SATURATION: JudgedLimit = JudgedLimit::at_most("flight.saturation_frac
 /// A robot that passes through the ground or the ceiling, where its mirror image passes through it: impossible, so the limit is zero.
 pub const GROUND: JudgedLimit = JudgedLimit::at_least("flight.ground_distance_m", 0.0, "m", Outside)
     .on("least distance of body and wings from air.ground_m on the side of the start");
+/// As [`tether.ground_chords`](super::tether::LOW), of a robot on strips.
+pub const LOW: JudgedLimit = JudgedLimit::at_least("flight.ground_chords", 0.25, "", Outside).on(
+    "strips so near to air.ground_m lift far too much: least distance of body and wings from it, in mean chords,",
+);
 /// Wings that pass through each other or through the body: impossible, so the limit is zero.
 pub const CROSSING: JudgedLimit = JudgedLimit::at_most("flight.crossing_fraction", 0.0, "", Outside)
     .on("share of the time in which parts of the robot pass through each other");
@@ -157,7 +161,7 @@ pub const VERTICAL: JudgedLimit = JudgedLimit::warn_above("flight.vertical_deg",
     .on("roll, pitch and heading say nothing of a flight whose nose points straight up or down, and are left out: largest pitch");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 43] = [
+pub const ALL: [JudgedLimit; 44] = [
     FEW_RECORDS,
     RECORDS,
     ERROR_GROWN,
@@ -194,6 +198,7 @@ pub const ALL: [JudgedLimit; 43] = [
     STEPS_ASKED,
     MOMENTUM,
     GROUND,
+    LOW,
     TURBULENCE,
     TURBULENCE_STRONG,
     TURBULENCE_SPEED,

@@ -49,6 +49,11 @@ pub const VISCOUS: JudgedLimit = JudgedLimit::warn_below("range.reynolds", 1e3, 
     "the laws of sections are those of thin plates at Reynolds numbers of 1e3 to 1e5 (are lengths in m and speeds in m/s?): mean of that of the strips",
 );
 
+/// Distance of two surfaces that lie on one another, over the larger chord: equal plates 0.138 chords apart wash each other without end
+/// at any step, and with 0.15 they do not. The margin is a *choice*.
+pub const NEAR: JudgedLimit = JudgedLimit::at_least("range.surfaces_apart_chords", 0.2, "", Outside)
+    .on("surfaces lie so near to each other that their wash grows whatever the step (make them one surface, or move them apart): least distance over the larger chord");
+
 /// Sections that the wind meets from behind. No law here knows them: they take lift at the quarter chord behind the nominal leading
 /// edge, where it acts at three quarters. *Choice.*
 pub const REVERSED: JudgedLimit = JudgedLimit::warn_above("range.reversed_fraction", 0.1, "")
@@ -81,7 +86,7 @@ pub fn viscosity(density: f64) -> f64 {
 }
 
 /// All of them.
-pub const ALL: [JudgedLimit; 19] = [
+pub const ALL: [JudgedLimit; 20] = [
     FOLLOWED,
     NOT_FOLLOWED,
     COMPRESSED,
@@ -97,6 +102,7 @@ pub const ALL: [JudgedLimit; 19] = [
     PHASE,
     THIN,
     VISCOUS,
+    NEAR,
     STALLED,
     STALLED_OUTSIDE,
     REVERSED,
