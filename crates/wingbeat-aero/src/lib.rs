@@ -27,7 +27,7 @@ pub use camber::ThinSection;
 pub use flap::{FlapNumbers, FlapSpec};
 pub use law::{
     Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
-    SectionSpec, StallCount, StripState, ZERO_LIFT_ANGLE,
+    SectionSpec, StallCount, StallShares, StripState, ZERO_LIFT_ANGLE,
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LagSpeed, LiftTilt, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;

@@ -12,7 +12,7 @@ mod lev3d;
 mod linear;
 mod stall;
 
-pub use count::StallCount;
+pub use count::{StallCount, StallShares};
 pub use drag::ProfileDrag;
 
 use crate::SurfaceNumbers;

@@ -181,9 +181,9 @@ impl TrimSummary {
         self.twist_power_w = Some(measures.twist_power);
         self.regulator_power_w = Some(measures.regulator_power);
         self.strouhal = Some(measures.strouhal);
-        [self.stall_fraction_12, self.stall_fraction_20] = measures.stalled.map(Some);
-        self.stalled_strips = Some(measures.stalled_strips);
-        [self.separated_fraction, self.suction_lost_fraction] = measures.separated.map(Some);
+        [self.stall_fraction_12, self.stall_fraction_20] = measures.stall.sharp.map(Some);
+        self.stalled_strips = Some(measures.stall.strips);
+        [self.separated_fraction, self.suction_lost_fraction] = measures.stall.separated.map(Some);
         let mut first = 0;
         let skin = |(_, aero): (&str, &Aero)| {
             let own = first..first + aero.strips();

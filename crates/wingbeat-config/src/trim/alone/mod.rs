@@ -621,7 +621,7 @@ impl RobotTrim {
         let power = measures.cost.positive_power / mass;
         let frequency = 1.0 / found.orbit.end.duration;
         let least = measures.least_clearance.unwrap_or(f64::INFINITY);
-        let misses = self.misses(power, measures.stalled[1], least, frequency);
+        let misses = self.misses(power, measures.stall.sharp[1], least, frequency);
         let missed: Vec<&str> = misses.iter().filter(|(by, _)| *by > 0.0).map(|(_, name)| *name).collect();
         let sum: f64 = misses.iter().map(|(by, _)| by.max(0.0)).sum();
         let reason = (!missed.is_empty()).then(|| format!("beyond what is searched: {}", missed.join(", ")));

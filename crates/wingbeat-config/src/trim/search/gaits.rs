@@ -209,14 +209,14 @@ impl<'a> Gaits<'a> {
         let asked = &self.spec.limits;
         let shares = [asked.stall_fraction_12, asked.stall_fraction_20];
         let beyond = |flown: &FlownOrbit| {
-            let excess = flown.measures.stalled.iter().zip(shares);
+            let excess = flown.measures.stall.sharp.iter().zip(shares);
             excess.filter_map(|(share, limit)| limit.map(|limit| share - limit)).fold(0.0, f64::max)
         };
         let facts = Facts {
             frequency: 1.0 / own.found.orbit.end.duration,
             speed: own.speed,
             power_per_mass: flown[..self.averaged].iter().map(power).sum::<f64>() / self.averaged as f64,
-            stalled: own.measures.stalled,
+            stalled: own.measures.stall.sharp,
             clearance: flown.iter().map(least).fold(f64::INFINITY, f64::min),
             multiplier: flown.iter().map(|f| f.multiplier).fold(f64::NAN, f64::max),
             mass: own.mass,
@@ -235,8 +235,8 @@ impl<'a> Gaits<'a> {
             for clearance in flown.measures.clearances.iter().filter(|clearance| clearance.is_finite()) {
                 at_most(-clearance, asked.clearance_m.map(|least| -least), CLEARANCE);
             }
-            at_most(flown.measures.softly_stalled[0], asked.stall_fraction_12, SHARE);
-            at_most(flown.measures.softly_stalled[1], asked.stall_fraction_20, SHARE);
+            at_most(flown.measures.stall.soft[0], asked.stall_fraction_12, SHARE);
+            at_most(flown.measures.stall.soft[1], asked.stall_fraction_20, SHARE);
             at_most(flown.multiplier, asked.multiplier, MULTIPLIER);
             for held in &flown.held {
                 at_most(*held, Some(HELD[0]), HELD[1]);
