@@ -246,6 +246,16 @@ pub fn step_in<B: Bears>(
     (ending, AirCoupling { fineness, ..coupled.coupling })
 }
 
+/// What is known as a step begins of what the air bears beyond the robot's models.
+enum StepBegin {
+    /// Nothing: all begins at once, so that what air and motion agree on at the end of the first step holds from its begin on.
+    AtOnce,
+    /// What it bore at the end of the first step.
+    Second(Box<BeyondLoads>),
+    /// What it bore at the end of the last step, and at the begin of that.
+    Later { end: Box<BeyondLoads>, before: Box<BeyondLoads> },
+}
+
 struct CoupledSteps<'a> {
     flow: &'a mut dyn Flow,
     coupling: AirCoupling,
@@ -261,72 +271,86 @@ impl CoupledSteps<'_> {
         let (every, mut taken) = (self.flow.every(), 0);
         let mut loads = self.asked(stepper, &BeyondLoads::NONE)?;
         self.flow.keep();
-        // All begins at once: what air and motion agree on at the end of the first step holds from its begin on.
-        let mut begin: Option<BeyondLoads> = None;
-        let mut before: Option<BeyondLoads> = None;
+        let mut begin = StepBegin::AtOnce;
         loop {
             let t = stepper.time();
             steering.update(taken, t, stepper.state());
             let mut u = stepper.inputs().to_vec();
             steering.planned(t, &mut u);
             stepper.set_inputs(&u);
-            let settled = begin.take().map(|begin| self.settled(stepper, &loads, begin)).transpose()?;
-            let known = settled.clone().unwrap_or_else(|| loads.with(&loads, |_, _| 0.0));
+            let known = match &begin {
+                StepBegin::AtOnce => loads.with(&loads, |_, _| 0.0),
+                StepBegin::Second(end) | StepBegin::Later { end, .. } => {
+                    self.settled(stepper, &loads, BeyondLoads::clone(end))?
+                }
+            };
             if taken == steps {
                 let (x, u) = (stepper.state().to_vec(), stepper.inputs().to_vec());
                 let flow = steering.see(taken, (t, &x, &u), &known)?;
                 return Ok(if flow.is_break() { Ending::Stopped } else { Ending::Complete });
             }
-            let guess = match &before {
-                Some(before) => known.with(before, |now, before| now * 2.0 - before),
-                None => known.clone(),
+            let guess = match &begin {
+                StepBegin::AtOnce | StepBegin::Second(_) => known.clone(),
+                StepBegin::Later { before, .. } => known.with(before, |now, before| now * 2.0 - before),
             };
-            let saved = stepper.save();
+            let at_once = matches!(begin, StepBegin::AtOnce);
             let length = every as f64 * step;
             let mut memory = Beyond { from: t, length, ends: [known.clone(), guess] };
-            let (mut secant, mut tried) = (Secant::default(), 0);
-            loop {
-                stepper.system().robot().hold_momenta(&mut memory.ends);
-                stepper.restore(&saved);
-                stepper.memory_mut().clone_from(&memory);
-                stepper.run(step, every, &mut TrialSteers(&*steering)).check()?;
-                loads = self.asked(stepper, &memory.ends[1])?;
-                tried += 1;
-                let found = self.beyond(stepper, &loads, &memory.ends[1])?;
-                if self.apart(stepper, &memory.ends[1], &found) <= TOLERANCE {
-                    break;
-                }
-                if tried == MOST {
-                    let why = "its loads and the motion do not agree; try a shorter lattice.step_s, or lattice.crossing where parts of \
-                               the robot pass through each other";
-                    return Err(Fault::Flow { time: stepper.time(), why });
-                }
-                let next = self.next(stepper, &mut secant, &memory.ends[1], &found);
-                if settled.is_none() {
-                    memory.ends[0].clone_from(&next);
-                }
-                memory.ends[1] = next;
-            }
-            self.flow.keep();
-            self.coupling.steps += 1;
-            self.coupling.iterations += tried;
-            self.coupling.most = self.coupling.most.max(tried);
-            stepper.restore(&saved);
-            stepper.memory_mut().clone_from(&memory);
+            loads = self.agreed(stepper, step, (&mut memory, at_once), &*steering)?;
             let now = every.min(steps - taken);
             let ending = stepper.run(step, now, &mut Kept { steering, first: taken, steps: now });
             if ending != Ending::Complete {
                 return Ok(ending);
             }
             taken += now;
+            let end = Box::new(memory.at(stepper.time()));
             if now < every {
-                let beyond = memory.at(stepper.time());
-                let own = own_loads(stepper, &beyond)?;
-                loads = beyond.with(&own, |load, own| load + own);
+                let own = own_loads(stepper, &end)?;
+                loads = end.with(&own, |load, own| load + own);
             }
-            before = settled;
-            begin = Some(memory.at(stepper.time()));
+            begin = match at_once {
+                true => StepBegin::Second(end),
+                false => StepBegin::Later { end, before: Box::new(known) },
+            };
         }
+    }
+
+    /// Tries a step of the air until its loads and those in `memory` agree at its end, where these are all `at_once` from its begin on; returns the
+    /// loads of the air there, with the stepper at the begin of the step.
+    fn agreed<B: Bears>(
+        &mut self,
+        stepper: &mut Stepper<&B>,
+        step: f64,
+        (memory, at_once): (&mut Beyond, bool),
+        steering: &dyn Steers,
+    ) -> Result<BeyondLoads, Fault> {
+        let (saved, every) = (stepper.save(), self.flow.every());
+        let mut secant = Secant::default();
+        for tried in 1..=MOST {
+            stepper.system().robot().hold_momenta(&mut memory.ends);
+            stepper.restore(&saved);
+            stepper.memory_mut().clone_from(memory);
+            stepper.run(step, every, &mut TrialSteers(steering)).check()?;
+            let loads = self.asked(stepper, &memory.ends[1])?;
+            let found = self.beyond(stepper, &loads, &memory.ends[1])?;
+            if self.apart(stepper, &memory.ends[1], &found) <= TOLERANCE {
+                self.flow.keep();
+                self.coupling.steps += 1;
+                self.coupling.iterations += tried;
+                self.coupling.most = self.coupling.most.max(tried);
+                stepper.restore(&saved);
+                stepper.memory_mut().clone_from(memory);
+                return Ok(loads);
+            }
+            let next = self.next(stepper, &mut secant, &memory.ends[1], &found);
+            if at_once {
+                memory.ends[0].clone_from(&next);
+            }
+            memory.ends[1] = next;
+        }
+        let why = "its loads and the motion do not agree; try a shorter lattice.step_s, or lattice.crossing where parts of \
+                   the robot pass through each other";
+        Err(Fault::Flow { time: stepper.time(), why })
     }
 
     /// Loads of the air where the stepper is.
